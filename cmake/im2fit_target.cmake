@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+# One place for the flags every target of ours shares.
+#
+# -ffp-contract=off: a fused multiply-add rounds once where two operations round twice. The same frames must
+# give the same bits on every machine, so contraction is off everywhere.
+function(im2fit_target name)
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_compile_features(${name} PUBLIC cxx_std_20)
+  target_compile_options(${name} PUBLIC -ffp-contract=off
+                                 PRIVATE -Wall -Wextra -Wconversion -Wno-psabi -Werror)
+  if(IM2FIT_SANITIZE)
+    target_compile_options(${name} PUBLIC -fsanitize=${IM2FIT_SANITIZE} -fno-omit-frame-pointer
+                                          -fno-sanitize-recover=all)
+    target_link_options(${name} PUBLIC -fsanitize=${IM2FIT_SANITIZE})
+  endif()
+endfunction()
+
+# A library of one room: im2fit_library(NAME SOURCES a.cpp b.cpp DEPENDS im2fit_base ...)
+function(im2fit_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  if(NOT arg_SOURCES)
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE ${arg_DEPENDS})
+    return()
+  endif()
+  add_library(${name} STATIC ${arg_SOURCES})
+  im2fit_target(${name})
+  target_link_libraries(${name} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE_DEPENDS})
+endfunction()
+
+# One GoogleTest program per tests/<room>: im2fit_test_room(ROOM DEPENDS im2fit_kernels ...), takes every *_test.cpp.
+function(im2fit_test_room room)
+  cmake_parse_arguments(arg "" "" "DEPENDS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(${room}_tests ${sources})
+  im2fit_target(${room}_tests)
+  target_link_libraries(${room}_tests PRIVATE ${arg_DEPENDS} GTest::gtest_main GTest::gmock)
+  # One ctest entry a room: starting a process for each case costs more than most cases.
+  add_test(NAME ${room} COMMAND ${room}_tests)
+  set_tests_properties(${room} PROPERTIES TIMEOUT 600
+    SKIP_REGULAR_EXPRESSION "NOTHING_TO_TEST")
+endfunction()

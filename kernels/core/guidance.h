@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the engine needs of the person or scene, as codes (DESIGN section 2): never free text.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace im2fit {
+
+enum class Guidance : std::uint32_t {
+  no_person = 1U << 0,
+  too_near = 1U << 1,
+  too_far = 1U << 2,
+  feet_cut = 1U << 3,
+  head_cut = 1U << 4,
+  arms_close = 1U << 5,
+  not_frontal = 1U << 6,
+  not_upright = 1U << 7,
+  moving = 1U << 8,
+  several_people = 1U << 9,
+  too_noisy = 1U << 10,
+  side_cut = 1U << 11,  // an arm or side leaves the picture
+  calibration_pose = 1U << 12,  // raise the arms: Psi
+};
+inline constexpr std::size_t kGuidanceCount = 13;
+inline constexpr std::array<std::string_view, kGuidanceCount> kGuidanceNames = {
+    "NO_PERSON",   "TOO_NEAR",    "TOO_FAR", "FEET_CUT",       "HEAD_CUT",  "ARMS_CLOSE", "NOT_FRONTAL",
+    "NOT_UPRIGHT", "MOVING",      "SEVERAL_PEOPLE", "TOO_NOISY", "SIDE_CUT",  "CALIBRATION_POSE"};
+using GuidanceSet = std::uint32_t;  // Guidance values or-ed
+constexpr GuidanceSet operator|(Guidance a, Guidance b) {
+  return static_cast<GuidanceSet>(a) | static_cast<GuidanceSet>(b);
+}
+constexpr bool has(GuidanceSet set, Guidance g) { return (set & static_cast<GuidanceSet>(g)) != 0; }
+
+}  // namespace im2fit

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fifteen joints of the masked person: jump forest (start) and regression cascade (refinement), integer arithmetic.
+// Method: random tree walk (Jung 2015) with learned jumps, then explicit shape regression (Kazemi 2014).
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "base/status.h"
+#include "kernels/core/camera.h"
+#include "kernels/core/joints.h"
+#include "kernels/segment/segment.h"
+
+namespace im2fit {
+
+class JointModel {  // the contents of a .i2t file; immutable, shareable
+ public:
+  // Views into `bytes`, which must outlive the model. `what` names the file in errors.
+  static Result<JointModel> parse(std::span<const std::byte> bytes, const std::string& what);
+  JointModel(JointModel&&) noexcept;
+  JointModel& operator=(JointModel&&) noexcept;
+  ~JointModel();
+  struct Data;
+  const Data& data() const { return *data_; }
+
+ private:
+  JointModel();
+  std::unique_ptr<Data> data_;
+};
+
+class JointTracker {
+ public:
+  explicit JointTracker(const JointModel& model);  // the model must outlive the tracker
+  ~JointTracker();
+  JointTracker(JointTracker&&) noexcept;
+  // `previous`: last frame's joints to start from, or null for a cold start. No allocation.
+  JointSet track(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Person& person,
+                 const JointSet* previous);
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> work_;
+};
+
+}  // namespace im2fit

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// One person through one frame, and the features of fused frames: what the engine runs on the device and the
+// dataset runs on renders, so that both see the same numbers. No allocation after construction, no threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "kernels/core/camera.h"
+#include "kernels/core/guidance.h"
+#include "kernels/core/joints.h"
+#include "kernels/joints/tracker.h"
+#include "kernels/paper/paper.h"
+#include "kernels/segment/segment.h"
+
+namespace im2fit {
+
+// The paper's 501 dimensions (4 lengths, 2 ratios, 33 x 15 FPFH) first, then our section profile.
+inline constexpr std::size_t kPaperFeatureSize = 4 + 2 + 33 * kJointCount;
+inline constexpr std::size_t kProfileSize = 600;
+inline constexpr std::size_t kFeatureSize = kPaperFeatureSize + kProfileSize;
+using Feature = std::array<float, kFeatureSize>;
+
+// First half (thread SENSE): who is there, and where the joints are.
+struct Sighting {
+  Person person;
+  JointSet joints;       // meaningful when person.found
+  GuidanceSet guidance = 0;  // the person's and the pose's: zero means the frame may be used
+};
+class Sensor {
+ public:
+  Sensor(int width, int height, const JointModel& model);
+  Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask);
+  void reset();
+
+ private:
+  Segmenter segmenter_;
+  JointTracker tracker_;
+  JointSet previous_;
+  bool has_previous_ = false;
+};
+
+// Second half (thread FIT): gather frames, then describe.
+class Fuser {
+ public:
+  Fuser(int width, int height);
+  ~Fuser();
+  Fuser(Fuser&&) noexcept;
+  void reset();
+  // Adds an accepted frame (guidance zero). Returns guidance of its own (moving) instead of adding when it does not
+  // fit what is gathered.
+  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting);
+  int frame_count() const;
+
+  struct Description {
+    bool valid = false;
+    JointSet joints;  // robust mean over the frames
+    FloorPlane floor;
+    PaperMeasurements paper;
+    Feature feature;
+  };
+  // Features of what is gathered so far.
+  const Description& describe();
+  // The fused picture, for overlays: depth in 1/16 mm and mask.
+  ImageView<const std::uint16_t> depth_q4() const;
+  MaskView mask() const;
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> work_;
+};
+
+}  // namespace im2fit
