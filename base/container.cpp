@@ -14,7 +14,9 @@ constexpr std::size_t kEntrySize = 40;
 constexpr std::size_t kAlignment = 64;
 constexpr std::size_t kSectionCountMax = 64;
 
-std::size_t align_up(std::size_t n) { return (n + kAlignment - 1) / kAlignment * kAlignment; }
+std::size_t align_up(std::size_t n) {
+  return (n + kAlignment - 1) / kAlignment * kAlignment;
+}
 
 template <class T>
 void put(std::vector<std::byte>& out, std::size_t at, T value) {
@@ -71,7 +73,8 @@ Result<ContainerReader> ContainerReader::parse(std::span<const std::byte> bytes,
     return bad("format version " + std::to_string(found) + ", this program reads version " + std::to_string(version) +
                "; make the file again with this release");
   const std::size_t count = get<std::uint32_t>(bytes, 12);
-  if (count > kSectionCountMax || kHeaderSize + count * kEntrySize > bytes.size()) return bad("section table truncated");
+  if (count > kSectionCountMax || kHeaderSize + count * kEntrySize > bytes.size())
+    return bad("section table truncated");
   if (const auto size = get<std::uint64_t>(bytes, 16); size != bytes.size())
     return bad("truncated: header says " + std::to_string(size) + " bytes, file has " + std::to_string(bytes.size()));
   const auto table = bytes.subspan(kHeaderSize, count * kEntrySize);
@@ -102,8 +105,9 @@ Result<std::span<const std::byte>> ContainerReader::section(const std::string& n
 
 Error ContainerReader::size_error(const std::string& name, std::size_t found, std::size_t expected,
                                   std::size_t item) const {
-  return {ErrorCode::corrupt, what_ + ": section '" + name + "' has " + std::to_string(found) + " bytes, expected " +
-                                  (expected > 0 ? std::to_string(expected) : "a multiple of " + std::to_string(item))};
+  return {ErrorCode::corrupt,
+          what_ + ": section '" + name + "' has " + std::to_string(found) + " bytes, expected " +
+              (expected > 0 ? std::to_string(expected) : "a multiple of " + std::to_string(item))};
 }
 
 }  // namespace im2fit

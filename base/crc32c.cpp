@@ -15,12 +15,13 @@ constexpr auto kTables = [] {
     tables[0][i] = crc;
   }
   for (std::uint32_t i = 0; i < 256; ++i)
-    for (std::size_t t = 1; t < 8; ++t)
-      tables[t][i] = (tables[t - 1][i] >> 8) ^ tables[0][tables[t - 1][i] & 0xFFU];
+    for (std::size_t t = 1; t < 8; ++t) tables[t][i] = (tables[t - 1][i] >> 8) ^ tables[0][tables[t - 1][i] & 0xFFU];
   return tables;
 }();
 
-std::uint32_t byte_at(std::span<const std::byte> bytes, std::size_t i) { return std::to_integer<std::uint32_t>(bytes[i]); }
+std::uint32_t byte_at(std::span<const std::byte> bytes, std::size_t i) {
+  return std::to_integer<std::uint32_t>(bytes[i]);
+}
 
 }  // namespace
 

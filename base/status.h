@@ -11,8 +11,8 @@ namespace im2fit {
 enum class ErrorCode {
   invalid_argument,  // the caller's words are off
   not_found,
-  io,          // the operating system refused a read or write (also: disk full, no permission)
-  corrupt,     // a file is damaged, truncated or foreign
+  io,       // the operating system refused a read or write (also: disk full, no permission)
+  corrupt,  // a file is damaged, truncated or foreign
   unsupported,
   no_device,
   timeout,

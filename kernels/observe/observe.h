@@ -13,20 +13,21 @@
 #include "kernels/core/joints.h"
 #include "kernels/joints/tracker.h"
 #include "kernels/paper/paper.h"
+#include "kernels/profile/profile.h"
 #include "kernels/segment/segment.h"
 
 namespace im2fit {
 
 // The paper's 501 dimensions (4 lengths, 2 ratios, 33 x 15 FPFH) first, then our section profile.
 inline constexpr std::size_t kPaperFeatureSize = 4 + 2 + 33 * kJointCount;
-inline constexpr std::size_t kProfileSize = 600;
+inline constexpr std::size_t kProfileSize = ProfileLayout::kSize;
 inline constexpr std::size_t kFeatureSize = kPaperFeatureSize + kProfileSize;
 using Feature = std::array<float, kFeatureSize>;
 
 // First half (thread SENSE): who is there, and where the joints are.
 struct Sighting {
   Person person;
-  JointSet joints;       // meaningful when person.found
+  JointSet joints;           // meaningful when person.found
   GuidanceSet guidance = 0;  // the person's and the pose's: zero means the frame may be used
 };
 class Sensor {

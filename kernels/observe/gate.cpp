@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/observe/gate.h"
+
+#include <cmath>
+
+#include "kernels/paper/paper.h"
+#include "kernels/profile/person_frame.h"
+
+namespace im2fit {
+namespace {
+
+// One joint is some 20-40 mm off in a frame; shoulders and hips lie 350 and 200 mm apart.
+constexpr float kLateralMax = 0.2F;     // sine of the angle between neck-torso and torso-hips; the paper's is 0.1
+constexpr float kTiltMax = 0.26F;       // sine of the spine's tilt against the floor's normal: 15 degrees
+constexpr float kYawMax = 0.42F;        // sine of the shoulders' turn away from the camera: 25 degrees
+constexpr float kHandGapMinMm = 60.0F;  // hand's distance sideways from the hip joint
+
+}  // namespace
+
+GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor) {
+  GuidanceSet guidance = 0;
+  const BodyFrame body = body_frame(joints);
+  const PersonFrame frame = person_frame(floor, joints[Joint::TO]);
+  const Vec3f spine = normalized(joints[Joint::NE] - (joints[Joint::LH] + joints[Joint::RH]) * 0.5F);
+  const float along = dot(spine, frame.up);
+  const float tilt = std::sqrt(std::fmax(0.0F, 1.0F - along * along));
+  if (body.lateral > kLateralMax || along < 0 || tilt > kTiltMax)
+    guidance |= static_cast<GuidanceSet>(Guidance::not_upright);
+
+  // Hips turn with the shoulders; together they are steadier than either.
+  const Vec3f across = (joints[Joint::LS] - joints[Joint::RS]) + (joints[Joint::LH] - joints[Joint::RH]);
+  if (std::abs(dot(normalized(across), frame.toward)) > kYawMax)
+    guidance |= static_cast<GuidanceSet>(Guidance::not_frontal);
+
+  const float left_gap = frame.side(joints[Joint::LA]) - frame.side(joints[Joint::LH]);
+  const float right_gap = frame.side(joints[Joint::RH]) - frame.side(joints[Joint::RA]);
+  // Seen from behind, the person's left is the picture's left.
+  const bool facing = frame.side(joints[Joint::LS]) > frame.side(joints[Joint::RS]);
+  const float sign = facing ? 1.0F : -1.0F;
+  if (sign * left_gap < kHandGapMinMm || sign * right_gap < kHandGapMinMm)
+    guidance |= static_cast<GuidanceSet>(Guidance::arms_close);
+  return guidance;
+}
+
+}  // namespace im2fit
