@@ -137,6 +137,18 @@ float relief_at(const Scene& s, float u, int v, const Run& run) {
   return n > 0 ? sum / static_cast<float>(n) : kNaN;
 }
 
+// The same at a sideways position in mm. The column depends on the depth there, so it is looked up twice.
+float relief_at_side(const Scene& s, float side, int v, const Run& run) {
+  const auto clamped = [&](float u) {
+    return std::clamp(u, static_cast<float>(run.begin), static_cast<float>(run.end));
+  };
+  const float z_guess = z_near(s, (run.begin + run.end) / 2, v);
+  if (z_guess <= 0) return kNaN;
+  const float u = clamped(column_of_side(s, side, v, z_guess));
+  const float z = z_near(s, static_cast<int>(u + 0.5F), v);
+  return relief_at(s, z > 0 ? clamped(column_of_side(s, side, v, z)) : u, v, run);
+}
+
 // Adds a row's values to the two levels it lies between, by nearness.
 void add_to_levels(const Scene& s, const Band& band, int first, float height_mm, std::span<const float> values,
                    ProfileWorkspace& work) {
@@ -193,12 +205,11 @@ void add_trunk_row(const Scene& s, const Row& row, ProfileWorkspace& work) {
   const float b = side_of_edge(s, static_cast<float>(run.end) + 0.5F, run.end, row.v);
   values[0] = axis - a;
   values[1] = b - axis;
-  const float centre_u = 0.5F * static_cast<float>(run.begin + run.end);
-  const float half_u = 0.5F * static_cast<float>(run.end - run.begin);
+  const float half = 0.5F * (b - a);
   std::array<float, L::kReliefs> reliefs{};
   for (int i = 0; i < L::kReliefs; ++i)
     reliefs[static_cast<std::size_t>(i)] =
-        relief_at(s, centre_u + half_u * 0.2F * static_cast<float>(i - L::kReliefs / 2), row.v, run);
+        relief_at_side(s, a + half * (1.0F + 0.2F * static_cast<float>(i - L::kReliefs / 2)), row.v, run);
   // Relative to the level's own front, so that leaning and distance do not matter.
   float front = 0;
   for (int i = 2; i <= 6; ++i) front += reliefs[static_cast<std::size_t>(i)] * 0.2F;
@@ -336,7 +347,18 @@ void height_histogram(const Scene& s, int row_begin, int row_end, ProfileWorkspa
   }
 }
 
-void crown_and_soles(Scene& s, ProfileWorkspace& work, std::span<float> crown, std::span<float> soles) {
+float lowest_height(const Scene& s, int row_begin, int row_last) {
+  float lowest = std::numeric_limits<float>::max();
+  for (int v = std::max(0, row_begin); v <= row_last; ++v)
+    for (int u = 0; u < s.mask.width; ++u)
+      if (const float z = s.z(u, v); z > 0)
+        lowest = std::min(lowest, s.frame.height(s.point(static_cast<float>(u), v, z)));
+  return lowest < std::numeric_limits<float>::max() ? lowest : 0.0F;
+}
+
+// Sets the soles as the zero of heights where no floor is known.
+void crown_and_soles(Scene& s, bool floor_known, ProfileWorkspace& work, std::span<float> crown,
+                     std::span<float> soles) {
   int first = 0;
   int last = s.mask.height - 1;
   const auto empty = [&](int v) {
@@ -347,6 +369,7 @@ void crown_and_soles(Scene& s, ProfileWorkspace& work, std::span<float> crown, s
   while (first < last && empty(first)) ++first;
   while (last > first && empty(last)) --last;
   const int span = last - first + 1;
+  if (!floor_known) s.frame.camera_height_mm -= lowest_height(s, last - span / 8, last);
 
   const float head_side = s.frame.side(s.joint(Joint::HE));
   height_histogram(s, first, first + span / 5, work,
@@ -428,7 +451,7 @@ void section_profile(ImageView<const std::uint16_t> depth_q4, MaskView mask, con
 
   const auto crown = part(L::kCrown, L::kCrownValues);
   const auto soles = part(L::kSoles, L::kSoleValues);
-  crown_and_soles(s, work, crown, soles);
+  crown_and_soles(s, floor.known, work, crown, soles);
   if (std::isnan(crown[1]) || std::isnan(soles[1])) return;
   if (!floor.known) s.base_mm = soles[0];
   s.stature_mm = crown[1] - s.base_mm;
