@@ -13,13 +13,13 @@ namespace im2fit {
 
 struct FloorPlane {
   bool known = false;
-  Vec3f up;                 // unit, away from the floor, camera axes (about {0,-1,0} for a level camera)
+  Vec3f up;                    // unit, away from the floor, camera axes (about {0,-1,0} for a level camera)
   float camera_height_mm = 0;  // the camera's distance above the floor; height of p = dot(up, p) + camera_height_mm
 };
 
 struct Person {
   bool found = false;
-  int people_count = 0;   // people in view, the chosen one included
+  int people_count = 0;                              // people in view, the chosen one included
   int u_min = 0, v_min = 0, u_max = -1, v_max = -1;  // px, box of the mask, inclusive
   int pixel_count = 0;
   Vec3f centroid_mm;

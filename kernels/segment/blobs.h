@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Connected surfaces of the coarse picture: labelling, metric size, heads, and which of them are people.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/segment/floor.h"
+#include "kernels/segment/grid.h"
+
+namespace im2fit::segment {
+
+inline constexpr int kBlobCountMax = 400;
+inline constexpr int kHeadCountMax = 8;
+
+struct Blob {
+  int cell_count = 0;
+  int c_min = 0, c_max = 0, r_min = 0, r_max = 0;  // cells, inclusive
+  float area_m2 = 0;                               // as seen from the camera
+  float height_min_mm = 0;
+  float height_max_mm = 0;
+  Vec3f centroid_mm;
+  float relief_mm = 0;  // rms distance in depth from the best plane: furniture fronts and walls are flat
+  bool person = false;
+  bool has_head = false;
+};
+
+struct Head {
+  int blob = -1;
+  int c = 0, r = 0;  // cell of its top
+  Vec3f top_mm;
+  float width_mm = 0;
+};
+
+class BlobFinder {
+ public:
+  explicit BlobFinder(const Grid& grid);
+  // Labels every cell: blob index + 1, or 0 for floor, no data and specks.
+  void run(const Grid& grid, const FloorPlane& floor);
+  std::span<const std::uint16_t> labels() const { return labels_; }
+  std::span<std::uint16_t> labels() { return labels_; }
+  std::span<const Blob> blobs() const { return {blobs_.data(), static_cast<std::size_t>(blob_count_)}; }
+  std::span<const Head> heads() const { return {heads_.data(), static_cast<std::size_t>(head_count_)}; }
+
+ private:
+  void remove_wall(const Grid& grid, const FloorPlane& floor);
+  void join(const Grid& grid);
+  void number(const Grid& grid);
+  void describe(const Grid& grid);
+  void split_between_heads(const Grid& grid);
+  void find_heads(const Grid& grid, int blob, const FloorPlane& floor);
+  bool head_at(const Grid& grid, int blob, int c, int r, Head& out) const;
+  void judge(const Grid& grid, const FloorPlane& floor);
+  std::int32_t root(std::int32_t cell);
+  void unite(std::int32_t a, std::int32_t b);
+
+  std::vector<std::uint8_t> open_;  // cells that may belong to a thing
+  std::vector<std::int32_t> parent_;
+  std::vector<std::int32_t> size_;
+  std::vector<std::uint16_t> labels_;
+  std::vector<std::int16_t> top_;  // per column, for the blob looked at
+  std::vector<FloorEquations> planes_;
+  std::array<Blob, kBlobCountMax> blobs_;
+  int blob_count_ = 0;
+  std::array<Head, kHeadCountMax> heads_;
+  int head_count_ = 0;
+};
+
+}  // namespace im2fit::segment
