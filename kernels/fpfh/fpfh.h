@@ -8,39 +8,48 @@
 #include <vector>
 
 #include "kernels/core/camera.h"
+#include "kernels/tier.h"
 
 namespace im2fit {
 
-inline constexpr int kFpfhSize = 33;
+inline constexpr int kFpfhBins = 11;  // per group
+inline constexpr int kFpfhSize = 3 * kFpfhBins;
 inline constexpr float kFpfhRadiusMm = 200.0F;
 
 // Points and normals of an organised image, structure of arrays, width*height values each. A missing point has
 // NaN in x, y and z; a missing normal has NaN in nx, ny and nz. Point (u, v) must project near pixel (u, v) of
-// `intrinsics` (within half a pixel): that is what limits the neighbour search.
+// `intrinsics` (within half a pixel): that is what limits the neighbour search. Points have z > 0.
 struct OrganisedCloud {
   Intrinsics intrinsics;
   const float* x = nullptr;
   const float* y = nullptr;
-  const float* z = nullptr;   // mm
+  const float* z = nullptr;  // mm
   const float* nx = nullptr;
   const float* ny = nullptr;
   const float* nz = nullptr;  // unit
 };
 
-// Buffers sized once for images up to width x height.
+// Buffers sized once for images up to width x height: 220 bytes a pixel. Contents are the kernels' own.
 class FpfhWorkspace {
  public:
   FpfhWorkspace(int width, int height);
-  std::vector<std::int32_t> compact_index;  // pixel -> compact point
-  std::vector<std::int32_t> row_begin;
-  std::vector<std::int32_t> column;
-  std::vector<float> x, y, z, nx, ny, nz;   // compacted valid points, row order
-  std::vector<float> spfh;                  // 33 per compact point
-  std::vector<std::uint8_t> spfh_state;     // 0 = not computed
+
+  // Compacted valid points in row order; metres, because PCL's float rounding at the radius is in metres.
+  std::vector<float> x, y, z, nx, ny, nz;
+  std::vector<std::int32_t> row_table;        // (width + 1) per row: first compact point at or right of a column
+  std::vector<std::uint8_t> has_normal;       // per compact point
+  std::vector<std::uint8_t> needed;           // per compact point: a keypoint wants its SPFH
+  std::vector<std::int32_t> counts;           // kFpfhSize per compact point
+  std::vector<std::int32_t> neighbour_count;  // per compact point, itself included
+  std::vector<std::int32_t> near_list;        // neighbours with a normal
+  std::vector<std::int32_t> blank_list;       // neighbours without one
 };
 
-// Descriptors of `keypoints` (any positions, not necessarily cloud points): out has 33 values each, three groups of
-// 11 scaled to 100; all zero where nothing is in range. SPFHs are shared between keypoints.
+// Descriptors of `keypoints` (any positions in mm, not necessarily cloud points): out has 33 values each, three
+// groups of 11 scaled to 100; all zero where nothing is in range or the keypoint is not finite. SPFHs are shared
+// between keypoints. No allocation except in ref; no threads; a workspace serves one call at a time.
+using FpfhFunction = void (*)(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
+                              FpfhWorkspace& work, std::span<float> out);
 void fpfh_ref(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm, FpfhWorkspace& work,
               std::span<float> out);
 void fpfh_portable(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
@@ -48,5 +57,16 @@ void fpfh_portable(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints
 // The best tier of this machine.
 void fpfh(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm, FpfhWorkspace& work,
           std::span<float> out);
+
+struct FpfhKernel {
+  const char* name;
+  FpfhFunction function;
+  Tier tier;
+};
+inline constexpr FpfhKernel kFpfhKernels[] = {
+#define IM2FIT_FPFH_KERNEL(name, function, tier) {#name, function, tier},
+#include "kernels/fpfh/kernels.inc"
+#undef IM2FIT_FPFH_KERNEL
+};
 
 }  // namespace im2fit
