@@ -15,28 +15,29 @@ namespace im2fit::hal {
 enum class IntrinsicsOrigin { device, calibration_file, recording, field_of_view, caller, synthetic };
 
 struct SourceInfo {
-  std::string uri;     // what open() was given, normalised
-  std::string name;    // vendor and model, or the path
-  std::string serial;  // "" when there is none
+  std::string uri;        // what open() was given, normalised
+  std::string name;       // vendor and model, or the path
+  std::string serial;     // "" when there is none
   Intrinsics intrinsics;  // of the frames next() delivers: after rotation
   IntrinsicsOrigin intrinsics_origin = IntrinsicsOrigin::device;
   int rotate_deg = 0;
-  bool live = false;      // live sources may drop frames; the others never do
+  bool live = false;              // live sources may drop frames; the others never do
   std::int64_t frame_count = -1;  // -1: not known or endless
 };
 
 // Pixels belong to the caller's pool: next() fills `depth`.
 struct FrameInfo {
-  std::uint64_t sequence = 0;      // device's own where it has one, else counted here from 0
-  std::int64_t host_ns = 0;        // CLOCK_MONOTONIC at arrival
-  std::int64_t device_us = -1;     // device ticks in microseconds; -1 when it has none
+  std::uint64_t sequence = 0;   // device's own where it has one, else counted here from 0
+  std::int64_t host_ns = 0;     // live: CLOCK_MONOTONIC at arrival. Recordings: the recording's own clock, so that
+                                // a replay gives the same bits however fast it runs
+  std::int64_t device_us = -1;  // device ticks in microseconds; -1 when it has none
 };
 
 struct SourceStats {
   std::uint64_t delivered = 0;
-  std::uint64_t gaps = 0;       // sequence numbers skipped
-  std::uint64_t repeats = 0;    // sequence numbers seen again
-  std::uint64_t damaged = 0;    // frames refused
+  std::uint64_t gaps = 0;     // sequence numbers skipped
+  std::uint64_t repeats = 0;  // sequence numbers seen again
+  std::uint64_t damaged = 0;  // frames refused
 };
 
 // Thread rules: one thread calls start/next/stop; close may follow from any thread once next has returned.
@@ -53,10 +54,15 @@ class Source {
   virtual SourceStats stats() const = 0;
 };
 
-// Copies `in` rotated by `rotate_deg` counter-clockwise-mounting undone: the upright picture of a camera that was
-// turned `rotate_deg` clockwise. `out` is height x width for 90 and 270.
+// The upright picture of a camera that was turned when it was mounted. With W x H the size of `in`:
+//    90: upright(u, v) = in(v, H - 1 - u)            `out` is H wide and W high
+//   180: upright(u, v) = in(W - 1 - u, H - 1 - v)
+//   270: upright(u, v) = in(W - 1 - v, u)            the inverse turn of 90
+// `rotate_deg` is 0, 90, 180 or 270 (is_rotation()), `out` has the upright size and does not overlap `in`.
 void rotate_upright(DepthView in, int rotate_deg, DepthImage out);
 Intrinsics rotate_upright(const Intrinsics& in, int rotate_deg);
+bool is_rotation(int rotate_deg);
+// `what` names the file or device in the error.
 Status check_intrinsics(const Intrinsics& k, const std::string& what);  // finite, positive, plausible, size 1..2048
 
 }  // namespace im2fit::hal

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/folder/camera_yaml.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "base/file.h"
+#include "hal/source.h"
+
+namespace im2fit::hal {
+namespace {
+
+constexpr std::size_t kFileBytesMax = 1U << 20;  // a calibration is a page of text
+
+Error lacks(const std::string& path, const std::string& key, const std::string& expected) {
+  return {ErrorCode::invalid_argument, path + ": " + key + " is missing or not " + expected +
+                                           "; write it as ROS or OpenCV calibration does (docs/cameras.md)"};
+}
+
+// OpenCV begins with "%YAML:1.0", which is not the directive YAML knows, and tags matrices with its own type.
+std::string without_directive(std::string text) {
+  if (text.rfind("%YAML", 0) == 0) text.erase(0, text.find('\n'));
+  return text;
+}
+
+Result<std::vector<double>> matrix(const YAML::Node& root, const std::string& path, const std::string& key) {
+  const YAML::Node node = root[key];
+  const YAML::Node data = node.IsDefined() && node.IsMap() ? node["data"] : node;
+  if (!data.IsDefined() || !data.IsSequence()) return lacks(path, key, "a matrix with data: [...]");
+  std::vector<double> values;
+  for (const auto& item : data) values.push_back(item.as<double>());
+  return values;
+}
+
+Result<CameraFile> interpret(const YAML::Node& root, const std::string& path) {
+  if (!root.IsMap()) return lacks(path, "image_width", "a whole number");
+  CameraFile file;
+  Intrinsics& k = file.intrinsics;
+  for (const auto& [key, value] : {std::pair{"image_width", &k.width}, std::pair{"image_height", &k.height}}) {
+    if (!root[key].IsDefined() || !root[key].IsScalar()) return lacks(path, key, "a whole number of pixels");
+    *value = root[key].as<int>();
+  }
+  const auto camera = matrix(root, path, "camera_matrix");
+  if (!camera) return camera.error();
+  if (camera->size() != 9) return lacks(path, "camera_matrix", "9 numbers (3 x 3, row by row)");
+  const auto at = [&](std::size_t i) { return static_cast<float>((*camera)[i]); };
+  k.fx = at(0);
+  k.cx = at(2);
+  k.fy = at(4);
+  k.cy = at(5);
+  if (auto ok = check_intrinsics(k, path); !ok) return ok.error();
+  if ((*camera)[1] != 0 || (*camera)[3] != 0 || (*camera)[6] != 0 || (*camera)[7] != 0 || (*camera)[8] != 1)
+    return Error{ErrorCode::unsupported,
+                 path + ": camera_matrix has skew or is no pinhole matrix; expected [fx,0,cx, 0,fy,cy, 0,0,1]"};
+  if (root["distortion_coefficients"].IsDefined()) {
+    const auto distortion = matrix(root, path, "distortion_coefficients");
+    if (!distortion) return distortion.error();
+    for (const double c : *distortion) {
+      if (c != 0)
+        return Error{ErrorCode::unsupported,
+                     path +
+                         ": distortion_coefficients are not zero; undistort the pictures (nearest neighbour) and "
+                         "write zeros, or give a calibration without distortion"};
+    }
+  }
+  if (root["im2fit_rotate_deg"].IsDefined()) {
+    file.rotate_deg = root["im2fit_rotate_deg"].as<int>();
+    if (!is_rotation(*file.rotate_deg)) return lacks(path, "im2fit_rotate_deg", "0, 90, 180 or 270");
+  }
+  return file;
+}
+
+}  // namespace
+
+Result<CameraFile> load_camera_yaml(const std::string& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return bytes.error();
+  if (bytes->size() > kFileBytesMax)
+    return Error{ErrorCode::corrupt, path + " is larger than 1 MiB; expected a camera calibration in YAML"};
+  const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  try {
+    return interpret(YAML::Load(without_directive(text)), path);
+  } catch (const YAML::Exception& e) {
+    return Error{ErrorCode::corrupt, path + " line " + std::to_string(e.mark.line + 1) + ": " + e.msg +
+                                         "; expected a camera calibration in YAML (docs/cameras.md)"};
+  }
+}
+
+}  // namespace im2fit::hal

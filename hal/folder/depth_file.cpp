@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/folder/depth_file.h"
+
+#include <png.h>
+
+#include <bit>
+#include <csetjmp>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+namespace im2fit::hal {
+namespace {
+
+constexpr std::byte kPngSignature[8] = {std::byte{0x89}, std::byte{'P'},  std::byte{'N'},  std::byte{'G'},
+                                        std::byte{'\r'}, std::byte{'\n'}, std::byte{0x1A}, std::byte{'\n'}};
+
+Error damaged(const std::string& what, const std::string& found) {
+  return {ErrorCode::corrupt, what + " is damaged or truncated (" + found + "); write or copy it again"};
+}
+
+Status check_size(long long width, long long height, const std::string& what) {
+  if (width >= 1 && height >= 1 && width <= kImageSideMax && height <= kImageSideMax) return Ok{};
+  return Error{ErrorCode::unsupported, what + " is " + std::to_string(width) + "x" + std::to_string(height) +
+                                           " pixels, expected 1 to " + std::to_string(kImageSideMax) + " a side"};
+}
+
+int byte_at(std::span<const std::byte> bytes, std::size_t i) {
+  return std::to_integer<int>(bytes[i]);
+}
+
+long long big_endian32(std::span<const std::byte> bytes, std::size_t i) {
+  return (static_cast<long long>(byte_at(bytes, i)) << 24) | (byte_at(bytes, i + 1) << 16) |
+         (byte_at(bytes, i + 2) << 8) | byte_at(bytes, i + 3);
+}
+
+Result<DepthHeader> parse_png_header(std::span<const std::byte> bytes, const std::string& what) {
+  if (bytes.size() < 33 || std::memcmp(bytes.data() + 12, "IHDR", 4) != 0)
+    return damaged(what, "its header is incomplete");
+  const int depth_bits = byte_at(bytes, 24);
+  const int colour = byte_at(bytes, 25);
+  if (depth_bits != 16 || colour != PNG_COLOR_TYPE_GRAY) {
+    const std::string found =
+        std::to_string(depth_bits) + "-bit " + (colour == PNG_COLOR_TYPE_GRAY ? "grey" : "colour");
+    return Error{ErrorCode::unsupported,
+                 what + " is a " + found + " PNG, expected 16-bit grey in millimetres; export the depth again"};
+  }
+  const long long width = big_endian32(bytes, 16);
+  const long long height = big_endian32(bytes, 20);
+  if (auto ok = check_size(width, height, what); !ok) return ok.error();
+  return DepthHeader{DepthFormat::png, static_cast<int>(width), static_cast<int>(height)};
+}
+
+struct PgmHeader {
+  DepthHeader size;
+  std::size_t pixels_at = 0;
+};
+
+// Netpbm's pgm(5): "P5", white space, width, height, maxval, one white space; '#' starts a comment to the line's end.
+Result<PgmHeader> parse_pgm_header(std::span<const std::byte> bytes, const std::string& what) {
+  std::size_t at = 2;
+  const auto number = [&]() -> std::optional<long long> {
+    while (at < bytes.size()) {
+      const int c = byte_at(bytes, at);
+      if (c == '#')
+        while (at < bytes.size() && byte_at(bytes, at) != '\n') ++at;
+      else if (c == ' ' || c == '\t' || c == '\n' || c == '\r')
+        ++at;
+      else
+        break;
+    }
+    long long value = 0;
+    int digits = 0;
+    for (; at < bytes.size() && digits < 9; ++at, ++digits) {
+      const int c = byte_at(bytes, at);
+      if (c < '0' || c > '9') break;
+      value = value * 10 + (c - '0');
+    }
+    if (digits == 0) return std::nullopt;
+    return value;
+  };
+  const auto width = number();
+  const auto height = number();
+  const auto maxval = number();
+  if (!width || !height || !maxval || at >= bytes.size()) return damaged(what, "its header is incomplete");
+  ++at;
+  if (*maxval <= 255 || *maxval > 65535)
+    return Error{ErrorCode::unsupported, what + " has maxval " + std::to_string(*maxval) +
+                                             ", expected 256 to 65535 (16-bit millimetres); export the depth again"};
+  if (auto ok = check_size(*width, *height, what); !ok) return ok.error();
+  return PgmHeader{{DepthFormat::pgm, static_cast<int>(*width), static_cast<int>(*height)}, at};
+}
+
+bool is_png(std::span<const std::byte> bytes) {
+  return bytes.size() >= sizeof kPngSignature && std::memcmp(bytes.data(), kPngSignature, sizeof kPngSignature) == 0;
+}
+
+bool is_pgm(std::span<const std::byte> bytes) {
+  return bytes.size() >= 3 && byte_at(bytes, 0) == 'P' && byte_at(bytes, 1) == '5';
+}
+
+// libpng reports errors by longjmp: everything it may jump over is plain data owned by the caller.
+struct PngInput {
+  std::span<const std::byte> bytes;
+  char message[128] = "";
+};
+
+struct PngOutput {
+  std::vector<std::byte> bytes;
+};
+
+void on_error(png_structp png, png_const_charp message) {
+  auto* input = static_cast<PngInput*>(png_get_error_ptr(png));
+  std::strncpy(input->message, message, sizeof input->message - 1);
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void read_some(png_structp png, png_bytep to, std::size_t count) {
+  auto* input = static_cast<PngInput*>(png_get_io_ptr(png));
+  if (count > input->bytes.size()) png_error(png, "it ends too early");
+  std::memcpy(to, input->bytes.data(), count);
+  input->bytes = input->bytes.subspan(count);
+}
+
+void write_some(png_structp png, png_bytep from, std::size_t count) {
+  auto& bytes = static_cast<PngOutput*>(png_get_io_ptr(png))->bytes;
+  const auto* begin = reinterpret_cast<const std::byte*>(from);
+  bytes.insert(bytes.end(), begin, begin + count);
+}
+
+void big_endian_to_host(DepthImage image) {
+  for (int v = 0; v < image.height; ++v) {
+    std::uint16_t* row = image.row(v);
+    for (int u = 0; u < image.width; ++u) {
+      unsigned char b[2];
+      std::memcpy(b, row + u, 2);
+      row[u] = static_cast<std::uint16_t>((b[0] << 8) | b[1]);
+    }
+  }
+}
+
+bool read_png_rows(PngInput& input, const DepthImage& out) {
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &input, on_error, on_warning);
+  if (png == nullptr) return false;
+  png_infop info = png_create_info_struct(png);
+  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
+    png_destroy_read_struct(&png, &info, nullptr);
+    return false;
+  }
+  png_set_read_fn(png, &input, read_some);
+  png_read_info(png, info);
+  const int passes = png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  for (int pass = 0; pass < passes; ++pass)
+    for (int v = 0; v < out.height; ++v) png_read_row(png, reinterpret_cast<png_bytep>(out.row(v)), nullptr);
+  png_read_end(png, nullptr);
+  png_destroy_read_struct(&png, &info, nullptr);
+  return true;
+}
+
+bool write_png_rows(PngOutput& output, PngInput& errors, const DepthView& image) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &errors, on_error, on_warning);
+  if (png == nullptr) return false;
+  png_infop info = png_create_info_struct(png);
+  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
+    png_destroy_write_struct(&png, &info);
+    return false;
+  }
+  png_set_write_fn(png, &output, write_some, nullptr);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 16,
+               PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  // Depth is smooth downwards; a fast deflate keeps up with 30 frames a second.
+  png_set_filter(png, 0, PNG_FILTER_UP);
+  png_set_compression_level(png, 1);
+  png_write_info(png, info);
+  if constexpr (std::endian::native == std::endian::little) png_set_swap(png);
+  for (int v = 0; v < image.height; ++v)
+    png_write_row(png, const_cast<png_bytep>(reinterpret_cast<png_const_bytep>(image.row(v))));
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
+  return true;
+}
+
+std::vector<std::byte> encode_pgm(DepthView image) {
+  const std::string header = "P5\n" + std::to_string(image.width) + " " + std::to_string(image.height) + "\n65535\n";
+  std::vector<std::byte> bytes;
+  bytes.reserve(header.size() + 2 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  for (const char c : header) bytes.push_back(static_cast<std::byte>(c));
+  for (int v = 0; v < image.height; ++v) {
+    for (int u = 0; u < image.width; ++u) {
+      bytes.push_back(static_cast<std::byte>(image.at(u, v) >> 8));
+      bytes.push_back(static_cast<std::byte>(image.at(u, v) & 0xFF));
+    }
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Result<DepthHeader> parse_depth_header(std::span<const std::byte> bytes, const std::string& what) {
+  if (is_png(bytes)) return parse_png_header(bytes, what);
+  if (is_pgm(bytes)) {
+    auto pgm = parse_pgm_header(bytes, what);
+    if (!pgm) return pgm.error();
+    return pgm->size;
+  }
+  if (bytes.empty()) return damaged(what, "it is empty");
+  return Error{ErrorCode::corrupt, what + " is neither a PNG nor a binary PGM (P5); expected 16-bit depth in mm"};
+}
+
+Status decode_depth(std::span<const std::byte> bytes, const std::string& what, DepthImage out) {
+  const auto header = parse_depth_header(bytes, what);
+  if (!header) return header.error();
+  if (header->width != out.width || header->height != out.height)
+    return Error{ErrorCode::corrupt, what + " is " + std::to_string(header->width) + "x" +
+                                         std::to_string(header->height) + ", expected " + std::to_string(out.width) +
+                                         "x" + std::to_string(out.height) + " like the others; remove or rescale it"};
+  if (header->format == DepthFormat::png) {
+    PngInput input{bytes};
+    if (!read_png_rows(input, out)) return damaged(what, input.message[0] != '\0' ? input.message : "no memory");
+  } else {
+    const auto pgm = parse_pgm_header(bytes, what);
+    if (!pgm) return pgm.error();
+    const auto pixels = bytes.subspan(pgm->pixels_at);
+    const std::size_t row_bytes = 2 * static_cast<std::size_t>(out.width);
+    const std::size_t wanted = row_bytes * static_cast<std::size_t>(out.height);
+    if (pixels.size() < wanted)
+      return damaged(what, std::to_string(pixels.size()) + " of " + std::to_string(wanted) + " bytes of pixels");
+    for (int v = 0; v < out.height; ++v)
+      std::memcpy(out.row(v), pixels.data() + static_cast<std::size_t>(v) * row_bytes, row_bytes);
+  }
+  big_endian_to_host(out);
+  return Ok{};
+}
+
+Result<std::vector<std::byte>> encode_depth(DepthView image, DepthFormat format) {
+  if (image.pixels == nullptr) return Error{ErrorCode::invalid_argument, "there is no picture to write"};
+  if (auto ok = check_size(image.width, image.height, "the picture to write"); !ok) return ok.error();
+  if (format == DepthFormat::pgm) return encode_pgm(image);
+  PngOutput output;
+  PngInput errors;
+  if (!write_png_rows(output, errors, image))
+    return Error{ErrorCode::io, std::string("cannot make a PNG: ") + errors.message};
+  return std::move(output.bytes);
+}
+
+}  // namespace im2fit::hal

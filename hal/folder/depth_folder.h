@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Depth folders in and out (DESIGN section 5): NNNNNN.png or .pgm in mm, camera.yaml, optional timestamps.csv.
+//
+// timestamps.csv: a header naming its columns, then a row a frame. Columns: frame (the file's number) and host_ns,
+// device_us or both; times must grow from row to row. Without it frames are taken to be 1/30 s apart.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/folder/depth_file.h"
+#include "hal/frame_path.h"
+
+namespace im2fit::hal {
+
+struct FolderOptions {
+  std::optional<int> rotate_deg;  // overrides camera.yaml's im2fit_rotate_deg; 0 when neither says
+  std::string camera_yaml_path;   // "" for camera.yaml in the folder
+};
+
+// Replays every frame in order of number, as fast as it is asked for; a missing number is counted as a gap. Sizes and
+// formats of all frames are checked by open(), pixels by next(): a damaged picture gives `corrupt` once and the frame
+// after it comes next.
+class FolderSource final : public Source {
+ public:
+  static Result<std::unique_ptr<FolderSource>> open(const std::string& path, const FolderOptions& options = {});
+
+  const SourceInfo& info() const override { return info_; }
+  Status start() override;
+  Result<FrameInfo> next(DepthImage depth, int timeout_ms) override;
+  void stop() override {}
+  SourceStats stats() const override { return book_.stats(); }
+
+ private:
+  struct Frame {
+    std::string path;
+    FrameInfo info;
+  };
+  FolderSource() = default;
+  Status scan(const std::string& path);
+  Status check_frames(const Intrinsics& camera) const;
+  Status read_timestamps(const std::string& path);
+
+  SourceInfo info_;
+  UprightPath path_;
+  std::vector<Frame> frames_;
+  std::size_t index_ = 0;
+  std::vector<std::byte> file_bytes_;
+  SequenceBook book_;
+};
+
+class FolderWriter {
+ public:
+  struct Options {
+    DepthFormat format = DepthFormat::png;
+    std::string camera_name = "depth camera";
+    int rotate_deg = 0;  // how the camera of these pictures was mounted, for camera.yaml
+  };
+  // Makes the folder and writes camera.yaml. Refuses a folder that already holds frames.
+  static Result<std::unique_ptr<FolderWriter>> create(const std::string& path, const Intrinsics& intrinsics,
+                                                      const Options& options);
+  ~FolderWriter();  // finishes; call finish() to learn of errors
+
+  // Files are numbered by info.sequence from 0, so that gaps stay visible. A frame that fails leaves no file behind.
+  Status write(DepthView frame, const FrameInfo& info);
+  Status finish();  // writes timestamps.csv
+  int frame_count() const { return static_cast<int>(rows_.size()); }
+
+ private:
+  FolderWriter(std::string path, const Intrinsics& intrinsics, const Options& options);
+  std::string path_;
+  Intrinsics intrinsics_;
+  Options options_;
+  struct Row {
+    std::uint64_t number = 0;
+    FrameInfo info;
+  };
+  std::vector<Row> rows_;
+  bool finished_ = false;
+};
+
+}  // namespace im2fit::hal

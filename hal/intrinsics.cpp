@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/intrinsics.h"
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+namespace im2fit::hal {
+namespace {
+
+std::string number(float value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value);  // the shortest text that names this float exactly
+  return {text, end.ptr};
+}
+
+Error off(const std::string& what, const std::string& field, const std::string& found, const std::string& expected) {
+  return {ErrorCode::invalid_argument, what + ": " + field + " is " + found + ", expected " + expected +
+                                           "; calibrate the camera again or correct the value"};
+}
+
+}  // namespace
+
+std::string_view to_string(IntrinsicsOrigin origin) {
+  switch (origin) {
+    case IntrinsicsOrigin::device:
+      return "device";
+    case IntrinsicsOrigin::calibration_file:
+      return "calibration_file";
+    case IntrinsicsOrigin::recording:
+      return "recording";
+    case IntrinsicsOrigin::field_of_view:
+      return "field_of_view";
+    case IntrinsicsOrigin::caller:
+      return "caller";
+    case IntrinsicsOrigin::synthetic:
+      return "synthetic";
+  }
+  return "unknown";
+}
+
+Status check_intrinsics(const Intrinsics& k, const std::string& what) {
+  if (k.width < 1 || k.height < 1 || k.width > kImageSideMax || k.height > kImageSideMax)
+    return off(what, "the picture's size", std::to_string(k.width) + "x" + std::to_string(k.height),
+               "1 to " + std::to_string(kImageSideMax) + " pixels a side");
+  const float longer = static_cast<float>(k.width > k.height ? k.width : k.height);
+  // Fields of view between about 5 and 136 degrees: wider is no pinhole camera, narrower sees no person.
+  const float focal_min = 0.2F * longer;
+  const float focal_max = 10.0F * longer;
+  struct {
+    const char* name;
+    float value;
+    float low;
+    float high;
+  } const fields[] = {{"the focal length fx", k.fx, focal_min, focal_max},
+                      {"the focal length fy", k.fy, focal_min, focal_max},
+                      {"the principal point cx", k.cx, 0, static_cast<float>(k.width)},
+                      {"the principal point cy", k.cy, 0, static_cast<float>(k.height)}};
+  for (const auto& field : fields) {
+    if (!std::isfinite(field.value) || field.value < field.low || field.value > field.high)
+      return off(what, field.name, number(field.value), number(field.low) + " to " + number(field.high) + " pixels");
+  }
+  const float ratio = k.fx / k.fy;
+  if (ratio < 0.5F || ratio > 2.0F) return off(what, "the ratio fx / fy", number(ratio), "0.5 to 2");
+  return Ok{};
+}
+
+Result<Intrinsics> intrinsics_from_field_of_view(int width, int height, float horizontal_rad, float vertical_rad,
+                                                 const std::string& what) {
+  constexpr float kFieldMax_rad = 2.5F;
+  for (const float angle : {horizontal_rad, vertical_rad}) {
+    if (!std::isfinite(angle) || angle <= 0.05F || angle >= kFieldMax_rad)
+      return off(what, "the field of view", number(angle), "0.05 to 2.5 radians");
+  }
+  const auto focal = [](int side, float angle) {
+    return static_cast<float>(0.5 * side / std::tan(0.5 * static_cast<double>(angle)));
+  };
+  const Intrinsics k{width,
+                     height,
+                     focal(width, horizontal_rad),
+                     focal(height, vertical_rad),
+                     0.5F * static_cast<float>(width - 1),
+                     0.5F * static_cast<float>(height - 1)};
+  if (auto ok = check_intrinsics(k, what); !ok) return ok.error();
+  return k;
+}
+
+FieldOfView field_of_view(const Intrinsics& k) {
+  const auto angle = [](int side, float focal) {
+    return static_cast<float>(2.0 * std::atan2(0.5 * side, static_cast<double>(focal)));
+  };
+  return {angle(k.width, k.fx), angle(k.height, k.fy)};
+}
+
+std::string camera_yaml_text(const Intrinsics& k, const std::string& camera_name, int rotate_deg) {
+  std::string name;
+  for (const char c : camera_name)  // YAML's plain scalars stay plain whatever the device calls itself
+    name += (c >= ' ' && c != '"' && c != '\\' && c != 0x7F) ? c : ' ';
+  const std::string fx = number(k.fx), fy = number(k.fy), cx = number(k.cx), cy = number(k.cy);
+  std::string text;
+  text += "image_width: " + std::to_string(k.width) + "\n";
+  text += "image_height: " + std::to_string(k.height) + "\n";
+  text += "camera_name: \"" + name + "\"\n";
+  text += "camera_matrix:\n  rows: 3\n  cols: 3\n";
+  text += "  data: [" + fx + ", 0, " + cx + ", 0, " + fy + ", " + cy + ", 0, 0, 1]\n";
+  text += "distortion_model: plumb_bob\n";
+  text += "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n";
+  text += "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n";
+  text += "projection_matrix:\n  rows: 3\n  cols: 4\n";
+  text += "  data: [" + fx + ", 0, " + cx + ", 0, 0, " + fy + ", " + cy + ", 0, 0, 0, 1, 0]\n";
+  text += "im2fit_rotate_deg: " + std::to_string(rotate_deg) + "\n";
+  return text;
+}
+
+}  // namespace im2fit::hal

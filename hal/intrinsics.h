@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Intrinsics from and to what cameras and files say of them.
+#pragma once
+
+#include <string>
+
+#include "hal/source.h"
+
+namespace im2fit::hal {
+
+std::string_view to_string(IntrinsicsOrigin origin);
+
+// Fields of view in radians, of the whole picture; the principal point is the picture's centre ((w - 1) / 2), all
+// that an OpenNI2 device tells us. Error (invalid_argument) when the angles are no camera's; `what` names it.
+Result<Intrinsics> intrinsics_from_field_of_view(int width, int height, float horizontal_rad, float vertical_rad,
+                                                 const std::string& what);
+struct FieldOfView {
+  float horizontal_rad = 0;
+  float vertical_rad = 0;
+};
+FieldOfView field_of_view(const Intrinsics& k);
+
+// A calibration as ROS and OpenCV write it, values exact to the last bit of the float. `rotate_deg` is kept under
+// im2fit_rotate_deg: how the camera was mounted when these pictures were made.
+std::string camera_yaml_text(const Intrinsics& k, const std::string& camera_name, int rotate_deg);
+
+}  // namespace im2fit::hal

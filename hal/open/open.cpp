@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/open/open.h"
+
+#include <filesystem>
+
+#include "hal/folder/camera_yaml.h"
+#include "hal/folder/depth_folder.h"
+#if IM2FIT_HAVE_OPENNI2
+#include "hal/openni2/oni_source.h"
+#include "hal/openni2/openni2_source.h"
+#endif
+
+namespace im2fit::hal {
+namespace {
+
+bool starts_with(const std::string& text, const std::string& head) {
+  return text.rfind(head, 0) == 0;
+}
+
+// "openni2:URI" -> URI, "openni2" -> "", anything else -> none.
+std::optional<std::string> after_scheme(const std::string& uri, const std::string& scheme) {
+  if (uri == scheme) return "";
+  if (starts_with(uri, scheme + ":")) return uri.substr(scheme.size() + 1);
+  return std::nullopt;
+}
+
+bool is_oni(const std::string& uri) {
+  return uri.size() > 4 && uri.substr(uri.size() - 4) == ".oni";
+}
+
+Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenOptions& options) {
+  auto source = FolderSource::open(path, {options.rotate_deg, options.camera_yaml_path});
+  if (!source) return source.error();
+  return std::unique_ptr<Source>(std::move(*source));
+}
+
+#if IM2FIT_HAVE_OPENNI2
+Result<std::optional<CameraFile>> calibration(const std::string& path, bool must_exist) {
+  std::error_code code;
+  if (path.empty() || (!must_exist && !std::filesystem::exists(path, code))) return std::optional<CameraFile>{};
+  auto file = load_camera_yaml(path);
+  if (!file) return file.error();
+  return std::optional<CameraFile>{*file};
+}
+
+Result<std::unique_ptr<Source>> open_camera(const std::string& device, const OpenOptions& options) {
+  const auto file = calibration(options.camera_yaml_path, true);
+  if (!file) return file.error();
+  OpenNi2Options wanted;
+  wanted.width = options.width;
+  wanted.height = options.height;
+  if (*file) {
+    wanted.calibration = (*file)->intrinsics;
+    wanted.rotate_deg = (*file)->rotate_deg.value_or(0);
+  }
+  wanted.rotate_deg = options.rotate_deg.value_or(wanted.rotate_deg);
+  auto source = OpenNi2Source::open(device, wanted);
+  if (!source) return source.error();
+  return std::unique_ptr<Source>(std::move(*source));
+}
+
+Result<std::unique_ptr<Source>> open_recording(const std::string& path, const OpenOptions& options) {
+  const bool given = !options.camera_yaml_path.empty();
+  const auto file = calibration(given ? options.camera_yaml_path : oni_sidecar_path(path), given);
+  if (!file) return file.error();
+  OniOptions wanted;
+  wanted.stall_ms = options.stall_ms;
+  if (*file) {
+    wanted.calibration = (*file)->intrinsics;
+    wanted.rotate_deg = (*file)->rotate_deg.value_or(0);
+  }
+  wanted.rotate_deg = options.rotate_deg.value_or(wanted.rotate_deg);
+  auto source = OniSource::open(path, wanted);
+  if (!source) return source.error();
+  return std::unique_ptr<Source>(std::move(*source));
+}
+#else
+Error no_openni2(const std::string& what) {
+  return {ErrorCode::unsupported, what +
+                                      " needs OpenNI2, which is not in this build; install libopenni2-dev and build "
+                                      "with IM2FIT_OPENNI2=ON"};
+}
+Result<std::unique_ptr<Source>> open_camera(const std::string&, const OpenOptions&) {
+  return no_openni2("openni2");
+}
+Result<std::unique_ptr<Source>> open_recording(const std::string& path, const OpenOptions&) {
+  return no_openni2(path);
+}
+#endif
+
+}  // namespace
+
+Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options) {
+  if (options.rotate_deg && !is_rotation(*options.rotate_deg))
+    return Error{ErrorCode::invalid_argument,
+                 "rotation is " + std::to_string(*options.rotate_deg) + ", expected 0, 90, 180 or 270 degrees"};
+  if (const auto seed = after_scheme(uri, "synthetic")) {
+    if (options.synthetic) return options.synthetic(*seed, options);
+    return Error{ErrorCode::unsupported, uri + ": this program has no synthetic camera; use a camera or a recording"};
+  }
+  if (const auto device = after_scheme(uri, "openni2")) return open_camera(*device, options);
+  for (const char* scheme : {"usb", "v4l2"}) {
+    if (after_scheme(uri, scheme))
+      return Error{ErrorCode::unsupported, uri + ": " + scheme +
+                                               " cameras are not in this build; use openni2, a .oni "
+                                               "recording or a depth folder"};
+  }
+  std::error_code code;
+  const auto status = std::filesystem::status(uri, code);
+  if (std::filesystem::is_directory(status)) return open_folder(uri, options);
+  if (!std::filesystem::exists(status))
+    return Error{ErrorCode::not_found, uri +
+                                           " does not exist; expected openni2[:URI], synthetic[:SEED], a .oni file "
+                                           "or a depth folder"};
+  if (is_oni(uri)) return open_recording(uri, options);
+  return Error{ErrorCode::unsupported,
+               uri + " is neither a folder nor a .oni file; expected a depth folder or an OpenNI2 recording"};
+}
+
+#if IM2FIT_HAVE_OPENNI2
+Result<std::vector<DeviceEntry>> list_devices() {
+  auto found = list_openni2_devices();
+  if (!found) return found.error();
+  std::vector<DeviceEntry> devices;
+  for (const auto& device : *found) devices.push_back({"openni2:" + device.uri, device.name});
+  return devices;
+}
+
+Status begin_oni_recording(Source& source, const std::string& path) {
+  auto* camera = dynamic_cast<OpenNi2Source*>(&source);
+  if (camera == nullptr)
+    return Error{ErrorCode::unsupported,
+                 source.info().name + ": only an OpenNI2 camera can be recorded to .oni; record to a folder instead"};
+  return camera->begin_recording(path);
+}
+
+Result<OniRecording> end_oni_recording(Source& source) {
+  auto* camera = dynamic_cast<OpenNi2Source*>(&source);
+  if (camera == nullptr) return Error{ErrorCode::invalid_argument, source.info().name + " is not being recorded"};
+  auto summary = camera->end_recording();
+  if (!summary) return summary.error();
+  return OniRecording{summary->path, summary->camera_yaml_path, summary->frames_seen, summary->pixels_beyond_range};
+}
+#else
+Result<std::vector<DeviceEntry>> list_devices() {
+  return std::vector<DeviceEntry>{};
+}
+Status begin_oni_recording(Source&, const std::string& path) {
+  return no_openni2(path);
+}
+Result<OniRecording> end_oni_recording(Source&) {
+  return no_openni2("a recording");
+}
+#endif
+
+}  // namespace im2fit::hal

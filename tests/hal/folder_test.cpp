@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <fstream>
+#include <functional>
+
+#include "base/file.h"
+#include "hal/folder/camera_yaml.h"
+#include "hal/folder/depth_folder.h"
+#include "hal/intrinsics.h"
+#include "hal/open/open.h"
+#include "support.h"
+
+namespace im2fit::hal {
+namespace {
+
+constexpr int kWidth = 48;
+constexpr int kHeight = 40;
+
+void put(const std::string& path, const std::string& text) {
+  ASSERT_TRUE(write_file_atomically(path, text));
+}
+
+// A good folder of `count` frames; a test then spoils one thing.
+void make_folder(const std::string& path, DepthFormat format = DepthFormat::png, std::uint64_t count = 4) {
+  FolderWriter::Options options;
+  options.format = format;
+  auto writer = FolderWriter::create(path, camera_of(kWidth, kHeight), options);
+  ASSERT_TRUE(writer) << writer.error().message;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto time = static_cast<std::int64_t>(1000 + i);
+    ASSERT_TRUE((*writer)->write(random_picture(kWidth, kHeight, i).view(), FrameInfo{i, time * 1000, time}));
+  }
+  ASSERT_TRUE((*writer)->finish());
+}
+
+class BothFormats : public testing::TestWithParam<DepthFormat> {};
+
+TEST_P(BothFormats, EveryBitTimeAndIntrinsicComesBack) {
+  const TestFolder folder;
+  make_folder(folder.path("rec"), GetParam());
+  auto source = open_source(folder.path("rec"));
+  ASSERT_TRUE(source) << source.error().message;
+  ASSERT_TRUE((*source)->start());
+  const SourceInfo& info = (*source)->info();
+  EXPECT_EQ(info.frame_count, 4);
+  EXPECT_EQ(info.intrinsics_origin, IntrinsicsOrigin::calibration_file);
+  const Intrinsics camera = camera_of(kWidth, kHeight);
+  EXPECT_EQ(info.intrinsics.fx, camera.fx);
+  EXPECT_EQ(info.intrinsics.fy, camera.fy);
+  EXPECT_EQ(info.intrinsics.cx, camera.cx);
+  EXPECT_EQ(info.intrinsics.cy, camera.cy);
+  Picture out(kWidth, kHeight);
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    const auto frame = (*source)->next(out.image(), 0);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(out.pixels, random_picture(kWidth, kHeight, i).pixels);
+    EXPECT_EQ(frame->sequence, i);
+    EXPECT_EQ(frame->device_us, static_cast<std::int64_t>(1000 + i));
+    EXPECT_EQ(frame->host_ns, static_cast<std::int64_t>(1000 + i) * 1000);
+  }
+  EXPECT_EQ((*source)->next(out.image(), 0).error().code, ErrorCode::end_of_stream);
+  ASSERT_TRUE((*source)->start());
+  EXPECT_TRUE((*source)->next(out.image(), 0)) << "start() begins again";
+}
+INSTANTIATE_TEST_SUITE_P(Folder, BothFormats, testing::Values(DepthFormat::png, DepthFormat::pgm));
+
+TEST(Folder, AHandWrittenPgmIsReadByTheLetterOfItsStandard) {
+  const TestFolder folder;
+  put(folder.path("camera.yaml"), camera_yaml_text({2, 2, 2, 2, 0.5F, 0.5F}, "tiny", 0));
+  put(folder.path("7.pgm"),
+      std::string("P5 # a comment\n2\t2\n# another\n1000\n\x01\x02\x00\x00\x03\xE8\x00\xFF", 46));
+  auto source = FolderSource::open(folder.path());
+  ASSERT_TRUE(source) << source.error().message;
+  Picture out(2, 2);
+  const auto frame = (*source)->next(out.image(), 0);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->sequence, 7U);
+  EXPECT_EQ(out.pixels, (std::vector<std::uint16_t>{0x0102, 0, 1000, 255}));
+}
+
+TEST(Folder, RotationComesFromTheFileUnlessTheCallerSays) {
+  const TestFolder folder;
+  make_folder(folder.path("rec"));
+  put(folder.path("rec/camera.yaml"), camera_yaml_text(camera_of(kWidth, kHeight), "turned", 90));
+  EXPECT_EQ((*open_source(folder.path("rec")))->info().intrinsics.width, kHeight);
+  OpenOptions options;
+  options.rotate_deg = 180;
+  EXPECT_EQ((*open_source(folder.path("rec"), options))->info().intrinsics.width, kWidth);
+  options.rotate_deg = 45;
+  EXPECT_EQ(open_source(folder.path("rec"), options).error().code, ErrorCode::invalid_argument);
+}
+
+TEST(Folder, MissingNumbersAreCountedAsGaps) {
+  const TestFolder folder;
+  make_folder(folder.path("rec"), DepthFormat::pgm, 6);
+  std::filesystem::remove(folder.path("rec/000002.pgm"));
+  std::filesystem::remove(folder.path("rec/000003.pgm"));
+  auto source = FolderSource::open(folder.path("rec"));
+  ASSERT_TRUE(source) << source.error().message;
+  Picture out(kWidth, kHeight);
+  while ((*source)->next(out.image(), 0)) {
+  }
+  EXPECT_EQ((*source)->stats().delivered, 4U);
+  EXPECT_EQ((*source)->stats().gaps, 2U);
+}
+
+TEST(Folder, GapsOfTheRecordingStayInTheNumbers) {
+  const TestFolder folder;
+  auto writer = FolderWriter::create(folder.path("rec"), camera_of(kWidth, kHeight), {});
+  ASSERT_TRUE(writer);
+  const Picture frame = random_picture(kWidth, kHeight, 1);
+  for (const std::uint64_t sequence : {100U, 101U, 104U})
+    ASSERT_TRUE((*writer)->write(frame.view(), FrameInfo{sequence, static_cast<std::int64_t>(sequence), -1}));
+  ASSERT_TRUE((*writer)->finish());
+  EXPECT_TRUE(std::filesystem::exists(folder.path("rec/000004.png")));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("rec/000002.png")));
+}
+
+std::string opencv_yaml() {
+  return "%YAML:1.0\n---\nimage_width: 48\nimage_height: 40\n"
+         "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+         "   data: [ 4.32e+01, 0., 2.1e+01, 0., 43., 20.5, 0., 0., 1. ]\n"
+         "distortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n   data: [ 0., 0., 0., 0., 0. "
+         "]\n";
+}
+
+TEST(CameraYaml, OpenCvsOwnWordingIsRead) {
+  const TestFolder folder;
+  put(folder.path("c.yaml"), opencv_yaml());
+  const auto file = load_camera_yaml(folder.path("c.yaml"));
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->intrinsics.fx, 43.2F);
+  EXPECT_EQ(file->intrinsics.cy, 20.5F);
+  EXPECT_FALSE(file->rotate_deg);
+}
+
+// One thing wrong each: opening must fail with one line that names the file and says what to do.
+struct BadFolder {
+  const char* name;
+  std::function<void(const std::string&)> spoil;
+  ErrorCode code;
+  const char* names;  // must be in the message
+};
+
+void replace_in(const std::string& path, const std::string& from, const std::string& to) {
+  const auto bytes = read_file(path);
+  ASSERT_TRUE(bytes);
+  std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const auto at = text.find(from);
+  ASSERT_NE(at, std::string::npos) << from;
+  put(path, text.replace(at, from.size(), to));
+}
+
+// Where camera_matrix begins in the good folder's camera.yaml.
+std::string yaml_fx() {
+  const std::string text = camera_yaml_text(camera_of(kWidth, kHeight), "x", 0);
+  const auto begin = text.find("data: [");
+  return text.substr(begin, text.find(',', begin) + 1 - begin);
+}
+
+void eight_bit_png(const std::string& path) {
+  const unsigned char bytes[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n', 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0,
+                                 0,    0,   48,  0,   0,    0,    40,   8,    0, 0, 0, 0,  0,   0,   0,   0,   0};
+  put(path, std::string(reinterpret_cast<const char*>(bytes), sizeof bytes));
+}
+
+void other_size(const std::string& path, int width, int height) {
+  const Picture picture = random_picture(width, height, 1);
+  ASSERT_TRUE(write_file_atomically(path, *encode_depth(picture.view(), DepthFormat::pgm)));
+}
+
+const std::vector<BadFolder>& bad_folders() {
+  using F = const std::string&;
+  static const std::vector<BadFolder> table = {
+      {"empty", [](F f) { std::filesystem::remove_all(f), std::filesystem::create_directory(f); },
+       ErrorCode::not_found, "holds no depth frames"},
+      {"absent", [](F f) { std::filesystem::remove_all(f); }, ErrorCode::not_found, "does not exist"},
+      {"8-bit png", [](F f) { eight_bit_png(f + "/000002.png"); }, ErrorCode::unsupported, "000002.png is a 8-bit"},
+      {"8-bit pgm", [](F f) { put(f + "/000009.pgm", "P5\n48 40\n255\n" + std::string(48 * 40, 'x')); },
+       ErrorCode::unsupported, "000009.pgm has maxval 255"},
+      {"ascii pgm", [](F f) { put(f + "/000009.pgm", "P2\n48 40\n65535\n1 2 3"); }, ErrorCode::corrupt,
+       "000009.pgm is neither"},
+      {"empty png", [](F f) { put(f + "/000001.png", ""); }, ErrorCode::corrupt, "000001.png"},
+      {"png cut in the header", [](F f) { std::filesystem::resize_file(f + "/000001.png", 20); }, ErrorCode::corrupt,
+       "000001.png"},
+      {"not a picture", [](F f) { put(f + "/000001.png", "hello, this is no picture at all, whatever it says"); },
+       ErrorCode::corrupt, "000001.png is neither"},
+      {"two sizes", [](F f) { other_size(f + "/000004.pgm", 50, 40); }, ErrorCode::invalid_argument,
+       "000004.pgm is 50x40, expected 48x40"},
+      {"too large", [](F f) { put(f + "/000004.pgm", "P5 4096 40 65535\n"); }, ErrorCode::unsupported, "4096x40"},
+      {"number twice", [](F f) { other_size(f + "/000001.pgm", 48, 40); }, ErrorCode::invalid_argument,
+       "same frame number"},
+      {"no camera.yaml", [](F f) { std::filesystem::remove(f + "/camera.yaml"); }, ErrorCode::not_found,
+       "camera.yaml is missing"},
+      {"camera.yaml of another size",
+       [](F f) { put(f + "/camera.yaml", camera_yaml_text(camera_of(64, 40), "other", 0)); },
+       ErrorCode::invalid_argument, "camera.yaml says 64x40"},
+      {"zero focal length",
+       [](F f) {
+         put(f + "/camera.yaml", camera_yaml_text({48, 40, 0, 43, 20, 20}, "zero", 0));
+       },
+       ErrorCode::invalid_argument, "focal length fx is 0"},
+      {"NaN focal length", [](F f) { replace_in(f + "/camera.yaml", yaml_fx(), "data: [.nan,"); },
+       ErrorCode::invalid_argument, "focal length fx is nan"},
+      {"negative focal length", [](F f) { replace_in(f + "/camera.yaml", yaml_fx(), "data: [-43,"); },
+       ErrorCode::invalid_argument, "focal length fx is -43,"},
+      {"focal length in words", [](F f) { replace_in(f + "/camera.yaml", yaml_fx(), "data: [much,"); },
+       ErrorCode::corrupt, "camera.yaml line"},
+      {"no matrix", [](F f) { put(f + "/camera.yaml", "image_width: 48\nimage_height: 40\n"); },
+       ErrorCode::invalid_argument, "camera_matrix is missing"},
+      {"short matrix",
+       [](F f) { put(f + "/camera.yaml", "image_width: 48\nimage_height: 40\ncamera_matrix: {data: [1, 2]}\n"); },
+       ErrorCode::invalid_argument, "9 numbers"},
+      {"distorted", [](F f) { replace_in(f + "/camera.yaml", "data: [0, 0, 0, 0, 0]", "data: [0.1, 0, 0, 0, 0]"); },
+       ErrorCode::unsupported, "distortion_coefficients are not zero"},
+      {"no YAML", [](F f) { put(f + "/camera.yaml", "{image_width: [[[\n\"unterminated"); }, ErrorCode::corrupt,
+       "camera.yaml line"},
+      {"empty camera.yaml", [](F f) { put(f + "/camera.yaml", ""); }, ErrorCode::invalid_argument, "camera.yaml"},
+      {"binary camera.yaml", [](F f) { put(f + "/camera.yaml", std::string("\xFF\x00\x01\xFE", 4)); },
+       ErrorCode::corrupt, "camera.yaml"},
+      {"crooked rotation", [](F f) { replace_in(f + "/camera.yaml", "rotate_deg: 0", "rotate_deg: 45"); },
+       ErrorCode::invalid_argument, "im2fit_rotate_deg"},
+      {"times go back", [](F f) { replace_in(f + "/timestamps.csv", "000002,1002000", "000002,900"); },
+       ErrorCode::corrupt, "timestamps.csv line 4: host_ns is 900, not after 1001000"},
+      {"a time twice", [](F f) { replace_in(f + "/timestamps.csv", ",1003\n", ",1002\n"); }, ErrorCode::corrupt,
+       "timestamps.csv line 5: device_us"},
+      {"times in words", [](F f) { replace_in(f + "/timestamps.csv", "1002000", "noon"); }, ErrorCode::corrupt,
+       "timestamps.csv line 4"},
+      {"times without names", [](F f) { put(f + "/timestamps.csv", "0,1\n1,2\n"); }, ErrorCode::corrupt,
+       "timestamps.csv line 1"},
+      {"a frame without time", [](F f) { replace_in(f + "/timestamps.csv", "000003,", "000033,"); },
+       ErrorCode::corrupt, "has no row for"},
+  };
+  return table;
+}
+
+TEST(Folder, EveryBadOneIsRefusedWithOneLineNamingTheFile) {
+  for (const BadFolder& bad : bad_folders()) {
+    SCOPED_TRACE(bad.name);
+    const TestFolder folder;
+    make_folder(folder.path("rec"));
+    bad.spoil(folder.path("rec"));
+    const auto source = open_source(folder.path("rec"));
+    ASSERT_FALSE(source);
+    const Error& error = source.error();
+    EXPECT_EQ(error.code, bad.code) << error.message;
+    EXPECT_TRUE(contains(error.message, bad.names)) << error.message;
+    EXPECT_TRUE(contains(error.message, folder.path("rec"))) << error.message;
+    EXPECT_FALSE(contains(error.message, "\n")) << error.message;
+  }
+}
+
+TEST(Folder, ADamagedFrameIsSkippedWithItsNameAndTheNextOneComes) {
+  for (const DepthFormat format : {DepthFormat::png, DepthFormat::pgm}) {
+    const TestFolder folder;
+    make_folder(folder.path("rec"), format);
+    const std::string name = format == DepthFormat::png ? "000001.png" : "000001.pgm";
+    std::filesystem::resize_file(folder.path("rec/" + name), 1500);
+    auto source = FolderSource::open(folder.path("rec"));
+    ASSERT_TRUE(source) << source.error().message;
+    Picture out(kWidth, kHeight);
+    ASSERT_TRUE((*source)->next(out.image(), 0));
+    const auto bad = (*source)->next(out.image(), 0);
+    ASSERT_FALSE(bad);
+    EXPECT_EQ(bad.error().code, ErrorCode::corrupt);
+    EXPECT_TRUE(contains(bad.error().message, name)) << bad.error().message;
+    EXPECT_EQ((*source)->next(out.image(), 0)->sequence, 2U);
+    EXPECT_EQ((*source)->stats().damaged, 1U);
+    EXPECT_EQ((*source)->stats().gaps, 1U);
+  }
+}
+
+TEST(Folder, APngWithAFlippedByteNeverPassesForWhole) {
+  const TestFolder folder;
+  make_folder(folder.path("rec"), DepthFormat::png, 1);
+  const std::string path = folder.path("rec/000000.png");
+  const auto good = read_file(path);
+  ASSERT_TRUE(good);
+  Rng rng(11);
+  const Picture truth = random_picture(kWidth, kHeight, 0);
+  for (int i = 0; i < 200; ++i) {
+    auto bytes = *good;
+    bytes[static_cast<std::size_t>(rng.index(static_cast<int>(bytes.size())))] ^= std::byte{0x20};
+    Picture out(kWidth, kHeight);
+    if (decode_depth(bytes, "flipped", out.image())) {
+      EXPECT_EQ(out.pixels, truth.pixels) << i;
+    }
+  }
+}
+
+TEST(FolderWriter, RefusesAFolderThatHoldsFramesAndOneItCannotMake) {
+  const TestFolder folder;
+  make_folder(folder.path("rec"));
+  const auto again = FolderWriter::create(folder.path("rec"), camera_of(kWidth, kHeight), {});
+  ASSERT_FALSE(again);
+  EXPECT_TRUE(contains(again.error().message, "already holds frames")) << again.error().message;
+  put(folder.path("file"), "a file in the way");
+  const auto blocked = FolderWriter::create(folder.path("file/rec"), camera_of(kWidth, kHeight), {});
+  ASSERT_FALSE(blocked);
+  EXPECT_TRUE(contains(blocked.error().message, folder.path("file/rec"))) << blocked.error().message;
+  EXPECT_FALSE(FolderWriter::create("/proc/im2fit", camera_of(kWidth, kHeight), {}));
+}
+
+// The file-size limit stands in for a full disk: write() fails half-way through a file all the same.
+TEST(FolderWriter, AFullDiskGivesOneLineAndLeavesNoHalfFrame) {
+  const TestFolder folder;
+  FolderWriter::Options options;
+  options.format = DepthFormat::pgm;
+  auto writer = FolderWriter::create(folder.path("rec"), camera_of(kWidth, kHeight), options);
+  ASSERT_TRUE(writer);
+  const Picture frame = random_picture(kWidth, kHeight, 1);
+  rlimit was{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &was), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1000, was.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const auto status = (*writer)->write(frame.view(), FrameInfo{});
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &was), 0);
+  std::signal(SIGXFSZ, handler);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::io);
+  EXPECT_TRUE(contains(status.error().message, "000000.pgm")) << status.error().message;
+  EXPECT_TRUE(contains(status.error().message, "free some space")) << status.error().message;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path("rec")))
+    EXPECT_EQ(entry.path().filename(), "camera.yaml");
+}
+
+TEST(OpenSource, WordsThatAreNoSourceAreRefusedClearly) {
+  const TestFolder folder;
+  put(folder.path("notes.txt"), "hello");
+  const struct {
+    std::string uri;
+    ErrorCode code;
+    const char* names;
+  } cases[] = {{"usb", ErrorCode::unsupported, "not in this build"},
+               {"usb:A0123", ErrorCode::unsupported, "not in this build"},
+               {"v4l2:/dev/video0", ErrorCode::unsupported, "not in this build"},
+               {"synthetic:7", ErrorCode::unsupported, "no synthetic camera"},
+               {folder.path("absent.oni"), ErrorCode::not_found, "does not exist"},
+               {"", ErrorCode::not_found, "does not exist"},
+               {folder.path("notes.txt"), ErrorCode::unsupported, "neither a folder nor a .oni"}};
+  for (const auto& bad : cases) {
+    const auto source = open_source(bad.uri);
+    ASSERT_FALSE(source) << bad.uri;
+    EXPECT_EQ(source.error().code, bad.code) << source.error().message;
+    EXPECT_TRUE(contains(source.error().message, bad.names)) << source.error().message;
+  }
+}
+
+TEST(OpenSource, TheSyntheticFactoryGetsTheSeedAndTheOptions) {
+  std::string seed;
+  int rotate_deg = -1;
+  OpenOptions options;
+  options.rotate_deg = 270;
+  options.synthetic = [&](const std::string& word, const OpenOptions& given) -> Result<std::unique_ptr<Source>> {
+    seed = word;
+    rotate_deg = given.rotate_deg.value_or(-1);
+    return Error{ErrorCode::not_found, "asked"};
+  };
+  EXPECT_FALSE(open_source("synthetic:42", options));
+  EXPECT_EQ(seed, "42");
+  EXPECT_EQ(rotate_deg, 270);
+  EXPECT_FALSE(open_source("synthetic", options));
+  EXPECT_EQ(seed, "");
+}
+
+}  // namespace
+}  // namespace im2fit::hal
