@@ -19,18 +19,32 @@ namespace im2fit::body {
 
 inline constexpr int kSegmentCount = 19;  // facts/makehuman.md: enough for every pose we make
 enum class Segment : std::uint8_t {
-  pelvis, abdomen, chest, neck, head,
-  left_shoulder, left_upper_arm, left_lower_arm, left_hand,
-  right_shoulder, right_upper_arm, right_lower_arm, right_hand,
-  left_upper_leg, left_lower_leg, left_foot,
-  right_upper_leg, right_lower_leg, right_foot,
+  pelvis,
+  abdomen,
+  chest,
+  neck,
+  head,
+  left_shoulder,
+  left_upper_arm,
+  left_lower_arm,
+  left_hand,
+  right_shoulder,
+  right_upper_arm,
+  right_lower_arm,
+  right_hand,
+  left_upper_leg,
+  left_lower_leg,
+  left_foot,
+  right_upper_leg,
+  right_lower_leg,
+  right_foot,
 };
 extern const std::array<std::int8_t, kSegmentCount> kSegmentParent;  // -1 for the pelvis; parents come first
 extern const std::array<std::string_view, kSegmentCount> kSegmentNames;
 
 // Sliders as MakeHuman's (facts/makehuman.md), all 0..1 except age and the local modifiers (-1..1).
 struct Params {
-  float gender = 0.5F;  // 0 woman, 1 man
+  float gender = 0.5F;      // 0 woman, 1 man
   float age_years = 25.0F;  // 18..90
   float muscle = 0.5F;
   float weight = 0.5F;
@@ -44,7 +58,7 @@ struct Params {
 
 class BodyModel {
  public:
-  static Result<BodyModel> load(const std::string& path);                       // .i2b, mapped
+  static Result<BodyModel> load(const std::string& path);  // .i2b, mapped
   static Result<BodyModel> parse(std::vector<std::byte> bytes, const std::string& what);
   BodyModel(BodyModel&&) noexcept;
   BodyModel& operator=(BodyModel&&) noexcept;
@@ -53,11 +67,12 @@ class BodyModel {
   // Vertices: the body first (0 .. body_vertex_count), then helpers kept for joints, tights and skirt. Joint cubes
   // and ground cubes are needed for joints; hair is dropped.
   int vertex_count() const;
-  int body_vertex_count() const;                         // 13380
+  int body_vertex_count() const;  // 13380
   std::span<const std::array<std::int32_t, 4>> body_quads() const;
-  std::span<const std::array<std::int32_t, 3>> body_triangles() const;  // the quads split, consistently oriented outwards
-  std::span<const std::string> modifier_names() const;   // local modifiers, "group/name"; see docs/formats.md
-  int modifier_index(std::string_view name) const;       // -1 when absent
+  std::span<const std::array<std::int32_t, 3>> body_triangles()
+      const;                                            // the quads split, consistently oriented outwards
+  std::span<const std::string> modifier_names() const;  // local modifiers, "group/name"; see docs/formats.md
+  int modifier_index(std::string_view name) const;      // -1 when absent
 
   // Rest-pose mesh of `params`; out has vertex_count() places. No allocation.
   void morph(const Params& params, std::span<Vec3f> out) const;
