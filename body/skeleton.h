@@ -38,7 +38,7 @@ Pose pose_from_local(const std::array<Mat3f, kSegmentCount>& local, Vec3f transl
 Pose pose_from_joints(const Skeleton& rest, const JointSet& joints);
 // Named poses. `spread_deg`: arm abduction of relaxed (see facts: 10-22 by girth).
 Pose relaxed_pose(const Skeleton& rest, float spread_deg);
-Pose a_pose(const Skeleton& rest);     // the rest pose
+Pose a_pose(const Skeleton& rest);  // the rest pose
 Pose psi_pose(const Skeleton& rest);
 Pose arms_out_pose(const Skeleton& rest);
 
