@@ -1,6 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // A depth camera looking at a room: z-buffer, Kinect intrinsics, structured-light noise (Nguyen 2012),
 // disparity quantisation (Khoshelham 2012), shadow, holes, floor, wall, furniture.
+//
+// Mounting. The sensor always delivers its own landscape frame `in` (W x H). With rotate_deg the camera hangs
+// turned clockwise by that much, seen from behind it, and the upright picture the program works on is
+//     0:   upright(u', v') = in(u', v')                    W wide, H high
+//    90:   upright(u', v') = in(v', H - 1 - u')            H wide, W high (the picture's top is the column u = 0)
+//   180:   upright(u', v') = in(W - 1 - u', H - 1 - v')    W wide, H high
+//   270:   upright(u', v') = in(W - 1 - v', u')            H wide, W high
+// which is hal::rotate_upright. Joints and floor are in the upright picture's camera axes; frames and masks are as
+// the sensor delivers them.
 #pragma once
 
 #include <cstdint>
@@ -12,37 +21,37 @@
 #include "kernels/core/camera.h"
 #include "kernels/core/joints.h"
 #include "kernels/segment/segment.h"
+#include "synth/depth_sensor.h"
 #include "synth/population.h"
+#include "synth/poses.h"
 
 namespace im2fit::synth {
 
-inline constexpr float kKinectFocalPx = 575.8F;  // depth camera, 640 px wide (not 525: that is registered depth)
-Intrinsics kinect_intrinsics(int width, int height);  // landscape 640x480 or 320x240
-
-enum class StandingPose { relaxed, a_pose, psi, free };
+// Landscape 640x480 (f 575.8 px, centre 319.5, 239.5) or 320x240 (287.9; 159.5, 119.5); other sizes scale with width.
+Intrinsics kinect_intrinsics(int width, int height);
+// Of the upright picture; rotate_deg 0|90|180|270.
+Intrinsics upright_intrinsics(const Intrinsics& sensor, int rotate_deg);
+// A point or direction in the upright picture's camera axes, in the sensor's own.
+Vec3f upright_to_sensor(Vec3f upright, int rotate_deg);
 
 struct SceneOptions {
   bool floor = true;
   bool wall = true;
-  int furniture_count = 0;       // boxes, tables, chairs about the person, not in front of the person
-  float wall_distance_mm = 0;    // 0: drawn
-  float distance_mm = 0;         // camera to person along the floor; 0: drawn so that the whole person fits
-  float camera_height_mm = 0;    // 0: drawn 800..1200
-  float pitch_deg = 1e9F;        // 1e9: drawn, small
-  float yaw_deg = 1e9F;          // of the person; 1e9: drawn by pose class
+  int furniture_count = 0;     // boxes, tables, chairs about the person, not in front of the person
+  float wall_distance_mm = 0;  // behind the person; 0: drawn 450..2500
+  float distance_mm = 0;       // camera to person along the floor; 0: drawn (2.0..2.6 m portrait, 2.4..3.2 m
+                               // landscape), then enlarged until the whole person fits with a margin
+  float camera_height_mm = 0;  // 0: drawn 800..1200
+  float pitch_deg = 1e9F;      // looking down is positive; 1e9: drawn, about at the person's middle
+  float yaw_deg = 1e9F;        // of the person; 1e9: drawn by pose class
   StandingPose pose = StandingPose::relaxed;
-  int rotate_deg = 90;           // camera mounting, 0|90|180|270: the image is rendered as the sensor delivers it
-  bool back_view = false;
+  int rotate_deg = 90;     // camera mounting, 0|90|180|270: the image is rendered as the sensor delivers it
+  bool back_view = false;  // turned by 180 degrees
+  bool sway = true;        // standing sway of a few mm and tenths of a degree; false: frames differ by noise only
 };
 
-struct SensorOptions {
-  bool noise = true;      // false: exact depth rounded to mm
-  bool quantise = true;
-  bool shadow = true;
-  bool holes = true;
-};
-
-// A scene drawn once; frames differ by sensor noise and by sway.
+// A scene drawn once; frames differ by sensor noise and by sway. Not shareable between threads; the model must
+// outlive it, the subject need not.
 class VirtualScene {
  public:
   VirtualScene(const body::BodyModel& model, const Subject& subject, const SceneOptions& scene,
@@ -51,14 +60,20 @@ class VirtualScene {
   VirtualScene(VirtualScene&&) noexcept;
 
   // Frame `index`: depends on the scene's seed and the index only. Depth as the sensor delivers it: `intrinsics`
-  // size, before any --rotate.
+  // size, before any --rotate. Frame times are index/30 s.
   void render(std::uint64_t index, DepthImage out);
   const Intrinsics& intrinsics() const;
   // Truth in camera axes of the *upright* image, the one the program sees after undoing rotate_deg.
   JointSet joints(std::uint64_t index) const;
-  FloorPlane floor() const;
-  // Mask of the person, upright or not like render()'s output, of the frame rendered last.
+  FloorPlane floor() const;  // known also when SceneOptions::floor is off
+  // Body vertices (body_vertex_count of them) of frame `index`, upright camera axes.
+  void person_mesh(std::uint64_t index, std::span<Vec3f> out) const;
+  // Mask of the person, upright or not like render()'s output, of the frame rendered last: 255 where the delivered
+  // depth is the person's (holes and shadow are 0).
   void person_mask(MaskImage out) const;
+  // Box of the person's clean silhouette in the frame rendered last, sensor pixels; empty before the first.
+  PixelBox person_box() const;
+  float distance_mm() const;  // as drawn or given
 
  private:
   struct Impl;

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "synth/depth_sensor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace im2fit::synth {
+namespace {
+
+// 1/z = (7.5 - m)/9000, m = ((raw - 800)/4 - 0.375) 0.1042: the formula of the device's own driver.
+constexpr double kRawAtInfinity = 7.5 / 0.1042 * 4 + 800 + 1.5;
+constexpr float kRawPerInverseMm = static_cast<float>(1 / kRawStepPerMm);
+constexpr float kDepthStep = 0.02F;  // relative: a jump of 40 mm at 2 m is an edge
+constexpr int kEdgeReachPx = 2;
+constexpr float kPatchShare = 0.5F;  // of the axial variance
+
+enum Stream : std::uint64_t { kPixels = 0x5E01, kLattice = 0x5E02, kBlobs = 0x5E03, kHairPattern = 0x5E04 };
+
+// As Rng::fast_normal, on given bits.
+float normal_of(std::uint64_t r) {
+  const int sum = static_cast<int>(r & 0xFFFF) + static_cast<int>((r >> 16) & 0xFFFF) +
+                  static_cast<int>((r >> 32) & 0xFFFF) + static_cast<int>(r >> 48);
+  return (static_cast<float>(sum) - 131070.0F) * (1.7320508F / 65536.0F);
+}
+
+// Counter-based: any row or pixel of any frame can be had without the ones before it.
+std::uint64_t row_seed(std::uint64_t seed, Stream stream, std::uint64_t frame, int v) {
+  return Rng::for_item(seed, stream + (static_cast<std::uint64_t>(v) << 16), frame).next();
+}
+constexpr std::uint64_t kGamma = 0x9E3779B97F4A7C15ULL;  // SplitMix64's step: state + k gamma is the k-th draw
+std::uint64_t draw(std::uint64_t row, int k) {
+  return Rng(row + kGamma * static_cast<std::uint64_t>(k)).next();
+}
+
+double incidence(int cosine_byte) {
+  constexpr double kMax = 87 * std::numbers::pi / 180;
+  return std::min(std::acos(std::min(1.0, cosine_byte / 255.0)), kMax);
+}
+double grazing(double t) {
+  const double rest = std::numbers::pi / 2 - t;
+  return 0.1 * t * t / (rest * rest);
+}
+double ramp(double x, double low, double high) {
+  return std::clamp((x - low) / (high - low), 0.0, 1.0);
+}
+std::uint16_t chance_of(double p) {
+  return static_cast<std::uint16_t>(std::clamp(p, 0.0, 1.0) * 65535);
+}
+
+}  // namespace
+
+SensorOptions kinect_sensor() {
+  return {};
+}
+SensorOptions exact_sensor() {
+  SensorOptions o;
+  o.noise = o.quantise = o.shadow = o.holes = false;
+  o.range_min_mm = 0;
+  o.range_max_mm = 65535;
+  return o;
+}
+
+double raw_to_mm(int raw) {
+  return 1 / ((kRawAtInfinity - raw) * kRawStepPerMm);
+}
+
+double axial_sigma_mm(double z_mm, double cosine) {
+  const double z = z_mm / 1000;
+  const double t = std::min(std::acos(std::clamp(cosine, 0.0, 1.0)), 87 * std::numbers::pi / 180);
+  return 1.2 + 1.9 * (z - 0.4) * (z - 0.4) + grazing(t) / std::sqrt(z);
+}
+
+DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
+    : options_(options),
+      k_(k),
+      patch_px_(k.width > 400 ? 4 : 2),
+      pixel_scale_(k.fx / kKinectFocalPx),
+      source_(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height)),
+      edge_(source_.size()),
+      step_(source_.size()),
+      lattice_low_(static_cast<std::size_t>(k.width / patch_px_ + 2)),
+      lattice_high_(lattice_low_.size()),
+      patch_(static_cast<std::size_t>(k.width)) {
+  Tables& t = tables_;
+  for (int raw = 0; raw < kRawCount; ++raw) {
+    // Past the last finite step there is nothing to deliver; the tables keep the farthest's values.
+    const double z_mm = raw_to_mm(std::min(raw, static_cast<int>(kRawAtInfinity)));
+    const double step_mm = z_mm * z_mm * kRawStepPerMm;
+    const double sigma = axial_sigma_mm(z_mm, 1) / step_mm;
+    const double quantiser = options.quantise ? 1.0 / 12 : 0;
+    t.sigma_raw.push_back(static_cast<float>(std::sqrt(std::max(0.0, sigma * sigma - quantiser))));
+    t.graze_raw.push_back(static_cast<float>(1 / (std::sqrt(z_mm / 1000) * step_mm)));
+    const double delivered = z_mm * options.depth_scale;
+    const bool inside = delivered >= options.range_min_mm && delivered <= options.range_max_mm && delivered < 65535;
+    t.mm.push_back(inside ? static_cast<std::uint16_t>(delivered + 0.5) : std::uint16_t{0});
+    t.lost_by_raw.push_back(chance_of(3e-4 + 0.3 * ramp(z_mm, 4000, 5500)));
+  }
+  for (int c = 0; c < 256; ++c) {
+    const double angle = incidence(c);
+    t.graze.push_back(static_cast<float>(grazing(angle)));
+    t.lateral_px.push_back(static_cast<float>(0.8 + 0.035 * angle / (std::numbers::pi / 2 - angle)) * pixel_scale_);
+    t.lost_by_cosine.push_back(chance_of(0.7 * std::pow(ramp(angle * 180 / std::numbers::pi, 70, 88), 2)));
+  }
+}
+
+void DepthSensor::shadow_row(const CleanView& view, int v) {
+  const std::size_t row = view.at(0, v);
+  const float* q = &view.inverse_depth[row];
+  float* out = &source_[row];
+  if (!options_.shadow) {
+    std::copy_n(q, k_.width, out);
+    return;
+  }
+  // Column in the projector's picture: u - f b / z. Seen from the right, columns must fall; one that does not is
+  // behind something the projector meets first. Half a pixel of grace for surfaces seen edge-on.
+  const float disparity = k_.fx * kProjectorBaselineMm;
+  float lowest = 1e30F;
+  for (int u = k_.width - 1; u >= 0; --u) {
+    const float column = static_cast<float>(u) - disparity * q[u];
+    out[u] = column > lowest + 0.5F ? 0 : q[u];
+    lowest = q[u] > 0 ? std::min(lowest, column) : lowest;
+  }
+}
+
+void DepthSensor::edge_rows(const CleanView& view, int v0, int v1) {
+  const int w = k_.width;
+  const int first = std::max(0, v0 - kEdgeReachPx);
+  const int last = std::min(k_.height, v1 + kEdgeReachPx);
+  for (int v = first; v < last; ++v) {
+    const float* q = &view.inverse_depth[view.at(0, v)];
+    const float* below = v + 1 < k_.height ? q + w : q;
+    std::uint8_t* step = &step_[view.at(0, v)];
+    for (int u = 0; u < w; ++u) {
+      const float right = u + 1 < w ? q[u + 1] : q[u];
+      const float limit = kDepthStep * q[u];
+      step[u] = static_cast<std::uint8_t>((std::fabs(right - q[u]) > limit) | (std::fabs(below[u] - q[u]) > limit));
+    }
+  }
+  for (int v = v0; v < v1; ++v) {
+    std::uint8_t* edge = &edge_[view.at(0, v)];
+    std::fill_n(edge, w, std::uint8_t{0});
+    // A step lies between a pixel and its right or lower neighbour: reach one less on the far side.
+    const int to = std::min(k_.height - 1, v + kEdgeReachPx - 1);
+    for (int r = std::max(0, v - kEdgeReachPx); r <= to; ++r) {
+      const std::uint8_t* step = &step_[view.at(0, r)];
+      for (int u = 0; u < w; ++u) edge[u] = static_cast<std::uint8_t>(edge[u] | step[u]);
+    }
+    std::uint8_t previous[kEdgeReachPx] = {};
+    for (int u = 0; u < w; ++u) {
+      const std::uint8_t here = edge[u];
+      const std::uint8_t next = u + 1 < w ? edge[u + 1] : std::uint8_t{0};
+      edge[u] = static_cast<std::uint8_t>(here | next | previous[0] | previous[1]);
+      previous[1] = previous[0];
+      previous[0] = here;
+    }
+  }
+}
+
+void DepthSensor::prepare(const CleanView& view, const PixelBox& box) {
+  if (box.empty()) return;
+  // Displaced samples come from up to kEdgeReachPx rows away.
+  const int v0 = std::max(0, box.v0 - kEdgeReachPx);
+  const int v1 = std::min(k_.height, box.v1 + kEdgeReachPx);
+  for (int v = v0; v < v1; ++v) shadow_row(view, v);
+  if (options_.noise) edge_rows(view, box.v0, box.v1);
+}
+
+void DepthSensor::patch_row(std::uint64_t seed, std::uint64_t frame, int v) {
+  const int cell = v / patch_px_;
+  const std::uint64_t low = row_seed(seed, kLattice, frame, cell);
+  const std::uint64_t high = row_seed(seed, kLattice, frame, cell + 1);
+  // Interpolated normals keep unit variance when divided by the length of their weights.
+  const auto weights = [&](int phase, float& near_weight, float& far_weight) {
+    const float x = (static_cast<float>(phase) + 0.5F) / static_cast<float>(patch_px_);
+    const float length = std::sqrt(x * x + (1 - x) * (1 - x));
+    near_weight = (1 - x) / length;
+    far_weight = x / length;
+  };
+  float a = 0, b = 0;
+  weights(v % patch_px_, a, b);
+  const int cells = static_cast<int>(lattice_low_.size());
+  for (int i = 0; i < cells; ++i)
+    lattice_low_[static_cast<std::size_t>(i)] = a * normal_of(draw(low, i)) + b * normal_of(draw(high, i));
+  for (int phase = 0; phase < patch_px_; ++phase) {
+    weights(phase, a, b);
+    for (int i = 0, u = phase; u < k_.width; ++i, u += patch_px_)
+      patch_[static_cast<std::size_t>(u)] =
+          a * lattice_low_[static_cast<std::size_t>(i)] + b * lattice_low_[static_cast<std::size_t>(i) + 1];
+  }
+}
+
+DepthSensor::Sample DepthSensor::displaced(const CleanView& view, int u, int v, std::uint64_t bits) const {
+  const float sigma = tables_.lateral_px[view.cosine[view.at(u, v)]];
+  const float du = normal_of(bits) * sigma;
+  const float dv = normal_of(Rng(bits).next()) * sigma;
+  const auto shift = [](float d) {
+    return std::clamp(static_cast<int>(d + (d < 0 ? -0.5F : 0.5F)), -kEdgeReachPx, kEdgeReachPx);
+  };
+  const std::size_t at =
+      view.at(std::clamp(u + shift(du), 0, k_.width - 1), std::clamp(v + shift(dv), 0, k_.height - 1));
+  return {source_[at], view.cosine[at], view.label[at]};
+}
+
+std::uint16_t DepthSensor::deliver(const Sample& s, float noise, std::uint32_t chance) const {
+  const float exact = static_cast<float>(kRawAtInfinity) - s.inverse_depth * kRawPerInverseMm;
+  const auto index = static_cast<std::size_t>(std::clamp(exact, 0.0F, static_cast<float>(kRawCount - 1)));
+  if (options_.holes && (chance < tables_.lost_by_cosine[s.cosine] || chance < tables_.lost_by_raw[index])) return 0;
+  const float sigma = tables_.sigma_raw[index] + tables_.graze_raw[index] * tables_.graze[s.cosine];
+  const float raw = exact + sigma * noise;
+  if (options_.quantise) {
+    // Nearer than the sensor can express (raw < 0) is as lost as farther.
+    if (raw < -0.5F) return 0;
+    return tables_.mm[static_cast<std::size_t>(std::min(raw + 0.5F, static_cast<float>(kRawCount - 1)))];
+  }
+  const float q = (static_cast<float>(kRawAtInfinity) - raw) * static_cast<float>(kRawStepPerMm);
+  const float z = noise == 0 ? options_.depth_scale / s.inverse_depth : options_.depth_scale / q;
+  if (!(z >= options_.range_min_mm && z <= options_.range_max_mm && z < 65535)) return 0;
+  return static_cast<std::uint16_t>(z + 0.5F);
+}
+
+bool DepthSensor::hair_lost(std::uint64_t seed, std::uint64_t frame, int u, int v) const {
+  // Patches that stay with the scene and flicker a little: two lattices of 6 px (at 640 wide), bilinear.
+  const int cell = std::max(2, static_cast<int>(6 * pixel_scale_ + 0.5F));
+  Rng person = Rng::for_item(seed, kHairPattern, 0);
+  const float darkness = static_cast<float>(person.uniform(-3.0, 0.4));  // most heads answer, some in patches only
+  const float x = static_cast<float>(u % cell) / static_cast<float>(cell);
+  const float y = static_cast<float>(v % cell) / static_cast<float>(cell);
+  const auto corner = [&](int du, int dv) {
+    const std::uint64_t still = row_seed(seed, kHairPattern, 0, v / cell + dv + 1);
+    const std::uint64_t flicker = row_seed(seed, kHairPattern, frame + 1, v / cell + dv + 1);
+    return normal_of(draw(still, u / cell + du)) + 0.4F * normal_of(draw(flicker, u / cell + du));
+  };
+  const float pattern =
+      (1 - y) * ((1 - x) * corner(0, 0) + x * corner(1, 0)) + y * ((1 - x) * corner(0, 1) + x * corner(1, 1));
+  return pattern + darkness > 0.3F;
+}
+
+void DepthSensor::expose(const CleanView& view, const PixelBox& box, std::uint64_t seed, std::uint64_t frame,
+                         DepthImage out, std::uint8_t* person) {
+  const float white_share = std::sqrt(1 - kPatchShare);
+  const float patch_share = std::sqrt(kPatchShare);
+  for (int v = box.v0; v < box.v1; ++v) {
+    const std::uint64_t row = row_seed(seed, kPixels, frame, v);
+    if (options_.noise) patch_row(seed, frame, v);
+    std::uint16_t* pixels = out.row(v);
+    for (int u = box.u0; u < box.u1; ++u) {
+      const std::size_t at = view.at(u, v);
+      const std::uint64_t bits = draw(row, u);
+      Sample sample{source_[at], view.cosine[at], view.label[at]};
+      if (options_.noise && edge_[at] != 0) sample = displaced(view, u, v, bits ^ kGamma);
+      std::uint16_t depth = 0;
+      if (sample.inverse_depth > 0) {
+        const float noise =
+            options_.noise ? white_share * normal_of(bits) + patch_share * patch_[static_cast<std::size_t>(u)] : 0.0F;
+        const auto chance = static_cast<std::uint32_t>((bits * 0xD1342543DE82EF95ULL) >> 48);
+        const bool lost = options_.holes && sample.label == kHair && hair_lost(seed, frame, u, v);
+        if (!lost) depth = deliver(sample, noise, chance);
+      }
+      pixels[u] = depth;
+      if (person != nullptr) person[at] = depth != 0 && (sample.label & kPerson) != 0 ? 255 : 0;
+    }
+  }
+  if (options_.holes) punch_blobs(box, seed, frame, out, person);
+}
+
+void DepthSensor::punch_blobs(const PixelBox& box, std::uint64_t seed, std::uint64_t frame, DepthImage out,
+                              std::uint8_t* person) const {
+  Rng rng = Rng::for_item(seed, kBlobs, frame);
+  const int count = rng.index(7);
+  for (int i = 0; i < count; ++i) {
+    const int u = rng.index(k_.width);
+    const int v = rng.index(k_.height);
+    const float a = static_cast<float>(rng.uniform(1.5, 6)) * pixel_scale_;
+    const float b = static_cast<float>(rng.uniform(1.0, 3)) * pixel_scale_;
+    const int reach = static_cast<int>(a + 1);
+    const PixelBox blob = intersect(box, {u - reach, v - reach, u + reach + 1, v + reach + 1});
+    for (int y = blob.v0; y < blob.v1; ++y) {
+      for (int x = blob.u0; x < blob.u1; ++x) {
+        const float dx = static_cast<float>(x - u) / a;
+        const float dy = static_cast<float>(y - v) / b;
+        if (dx * dx + dy * dy > 1) continue;
+        out.at(x, y) = 0;
+        if (person != nullptr)
+          person[static_cast<std::size_t>(y) * static_cast<std::size_t>(k_.width) + static_cast<std::size_t>(x)] = 0;
+      }
+    }
+  }
+}
+
+}  // namespace im2fit::synth

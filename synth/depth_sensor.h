@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a structured-light sensor makes of an ideal view: Kinect for Xbox 360.
+//
+// Everything happens in disparity, where the sensor works: raw = A - C/z with one raw unit = one step of the 11-bit
+// output (2.894e-6/mm in 1/z: 11.6 mm at 2 m, Khoshelham 2012).
+//  - Axial noise: Nguyen 2012, sigma = 1.2 + 1.9 (z - 0.4)^2 mm, plus 0.1/sqrt(z) t^2/(pi/2 - t)^2 mm at incidence
+//    t (z in m). The published spread was measured on the quantised output, so the quantiser's own variance
+//    (1/12 step^2) is taken off before it is added again by rounding. Half of the variance is shared by patches of
+//    4 px (at 640 wide): the sensor matches windows, so neighbouring pixels err together.
+//  - Lateral noise: within 2 px of a depth step the value of a displaced pixel is delivered, sd 0.8 + 0.035
+//    t/(pi/2 - t) px at 640 wide.
+//  - Shadow: no data where the projector, 75 mm along +u, is hidden by something nearer.
+//  - Holes: grazing surfaces, far surfaces, single pixels, small blobs, dark hair in patches.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/rng.h"
+#include "kernels/core/camera.h"
+#include "synth/raster.h"
+
+namespace im2fit::synth {
+
+inline constexpr float kKinectFocalPx = 575.8F;  // depth camera, 640 px wide (not 525: that is registered depth)
+inline constexpr float kProjectorBaselineMm = 75;
+inline constexpr double kRawStepPerMm = 0.1042 / 4 / 9000;  // of 1/z: pixel 0.1042 mm, zero plane 1200 mm, 7.5 cm
+
+struct SensorOptions {
+  bool noise = true;     // axial and lateral; false: exact depth rounded to mm (or to the raw step, see quantise)
+  bool quantise = true;  // 11-bit raw steps
+  bool shadow = true;
+  bool holes = true;
+  float range_min_mm = 500;  // nearer or farther: no data
+  float range_max_mm = 5000;
+  float depth_scale = 1;   // a device's own scale error: delivered = true * depth_scale (up to +-0.3 % is usual)
+  int box_margin_px = -1;  // >= 0: only the person's box and this margin are made, the rest of the frame is 0
+};
+SensorOptions kinect_sensor();
+SensorOptions exact_sensor();  // no noise, no quantisation, no range limits
+
+// z in mm of a raw 11-bit value, unrounded; raw < kRawInfinity.
+double raw_to_mm(int raw);
+inline constexpr int kRawCount = 2048;
+// Nguyen's axial spread, mm, at z mm and incidence cosine 0..1 (capped at 87 degrees).
+double axial_sigma_mm(double z_mm, double cosine);
+
+// Not shareable between threads. No allocation after construction.
+class DepthSensor {
+ public:
+  DepthSensor(const SensorOptions& options, const Intrinsics& intrinsics);
+
+  // Shadow and edges of the view's rows box.v0 .. v1 (whole rows: a shadow's cause may lie outside the box).
+  void prepare(const CleanView& view, const PixelBox& box);
+  // One frame of the prepared view, pixels of `box` only: depends on seed, frame and the view, not on the box.
+  // `person` (same size, may be null): 255 where the delivered depth is the person's.
+  void expose(const CleanView& view, const PixelBox& box, std::uint64_t seed, std::uint64_t frame, DepthImage out,
+              std::uint8_t* person);
+
+ private:
+  struct Tables {
+    std::vector<float> sigma_raw;            // by raw: axial spread head-on, raw units
+    std::vector<float> graze_raw;            // by raw: raw units per mm sqrt(m) of grazing noise
+    std::vector<float> graze;                // by cosine byte: 0.1 t^2/(pi/2 - t)^2
+    std::vector<float> lateral_px;           // by cosine byte
+    std::vector<std::uint16_t> mm;           // by raw, 0 out of range
+    std::vector<std::uint16_t> lost_by_raw;  // chance of no data, of 65536
+    std::vector<std::uint16_t> lost_by_cosine;
+  };
+  struct Sample {
+    float inverse_depth = 0;
+    std::uint8_t cosine = 0;
+    std::uint8_t label = 0;
+  };
+  void shadow_row(const CleanView& view, int v);
+  void edge_rows(const CleanView& view, int v0, int v1);
+  void patch_row(std::uint64_t seed, std::uint64_t frame, int v);
+  Sample displaced(const CleanView& view, int u, int v, std::uint64_t bits) const;
+  std::uint16_t deliver(const Sample& sample, float noise, std::uint32_t chance) const;
+  bool hair_lost(std::uint64_t seed, std::uint64_t frame, int u, int v) const;
+  void punch_blobs(const PixelBox& box, std::uint64_t seed, std::uint64_t frame, DepthImage out,
+                   std::uint8_t* person) const;
+
+  SensorOptions options_;
+  Intrinsics k_;
+  int patch_px_;       // side of a noise patch
+  float pixel_scale_;  // width of a 640-wide camera's pixel in ours
+  Tables tables_;
+  std::vector<float> source_;       // inverse depth after the shadow
+  std::vector<std::uint8_t> edge_;  // 1 within 2 px of a depth step
+  std::vector<std::uint8_t> step_;
+  std::vector<float> lattice_low_, lattice_high_, patch_;  // patch noise: rows of the lattice, row of the frame
+};
+
+}  // namespace im2fit::synth

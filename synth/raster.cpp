@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "synth/raster.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace im2fit::synth {
+namespace {
+
+constexpr int kSubpixelBits = 8;
+constexpr std::int64_t kSubpixels = 1 << kSubpixelBits;
+// Vertices farther out than this are not drawn: 2^14 px * 2^8 keeps every product of two differences below 2^48.
+constexpr float kScreenMaxPx = 16384;
+
+std::int64_t floor_to_pixel(std::int64_t x) {
+  return x >> kSubpixelBits;
+}
+std::int64_t ceil_to_pixel(std::int64_t x) {
+  return (x + kSubpixels - 1) >> kSubpixelBits;
+}
+
+}  // namespace
+
+PixelBox whole(int width, int height) {
+  return {0, 0, width, height};
+}
+PixelBox intersect(const PixelBox& a, const PixelBox& b) {
+  return {std::max(a.u0, b.u0), std::max(a.v0, b.v0), std::min(a.u1, b.u1), std::min(a.v1, b.v1)};
+}
+PixelBox bounding(const PixelBox& a, const PixelBox& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  return {std::min(a.u0, b.u0), std::min(a.v0, b.v0), std::max(a.u1, b.u1), std::max(a.v1, b.v1)};
+}
+PixelBox grown(const PixelBox& box, int margin_px) {
+  if (box.empty()) return box;
+  return {box.u0 - margin_px, box.v0 - margin_px, box.u1 + margin_px, box.v1 + margin_px};
+}
+
+CleanView::CleanView(int w, int h)
+    : width(w),
+      height(h),
+      inverse_depth(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)),
+      cosine(inverse_depth.size()),
+      label(inverse_depth.size()) {}
+
+void clear(CleanView& view, const PixelBox& box) {
+  if (box.empty()) return;
+  const auto count = static_cast<std::size_t>(box.u1 - box.u0);
+  for (int v = box.v0; v < box.v1; ++v) {
+    const std::size_t at = view.at(box.u0, v);
+    std::fill_n(&view.inverse_depth[at], count, 0.0F);
+    std::fill_n(&view.cosine[at], count, std::uint8_t{0});
+    std::fill_n(&view.label[at], count, std::uint8_t{kNothing});
+  }
+}
+
+void copy_box(const CleanView& from, const PixelBox& box, CleanView& to) {
+  if (box.empty()) return;
+  const auto count = static_cast<std::size_t>(box.u1 - box.u0);
+  for (int v = box.v0; v < box.v1; ++v) {
+    const std::size_t at = from.at(box.u0, v);
+    std::copy_n(&from.inverse_depth[at], count, &to.inverse_depth[at]);
+    std::copy_n(&from.cosine[at], count, &to.cosine[at]);
+    std::copy_n(&from.label[at], count, &to.label[at]);
+  }
+}
+
+void draw_room(std::span<const Plane> planes, const Intrinsics& k, const PixelBox& box, CleanView& view) {
+  if (box.empty()) return;
+  const int count = box.u1 - box.u0;
+  std::vector<float> distance(static_cast<std::size_t>(count));
+  for (int v = box.v0; v < box.v1; ++v) {
+    const std::size_t at = view.at(box.u0, v);
+    float* q = &view.inverse_depth[at];
+    std::fill_n(q, count, 0.0F);
+    std::fill(distance.begin(), distance.end(), 0.0F);
+    const float y = (static_cast<float>(v) - k.cy) / k.fy;
+    for (const Plane& plane : planes) {
+      // 1/z = n.r / d with the ray r = ((u - cx)/fx, y, 1); the nearest plane has the largest.
+      const float step = plane.normal.x / (k.fx * plane.distance_mm);
+      const float start =
+          (plane.normal.y * y + plane.normal.z) / plane.distance_mm + step * (static_cast<float>(box.u0) - k.cx);
+      const float d = plane.distance_mm;
+      for (int i = 0; i < count; ++i) {
+        const float candidate = start + step * static_cast<float>(i);
+        const bool nearer = candidate > q[i];
+        q[i] = nearer ? candidate : q[i];
+        distance[static_cast<std::size_t>(i)] = nearer ? d : distance[static_cast<std::size_t>(i)];
+      }
+    }
+    std::uint8_t* cosine = &view.cosine[at];
+    std::uint8_t* label = &view.label[at];
+    const float row_part = y * y + 1;
+    const float inverse_fx = 1 / k.fx;
+    for (int i = 0; i < count; ++i) {
+      const float x = (static_cast<float>(box.u0 + i) - k.cx) * inverse_fx;
+      const float c = distance[static_cast<std::size_t>(i)] * q[i] / std::sqrt(x * x + row_part);
+      cosine[i] = static_cast<std::uint8_t>(std::min(c * 255.0F + 0.5F, 255.0F));
+      label[i] = q[i] > 0 ? kRoom : kNothing;
+    }
+  }
+}
+
+void MeshRaster::fill(std::span<const Vec3f> vertices, const Triangle& triangle, std::uint8_t label, bool closed,
+                      Target& target) const {
+  const Projected* a = &projected_[static_cast<std::size_t>(triangle[0])];
+  const Projected* b = &projected_[static_cast<std::size_t>(triangle[1])];
+  const Projected* c = &projected_[static_cast<std::size_t>(triangle[2])];
+  constexpr std::int32_t kBad = std::numeric_limits<std::int32_t>::min();
+  if (a->x == kBad || b->x == kBad || c->x == kBad) return;
+
+  // Camera axes are right-handed with y down: an outward triangle facing the camera has negative area.
+  std::int64_t area =
+      static_cast<std::int64_t>(b->x - a->x) * (c->y - a->y) - static_cast<std::int64_t>(c->x - a->x) * (b->y - a->y);
+  if (area == 0 || (closed && area > 0)) return;
+  if (area < 0) {
+    std::swap(b, c);
+    area = -area;
+  }
+  const auto [x_low, x_high] = std::minmax({a->x, b->x, c->x});
+  const auto [y_low, y_high] = std::minmax({a->y, b->y, c->y});
+  const std::int64_t u0 = std::max<std::int64_t>(ceil_to_pixel(x_low), target.clip.u0);
+  const std::int64_t u1 = std::min<std::int64_t>(floor_to_pixel(x_high), target.clip.u1 - 1);
+  const std::int64_t v0 = std::max<std::int64_t>(ceil_to_pixel(y_low), target.clip.v0);
+  const std::int64_t v1 = std::min<std::int64_t>(floor_to_pixel(y_high), target.clip.v1 - 1);
+  if (u0 > u1 || v0 > v1) return;
+
+  struct Edge {
+    std::int64_t value, per_u, per_v;
+  };
+  const auto edge = [&](const Projected& p, const Projected& r) {
+    const std::int64_t dx = r.x - p.x;
+    const std::int64_t dy = r.y - p.y;
+    const bool top_left = dy < 0 || (dy == 0 && dx > 0);
+    const std::int64_t value = dx * (v0 * kSubpixels - p.y) - dy * (u0 * kSubpixels - p.x) - (top_left ? 0 : 1);
+    return Edge{value, -dy * kSubpixels, dx * kSubpixels};
+  };
+  Edge ab = edge(*a, *b);
+  Edge bc = edge(*b, *c);
+  Edge ca = edge(*c, *a);
+
+  const float inverse_area = static_cast<float>(kSubpixels) / static_cast<float>(area);
+  const float qb = b->inverse_z - a->inverse_z;
+  const float qc = c->inverse_z - a->inverse_z;
+  const float q_per_u = (qb * static_cast<float>(c->y - a->y) - qc * static_cast<float>(b->y - a->y)) * inverse_area;
+  const float q_per_v = (qc * static_cast<float>(b->x - a->x) - qb * static_cast<float>(c->x - a->x)) * inverse_area;
+  // Slivers have gradients of no meaning; the clamp keeps their depth between their corners'.
+  const auto [q_low, q_high] = std::minmax({a->inverse_z, b->inverse_z, c->inverse_z});
+
+  const Vec3f p = vertices[static_cast<std::size_t>(triangle[0])];
+  const Vec3f n =
+      cross(vertices[static_cast<std::size_t>(triangle[1])] - p, vertices[static_cast<std::size_t>(triangle[2])] - p);
+  const float scale = std::sqrt(dot(n, n) * dot(p, p));
+  const float cosine = scale > 0 ? std::fabs(dot(n, p)) / scale : 0;
+  const auto cosine_byte = static_cast<std::uint8_t>(std::min(cosine * 255.0F + 0.5F, 255.0F));
+
+  CleanView& view = target.view;
+  const float du = static_cast<float>(u0) - static_cast<float>(a->x) / static_cast<float>(kSubpixels);
+  for (std::int64_t v = v0; v <= v1; ++v) {
+    const float dv = static_cast<float>(v) - static_cast<float>(a->y) / static_cast<float>(kSubpixels);
+    const float q_row = a->inverse_z + q_per_v * dv + q_per_u * du;
+    const std::size_t row = view.at(static_cast<int>(u0), static_cast<int>(v));
+    std::int64_t e0 = ab.value, e1 = bc.value, e2 = ca.value;
+    const int count = static_cast<int>(u1 - u0) + 1;
+    for (int i = 0; i < count; ++i) {
+      if ((e0 | e1 | e2) >= 0) {
+        const float q = std::clamp(q_row + q_per_u * static_cast<float>(i), q_low, q_high);
+        const std::size_t at = row + static_cast<std::size_t>(i);
+        if (q > view.inverse_depth[at]) {
+          view.inverse_depth[at] = q;
+          view.cosine[at] = cosine_byte;
+          view.label[at] = label;
+        }
+      }
+      e0 += ab.per_u;
+      e1 += bc.per_u;
+      e2 += ca.per_u;
+    }
+    ab.value += ab.per_v;
+    bc.value += bc.per_v;
+    ca.value += ca.per_v;
+  }
+  PixelBox& box = target.touched;
+  box =
+      bounding(box, {static_cast<int>(u0), static_cast<int>(v0), static_cast<int>(u1) + 1, static_cast<int>(v1) + 1});
+}
+
+PixelBox MeshRaster::draw(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                          std::span<const std::uint8_t> labels, bool closed, const Intrinsics& k,
+                          const PixelBox& clip, CleanView& view) {
+  projected_.resize(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Vec3f p = vertices[i];
+    projected_[i].x = std::numeric_limits<std::int32_t>::min();
+    if (p.z < kNearMm) continue;
+    const float q = 1 / p.z;
+    const float u = p.x * k.fx * q + k.cx;
+    const float v = p.y * k.fy * q + k.cy;
+    if (std::fabs(u) > kScreenMaxPx || std::fabs(v) > kScreenMaxPx) continue;
+    projected_[i] = {static_cast<std::int32_t>(std::floor(u * static_cast<float>(kSubpixels) + 0.5F)),
+                     static_cast<std::int32_t>(std::floor(v * static_cast<float>(kSubpixels) + 0.5F)), q};
+  }
+  Target target{view, clip, {}};
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    fill(vertices, triangles[t], labels.size() == 1 ? labels[0] : labels[t], closed, target);
+  return target.touched;
+}
+
+}  // namespace im2fit::synth
