@@ -18,8 +18,15 @@ MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3
 
 // Closed-mesh volume (signed tetrahedra), litres.
 double volume_litres(const BodyModel& model, std::span<const Vec3f> vertices);
+inline constexpr double kLeanDensityKgM3 = 1010;
+inline constexpr double kObeseDensityKgM3 = 985;
+inline constexpr double kLeanIndex = 18;  // litres per square metre of stature; density falls linearly between these
+inline constexpr double kObeseIndex = 42;
 double density_kg_m3(double stature_mm, double volume_l);
 double stature_mm(const BodyModel& model, std::span<const Vec3f> vertices);
+
+// Arm abduction of the relaxed pose for this build: 10 (slim) to 22 degrees (obese).
+float relaxed_spread_deg(const BodyModel& model, std::span<const Vec3f> rest_vertices);
 
 // The level sections behind the girths (mesh axes, mm), for drawing: hull polygons in order.
 struct Section {
@@ -28,8 +35,9 @@ struct Section {
 };
 std::vector<Section> girth_sections(const BodyModel& model, std::span<const Vec3f> relaxed_vertices, float gender);
 
-// Sets params.height and params.weight (then the fatness strength of facts/makehuman.md) so that the rest mesh has
-// this stature and mass. False when out of reach (params then hold the nearest).
+// Sets params.height and params.weight (at its end: adds the fatness set of docs/makehuman.md to params.modifiers) so
+// that the rest mesh has this stature and mass, to 0.1 mm and 0.01 kg. False when out of reach (params then hold the
+// nearest). The slider's reach grows as muscle falls: give heavy people low muscle. About a millisecond.
 bool solve_stature_and_weight(const BodyModel& model, Params& params, double stature_mm, double weight_kg);
 
 }  // namespace im2fit::body

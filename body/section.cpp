@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "body/section.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace im2fit::body {
+namespace {
+
+struct Flat {
+  float u, v;
+  std::size_t index;
+};
+
+// Twice the signed area, in double: float coordinates of a metre leave the sign of thin triangles to chance.
+double turn(const Flat& o, const Flat& a, const Flat& b) {
+  return (static_cast<double>(a.u) - o.u) * (static_cast<double>(b.v) - o.v) -
+         (static_cast<double>(a.v) - o.v) * (static_cast<double>(b.u) - o.u);
+}
+
+}  // namespace
+
+SectionPlane level_plane(float y_mm) {
+  return {{0, y_mm, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+}
+
+SectionPlane plane_through(Vec3f origin, Vec3f normal) {
+  const Vec3f n = normalized(normal);
+  const Vec3f u = normalized(cross(n, n.x * n.x < 0.5F ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0}));
+  return {origin, u, cross(n, u), n};
+}
+
+void section_points(std::span<const Triangle> triangles, std::span<const std::uint8_t> skip,
+                    std::span<const Vec3f> vertices, const SectionPlane& plane, std::vector<Vec3f>& out) {
+  const float offset = dot(plane.origin, plane.normal);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    std::array<Vec3f, 3> corner;
+    std::array<float, 3> d{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      corner[i] = vertices[static_cast<std::size_t>(triangles[t][i])];
+      d[i] = dot(corner[i], plane.normal) - offset;
+    }
+    const bool above = d[0] > 0;
+    if ((d[1] > 0) == above && (d[2] > 0) == above) continue;
+    if (!skip.empty() && skip[t] != 0) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = i == 2 ? 0 : i + 1;
+      if ((d[i] > 0) != (d[j] > 0)) out.push_back(corner[i] + (corner[j] - corner[i]) * (d[i] / (d[i] - d[j])));
+    }
+  }
+}
+
+// Andrew's monotone chain.
+std::vector<Vec3f> convex_hull(std::span<const Vec3f> points, const SectionPlane& plane) {
+  std::vector<Flat> flat;
+  flat.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3f p = points[i] - plane.origin;
+    flat.push_back({dot(p, plane.u), dot(p, plane.v), i});
+  }
+  std::sort(flat.begin(), flat.end(), [](const Flat& a, const Flat& b) {
+    return a.u != b.u ? a.u < b.u : (a.v != b.v ? a.v < b.v : a.index < b.index);
+  });
+  flat.erase(
+      std::unique(flat.begin(), flat.end(), [](const Flat& a, const Flat& b) { return a.u == b.u && a.v == b.v; }),
+      flat.end());
+  std::vector<Flat> hull(2 * flat.size());
+  std::size_t size = 0;
+  if (flat.size() >= 3) {
+    for (std::size_t i = 0; i < flat.size(); ++i) {
+      while (size >= 2 && turn(hull[size - 2], hull[size - 1], flat[i]) <= 0) --size;
+      hull[size++] = flat[i];
+    }
+    const std::size_t lower = size + 1;
+    for (std::size_t i = flat.size() - 1; i-- > 0;) {
+      while (size >= lower && turn(hull[size - 2], hull[size - 1], flat[i]) <= 0) --size;
+      hull[size++] = flat[i];
+    }
+    hull.resize(size - 1);  // the last point is the first again
+  } else {
+    hull = flat;
+  }
+  std::vector<Vec3f> out;
+  out.reserve(hull.size());
+  for (const Flat& f : hull) out.push_back(points[f.index]);
+  return out;
+}
+
+double perimeter_mm(std::span<const Vec3f> polygon) {
+  double sum = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3f& a = polygon[i];
+    const Vec3f& b = polygon[i + 1 == polygon.size() ? 0 : i + 1];
+    const double x = static_cast<double>(b.x) - a.x;
+    const double y = static_cast<double>(b.y) - a.y;
+    const double z = static_cast<double>(b.z) - a.z;
+    sum += std::sqrt(x * x + y * y + z * z);
+  }
+  return sum;
+}
+
+}  // namespace im2fit::body

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <string_view>
+
+#include "body/measure.h"
+#include "body/model_data.h"
+
+namespace im2fit::body {
+namespace {
+
+constexpr int kStepCountMax = 24;
+constexpr double kStatureToleranceMm = 0.1;
+constexpr double kVolumeToleranceL = 0.01;
+constexpr float kFatnessMax = 1.6F;  // beyond it folds tear
+
+// The smooth set that carries a body past the weight slider's end (docs/makehuman.md).
+struct FatnessPart {
+  std::string_view modifier;
+  float share;
+};
+constexpr FatnessPart kFatness[] = {
+    {"torso/torso-scale-horiz", 0.6F}, {"torso/torso-scale-depth", 0.8F},  {"hip/hip-scale-horiz", 0.7F},
+    {"hip/hip-scale-depth", 0.8F},     {"armslegs/upperleg-fat", 1.0F},    {"armslegs/upperarm-fat", 1.0F},
+    {"armslegs/lowerleg-fat", 0.8F},   {"stomach/stomach-pregnant", 0.3F}, {"buttocks/buttocks-volume", 0.6F},
+};
+
+using Mesh = std::vector<Vec3f>;
+
+struct Sliders {
+  float height;
+  float build;  // the weight slider 0..1, then 1 + fatness
+};
+
+// Stature, volume and their derivatives along the two sliders.
+struct Response {
+  double stature_mm, volume_l;
+  double stature_by_height, stature_by_build;
+  double volume_by_height, volume_by_build;
+};
+
+class Solver {
+ public:
+  Solver(const BodyModel& model, const Params& params) : model_(model), original_(params), trial_(params) {
+    for (std::size_t i = 0; i < std::size(kFatness); ++i)
+      fatness_index_[i] = model.modifier_index(kFatness[i].modifier);
+    trial_.modifiers.resize(model.modifier_names().size());
+    original_.modifiers.resize(trial_.modifiers.size());
+    const auto count = static_cast<std::size_t>(model.vertex_count());
+    for (Mesh* m : {&here_, &by_height_, &by_build_}) m->resize(count);
+  }
+
+  // Newton in both sliders. Along each the mesh is affine between the slider's kinks, so the derivative at a point is
+  // the difference to any other point of its piece.
+  bool solve(double stature_goal, double volume_goal, Sliders& s) {
+    for (int step = 0; step < kStepCountMax; ++step) {
+      const Response r = respond(s);
+      const double more_stature = stature_goal - r.stature_mm;
+      const double more_volume = volume_goal - r.volume_l;
+      if (std::fabs(more_stature) < kStatureToleranceMm && std::fabs(more_volume) < kVolumeToleranceL) return true;
+      s = next(s, r, more_stature, more_volume);
+    }
+    return false;
+  }
+
+  const Params& at(Sliders s) {
+    trial_.height = s.height;
+    trial_.weight = s.build < 1 ? s.build : 1;
+    const float fatness = s.build > 1 ? s.build - 1 : 0;
+    trial_.modifiers = original_.modifiers;
+    for (std::size_t i = 0; i < std::size(kFatness); ++i)
+      if (fatness_index_[i] >= 0)
+        trial_.modifiers[static_cast<std::size_t>(fatness_index_[i])] += fatness * kFatness[i].share;
+    return trial_;
+  }
+
+ private:
+  Response respond(Sliders s) {
+    model_.morph(at(s), here_);
+    const float h2 = other_point(s.height);
+    const float b2 = s.build > 1 ? other_fatness(s.build) : other_point(s.build);
+    model_.morph(at({h2, s.build}), by_height_);
+    model_.morph(at({s.height, b2}), by_build_);
+    return derive(1.0 / (static_cast<double>(h2) - s.height), 1.0 / (static_cast<double>(b2) - s.build));
+  }
+
+  // A second point of the same piece of a slider, 0..0.5 or 0.5..1.
+  static float other_point(float v) { return v < 0.25F || (v >= 0.5F && v < 0.75F) ? v + 0.25F : v - 0.25F; }
+  // Fatness may have kinks where a modifier changes sign: look only a little ahead.
+  static float other_fatness(float v) { return v > 1 + kFatnessMax / 2 ? v - 0.05F : v + 0.05F; }
+
+  // First variation of a closed mesh's volume: a sixth of (edge x edge) . (sum of the corners' movements).
+  Response derive(double per_height, double per_build) const {
+    double volume = 0, by_height = 0, by_build = 0;
+    for (const auto& t : model_.body_triangles()) {
+      const auto a = static_cast<std::size_t>(t[0]), b = static_cast<std::size_t>(t[1]),
+                 c = static_cast<std::size_t>(t[2]);
+      const Vec3f sum = here_[a] + here_[b] + here_[c];
+      const Vec3f n = cross(here_[b] - here_[a], here_[c] - here_[a]);
+      volume += static_cast<double>(dot(n, sum));
+      by_height += static_cast<double>(dot(n, by_height_[a] + by_height_[b] + by_height_[c] - sum));
+      by_build += static_cast<double>(dot(n, by_build_[a] + by_build_[b] + by_build_[c] - sum));
+    }
+    std::size_t low = 0, high = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(model_.body_vertex_count()); ++i) {
+      if (here_[i].y < here_[low].y) low = i;
+      if (here_[i].y > here_[high].y) high = i;
+    }
+    const auto tall = [&](const Mesh& m) { return static_cast<double>(m[high].y) - m[low].y; };
+    Response r{};
+    r.stature_mm = tall(here_);
+    r.volume_l = volume / 18e6;  // (edge x edge) . corner is the same for the three corners
+    r.stature_by_height = (tall(by_height_) - r.stature_mm) * per_height;
+    r.stature_by_build = (tall(by_build_) - r.stature_mm) * per_build;
+    r.volume_by_height = by_height / 6e6 * per_height;
+    r.volume_by_build = by_build / 6e6 * per_build;
+    return r;
+  }
+
+  static Sliders next(Sliders s, const Response& r, double more_stature, double more_volume) {
+    const double det = r.stature_by_height * r.volume_by_build - r.stature_by_build * r.volume_by_height;
+    double dh = 0, db = 0;
+    if (r.volume_by_build > 0 && std::fabs(det) > 1e-9) {
+      dh = (more_stature * r.volume_by_build - r.stature_by_build * more_volume) / det;
+      db = (r.stature_by_height * more_volume - r.volume_by_height * more_stature) / det;
+    } else if (r.stature_by_height > 0) {
+      dh = more_stature / r.stature_by_height;
+    }
+    Sliders n = {limited(s.height + limited(dh, -0.3, 0.3), 0, 1),
+                 limited(s.build + limited(db, -0.5, 0.5), 0, 1 + kFatnessMax)};
+    // Stop at a kink instead of leaping it: beyond, another derivative holds.
+    if ((s.build < 0.5F && n.build > 0.5F) || (s.build > 0.5F && n.build < 0.5F)) n.build = 0.5F;
+    if (s.build < 1 && n.build > 1) n.build = 1.0F;
+    if (s.build > 1 && n.build < 1) n.build = 1.0F;
+    // Against a stop the other slider alone must serve stature.
+    if (n.build == s.build && r.stature_by_height > 0)
+      n.height = limited(s.height + limited(more_stature / r.stature_by_height, -0.3, 0.3), 0, 1);
+    return n;
+  }
+
+  static float limited(double v, double low, double high) {
+    return static_cast<float>(v > low ? (v < high ? v : high) : low);
+  }
+
+  const BodyModel& model_;
+  Params original_;
+  Params trial_;
+  std::array<int, std::size(kFatness)> fatness_index_{};
+  Mesh here_, by_height_, by_build_;
+};
+
+// The volume whose mass at this stature is weight_kg; density falls slowly with volume, so iteration contracts.
+double volume_of_weight(double stature_mm, double weight_kg) {
+  double volume_l = weight_kg;
+  for (int i = 0; i < 30; ++i) volume_l = weight_kg * 1e3 / density_kg_m3(stature_mm, volume_l);
+  return volume_l;
+}
+
+}  // namespace
+
+bool solve_stature_and_weight(const BodyModel& model, Params& params, double stature_mm, double weight_kg) {
+  if (!(stature_mm > 0 && stature_mm < 1e5 && weight_kg > 0 && weight_kg < 1e5)) return false;
+  Solver solver(model, params);
+  Sliders sliders = {0.5F, 0.55F};
+  const bool solved = solver.solve(stature_mm, volume_of_weight(stature_mm, weight_kg), sliders);
+  params = solver.at(sliders);
+  return solved;
+}
+
+}  // namespace im2fit::body
