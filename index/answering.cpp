@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "index/answering.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace im2fit::index {
+
+Answerer::Answerer(const Contents& contents)
+    : contents_(contents),
+      points_(contents.point_code, contents.grid_steps()),
+      entries_(contents.entry_code, contents.grid_steps()) {}
+
+Answer Answerer::answer(const Targets& regressed, const QueryOptions& options,
+                        std::span<Neighbour> neighbours) const {
+  const Contents& c = contents_;
+  const int targets = static_cast<int>(c.meta.target_count);
+  const int dimensions = static_cast<int>(c.meta.dimensions);
+  const Position position = project(regressed, targets, c.projection, dimensions);
+  const Coordinates grid = to_grid(position, dimensions, c.meta.grid_unit);
+  Targets value = regressed;
+
+  if (c.meta.quadratic != 0) {
+    std::array<double, kQuadraticTermMax> buffer{};
+    const auto terms = std::span(buffer).first(static_cast<std::size_t>(quadratic_term_count(dimensions)));
+    quadratic_terms(position, c.inverse_spread, dimensions, terms);
+    const Targets correction = apply_quadratic(terms, c.quadratic, targets);
+    for (int t = 0; t < targets; ++t) value[t] += correction[t];
+  }
+
+  const int wanted = options.neighbour_count > 0 ? options.neighbour_count : static_cast<int>(c.meta.neighbour_count);
+  const auto found =
+      points_.nearest(grid, neighbours.first(static_cast<std::size_t>(std::min(wanted, kNeighbourMax))));
+  const LocalAnswer local = local_regression(
+      c.local_data(), grid, found,
+      {static_cast<LocalMethod>(c.meta.local_method), c.meta.intercept_penalty, c.meta.slope_penalty});
+  for (int t = 0; t < targets; ++t) value[t] += local.correction[t];
+
+  Answer out;
+  fill_estimates(value, local.spread, options.frame_count, out);
+  const Coordinates key = to_grid(project(value, targets, c.projection, dimensions), dimensions, c.meta.grid_unit);
+  const auto nearest = entries_.nearest(key, neighbours.first(1));
+  out.nearest = nearest[0].index;
+  out.nearest_distance = static_cast<float>(std::sqrt(static_cast<double>(nearest[0].distance)) * c.meta.grid_unit);
+  std::copy_n(c.entry_truth.begin() + static_cast<std::ptrdiff_t>(out.nearest * kMeasurementCount), kMeasurementCount,
+              out.nearest_values.begin());
+  return out;
+}
+
+void Answerer::fill_estimates(const Targets& targets, const Targets& spread, int frame_count, Answer& out) const {
+  const Contents& c = contents_;
+  const double frames = static_cast<double>(std::max(frame_count, 1));
+  const double frame_factor = std::sqrt(c.meta.frame_model + c.meta.frame_noise / frames);
+  const bool local = c.meta.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread);
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+    const double unit = static_cast<double>(c.target_scale[m]);
+    const double value = static_cast<double>(c.target_mean[m]) + unit * targets[m];
+    const double floor = static_cast<double>(c.spread_floor[m]);
+    const double width = unit * frame_factor * (local ? 0.5 * (floor + spread[m]) : floor);
+    out.measurements[m] = {static_cast<float>(value),
+                           static_cast<float>(value + width * static_cast<double>(c.interval[2 * m])),
+                           static_cast<float>(value + width * static_cast<double>(c.interval[2 * m + 1]))};
+  }
+  out.female = female_probability(static_cast<double>(c.target_mean[kSexTarget]) +
+                                  static_cast<double>(c.target_scale[kSexTarget]) * targets[kSexTarget]);
+}
+
+float Answerer::female_probability(double score) const {
+  const double last = static_cast<double>(kSexTableSize - 1);
+  const double place = std::clamp((score + kSexScoreMax) / (2 * kSexScoreMax) * last, 0.0, last);
+  const auto cell = std::min(static_cast<std::size_t>(place), kSexTableSize - 2);
+  const double part = place - static_cast<double>(cell);
+  const auto low = static_cast<double>(contents_.sex_table[cell]);
+  const auto high = static_cast<double>(contents_.sex_table[cell + 1]);
+  return static_cast<float>(low + part * (high - low));
+}
+
+}  // namespace im2fit::index

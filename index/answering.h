@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// From regressed targets to an answer: quadratic and local correction, intervals, sex, nearest stored body.
+#pragma once
+
+#include <span>
+
+#include "index/format.h"
+#include "index/index.h"
+
+namespace im2fit::index {
+
+class Answerer {
+ public:
+  // Builds both kd-trees. The contents' bytes must outlive this.
+  explicit Answerer(const Contents& contents);
+  // `neighbours`: kNeighbourMax places of scratch.
+  Answer answer(const Targets& regressed, const QueryOptions& options, std::span<Neighbour> neighbours) const;
+
+ private:
+  void fill_estimates(const Targets& targets, const Targets& spread, int frame_count, Answer& out) const;
+  float female_probability(double score) const;
+
+  Contents contents_;
+  CodeTree points_;   // captures, where the regression puts them: for the local correction
+  CodeTree entries_;  // subjects, where their true measurements put them: for the body
+};
+
+}  // namespace im2fit::index

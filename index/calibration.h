@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Workstation side: 95 % intervals and the probability of sex, from the errors of held-out subjects.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "index/format.h"
+
+namespace im2fit::index {
+
+// One held-out answer. Standardised units.
+struct HeldOut {
+  std::uint32_t subject = 0;
+  int frame_count = 1;
+  Targets truth{};
+  Targets answer{};
+  Targets spread{};  // of the residuals nearby
+};
+
+struct IntervalModel {
+  IntervalKind kind = IntervalKind::constant;
+  double frame_model = 1;
+  double frame_noise = 0;
+  std::array<float, kMeasurementCount> spread_floor{};
+  std::array<float, 2 * kMeasurementCount> quantiles{};
+  MeasurementValues coverage{};  // calibrated on every second subject, counted on the others
+};
+
+// Split conformal prediction on signed errors over a width that may follow the local spread (normalised scores;
+// Lei et al. 2018) and the number of fused frames. The kind with the better interval score (Gneiting & Raftery
+// 2007) wins.
+IntervalModel calibrate_intervals(const std::vector<HeldOut>& rows);
+
+// Probability of a woman by regressed score (+1 woman, -1 man): logistic regression, tabulated for the device.
+// `unit` and `mean` turn the standardised target into the score.
+std::vector<float> calibrate_sex(const std::vector<HeldOut>& rows, double mean, double unit);
+
+}  // namespace im2fit::index

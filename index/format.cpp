@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "index/format.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "base/container.h"
+
+namespace im2fit::index {
+namespace {
+
+constexpr float kMagnitudeMax = 1e9F;  // of any stored number: products of four of them stay finite in double
+
+// Collects the first error, so that the section list reads as a list.
+class SectionReader {
+ public:
+  SectionReader(const ContainerReader& container, const std::string& what) : container_(container), what_(what) {}
+  template <class T>
+  std::span<const T> take(const char* name, std::size_t count) {
+    if (error_) return {};
+    auto values = container_.array<T>(name, count);
+    if (!values) {
+      fail(values.error());
+      return {};
+    }
+    if constexpr (std::is_floating_point_v<T>) {
+      for (const T v : *values)
+        if (!(std::abs(v) <= kMagnitudeMax)) fail(name, "holds a number that is not finite or beyond 1e9");
+    }
+    return *values;
+  }
+  template <class T>
+  T record(const char* name) {
+    T out{};
+    const auto bytes = take<std::byte>(name, sizeof(T));
+    if (!error_) std::memcpy(static_cast<void*>(&out), bytes.data(), sizeof(T));
+    return out;
+  }
+  void require(bool holds, const char* name, const std::string& why) {
+    if (!holds) fail(name, why);
+  }
+  bool failed() const { return error_; }
+  const Error& error() const { return first_; }
+
+ private:
+  void fail(const char* name, const std::string& why) {
+    fail({ErrorCode::corrupt, what_ + ": section '" + name + "' " + why + "; build the index again"});
+  }
+  void fail(Error e) {
+    if (!error_) first_ = std::move(e);
+    error_ = true;
+  }
+  const ContainerReader& container_;
+  const std::string& what_;
+  Error first_;
+  bool error_ = false;
+};
+
+bool within(double value, double low, double high) {
+  return value >= low && value <= high;
+}  // false for NaN
+
+void check_meta(SectionReader& in, const MetaRecord& m) {
+  in.require(within(m.feature_size, 1, kFeatureMax), "meta", "says an impossible feature size");
+  in.require(within(m.target_count, kTargetMin, kTargetMax), "meta", "says an impossible number of targets");
+  in.require(within(m.dimensions, 1, kDimensionMax), "meta", "says an impossible number of dimensions");
+  in.require(within(m.entry_count, 1, kEntryMax), "meta", "says an impossible number of entries");
+  in.require(within(m.point_count, 1, kEntryMax), "meta", "says an impossible number of points");
+  in.require(m.body_size <= kBodyMax, "meta", "says an impossible body size");
+  in.require(within(m.group_count, 1, kGroupMax), "meta", "says an impossible number of groups");
+  in.require(m.local_method <= 2 && m.quadratic <= 1 && m.interval_kind <= 1, "meta", "names an unknown method");
+  in.require(within(m.neighbour_count, 1, kNeighbourMax), "meta", "says an impossible number of neighbours");
+  in.require(within(m.grid_unit, 1e-9, 1e9), "meta", "says an impossible grid unit");
+  in.require(within(m.intercept_penalty, 0, 1e9) && within(m.slope_penalty, 0, 1e9), "meta",
+             "says an impossible penalty");
+  in.require(within(m.frame_model, 0, 1e9) && within(m.frame_noise, 0, 1e9) && m.frame_model + m.frame_noise > 1e-9,
+             "meta", "says an impossible noise model");
+}
+
+void check_values(SectionReader& in, const Contents& c) {
+  for (const float s : c.feature_scale) in.require(s >= 0, "feature.scale", "holds a negative scale");
+  for (const float s : c.target_scale) in.require(s >= 0, "target.scale", "holds a negative scale");
+  for (const std::int32_t s : c.steps) in.require(s >= 0 && s <= kStepMax, "code.step", "holds a step out of range");
+  for (std::size_t m = 0; m < kMeasurementCount && !in.failed(); ++m) {
+    in.require(c.interval[2 * m] <= c.interval[2 * m + 1], "interval", "is turned round");
+    in.require(c.spread_floor[m] >= 0, "spread.floor", "holds a negative spread");
+  }
+  float last = 0;
+  for (const float p : c.sex_table) {
+    in.require(p >= last && p <= 1, "sex.table", "is not a rising table of probabilities");
+    last = p;
+  }
+  for (const GroupRecord& g : c.groups) {
+    in.require(g.first <= c.meta.feature_size && g.count <= c.meta.feature_size - g.first, "groups",
+               "names features that do not exist");
+    in.require(std::isfinite(g.weight) && std::isfinite(g.error_without), "groups", "holds a number not finite");
+  }
+}
+
+}  // namespace
+
+Coordinates Contents::grid_steps() const {
+  Coordinates out{};
+  std::copy(steps.begin(), steps.end(), out.begin());
+  return out;
+}
+
+LocalData Contents::local_data() const {
+  return {point_code,     grid_steps(),   static_cast<int>(meta.dimensions),
+          point_residual, residual_scale, static_cast<int>(meta.target_count)};
+}
+
+Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::string& what) {
+  auto container = ContainerReader::parse(bytes, kMagic, kVersion, what);
+  if (!container) return container.error();
+  SectionReader in(*container, what);
+  Contents c;
+  c.meta = in.record<MetaRecord>("meta");
+  if (in.failed()) return in.error();
+  check_meta(in, c.meta);
+  if (in.failed()) return in.error();
+  const MetaRecord& m = c.meta;
+  const std::size_t features = m.feature_size;
+  const std::size_t targets = m.target_count;
+  const std::size_t entries = m.entry_count;
+  const std::size_t points = m.point_count;
+  const auto terms = static_cast<std::size_t>(quadratic_term_count(static_cast<int>(m.dimensions)));
+  const auto report = in.take<float>("report", sizeof(ReportRecord) / sizeof(float));
+  if (!in.failed()) std::memcpy(static_cast<void*>(&c.report), report.data(), sizeof c.report);
+  c.groups = in.take<GroupRecord>("groups", m.group_count);
+  c.feature_mean = in.take<float>("feature.mean", features);
+  c.feature_scale = in.take<float>("feature.scale", features);
+  c.ridge = in.take<float>("ridge", targets * features);
+  c.ridge_bias = in.take<float>("ridge.bias", targets);
+  c.target_mean = in.take<float>("target.mean", targets);
+  c.target_scale = in.take<float>("target.scale", targets);
+  c.projection = in.take<float>("projection", m.dimensions * targets);
+  c.steps = in.take<std::int32_t>("code.step", kDimensionMax);
+  c.inverse_spread = in.take<float>("code.spread", m.dimensions);
+  c.quadratic = in.take<float>("quadratic", targets * terms);
+  c.point_code = in.take<std::int8_t>("point.code", points * kDimensionMax);
+  c.point_residual = in.take<std::int16_t>("point.residual", points * targets);
+  c.residual_scale = in.take<float>("residual.scale", targets);
+  c.entry_code = in.take<std::int8_t>("entry.code", entries * kDimensionMax);
+  c.entry_truth = in.take<float>("entry.truth", entries * kMeasurementCount);
+  c.body = in.take<std::int16_t>("body", entries * m.body_size);
+  c.body_offset = in.take<float>("body.offset", m.body_size);
+  c.body_scale = in.take<float>("body.scale", m.body_size);
+  c.interval = in.take<float>("interval", 2 * kMeasurementCount);
+  c.spread_floor = in.take<float>("spread.floor", kMeasurementCount);
+  c.sex_table = in.take<float>("sex.table", kSexTableSize);
+  if (in.failed()) return in.error();
+  check_values(in, c);
+  const auto provenance = container->section("provenance");
+  if (!provenance) return provenance.error();
+  in.require(provenance->size() <= kProvenanceMax, "provenance", "is too long");
+  if (in.failed()) return in.error();
+  c.provenance = {reinterpret_cast<const char*>(provenance->data()), provenance->size()};
+  return c;
+}
+
+}  // namespace im2fit::index

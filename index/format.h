@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sections of a .i2f (docs/formats-index.md) and their validation: what parse_contents accepts can be queried
+// without reading out of bounds, dividing by zero or recursing deeply.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "base/status.h"
+#include "index/regression.h"
+
+namespace im2fit::index {
+
+inline constexpr char kMagic[] = "I2FX";
+inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kFeatureMax = 16384;
+inline constexpr std::uint32_t kEntryMax = 1U << 24;
+inline constexpr std::uint32_t kBodyMax = 1024;
+inline constexpr std::uint32_t kGroupMax = 16;
+inline constexpr std::size_t kProvenanceMax = 65536;
+inline constexpr std::size_t kSexTableSize = 129;  // scores -2 .. 2
+inline constexpr double kSexScoreMax = 2.0;
+
+enum class IntervalKind : std::uint32_t { constant, local_spread };
+
+struct MetaRecord {
+  std::uint32_t feature_size = 0;
+  std::uint32_t target_count = 0;
+  std::uint32_t dimensions = 0;
+  std::uint32_t entry_count = 0;  // subjects
+  std::uint32_t point_count = 0;  // captures
+  std::uint32_t body_size = 0;
+  std::uint32_t group_count = 0;
+  std::uint32_t local_method = 0;
+  std::uint32_t neighbour_count = 0;
+  std::uint32_t quadratic = 0;  // 1: the quadratic section is applied
+  std::uint32_t interval_kind = 0;
+  std::uint32_t zero = 0;
+  double grid_unit = 1;  // projected space per grid step
+  double intercept_penalty = 0;
+  double slope_penalty = 0;
+  double frame_model = 1;  // error variance(frames) = frame_model + frame_noise / frames, relative
+  double frame_noise = 0;
+};
+static_assert(sizeof(MetaRecord) == 88);
+
+struct GroupRecord {
+  char name[24] = {};
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  float weight = 0;
+  float error_without = 0;
+};
+static_assert(sizeof(GroupRecord) == 40);
+
+struct ReportRecord {
+  MeasurementValues prior_mae{};
+  MeasurementValues ridge_mae{};
+  MeasurementValues nearest_mae{};
+  MeasurementValues answer_mae{};
+  MeasurementValues coverage{};
+  float sex_accuracy = 0;
+  float error_with_all = 0;
+  std::array<float, kDimensionMax> dimension_bits{};
+};
+static_assert(sizeof(ReportRecord) == 4 * (5 * 11 + 2 + 16));
+
+// Views into the file.
+struct Contents {
+  MetaRecord meta;
+  ReportRecord report;
+  std::span<const GroupRecord> groups;
+  std::span<const char> provenance;
+  std::span<const float> feature_mean;           // feature_size
+  std::span<const float> feature_scale;          // feature_size
+  std::span<const float> ridge;                  // target_count x feature_size
+  std::span<const float> ridge_bias;             // target_count
+  std::span<const float> target_mean;            // target_count
+  std::span<const float> target_scale;           // target_count: units per standardised unit
+  std::span<const float> projection;             // dimensions x target_count
+  std::span<const std::int32_t> steps;           // kDimensionMax
+  std::span<const float> inverse_spread;         // dimensions
+  std::span<const float> quadratic;              // target_count x quadratic_term_count
+  std::span<const std::int8_t> point_code;       // point_count x kDimensionMax
+  std::span<const std::int16_t> point_residual;  // point_count x target_count
+  std::span<const float> residual_scale;         // target_count
+  std::span<const std::int8_t> entry_code;       // entry_count x kDimensionMax
+  std::span<const float> entry_truth;            // entry_count x kMeasurementCount
+  std::span<const std::int16_t> body;            // entry_count x body_size
+  std::span<const float> body_offset;            // body_size
+  std::span<const float> body_scale;             // body_size
+  std::span<const float> interval;               // kMeasurementCount x {low, high} in units of the spread
+  std::span<const float> spread_floor;           // kMeasurementCount, standardised units
+  std::span<const float> sex_table;              // kSexTableSize probabilities, rising
+
+  Coordinates grid_steps() const;
+  LocalData local_data() const;
+};
+
+Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::string& what);
+
+}  // namespace im2fit::index

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+// The .i2f: equal bytes from equal input, and nothing in a damaged or hostile file that could hurt.
+#include "base/file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <new>
+
+#include "base/container.h"
+#include "base/crc32c.h"
+#include "index/format.h"
+#include "index/raw_nearest.h"
+#include "tests/index/synthetic_people.h"
+
+namespace {
+std::size_t allocation_count = 0;
+}
+
+// Not inlined: the compiler must not pair malloc with delete, nor elide a call.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocation_count;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept {
+  std::free(p);
+}
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+namespace im2fit::index {
+namespace {
+
+using testing::build;
+using testing::World;
+
+const std::vector<std::byte>& good_file() {
+  static const std::vector<std::byte> bytes = build(World(0.1), 400, 2);
+  return bytes;
+}
+
+// The same file with one section replaced, its CRCs correct.
+std::vector<std::byte> with_section(const std::string& name, const std::vector<std::byte>& content,
+                                    bool drop = false) {
+  const auto reader = ContainerReader::parse(good_file(), kMagic, kVersion, "good");
+  ContainerWriter writer(kMagic, kVersion);
+  for (const auto& [key, entry] : reader->entries()) {
+    if (key == name && drop) continue;
+    const auto bytes = *reader->section(key);
+    writer.add(key, key == name ? content : std::vector<std::byte>(bytes.begin(), bytes.end()));
+  }
+  return writer.finish();
+}
+
+template <class T>
+std::vector<std::byte> patched(const std::string& name, std::size_t at, T value) {
+  const auto reader = ContainerReader::parse(good_file(), kMagic, kVersion, "good");
+  const auto bytes = *reader->section(name);
+  std::vector<std::byte> content(bytes.begin(), bytes.end());
+  std::memcpy(content.data() + at, &value, sizeof value);
+  return with_section(name, content);
+}
+
+TEST(IndexFile, TwoBuildsAreEqualByteForByte) {
+  EXPECT_EQ(good_file(), build(World(0.1), 400, 2));
+}
+
+TEST(IndexFile, OpensWhatItWrote) {
+  const auto path =
+      (std::filesystem::temp_directory_path() / ("im2fit_index_test_" + std::to_string(getpid()))).string();
+  ASSERT_TRUE(write_file_atomically(path, good_file()));
+  auto mapped = Index::open(path);
+  ASSERT_TRUE(mapped) << mapped.error().message;
+  std::filesystem::remove(path);
+  const auto parsed = Index::parse(good_file(), "memory");
+  ASSERT_TRUE(parsed);
+  const World world(0.1);
+  EXPECT_EQ(mapped->size(), 400U);
+  EXPECT_EQ(mapped->feature_size(), 120U);
+  EXPECT_EQ(mapped->info().sample_count, 800U);
+  EXPECT_EQ(mapped->info().provenance, "synthetic people, seed 42");
+  auto a = mapped->make_scratch();
+  auto b = parsed->make_scratch();
+  for (std::uint64_t s = 0; s < 50; ++s) {
+    const Sample q = world.sample(testing::kFreshSubjects + s, 0);
+    const Answer x = mapped->query(q.feature, {}, *a);
+    const Answer y = parsed->query(q.feature, {}, *b);
+    EXPECT_EQ(std::memcmp(&x, &y, sizeof x), 0);
+  }
+}
+
+TEST(IndexFile, BodiesAndTruthsComeBack) {
+  const auto index = Index::parse(good_file(), "memory");
+  ASSERT_TRUE(index);
+  const World world(0.1);
+  ASSERT_EQ(index->body_size(), static_cast<std::size_t>(world.shapes));
+  for (std::uint32_t s = 0; s < 400; s += 37) {
+    const Sample sample = world.sample(s, 0);
+    EXPECT_EQ(index->measurements_of(s), sample.truth);
+    const auto body = index->body_of(s);
+    for (std::size_t j = 0; j < body.size(); ++j) EXPECT_NEAR(body[j], sample.body[j], 8.0 / 65534);
+  }
+  EXPECT_TRUE(index->body_of(400).empty());
+}
+
+TEST(IndexFile, QueriesDoNotAllocate) {
+  const auto index = Index::parse(good_file(), "memory");
+  ASSERT_TRUE(index);
+  auto scratch = index->make_scratch();
+  const Sample q = World(0.1).sample(testing::kFreshSubjects, 0);
+  const std::size_t before = allocation_count;
+  for (const int k : {0, 1, 32, 100000}) (void)index->query(q.feature, {.neighbour_count = k}, *scratch);
+  EXPECT_EQ(allocation_count, before);
+}
+
+TEST(IndexFile, AnswersAnyFeatureWithNumbers) {
+  const auto index = Index::parse(good_file(), "memory");
+  ASSERT_TRUE(index);
+  auto scratch = index->make_scratch();
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  for (const std::vector<float>& feature :
+       {std::vector<float>(120, kNaN), std::vector<float>(120, kInf), std::vector<float>(120, -kInf),
+        std::vector<float>(120, 3e38F), std::vector<float>(3, 0.0F), std::vector<float>()}) {
+    const Answer a = index->query(feature, {.neighbour_count = -5, .frame_count = -5}, *scratch);
+    for (const Estimate& e : a.measurements) {
+      EXPECT_TRUE(std::isfinite(e.value) && std::isfinite(e.low) && std::isfinite(e.high));
+      EXPECT_LE(e.low, e.high);
+    }
+    EXPECT_GE(a.female, 0);
+    EXPECT_LE(a.female, 1);
+    EXPECT_LT(a.nearest, 400U);
+  }
+}
+
+TEST(IndexFile, EveryMissingOrShortSectionIsNamed) {
+  const auto reader = ContainerReader::parse(good_file(), kMagic, kVersion, "good");
+  for (const auto& [name, entry] : reader->entries()) {
+    auto missing = Index::parse(with_section(name, {}, true), "people.i2f");
+    ASSERT_FALSE(missing) << name;
+    EXPECT_NE(missing.error().message.find(name), std::string::npos) << missing.error().message;
+    EXPECT_NE(missing.error().message.find("people.i2f"), std::string::npos);
+    if (name == "provenance") continue;  // any length will do
+    const auto whole = *reader->section(name);
+    auto cut = Index::parse(with_section(name, {whole.begin(), whole.end() - 1}), "people.i2f");
+    ASSERT_FALSE(cut) << name;
+    EXPECT_NE(cut.error().message.find(name), std::string::npos) << cut.error().message;
+  }
+}
+
+TEST(IndexFile, HostileValuesBehindCorrectChecksumsAreRefused) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  struct Case {
+    const char* section;
+    std::vector<std::byte> bytes;
+  };
+  const std::vector<Case> cases = {
+      {"meta", patched("meta", 0, std::uint32_t{0})},  // feature size
+      {"meta", patched("meta", 0, std::uint32_t{0xFFFFFFFF})},
+      {"meta", patched("meta", 4, std::uint32_t{17})},  // targets
+      {"meta", patched("meta", 4, std::uint32_t{3})},
+      {"meta", patched("meta", 8, std::uint32_t{0})},  // dimensions
+      {"meta", patched("meta", 8, std::uint32_t{99})},
+      {"meta", patched("meta", 12, std::uint32_t{0})},  // entries
+      {"entry", patched("meta", 12, std::uint32_t{401})},
+      {"point", patched("meta", 16, std::uint32_t{1 << 20})},  // points
+      {"body", patched("meta", 20, std::uint32_t{1024})},      // body size
+      {"groups", patched("meta", 24, std::uint32_t{16})},
+      {"meta", patched("meta", 28, std::uint32_t{7})},     // method
+      {"meta", patched("meta", 32, std::uint32_t{5000})},  // neighbours
+      {"meta", patched("meta", 48, 0.0)},                  // grid unit
+      {"meta", patched("meta", 48, std::numeric_limits<double>::quiet_NaN())},
+      {"meta", patched("meta", 64, -1.0)},  // slope penalty
+      {"ridge", patched("ridge", 400, kNaN)},
+      {"ridge", patched("ridge", 400, 1e30F)},
+      {"feature.scale", patched("feature.scale", 8, -1.0F)},
+      {"target.scale", patched("target.scale", 8, -1.0F)},
+      {"code.step", patched("code.step", 0, 1 << 30)},
+      {"code.step", patched("code.step", 4, -1)},
+      {"interval", patched("interval", 0, 50.0F)},
+      {"sex.table", patched("sex.table", 40, 1.5F)},
+      {"sex.table", patched("sex.table", 4 * 128, 0.0F)},
+      {"groups", patched("groups", 24, std::uint32_t{0xFFFFFFF0})},
+      {"groups", patched("groups", 28, std::uint32_t{500})},
+      {"report", patched("report", 4, kNaN)},
+  };
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    auto index = Index::parse(cases[i].bytes, "hostile.i2f");
+    ASSERT_FALSE(index) << "case " << i << " (" << cases[i].section << ")";
+    EXPECT_NE(index.error().message.find(cases[i].section), std::string::npos) << i << ": " << index.error().message;
+  }
+}
+
+TEST(IndexFile, DamagedForeignAndTruncatedFilesAreRefused) {
+  const auto& good = good_file();
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{3}, std::size_t{31}, std::size_t{500}, good.size() / 2, good.size() - 1})
+    EXPECT_FALSE(Index::parse({good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size)}, "cut"));
+  for (std::size_t at = 0; at < good.size(); at += good.size() / 97) {
+    auto damaged = good;
+    damaged[at] ^= std::byte{0x40};
+    if (auto index = Index::parse(damaged, "damaged")) {
+      // Padding between sections may change; answers must not.
+      auto whole = Index::parse(good, "good");
+      auto a = index->make_scratch();
+      auto b = whole->make_scratch();
+      const Sample q = World(0.1).sample(testing::kFreshSubjects, 0);
+      const Answer x = index->query(q.feature, {}, *a);
+      const Answer y = whole->query(q.feature, {}, *b);
+      EXPECT_EQ(std::memcmp(&x, &y, sizeof x), 0) << "byte " << at;
+    }
+  }
+  ContainerWriter body("I2BD", 1);
+  auto foreign = Index::parse(body.finish(), "body.i2b");
+  ASSERT_FALSE(foreign);
+  EXPECT_NE(foreign.error().message.find("I2FX"), std::string::npos);
+  auto absent = Index::open("/nonexistent/people.i2f");
+  ASSERT_FALSE(absent);
+  EXPECT_NE(absent.error().message.find("/nonexistent/people.i2f"), std::string::npos);
+}
+
+TEST(IndexBuild, RefusesWhatCannotBeLearnedFrom) {
+  const World world;
+  const auto message = [](IndexBuilder& b) {
+    auto r = b.finish();
+    return r ? std::string("accepted") : r.error().message;
+  };
+  IndexBuilder none({});
+  EXPECT_NE(message(none).find("no samples"), std::string::npos);
+
+  IndexBuilder single({});
+  for (std::uint64_t c = 0; c < 50; ++c) single.add(world.sample(1, c));
+  EXPECT_NE(message(single).find("only 1 subjects"), std::string::npos);
+
+  IndexBuilder sizes({});
+  sizes.add(world.sample(0, 0));
+  Sample longer = world.sample(1, 0);
+  longer.feature.push_back(0);
+  sizes.add(longer);
+  EXPECT_NE(message(sizes).find("sample 1 has 121 features"), std::string::npos);
+
+  IndexBuilder nan({});
+  Sample bad = world.sample(0, 0);
+  bad.truth[3] = std::numeric_limits<float>::quiet_NaN();
+  nan.add(bad);
+  EXPECT_NE(message(nan).find("not finite"), std::string::npos);
+
+  BuildOptions uncovered;
+  uncovered.groups = {{"half", 60}};
+  IndexBuilder half(uncovered);
+  for (std::uint64_t s = 0; s < 30; ++s) half.add(world.sample(s, 0));
+  EXPECT_NE(message(half).find("cover 60 values"), std::string::npos);
+
+  BuildOptions many;
+  many.dimensions = 17;
+  IndexBuilder dimensions(many);
+  for (std::uint64_t s = 0; s < 30; ++s) dimensions.add(world.sample(s, 0));
+  EXPECT_NE(message(dimensions).find("dimensions is 17"), std::string::npos);
+}
+
+// Features or people that do not vary leave nothing to learn, but also nothing to break.
+TEST(IndexBuild, SurvivesConstants) {
+  const World world;
+  for (const bool same_people : {false, true}) {
+    IndexBuilder builder({});
+    for (std::uint64_t s = 0; s < 60; ++s) {
+      Sample sample = world.sample(same_people ? 0 : s, 0);
+      sample.subject = s;
+      if (!same_people) std::fill(sample.feature.begin(), sample.feature.end(), 7.0F);
+      sample.feature[5] = std::numeric_limits<float>::quiet_NaN();  // never measured
+      builder.add(sample);
+    }
+    auto bytes = builder.finish();
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    const auto index = Index::parse(std::move(*bytes), "constant");
+    ASSERT_TRUE(index) << index.error().message;
+    auto scratch = index->make_scratch();
+    const Answer a = index->query(world.sample(3, 9).feature, {}, *scratch);
+    double mean = 0;
+    for (std::uint64_t s = 0; s < 60; ++s)
+      mean += static_cast<double>(world.sample(same_people ? 0 : s, 0).truth[0]) / 60;
+    EXPECT_NEAR(a.measurements[0].value, mean, 1.0);
+  }
+}
+
+TEST(RawNearestTest, FindsTheNearestByHandAndSkipsWhatWasNotMeasured) {
+  RawNearest raw(3);
+  const auto sample = [](std::vector<float> f, float stature) {
+    Sample s;
+    s.feature = std::move(f);
+    s.truth[0] = stature;
+    return s;
+  };
+  ASSERT_TRUE(raw.add(sample({0, 0, 0, 99}, 1)));
+  ASSERT_TRUE(raw.add(sample({3, 4, 0}, 2)));
+  ASSERT_TRUE(raw.add(sample({3, 4, 0}, 3)));
+  EXPECT_FALSE(raw.add(sample({1, 2}, 4)));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto match = raw.nearest(std::vector<float>{3, 4, 12});
+  EXPECT_EQ(match.sample, 1U);
+  EXPECT_FLOAT_EQ(match.values[0], 2);
+  EXPECT_NEAR(match.distance, 12, 1e-9);
+  EXPECT_EQ(raw.nearest(std::vector<float>{0, 0, nan}).sample, 0U);
+}
+
+}  // namespace
+}  // namespace im2fit::index
