@@ -78,7 +78,9 @@ TEST_P(NormalsTiers, SphereFromItsCentre) {
     // A fitted plane is parallel to the surface somewhere inside its window: half a window is 19 mm of a 400 mm
     // sphere, foreshortened by n.z. Facing the camera the window is symmetric and the error of higher order.
     ASSERT_LT(angle(got.at(i), truth), 19.0 / 400 / -double{truth.z});
-    if (truth.z < -0.98F) ASSERT_LT(angle(got.at(i), truth), 0.5 * kDegree);
+    if (truth.z < -0.98F) {
+      ASSERT_LT(angle(got.at(i), truth), 0.5 * kDegree);
+    }
     EXPECT_LT(dot(got.at(i), {c.x[i], c.y[i], c.z[i]}), 0);
     ++checked;
   }
