@@ -80,7 +80,7 @@ struct ListRecord {  // a joint: the plain mean of these vertices
   std::uint32_t count = 0;
 };
 
-// Vertices with a name. Acromion: the skin vertex straight above the shoulder joint in the base mesh.
+// Vertices with a name. Acromion: the skin above and 20 mm outwards of the shoulder joint in the base mesh.
 enum class Landmark : std::uint8_t {
   left_nipple,
   right_nipple,

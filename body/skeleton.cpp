@@ -175,7 +175,7 @@ Pose a_pose(const Skeleton&) {
 Pose relaxed_pose(const Skeleton& rest, float spread_deg) {
   const auto [s, c] = sin_cos(spread_deg);
   // The forearm hangs closer to the thigh than the upper arm and a little forward.
-  const auto [s_low, c_low] = sin_cos(spread_deg * 0.6F);
+  const auto [s_low, c_low] = sin_cos(spread_deg * 0.8F);
   return arms_pose(rest, 0, {s, -c, -0.02F}, {s_low, -c_low, 0.2F});
 }
 

@@ -12,6 +12,8 @@ constexpr int kStepCountMax = 24;
 constexpr double kStatureToleranceMm = 0.1;
 constexpr double kVolumeToleranceL = 0.01;
 constexpr float kFatnessMax = 1.6F;  // beyond it folds tear
+constexpr float kSlimnessMax =
+    0.5F;  // the same set's other side: muscular people are too heavy for their build without
 
 // The smooth set that carries a body past the weight slider's end (docs/makehuman.md).
 struct FatnessPart {
@@ -28,7 +30,7 @@ using Mesh = std::vector<Vec3f>;
 
 struct Sliders {
   float height;
-  float build;  // the weight slider 0..1, then 1 + fatness
+  float build;  // the weight slider 0..1; above it 1 + fatness, below it minus slimness
 };
 
 // Stature, volume and their derivatives along the two sliders.
@@ -64,8 +66,8 @@ class Solver {
 
   const Params& at(Sliders s) {
     trial_.height = s.height;
-    trial_.weight = s.build < 1 ? s.build : 1;
-    const float fatness = s.build > 1 ? s.build - 1 : 0;
+    trial_.weight = limited(s.build, 0, 1);
+    const float fatness = s.build - trial_.weight;
     trial_.modifiers = original_.modifiers;
     for (std::size_t i = 0; i < std::size(kFatness); ++i)
       if (fatness_index_[i] >= 0)
@@ -74,22 +76,50 @@ class Solver {
   }
 
  private:
+  // The kinks of the two sliders; between them the mesh is affine.
+  static int height_piece(float h) { return h < 0.5F ? 0 : 1; }
+  static int build_piece(float b) { return b < 0 ? 0 : b < 0.5F ? 1 : b <= 1 ? 2 : 3; }
+  static bool beyond_slider(int piece) { return piece == 0 || piece == 3; }
+
   Response respond(Sliders s) {
-    model_.morph(at(s), here_);
-    const float h2 = other_point(s.height);
-    const float b2 = s.build > 1 ? other_fatness(s.build) : other_point(s.build);
-    model_.morph(at({h2, s.build}), by_height_);
-    model_.morph(at({s.height, b2}), by_build_);
-    return derive(1.0 / (static_cast<double>(h2) - s.height), 1.0 / (static_cast<double>(b2) - s.build));
+    const int height = height_piece(s.height), build = build_piece(s.build);
+    // Beyond the slider a modifier of the set may change sign on the way, so there nothing is kept.
+    const bool keep_build = build == build_piece_ && !beyond_slider(build);
+    if (height == height_piece_ && keep_build) {
+      for (std::size_t i = 0; i < here_.size(); ++i)
+        here_[i] = here_[i] + by_height_[i] * (s.height - last_.height) + by_build_[i] * (s.build - last_.build);
+    } else {
+      model_.morph(at(s), here_);
+      if (height != height_piece_) {
+        const float other = other_point(s.height);
+        difference({other, s.build}, other - s.height, by_height_);
+      }
+      if (!keep_build) {
+        const float other = beyond_slider(build) ? other_fatness(s.build) : other_point(s.build);
+        difference({s.height, other}, other - s.build, by_build_);
+      }
+    }
+    height_piece_ = height;
+    build_piece_ = build;
+    last_ = s;
+    return derive();
+  }
+
+  // Movement of each vertex per unit of the slider that differs by `step` at `there`.
+  void difference(Sliders there, float step, Mesh& out) {
+    model_.morph(at(there), out);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = (out[i] - here_[i]) * (1 / step);
   }
 
   // A second point of the same piece of a slider, 0..0.5 or 0.5..1.
   static float other_point(float v) { return v < 0.25F || (v >= 0.5F && v < 0.75F) ? v + 0.25F : v - 0.25F; }
-  // Fatness may have kinks where a modifier changes sign: look only a little ahead.
-  static float other_fatness(float v) { return v > 1 + kFatnessMax / 2 ? v - 0.05F : v + 0.05F; }
+  static float other_fatness(float v) {
+    const float outwards = v < 0 ? -0.05F : 0.05F;
+    return v > 1 + kFatnessMax / 2 || (v < -kSlimnessMax / 2 && v < 0) ? v - outwards : v + outwards;
+  }
 
   // First variation of a closed mesh's volume: a sixth of (edge x edge) . (sum of the corners' movements).
-  Response derive(double per_height, double per_build) const {
+  Response derive() const {
     double volume = 0, by_height = 0, by_build = 0;
     for (const auto& t : model_.body_triangles()) {
       const auto a = static_cast<std::size_t>(t[0]), b = static_cast<std::size_t>(t[1]),
@@ -97,8 +127,8 @@ class Solver {
       const Vec3f sum = here_[a] + here_[b] + here_[c];
       const Vec3f n = cross(here_[b] - here_[a], here_[c] - here_[a]);
       volume += static_cast<double>(dot(n, sum));
-      by_height += static_cast<double>(dot(n, by_height_[a] + by_height_[b] + by_height_[c] - sum));
-      by_build += static_cast<double>(dot(n, by_build_[a] + by_build_[b] + by_build_[c] - sum));
+      by_height += static_cast<double>(dot(n, by_height_[a] + by_height_[b] + by_height_[c]));
+      by_build += static_cast<double>(dot(n, by_build_[a] + by_build_[b] + by_build_[c]));
     }
     std::size_t low = 0, high = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(model_.body_vertex_count()); ++i) {
@@ -109,10 +139,10 @@ class Solver {
     Response r{};
     r.stature_mm = tall(here_);
     r.volume_l = volume / 18e6;  // (edge x edge) . corner is the same for the three corners
-    r.stature_by_height = (tall(by_height_) - r.stature_mm) * per_height;
-    r.stature_by_build = (tall(by_build_) - r.stature_mm) * per_build;
-    r.volume_by_height = by_height / 6e6 * per_height;
-    r.volume_by_build = by_build / 6e6 * per_build;
+    r.stature_by_height = tall(by_height_);
+    r.stature_by_build = tall(by_build_);
+    r.volume_by_height = by_height / 6e6;
+    r.volume_by_build = by_build / 6e6;
     return r;
   }
 
@@ -126,11 +156,10 @@ class Solver {
       dh = more_stature / r.stature_by_height;
     }
     Sliders n = {limited(s.height + limited(dh, -0.3, 0.3), 0, 1),
-                 limited(s.build + limited(db, -0.5, 0.5), 0, 1 + kFatnessMax)};
+                 limited(s.build + limited(db, -0.5, 0.5), -kSlimnessMax, 1 + kFatnessMax)};
     // Stop at a kink instead of leaping it: beyond, another derivative holds.
-    if ((s.build < 0.5F && n.build > 0.5F) || (s.build > 0.5F && n.build < 0.5F)) n.build = 0.5F;
-    if (s.build < 1 && n.build > 1) n.build = 1.0F;
-    if (s.build > 1 && n.build < 1) n.build = 1.0F;
+    for (const float kink : {0.0F, 0.5F, 1.0F})
+      if ((s.build < kink && n.build > kink) || (s.build > kink && n.build < kink)) n.build = kink;
     // Against a stop the other slider alone must serve stature.
     if (n.build == s.build && r.stature_by_height > 0)
       n.height = limited(s.height + limited(more_stature / r.stature_by_height, -0.3, 0.3), 0, 1);
@@ -145,6 +174,9 @@ class Solver {
   Params original_;
   Params trial_;
   std::array<int, std::size(kFatness)> fatness_index_{};
+  Sliders last_{};
+  int height_piece_ = -1;
+  int build_piece_ = -1;
   Mesh here_, by_height_, by_build_;
 };
 

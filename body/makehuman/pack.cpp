@@ -18,6 +18,7 @@ namespace makehuman {
 namespace {
 
 constexpr double kMmPerDm = 100;
+constexpr float kAcromionOutwardsMm = 20;
 // Kept helpers: joint cubes, tights and skirt, ground cube. Dropped: tongue, teeth, eyes, lashes, genitals, hair.
 struct Range {
   int first, last;
@@ -279,17 +280,20 @@ class Packer {
     return record;
   }
 
-  // The body vertex straight above a shoulder joint.
+  // The body vertex above and 20 mm outwards of a shoulder joint: a man of ANSUR II's mean stature and weight then
+  // has its mean biacromial breadth (416 mm); straight above the joint gives 370.
   Result<std::int32_t> acromion(std::string_view shoulder) const {
     const auto list = joint_vertices(shoulder);
     if (!list) return list.error();
     Vec3f joint;
     for (const int v : *list) joint = joint + base_mm(v) * (1.0F / static_cast<float>(list->size()));
-    std::int32_t best = -1;
+    const float lateral = joint.x + (joint.x > 0 ? kAcromionOutwardsMm : -kAcromionOutwardsMm);
+    std::int32_t best = 0;
     float best_distance = 1e9F;
     for (int v = 0; v < kBodyFirstHelper; ++v) {
       const Vec3f d = base_mm(v) - joint;
-      const float distance = d.x * d.x + d.z * d.z;
+      const float out = base_mm(v).x - lateral;
+      const float distance = out * out + d.z * d.z;
       if (d.y > 0 && distance < best_distance) {
         best = v;
         best_distance = distance;
