@@ -80,7 +80,7 @@ body::Params draw_params(const body::BodyModel& model, const Subject& subject, c
   const double muscle = (subject.woman ? 0.42 : 0.48) - 0.025 * (bmi - 24) - 0.04 * attempt;
   const bool varied = subject.family != Family::paper;
   p.muscle = slider(rng, muscle, varied ? 0.13 : 0.05, 0.0, 0.9);
-  p.proportions = slider(rng, 0.55, varied ? 0.12 : 0.05, 0.3, 0.8);
+  p.proportions = slider(rng, 0.55, varied ? 0.09 : 0.05, 0.3, 0.8);
   p.cup = slider(rng, 0.5, varied ? 0.2 : 0.05, 0.05, 0.95);
   p.firmness = slider(rng, 0.55, varied ? 0.2 : 0.05, 0.05, 0.95);
   if (varied) {
