@@ -34,7 +34,8 @@ Answer Answerer::answer(const Targets& regressed, const QueryOptions& options,
   const LocalAnswer local = local_regression(
       c.local_data(), grid, found,
       {static_cast<LocalMethod>(c.meta.local_method), c.meta.intercept_penalty, c.meta.slope_penalty});
-  for (int t = 0; t < targets; ++t) value[t] += local.correction[t];
+  for (int t = 0; t < targets; ++t)
+    if ((c.meta.local_targets >> t & 1U) != 0) value[t] += local.correction[t];
 
   Answer out;
   fill_estimates(value, local.spread, options.frame_count, out);

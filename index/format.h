@@ -37,8 +37,8 @@ struct MetaRecord {
   std::uint32_t neighbour_count = 0;
   std::uint32_t quadratic = 0;  // 1: the quadratic section is applied
   std::uint32_t interval_kind = 0;
-  std::uint32_t zero = 0;
-  double grid_unit = 1;  // projected space per grid step
+  std::uint32_t local_targets = 0;  // bit t: the local correction applies to target t
+  double grid_unit = 1;             // projected space per grid step
   double intercept_penalty = 0;
   double slope_penalty = 0;
   double frame_model = 1;  // error variance(frames) = frame_model + frame_noise / frames, relative

@@ -11,7 +11,7 @@
 namespace im2fit::index {
 namespace {
 
-constexpr std::ptrdiff_t kJudgedRowMax = 2000;        // for choices
+constexpr std::ptrdiff_t kJudgedRowMax = 4000;        // for choices
 constexpr std::ptrdiff_t kCalibrationRowMax = 10000;  // for intervals
 constexpr double kQuadraticPenalty = 10;              // captures
 constexpr double kInterceptPenalty = 3;               // neighbours of full weight
@@ -207,12 +207,16 @@ void Tuner::fit_quadratic() {
   quadratic.clear();
   for (int t = 0; t < target_count_; ++t)
     for (int k = 0; k < terms; ++k) quadratic.push_back(static_cast<float>(all(k, t)));
-  const double before = residual.leftCols(kTargetMin).cwiseAbs().sum();
-  const double after = (residual - quadratic_correction_).leftCols(kTargetMin).cwiseAbs().sum();
-  meta.quadratic = after < before * kWorthwhile ? 1 : 0;
-  if (meta.quadratic == 0) {
-    quadratic_correction_.setZero();
-    std::fill(quadratic.begin(), quadratic.end(), 0.0F);
+  meta.quadratic = 0;
+  for (int t = 0; t < target_count_; ++t) {
+    const double before = residual.col(t).cwiseAbs().sum();
+    const double after = (residual.col(t) - quadratic_correction_.col(t)).cwiseAbs().sum();
+    if (after < before * kWorthwhile) {
+      meta.quadratic = 1;
+      continue;
+    }
+    quadratic_correction_.col(t).setZero();
+    std::fill_n(quadratic.begin() + t * terms, terms, 0.0F);
   }
 }
 
@@ -228,24 +232,27 @@ void Tuner::set_residuals(const Eigen::MatrixXd& residuals) {
   }
 }
 
-double Tuner::correction_error(const CodeTree& tree, const Eigen::MatrixXd& base, const LocalOptions& options,
-                               int count) const {
+// Absolute error of each judged row (rows) and target (columns).
+Eigen::MatrixXd Tuner::local_errors(const CodeTree& tree, const Eigen::MatrixXd& base, const LocalOptions& options,
+                                    int count) const {
   const int dimensions = static_cast<int>(meta.dimensions);
   const LocalData data{point_code, steps, dimensions, point_residual, residual_scale, target_count_};
   std::vector<Neighbour> buffer;
-  double sum = 0;
-  for (const std::ptrdiff_t i : judged_rows(kJudgedRowMax)) {
-    Targets correction{};
-    if (options.method != LocalMethod::none) {
-      const Coordinates grid = to_grid(position_of(regressed_, i, dimensions), dimensions, meta.grid_unit);
-      correction = local_regression(data, grid, neighbours_of(tree, i, grid, rows_.subject, count, buffer), options)
-                       .correction;
-    }
-    for (int t = 0; t < kTargetMin; ++t) sum += std::abs(base(i, t) + correction[t] - rows_.targets(i, t));
+  const auto judged = judged_rows(kJudgedRowMax);
+  Eigen::MatrixXd out(static_cast<std::ptrdiff_t>(judged.size()), target_count_);
+  for (std::size_t k = 0; k < judged.size(); ++k) {
+    const std::ptrdiff_t i = judged[k];
+    const Coordinates grid = to_grid(position_of(regressed_, i, dimensions), dimensions, meta.grid_unit);
+    const LocalAnswer local =
+        local_regression(data, grid, neighbours_of(tree, i, grid, rows_.subject, count, buffer), options);
+    for (int t = 0; t < target_count_; ++t)
+      out(static_cast<std::ptrdiff_t>(k), t) = std::abs(base(i, t) + local.correction[t] - rows_.targets(i, t));
   }
-  return sum;
+  return out;
 }
 
+// Each target takes the local correction only where it is better beyond chance (two standard errors of the paired
+// difference): over a straight world it would only add noise.
 void Tuner::choose_correction() {
   const Eigen::MatrixXd base = regressed_ + quadratic_correction_;
   set_residuals(rows_.targets - base);
@@ -255,22 +262,34 @@ void Tuner::choose_correction() {
     LocalMethod method;
     int neighbours;
   };
-  double best = correction_error(tree, base, {LocalMethod::none, 0, 0}, 1);
   meta.local_method = static_cast<std::uint32_t>(LocalMethod::none);
   meta.neighbour_count = static_cast<std::uint32_t>(std::clamp(kSpreadNeighbours, 1, std::max(available, 1)));
   meta.intercept_penalty = kInterceptPenalty;
   meta.slope_penalty = kSlopePenalty;
+  const Eigen::MatrixXd plain = local_errors(tree, base, {}, 1);
+  const auto n = static_cast<double>(plain.rows());
+  double best = 0;
   for (const Candidate c : {Candidate{LocalMethod::mean, 32},
                             {LocalMethod::mean, 128},
                             {LocalMethod::linear, 256},
                             {LocalMethod::linear, kNeighbourMax}}) {
     if (c.neighbours > available) continue;
-    const double error = correction_error(tree, base, {c.method, kInterceptPenalty, kSlopePenalty}, c.neighbours);
-    if (error < best * kWorthwhile) {
-      best = error;
-      meta.local_method = static_cast<std::uint32_t>(c.method);
-      meta.neighbour_count = static_cast<std::uint32_t>(c.neighbours);
+    const Eigen::MatrixXd gain =
+        plain - local_errors(tree, base, {c.method, kInterceptPenalty, kSlopePenalty}, c.neighbours);
+    std::uint32_t mask = 0;
+    double total = 0;
+    for (int t = 0; t < target_count_; ++t) {
+      const double mean = gain.col(t).mean();
+      const double error = std::sqrt((gain.col(t).array() - mean).square().sum() / (n * std::max(n - 1, 1.0)));
+      if (mean <= 2 * error) continue;
+      mask |= 1U << t;
+      total += t < kTargetMin ? mean : 0;
     }
+    if (total <= best) continue;
+    best = total;
+    meta.local_method = static_cast<std::uint32_t>(c.method);
+    meta.local_targets = mask;
+    meta.neighbour_count = static_cast<std::uint32_t>(c.neighbours);
   }
 }
 
@@ -292,7 +311,9 @@ void Tuner::answer_held_out() {
     const LocalAnswer local = local_regression(
         data, grid, neighbours_of(points, i, grid, rows_.subject, static_cast<int>(meta.neighbour_count), buffer),
         options);
-    for (int t = 0; t < target_count_; ++t) row.answer[t] += quadratic_correction_(i, t) + local.correction[t];
+    for (int t = 0; t < target_count_; ++t)
+      row.answer[t] +=
+          quadratic_correction_(i, t) + ((meta.local_targets >> t & 1U) != 0 ? local.correction[t] : 0.0);
     row.spread = local.spread;
     const Coordinates key =
         to_grid(project(row.answer, target_count_, projection, dimensions), dimensions, meta.grid_unit);

@@ -47,8 +47,8 @@ class Tuner {
   std::span<Neighbour> neighbours_of(const CodeTree& tree, std::ptrdiff_t row, const Coordinates& grid,
                                      std::span<const std::uint32_t> subject, int count,
                                      std::vector<Neighbour>& buffer) const;
-  double correction_error(const CodeTree& tree, const Eigen::MatrixXd& base, const LocalOptions& options,
-                          int count) const;
+  Eigen::MatrixXd local_errors(const CodeTree& tree, const Eigen::MatrixXd& base, const LocalOptions& options,
+                               int count) const;
   std::vector<std::ptrdiff_t> judged_rows(std::ptrdiff_t count_max) const;
 
   const TrainingRows& rows_;
