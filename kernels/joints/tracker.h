@@ -35,6 +35,7 @@ class JointTracker {
   explicit JointTracker(const JointModel& model);  // the model must outlive the tracker
   ~JointTracker();
   JointTracker(JointTracker&&) noexcept;
+  JointTracker& operator=(JointTracker&&) noexcept;
   // `previous`: last frame's joints to start from, or null for a cold start. No allocation.
   JointSet track(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Person& person,
                  const JointSet* previous);

@@ -22,6 +22,10 @@ namespace {
 constexpr float kNearMm = 1000.0F;
 constexpr float kFarMm = 4000.0F;
 constexpr float kFragmentAreaMaxM2 = 0.12F;  // a forearm pointing at the camera
+constexpr float kHandSizeMaxMm = 380.0F;
+constexpr float kHandHeightMinMm = 400.0F;  // above the floor: below it stand boxes and chairs
+constexpr float kHandGapMaxMm = 280.0F;
+constexpr int kGapReachCells = 9;
 constexpr float kHoleShareMax = 0.30F;
 constexpr float kFeetMissingMm = 220.0F;  // lowest visible part this far above the floor: the feet are hidden
 constexpr float kWholeBodyMinMm = 1250.0F;
@@ -46,10 +50,13 @@ struct Segmenter::Workspace {
         blobs(grid),
         chosen(grid.depth.size()),
         touch(at(segment::kBlobCountMax)),
-        border(at(segment::kBlobCountMax)) {}
+        border(at(segment::kBlobCountMax)),
+        gap_mm(at(segment::kBlobCountMax)),
+        candidate(at(segment::kBlobCountMax)) {}
 
   int choose() const;
   void absorb_fragments(int person);
+  void look_around(int c, int r);
   float hole_share(DepthView depth) const;
   void mark_dead_borders(Person& person) const;
   GuidanceSet advise(const Person& person, DepthView depth, MaskView mask) const;
@@ -63,6 +70,9 @@ struct Segmenter::Workspace {
   std::vector<std::uint8_t> chosen;
   std::vector<std::int32_t> touch;
   std::vector<std::int32_t> border;
+  std::vector<float> gap_mm;
+  std::vector<std::uint8_t> candidate;  // per blob: 0 no, 1 when enclosed, 2 also when near (a hand)
+  bool grid_floor_known = false;
   bool has_last = false;
   Vec3f last_mm;
 };
@@ -85,48 +95,69 @@ int Segmenter::Workspace::choose() const {
   return best;
 }
 
-// A forearm held towards the camera is an island of its own: small, before the body, mostly surrounded by it.
+// A hand or forearm held towards the camera is an island of its own: no larger than that, before the body, off the
+// floor, and a short way in space from what is already the person. Islands inside the outline belong as well.
 void Segmenter::Workspace::absorb_fragments(int person) {
   const auto labels = blobs.labels();
   const auto list = blobs.blobs();
   const auto label = static_cast<std::uint16_t>(person + 1);
-  std::fill(touch.begin(), touch.end(), 0);
-  std::fill(border.begin(), border.end(), 0);
-  for (int r = 1; r + 1 < grid.height; ++r) {
-    for (int c = 1; c + 1 < grid.width; ++c) {
-      const int cell = grid.index(c, r);
-      const std::uint16_t own = labels[at(cell)];
-      if (own == 0 || own == label) continue;
-      const auto look = [&](int step) {
-        int other = cell + step;
-        const int next = other + step;
-        if (labels[at(other)] == own) return;
-        if (grid.depth[at(other)] == 0 && next >= 0 && next < static_cast<int>(labels.size())) other = next;
-        ++border[at(own - 1)];
-        if (labels[at(other)] == label) ++touch[at(own - 1)];
-      };
-      look(-1);
-      look(1);
-      look(-grid.width);
-      look(grid.width);
+  const Blob& body = list[at(person)];
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = labels[i] == label ? 1 : 0;
+  for (std::size_t b = 0; b < list.size(); ++b) {
+    const Blob& other = list[b];
+    const float z = other.centroid_mm.z;
+    const float cell = static_cast<float>(grid.step) * z / grid.intrinsics.fx;
+    const bool small = other.area_m2 < kFragmentAreaMaxM2 && !other.person && b != at(person);
+    candidate[b] = small && z > body.centroid_mm.z - 900.0F && z < body.centroid_mm.z + 130.0F ? 1 : 0;
+    const bool hand = static_cast<float>(other.c_max - other.c_min) * cell < kHandSizeMaxMm &&
+                      static_cast<float>(other.r_max - other.r_min) * cell < kHandSizeMaxMm &&
+                      z < body.centroid_mm.z - 60.0F && (!grid_floor_known || other.height_min_mm > kHandHeightMinMm);
+    if (candidate[b] != 0 && hand) candidate[b] = 2;
+  }
+  for (int pass = 0; pass < 2; ++pass) {  // a hand may hang on a wrist that is an island itself
+    std::fill(touch.begin(), touch.end(), 0);
+    std::fill(border.begin(), border.end(), 0);
+    std::fill(gap_mm.begin(), gap_mm.end(), 1e9F);
+    for (int r = 1; r + 1 < grid.height; ++r) {
+      for (int c = 1; c + 1 < grid.width; ++c) {
+        const int cell = grid.index(c, r);
+        if (labels[at(cell)] == 0 || chosen[at(cell)] != 0 || candidate[at(labels[at(cell)] - 1)] == 0) continue;
+        look_around(c, r);
+      }
+    }
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      if (labels[i] == 0 || chosen[i] != 0) continue;
+      const auto b = static_cast<std::size_t>(labels[i] - 1);
+      if (candidate[b] == 0) continue;
+      const bool enclosed = static_cast<float>(touch[b]) >= 0.55F * static_cast<float>(border[b]) && touch[b] > 0;
+      if (enclosed || (candidate[b] == 2 && gap_mm[b] < kHandGapMaxMm)) chosen[i] = 1;
     }
   }
-  const Blob& body = list[at(person)];
-  const float limit = body.centroid_mm.z;
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    chosen[i] = 0;
-    if (labels[i] == 0) continue;
-    if (labels[i] == label) {
-      chosen[i] = 1;
-      continue;
+}
+
+// How much of a candidate's border faces the person, and how near in space it comes.
+void Segmenter::Workspace::look_around(int c, int r) {
+  const auto labels = blobs.labels();
+  const int cell = grid.index(c, r);
+  const std::uint16_t own = labels[at(cell)];
+  const auto b = at(own - 1);
+  bool edge = false;
+  for (const int step : {-1, 1, -grid.width, grid.width}) {
+    int other = cell + step;
+    if (labels[at(other)] == own) continue;
+    edge = true;
+    const int next = other + step;
+    if (grid.depth[at(other)] == 0 && next >= 0 && next < static_cast<int>(labels.size())) other = next;
+    ++border[b];
+    if (chosen[at(other)] != 0) ++touch[b];
+  }
+  if (!edge || candidate[b] != 2) return;
+  const Vec3f here = grid.point(cell);
+  for (int rr = std::max(0, r - kGapReachCells); rr <= std::min(grid.height - 1, r + kGapReachCells); ++rr) {
+    for (int cc = std::max(0, c - kGapReachCells); cc <= std::min(grid.width - 1, c + kGapReachCells); ++cc) {
+      const int other = grid.index(cc, rr);
+      if (chosen[at(other)] != 0) gap_mm[b] = std::min(gap_mm[b], norm(grid.point(other) - here));
     }
-    const auto b = static_cast<std::size_t>(labels[i] - 1);
-    const Blob& other = list[b];
-    if (other.person || other.area_m2 > kFragmentAreaMaxM2) continue;
-    const float z = other.centroid_mm.z;
-    if (z < limit - 900.0F || z > limit + 130.0F) continue;
-    const float share = z < limit - 60.0F ? 0.5F : 0.6F;
-    if (static_cast<float>(touch[b]) >= share * static_cast<float>(border[b])) chosen[i] = 1;
   }
 }
 
@@ -247,6 +278,7 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
     w.has_last = false;
     return person;
   }
+  w.grid_floor_known = person.floor.known;
   w.absorb_fragments(who);
   w.last_mm = w.blobs.blobs()[at(who)].centroid_mm;
   w.has_last = true;

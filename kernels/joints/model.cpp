@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reading a .i2t file: every size and index is checked once here, so that tracking needs no checks.
+#include <algorithm>
+
+#include "base/container.h"
+#include "kernels/joints/model_data.h"
+
+namespace im2fit {
+namespace {
+
+using joints::JumpNode;
+
+Error damaged(const std::string& what, const std::string& detail) {
+  return {ErrorCode::corrupt, what + ": " + detail + "; train the tracker again"};
+}
+
+Status check_meta(const joints::Meta& m, const std::string& what) {
+  const auto within = [](std::uint32_t v, std::uint32_t low, std::uint32_t high) { return v >= low && v <= high; };
+  if (!within(m.forest_tree_count, 1, 16)) return damaged(what, "forest trees per joint are not 1..16");
+  if (!within(m.jump_count, 1, 64)) return damaged(what, "jumps per joint are not 1..64");
+  if (!within(m.level_count, 0, 32)) return damaged(what, "cascade levels are not 0..32");
+  if (!within(m.level_tree_count, 1, 4096)) return damaged(what, "trees per cascade level are not 1..4096");
+  if (!within(m.pixel_count, 2, joints::kPixelCountMax)) return damaged(what, "anchors per level are not 2..1024");
+  return Ok{};
+}
+
+// Children lie behind their parent: walking a tree ends.
+Status check_forest(const joints::ForestView& f, const std::string& what) {
+  const std::size_t tree_count = f.tree_start.size() - 1;
+  if (f.tree_start[0] != 0 || f.tree_start[tree_count] != f.nodes.size())
+    return damaged(what, "section tree does not span section node");
+  for (std::size_t t = 0; t < tree_count; ++t) {
+    if (f.tree_start[t] >= f.tree_start[t + 1] || f.tree_start[t + 1] > f.nodes.size())
+      return damaged(what, "tree " + std::to_string(t) + " has no nodes or starts out of order");
+    const auto tree = f.nodes.subspan(f.tree_start[t], f.tree_start[t + 1] - f.tree_start[t]);
+    for (std::size_t i = 0; i < tree.size(); ++i) {
+      const std::size_t left = tree[i].left;
+      if (left != 0 && (left <= i || left + 1 >= tree.size()))
+        return damaged(what, "tree " + std::to_string(t) + " node " + std::to_string(i) + " has a child outside");
+    }
+  }
+  return Ok{};
+}
+
+Status check_cascade(const JointModel::Data& d, const std::string& what) {
+  for (const joints::Anchor& a : d.anchors)
+    if (a.joint >= kJointCount) return damaged(what, "an anchor names joint " + std::to_string(a.joint) + " of 15");
+  for (const joints::Split& s : d.splits)
+    if (s.a >= d.meta.pixel_count || s.b >= d.meta.pixel_count)
+      return damaged(what, "a split reads anchor " + std::to_string(std::max(s.a, s.b)) + " of " +
+                               std::to_string(d.meta.pixel_count));
+  return Ok{};
+}
+
+}  // namespace
+
+JointModel::JointModel() : data_(std::make_unique<Data>()) {}
+JointModel::JointModel(JointModel&&) noexcept = default;
+JointModel& JointModel::operator=(JointModel&&) noexcept = default;
+JointModel::~JointModel() = default;
+
+Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std::string& what) {
+  auto reader = ContainerReader::parse(bytes, joints::kTrackerMagic, joints::kTrackerVersion, what);
+  if (!reader) return reader.error();
+  JointModel model;
+  Data& d = *model.data_;
+  auto meta = reader->array<joints::Meta>("meta", 1);
+  if (!meta) return meta.error();
+  d.meta = (*meta)[0];
+  if (Status ok = check_meta(d.meta, what); !ok) return ok.error();
+  const std::size_t level_trees = static_cast<std::size_t>(d.meta.level_count) * d.meta.level_tree_count;
+
+  auto starts = reader->array<std::uint32_t>("tree", kJointCount * d.meta.forest_tree_count + 1);
+  if (!starts) return starts.error();
+  auto nodes = reader->array<JumpNode>("node");
+  if (!nodes) return nodes.error();
+  auto bone = reader->array<std::int16_t>("bone", kJointCount * 3);
+  if (!bone) return bone.error();
+  d.forest = {d.meta.forest_tree_count, d.meta.jump_count, *starts, *nodes, *bone};
+  if (Status ok = check_forest(d.forest, what); !ok) return ok.error();
+
+  auto anchors =
+      reader->array<joints::Anchor>("anchor", static_cast<std::size_t>(d.meta.level_count) * d.meta.pixel_count);
+  if (!anchors) return anchors.error();
+  auto splits = reader->array<joints::Split>("split", level_trees * joints::kSplitCount);
+  if (!splits) return splits.error();
+  auto leaves = reader->array<std::int16_t>("leaf", level_trees * joints::kLeafCount * joints::kShapeSize);
+  if (!leaves) return leaves.error();
+  auto bins = reader->array<joints::ConfidenceBin>("confidence", kJointCount * joints::kConfidenceBinCount);
+  if (!bins) return bins.error();
+  d.anchors = *anchors;
+  d.splits = *splits;
+  d.leaves = *leaves;
+  d.bins = *bins;
+  if (Status ok = check_cascade(d, what); !ok) return ok.error();
+  return model;
+}
+
+}  // namespace im2fit

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a .i2t file holds, as views into its bytes, and the few lines of arithmetic that run it. The trainer uses the
+// same lines, so that it learns on exactly the numbers the device will see. Layout: docs/tracker.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "kernels/core/camera.h"
+#include "kernels/core/joints.h"
+#include "kernels/joints/tracker.h"
+#include "kernels/joints/view.h"
+
+namespace im2fit::joints {
+
+inline constexpr std::string_view kTrackerMagic = "I2TR";
+inline constexpr std::uint32_t kTrackerVersion = 1;
+inline constexpr int kSplitDepth = 5;
+inline constexpr int kSplitCount = 31;  // inner nodes of a depth-5 tree
+inline constexpr int kLeafCount = 32;
+inline constexpr int kShapeSize = 3 * static_cast<int>(kJointCount);
+inline constexpr float kLeafUnit = 64.0F;  // cascade leaves are in 1/64 mm
+inline constexpr int kConfidenceBinCount = 12;
+inline constexpr int kPixelCountMax = 1024;
+
+// Torso first, then outwards: each joint starts half way along the mean bone from its parent.
+inline constexpr std::array<Joint, kJointCount> kJointOrder = {Joint::TO, Joint::NE, Joint::HE, Joint::LS, Joint::RS,
+                                                               Joint::LE, Joint::RE, Joint::LA, Joint::RA, Joint::LH,
+                                                               Joint::RH, Joint::LK, Joint::RK, Joint::LF, Joint::RF};
+inline constexpr std::array<Joint, kJointCount> kJointParent = {  // by Joint; the torso is its own
+    Joint::NE, Joint::TO, Joint::TO, Joint::NE, Joint::NE, Joint::LS, Joint::RS, Joint::LE,
+    Joint::RE, Joint::TO, Joint::TO, Joint::LH, Joint::RH, Joint::LK, Joint::RK};
+
+struct Meta {
+  std::uint32_t forest_tree_count = 0;  // per joint
+  std::uint32_t jump_count = 0;
+  std::uint32_t level_count = 0;
+  std::uint32_t level_tree_count = 0;
+  std::uint32_t pixel_count = 0;  // per level
+  std::uint32_t reserved = 0;
+};
+
+// Inner node: depth difference of two probes against `threshold`; children at `left`, `left + 1` of the same tree.
+// Leaf (left == 0): the jump in a, b, c (mm) and the spread of its training samples in d (mm).
+struct JumpNode {
+  std::int16_t a = 0;
+  std::int16_t b = 0;
+  std::int16_t c = 0;
+  std::int16_t d = 0;
+  std::int16_t threshold = 0;
+  std::uint16_t left = 0;
+};
+static_assert(sizeof(JumpNode) == 12);
+
+struct Anchor {  // one shape-indexed pixel: a joint and an offset in mm
+  std::int16_t dx = 0;
+  std::int16_t dy = 0;
+  std::uint16_t joint = 0;
+};
+static_assert(sizeof(Anchor) == 6);
+
+struct Split {  // pixel a - pixel b > threshold goes right
+  std::uint16_t a = 0;
+  std::uint16_t b = 0;
+  std::int16_t threshold = 0;
+};
+static_assert(sizeof(Split) == 6);
+
+struct ConfidenceBin {  // bins in rising order of doubt
+  std::uint16_t doubt_mm_max = 0;
+  std::uint16_t chance = 0;  // of being within 50 mm, of 65535
+};
+static_assert(sizeof(ConfidenceBin) == 4);
+
+using Shape = std::array<float, static_cast<std::size_t>(kShapeSize)>;  // x, y, z by joint, mm
+inline Vec3f joint_of(const Shape& s, int j) {
+  const auto i = static_cast<std::size_t>(3 * j);
+  return {s[i], s[i + 1], s[i + 2]};
+}
+inline void set_joint(Shape& s, int j, Vec3f p) {
+  const auto i = static_cast<std::size_t>(3 * j);
+  s[i] = p.x;
+  s[i + 1] = p.y;
+  s[i + 2] = p.z;
+}
+
+inline constexpr float kProbeDepthMinMm = 200.0F;
+inline float safe_depth(float z) {
+  return z > kProbeDepthMinMm ? z : kProbeDepthMinMm;
+}
+
+// Depth at the metric point (x, y, z) relative to z, within +-1000; nothing there counts as far behind.
+inline int probe(const View& view, float x, float y, float z, float inverse_z) {
+  const int d = view.at_ray(x * inverse_z, y * inverse_z);
+  if (d == 0) return 1000;
+  const int q = d - static_cast<int>(z);
+  return q > 1000 ? 1000 : (q < -1000 ? -1000 : q);
+}
+inline int jump_feature(const View& view, Vec3f p, const JumpNode& n) {
+  const float z = safe_depth(p.z);
+  const float inverse_z = 1.0F / z;
+  return probe(view, p.x + static_cast<float>(n.a), p.y + static_cast<float>(n.b), z, inverse_z) -
+         probe(view, p.x + static_cast<float>(n.c), p.y + static_cast<float>(n.d), z, inverse_z);
+}
+const JumpNode& find_leaf(std::span<const JumpNode> tree, const View& view, Vec3f p);
+
+// Depth under each anchor relative to the torso's, within +-600.
+void read_anchors(std::span<const Anchor> anchors, const View& view, const Shape& shape, std::int16_t* out);
+inline int find_leaf(const Split* splits, const std::int16_t* pixels) {
+  int i = 0;
+  while (i < kSplitCount) i = 2 * i + 1 + (pixels[splits[i].a] - pixels[splits[i].b] > splits[i].threshold ? 1 : 0);
+  return i - kSplitCount;
+}
+
+struct ForestView {
+  std::uint32_t tree_count = 0;  // per joint
+  std::uint32_t jump_count = 0;
+  std::span<const std::uint32_t> tree_start;  // joints * trees + 1
+  std::span<const JumpNode> nodes;
+  std::span<const std::int16_t> bone;  // joints * 3: mean offset from the parent, mm
+
+  std::span<const JumpNode> tree(int joint, std::uint32_t t) const {
+    const std::size_t i = static_cast<std::size_t>(joint) * tree_count + t;
+    return nodes.subspan(tree_start[i], tree_start[i + 1] - tree_start[i]);
+  }
+};
+// Cold start. `spread_mm` (may be null): per joint, how far the trees and the last jumps disagree.
+void run_forest(const ForestView& forest, const View& view, Shape& shape, float* spread_mm);
+// One joint from `start`.
+Vec3f run_jumps(const ForestView& forest, int joint, const View& view, Vec3f start, float* spread_mm);
+Vec3f jump_start(const ForestView& forest, int joint, const View& view, const Shape& shape);
+
+}  // namespace im2fit::joints
+
+namespace im2fit {
+
+struct JointModel::Data {
+  joints::Meta meta;
+  joints::ForestView forest;
+  std::span<const joints::Anchor> anchors;      // levels * pixels
+  std::span<const joints::Split> splits;        // levels * trees * 31
+  std::span<const std::int16_t> leaves;         // levels * trees * 32 * 45, 1/64 mm
+  std::span<const joints::ConfidenceBin> bins;  // joints * 12
+};
+
+namespace joints {
+void run_cascade(const JointModel::Data& model, const View& view, Shape& shape);
+}  // namespace joints
+
+}  // namespace im2fit

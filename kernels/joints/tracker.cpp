@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/joints/tracker.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kernels/joints/model_data.h"
+
+namespace im2fit {
+namespace joints {
+
+const JumpNode& find_leaf(std::span<const JumpNode> tree, const View& view, Vec3f p) {
+  const JumpNode* n = tree.data();
+  while (n->left != 0) n = tree.data() + n->left + (jump_feature(view, p, *n) > n->threshold ? 1 : 0);
+  return *n;
+}
+
+Vec3f jump_start(const ForestView& forest, int joint, const View& view, const Shape& shape) {
+  const auto j = static_cast<std::size_t>(joint);
+  if (joint == static_cast<int>(Joint::TO)) return view.centroid_mm;
+  const Vec3f parent = joint_of(shape, static_cast<int>(kJointParent[j]));
+  return parent + Vec3f{static_cast<float>(forest.bone[3 * j]), static_cast<float>(forest.bone[3 * j + 1]),
+                        static_cast<float>(forest.bone[3 * j + 2])} *
+                      0.5F;
+}
+
+// The mean of the later half of the jumps: single trees hop between two leaves about the joint.
+Vec3f run_jumps(const ForestView& forest, int joint, const View& view, Vec3f p, float* spread_mm) {
+  const float tree_share = 1.0F / static_cast<float>(forest.tree_count);
+  Vec3f sum;
+  int sum_count = 0;
+  float spread = 0;
+  for (std::uint32_t step = 0; step < forest.jump_count; ++step) {
+    Vec3f jump;
+    float doubt = 0;
+    for (std::uint32_t t = 0; t < forest.tree_count; ++t) {
+      const JumpNode& leaf = find_leaf(forest.tree(joint, t), view, p);
+      jump = jump + Vec3f{static_cast<float>(leaf.a), static_cast<float>(leaf.b), static_cast<float>(leaf.c)};
+      doubt += static_cast<float>(leaf.d);
+    }
+    p = p + jump * tree_share;
+    p.z = safe_depth(p.z);
+    if (2 * step < forest.jump_count) continue;
+    sum = sum + p;
+    spread += doubt * tree_share;
+    ++sum_count;
+  }
+  const float share = 1.0F / static_cast<float>(sum_count);
+  if (spread_mm != nullptr) *spread_mm = spread * share;
+  return sum * share;
+}
+
+void run_forest(const ForestView& forest, const View& view, Shape& shape, float* spread_mm) {
+  for (const Joint name : kJointOrder) {
+    const int j = static_cast<int>(name);
+    const Vec3f start = jump_start(forest, j, view, shape);
+    set_joint(shape, j, run_jumps(forest, j, view, start, spread_mm == nullptr ? nullptr : spread_mm + j));
+  }
+}
+
+void read_anchors(std::span<const Anchor> anchors, const View& view, const Shape& shape, std::int16_t* out) {
+  std::array<float, kJointCount> inverse_z{};
+  for (int j = 0; j < static_cast<int>(kJointCount); ++j)
+    inverse_z[static_cast<std::size_t>(j)] = 1.0F / safe_depth(joint_of(shape, j).z);
+  const int reference = static_cast<int>(joint_of(shape, static_cast<int>(Joint::TO)).z);
+  for (std::size_t i = 0; i < anchors.size(); ++i) {
+    const Anchor& a = anchors[i];
+    const Vec3f p = joint_of(shape, a.joint);
+    const float s = inverse_z[a.joint];
+    const int d = view.at_ray((p.x + static_cast<float>(a.dx)) * s, (p.y + static_cast<float>(a.dy)) * s);
+    const int q = d == 0 ? 600 : d - reference;
+    out[i] = static_cast<std::int16_t>(q > 600 ? 600 : (q < -600 ? -600 : q));
+  }
+}
+
+void run_cascade(const JointModel::Data& model, const View& view, Shape& shape) {
+  const std::size_t pixel_count = model.meta.pixel_count;
+  const std::size_t tree_count = model.meta.level_tree_count;
+  std::array<std::int16_t, kPixelCountMax> pixels;
+  for (std::size_t level = 0; level < model.meta.level_count; ++level) {
+    read_anchors(model.anchors.subspan(level * pixel_count, pixel_count), view, shape, pixels.data());
+    std::array<std::int32_t, static_cast<std::size_t>(kShapeSize)> sum{};
+    const Split* splits = model.splits.data() + level * tree_count * kSplitCount;
+    const std::int16_t* leaves = model.leaves.data() + level * tree_count * kLeafCount * kShapeSize;
+    for (std::size_t t = 0; t < tree_count; ++t) {
+      const int leaf = find_leaf(splits, pixels.data());
+      const std::int16_t* values = leaves + leaf * kShapeSize;
+      for (int i = 0; i < kShapeSize; ++i) sum[static_cast<std::size_t>(i)] += values[i];
+      splits += kSplitCount;
+      leaves += kLeafCount * kShapeSize;
+    }
+    for (std::size_t i = 0; i < shape.size(); ++i) shape[i] += static_cast<float>(sum[i]) * (1.0F / kLeafUnit);
+  }
+}
+
+}  // namespace joints
+
+namespace {
+
+constexpr float kFollowMm = 150.0F;      // last frame's joint counts when this near to the cold start
+constexpr float kOffMaskShare = 0.7F;    // a joint beside the mask is less sure
+constexpr float kOffImageShare = 0.15F;  // one outside the picture is a guess
+
+// Chance by doubt: how far the cascade moved the joint, and how mixed the forest's leaves were.
+float chance_of(const JointModel::Data& model, int joint, float doubt_mm) {
+  const auto bins = model.bins.subspan(static_cast<std::size_t>(joint * joints::kConfidenceBinCount),
+                                       static_cast<std::size_t>(joints::kConfidenceBinCount));
+  for (const joints::ConfidenceBin& bin : bins)
+    if (doubt_mm <= static_cast<float>(bin.doubt_mm_max)) return static_cast<float>(bin.chance) * (1.0F / 65535.0F);
+  return static_cast<float>(bins.back().chance) * (1.0F / 65535.0F);
+}
+
+}  // namespace
+
+struct JointTracker::Workspace {
+  explicit Workspace(const JointModel& m) : model(&m.data()) { view.depth.resize(joints::kViewPixelCountMax); }
+  const JointModel::Data* model;
+  joints::View view;
+};
+
+JointTracker::JointTracker(const JointModel& model) : work_(std::make_unique<Workspace>(model)) {}
+JointTracker::~JointTracker() = default;
+JointTracker::JointTracker(JointTracker&&) noexcept = default;
+JointTracker& JointTracker::operator=(JointTracker&&) noexcept = default;
+
+JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Person& person,
+                             const JointSet* previous) {
+  JointSet out;
+  const JointModel::Data& model = *work_->model;
+  const joints::View& view = work_->view;
+  if (!joints::thin(depth, mask, intrinsics, person, work_->view)) return out;
+
+  joints::Shape cold{};
+  std::array<float, kJointCount> spread{};
+  joints::run_forest(model.forest, view, cold, spread.data());
+  joints::Shape shape = cold;
+  if (previous != nullptr) {
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const Vec3f start = joints::joint_of(cold, static_cast<int>(j));
+      const Vec3f last = previous->position_mm[j];
+      if (norm(last - start) < kFollowMm) joints::set_joint(shape, static_cast<int>(j), (last + start) * 0.5F);
+    }
+  }
+  joints::run_cascade(model, view, shape);
+
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const Vec3f p = joints::joint_of(shape, static_cast<int>(j));
+    const float doubt = norm(p - joints::joint_of(cold, static_cast<int>(j))) + spread[j];
+    float chance = chance_of(model, static_cast<int>(j), doubt);
+    const float inverse_z = 1.0F / joints::safe_depth(p.z);
+    const float u = intrinsics.fx * p.x * inverse_z + intrinsics.cx;
+    const float v = intrinsics.fy * p.y * inverse_z + intrinsics.cy;
+    const bool inside =
+        u >= 0 && v >= 0 && u <= static_cast<float>(depth.width - 1) && v <= static_cast<float>(depth.height - 1);
+    if (!inside)
+      chance *= kOffImageShare;
+    else if (view.at_ray(p.x * inverse_z, p.y * inverse_z) == 0)
+      chance *= kOffMaskShare;
+    out.position_mm[j] = p;
+    out.confidence[j] = chance;
+  }
+  return out;
+}
+
+}  // namespace im2fit

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "synth/tracker_images.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include "base/rng.h"
+#include "kernels/segment/segment.h"
+#include "synth/tracker_parallel.h"
+#include "synth/virtual_camera.h"
+
+namespace im2fit::synth {
+namespace {
+
+constexpr std::uint64_t kImageStream = 0x7452414B;
+constexpr int kSensorWidth = 320;
+constexpr int kSensorHeight = 240;
+constexpr double kTruthMaskShare = 0.25;
+constexpr double kCutShare = 0.08;
+
+// Turns a sensor frame upright (synth/virtual_camera.h, "Mounting").
+template <class T>
+void turn_upright(const std::vector<T>& in, int width, int height, int rotate_deg, std::vector<T>& out) {
+  const int out_width = rotate_deg % 180 == 0 ? width : height;
+  const int out_height = rotate_deg % 180 == 0 ? height : width;
+  out.resize(in.size());
+  for (int v = 0; v < out_height; ++v) {
+    for (int u = 0; u < out_width; ++u) {
+      int from_u = u;
+      int from_v = v;
+      if (rotate_deg == 90) {
+        from_u = v;
+        from_v = height - 1 - u;
+      } else if (rotate_deg == 180) {
+        from_u = width - 1 - u;
+        from_v = height - 1 - v;
+      } else if (rotate_deg == 270) {
+        from_u = width - 1 - v;
+        from_v = u;
+      }
+      out[static_cast<std::size_t>(v * out_width + u)] = in[static_cast<std::size_t>(from_v * width + from_u)];
+    }
+  }
+}
+
+SceneOptions draw_scene(Rng& rng) {
+  SceneOptions scene;
+  const double kind = rng.uniform();
+  scene.pose = kind < 0.55   ? StandingPose::free
+               : kind < 0.78 ? StandingPose::relaxed
+               : kind < 0.90 ? StandingPose::a_pose
+                             : StandingPose::psi;
+  const double mount = rng.uniform();
+  scene.rotate_deg = mount < 0.45 ? 90 : (mount < 0.55 ? 270 : 0);
+  scene.furniture_count = rng.uniform() < 0.4 ? 1 + rng.index(4) : 0;
+  scene.wall = rng.uniform() < 0.85;
+  scene.sway = false;
+  return scene;
+}
+
+UprightFrame render_frame(const body::BodyModel& model, const Subject& subject, std::uint64_t seed, Rng& rng) {
+  const SceneOptions options = draw_scene(rng);
+  const Intrinsics sensor = kinect_intrinsics(kSensorWidth, kSensorHeight);
+  VirtualScene scene(model, subject, options, kinect_sensor(), sensor, seed);
+  const std::size_t count = static_cast<std::size_t>(kSensorWidth) * kSensorHeight;
+  std::vector<std::uint16_t> depth(count);
+  std::vector<std::uint8_t> mask(count);
+  scene.render(0, DepthImage(depth.data(), kSensorWidth, kSensorHeight));
+  scene.person_mask(MaskImage(mask.data(), kSensorWidth, kSensorHeight));
+  UprightFrame frame;
+  frame.intrinsics = upright_intrinsics(sensor, options.rotate_deg);
+  turn_upright(depth, kSensorWidth, kSensorHeight, options.rotate_deg, frame.depth);
+  turn_upright(mask, kSensorWidth, kSensorHeight, options.rotate_deg, frame.truth_mask);
+  frame.joints = scene.joints(0);
+  return frame;
+}
+
+Person box_of(const std::vector<std::uint8_t>& mask, int width, int height) {
+  Person person;
+  person.u_min = width;
+  person.v_min = height;
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      if (mask[static_cast<std::size_t>(v * width + u)] == 0) continue;
+      person.found = true;
+      person.u_min = std::min(person.u_min, u);
+      person.u_max = std::max(person.u_max, u);
+      person.v_min = std::min(person.v_min, v);
+      person.v_max = std::max(person.v_max, v);
+    }
+  }
+  return person;
+}
+
+// Half of the true mask at least: otherwise the segmenter took something else, which teaches nothing.
+bool overlaps(const std::vector<std::uint8_t>& mask, const std::vector<std::uint8_t>& truth) {
+  int both = 0;
+  int either = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    both += mask[i] != 0 && truth[i] != 0 ? 1 : 0;
+    either += mask[i] != 0 || truth[i] != 0 ? 1 : 0;
+  }
+  return both * 2 > either;
+}
+
+TrackerImage make_image(const body::BodyModel& model, const Subject& subject, std::uint64_t seed,
+                        std::uint64_t index) {
+  Rng rng = Rng::for_item(seed, kImageStream, index);
+  const UprightFrame frame = render_frame(model, subject, rng.next(), rng);
+  const Intrinsics& k = frame.intrinsics;
+  std::vector<std::uint8_t> mask = frame.truth_mask;
+  if (rng.uniform() >= kTruthMaskShare) {
+    Segmenter segmenter(k.width, k.height);
+    std::vector<std::uint8_t> own(mask.size());
+    segmenter.run(DepthView(frame.depth.data(), k.width, k.height), k, MaskImage(own.data(), k.width, k.height));
+    if (overlaps(own, frame.truth_mask)) mask.swap(own);
+  }
+  Person person = box_of(mask, k.width, k.height);
+  if (person.found && rng.uniform() < kCutShare) {
+    const double keep = rng.uniform(0.4, 0.95);
+    const int cut = person.v_min + static_cast<int>(keep * (person.v_max - person.v_min));
+    std::fill(mask.begin() + static_cast<std::ptrdiff_t>(cut + 1) * k.width, mask.end(), std::uint8_t{0});
+    person.v_max = cut;
+  }
+  TrackerImage image;
+  joints::thin(DepthView(frame.depth.data(), k.width, k.height), MaskView(mask.data(), k.width, k.height), k, person,
+               image.view);
+  image.truth = frame.joints.position_mm;
+  return image;
+}
+
+}  // namespace
+
+std::vector<TrackerImage> render_tracker_images(const body::BodyModel& model, int image_count, int images_per_subject,
+                                                std::uint64_t seed, int thread_count,
+                                                const std::function<void(double)>& progress) {
+  std::vector<TrackerImage> images(static_cast<std::size_t>(image_count));
+  const int subject_count = (image_count + images_per_subject - 1) / images_per_subject;
+  std::mutex report;
+  int done = 0;
+  for_each_item(subject_count, thread_count, [&](int s) {
+    const Subject subject = draw_subject(model, Family::training, seed, static_cast<std::uint64_t>(s));
+    const int last = std::min(image_count, (s + 1) * images_per_subject);
+    for (int i = s * images_per_subject; i < last; ++i)
+      images[static_cast<std::size_t>(i)] = make_image(model, subject, seed, static_cast<std::uint64_t>(i));
+    const std::lock_guard lock(report);
+    if (progress) progress(static_cast<double>(++done) / subject_count);
+  });
+  return images;
+}
+
+}  // namespace im2fit::synth

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures the tracker learns from: rendered, segmented and thinned exactly as on the device.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "body/model.h"
+#include "kernels/core/joints.h"
+#include "kernels/joints/view.h"
+#include "synth/population.h"
+
+namespace im2fit::synth {
+
+struct TrackerImage {
+  joints::View view;
+  std::array<Vec3f, kJointCount> truth;
+};
+
+// A frame as the program sees it: upright. Drawn by the training mixture: 45 % calm (relaxed, A, Psi), 55 % free;
+// landscape and portrait, furnished or not.
+struct UprightFrame {
+  Intrinsics intrinsics;
+  std::vector<std::uint16_t> depth;
+  std::vector<std::uint8_t> truth_mask;
+  JointSet joints;
+};
+
+// Images of subjects `index` = image / images_per_subject. Masks: most from the segmenter, some the truth, some cut
+// off below (people too near the camera).
+std::vector<TrackerImage> render_tracker_images(const body::BodyModel& model, int image_count, int images_per_subject,
+                                                std::uint64_t seed, int thread_count,
+                                                const std::function<void(double)>& progress);
+
+}  // namespace im2fit::synth

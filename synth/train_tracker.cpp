@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "synth/train_tracker.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "base/container.h"
+#include "base/rng.h"
+#include "kernels/joints/model_data.h"
+#include "synth/tracker_cascade.h"
+#include "synth/tracker_forest.h"
+#include "synth/tracker_images.h"
+#include "synth/tracker_parallel.h"
+
+namespace im2fit::synth {
+namespace {
+
+constexpr std::uint64_t kStartStream = 0x73746172;
+constexpr double kCalibrationShare = 0.08;  // of the images; learnt on by neither stage
+constexpr double kCloseMm = 50;             // what a confidence is the chance of
+
+struct Progress {
+  const TrainProgress& report;
+  double from;
+  double to;
+  std::string_view stage;
+  void operator()(double share) const {
+    if (report) report(from + (to - from) * share, stage);
+  }
+};
+
+Status check(const TrainOptions& o) {
+  const auto bad = [](const std::string& detail) {
+    return Error{ErrorCode::invalid_argument, "tracker training: " + detail};
+  };
+  if (o.image_count < 40)
+    return bad("at least 40 images are needed, " + std::to_string(o.image_count) + " asked for");
+  if (o.images_per_subject < 1 || o.samples_per_image < 1 || o.starts_per_image < 1)
+    return bad("images per subject, samples and starts per image must be 1 or more");
+  if (o.thread_count < 1 || o.thread_count > 256) return bad("thread count must be 1..256");
+  if (o.tree_count < 2 || o.tree_count > 16 || o.tree_count % 2 != 0)
+    return bad("trees per joint must be 2, 4 .. 16");
+  if (o.jump_count < 1 || o.jump_count > 64 || o.tree_depth_max < 1 || o.tree_depth_max > 30)
+    return bad("jumps must be 1..64 and tree depth 1..30");
+  if (o.level_count < 1 || o.level_count > 32 || o.level_tree_count < 1 || o.level_tree_count > 4096)
+    return bad("cascade levels must be 1..32 with 1..4096 trees each");
+  if (o.pixel_count < 2 || o.pixel_count > joints::kPixelCountMax) return bad("anchors per level must be 2..1024");
+  return Ok{};
+}
+
+// Where the cascade will be started from on the device: the forest (by trees that have not seen the image), the
+// forest blurred, and half way from the last frame's joints.
+std::vector<CascadeStart> make_starts(std::span<const TrackerImage> images, const Forest& forest,
+                                      const TrainOptions& options) {
+  const std::array<Forest, 2> folds = {forest.fold(0), forest.fold(1)};
+  const std::size_t per_image = static_cast<std::size_t>(options.starts_per_image);
+  std::vector<CascadeStart> starts(images.size() * per_image);
+  for_each_item(static_cast<int>(images.size()), options.thread_count, [&](int i) {
+    const TrackerImage& image = images[static_cast<std::size_t>(i)];
+    joints::Shape cold{};
+    joints::run_forest(folds[static_cast<std::size_t>(1 - i % 2)].view(), image.view, cold, nullptr);
+    Rng rng = Rng::for_item(options.seed, kStartStream, static_cast<std::uint64_t>(i));
+    for (std::size_t s = 0; s < per_image; ++s) {
+      CascadeStart& start = starts[static_cast<std::size_t>(i) * per_image + s];
+      start.image = i;
+      start.shape = cold;
+      if (s == 0) continue;
+      const bool follow = s % 3 == 2;
+      const double shift = follow ? 15 : 10;
+      const Vec3f moved = {static_cast<float>(rng.normal(0, shift)), static_cast<float>(rng.normal(0, shift)),
+                           static_cast<float>(rng.normal(0, shift))};
+      for (int j = 0; j < static_cast<int>(kJointCount); ++j) {
+        const Vec3f blur = {static_cast<float>(rng.normal(0, 14)), static_cast<float>(rng.normal(0, 14)),
+                            static_cast<float>(rng.normal(0, 14))};
+        Vec3f p = joints::joint_of(cold, j) + moved + blur;
+        if (follow) p = (p + image.truth[static_cast<std::size_t>(j)]) * 0.5F;
+        joints::set_joint(start.shape, j, p);
+      }
+    }
+  });
+  return starts;
+}
+
+// Twelve bins of equal count in order of doubt, chances made to fall (pool adjacent violators).
+void fit_bins(std::vector<std::pair<float, bool>>& seen, joints::ConfidenceBin* bins) {
+  std::stable_sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  const std::size_t bin_count = static_cast<std::size_t>(joints::kConfidenceBinCount);
+  std::array<double, static_cast<std::size_t>(joints::kConfidenceBinCount)> chance{};
+  std::array<double, static_cast<std::size_t>(joints::kConfidenceBinCount)> weight{};
+  for (std::size_t b = 0; b < bin_count; ++b) {
+    const std::size_t first = b * seen.size() / bin_count;
+    const std::size_t last = std::max(first + 1, (b + 1) * seen.size() / bin_count);
+    double good = 0;
+    for (std::size_t i = first; i < last; ++i) good += seen[std::min(i, seen.size() - 1)].second ? 1 : 0;
+    weight[b] = static_cast<double>(last - first);
+    chance[b] = (good + 1) / (weight[b] + 2);
+    bins[b].doubt_mm_max = static_cast<std::uint16_t>(
+        std::clamp(std::ceil(seen[std::min(last, seen.size()) - 1].first), 0.0F, 65535.0F));
+  }
+  for (std::size_t b = 1; b < bin_count; ++b) {
+    for (std::size_t low = b; low > 0 && chance[low - 1] < chance[low]; --low) {
+      const double pooled =
+          (chance[low - 1] * weight[low - 1] + chance[low] * weight[low]) / (weight[low - 1] + weight[low]);
+      chance[low - 1] = chance[low] = pooled;
+    }
+  }
+  for (std::size_t b = 0; b < bin_count; ++b) {
+    if (b > 0) chance[b] = std::min(chance[b], chance[b - 1]);
+    bins[b].chance = static_cast<std::uint16_t>(std::lround(std::clamp(chance[b], 0.0, 1.0) * 65535.0));
+  }
+}
+
+std::vector<joints::ConfidenceBin> calibrate(std::span<const TrackerImage> images, const JointModel::Data& model) {
+  std::array<std::vector<std::pair<float, bool>>, kJointCount> seen;
+  for (const TrackerImage& image : images) {
+    if (image.view.pixel_count == 0) continue;
+    joints::Shape cold{};
+    std::array<float, kJointCount> spread{};
+    joints::run_forest(model.forest, image.view, cold, spread.data());
+    joints::Shape shape = cold;
+    joints::run_cascade(model, image.view, shape);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const Vec3f p = joints::joint_of(shape, static_cast<int>(j));
+      const float doubt = norm(p - joints::joint_of(cold, static_cast<int>(j))) + spread[j];
+      seen[j].emplace_back(doubt, static_cast<double>(norm(p - image.truth[j])) < kCloseMm);
+    }
+  }
+  std::vector<joints::ConfidenceBin> bins(kJointCount * static_cast<std::size_t>(joints::kConfidenceBinCount));
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    if (seen[j].empty()) seen[j].emplace_back(0.0F, false);
+    fit_bins(seen[j], bins.data() + j * static_cast<std::size_t>(joints::kConfidenceBinCount));
+  }
+  return bins;
+}
+
+std::vector<std::byte> pack(const joints::Meta& meta, const Forest& forest, const Cascade& cascade,
+                            std::span<const joints::ConfidenceBin> bins) {
+  ContainerWriter writer(joints::kTrackerMagic, joints::kTrackerVersion);
+  writer.add_array<joints::Meta>("meta", std::span(&meta, 1));
+  writer.add_array<std::uint32_t>("tree", forest.tree_start);
+  writer.add_array<joints::JumpNode>("node", forest.nodes);
+  writer.add_array<std::int16_t>("bone", forest.bone);
+  writer.add_array<joints::Anchor>("anchor", cascade.anchors);
+  writer.add_array<joints::Split>("split", cascade.splits);
+  writer.add_array<std::int16_t>("leaf", cascade.leaves);
+  writer.add_array<joints::ConfidenceBin>("confidence", bins);
+  return writer.finish();
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const TrainOptions& options,
+                                             const TrainProgress& progress) {
+  if (Status ok = check(options); !ok) return ok.error();
+  const std::vector<TrackerImage> images =
+      render_tracker_images(model, options.image_count, options.images_per_subject, options.seed,
+                            options.thread_count, Progress{progress, 0.0, 0.5, "rendering"});
+  const auto learnt_count = static_cast<std::size_t>(static_cast<double>(images.size()) * (1.0 - kCalibrationShare));
+  const std::span<const TrackerImage> learnt(images.data(), learnt_count);
+  const Forest forest = train_forest(learnt, options, Progress{progress, 0.5, 0.65, "jump forest"});
+  std::vector<CascadeStart> starts = make_starts(learnt, forest, options);
+  const Cascade cascade = train_cascade(learnt, starts, options, Progress{progress, 0.65, 1.0, "cascade"});
+
+  const joints::Meta meta = {
+      static_cast<std::uint32_t>(options.tree_count),  static_cast<std::uint32_t>(options.jump_count),
+      static_cast<std::uint32_t>(options.level_count), static_cast<std::uint32_t>(options.level_tree_count),
+      static_cast<std::uint32_t>(options.pixel_count), 0};
+  const JointModel::Data data = {meta, forest.view(), cascade.anchors, cascade.splits, cascade.leaves, {}};
+  const std::vector<joints::ConfidenceBin> bins =
+      calibrate({images.data() + learnt_count, images.size() - learnt_count}, data);
+  return pack(meta, forest, cascade, bins);
+}
+
+}  // namespace im2fit::synth
