@@ -14,6 +14,8 @@ constexpr int kWallHypothesisCount = 80;
 constexpr int kWallScoredCount = 700;
 constexpr float kWallWidthMinMm = 1300.0F;
 constexpr float kWallAreaMinM2 = 1.2F;  // more than a person with both arms out
+constexpr float kTrunkEndMm = 650.0F;   // below the crown
+constexpr float kTrunkHalfMm = 180.0F;
 constexpr float kHeadApartMm = 320.0F;  // two heads side by side
 
 // Depth noise lifts floor cells by noise x slope of the ray; the band widens with it, up to a shoe's height.
@@ -250,7 +252,7 @@ void BlobFinder::describe(const Grid& grid) {
 }
 
 // A head: 95..330 mm wide over a hand's breadth below its top, rounded, with shoulders wider than it under it.
-// A raised hand fails at the wrist, a box at its flat front or missing shoulders.
+// A raised hand fails at the wrist, a box at its missing shoulders, a coat on a stand at its flat front.
 bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) const {
   const auto label = static_cast<std::uint16_t>(blob + 1);
   if (r < 1 || r + 3 >= grid.height) return false;
@@ -267,12 +269,14 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   float shoulders = 0;
   float left_reach = 0;
   float right_reach = 0;
+  float bulge_square_sum = 0;
+  int bulge_count = 0;
   int head_lo = c;
   int head_hi = c;
   int centre = c;
   for (int row = r; row < grid.height; ++row) {
     const float below = static_cast<float>(row - r) * mm;
-    if (below > 430.0F) break;
+    if (below > kTrunkEndMm) break;
     const auto inside = [&](int col) {
       const int cell = grid.index(col, row);
       return labels_[at(cell)] == label && std::fabs(static_cast<float>(grid.depth[at(cell)]) - z_head) < 280.0F;
@@ -305,6 +309,18 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
       ++row_count;
     }
     if (below >= 270.0F) {
+      const int half = std::max(1, static_cast<int>(kTrunkHalfMm / mm));
+      const int left = std::max(lo + 1, centre - half);
+      const int right = std::min(hi - 1, centre + half);
+      if (left < centre && centre < right && inside(left) && inside(right) && inside(centre)) {
+        const auto z_at = [&](int col) { return static_cast<float>(grid.depth[at(grid.index(col, row))]); };
+        const float share = static_cast<float>(centre - left) / static_cast<float>(right - left);
+        const float bulge = z_at(left) + share * (z_at(right) - z_at(left)) - z_at(centre);
+        bulge_square_sum += bulge * bulge;
+        ++bulge_count;
+      }
+    }
+    if (below >= 270.0F && below <= 430.0F) {
       shoulders = std::max(shoulders, width);
       left_reach = std::max(left_reach, static_cast<float>(head_lo - lo) * mm);
       right_reach = std::max(right_reach, static_cast<float>(hi - head_hi) * mm);
@@ -316,6 +332,8 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   if (shoulders < std::max(220.0F, 1.2F * width)) return false;
   if (std::max(left_reach, right_reach) < 40.0F || std::min(left_reach, right_reach) < -0.25F * width) return false;
   if (relief_sum < 10.0F * static_cast<float>(row_count)) return false;
+  const float flat = 10.0F + 0.35F * quantum_mm(z_head);
+  if (bulge_count > 0 && bulge_square_sum < flat * flat * static_cast<float>(bulge_count)) return false;
   out.blob = blob;
   out.c = centre;
   out.r = r;
