@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The avatar as files other programs read. Each is written atomically.
+// The avatar as files other programs read (docs/formats-body.md). Each is written atomically; the lowest body vertex
+// of the posed avatar stands on y = 0. Errors: the avatar names no model; the file cannot be written.
 #pragma once
 
 #include <string>
@@ -13,13 +14,14 @@ namespace im2fit::body {
 struct Avatar {
   const BodyModel* model = nullptr;
   Params params;
-  Pose pose;  // how it stands in .obj and in the default pose of .glb
+  Pose pose;             // how it stands in .obj and in the default pose of .glb
+  bool garment = false;  // .glb: shirt and trousers as a second primitive
 };
 Status write_glb(const Avatar& avatar, const std::string& path);   // metres, +Y up, skinned, 19 joints
 Status write_obj(const Avatar& avatar, const std::string& path);   // metres, posed
 Status write_bvh(const Avatar& avatar, const std::string& path);   // centimetres, one frame: the pose
 Status write_skel(const Avatar& avatar, const std::string& path);  // the fifteen joints, mm
-// The paper's nine attributes, one "name value" a line (docs/formats.md).
+// The paper's nine attributes, one "name value" a line (docs/formats-body.md).
 Status write_attributes(const Avatar& avatar, const std::string& path);
 
 }  // namespace im2fit::body

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every writer needs of an avatar: its meshes, bones and where the floor is.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "body/export/export.h"
+
+namespace im2fit::body {
+
+struct Figure {
+  std::vector<Vec3f> rest;   // mm, model axes
+  std::vector<Vec3f> posed;  // mm, lowest body vertex at y = 0
+  Skeleton skeleton;
+  Pose pose;         // translation such that the posed figure stands on y = 0
+  float floor_rest;  // lowest y of the rest mesh, mm
+};
+Result<Figure> make_figure(const Avatar& avatar);
+
+// Rotation of a segment relative to its parent.
+Mat3f local_rotation(const Pose& pose, std::size_t segment);
+
+// Unit normals, area-weighted over the quads; one a vertex of `vertices`, up where no face touches it.
+std::vector<Vec3f> vertex_normals(std::span<const Vec3f> vertices,
+                                  std::span<const std::array<std::int32_t, 4>> quads);
+
+// Appends with a fixed number of decimals and a point whatever the locale.
+void append_number(std::string& out, double value, int decimals);
+
+}  // namespace im2fit::body

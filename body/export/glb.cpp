@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// Binary glTF 2.0 (Khronos specification, sections 3.6 buffers, 3.7 meshes and skins, 4.4 GLB layout).
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "body/export/export.h"
+#include "body/export/figure.h"
+#include "body/model_data.h"
+
+namespace im2fit::body {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedByte = 5121;
+constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
+constexpr float kMetres = 1e-3F;
+constexpr float kShirtPushMm = 6;  // cloth stands off the tights helper, which clings to the skin
+
+// The one binary buffer and the views and accessors into it.
+class Buffer {
+ public:
+  template <class T>
+  int add(std::span<const T> values, const char* type, int component, std::size_t count, int target = 0) {
+    while (bytes_.size() % 4 != 0) bytes_.push_back(std::byte{0});
+    Json view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", values.size_bytes()}};
+    if (target != 0) view["target"] = target;
+    const auto raw = std::as_bytes(values);
+    bytes_.insert(bytes_.end(), raw.begin(), raw.end());
+    views_.push_back(view);
+    accessors_.push_back(
+        {{"bufferView", views_.size() - 1}, {"componentType", component}, {"count", count}, {"type", type}});
+    return static_cast<int>(accessors_.size()) - 1;
+  }
+  int add_positions(std::span<const Vec3f> values) {
+    const int accessor = add(values, "VEC3", kFloat, values.size(), kArrayBuffer);
+    Vec3f low = values[0], high = values[0];
+    for (const Vec3f& v : values) {
+      low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+      high = {std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z)};
+    }
+    accessors_.back()["min"] = {low.x, low.y, low.z};
+    accessors_.back()["max"] = {high.x, high.y, high.z};
+    return accessor;
+  }
+  std::vector<std::byte> bytes_;
+  Json views_ = Json::array();
+  Json accessors_ = Json::array();
+};
+
+// Unit quaternion x, y, z, w of a rotation, from the largest of the four (no division by small numbers).
+std::array<float, 4> quaternion(const Mat3f& r) {
+  const auto& m = r.m;
+  const std::array<float, 4> squares = {1 + m[0] - m[4] - m[8], 1 - m[0] + m[4] - m[8], 1 - m[0] - m[4] + m[8],
+                                        1 + m[0] + m[4] + m[8]};
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < 4; ++i) best = squares[i] > squares[best] ? i : best;
+  std::array<float, 4> q{};
+  if (best == 0) q = {squares[0], m[1] + m[3], m[2] + m[6], m[7] - m[5]};
+  if (best == 1) q = {m[1] + m[3], squares[1], m[5] + m[7], m[2] - m[6]};
+  if (best == 2) q = {m[2] + m[6], m[5] + m[7], squares[2], m[3] - m[1]};
+  if (best == 3) q = {m[7] - m[5], m[2] - m[6], m[3] - m[1], squares[3]};
+  const float n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  for (float& c : q) c /= n;
+  return q;
+}
+
+// A set of vertices with the faces among them, numbered afresh.
+struct Part {
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;
+  std::vector<std::array<std::uint8_t, 4>> joints;
+  std::vector<std::array<float, 4>> weights;
+  std::vector<std::uint16_t> indices;
+};
+
+Part make_part(const BodyModel::Data& d, std::span<const Vec3f> rest, float floor_mm,
+               std::span<const std::array<std::int32_t, 4>> quads, float push_mm) {
+  Part part;
+  std::vector<int> number(rest.size(), -1);
+  const auto normals = vertex_normals(rest, quads);
+  const auto vertex = [&](std::int32_t old) {
+    const auto v = static_cast<std::size_t>(old);
+    if (number[v] < 0) {
+      number[v] = static_cast<int>(part.positions.size());
+      const Vec3f p = rest[v] + normals[v] * push_mm;
+      part.positions.push_back(Vec3f{p.x, p.y - floor_mm, p.z} * kMetres);
+      part.normals.push_back(normals[v]);
+      part.joints.push_back(d.skin[v].segment);
+      part.weights.push_back(d.skin[v].weight);
+    }
+    return static_cast<std::uint16_t>(number[v]);
+  };
+  for (const auto& q : quads)
+    for (const std::size_t i : {0, 1, 2, 0, 2, 3}) part.indices.push_back(vertex(q[i]));
+  return part;
+}
+
+Json primitive(Buffer& buffer, const Part& part, int material) {
+  const std::size_t count = part.positions.size();
+  const int positions = buffer.add_positions(part.positions);
+  const int normals = buffer.add(std::span(part.normals), "VEC3", kFloat, count, kArrayBuffer);
+  const int joints = buffer.add(std::span(part.joints), "VEC4", kUnsignedByte, count, kArrayBuffer);
+  const int weights = buffer.add(std::span(part.weights), "VEC4", kFloat, count, kArrayBuffer);
+  const int indices =
+      buffer.add(std::span(part.indices), "SCALAR", kUnsignedShort, part.indices.size(), kElementArrayBuffer);
+  return {
+      {"attributes", {{"POSITION", positions}, {"NORMAL", normals}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}}},
+      {"indices", indices},
+      {"material", material}};
+}
+
+// Shirt and trousers: faces of the tights helper on torso, upper arms and legs.
+std::vector<std::array<std::int32_t, 4>> garment_quads(const BodyModel::Data& d) {
+  std::vector<std::array<std::int32_t, 4>> out;
+  for (const auto& q : d.tights_quads) {
+    bool covered = true;
+    for (const std::int32_t v : q) {
+      const auto s = static_cast<Segment>(d.skin[static_cast<std::size_t>(v)].segment[0]);
+      covered = covered && s != Segment::neck && s != Segment::head && s != Segment::left_lower_arm &&
+                s != Segment::right_lower_arm && s != Segment::left_hand && s != Segment::right_hand &&
+                s != Segment::left_foot && s != Segment::right_foot;
+    }
+    if (covered) out.push_back(q);
+  }
+  return out;
+}
+
+// Which OpenNI joint a segment's head is; HE, LA and RA lie elsewhere and have nodes of their own.
+constexpr std::array<const char*, kSegmentCount> kOpenNiOfSegment = {
+    nullptr, nullptr, "TO",    "NE", nullptr, nullptr, "LS", "LE", nullptr, nullptr,
+    "RS",    "RE",    nullptr, "LH", "LK",    "LF",    "RH", "RK", "RF"};
+
+struct Extra {
+  const char* name;
+  const char* openni;
+  Segment parent;
+};
+constexpr Extra kExtraNodes[] = {{"head_centre", "HE", Segment::head},
+                                 {"left_hand_centre", "LA", Segment::left_hand},
+                                 {"right_hand_centre", "RA", Segment::right_hand}};
+
+Json metres(Vec3f v) {
+  return {v.x * kMetres, v.y * kMetres, v.z * kMetres};
+}
+
+// Nodes 0..18 are the segments in order, then the extra joints; the mesh's node comes last.
+Json joint_nodes(const Figure& f) {
+  Json nodes = Json::array();
+  for (std::size_t s = 0; s < static_cast<std::size_t>(kSegmentCount); ++s) {
+    const int parent = kSegmentParent[s];
+    const Vec3f head = f.skeleton.head[s];
+    const Vec3f offset =
+        parent < 0 ? head + f.pose.translation_mm : head - f.skeleton.head[static_cast<std::size_t>(parent)];
+    Json node = {{"name", kSegmentNames[s]},
+                 {"translation", metres(offset)},
+                 {"rotation", quaternion(local_rotation(f.pose, s))}};
+    if (kOpenNiOfSegment[s] != nullptr) node["extras"] = {{"openni", kOpenNiOfSegment[s]}};
+    nodes.push_back(node);
+    if (parent >= 0) nodes[static_cast<std::size_t>(parent)]["children"].push_back(s);
+  }
+  for (const Extra& extra : kExtraNodes) {
+    const auto s = static_cast<std::size_t>(extra.parent);
+    const Vec3f at = extra.parent == Segment::head ? (f.skeleton.tail[s] - f.skeleton.head[s]) * 0.5F
+                                                   : f.skeleton.tail[s] - f.skeleton.head[s];
+    nodes[s]["children"].push_back(nodes.size());
+    nodes.push_back({{"name", extra.name}, {"translation", metres(at)}, {"extras", {{"openni", extra.openni}}}});
+  }
+  return nodes;
+}
+
+Json material(const char* name, std::array<float, 4> colour, bool double_sided) {
+  return {{"name", name},
+          {"doubleSided", double_sided},
+          {"pbrMetallicRoughness", {{"baseColorFactor", colour}, {"metallicFactor", 0}, {"roughnessFactor", 0.8}}}};
+}
+
+void append_chunk(std::vector<std::byte>& out, const char* kind, std::span<const std::byte> bytes,
+                  std::byte padding) {
+  const auto length = static_cast<std::uint32_t>((bytes.size() + 3) / 4 * 4);
+  const auto* raw = reinterpret_cast<const std::byte*>(&length);
+  out.insert(out.end(), raw, raw + 4);
+  const auto* name = reinterpret_cast<const std::byte*>(kind);
+  out.insert(out.end(), name, name + 4);
+  out.insert(out.end(), bytes.begin(), bytes.end());
+  out.insert(out.end(), length - bytes.size(), padding);
+}
+
+}  // namespace
+
+Status write_glb(const Avatar& avatar, const std::string& path) {
+  const auto figure = make_figure(avatar);
+  if (!figure) return figure.error();
+  const BodyModel::Data& d = avatar.model->data();
+  Buffer buffer;
+  Json primitives = {primitive(buffer, make_part(d, figure->rest, figure->floor_rest, d.quads, 0), 0)};
+  Json materials = {material("skin", {0.78F, 0.63F, 0.55F, 1}, false)};
+  if (avatar.garment) {
+    const auto quads = garment_quads(d);
+    if (!quads.empty()) {
+      primitives.push_back(primitive(buffer, make_part(d, figure->rest, figure->floor_rest, quads, kShirtPushMm), 1));
+      materials.push_back(material("cloth", {0.25F, 0.34F, 0.48F, 1}, true));
+    }
+  }
+
+  // Column-major translations by minus the joint's rest position, in the mesh's own space (floor at y = 0).
+  std::vector<std::array<float, 16>> inverse_bind;
+  Json joints = Json::array();
+  for (std::size_t s = 0; s < static_cast<std::size_t>(kSegmentCount); ++s) {
+    const Vec3f h = figure->skeleton.head[s];
+    inverse_bind.push_back({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -h.x * kMetres, -(h.y - figure->floor_rest) * kMetres,
+                            -h.z * kMetres, 1});
+    joints.push_back(s);
+  }
+  const int matrices =
+      buffer.add(std::span<const std::array<float, 16>>(inverse_bind), "MAT4", kFloat, inverse_bind.size());
+
+  Json nodes = joint_nodes(*figure);
+  nodes.push_back({{"name", "avatar"}, {"mesh", 0}, {"skin", 0}});
+  const std::size_t mesh_node = nodes.size() - 1;
+  const Json document = {
+      {"asset", {{"version", "2.0"}, {"generator", "im2fit"}}},
+      {"scene", 0},
+      {"scenes", {{{"nodes", {0, mesh_node}}}}},
+      {"nodes", nodes},
+      {"meshes", {{{"name", "avatar"}, {"primitives", primitives}}}},
+      {"skins", {{{"inverseBindMatrices", matrices}, {"joints", joints}, {"skeleton", 0}}}},
+      {"materials", materials},
+      {"accessors", buffer.accessors_},
+      {"bufferViews", buffer.views_},
+      {"buffers", {{{"byteLength", buffer.bytes_.size()}}}},
+  };
+  const std::string text = document.dump();
+
+  std::vector<std::byte> chunks;
+  append_chunk(chunks, "JSON", std::as_bytes(std::span(text)), std::byte{' '});
+  append_chunk(chunks, "BIN\0", buffer.bytes_, std::byte{0});
+  const std::array<std::uint32_t, 3> header = {0x46546C67, 2, static_cast<std::uint32_t>(12 + chunks.size())};
+  const auto head = std::as_bytes(std::span(header));
+  chunks.insert(chunks.begin(), head.begin(), head.end());
+  return write_file_atomically(path, chunks);
+}
+
+}  // namespace im2fit::body

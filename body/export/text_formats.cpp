@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// .obj, .bvh, .skel and the attribute file.
+#include <cmath>
+
+#include "base/file.h"
+#include "body/export/export.h"
+#include "body/export/figure.h"
+#include "body/model_data.h"
+
+namespace im2fit::body {
+namespace {
+
+void append_triple(std::string& out, Vec3f v, double scale, int decimals) {
+  append_number(out, v.x * scale, decimals);
+  out += ' ';
+  append_number(out, v.y * scale, decimals);
+  out += ' ';
+  append_number(out, v.z * scale, decimals);
+}
+
+constexpr double kDegrees = 57.29577951308232;
+
+// Angles z, x, y with R = Rz Rx Ry, degrees: BVH's usual channel order.
+Vec3f euler_zxy(const Mat3f& r) {
+  const double sin_x = r.m[7] > 1 ? 1 : (r.m[7] < -1 ? -1 : r.m[7]);
+  return {static_cast<float>(std::atan2(-r.m[1], r.m[4]) * kDegrees), static_cast<float>(std::asin(sin_x) * kDegrees),
+          static_cast<float>(std::atan2(-r.m[6], r.m[8]) * kDegrees)};
+}
+
+// Depth first, which is the order of the motion line too.
+void append_joint(std::string& out, std::string& motion, const Figure& f, std::size_t segment, int depth) {
+  const std::string indent(static_cast<std::size_t>(depth) * 2, ' ');
+  const int parent = kSegmentParent[segment];
+  const Vec3f head = f.skeleton.head[segment];
+  const Vec3f offset = parent < 0 ? Vec3f{} : head - f.skeleton.head[static_cast<std::size_t>(parent)];
+  out += indent + (parent < 0 ? "ROOT " : "JOINT ") + std::string(kSegmentNames[segment]) + "\n" + indent + "{\n";
+  out += indent + "  OFFSET ";
+  append_triple(out, offset, 0.1, 4);
+  out += "\n" + indent +
+         (parent < 0 ? "  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
+                     : "  CHANNELS 3 Zrotation Xrotation Yrotation\n");
+  if (parent < 0) {
+    append_triple(motion, head + f.pose.translation_mm, 0.1, 4);
+    motion += ' ';
+  }
+  append_triple(motion, euler_zxy(local_rotation(f.pose, segment)), 1, 4);
+  motion += ' ';
+  bool leaf = true;
+  for (std::size_t child = segment + 1; child < static_cast<std::size_t>(kSegmentCount); ++child)
+    if (kSegmentParent[child] == static_cast<int>(segment)) {
+      leaf = false;
+      append_joint(out, motion, f, child, depth + 1);
+    }
+  if (leaf) {
+    out += indent + "  End Site\n" + indent + "  {\n" + indent + "    OFFSET ";
+    append_triple(out, f.skeleton.tail[segment] - head, 0.1, 4);
+    out += "\n" + indent + "  }\n";
+  }
+  out += indent + "}\n";
+}
+
+}  // namespace
+
+Status write_obj(const Avatar& avatar, const std::string& path) {
+  const auto figure = make_figure(avatar);
+  if (!figure) return figure.error();
+  const auto body = std::span(figure->posed).first(static_cast<std::size_t>(avatar.model->body_vertex_count()));
+  const auto quads = avatar.model->body_quads();
+  std::string out = "# im2fit avatar: metres, y up\no body\n";
+  for (const Vec3f& v : body) {
+    out += "v ";
+    append_triple(out, v, 1e-3, 6);
+    out += '\n';
+  }
+  for (const Vec3f& n : vertex_normals(body, quads)) {
+    out += "vn ";
+    append_triple(out, n, 1, 4);
+    out += '\n';
+  }
+  for (const auto& q : quads) {
+    out += 'f';
+    for (const std::int32_t v : q) {
+      const std::string index = std::to_string(v + 1);
+      out += " " + index + "//" + index;
+    }
+    out += '\n';
+  }
+  return write_file_atomically(path, out);
+}
+
+Status write_bvh(const Avatar& avatar, const std::string& path) {
+  const auto figure = make_figure(avatar);
+  if (!figure) return figure.error();
+  std::string out = "HIERARCHY\n";
+  std::string motion;
+  append_joint(out, motion, *figure, 0, 0);
+  motion.back() = '\n';
+  out += "MOTION\nFrames: 1\nFrame Time: 0.0333333\n" + motion;
+  return write_file_atomically(path, out);
+}
+
+Status write_skel(const Avatar& avatar, const std::string& path) {
+  const auto figure = make_figure(avatar);
+  if (!figure) return figure.error();
+  const JointSet joints = joints_of(*avatar.model, figure->posed);
+  std::string out;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    out += std::string(kJointNames[j]) + " ";
+    append_triple(out, joints.position_mm[j], 1, 2);
+    out += '\n';
+  }
+  return write_file_atomically(path, out);
+}
+
+Status write_attributes(const Avatar& avatar, const std::string& path) {
+  const Params& p = avatar.params;
+  std::string out;
+  const auto line = [&](const char* name, float value, int decimals) {
+    out += std::string(name) + " ";
+    append_number(out, value, decimals);
+    out += '\n';
+  };
+  line("age", p.age_years, 2);
+  line("gender", p.gender, 6);
+  line("height", p.height, 6);
+  line("weight", p.weight, 6);
+  line("muscle", p.muscle, 6);
+  line("african", p.race[0], 6);
+  line("asian", p.race[1], 6);
+  line("caucasian", p.race[2], 6);
+  line("proportions", p.proportions, 6);
+  return write_file_atomically(path, out);
+}
+
+}  // namespace im2fit::body
