@@ -157,11 +157,13 @@ struct VirtualScene::Impl {
         sensor(sensor_options, k),
         mask(view.label.size()) {}
 
+  void stage(const Subject& subject);
   void pose_person(const Subject& subject);
   void place_camera();
   void furnish();
   bool fits() const;
   void draw_background(const PixelBox& box);
+  void ensure_background(const PixelBox& band);
   PixelBox draw_person(std::uint64_t index, const PixelBox& clip);
   PixelBox silhouette_box(std::uint64_t index) const;
   Rigid person_to_world(std::uint64_t index) const { return scene.sway ? sway.at(index) : Rigid{}; }
@@ -189,6 +191,14 @@ struct VirtualScene::Impl {
   std::vector<Vec3f> vertices;  // scratch: sensor axes
   std::vector<std::uint8_t> mask;
 };
+
+void VirtualScene::Impl::stage(const Subject& subject) {
+  room_done = person_box = {};
+  view_ready = false;
+  pose_person(subject);
+  place_camera();
+  furnish();
+}
 
 void VirtualScene::Impl::pose_person(const Subject& subject) {
   Rng rng = Rng::for_item(seed, kPoseStream, 0);
@@ -274,6 +284,8 @@ void VirtualScene::Impl::furnish() {
   room = draw_room_plan(options, standing, rng);
 
   const Rigid to_sensor = world_to_sensor();
+  planes.clear();
+  furniture.clear();
   for (const Wall& wall : room.walls) {
     // n.x = o in the world is (Rn).y = o + (Rn).t for y = Rx + t.
     const Vec3f normal = to_sensor.rotation * wall.normal;
@@ -288,6 +300,15 @@ void VirtualScene::Impl::draw_background(const PixelBox& box) {
   draw_room(planes, intrinsics, box, room_view);
   static constexpr std::array<std::uint8_t, 1> kLabels = {kFurniture};
   raster.draw(furniture, room.furniture.triangles, kLabels, true, intrinsics, box, room_view);
+}
+
+// Some rows more than asked for: the next frame's box will have moved a little.
+void VirtualScene::Impl::ensure_background(const PixelBox& band) {
+  if (!room_done.empty() && band.v0 >= room_done.v0 && band.v1 <= room_done.v1) return;
+  constexpr int kSpareRows = 16;
+  const PixelBox more = {0, band.v0 - kSpareRows, intrinsics.width, band.v1 + kSpareRows};
+  room_done = bounding(room_done, intersect(whole(intrinsics.width, intrinsics.height), more));
+  draw_background(room_done);
 }
 
 PixelBox VirtualScene::Impl::silhouette_box(std::uint64_t index) const {
@@ -319,12 +340,17 @@ PixelBox VirtualScene::Impl::draw_person(std::uint64_t index, const PixelBox& cl
 VirtualScene::VirtualScene(const body::BodyModel& model, const Subject& subject, const SceneOptions& scene,
                            const SensorOptions& sensor, const Intrinsics& intrinsics, std::uint64_t seed)
     : impl_(std::make_unique<Impl>(model, scene, sensor, intrinsics, seed)) {
-  impl_->pose_person(subject);
-  impl_->place_camera();
-  impl_->furnish();
+  impl_->stage(subject);
 }
 VirtualScene::~VirtualScene() = default;
 VirtualScene::VirtualScene(VirtualScene&&) noexcept = default;
+
+void VirtualScene::restage(const Subject& subject, const SceneOptions& scene, std::uint64_t seed) {
+  impl_->scene = scene;
+  impl_->seed = seed;
+  impl_->sway = Sway(seed);
+  impl_->stage(subject);
+}
 
 void VirtualScene::render(std::uint64_t index, DepthImage out) {
   Impl& s = *impl_;
@@ -337,14 +363,9 @@ void VirtualScene::render(std::uint64_t index, DepthImage out) {
     std::fill(s.mask.begin(), s.mask.end(), std::uint8_t{0});
   }
   // Rows of the box whole, and some above and below: the shadow looks along the row, the edges across it.
-  PixelBox band = intersect(frame, {0, wanted.v0 - 4, s.intrinsics.width, wanted.v1 + 4});
+  const PixelBox band = intersect(frame, {0, wanted.v0 - 4, s.intrinsics.width, wanted.v1 + 4});
   if (!s.view_ready || s.scene.sway || boxed) {
-    const PixelBox covered = intersect(s.room_done, band);
-    if (band.v0 != covered.v0 || band.v1 != covered.v1) {
-      band = bounding(band, s.room_done);
-      s.draw_background(band);
-      s.room_done = band;
-    }
+    s.ensure_background(band);
     PixelBox changed = band;
     if (s.view_ready && !boxed) {
       changed = intersect(frame, grown(bounding(s.person_box, s.silhouette_box(index)), 2));

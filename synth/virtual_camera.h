@@ -59,6 +59,10 @@ class VirtualScene {
   ~VirtualScene();
   VirtualScene(VirtualScene&&) noexcept;
 
+  // The same camera before another person and room, as if newly made, without its allocations: for those who render
+  // thousands.
+  void restage(const Subject& subject, const SceneOptions& scene, std::uint64_t seed);
+
   // Frame `index`: depends on the scene's seed and the index only. Depth as the sensor delivers it: `intrinsics`
   // size, before any --rotate. Frame times are index/30 s.
   void render(std::uint64_t index, DepthImage out);
