@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many subjects to index samples: both cores, resumable, the same for a seed at any thread count.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "base/status.h"
+#include "body/model.h"
+#include "index/index.h"
+#include "synth/features.h"
+
+namespace im2fit::synth {
+
+struct DatasetOptions {
+  int subject_count = 20000;  // 1 .. 10,000,000
+  std::uint64_t first_subject = 0;
+  int captures_per_subject = 1;  // 1 .. 64
+  Family family = Family::training;
+  std::uint64_t seed = 1;
+  CaptureVariety variety;
+  int thread_count = 2;  // does not change the result
+  // Resuming: finished chunks are kept in `work_dir` ("" = none) as shards and used again when they were made with
+  // the same options (thread_count aside) and the same `input_key`, e.g. a checksum of the body and tracker files.
+  std::string work_dir;
+  std::uint64_t input_key = 0;
+  int chunk_size = 500;  // subjects in a shard
+};
+
+struct DatasetProgress {
+  int done = 0;  // subjects, those found in shards included
+  int total = 0;
+  double subjects_per_second = 0;  // of those made now
+  double seconds_left = 0;
+};
+
+struct DatasetReport {
+  int subjects = 0;  // with at least one sample
+  int samples = 0;
+  int subjects_reused = 0;   // from shards
+  int captures_failed = 0;   // gave too few frames; drawn anew up to twice
+  int captures_missing = 0;  // failed three times: no sample
+  std::int64_t frames_seen = 0;
+  std::array<std::int64_t, kGuidanceCount> refused{};  // frames by guidance code
+  double seconds = 0;
+  CaptureCost cost;  // summed over threads
+};
+
+// `progress` is called from worker threads, one at a time, a few times a second; `sink` from the calling thread, in
+// the order of subjects. Errors: options out of range, work_dir that cannot be written. A damaged or foreign shard is
+// made again.
+Result<DatasetReport> make_dataset(const body::BodyModel& model, const JointModel& joint_model,
+                                   const DatasetOptions& options,
+                                   const std::function<void(const DatasetProgress&)>& progress,
+                                   const std::function<void(const index::Sample&)>& sink);
+
+}  // namespace im2fit::synth

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "synth/features.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/rng.h"
+#include "hal/source.h"
+
+namespace im2fit::synth {
+namespace {
+
+constexpr std::uint64_t kCaptureStream = 0xCA97;
+constexpr int kPatience = 4;  // frames beyond 1.5 times those wanted before a capture is given up
+
+class Stopwatch {
+ public:
+  // Seconds since construction or the last lap.
+  double lap() {
+    const auto now = Clock::now();
+    const double s = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return s;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point last_ = Clock::now();
+};
+
+}  // namespace
+
+CaptureCost& CaptureCost::operator+=(const CaptureCost& o) {
+  draw += o.draw;
+  scene += o.scene;
+  render += o.render;
+  sense += o.sense;
+  fuse += o.fuse;
+  describe += o.describe;
+  return *this;
+}
+
+struct CaptureRig::Station {
+  Station(int w, int h, const JointModel& model)
+      : width(w),
+        height(h),
+        sensor(w, h, model),
+        fuser(w, h),
+        depth(static_cast<std::size_t>(w) * h),
+        mask(static_cast<std::size_t>(w) * h) {}
+  int width, height;
+  Sensor sensor;
+  Fuser fuser;
+  std::vector<std::uint16_t> depth;
+  std::vector<std::uint8_t> mask;
+};
+
+CaptureRig::CaptureRig(const body::BodyModel& model, const JointModel& joint_model)
+    : model_(model), joint_model_(joint_model) {}
+CaptureRig::~CaptureRig() = default;
+
+CaptureRig::Station& CaptureRig::station(int width, int height) {
+  for (const auto& s : stations_)
+    if (s->width == width && s->height == height) return *s;
+  return *stations_.emplace_back(std::make_unique<Station>(width, height, joint_model_));
+}
+
+const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& options) {
+  Stopwatch watch;
+  const Intrinsics upright = hal::rotate_upright(options.intrinsics, options.scene.rotate_deg);
+  Station& at = station(upright.width, upright.height);
+  at.sensor.reset();
+  at.fuser.reset();
+  capture_ = {};
+  VirtualScene scene(model_, subject, options.scene, options.sensor, options.intrinsics, options.seed);
+  delivered_.resize(static_cast<std::size_t>(options.intrinsics.width) * options.intrinsics.height);
+  const DepthImage delivered(delivered_.data(), options.intrinsics.width, options.intrinsics.height);
+  const DepthImage depth(at.depth.data(), at.width, at.height);
+  const MaskImage mask(at.mask.data(), at.width, at.height);
+  cost.scene += watch.lap();
+
+  const int frames_max = options.frame_count + options.frame_count / 2 + kPatience;
+  for (int i = 0; i < frames_max && at.fuser.frame_count() < options.frame_count; ++i) {
+    scene.render(static_cast<std::uint64_t>(i), delivered);
+    hal::rotate_upright(delivered, options.scene.rotate_deg, depth);
+    cost.render += watch.lap();
+    const Sighting sighting = at.sensor.sense(depth, upright, mask);
+    cost.sense += watch.lap();
+    GuidanceSet guidance = sighting.guidance;
+    if (guidance == 0) guidance = at.fuser.add(depth, mask, upright, sighting);
+    for (std::size_t g = 0; g < kGuidanceCount; ++g) capture_.refused[g] += static_cast<int>(guidance >> g & 1U);
+    cost.fuse += watch.lap();
+    ++capture_.frames_seen;
+    // Nothing changes but noise: what refuses the first frames will refuse the rest.
+    if (i + 1 >= kPatience && at.fuser.frame_count() == 0) break;
+  }
+  capture_.frame_count = at.fuser.frame_count();
+  if (capture_.frame_count < kCaptureFramesMin) return capture_;
+  const Fuser::Description& description = at.fuser.describe();
+  cost.describe += watch.lap();
+  capture_.valid = description.valid;
+  capture_.joints = description.joints;
+  capture_.paper = description.paper;
+  capture_.feature = description.feature;
+  return capture_;
+}
+
+CaptureOptions draw_capture(const CaptureVariety& variety, std::uint64_t seed, std::uint64_t subject, int capture) {
+  Rng rng = Rng::for_item(seed ^ (static_cast<std::uint64_t>(capture) << 48), kCaptureStream, subject);
+  CaptureOptions out;
+  out.seed = rng.next();
+  out.intrinsics = rng.uniform() < variety.wide_share ? kinect_intrinsics(640, 480) : kinect_intrinsics(320, 240);
+  const double pose = rng.uniform();
+  out.scene.pose = variety.plain || pose < 0.8 ? StandingPose::relaxed
+                   : pose < 0.95               ? StandingPose::a_pose
+                                               : StandingPose::psi;
+  const double mount = rng.uniform();
+  out.scene.rotate_deg = mount < variety.landscape_share ? 0 : mount < 0.9 ? 90 : 270;
+  out.scene.wall = rng.uniform() < 0.85;
+  const bool furnished = rng.uniform() < 0.35;
+  const int furniture = 1 + rng.index(4);
+  out.scene.furniture_count = furnished && !variety.plain ? furniture : 0;
+  out.scene.sway = false;
+  out.sensor = kinect_sensor();
+  out.sensor.depth_scale = static_cast<float>(1 + rng.uniform(-0.003, 0.003));
+  const double ratio = static_cast<double>(variety.frames_max) / variety.frames_min;
+  out.frame_count = static_cast<int>(std::lround(variety.frames_min * std::pow(ratio, rng.uniform())));
+  return out;
+}
+
+std::vector<index::FeatureGroup> feature_groups() {
+  using L = ProfileLayout;
+  const auto part = [](const char* name, int first, int last) {
+    return index::FeatureGroup{name, static_cast<std::uint32_t>(last - first)};
+  };
+  return {{"lengths", 4},
+          {"ratios", 2},
+          {"fpfh", 33 * kJointCount},
+          part("trunk", L::kTrunk, L::kLegs),
+          part("legs", L::kLegs, L::kHead),
+          part("head", L::kHead, L::kArms),
+          part("arms", L::kArms, L::kCrown),
+          part("crown and soles", L::kCrown, L::kJoints),
+          part("joints", L::kJoints, L::kBoneLengths),
+          part("bones", L::kBoneLengths, L::kSceneValues),
+          part("scene", L::kSceneValues, L::kSize)};
+}
+
+}  // namespace im2fit::synth

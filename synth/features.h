@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rendered person through the device's own path: frames -> upright -> Sensor -> Fuser -> feature. Never a shortcut
+// from the mesh.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "body/model.h"
+#include "index/index.h"
+#include "kernels/observe/observe.h"
+#include "synth/virtual_camera.h"
+
+namespace im2fit::synth {
+
+// One person standing before one camera for a few frames.
+struct CaptureOptions {
+  SceneOptions scene;
+  SensorOptions sensor;
+  Intrinsics intrinsics;  // as the sensor delivers, landscape
+  int frame_count = 10;   // accepted frames wanted
+  std::uint64_t seed = 0;
+};
+
+struct Capture {
+  bool valid = false;   // at least kCaptureFramesMin frames were accepted and described
+  int frame_count = 0;  // accepted
+  int frames_seen = 0;
+  std::array<int, kGuidanceCount> refused{};  // frames, by guidance code
+  JointSet joints;
+  PaperMeasurements paper;
+  Feature feature{};
+};
+inline constexpr int kCaptureFramesMin = 3;
+
+// Seconds spent, to see which part is slow.
+struct CaptureCost {
+  double draw = 0;    // subject: shape, exact stature and weight, truth
+  double scene = 0;   // pose, skin, rasterise
+  double render = 0;  // frames: noise and turning upright
+  double sense = 0;   // segmentation and joints
+  double fuse = 0;
+  double describe = 0;  // FPFH and profile
+  CaptureCost& operator+=(const CaptureCost& o);
+};
+
+// Not shareable between threads; the models must outlive it.
+class CaptureRig {
+ public:
+  CaptureRig(const body::BodyModel& model, const JointModel& joint_model);
+  ~CaptureRig();
+  // Depends on the subject and the options only. The result is valid until the next call.
+  const Capture& run(const Subject& subject, const CaptureOptions& options);
+  CaptureCost cost;
+
+ private:
+  struct Station;  // sensor, fuser and buffers of one upright size
+  Station& station(int width, int height);
+  const body::BodyModel& model_;
+  const JointModel& joint_model_;
+  std::vector<std::unique_ptr<Station>> stations_;
+  std::vector<std::uint16_t> delivered_;
+  Capture capture_;
+};
+
+// How people stand before cameras when an index is trained: distances, mountings, rooms, poses, frames, devices.
+struct CaptureVariety {
+  int frames_min = 4;  // accepted frames, drawn between (log-uniform)
+  int frames_max = 24;
+  double wide_share = 0.15;       // of captures at 640x480; the others at 320x240
+  double landscape_share = 0.35;  // of mountings; the others portrait
+  bool plain = false;             // no furniture: relaxed pose, empty room
+};
+CaptureOptions draw_capture(const CaptureVariety& variety, std::uint64_t seed, std::uint64_t subject, int capture);
+
+// Groups of kernels/observe's feature for IndexBuilder.
+std::vector<index::FeatureGroup> feature_groups();
+
+}  // namespace im2fit::synth
