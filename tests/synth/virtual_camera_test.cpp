@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "synth/virtual_camera.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "body_fixture.h"
+
+namespace im2fit::synth {
+namespace {
+
+TEST(Mounting, KinectIntrinsics) {
+  const Intrinsics full = kinect_intrinsics(640, 480);
+  EXPECT_FLOAT_EQ(full.fx, 575.8F);
+  EXPECT_FLOAT_EQ(full.cx, 319.5F);
+  EXPECT_FLOAT_EQ(full.cy, 239.5F);
+  const Intrinsics half = kinect_intrinsics(320, 240);
+  EXPECT_FLOAT_EQ(half.fy, 287.9F);
+  EXPECT_FLOAT_EQ(half.cx, 159.5F);
+  EXPECT_FLOAT_EQ(half.cy, 119.5F);
+}
+
+// The header's table of upright(u', v') = in(u, v).
+std::array<int, 2> sensor_pixel(int rotate_deg, int u, int v, int width, int height) {
+  switch (rotate_deg) {
+    case 90:
+      return {v, height - 1 - u};
+    case 180:
+      return {width - 1 - u, height - 1 - v};
+    case 270:
+      return {width - 1 - v, u};
+    default:
+      return {u, v};
+  }
+}
+
+// A point seen at an upright pixel is the same point seen at the sensor's pixel of that table.
+TEST(Mounting, AxesAndPixelsAgree) {
+  Intrinsics sensor = kinect_intrinsics(640, 480);
+  sensor.cx = 310;  // off centre, and unequal focal lengths, so that a mix-up shows
+  sensor.cy = 250;
+  sensor.fy = 570;
+  for (const int rotate : {0, 90, 180, 270}) {
+    const Intrinsics upright = upright_intrinsics(sensor, rotate);
+    EXPECT_EQ(upright.width, rotate % 180 == 0 ? 640 : 480);
+    for (const auto& [u, v] : {std::pair{10, 20}, {300, 400}, {77, 311}}) {
+      const Vec3f p = unproject(upright, static_cast<float>(u), static_cast<float>(v), 2000);
+      const auto [su, sv] = sensor_pixel(rotate, u, v, 640, 480);
+      const Vec3f q = upright_to_sensor(p, rotate);
+      EXPECT_NEAR(q.x * sensor.fx / q.z + sensor.cx, su, 1e-3) << rotate;
+      EXPECT_NEAR(q.y * sensor.fy / q.z + sensor.cy, sv, 1e-3) << rotate;
+    }
+  }
+}
+
+class VirtualCamera : public WithBody {
+ protected:
+  static constexpr int kWidth = 640, kHeight = 480;
+  struct Shot {
+    std::vector<std::uint16_t> depth = std::vector<std::uint16_t>(kWidth * kHeight);
+    std::vector<std::uint8_t> mask = std::vector<std::uint8_t>(kWidth * kHeight);
+  };
+  static Shot take(VirtualScene& scene, std::uint64_t index) {
+    Shot shot;
+    scene.render(index, DepthImage(shot.depth.data(), kWidth, kHeight));
+    scene.person_mask(MaskImage(shot.mask.data(), kWidth, kHeight));
+    return shot;
+  }
+  static VirtualScene make(const SceneOptions& options, const SensorOptions& sensor, std::uint64_t seed,
+                           Family family = Family::training) {
+    return {model(), draw_subject(model(), family, 40, seed), options,
+            sensor,  kinect_intrinsics(kWidth, kHeight),      seed};
+  }
+};
+
+TEST_F(VirtualCamera, WholePersonFitsByDefault) {
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    SceneOptions options;
+    options.rotate_deg = std::array<int, 4>{90, 0, 270, 180}[i % 4];
+    options.pose = std::array<StandingPose, 4>{StandingPose::relaxed, StandingPose::relaxed, StandingPose::psi,
+                                               StandingPose::free}[(i / 4) % 4];
+    VirtualScene scene = make(options, kinect_sensor(), i);
+    const Intrinsics k = upright_intrinsics(scene.intrinsics(), options.rotate_deg);
+    std::vector<Vec3f> mesh(static_cast<std::size_t>(model().body_vertex_count()));
+    for (const std::uint64_t frame : {0, 45}) {
+      scene.person_mesh(frame, mesh);
+      for (const Vec3f& p : mesh) {
+        const float u = p.x * k.fx / p.z + k.cx, v = p.y * k.fy / p.z + k.cy;
+        ASSERT_TRUE(u > 4 && v > 4 && u < static_cast<float>(k.width) - 5 && v < static_cast<float>(k.height) - 5)
+            << "subject " << i << " at " << u << "," << v;
+      }
+    }
+    EXPECT_LE(scene.distance_mm(), 4500);
+    EXPECT_GE(scene.distance_mm(), 2000);
+  }
+}
+
+// Truth against the picture: each joint's pixel shows the person at about the joint's own depth, never far in
+// front of it. Joints lie inside the body: the surface before them is at most a trunk's half depth nearer.
+TEST_F(VirtualCamera, JointsLieInsideTheRenderedPerson) {
+  for (const int rotate : {0, 90, 180, 270}) {
+    for (std::uint64_t i = 0; i < 6; ++i) {
+      SceneOptions options;
+      options.rotate_deg = rotate;
+      options.back_view = i % 3 == 2;
+      options.furniture_count = 2;
+      SensorOptions sensor = exact_sensor();
+      VirtualScene scene = make(options, sensor, i);
+      const Shot shot = take(scene, 9);
+      const Intrinsics k = upright_intrinsics(scene.intrinsics(), rotate);
+      const JointSet joints = scene.joints(9);
+      for (std::size_t j = 0; j < kJointCount; ++j) {
+        const Vec3f p = joints.position_mm[j];
+        const int u = static_cast<int>(std::lround(p.x * k.fx / p.z + k.cx));
+        const int v = static_cast<int>(std::lround(p.y * k.fy / p.z + k.cy));
+        const auto [su, sv] = sensor_pixel(rotate, u, v, kWidth, kHeight);
+        const std::size_t at = static_cast<std::size_t>(sv) * kWidth + static_cast<std::size_t>(su);
+        ASSERT_EQ(shot.mask[at], 255) << kJointNames[j] << " rotate " << rotate << " subject " << i;
+        const float before = p.z - static_cast<float>(shot.depth[at]);
+        EXPECT_GT(before, -15) << kJointNames[j];
+        EXPECT_LT(before, 260) << kJointNames[j];
+      }
+      // The person's left is the picture's right when facing the camera.
+      EXPECT_EQ(joints[Joint::LS].x > joints[Joint::RS].x, !options.back_view);
+      EXPECT_LT(joints[Joint::HE].y, joints[Joint::LF].y);
+    }
+  }
+}
+
+TEST_F(VirtualCamera, FloorTruthHoldsFeetAndFloorPixels) {
+  for (const int rotate : {0, 90}) {
+    SceneOptions options;
+    options.rotate_deg = rotate;
+    options.wall = false;
+    options.sway = false;
+    VirtualScene scene = make(options, exact_sensor(), 3);
+    const FloorPlane floor = scene.floor();
+    ASSERT_TRUE(floor.known);
+    EXPECT_NEAR(norm(floor.up), 1, 1e-5);
+    EXPECT_LT(floor.up.y, -0.9F);
+    std::vector<Vec3f> mesh(static_cast<std::size_t>(model().body_vertex_count()));
+    scene.person_mesh(0, mesh);
+    float lowest = 1e9F, highest = -1e9F;
+    for (const Vec3f& p : mesh) {
+      lowest = std::min(lowest, dot(floor.up, p) + floor.camera_height_mm);
+      highest = std::max(highest, dot(floor.up, p) + floor.camera_height_mm);
+    }
+    EXPECT_NEAR(lowest, 0, 0.5);
+    const Subject subject = draw_subject(model(), Family::training, 40, 3);
+    EXPECT_NEAR(highest, subject.truth[measurement_index(Measurement::stature)], 45);  // posture
+
+    // Every other pixel with data is floor, to the rounding of a millimetre.
+    const Shot shot = take(scene, 0);
+    const Intrinsics k = upright_intrinsics(scene.intrinsics(), rotate);
+    int counted = 0;
+    for (int v = 0; v < k.height; v += 3) {
+      for (int u = 0; u < k.width; u += 3) {
+        const auto [su, sv] = sensor_pixel(rotate, u, v, kWidth, kHeight);
+        const std::size_t at = static_cast<std::size_t>(sv) * kWidth + static_cast<std::size_t>(su);
+        if (shot.depth[at] == 0 || shot.depth[at] > 8000 || shot.mask[at] != 0) continue;
+        const Vec3f p = unproject(k, static_cast<float>(u), static_cast<float>(v), shot.depth[at]);
+        ++counted;
+        ASSERT_NEAR(dot(floor.up, p) + floor.camera_height_mm, 0, 1.2);
+      }
+    }
+    EXPECT_GT(counted, 1500);
+  }
+}
+
+TEST_F(VirtualCamera, FramesDependOnSeedAndIndexOnly) {
+  for (const bool sway : {true, false}) {
+    SceneOptions options;
+    options.furniture_count = 3;
+    options.sway = sway;
+    VirtualScene a = make(options, kinect_sensor(), 5), b = make(options, kinect_sensor(), 5),
+                 other = make(options, kinect_sensor(), 6);
+    const Shot fifth = take(a, 5);
+    (void)take(b, 17);
+    (void)take(b, 2);
+    const Shot again = take(b, 5);
+    EXPECT_EQ(again.depth, fifth.depth);
+    EXPECT_EQ(again.mask, fifth.mask);
+    EXPECT_NE(take(b, 6).depth, fifth.depth);
+    EXPECT_NE(take(other, 5).depth, fifth.depth);
+  }
+}
+
+TEST_F(VirtualCamera, RestagedIsAsNew) {
+  SceneOptions first, second;
+  first.furniture_count = 4;
+  second.pose = StandingPose::psi;
+  second.furniture_count = 1;
+  for (const int margin : {-1, 12}) {
+    SensorOptions sensor;
+    sensor.box_margin_px = margin;
+    VirtualScene used = make(first, sensor, 1);
+    (void)take(used, 3);
+    used.restage(draw_subject(model(), Family::training, 40, 2), second, 2);
+    VirtualScene fresh = make(second, sensor, 2);
+    EXPECT_EQ(take(used, 0).depth, take(fresh, 0).depth);
+    const Shot a = take(used, 30), b = take(fresh, 30);
+    EXPECT_EQ(a.depth, b.depth);
+    EXPECT_EQ(a.mask, b.mask);
+  }
+}
+
+// Box frames hold the whole frame's pixels inside the box and nothing outside.
+TEST_F(VirtualCamera, BoxFramesAreCutFromWholeFrames) {
+  SceneOptions options;
+  options.furniture_count = 2;
+  SensorOptions boxed;
+  boxed.box_margin_px = 8;
+  VirtualScene whole_scene = make(options, kinect_sensor(), 4), box_scene = make(options, boxed, 4);
+  for (const std::uint64_t frame : {0, 20}) {
+    const Shot w = take(whole_scene, frame), b = take(box_scene, frame);
+    EXPECT_EQ(w.mask, b.mask);
+    int inside = 0;
+    for (std::size_t i = 0; i < w.depth.size(); ++i) {
+      if (b.depth[i] == 0) continue;
+      ++inside;
+      ASSERT_EQ(b.depth[i], w.depth[i]);
+    }
+    EXPECT_GT(inside, 30000);
+    EXPECT_LT(inside, 200000);
+  }
+}
+
+TEST_F(VirtualCamera, SwayIsSmallAndCanBeOff) {
+  SceneOptions options;
+  VirtualScene scene = make(options, kinect_sensor(), 7);
+  float most = 0;
+  const JointSet first = scene.joints(0);
+  for (std::uint64_t f = 0; f < 300; f += 10) {
+    const JointSet j = scene.joints(f);
+    most = std::max(most, norm(j[Joint::HE] - first[Joint::HE]));
+    EXPECT_LT(norm(j[Joint::LF] - first[Joint::LF]), 6);
+  }
+  EXPECT_GT(most, 2);
+  EXPECT_LT(most, 40);
+  options.sway = false;
+  VirtualScene still = make(options, kinect_sensor(), 7);
+  EXPECT_EQ(still.joints(0)[Joint::HE].x, still.joints(200)[Joint::HE].x);
+}
+
+// Nothing stands before the person: a furnished room shows every pixel of the person an empty one shows.
+TEST_F(VirtualCamera, FurnitureNeverHidesThePerson) {
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    SceneOptions options;
+    options.pose = i % 2 == 0 ? StandingPose::relaxed : StandingPose::free;
+    VirtualScene bare = make(options, exact_sensor(), i);
+    options.furniture_count = 4;
+    VirtualScene furnished = make(options, exact_sensor(), i);
+    EXPECT_EQ(take(bare, 0).mask, take(furnished, 0).mask) << i;
+  }
+}
+
+TEST_F(VirtualCamera, GivenDistanceAndYawAreTaken) {
+  SceneOptions options;
+  options.distance_mm = 2750;
+  options.camera_height_mm = 1100;
+  options.pitch_deg = 0;
+  options.yaw_deg = 30;
+  options.sway = false;
+  VirtualScene scene = make(options, kinect_sensor(), 2);
+  EXPECT_FLOAT_EQ(scene.distance_mm(), 2750);
+  EXPECT_FLOAT_EQ(scene.floor().camera_height_mm, 1100);
+  const JointSet j = scene.joints(0);
+  EXPECT_NEAR((j[Joint::LH].z + j[Joint::RH].z) / 2, 2750, 5);
+  // Turned to the own left by 30 degrees: the left hip goes back.
+  const Vec3f across = j[Joint::LH] - j[Joint::RH];
+  EXPECT_NEAR(std::atan2(across.z, across.x) * 57.2958F, 30, 8);
+}
+
+}  // namespace
+}  // namespace im2fit::synth
