@@ -39,6 +39,13 @@ std::string_view to_string(IntrinsicsOrigin origin) {
   return "unknown";
 }
 
+std::optional<IntrinsicsOrigin> parse_origin(std::string_view text) {
+  for (const auto origin : {IntrinsicsOrigin::device, IntrinsicsOrigin::calibration_file, IntrinsicsOrigin::recording,
+                            IntrinsicsOrigin::field_of_view, IntrinsicsOrigin::caller, IntrinsicsOrigin::synthetic})
+    if (text == to_string(origin)) return origin;
+  return std::nullopt;
+}
+
 Status check_intrinsics(const Intrinsics& k, const std::string& what) {
   if (k.width < 1 || k.height < 1 || k.width > kImageSideMax || k.height > kImageSideMax)
     return off(what, "the picture's size", std::to_string(k.width) + "x" + std::to_string(k.height),
@@ -92,7 +99,8 @@ FieldOfView field_of_view(const Intrinsics& k) {
   return {angle(k.width, k.fx), angle(k.height, k.fy)};
 }
 
-std::string camera_yaml_text(const Intrinsics& k, const std::string& camera_name, int rotate_deg) {
+std::string camera_yaml_text(const Intrinsics& k, const std::string& camera_name, int rotate_deg,
+                             std::string_view origin) {
   std::string name;
   for (const char c : camera_name)  // YAML's plain scalars stay plain whatever the device calls itself
     name += (c >= ' ' && c != '"' && c != '\\' && c != 0x7F) ? c : ' ';
@@ -109,6 +117,7 @@ std::string camera_yaml_text(const Intrinsics& k, const std::string& camera_name
   text += "projection_matrix:\n  rows: 3\n  cols: 4\n";
   text += "  data: [" + fx + ", 0, " + cx + ", 0, 0, " + fy + ", " + cy + ", 0, 0, 0, 1, 0]\n";
   text += "im2fit_rotate_deg: " + std::to_string(rotate_deg) + "\n";
+  text += "im2fit_intrinsics_origin: " + std::string(origin) + "\n";
   return text;
 }
 

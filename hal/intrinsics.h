@@ -2,13 +2,16 @@
 // Intrinsics from and to what cameras and files say of them.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "hal/source.h"
 
 namespace im2fit::hal {
 
 std::string_view to_string(IntrinsicsOrigin origin);
+std::optional<IntrinsicsOrigin> parse_origin(std::string_view text);
 
 // Fields of view in radians, of the whole picture; the principal point is the picture's centre ((w - 1) / 2), all
 // that an OpenNI2 device tells us. Error (invalid_argument) when the angles are no camera's; `what` names it.
@@ -21,7 +24,10 @@ struct FieldOfView {
 FieldOfView field_of_view(const Intrinsics& k);
 
 // A calibration as ROS and OpenCV write it, values exact to the last bit of the float. `rotate_deg` is kept under
-// im2fit_rotate_deg: how the camera was mounted when these pictures were made.
-std::string camera_yaml_text(const Intrinsics& k, const std::string& camera_name, int rotate_deg);
+// im2fit_rotate_deg: how the camera was mounted when these pictures were made. `origin` under
+// im2fit_intrinsics_origin: where the values came from, so that a replay does not take a field of view for a
+// calibration.
+std::string camera_yaml_text(const Intrinsics& k, const std::string& camera_name, int rotate_deg,
+                             std::string_view origin = "calibration_file");
 
 }  // namespace im2fit::hal

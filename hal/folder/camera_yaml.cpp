@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/file.h"
-#include "hal/source.h"
+#include "hal/intrinsics.h"
 
 namespace im2fit::hal {
 namespace {
@@ -69,6 +69,12 @@ Result<CameraFile> interpret(const YAML::Node& root, const std::string& path) {
   if (root["im2fit_rotate_deg"].IsDefined()) {
     file.rotate_deg = root["im2fit_rotate_deg"].as<int>();
     if (!is_rotation(*file.rotate_deg)) return lacks(path, "im2fit_rotate_deg", "0, 90, 180 or 270");
+  }
+  if (root["im2fit_intrinsics_origin"].IsDefined()) {
+    const auto origin = parse_origin(root["im2fit_intrinsics_origin"].as<std::string>());
+    if (!origin)
+      return lacks(path, "im2fit_intrinsics_origin", "device, calibration_file, field_of_view or synthetic");
+    file.origin = *origin;
   }
   return file;
 }

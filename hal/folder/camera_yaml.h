@@ -6,13 +6,14 @@
 #include <string>
 
 #include "base/status.h"
-#include "kernels/core/camera.h"
+#include "hal/source.h"
 
 namespace im2fit::hal {
 
 struct CameraFile {
-  Intrinsics intrinsics;          // of the camera's picture, before rotation
-  std::optional<int> rotate_deg;  // im2fit_rotate_deg, where the file has it
+  Intrinsics intrinsics;                                         // of the camera's picture, before rotation
+  std::optional<int> rotate_deg;                                 // im2fit_rotate_deg, where the file has it
+  IntrinsicsOrigin origin = IntrinsicsOrigin::calibration_file;  // im2fit_intrinsics_origin, where the file has it
 };
 
 // Keys: image_width, image_height, camera_matrix (3 x 3, `data`), distortion_coefficients (must be zeros: the

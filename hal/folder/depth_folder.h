@@ -56,7 +56,8 @@ class FolderWriter {
   struct Options {
     DepthFormat format = DepthFormat::png;
     std::string camera_name = "depth camera";
-    int rotate_deg = 0;  // how the camera of these pictures was mounted, for camera.yaml
+    int rotate_deg = 0;  // for camera.yaml: what a reader must undo; 0 for pictures that are upright already
+    IntrinsicsOrigin origin = IntrinsicsOrigin::calibration_file;
   };
   // Makes the folder and writes camera.yaml. Refuses a folder that already holds frames.
   static Result<std::unique_ptr<FolderWriter>> create(const std::string& path, const Intrinsics& intrinsics,

@@ -151,7 +151,7 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
   info.uri = path;
   info.name = path;
   info.rotate_deg = options.rotate_deg.value_or(camera->rotate_deg.value_or(0));
-  info.intrinsics_origin = IntrinsicsOrigin::calibration_file;
+  info.intrinsics_origin = camera->origin;
   info.frame_count = static_cast<std::int64_t>(source->frames_.size());
   source->path_ = UprightPath(camera->intrinsics, info.rotate_deg);
   info.intrinsics = source->path_.upright();

@@ -31,7 +31,8 @@ Result<std::unique_ptr<FolderWriter>> FolderWriter::create(const std::string& pa
       return Error{ErrorCode::invalid_argument, path + " already holds frames (" + it->path().filename().string() +
                                                     "); choose another folder or delete them"};
   }
-  const std::string yaml = camera_yaml_text(intrinsics, options.camera_name, options.rotate_deg);
+  const std::string yaml =
+      camera_yaml_text(intrinsics, options.camera_name, options.rotate_deg, to_string(options.origin));
   if (auto ok = write_file_atomically(path + "/camera.yaml", yaml); !ok) return with_advice(ok.error());
   return std::unique_ptr<FolderWriter>(new FolderWriter(path, intrinsics, options));
 }

@@ -67,6 +67,7 @@ Result<std::unique_ptr<Source>> open_recording(const std::string& path, const Op
   wanted.stall_ms = options.stall_ms;
   if (*file) {
     wanted.calibration = (*file)->intrinsics;
+    wanted.calibration_origin = (*file)->origin;
     wanted.rotate_deg = (*file)->rotate_deg.value_or(0);
   }
   wanted.rotate_deg = options.rotate_deg.value_or(wanted.rotate_deg);

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <string>
+
+#include "body/model.h"
+#include "pictures.h"
+#include "synth/population.h"
+#include "synth/virtual_camera.h"
+
+namespace im2fit::openni2_virtual {
+namespace {
+
+synth::Family family_of(const std::string& word) {
+  if (word == "training") return synth::Family::training;
+  if (word == "paper") return synth::Family::paper;
+  return synth::Family::held_out;
+}
+
+synth::StandingPose pose_of(const std::string& word) {
+  if (word == "a_pose") return synth::StandingPose::a_pose;
+  if (word == "psi") return synth::StandingPose::psi;
+  if (word == "free") return synth::StandingPose::free;
+  return synth::StandingPose::relaxed;
+}
+
+synth::SceneOptions scene_of(const Settings& settings) {
+  synth::SceneOptions scene;
+  scene.rotate_deg = settings.rotate_deg;
+  scene.furniture_count = settings.furniture_count;
+  scene.pose = pose_of(settings.pose);
+  scene.back_view = settings.back_view != 0;
+  return scene;
+}
+
+synth::SensorOptions sensor_of(const Settings& settings) {
+  const bool real = settings.noise != 0;
+  return {real, real, real, real};
+}
+
+// Keeps the model beside the scene that looks at it.
+class PersonPictures final : public Pictures {
+ public:
+  PersonPictures(body::BodyModel model, const Settings& settings)
+      : model_(std::move(model)),
+        scene_(model_, synth::draw_subject(model_, family_of(settings.family), settings.seed, 0), scene_of(settings),
+               sensor_of(settings), synth::kinect_intrinsics(settings.width, settings.height), settings.seed) {}
+  const Intrinsics& camera() const override { return scene_.intrinsics(); }
+  void make(std::uint64_t index, DepthImage out) override { scene_.render(index, out); }
+
+ private:
+  body::BodyModel model_;
+  synth::VirtualScene scene_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Pictures>> person_pictures(const Settings& settings) {
+  auto model = body::BodyModel::load(settings.body_path);
+  if (!model)
+    return Error{model.error().code,
+                 model.error().message + "; run im2fit-lab fetch, or set IM2FIT_VIRTUAL_BODY to a .i2b file"};
+  return std::unique_ptr<Pictures>(new PersonPictures(std::move(*model), settings));
+}
+
+}  // namespace im2fit::openni2_virtual

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// A .oni recording, read in a child process with a watchdog: damaged ones crash the OpenNI2 runtime, hang it, or give
+// silently wrong pixels (facts of libopenni2 2.2.0.33). The first two become one clear error here.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/frame_path.h"
+#include "hal/openni2/child_process.h"
+#include "hal/openni2/oni_protocol.h"
+
+namespace im2fit::hal {
+
+struct OniOptions {
+  int rotate_deg = 0;
+  int stall_ms = 5000;                    // a child silent for so long is ended
+  std::optional<Intrinsics> calibration;  // wins over the recorded field of view
+  IntrinsicsOrigin calibration_origin = IntrinsicsOrigin::calibration_file;
+  std::string reader_path;  // im2fit-oni-reader; "": IM2FIT_ONI_READER, else beside the program
+};
+
+class OniSource final : public Source {
+ public:
+  // Errors: not_found, io, corrupt (no recording the runtime accepts, or one it crashes on), invalid_argument.
+  static Result<std::unique_ptr<OniSource>> open(const std::string& path, const OniOptions& options);
+
+  const SourceInfo& info() const override { return info_; }
+  Status start() override;  // from the first frame, each time
+  // Errors, besides those of Source: io once the recording turns out damaged (crash, stall or nonsense): no frame
+  // follows. A recording that was never closed gives its frames, then `corrupt` once, then end_of_stream.
+  Result<FrameInfo> next(DepthImage depth, int timeout_ms) override;
+  void stop() override;
+  SourceStats stats() const override { return book_.stats(); }
+  pid_t child_pid() const { return child_.pid(); }
+
+ private:
+  OniSource() = default;
+  Status launch();
+  Status describe(const oni::Hello& hello);
+  // One whole message into message_, or why there is none.
+  Result<oni::Header> receive(int timeout_ms);
+  Result<FrameInfo> accept_frame(DepthImage depth);
+  Error give_up(const std::string& why);  // ends the child; every later call fails the same way
+
+  SourceInfo info_;
+  OniOptions options_;
+  std::string path_text_;
+  UprightPath path_;
+  ChildProcess child_;
+  std::vector<std::byte> message_;
+  std::size_t have_ = 0;  // bytes of the message that have arrived
+  int silent_ms_ = 0;     // spent waiting since the last byte
+  std::uint64_t frames_ = 0;
+  bool fresh_ = false;  // launched and nothing read but the hello
+  std::optional<Error> final_;
+  SequenceBook book_;
+};
+
+}  // namespace im2fit::hal

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/openni2/openni2_source.h"
+
+#include <OniCAPI.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <thread>
+
+#include "base/file.h"
+#include "hal/frame_path.h"
+#include "hal/intrinsics.h"
+#include "hal/openni2/oni_source.h"
+#include "hal/openni2/raw_frame.h"
+
+namespace im2fit::hal {
+namespace {
+
+constexpr int kWaitSlice_ms = 50;           // how late a lost device may be noticed
+constexpr std::uint16_t kLossless = 32768;  // the recorder's 16zT codec keeps smaller values exactly
+
+int unit_um(OniPixelFormat format) {
+  if (format == ONI_PIXEL_FORMAT_DEPTH_1_MM) return 1000;
+  if (format == ONI_PIXEL_FORMAT_DEPTH_100_UM) return 100;
+  return 0;
+}
+
+// Smaller is better: size first, then unit, then rate.
+long mode_cost(const OniVideoMode& mode, const OpenNi2Options& wanted) {
+  const long size = std::labs(static_cast<long>(mode.resolutionX) - wanted.width) +
+                    std::labs(static_cast<long>(mode.resolutionY) - wanted.height);
+  const bool unit_off = (unit_um(mode.pixelFormat) == 100) != wanted.fine_units;
+  return size * 10'000 + (unit_off ? 1'000 : 0) + std::labs(static_cast<long>(mode.fps) - wanted.fps);
+}
+
+template <class T>
+bool get(OniStreamHandle stream, int property, T& value) {
+  int size = sizeof value;
+  return oniStreamGetProperty(stream, property, &value, &size) == ONI_STATUS_OK &&
+         size == static_cast<int>(sizeof value);
+}
+
+std::string part_path(const std::string& path) {
+  return path + ".part";
+}
+
+// The recorder begins in a thread of its own and says nothing when it is ready: it is once what it writes at the
+// beginning has stopped growing.
+void wait_until_settled(const std::string& path) {
+  std::uintmax_t last = 0;
+  for (int quiet = 0, i = 0; quiet < 4 && i < 200; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::error_code code;
+    const auto size = std::filesystem::file_size(path, code);
+    quiet = !code && size > 0 && size == last ? quiet + 1 : 0;
+    last = code ? 0 : size;
+  }
+}
+
+}  // namespace
+
+std::string oni_sidecar_path(const std::string& oni_path) {
+  return oni_path + ".yaml";
+}
+
+struct OpenNi2Source::Impl {
+  std::shared_ptr<OpenNi2Runtime> runtime;
+  OniCallbackHandle callbacks = nullptr;
+  OniDeviceHandle device = nullptr;
+  OniStreamHandle stream = nullptr;
+  OniRecorderHandle recorder = nullptr;
+  OniDeviceInfo device_info{};
+  OniVideoMode mode{};
+  bool mirrored = false;
+  bool started = false;
+  bool began_while_streaming = false;
+  std::atomic<bool> lost{false};
+  SourceInfo info;
+  UprightPath path;
+  SequenceBook book;
+  RecordingSummary recording;
+
+  ~Impl();
+  Status open_device(const std::string& uri, const OpenNi2Options& options);
+  Status choose_mode(const OpenNi2Options& options);
+  Result<Intrinsics> find_intrinsics(const OpenNi2Options& options);
+  Error no_device() const {
+    return {ErrorCode::no_device, info.name + " (" + info.uri + ") was disconnected; plug it in and open it again"};
+  }
+  static void on_disconnected(const OniDeviceInfo* gone, void* cookie);
+};
+
+void OpenNi2Source::Impl::on_disconnected(const OniDeviceInfo* gone, void* cookie) {
+  auto* self = static_cast<Impl*>(cookie);
+  if (std::strcmp(gone->uri, self->device_info.uri) == 0) self->lost = true;
+}
+
+OpenNi2Source::Impl::~Impl() {
+  if (callbacks != nullptr) oniUnregisterDeviceCallbacks(callbacks);
+  if (recorder != nullptr) {
+    oniRecorderDestroy(&recorder);
+    ::unlink(part_path(recording.path).c_str());  // never ended: nothing half-written stays
+  }
+  if (stream != nullptr) {
+    oniStreamStop(stream);
+    oniStreamDestroy(stream);
+  }
+  if (device != nullptr) oniDeviceClose(device);
+}
+
+Status OpenNi2Source::Impl::open_device(const std::string& uri, const OpenNi2Options& options) {
+  const std::string what = uri.empty() ? "the first OpenNI2 camera" : uri;
+  oniGetExtendedError();
+  if (oniDeviceOpen(uri.empty() ? nullptr : uri.c_str(), &device) != ONI_STATUS_OK) {
+    device = nullptr;
+    return Error{ErrorCode::no_device, "cannot open " + what + " (" + openni2_complaint() +
+                                           "); is it plugged in? `im2fit devices` lists what is"};
+  }
+  oniDeviceGetInfo(device, &device_info);
+  info.uri = std::string("openni2:") + device_info.uri;
+  info.name = std::string(device_info.vendor) + " " + device_info.name;
+  info.live = true;
+  info.rotate_deg = options.rotate_deg;
+  char serial[128] = "";
+  int size = sizeof serial;
+  if (oniDeviceGetProperty(device, ONI_DEVICE_PROPERTY_SERIAL_NUMBER, serial, &size) == ONI_STATUS_OK) {
+    serial[sizeof serial - 1] = '\0';
+    info.serial = serial;
+  }
+  OniDeviceCallbacks wanted{};
+  wanted.deviceDisconnected = on_disconnected;
+  if (oniRegisterDeviceCallbacks(&wanted, this, &callbacks) != ONI_STATUS_OK) callbacks = nullptr;
+  if (oniDeviceCreateStream(device, ONI_SENSOR_DEPTH, &stream) != ONI_STATUS_OK) {
+    stream = nullptr;
+    return Error{ErrorCode::unsupported, info.name + " has no depth stream (" + openni2_complaint() + ")"};
+  }
+  return Ok{};
+}
+
+Status OpenNi2Source::Impl::choose_mode(const OpenNi2Options& options) {
+  const OniSensorInfo* sensor = oniDeviceGetSensorInfo(device, ONI_SENSOR_DEPTH);
+  const OniVideoMode* best = nullptr;
+  for (int i = 0; sensor != nullptr && i < sensor->numSupportedVideoModes; ++i) {
+    const OniVideoMode& candidate = sensor->pSupportedVideoModes[i];
+    if (unit_um(candidate.pixelFormat) == 0 || candidate.resolutionX < 1 || candidate.resolutionY < 1 ||
+        candidate.resolutionX > kImageSideMax || candidate.resolutionY > kImageSideMax)
+      continue;
+    if (best == nullptr || mode_cost(candidate, options) < mode_cost(*best, options)) best = &candidate;
+  }
+  if (best == nullptr)
+    return Error{ErrorCode::unsupported, info.name + " offers no depth mode in 1 mm or 100 um up to " +
+                                             std::to_string(kImageSideMax) + " pixels a side"};
+  mode = *best;
+  if (oniStreamSetProperty(stream, ONI_STREAM_PROPERTY_VIDEO_MODE, &mode, sizeof mode) != ONI_STATUS_OK)
+    return Error{ErrorCode::io, info.name + " refuses its own mode " + std::to_string(mode.resolutionX) + "x" +
+                                    std::to_string(mode.resolutionY) + " at " + std::to_string(mode.fps) + " fps (" +
+                                    openni2_complaint() + ")"};
+  // The depth camera's own view: neither mirrored nor moved onto the colour camera, whose intrinsics are others. A
+  // device that keeps its mirror on is turned back here.
+  const OniImageRegistrationMode off = ONI_IMAGE_REGISTRATION_OFF;
+  oniDeviceSetProperty(device, ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION, &off, sizeof off);
+  const OniBool plain = FALSE;
+  oniStreamSetProperty(stream, ONI_STREAM_PROPERTY_MIRRORING, &plain, sizeof plain);
+  OniBool mirror = FALSE;
+  mirrored = get(stream, ONI_STREAM_PROPERTY_MIRRORING, mirror) && mirror != FALSE;
+  return Ok{};
+}
+
+Result<Intrinsics> OpenNi2Source::Impl::find_intrinsics(const OpenNi2Options& options) {
+  if (options.calibration) {
+    const Intrinsics& k = *options.calibration;
+    info.intrinsics_origin = IntrinsicsOrigin::calibration_file;
+    if (auto ok = check_intrinsics(k, "the calibration given for " + info.name); !ok) return ok.error();
+    if (k.width == mode.resolutionX && k.height == mode.resolutionY) return k;
+    return Error{ErrorCode::invalid_argument, "the calibration is of " + std::to_string(k.width) + "x" +
+                                                  std::to_string(k.height) + " pictures, " + info.name +
+                                                  " delivers " + std::to_string(mode.resolutionX) + "x" +
+                                                  std::to_string(mode.resolutionY) + "; give the one of this mode"};
+  }
+  float horizontal_rad = 0;
+  float vertical_rad = 0;
+  info.intrinsics_origin = IntrinsicsOrigin::field_of_view;
+  if (!get(stream, ONI_STREAM_PROPERTY_HORIZONTAL_FOV, horizontal_rad) ||
+      !get(stream, ONI_STREAM_PROPERTY_VERTICAL_FOV, vertical_rad))
+    return Error{ErrorCode::unsupported, info.name + " does not tell its field of view; give --camera FILE"};
+  return intrinsics_from_field_of_view(mode.resolutionX, mode.resolutionY, horizontal_rad, vertical_rad, info.name);
+}
+
+OpenNi2Source::OpenNi2Source(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+OpenNi2Source::~OpenNi2Source() = default;
+const SourceInfo& OpenNi2Source::info() const {
+  return impl_->info;
+}
+SourceStats OpenNi2Source::stats() const {
+  return impl_->book.stats();
+}
+
+Result<std::unique_ptr<OpenNi2Source>> OpenNi2Source::open(const std::string& uri, const OpenNi2Options& options) {
+  if (!is_rotation(options.rotate_deg))
+    return Error{ErrorCode::invalid_argument,
+                 "rotation is " + std::to_string(options.rotate_deg) + ", expected 0, 90, 180 or 270 degrees"};
+  auto runtime = OpenNi2Runtime::get();
+  if (!runtime) return runtime.error();
+  auto impl = std::make_unique<Impl>();
+  impl->runtime = *runtime;
+  if (auto ok = impl->open_device(uri, options); !ok) return ok.error();
+  if (auto ok = impl->choose_mode(options); !ok) return ok.error();
+  const auto camera = impl->find_intrinsics(options);
+  if (!camera) return camera.error();
+  impl->path = UprightPath(*camera, options.rotate_deg);
+  impl->info.intrinsics = impl->path.upright();
+  return std::unique_ptr<OpenNi2Source>(new OpenNi2Source(std::move(impl)));
+}
+
+Status OpenNi2Source::start() {
+  Impl& d = *impl_;
+  if (d.lost) return d.no_device();
+  if (d.started) return Ok{};
+  d.book.reset();
+  if (oniStreamStart(d.stream) != ONI_STATUS_OK)
+    return Error{ErrorCode::io,
+                 d.info.name + " does not start (" + openni2_complaint() + "); is another program using it?"};
+  d.started = true;
+  return Ok{};
+}
+
+Result<FrameInfo> OpenNi2Source::next(DepthImage depth, int timeout_ms) {
+  Impl& d = *impl_;
+  if (auto ok = d.path.check(depth, d.info.name); !ok) return ok.error();
+  if (!d.started) return Error{ErrorCode::invalid_argument, d.info.name + " is not started; call start() first"};
+  for (int waited_ms = 0;;) {
+    if (d.lost) return d.no_device();
+    const int slice_ms = timeout_ms - waited_ms < kWaitSlice_ms ? timeout_ms - waited_ms : kWaitSlice_ms;
+    int index = -1;
+    const OniStatus status = oniWaitForAnyStream(&d.stream, 1, &index, slice_ms > 0 ? slice_ms : 0);
+    if (status == ONI_STATUS_OK) break;
+    if (status != ONI_STATUS_TIME_OUT)
+      return Error{ErrorCode::io, d.info.name + ": waiting for a frame failed (" + openni2_complaint() + ")"};
+    waited_ms += slice_ms > 0 ? slice_ms : 0;
+    if (waited_ms >= timeout_ms)
+      return d.lost
+                 ? d.no_device()
+                 : Error{ErrorCode::timeout, d.info.name + ": no frame within " + std::to_string(timeout_ms) + " ms"};
+  }
+  OniFrame* frame = nullptr;
+  if (oniStreamReadFrame(d.stream, &frame) != ONI_STATUS_OK || frame == nullptr)
+    return d.lost ? d.no_device()
+                  : Error{ErrorCode::io, d.info.name + ": reading a frame failed (" + openni2_complaint() + ")"};
+  const std::int64_t now_ns = monotonic_ns();
+  RawFrame raw{frame->data,
+               static_cast<std::size_t>(frame->dataSize > 0 ? frame->dataSize : 0),
+               frame->width,
+               frame->height,
+               frame->stride,
+               frame->croppingEnabled != FALSE ? frame->cropOriginX : 0,
+               frame->croppingEnabled != FALSE ? frame->cropOriginY : 0,
+               unit_um(frame->videoMode.pixelFormat),
+               d.mirrored};
+  const FrameInfo result{static_cast<std::uint64_t>(static_cast<std::uint32_t>(frame->frameIndex)), now_ns,
+                         static_cast<std::int64_t>(frame->timestamp)};
+  const bool good = copy_raw_frame(raw, d.path.camera_image());
+  if (good && d.recorder != nullptr) {
+    ++d.recording.frames_seen;
+    const auto* values = static_cast<const std::uint16_t*>(frame->data);
+    const std::size_t count = raw.size_bytes / 2;
+    for (std::size_t i = 0; i < count; ++i) d.recording.pixels_beyond_range += values[i] >= kLossless ? 1 : 0;
+  }
+  oniFrameRelease(frame);
+  if (!good) {
+    d.book.damaged();
+    return Error{ErrorCode::corrupt, d.info.name + ": a frame's size does not fit its mode; it is skipped"};
+  }
+  d.path.deliver(depth);
+  d.book.saw(result.sequence);
+  return result;
+}
+
+void OpenNi2Source::stop() {
+  if (impl_->started) oniStreamStop(impl_->stream);
+  impl_->started = false;
+}
+
+Status OpenNi2Source::begin_recording(const std::string& path) {
+  Impl& d = *impl_;
+  if (d.recorder != nullptr)
+    return Error{ErrorCode::invalid_argument, d.info.name + " is being recorded to " + d.recording.path + " already"};
+  const std::string part = part_path(path);
+  // The recorder gives no reason when it cannot write; the system does.
+  std::FILE* probe = std::fopen(part.c_str(), "wbe");
+  if (probe == nullptr)
+    return Error{ErrorCode::io,
+                 "cannot write " + path + ": " + std::strerror(errno) + "; choose a folder you may write to"};
+  std::fclose(probe);
+  if (oniCreateRecorder(part.c_str(), &d.recorder) != ONI_STATUS_OK ||
+      oniRecorderAttachStream(d.recorder, d.stream, FALSE) != ONI_STATUS_OK ||
+      oniRecorderStart(d.recorder) != ONI_STATUS_OK) {
+    Error error{ErrorCode::io, "cannot record " + d.info.name + " to " + path + " (" + openni2_complaint() + ")"};
+    if (d.recorder != nullptr) oniRecorderDestroy(&d.recorder);
+    d.recorder = nullptr;
+    ::unlink(part.c_str());
+    return error;
+  }
+  d.recording = {path, oni_sidecar_path(path), 0, 0};
+  d.began_while_streaming = d.started;
+  wait_until_settled(part);
+  return Ok{};
+}
+
+Result<OpenNi2Source::RecordingSummary> OpenNi2Source::end_recording() {
+  Impl& d = *impl_;
+  if (d.recorder == nullptr) return Error{ErrorCode::invalid_argument, d.info.name + " is not being recorded"};
+  oniRecorderStop(d.recorder);
+  oniRecorderDestroy(&d.recorder);
+  d.recorder = nullptr;
+  const std::string part = part_path(d.recording.path);
+  // The recorder says nothing of a full disk: the file is asked how many frames it holds. Frames on their way when
+  // recording began in mid-stream may be missing.
+  auto check = OniSource::open(part, OniOptions{});
+  const std::int64_t held = check ? (*check)->info().frame_count : -1;
+  if (held < static_cast<std::int64_t>(d.recording.frames_seen) - (d.began_while_streaming ? 2 : 0)) {
+    Error error{ErrorCode::io, "the recording " + d.recording.path + " is incomplete (" + std::to_string(held) +
+                                   " of " + std::to_string(d.recording.frames_seen) +
+                                   " frames) and was removed; is the disk full?"};
+    if (!check) error.message += " " + check.error().message;
+    ::unlink(part.c_str());
+    return error;
+  }
+  const std::string yaml =
+      camera_yaml_text(d.path.camera(), d.info.name, d.info.rotate_deg, to_string(d.info.intrinsics_origin));
+  if (auto ok = write_file_atomically(d.recording.camera_yaml_path, yaml); !ok) {
+    ::unlink(part.c_str());
+    return ok.error();
+  }
+  if (std::rename(part.c_str(), d.recording.path.c_str()) != 0) {
+    Error error{ErrorCode::io, "cannot rename the recording to " + d.recording.path + ": " + std::strerror(errno)};
+    ::unlink(part.c_str());
+    return error;
+  }
+  return d.recording;
+}
+
+}  // namespace im2fit::hal

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera behind the OpenNI2 runtime, and the runtime's own recorder.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hal/openni2/runtime.h"
+#include "hal/source.h"
+
+namespace im2fit::hal {
+
+struct OpenNi2Options {
+  int rotate_deg = 0;
+  int width = 640;  // wanted; the nearest depth mode is taken
+  int height = 480;
+  int fps = 30;
+  bool fine_units = false;                // prefer 100 um to 1 mm; delivered frames are mm either way
+  std::optional<Intrinsics> calibration;  // instead of the field of view the device tells; of the mode's size
+};
+
+// Where the calibration of a recording lies: FILE.oni.yaml.
+std::string oni_sidecar_path(const std::string& oni_path);
+
+class OpenNi2Source final : public Source {
+ public:
+  // `uri` "" takes the first device. Errors: no_device, unsupported (no depth mode we can use), io.
+  static Result<std::unique_ptr<OpenNi2Source>> open(const std::string& uri, const OpenNi2Options& options);
+  ~OpenNi2Source() override;
+
+  const SourceInfo& info() const override;
+  Status start() override;
+  Result<FrameInfo> next(DepthImage depth, int timeout_ms) override;
+  void stop() override;
+  SourceStats stats() const override;
+
+  struct RecordingSummary {
+    std::string path;
+    std::string camera_yaml_path;
+    std::uint64_t frames_seen = 0;          // by next(), since begin_recording()
+    std::uint64_t pixels_beyond_range = 0;  // raw values of 32768 and more: the recorder's codec garbles them
+  };
+  // Frames go to a temporary name beside `path`, which appears whole at end_recording(), with its calibration beside
+  // it.
+  Status begin_recording(const std::string& path);
+  Result<RecordingSummary> end_recording();
+
+ private:
+  struct Impl;
+  explicit OpenNi2Source(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace im2fit::hal

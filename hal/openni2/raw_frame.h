@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// A frame as OpenNI2 hands it over, checked and copied into millimetres.
+#pragma once
+
+#include <cstddef>
+
+#include "kernels/core/camera.h"
+
+namespace im2fit::hal {
+
+struct RawFrame {
+  const void* data = nullptr;
+  std::size_t size_bytes = 0;
+  int width = 0;  // of the part delivered: less than the picture when cropped
+  int height = 0;
+  int stride_bytes = 0;
+  int crop_x = 0;
+  int crop_y = 0;
+  int unit_um = 1000;  // 1000 or 100
+  bool mirrored = false;
+};
+
+// Fills all of `out` (what lies outside a crop becomes 0) as the camera sees it: a mirrored frame is turned back, 100
+// um are rounded to mm, halves up. False, with `out` untouched, when the frame's sizes do not fit together or `out`.
+bool copy_raw_frame(const RawFrame& frame, DepthImage out);
+
+}  // namespace im2fit::hal

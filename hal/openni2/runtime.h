@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The OpenNI2 runtime, begun by its first user in the process and ended by its last.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+
+namespace im2fit::hal {
+
+class OpenNi2Runtime {
+ public:
+  // Error: unsupported, when the runtime finds no driver or cannot start.
+  static Result<std::shared_ptr<OpenNi2Runtime>> get();
+  ~OpenNi2Runtime();
+  OpenNi2Runtime(const OpenNi2Runtime&) = delete;
+  OpenNi2Runtime& operator=(const OpenNi2Runtime&) = delete;
+
+ private:
+  OpenNi2Runtime() = default;
+};
+
+// What the runtime last complained of, on one line.
+std::string openni2_complaint();
+
+struct OpenNi2Device {
+  std::string uri;
+  std::string name;  // vendor and model
+};
+Result<std::vector<OpenNi2Device>> list_openni2_devices();
+
+}  // namespace im2fit::hal
