@@ -14,6 +14,7 @@ namespace im2fit {
 namespace {
 
 constexpr int kFramesMax = 64;          // joints kept for the median
+constexpr int kStepMin = 2;             // of the grid: bounds its buffers; a person beyond 4 m is refused anyway
 constexpr float kDriftMaxMm = 60.0F;    // further from where gathering began: the person moved
 constexpr float kNormalStepMm = 60.0F;  // between grid points 20 mm apart: steeper than 70 degrees is an edge
 
@@ -29,8 +30,8 @@ struct Fuser::Workspace {
   Workspace(int width, int height)
       : fusion(width, height),
         paper(width, height),
-        fpfh(width, height),
-        grid(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 6) {}
+        fpfh(width / kStepMin, height / kStepMin),
+        grid(static_cast<std::size_t>(width / kStepMin) * static_cast<std::size_t>(height / kStepMin) * 6) {}
 
   DepthFusion fusion;
   PaperWorkspace paper;
@@ -79,7 +80,7 @@ FloorPlane Fuser::Workspace::mean_floor() const {
 
 void Fuser::Workspace::fpfh_values(std::span<float> out) {
   const float distance = description.joints[Joint::TO].z;
-  const int step = grid_step_px(intrinsics, distance);
+  const int step = std::max(kStepMin, grid_step_px(intrinsics, distance));
   const Intrinsics k = grid_intrinsics(intrinsics, step);
   const auto size = static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height);
   const auto plane = [&](std::size_t i) { return std::span(grid).subspan(i * size, size); };
