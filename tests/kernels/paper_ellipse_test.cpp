@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "base/rng.h"
+#include "kernels/paper/ellipse.h"
+
+namespace im2fit {
+namespace {
+
+const double kPi = std::acos(-1.0);
+
+struct Arc {
+  double a, b, turn, x, y, from, to;
+};
+
+std::vector<Point2> arc_points(const Arc& arc, int count, double noise, std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<Point2> points;
+  for (int i = 0; i < count; ++i) {
+    const double angle = arc.from + (arc.to - arc.from) * i / (count - 1);
+    const double r = 1 + rng.normal(0, noise) / arc.b;
+    const double px = arc.a * std::cos(angle) * r, py = arc.b * std::sin(angle) * r;
+    points.push_back({arc.x + px * std::cos(arc.turn) - py * std::sin(arc.turn),
+                      arc.y + px * std::sin(arc.turn) + py * std::cos(arc.turn)});
+  }
+  return points;
+}
+
+Ellipse fit_rounded(const std::vector<Point2>& points) {
+  EllipseSums sums;
+  for (const Point2& p : points) {
+    sums.add(static_cast<std::int32_t>(std::lround(p.x)), static_cast<std::int32_t>(std::lround(p.y)));
+  }
+  return fit_ellipse(sums);
+}
+
+// Coordinates in 1/8 mm: a trunk of 170 x 115 mm half-axes.
+TEST(EllipseFit, WholeEllipses) {
+  for (const Arc& arc : {Arc{1360, 920, 0, 0, 900, 0, 2 * kPi}, Arc{1360, 920, 0.7, -200, 800, 0, 2 * kPi},
+                         Arc{500, 499, 0, 30, 20, 0, 2 * kPi}, Arc{3000, 200, -0.4, 0, 0, 0, 2 * kPi}}) {
+    const std::vector<Point2> points = arc_points(arc, 400, 0, 1);
+    const Ellipse ref = fit_ellipse_ref(points);
+    ASSERT_TRUE(ref.valid);
+    EXPECT_NEAR(ref.a, arc.a, 1e-6 * arc.a);
+    EXPECT_NEAR(ref.b, arc.b, 1e-6 * arc.b);
+    // Rounding to whole coordinates: 0.3 rms over 400 points.
+    const Ellipse got = fit_rounded(points);
+    ASSERT_TRUE(got.valid);
+    EXPECT_NEAR(got.a, arc.a, 0.3);
+    EXPECT_NEAR(got.b, arc.b, 0.3);
+  }
+}
+
+// What a camera sees: the front half. Without noise it determines the ellipse.
+TEST(EllipseFit, HalfEllipses) {
+  const Arc front = {1360, 920, 0.05, 40, 900, -kPi + 0.1, -0.1};
+  const std::vector<Point2> points = arc_points(front, 300, 0, 1);
+  const Ellipse ref = fit_ellipse_ref(points), got = fit_rounded(points);
+  ASSERT_TRUE(ref.valid && got.valid);
+  EXPECT_NEAR(ref.a, 1360, 1e-3);
+  EXPECT_NEAR(ref.b, 920, 1e-3);
+  EXPECT_NEAR(got.a, 1360, 1.0);
+  EXPECT_NEAR(got.b, 920, 1.0);
+}
+
+TEST(EllipseFit, TiersAgreeUnderNoise) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    std::vector<Point2> points = arc_points({1360, 920, 0.05, 40, 900, -kPi, 0}, 300, 24, seed);
+    for (Point2& p : points) p = {std::round(p.x), std::round(p.y)};
+    const Ellipse ref = fit_ellipse_ref(points), got = fit_rounded(points);
+    ASSERT_TRUE(ref.valid && got.valid);
+    EXPECT_NEAR(got.perimeter(), ref.perimeter(), 1e-6 * ref.perimeter());
+  }
+}
+
+TEST(EllipseFit, NoEllipse) {
+  std::vector<Point2> line, few;
+  for (int i = 0; i < 50; ++i) line.push_back({10.0 * i, 7.0 * i + 3});
+  EXPECT_FALSE(fit_ellipse_ref(line).valid);
+  EXPECT_FALSE(fit_rounded(line).valid);
+  few = arc_points({1000, 500, 0, 0, 0, 0, 2 * kPi}, kEllipsePointsMin - 1, 0, 1);
+  EXPECT_FALSE(fit_ellipse_ref(few).valid);
+  EXPECT_FALSE(fit_rounded(few).valid);
+  EXPECT_FALSE(fit_rounded(std::vector<Point2>(100, {5, 5})).valid);
+  EXPECT_FALSE(fit_rounded({}).valid);
+}
+
+TEST(EllipseFit, SumsHoldTheStatedMost) {
+  EllipseSums sums;
+  for (std::int64_t i = 0; i < EllipseSums::kPointsMax; ++i) {
+    sums.add(EllipseSums::kCoordinateMax, -EllipseSums::kCoordinateMax);
+  }
+  const double c = EllipseSums::kCoordinateMax / 1024.0;
+  EXPECT_NEAR(sums.moment(4, 0), 32767 * c * c * c * c, 1);
+  EXPECT_NEAR(sums.moment(1, 3), -32767 * c * c * c * c, 1);
+}
+
+TEST(EllipsePerimeter, AgainstQuadrature) {
+  for (const double b : {1.0, 0.7, 0.4, 0.1}) {
+    const int n = 4000;
+    double length = 0;
+    for (int i = 0; i < n; ++i) {
+      const double t = 2 * kPi * (i + 0.5) / n;
+      length += std::hypot(std::sin(t), b * std::cos(t)) * 2 * kPi / n;
+    }
+    EXPECT_NEAR((Ellipse{true, 1, b}).perimeter(), length, (b < 0.3 ? 4e-4 : 1e-6) * length);
+  }
+}
+
+}  // namespace
+}  // namespace im2fit
