@@ -10,11 +10,20 @@ namespace {
 constexpr float kFloorBandMm = 35.0F;
 constexpr float kFarthestMm = 6500.0F;
 constexpr int kSpeckCells = 12;
-constexpr int kWallHypothesisCount = 80;
-constexpr int kWallScoredCount = 700;
+constexpr int kWallHypothesisCount = 60;
+constexpr int kWallScoredCount = 400;
 constexpr float kWallWidthMinMm = 1300.0F;
-constexpr float kWallAreaMinM2 = 1.2F;  // more than a person with both arms out
-constexpr float kTrunkEndMm = 650.0F;   // below the crown
+constexpr float kWallAreaMinM2 = 1.2F;       // more than a person with both arms out
+constexpr float kHeadHeightMinMm = 1200.0F;  // above the floor: a seated adult's
+constexpr float kHeadHeightMaxMm = 2400.0F;
+constexpr float kFloatingMm = 450.0F;
+constexpr float kTorsoMm = 1000.0F;
+constexpr float kShinLowMm = 200.0F;  // above the floor
+constexpr float kShinHighMm = 600.0F;
+constexpr float kLegWidthMinMm = 80.0F;
+constexpr float kNeckEndMm = 280.0F;  // below the crown
+constexpr float kNeckWidthMinMm = 80.0F;
+constexpr float kTrunkEndMm = 650.0F;  // below the crown
 constexpr float kTrunkHalfMm = 180.0F;
 constexpr float kHeadApartMm = 320.0F;  // two heads side by side
 
@@ -252,7 +261,8 @@ void BlobFinder::describe(const Grid& grid) {
 }
 
 // A head: 95..330 mm wide over a hand's breadth below its top, rounded, with shoulders wider than it under it.
-// A raised hand fails at the wrist, a box at its missing shoulders, a coat on a stand at its flat front.
+// A raised hand fails at the wrist, a box at its missing shoulders, a hat over a coat at the stand's thin
+// pole or the coat's flat front.
 bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) const {
   const auto label = static_cast<std::uint16_t>(blob + 1);
   if (r < 1 || r + 3 >= grid.height) return false;
@@ -266,6 +276,7 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   float width_sum = 0;
   float relief_sum = 0;
   int row_count = 0;
+  int at_border = 0;
   float shoulders = 0;
   float left_reach = 0;
   float right_reach = 0;
@@ -289,7 +300,7 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
         start = centre + away;
     }
     if (!inside(start)) {
-      if (below < 250.0F && below > 20.0F) return false;
+      if (below < kNeckEndMm && below > 20.0F) return false;
       continue;
     }
     int lo = start;
@@ -306,8 +317,10 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
       if (inside(lo) && inside(hi) && inside(centre)) relief_sum += 0.5F * (z_at(lo) + z_at(hi)) - z_at(centre);
       head_lo = lo;
       head_hi = hi;
+      at_border += lo == 0 || hi == grid.width - 1 ? 1 : 0;
       ++row_count;
     }
+    if (below >= 165.0F && below < kNeckEndMm && width < kNeckWidthMinMm - 0.5F * mm) return false;
     if (below >= 270.0F) {
       const int half = std::max(1, static_cast<int>(kTrunkHalfMm / mm));
       const int left = std::max(lo + 1, centre - half);
@@ -328,6 +341,7 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   }
   if (row_count == 0) return false;
   const float width = width_sum / static_cast<float>(row_count);
+  if (at_border * 2 > row_count || narrowest < 0.45F * widest) return false;  // cut in two; a cupboard's corner
   if (narrowest < 95.0F - mm || widest > 330.0F + mm || width < 105.0F) return false;
   if (shoulders < std::max(220.0F, 1.2F * width)) return false;
   if (std::max(left_reach, right_reach) < 40.0F || std::min(left_reach, right_reach) < -0.25F * width) return false;
@@ -370,7 +384,7 @@ void BlobFinder::find_heads(const Grid& grid, int b, const FloorPlane& floor) {
     if (!head_at(grid, b, (c + flat) / 2, r, head)) continue;
     if (floor.known) {
       const float height = grid.height_mm[at(grid.index((c + flat) / 2, r))];
-      if (height < 900.0F || height > 2400.0F) continue;
+      if (height < kHeadHeightMinMm || height > kHeadHeightMaxMm) continue;
     }
     bool apart = true;
     for (int h = 0; h < head_count_; ++h) {
@@ -418,12 +432,100 @@ void BlobFinder::split_between_heads(const Grid& grid) {
   if (split) describe(grid);
 }
 
+// Ends in the air with only farther things below: a coat, a picture on the wall. A person's legs may be hidden by
+// something nearer.
+bool BlobFinder::floats(const Grid& grid, int b, const FloorPlane& floor) const {
+  const Blob& blob = blobs_[at(b)];
+  if (!floor.known || blob.height_min_mm < kFloatingMm || blob.r_max >= grid.height - 2) return false;
+  const auto label = static_cast<std::uint16_t>(b + 1);
+  int hidden = 0;
+  int open = 0;
+  for (int c = blob.c_min; c <= blob.c_max; ++c) {
+    int r = blob.r_max;
+    while (r >= blob.r_min && labels_[at(grid.index(c, r))] != label) --r;
+    if (r < blob.r_min || r + 3 >= grid.height) continue;
+    const float z = static_cast<float>(grid.depth[at(grid.index(c, r))]);
+    float below = 0;
+    for (int d = 1; d <= 3 && below == 0; ++d) below = static_cast<float>(grid.depth[at(grid.index(c, r + d))]);
+    (below > 0 && below < z + 0.5F * depth_step_mm(z) ? hidden : open) += 1;
+  }
+  return hidden < open;
+}
+
+// Stands on something thinner than a leg.
+bool BlobFinder::on_pole(const Grid& grid, int b, const FloorPlane& floor) const {
+  const Blob& blob = blobs_[at(b)];
+  if (!floor.known || blob.height_min_mm > kShinLowMm) return false;
+  const auto label = static_cast<std::uint16_t>(b + 1);
+  float width_sum = 0;
+  int row_count = 0;
+  for (int r = blob.r_min; r <= blob.r_max; ++r) {
+    float width = 0;
+    for (int c = blob.c_min; c <= blob.c_max; ++c) {
+      const auto cell = at(grid.index(c, r));
+      if (labels_[cell] != label || grid.height_mm[cell] < kShinLowMm || grid.height_mm[cell] > kShinHighMm) continue;
+      width += cell_mm(grid, static_cast<float>(grid.depth[cell]));
+    }
+    width_sum += width;
+    row_count += width > 0 ? 1 : 0;
+  }
+  return row_count >= 3 && width_sum < kLegWidthMinMm * static_cast<float>(row_count);
+}
+
+// An arm held across the body cuts the trunk off below it: what lies under a head that ends in the air, at its depth
+// and partly behind it, is joined to it.
+void BlobFinder::join_trunks(const Grid& grid, const FloorPlane& floor) {
+  bool joined = false;
+  for (int h = 0; h < head_count_; ++h) {
+    const int b = heads_[at(h)].blob;
+    const Blob& blob = blobs_[at(b)];
+    const bool in_air =
+        floor.known ? blob.height_min_mm > kFloatingMm : blob.height_max_mm - blob.height_min_mm < kTorsoMm;
+    if (!in_air || blob.r_max >= grid.height - 2) continue;
+    const auto label = static_cast<std::uint16_t>(b + 1);
+    std::array<std::int16_t, kBlobCountMax> contact{};
+    for (int r = blob.r_min; r <= blob.r_max; ++r) {
+      for (int c = blob.c_min; c <= blob.c_max; ++c) {
+        if (labels_[at(grid.index(c, r))] != label) continue;
+        for (int d = 1; d <= 2 && r + d < grid.height; ++d) {
+          const std::uint16_t other = labels_[at(grid.index(c, r + d))];
+          if (other == label) break;
+          if (other != 0) {
+            ++contact[at(other - 1)];
+            break;
+          }
+        }
+      }
+    }
+    const Vec3f top = heads_[at(h)].top_mm;
+    for (int o = 0; o < blob_count_; ++o) {
+      const Blob& other = blobs_[at(o)];
+      const Vec3f d = other.centroid_mm - top;
+      const bool fits = contact[at(o)] >= 4 && other.area_m2 > 0.05F && std::fabs(d.x) < 350.0F &&
+                        std::fabs(d.z) < 350.0F && other.relief_mm > 14.0F + 0.4F * quantum_mm(top.z);
+      if (!fits || o == b) continue;
+      bool has_head = false;
+      for (int i = 0; i < head_count_; ++i) has_head = has_head || heads_[at(i)].blob == o;
+      if (has_head) continue;
+      for (std::uint16_t& cell : labels_)
+        if (cell == static_cast<std::uint16_t>(o + 1)) cell = label;
+      joined = true;
+    }
+  }
+  if (joined) describe(grid);
+}
+
 void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
+  bool any_head = false;
   for (int h = 0; h < head_count_; ++h) {
     Blob& blob = blobs_[at(heads_[at(h)].blob)];
     const float tall = blob.height_max_mm - blob.height_min_mm;
-    if (blob.area_m2 > 0.06F && blob.area_m2 < 2.2F && tall > 300.0F) blob.person = blob.has_head = true;
+    if (blob.area_m2 < 0.06F || blob.area_m2 > 2.2F || tall < 300.0F || floats(grid, heads_[at(h)].blob, floor))
+      continue;
+    blob.person = blob.has_head = true;
+    any_head = true;
   }
+  if (any_head) return;
   // Heads cut off by the upper border, or hidden by raised arms: person-sized, neither flat nor filling its box.
   for (int b = 0; b < blob_count_; ++b) {
     Blob& blob = blobs_[at(b)];
@@ -441,8 +543,8 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
       blob.person = tall > 600.0F && wide > 250.0F && wide < 1500.0F && blob.area_m2 > 0.18F && blob.area_m2 < 1.6F &&
                     fill < 0.86F && fill > 0.25F;
     } else {
-      blob.person = tall > 1250.0F && tall < 2500.0F && wide > 250.0F && wide < 1300.0F && blob.area_m2 > 0.22F &&
-                    blob.area_m2 < 1.3F && fill < 0.72F && fill > 0.25F;
+      blob.person = tall > 1250.0F && tall < 2500.0F && wide > 250.0F && wide < 1700.0F && blob.area_m2 > 0.22F &&
+                    blob.area_m2 < 1.3F && fill < 0.72F && fill > 0.18F;
     }
   }
 }
@@ -462,6 +564,7 @@ void BlobFinder::run(const Grid& grid, const FloorPlane& floor) {
     const Blob& blob = blobs_[at(b)];
     if (blob.area_m2 > 0.05F && blob.height_max_mm - blob.height_min_mm > 300.0F) find_heads(grid, b, floor);
   }
+  join_trunks(grid, floor);
   split_between_heads(grid);
   judge(grid, floor);
 }

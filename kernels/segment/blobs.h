@@ -52,6 +52,9 @@ class BlobFinder {
   void split_between_heads(const Grid& grid);
   void find_heads(const Grid& grid, int blob, const FloorPlane& floor);
   bool head_at(const Grid& grid, int blob, int c, int r, Head& out) const;
+  void join_trunks(const Grid& grid, const FloorPlane& floor);
+  bool on_pole(const Grid& grid, int blob, const FloorPlane& floor) const;
+  bool floats(const Grid& grid, int blob, const FloorPlane& floor) const;
   void judge(const Grid& grid, const FloorPlane& floor);
   std::int32_t root(std::int32_t cell);
   void unite(std::int32_t a, std::int32_t b);

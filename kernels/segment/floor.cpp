@@ -11,11 +11,13 @@ constexpr float kUpXMax = 0.22F;  // roll up to 12 degrees
 constexpr float kUpZMax = 0.42F;  // pitch up to 25 degrees
 constexpr float kCameraHeightMinMm = 420.0F;
 constexpr float kCameraHeightMaxMm = 2500.0F;
-constexpr int kHypothesisCount = 160;
-constexpr int kScoredCount = 700;
+constexpr int kHypothesisCount = 120;
+constexpr int kScoredCount = 400;
 constexpr int kSupportMin = 60;  // cells
 constexpr float kSupportWidthMm = 450.0F;
 constexpr float kSupportLengthMm = 250.0F;
+constexpr float kGateMm = 12.0F;
+constexpr float kGateQuanta = 0.8F;
 constexpr float kJumpMm = 12.0F;  // the camera was moved
 
 float height_of(const FloorPlane& plane, Vec3f p) {
@@ -24,7 +26,7 @@ float height_of(const FloorPlane& plane, Vec3f p) {
 
 // Depth noise seen as height: a ray meets the floor at the slope camera_height / z.
 float height_gate_mm(const FloorPlane& plane, float z) {
-  return 12.0F + 0.8F * quantum_mm(z) * plane.camera_height_mm / z;
+  return kGateMm + kGateQuanta * quantum_mm(1.0F) * z * plane.camera_height_mm;
 }
 
 bool plausible(const FloorPlane& plane) {
@@ -61,6 +63,24 @@ void FloorEquations::add(float rx, float ry, float inverse_z, float w) {
   b[1] += t * y;
   b[2] += t;
   weight += d;
+}
+
+void FloorEquations::add(const FloorRow& row, float ry, float w) {
+  const double d = w;
+  const double y = ry;
+  const double n = row.n;
+  const double x = row.x;
+  const double t = row.t;
+  a[0] += d * static_cast<double>(row.xx);
+  a[1] += d * x * y;
+  a[2] += d * x;
+  a[3] += d * n * y * y;
+  a[4] += d * n * y;
+  a[5] += d * n;
+  b[0] -= d * static_cast<double>(row.tx);
+  b[1] -= d * t * y;
+  b[2] -= d * t;
+  weight += d * n;
 }
 
 void FloorEquations::blend(const FloorEquations& older, double share) {
@@ -232,19 +252,26 @@ FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPla
         const float away_z = p.z - feet.z;
         const float away = (away_x * away_x + away_z * away_z) * (1.0F / (500.0F * 500.0F));
         if (away > 25.0F) continue;
-        const float weight = 1.0F / (1.0F + away);
+        // The first pass only centres the gate; far cells count little: both look at every fourth pixel.
+        const int stride = grid.step > 1 && (pass == 0 || away > 2.0F) ? 2 : 1;
+        const float weight = static_cast<float>(stride * stride) / (1.0F + away);
         const float gate = pass == 0 ? 1.5F : 1.0F;
-        for (int v = r * grid.step; v < (r + 1) * grid.step; ++v) {
+        const float gate_flat = gate * kGateMm;
+        const float gate_noise = gate * kGateQuanta * quantum_mm(1.0F) * plane.camera_height_mm;
+        for (int v = r * grid.step; v < (r + 1) * grid.step; v += stride) {
           const float ry = (static_cast<float>(v) - k.cy) * inverse_fy;
-          for (int u = c * grid.step; u < (c + 1) * grid.step; ++u) {
+          const float row = plane.up.y * ry + plane.up.z;
+          FloorRow sums;
+          for (int u = c * grid.step; u < (c + 1) * grid.step; u += stride) {
             const std::uint16_t raw = depth.at(u, v);
             if (raw == 0 || raw > kDepthMaxMm) continue;
             const float z = static_cast<float>(raw);
             const float rx = (static_cast<float>(u) - k.cx) * inverse_fx;
-            const float height = (plane.up.x * rx + plane.up.y * ry + plane.up.z) * z + plane.camera_height_mm;
-            if (std::fabs(height) > gate * height_gate_mm(plane, z)) continue;
-            equations.add(rx, ry, 1.0F / z, weight);
+            const float height = (plane.up.x * rx + row) * z + plane.camera_height_mm;
+            if (std::fabs(height) > gate_flat + gate_noise * z) continue;
+            sums.add(rx, 1.0F / z);
           }
+          equations.add(sums, ry, weight);
         }
       }
     }

@@ -12,12 +12,25 @@
 
 namespace im2fit::segment {
 
+// A few neighbouring pixels of one row, summed in float: their range is small enough.
+struct FloorRow {
+  float n = 0, x = 0, xx = 0, t = 0, tx = 0;
+  void add(float rx, float inverse_z) {
+    n += 1.0F;
+    x += rx;
+    xx += rx * rx;
+    t += inverse_z;
+    tx += inverse_z * rx;
+  }
+};
+
 // Upper triangle of the 3x3 normal matrix, right side, and the sum of weights.
 struct FloorEquations {
   std::array<double, 6> a{};
   std::array<double, 3> b{};
   double weight = 0;
   void add(float rx, float ry, float inverse_z, float w);
+  void add(const FloorRow& row, float ry, float w);
   void blend(const FloorEquations& older, double share);
   // q with q.r = -1/z in the least-squares sense; false when the points do not span a plane.
   bool solve_plane(std::array<double, 3>& q) const;

@@ -22,9 +22,11 @@ namespace {
 constexpr float kNearMm = 1000.0F;
 constexpr float kFarMm = 4000.0F;
 constexpr float kFragmentAreaMaxM2 = 0.12F;  // a forearm pointing at the camera
-constexpr float kHandSizeMaxMm = 380.0F;
+constexpr float kForearmMaxMm = 600.0F;      // with the hand
+constexpr float kForearmAreaMaxM2 = 0.08F;
 constexpr float kHandHeightMinMm = 400.0F;  // above the floor: below it stand boxes and chairs
-constexpr float kHandGapMaxMm = 280.0F;
+constexpr float kHandGapMaxMm = 280.0F;     // held towards the camera, the forearm is hidden
+constexpr float kElbowGapMaxMm = 110.0F;
 constexpr int kGapReachCells = 9;
 constexpr float kHoleShareMax = 0.30F;
 constexpr float kFeetMissingMm = 220.0F;  // lowest visible part this far above the floor: the feet are hidden
@@ -52,6 +54,7 @@ struct Segmenter::Workspace {
         touch(at(segment::kBlobCountMax)),
         border(at(segment::kBlobCountMax)),
         gap_mm(at(segment::kBlobCountMax)),
+        gap_max_mm(at(segment::kBlobCountMax)),
         candidate(at(segment::kBlobCountMax)) {}
 
   int choose() const;
@@ -70,7 +73,8 @@ struct Segmenter::Workspace {
   std::vector<std::uint8_t> chosen;
   std::vector<std::int32_t> touch;
   std::vector<std::int32_t> border;
-  std::vector<float> gap_mm;
+  std::vector<float> gap_mm;  // per blob: nearest to the person in space
+  std::vector<float> gap_max_mm;
   std::vector<std::uint8_t> candidate;  // per blob: 0 no, 1 when enclosed, 2 also when near (a hand)
   bool grid_floor_known = false;
   bool has_last = false;
@@ -108,10 +112,11 @@ void Segmenter::Workspace::absorb_fragments(int person) {
     const float z = other.centroid_mm.z;
     const float cell = static_cast<float>(grid.step) * z / grid.intrinsics.fx;
     const bool small = other.area_m2 < kFragmentAreaMaxM2 && !other.person && b != at(person);
-    candidate[b] = small && z > body.centroid_mm.z - 900.0F && z < body.centroid_mm.z + 130.0F ? 1 : 0;
-    const bool hand = static_cast<float>(other.c_max - other.c_min) * cell < kHandSizeMaxMm &&
-                      static_cast<float>(other.r_max - other.r_min) * cell < kHandSizeMaxMm &&
-                      z < body.centroid_mm.z - 60.0F && (!grid_floor_known || other.height_min_mm > kHandHeightMinMm);
+    candidate[b] = small && z > body.centroid_mm.z - 900.0F && z < body.centroid_mm.z + 500.0F ? 1 : 0;
+    const float reach = static_cast<float>(std::max(other.c_max - other.c_min, other.r_max - other.r_min)) * cell;
+    const bool off_floor = !grid_floor_known || other.height_min_mm > kHandHeightMinMm;
+    gap_max_mm[b] = z < body.centroid_mm.z - 60.0F && reach < kForearmMaxMm ? kHandGapMaxMm : kElbowGapMaxMm;
+    const bool hand = reach < kForearmMaxMm + 80.0F && other.area_m2 < kForearmAreaMaxM2 && off_floor;
     if (candidate[b] != 0 && hand) candidate[b] = 2;
   }
   for (int pass = 0; pass < 2; ++pass) {  // a hand may hang on a wrist that is an island itself
@@ -129,8 +134,9 @@ void Segmenter::Workspace::absorb_fragments(int person) {
       if (labels[i] == 0 || chosen[i] != 0) continue;
       const auto b = static_cast<std::size_t>(labels[i] - 1);
       if (candidate[b] == 0) continue;
-      const bool enclosed = static_cast<float>(touch[b]) >= 0.55F * static_cast<float>(border[b]) && touch[b] > 0;
-      if (enclosed || (candidate[b] == 2 && gap_mm[b] < kHandGapMaxMm)) chosen[i] = 1;
+      const bool enclosed = list[b].centroid_mm.z < body.centroid_mm.z + 130.0F &&
+                            static_cast<float>(touch[b]) >= 0.55F * static_cast<float>(border[b]) && touch[b] > 0;
+      if (enclosed || (candidate[b] == 2 && gap_mm[b] < gap_max_mm[b])) chosen[i] = 1;
     }
   }
 }
@@ -268,9 +274,10 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   person.floor = w.floor.find(w.grid);
   w.grid.measure_heights(person.floor);
   w.blobs.run(w.grid, person.floor);
-  for (const Blob& blob : w.blobs.blobs()) person.people_count += blob.person ? 1 : 0;
+  for (const Blob& blob : w.blobs.blobs()) person.people_count += blob.has_head ? 1 : 0;
 
   const int who = w.choose();
+  if (who >= 0) person.people_count = std::max(1, person.people_count);  // one without a head may be chosen
   if (who < 0) {
     std::fill(w.chosen.begin(), w.chosen.end(), std::uint8_t{0});
     segment::refine_mask(w.grid, depth, w.chosen, mask);
