@@ -127,7 +127,8 @@ int play(Player& player, int fd) {
     // One wait asks for one frame. A second wait for the same frame would ask for another, which would overwrite it:
     // so there is no short timeout here.
     int index = -1;
-    if (oniWaitForAnyStream(&player.stream, 1, &index, counted ? ONI_TIMEOUT_FOREVER : kUnclosedEnd_ms) != ONI_STATUS_OK) {
+    if (oniWaitForAnyStream(&player.stream, 1, &index, counted ? ONI_TIMEOUT_FOREVER : kUnclosedEnd_ms) !=
+        ONI_STATUS_OK) {
       if (counted) return fail(fd, "frame " + std::to_string(count) + " does not come");
       break;
     }

@@ -16,7 +16,7 @@
 #include "base/file.h"
 #include "hal/frame_path.h"
 #include "hal/intrinsics.h"
-#include "hal/openni2/oni_source.h"
+#include "hal/openni2/oni_file.h"
 #include "hal/openni2/raw_frame.h"
 
 namespace im2fit::hal {
@@ -321,13 +321,18 @@ Result<OpenNi2Source::RecordingSummary> OpenNi2Source::end_recording() {
   const std::string part = part_path(d.recording.path);
   // The recorder says nothing of a full disk: the file is asked how many frames it holds. Frames on their way when
   // recording began in mid-stream may be missing.
-  auto check = OniSource::open(part, OniOptions{});
-  const std::int64_t held = check ? (*check)->info().frame_count : -1;
-  if (held < static_cast<std::int64_t>(d.recording.frames_seen) - (d.began_while_streaming ? 2 : 0)) {
-    Error error{ErrorCode::io, "the recording " + d.recording.path + " is incomplete (" + std::to_string(held) +
-                                   " of " + std::to_string(d.recording.frames_seen) +
-                                   " frames) and was removed; is the disk full?"};
-    if (!check) error.message += " " + check.error().message;
+  const auto contents = inspect_oni(part);
+  const std::uint64_t frames_missed = d.began_while_streaming ? 2 : 0;
+  if (!contents || !contents->closed || contents->frames + frames_missed < d.recording.frames_seen) {
+    Error error{ErrorCode::io, "the recording " + d.recording.path + " could not be written whole and was removed; " +
+                                   "is the disk full?"};
+    if (!contents) error.message += " (" + contents.error().message + ")";
+    ::unlink(part.c_str());
+    return error;
+  }
+  // The recorder leaves the file twice as long as it is, the rest zeros; the player does not need them.
+  if (::truncate(part.c_str(), static_cast<off_t>(contents->size_bytes)) != 0) {
+    Error error{ErrorCode::io, "cannot cut the recording " + part + " to its size: " + std::strerror(errno)};
     ::unlink(part.c_str());
     return error;
   }
