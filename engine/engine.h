@@ -21,29 +21,36 @@ namespace im2fit {
 enum class SessionState : int { searching, user_found, calibrating, tracking, measured, lost };
 
 struct EngineSettings {
-  int width = 640, height = 480;     // of upright frames
+  int width = 640, height = 480;  // of upright frames
   Intrinsics intrinsics;
-  int frames_wanted = 30;            // accepted frames until MEASURED
-  int frames_min = 5;                // fewest a measurement may rest on when the stream ends
-  bool calibration_psi = false;      // ask for the Psi pose first, as the paper does
-  bool live = false;                 // live: drop the oldest frame when behind; else wait (replay never drops)
-  bool single_thread = false;        // both halves on the caller's thread in push(): same bits
-  int pool_frames = 8;
+  int frames_wanted = 30;        // accepted frames until MEASURED
+  int frames_min = 5;            // fewest a measurement may rest on when the stream ends
+  bool calibration_psi = false;  // ask for the Psi pose first, as the paper does
+  bool live = false;             // live: drop the oldest frame when behind; else wait (replay never drops)
+  bool single_thread = false;    // both halves on the caller's thread in push(): same bits
+  int pool_frames = 8;           // 3..64 frames of 3 bytes a pixel
 };
 
-// Immutable snapshot; plain data, no allocation to copy.
+// Immutable snapshot; plain data, no allocation to copy. Everything stands still from MEASURED until reset(), so that
+// how far a producer ran ahead of the measurement leaves no trace: the same frames give the same result.
 struct EngineResult {
   SessionState state = SessionState::searching;
-  GuidanceSet guidance = 0;          // of the latest frame
-  GuidanceSet guidance_seen = 0;     // of all frames so far
-  std::uint64_t frames_seen = 0, frames_used = 0, frames_dropped = 0;
+  GuidanceSet guidance = 0;                                     // of the latest frame
+  GuidanceSet guidance_seen = 0;                                // of all frames so far
+  std::array<std::uint32_t, kGuidanceCount> guidance_frames{};  // frames that carried each code, in bit order
+  std::uint64_t frames_seen = 0;                                // processed
+  std::uint64_t frames_used = 0;                                // gathered behind the answer (or so far)
+  std::uint64_t frames_dropped = 0;    // given up unread because the engine was behind (live only)
+  std::uint64_t sequence_gaps = 0;     // sequence numbers skipped
+  std::uint64_t sequence_repeats = 0;  // frames whose sequence number did not grow
+  std::uint64_t time_reversals = 0;    // frames whose host time did not grow
   bool has_joints = false;
-  JointSet joints;                   // latest
+  JointSet joints;  // latest
   FloorPlane floor;
   bool measured = false;
-  index::Answer answer;              // valid when measured
-  MeasurementValues paper{};         // NaN where not measured
-  JointSet measured_joints;          // robust mean behind the answer
+  index::Answer answer;       // valid when measured
+  MeasurementValues paper{};  // NaN where not measured
+  JointSet measured_joints;   // robust mean behind the answer
 };
 
 class Engine {
@@ -52,19 +59,24 @@ class Engine {
   static Result<std::unique_ptr<Engine>> create(const EngineSettings& settings, const JointModel& joint_model,
                                                 const index::Index& index);
   virtual ~Engine() = default;
-  // From one producer thread. Copies the frame into the pool; blocks when full unless live. After finish(): error.
+  // push, finish and reset: from one producer thread.
+  // Copies the frame into the pool; blocks when full unless live. Live: gives up the oldest frame not yet begun (the
+  // new one when all are begun). Errors: another size than the settings', after finish().
   virtual Status push(DepthView depth, const hal::FrameInfo& info) = 0;
-  // No more frames: waits until both halves are idle and measures with what there is.
+  // No more frames: waits until both halves are idle and measures with what there is. Again: does nothing.
   virtual void finish() = 0;
   // Any thread, any time, never blocks the pipeline.
   virtual EngineResult result() const = 0;
-  virtual void reset() = 0;  // a new person; after finish() or between frames
+  virtual void reset() = 0;  // a new person; after finish() or between frames. Waits for frames under way
   // For overlays, after finish(): the fused picture. Empty views when there is none.
   virtual ImageView<const std::uint16_t> fused_depth_q4() const = 0;
   virtual MaskView fused_mask() const = 0;
 };
 
-// Pulls from `source` until end, loss or `measured`.
+// Starts `source`, pulls from it until its end, its loss or `measured`, stops it and finishes the engine. Damaged
+// frames are left out. Errors: the source's (after finishing with what came before); timeout when a source stays
+// silent for kSilenceMs. The end of a stream is Ok, measured or not.
+inline constexpr int kSilenceMs = 5000;
 Status run(Engine& engine, hal::Source& source, bool stop_when_measured);
 
 }  // namespace im2fit

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two threads and three rings (DESIGN section 2):
+//
+//   push() --input--> SENSE --sensed--> FIT --free--> push()
+//
+// A slot index is in exactly one ring or hand. `processed_` tells the producer when all it pushed came through; while
+// nothing is under way both halves sleep, and the producer may touch what is theirs (finish, reset).
+#include "engine/engine.h"
+
+#include <thread>
+#include <utility>
+
+#include "engine/event.h"
+#include "engine/fit_half.h"
+#include "engine/frame_pool.h"
+#include "engine/frame_stages.h"
+#include "engine/snapshot.h"
+#include "engine/spsc_ring.h"
+
+namespace im2fit {
+namespace {
+
+// A live queue longer than this only makes guidance late: what waits is dropped in favour of what is new.
+constexpr std::uint64_t kLiveQueueMax = 2;
+constexpr int kPoolFramesMin = 3;  // one in each hand
+constexpr int kPoolFramesMax = 64;
+
+// Counts what is odd about arrival; producer thread.
+class ArrivalCounter {
+ public:
+  void count(const hal::FrameInfo& info, ArrivalCounts& counts) {
+    if (any_) {
+      if (info.sequence <= previous_.sequence)
+        ++counts.sequence_repeats;
+      else
+        counts.sequence_gaps += info.sequence - previous_.sequence - 1;
+      // Zero twice is a source without a clock.
+      const bool clock = info.host_ns != 0 || previous_.host_ns != 0;
+      if (clock && info.host_ns <= previous_.host_ns) ++counts.time_reversals;
+    }
+    any_ = true;
+    previous_ = info;
+  }
+  void reset() { any_ = false; }
+
+ private:
+  bool any_ = false;
+  hal::FrameInfo previous_;
+};
+
+class PipelineEngine final : public Engine {
+ public:
+  PipelineEngine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages)
+      : settings_(settings),
+        stages_(std::move(stages)),
+        pool_(settings.pool_frames, settings.width, settings.height),
+        input_(pool_.slot_count()),
+        sensed_(pool_.slot_count()),
+        free_(pool_.slot_count()),
+        fit_(settings, *stages_),
+        snapshot_(fit_.result()) {
+    for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) free_.try_push(slot);
+    if (settings_.single_thread) return;
+    sense_thread_ = std::thread([this] { sense_loop(); });
+    fit_thread_ = std::thread([this] { fit_loop(); });
+  }
+
+  ~PipelineEngine() override {
+    stop_.store(true, std::memory_order_release);
+    sense_event_.signal();
+    fit_event_.signal();
+    if (sense_thread_.joinable()) sense_thread_.join();
+    if (fit_thread_.joinable()) fit_thread_.join();
+  }
+
+  Status push(DepthView depth, const hal::FrameInfo& info) override {
+    if (finished_) return Error{ErrorCode::invalid_argument, "frame pushed after finish(): call reset() first"};
+    if (depth.pixels == nullptr || depth.width != settings_.width || depth.height != settings_.height)
+      return Error{ErrorCode::invalid_argument, "frame is " + std::to_string(depth.width) + "x" +
+                                                    std::to_string(depth.height) + ", the engine was made for " +
+                                                    std::to_string(settings_.width) + "x" +
+                                                    std::to_string(settings_.height)};
+    arrival_.count(info, counts_);
+    std::uint32_t index = 0;
+    if (!acquire(index)) return Ok{};
+    FrameSlot& slot = pool_[index];
+    copy_depth(depth, slot.depth);
+    slot.info = info;
+    slot.counts = counts_;
+    if (settings_.single_thread) {
+      sense(slot);
+      fit(slot);
+      free_.try_push(index);
+      return Ok{};
+    }
+    ++pushed_;
+    input_.try_push(index);
+    sense_event_.signal();
+    return Ok{};
+  }
+
+  void finish() override {
+    if (finished_) return;
+    finished_ = true;
+    drain();
+    fit_.end(counts_);
+    snapshot_.publish(fit_.result());
+  }
+
+  EngineResult result() const override { return snapshot_.read(); }
+
+  void reset() override {
+    drain();
+    stages_->reset_sense();
+    fit_.reset();
+    over_.store(false, std::memory_order_relaxed);
+    counts_ = {};
+    arrival_.reset();
+    finished_ = false;
+    snapshot_.publish(fit_.result());
+  }
+
+  ImageView<const std::uint16_t> fused_depth_q4() const override {
+    return finished_ && fit_.result().frames_used > 0 ? stages_->fused_depth_q4() : ImageView<const std::uint16_t>{};
+  }
+  MaskView fused_mask() const override {
+    return finished_ && fit_.result().frames_used > 0 ? stages_->fused_mask() : MaskView{};
+  }
+
+ private:
+  // A slot for a new frame; false when the frame is to be dropped (live only).
+  bool acquire(std::uint32_t& index) {
+    if (settings_.live && !settings_.single_thread) {
+      if (input_.size_seen_by_producer() >= kLiveQueueMax && take_back(index)) return true;
+      if (free_.try_pop(index) || take_back(index)) return true;
+      ++counts_.dropped;
+      return false;
+    }
+    for (;;) {
+      const std::uint32_t ticket = producer_event_.ticket();
+      if (free_.try_pop(index)) return true;
+      producer_event_.wait(ticket);
+    }
+  }
+
+  bool take_back(std::uint32_t& index) {
+    if (!input_.take_back_oldest(index)) return false;
+    ++counts_.dropped;
+    --pushed_;
+    return true;
+  }
+
+  // Waits until every frame pushed has come out of FIT.
+  void drain() {
+    for (;;) {
+      const std::uint32_t ticket = producer_event_.ticket();
+      if (processed_.load(std::memory_order_acquire) == pushed_) return;
+      producer_event_.wait(ticket);
+    }
+  }
+
+  void sense(FrameSlot& slot) {
+    slot.sensed = !over_.load(std::memory_order_relaxed);
+    if (slot.sensed) slot.sighting = stages_->sense(slot.depth, settings_.intrinsics, slot.mask);
+  }
+
+  void fit(FrameSlot& slot) {
+    if (!slot.sensed || fit_.over()) return;
+    fit_.process(slot);
+    if (fit_.over()) over_.store(true, std::memory_order_relaxed);
+    snapshot_.publish(fit_.result());
+  }
+
+  void sense_loop() {
+    for (;;) {
+      const std::uint32_t ticket = sense_event_.ticket();
+      if (stop_.load(std::memory_order_acquire)) return;
+      std::uint32_t index = 0;
+      if (!input_.try_pop(index)) {
+        sense_event_.wait(ticket);
+        continue;
+      }
+      sense(pool_[index]);
+      sensed_.try_push(index);  // never full: as many places as slots
+      fit_event_.signal();
+    }
+  }
+
+  void fit_loop() {
+    for (;;) {
+      const std::uint32_t ticket = fit_event_.ticket();
+      if (stop_.load(std::memory_order_acquire)) return;
+      std::uint32_t index = 0;
+      if (!sensed_.try_pop(index)) {
+        fit_event_.wait(ticket);
+        continue;
+      }
+      fit(pool_[index]);
+      free_.try_push(index);
+      processed_.fetch_add(1, std::memory_order_release);
+      producer_event_.signal();
+    }
+  }
+
+  const EngineSettings settings_;
+  const std::unique_ptr<FrameStages> stages_;
+  FramePool pool_;
+  SpscRing input_;
+  SpscRing sensed_;
+  SpscRing free_;
+  FitHalf fit_;  // FIT's, or the producer's while nothing is under way
+  Snapshot<EngineResult> snapshot_;
+
+  // The producer's.
+  bool finished_ = false;
+  std::uint64_t pushed_ = 0;
+  ArrivalCounts counts_;
+  ArrivalCounter arrival_;
+
+  std::atomic<std::uint64_t> processed_{0};
+  std::atomic<bool> over_{false};  // FIT to SENSE: the session is over, frames need no reading
+  std::atomic<bool> stop_{false};
+  Event producer_event_;
+  Event sense_event_;
+  Event fit_event_;
+  std::thread sense_thread_;
+  std::thread fit_thread_;
+};
+
+Status check_range(const char* name, int value, int low, int high) {
+  if (value >= low && value <= high) return Ok{};
+  return Error{ErrorCode::invalid_argument, std::string("engine setting ") + name + " is " + std::to_string(value) +
+                                                ", expected " + std::to_string(low) + " to " + std::to_string(high)};
+}
+
+Status check_settings(const EngineSettings& s) {
+  if (auto ok = check_range("width", s.width, 1, kImageSideMax); !ok) return ok;
+  if (auto ok = check_range("height", s.height, 1, kImageSideMax); !ok) return ok;
+  if (auto ok = check_range("frames_wanted", s.frames_wanted, 1, 1000); !ok) return ok;
+  if (auto ok = check_range("frames_min", s.frames_min, 1, s.frames_wanted); !ok) return ok;
+  if (auto ok = check_range("pool_frames", s.pool_frames, kPoolFramesMin, kPoolFramesMax); !ok) return ok;
+  if (s.intrinsics.width != s.width || s.intrinsics.height != s.height)
+    return Error{ErrorCode::invalid_argument, "engine intrinsics are for " + std::to_string(s.intrinsics.width) +
+                                                  "x" + std::to_string(s.intrinsics.height) + ", the frames are " +
+                                                  std::to_string(s.width) + "x" + std::to_string(s.height)};
+  return hal::check_intrinsics(s.intrinsics, "engine intrinsics");
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages) {
+  if (auto ok = check_settings(settings); !ok) return ok.error();
+  return std::unique_ptr<Engine>(std::make_unique<PipelineEngine>(settings, std::move(stages)));
+}
+
+}  // namespace im2fit

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/fit_half.h"
+
+#include <limits>
+
+namespace im2fit {
+namespace {
+
+SessionRules rules_of(const EngineSettings& settings) {
+  SessionRules rules;
+  rules.frames_wanted = settings.frames_wanted;
+  rules.frames_min = settings.frames_min;
+  rules.calibration_psi = settings.calibration_psi;
+  return rules;
+}
+
+EngineResult empty_result() {
+  EngineResult result;
+  result.paper.fill(std::numeric_limits<float>::quiet_NaN());
+  return result;
+}
+
+}  // namespace
+
+FitHalf::FitHalf(const EngineSettings& settings, FrameStages& stages)
+    : intrinsics_(settings.intrinsics), rules_(rules_of(settings)), stages_(stages), result_(empty_result()) {}
+
+void FitHalf::process(const FrameSlot& slot) {
+  const Sighting& sighting = slot.sighting;
+  const FloorPlane& floor = sighting.person.floor;
+  SessionView view;
+  view.found = sighting.person.found;
+  view.guidance = sighting.guidance;
+  view.psi =
+      rules_.calibration_psi && view.found && is_psi_pose(sighting.joints, floor.known ? floor.up : Vec3f{0, -1, 0});
+
+  const SessionStep step = on_sighting(rules_, session_, view);
+  session_ = step.next;
+  if (step.forget) stages_.reset_fit();
+
+  ++result_.frames_seen;
+  take_counts(slot.counts);
+  result_.guidance = step.guidance;
+  result_.has_joints = view.found;
+  if (view.found) result_.joints = sighting.joints;
+  if (floor.known) result_.floor = floor;
+  const bool enough = step.use_frame && gather(slot);
+  take_guidance(result_.guidance);
+  if (enough) measure();
+  result_.state = session_.state;
+  result_.frames_used = static_cast<std::uint64_t>(stages_.frame_count());
+}
+
+bool FitHalf::gather(const FrameSlot& slot) {
+  const GuidanceSet refusal = stages_.add(slot.depth, slot.mask, intrinsics_, slot.sighting);
+  result_.guidance |= refusal;
+  const OfferStep offer = after_offer(rules_, session_, refusal != 0, stages_.frame_count());
+  session_ = offer.next;
+  if (offer.forget) stages_.reset_fit();
+  return offer.measure;
+}
+
+void FitHalf::measure() {
+  MeasuredPerson person;
+  const bool succeeded = stages_.measure(person);
+  const MeasuringStep step = after_measuring(rules_, session_, succeeded);
+  session_ = step.next;
+  if (step.forget) stages_.reset_fit();
+  if (!succeeded) {
+    result_.guidance = static_cast<GuidanceSet>(Guidance::too_noisy);
+    take_guidance(result_.guidance);
+    return;
+  }
+  result_.guidance = 0;  // nothing more is needed
+  result_.measured = true;
+  result_.answer = person.answer;
+  result_.paper = person.paper;
+  result_.measured_joints = person.joints;
+  if (person.floor.known) result_.floor = person.floor;
+}
+
+void FitHalf::end(const ArrivalCounts& counts) {
+  if (over()) return;
+  take_counts(counts);
+  if (measure_at_end(rules_, session_, stages_.frame_count())) measure();
+  result_.state = session_.state;
+  result_.frames_used = static_cast<std::uint64_t>(stages_.frame_count());
+}
+
+void FitHalf::reset() {
+  stages_.reset_fit();
+  session_ = {};
+  result_ = empty_result();
+}
+
+void FitHalf::take_counts(const ArrivalCounts& counts) {
+  result_.frames_dropped = counts.dropped;
+  result_.sequence_gaps = counts.sequence_gaps;
+  result_.sequence_repeats = counts.sequence_repeats;
+  result_.time_reversals = counts.time_reversals;
+}
+
+void FitHalf::take_guidance(GuidanceSet guidance) {
+  result_.guidance_seen |= guidance;
+  for (std::size_t i = 0; i < kGuidanceCount; ++i)
+    if ((guidance >> i & 1U) != 0) ++result_.guidance_frames[i];
+}
+
+}  // namespace im2fit

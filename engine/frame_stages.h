@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The seam between the pipeline (threads, rings, session) and what it runs on frames. Production: Sensor, Fuser and
+// Index (engine/production_stages.cpp); tests put their own behind it.
+#pragma once
+
+#include <memory>
+
+#include "base/status.h"
+#include "engine/engine.h"
+
+namespace im2fit {
+
+// What a session ends with.
+struct MeasuredPerson {
+  index::Answer answer;
+  MeasurementValues paper{};
+  JointSet joints;
+  FloorPlane floor;
+};
+
+// Methods of one half are called from one thread at a time; the two halves run at the same time. No allocation.
+class FrameStages {
+ public:
+  virtual ~FrameStages() = default;
+
+  // Half SENSE.
+  virtual Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) = 0;
+  virtual void reset_sense() = 0;
+
+  // Half FIT. `add` returns guidance of its own instead of adding.
+  virtual GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting) = 0;
+  virtual int frame_count() const = 0;
+  // The expensive step, once a session. False when what is gathered cannot be described.
+  virtual bool measure(MeasuredPerson& person) = 0;
+  virtual void reset_fit() = 0;
+  virtual ImageView<const std::uint16_t> fused_depth_q4() const = 0;
+  virtual MaskView fused_mask() const = 0;
+};
+
+Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages);
+
+// Sensor, Fuser and Index. The model and index must outlive the stages.
+Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
+                                                            const index::Index& index);
+
+}  // namespace im2fit

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <vector>
+
+#include "engine/engine.h"
+
+namespace im2fit {
+namespace {
+
+constexpr int kWaitMs = 250;
+
+Status pull(Engine& engine, hal::Source& source, bool stop_when_measured) {
+  const Intrinsics& k = source.info().intrinsics;
+  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
+  const DepthImage depth(pixels.data(), k.width, k.height);
+  int silent_ms = 0;
+  for (;;) {
+    auto info = source.next(depth, kWaitMs);
+    if (!info) {
+      const ErrorCode code = info.error().code;
+      if (code == ErrorCode::end_of_stream) return Ok{};
+      if (code == ErrorCode::corrupt) continue;
+      if (code != ErrorCode::timeout) return info.error();
+      silent_ms += kWaitMs;
+      if (silent_ms >= kSilenceMs)
+        return Error{ErrorCode::timeout, source.info().uri + ": no frame for " + std::to_string(kSilenceMs / 1000) +
+                                             " s; is the camera still connected?"};
+      continue;
+    }
+    silent_ms = 0;
+    if (auto pushed = engine.push(depth, *info); !pushed) return pushed;
+    if (stop_when_measured && engine.result().measured) return Ok{};
+  }
+}
+
+}  // namespace
+
+Status run(Engine& engine, hal::Source& source, bool stop_when_measured) {
+  if (auto started = source.start(); !started) return started;
+  Status status = pull(engine, source, stop_when_measured);
+  source.stop();
+  engine.finish();
+  return status;
+}
+
+}  // namespace im2fit

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/session.h"
+
+namespace im2fit {
+namespace {
+
+constexpr GuidanceSet bit(Guidance g) {
+  return static_cast<GuidanceSet>(g);
+}
+
+// An absent person: flicker is waited for, a loss ends the attempt. What is gathered is kept until somebody is
+// found again, so that a stream that ends with an empty room still measures who stood there.
+SessionStep on_absence(const SessionRules& rules, SessionStep step) {
+  Session& next = step.next;
+  step.guidance |= bit(Guidance::no_person);
+  if (next.state == SessionState::searching || next.state == SessionState::lost) return step;
+  next.psi_frames = 0;
+  if (++next.absent_frames > rules.absent_frames_max) next.state = SessionState::lost;
+  return step;
+}
+
+void begin_attempt(Session& next) {
+  next.state = SessionState::user_found;
+  next.psi_frames = 0;
+  next.psi_wait_frames = 0;
+  next.rejected_frames = 0;
+}
+
+SessionStep on_calibrating(const SessionRules& rules, SessionStep step, const SessionView& view) {
+  Session& next = step.next;
+  next.psi_frames = view.psi ? next.psi_frames + 1 : 0;
+  if (next.psi_frames >= rules.psi_frames) {
+    next.state = SessionState::tracking;
+    return step;
+  }
+  step.guidance |= bit(Guidance::calibration_pose);
+  if (++next.psi_wait_frames > rules.psi_wait_frames_max) next.state = SessionState::lost;
+  return step;
+}
+
+}  // namespace
+
+SessionStep on_sighting(const SessionRules& rules, const Session& session, const SessionView& view) {
+  SessionStep step;
+  step.next = session;
+  step.guidance = view.guidance;
+  if (session.state == SessionState::measured) return step;
+  if (!view.found) return on_absence(rules, step);
+
+  Session& next = step.next;
+  next.absent_frames = 0;
+  if (next.state == SessionState::searching) {
+    begin_attempt(next);
+  } else if (next.state == SessionState::lost) {
+    if (next.attempts >= rules.attempts_max) return step;
+    ++next.attempts;
+    step.forget = true;
+    begin_attempt(next);
+  }
+  if (next.state == SessionState::user_found && view.guidance == 0)
+    next.state = rules.calibration_psi ? SessionState::calibrating : SessionState::tracking;
+  if (next.state == SessionState::calibrating) return on_calibrating(rules, step, view);
+  // Arms still raised after calibration: the person is on the way to standing relaxed.
+  if (next.state == SessionState::tracking && rules.calibration_psi && view.psi)
+    step.guidance |= bit(Guidance::moving);
+  step.use_frame = next.state == SessionState::tracking && step.guidance == 0;
+  return step;
+}
+
+OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_gathered) {
+  OfferStep step;
+  step.next = session;
+  if (!rejected) {
+    step.next.rejected_frames = 0;
+    step.measure = frames_gathered >= rules.frames_wanted;
+    return step;
+  }
+  if (++step.next.rejected_frames <= rules.rejected_frames_max) return step;
+  // Standing still, but not as before. Enough frames are measured now (waiting for the old pose may last for ever);
+  // too few are given up for the new pose.
+  step.next.rejected_frames = 0;
+  if (frames_gathered >= rules.frames_min) {
+    step.measure = true;
+  } else if (step.next.attempts < rules.attempts_max) {
+    ++step.next.attempts;
+    step.forget = true;
+  }
+  return step;
+}
+
+MeasuringStep after_measuring(const SessionRules& rules, const Session& session, bool succeeded) {
+  MeasuringStep step;
+  step.next = session;
+  if (succeeded) {
+    step.next.state = SessionState::measured;
+    return step;
+  }
+  step.forget = true;
+  if (step.next.attempts < rules.attempts_max)
+    ++step.next.attempts;
+  else
+    step.next.state = SessionState::lost;
+  return step;
+}
+
+bool measure_at_end(const SessionRules& rules, const Session& session, int frames_gathered) {
+  return session.state != SessionState::measured && frames_gathered > 0 && frames_gathered >= rules.frames_min;
+}
+
+bool is_psi_pose(const JointSet& joints, Vec3f up) {
+  constexpr Joint kArms[2][3] = {{Joint::LS, Joint::LE, Joint::LA}, {Joint::RS, Joint::RE, Joint::RA}};
+  for (const auto& arm : kArms) {
+    for (const Joint joint : arm)
+      if (!(joints.confidence[joint_index(joint)] > 0)) return false;
+    const Vec3f upper = joints[arm[1]] - joints[arm[0]];
+    const Vec3f fore = joints[arm[2]] - joints[arm[1]];
+    const float rise = dot(upper, up);
+    const float lift = dot(fore, up);
+    if (!(rise * rise <= 0.25F * dot(upper, upper))) return false;           // sin 30 deg = 1/2
+    if (!(lift > 0 && lift * lift >= 0.5F * dot(fore, fore))) return false;  // cos 45 deg = sqrt(1/2)
+  }
+  return true;
+}
+
+}  // namespace im2fit

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// The session as a pure function: what state follows, and what to do with the frame, given the state, what was
+// sighted and the counts. No clock, no I/O, no memory besides Session: time is counted in frames.
+//
+//   SEARCHING -> USER_FOUND -> [CALIBRATING ->] TRACKING -> MEASURED
+//   LOST from USER_FOUND, CALIBRATING and TRACKING; back to USER_FOUND when somebody is found again, at most
+//   attempts_max times. MEASURED ends the session.
+#pragma once
+
+#include "engine/engine.h"
+
+namespace im2fit {
+
+struct SessionRules {
+  int frames_wanted = 30;
+  int frames_min = 5;
+  bool calibration_psi = false;
+  int absent_frames_max = 15;     // half a second at 30 Hz; shorter flicker of the mask is no loss
+  int psi_frames = 5;             // in a row
+  int psi_wait_frames_max = 300;  // ten seconds to take the pose
+  int rejected_frames_max = 30;   // in a row: the person stands still, but no longer as gathered
+  int attempts_max = 8;           // beginnings after the first, by loss or by a pose that changed
+};
+
+struct Session {
+  SessionState state = SessionState::searching;
+  int absent_frames = 0;    // in a row
+  int psi_frames = 0;       // in a row
+  int psi_wait_frames = 0;  // in CALIBRATING
+  int rejected_frames = 0;  // in a row
+  int attempts = 0;
+};
+
+// The part of a Sighting the session looks at.
+struct SessionView {
+  bool found = false;
+  GuidanceSet guidance = 0;
+  bool psi = false;  // is_psi_pose
+};
+
+struct SessionStep {
+  Session next;
+  GuidanceSet guidance = 0;  // the sighting's and the session's own
+  bool forget = false;       // drop what is gathered, before using this frame
+  bool use_frame = false;    // offer the frame to the fuser, then call after_offer
+};
+SessionStep on_sighting(const SessionRules& rules, const Session& session, const SessionView& view);
+
+struct OfferStep {
+  Session next;
+  bool forget = false;
+  bool measure = false;  // then call after_measuring
+};
+// `rejected`: the fuser's own guidance was not zero. `frames_gathered`: after the offer.
+OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_gathered);
+
+struct MeasuringStep {
+  Session next;
+  bool forget = false;
+};
+// `succeeded`: what was gathered could be described.
+MeasuringStep after_measuring(const SessionRules& rules, const Session& session, bool succeeded);
+
+// At the end of the stream: is what is gathered enough?
+bool measure_at_end(const SessionRules& rules, const Session& session, int frames_gathered);
+
+// The calibration pose of the paper: both hands above the elbows, both upper arms level within 30 degrees, forearms
+// upright within 45. `up`: unit, camera axes. False when one of the six joints has no confidence.
+bool is_psi_pose(const JointSet& joints, Vec3f up);
+
+}  // namespace im2fit

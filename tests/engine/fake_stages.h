@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stages that read what they "see" from the first pixels of a frame, so that a test writes the whole story of a
+// session as frames. The answer is an exact function of the frames gathered, worked out again by the tests.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include "engine/frame_stages.h"
+
+namespace im2fit::test {
+
+inline constexpr int kWidth = 16;
+inline constexpr int kHeight = 12;
+
+// One frame of a story.
+struct Shot {
+  bool found = true;
+  GuidanceSet guidance = 0;
+  bool refused = false;  // the fuser answers MOVING
+  bool psi = false;
+  std::uint16_t value = 1000;
+};
+
+struct FramePixels {
+  explicit FramePixels(const Shot& shot) : pixels(kWidth * kHeight, shot.value) {
+    pixels[0] = shot.found;
+    pixels[1] = static_cast<std::uint16_t>(shot.guidance);
+    pixels[2] = shot.refused;
+    pixels[3] = shot.psi;
+  }
+  DepthView view() const { return {pixels.data(), kWidth, kHeight}; }
+  std::vector<std::uint16_t> pixels;
+};
+
+inline JointSet standing_joints(bool psi) {
+  JointSet joints;
+  joints.confidence.fill(0.9F);
+  const float hand = psi ? -250.0F : 250.0F;  // y is down
+  const float elbow = psi ? 0.0F : 250.0F;
+  joints[Joint::LS] = {180, -400, 2000};
+  joints[Joint::RS] = {-180, -400, 2000};
+  joints[Joint::LE] = {460, -400 + elbow, 2000};
+  joints[Joint::RE] = {-460, -400 + elbow, 2000};
+  joints[Joint::LA] = {470, -400 + elbow + hand, 2000};
+  joints[Joint::RA] = {-470, -400 + elbow + hand, 2000};
+  joints[Joint::LH] = {90, 100, 2000};
+  joints[Joint::RH] = {-90, 100, 2000};
+  return joints;
+}
+
+class FakeStages final : public FrameStages {
+ public:
+  struct Control {
+    std::atomic<int> sense_calls{0};
+    std::atomic<int> measure_calls{0};
+    std::atomic<int> sense_delay_us{0};
+    std::atomic<int> fit_delay_us{0};
+    std::atomic<bool> describable{true};
+  };
+  explicit FakeStages(Control& control) : control_(control) {}
+
+  Sighting sense(DepthView depth, const Intrinsics&, MaskImage mask) override {
+    ++control_.sense_calls;
+    pause(control_.sense_delay_us);
+    Sighting sighting;
+    sighting.person.found = depth.at(0, 0) != 0;
+    sighting.person.floor = {true, {0, -1, 0}, 900};
+    sighting.guidance = depth.at(1, 0);
+    sighting.joints = standing_joints(depth.at(3, 0) != 0);
+    sighting.joints[Joint::HE] = {static_cast<float>(sense_state_++), 0, depth.at(5, 5) * 1.0F};
+    for (int v = 0; v < mask.height; ++v)
+      for (int u = 0; u < mask.width; ++u) mask.at(u, v) = depth.at(u, v) % 2 == 0 ? 255 : 0;
+    return sighting;
+  }
+  void reset_sense() override { sense_state_ = 0; }
+
+  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics&, const Sighting& sighting) override {
+    pause(control_.fit_delay_us);
+    if (depth.at(2, 0) != 0) return static_cast<GuidanceSet>(Guidance::moving);
+    ++frame_count_;
+    sum_ += depth.at(5, 5) * static_cast<double>(frame_count_) + mask.at(5, 5);
+    joints_ = sighting.joints;
+    return 0;
+  }
+  int frame_count() const override { return frame_count_; }
+  bool measure(MeasuredPerson& person) override {
+    ++control_.measure_calls;
+    if (!control_.describable) return false;
+    for (std::size_t i = 0; i < kMeasurementCount; ++i) {
+      const float value = static_cast<float>(sum_) + static_cast<float>(i);
+      person.answer.measurements[i] = {value, value - 10, value + 10};
+      person.paper[i] = value + 0.5F;
+    }
+    person.answer.female = 0.25F;
+    person.answer.nearest = 7;
+    person.answer.nearest_distance = 1.5F;
+    person.joints = joints_;
+    person.floor = {true, {0, -1, 0}, 900};
+    return true;
+  }
+  void reset_fit() override {
+    frame_count_ = 0;
+    sum_ = 0;
+  }
+  ImageView<const std::uint16_t> fused_depth_q4() const override { return {&fused_, 1, 1}; }
+  MaskView fused_mask() const override { return {&fused_mask_, 1, 1}; }
+
+ private:
+  static void pause(int us) {
+    if (us > 0) std::this_thread::sleep_for(std::chrono::microseconds(us));
+  }
+  Control& control_;
+  int sense_state_ = 0;
+  int frame_count_ = 0;
+  double sum_ = 0;
+  JointSet joints_;
+  std::uint16_t fused_ = 16;
+  std::uint8_t fused_mask_ = 255;
+};
+
+inline EngineSettings small_settings() {
+  EngineSettings settings;
+  settings.width = kWidth;
+  settings.height = kHeight;
+  settings.intrinsics = {kWidth, kHeight, 14.0F, 14.0F, 7.5F, 5.5F};
+  settings.frames_wanted = 10;
+  settings.frames_min = 3;
+  return settings;
+}
+
+}  // namespace im2fit::test

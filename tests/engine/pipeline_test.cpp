@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <thread>
+
+#include "base/rng.h"
+#include "engine/engine.h"
+#include "fake_stages.h"
+
+namespace im2fit {
+namespace {
+
+using test::FakeStages;
+using test::FramePixels;
+using test::Shot;
+using test::small_settings;
+
+constexpr GuidanceSet kNear = static_cast<GuidanceSet>(Guidance::too_near);
+constexpr GuidanceSet kMoving = static_cast<GuidanceSet>(Guidance::moving);
+
+struct Rig {
+  explicit Rig(const EngineSettings& settings) {
+    auto made = create_engine(settings, std::make_unique<FakeStages>(control));
+    EXPECT_TRUE(made) << made.error().message;
+    engine = std::move(*made);
+  }
+  void push(const Shot& shot) {
+    hal::FrameInfo info;
+    info.sequence = next;
+    info.host_ns = static_cast<std::int64_t>(++next) * 33333333;
+    const Status status = engine->push(FramePixels(shot).view(), info);
+    EXPECT_TRUE(status);
+  }
+  FakeStages::Control control;
+  std::unique_ptr<Engine> engine;
+  std::uint64_t next = 0;
+};
+
+EngineSettings with(bool single) {
+  EngineSettings settings = small_settings();
+  settings.single_thread = single;
+  return settings;
+}
+
+class BothWays : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Threads, BothWays, testing::Values(false, true),
+                         [](const auto& info) { return info.param ? "one" : "two"; });
+
+TEST_P(BothWays, MeasuresAfterTheWantedFramesAndOnlyOnce) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 4; ++i) rig.push({.found = false});
+  for (int i = 0; i < 3; ++i) rig.push({.guidance = kNear});
+  rig.push({.refused = true});
+  double sum = 0;
+  for (int i = 1; i <= 10; ++i) {
+    rig.push({.value = static_cast<std::uint16_t>(1000 + i)});
+    sum += i * (1000.0 + i) + ((1000 + i) % 2 == 0 ? 255 : 0);
+  }
+  for (int i = 0; i < 25; ++i) rig.push({.value = 3000});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_EQ(r.state, SessionState::measured);
+  EXPECT_TRUE(r.measured);
+  EXPECT_EQ(r.frames_seen, 18U) << "frames after the measurement change nothing";
+  EXPECT_EQ(r.frames_used, 10U);
+  EXPECT_EQ(r.frames_dropped, 0U);
+  EXPECT_EQ(r.guidance, 0U);
+  EXPECT_EQ(r.guidance_seen, kNear | kMoving | static_cast<GuidanceSet>(Guidance::no_person));
+  EXPECT_EQ(r.guidance_frames[0], 4U);
+  EXPECT_EQ(r.guidance_frames[1], 3U);
+  EXPECT_EQ(r.guidance_frames[8], 1U);
+  EXPECT_EQ(r.answer.measurements[0].value, static_cast<float>(sum));
+  EXPECT_EQ(r.answer.nearest, 7U);
+  EXPECT_EQ(r.measured_joints[Joint::HE].z, 1010.0F);
+  EXPECT_EQ(rig.control.measure_calls, 1);
+  EXPECT_EQ(rig.engine->fused_depth_q4().width, 1);
+  EXPECT_EQ(rig.engine->fused_mask().width, 1);
+}
+
+TEST_P(BothWays, TheEndOfTheStreamMeasuresFromTheFewestFramesOn) {
+  for (const int frames : {2, 3, 9}) {
+    Rig rig(with(GetParam()));
+    for (int i = 0; i < frames; ++i) rig.push({});
+    for (int i = 0; i < 40; ++i) rig.push({.found = false});  // walks away: LOST, but was there
+    EXPECT_TRUE(rig.engine->fused_mask().pixels == nullptr) << "only after finish()";
+    rig.engine->finish();
+    const EngineResult r = rig.engine->result();
+    EXPECT_EQ(r.measured, frames >= 3) << frames;
+    EXPECT_EQ(r.state, frames >= 3 ? SessionState::measured : SessionState::lost) << frames;
+    EXPECT_EQ(rig.control.measure_calls, frames >= 3 ? 1 : 0);
+    EXPECT_EQ(r.frames_seen, static_cast<std::uint64_t>(frames) + 40);
+  }
+}
+
+TEST_P(BothWays, WithoutFramesFinishGivesNoMeasurement) {
+  Rig rig(with(GetParam()));
+  rig.engine->finish();
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_FALSE(r.measured);
+  EXPECT_EQ(r.state, SessionState::searching);
+  EXPECT_EQ(rig.engine->fused_depth_q4().pixels, nullptr);
+  const Status late = rig.engine->push(FramePixels(Shot{}).view(), {});
+  ASSERT_FALSE(late);
+  EXPECT_THAT(late.error().message, testing::HasSubstr("reset()"));
+}
+
+TEST_P(BothWays, WhatCannotBeDescribedIsGatheredAgainAndSaysTooNoisy) {
+  Rig rig(with(GetParam()));
+  rig.control.describable = false;
+  for (int i = 0; i < 25; ++i) rig.push({});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_FALSE(r.measured);
+  EXPECT_TRUE(has(r.guidance_seen, Guidance::too_noisy));
+  EXPECT_EQ(rig.control.measure_calls, 3) << "after 10, after 20, and the 5 at the end";
+}
+
+TEST_P(BothWays, ResetForgetsThePersonAndStartsAgain) {
+  Rig rig(with(GetParam()));
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 12; ++i) rig.push({.value = 2000});
+    if (round != 1) rig.engine->finish();
+    rig.engine->reset();
+    const EngineResult r = rig.engine->result();
+    EXPECT_FALSE(r.measured);
+    EXPECT_EQ(r.frames_seen, 0U);
+    EXPECT_EQ(r.state, SessionState::searching);
+    EXPECT_TRUE(std::isnan(r.paper[0]));
+  }
+  for (int i = 0; i < 12; ++i) rig.push({.value = 2000});
+  rig.engine->finish();
+  EXPECT_EQ(rig.engine->result().answer.measurements[0].value, 2000.0F * 55 + 2550);
+  EXPECT_EQ(rig.engine->result().measured_joints[Joint::HE].x, 9.0F) << "the sensor was reset too";
+}
+
+TEST_P(BothWays, CalibrationAsksForPsiAndThenForRelaxedStanding) {
+  EngineSettings settings = with(GetParam());
+  settings.calibration_psi = true;
+  Rig rig(settings);
+  for (int i = 0; i < 3; ++i) rig.push({});
+  for (int i = 0; i < 8; ++i) rig.push({.psi = true});
+  for (int i = 0; i < 10; ++i) rig.push({});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_TRUE(r.measured);
+  EXPECT_EQ(r.guidance_frames[12], 3U + 4U) << "three without the pose, four until it held";
+  EXPECT_EQ(r.guidance_frames[8], 3U) << "arms still raised";
+  EXPECT_EQ(r.frames_seen, 21U);
+}
+
+TEST_P(BothWays, OddArrivalsAreCounted) {
+  Rig rig(with(GetParam()));
+  const FramePixels frame(Shot{.found = false});
+  const std::pair<std::uint64_t, std::int64_t> arrivals[] = {{10, 100}, {11, 200}, {15, 150}, {15, 150}, {14, 300}};
+  for (const auto& [sequence, ns] : arrivals) {
+    hal::FrameInfo info;
+    info.sequence = sequence;
+    info.host_ns = ns;
+    ASSERT_TRUE(rig.engine->push(frame.view(), info));
+  }
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_EQ(r.sequence_gaps, 3U);
+  EXPECT_EQ(r.sequence_repeats, 2U);
+  EXPECT_EQ(r.time_reversals, 2U);
+  EXPECT_EQ(r.frames_seen, 5U);
+}
+
+TEST_P(BothWays, StridesAreHonoured) {
+  Rig rig(with(GetParam()));
+  std::vector<std::uint16_t> wide(static_cast<std::size_t>(test::kHeight) * 40, 9);
+  const FramePixels frame(Shot{.value = 1500});
+  for (int v = 0; v < test::kHeight; ++v)
+    std::memcpy(&wide[static_cast<std::size_t>(v) * 40], frame.view().row(v), test::kWidth * 2);
+  ASSERT_TRUE(rig.engine->push(DepthView(wide.data(), test::kWidth, test::kHeight, 40), {}));
+  rig.engine->finish();
+  EXPECT_EQ(rig.engine->result().joints[Joint::HE].z, 1500.0F);
+}
+
+// A random story of a session.
+std::vector<Shot> story(std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<Shot> shots;
+  for (int i = 0; i < 120; ++i) {
+    Shot shot;
+    shot.found = rng.index(10) != 0;
+    shot.guidance = rng.index(3) == 0 ? kNear : 0;
+    shot.refused = rng.index(3) == 0;
+    shot.value = static_cast<std::uint16_t>(1000 + rng.index(3000));
+    shots.push_back(shot);
+  }
+  return shots;
+}
+
+TEST(Pipeline, TwoThreadsGiveTheBitsOfOne) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    EngineResult results[2];
+    for (const bool single : {false, true}) {
+      EngineSettings settings = with(single);
+      settings.frames_wanted = 40;
+      settings.pool_frames = 3 + static_cast<int>(seed % 6);
+      Rig rig(settings);
+      for (const Shot& shot : story(seed)) rig.push(shot);
+      rig.engine->finish();
+      results[single ? 1 : 0] = rig.engine->result();
+    }
+    EXPECT_EQ(results[0].frames_seen, results[1].frames_seen);
+    EXPECT_EQ(results[0].frames_used, results[1].frames_used);
+    EXPECT_EQ(results[0].guidance_frames, results[1].guidance_frames);
+    EXPECT_EQ(results[0].state, results[1].state);
+    for (std::size_t i = 0; i < kMeasurementCount; ++i)
+      EXPECT_EQ(results[0].answer.measurements[i].value, results[1].answer.measurements[i].value);
+    for (std::size_t i = 0; i < kJointCount; ++i)
+      EXPECT_EQ(results[0].joints.position_mm[i].x, results[1].joints.position_mm[i].x);
+  }
+}
+
+TEST(Pipeline, ReplayNeverDropsHoweverSlowTheHalvesAre) {
+  EngineSettings settings = with(false);
+  settings.pool_frames = 3;
+  settings.frames_wanted = 200;
+  Rig rig(settings);
+  rig.control.sense_delay_us = 300;
+  rig.control.fit_delay_us = 200;
+  for (int i = 0; i < 100; ++i) rig.push({});
+  rig.engine->finish();
+  EXPECT_EQ(rig.engine->result().frames_seen, 100U);
+  EXPECT_EQ(rig.engine->result().frames_dropped, 0U);
+  EXPECT_EQ(rig.engine->result().frames_used, 100U);
+}
+
+TEST(Pipeline, LiveDropsTheOldestAndCountsIt) {
+  EngineSettings settings = with(false);
+  settings.live = true;
+  settings.frames_wanted = 1000;
+  Rig rig(settings);
+  rig.control.sense_delay_us = 3000;
+  for (std::uint16_t i = 0; i < 200; ++i) rig.push({.value = static_cast<std::uint16_t>(1000 + i)});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_EQ(r.frames_seen + r.frames_dropped, 200U);
+  EXPECT_GT(r.frames_dropped, 100U) << "pushed without a pause against 3 ms a frame";
+  EXPECT_GE(r.frames_seen, 2U);
+  EXPECT_EQ(r.joints[Joint::HE].z, 1199.0F) << "the newest frame survives";
+}
+
+TEST(Pipeline, LiveWithASlowFitHalfNeverBlocksTheCamera) {
+  EngineSettings settings = with(false);
+  settings.live = true;
+  settings.frames_wanted = 1000;
+  settings.pool_frames = 3;
+  Rig rig(settings);
+  rig.control.fit_delay_us = 2000;
+  for (int i = 0; i < 300; ++i) rig.push({});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_EQ(r.frames_seen + r.frames_dropped, 300U);
+  EXPECT_GT(r.frames_dropped, 0U);
+}
+
+TEST(Pipeline, ClosesFromAnyStateWithFramesUnderWay) {
+  for (int frames = 0; frames < 12; ++frames) {
+    Rig rig(with(false));
+    rig.control.sense_delay_us = 500;
+    for (int i = 0; i < frames; ++i) rig.push({});
+    if (frames % 3 == 1) rig.engine->finish();
+    if (frames % 3 == 2) rig.engine->reset();
+    rig.engine.reset();
+  }
+}
+
+TEST(Pipeline, ResultsMayBeReadFromOtherThreadsMeanwhile) {
+  EngineSettings settings = with(false);
+  settings.frames_wanted = 1000;
+  Rig rig(settings);
+  std::atomic<bool> stop{false};
+  std::vector<std::thread> readers;
+  for (int i = 0; i < 2; ++i)
+    readers.emplace_back([&] {
+      std::uint64_t last = 0;
+      while (!stop) {
+        const EngineResult r = rig.engine->result();
+        EXPECT_GE(r.frames_seen, last);
+        EXPECT_LE(r.frames_used, r.frames_seen);
+        last = r.frames_seen;
+      }
+    });
+  for (int i = 0; i < 500; ++i) rig.push({});
+  rig.engine->finish();
+  stop = true;
+  for (auto& reader : readers) reader.join();
+  EXPECT_EQ(rig.engine->result().frames_seen, 500U);
+}
+
+TEST(Pipeline, RefusesAbsurdSettingsAndFrames) {
+  struct Case {
+    const char* word;
+    void (*spoil)(EngineSettings&);
+  };
+  const Case cases[] = {
+      {"width", [](EngineSettings& s) { s.width = 0; }},
+      {"height", [](EngineSettings& s) { s.height = 5000; }},
+      {"frames_wanted", [](EngineSettings& s) { s.frames_wanted = 0; }},
+      {"frames_min", [](EngineSettings& s) { s.frames_min = s.frames_wanted + 1; }},
+      {"pool_frames", [](EngineSettings& s) { s.pool_frames = 2; }},
+      {"intrinsics", [](EngineSettings& s) { s.intrinsics.fx = 0; }},
+      {"intrinsics", [](EngineSettings& s) { s.intrinsics.fy = std::numeric_limits<float>::quiet_NaN(); }},
+      {"intrinsics are for 8x12", [](EngineSettings& s) { s.intrinsics.width = 8; }},
+  };
+  for (const Case& c : cases) {
+    EngineSettings settings = small_settings();
+    c.spoil(settings);
+    FakeStages::Control control;
+    auto engine = create_engine(settings, std::make_unique<FakeStages>(control));
+    ASSERT_FALSE(engine) << c.word;
+    EXPECT_THAT(engine.error().message, testing::HasSubstr(c.word));
+  }
+  Rig rig(with(false));
+  const std::vector<std::uint16_t> small(9, 0);
+  const Status status = rig.engine->push(DepthView(small.data(), 3, 3), {});
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().message, testing::AllOf(testing::HasSubstr("3x3"), testing::HasSubstr("16x12")));
+  EXPECT_FALSE(rig.engine->push({}, {}));
+}
+
+// run() against sources that end, fail, stutter and go silent.
+class StorySource final : public hal::Source {
+ public:
+  explicit StorySource(std::vector<std::string> story) : story_(std::move(story)) {
+    info_.uri = "story";
+    info_.intrinsics = small_settings().intrinsics;
+  }
+  const hal::SourceInfo& info() const override { return info_; }
+  Status start() override {
+    started = true;
+    return Ok{};
+  }
+  Result<hal::FrameInfo> next(DepthImage depth, int) override {
+    const std::string word = at_ < story_.size() ? story_[at_++] : "end";
+    if (word == "end") return Error{ErrorCode::end_of_stream, "end"};
+    if (word == "timeout") return Error{ErrorCode::timeout, "timeout"};
+    if (word == "corrupt") return Error{ErrorCode::corrupt, "corrupt"};
+    if (word == "gone") return Error{ErrorCode::no_device, "unplugged"};
+    copy_in(FramePixels(Shot{}), depth);
+    ++delivered;
+    return hal::FrameInfo{.sequence = delivered, .host_ns = static_cast<std::int64_t>(delivered)};
+  }
+  void stop() override { stopped = true; }
+  hal::SourceStats stats() const override { return {}; }
+  bool started = false;
+  bool stopped = false;
+  std::uint64_t delivered = 0;
+
+ private:
+  static void copy_in(const FramePixels& frame, DepthImage depth) {
+    std::memcpy(depth.pixels, frame.pixels.data(), frame.pixels.size() * 2);
+  }
+  std::vector<std::string> story_;
+  std::size_t at_ = 0;
+  hal::SourceInfo info_;
+};
+
+TEST(Run, PullsToTheEndAndFinishes) {
+  Rig rig(with(false));
+  StorySource source({"frame", "corrupt", "timeout", "frame", "frame", "frame"});
+  EXPECT_TRUE(run(*rig.engine, source, false));
+  EXPECT_TRUE(source.stopped);
+  EXPECT_EQ(rig.engine->result().frames_seen, 4U);
+  EXPECT_TRUE(rig.engine->result().measured);
+}
+
+TEST(Run, StopsWhenMeasured) {
+  Rig rig(with(true));
+  StorySource source(std::vector<std::string>(50, "frame"));
+  EXPECT_TRUE(run(*rig.engine, source, true));
+  EXPECT_EQ(source.delivered, 10U);
+  EXPECT_TRUE(source.stopped);
+}
+
+TEST(Run, ReportsALostCameraAfterMeasuringWhatCameBefore) {
+  Rig rig(with(false));
+  StorySource source({"frame", "frame", "frame", "gone", "frame"});
+  const Status status = run(*rig.engine, source, false);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::no_device);
+  EXPECT_TRUE(rig.engine->result().measured);
+}
+
+TEST(Run, GivesUpOnASilentCamera) {
+  Rig rig(with(false));
+  StorySource source(std::vector<std::string>(100, "timeout"));
+  const Status status = run(*rig.engine, source, false);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::timeout);
+  EXPECT_THAT(status.error().message, testing::HasSubstr("story"));
+}
+
+}  // namespace
+}  // namespace im2fit

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/session.h"
+
+#include <gtest/gtest.h>
+
+#include "fake_stages.h"
+
+namespace im2fit {
+namespace {
+
+using State = SessionState;
+constexpr GuidanceSet kNear = static_cast<GuidanceSet>(Guidance::too_near);
+constexpr GuidanceSet kNobody = static_cast<GuidanceSet>(Guidance::no_person);
+constexpr GuidanceSet kPose = static_cast<GuidanceSet>(Guidance::calibration_pose);
+constexpr GuidanceSet kMoving = static_cast<GuidanceSet>(Guidance::moving);
+
+SessionRules rules(bool psi) {
+  SessionRules r;
+  r.frames_wanted = 10;
+  r.frames_min = 3;
+  r.calibration_psi = psi;
+  r.absent_frames_max = 2;
+  r.psi_frames = 2;
+  r.psi_wait_frames_max = 4;
+  r.rejected_frames_max = 3;
+  r.attempts_max = 2;
+  return r;
+}
+
+struct Transition {
+  const char* name;
+  bool calibration;
+  Session from;
+  SessionView view;
+  State to;
+  GuidanceSet guidance;
+  bool forget;
+  bool use_frame;
+  int attempts;
+};
+
+Session at(State state, int absent = 0, int psi = 0, int psi_wait = 0, int attempts = 0) {
+  Session s;
+  s.state = state;
+  s.absent_frames = absent;
+  s.psi_frames = psi;
+  s.psi_wait_frames = psi_wait;
+  s.attempts = attempts;
+  return s;
+}
+
+constexpr SessionView kAbsent{false, 0, false};
+constexpr SessionView kGood{true, 0, false};
+constexpr SessionView kTooNear{true, kNear, false};
+constexpr SessionView kPsi{true, 0, true};
+
+const Transition kTransitions[] = {
+    // name, calibration, from, view, to, guidance, forget, use, attempts
+    {"nobody keeps searching", false, at(State::searching), kAbsent, State::searching, kNobody, false, false, 0},
+    {"found but too near", false, at(State::searching), kTooNear, State::user_found, kNear, false, false, 0},
+    {"found and fine is tracked at once", false, at(State::searching), kGood, State::tracking, 0, false, true, 0},
+    {"found and fine must calibrate", true, at(State::searching), kGood, State::calibrating, kPose, false, false, 0},
+    {"user too near stays", false, at(State::user_found), kTooNear, State::user_found, kNear, false, false, 0},
+    {"user steps back", false, at(State::user_found), kGood, State::tracking, 0, false, true, 0},
+    {"user steps back, calibrates", true, at(State::user_found), kGood, State::calibrating, kPose, false, false, 0},
+    {"user flickers", false, at(State::user_found, 1), kAbsent, State::user_found, kNobody, false, false, 0},
+    {"user leaves", false, at(State::user_found, 2), kAbsent, State::lost, kNobody, false, false, 0},
+    {"first frame of Psi", true, at(State::calibrating), kPsi, State::calibrating, kPose, false, false, 0},
+    {"enough frames of Psi", true, at(State::calibrating, 0, 1), kPsi, State::tracking, 0, false, false, 0},
+    {"Psi broken off", true, at(State::calibrating, 0, 1), kGood, State::calibrating, kPose, false, false, 0},
+    {"Psi wanted, too near", true, at(State::calibrating), kTooNear, State::calibrating, kPose | kNear, false, false,
+     0},
+    {"never takes the pose", true, at(State::calibrating, 0, 0, 4), kGood, State::lost, kPose, false, false, 0},
+    {"leaves while calibrating", true, at(State::calibrating, 2), kAbsent, State::lost, kNobody, false, false, 0},
+    {"tracked and fine", false, at(State::tracking), kGood, State::tracking, 0, false, true, 0},
+    {"tracked, comes near", false, at(State::tracking), kTooNear, State::tracking, kNear, false, false, 0},
+    {"tracked, arms still up", true, at(State::tracking), kPsi, State::tracking, kMoving, false, false, 0},
+    {"tracked, arms up unasked", false, at(State::tracking), kPsi, State::tracking, 0, false, true, 0},
+    {"tracked, flickers", false, at(State::tracking, 1), kAbsent, State::tracking, kNobody, false, false, 0},
+    {"tracked, leaves", false, at(State::tracking, 2), kAbsent, State::lost, kNobody, false, false, 0},
+    {"lost stays lost", false, at(State::lost), kAbsent, State::lost, kNobody, false, false, 0},
+    {"lost and found", false, at(State::lost), kTooNear, State::user_found, kNear, true, false, 1},
+    {"lost and found, fine", false, at(State::lost), kGood, State::tracking, 0, true, true, 1},
+    {"lost and found, calibrates", true, at(State::lost, 0, 1, 4), kGood, State::calibrating, kPose, true, false, 1},
+    {"lost once too often", false, at(State::lost, 0, 0, 0, 2), kGood, State::lost, 0, false, false, 2},
+    {"measured is the end", false, at(State::measured), kGood, State::measured, 0, false, false, 0},
+    {"measured, leaves", false, at(State::measured, 2), kAbsent, State::measured, 0, false, false, 0},
+};
+
+TEST(Session, EveryTransitionOnASighting) {
+  for (const Transition& t : kTransitions) {
+    SCOPED_TRACE(t.name);
+    const SessionStep step = on_sighting(rules(t.calibration), t.from, t.view);
+    EXPECT_EQ(step.next.state, t.to);
+    EXPECT_EQ(step.guidance, t.guidance);
+    EXPECT_EQ(step.forget, t.forget);
+    EXPECT_EQ(step.use_frame, t.use_frame);
+    EXPECT_EQ(step.next.attempts, t.attempts);
+  }
+}
+
+TEST(Session, BeingSeenClearsTheAbsence) {
+  const SessionStep step = on_sighting(rules(false), at(State::tracking, 2), kGood);
+  EXPECT_EQ(step.next.absent_frames, 0);
+}
+
+TEST(Session, ANewAttemptCalibratesFromTheStart) {
+  const SessionStep step = on_sighting(rules(true), at(State::lost, 0, 1, 4), kTooNear);
+  EXPECT_EQ(step.next.psi_frames, 0);
+  EXPECT_EQ(step.next.psi_wait_frames, 0);
+}
+
+struct Offer {
+  const char* name;
+  int rejected_before;
+  int attempts;
+  bool rejected;
+  int gathered;
+  bool measure;
+  bool forget;
+  int rejected_after;
+  int attempts_after;
+};
+constexpr Offer kOffers[] = {
+    {"one more", 2, 0, false, 9, false, false, 0, 0},
+    {"the last one", 0, 0, false, 10, true, false, 0, 0},
+    {"moved once", 0, 0, true, 2, false, false, 1, 0},
+    {"moved on with too few", 3, 0, true, 2, false, true, 0, 1},
+    {"moved on with enough", 3, 0, true, 3, true, false, 0, 0},
+    {"moved on too often", 3, 2, true, 2, false, false, 0, 2},
+};
+
+TEST(Session, EveryOutcomeOfAnOffer) {
+  for (const Offer& o : kOffers) {
+    SCOPED_TRACE(o.name);
+    Session session = at(State::tracking, 0, 0, 0, o.attempts);
+    session.rejected_frames = o.rejected_before;
+    const OfferStep step = after_offer(rules(false), session, o.rejected, o.gathered);
+    EXPECT_EQ(step.measure, o.measure);
+    EXPECT_EQ(step.forget, o.forget);
+    EXPECT_EQ(step.next.rejected_frames, o.rejected_after);
+    EXPECT_EQ(step.next.attempts, o.attempts_after);
+    EXPECT_EQ(step.next.state, State::tracking);
+  }
+}
+
+TEST(Session, MeasuringEndsTheSessionOrStartsAgainABoundedNumberOfTimes) {
+  EXPECT_EQ(after_measuring(rules(false), at(State::tracking), true).next.state, State::measured);
+  Session session = at(State::tracking);
+  for (int i = 0; i < 2; ++i) {
+    const MeasuringStep step = after_measuring(rules(false), session, false);
+    EXPECT_TRUE(step.forget);
+    EXPECT_EQ(step.next.state, State::tracking);
+    session = step.next;
+  }
+  EXPECT_EQ(after_measuring(rules(false), session, false).next.state, State::lost);
+}
+
+TEST(Session, TheEndOfTheStreamMeasuresWhatIsEnough) {
+  EXPECT_TRUE(measure_at_end(rules(false), at(State::tracking), 3));
+  EXPECT_TRUE(measure_at_end(rules(false), at(State::lost), 9));
+  EXPECT_FALSE(measure_at_end(rules(false), at(State::tracking), 2));
+  EXPECT_FALSE(measure_at_end(rules(false), at(State::measured), 9));
+}
+
+TEST(PsiPose, NeedsHandsUpAndUpperArmsLevel) {
+  const Vec3f up{0, -1, 0};
+  EXPECT_TRUE(is_psi_pose(test::standing_joints(true), up));
+  EXPECT_FALSE(is_psi_pose(test::standing_joints(false), up));
+  EXPECT_FALSE(is_psi_pose(test::standing_joints(true), {0, 1, 0})) << "upside down";
+
+  JointSet one_hand = test::standing_joints(true);
+  one_hand[Joint::RA] = one_hand[Joint::RE] + Vec3f{0, 200, 0};
+  EXPECT_FALSE(is_psi_pose(one_hand, up));
+
+  JointSet arms_up = test::standing_joints(true);  // elbows 45 degrees above the shoulders
+  arms_up[Joint::LE] = arms_up[Joint::LS] + Vec3f{200, -200, 0};
+  arms_up[Joint::LA] = arms_up[Joint::LE] + Vec3f{0, -250, 0};
+  EXPECT_FALSE(is_psi_pose(arms_up, up));
+
+  JointSet unseen = test::standing_joints(true);
+  unseen.confidence[joint_index(Joint::LE)] = 0;
+  EXPECT_FALSE(is_psi_pose(unseen, up));
+
+  // 25 and 35 degrees: either side of the 30 of the definition. tan: .466, .700
+  JointSet bent = test::standing_joints(true);
+  bent[Joint::LE] = bent[Joint::LS] + Vec3f{280, -130.5F, 0};
+  bent[Joint::LA] = bent[Joint::LE] + Vec3f{0, -250, 0};
+  EXPECT_TRUE(is_psi_pose(bent, up));
+  bent[Joint::LE] = bent[Joint::LS] + Vec3f{280, -196.0F, 0};
+  bent[Joint::LA] = bent[Joint::LE] + Vec3f{0, -250, 0};
+  EXPECT_FALSE(is_psi_pose(bent, up));
+}
+
+}  // namespace
+}  // namespace im2fit
