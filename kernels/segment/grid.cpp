@@ -35,7 +35,6 @@ void Grid::sample(DepthView image, const Intrinsics& k) {
   const std::array<int, 5> du = {0, last, step / 2, 0, last};
   const std::array<int, 5> dv = {0, 0, step / 2, last, last};
   const int look_count = step == 1 ? 1 : 5;
-  const int needed = step == 1 ? 1 : 2;
   valid_count = 0;
   for (int r = 0; r < height; ++r) {
     for (int c = 0; c < width; ++c) {
@@ -50,7 +49,7 @@ void Grid::sample(DepthView image, const Intrinsics& k) {
           seen[static_cast<std::size_t>(place)] = seen[static_cast<std::size_t>(place - 1)];
         seen[static_cast<std::size_t>(place)] = z;
       }
-      const bool valid = count >= needed;
+      const bool valid = count > 0;
       depth[static_cast<std::size_t>(index(c, r))] =
           valid ? seen[static_cast<std::size_t>((count - 1) / 2)] : std::uint16_t{0};
       valid_count += valid ? 1 : 0;

@@ -23,10 +23,11 @@ constexpr float kNearMm = 1000.0F;
 constexpr float kFarMm = 4000.0F;
 constexpr float kFragmentAreaMaxM2 = 0.12F;  // a forearm pointing at the camera
 constexpr float kForearmMaxMm = 600.0F;      // with the hand
+constexpr float kForearmThickMinMm = 70.0F;  // table tops are thinner
 constexpr float kForearmAreaMaxM2 = 0.08F;
 constexpr float kHandHeightMinMm = 400.0F;  // above the floor: below it stand boxes and chairs
 constexpr float kHandGapMaxMm = 280.0F;     // held towards the camera, the forearm is hidden
-constexpr float kElbowGapMaxMm = 110.0F;
+constexpr float kElbowGapMaxMm = 100.0F;
 constexpr int kGapReachCells = 9;
 constexpr float kHoleShareMax = 0.30F;
 constexpr float kFeetMissingMm = 220.0F;  // lowest visible part this far above the floor: the feet are hidden
@@ -116,7 +117,8 @@ void Segmenter::Workspace::absorb_fragments(int person) {
     const float reach = static_cast<float>(std::max(other.c_max - other.c_min, other.r_max - other.r_min)) * cell;
     const bool off_floor = !grid_floor_known || other.height_min_mm > kHandHeightMinMm;
     gap_max_mm[b] = z < body.centroid_mm.z - 60.0F && reach < kForearmMaxMm ? kHandGapMaxMm : kElbowGapMaxMm;
-    const bool hand = reach < kForearmMaxMm + 80.0F && other.area_m2 < kForearmAreaMaxM2 && off_floor;
+    const bool hand = reach < kForearmMaxMm + 80.0F && other.area_m2 < kForearmAreaMaxM2 && off_floor &&
+                      other.height_max_mm - other.height_min_mm > kForearmThickMinMm;
     if (candidate[b] != 0 && hand) candidate[b] = 2;
   }
   for (int pass = 0; pass < 2; ++pass) {  // a hand may hang on a wrist that is an island itself
