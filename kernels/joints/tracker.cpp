@@ -41,7 +41,7 @@ Vec3f run_jumps(const ForestView& forest, int joint, const View& view, Vec3f p, 
     }
     p = p + jump * tree_share;
     p.z = safe_depth(p.z);
-    if (2 * step < forest.jump_count) continue;
+    if (step < forest.jump_count / 2) continue;
     sum = sum + p;
     spread += doubt * tree_share;
     ++sum_count;

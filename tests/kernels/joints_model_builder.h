@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small joint models written by hand, whose answers are known in closed form.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/container.h"
+#include "kernels/core/joints.h"
+
+namespace im2fit::test {
+
+// The records of docs/tracker.md, spelt out here so that the test does not share the code under test.
+struct MetaRecord {
+  std::uint32_t forest_trees = 2, jumps = 6, levels = 2, level_trees = 3, pixels = 4, reserved = 0;
+};
+struct NodeRecord {
+  std::int16_t a = 0, b = 0, c = 0, d = 0, threshold = 0;
+  std::uint16_t left = 0;
+};
+struct AnchorRecord {
+  std::int16_t dx = 0, dy = 0;
+  std::uint16_t joint = 0;
+};
+struct SplitRecord {
+  std::uint16_t a = 0, b = 1;
+  std::int16_t threshold = 0;
+};
+struct BinRecord {
+  std::uint16_t doubt = 0, chance = 0;
+};
+
+struct ModelRecords {
+  MetaRecord meta;
+  std::vector<std::uint32_t> tree;
+  std::vector<NodeRecord> node;
+  std::vector<std::int16_t> bone;
+  std::vector<AnchorRecord> anchor;
+  std::vector<SplitRecord> split;
+  std::vector<std::int16_t> leaf;
+  std::vector<BinRecord> bin;
+
+  std::vector<std::byte> bytes() const {
+    ContainerWriter w("I2TR", 1);
+    w.add_array<MetaRecord>("meta", std::span(&meta, 1));
+    w.add_array<std::uint32_t>("tree", tree);
+    w.add_array<NodeRecord>("node", node);
+    w.add_array<std::int16_t>("bone", bone);
+    w.add_array<AnchorRecord>("anchor", anchor);
+    w.add_array<SplitRecord>("split", split);
+    w.add_array<std::int16_t>("leaf", leaf);
+    w.add_array<BinRecord>("confidence", bin);
+    return w.finish();
+  }
+};
+
+// Every tree of the forest is one leaf: each jump moves by (jx, jy, jz) mm. Bones are zero. The cascade's leaves are
+// all `leaf_64` 64ths of a mm. Confidence: 0.75 up to 500 mm of doubt, then 0.25.
+inline ModelRecords constant_model(std::int16_t jx, std::int16_t jy, std::int16_t jz, std::int16_t leaf_64) {
+  ModelRecords m;
+  const std::size_t trees = kJointCount * m.meta.forest_trees;
+  for (std::size_t t = 0; t <= trees; ++t) m.tree.push_back(static_cast<std::uint32_t>(t));
+  m.node.assign(trees, NodeRecord{jx, jy, jz, 0, 0, 0});
+  m.bone.assign(kJointCount * 3, 0);
+  m.anchor.assign(m.meta.levels * m.meta.pixels, AnchorRecord{});
+  m.split.assign(m.meta.levels * m.meta.level_trees * 31, SplitRecord{});
+  m.leaf.assign(m.meta.levels * m.meta.level_trees * 32 * 45, leaf_64);
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    for (std::uint16_t b = 0; b < 12; ++b)
+      m.bin.push_back(
+          {static_cast<std::uint16_t>(b < 11 ? 500 : 65535), static_cast<std::uint16_t>(b < 11 ? 49151 : 16384)});
+  return m;
+}
+
+}  // namespace im2fit::test

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/rng.h"
+#include "kernels/joints/tracker.h"
+#include "kernels/joints/view.h"
+#include "tests/kernels/joints_model_builder.h"
+
+namespace im2fit {
+namespace {
+
+using test::constant_model;
+using test::ModelRecords;
+
+// A flat 40 x 60 px board in the middle of a 320 x 240 frame, 2 m away.
+struct Board {
+  int width = 320, height = 240;
+  std::vector<std::uint16_t> depth = std::vector<std::uint16_t>(320 * 240, 0);
+  std::vector<std::uint8_t> mask = std::vector<std::uint8_t>(320 * 240, 0);
+  Intrinsics k{320, 240, 288, 288, 159.5F, 119.5F};
+  Person person;
+
+  Board() {
+    for (int v = 90; v < 150; ++v) {
+      for (int u = 140; u < 180; ++u) {
+        depth[static_cast<std::size_t>(v * width + u)] = 2000;
+        mask[static_cast<std::size_t>(v * width + u)] = 255;
+      }
+    }
+    person.found = true;
+    person.u_min = 140;
+    person.u_max = 179;
+    person.v_min = 90;
+    person.v_max = 149;
+  }
+  JointSet track(const JointModel& model, const JointSet* previous = nullptr) const {
+    JointTracker tracker(model);
+    return tracker.track(DepthView(depth.data(), width, height), MaskView(mask.data(), width, height), k, person,
+                         previous);
+  }
+};
+
+JointModel parse(const std::vector<std::byte>& bytes) {
+  auto model = JointModel::parse(bytes, "model");
+  EXPECT_TRUE(model) << (model ? "" : model.error().message);
+  return std::move(*model);
+}
+
+TEST(JointTracker, JumpsAndCascadeAddUp) {
+  const auto bytes = constant_model(10, -20, 30, 64).bytes();
+  const JointModel model = parse(bytes);
+  const JointSet j = Board().track(model);
+  // Six jumps, the mean of the last three stands: 5 jumps from the board's centre (0, 0, 2000). The neck starts
+  // where the torso ended, the head where the neck did. The cascade adds 2 levels x 3 trees x 1 mm.
+  const auto expect = [&](Joint name, float jumps) {
+    EXPECT_NEAR(j[name].x, 10 * jumps + 6, 0.01) << kJointNames[joint_index(name)];
+    EXPECT_NEAR(j[name].y, -20 * jumps + 6, 0.01) << kJointNames[joint_index(name)];
+    EXPECT_NEAR(j[name].z, 2000 + 30 * jumps + 6, 0.01) << kJointNames[joint_index(name)];
+  };
+  expect(Joint::TO, 5);
+  expect(Joint::NE, 10);
+  expect(Joint::HE, 15);
+  expect(Joint::LE, 20);
+  expect(Joint::LA, 25);
+  expect(Joint::LF, 20);
+}
+
+TEST(JointTracker, ForestSplitsOnDepthDifference) {
+  ModelRecords m = constant_model(0, 0, 0, 0);
+  // The torso's trees: depth 200 mm to the right of the point minus depth at the point. On the board both are equal
+  // (0 > 100 is false: left child, +7); beside it nothing is there (1000 > 100: right child, +9).
+  m.node.clear();
+  m.tree.clear();
+  for (std::size_t t = 0; t < kJointCount * 2; ++t) {
+    m.tree.push_back(static_cast<std::uint32_t>(m.node.size()));
+    if (t / 2 == joint_index(Joint::TO)) {
+      m.node.push_back({static_cast<std::int16_t>(t % 2 == 0 ? 100 : 200), 0, 0, 0, 100, 1});
+      m.node.push_back({7, 0, 0, 0, 0, 0});
+      m.node.push_back({9, 0, 0, 0, 0, 0});
+    } else {
+      m.node.push_back({});
+    }
+  }
+  m.tree.push_back(static_cast<std::uint32_t>(m.node.size()));
+  m.meta.jumps = 1;
+  const auto bytes = m.bytes();
+  const JointModel model = parse(bytes);
+  // The board reaches 20 px = 139 mm to the right: 100 mm is on it, 200 mm is not. Mean of 7 and 9.
+  EXPECT_NEAR(Board().track(model)[Joint::TO].x, 8, 0.01);
+}
+
+TEST(JointTracker, CascadeSplitsOnAnchorDifference) {
+  ModelRecords m = constant_model(0, 0, 0, 0);
+  m.meta.levels = 1;
+  m.meta.level_trees = 1;
+  // Anchor 0 on the board, anchor 1 beside it (reads 600). 0 - 600 > t is false, 600 - 0 > t is true.
+  m.anchor = {{0, 0, 2}, {400, 0, 2}, {0, 0, 0}, {0, 0, 0}};
+  m.split.assign(31, {0, 1, 0});
+  m.split[0] = {1, 0, 500};  // right at the root, left below it: node 2, 5, 11, 23 and leaf 47 - 31 = 16
+  m.leaf.assign(32 * 45, 0);
+  m.leaf[16 * 45 + 3] = 640;  // x of the neck, 10 mm
+  const auto bytes = m.bytes();
+  const JointModel model = parse(bytes);
+  const JointSet j = Board().track(model);
+  EXPECT_NEAR(j[Joint::NE].x, 10, 0.01);
+  EXPECT_NEAR(j[Joint::TO].x, 0, 0.01);
+}
+
+TEST(JointTracker, LastFrameCountsWhenNear) {
+  const auto bytes = constant_model(0, 0, 0, 0).bytes();
+  const JointModel model = parse(bytes);
+  JointSet last;
+  for (auto& p : last.position_mm) p = {60, 0, 2000};
+  last[Joint::HE] = {900, 0, 2000};
+  const JointSet j = Board().track(model, &last);
+  EXPECT_NEAR(j[Joint::TO].x, 30, 0.01);
+  EXPECT_NEAR(j[Joint::HE].x, 0, 0.01);  // too far to be believed
+}
+
+TEST(JointTracker, UnusableLastFrameIsIgnored) {
+  const auto bytes = constant_model(0, 0, 0, 0).bytes();
+  const JointModel model = parse(bytes);
+  JointSet last;
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  for (auto& p : last.position_mm) p = {nan, inf, -inf};
+  const JointSet j = Board().track(model, &last);
+  for (const Vec3f& p : j.position_mm) EXPECT_NEAR(p.x, 0, 0.01);
+}
+
+TEST(JointTracker, ConfidenceFollowsDoubtAndMask) {
+  const auto still_bytes = constant_model(0, 0, 0, 0).bytes();
+  const JointModel still = parse(still_bytes);
+  const JointSet sure = Board().track(still);
+  EXPECT_NEAR(sure.confidence[joint_index(Joint::TO)], 0.75, 0.001);
+
+  const auto moved_bytes = constant_model(0, 0, 0, 64 * 100).bytes();  // the cascade moves every joint by 600 mm
+  const JointModel moved = parse(moved_bytes);
+  EXPECT_LT(Board().track(moved).confidence[joint_index(Joint::TO)], 0.26);
+
+  const auto outside_bytes = constant_model(100, 0, 0, 0).bytes();  // the head ends 1.5 m right, outside the picture
+  const JointModel outside = parse(outside_bytes);
+  EXPECT_LT(Board().track(outside).confidence[joint_index(Joint::HE)], 0.2);
+}
+
+TEST(JointTracker, EmptyMaskGivesNoConfidence) {
+  const auto bytes = constant_model(5, 5, 5, 5).bytes();
+  const JointModel model = parse(bytes);
+  Board board;
+  std::fill(board.mask.begin(), board.mask.end(), std::uint8_t{0});
+  for (const float c : board.track(model).confidence) EXPECT_EQ(c, 0);
+  board.person = {};
+  for (const float c : board.track(model).confidence) EXPECT_EQ(c, 0);
+}
+
+TEST(JointView, ThinningKeepsMetricPositions) {
+  // The same 400 x 600 mm board at 2 m with twice the pixels.
+  const int w = 640, h = 480;
+  std::vector<std::uint16_t> depth(static_cast<std::size_t>(w * h), 0);
+  std::vector<std::uint8_t> mask(depth.size(), 0);
+  Person person;
+  person.u_min = 280;
+  person.u_max = 359;
+  person.v_min = 180;
+  person.v_max = 299;
+  for (int v = person.v_min; v <= person.v_max; ++v)
+    for (int u = person.u_min; u <= person.u_max; ++u) {
+      depth[static_cast<std::size_t>(v * w + u)] = 2000;
+      mask[static_cast<std::size_t>(v * w + u)] = 255;
+    }
+  joints::View view;
+  ASSERT_TRUE(joints::thin(DepthView(depth.data(), w, h), MaskView(mask.data(), w, h),
+                           {w, h, 576, 576, 319.5F, 239.5F}, person, view));
+  EXPECT_EQ(view.width, 40);
+  EXPECT_EQ(view.height, 60);
+  EXPECT_EQ(view.pixel_count, 40 * 60);
+  EXPECT_NEAR(view.fx, 288, 1e-3);
+  EXPECT_NEAR(view.centroid_mm.x, 0, 0.01);
+  EXPECT_NEAR(view.centroid_mm.z, 2000, 0.01);
+  EXPECT_EQ(view.at_ray(0.068F, 0), 2000);  // 136 mm: the board ends at 138.9
+  EXPECT_EQ(view.at_ray(0.0705F, 0), 0);    // 141 mm
+  EXPECT_EQ(view.at_ray(-0.0705F, 0), 0);
+  EXPECT_EQ(view.at_ray(1e4F, -1e4F), 0);
+}
+
+TEST(JointModel, DamagedFilesAreRefusedByName) {
+  const auto good = constant_model(1, 2, 3, 4);
+  struct Damage {
+    const char* what;
+    void (*apply)(ModelRecords&);
+  };
+  const Damage damages[] = {
+      {"no trees", [](ModelRecords& m) { m.meta.forest_trees = 0; }},
+      {"many trees", [](ModelRecords& m) { m.meta.forest_trees = 4000000000U; }},
+      {"no jumps", [](ModelRecords& m) { m.meta.jumps = 0; }},
+      {"levels", [](ModelRecords& m) { m.meta.levels = 33; }},
+      {"level trees", [](ModelRecords& m) { m.meta.level_trees = 100000; }},
+      {"pixels", [](ModelRecords& m) { m.meta.pixels = 1; }},
+      {"many pixels", [](ModelRecords& m) { m.meta.pixels = 1025; }},
+      {"tree order", [](ModelRecords& m) { std::swap(m.tree[3], m.tree[4]); }},
+      {"tree past the end", [](ModelRecords& m) { m.tree[5] = 4000000000U; }},
+      {"tree end", [](ModelRecords& m) { m.tree.back() -= 1; }},
+      {"tree count", [](ModelRecords& m) { m.tree.pop_back(); }},
+      {"child outside", [](ModelRecords& m) { m.node[7].left = 1; }},
+      {"child far outside", [](ModelRecords& m) { m.node[7].left = 65535; }},
+      {"no nodes", [](ModelRecords& m) { m.node.clear(); }},
+      {"bones", [](ModelRecords& m) { m.bone.pop_back(); }},
+      {"anchor joint", [](ModelRecords& m) { m.anchor[2].joint = 15; }},
+      {"anchor count", [](ModelRecords& m) { m.anchor.pop_back(); }},
+      {"split a", [](ModelRecords& m) { m.split[9].a = 4; }},
+      {"split b", [](ModelRecords& m) { m.split[9].b = 65535; }},
+      {"split count", [](ModelRecords& m) { m.split.pop_back(); }},
+      {"leaf count", [](ModelRecords& m) { m.leaf.pop_back(); }},
+      {"bins", [](ModelRecords& m) { m.bin.clear(); }},
+  };
+  for (const Damage& d : damages) {
+    ModelRecords m = good;
+    d.apply(m);
+    const auto bytes = m.bytes();
+    const auto model = JointModel::parse(bytes, "some.i2t");
+    ASSERT_FALSE(model) << d.what;
+    EXPECT_EQ(model.error().code, ErrorCode::corrupt) << d.what;
+    EXPECT_NE(model.error().message.find("some.i2t"), std::string::npos) << d.what;
+  }
+}
+
+TEST(JointModel, ATreeThatRunsBackwardsIsRefused) {
+  ModelRecords m = constant_model(0, 0, 0, 0);
+  m.node.resize(m.node.size() + 4);
+  for (std::size_t t = 1; t < m.tree.size(); ++t) m.tree[t] += 4;
+  m.node[0] = {0, 0, 0, 0, 0, 1};
+  m.node[1] = {0, 0, 0, 0, 0, 3};
+  const auto fine = m.bytes();
+  EXPECT_TRUE(JointModel::parse(fine, "m"));
+  m.node[1].left = 1;  // its own child: would never end
+  const auto loop = m.bytes();
+  EXPECT_FALSE(JointModel::parse(loop, "m"));
+}
+
+TEST(JointModel, AnyAcceptedValuesTrackWithoutHarm) {
+  Rng rng(11);
+  for (int round = 0; round < 40; ++round) {
+    ModelRecords m = constant_model(0, 0, 0, 0);
+    const auto any = [&] { return static_cast<std::int16_t>(rng.next()); };
+    for (auto& n : m.node) n = {any(), any(), any(), any(), any(), 0};
+    for (auto& b : m.bone) b = any();
+    for (auto& a : m.anchor) a = {any(), any(), static_cast<std::uint16_t>(rng.index(15))};
+    for (auto& s : m.split)
+      s = {static_cast<std::uint16_t>(rng.index(4)), static_cast<std::uint16_t>(rng.index(4)), any()};
+    for (auto& l : m.leaf) l = any();
+    const auto bytes = m.bytes();
+    const JointModel model = parse(bytes);
+    const JointSet j = Board().track(model);
+    for (const Vec3f& p : j.position_mm) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+  }
+}
+
+TEST(JointModel, FlippedBytesAreNoticed) {
+  const auto good = constant_model(1, 2, 3, 4).bytes();
+  Rng rng(3);
+  int refused = 0;
+  for (int i = 0; i < 60; ++i) {
+    auto bad = good;
+    bad[static_cast<std::size_t>(rng.index(static_cast<int>(bad.size())))] ^= std::byte{0x10};
+    const auto model = JointModel::parse(bad, "m");
+    refused += model ? 0 : 1;  // padding between sections may flip unseen
+  }
+  EXPECT_GT(refused, 50);
+  for (const std::size_t cut : {std::size_t{0}, std::size_t{10}, good.size() / 2, good.size() - 1})
+    EXPECT_FALSE(JointModel::parse({good.data(), cut}, "m"));
+}
+
+}  // namespace
+}  // namespace im2fit
