@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -29,7 +30,8 @@ struct OrganisedCloud {
   const float* nz = nullptr;  // unit
 };
 
-// Buffers sized once for images up to width x height: 220 bytes a pixel. Contents are the kernels' own.
+// Buffers sized once for images up to width x height. Contents are the kernels' own. 170 bytes a pixel, of which the
+// 132 of `counts` are left untouched until points need them, so that most never become resident.
 class FpfhWorkspace {
  public:
   FpfhWorkspace(int width, int height);
@@ -39,7 +41,7 @@ class FpfhWorkspace {
   std::vector<std::int32_t> row_table;        // (width + 1) per row: first compact point at or right of a column
   std::vector<std::uint8_t> has_normal;       // per compact point
   std::vector<std::uint8_t> needed;           // per compact point: a keypoint wants its SPFH
-  std::vector<std::int32_t> counts;           // kFpfhSize per compact point
+  std::unique_ptr<std::int32_t[]> counts;     // kFpfhSize per compact point
   std::vector<std::int32_t> neighbour_count;  // per compact point, itself included
   std::vector<std::int32_t> near_list;        // neighbours with a normal
   std::vector<std::int32_t> blank_list;       // neighbours without one

@@ -11,7 +11,7 @@ FpfhWorkspace::FpfhWorkspace(int width, int height) {
   row_table.resize(static_cast<std::size_t>(width + 1) * static_cast<std::size_t>(height));
   has_normal.resize(count);
   needed.resize(count);
-  counts.resize(count * kFpfhSize);
+  counts = std::make_unique_for_overwrite<std::int32_t[]>(count * kFpfhSize);
   neighbour_count.resize(count);
   near_list.resize(count + 64);  // the slack lets a block of pairs be padded in place
   blank_list.resize(count + 64);

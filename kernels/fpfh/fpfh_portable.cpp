@@ -74,7 +74,7 @@ class PortableFpfh {
     const auto n = static_cast<std::size_t>(i);
     return {work_.nx[n], work_.ny[n], work_.nz[n]};
   }
-  std::int32_t* counts(int i) const { return work_.counts.data() + static_cast<std::ptrdiff_t>(i) * kFpfhSize; }
+  std::int32_t* counts(int i) const { return work_.counts.get() + static_cast<std::ptrdiff_t>(i) * kFpfhSize; }
   static void add(std::int32_t* counts, PairBins bins) {
     ++counts[bins.f1];
     ++counts[kFpfhBins + bins.f2];
@@ -114,7 +114,7 @@ void PortableFpfh::compact(const OrganisedCloud& cloud) {
   const auto count = static_cast<std::ptrdiff_t>(n);
   std::fill_n(work_.needed.begin(), count, std::uint8_t{0});
   std::fill_n(work_.neighbour_count.begin(), count, 1);
-  std::fill_n(work_.counts.begin(), count * kFpfhSize, 0);
+  std::fill_n(work_.counts.get(), count * kFpfhSize, 0);
 }
 
 int clamp_to_int(float value, int low, int high) {
