@@ -43,6 +43,7 @@ class Standing {
   Standing(const BodyModel& model, std::span<const Vec3f> vertices, float gender)
       : model_(model), d_(model.data()), v_(vertices), gender_(gender) {
     assert(vertices.size() == static_cast<std::size_t>(model.vertex_count()));
+    heights_along(body_of(model, vertices), {0, 1, 0}, heights_);
   }
 
   std::vector<Vec3f> chest() { return level(nipple_y(), true); }
@@ -78,7 +79,7 @@ class Standing {
     const auto try_share = [&](float share) {
       const SectionPlane plane = plane_through(root + axis * share, axis);
       points_.clear();
-      section_points(neck_, {}, v_, plane, points_);
+      section_points(neck_, {}, v_, neck_heights_, dot(plane.origin, plane.normal), points_);
       auto hull = convex_hull(points_, plane);
       if (hull.size() < 3) return;
       if (const double mm = perimeter_mm(hull); mm < best_mm) {
@@ -99,9 +100,8 @@ class Standing {
   std::vector<Vec3f> level(float y, bool without_arms) {
     const SectionPlane plane = level_plane(y);
     points_.clear();
-    section_points(d_.triangles,
-                   without_arms ? std::span<const std::uint8_t>(d_.triangle_is_arm) : std::span<const std::uint8_t>(),
-                   v_, plane, points_);
+    const std::span<const std::uint8_t> arms = d_.triangle_is_arm;
+    section_points(d_.triangles, without_arms ? arms : arms.first(0), v_, heights_, y, points_);
     return convex_hull(points_, plane);
   }
 
@@ -121,12 +121,16 @@ class Standing {
 
   void gather_neck(Vec3f root, Vec3f axis) {
     neck_.clear();
-    const float length = norm(axis);
     const Vec3f n = normalized(axis);
+    heights_along(body_of(model_, v_), n, neck_heights_);
+    const float low = dot(root, n) - 30;
+    const float high = dot(root + axis, n) + 60;
     for (std::size_t t = 0; t < d_.triangles.size(); ++t) {
-      const Vec3f p = v_[static_cast<std::size_t>(d_.triangles[t][0])] - root;
+      const auto first = static_cast<std::size_t>(d_.triangles[t][0]);
+      const float height = neck_heights_[first];
+      if (height < low || height > high || d_.triangle_is_arm[t] != 0) continue;
+      const Vec3f p = v_[first] - root;
       const float along = dot(p, n);
-      if (along < -30 || along > length + 60 || d_.triangle_is_arm[t] != 0) continue;
       if (dot(p, p) - along * along < kNeckRadiusMaxMm * kNeckRadiusMaxMm) neck_.push_back(d_.triangles[t]);
     }
   }
@@ -135,8 +139,10 @@ class Standing {
   const BodyModel::Data& d_;
   std::span<const Vec3f> v_;
   float gender_;
+  std::vector<float> heights_;
   std::vector<Vec3f> points_;
   std::vector<Triangle> neck_;
+  std::vector<float> neck_heights_;
 };
 
 float chain_length(std::initializer_list<Vec3f> points) {

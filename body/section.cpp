@@ -30,24 +30,36 @@ SectionPlane plane_through(Vec3f origin, Vec3f normal) {
   return {origin, u, cross(n, u), n};
 }
 
+void heights_along(std::span<const Vec3f> vertices, Vec3f normal, std::vector<float>& heights) {
+  heights.resize(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) heights[i] = dot(vertices[i], normal);
+}
+
 void section_points(std::span<const Triangle> triangles, std::span<const std::uint8_t> skip,
-                    std::span<const Vec3f> vertices, const SectionPlane& plane, std::vector<Vec3f>& out) {
-  const float offset = dot(plane.origin, plane.normal);
+                    std::span<const Vec3f> vertices, std::span<const float> heights, float level,
+                    std::vector<Vec3f>& out) {
+  const auto height = [&](std::int32_t v) { return heights[static_cast<std::size_t>(v)] - level; };
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    std::array<Vec3f, 3> corner;
-    std::array<float, 3> d{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      corner[i] = vertices[static_cast<std::size_t>(triangles[t][i])];
-      d[i] = dot(corner[i], plane.normal) - offset;
-    }
-    const bool above = d[0] > 0;
-    if ((d[1] > 0) == above && (d[2] > 0) == above) continue;
-    if (!skip.empty() && skip[t] != 0) continue;
+    const Triangle& corner = triangles[t];
+    const std::array<float, 3> d = {height(corner[0]), height(corner[1]), height(corner[2])};
+    // Sums, not branches: which side a corner lies on is a coin toss to the predictor.
+    const int above = static_cast<int>(d[0] > 0) + static_cast<int>(d[1] > 0) + static_cast<int>(d[2] > 0);
+    if (above % 3 == 0 || (!skip.empty() && skip[t] != 0)) continue;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t j = i == 2 ? 0 : i + 1;
-      if ((d[i] > 0) != (d[j] > 0)) out.push_back(corner[i] + (corner[j] - corner[i]) * (d[i] / (d[i] - d[j])));
+      if ((d[i] > 0) == (d[j] > 0)) continue;
+      const Vec3f a = vertices[static_cast<std::size_t>(corner[i])];
+      const Vec3f b = vertices[static_cast<std::size_t>(corner[j])];
+      out.push_back(a + (b - a) * (d[i] / (d[i] - d[j])));
     }
   }
+}
+
+void section_points(std::span<const Triangle> triangles, std::span<const std::uint8_t> skip,
+                    std::span<const Vec3f> vertices, const SectionPlane& plane, std::vector<Vec3f>& out) {
+  std::vector<float> heights;
+  heights_along(vertices, plane.normal, heights);
+  section_points(triangles, skip, vertices, heights, dot(plane.origin, plane.normal), out);
 }
 
 // Andrew's monotone chain.

@@ -28,6 +28,12 @@ SectionPlane plane_through(Vec3f origin, Vec3f normal);
 void section_points(std::span<const Triangle> triangles, std::span<const std::uint8_t> skip,
                     std::span<const Vec3f> vertices, const SectionPlane& plane, std::vector<Vec3f>& out);
 
+// The same for many parallel planes: `heights` holds each vertex' coordinate along their normal.
+void heights_along(std::span<const Vec3f> vertices, Vec3f normal, std::vector<float>& heights);
+void section_points(std::span<const Triangle> triangles, std::span<const std::uint8_t> skip,
+                    std::span<const Vec3f> vertices, std::span<const float> heights, float level,
+                    std::vector<Vec3f>& out);
+
 // Convex hull within the plane, counter-clockwise in (u, v), no point twice; fewer than three points: as they are.
 std::vector<Vec3f> convex_hull(std::span<const Vec3f> points, const SectionPlane& plane);
 
