@@ -5,29 +5,39 @@
 #include <cmath>
 
 namespace im2fit::index {
+namespace {
+
+constexpr std::size_t kBodyNeighbours = 256;
+constexpr double kBodySlopePenalty = 0.005;  // little: the body is to follow the measurements exactly
+
+}  // namespace
 
 Answerer::Answerer(const Contents& contents)
     : contents_(contents),
       points_(contents.point_code, contents.grid_steps()),
       entries_(contents.entry_code, contents.grid_steps()) {}
 
-Answer Answerer::answer(const Targets& regressed, const QueryOptions& options,
-                        std::span<Neighbour> neighbours) const {
+Coordinates Answerer::key_of(const Targets& targets) const {
+  const Contents& c = contents_;
+  const int dimensions = static_cast<int>(c.meta.dimensions);
+  return to_grid(project(targets, static_cast<int>(c.meta.target_count), c.projection, dimensions), dimensions,
+                 c.meta.grid_unit);
+}
+
+Targets Answerer::corrected(const Targets& regressed, const QueryOptions& options, std::span<Neighbour> neighbours,
+                            Targets& spread) const {
   const Contents& c = contents_;
   const int targets = static_cast<int>(c.meta.target_count);
   const int dimensions = static_cast<int>(c.meta.dimensions);
-  const Position position = project(regressed, targets, c.projection, dimensions);
-  const Coordinates grid = to_grid(position, dimensions, c.meta.grid_unit);
   Targets value = regressed;
-
   if (c.meta.quadratic != 0) {
     std::array<double, kQuadraticTermMax> buffer{};
     const auto terms = std::span(buffer).first(static_cast<std::size_t>(quadratic_term_count(dimensions)));
-    quadratic_terms(position, c.inverse_spread, dimensions, terms);
+    quadratic_terms(project(regressed, targets, c.projection, dimensions), c.inverse_spread, dimensions, terms);
     const Targets correction = apply_quadratic(terms, c.quadratic, targets);
     for (int t = 0; t < targets; ++t) value[t] += correction[t];
   }
-
+  const Coordinates grid = key_of(regressed);
   const int wanted = options.neighbour_count > 0 ? options.neighbour_count : static_cast<int>(c.meta.neighbour_count);
   const auto found =
       points_.nearest(grid, neighbours.first(static_cast<std::size_t>(std::min(wanted, kNeighbourMax))));
@@ -36,16 +46,47 @@ Answer Answerer::answer(const Targets& regressed, const QueryOptions& options,
       {static_cast<LocalMethod>(c.meta.local_method), c.meta.intercept_penalty, c.meta.slope_penalty});
   for (int t = 0; t < targets; ++t)
     if ((c.meta.local_targets >> t & 1U) != 0) value[t] += local.correction[t];
+  spread = local.spread;
+  return value;
+}
 
+Answer Answerer::answer(const Targets& regressed, const QueryOptions& options,
+                        std::span<Neighbour> neighbours) const {
+  const Contents& c = contents_;
+  Targets spread{};
+  const Targets value = corrected(regressed, options, neighbours, spread);
   Answer out;
-  fill_estimates(value, local.spread, options.frame_count, out);
-  const Coordinates key = to_grid(project(value, targets, c.projection, dimensions), dimensions, c.meta.grid_unit);
-  const auto nearest = entries_.nearest(key, neighbours.first(1));
+  fill_estimates(value, spread, options.frame_count, out);
+  const auto nearest = entries_.nearest(key_of(value), neighbours.first(1));
   out.nearest = nearest[0].index;
   out.nearest_distance = static_cast<float>(std::sqrt(static_cast<double>(nearest[0].distance)) * c.meta.grid_unit);
   std::copy_n(c.entry_truth.begin() + static_cast<std::ptrdiff_t>(out.nearest * kMeasurementCount), kMeasurementCount,
               out.nearest_values.begin());
   return out;
+}
+
+void Answerer::body(const Targets& regressed, const QueryOptions& options, std::span<Neighbour> neighbours,
+                    std::span<float> out) const {
+  const Contents& c = contents_;
+  Targets spread{};
+  const Coordinates key = key_of(corrected(regressed, options, neighbours, spread));
+  const auto found = entries_.nearest(key, neighbours.first(kBodyNeighbours));
+  const auto row_size = static_cast<int>(c.meta.body_size);
+  for (int first = 0; first < row_size; first += kTargetMax) {
+    const int count = std::min(kTargetMax, row_size - first);
+    const auto from = static_cast<std::size_t>(first);
+    const LocalData data{c.entry_code,
+                         c.grid_steps(),
+                         static_cast<int>(c.meta.dimensions),
+                         c.body.subspan(from),
+                         c.body_scale.subspan(from),
+                         count,
+                         row_size};
+    const LocalAnswer local = local_regression(data, key, found, {LocalMethod::linear, 0, kBodySlopePenalty});
+    for (int t = 0; t < count; ++t)
+      out[from + static_cast<std::size_t>(t)] = static_cast<float>(
+          static_cast<double>(c.body_offset[from + static_cast<std::size_t>(t)]) + local.correction[t]);
+  }
 }
 
 void Answerer::fill_estimates(const Targets& targets, const Targets& spread, int frame_count, Answer& out) const {

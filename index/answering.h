@@ -16,7 +16,16 @@ class Answerer {
   // `neighbours`: kNeighbourMax places of scratch.
   Answer answer(const Targets& regressed, const QueryOptions& options, std::span<Neighbour> neighbours) const;
 
+  // Body parameters at the answered targets: local linear regression of the stored bodies on their true positions.
+  // `out`: body_size values.
+  void body(const Targets& regressed, const QueryOptions& options, std::span<Neighbour> neighbours,
+            std::span<float> out) const;
+
  private:
+  // Regressed targets with both corrections.
+  Targets corrected(const Targets& regressed, const QueryOptions& options, std::span<Neighbour> neighbours,
+                    Targets& spread) const;
+  Coordinates key_of(const Targets& targets) const;
   void fill_estimates(const Targets& targets, const Targets& spread, int frame_count, Answer& out) const;
   float female_probability(double score) const;
 

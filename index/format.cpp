@@ -107,8 +107,9 @@ Coordinates Contents::grid_steps() const {
 }
 
 LocalData Contents::local_data() const {
-  return {point_code,     grid_steps(),   static_cast<int>(meta.dimensions),
-          point_residual, residual_scale, static_cast<int>(meta.target_count)};
+  const auto targets = static_cast<int>(meta.target_count);
+  return {point_code, grid_steps(), static_cast<int>(meta.dimensions), point_residual, residual_scale,
+          targets,    targets};
 }
 
 Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::string& what) {

@@ -112,14 +112,29 @@ std::unique_ptr<Index::Scratch, void (*)(Index::Scratch*)> Index::make_scratch()
   return {new Scratch(feature_size()), [](Scratch* s) { delete s; }};
 }
 
-Answer Index::query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const {
-  const Contents& c = data_->contents;
+namespace {
+
+Targets regressed_targets(const Contents& c, std::span<const float> feature, std::span<float> standardised) {
   if (feature.size() == c.meta.feature_size)
-    standardise(feature, c.feature_mean, c.feature_scale, scratch.standardised);
+    standardise(feature, c.feature_mean, c.feature_scale, standardised);
   else
-    std::fill(scratch.standardised.begin(), scratch.standardised.end(), 0.0F);
-  const Targets regressed = regress(scratch.standardised, c.ridge, c.ridge_bias);
+    std::fill(standardised.begin(), standardised.end(), 0.0F);
+  return regress(standardised, c.ridge, c.ridge_bias);
+}
+
+}  // namespace
+
+Answer Index::query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const {
+  const Targets regressed = regressed_targets(data_->contents, feature, scratch.standardised);
   return data_->answerer->answer(regressed, options, scratch.neighbours);
+}
+
+std::vector<float> Index::body_for(std::span<const float> feature, const QueryOptions& options,
+                                   Scratch& scratch) const {
+  std::vector<float> out(body_size());
+  const Targets regressed = regressed_targets(data_->contents, feature, scratch.standardised);
+  data_->answerer->body(regressed, options, scratch.neighbours, out);
+  return out;
 }
 
 std::vector<float> Index::body_of(std::uint32_t entry) const {

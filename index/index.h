@@ -84,6 +84,10 @@ class Index {
   // The body parameters of an entry, as stored by the builder (an opaque blob of body_size() floats, each within
   // 1/65534 of its column's range). Empty for an entry that does not exist.
   std::vector<float> body_of(std::uint32_t entry) const;
+  // A body whose measurements follow the answer's: the stored bodies around it, by local linear regression. Closer
+  // than body_of(answer.nearest), for it need not have stood in the index. body_size() values; may lie a little
+  // outside the sliders' ranges (body/params_vector.h clamps).
+  std::vector<float> body_for(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
   // Truth of an entry, as given to the builder. `entry` < size().
   MeasurementValues measurements_of(std::uint32_t entry) const;
 

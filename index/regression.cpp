@@ -131,7 +131,7 @@ LocalAnswer local_regression(const LocalData& data, const Coordinates& query, st
     const std::int8_t* code = data.codes.data() + static_cast<std::size_t>(n.index) * kDimensionMax;
     for (int d = 1; d < order; ++d)
       x[d] = static_cast<double>(code[d - 1] * data.steps[d - 1] - query[d - 1]) / radius;
-    const std::int16_t* residual = data.residuals.data() + static_cast<std::size_t>(n.index) * data.target_count;
+    const std::int16_t* residual = data.residuals.data() + static_cast<std::size_t>(n.index) * data.row_size;
     for (int i = 0; i < order; ++i) {
       const double wx = w * x[i];
       for (int j = 0; j <= i; ++j) eq.matrix[i][j] += wx * x[j];

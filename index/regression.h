@@ -50,9 +50,10 @@ struct LocalData {
   std::span<const std::int8_t> codes;
   Coordinates steps{};
   int dimensions = 0;
-  std::span<const std::int16_t> residuals;  // per point `target_count`, in units of residual_scale
+  std::span<const std::int16_t> residuals;  // a row per point, in units of residual_scale
   std::span<const float> residual_scale;
-  int target_count = 0;
+  int target_count = 0;  // columns looked at, the first of each row
+  int row_size = 0;
 };
 
 enum class LocalMethod : std::uint32_t { none, mean, linear };

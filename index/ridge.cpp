@@ -187,8 +187,8 @@ double RidgeTrainer::held_out_error(const Penalty& penalty) const {
 
 RidgeTrainer::Choice RidgeTrainer::choose(int judged_target_count) {
   judged_target_count_ = judged_target_count;
-  // One fold of 3,000 rows is judge enough; a small set needs all it has.
-  judged_fold_count_ = total_.count >= 8000 ? 1 : total_.count >= 2000 ? 2 : rows_.fold_count;
+  // One fold of 1,000 rows is judge enough; each further one costs a factorisation per choice.
+  judged_fold_count_ = total_.count >= 8000 ? 1 : std::min(rows_.fold_count, total_.count >= 400 ? 2 : 4);
   Choice best;
   best.error = 1e300;
   const auto consider = [&](const Penalty& p) {

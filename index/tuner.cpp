@@ -236,7 +236,7 @@ void Tuner::set_residuals(const Eigen::MatrixXd& residuals) {
 Eigen::MatrixXd Tuner::local_errors(const CodeTree& tree, const Eigen::MatrixXd& base, const LocalOptions& options,
                                     int count) const {
   const int dimensions = static_cast<int>(meta.dimensions);
-  const LocalData data{point_code, steps, dimensions, point_residual, residual_scale, target_count_};
+  const LocalData data{point_code, steps, dimensions, point_residual, residual_scale, target_count_, target_count_};
   std::vector<Neighbour> buffer;
   const auto judged = judged_rows(kJudgedRowMax);
   Eigen::MatrixXd out(static_cast<std::ptrdiff_t>(judged.size()), target_count_);
@@ -295,7 +295,7 @@ void Tuner::choose_correction() {
 
 void Tuner::answer_held_out() {
   const int dimensions = static_cast<int>(meta.dimensions);
-  const LocalData data{point_code, steps, dimensions, point_residual, residual_scale, target_count_};
+  const LocalData data{point_code, steps, dimensions, point_residual, residual_scale, target_count_, target_count_};
   const LocalOptions options{static_cast<LocalMethod>(meta.local_method), meta.intercept_penalty, meta.slope_penalty};
   const CodeTree points(point_code, steps);
   const CodeTree entries(entry_code, steps);

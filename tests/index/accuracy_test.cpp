@@ -145,6 +145,30 @@ TEST(IndexAccuracy, RepeatsOfASubjectAreNeverBothTrainedOnAndHeldOut) {
     EXPECT_GT(index->info().answer_mae[m], 0.9F * index->info().prior_mae[m]) << kMeasurementTable[m].id;
 }
 
+// In this world the body parameters are the shape itself: measured with the generating matrix, the body must agree
+// with the answer, better than the nearest stored one does.
+TEST(IndexAccuracy, TheBodyFollowsTheAnswer) {
+  const World world;
+  const Index& index = straight_index();
+  auto scratch = index.make_scratch();
+  const auto measured = [&](const std::vector<float>& body) {
+    Eigen::VectorXd s(world.shapes);
+    for (int i = 0; i < world.shapes; ++i) s(i) = static_cast<double>(body[static_cast<std::size_t>(i)]);
+    const Eigen::VectorXd y = world.truth_by_shape * s;
+    MeasurementValues out{};
+    for (std::size_t m = 0; m < kMeasurementCount; ++m) out[m] = static_cast<float>(1000 + y(static_cast<int>(m)));
+    return out;
+  };
+  double followed = 0, nearest = 0;
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    const Sample q = world.sample(kFreshSubjects + i, 0);
+    const Answer a = index.query(q.feature, {}, *scratch);
+    followed += mean_error(measured(index.body_for(q.feature, {}, *scratch)), values_of(a));
+    nearest += mean_error(measured(index.body_of(a.nearest)), values_of(a));
+  }
+  EXPECT_LT(4 * followed, nearest);
+}
+
 TEST(IndexAccuracy, MissingFeaturesCostLittle) {
   const World world;
   const Index& index = straight_index();
