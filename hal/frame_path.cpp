@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <string>
+#include <utility>
 
 namespace im2fit::hal {
 
@@ -12,8 +13,29 @@ UprightPath::UprightPath(const Intrinsics& camera, int rotate_deg)
       rotate_deg_(rotate_deg),
       pixels_(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height)) {}
 
-void UprightPath::deliver(DepthImage out) const {
-  rotate_upright(DepthView(pixels_.data(), camera_.width, camera_.height), rotate_deg_, out);
+Result<UprightPath> UprightPath::make(const Calibration& calibration, int rotate_deg, const std::string& what) {
+  if (auto ok = check_intrinsics(calibration.intrinsics, what); !ok) return ok.error();
+  UprightPath path(calibration.intrinsics, rotate_deg);
+  if (!calibration.distortion.any()) return path;
+  auto table = undistortion_table(calibration.intrinsics, calibration.distortion, what);
+  if (!table) return table.error();
+  path.undistortion_ = std::move(*table);
+  path.undistorted_.resize(path.undistortion_.size());
+  return path;
+}
+
+void UprightPath::deliver(DepthImage out) {
+  deliver(DepthView(pixels_.data(), camera_.width, camera_.height), out);
+}
+
+void UprightPath::deliver(DepthView camera_frame, DepthImage out) {
+  if (undistortion_.empty()) {
+    rotate_upright(camera_frame, rotate_deg_, out);
+    return;
+  }
+  for (std::size_t i = 0; i < undistortion_.size(); ++i)
+    undistorted_[i] = undistortion_[i] < 0 ? std::uint16_t{0} : camera_frame.pixels[undistortion_[i]];
+  rotate_upright(DepthView(undistorted_.data(), camera_.width, camera_.height), rotate_deg_, out);
 }
 
 Status UprightPath::check(const DepthImage& out, const std::string& what) const {

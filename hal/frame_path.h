@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every source does with a frame at the edge: turn it upright and keep the books on sequence numbers.
+// What every source does with a frame at the edge: undo the lens, turn it upright, keep the books on its number.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "hal/intrinsics.h"
 #include "hal/source.h"
 
 namespace im2fit::hal {
@@ -14,6 +15,8 @@ class UprightPath {
  public:
   UprightPath() = default;
   UprightPath(const Intrinsics& camera, int rotate_deg);
+  // Checks the calibration and undoes its distortion too. `what` names its file or device.
+  static Result<UprightPath> make(const Calibration& calibration, int rotate_deg, const std::string& what);
 
   const Intrinsics& camera() const { return camera_; }
   const Intrinsics& upright() const { return upright_; }
@@ -21,8 +24,8 @@ class UprightPath {
   std::size_t pixel_count() const { return pixels_.size(); }
   // A buffer of the camera's size to fill before deliver().
   DepthImage camera_image() { return {pixels_.data(), camera_.width, camera_.height}; }
-  void deliver(DepthImage out) const;  // from camera_image()
-  void deliver(DepthView camera_frame, DepthImage out) const { rotate_upright(camera_frame, rotate_deg_, out); }
+  void deliver(DepthImage out);                          // from camera_image()
+  void deliver(DepthView camera_frame, DepthImage out);  // `camera_frame` without padding between its rows
   // The destination handed to next() has the upright size.
   Status check(const DepthImage& out, const std::string& what) const;
 
@@ -31,6 +34,8 @@ class UprightPath {
   Intrinsics upright_;
   int rotate_deg_ = 0;
   std::vector<std::uint16_t> pixels_;
+  std::vector<std::int32_t> undistortion_;  // empty for a lens without distortion
+  std::vector<std::uint16_t> undistorted_;
 };
 
 class SequenceBook {

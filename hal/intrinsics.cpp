@@ -8,10 +8,21 @@
 namespace im2fit::hal {
 namespace {
 
-std::string number(float value) {
+template <class Number>
+std::string number(Number value) {
   char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value);  // the shortest text that names this float exactly
+  const auto end = std::to_chars(text, text + sizeof text, value);  // the shortest text that names this value exactly
   return {text, end.ptr};
+}
+
+std::string distortion_text(const Distortion& distortion) {
+  const auto& c = distortion.coefficients;
+  const bool rational = c[5] != 0 || c[6] != 0 || c[7] != 0;
+  const std::size_t count = rational ? 8 : 5;
+  std::string text = std::string("distortion_model: ") + (rational ? "rational_polynomial" : "plumb_bob") + "\n";
+  text += "distortion_coefficients:\n  rows: 1\n  cols: " + std::to_string(count) + "\n  data: [";
+  for (std::size_t i = 0; i < count; ++i) text += (i > 0 ? ", " : "") + number(c[i]);
+  return text + "]\n";
 }
 
 Error off(const std::string& what, const std::string& field, const std::string& found, const std::string& expected) {
@@ -99,8 +110,8 @@ FieldOfView field_of_view(const Intrinsics& k) {
   return {angle(k.width, k.fx), angle(k.height, k.fy)};
 }
 
-std::string camera_yaml_text(const Intrinsics& k, const std::string& camera_name, int rotate_deg,
-                             std::string_view origin) {
+std::string camera_yaml_text(const Calibration& calibration, const std::string& camera_name) {
+  const Intrinsics& k = calibration.intrinsics;
   std::string name;
   for (const char c : camera_name)  // YAML's plain scalars stay plain whatever the device calls itself
     name += (c >= ' ' && c != '"' && c != '\\' && c != 0x7F) ? c : ' ';
@@ -111,13 +122,12 @@ std::string camera_yaml_text(const Intrinsics& k, const std::string& camera_name
   text += "camera_name: \"" + name + "\"\n";
   text += "camera_matrix:\n  rows: 3\n  cols: 3\n";
   text += "  data: [" + fx + ", 0, " + cx + ", 0, " + fy + ", " + cy + ", 0, 0, 1]\n";
-  text += "distortion_model: plumb_bob\n";
-  text += "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n";
+  text += distortion_text(calibration.distortion);
   text += "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n";
   text += "projection_matrix:\n  rows: 3\n  cols: 4\n";
   text += "  data: [" + fx + ", 0, " + cx + ", 0, 0, " + fy + ", " + cy + ", 0, 0, 0, 1, 0]\n";
-  text += "im2fit_rotate_deg: " + std::to_string(rotate_deg) + "\n";
-  text += "im2fit_intrinsics_origin: " + std::string(origin) + "\n";
+  text += "im2fit_rotate_deg: " + std::to_string(calibration.rotate_deg.value_or(0)) + "\n";
+  text += "im2fit_intrinsics_origin: " + std::string(to_string(calibration.origin)) + "\n";
   return text;
 }
 

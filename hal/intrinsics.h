@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "hal/source.h"
+#include "hal/undistort.h"
 
 namespace im2fit::hal {
 
@@ -23,11 +24,18 @@ struct FieldOfView {
 };
 FieldOfView field_of_view(const Intrinsics& k);
 
+// What a calibration file says of a camera's picture, before rotation.
+struct Calibration {
+  Intrinsics intrinsics;
+  Distortion distortion;
+  std::optional<int> rotate_deg;  // how the camera was mounted, where the file says
+  IntrinsicsOrigin origin = IntrinsicsOrigin::calibration_file;
+};
+
 // A calibration as ROS and OpenCV write it, values exact to the last bit of the float. `rotate_deg` is kept under
-// im2fit_rotate_deg: how the camera was mounted when these pictures were made. `origin` under
+// im2fit_rotate_deg: how the camera was mounted when these pictures were made. `origin` is kept under
 // im2fit_intrinsics_origin: where the values came from, so that a replay does not take a field of view for a
 // calibration.
-std::string camera_yaml_text(const Intrinsics& k, const std::string& camera_name, int rotate_deg,
-                             std::string_view origin = "calibration_file");
+std::string camera_yaml_text(const Calibration& calibration, const std::string& camera_name);
 
 }  // namespace im2fit::hal

@@ -3,7 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <cmath>
+#include <charconv>
 #include <cstddef>
 #include <vector>
 
@@ -35,6 +35,23 @@ Result<std::vector<double>> matrix(const YAML::Node& root, const std::string& pa
   return values;
 }
 
+Status read_distortion(const YAML::Node& root, const std::string& path, CameraFile& file) {
+  if (!root["distortion_coefficients"].IsDefined()) return Ok{};
+  const auto values = matrix(root, path, "distortion_coefficients");
+  if (!values) return values.error();
+  const std::size_t count = values->size();
+  if (count != 0 && count != 4 && count != 5 && count != 8)
+    return lacks(path, "distortion_coefficients", "4, 5 or 8 numbers (k1 k2 p1 p2 k3 k4 k5 k6)");
+  for (std::size_t i = 0; i < count; ++i) file.distortion.coefficients[i] = (*values)[i];
+  if (!file.distortion.any()) return Ok{};
+  const YAML::Node model = root["distortion_model"];
+  const std::string name = model.IsDefined() ? model.as<std::string>() : "plumb_bob";
+  if (name != "plumb_bob" && name != "rational_polynomial")
+    return Error{ErrorCode::unsupported, path + ": distortion_model is " + name + ", expected plumb_bob or " +
+                                             "rational_polynomial; undistort the pictures and write zeros"};
+  return Ok{};
+}
+
 Result<CameraFile> interpret(const YAML::Node& root, const std::string& path) {
   if (!root.IsMap()) return lacks(path, "image_width", "a whole number");
   CameraFile file;
@@ -55,17 +72,7 @@ Result<CameraFile> interpret(const YAML::Node& root, const std::string& path) {
   if ((*camera)[1] != 0 || (*camera)[3] != 0 || (*camera)[6] != 0 || (*camera)[7] != 0 || (*camera)[8] != 1)
     return Error{ErrorCode::unsupported,
                  path + ": camera_matrix has skew or is no pinhole matrix; expected [fx,0,cx, 0,fy,cy, 0,0,1]"};
-  if (root["distortion_coefficients"].IsDefined()) {
-    const auto distortion = matrix(root, path, "distortion_coefficients");
-    if (!distortion) return distortion.error();
-    for (const double c : *distortion) {
-      if (c != 0)
-        return Error{ErrorCode::unsupported,
-                     path +
-                         ": distortion_coefficients are not zero; undistort the pictures (nearest neighbour) and "
-                         "write zeros, or give a calibration without distortion"};
-    }
-  }
+  if (auto ok = read_distortion(root, path, file); !ok) return ok.error();
   if (root["im2fit_rotate_deg"].IsDefined()) {
     file.rotate_deg = root["im2fit_rotate_deg"].as<int>();
     if (!is_rotation(*file.rotate_deg)) return lacks(path, "im2fit_rotate_deg", "0, 90, 180 or 270");
@@ -75,6 +82,14 @@ Result<CameraFile> interpret(const YAML::Node& root, const std::string& path) {
     if (!origin)
       return lacks(path, "im2fit_intrinsics_origin", "device, calibration_file, field_of_view or synthetic");
     file.origin = *origin;
+  }
+  if (root["im2fit_oni_crc32c"].IsDefined()) {
+    const std::string text = root["im2fit_oni_crc32c"].as<std::string>();
+    std::uint32_t crc = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), crc, 16);
+    if (code != std::errc() || end != text.data() + text.size() || text.size() != 8)
+      return lacks(path, "im2fit_oni_crc32c", "8 hexadecimal digits");
+    file.oni_crc32c = crc;
   }
   return file;
 }

@@ -153,7 +153,9 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
   info.rotate_deg = options.rotate_deg.value_or(camera->rotate_deg.value_or(0));
   info.intrinsics_origin = camera->origin;
   info.frame_count = static_cast<std::int64_t>(source->frames_.size());
-  source->path_ = UprightPath(camera->intrinsics, info.rotate_deg);
+  auto upright = UprightPath::make(*camera, info.rotate_deg, yaml);
+  if (!upright) return upright.error();
+  source->path_ = std::move(*upright);
   info.intrinsics = source->path_.upright();
   return source;
 }

@@ -32,7 +32,7 @@ Result<std::unique_ptr<FolderWriter>> FolderWriter::create(const std::string& pa
                                                     "); choose another folder or delete them"};
   }
   const std::string yaml =
-      camera_yaml_text(intrinsics, options.camera_name, options.rotate_deg, to_string(options.origin));
+      camera_yaml_text(Calibration{intrinsics, {}, options.rotate_deg, options.origin}, options.camera_name);
   if (auto ok = write_file_atomically(path + "/camera.yaml", yaml); !ok) return with_advice(ok.error());
   return std::unique_ptr<FolderWriter>(new FolderWriter(path, intrinsics, options));
 }

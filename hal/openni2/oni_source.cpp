@@ -99,26 +99,28 @@ Status OniSource::describe(const oni::Hello& hello) {
     return Error{ErrorCode::corrupt, path_text_ + ": its pictures are " + std::to_string(hello.width) + "x" +
                                          std::to_string(hello.height) + " pixels, expected 1 to 2048 a side"};
   if (hello.frame_count == 0) return Error{ErrorCode::corrupt, path_text_ + " holds no frames; record again"};
-  Intrinsics camera;
+  Calibration camera;
   if (options_.calibration) {
     camera = *options_.calibration;
-    info_.intrinsics_origin = options_.calibration_origin;
-    if (auto ok = check_intrinsics(camera, "the calibration of " + path_text_); !ok) return ok;
-    if (camera.width != hello.width || camera.height != hello.height)
+    const Intrinsics& k = camera.intrinsics;
+    if (k.width != hello.width || k.height != hello.height)
       return Error{ErrorCode::invalid_argument,
-                   "the calibration of " + path_text_ + " is of " + std::to_string(camera.width) + "x" +
-                       std::to_string(camera.height) + " pictures, the recording of " + std::to_string(hello.width) +
-                       "x" + std::to_string(hello.height) + "; give the one it was recorded with"};
+                   "the calibration of " + path_text_ + " is of " + std::to_string(k.width) + "x" +
+                       std::to_string(k.height) + " pictures, the recording of " + std::to_string(hello.width) + "x" +
+                       std::to_string(hello.height) + "; give the one it was recorded with"};
   } else {
     const auto found = intrinsics_from_field_of_view(hello.width, hello.height, hello.horizontal_rad,
                                                      hello.vertical_rad, path_text_);
     if (!found) return Error{ErrorCode::corrupt, found.error().message + " or give --camera FILE"};
-    camera = *found;
-    info_.intrinsics_origin = IntrinsicsOrigin::field_of_view;
+    camera.intrinsics = *found;
+    camera.origin = IntrinsicsOrigin::field_of_view;
   }
-  info_.frame_count = hello.frame_count > 0 ? hello.frame_count : -1;
-  path_ = UprightPath(camera, options_.rotate_deg);
+  auto upright = UprightPath::make(camera, options_.rotate_deg, "the calibration of " + path_text_);
+  if (!upright) return upright.error();
+  path_ = std::move(*upright);
   info_.intrinsics = path_.upright();
+  info_.intrinsics_origin = camera.origin;
+  info_.frame_count = hello.frame_count > 0 ? hello.frame_count : -1;
   message_.resize(sizeof(oni::Header) +
                   std::max(kSmallPayload, sizeof(oni::Frame) + path_.pixel_count() * sizeof(std::uint16_t)));
   return Ok{};

@@ -16,10 +16,9 @@ namespace im2fit::hal {
 
 struct OniOptions {
   int rotate_deg = 0;
-  int stall_ms = 5000;                    // a child silent for so long is ended
-  std::optional<Intrinsics> calibration;  // wins over the recorded field of view
-  IntrinsicsOrigin calibration_origin = IntrinsicsOrigin::calibration_file;
-  std::string reader_path;  // im2fit-oni-reader; "": IM2FIT_ONI_READER, else beside the program
+  int stall_ms = 5000;                     // a child silent for so long is ended
+  std::optional<Calibration> calibration;  // wins over the recorded field of view; its rotate_deg is not looked at
+  std::string reader_path;                 // im2fit-oni-reader; "": IM2FIT_ONI_READER, else beside the program
 };
 
 class OniSource final : public Source {

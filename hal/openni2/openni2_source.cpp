@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "base/crc32c.h"
 #include "base/file.h"
 #include "hal/frame_path.h"
 #include "hal/intrinsics.h"
@@ -82,6 +83,7 @@ struct OpenNi2Source::Impl {
   bool began_while_streaming = false;
   std::atomic<bool> lost{false};
   SourceInfo info;
+  Calibration calibration;
   UprightPath path;
   SequenceBook book;
   RecordingSummary recording;
@@ -89,7 +91,7 @@ struct OpenNi2Source::Impl {
   ~Impl();
   Status open_device(const std::string& uri, const OpenNi2Options& options);
   Status choose_mode(const OpenNi2Options& options);
-  Result<Intrinsics> find_intrinsics(const OpenNi2Options& options);
+  Result<Calibration> find_calibration(const OpenNi2Options& options);
   Error no_device() const {
     return {ErrorCode::no_device, info.name + " (" + info.uri + ") was disconnected; plug it in and open it again"};
   }
@@ -172,12 +174,10 @@ Status OpenNi2Source::Impl::choose_mode(const OpenNi2Options& options) {
   return Ok{};
 }
 
-Result<Intrinsics> OpenNi2Source::Impl::find_intrinsics(const OpenNi2Options& options) {
+Result<Calibration> OpenNi2Source::Impl::find_calibration(const OpenNi2Options& options) {
   if (options.calibration) {
-    const Intrinsics& k = *options.calibration;
-    info.intrinsics_origin = IntrinsicsOrigin::calibration_file;
-    if (auto ok = check_intrinsics(k, "the calibration given for " + info.name); !ok) return ok.error();
-    if (k.width == mode.resolutionX && k.height == mode.resolutionY) return k;
+    const Intrinsics& k = options.calibration->intrinsics;
+    if (k.width == mode.resolutionX && k.height == mode.resolutionY) return *options.calibration;
     return Error{ErrorCode::invalid_argument, "the calibration is of " + std::to_string(k.width) + "x" +
                                                   std::to_string(k.height) + " pictures, " + info.name +
                                                   " delivers " + std::to_string(mode.resolutionX) + "x" +
@@ -185,11 +185,13 @@ Result<Intrinsics> OpenNi2Source::Impl::find_intrinsics(const OpenNi2Options& op
   }
   float horizontal_rad = 0;
   float vertical_rad = 0;
-  info.intrinsics_origin = IntrinsicsOrigin::field_of_view;
   if (!get(stream, ONI_STREAM_PROPERTY_HORIZONTAL_FOV, horizontal_rad) ||
       !get(stream, ONI_STREAM_PROPERTY_VERTICAL_FOV, vertical_rad))
     return Error{ErrorCode::unsupported, info.name + " does not tell its field of view; give --camera FILE"};
-  return intrinsics_from_field_of_view(mode.resolutionX, mode.resolutionY, horizontal_rad, vertical_rad, info.name);
+  const auto k =
+      intrinsics_from_field_of_view(mode.resolutionX, mode.resolutionY, horizontal_rad, vertical_rad, info.name);
+  if (!k) return k.error();
+  return Calibration{*k, {}, {}, IntrinsicsOrigin::field_of_view};
 }
 
 OpenNi2Source::OpenNi2Source(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -211,9 +213,14 @@ Result<std::unique_ptr<OpenNi2Source>> OpenNi2Source::open(const std::string& ur
   impl->runtime = *runtime;
   if (auto ok = impl->open_device(uri, options); !ok) return ok.error();
   if (auto ok = impl->choose_mode(options); !ok) return ok.error();
-  const auto camera = impl->find_intrinsics(options);
+  const auto camera = impl->find_calibration(options);
   if (!camera) return camera.error();
-  impl->path = UprightPath(*camera, options.rotate_deg);
+  auto upright = UprightPath::make(*camera, options.rotate_deg, "the calibration of " + impl->info.name);
+  if (!upright) return upright.error();
+  impl->path = std::move(*upright);
+  impl->calibration = *camera;
+  impl->calibration.rotate_deg = options.rotate_deg;
+  impl->info.intrinsics_origin = camera->origin;
   impl->info.intrinsics = impl->path.upright();
   return std::unique_ptr<OpenNi2Source>(new OpenNi2Source(std::move(impl)));
 }
@@ -336,8 +343,12 @@ Result<OpenNi2Source::RecordingSummary> OpenNi2Source::end_recording() {
     ::unlink(part.c_str());
     return error;
   }
+  const auto whole = MappedFile::open(part);
+  if (!whole) return whole.error();
+  char crc[16];
+  std::snprintf(crc, sizeof crc, "%08x", crc32c(whole->bytes()));
   const std::string yaml =
-      camera_yaml_text(d.path.camera(), d.info.name, d.info.rotate_deg, to_string(d.info.intrinsics_origin));
+      camera_yaml_text(d.calibration, d.info.name) + "im2fit_oni_crc32c: \"" + std::string(crc) + "\"\n";
   if (auto ok = write_file_atomically(d.recording.camera_yaml_path, yaml); !ok) {
     ::unlink(part.c_str());
     return ok.error();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "hal/intrinsics.h"
 #include "hal/openni2/runtime.h"
 #include "hal/source.h"
 
@@ -16,8 +17,9 @@ struct OpenNi2Options {
   int width = 640;  // wanted; the nearest depth mode is taken
   int height = 480;
   int fps = 30;
-  bool fine_units = false;                // prefer 100 um to 1 mm; delivered frames are mm either way
-  std::optional<Intrinsics> calibration;  // instead of the field of view the device tells; of the mode's size
+  bool fine_units = false;                 // prefer 100 um to 1 mm; delivered frames are mm either way
+  std::optional<Calibration> calibration;  // instead of the field of view the device tells; of the mode's size. Its
+                                           // rotate_deg is not looked at
 };
 
 // Where the calibration of a recording lies: FILE.oni.yaml.

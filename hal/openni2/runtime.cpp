@@ -32,10 +32,11 @@ OpenNi2Runtime::~OpenNi2Runtime() {
 
 std::string openni2_complaint() {
   std::string text = oniGetExtendedError();
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   for (char& c : text)
     if (c == '\n' || c == '\t' || c == '\r') c = ' ';
-  return text.empty() ? "it gives no reason" : text;
+  const auto begin = text.find_first_not_of(' ');
+  if (begin == std::string::npos) return "it gives no reason";
+  return text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
 }
 
 Result<std::vector<OpenNi2Device>> list_openni2_devices() {

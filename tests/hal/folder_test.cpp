@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(Folder, BothFormats, testing::Values(DepthFormat::png, 
 
 TEST(Folder, AHandWrittenPgmIsReadByTheLetterOfItsStandard) {
   const TestFolder folder;
-  put(folder.path("camera.yaml"), camera_yaml_text({2, 2, 2, 2, 0.5F, 0.5F}, "tiny", 0));
+  put(folder.path("camera.yaml"), yaml_of({2, 2, 2, 2, 0.5F, 0.5F}, "tiny", 0));
   put(folder.path("7.pgm"),
       std::string("P5 # a comment\n2\t2\n# another\n1000\n\x01\x02\x00\x00\x03\xE8\x00\xFF", 46));
   auto source = FolderSource::open(folder.path());
@@ -84,7 +84,7 @@ TEST(Folder, AHandWrittenPgmIsReadByTheLetterOfItsStandard) {
 TEST(Folder, RotationComesFromTheFileUnlessTheCallerSays) {
   const TestFolder folder;
   make_folder(folder.path("rec"));
-  put(folder.path("rec/camera.yaml"), camera_yaml_text(camera_of(kWidth, kHeight), "turned", 90));
+  put(folder.path("rec/camera.yaml"), yaml_of(camera_of(kWidth, kHeight), "turned", 90));
   EXPECT_EQ((*open_source(folder.path("rec")))->info().intrinsics.width, kHeight);
   OpenOptions options;
   options.rotate_deg = 180;
@@ -137,6 +137,46 @@ TEST(CameraYaml, OpenCvsOwnWordingIsRead) {
   EXPECT_FALSE(file->rotate_deg);
 }
 
+// Each pixel of the camera's picture holds its own number. Undistorted pixel (u, v) must hold the pixel that the
+// inverse of the lens, found by iteration, sends back to (u, v).
+TEST(Folder, ALensIsUndone) {
+  const TestFolder folder;
+  Calibration calibration{{240, 200, 250, 245, 118.5F, 101.25F}, {{0.11, -0.21, 0.002, -0.003, 0.05, 0, 0, 0}}, 0};
+  const auto& [k, distortion, rotate_deg, origin] = calibration;
+  put(folder.path("camera.yaml"), camera_yaml_text(calibration, "lens"));
+  EXPECT_EQ(load_camera_yaml(folder.path("camera.yaml"))->distortion.coefficients, distortion.coefficients);
+  Picture in(k.width, k.height);
+  for (std::size_t i = 0; i < in.pixels.size(); ++i) in.pixels[i] = static_cast<std::uint16_t>(i + 1);
+  ASSERT_TRUE(write_file_atomically(folder.path("0.pgm"), *encode_depth(in.view(), DepthFormat::pgm)));
+  auto source = FolderSource::open(folder.path());
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->info().intrinsics.fx, k.fx);
+  Picture out(k.width, k.height);
+  ASSERT_TRUE((*source)->next(out.image(), 0));
+  int checked = 0;
+  for (int v = 0; v < k.height; ++v) {
+    for (int u = 0; u < k.width; ++u) {
+      if (out.view().at(u, v) == 0) continue;
+      const int number = out.view().at(u, v) - 1;
+      const double xd = (number % k.width - static_cast<double>(k.cx)) / static_cast<double>(k.fx);
+      const double yd = (number / k.width - static_cast<double>(k.cy)) / static_cast<double>(k.fy);
+      double x = xd, y = yd;
+      for (int i = 0; i < 50; ++i) {
+        const auto& c = distortion.coefficients;
+        const double r2 = x * x + y * y;
+        const double radial = 1 + c[0] * r2 + c[1] * r2 * r2 + c[4] * r2 * r2 * r2;
+        x = (xd - 2 * c[2] * x * y - c[3] * (r2 + 2 * x * x)) / radial;
+        y = (yd - c[2] * (r2 + 2 * y * y) - 2 * c[3] * x * y) / radial;
+      }
+      EXPECT_NEAR(x * static_cast<double>(k.fx) + static_cast<double>(k.cx), u, 0.6);
+      EXPECT_NEAR(y * static_cast<double>(k.fy) + static_cast<double>(k.cy), v, 0.6);
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, k.width * k.height * 9 / 10);
+  EXPECT_NE(out.pixels, in.pixels);
+}
+
 // One thing wrong each: opening must fail with one line that names the file and says what to do.
 struct BadFolder {
   const char* name;
@@ -156,7 +196,7 @@ void replace_in(const std::string& path, const std::string& from, const std::str
 
 // Where camera_matrix begins in the good folder's camera.yaml.
 std::string yaml_fx() {
-  const std::string text = camera_yaml_text(camera_of(kWidth, kHeight), "x", 0);
+  const std::string text = yaml_of(camera_of(kWidth, kHeight), "x", 0);
   const auto begin = text.find("data: [");
   return text.substr(begin, text.find(',', begin) + 1 - begin);
 }
@@ -195,12 +235,11 @@ const std::vector<BadFolder>& bad_folders() {
        "same frame number"},
       {"no camera.yaml", [](F f) { std::filesystem::remove(f + "/camera.yaml"); }, ErrorCode::not_found,
        "camera.yaml is missing"},
-      {"camera.yaml of another size",
-       [](F f) { put(f + "/camera.yaml", camera_yaml_text(camera_of(64, 40), "other", 0)); },
+      {"camera.yaml of another size", [](F f) { put(f + "/camera.yaml", yaml_of(camera_of(64, 40), "other", 0)); },
        ErrorCode::invalid_argument, "camera.yaml says 64x40"},
       {"zero focal length",
        [](F f) {
-         put(f + "/camera.yaml", camera_yaml_text({48, 40, 0, 43, 20, 20}, "zero", 0));
+         put(f + "/camera.yaml", yaml_of({48, 40, 0, 43, 20, 20}, "zero", 0));
        },
        ErrorCode::invalid_argument, "focal length fx is 0"},
       {"NaN focal length", [](F f) { replace_in(f + "/camera.yaml", yaml_fx(), "data: [.nan,"); },
@@ -214,8 +253,21 @@ const std::vector<BadFolder>& bad_folders() {
       {"short matrix",
        [](F f) { put(f + "/camera.yaml", "image_width: 48\nimage_height: 40\ncamera_matrix: {data: [1, 2]}\n"); },
        ErrorCode::invalid_argument, "9 numbers"},
-      {"distorted", [](F f) { replace_in(f + "/camera.yaml", "data: [0, 0, 0, 0, 0]", "data: [0.1, 0, 0, 0, 0]"); },
-       ErrorCode::unsupported, "distortion_coefficients are not zero"},
+      {"fisheye",
+       [](F f) {
+         replace_in(f + "/camera.yaml", "data: [0, 0, 0, 0, 0]", "data: [0.1, 0, 0, 0, 0]");
+         replace_in(f + "/camera.yaml", "plumb_bob", "equidistant");
+       },
+       ErrorCode::unsupported, "distortion_model is equidistant"},
+      {"absurd distortion",
+       [](F f) { replace_in(f + "/camera.yaml", "data: [0, 0, 0, 0, 0]", "data: [1e9, 0, 0, 0, 0]"); },
+       ErrorCode::invalid_argument, "distortion_coefficients leave 0 %"},
+      {"distortion that is no number",
+       [](F f) { replace_in(f + "/camera.yaml", "data: [0, 0, 0, 0, 0]", "data: [.nan, 0, 0, 0, 0]"); },
+       ErrorCode::invalid_argument, "distortion_coefficients"},
+      {"three distortion coefficients",
+       [](F f) { replace_in(f + "/camera.yaml", "data: [0, 0, 0, 0, 0]", "data: [0, 0, 1]"); },
+       ErrorCode::invalid_argument, "4, 5 or 8 numbers"},
       {"no YAML", [](F f) { put(f + "/camera.yaml", "{image_width: [[[\n\"unterminated"); }, ErrorCode::corrupt,
        "camera.yaml line"},
       {"empty camera.yaml", [](F f) { put(f + "/camera.yaml", ""); }, ErrorCode::invalid_argument, "camera.yaml"},

@@ -20,6 +20,7 @@
 #include "hal/intrinsics.h"
 #include "hal/open/open.h"
 #include "hal/openni2/oni_file.h"
+#include "hal/openni2/oni_reader.h"
 #include "hal/openni2/oni_source.h"
 #include "hal/openni2/openni2_source.h"
 #include "hal/openni2/raw_frame.h"
@@ -286,7 +287,7 @@ TEST_F(Recorded, TheSidecarAndACalibrationOfTheUsersWinOverTheFieldOfView) {
   EXPECT_EQ(sidecar->origin, IntrinsicsOrigin::field_of_view);
   Intrinsics mine = centred(kWidth, kHeight);
   mine.cx += 5;
-  ASSERT_TRUE(write_file_atomically(folder_->path("mine.yaml"), camera_yaml_text(mine, "mine", 180)));
+  ASSERT_TRUE(write_file_atomically(folder_->path("mine.yaml"), yaml_of(mine, "mine", 180)));
   OpenOptions options;
   options.camera_yaml_path = folder_->path("mine.yaml");
   auto source = open_source(oni(), options);
@@ -294,10 +295,60 @@ TEST_F(Recorded, TheSidecarAndACalibrationOfTheUsersWinOverTheFieldOfView) {
   EXPECT_EQ((*source)->info().intrinsics_origin, IntrinsicsOrigin::calibration_file);
   EXPECT_EQ((*source)->info().rotate_deg, 180);
   EXPECT_EQ((*source)->info().intrinsics.cx, static_cast<float>(kWidth - 1) - mine.cx);
-  ASSERT_TRUE(write_file_atomically(folder_->path("mine.yaml"), camera_yaml_text(centred(640, 480), "other", 0)));
+  ASSERT_TRUE(write_file_atomically(folder_->path("mine.yaml"), yaml_of(centred(640, 480), "other", 0)));
   EXPECT_EQ(open_source(oni(), options).error().code, ErrorCode::invalid_argument);
   options.camera_yaml_path = folder_->path("absent.yaml");
   EXPECT_EQ(open_source(oni(), options).error().code, ErrorCode::not_found);
+}
+
+TEST_F(Recorded, AnyChangedByteOfOurOwnRecordingIsSeen) {
+  NEED_VIRTUAL_DEVICE();
+  const auto good = read_file(oni());
+  ASSERT_TRUE(good);
+  const std::string path = folder_->path("changed.oni");
+  std::filesystem::copy_file(oni_sidecar_path(oni()), oni_sidecar_path(path));
+  ASSERT_TRUE(write_file_atomically(path, *good));
+  EXPECT_TRUE(open_source(path));
+  for (const std::size_t at : {std::size_t{30}, good->size() / 2, good->size() - 1}) {
+    auto bytes = *good;
+    bytes[at] ^= std::byte{1};
+    ASSERT_TRUE(write_file_atomically(path, bytes));
+    const auto source = open_source(path);
+    ASSERT_FALSE(source) << at;
+    EXPECT_EQ(source.error().code, ErrorCode::corrupt) << source.error().message;
+    EXPECT_TRUE(contains(source.error().message, "changed.oni")) << source.error().message;
+  }
+}
+
+// Where the reader program is missing the process forks itself.
+TEST_F(Recorded, AForkOfTheProgramPlaysTheSameFrames) {
+  NEED_VIRTUAL_DEVICE();
+  auto child = ChildProcess::fork([](int pipe) { return serve_oni(oni(), pipe); });
+  ASSERT_TRUE(child) << child.error().message;
+  const auto take = [&](void* to, std::size_t size) {
+    for (std::size_t have = 0; have < size;) {
+      std::size_t count = 0;
+      const auto read = child->read(static_cast<char*>(to) + have, size - have, 20'000, count);
+      if (read != ChildProcess::Read::some) return false;
+      have += count;
+    }
+    return true;
+  };
+  oni::Header header;
+  oni::Hello hello;
+  ASSERT_TRUE(take(&header, sizeof header) && take(&hello, sizeof hello));
+  EXPECT_EQ(hello.width, kWidth);
+  for (int i = 0; i < hello.frame_count; ++i) {
+    oni::Frame frame;
+    Picture picture(kWidth, kHeight);
+    ASSERT_TRUE(take(&header, sizeof header) && take(&frame, sizeof frame) &&
+                take(picture.pixels.data(), picture.pixels.size() * 2));
+    ASSERT_EQ(picture.pixels, known(i % kPictures).pixels);
+  }
+  oni::End end;
+  ASSERT_TRUE(take(&header, sizeof header) && take(&end, sizeof end));
+  EXPECT_EQ(end.complete, 1U);
+  EXPECT_EQ(child->reap(), "exited with 0");
 }
 
 TEST_F(Recorded, StartPlaysFromTheFirstFrameAgain) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/rng.h"
+#include "hal/intrinsics.h"
 #include "kernels/core/camera.h"
 
 namespace im2fit::hal {
@@ -65,6 +66,10 @@ inline Intrinsics camera_of(int width, int height) {
           f * 1.01F,
           0.5F * static_cast<float>(width) - 3.25F,
           0.5F * static_cast<float>(height) + 1.125F};
+}
+
+inline std::string yaml_of(const Intrinsics& k, const std::string& name, int rotate_deg) {
+  return camera_yaml_text(Calibration{k, {}, rotate_deg, IntrinsicsOrigin::calibration_file}, name);
 }
 
 inline bool contains(const std::string& text, const std::string& part) {

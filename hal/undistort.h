@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lens distortion of a calibration, undone at the edge: everything behind the HAL is a pinhole camera.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "kernels/core/camera.h"
+
+namespace im2fit::hal {
+
+// OpenCV's order: k1 k2 p1 p2 k3 k4 k5 k6 ("plumb_bob" has the first five, "rational_polynomial" all).
+struct Distortion {
+  std::array<double, 8> coefficients{};
+  bool any() const;
+};
+
+// For each pixel of the undistorted picture, row by row, the index of the camera's pixel nearest to where the ray is
+// seen; -1 outside the camera's picture. Depths must not be interpolated: between two surfaces there is none. The
+// undistorted picture has the same intrinsics. Error: invalid_argument when the values are no lens's (not finite, or
+// less than half of the picture is seen). `what` names the file.
+Result<std::vector<std::int32_t>> undistortion_table(const Intrinsics& k, const Distortion& distortion,
+                                                     const std::string& what);
+
+}  // namespace im2fit::hal
