@@ -16,13 +16,15 @@ constexpr float kWallWidthMinMm = 1300.0F;
 constexpr float kWallAreaMinM2 = 1.2F;       // more than a person with both arms out
 constexpr float kHeadHeightMinMm = 1200.0F;  // above the floor: a seated adult's
 constexpr float kHeadHeightMaxMm = 2400.0F;
+constexpr float kHeadReliefMinMm = 33.0F;  // heads recede by 50 to 65 mm to their outline, cupboard corners by 20
+constexpr float kVagueMm = 4500.0F;
 constexpr float kFloatingMm = 450.0F;
 constexpr float kTorsoMm = 1000.0F;
 constexpr float kShinLowMm = 200.0F;  // above the floor
-constexpr float kShinHighMm = 600.0F;
+constexpr float kThighMm = 900.0F;
 constexpr float kLegWidthMinMm = 80.0F;
 constexpr float kNeckEndMm = 280.0F;  // below the crown
-constexpr float kNeckWidthMinMm = 80.0F;
+constexpr float kNeckWidthMinMm = 90.0F;
 constexpr float kTrunkEndMm = 650.0F;  // below the crown
 constexpr float kTrunkHalfMm = 180.0F;
 constexpr float kHeadApartMm = 320.0F;  // two heads side by side
@@ -277,6 +279,7 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   float relief_sum = 0;
   int row_count = 0;
   int at_border = 0;
+  float neck = 1e9F;
   float shoulders = 0;
   float left_reach = 0;
   float right_reach = 0;
@@ -320,7 +323,10 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
       at_border += lo == 0 || hi == grid.width - 1 ? 1 : 0;
       ++row_count;
     }
-    if (below >= 165.0F && below < kNeckEndMm && width < kNeckWidthMinMm - 0.5F * mm) return false;
+    if (below >= 165.0F && below < kNeckEndMm) {
+      if (width < kNeckWidthMinMm - 0.5F * mm) return false;
+      neck = std::min(neck, width);
+    }
     if (below >= 270.0F) {
       const int half = std::max(1, static_cast<int>(kTrunkHalfMm / mm));
       const int left = std::max(lo + 1, centre - half);
@@ -342,10 +348,12 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   if (row_count == 0) return false;
   const float width = width_sum / static_cast<float>(row_count);
   if (at_border * 2 > row_count || narrowest < 0.45F * widest) return false;  // cut in two; a cupboard's corner
-  if (narrowest < 95.0F - mm || widest > 330.0F + mm || width < 105.0F) return false;
+  if (neck > 1.25F * width + mm) return false;  // widens steadily, as a cupboard's top seen over its corner
+  if (narrowest < 95.0F - mm || widest > 330.0F + mm || width < 105.0F || width > 270.0F + 0.5F * mm) return false;
   if (shoulders < std::max(220.0F, 1.2F * width)) return false;
   if (std::max(left_reach, right_reach) < 40.0F || std::min(left_reach, right_reach) < -0.25F * width) return false;
-  if (relief_sum < 10.0F * static_cast<float>(row_count)) return false;
+  const float round = kHeadReliefMinMm - 0.2F * quantum_mm(z_head);
+  if (relief_sum < round * static_cast<float>(row_count)) return false;
   const float flat = 10.0F + 0.35F * quantum_mm(z_head);
   if (bulge_count > 0 && bulge_square_sum < flat * flat * static_cast<float>(bulge_count)) return false;
   out.blob = blob;
@@ -457,19 +465,18 @@ bool BlobFinder::on_pole(const Grid& grid, int b, const FloorPlane& floor) const
   const Blob& blob = blobs_[at(b)];
   if (!floor.known || blob.height_min_mm > kShinLowMm) return false;
   const auto label = static_cast<std::uint16_t>(b + 1);
-  float width_sum = 0;
-  int row_count = 0;
+  int thin_rows = 0;  // in succession
   for (int r = blob.r_min; r <= blob.r_max; ++r) {
     float width = 0;
     for (int c = blob.c_min; c <= blob.c_max; ++c) {
       const auto cell = at(grid.index(c, r));
-      if (labels_[cell] != label || grid.height_mm[cell] < kShinLowMm || grid.height_mm[cell] > kShinHighMm) continue;
+      if (labels_[cell] != label || grid.height_mm[cell] < kShinLowMm || grid.height_mm[cell] > kThighMm) continue;
       width += cell_mm(grid, static_cast<float>(grid.depth[cell]));
     }
-    width_sum += width;
-    row_count += width > 0 ? 1 : 0;
+    thin_rows = width > 0 && width < kLegWidthMinMm ? thin_rows + 1 : 0;
+    if (thin_rows == 3) return true;
   }
-  return row_count >= 3 && width_sum < kLegWidthMinMm * static_cast<float>(row_count);
+  return false;
 }
 
 // An arm held across the body cuts the trunk off below it: what lies under a head that ends in the air, at its depth
@@ -517,8 +524,12 @@ void BlobFinder::join_trunks(const Grid& grid, const FloorPlane& floor) {
 
 void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
   bool any_head = false;
+  float nearest = 1e9F;
+  for (int h = 0; h < head_count_; ++h) nearest = std::min(nearest, heads_[at(h)].top_mm.z);
   for (int h = 0; h < head_count_; ++h) {
     Blob& blob = blobs_[at(heads_[at(h)].blob)];
+    // Out there a head is three cells wide and one depth step thick: not worth a warning.
+    if (heads_[at(h)].top_mm.z > kVagueMm && nearest < kVagueMm) continue;
     const float tall = blob.height_max_mm - blob.height_min_mm;
     if (blob.area_m2 < 0.06F || blob.area_m2 > 2.2F || tall < 300.0F || floats(grid, heads_[at(h)].blob, floor))
       continue;

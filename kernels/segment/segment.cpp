@@ -27,6 +27,9 @@ constexpr float kForearmThickMinMm = 70.0F;  // table tops are thinner
 constexpr float kForearmAreaMaxM2 = 0.08F;
 constexpr float kHandHeightMinMm = 400.0F;  // above the floor: below it stand boxes and chairs
 constexpr float kHandGapMaxMm = 280.0F;     // held towards the camera, the forearm is hidden
+constexpr float kPointingMm = 250.0F;       // a hand this far before the body may hide its whole arm
+constexpr float kPointingGapMaxMm = 450.0F;
+constexpr float kHandMaxMm = 320.0F;
 constexpr float kElbowGapMaxMm = 100.0F;
 constexpr int kGapReachCells = 9;
 constexpr float kHoleShareMax = 0.30F;
@@ -116,7 +119,10 @@ void Segmenter::Workspace::absorb_fragments(int person) {
     candidate[b] = small && z > body.centroid_mm.z - 900.0F && z < body.centroid_mm.z + 500.0F ? 1 : 0;
     const float reach = static_cast<float>(std::max(other.c_max - other.c_min, other.r_max - other.r_min)) * cell;
     const bool off_floor = !grid_floor_known || other.height_min_mm > kHandHeightMinMm;
-    gap_max_mm[b] = z < body.centroid_mm.z - 60.0F && reach < kForearmMaxMm ? kHandGapMaxMm : kElbowGapMaxMm;
+    const float before = body.centroid_mm.z - z;
+    gap_max_mm[b] = before > kPointingMm && reach < kHandMaxMm ? kPointingGapMaxMm
+                    : before > 60.0F && reach < kForearmMaxMm  ? kHandGapMaxMm
+                                                               : kElbowGapMaxMm;
     const bool hand = reach < kForearmMaxMm + 80.0F && other.area_m2 < kForearmAreaMaxM2 && off_floor &&
                       other.height_max_mm - other.height_min_mm > kForearmThickMinMm;
     if (candidate[b] != 0 && hand) candidate[b] = 2;
