@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The OpenNI2 runtime, begun by its first user in the process and ended by its last.
+// The OpenNI2 runtime, begun by its first user in the process and ended with the process.
 #pragma once
 
 #include <memory>
@@ -17,9 +17,7 @@ class OpenNi2Runtime {
   ~OpenNi2Runtime();
   OpenNi2Runtime(const OpenNi2Runtime&) = delete;
   OpenNi2Runtime& operator=(const OpenNi2Runtime&) = delete;
-
- private:
-  OpenNi2Runtime() = default;
+  OpenNi2Runtime() = default;  // for get()
 };
 
 // What the runtime last complained of, on one line.

@@ -70,8 +70,8 @@ INSTANTIATE_TEST_SUITE_P(Folder, BothFormats, testing::Values(DepthFormat::png, 
 TEST(Folder, AHandWrittenPgmIsReadByTheLetterOfItsStandard) {
   const TestFolder folder;
   put(folder.path("camera.yaml"), yaml_of({2, 2, 2, 2, 0.5F, 0.5F}, "tiny", 0));
-  put(folder.path("7.pgm"),
-      std::string("P5 # a comment\n2\t2\n# another\n1000\n\x01\x02\x00\x00\x03\xE8\x00\xFF", 46));
+  const char pgm[] = "P5 # a comment\n2\t2\n# another\n1000\n\x01\x02\x00\x00\x03\xE8\x00\xFF";
+  put(folder.path("7.pgm"), std::string(pgm, sizeof pgm - 1));
   auto source = FolderSource::open(folder.path());
   ASSERT_TRUE(source) << source.error().message;
   Picture out(2, 2);
