@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// From an answer to a body: the nearest entry's parameters brought to the answered stature and weight, in the pose
+// that was measured.
+#pragma once
+
+#include <span>
+
+#include "base/status.h"
+#include "body/model.h"
+#include "body/skeleton.h"
+#include "index/index.h"
+#include "kernels/core/joints.h"
+#include "kernels/observe/observe.h"
+
+namespace im2fit {
+
+struct AnsweredBody {
+  body::Params params;
+  body::Pose pose;       // joints as measured, mesh axes; the hips above the origin, the floor (where known) at y = 0
+  bool in_reach = true;  // false: stature or weight is beyond the body model, params hold the nearest
+};
+
+// Errors: the entry does not exist; the index was built with another body file; joints that are not finite.
+Result<AnsweredBody> body_of_answer(const body::BodyModel& model, const index::Index& index,
+                                    const index::Answer& answer, const JointSet& measured_joints,
+                                    const FloorPlane& floor);
+
+// The same from a row of body/params_vector.h.
+Result<AnsweredBody> body_of_row(const body::BodyModel& model, std::span<const float> row, double stature_mm,
+                                 double weight_kg, const JointSet& measured_joints, const FloorPlane& floor);
+
+// Camera axes (x right, y down, z forward) to mesh axes (x the person's left, y up, z out of the face) for a person
+// who faces the camera: a half turn about x, then the floor's up, where known, to +y; see AnsweredBody::pose.
+JointSet to_mesh_axes(const JointSet& camera_joints, const FloorPlane& floor);
+
+}  // namespace im2fit

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// result.json, schema im2fit.result/1: docs/result.md says what each field means, docs/result.schema.json is
+// machine-readable. The same report gives the same bytes on every machine.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "engine/engine.h"
+#include "engine/size_chart.h"
+
+namespace im2fit {
+
+inline constexpr std::string_view kResultSchema = "im2fit.result/1";
+
+// "SEARCHING" and so on; "device" and so on.
+std::string_view name_of(SessionState state);
+std::string_view name_of(hal::IntrinsicsOrigin origin);
+
+// Values that differ from run to run; all under "timing", which is absent without them.
+struct ResultTiming {
+  double total_ms = 0;
+  double first_answer_ms = 0;
+};
+
+struct ResultReport {
+  EngineResult result;
+  hal::SourceInfo source;
+  std::optional<SizeAnswer> size;               // size_probabilities of the chest
+  std::optional<body::Params> body;             // body_of_answer; needs modifier_names
+  std::span<const std::string> modifier_names;  // BodyModel::modifier_names()
+  std::optional<ResultTiming> timing;
+};
+
+// UTF-8 with two spaces of indentation and a line end. Text that is no UTF-8 (paths may be) has its odd bytes
+// replaced.
+std::string result_json(const ResultReport& report);
+
+// What the person or scene needs, as in the file: once measured nothing; else the codes of the latest frame and
+// those that at least half of the frames carried (the last frame alone may show an empty room).
+GuidanceSet reported_guidance(const EngineResult& result);
+
+}  // namespace im2fit

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/result_json.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+
+#include "fake_stages.h"
+#include "schema.h"
+
+namespace im2fit {
+namespace {
+
+using nlohmann::json;
+
+json schema() {
+  std::ifstream in(IM2FIT_RESULT_SCHEMA);
+  return json::parse(in);
+}
+
+const std::vector<std::string> kModifiers = {"torso/scale", "hip/scale"};
+
+ResultReport measured_report() {
+  ResultReport report;
+  EngineResult& r = report.result;
+  r.state = SessionState::measured;
+  r.measured = true;
+  r.frames_seen = 60;
+  r.frames_used = 30;
+  r.guidance_frames[3] = 50;
+  for (std::size_t i = 0; i < kMeasurementCount; ++i) {
+    const float value = 1000.06F + 100 * static_cast<float>(i);
+    r.answer.measurements[i] = {value, value - 12.34F, value + 12.34F};
+    r.paper[i] = i < 9 ? value + 1 : std::numeric_limits<float>::quiet_NaN();
+  }
+  r.answer.measurements[measurement_index(Measurement::weight)] = {71.236F, 65.0F, 77.119F};
+  r.answer.female = 0.03F;
+  r.answer.nearest = 1234;
+  r.answer.nearest_distance = 1.25F;
+  r.measured_joints = test::standing_joints(false);
+  r.measured_joints[Joint::HE] = {-0.04F, -700.25F, 2000.06F};
+  report.source.uri = "folder:/data/\"one\"";
+  report.source.name = "folder";
+  report.source.intrinsics = {480, 640, 575.8F, 575.8F, 239.5F, 319.5F};
+  report.source.intrinsics_origin = hal::IntrinsicsOrigin::calibration_file;
+  report.source.rotate_deg = 90;
+  report.size = size_probabilities(builtin_size_system(), {1000, 980, 1020}, 0.03F);
+  body::Params params;
+  params.modifiers = {0.5F, 0.0F};
+  report.body = params;
+  report.modifier_names = kModifiers;
+  return report;
+}
+
+TEST(ResultJson, AMeasuredResultMeetsTheSchema) {
+  const json value = json::parse(result_json(measured_report()));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(value), testing::IsEmpty());
+}
+
+TEST(ResultJson, SaysWhatTheResultSays) {
+  const json v = json::parse(result_json(measured_report()));
+  EXPECT_EQ(v["schema"], "im2fit.result/1");
+  EXPECT_EQ(v["state"], "MEASURED");
+  EXPECT_EQ(v["guidance"], json::array()) << "once measured nothing is needed";
+  EXPECT_EQ(v["frames"], json({{"seen", 60}, {"used", 30}, {"dropped", 0}}));
+  EXPECT_EQ(v["source"]["uri"], "folder:/data/\"one\"");
+  EXPECT_EQ(v["source"]["intrinsics"]["origin"], "calibration_file");
+  EXPECT_EQ(v["source"]["intrinsics"]["fx"], 575.8);
+  EXPECT_EQ(v["source"]["rotate_deg"], 90);
+  ASSERT_EQ(v["measurements"].size(), kMeasurementCount);
+  EXPECT_EQ(v["measurements"]["stature"]["value"], 1000.1);
+  EXPECT_EQ(v["measurements"]["stature"]["interval"], json::array({987.7, 1012.4}));
+  EXPECT_EQ(v["measurements"]["stature"]["unit"], "mm");
+  EXPECT_EQ(v["measurements"]["stature"]["iso"], "ISO 8559-1:2017 5.1.1");
+  EXPECT_EQ(v["measurements"]["shoulder_girth"]["iso"], nullptr);
+  EXPECT_EQ(v["measurements"]["weight"]["value"], 71.24);
+  EXPECT_EQ(v["measurements"]["weight"]["interval"], json::array({65.0, 77.12}));
+  EXPECT_EQ(v["measurements"]["weight"]["unit"], "kg");
+  EXPECT_EQ(v["sex"]["female"], 0.03);
+  EXPECT_EQ(v["size"]["chart"], "EN 13402-3");
+  EXPECT_EQ(v["size"]["best"], "M");
+  EXPECT_EQ(v["joints"].size(), kJointCount);
+  EXPECT_EQ(v["joints"]["HE"]["position_mm"], json::array({0.0, -700.2, 2000.1}));
+  EXPECT_EQ(v["joints"]["HE"]["confidence"], 0.9);
+  EXPECT_EQ(v["body"]["entry"], 1234);
+  EXPECT_EQ(v["body"]["distance"], 1.25);
+  EXPECT_EQ(v["body"]["parameters"]["modifiers"], json({{"torso/scale", 0.5}}));
+  EXPECT_EQ(v["paper"].size(), 9U) << "what the paper does not measure is left out";
+  EXPECT_EQ(v["paper"]["stature"], 1001.1);
+  EXPECT_FALSE(v.contains("timing"));
+}
+
+TEST(ResultJson, KeysComeInTheOrderOfTheDesign) {
+  const auto v = nlohmann::ordered_json::parse(result_json(measured_report()));
+  std::vector<std::string> keys;
+  for (const auto& [key, unused] : v.items()) keys.push_back(key);
+  EXPECT_THAT(keys, testing::ElementsAre("schema", "state", "guidance", "frames", "source", "measurements", "sex",
+                                         "size", "joints", "body", "paper"));
+}
+
+TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {
+  ResultReport report;
+  report.source = measured_report().source;
+  report.result.state = SessionState::lost;
+  report.result.frames_seen = 40;
+  report.result.guidance = static_cast<GuidanceSet>(Guidance::no_person);
+  report.result.guidance_frames[0] = 12;
+  report.result.guidance_frames[3] = 20;
+  report.result.guidance_frames[8] = 19;
+  report.result.guidance_seen = Guidance::no_person | Guidance::feet_cut;
+  const json v = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
+  EXPECT_EQ(v["guidance"], json::array({"NO_PERSON", "FEET_CUT"})) << "latest frame, and half of all frames";
+  EXPECT_EQ(v["measurements"], json::object());
+  EXPECT_FALSE(v.contains("sex"));
+  EXPECT_FALSE(v.contains("body"));
+  EXPECT_EQ(v["joints"], json::object());
+}
+
+TEST(ResultJson, TimingStandsApart) {
+  ResultReport report = measured_report();
+  const std::string plain = result_json(report);
+  report.timing = ResultTiming{123.45, 67.8};
+  report.result.sequence_gaps = 2;
+  json timed = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(timed), testing::IsEmpty());
+  EXPECT_EQ(timed["timing"]["sequence_gaps"], 2);
+  timed.erase("timing");
+  EXPECT_EQ(timed, json::parse(plain));
+}
+
+TEST(ResultJson, OddNumbersAndOddTextStayJson) {
+  ResultReport report = measured_report();
+  report.result.answer.measurements[1].value = std::numeric_limits<float>::quiet_NaN();
+  report.result.answer.measurements[1].high = std::numeric_limits<float>::infinity();
+  report.source.name = "bad \xff utf-8";
+  const json v = json::parse(result_json(report));
+  EXPECT_EQ(v["measurements"]["sleeve_length"]["value"], nullptr);
+  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
+}
+
+TEST(SchemaCheck, FindsWhatIsWrong) {
+  const json good = json::parse(result_json(measured_report()));
+  const json rules = schema();
+  const auto spoilt = [&](const std::function<void(json&)>& spoil) {
+    json v = good;
+    spoil(v);
+    return test::SchemaCheck(rules).run(v).size();
+  };
+  EXPECT_EQ(spoilt([](json&) {}), 0U);
+  EXPECT_EQ(spoilt([](json& v) { v.erase("state"); }), 1U);
+  EXPECT_EQ(spoilt([](json& v) { v["extra"] = 1; }), 1U);
+  EXPECT_EQ(spoilt([](json& v) { v["guidance"] = {"HELLO"}; }), 1U);
+  EXPECT_EQ(spoilt([](json& v) { v["guidance"] = {"MOVING", "MOVING"}; }), 1U);
+  EXPECT_EQ(spoilt([](json& v) { v["frames"]["seen"] = -1; }), 1U);
+  EXPECT_EQ(spoilt([](json& v) { v["frames"]["seen"] = 1.5; }), 1U);
+  EXPECT_EQ(spoilt([](json& v) { v["measurements"]["stature"]["unit"] = "cm"; }), 1U);
+  EXPECT_EQ(spoilt([](json& v) { v["measurements"]["stature"]["interval"] = {1}; }), 1U);
+  EXPECT_EQ(spoilt([](json& v) { v["sex"]["female"] = 1.5; }), 1U);
+  EXPECT_EQ(spoilt([](json& v) { v["source"]["intrinsics"]["fx"] = 0; }), 1U);
+  EXPECT_EQ(test::SchemaCheck(json{{"oneOf", 1}}).run(good).size(), 1U);
+}
+
+TEST(ResultJson, SameBytesOnOneAndTwoThreadsAndTwice) {
+  std::string texts[4];
+  for (int run = 0; run < 4; ++run) {
+    EngineSettings settings = test::small_settings();
+    settings.single_thread = run % 2 == 1;
+    test::FakeStages::Control control;
+    auto engine = create_engine(settings, std::make_unique<test::FakeStages>(control));
+    ASSERT_TRUE(engine);
+    for (int i = 0; i < 40; ++i) {
+      test::Shot shot;
+      shot.found = i > 3;
+      shot.guidance = i % 4 == 0 ? 2 : 0;
+      shot.refused = i % 5 == 0;
+      shot.value = static_cast<std::uint16_t>(1000 + 7 * i);
+      hal::FrameInfo info;
+      info.sequence = static_cast<std::uint64_t>(i);
+      ASSERT_TRUE((*engine)->push(test::FramePixels(shot).view(), info));
+    }
+    (*engine)->finish();
+    ResultReport report = measured_report();
+    report.result = (*engine)->result();
+    texts[run] = result_json(report);
+    EXPECT_EQ(json::parse(texts[run])["state"], "MEASURED");
+  }
+  for (int run = 1; run < 4; ++run) EXPECT_EQ(texts[run], texts[0]);
+}
+
+}  // namespace
+}  // namespace im2fit
