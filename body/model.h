@@ -17,7 +17,7 @@
 
 namespace im2fit::body {
 
-inline constexpr int kSegmentCount = 19;  // facts/makehuman.md: enough for every pose we make
+inline constexpr int kSegmentCount = 19;  // docs/makehuman.md: enough for every pose we make
 enum class Segment : std::uint8_t {
   pelvis,
   abdomen,
@@ -42,7 +42,8 @@ enum class Segment : std::uint8_t {
 extern const std::array<std::int8_t, kSegmentCount> kSegmentParent;  // -1 for the pelvis; parents come first
 extern const std::array<std::string_view, kSegmentCount> kSegmentNames;
 
-// Sliders as MakeHuman's (facts/makehuman.md), all 0..1 except age and the local modifiers (-1..1).
+// Sliders as MakeHuman's (docs/makehuman.md), all 0..1 except age and the local modifiers (-1..1, limited to +-2).
+// Values out of range are limited; not-a-number counts as the low end.
 struct Params {
   float gender = 0.5F;      // 0 woman, 1 man
   float age_years = 25.0F;  // 18..90
@@ -71,7 +72,7 @@ class BodyModel {
   std::span<const std::array<std::int32_t, 4>> body_quads() const;
   std::span<const std::array<std::int32_t, 3>> body_triangles()
       const;                                            // the quads split, consistently oriented outwards
-  std::span<const std::string> modifier_names() const;  // local modifiers, "group/name"; see docs/formats.md
+  std::span<const std::string> modifier_names() const;  // local modifiers, "group/name"; see docs/makehuman.md
   int modifier_index(std::string_view name) const;      // -1 when absent
 
   // Rest-pose mesh of `params`; out has vertex_count() places. No allocation.

@@ -36,7 +36,7 @@ struct Pose {
 Pose pose_from_local(const std::array<Mat3f, kSegmentCount>& local, Vec3f translation_mm = {});
 // Pose whose bones point from joint to joint. Joints in mesh axes (y up, mm).
 Pose pose_from_joints(const Skeleton& rest, const JointSet& joints);
-// Named poses. `spread_deg`: arm abduction of relaxed (see facts: 10-22 by girth).
+// Named poses. `spread_deg`: arm abduction of relaxed (10-22 by girth: relaxed_spread_deg in measure.h).
 Pose relaxed_pose(const Skeleton& rest, float spread_deg);
 Pose a_pose(const Skeleton& rest);  // the rest pose
 Pose psi_pose(const Skeleton& rest);

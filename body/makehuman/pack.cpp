@@ -10,6 +10,7 @@
 #include "base/container.h"
 #include "body/makehuman/makehuman.h"
 #include "body/makehuman/modifier_table.h"
+#include "body/makehuman/segments.h"
 #include "body/makehuman/source.h"
 #include "body/model_data.h"
 
@@ -24,93 +25,7 @@ struct Range {
   int first, last;
 };
 constexpr Range kKept[] = {{0, 13379}, {13606, 14597}, {15328, 18721}, {19150, 19157}};
-constexpr Range kJointCubes = {13606, 14597};
-constexpr int kCubeSize = 8;
 constexpr Range kKneeCubes[2] = {{13838, 13845}, {14278, 14285}};  // left, right
-
-constexpr std::size_t index_of(Segment s) {
-  return static_cast<std::size_t>(s);
-}
-constexpr std::size_t index_of(int v) {
-  return static_cast<std::size_t>(v);
-}
-
-// The segment a bone of MakeHuman's 163 belongs to; bones not named here follow their parent.
-struct BoneSegment {
-  std::string_view bone;  // without ".L" / ".R"
-  Segment segment;        // the left one of a pair
-};
-constexpr BoneSegment kBoneSegments[] = {
-    {"root", Segment::pelvis},
-    {"pelvis", Segment::pelvis},
-    {"spine05", Segment::abdomen},
-    {"spine04", Segment::abdomen},
-    {"spine03", Segment::chest},
-    {"neck01", Segment::neck},
-    {"head", Segment::head},
-    {"clavicle", Segment::left_shoulder},
-    {"upperarm01", Segment::left_upper_arm},
-    {"lowerarm01", Segment::left_lower_arm},
-    {"wrist", Segment::left_hand},
-    {"upperleg01", Segment::left_upper_leg},
-    {"lowerleg01", Segment::left_lower_leg},
-    {"foot", Segment::left_foot},
-};
-
-Segment right_of(Segment s) {
-  if (s >= Segment::left_shoulder && s <= Segment::left_hand)
-    return static_cast<Segment>(index_of(s) - index_of(Segment::left_shoulder) + index_of(Segment::right_shoulder));
-  if (s >= Segment::left_upper_leg && s <= Segment::left_foot)
-    return static_cast<Segment>(index_of(s) - index_of(Segment::left_upper_leg) + index_of(Segment::right_upper_leg));
-  return s;
-}
-
-// False for a bone whose chain of parents ends without meeting a segment.
-bool segment_of_bone(const Rig& rig, std::string bone, Segment& out) {
-  for (int depth = 0; depth < 64; ++depth) {
-    const bool sided = bone.ends_with(".L") || bone.ends_with(".R");
-    const std::string_view stem = sided ? std::string_view(bone).substr(0, bone.size() - 2) : std::string_view(bone);
-    for (const BoneSegment& b : kBoneSegments)
-      if (b.bone == stem) {
-        out = bone.ends_with(".R") ? right_of(b.segment) : b.segment;
-        return true;
-      }
-    const auto it = rig.bones.find(bone);
-    if (it == rig.bones.end()) return false;
-    bone = it->second.parent;
-  }
-  return false;
-}
-
-// The joints of a body, as "bone:head" / "bone:tail"; several are joined with '+'.
-constexpr std::string_view kHeads[kSegmentCount] = {"upperleg01.L:head+upperleg01.R:head",
-                                                    "spine05:head",
-                                                    "spine03:head",
-                                                    "neck01:head",
-                                                    "head:head",
-                                                    "clavicle.L:head",
-                                                    "upperarm01.L:head",
-                                                    "lowerarm01.L:head",
-                                                    "wrist.L:head",
-                                                    "clavicle.R:head",
-                                                    "upperarm01.R:head",
-                                                    "lowerarm01.R:head",
-                                                    "wrist.R:head",
-                                                    "upperleg01.L:head",
-                                                    "lowerleg01.L:head",
-                                                    "foot.L:head",
-                                                    "upperleg01.R:head",
-                                                    "lowerleg01.R:head",
-                                                    "foot.R:head"};
-constexpr std::string_view kTails[kSegmentCount] = {
-    "spine05:head",      "spine03:head",      "neck01:head",        "head:head",          "head:tail",
-    "upperarm01.L:head", "lowerarm01.L:head", "wrist.L:head",       "metacarpal3.L:tail", "upperarm01.R:head",
-    "lowerarm01.R:head", "wrist.R:head",      "metacarpal3.R:tail", "lowerleg01.L:head",  "foot.L:head",
-    "foot.L:tail",       "lowerleg01.R:head", "foot.R:head",        "foot.R:tail"};
-constexpr std::string_view kOpenNi[kJointCount] = {
-    "head:head+head:tail", "neck01:head",       "spine03:head",       "upperarm01.L:head",  "upperarm01.R:head",
-    "lowerarm01.L:head",   "lowerarm01.R:head", "metacarpal3.L:tail", "metacarpal3.R:tail", "upperleg01.L:head",
-    "upperleg01.R:head",   "lowerleg01.L:head", "lowerleg01.R:head",  "foot.L:head",        "foot.R:head"};
 
 class Packer {
  public:
@@ -168,42 +83,25 @@ class Packer {
     return Ok{};
   }
 
-  // Vertices of "bone:end" or of several joined with '+' (of equal size, so that the mean is the mean of means).
-  Result<std::vector<int>> joint_vertices(std::string_view text) const {
-    std::vector<int> out;
-    while (!text.empty()) {
-      const auto plus = text.find('+');
-      const auto part = text.substr(0, plus);
-      text = plus == std::string_view::npos ? std::string_view() : text.substr(plus + 1);
-      const auto colon = part.find(':');
-      const auto bone = s_.rig.bones.find(std::string(part.substr(0, colon)));
-      if (bone == s_.rig.bones.end())
-        return Error{ErrorCode::corrupt, "rig: no bone '" + std::string(part.substr(0, colon)) + "'"};
-      const auto& joint = part.substr(colon + 1) == "head" ? bone->second.head : bone->second.tail;
-      for (const int v : s_.rig.joints.at(joint)) {
-        if (new_index_[index_of(v)] < 0)
-          return Error{ErrorCode::corrupt,
-                       "rig: joint '" + joint + "' uses vertex " + std::to_string(v) + ", which is not kept"};
-        out.push_back(v);
-      }
-    }
-    return out;
-  }
-
   Status lists() {
     std::vector<ListRecord> records;
     std::vector<std::int32_t> vertices;
     const auto add = [&](std::span<const std::string_view> joints) -> Status {
       for (const auto joint : joints) {
-        const auto list = joint_vertices(joint);
+        const auto list = joint_vertices(s_.rig, joint);
         if (!list) return list.error();
         records.push_back({static_cast<std::uint32_t>(vertices.size()), static_cast<std::uint32_t>(list->size())});
-        for (const int v : *list) vertices.push_back(new_index_[index_of(v)]);
+        for (const int v : *list) {
+          vertices.push_back(new_index_[index_of(v)]);
+          if (vertices.back() < 0)
+            return Error{ErrorCode::corrupt,
+                         "rig: joint '" + std::string(joint) + "' uses vertex " + std::to_string(v) + ", not kept"};
+        }
       }
       return Ok{};
     };
     for (const std::span<const std::string_view> joints :
-         {std::span<const std::string_view>(kHeads), {kTails}, {kOpenNi}}) {
+         {std::span<const std::string_view>(kSegmentHeads), {kSegmentTails}, {kOpenNiJoints}}) {
       const Status status = add(joints);
       if (!status) return status;
     }
@@ -212,78 +110,20 @@ class Packer {
     return Ok{};
   }
 
-  using SegmentWeights = std::array<double, kSegmentCount>;
-
   Status skin() {
-    segment_weights_.assign(kSourceVertexCount, SegmentWeights{});
-    std::map<std::string, Segment> segments;
-    for (std::size_t v = 0; v < s_.influences.size(); ++v)
-      for (const auto& [bone, weight] : s_.influences[v]) {
-        if (!segments.contains(bone) && !segment_of_bone(s_.rig, bone, segments[bone]))
-          return Error{ErrorCode::corrupt, "skin weights: bone '" + bone + "' is not in the rig"};
-        segment_weights_[v][index_of(segments[bone])] += weight;
-      }
-    const Status rigid = make_joint_cubes_rigid();
-    if (!rigid) return rigid;
+    auto weights = segment_weights(s_);
+    if (!weights) return weights.error();
+    segment_weights_ = std::move(*weights);
     std::vector<SkinRecord> records;
     for (const int v : kept_) records.push_back(heaviest_four(segment_weights_[index_of(v)]));
     writer_.add_array<SkinRecord>("skin", records);
     return Ok{};
   }
 
-  // A joint cube moves with one segment. A segment's head cube moves with that segment, about its own mean: then
-  // skinned joints and posed bones are the same points.
-  Status make_joint_cubes_rigid() {
-    for (int first = kJointCubes.first; first <= kJointCubes.last; first += kCubeSize) {
-      SegmentWeights sum{};
-      for (int v = first; v < first + kCubeSize; ++v)
-        for (std::size_t s = 0; s < sum.size(); ++s) sum[s] += segment_weights_[index_of(v)][s];
-      const auto best = static_cast<std::size_t>(std::max_element(sum.begin(), sum.end()) - sum.begin());
-      for (int v = first; v < first + kCubeSize; ++v) set_rigid(v, best);
-    }
-    for (std::size_t s = 0; s < kSegmentCount; ++s) {
-      for (const auto& joints : {kTails[s], kHeads[s]}) {
-        const auto list = joint_vertices(joints);
-        if (!list) return list.error();
-        for (const int v : *list)
-          if (v >= kJointCubes.first) set_rigid(v, s);
-      }
-    }
-    return Ok{};
-  }
-
-  void set_rigid(int v, std::size_t segment) {
-    segment_weights_[index_of(v)] = {};
-    segment_weights_[index_of(v)][segment] = 1;
-  }
-
-  // Sums run from .32 to 1.67 in the data: normalised. A vertex without weights (ground) stays with the pelvis.
-  static SkinRecord heaviest_four(const SegmentWeights& weights) {
-    std::array<std::size_t, kSegmentCount> order{};
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return weights[a] > weights[b]; });
-    const double sum = weights[order[0]] + weights[order[1]] + weights[order[2]] + weights[order[3]];
-    SkinRecord record;
-    if (!(sum > 0)) {
-      record.weight[0] = 1;
-      return record;
-    }
-    float rest = 1;
-    for (std::size_t i = 3; i > 0; --i) {
-      record.segment[i] = weights[order[i]] > 0 ? static_cast<std::uint8_t>(order[i]) : std::uint8_t{0};
-      record.weight[i] = static_cast<float>(weights[order[i]] / sum);
-      rest -= record.weight[i];
-    }
-    record.segment[0] = static_cast<std::uint8_t>(order[0]);
-    record.weight[0] = rest;
-    return record;
-  }
-
   // The body vertex above and 20 mm outwards of a shoulder joint: a man of ANSUR II's mean stature and weight then
   // has its mean biacromial breadth (416 mm); straight above the joint gives 370.
   Result<std::int32_t> acromion(std::string_view shoulder) const {
-    const auto list = joint_vertices(shoulder);
+    const auto list = joint_vertices(s_.rig, shoulder);
     if (!list) return list.error();
     Vec3f joint;
     for (const int v : *list) joint = joint + base_mm(v) * (1.0F / static_cast<float>(list->size()));
@@ -303,8 +143,8 @@ class Packer {
   }
 
   Status landmarks() {
-    const auto left = acromion(kHeads[index_of(Segment::left_upper_arm)]);
-    const auto right = acromion(kHeads[index_of(Segment::right_upper_arm)]);
+    const auto left = acromion(kSegmentHeads[index_of(Segment::left_upper_arm)]);
+    const auto right = acromion(kSegmentHeads[index_of(Segment::right_upper_arm)]);
     if (!left) return left.error();
     if (!right) return right.error();
     const std::vector<std::int32_t> vertices = {8451, 1779, 6431, 4116, 857, *left, *right};

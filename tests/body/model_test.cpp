@@ -58,7 +58,7 @@ Params person(float gender, float height) {
 TEST(RealBody, StatureAtTheEndsAndMiddleOfTheHeightSlider) {
   IM2FIT_NEEDS_BODY();
   const BodyModel& model = *real_body();
-  // facts: 136.4 / 173.0 / 245.4 cm for men, 122.3 / 159.0 / 231.2 cm for women.
+  // docs/makehuman.md: 136.4 / 173.0 / 245.4 cm for men, 122.3 / 159.0 / 231.2 cm for women.
   const std::array<std::array<double, 3>, 2> expected = {{{1223, 1590, 2312}, {1364, 1730, 2454}}};
   for (std::size_t g = 0; g < 2; ++g)
     for (std::size_t h = 0; h < 3; ++h)
