@@ -21,10 +21,11 @@ class Answerer {
   void body(const Targets& regressed, const QueryOptions& options, std::span<Neighbour> neighbours,
             std::span<float> out) const;
 
- private:
-  // Regressed targets with both corrections.
+  // Regressed targets with both corrections; `spread`: of the residuals nearby. Standardised units.
   Targets corrected(const Targets& regressed, const QueryOptions& options, std::span<Neighbour> neighbours,
                     Targets& spread) const;
+
+ private:
   Coordinates key_of(const Targets& targets) const;
   void fill_estimates(const Targets& targets, const Targets& spread, int frame_count, Answer& out) const;
   float female_probability(double score) const;

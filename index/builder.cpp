@@ -10,6 +10,7 @@
 
 #include "base/container.h"
 #include "base/rng.h"
+#include "index/answering.h"
 #include "index/calibration.h"
 #include "index/format.h"
 #include "index/index.h"
@@ -20,6 +21,7 @@ namespace im2fit::index {
 namespace {
 
 constexpr std::size_t kSubjectMin = 20;
+constexpr std::size_t kStrangersMin = 200;  // fewer say too little about 2.5 % quantiles
 constexpr std::size_t kBlockSamples = 1024;
 constexpr double kVarianceMin = 1e-10;  // relative to the mean's square: below it a feature is a constant
 constexpr int kLatentMax = kTargetMax - kTargetMin;
@@ -57,6 +59,8 @@ struct IndexBuilder::Impl {
   std::vector<bool> woman;
   std::vector<float> body;
 
+  std::vector<Sample> strangers;  // calibrate_only
+
   std::vector<FeatureGroup> groups;
   std::vector<float> feature_mean;
   std::vector<float> feature_scale;
@@ -79,6 +83,7 @@ struct IndexBuilder::Impl {
                            const IntervalModel& intervals) const;
   std::vector<GroupRecord> group_records() const;
   void add_body(ContainerWriter& out) const;
+  std::vector<HeldOut> answer_strangers(std::span<const std::byte> file) const;
   std::vector<std::byte> write(const Tuner& tuner, const RidgeFit& fit, const IntervalModel& intervals,
                                const ReportRecord& report) const;
 };
@@ -94,7 +99,7 @@ std::size_t IndexBuilder::sample_count() const {
 void IndexBuilder::add(const Sample& sample) {
   Impl& d = *impl_;
   if (!d.complaint.empty()) return;
-  if (d.sample_count == 0) {
+  if (d.sample_count == 0 && d.strangers.empty()) {
     d.feature_size = sample.feature.size();
     d.body_size = sample.body.size();
   }
@@ -109,6 +114,10 @@ void IndexBuilder::add(const Sample& sample) {
   if (!std::all_of(sample.truth.begin(), sample.truth.end(), finite) ||
       !std::all_of(sample.body.begin(), sample.body.end(), finite)) {
     d.complaint = which + " has a truth or body parameter that is not finite";
+    return;
+  }
+  if (sample.calibrate_only) {
+    d.strangers.push_back(sample);
     return;
   }
   const auto [it, fresh] = d.subject_index.emplace(sample.subject, static_cast<std::uint32_t>(d.truth.size()));
@@ -410,6 +419,27 @@ std::vector<std::byte> IndexBuilder::Impl::write(const Tuner& tuner, const Ridge
   return out.finish();
 }
 
+// The finished index, asked about people it was not made for.
+std::vector<HeldOut> IndexBuilder::Impl::answer_strangers(std::span<const std::byte> file) const {
+  std::vector<HeldOut> out;
+  const auto contents = parse_contents(file, "index");
+  if (!contents) return out;
+  const Answerer answerer(*contents);
+  std::vector<float> z(feature_size);
+  std::vector<Neighbour> neighbours(kNeighbourMax);
+  for (const Sample& s : strangers) {
+    HeldOut row;
+    row.subject = static_cast<std::uint32_t>(s.subject);
+    row.frame_count = s.frame_count;
+    standardise(s.feature, contents->feature_mean, contents->feature_scale, z);
+    row.answer = answerer.corrected(regress(z, contents->ridge, contents->ridge_bias), {}, neighbours, row.spread);
+    for (std::size_t m = 0; m < kMeasurementCount; ++m)
+      row.truth[m] = target_scale[m] > 0 ? (static_cast<double>(s.truth[m]) - target_mean[m]) / target_scale[m] : 0;
+    out.push_back(row);
+  }
+  return out;
+}
+
 Result<std::vector<std::byte>> IndexBuilder::finish() {
   Impl& d = *impl_;
   d.groups = d.options.groups.empty() ? default_groups(d.feature_size) : d.options.groups;
@@ -427,9 +457,14 @@ Result<std::vector<std::byte>> IndexBuilder::finish() {
 
   Tuner tuner(d.rows, regressed, d.entry_targets);
   tuner.run(d.options.dimensions);
-  const IntervalModel intervals = calibrate_intervals(tuner.held_out);
-  const ReportRecord report = d.make_report(tuner, regressed, intervals);
-  return d.write(tuner, fit, intervals, report);
+  IntervalModel intervals = calibrate_intervals(tuner.held_out);
+  const auto finished = [&] { return d.write(tuner, fit, intervals, d.make_report(tuner, regressed, intervals)); };
+  std::vector<std::byte> file = finished();
+  if (d.strangers.size() < kStrangersMin) return file;
+  const std::vector<HeldOut> strangers = d.answer_strangers(file);
+  if (strangers.empty()) return invalid("the new index cannot be read back");
+  intervals = calibrate_intervals(strangers);
+  return finished();
 }
 
 }  // namespace im2fit::index

@@ -106,6 +106,9 @@ struct Sample {
   bool woman = false;
   std::vector<float> body;  // parameters to regenerate the mesh; the same size in every sample
   int frame_count = 1;      // frames fused behind the feature
+  // Not learned from and no entry: only the intervals are fitted to such subjects, so that they also hold for people
+  // unlike the index' own. Used when there are at least 200 of them.
+  bool calibrate_only = false;
 };
 
 // Features that share one regularisation. Groups cover the feature in order.
@@ -132,7 +135,7 @@ class IndexBuilder {
   ~IndexBuilder();
   // A sample whose sizes differ from the first one's, or with a truth that is not finite, makes finish() fail.
   void add(const Sample& sample);
-  std::size_t sample_count() const;
+  std::size_t sample_count() const;  // without those that only calibrate
   // Errors: too few subjects (< 20), samples that disagree in size, options out of range. Call once.
   Result<std::vector<std::byte>> finish();
 

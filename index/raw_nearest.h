@@ -15,7 +15,7 @@ class RawNearest {
  public:
   // Only the first `feature_size` values of every feature are looked at.
   explicit RawNearest(std::size_t feature_size = 501) : feature_size_(feature_size) {}
-  // Samples with shorter features are refused (false).
+  // Samples with shorter features, and those that only calibrate, are refused (false).
   bool add(const Sample& sample);
   std::size_t size() const { return truth_.size(); }
 

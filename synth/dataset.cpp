@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "body/params_vector.h"
 #include "synth/dataset_shard.h"
+#include "synth/strangers.h"
 #include "synth/tracker_parallel.h"
 
 namespace im2fit::synth {
@@ -36,6 +37,7 @@ Status check(const DatasetOptions& o) {
     return invalid("subject_count is " + std::to_string(o.subject_count) + ", expected 1 to 10000000");
   if (o.captures_per_subject < 1 || o.captures_per_subject > 64)
     return invalid("captures_per_subject is " + std::to_string(o.captures_per_subject) + ", expected 1 to 64");
+  if (o.stranger_every < 0) return invalid("stranger_every must not be negative");
   if (o.chunk_size < 1 || o.thread_count < 1) return invalid("chunk_size and thread_count must be at least 1");
   const CaptureVariety& v = o.variety;
   if (v.frames_min < kCaptureFramesMin || v.frames_max < v.frames_min || v.frames_max > 1000)
@@ -63,6 +65,7 @@ std::uint64_t key_of(const body::BodyModel& model, const DatasetOptions& o, std:
   mix(std::bit_cast<std::uint64_t>(o.variety.wide_share));
   mix(std::bit_cast<std::uint64_t>(o.variety.landscape_share));
   mix(o.variety.plain ? 1 : 0);
+  mix(static_cast<std::uint64_t>(o.stranger_every));
   return hash;
 }
 
@@ -78,7 +81,10 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
                            std::uint64_t number) {
   SubjectResult result;
   const auto start = Clock::now();
-  const Subject subject = draw_subject(model, o.family, o.seed, number);
+  const bool stranger = o.family == Family::training && o.stranger_every > 0 &&
+                        number % static_cast<std::uint64_t>(o.stranger_every) == 5;
+  const Subject subject =
+      stranger ? draw_stranger(model, o.seed, number) : draw_subject(model, o.family, o.seed, number);
   rig.cost.draw += seconds_since(start);
   for (int c = 0; c < o.captures_per_subject; ++c) {
     bool done = false;
@@ -95,8 +101,9 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
       s.feature.assign(capture.feature.begin(), capture.feature.end());
       s.truth = subject.truth;
       s.woman = subject.woman;
-      s.body = body::params_to_vector(subject.params, model.modifier_names().size());
+      s.body = body::pack_params(subject.params, model.modifier_names().size());
       s.frame_count = capture.frame_count;
+      s.calibrate_only = stranger;
       done = true;
     }
     if (!done) ++result.missing;

@@ -27,7 +27,7 @@ struct ShardMeta {
 struct RowMeta {
   std::uint64_t subject = 0;
   std::int32_t frame_count = 0;
-  std::uint32_t woman = 0;
+  std::uint32_t flags = 0;  // 1 woman, 2 calibrate_only
 };
 
 }  // namespace
@@ -47,7 +47,7 @@ Status write_shard(const std::string& path, std::uint64_t key, const Chunk& chun
   for (const index::Sample& s : chunk.samples) {
     meta.feature_size = static_cast<std::uint32_t>(s.feature.size());
     meta.body_size = static_cast<std::uint32_t>(s.body.size());
-    rows.push_back({s.subject, s.frame_count, s.woman ? 1U : 0U});
+    rows.push_back({s.subject, s.frame_count, (s.woman ? 1U : 0U) | (s.calibrate_only ? 2U : 0U)});
     features.insert(features.end(), s.feature.begin(), s.feature.end());
     bodies.insert(bodies.end(), s.body.begin(), s.body.end());
     truths.insert(truths.end(), s.truth.begin(), s.truth.end());
@@ -90,7 +90,8 @@ Result<Chunk> read_shard(const std::string& path, std::uint64_t key) {
     index::Sample s;
     s.subject = (*rows)[i].subject;
     s.frame_count = (*rows)[i].frame_count;
-    s.woman = (*rows)[i].woman != 0;
+    s.woman = ((*rows)[i].flags & 1U) != 0;
+    s.calibrate_only = ((*rows)[i].flags & 2U) != 0;
     const auto feature = features->subspan(i * meta.feature_size, meta.feature_size);
     s.feature.assign(feature.begin(), feature.end());
     const auto body = bodies->subspan(i * meta.body_size, meta.body_size);

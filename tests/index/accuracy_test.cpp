@@ -102,6 +102,44 @@ TEST(IndexAccuracy, FewerFramesWidenTheIntervalWhereFramesWereSeenToMatter) {
   EXPECT_NEAR(covered_many / total, 0.95, 0.03);
 }
 
+// Strangers differ from the index' people by more than the features show: the intervals must then hold for them, and
+// nothing else may change.
+TEST(IndexAccuracy, StrangersWidenTheIntervalsAndNothingElse) {
+  const World world;
+  const auto stranger = [&](std::uint64_t subject) {
+    Sample s = world.sample(subject, 0);
+    Rng rng = Rng::for_item(9, 9, subject);
+    for (float& v : s.truth) v += static_cast<float>(rng.normal(0, 60));
+    s.calibrate_only = true;
+    return s;
+  };
+  IndexBuilder plain(testing::options_for(world));
+  IndexBuilder wary(testing::options_for(world));
+  for (std::uint64_t s = 0; s < 500; ++s) {
+    plain.add(world.sample(s, 0));
+    wary.add(world.sample(s, 0));
+    wary.add(stranger(kFreshSubjects + s));
+  }
+  EXPECT_EQ(wary.sample_count(), 500U);
+  const auto a = Index::parse(*plain.finish(), "plain");
+  const auto b = Index::parse(*wary.finish(), "wary");
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(b->size(), 500U);
+  auto scratch = a->make_scratch();
+  int inside = 0;
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    const Sample q = stranger(2 * kFreshSubjects + i);
+    const Answer x = a->query(q.feature, {}, *scratch);
+    const Answer y = b->query(q.feature, {}, *scratch);
+    EXPECT_EQ(x.nearest, y.nearest);
+    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+      EXPECT_EQ(x.measurements[m].value, y.measurements[m].value);
+      inside += q.truth[m] >= y.measurements[m].low && q.truth[m] <= y.measurements[m].high ? 1 : 0;
+    }
+  }
+  EXPECT_NEAR(inside / (300.0 * kMeasurementCount), 0.95, 0.025);
+}
+
 TEST(IndexAccuracy, CorrectsWhatALinearMapCannot) {
   const World world(0.15);
   const auto index = Index::parse(build(world, 4000, 1), "bent");

@@ -36,8 +36,9 @@ class TemporaryFolder {
 
 // NaN features are equal when their bits are.
 bool same(const index::Sample& a, const index::Sample& b) {
-  return a.subject == b.subject && a.woman == b.woman && a.frame_count == b.frame_count && a.truth == b.truth &&
-         a.body == b.body && a.feature.size() == b.feature.size() &&
+  return a.subject == b.subject && a.woman == b.woman && a.calibrate_only == b.calibrate_only &&
+         a.frame_count == b.frame_count && a.truth == b.truth && a.body == b.body &&
+         a.feature.size() == b.feature.size() &&
          std::memcmp(a.feature.data(), b.feature.data(), a.feature.size() * sizeof(float)) == 0;
 }
 bool same(const std::vector<index::Sample>& a, const std::vector<index::Sample>& b) {
@@ -54,6 +55,7 @@ Chunk small_chunk() {
     s.body = {0.25F, -1.0F};
     s.truth[3] = 400 + static_cast<float>(i);
     s.woman = i == 1;
+    s.calibrate_only = i == 2;
     s.frame_count = 4 + static_cast<int>(i);
     chunk.samples.push_back(s);
   }
@@ -94,27 +96,6 @@ TEST(DatasetShard, OtherKeysAndDamageAreRefused) {
   bytes.resize(bytes.size() / 2);
   ASSERT_TRUE(write_file_atomically(folder / "c.i2d", bytes));
   EXPECT_FALSE(read_shard(folder / "c.i2d", 77));
-}
-
-TEST(ParamsVector, ComesBackAndStaysValid) {
-  body::Params p;
-  p.gender = 0.2F;
-  p.age_years = 61;
-  p.race = {0.5F, 0.25F, 0.25F};
-  p.modifiers = {0.5F, -0.75F};
-  const auto row = body::params_to_vector(p, 4);
-  ASSERT_EQ(row.size(), body::kMacroCount + 4);
-  const auto back = body::params_from_vector(row);
-  EXPECT_EQ(back.gender, p.gender);
-  EXPECT_EQ(back.age_years, p.age_years);
-  EXPECT_EQ(back.race, p.race);
-  EXPECT_EQ(back.modifiers, (std::vector<float>{0.5F, -0.75F, 0, 0}));
-  auto rounded = row;
-  rounded[0] = -1e-5F;
-  rounded[8] += 1e-4F;
-  const auto mended = body::params_from_vector(rounded);
-  EXPECT_EQ(mended.gender, 0);
-  EXPECT_NEAR(mended.race[0] + mended.race[1] + mended.race[2], 1, 1e-6);
 }
 
 TEST(CaptureDraws, VaryAsAskedAndRepeat) {
@@ -227,7 +208,7 @@ TEST_F(Dataset, FeaturesSeeTheBody) {
   EXPECT_EQ(report_.samples, static_cast<int>(samples.size()));
   for (const auto& s : samples) {
     EXPECT_EQ(s.feature.size(), kFeatureSize);
-    EXPECT_EQ(s.body.size(), body::kMacroCount + model().modifier_names().size());
+    EXPECT_EQ(s.body.size(), body::params_vector_size(model().modifier_names().size()));
     EXPECT_GE(s.frame_count, kCaptureFramesMin);
     const auto missing = std::count_if(s.feature.begin(), s.feature.end(), [](float f) { return std::isnan(f); });
     EXPECT_LT(missing, static_cast<std::ptrdiff_t>(kFeatureSize) / 4);

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "synth/strangers.h"
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+#include "base/rng.h"
+#include "body/measure.h"
+#include "synth/shape_variation.h"
+
+namespace im2fit::synth {
+namespace {
+
+constexpr std::uint64_t kStrangerStream = 0x57A6;
+constexpr double kModifierSd = 0.3;
+// What front views cannot tell and no modifier makes. People measured by tape differ from any such model by a girth
+// error of about this size even when breadths and depths are known (facts: ANSUR II bound, 13..17 mm).
+constexpr int kBumpCount = 14;
+constexpr float kBumpMinMm = 3;
+constexpr float kBumpMaxMm = 12;
+
+// Spread of a modifier in either family; "l-" and "r-" variants belong to the pair's row.
+bool used(std::string_view name) {
+  const auto plain = [](std::string_view n) {
+    std::string out(n);
+    const std::size_t slash = out.find('/') + 1;
+    if (out.compare(slash, 2, "l-") == 0 || out.compare(slash, 2, "r-") == 0) out.erase(slash, 2);
+    return out;
+  };
+  return std::any_of(modifier_spreads().begin(), modifier_spreads().end(),
+                     [&](const ModifierSpread& row) { return plain(row.name) == plain(name); });
+}
+
+// Hands, feet and the person as a whole moved sideways have nothing to do with measurements.
+bool is_shape(std::string_view name) {
+  return name.find("hand") == name.npos && name.find("foot") == name.npos && name.find("trans-horiz") == name.npos;
+}
+
+}  // namespace
+
+Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index) {
+  Subject subject = draw_subject(model, Family::training, seed ^ kStrangerStream, index);
+  Rng rng = Rng::for_item(subject.seed, kStrangerStream, index);
+  const auto names = model.modifier_names();
+  subject.params.modifiers.resize(names.size(), 0.0F);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const double value = std::clamp(rng.normal(0, kModifierSd), -2.2 * kModifierSd, 2.2 * kModifierSd);
+    if (!used(names[i]) && is_shape(names[i])) subject.params.modifiers[i] += static_cast<float>(value);
+  }
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(subject.params, rest);
+  subject.rest_offset_mm.resize(static_cast<std::size_t>(model.body_vertex_count()));
+  add_bumps(model, rest, kBumpCount, static_cast<float>(rng.uniform(kBumpMinMm, kBumpMaxMm)), rng,
+            subject.rest_offset_mm);
+  morph_subject(model, subject, rest);
+  subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);
+  return subject;
+}
+
+}  // namespace im2fit::synth
