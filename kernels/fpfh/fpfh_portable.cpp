@@ -4,10 +4,9 @@
 // What makes it cheap, none of which changes the descriptor:
 // - candidates come from the picture's rows, then the exact r^2 test decides;
 // - an SPFH is computed once for all keypoints, and only where a keypoint wants it;
-// - PCL's swap rule makes the pair (p, q) and (q, p) fall into the same bins, bit for bit (all that differs is the
-// sign
-//   of d, and negation is exact), so each unordered pair is computed once and counted twice. The exceptions, ties of
-//   |a1| and |a2|, take the careful path once from each side;
+// - PCL's swap rule makes the pair (p, q) and (q, p) fall into the same bins, bit for bit (all that differs is d's
+//   sign, and negation is exact), so each unordered pair is computed once and counted twice. The exceptions, near
+//   ties of |a1| and |a2|, take the careful path once from each side;
 // - no acos, no atan2, integer counts;
 // - a point without a normal needs no arithmetic: its own pairs all count in bin 0.
 //
@@ -243,6 +242,7 @@ void PortableFpfh::block_bins(int i, const std::int32_t* js, std::int32_t* codes
     const float v_length = std::sqrt(s > 0.0F ? s : 0.0F);
     const float d_length = std::sqrt(d2);
     const float inverse = 1.0F / (v_length * d_length);
+    const float tie = fpfh_detail::kNearTie * d_length;
     const float f2 = triple * d_length * inverse * 5.5F + 5.5F;
     const float f3 = source * v_length * inverse * 5.5F + 5.5F;
     const float wt = target - source * c;
@@ -257,7 +257,7 @@ void PortableFpfh::block_bins(int i, const std::int32_t* js, std::int32_t* codes
     const float low2 = f2 > 0.0F ? f2 : 0.0F, low3 = f3 > 0.0F ? f3 : 0.0F;
     const int b2 = static_cast<int>(low2 < 10.0F ? low2 : 10.0F);
     const int b3 = static_cast<int>(low3 < 10.0F ? low3 : 10.0F);
-    const int careful = (s > kNearlyParallel * d2 ? 0 : -1) | (size1 == size2 ? -1 : 0);
+    const int careful = (s > kNearlyParallel * d2 ? 0 : -1) | (std::fabs(size1 - size2) <= tie ? -1 : 0);
     codes[t] = (b1 | (b2 << 8) | (b3 << 16)) | careful;
   }
 }

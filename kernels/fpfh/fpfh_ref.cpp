@@ -17,6 +17,12 @@ namespace {
 struct Vec3d {
   double x, y, z;
 };
+Vec3d wide(Vec3f a) {
+  return {a.x, a.y, a.z};
+}
+Vec3d operator-(Vec3d a, Vec3d b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 Vec3d operator*(Vec3d a, double s) {
   return {a.x * s, a.y * s, a.z * s};
 }
@@ -29,7 +35,7 @@ Vec3d cross(Vec3d a, Vec3d b) {
 
 struct Point {
   Vec3f position_m;
-  Vec3d normal;
+  Vec3f normal;
 };
 using Spfh = std::array<double, kFpfhSize>;
 
@@ -47,24 +53,29 @@ struct PairFeatures {
   double f1 = 0, f2 = 0, f3 = 0;  // zeros: the degenerate pair
 };
 
+// The swap decision in float, in PCL's order of operations: where the two normals are equal but for rounding (walls,
+// quantised depth), f3's sign hangs on it, and rounded arc cosines are often equal where the cosines are not.
+bool swaps(Vec3f n1, Vec3f n2, Vec3f d) {
+  const auto dot4 = [](Vec3f a, Vec3f b) { return (a.x * b.x + a.z * b.z) + a.y * b.y; };
+  const float length = std::sqrt(dot4(d, d));
+  const float a1 = dot4(n1, d) / length, a2 = dot4(n2, d) / length;
+  return std::acos(std::fabs(a1)) > std::acos(std::fabs(a2));  // false when either is NaN
+}
+
 // Eq. (2) of Rusu 2009; the pair's source is the point whose normal is nearer to the line between them.
 PairFeatures pair_features(const Point& p, const Point& q) {
-  const Vec3d d = {double{q.position_m.x} - double{p.position_m.x}, double{q.position_m.y} - double{p.position_m.y},
-                   double{q.position_m.z} - double{p.position_m.z}};
-  const double length = std::sqrt(dot(d, d));
+  const bool swap = swaps(p.normal, q.normal, q.position_m - p.position_m);
+  const Vec3d source = wide(swap ? q.normal : p.normal), target = wide(swap ? p.normal : q.normal);
+  const Vec3d from = wide(swap ? q.position_m : p.position_m), to = wide(swap ? p.position_m : q.position_m);
+  const Vec3d line = to - from;
+  const double length = std::sqrt(dot(line, line));
   if (length == 0) return {};
-  const double a1 = dot(p.normal, d) / length;
-  const double a2 = dot(q.normal, d) / length;
-  const bool swap = std::acos(std::fabs(a1)) > std::acos(std::fabs(a2));  // false when either is NaN
-  const Vec3d source = swap ? q.normal : p.normal;
-  const Vec3d target = swap ? p.normal : q.normal;
-  const Vec3d line = swap ? d * -1.0 : d;
   const Vec3d v_long = cross(line, source);
   const double v_length = std::sqrt(dot(v_long, v_long));
   if (v_length == 0) return {};
   const Vec3d v = v_long * (1.0 / v_length);
   const Vec3d w = cross(source, v);
-  return {std::atan2(dot(w, target), dot(source, target)), dot(v, target), swap ? -a2 : a1};
+  return {std::atan2(dot(w, target), dot(source, target)), dot(v, target), dot(source, line) / length};
 }
 
 // A NaN converts to INT_MIN on the machines PCL was tried on, and is then clamped: bin 0.

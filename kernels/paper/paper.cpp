@@ -15,7 +15,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 BodyFrame body_frame(const JointSet& joints) {
   BodyFrame frame;
-  if (!paper_detail::finite_joints(joints)) return frame;
+  if (!paper_detail::usable_joints(joints)) return frame;
   const Vec3f u = normalized(joints[Joint::TO] - joints[Joint::NE]);
   const Vec3f v = normalized(joints[Joint::RS] - joints[Joint::LS]);
   const Vec3f w = normalized(cross(u, v));

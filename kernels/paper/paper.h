@@ -23,7 +23,7 @@ struct BodyFrame {
   bool upright = false;  // and the hips lie below the torso: u.d > 0
 };
 inline constexpr float kUprightMax = 0.1F;  // epsilon 1
-// Joints that coincide or are not finite leave zero axes, lateral 1 and upright false.
+// Joints that coincide, are not finite or lie beyond 30 m leave zero axes, lateral 1 and upright false.
 BodyFrame body_frame(const JointSet& joints);
 
 // valid: the joints span a frame and both ends of the body's axis were seen; the lengths are then numbers. The caller
@@ -39,7 +39,7 @@ struct PaperMeasurements {
 
 inline constexpr std::size_t kPaperSectionCount = 5;  // neck, shoulder, chest, waist, hip
 
-// Buffers sized once.
+// Buffers sized once, for images up to width x height.
 class PaperWorkspace {
  public:
   PaperWorkspace(int width, int height);

@@ -64,9 +64,13 @@ BinRange connected_bins(int hole, Count count, MeanDepth mean_depth) {
   return {walk(-1), walk(+1)};
 }
 
-inline bool finite_joints(const JointSet& joints) {
+// Finite and within 30 m: squares of differences then fit 64 bits with room to spare.
+inline bool usable_joints(const JointSet& joints) {
+  constexpr float kFarthestMm = 30000.0F;
   for (const Vec3f& p : joints.position_mm) {
-    if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z))) return false;
+    for (const float coordinate : {p.x, p.y, p.z}) {
+      if (!(std::fabs(coordinate) < kFarthestMm)) return false;
+    }
   }
   return true;
 }

@@ -83,9 +83,9 @@ TEST(PaperBodyFrame, MendedEquationOne) {
 }
 
 TEST(PaperBodyFrame, DegenerateJointsHaveNoFrame) {
-  for (const Vec3f broken : {Vec3f{0, -540, 2000}, Vec3f{std::nanf(""), 0, 2000}}) {
+  for (const Vec3f broken : {Vec3f{0, -540, 2000}, Vec3f{std::nanf(""), 0, 2000}, Vec3f{0, 0, 1e30F}}) {
     JointSet j = upright_joints(2000);
-    j[Joint::TO] = broken;  // on the neck, or nowhere
+    j[Joint::TO] = broken;  // on the neck, nowhere, or absurdly far
     const BodyFrame f = body_frame(j);
     EXPECT_FALSE(f.upright);
     EXPECT_EQ(norm(f.w), 0);
