@@ -36,7 +36,9 @@ class JointTracker {
   ~JointTracker();
   JointTracker(JointTracker&&) noexcept;
   JointTracker& operator=(JointTracker&&) noexcept;
-  // `previous`: last frame's joints to start from, or null for a cold start. No allocation.
+  // `previous`: last frame's joints to start from, or null for a cold start; joints that are far from the cold start
+  // or not finite are ignored. All zero when the mask is empty. Faces are assumed to look at the camera: of a person
+  // seen from behind, left and right come out exchanged. No allocation.
   JointSet track(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Person& person,
                  const JointSet* previous);
 

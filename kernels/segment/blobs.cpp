@@ -262,7 +262,7 @@ void BlobFinder::describe(const Grid& grid) {
   }
 }
 
-// A head: 95..330 mm wide over a hand's breadth below its top, rounded, with shoulders wider than it under it.
+// A head: 85..330 mm wide over a hand's breadth below its top, rounded, with shoulders wider than it under it.
 // A raised hand fails at the wrist, a box at its missing shoulders, a hat over a coat at the stand's thin
 // pole or the coat's flat front.
 bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) const {
@@ -349,13 +349,15 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   const float width = width_sum / static_cast<float>(row_count);
   if (at_border * 2 > row_count || narrowest < 0.45F * widest) return false;  // cut in two; a cupboard's corner
   if (neck > 1.25F * width + mm) return false;  // widens steadily, as a cupboard's top seen over its corner
-  if (narrowest < 95.0F - mm || widest > 330.0F + mm || width < 105.0F || width > 270.0F + 0.5F * mm) return false;
+  if (narrowest < 85.0F - mm || widest > 330.0F + mm || width < 105.0F || width > 270.0F + 0.5F * mm) return false;
   if (shoulders < std::max(220.0F, 1.2F * width)) return false;
   if (std::max(left_reach, right_reach) < 40.0F || std::min(left_reach, right_reach) < -0.25F * width) return false;
   const float round = kHeadReliefMinMm - 0.2F * quantum_mm(z_head);
   if (relief_sum < round * static_cast<float>(row_count)) return false;
-  const float flat = 10.0F + 0.35F * quantum_mm(z_head);
-  if (bulge_count > 0 && bulge_square_sum < flat * flat * static_cast<float>(bulge_count)) return false;
+  // Some backs are as flat as a coat.
+  const float bulge = bulge_count > 0 ? std::sqrt(bulge_square_sum / static_cast<float>(bulge_count)) : 1e9F;
+  if (bulge < 10.0F + 0.35F * quantum_mm(z_head)) return false;
+  out.vague = bulge < 14.0F + 0.5F * quantum_mm(z_head) || z_head > kVagueMm;
   out.blob = blob;
   out.c = centre;
   out.r = r;
@@ -524,17 +526,18 @@ void BlobFinder::join_trunks(const Grid& grid, const FloorPlane& floor) {
 
 void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
   bool any_head = false;
-  float nearest = 1e9F;
-  for (int h = 0; h < head_count_; ++h) nearest = std::min(nearest, heads_[at(h)].top_mm.z);
-  for (int h = 0; h < head_count_; ++h) {
-    Blob& blob = blobs_[at(heads_[at(h)].blob)];
-    // Out there a head is three cells wide and one depth step thick: not worth a warning.
-    if (heads_[at(h)].top_mm.z > kVagueMm && nearest < kVagueMm) continue;
-    const float tall = blob.height_max_mm - blob.height_min_mm;
-    if (blob.area_m2 < 0.06F || blob.area_m2 > 2.2F || tall < 300.0F || floats(grid, heads_[at(h)].blob, floor))
-      continue;
-    blob.person = blob.has_head = true;
-    any_head = true;
+  for (const bool vague : {false, true}) {
+    if (any_head) break;
+    for (int h = 0; h < head_count_; ++h) {
+      if (heads_[at(h)].vague != vague) continue;
+      const int b = heads_[at(h)].blob;
+      Blob& blob = blobs_[at(b)];
+      const float tall = blob.height_max_mm - blob.height_min_mm;
+      const bool sized = blob.area_m2 > 0.06F && blob.area_m2 < 2.2F && tall > 300.0F;
+      if (!sized || floats(grid, b, floor) || on_pole(grid, b, floor)) continue;
+      blob.person = blob.has_head = true;
+      any_head = true;
+    }
   }
   if (any_head) return;
   // Heads cut off by the upper border, or hidden by raised arms: person-sized, neither flat nor filling its box.

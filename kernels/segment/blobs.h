@@ -32,6 +32,7 @@ struct Head {
   int c = 0, r = 0;  // cell of its top
   Vec3f top_mm;
   float width_mm = 0;
+  bool vague = false;  // rather flat, or too far to tell: counts only where there is no better one
 };
 
 class BlobFinder {

@@ -35,8 +35,8 @@ class Segmenter {
   Segmenter(Segmenter&&) noexcept;
   Segmenter& operator=(Segmenter&&) noexcept;
 
-  // `depth` and `mask` have the constructor's size. A known gravity direction may be set before (else a level-ish
-  // camera is assumed until a floor is found).
+  // `depth` and `mask` have the constructor's size; both upright (camera rolled by 12 degrees at most). Pixels of 0
+  // or more than 10,000 mm are no data. With the floor unknown, heights are along the picture's vertical.
   Person run(DepthView depth, const Intrinsics& intrinsics, MaskImage mask);
   void reset();  // forgets the floor and the background
 
