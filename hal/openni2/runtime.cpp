@@ -13,6 +13,11 @@ extern "C" const char* __lsan_default_options() {
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libOpenNI2\nleak:libOniFile\nleak:libPS1080\nleak:libPSLink\n";
 }
+#elif defined(__SANITIZE_THREAD__)
+// The runtime is not built for this sanitizer, and takes and frees locks in ways of its own.
+extern "C" const char* __tsan_default_suppressions() {
+  return "mutex:libOpenNI2\ndeadlock:libOpenNI2\nrace:libOpenNI2\nrace:libOniFile\nrace:libPS1080\nrace:libPSLink\n";
+}
 #endif
 
 namespace im2fit::hal {
@@ -33,7 +38,7 @@ Result<std::shared_ptr<OpenNi2Runtime>> begin() {
 Result<std::shared_ptr<OpenNi2Runtime>> OpenNi2Runtime::get() {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_ADDRESS__)
   // Drivers that are unloaded before the sanitizer looks cannot be named in its suppressions: they stay loaded.
   static auto& kept = *new std::shared_ptr<OpenNi2Runtime>;
 #else

@@ -323,6 +323,9 @@ TEST_F(Recorded, AnyChangedByteOfOurOwnRecordingIsSeen) {
 // Where the reader program is missing the process forks itself.
 TEST_F(Recorded, AForkOfTheProgramPlaysTheSameFrames) {
   NEED_VIRTUAL_DEVICE();
+#if defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the thread sanitizer does not follow a fork of a program with threads";
+#endif
   auto child = ChildProcess::fork([](int pipe) { return serve_oni(oni(), pipe); });
   ASSERT_TRUE(child) << child.error().message;
   const auto take = [&](void* to, std::size_t size) {
@@ -510,15 +513,14 @@ TEST_F(Recorded, DamagedRecordingsNeverHarmTheReadersProgram) {
 
 TEST_F(Recorded, EveryCutOfARecordingIsSeenByItsStructure) {
   NEED_VIRTUAL_DEVICE();
-  const auto good = read_file(oni());
-  ASSERT_TRUE(good);
+  const std::string path = folder_->path("cut.oni");
+  std::filesystem::copy_file(oni(), path);
   Rng rng(7);
-  for (int i = 0; i < 100; ++i) {
-    auto bytes = *good;
-    bytes.resize(static_cast<std::size_t>(rng.index(static_cast<int>(bytes.size()))));
-    ASSERT_TRUE(write_file_atomically(folder_->path("cut.oni"), bytes));
-    const auto contents = inspect_oni(folder_->path("cut.oni"));
-    EXPECT_FALSE(contents && contents->closed) << bytes.size();
+  for (auto size = std::filesystem::file_size(path); size > 0;) {
+    size -= std::min<std::uintmax_t>(size, 1 + static_cast<std::uintmax_t>(rng.index(200'000)));
+    std::filesystem::resize_file(path, size);
+    const auto contents = inspect_oni(path);
+    EXPECT_FALSE(contents && contents->closed) << size;
   }
 }
 
