@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C functions of include/im2fit/im2fit.h over the C++ engine. Nothing of C++ crosses: every function catches.
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "body/skeleton.h"
+#include "engine/avatar.h"
+#include "engine/c_handle.h"
+#include "kernels/core/measurement.h"
+
+namespace {
+
+using im2fit::Error;
+using im2fit::ErrorCode;
+
+static_assert(IM2FIT_MEASUREMENT_COUNT == im2fit::kMeasurementCount);
+static_assert(IM2FIT_JOINT_COUNT == im2fit::kJointCount);
+static_assert(IM2FIT_GUIDANCE_COUNT == im2fit::kGuidanceCount);
+static_assert(IM2FIT_WEIGHT == static_cast<int>(im2fit::Measurement::weight));
+static_assert(IM2FIT_HIP_GIRTH == static_cast<int>(im2fit::Measurement::hip_girth));
+static_assert(IM2FIT_STATE_MEASURED == static_cast<int>(im2fit::SessionState::measured));
+static_assert(IM2FIT_STATE_LOST == static_cast<int>(im2fit::SessionState::lost));
+static_assert(IM2FIT_GUIDANCE_MOVING == static_cast<int>(im2fit::Guidance::moving));
+static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guidance::calibration_pose));
+
+#define IM2FIT_TEXT_OF(x) #x
+#define IM2FIT_TEXT(x) IM2FIT_TEXT_OF(x)
+constexpr const char* kVersion =
+    IM2FIT_TEXT(IM2FIT_VERSION_MAJOR) "." IM2FIT_TEXT(IM2FIT_VERSION_MINOR) "." IM2FIT_TEXT(IM2FIT_VERSION_PATCH);
+
+using ErrorText = std::array<char, 512>;
+thread_local ErrorText thread_error{};  // failures with no handle to keep them
+
+void keep(ErrorText& place, std::string_view text) {
+  const std::size_t length = std::min(text.size(), place.size() - 1);
+  std::memcpy(place.data(), text.data(), length);
+  place[length] = '\0';
+}
+
+int fail(im2fit_handle* handle, int status, std::string_view text) {
+  ErrorText& place = handle != nullptr ? handle->error : thread_error;
+  keep(place, text);
+  if (handle != nullptr && handle->log != nullptr) handle->log(handle->log_user, status, place.data());
+  return status;
+}
+int fail(im2fit_handle* handle, const Error& error) {
+  return fail(handle, im2fit::status_of(error.code), error.message);
+}
+
+// Runs `body` with a handle that exists, and turns whatever it throws into a status.
+template <class Body>
+int guarded(im2fit_handle* handle, Body body) noexcept {
+  if (handle == nullptr) return fail(nullptr, IM2FIT_ERROR_INVALID_ARGUMENT, "the handle is NULL");
+  handle->error[0] = '\0';
+  try {
+    return body(*handle);
+  } catch (const std::bad_alloc&) {
+    return fail(handle, IM2FIT_ERROR_NO_MEMORY, "out of memory");
+  } catch (...) {
+    return fail(handle, IM2FIT_ERROR_INTERNAL, "internal error");
+  }
+}
+
+// A struct a newer caller made: what we do not know must be unset.
+bool copy_settings(const im2fit_settings& from, im2fit_settings& to) {
+  const std::size_t size = from.struct_size;
+  if (size < sizeof to || size > 65536) return false;
+  std::memcpy(&to, &from, sizeof to);
+  const std::span<const char> bytes(reinterpret_cast<const char*>(&from), size);
+  return std::all_of(bytes.begin() + sizeof to, bytes.end(), [](char c) { return c == 0; });
+}
+
+int open_guarded(const im2fit_settings* settings, im2fit_handle** handle) {
+  im2fit_settings known;
+  if (!copy_settings(*settings, known))
+    return fail(nullptr, IM2FIT_ERROR_UNSUPPORTED,
+                "settings.struct_size fits no version of this library: call im2fit_settings_init first");
+  auto opened = im2fit::open_c_handle(known, nullptr);
+  if (opened) {
+    *handle = opened->release();
+    return IM2FIT_OK;
+  }
+  const int status = fail(nullptr, opened.error());
+  if (known.log != nullptr) known.log(known.log_user, status, thread_error.data());
+  return status;
+}
+
+im2fit_joint to_c(im2fit::Vec3f position, float confidence) {
+  return {position.x, position.y, position.z, confidence};
+}
+
+im2fit_result to_c(const im2fit::EngineResult& r) {
+  im2fit_result out{};
+  out.state = static_cast<std::int32_t>(r.state);
+  out.guidance = r.guidance;
+  out.guidance_seen = r.guidance_seen;
+  out.has_joints = r.has_joints || r.measured ? 1 : 0;
+  out.frames_seen = r.frames_seen;
+  out.frames_used = r.frames_used;
+  out.frames_dropped = r.frames_dropped;
+  out.sequence_gaps = r.sequence_gaps;
+  out.sequence_repeats = r.sequence_repeats;
+  out.time_reversals = r.time_reversals;
+  const im2fit::JointSet& joints = r.measured ? r.measured_joints : r.joints;
+  for (std::size_t i = 0; i < im2fit::kJointCount; ++i)
+    out.joints[i] = to_c(joints.position_mm[i], joints.confidence[i]);
+  out.measured = r.measured ? 1 : 0;
+  out.female = r.answer.female;
+  for (std::size_t i = 0; i < im2fit::kMeasurementCount; ++i) {
+    const im2fit::index::Estimate& e = r.answer.measurements[i];
+    out.measurements[i] = {e.value, e.low, e.high};
+    out.paper[i] = r.paper[i];
+  }
+  out.index_entry = r.answer.nearest;
+  out.index_distance = r.answer.nearest_distance;
+  return out;
+}
+
+int push_frame(im2fit_handle& handle, im2fit::DepthView depth, std::uint64_t sequence, std::int64_t time_ns) {
+  im2fit::hal::FrameInfo info;
+  info.sequence = sequence;
+  info.host_ns = time_ns;
+  const auto pushed = handle.engine->push(depth, info);
+  return pushed ? IM2FIT_OK : fail(&handle, pushed.error());
+}
+
+int not_measured(im2fit_handle& handle) {
+  return fail(&handle, IM2FIT_ERROR_NOT_MEASURED, "nothing is measured yet: push frames until state is MEASURED");
+}
+
+// Posed body vertices, the lowest at y = 0.
+im2fit::Result<std::vector<im2fit::Vec3f>> posed_mesh(const im2fit_handle& handle, const im2fit::EngineResult& r) {
+  const im2fit::body::BodyModel& model = *handle.body;
+  auto answered = im2fit::body_of_answer(model, *handle.index, r.answer, r.measured_joints, r.floor);
+  if (!answered) return answered.error();
+  std::vector<im2fit::Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(answered->params, rest);
+  std::vector<im2fit::Vec3f> posed(rest.size());
+  im2fit::body::skin(model, rest, im2fit::body::rest_skeleton(model, rest), answered->pose, posed);
+  posed.resize(static_cast<std::size_t>(model.body_vertex_count()));
+  float sole = posed.front().y;
+  for (const im2fit::Vec3f& v : posed) sole = std::min(sole, v.y);
+  for (im2fit::Vec3f& v : posed) v.y -= sole;
+  return posed;
+}
+
+template <std::size_t N>
+const char* name_at(const std::array<std::string_view, N>& names, int index) {
+  // The tables hold literals, which end in a zero byte.
+  return index >= 0 && static_cast<std::size_t>(index) < N ? names[static_cast<std::size_t>(index)].data() : nullptr;
+}
+
+}  // namespace
+
+extern "C" {
+
+const char* im2fit_version(void) {
+  return kVersion;
+}
+
+const char* im2fit_status_name(int status) {
+  constexpr std::array<std::string_view, 13> kNames = {
+      "ok",      "invalid_argument", "not_found", "io",           "corrupt",   "unsupported", "no_device",
+      "timeout", "end_of_stream",    "no_memory", "not_measured", "too_small", "internal"};
+  const char* name = status <= 0 && status > -100 ? name_at(kNames, -status) : nullptr;
+  return name != nullptr ? name : "unknown";
+}
+
+const char* im2fit_last_error(const im2fit_handle* handle) {
+  return handle != nullptr ? handle->error.data() : thread_error.data();
+}
+
+void im2fit_settings_init(im2fit_settings* settings, size_t struct_size) {
+  if (settings == nullptr) return;
+  im2fit_settings defaults{};
+  defaults.struct_size = struct_size;
+  defaults.frames_wanted = 30;
+  defaults.frames_min = 5;
+  defaults.pool_frames = 8;
+  std::memset(settings, 0, struct_size);
+  std::memcpy(settings, &defaults, std::min(struct_size, sizeof defaults));
+}
+
+int im2fit_open(const im2fit_settings* settings, im2fit_handle** handle) {
+  if (handle == nullptr) return fail(nullptr, IM2FIT_ERROR_INVALID_ARGUMENT, "the place for the handle is NULL");
+  *handle = nullptr;
+  if (settings == nullptr) return fail(nullptr, IM2FIT_ERROR_INVALID_ARGUMENT, "the settings are NULL");
+  try {
+    return open_guarded(settings, handle);
+  } catch (const std::bad_alloc&) {
+    return fail(nullptr, IM2FIT_ERROR_NO_MEMORY, "out of memory");
+  } catch (...) {
+    return fail(nullptr, IM2FIT_ERROR_INTERNAL, "internal error: can threads be started?");
+  }
+}
+
+void im2fit_close(im2fit_handle* handle) {
+  delete handle;
+}
+
+int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height, size_t stride,
+                uint64_t sequence, int64_t time_ns) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    if (depth_mm == nullptr) return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the frame is NULL");
+    if (stride != 0 && (width < 0 || stride < static_cast<std::size_t>(width) || stride > 1U << 24))
+      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT,
+                  "the stride is less than the width (it counts values, not bytes)");
+    const im2fit::DepthView depth(depth_mm, width, height, stride == 0 ? width : static_cast<int>(stride));
+    return push_frame(h, depth, sequence, time_ns);
+  });
+}
+
+int im2fit_finish(im2fit_handle* handle) {
+  return guarded(handle, [](im2fit_handle& h) {
+    h.engine->finish();
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+int im2fit_reset(im2fit_handle* handle) {
+  return guarded(handle, [](im2fit_handle& h) {
+    h.engine->reset();
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+int im2fit_set_opener(im2fit_handle* handle, im2fit_opener_fn opener, void* opener_user) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    h.opener = opener;
+    h.opener_user = opener_user;
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+int im2fit_attach(im2fit_handle* handle, const char* uri) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    if (uri == nullptr) return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the URI is NULL");
+    if (h.opener == nullptr)
+      return fail(&h, IM2FIT_ERROR_UNSUPPORTED,
+                  std::string("nobody opens ") + uri + ": call im2fit_set_opener first, or push frames");
+    h.close_source();
+    h.source_pixels.resize(static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height));
+    im2fit_source source{};
+    const int status = h.opener(h.opener_user, uri, &source);
+    if (status != IM2FIT_OK) return fail(&h, status, std::string("cannot open ") + uri);
+    if (source.next == nullptr)
+      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, std::string("the opener set no next() for ") + uri);
+    h.source = source;
+    h.attached = true;
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    if (!h.attached)
+      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "no source is attached: call im2fit_attach first");
+    std::uint64_t sequence = 0;
+    std::int64_t time_ns = 0;
+    const int status =
+        h.source.next(h.source.user, h.source_pixels.data(), h.width, h.height, timeout_ms, &sequence, &time_ns);
+    // Waiting and ending are no faults: they are not logged.
+    if (status == IM2FIT_ERROR_TIMEOUT || status == IM2FIT_ERROR_END_OF_STREAM) return status;
+    if (status != IM2FIT_OK) return fail(&h, status, "the attached source gave no frame");
+    return push_frame(h, {h.source_pixels.data(), h.width, h.height}, sequence, time_ns);
+  });
+}
+
+int im2fit_detach(im2fit_handle* handle) {
+  return guarded(handle, [](im2fit_handle& h) {
+    h.close_source();
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+int im2fit_poll(const im2fit_handle* handle, im2fit_result* result, size_t struct_size) {
+  // From any thread: it may not touch the handle's error text.
+  if (handle == nullptr || result == nullptr) return IM2FIT_ERROR_INVALID_ARGUMENT;
+  const im2fit_result full = to_c(handle->engine->result());
+  std::memcpy(result, &full, std::min(struct_size, sizeof full));
+  if (struct_size > sizeof full)
+    std::memset(reinterpret_cast<char*>(result) + sizeof full, 0, struct_size - sizeof full);
+  return IM2FIT_OK;
+}
+
+int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, size_t* count, size_t* best) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    if (count == nullptr || (sizes == nullptr && capacity > 0))
+      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "count is NULL, or sizes is NULL with a capacity");
+    *count = 0;
+    const im2fit::EngineResult r = h.engine->result();
+    if (!r.measured) return not_measured(h);
+    const auto& chest = r.answer.measurements[IM2FIT_CHEST_GIRTH];
+    const im2fit::SizeAnswer answer = im2fit::size_probabilities(h.sizes, chest, r.answer.female);
+    *count = answer.entries.size();
+    if (capacity < *count) return fail(&h, IM2FIT_ERROR_TOO_SMALL, "there are " + std::to_string(*count) + " sizes");
+    for (std::size_t i = 0; i < *count; ++i) {
+      const im2fit::SizeAnswer::Entry& entry = answer.entries[i];
+      sizes[i] = {};
+      entry.size.copy(sizes[i].name, sizeof sizes[i].name - 1);
+      sizes[i].probability = static_cast<float>(entry.probability);
+      if (best != nullptr && entry.size == answer.best) *best = i;
+    }
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capacity, size_t* vertex_count,
+                     int32_t* triangles, size_t triangle_capacity, size_t* triangle_count) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    if (vertex_count == nullptr || triangle_count == nullptr)
+      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "vertex_count or triangle_count is NULL");
+    *vertex_count = *triangle_count = 0;
+    if (!h.body || !h.index)
+      return fail(&h, IM2FIT_ERROR_UNSUPPORTED, "no body model is loaded: set settings.body_path");
+    const auto faces = h.body->body_triangles();
+    *vertex_count = static_cast<std::size_t>(h.body->body_vertex_count());
+    *triangle_count = faces.size();
+    const im2fit::EngineResult r = h.engine->result();
+    if (!r.measured) return not_measured(h);
+    if ((vertices != nullptr && vertex_capacity < *vertex_count) ||
+        (triangles != nullptr && triangle_capacity < *triangle_count))
+      return fail(&h, IM2FIT_ERROR_TOO_SMALL,
+                  "the body has " + std::to_string(*vertex_count) + " vertices and " +
+                      std::to_string(*triangle_count) + " triangles");
+    if (triangles != nullptr) std::memcpy(triangles, faces.data(), faces.size_bytes());
+    if (vertices == nullptr) return static_cast<int>(IM2FIT_OK);
+    const auto mesh = posed_mesh(h, r);
+    if (!mesh) return fail(&h, mesh.error());
+    for (std::size_t i = 0; i < *vertex_count; ++i) {
+      vertices[3 * i] = (*mesh)[i].x;
+      vertices[3 * i + 1] = (*mesh)[i].y;
+      vertices[3 * i + 2] = (*mesh)[i].z;
+    }
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+const char* im2fit_state_name(int state) {
+  constexpr std::array<std::string_view, 6> kNames = {"SEARCHING", "USER_FOUND", "CALIBRATING",
+                                                      "TRACKING",  "MEASURED",   "LOST"};
+  return name_at(kNames, state);
+}
+
+const char* im2fit_guidance_name(int bit) {
+  return name_at(im2fit::kGuidanceNames, bit);
+}
+
+const char* im2fit_measurement_name(int id) {
+  return id >= 0 && id < IM2FIT_MEASUREMENT_COUNT ? im2fit::kMeasurementTable[static_cast<std::size_t>(id)].id.data()
+                                                  : nullptr;
+}
+
+const char* im2fit_measurement_unit(int id) {
+  return id >= 0 && id < IM2FIT_MEASUREMENT_COUNT
+             ? im2fit::kMeasurementTable[static_cast<std::size_t>(id)].unit.data()
+             : nullptr;
+}
+
+const char* im2fit_joint_name(int joint) {
+  return name_at(im2fit::kJointNames, joint);
+}
+
+}  // extern "C"

@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * im2fit: a person before one depth camera is measured, on this machine alone.
+ *
+ *   im2fit_settings settings;
+ *   im2fit_settings_init(&settings, sizeof settings);
+ *   settings.tracker_path = "tracker.i2t";
+ *   settings.index_path = "index.i2f";
+ *   settings.width = 480; settings.height = 640;               upright pixels
+ *   settings.fx = settings.fy = 575.8f; settings.cx = 239.5f; settings.cy = 319.5f;
+ *   im2fit_handle* handle;
+ *   if (im2fit_open(&settings, &handle) != IM2FIT_OK) puts(im2fit_last_error(NULL));
+ *   while (next_frame(depth)) {
+ *     im2fit_push(handle, depth, 480, 640, 0, sequence++, time_ns);
+ *     im2fit_poll(handle, &result, sizeof result);             show result.guidance to the person
+ *     if (result.state == IM2FIT_STATE_MEASURED) break;
+ *   }
+ *   im2fit_finish(handle);                                     measures with fewer frames, if enough
+ *   im2fit_close(handle);
+ *
+ * Rules that hold for every function:
+ *   - Status codes are 0 for success and negative otherwise; im2fit_last_error says in one line what is wrong.
+ *   - Memory is the caller's, except the handle. Strings returned are the library's and constant.
+ *   - Paths and URIs are UTF-8, ended by a zero byte. Lengths are millimetres, masses kilograms, angles degrees.
+ *   - Camera axes: x right, y down, z forward, of the upright picture. Left and right are the person's own.
+ *   - Threads: one thread at a time may use a handle, but im2fit_poll may be called from any thread at any time
+ *     before im2fit_close. Different handles are independent.
+ *   - No function throws, prints or ends the program. Nothing allocates between im2fit_open and im2fit_close, except
+ *     where stated.
+ *   - The same files and frames give the same results, bit for bit, on every supported machine (live = 0).
+ *   - Not promised: struct layouts across major versions, guidance on any particular frame, speed.
+ */
+#ifndef IM2FIT_IM2FIT_H
+#define IM2FIT_IM2FIT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define IM2FIT_VERSION_MAJOR 0
+#define IM2FIT_VERSION_MINOR 1
+#define IM2FIT_VERSION_PATCH 0
+
+#if defined(_WIN32)
+#define IM2FIT_API
+#else
+#define IM2FIT_API __attribute__((visibility("default")))
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct im2fit_handle im2fit_handle; /* one camera, one person at a time */
+
+/* ---- Status ---------------------------------------------------------------------------------------------------- */
+
+enum {
+  IM2FIT_OK = 0,
+  IM2FIT_ERROR_INVALID_ARGUMENT = -1, /* NULL, out of range, wrong size, not now */
+  IM2FIT_ERROR_NOT_FOUND = -2,        /* no such file or entry */
+  IM2FIT_ERROR_IO = -3,               /* the operating system refused */
+  IM2FIT_ERROR_CORRUPT = -4,          /* a file or frame is damaged or foreign */
+  IM2FIT_ERROR_UNSUPPORTED = -5,      /* files that do not fit together or this version */
+  IM2FIT_ERROR_NO_DEVICE = -6,        /* the source is lost */
+  IM2FIT_ERROR_TIMEOUT = -7,          /* no frame in time: call again */
+  IM2FIT_ERROR_END_OF_STREAM = -8,    /* the source has no more frames */
+  IM2FIT_ERROR_NO_MEMORY = -9,
+  IM2FIT_ERROR_NOT_MEASURED = -10, /* there is no answer yet */
+  IM2FIT_ERROR_TOO_SMALL = -11,    /* the buffer; the needed count is written */
+  IM2FIT_ERROR_INTERNAL = -12
+};
+
+/* "0.1.0": of the library in use, which may be newer than this header. */
+IM2FIT_API const char* im2fit_version(void);
+
+/* A short name, "no_device"; "unknown" for other numbers. */
+IM2FIT_API const char* im2fit_status_name(int status);
+
+/* The last failure on this handle, or "" - valid until the next call on the handle. With NULL: the last failure of
+ * im2fit_open (or of a call with a NULL handle) on the calling thread. */
+IM2FIT_API const char* im2fit_last_error(const im2fit_handle* handle);
+
+/* ---- Opening --------------------------------------------------------------------------------------------------- */
+
+/* Every failure is also told here, on the thread of the failing call. The text is valid during the call. */
+typedef void (*im2fit_log_fn)(void* user, int status, const char* text);
+
+typedef struct im2fit_settings {
+  size_t struct_size;         /* written by im2fit_settings_init */
+  const char* tracker_path;   /* .i2t, required */
+  const char* index_path;     /* .i2f, required */
+  const char* body_path;      /* .i2b, or NULL: no im2fit_body_mesh */
+  const char* men_chart_path; /* .csv size charts (docs/result.md); both or neither. NULL: EN 13402-3, built in */
+  const char* women_chart_path;
+  int32_t width; /* pixels of upright frames, 1..2048 */
+  int32_t height;
+  float fx, fy, cx, cy;    /* pixels; the depth camera's own, not the colour camera's. Centre of pixel 0 is 0 */
+  int32_t frames_wanted;   /* 30: accepted frames until MEASURED, 1..1000 */
+  int32_t frames_min;      /* 5: fewest that im2fit_finish measures with, 1..frames_wanted */
+  int32_t calibration_psi; /* 0: none. 1: ask for raised arms first */
+  int32_t live;            /* 0: im2fit_push waits when behind. 1: drops the oldest frame and counts it */
+  int32_t single_thread;   /* 0: two threads. 1: all work inside im2fit_push */
+  int32_t pool_frames;     /* 8: frames held, 3..64, three bytes a pixel each */
+  im2fit_log_fn log;       /* NULL: none */
+  void* log_user;
+} im2fit_settings;
+
+/* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_settings) as the caller sees it.
+ */
+IM2FIT_API void im2fit_settings_init(im2fit_settings* settings, size_t struct_size);
+
+/* Loads the files, allocates everything, starts the threads. *handle is NULL after a failure. */
+IM2FIT_API int im2fit_open(const im2fit_settings* settings, im2fit_handle** handle);
+
+/* Stops the threads and frees everything, from any state; frames under way are given up. NULL is fine. */
+IM2FIT_API void im2fit_close(im2fit_handle* handle);
+
+/* ---- Frames ---------------------------------------------------------------------------------------------------- */
+
+/* Copies one upright depth frame: 16-bit millimetres, 0 where there is no data, `stride` values from row to row
+ * (0: width). `sequence` and `time_ns` (monotonic) are the camera's, for counting gaps; 0 when it has none.
+ * Errors: INVALID_ARGUMENT for another size than the settings', or after im2fit_finish. */
+IM2FIT_API int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height,
+                           size_t stride, uint64_t sequence, int64_t time_ns);
+
+/* No more frames: waits for those under way and measures with what there is. Fine to call twice. */
+IM2FIT_API int im2fit_finish(im2fit_handle* handle);
+
+/* A new person: forgets everything seen. After im2fit_finish or between frames. */
+IM2FIT_API int im2fit_reset(im2fit_handle* handle);
+
+/* ---- Sources by URI (optional) --------------------------------------------------------------------------------- */
+
+/* One opened source, filled in by an opener. */
+typedef struct im2fit_source {
+  void* user;
+  /* Waits up to `timeout_ms` for a frame and writes it, width x height of the settings, rows without padding.
+   * Returns IM2FIT_OK, TIMEOUT, END_OF_STREAM, CORRUPT (this frame is left out), NO_DEVICE or IO. */
+  int (*next)(void* user, uint16_t* depth_mm, int32_t width, int32_t height, int32_t timeout_ms, uint64_t* sequence,
+              int64_t* time_ns);
+  void (*close)(void* user); /* called once; may be NULL */
+} im2fit_source;
+
+/* Opens `uri` into *source. Returns IM2FIT_OK or an error, then *source is not used. */
+typedef int (*im2fit_opener_fn)(void* opener_user, const char* uri, im2fit_source* source);
+
+/* Who opens URIs for this handle; NULL: nobody. The library itself knows none of the cameras yet. */
+IM2FIT_API int im2fit_set_opener(im2fit_handle* handle, im2fit_opener_fn opener, void* opener_user);
+
+/* Opens `uri` through the opener, after closing what was attached. UNSUPPORTED without an opener. Allocates. */
+IM2FIT_API int im2fit_attach(im2fit_handle* handle, const char* uri);
+
+/* Takes one frame from the attached source and pushes it. TIMEOUT, CORRUPT: call again. END_OF_STREAM, NO_DEVICE:
+ * call im2fit_finish. INVALID_ARGUMENT when nothing is attached. */
+IM2FIT_API int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms);
+
+/* Closes the attached source, if any; im2fit_close does so too. */
+IM2FIT_API int im2fit_detach(im2fit_handle* handle);
+
+/* ---- Results --------------------------------------------------------------------------------------------------- */
+
+enum {
+  IM2FIT_STATE_SEARCHING = 0, /* nobody yet */
+  IM2FIT_STATE_USER_FOUND,    /* somebody, not yet as needed: see the guidance */
+  IM2FIT_STATE_CALIBRATING,   /* waiting for the calibration pose */
+  IM2FIT_STATE_TRACKING,      /* gathering frames */
+  IM2FIT_STATE_MEASURED,      /* the answer stands until im2fit_reset; further frames are ignored */
+  IM2FIT_STATE_LOST           /* gone; begins again when found, a limited number of times until im2fit_reset */
+};
+
+/* What is needed of the person or the scene: bits of im2fit_result.guidance. */
+enum {
+  IM2FIT_GUIDANCE_NO_PERSON = 1 << 0,
+  IM2FIT_GUIDANCE_TOO_NEAR = 1 << 1,
+  IM2FIT_GUIDANCE_TOO_FAR = 1 << 2,
+  IM2FIT_GUIDANCE_FEET_CUT = 1 << 3,
+  IM2FIT_GUIDANCE_HEAD_CUT = 1 << 4,
+  IM2FIT_GUIDANCE_ARMS_CLOSE = 1 << 5,
+  IM2FIT_GUIDANCE_NOT_FRONTAL = 1 << 6,
+  IM2FIT_GUIDANCE_NOT_UPRIGHT = 1 << 7,
+  IM2FIT_GUIDANCE_MOVING = 1 << 8,
+  IM2FIT_GUIDANCE_SEVERAL_PEOPLE = 1 << 9,
+  IM2FIT_GUIDANCE_TOO_NOISY = 1 << 10,
+  IM2FIT_GUIDANCE_SIDE_CUT = 1 << 11,
+  IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12 /* raise the arms: upper arms level, hands up */
+};
+#define IM2FIT_GUIDANCE_COUNT 13
+
+/* Of the naked body, relaxed standing; girths round the convex hull of the section (docs/result.md). */
+enum {
+  IM2FIT_STATURE = 0,
+  IM2FIT_SLEEVE_LENGTH,
+  IM2FIT_LEG_LENGTH,
+  IM2FIT_SHOULDER_BREADTH,
+  IM2FIT_NECK_GIRTH,
+  IM2FIT_SHOULDER_GIRTH,
+  IM2FIT_CHEST_GIRTH,
+  IM2FIT_WAIST_GIRTH,
+  IM2FIT_HIP_GIRTH,
+  IM2FIT_INSIDE_LEG,
+  IM2FIT_WEIGHT
+};
+#define IM2FIT_MEASUREMENT_COUNT 11
+
+/* HE NE TO LS RS LE RE LA RA LH RH LK RK LF RF: head, neck, torso, then left and right shoulder, elbow, hand, hip,
+ * knee, foot. */
+#define IM2FIT_JOINT_COUNT 15
+
+typedef struct im2fit_estimate {
+  float value; /* mm, kg for the weight */
+  float low;   /* 95 % interval */
+  float high;
+} im2fit_estimate;
+
+typedef struct im2fit_joint {
+  float x, y, z;    /* mm, camera axes */
+  float confidence; /* 0..1: chance of being within 50 mm */
+} im2fit_joint;
+
+typedef struct im2fit_result {
+  int32_t state;          /* IM2FIT_STATE_... */
+  uint32_t guidance;      /* of the latest frame; 0 once measured */
+  uint32_t guidance_seen; /* of all frames */
+  int32_t has_joints;     /* 1: `joints` holds the latest frame's, or once measured the mean behind the answer */
+  uint64_t frames_seen;   /* until the measurement */
+  uint64_t frames_used;
+  uint64_t frames_dropped;
+  uint64_t sequence_gaps;
+  uint64_t sequence_repeats;
+  uint64_t time_reversals;
+  im2fit_joint joints[IM2FIT_JOINT_COUNT];
+  int32_t measured; /* 1: what follows is valid */
+  float female;     /* probability */
+  im2fit_estimate measurements[IM2FIT_MEASUREMENT_COUNT];
+  float paper[IM2FIT_MEASUREMENT_COUNT]; /* the published method's own, NaN where it has none */
+  uint32_t index_entry;                  /* the stored body nearest to the answer */
+  float index_distance;
+} im2fit_result;
+
+/* A consistent copy of the latest state; never waits for the threads at work. `struct_size` is sizeof *result: a
+ * caller built with an older header gets the fields it knows. */
+IM2FIT_API int im2fit_poll(const im2fit_handle* handle, im2fit_result* result, size_t struct_size);
+
+typedef struct im2fit_size {
+  char name[32];     /* "M"; "<XS" and ">3XL" outside the chart */
+  float probability; /* they sum to 1 */
+} im2fit_size;
+
+/* The sizes of the chart, small to large, with their probabilities. *count gets the number of sizes, *best (may be
+ * NULL) the index of the likeliest. NOT_MEASURED, or TOO_SMALL when `capacity` is less than *count (ask with 0).
+ * Allocates. */
+IM2FIT_API int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, size_t* count, size_t* best);
+
+/* The person as a mesh in the measured pose: mm, x the person's left, y up, z out of the face, the soles on y = 0.
+ * `vertices`: x y z each; `triangles`: three vertex indices each, counter-clockwise from outside. The counts needed
+ * are always written; NULL buffers ask for the counts. Needs settings.body_path. Allocates; some milliseconds. */
+IM2FIT_API int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capacity, size_t* vertex_count,
+                                int32_t* triangles, size_t triangle_capacity, size_t* triangle_count);
+
+/* ---- Names, as in result.json; NULL when out of range ---------------------------------------------------------- */
+
+IM2FIT_API const char* im2fit_state_name(int state);    /* "TRACKING" */
+IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..12: "TOO_NEAR" is bit 1 */
+IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
+IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
+IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

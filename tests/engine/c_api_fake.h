@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef IM2FIT_TESTS_C_API_FAKE_H
+#define IM2FIT_TESTS_C_API_FAKE_H
+
+#include "im2fit/im2fit.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+im2fit_handle* open_with_fake_stages(const im2fit_settings* settings);
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The C interface as a C program uses it, on stages that read their story from the pixels: the first four say whether
+ * somebody is there, the guidance, whether the fuser refuses, and the pose. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "c_api_fake.h"
+#include "c_check.h"
+
+enum { WIDTH = 16, HEIGHT = 12, PIXELS = WIDTH * HEIGHT };
+
+static int logged;
+static void count_log(void* user, int status, const char* text) {
+  CHECK(user == &logged);
+  CHECK(status < 0);
+  CHECK(text[0] != '\0');
+  ++logged;
+}
+
+static im2fit_settings small_settings(void) {
+  im2fit_settings s;
+  im2fit_settings_init(&s, sizeof s);
+  s.width = WIDTH;
+  s.height = HEIGHT;
+  s.fx = s.fy = 14.0F;
+  s.cx = 7.5F;
+  s.cy = 5.5F;
+  s.frames_wanted = 10;
+  s.frames_min = 3;
+  return s;
+}
+
+static void make_frame(uint16_t* depth, int found, unsigned guidance) {
+  for (int i = 0; i < PIXELS; ++i) depth[i] = 10;
+  depth[0] = (uint16_t)found;
+  depth[1] = (uint16_t)guidance;
+  depth[2] = 0;
+  depth[3] = 0;
+}
+
+static void measures_a_person(int single_thread) {
+  im2fit_settings settings = small_settings();
+  settings.single_thread = single_thread;
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  CHECK(handle != NULL);
+  uint16_t depth[PIXELS];
+  im2fit_result result;
+  size_t count = 0;
+  size_t best = 99;
+  im2fit_size sizes[32];
+
+  CHECK(im2fit_poll(handle, &result, sizeof result) == IM2FIT_OK);
+  CHECK(result.state == IM2FIT_STATE_SEARCHING);
+  CHECK(im2fit_sizes(handle, sizes, 32, &count, &best) == IM2FIT_ERROR_NOT_MEASURED);
+
+  make_frame(depth, 1, IM2FIT_GUIDANCE_TOO_NEAR);
+  CHECK(im2fit_push(handle, depth, WIDTH, HEIGHT, 0, 1, 100) == IM2FIT_OK);
+  make_frame(depth, 1, 0);
+  for (int i = 0; i < 10; ++i)
+    CHECK(im2fit_push(handle, depth, WIDTH, HEIGHT, WIDTH, (uint64_t)(3 + i), 200 + i) == IM2FIT_OK);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &result, sizeof result) == IM2FIT_OK);
+  CHECK(result.state == IM2FIT_STATE_MEASURED);
+  CHECK(result.measured == 1);
+  CHECK(result.has_joints == 1);
+  CHECK(result.guidance == 0);
+  CHECK(result.guidance_seen == IM2FIT_GUIDANCE_TOO_NEAR);
+  CHECK(result.frames_seen == 11);
+  CHECK(result.frames_used == 10);
+  CHECK(result.sequence_gaps == 1);
+  /* The stages sum depth x number of the frame, and 255 for an even pixel: 10 x 55 + 10 x 255. */
+  CHECK(result.measurements[IM2FIT_STATURE].value == 3100.0F);
+  CHECK(result.measurements[IM2FIT_WEIGHT].value == 3110.0F);
+  CHECK(result.measurements[IM2FIT_WEIGHT].low == 3100.0F);
+  CHECK(result.measurements[IM2FIT_WEIGHT].high == 3120.0F);
+  CHECK(result.paper[IM2FIT_STATURE] == 3100.5F);
+  CHECK(result.female == 0.25F);
+  CHECK(result.index_entry == 7);
+  CHECK(result.joints[0].z == 10.0F);
+
+  CHECK(im2fit_sizes(handle, NULL, 0, &count, NULL) == IM2FIT_ERROR_TOO_SMALL);
+  CHECK(count == 9);
+  CHECK(im2fit_sizes(handle, sizes, 32, &count, &best) == IM2FIT_OK);
+  CHECK(best == 8 && strcmp(sizes[best].name, ">3XL") == 0); /* a chest of 3106 mm */
+  float sum = 0;
+  for (size_t i = 0; i < count; ++i) sum += sizes[i].probability;
+  CHECK(fabsf(sum - 1.0F) < 1e-5F);
+
+  CHECK(im2fit_push(handle, depth, WIDTH, HEIGHT, 0, 0, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(strstr(im2fit_last_error(handle), "reset") != NULL);
+  CHECK(im2fit_reset(handle) == IM2FIT_OK);
+  CHECK(im2fit_last_error(handle)[0] == '\0');
+  CHECK(im2fit_poll(handle, &result, sizeof result) == IM2FIT_OK);
+  CHECK(result.measured == 0 && result.frames_seen == 0);
+  CHECK(isnan(result.paper[0]));
+  CHECK(im2fit_push(handle, depth, WIDTH, HEIGHT, 0, 0, 0) == IM2FIT_OK);
+  im2fit_close(handle);
+}
+
+static void refuses_bad_frames_and_says_why(void) {
+  im2fit_settings settings = small_settings();
+  settings.log = count_log;
+  settings.log_user = &logged;
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  uint16_t depth[PIXELS];
+  size_t n = 0;
+  make_frame(depth, 1, 0);
+  logged = 0;
+  CHECK(im2fit_push(handle, NULL, WIDTH, HEIGHT, 0, 0, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_push(handle, depth, HEIGHT, WIDTH, 0, 0, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(strstr(im2fit_last_error(handle), "12x16") != NULL);
+  CHECK(im2fit_push(handle, depth, -1, -1, 0, 0, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_push(handle, depth, WIDTH, HEIGHT, WIDTH - 1, 0, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_pump(handle, 10) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_attach(handle, "x") == IM2FIT_ERROR_UNSUPPORTED);
+  CHECK(im2fit_attach(handle, NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_body_mesh(handle, NULL, 0, &n, NULL, 0, &n) == IM2FIT_ERROR_UNSUPPORTED);
+  CHECK(im2fit_body_mesh(handle, NULL, 0, NULL, NULL, 0, &n) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_sizes(handle, NULL, 3, &n, NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(logged == 10);
+  CHECK(im2fit_push(NULL, depth, WIDTH, HEIGHT, 0, 0, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(strstr(im2fit_last_error(NULL), "NULL") != NULL);
+  im2fit_close(handle);
+}
+
+/* A source of five frames: a wait, a damaged one, and the end. */
+typedef struct Tape {
+  int at;
+  int closed;
+} Tape;
+
+static int tape_next(void* user, uint16_t* depth, int32_t width, int32_t height, int32_t timeout_ms,
+                     uint64_t* sequence, int64_t* time_ns) {
+  Tape* tape = user;
+  CHECK(width == WIDTH && height == HEIGHT && timeout_ms == 40);
+  switch (tape->at++) {
+    case 1:
+      return IM2FIT_ERROR_TIMEOUT;
+    case 3:
+      return IM2FIT_ERROR_CORRUPT;
+    case 6:
+      return IM2FIT_ERROR_END_OF_STREAM;
+    default:
+      make_frame(depth, 1, 0);
+      *sequence = (uint64_t)tape->at;
+      *time_ns = tape->at;
+      return IM2FIT_OK;
+  }
+}
+
+static void tape_close(void* user) {
+  ++((Tape*)user)->closed;
+}
+
+static int open_tape(void* opener_user, const char* uri, im2fit_source* source) {
+  if (strcmp(uri, "tape:") != 0) return IM2FIT_ERROR_NO_DEVICE;
+  source->user = opener_user;
+  source->next = tape_next;
+  source->close = tape_close;
+  return IM2FIT_OK;
+}
+
+static void pumps_an_attached_source(void) {
+  im2fit_settings settings = small_settings();
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  Tape tape = {0, 0};
+  im2fit_result result;
+  CHECK(im2fit_set_opener(handle, open_tape, &tape) == IM2FIT_OK);
+  CHECK(im2fit_attach(handle, "camera:") == IM2FIT_ERROR_NO_DEVICE);
+  CHECK(strstr(im2fit_last_error(handle), "camera:") != NULL);
+  CHECK(im2fit_attach(handle, "tape:") == IM2FIT_OK);
+  const int expected[] = {IM2FIT_OK, IM2FIT_ERROR_TIMEOUT,      IM2FIT_OK, IM2FIT_ERROR_CORRUPT, IM2FIT_OK,
+                          IM2FIT_OK, IM2FIT_ERROR_END_OF_STREAM};
+  for (int i = 0; i < 7; ++i) CHECK(im2fit_pump(handle, 40) == expected[i]);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &result, sizeof result) == IM2FIT_OK);
+  CHECK(result.frames_seen == 4 && result.measured == 1);
+  CHECK(im2fit_attach(handle, "tape:") == IM2FIT_OK);
+  CHECK(tape.closed == 1);
+  CHECK(im2fit_detach(handle) == IM2FIT_OK);
+  CHECK(tape.closed == 2);
+  CHECK(im2fit_attach(handle, "tape:") == IM2FIT_OK);
+  im2fit_close(handle);
+  CHECK(tape.closed == 3);
+}
+
+/* Callers built with an older or newer header. */
+static void structs_may_grow(void) {
+  im2fit_settings settings = small_settings();
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  struct {
+    im2fit_result result;
+    char more[64];
+  } grown;
+  memset(&grown, 0x55, sizeof grown);
+  CHECK(im2fit_poll(handle, &grown.result, sizeof grown) == IM2FIT_OK);
+  CHECK(grown.more[0] == 0 && grown.more[63] == 0);
+  im2fit_result small;
+  memset(&small, 0x55, sizeof small);
+  CHECK(im2fit_poll(handle, &small, offsetof(im2fit_result, frames_seen)) == IM2FIT_OK);
+  CHECK(small.state == IM2FIT_STATE_SEARCHING);
+  CHECK(small.frames_seen == 0x5555555555555555ULL);
+  CHECK(im2fit_poll(handle, NULL, 8) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  im2fit_close(handle);
+}
+
+int main(void) {
+  measures_a_person(0);
+  measures_a_person(1);
+  refuses_bad_frames_and_says_why();
+  pumps_an_attached_source();
+  structs_may_grow();
+  return check_failures == 0 ? 0 : 1;
+}

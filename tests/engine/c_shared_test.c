@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A C program linked to libim2fit.so alone. Without arguments: versions, names and failures to open. With TRACKER
+ * INDEX BODY paths that exist: a session on the real files with an empty room pushed. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "c_check.h"
+#include "im2fit/im2fit.h"
+
+static void names_and_version(void) {
+  char version[32];
+  snprintf(version, sizeof version, "%d.%d.%d", IM2FIT_VERSION_MAJOR, IM2FIT_VERSION_MINOR, IM2FIT_VERSION_PATCH);
+  CHECK(strcmp(im2fit_version(), version) == 0);
+  CHECK(strcmp(im2fit_status_name(IM2FIT_OK), "ok") == 0);
+  CHECK(strcmp(im2fit_status_name(IM2FIT_ERROR_TIMEOUT), "timeout") == 0);
+  CHECK(strcmp(im2fit_status_name(IM2FIT_ERROR_INTERNAL), "internal") == 0);
+  CHECK(strcmp(im2fit_status_name(-13), "unknown") == 0);
+  CHECK(strcmp(im2fit_status_name(1), "unknown") == 0);
+  CHECK(strcmp(im2fit_state_name(IM2FIT_STATE_LOST), "LOST") == 0);
+  CHECK(im2fit_state_name(6) == NULL && im2fit_state_name(-1) == NULL);
+  CHECK(strcmp(im2fit_guidance_name(3), "FEET_CUT") == 0);
+  CHECK(im2fit_guidance_name(IM2FIT_GUIDANCE_COUNT) == NULL);
+  CHECK(strcmp(im2fit_measurement_name(IM2FIT_CHEST_GIRTH), "chest_girth") == 0);
+  CHECK(strcmp(im2fit_measurement_name(IM2FIT_INSIDE_LEG), "inside_leg") == 0);
+  CHECK(strcmp(im2fit_measurement_unit(IM2FIT_WEIGHT), "kg") == 0);
+  CHECK(im2fit_measurement_name(IM2FIT_MEASUREMENT_COUNT) == NULL);
+  CHECK(strcmp(im2fit_joint_name(14), "RF") == 0);
+  CHECK(im2fit_joint_name(15) == NULL);
+}
+
+static im2fit_settings kinect_settings(void) {
+  im2fit_settings s;
+  im2fit_settings_init(&s, sizeof s);
+  s.width = 480;
+  s.height = 640;
+  s.fx = s.fy = 575.8F;
+  s.cx = 239.5F;
+  s.cy = 319.5F;
+  return s;
+}
+
+static int last_logged;
+static void keep_status(void* user, int status, const char* text) {
+  (void)user;
+  (void)text;
+  last_logged = status;
+}
+
+static void opening_fails_cleanly(void) {
+  im2fit_handle* handle = (im2fit_handle*)&handle;
+  im2fit_settings s = kinect_settings();
+  CHECK(s.frames_wanted == 30 && s.frames_min == 5 && s.pool_frames == 8);
+  CHECK(im2fit_open(NULL, &handle) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(handle == NULL);
+  CHECK(im2fit_open(&s, NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_open(&s, &handle) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(strstr(im2fit_last_error(NULL), "tracker_path") != NULL);
+  s.tracker_path = "/nonexistent/tracker.i2t";
+  s.index_path = "/nonexistent/index.i2f";
+  s.log = keep_status;
+  CHECK(im2fit_open(&s, &handle) == IM2FIT_ERROR_NOT_FOUND);
+  CHECK(last_logged == IM2FIT_ERROR_NOT_FOUND);
+  CHECK(strstr(im2fit_last_error(NULL), "/nonexistent/tracker.i2t") != NULL);
+  s.men_chart_path = "/nonexistent/chart.csv";
+  CHECK(im2fit_open(&s, &handle) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(strstr(im2fit_last_error(NULL), "women_chart_path") != NULL);
+  s.struct_size = 8;
+  CHECK(im2fit_open(&s, &handle) == IM2FIT_ERROR_UNSUPPORTED);
+  struct {
+    im2fit_settings settings;
+    int newer;
+  } grown;
+  im2fit_settings_init(&grown.settings, sizeof grown);
+  CHECK(grown.newer == 0);
+  CHECK(im2fit_open(&grown.settings, &handle) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  grown.newer = 1;
+  CHECK(im2fit_open(&grown.settings, &handle) == IM2FIT_ERROR_UNSUPPORTED);
+  CHECK(handle == NULL);
+  im2fit_close(NULL);
+}
+
+static void an_empty_room_has_nobody(char** paths) {
+  im2fit_settings s = kinect_settings();
+  s.tracker_path = paths[0];
+  s.index_path = paths[1];
+  s.body_path = paths[2];
+  im2fit_handle* handle = NULL;
+  const int opened = im2fit_open(&s, &handle);
+  CHECK(opened == IM2FIT_OK);
+  if (opened != IM2FIT_OK) {
+    fprintf(stderr, "%s\n", im2fit_last_error(NULL));
+    return;
+  }
+  uint16_t* depth = calloc((size_t)s.width * (size_t)s.height, sizeof *depth);
+  for (uint64_t i = 0; i < 8; ++i)
+    CHECK(im2fit_push(handle, depth, s.width, s.height, 0, i, (int64_t)i * 33333333) == IM2FIT_OK);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  im2fit_result result;
+  CHECK(im2fit_poll(handle, &result, sizeof result) == IM2FIT_OK);
+  CHECK(result.measured == 0 && result.frames_seen == 8);
+  CHECK((result.guidance & IM2FIT_GUIDANCE_NO_PERSON) != 0);
+  size_t vertex_count = 0;
+  size_t triangle_count = 0;
+  CHECK(im2fit_body_mesh(handle, NULL, 0, &vertex_count, NULL, 0, &triangle_count) == IM2FIT_ERROR_NOT_MEASURED);
+  CHECK(vertex_count == 13380);
+  free(depth);
+  im2fit_close(handle);
+}
+
+static int readable(const char* path) {
+  FILE* file = fopen(path, "rb");
+  if (file != NULL) fclose(file);
+  return file != NULL;
+}
+
+int main(int argc, char** argv) {
+  names_and_version();
+  opening_fails_cleanly();
+  if (argc == 4 && readable(argv[1]) && readable(argv[2]) && readable(argv[3]))
+    an_empty_room_has_nobody(argv + 1);
+  else
+    puts("no tracker, index and body files: the session on real files is left out");
+  return check_failures == 0 ? 0 : 1;
+}
