@@ -20,10 +20,10 @@ using joints::Split;
 constexpr std::uint64_t kAnchorStream = 0x616E6368;
 constexpr std::uint64_t kLevelStream = 0x6C65766C;
 constexpr int kBatchTreeCount = 8;  // trees that learn on the same residuals; any thread count gives the same
-constexpr int kCandidateCount = 48;
-constexpr int kLookedMax = 500;
+constexpr int kCandidateCount = 90;
+constexpr int kLookedMax = 1200;
 constexpr int kScoreSize = 6;  // two joints' residuals judge a split
-constexpr double kShrinkage = 0.09;
+constexpr double kShrinkage = 0.11;
 constexpr double kLeafPrior = 12;     // samples' worth of "no correction" in every leaf
 constexpr double kPairReachMm = 450;  // near pairs are likelier (Kazemi 2014, section 2.3.2)
 constexpr double kCorrectionMaxMm = 500;

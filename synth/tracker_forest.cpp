@@ -16,7 +16,7 @@ using joints::JumpNode;
 constexpr std::uint64_t kTreeStream = 0x74524545;
 constexpr int kCandidateCount = 48;
 constexpr int kThresholdCount = 5;
-constexpr int kLeafSamplesMin = 12;
+constexpr int kLeafSamplesMin = 8;
 constexpr double kProbeSpreadMm = 350;
 constexpr int kNodeCountMax = 65000;
 

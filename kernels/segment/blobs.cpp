@@ -469,13 +469,16 @@ bool BlobFinder::on_pole(const Grid& grid, int b, const FloorPlane& floor) const
   const auto label = static_cast<std::uint16_t>(b + 1);
   int thin_rows = 0;  // in succession
   for (int r = blob.r_min; r <= blob.r_max; ++r) {
+    // The whole row's width: cut at a height, the slanting edge of a thigh would look thin.
     float width = 0;
+    bool low = false;
     for (int c = blob.c_min; c <= blob.c_max; ++c) {
       const auto cell = at(grid.index(c, r));
-      if (labels_[cell] != label || grid.height_mm[cell] < kShinLowMm || grid.height_mm[cell] > kThighMm) continue;
+      if (labels_[cell] != label) continue;
+      low = low || (grid.height_mm[cell] > kShinLowMm && grid.height_mm[cell] < kThighMm);
       width += cell_mm(grid, static_cast<float>(grid.depth[cell]));
     }
-    thin_rows = width > 0 && width < kLegWidthMinMm ? thin_rows + 1 : 0;
+    thin_rows = low && width < kLegWidthMinMm ? thin_rows + 1 : 0;
     if (thin_rows == 3) return true;
   }
   return false;
@@ -539,7 +542,8 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
       any_head = true;
     }
   }
-  if (any_head) return;
+  for (int h = 0; h < head_count_; ++h)
+    if (blobs_[at(heads_[at(h)].blob)].has_head && !heads_[at(h)].vague) return;
   // Heads cut off by the upper border, or hidden by raised arms: person-sized, neither flat nor filling its box.
   for (int b = 0; b < blob_count_; ++b) {
     Blob& blob = blobs_[at(b)];
