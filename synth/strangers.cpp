@@ -17,8 +17,8 @@ constexpr double kModifierSd = 0.3;
 // What front views cannot tell and no modifier makes. People measured by tape differ from any such model by a girth
 // error of about this size even when breadths and depths are known (facts: ANSUR II bound, 13..17 mm).
 constexpr int kBumpCount = 14;
-constexpr float kBumpMinMm = 3;
-constexpr float kBumpMaxMm = 12;
+constexpr float kBumpMinMm = 5;
+constexpr float kBumpMaxMm = 17;
 
 // Spread of a modifier in either family; "l-" and "r-" variants belong to the pair's row.
 bool used(std::string_view name) {
@@ -32,9 +32,12 @@ bool used(std::string_view name) {
                      [&](const ModifierSpread& row) { return plain(row.name) == plain(name); });
 }
 
-// Hands, feet and the person as a whole moved sideways have nothing to do with measurements.
+// Lengths of bones vary freely in training already; hands, feet and parts moved sideways have nothing to do with
+// measurements. What is left changes shapes.
 bool is_shape(std::string_view name) {
-  return name.find("hand") == name.npos && name.find("foot") == name.npos && name.find("trans-horiz") == name.npos;
+  for (const std::string_view word : {"hand", "foot", "trans-horiz", "vert", "height", "arm-scale"})
+    if (name.find(word) != name.npos) return false;
+  return true;
 }
 
 }  // namespace
