@@ -23,6 +23,9 @@ extern "C" const char* __tsan_default_suppressions() {
 namespace im2fit::hal {
 namespace {
 
+std::mutex runtime_mutex;
+std::weak_ptr<OpenNi2Runtime> runtime_in_use;
+
 Result<std::shared_ptr<OpenNi2Runtime>> begin() {
   if (oniInitialize(ONI_API_VERSION) == ONI_STATUS_OK) return std::make_shared<OpenNi2Runtime>();
   Error error{ErrorCode::unsupported, "the OpenNI2 runtime does not start (" + openni2_complaint() +
@@ -33,24 +36,22 @@ Result<std::shared_ptr<OpenNi2Runtime>> begin() {
 
 }  // namespace
 
-// Starting takes 0.4 s and every start and end leaves some 50 kB behind in the drivers, so it is kept to the end of
-// the process.
+// Not kept for the process in a static: that would end it after the drivers' own statics are gone.
 Result<std::shared_ptr<OpenNi2Runtime>> OpenNi2Runtime::get() {
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
-#if defined(__SANITIZE_ADDRESS__)
-  // Drivers that are unloaded before the sanitizer looks cannot be named in its suppressions: they stay loaded.
-  static auto& kept = *new std::shared_ptr<OpenNi2Runtime>;
-#else
-  static std::shared_ptr<OpenNi2Runtime> kept;
-#endif
-  if (kept != nullptr) return kept;
+  const std::lock_guard lock(runtime_mutex);
+  if (auto runtime = runtime_in_use.lock()) return runtime;
   auto begun = begin();
-  if (begun) kept = *begun;
+  if (!begun) return begun;
+  runtime_in_use = *begun;
+#if defined(__SANITIZE_ADDRESS__)
+  // Drivers that are unloaded before the leak checker looks cannot be named in its suppressions: they stay loaded.
+  [[maybe_unused]] static auto& kept = *new std::shared_ptr<OpenNi2Runtime>(*begun);
+#endif
   return begun;
 }
 
 OpenNi2Runtime::~OpenNi2Runtime() {
+  const std::lock_guard lock(runtime_mutex);
   oniShutdown();
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The OpenNI2 runtime, begun by its first user in the process and ended with the process.
+// The OpenNI2 runtime, begun by its first user in the process and ended by its last. Beginning takes 0.4 s and every
+// end leaves some 50 kB behind in the drivers: a program that opens cameras again and again holds one of these
+// meanwhile.
 #pragma once
 
 #include <memory>

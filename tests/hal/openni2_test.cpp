@@ -60,6 +60,20 @@ std::string virtual_uri(const std::string& folder, const std::string& more = "")
   return "im2fit-virtual://" + std::to_string(++number) + "?folder=" + folder + more;
 }
 
+// Begun once for all tests, ended before the program's statics are.
+class HoldRuntime : public testing::Environment {
+ public:
+  void SetUp() override {
+    auto runtime = OpenNi2Runtime::get();
+    if (runtime) runtime_ = *runtime;
+  }
+  void TearDown() override { runtime_.reset(); }
+
+ private:
+  std::shared_ptr<OpenNi2Runtime> runtime_;
+};
+[[maybe_unused]] const auto* const hold_runtime = testing::AddGlobalTestEnvironment(new HoldRuntime);
+
 bool have_virtual_device() {
   static const bool there = [] {
     const TestFolder folder;
