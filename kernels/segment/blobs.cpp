@@ -324,7 +324,7 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
       ++row_count;
     }
     if (below >= 165.0F && below < kNeckEndMm) {
-      if (width < kNeckWidthMinMm - 0.5F * mm) return false;
+      if (width < kNeckWidthMinMm - mm) return false;
       neck = std::min(neck, width);
     }
     if (below >= 270.0F) {
@@ -554,7 +554,7 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
     const int box = (blob.c_max - blob.c_min + 1) * (blob.r_max - blob.r_min + 1);
     const bool top_cut = blob.r_min <= 1;
     const float fill = static_cast<float>(blob.cell_count) / static_cast<float>(box);
-    const float relief_min = 18.0F + quantum_mm(blob.centroid_mm.z);
+    const float relief_min = 14.0F + 0.5F * quantum_mm(blob.centroid_mm.z);
     const bool stands = !floor.known || blob.height_min_mm < 250.0F || blob.r_max >= grid.height - 2;
     if (blob.relief_mm < relief_min || blob.relief_mm > 220.0F || !stands) continue;
     if (top_cut) {
