@@ -45,7 +45,9 @@ Result<std::shared_ptr<OpenNi2Runtime>> OpenNi2Runtime::get() {
   runtime_in_use = *begun;
 #if defined(__SANITIZE_ADDRESS__)
   // Drivers that are unloaded before the leak checker looks cannot be named in its suppressions: they stay loaded.
-  [[maybe_unused]] static auto& kept = *new std::shared_ptr<OpenNi2Runtime>(*begun);
+  static std::shared_ptr<OpenNi2Runtime>* volatile kept = nullptr;
+  kept = new std::shared_ptr<OpenNi2Runtime>(*begun);
+  (void)kept;  // volatile: read, so that the pointer is a root the checker sees
 #endif
   return begun;
 }
