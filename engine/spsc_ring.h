@@ -17,7 +17,7 @@ namespace im2fit {
 
 inline constexpr std::size_t kCacheLineSize = 64;  // bytes; the value of x86-64 and of the ARM cores we target
 
-class SpscRing {
+class SpscRing {  // NOLINT(clang-analyzer-optin.performance.Padding): the padding is the point
  public:
   // capacity: 1 .. 65536 items, rounded up to a power of two.
   explicit SpscRing(std::uint32_t capacity) {

@@ -46,6 +46,7 @@
 #define IM2FIT_API __attribute__((visibility("default")))
 #endif
 
+/* NOLINTBEGIN(readability-identifier-naming): C's names, with the library's prefix */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -268,5 +269,6 @@ IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */
 #ifdef __cplusplus
 }
 #endif
+/* NOLINTEND(readability-identifier-naming) */
 
 #endif
