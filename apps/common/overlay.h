@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the camera saw and what we made of it, in one picture: shaded depth, the person tinted, joints and bones, and
+// the lines where girths are measured.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/common/canvas.h"
+#include "kernels/core/camera.h"
+#include "kernels/core/joints.h"
+#include "kernels/segment/segment.h"
+
+namespace im2fit::apps {
+
+struct SectionLine {
+  std::string label;     // for example "CHEST 1012 MM"
+  float height_mm = 0;   // above the floor
+  float half_width_mm = 0;  // from the trunk's middle; what lies beyond (arms) is not drawn
+};
+
+struct OverlayInput {
+  Intrinsics intrinsics;                      // of the upright pictures below
+  DepthView frame;                            // a whole frame, mm, behind the person
+  ImageView<const std::uint16_t> fused_q4;    // 1/16 mm; may be empty
+  MaskView mask;                              // may be empty
+  bool has_joints = false;
+  JointSet joints;
+  FloorPlane floor;
+  std::vector<SectionLine> sections;
+  std::vector<std::string> captions;  // lines in the upper left corner
+};
+
+Canvas draw_overlay(const OverlayInput& input);
+
+}  // namespace im2fit::apps

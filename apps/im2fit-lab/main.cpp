@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit-lab/commands.h"
+
+int main(int argc, char** argv) {
+  using namespace im2fit::apps;
+  CLI::App app{"Workstation side of im2fit: body data, synthetic people, training, evaluation.", "im2fit-lab"};
+  app.footer("Start with: im2fit-lab fetch, then im2fit-lab train, then im2fit-lab index --subjects 20000");
+  Command chosen;
+  for (auto* add : {add_fetch, add_population, add_train, add_dataset, add_index, add_render, add_import_raw, add_eval})
+    add(app, chosen);
+  return run_program(app, chosen, argc, argv);
+}

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// A depth folder of one synthetic person, with the truth beside it.
+#include <fmt/core.h>
+
+#include "apps/common/data_files.h"
+#include "apps/common/paths.h"
+#include "apps/common/synthetic_person.h"
+#include "apps/im2fit-lab/commands.h"
+#include "base/file.h"
+#include "body/export/export.h"
+#include "hal/folder/depth_folder.h"
+
+namespace im2fit::apps {
+namespace {
+
+struct RenderOptions {
+  std::string out;
+  PersonOptions person;
+  std::string family = "held_out";
+  std::string condition = "noise";
+  std::string pose = "relaxed";
+  std::string size = "640x480";
+  int frames = 30;
+  bool paper_files = false;
+  bool truth_only = false;
+  std::string body = default_body_path();
+};
+
+// Camera axes (x right, y down, z forward) to a body mesh's (y up, +z out of the face).
+JointSet mesh_axes(JointSet joints) {
+  for (auto& p : joints.position_mm) p = {p.x, -p.y, -p.z};
+  return joints;
+}
+
+// The paper's four files per sample, posed as in frame 0.
+Status write_paper_files(const body::BodyModel& model, SyntheticPerson& person, const std::string& directory) {
+  const auto& subject = person.subject();
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
+  synth::morph_subject(model, subject, rest);
+  const auto skeleton = body::rest_skeleton(model, rest);
+  const body::Avatar avatar{&model, subject.params,
+                            body::pose_from_joints(skeleton, mesh_axes(person.scene().joints(0)))};
+  using Writer = Status (*)(const body::Avatar&, const std::string&);
+  const std::pair<Writer, const char*> files[] = {{body::write_obj, "sample.obj"},
+                                                  {body::write_skel, "sample.skel"},
+                                                  {body::write_bvh, "sample.bvh"},
+                                                  {body::write_attributes, "sample.txt"}};
+  for (const auto& [write, name] : files)
+    if (const auto written = write(avatar, directory + "/" + name); !written) return written;
+  return Ok{};
+}
+
+Status write_frames(SyntheticPerson& person, const RenderOptions& options, int rotate_deg) {
+  const Intrinsics k = person.scene().intrinsics();
+  hal::FolderWriter::Options writing;
+  writing.camera_name = "im2fit virtual Kinect (synthetic)";
+  writing.rotate_deg = rotate_deg;
+  auto writer = hal::FolderWriter::create(options.out, k, writing);
+  if (!writer) return writer.error();
+  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
+  const DepthImage image(pixels.data(), k.width, k.height);
+  Progress progress("frames", static_cast<std::uint64_t>(options.frames));
+  for (int i = 0; i < options.frames; ++i) {
+    person.scene().render(static_cast<std::uint64_t>(i), image);
+    hal::FrameInfo info;
+    info.sequence = static_cast<std::uint64_t>(i);
+    info.host_ns = i * 33'333'333LL;
+    info.device_us = i * 33'333LL;
+    if (const auto written = (*writer)->write(image, info); !written) return written;
+    progress.update(static_cast<std::uint64_t>(i + 1));
+  }
+  return (*writer)->finish();
+}
+
+Result<int> run_render(const RenderOptions& options) {
+  const auto model = load_body(options.body);
+  if (!model) return model.error();
+  const auto family = family_of(options.family);
+  if (!family) return family.error();
+  const auto pose = pose_of(options.pose);
+  if (!pose) return pose.error();
+  PersonOptions wanted = options.person;
+  wanted.family = *family;
+  wanted.scene.pose = *pose;
+  wanted.noise = options.condition == "noise";
+  if (!wanted.noise) wanted.scene.furniture_count = 0;
+  if (options.size == "320x240") wanted.width = 320, wanted.height = 240;
+  SyntheticPerson person(*model, wanted);
+  const Truth truth = person.truth(options.truth_only ? 0 : options.frames);
+  if (options.truth_only) {
+    if (const auto written = write_truth(truth, options.out); !written) return written.error();
+    return kExitOk;
+  }
+  if (const auto written = write_frames(person, options, wanted.scene.rotate_deg); !written) return written.error();
+  if (const auto written = write_truth(truth, options.out + "/truth.json"); !written) return written.error();
+  if (options.paper_files)
+    if (const auto written = write_paper_files(*model, person, options.out); !written) return written.error();
+  fmt::print("{}: {} frames of a synthetic {}, {:.0f} mm tall\n", options.out, options.frames,
+             truth.woman ? "woman" : "man", truth.values[measurement_index(Measurement::stature)]);
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<RenderOptions>();
+  options->person.scene = furnished_room();
+  auto* sub = add_command<RenderOptions>(
+      app, chosen, "render", "Depth folder of a synthetic person, with truth.json",
+      "  im2fit-lab render --out person7 --seed 7\n"
+      "  im2fit-lab render --out bare --condition bare --pose psi --rotate 0 --paper-files",
+      options, run_render);
+  auto& person = options->person;
+  sub->add_option("--out", options->out, "Folder to make (a file with --truth-only)")->required()->type_name("DIR");
+  sub->add_option("--seed", person.seed, "Seed of the person, the room and the noise")->capture_default_str();
+  sub->add_option("--subject", person.subject, "Number of the person within the seed")->capture_default_str();
+  sub->add_option("--family", options->family, "Population")
+      ->check(CLI::IsMember({"paper", "training", "held_out"}))
+      ->capture_default_str();
+  sub->add_option("--frames", options->frames, "Frames")->check(CLI::Range(1, 100000))->capture_default_str();
+  sub->add_option("--rotate", person.scene.rotate_deg, "How the camera is mounted, degrees")
+      ->check(CLI::IsMember({0, 90, 180, 270}))
+      ->capture_default_str();
+  sub->add_option("--condition", options->condition, "noise: a Kinect in a furnished room; bare: a perfect sensor")
+      ->check(CLI::IsMember({"noise", "bare"}))
+      ->capture_default_str();
+  sub->add_option("--pose", options->pose, "How the person stands")
+      ->check(CLI::IsMember({"relaxed", "a_pose", "psi", "free"}))
+      ->capture_default_str();
+  sub->add_option("--distance", person.scene.distance_mm, "Camera to person, mm; 0: so that the whole person fits")
+      ->check(CLI::Range(0, 8000))
+      ->capture_default_str();
+  sub->add_option("--furniture", person.scene.furniture_count, "Pieces of furniture")
+      ->check(CLI::Range(0, 20))
+      ->capture_default_str();
+  sub->add_option("--size", options->size, "Picture of the sensor")
+      ->check(CLI::IsMember({"640x480", "320x240"}))
+      ->capture_default_str();
+  sub->add_flag("--back", person.scene.back_view, "Seen from behind");
+  sub->add_flag("--paper-files", options->paper_files, "Also sample.obj, .skel, .bvh and .txt as the paper has them");
+  sub->add_flag("--truth-only", options->truth_only, "Write only the truth, into the file --out");
+  sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
+}
+
+}  // namespace im2fit::apps

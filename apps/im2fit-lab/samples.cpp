@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit-lab/samples.h"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/common/paths.h"
+#include "apps/im2fit-lab/parallel.h"
+#include "base/crc32c.h"
+#include "base/file.h"
+
+namespace im2fit::apps {
+namespace {
+
+std::string note_path(const std::string& work_dir) {
+  return work_dir + "/samples.json";
+}
+
+// Shards made from another body or tracker must not be taken for these.
+Result<std::uint64_t> key_of_files(const std::string& body, const std::string& tracker) {
+  const auto a = MappedFile::open(body);
+  if (!a) return a.error();
+  const auto b = MappedFile::open(tracker);
+  if (!b) return b.error();
+  return static_cast<std::uint64_t>(crc32c(a->bytes())) << 32U | crc32c(b->bytes());
+}
+
+}  // namespace
+
+SampleOptions default_samples() {
+  SampleOptions options;
+  options.threads = default_threads();
+  options.body = default_body_path();
+  options.tracker = default_tracker_path();
+  return options;
+}
+
+void add_sample_options(CLI::App& sub, SampleOptions& options) {
+  sub.add_option("--subjects", options.subjects, "Synthetic people")
+      ->check(CLI::Range(1, 10000000))
+      ->capture_default_str();
+  sub.add_option("--captures", options.captures, "Captures of each: other pose, place and noise")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  sub.add_option("--seed", options.seed, "Seed")->capture_default_str();
+  sub.add_option("--threads", options.threads, "Threads; the result does not depend on them")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
+  sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
+}
+
+Result<synth::DatasetReport> make_samples(const SampleOptions& options,
+                                          const std::function<void(const index::Sample&)>& sink) {
+  const auto model = load_body(options.body);
+  if (!model) return model.error();
+  const auto tracker = Tracker::load(options.tracker);
+  if (!tracker) return tracker.error();
+  const auto key = key_of_files(options.body, options.tracker);
+  if (!key) return key.error();
+  if (const auto made = make_directory(options.work_dir); !made) return made.error();
+  synth::DatasetOptions dataset;
+  dataset.subject_count = options.subjects;
+  dataset.captures_per_subject = options.captures;
+  dataset.seed = options.seed;
+  dataset.thread_count = options.threads;
+  dataset.work_dir = options.work_dir;
+  dataset.input_key = *key;
+  Progress progress("subjects", static_cast<std::uint64_t>(options.subjects));
+  auto report = synth::make_dataset(
+      *model, tracker->model(), dataset,
+      [&](const synth::DatasetProgress& p) { progress.update(static_cast<std::uint64_t>(p.done)); }, sink);
+  if (!report) return report.error();
+  const nlohmann::ordered_json note = {
+      {"subjects", options.subjects}, {"captures", options.captures}, {"seed", options.seed}};
+  if (const auto written = write_file_atomically(note_path(options.work_dir), note.dump() + "\n"); !written)
+    return written.error();
+  return report;
+}
+
+Result<SampleOptions> noted_samples(const std::string& work_dir) {
+  const std::string path = note_path(work_dir);
+  const auto bytes = read_file(path);
+  if (!bytes) return bytes.error();
+  const auto* text = reinterpret_cast<const char*>(bytes->data());
+  const auto json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
+  if (!json.is_object() || !json.contains("subjects") || !json.contains("captures") || !json.contains("seed"))
+    return Error{ErrorCode::corrupt, path + ": expected subjects, captures and seed; build the index again"};
+  SampleOptions options = default_samples();
+  options.subjects = json["subjects"].get<int>();
+  options.captures = json["captures"].get<int>();
+  options.seed = json["seed"].get<std::uint64_t>();
+  options.work_dir = work_dir;
+  return options;
+}
+
+std::string summary_of(const synth::DatasetReport& report) {
+  std::string text = fmt::format("{} samples of {} synthetic people ({} from shards) in {:.0f} s; {} captures missing\n",
+                                 report.samples, report.subjects, report.subjects_reused, report.seconds,
+                                 report.captures_missing);
+  std::string refused;
+  for (std::size_t g = 0; g < kGuidanceCount; ++g)
+    if (report.refused[g] > 0) refused += fmt::format(" {} {}", kGuidanceNames[g], report.refused[g]);
+  if (!refused.empty()) text += fmt::format("refused of {} frames:{}\n", report.frames_seen, refused);
+  return text;
+}
+
+}  // namespace im2fit::apps

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Index samples from synthetic people: what dataset, index and eval share.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "apps/common/data_files.h"
+#include "apps/common/program.h"
+#include "synth/dataset.h"
+
+namespace im2fit::apps {
+
+struct SampleOptions {
+  int subjects = 20000;
+  int captures = 1;
+  std::uint64_t seed = 1;
+  int threads = 1;
+  std::string work_dir;  // shards live here and are used again
+  std::string body;
+  std::string tracker;
+};
+
+// Defaults of this machine.
+SampleOptions default_samples();
+void add_sample_options(CLI::App& sub, SampleOptions& options);
+
+// Makes or reuses the samples, in order, with progress on a terminal, and notes in `work_dir` how they were made.
+Result<synth::DatasetReport> make_samples(const SampleOptions& options,
+                                          const std::function<void(const index::Sample&)>& sink);
+
+// The samples an index was built from, as noted in `work_dir`; an error when there is no note.
+Result<SampleOptions> noted_samples(const std::string& work_dir);
+
+// One paragraph for people: how many, how fast, what was refused.
+std::string summary_of(const synth::DatasetReport& report);
+
+}  // namespace im2fit::apps

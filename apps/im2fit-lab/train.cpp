@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "apps/common/data_files.h"
+#include "apps/common/paths.h"
+#include "apps/im2fit-lab/commands.h"
+#include "apps/im2fit-lab/parallel.h"
+#include "base/file.h"
+#include "synth/train_tracker.h"
+
+namespace im2fit::apps {
+namespace {
+
+struct TrainCommand {
+  synth::TrainOptions train;
+  std::string body = default_body_path();
+  std::string out = default_tracker_path();
+};
+
+Result<int> run_train(const TrainCommand& options) {
+  const auto model = load_body(options.body);
+  if (!model) return model.error();
+  if (const auto made = make_directory(std::filesystem::absolute(options.out).parent_path().string()); !made)
+    return made.error();
+  constexpr std::uint64_t kSteps = 1000;
+  Progress progress("training, steps of a thousand", kSteps);
+  const auto bytes = synth::train_tracker(*model, options.train, [&](double share, std::string_view stage) {
+    progress.update(static_cast<std::uint64_t>(share * static_cast<double>(kSteps)), std::string(stage));
+  });
+  if (!bytes) return bytes.error();
+  if (const auto written = write_file_atomically(options.out, *bytes); !written) return written.error();
+  fmt::print("{}: {:.1f} MB\n", options.out, static_cast<double>(bytes->size()) / 1e6);
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_train(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<TrainCommand>();
+  options->train.thread_count = default_threads();
+  auto* sub = add_command<TrainCommand>(
+      app, chosen, "train", "Train the joint tracker (.i2t) on renders of synthetic people",
+      "  im2fit-lab train\n  im2fit-lab train --images 2500 --out small.i2t   a quick one, for tests", options,
+      run_train);
+  sub->add_option("--images", options->train.image_count, "Renders to learn from")
+      ->check(CLI::Range(40, 200000))
+      ->capture_default_str();
+  sub->add_option("--seed", options->train.seed, "Seed")->capture_default_str();
+  sub->add_option("--threads", options->train.thread_count, "Threads; the result does not depend on them")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
+  sub->add_option("--out", options->out, "Tracker file to write")->type_name("FILE")->capture_default_str();
+}
+
+}  // namespace im2fit::apps

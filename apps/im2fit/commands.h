@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands of im2fit: each adds its subcommand and options.
+#pragma once
+
+#include "apps/common/program.h"
+
+namespace im2fit::apps {
+
+void add_devices(CLI::App& app, Command& chosen);
+void add_measure(CLI::App& app, Command& chosen);
+void add_live(CLI::App& app, Command& chosen);
+void add_record(CLI::App& app, Command& chosen);
+
+}  // namespace im2fit::apps

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit/input.h"
+
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+
+#include "hal/open/open.h"
+#if IM2FIT_HAVE_SYNTH
+#include "apps/common/synthetic_person.h"
+#endif
+
+namespace im2fit::apps {
+namespace {
+
+std::atomic<bool> interrupt_seen{false};
+
+std::string truth_path_of(const InputOptions& options) {
+  if (!options.truth_path.empty()) return options.truth_path;
+  const std::filesystem::path source(options.source);
+  if (source.extension() == ".oni") return std::filesystem::path(source).replace_extension(".truth.json").string();
+  return (source / "truth.json").string();
+}
+
+}  // namespace
+
+void add_input_options(CLI::App& sub, InputOptions& options) {
+  sub.add_option("SOURCE", options.source, "openni2[:URI] | synthetic[:SEED] | PATH.oni | DEPTH_FOLDER")->required();
+  sub.add_option("--rotate", options.rotate_deg, "How the camera is mounted, degrees (default: as recorded)")
+      ->check(CLI::IsMember({0, 90, 180, 270}));
+  sub.add_option("--camera", options.camera_yaml, "Calibration (ROS/OpenCV YAML) that overrides the source's own")
+      ->type_name("YAML");
+  sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
+}
+
+Result<Input> open_input(const InputOptions& options) {
+  Input input;
+  hal::OpenOptions opening;
+  if (options.rotate_deg >= 0) opening.rotate_deg = options.rotate_deg;
+  opening.camera_yaml_path = options.camera_yaml;
+#if IM2FIT_HAVE_SYNTH
+  opening.synthetic = [&](const std::string& seed,
+                          const hal::OpenOptions& o) -> Result<std::unique_ptr<hal::Source>> {
+    auto synthetic = open_synthetic(seed, options.body, o.rotate_deg.value_or(90), o.width, o.height);
+    if (!synthetic) return synthetic.error();
+    input.truth = synthetic->truth;
+    return std::move(synthetic->source);
+  };
+#endif
+  auto source = hal::open_source(options.source, opening);
+  if (!source) return source.error();
+  input.source = std::move(*source);
+  if (input.truth) return input;
+  auto truth = read_truth(truth_path_of(options));
+  if (!truth) return truth.error();
+  input.truth = *truth;
+  return input;
+}
+
+void catch_interrupt() {
+  std::signal(SIGINT, [](int) { interrupt_seen = true; });
+}
+bool interrupted() {
+  return interrupt_seen;
+}
+
+FrameTap::FrameTap(hal::Source& source, std::uint64_t frame_count_max, Watch watch)
+    : source_(source), frame_count_max_(frame_count_max), watch_(std::move(watch)) {}
+
+Result<hal::FrameInfo> FrameTap::next(DepthImage depth, int timeout_ms) {
+  if (interrupted()) return Error{ErrorCode::end_of_stream, "stopped by the user"};
+  if (frame_count_max_ > 0 && frame_count_ >= frame_count_max_)
+    return Error{ErrorCode::end_of_stream, "the number of frames asked for is reached"};
+  auto frame = source_.next(depth, timeout_ms);
+  if (!frame) return frame;
+  ++frame_count_;
+  last_.resize(static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height));
+  for (int v = 0; v < depth.height; ++v)
+    std::copy_n(depth.row(v), depth.width, last_.data() + static_cast<std::ptrdiff_t>(v) * depth.width);
+  if (watch_) watch_(frame_count_);
+  return frame;
+}
+
+DepthView FrameTap::last_frame() const {
+  const Intrinsics& k = source_.info().intrinsics;
+  return last_.empty() ? DepthView() : DepthView(last_.data(), k.width, k.height);
+}
+
+}  // namespace im2fit::apps

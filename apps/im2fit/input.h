@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// SOURCE and its options, the same for every command that reads one.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/common/paths.h"
+#include "apps/common/program.h"
+#include "apps/common/truth_file.h"
+#include "hal/source.h"
+
+namespace im2fit::apps {
+
+struct InputOptions {
+  std::string source;
+  int rotate_deg = -1;  // -1: what the recording says
+  std::string camera_yaml;
+  std::string body = default_body_path();  // of the synthetic person, too
+  std::string truth_path;                  // "": truth.json in the folder, NAME.truth.json beside NAME.oni
+};
+void add_input_options(CLI::App& sub, InputOptions& options);
+
+struct Input {
+  std::unique_ptr<hal::Source> source;
+  std::optional<Truth> truth;
+};
+Result<Input> open_input(const InputOptions& options);
+
+// True once the person at the keyboard pressed Ctrl-C (after catch_interrupt).
+void catch_interrupt();
+bool interrupted();
+
+// A source that ends after a number of frames or at Ctrl-C, shows each frame's number to `watch` and keeps the last.
+class FrameTap final : public hal::Source {
+ public:
+  using Watch = std::function<void(std::uint64_t frame_count)>;
+  FrameTap(hal::Source& source, std::uint64_t frame_count_max, Watch watch);
+  const hal::SourceInfo& info() const override { return source_.info(); }
+  Status start() override { return source_.start(); }
+  Result<hal::FrameInfo> next(DepthImage depth, int timeout_ms) override;
+  void stop() override { source_.stop(); }
+  hal::SourceStats stats() const override { return source_.stats(); }
+  DepthView last_frame() const;  // empty before the first
+
+ private:
+  hal::Source& source_;
+  std::uint64_t frame_count_max_;
+  Watch watch_;
+  std::uint64_t frame_count_ = 0;
+  std::vector<std::uint16_t> last_;
+};
+
+}  // namespace im2fit::apps

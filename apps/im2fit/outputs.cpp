@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/common/overlay.h"
+#include "apps/common/text_table.h"
+#include "apps/im2fit/session.h"
+#include "base/file.h"
+#include "body/export/export.h"
+#include "body/measure.h"
+
+namespace im2fit::apps {
+namespace {
+
+std::string upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return c == '_' ? ' ' : static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
+// Where the answered body is measured, as heights above the floor.
+std::vector<SectionLine> section_lines(const SessionOutcome& outcome) {
+  std::vector<SectionLine> lines;
+  if (!outcome.body) return lines;
+  const body::BodyModel& model = outcome.body_model;
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
+  std::vector<Vec3f> relaxed(rest.size());
+  model.morph(outcome.body->params, rest);
+  const body::Skeleton skeleton = body::rest_skeleton(model, rest);
+  body::skin(model, rest, skeleton, body::relaxed_pose(skeleton, body::relaxed_spread_deg(model, rest)), relaxed);
+  float lowest = relaxed[0].y;
+  for (int i = 0; i < model.body_vertex_count(); ++i)
+    lowest = std::min(lowest, relaxed[static_cast<std::size_t>(i)].y);
+  for (const body::Section& section : body::girth_sections(model, relaxed, outcome.body->params.gender)) {
+    if (section.hull.empty() || section.id == Measurement::shoulder_girth) continue;
+    SectionLine line;
+    const std::size_t id = measurement_index(section.id);
+    line.label = fmt::format("{} {:.0f} MM", upper(std::string(kMeasurementTable[id].id)),
+                             outcome.report.result.answer.measurements[id].value);
+    float width = 0;
+    for (const Vec3f& p : section.hull) {
+      line.height_mm += (p.y - lowest) / static_cast<float>(section.hull.size());
+      width = std::max(width, std::abs(p.x));
+    }
+    line.half_width_mm = 1.15F * width + 15.0F;
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
+  const EngineResult& result = outcome.report.result;
+  OverlayInput overlay;
+  overlay.intrinsics = outcome.report.source.intrinsics;
+  overlay.frame = outcome.tap->last_frame();
+  overlay.fused_q4 = outcome.engine->fused_depth_q4();
+  overlay.mask = outcome.engine->fused_mask();
+  overlay.has_joints = result.measured || result.has_joints;
+  overlay.joints = result.measured ? result.measured_joints : result.joints;
+  overlay.floor = result.floor;
+  overlay.sections = section_lines(outcome);
+  if (result.measured) {
+    const auto& stature = result.answer.measurements[measurement_index(Measurement::stature)];
+    const auto& weight = result.answer.measurements[measurement_index(Measurement::weight)];
+    overlay.captions = {fmt::format("STATURE {:.0f} MM", stature.value),
+                        fmt::format("WEIGHT {:.1f} KG", weight.value)};
+    if (outcome.report.size) overlay.captions.push_back("SIZE " + outcome.report.size->best);
+  } else {
+    overlay.captions = {"NOT MEASURED", upper(guidance_words(reported_guidance(result)))};
+  }
+  const auto png = draw_overlay(overlay).png();
+  if (!png) return png.error();
+  return write_file_atomically(path, *png);
+}
+
+}  // namespace
+
+std::string guidance_words(GuidanceSet guidance) {
+  std::string words;
+  for (std::size_t i = 0; i < kGuidanceCount; ++i) {
+    if ((guidance >> i & 1U) == 0) continue;
+    if (!words.empty()) words += ", ";
+    words += kGuidanceNames[i];
+  }
+  return words.empty() ? "none" : words;
+}
+
+Status write_outputs(const SessionOutcome& outcome, const std::string& directory) {
+  if (outcome.body) {
+    const body::Avatar avatar{&outcome.body_model, outcome.body->params, outcome.body->pose, true};
+    using Writer = Status (*)(const body::Avatar&, const std::string&);
+    constexpr std::pair<Writer, const char*> kFiles[] = {
+        {body::write_glb, "/avatar.glb"}, {body::write_obj, "/avatar.obj"}, {body::write_bvh, "/avatar.bvh"}};
+    for (const auto& [write, name] : kFiles)
+      if (const auto written = write(avatar, directory + name); !written) return written.error();
+  }
+  if (outcome.tap->last_frame().pixels != nullptr)
+    if (const auto drawn = write_overlay(outcome, directory + "/overlay.png"); !drawn) return drawn.error();
+  return write_file_atomically(directory + "/result.json", result_json(outcome.report));
+}
+
+std::string result_table(const SessionOutcome& outcome) {
+  const EngineResult& result = outcome.report.result;
+  const auto& truth = outcome.input.truth;
+  std::vector<std::string> header = {"measurement", "value", "95 % interval", "paper's way"};
+  if (truth) header.insert(header.end(), {"truth", "error", "paper's error"});
+  TextTable table(header);
+  for (std::size_t i = 0; i < kMeasurementCount; ++i) {
+    const int decimals = i == measurement_index(Measurement::weight) ? 1 : 0;
+    const index::Estimate& e = result.answer.measurements[i];
+    std::vector<std::string> row = {
+        fmt::format("{} {}", kMeasurementTable[i].id, kMeasurementTable[i].unit), number(e.value, decimals),
+        number(e.low, decimals) + " .. " + number(e.high, decimals), number(result.paper[i], decimals)};
+    if (truth)
+      row.insert(
+          row.end(),
+          {number(truth->values[i], decimals), fmt::format("{:+.{}f}", e.value - truth->values[i], decimals),
+           std::isnan(result.paper[i]) ? "-"
+                                       : fmt::format("{:+.{}f}", result.paper[i] - truth->values[i], decimals)});
+    table.add(row);
+  }
+  std::string text = table.text();
+  text += fmt::format("\nsex   female with probability {:.2f}{}\n", result.answer.female,
+                      truth ? (truth->woman ? " (truth: woman)" : " (truth: man)") : "");
+  if (outcome.report.size) {
+    auto entries = outcome.report.size->entries;
+    std::sort(entries.begin(), entries.end(),
+              [](const auto& a, const auto& b) { return a.probability > b.probability; });
+    text += fmt::format("size  {} ({}", outcome.report.size->best, outcome.report.size->chart);
+    for (std::size_t i = 0; i < std::min<std::size_t>(2, entries.size()); ++i)
+      text += fmt::format("{} {} {:.0f} %", i == 0 ? ":" : ",", entries[i].size, 100 * entries[i].probability);
+    text += ")\n";
+  }
+  text += fmt::format("{} frames seen, {} used\n", result.frames_seen, result.frames_used);
+  return text;
+}
+
+}  // namespace im2fit::apps

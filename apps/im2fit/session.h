@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// One session of the engine over one source, and everything that is written about it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "apps/common/data_files.h"
+#include "apps/im2fit/input.h"
+#include "engine/avatar.h"
+#include "engine/engine.h"
+#include "engine/result_json.h"
+#include "engine/size_chart.h"
+
+namespace im2fit::apps {
+
+struct SessionOptions {
+  InputOptions input;
+  std::string tracker = default_tracker_path();
+  std::string index = default_index_path();
+  std::string out;  // "": no files
+  int frames = 30;
+  std::string calibration = "none";
+  std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
+  int threads = 2;
+  bool json = false;
+  bool timing = false;
+  bool live = false;
+};
+void add_session_options(CLI::App& sub, SessionOptions& options);
+
+// Called for every frame read, with what the engine last said.
+using SessionWatch = std::function<void(std::uint64_t frame_count, const EngineResult& result)>;
+
+// What a session ends with; owns all the report views into.
+struct SessionOutcome {
+  std::unique_ptr<Tracker> tracker;  // this and the index stay where they are: the engine refers to them
+  std::unique_ptr<index::Index> index;
+  body::BodyModel body_model;
+  Input input;
+  std::unique_ptr<Engine> engine;
+  std::unique_ptr<FrameTap> tap;
+  ResultReport report;
+  std::optional<AnsweredBody> body;
+};
+
+// Opens everything (so that bad words fail before a frame is read), makes the folder --out, runs to the end.
+Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch);
+
+// result.json always; avatar.glb, .obj, .bvh when measured; overlay.png when there was a frame.
+Status write_outputs(const SessionOutcome& outcome, const std::string& directory);
+// For people: value, interval, the paper's, and truth where it is known.
+std::string result_table(const SessionOutcome& outcome);
+// Guidance codes in words of the enum, "ARMS_CLOSE, MOVING"; "none" for none.
+std::string guidance_words(GuidanceSet guidance);
+
+}  // namespace im2fit::apps
