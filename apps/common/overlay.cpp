@@ -17,11 +17,11 @@ constexpr Rgb kMiddle{255, 220, 80};
 constexpr Rgb kInk{240, 240, 240};
 constexpr Rgb kSectionColours[] = {{255, 90, 160}, {255, 180, 60}, {120, 240, 240}, {200, 140, 255}, {180, 255, 110}};
 
-constexpr std::pair<Joint, Joint> kBones[] = {
-    {Joint::HE, Joint::NE}, {Joint::NE, Joint::TO}, {Joint::NE, Joint::LS}, {Joint::NE, Joint::RS},
-    {Joint::LS, Joint::LE}, {Joint::LE, Joint::LA}, {Joint::RS, Joint::RE}, {Joint::RE, Joint::RA},
-    {Joint::TO, Joint::LH}, {Joint::TO, Joint::RH}, {Joint::LH, Joint::RH}, {Joint::LH, Joint::LK},
-    {Joint::LK, Joint::LF}, {Joint::RH, Joint::RK}, {Joint::RK, Joint::RF}};
+constexpr std::pair<Joint, Joint> kBones[] = {{Joint::HE, Joint::NE}, {Joint::NE, Joint::TO}, {Joint::NE, Joint::LS},
+                                              {Joint::NE, Joint::RS}, {Joint::LS, Joint::LE}, {Joint::LE, Joint::LA},
+                                              {Joint::RS, Joint::RE}, {Joint::RE, Joint::RA}, {Joint::TO, Joint::LH},
+                                              {Joint::TO, Joint::RH}, {Joint::LH, Joint::RH}, {Joint::LH, Joint::LK},
+                                              {Joint::LK, Joint::LF}, {Joint::RH, Joint::RK}, {Joint::RK, Joint::RF}};
 
 class Painter {
  public:

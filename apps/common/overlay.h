@@ -14,16 +14,16 @@
 namespace im2fit::apps {
 
 struct SectionLine {
-  std::string label;     // for example "CHEST 1012 MM"
-  float height_mm = 0;   // above the floor
+  std::string label;        // for example "CHEST 1012 MM"
+  float height_mm = 0;      // above the floor
   float half_width_mm = 0;  // from the trunk's middle; what lies beyond (arms) is not drawn
 };
 
 struct OverlayInput {
-  Intrinsics intrinsics;                      // of the upright pictures below
-  DepthView frame;                            // a whole frame, mm, behind the person
-  ImageView<const std::uint16_t> fused_q4;    // 1/16 mm; may be empty
-  MaskView mask;                              // may be empty
+  Intrinsics intrinsics;                    // of the upright pictures below
+  DepthView frame;                          // a whole frame, mm, behind the person
+  ImageView<const std::uint16_t> fused_q4;  // 1/16 mm; may be empty
+  MaskView mask;                            // may be empty
   bool has_joints = false;
   JointSet joints;
   FloorPlane floor;

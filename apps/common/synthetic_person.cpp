@@ -27,9 +27,12 @@ Result<synth::Family> family_of(const std::string& word) {
 
 std::string name_of(synth::Family family) {
   switch (family) {
-    case synth::Family::paper: return "paper";
-    case synth::Family::training: return "training";
-    case synth::Family::held_out: break;
+    case synth::Family::paper:
+      return "paper";
+    case synth::Family::training:
+      return "training";
+    case synth::Family::held_out:
+      break;
   }
   return "held_out";
 }
@@ -61,8 +64,8 @@ Truth SyntheticPerson::truth(int frame_count) const {
   return truth;
 }
 
-Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string& body_path, int rotate_deg, int width,
-                                      int height) {
+Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string& body_path, int rotate_deg,
+                                      int width, int height) {
   PersonOptions options;
   options.scene = furnished_room();
   options.scene.rotate_deg = rotate_deg;

@@ -27,7 +27,7 @@ struct PersonOptions {
 // A furnished room seen by a camera in portrait mount.
 synth::SceneOptions furnished_room();
 synth::SensorOptions sensor_of(bool noise);
-Result<synth::Family> family_of(const std::string& word);     // paper | training | held_out
+Result<synth::Family> family_of(const std::string& word);  // paper | training | held_out
 std::string name_of(synth::Family family);
 Result<synth::StandingPose> pose_of(const std::string& word);  // relaxed | a_pose | psi | free
 
@@ -50,7 +50,7 @@ struct SyntheticInput {
   std::unique_ptr<hal::Source> source;
   Truth truth;
 };
-Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string& body_path, int rotate_deg, int width,
-                                      int height);
+Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string& body_path, int rotate_deg,
+                                      int width, int height);
 
 }  // namespace im2fit::apps

@@ -25,7 +25,8 @@ std::string TextTable::text() const {
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     std::string line;
     for (std::size_t i = 0; i < widths.size(); ++i)
-      line += i == 0 ? fmt::format("{:<{}}", rows_[r][i], widths[i]) : fmt::format("  {:>{}}", rows_[r][i], widths[i]);
+      line +=
+          i == 0 ? fmt::format("{:<{}}", rows_[r][i], widths[i]) : fmt::format("  {:>{}}", rows_[r][i], widths[i]);
     out += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
     if (r == 0) out += std::string(line.size(), '-') + "\n";
   }

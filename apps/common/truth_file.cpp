@@ -26,8 +26,7 @@ Vec3f vector_of(const Json& json) {
 
 Json joints_json(const JointSet& joints) {
   Json out = Json::object();
-  for (std::size_t i = 0; i < kJointCount; ++i)
-    out[std::string(kJointNames[i])] = vector_json(joints.position_mm[i]);
+  for (std::size_t i = 0; i < kJointCount; ++i) out[std::string(kJointNames[i])] = vector_json(joints.position_mm[i]);
   return out;
 }
 

@@ -39,14 +39,18 @@ double iso_20685_limit_mm(Measurement id) {
     case Measurement::stature:
     case Measurement::inside_leg:
     case Measurement::neck_girth:
-    case Measurement::shoulder_breadth: return 4;
+    case Measurement::shoulder_breadth:
+      return 4;
     case Measurement::sleeve_length:
-    case Measurement::leg_length: return 5;
+    case Measurement::leg_length:
+      return 5;
     case Measurement::chest_girth:
     case Measurement::waist_girth:
     case Measurement::hip_girth:
-    case Measurement::shoulder_girth: return 9;
-    case Measurement::weight: break;
+    case Measurement::shoulder_girth:
+      return 9;
+    case Measurement::weight:
+      break;
   }
   return 0;
 }

@@ -56,8 +56,7 @@ Result<int> run_eval(const EvalCommand& options) {
   if (!raw) return raw.error();
   EvaluationOptions evaluation = options.evaluation;
   evaluation.noise = options.condition == "noise";
-  const auto outcomes =
-      evaluate(*model, tracker->model(), *index, raw->has_value() ? &**raw : nullptr, evaluation);
+  const auto outcomes = evaluate(*model, tracker->model(), *index, raw->has_value() ? &**raw : nullptr, evaluation);
   if (!outcomes) return outcomes.error();
   const Report report = report_of(*outcomes, options.condition);
   if (!options.json_path.empty())
@@ -73,11 +72,11 @@ void add_eval(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<EvalCommand>();
   auto& evaluation = options->evaluation;
   evaluation.threads = default_threads();
-  auto* sub = add_command<EvalCommand>(
-      app, chosen, "eval", "Measure held-out synthetic people and compare with the truth",
-      "  im2fit-lab eval --subjects 200 --condition noise\n"
-      "  im2fit-lab eval --subjects 40 --condition bare --out eval.json",
-      options, run_eval);
+  auto* sub =
+      add_command<EvalCommand>(app, chosen, "eval", "Measure held-out synthetic people and compare with the truth",
+                               "  im2fit-lab eval --subjects 200 --condition noise\n"
+                               "  im2fit-lab eval --subjects 40 --condition bare --out eval.json",
+                               options, run_eval);
   sub->add_option("--subjects", evaluation.subjects, "Held-out people")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();

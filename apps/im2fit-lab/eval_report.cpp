@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/common/text_table.h"
+#include "engine/size_chart.h"
 
 namespace im2fit::apps {
 namespace {
@@ -79,6 +80,26 @@ std::string refusals(const Report& report) {
   return text;
 }
 
+// The label of a chest girth in the chart of the person's own sex; what lies outside is named as the answer names it.
+std::string true_size(double chest_mm, bool woman) {
+  const SizeChart& chart = woman ? builtin_size_system().women : builtin_size_system().men;
+  for (const SizeRow& row : chart.rows)
+    if (chest_mm >= row.low_mm && chest_mm < row.high_mm) return row.size;
+  return chest_mm < chart.rows.front().low_mm ? "<" + chart.rows.front().size : ">" + chart.rows.back().size;
+}
+
+// 0: the true size is the most probable, 1: the next, and so on.
+std::size_t size_rank(const Outcome& o) {
+  constexpr std::size_t kChest = measurement_index(Measurement::chest_girth);
+  auto answer = size_probabilities(builtin_size_system(), o.answer.measurements[kChest], o.answer.female);
+  std::stable_sort(answer.entries.begin(), answer.entries.end(),
+                   [](const auto& a, const auto& b) { return a.probability > b.probability; });
+  const std::string truth = true_size(o.truth[kChest], o.woman);
+  std::size_t rank = 0;
+  while (rank < answer.entries.size() && answer.entries[rank].size != truth) ++rank;
+  return rank;
+}
+
 }  // namespace
 
 Report report_of(const std::vector<Outcome>& outcomes, const std::string& condition) {
@@ -97,13 +118,15 @@ Report report_of(const std::vector<Outcome>& outcomes, const std::string& condit
   for (std::size_t m = 0; m < kMeasurementCount; ++m) report.measurements[m] = measurement_report(measured, m);
   report.sex_accuracy = share_of(measured, [](const Outcome* o) { return (o->answer.female > 0.5F) == o->woman; });
   report.raw_sex_accuracy = share_of(with_raw, [](const Outcome* o) { return o->raw.woman == o->woman; });
+  report.size_accuracy = share_of(measured, [](const Outcome* o) { return size_rank(*o) == 0; });
+  report.size_top_two = share_of(measured, [](const Outcome* o) { return size_rank(*o) <= 1; });
   add_joints(outcomes, report);
   return report;
 }
 
 std::string text_of(const Report& report) {
-  TextTable table({"synthetic, " + report.condition, "bias", "MAE", "SD", "p95", "max", "ISO 20685 mean", "in 95 % int.",
-                   "paper MAE", "raw NN MAE", "nearest MAE"});
+  TextTable table({"synthetic, " + report.condition, "bias", "MAE", "SD", "p95", "max", "ISO 20685 mean",
+                   "in 95 % int.", "paper MAE", "raw NN MAE", "nearest MAE"});
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     const MeasurementReport& r = report.measurements[m];
     const auto& info = kMeasurementTable[m];
@@ -114,8 +137,9 @@ std::string text_of(const Report& report) {
   }
   const bool has_raw = report.measurements[0].raw.count > 0;
   std::string text = table.text();
-  text += fmt::format("\nmeasured     {} of {} held-out synthetic people ({:.1f} %)\n", report.measured, report.subjects,
-                      100 * share(static_cast<std::size_t>(report.measured), static_cast<std::size_t>(report.subjects)));
+  text +=
+      fmt::format("\nmeasured     {} of {} held-out synthetic people ({:.1f} %)\n", report.measured, report.subjects,
+                  100 * share(static_cast<std::size_t>(report.measured), static_cast<std::size_t>(report.subjects)));
   if (report.measured < report.subjects) text += "not, having been told" + refusals(report) + "\n";
   text += fmt::format("sex          {:.1f} % right{}\n", 100 * report.sex_accuracy,
                       has_raw ? fmt::format(" (raw nearest neighbour {:.1f} %)", 100 * report.raw_sex_accuracy) : "");

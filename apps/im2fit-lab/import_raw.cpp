@@ -24,8 +24,9 @@ Result<std::vector<std::uint16_t>> read_raw(const std::string& path, std::size_t
   const auto bytes = read_file(path);
   if (!bytes) return bytes.error();
   if (bytes->size() != pixel_count * 2)
-    return Error{ErrorCode::corrupt, fmt::format("{}: {} bytes, expected {} ({} pixels of 2); check --width, --height",
-                                                 path, bytes->size(), pixel_count * 2, pixel_count)};
+    return Error{ErrorCode::corrupt,
+                 fmt::format("{}: {} bytes, expected {} ({} pixels of 2); check --width, --height", path,
+                             bytes->size(), pixel_count * 2, pixel_count)};
   std::vector<std::uint16_t> pixels(pixel_count);
   for (std::size_t i = 0; i < pixel_count; ++i)
     pixels[i] = static_cast<std::uint16_t>(std::to_integer<unsigned>((*bytes)[2 * i]) |
@@ -43,7 +44,11 @@ Result<int> run_import(const ImportOptions& options) {
     frames.push_back(std::move(*pixels));
   }
   const auto focal = static_cast<float>(options.focal);
-  const Intrinsics k{options.width, options.height, focal, focal, static_cast<float>(options.width - 1) / 2,
+  const Intrinsics k{options.width,
+                     options.height,
+                     focal,
+                     focal,
+                     static_cast<float>(options.width - 1) / 2,
                      static_cast<float>(options.height - 1) / 2};
   hal::FolderWriter::Options writing;
   writing.camera_name = "imported raw depth";
@@ -66,11 +71,11 @@ Result<int> run_import(const ImportOptions& options) {
 
 void add_import_raw(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<ImportOptions>();
-  auto* sub = add_command<ImportOptions>(
-      app, chosen, "import-raw", "Raw uint16 depth frames (little-endian, mm) into a depth folder",
-      "  im2fit-lab import-raw frame1 frame2 --out folder\n"
-      "  im2fit-lab import-raw registered.raw --focal 525 --out folder",
-      options, run_import);
+  auto* sub = add_command<ImportOptions>(app, chosen, "import-raw",
+                                         "Raw uint16 depth frames (little-endian, mm) into a depth folder",
+                                         "  im2fit-lab import-raw frame1 frame2 --out folder\n"
+                                         "  im2fit-lab import-raw registered.raw --focal 525 --out folder",
+                                         options, run_import);
   sub->add_option("FILES", options->files, "Raw frames, in order")->required();
   sub->add_option("--out", options->out, "Folder to make")->required()->type_name("DIR");
   sub->add_option("--width", options->width, "Pixels a row")->check(CLI::Range(1, 2048))->capture_default_str();

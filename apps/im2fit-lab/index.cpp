@@ -47,8 +47,8 @@ Result<int> run_inspect(const std::string& path) {
   const auto index = load_index(path);
   if (!index) return index.error();
   const index::Info& info = index->info();
-  fmt::print("{}\n  models      {} from {} captures\n  dimensions  {}, then {} over {} neighbours\n", path, index->size(),
-             info.sample_count, index->dimensions(), info.method, info.neighbour_count);
+  fmt::print("{}\n  models      {} from {} captures\n  dimensions  {}, then {} over {} neighbours\n", path,
+             index->size(), info.sample_count, index->dimensions(), info.method, info.neighbour_count);
   fmt::print("  feature     {} values\n  made by     {}\n  sex         {:.1f} % right (synthetic, cross-fitted)\n\n",
              index->feature_size(), info.provenance, 100 * info.sex_accuracy);
   TextTable groups({"group", "values", "weight", "error without"});
@@ -70,7 +70,8 @@ void add_index(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<IndexCommand>();
   auto* sub = add_command<IndexCommand>(
       app, chosen, "index", "Build an index (.i2f) from synthetic people, or look into one",
-      "  im2fit-lab index --subjects 20000 --out index.i2f\n  im2fit-lab index inspect index.i2f", options, run_build);
+      "  im2fit-lab index --subjects 20000 --out index.i2f\n  im2fit-lab index inspect index.i2f", options,
+      run_build);
   add_sample_options(*sub, options->samples);
   sub->add_option("--samples", options->samples.work_dir, "Folder of shards to use or make (default: OUT.samples)")
       ->type_name("DIR");

@@ -87,9 +87,8 @@ Result<int> run_population(const PopulationOptions& options) {
   const auto model = load_body(options.body);
   if (!model) return model.error();
   std::vector<synth::Subject> subjects(options.subjects);
-  parallel_items("subjects", options.subjects, options.threads, [&](std::uint64_t i) {
-    subjects[i] = synth::draw_subject(*model, *family, options.seed, i);
-  });
+  parallel_items("subjects", options.subjects, options.threads,
+                 [&](std::uint64_t i) { subjects[i] = synth::draw_subject(*model, *family, options.seed, i); });
   if (!options.out.empty())
     if (const auto written = write_file_atomically(options.out, csv_of(subjects)); !written) return written.error();
   print_summary(subjects, options.json);
@@ -100,11 +99,11 @@ Result<int> run_population(const PopulationOptions& options) {
 
 void add_population(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<PopulationOptions>();
-  auto* sub = add_command<PopulationOptions>(
-      app, chosen, "population", "Draw synthetic people; truth as CSV, means and spreads as a table",
-      "  im2fit-lab population --subjects 500 --out people.csv\n"
-      "  im2fit-lab population --preset paper --subjects 200",
-      options, run_population);
+  auto* sub = add_command<PopulationOptions>(app, chosen, "population",
+                                             "Draw synthetic people; truth as CSV, means and spreads as a table",
+                                             "  im2fit-lab population --subjects 500 --out people.csv\n"
+                                             "  im2fit-lab population --preset paper --subjects 200",
+                                             options, run_population);
   sub->add_option("--subjects", options->subjects, "How many")->check(CLI::Range(1, 1000000))->capture_default_str();
   sub->add_option("--preset", options->preset, "Which population")
       ->check(CLI::IsMember({"paper", "training", "held_out"}))

@@ -96,9 +96,9 @@ Result<SampleOptions> noted_samples(const std::string& work_dir) {
 }
 
 std::string summary_of(const synth::DatasetReport& report) {
-  std::string text = fmt::format("{} samples of {} synthetic people ({} from shards) in {:.0f} s; {} captures missing\n",
-                                 report.samples, report.subjects, report.subjects_reused, report.seconds,
-                                 report.captures_missing);
+  std::string text =
+      fmt::format("{} samples of {} synthetic people ({} from shards) in {:.0f} s; {} captures missing\n",
+                  report.samples, report.subjects, report.subjects_reused, report.seconds, report.captures_missing);
   std::string refused;
   for (std::size_t g = 0; g < kGuidanceCount; ++g)
     if (report.refused[g] > 0) refused += fmt::format(" {} {}", kGuidanceNames[g], report.refused[g]);
