@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// One rendered person is measured; two people, or one cut at an edge, get guidance instead of numbers.
+#include <algorithm>
+#include <optional>
+
+#include "measure_run.h"
+#include "synth/population.h"
+#include "synth/virtual_camera.h"
+
+namespace im2fit {
+namespace {
+
+using test::Picture;
+
+constexpr int kWidth = 320;
+constexpr int kHeight = 240;
+constexpr int kFrames = 14;
+
+// A person 3 m before a level camera, and the room without the person: wall and floor have one depth per row.
+struct Scene {
+  std::vector<Picture> depth;
+  std::vector<Picture> mask;
+  synth::PixelBox box;
+};
+
+Scene render(const body::BodyModel& model, std::uint64_t person) {
+  synth::SceneOptions options;
+  options.rotate_deg = 0;
+  options.distance_mm = 3000;
+  options.camera_height_mm = 950;
+  options.pitch_deg = 0;
+  options.yaw_deg = 0;
+  options.wall_distance_mm = 1200;
+  const synth::Subject subject = synth::draw_subject(model, synth::Family::training, 5, person);
+  synth::VirtualScene scene(model, subject, options, synth::exact_sensor(), synth::kinect_intrinsics(kWidth, kHeight),
+                            5);
+  Scene out;
+  std::vector<std::uint8_t> mask(static_cast<std::size_t>(kWidth) * kHeight);
+  for (std::uint64_t i = 0; i < kFrames; ++i) {
+    Picture depth(kWidth, kHeight, 0);
+    scene.render(i, {depth.mm.data(), kWidth, kHeight});
+    scene.person_mask({mask.data(), kWidth, kHeight});
+    Picture where(kWidth, kHeight, 0);
+    std::copy(mask.begin(), mask.end(), where.mm.begin());
+    out.depth.push_back(depth);
+    out.mask.push_back(where);
+    out.box = i == 0 ? scene.person_box() : synth::bounding(out.box, scene.person_box());
+  }
+  return out;
+}
+
+// The empty room of frame `i`, as seen just beside the person, with the person's pixels moved by `shift` on top.
+void put(const Scene& scene, std::size_t i, int shift, Picture& out) {
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const int to = u + shift;
+      if (scene.mask[i].at(u, v) == 0 || to < 0 || to >= kWidth) continue;
+      out.at(to, v) = out.at(to, v) == 0 ? scene.depth[i].at(u, v) : std::min(out.at(to, v), scene.depth[i].at(u, v));
+    }
+  }
+}
+
+Picture empty_room(const Scene& scene, std::size_t i) {
+  Picture room(kWidth, kHeight, 0);
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u) room.at(u, v) = scene.depth[i].at(scene.box.u0 - 4, v);
+  return room;
+}
+
+struct Window {
+  int u0 = 0, v0 = 0, u1 = kWidth, v1 = kHeight;
+};
+
+// A smaller picture of the same camera: its edges cut what reaches beyond.
+Picture cut(const Picture& picture, const Window& window) {
+  Picture out(window.u1 - window.u0, window.v1 - window.v0, 0);
+  for (int v = 0; v < out.height; ++v)
+    for (int u = 0; u < out.width; ++u) out.at(u, v) = picture.at(u + window.u0, v + window.v0);
+  return out;
+}
+
+class Person : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    if (!test::have_data()) return;
+    auto model = body::BodyModel::load(test::body_path());
+    ASSERT_TRUE(model) << model.error().message;
+    one_.emplace(render(*model, 2));
+    other_.emplace(render(*model, 3));
+  }
+  static void TearDownTestSuite() {
+    one_.reset();
+    other_.reset();
+  }
+  void SetUp() override {
+    IM2FIT_NEED_DATA();
+    ASSERT_TRUE(one_ && other_);
+    ASSERT_GT(one_->box.u0, 8);
+    ASSERT_LT(one_->box.v1, kHeight - 4) << "the feet must be in view before they are cut";
+    ASSERT_GT(one_->box.v0, 4);
+  }
+
+  // The person moved aside by `shift`, seen through `window`.
+  test::Run measure_through(const Window& window, const std::vector<std::string>& more = {},
+                            const test::RunOptions& options = {}, int shift = 0) {
+    std::vector<Picture> pictures;
+    for (std::size_t i = 0; i < kFrames; ++i) {
+      Picture picture = empty_room(*one_, i);
+      put(*one_, i, shift, picture);
+      pictures.push_back(cut(picture, window));
+    }
+    test::CameraText camera;
+    camera.width = window.u1 - window.u0;
+    camera.height = window.v1 - window.v0;
+    camera.centre_x -= window.u0;
+    camera.centre_y -= window.v0;
+    test::write_depth_folder(folder_.path("depth"), pictures, camera);
+    return test::measure(folder_.path("depth"), out(), more, options);
+  }
+  void expect_guidance(const test::Run& run, const char* code) const {
+    EXPECT_EQ(run.exit_code, 3) << run.err;
+    test::expect_honest(run, out());
+    EXPECT_THAT(test::guidance_in(out()), testing::Contains(code));
+    EXPECT_THAT(run.err, testing::HasSubstr(code));
+  }
+  std::string out() const { return folder_.path("out"); }
+
+  const test::TestFolder folder_;
+  static inline std::optional<Scene> one_;
+  static inline std::optional<Scene> other_;
+};
+
+TEST_F(Person, WholeAndAloneIsMeasured) {
+  const test::Run run = measure_through({});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  test::expect_honest(run, out());
+  const auto result = nlohmann::json::parse(test::read_text(out() + "/result.json"));
+  EXPECT_EQ(result["state"], "MEASURED");
+  EXPECT_TRUE(result["guidance"].empty()) << result["guidance"];
+  EXPECT_THAT(test::files_in(out()),
+              testing::IsSupersetOf({"result.json", "avatar.glb", "avatar.obj", "avatar.bvh", "overlay.png"}));
+}
+
+TEST_F(Person, JsonIsAllThatIsOnStdout) {
+  const test::Run run = measure_through({}, {"--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out, test::read_text(out() + "/result.json"));
+  EXPECT_TRUE(nlohmann::json::accept(run.out));
+}
+
+TEST_F(Person, CutAtTheFeetGetsGuidance) {
+  const int height = one_->box.v1 - one_->box.v0;
+  expect_guidance(measure_through({.v1 = one_->box.v1 - height / 6}), "FEET_CUT");
+}
+
+TEST_F(Person, CutAtTheHeadGetsGuidance) {
+  const int height = one_->box.v1 - one_->box.v0;
+  expect_guidance(measure_through({.v0 = one_->box.v0 + height / 9}), "HEAD_CUT");
+}
+
+TEST_F(Person, CutAtTheSideGetsGuidance) {
+  const int quarter_out = -(one_->box.u0 + (one_->box.u1 - one_->box.u0) / 4);
+  expect_guidance(measure_through({}, {}, {}, quarter_out), "SIDE_CUT");
+}
+
+TEST_F(Person, BesideAnotherGetsGuidance) {
+  constexpr int kShift = 62;  // 1.3 m between them at 3 m
+  ASSERT_LT(one_->box.u1 - kShift, other_->box.u0 + kShift) << "they must not touch";
+  std::vector<Picture> pictures;
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    Picture picture = empty_room(*one_, i);
+    put(*one_, i, -kShift, picture);
+    put(*other_, i, kShift, picture);
+    pictures.push_back(picture);
+  }
+  test::write_depth_folder(folder_.path("depth"), pictures);
+  expect_guidance(test::measure(folder_.path("depth"), out()), "SEVERAL_PEOPLE");
+}
+
+TEST_F(Person, OnAFullDiskLeavesWholeFilesOnly) {
+  for (const rlim_t room : {rlim_t{0}, rlim_t{3'000}, rlim_t{30'000}}) {
+    SCOPED_TRACE("room for " + std::to_string(room) + " bytes");
+    std::filesystem::remove_all(folder_.path("depth"));
+    test::RunOptions full;
+    full.file_bytes_max = room;
+    const test::Run run = measure_through({}, {}, full);
+    EXPECT_EQ(run.exit_code, 1) << run.err;
+    test::expect_honest(run, out());
+    // The result is written last: where it is, all else is.
+    EXPECT_THAT(test::files_in(out()), testing::Not(testing::Contains("result.json")));
+  }
+}
+
+}  // namespace
+}  // namespace im2fit

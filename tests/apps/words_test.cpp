@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line: wrong words, --help, --json, and data files that are not there.
+#include "measure_run.h"
+
+namespace im2fit {
+namespace {
+
+using Words = std::vector<std::string>;
+
+test::Run start(const char* program, const Words& words, const test::RunOptions& options = {}) {
+  Words command = {program};
+  command.insert(command.end(), words.begin(), words.end());
+  return test::run_program(command, options);
+}
+
+std::string name_of(const char* program) {
+  return std::filesystem::path(program).filename();
+}
+
+std::string joined(const char* program, const Words& words) {
+  std::string text = name_of(program);
+  for (const std::string& word : words) text += " " + word;
+  return text;
+}
+
+TEST(Words, WrongOnesExitWithTwoAndOneLine) {
+  const std::pair<const char*, Words> table[] = {
+      {test::kProgram, {}},
+      {test::kProgram, {"mesure", "x"}},
+      {test::kProgram, {"--such"}},
+      {test::kProgram, {"measure"}},
+      {test::kProgram, {"measure", "a", "b"}},
+      {test::kProgram, {"measure", "x", "--such"}},
+      {test::kProgram, {"measure", "x", "--out"}},
+      {test::kProgram, {"measure", "x", "--rotate", "45"}},
+      {test::kProgram, {"measure", "x", "--rotate", "north"}},
+      {test::kProgram, {"measure", "x", "--frames", "0"}},
+      {test::kProgram, {"measure", "x", "--frames", "-3"}},
+      {test::kProgram, {"measure", "x", "--frames", "many"}},
+      {test::kProgram, {"measure", "x", "--frames", "99999999999999999999"}},
+      {test::kProgram, {"measure", "x", "--calibration", "phi"}},
+      {test::kProgram, {"measure", "x", "--threads", "3"}},
+      {test::kProgram, {"live"}},
+      {test::kProgram, {"live", "x", "--rotate", "91"}},
+      {test::kProgram, {"record", "x"}},
+      {test::kProgram, {"record", "x", "--out", "y", "--frames", "-1"}},
+      {test::kProgram, {"devices", "x"}},
+      {test::kLab, {}},
+      {test::kLab, {"rendr"}},
+      {test::kLab, {"render"}},
+      {test::kLab, {"render", "--out", "x", "--frames", "0"}},
+      {test::kLab, {"render", "--out", "x", "--size", "1x1"}},
+      {test::kLab, {"render", "--out", "x", "--pose", "handstand"}},
+      {test::kLab, {"render", "--out", "x", "--distance", "nan"}},
+      {test::kLab, {"population", "--subjects", "0"}},
+      {test::kLab, {"population", "--preset", "giants"}},
+      {test::kLab, {"dataset"}},
+      {test::kLab, {"import-raw", "--out", "x"}},
+      {test::kLab, {"import-raw", "x", "--out", "y", "--width", "0"}},
+      {test::kLab, {"import-raw", "x", "--out", "y", "--focal", "0"}},
+      {test::kLab, {"index", "--dimensions", "-1"}},
+      {test::kLab, {"index", "inspect"}},
+      {test::kLab, {"eval", "--condition", "foggy"}},
+      {test::kLab, {"eval", "--subjects", "0"}},
+      {test::kLab, {"train", "--images", "none"}},
+      {test::kLab, {"fetch", "--such"}},
+  };
+  for (const auto& [program, words] : table) {
+    SCOPED_TRACE(joined(program, words));
+    const test::Run run = start(program, words);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_EQ(run.out, "");
+    EXPECT_TRUE(test::is_one_line_of(run.err, name_of(program))) << run.err;
+  }
+}
+
+TEST(Words, HelpIsEverywhere) {
+  const std::pair<const char*, std::vector<Words>> table[] = {
+      {test::kProgram, {{}, {"devices"}, {"measure"}, {"live"}, {"record"}}},
+      {test::kLab,
+       {{},
+        {"fetch"},
+        {"population"},
+        {"train"},
+        {"dataset"},
+        {"index"},
+        {"index", "inspect"},
+        {"render"},
+        {"import-raw"},
+        {"eval"}}},
+  };
+  for (const auto& [program, commands] : table) {
+    for (Words words : commands) {
+      words.push_back("--help");
+      SCOPED_TRACE(joined(program, words));
+      const test::Run run = start(program, words);
+      EXPECT_EQ(run.exit_code, 0);
+      EXPECT_EQ(run.err, "");
+      EXPECT_THAT(run.out, testing::HasSubstr("Usage"));
+      // Help names the command that was asked about.
+      if (words.size() > 1) {
+        EXPECT_THAT(run.out, testing::HasSubstr(words[words.size() - 2]));
+      }
+    }
+  }
+}
+
+TEST(Words, SourcesThatDoNotExistFail) {
+  IM2FIT_NEED_DATA();
+  const std::pair<const char*, const char*> table[] = {
+      {"nothing-of-this-name", "nothing-of-this-name does not exist"},
+      {"nothing.oni", "nothing.oni does not exist"},
+      {"synthetic:seven", "synthetic:seven"},
+      {"usb:1", "usb"},
+      {"v4l2:/dev/video9", "v4l2"},
+      {"/dev/null", "/dev/null"},
+  };
+  for (const auto& [source, said] : table) {
+    SCOPED_TRACE(source);
+    const test::TestFolder folder;
+    const test::Run run = test::measure(source, folder.path("out"));
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_THAT(run.err, testing::HasSubstr(said));
+    test::expect_honest(run, folder.path("out"));
+    EXPECT_THAT(test::files_in(folder.path("out")), testing::IsEmpty());
+  }
+}
+
+// On a fresh machine every command says what makes the file it lacks.
+TEST(Words, AFreshMachineIsToldWhatToDo) {
+  const test::TestFolder folder;
+  test::RunOptions fresh;
+  fresh.environment = {
+      {"XDG_CACHE_HOME", folder.path("cache")}, {"IM2FIT_BODY", ""}, {"IM2FIT_TRACKER", ""}, {"IM2FIT_INDEX", ""}};
+  const std::pair<const char*, Words> table[] = {
+      {test::kProgram, {"measure", folder.path(), "--out", folder.path("out")}},
+      {test::kProgram, {"live", folder.path(), "--out", folder.path("out")}},
+      {test::kProgram, {"measure", "synthetic:1"}},
+      {test::kProgram, {"record", "synthetic:1", "--out", folder.path("out")}},
+      {test::kLab, {"render", "--out", folder.path("out")}},
+      {test::kLab, {"population", "--out", folder.path("out.csv")}},
+      {test::kLab, {"train", "--out", folder.path("out.i2t")}},
+      {test::kLab, {"dataset", "--out", folder.path("out")}},
+      {test::kLab, {"index", "--out", folder.path("out.i2f")}},
+      {test::kLab, {"index", "inspect", folder.path("no.i2f")}},
+      {test::kLab, {"eval", "--subjects", "1", "--out", folder.path("out.json")}},
+  };
+  for (const auto& [program, words] : table) {
+    SCOPED_TRACE(joined(program, words));
+    const test::Run run = start(program, words, fresh);
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_EQ(run.out, "");
+    EXPECT_TRUE(test::is_one_line_of(run.err, name_of(program))) << run.err;
+    EXPECT_THAT(run.err, testing::HasSubstr("im2fit-lab "));
+    EXPECT_THAT(test::files_in(folder.path()), testing::IsEmpty());
+  }
+}
+
+TEST(Json, IsAllThatIsOnStdout) {
+  const test::Run devices = start(test::kProgram, {"devices", "--json"});
+  if (devices.exit_code == 0) {
+    EXPECT_TRUE(nlohmann::json::parse(devices.out, nullptr, false).is_array()) << devices.out;
+  } else {  // built without OpenNI2, or its runtime is not there
+    EXPECT_EQ(devices.out, "");
+  }
+
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  test::write_depth_folder(folder.path("wall"), std::vector<test::Picture>(4, test::Picture(320, 240, 2500)));
+  const test::Run wall = test::measure(folder.path("wall"), folder.path("out"), {"--json"});
+  EXPECT_EQ(wall.exit_code, 3);
+  EXPECT_EQ(wall.out, test::read_text(folder.path("out/result.json")));
+  EXPECT_TRUE(nlohmann::json::parse(wall.out, nullptr, false).is_object()) << wall.out;
+
+  const test::Run people =
+      start(test::kLab, {"population", "--subjects", "3", "--json", "--body", test::body_path()});
+  EXPECT_EQ(people.exit_code, 0) << people.err;
+  EXPECT_TRUE(nlohmann::json::parse(people.out, nullptr, false).is_structured()) << people.out;
+}
+
+}  // namespace
+}  // namespace im2fit
