@@ -21,17 +21,19 @@ enum class Guidance : std::uint32_t {
   moving = 1U << 8,
   several_people = 1U << 9,
   too_noisy = 1U << 10,
-  side_cut = 1U << 11,  // an arm or side leaves the picture
+  side_cut = 1U << 11,          // an arm or side leaves the picture
   calibration_pose = 1U << 12,  // raise the arms: Psi
 };
 inline constexpr std::size_t kGuidanceCount = 13;
 inline constexpr std::array<std::string_view, kGuidanceCount> kGuidanceNames = {
-    "NO_PERSON",   "TOO_NEAR",    "TOO_FAR", "FEET_CUT",       "HEAD_CUT",  "ARMS_CLOSE", "NOT_FRONTAL",
-    "NOT_UPRIGHT", "MOVING",      "SEVERAL_PEOPLE", "TOO_NOISY", "SIDE_CUT",  "CALIBRATION_POSE"};
+    "NO_PERSON",   "TOO_NEAR", "TOO_FAR",        "FEET_CUT",  "HEAD_CUT", "ARMS_CLOSE",      "NOT_FRONTAL",
+    "NOT_UPRIGHT", "MOVING",   "SEVERAL_PEOPLE", "TOO_NOISY", "SIDE_CUT", "CALIBRATION_POSE"};
 using GuidanceSet = std::uint32_t;  // Guidance values or-ed
 constexpr GuidanceSet operator|(Guidance a, Guidance b) {
   return static_cast<GuidanceSet>(a) | static_cast<GuidanceSet>(b);
 }
-constexpr bool has(GuidanceSet set, Guidance g) { return (set & static_cast<GuidanceSet>(g)) != 0; }
+constexpr bool has(GuidanceSet set, Guidance g) {
+  return (set & static_cast<GuidanceSet>(g)) != 0;
+}
 
 }  // namespace im2fit

@@ -42,7 +42,9 @@ inline constexpr std::array<MeasurementInfo, kMeasurementCount> kMeasurementTabl
     {"inside_leg", "mm", "5.1.15"},
     {"weight", "kg", ""},
 }};
-constexpr std::size_t measurement_index(Measurement m) { return static_cast<std::size_t>(m); }
+constexpr std::size_t measurement_index(Measurement m) {
+  return static_cast<std::size_t>(m);
+}
 
 // Values in the table's order and units.
 using MeasurementValues = std::array<float, kMeasurementCount>;
