@@ -5,6 +5,8 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/im2fit
 jobs=$(nproc)
 export CMAKE_BUILD_PARALLEL_LEVEL=$jobs
+# Paths relative to the checkout: another clone then finds what this one compiled.
+export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache; fi
 
 say() { printf '\n== %s\n' "$*" >&2; }

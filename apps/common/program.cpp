@@ -5,7 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <exception>
 
 namespace im2fit::apps {
 namespace {
@@ -22,6 +26,15 @@ double now_s() {
 std::string duration(double seconds) {
   const auto whole = static_cast<long>(seconds + 0.5);
   return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{} min {:02} s", whole / 60, whole % 60);
+}
+
+// Libraries for tools (fmt, JSON) throw; a program answers with one line.
+Result<int> guarded(const Command& command) {
+  try {
+    return command();
+  } catch (const std::exception& error) {
+    return Error{ErrorCode::io, error.what()};
+  }
 }
 
 }  // namespace
@@ -43,12 +56,18 @@ int run_program(CLI::App& app, Command& chosen, int argc, char** argv) {
     print_error(fmt::format("{} (see {} --help)", error.what(), app.get_name()));
     return kExitWrongUse;
   }
-  const Result<int> code = chosen();
-  if (!code) {
-    print_error(code.error().message);
-    return kExitFailed;
-  }
-  return *code;
+  const Result<int> code = guarded(chosen);
+  const Status flushed = flush_output();
+  if (code && flushed) return *code;
+  print_error(code ? flushed.error().message : code.error().message);
+  return kExitFailed;
+}
+
+Status flush_output() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return Ok{};
+  const int reason = errno;
+  std::clearerr(stdout);
+  return Error{ErrorCode::io, fmt::format("cannot write to standard output: {}", std::strerror(reason))};
 }
 
 Progress::Progress(std::string what, std::uint64_t total)

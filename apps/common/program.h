@@ -34,6 +34,9 @@ CLI::App* add_command(CLI::App& app, Command& chosen, const std::string& name, c
   return sub;
 }
 
+// Puts out what waits for stdout. Error: a full disk or a closed pipe behind it; said once, later calls are fine.
+Status flush_output();
+
 // `text` as one line for stderr: "PROGRAM: text".
 void print_error(const std::string& text);
 

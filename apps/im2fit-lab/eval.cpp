@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <filesystem>
+#include <optional>
 #include <optional>
 
 #include "apps/common/data_files.h"

@@ -26,6 +26,14 @@ Result<std::uint64_t> key_of_files(const std::string& body, const std::string& t
   return static_cast<std::uint64_t>(crc32c(a->bytes())) << 32U | crc32c(b->bytes());
 }
 
+// How many people must be drawn so that `models` of them become entries: strangers only calibrate intervals.
+int people_drawn(int models, int stranger_every) {
+  const auto strangers = [stranger_every](int people) { return (people + stranger_every - 6) / stranger_every; };
+  int people = models;
+  while (people - strangers(people) < models) ++people;
+  return people;
+}
+
 }  // namespace
 
 SampleOptions default_samples() {
@@ -37,8 +45,9 @@ SampleOptions default_samples() {
 }
 
 void add_sample_options(CLI::App& sub, SampleOptions& options) {
-  sub.add_option("--subjects", options.subjects, "Synthetic people")
-      ->check(CLI::Range(1, 10000000))
+  sub.add_option("--subjects", options.subjects,
+                 "Models: synthetic people in the index (one in 13 more is drawn to fit intervals on)")
+      ->check(CLI::Range(1, 9'000'000))
       ->capture_default_str();
   sub.add_option("--captures", options.captures, "Captures of each: other pose, place and noise")
       ->check(CLI::Range(1, 64))
@@ -61,13 +70,13 @@ Result<synth::DatasetReport> make_samples(const SampleOptions& options,
   if (!key) return key.error();
   if (const auto made = make_directory(options.work_dir); !made) return made.error();
   synth::DatasetOptions dataset;
-  dataset.subject_count = options.subjects;
+  dataset.subject_count = people_drawn(options.subjects, dataset.stranger_every);
   dataset.captures_per_subject = options.captures;
   dataset.seed = options.seed;
   dataset.thread_count = options.threads;
   dataset.work_dir = options.work_dir;
   dataset.input_key = *key;
-  Progress progress("subjects", static_cast<std::uint64_t>(options.subjects));
+  Progress progress("subjects", static_cast<std::uint64_t>(dataset.subject_count));
   auto report = synth::make_dataset(
       *model, tracker->model(), dataset,
       [&](const synth::DatasetProgress& p) { progress.update(static_cast<std::uint64_t>(p.done)); }, sink);

@@ -72,7 +72,10 @@ Result<hal::FrameInfo> FrameTap::next(DepthImage depth, int timeout_ms) {
   if (frame_count_max_ > 0 && frame_count_ >= frame_count_max_)
     return Error{ErrorCode::end_of_stream, "the number of frames asked for is reached"};
   auto frame = source_.next(depth, timeout_ms);
-  if (!frame) return frame;
+  if (!frame) {
+    if (frame.error().code == ErrorCode::corrupt && !first_damage_) first_damage_ = frame.error();
+    return frame;
+  }
   ++frame_count_;
   last_.resize(static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height));
   for (int v = 0; v < depth.height; ++v)

@@ -34,7 +34,8 @@ Result<Input> open_input(const InputOptions& options);
 void catch_interrupt();
 bool interrupted();
 
-// A source that ends after a number of frames or at Ctrl-C, shows each frame's number to `watch` and keeps the last.
+// A source that ends after a number of frames or at Ctrl-C, shows each frame's number to `watch`, keeps the last
+// frame and the first error of a damaged one.
 class FrameTap final : public hal::Source {
  public:
   using Watch = std::function<void(std::uint64_t frame_count)>;
@@ -45,6 +46,7 @@ class FrameTap final : public hal::Source {
   void stop() override { source_.stop(); }
   hal::SourceStats stats() const override { return source_.stats(); }
   DepthView last_frame() const;  // empty before the first
+  const std::optional<Error>& first_damage() const { return first_damage_; }
 
  private:
   hal::Source& source_;
@@ -52,6 +54,7 @@ class FrameTap final : public hal::Source {
   Watch watch_;
   std::uint64_t frame_count_ = 0;
   std::vector<std::uint16_t> last_;
+  std::optional<Error> first_damage_;
 };
 
 }  // namespace im2fit::apps

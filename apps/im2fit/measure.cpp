@@ -13,6 +13,7 @@ Result<int> report(const SessionOutcome& outcome, const SessionOptions& options)
   if (!options.out.empty())
     if (const auto written = write_outputs(outcome, options.out); !written) return written.error();
   if (options.json) fmt::print("{}", result_json(outcome.report));
+  if (const auto flushed = flush_output(); !flushed) return flushed.error();
   if (!result.measured) {
     print_error(fmt::format("no measurement after {} frames ({} good ones); needed: {}", result.frames_seen,
                             result.frames_used, guidance_words(reported_guidance(result))));

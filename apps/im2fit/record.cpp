@@ -12,7 +12,7 @@ namespace {
 struct RecordOptions {
   InputOptions input;
   std::string out;
-  std::uint64_t frames = 60;
+  int frames = 60;
 };
 
 constexpr int kWaitMs = 250;
@@ -60,6 +60,7 @@ Result<int> record_oni(hal::Source& camera, FrameTap& tap, const std::string& pa
 Result<int> record_folder(FrameTap& tap, const std::string& path) {
   hal::FolderWriter::Options writing;
   writing.camera_name = tap.info().name;
+  writing.origin = tap.info().intrinsics_origin;
   auto writer = hal::FolderWriter::create(path, tap.info().intrinsics, writing);
   if (!writer) return writer.error();
   if (const auto started = tap.start(); !started) return started.error();
@@ -77,8 +78,9 @@ Result<int> run_record(const RecordOptions& options) {
   auto input = open_input(options.input);
   if (!input) return input.error();
   catch_interrupt();
-  Progress progress("recording", options.frames);
-  FrameTap tap(*input->source, options.frames, [&](std::uint64_t done) { progress.update(done); });
+  const auto frames = static_cast<std::uint64_t>(options.frames);
+  Progress progress("recording", frames);
+  FrameTap tap(*input->source, frames, [&](std::uint64_t done) { progress.update(done); });
   auto code = is_oni(options.out) ? record_oni(*input->source, tap, options.out) : record_folder(tap, options.out);
   if (code && input->truth) {
     const std::string path = is_oni(options.out) ? options.out.substr(0, options.out.size() - 4) + ".truth.json"
@@ -100,7 +102,9 @@ void add_record(CLI::App& app, Command& chosen) {
   sub->add_option("--out", options->out, "PATH.oni (OpenNI2 cameras) or a folder to make")
       ->required()
       ->type_name("PATH");
-  sub->add_option("--frames", options->frames, "Frames; 0: until the source ends or Ctrl-C")->capture_default_str();
+  sub->add_option("--frames", options->frames, "Frames; 0: until the source ends or Ctrl-C")
+      ->check(CLI::Range(0, 1'000'000'000))
+      ->capture_default_str();
 }
 
 }  // namespace im2fit::apps

@@ -90,6 +90,8 @@ Result<SessionOutcome> run_session(const SessionOptions& options, const SessionW
   });
   catch_interrupt();
   if (const auto done = run(*outcome.engine, *outcome.tap, true); !done) return done.error();
+  // Damaged frames among good ones are left out; nothing but damage is no stream.
+  if (outcome.engine->result().frames_seen == 0 && outcome.tap->first_damage()) return *outcome.tap->first_damage();
 
   ResultReport& report = outcome.report;
   report.result = outcome.engine->result();
