@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 
 #include <optional>
-#include <optional>
 
 #include "apps/common/data_files.h"
 #include "apps/common/paths.h"
