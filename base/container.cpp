@@ -30,6 +30,11 @@ T get(std::span<const std::byte> in, std::size_t at) {
   return value;
 }
 
+// Once checked against the file's size, offset and size fit this machine's words.
+std::span<const std::byte> part_of(std::span<const std::byte> bytes, const ContainerReader::Entry& e) {
+  return bytes.subspan(static_cast<std::size_t>(e.offset), static_cast<std::size_t>(e.size));
+}
+
 }  // namespace
 
 void ContainerWriter::add(std::string name, std::vector<std::byte> bytes) {
@@ -90,8 +95,7 @@ Result<ContainerReader> ContainerReader::parse(std::span<const std::byte> bytes,
     const Entry e{get<std::uint64_t>(row, 16), get<std::uint64_t>(row, 24), get<std::uint32_t>(row, 32)};
     if (e.offset % kAlignment != 0 || e.offset > bytes.size() || e.size > bytes.size() - e.offset)
       return bad("section '" + key + "' reaches past the end of the file");
-    if (check_sections && crc32c(bytes.subspan(e.offset, e.size)) != e.crc)
-      return bad("section '" + key + "' damaged (CRC-32C)");
+    if (check_sections && crc32c(part_of(bytes, e)) != e.crc) return bad("section '" + key + "' damaged (CRC-32C)");
     reader.entries_.emplace(key, e);
   }
   return reader;
@@ -100,7 +104,7 @@ Result<ContainerReader> ContainerReader::parse(std::span<const std::byte> bytes,
 Result<std::span<const std::byte>> ContainerReader::section(const std::string& name) const {
   const auto it = entries_.find(name);
   if (it == entries_.end()) return Error{ErrorCode::corrupt, what_ + ": section '" + name + "' is missing"};
-  return bytes_.subspan(it->second.offset, it->second.size);
+  return part_of(bytes_, it->second);
 }
 
 Error ContainerReader::size_error(const std::string& name, std::size_t found, std::size_t expected,

@@ -25,7 +25,7 @@ class SpscRing {  // NOLINT(clang-analyzer-optin.performance.Padding): the paddi
     std::uint64_t size = 1;
     while (size < capacity) size *= 2;
     mask_ = size - 1;
-    cells_ = std::make_unique<std::atomic<std::uint32_t>[]>(size);
+    cells_ = std::make_unique<std::atomic<std::uint32_t>[]>(static_cast<std::size_t>(size));
   }
   SpscRing(const SpscRing&) = delete;
   SpscRing& operator=(const SpscRing&) = delete;
@@ -37,7 +37,7 @@ class SpscRing {  // NOLINT(clang-analyzer-optin.performance.Padding): the paddi
       cached_head_ = head_.load(std::memory_order_acquire);
       if (tail - cached_head_ > mask_) return false;
     }
-    cells_[tail & mask_].store(item, std::memory_order_relaxed);
+    cells_[static_cast<std::size_t>(tail & mask_)].store(item, std::memory_order_relaxed);
     tail_.store(tail + 1, std::memory_order_release);
     return true;
   }
@@ -73,7 +73,7 @@ class SpscRing {  // NOLINT(clang-analyzer-optin.performance.Padding): the paddi
  private:
   // On failure `head` holds the current head.
   bool claim(std::uint64_t& head, std::uint32_t& item) {
-    const std::uint32_t read = cells_[head & mask_].load(std::memory_order_relaxed);
+    const std::uint32_t read = cells_[static_cast<std::size_t>(head & mask_)].load(std::memory_order_relaxed);
     if (!head_.compare_exchange_strong(head, head + 1, std::memory_order_acq_rel, std::memory_order_relaxed))
       return false;
     item = read;

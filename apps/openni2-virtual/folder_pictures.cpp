@@ -18,7 +18,7 @@ class FolderPictures final : public Pictures {
       : camera_(camera), pictures_(std::move(pictures)) {}
   const Intrinsics& camera() const override { return camera_; }
   void make(std::uint64_t index, DepthImage out) override {
-    const auto& from = pictures_[index % pictures_.size()];
+    const auto& from = pictures_[static_cast<std::size_t>(index % pictures_.size())];
     std::memcpy(out.pixels, from.data(), from.size() * sizeof(std::uint16_t));
   }
 

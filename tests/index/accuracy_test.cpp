@@ -215,7 +215,7 @@ TEST(IndexAccuracy, MissingFeaturesCostLittle) {
   for (std::uint64_t i = 0; i < 200; ++i) {
     Sample q = world.sample(kFreshSubjects + i, 0);
     whole += mean_error(values_of(index.query(q.feature, {}, *scratch)), q.truth);
-    q.feature[i % q.feature.size()] = std::numeric_limits<float>::quiet_NaN();
+    q.feature[static_cast<std::size_t>(i) % q.feature.size()] = std::numeric_limits<float>::quiet_NaN();
     holes += mean_error(values_of(index.query(q.feature, {}, *scratch)), q.truth);
   }
   EXPECT_LT(holes, 1.5 * whole);

@@ -25,12 +25,12 @@ static_assert(std::is_same_v<decltype(Fixed<std::int32_t, 29>() * Fixed<std::int
 static_assert(std::is_same_v<decltype(wide_product(Q1_30(), Q21_10())), Fixed<std::int64_t, 40>>);
 
 // Arm's definition of vqrdmulh, from its words: double the product, add the rounding constant, take the high half,
-// saturate.
+// saturate. Here everything before the shift is halved, so that 64 bits hold it on 32-bit machines too.
 template <class Raw>
 Raw vqrdmulh(Raw a, Raw b) {
   constexpr int kBits = 8 * sizeof(Raw);
-  const __int128 value = ((__int128{2} * a * b) + (__int128{1} << (kBits - 1))) >> kBits;
-  constexpr __int128 kMax = std::numeric_limits<Raw>::max();
+  const std::int64_t value = (std::int64_t{a} * b + (std::int64_t{1} << (kBits - 2))) >> (kBits - 1);
+  constexpr std::int64_t kMax = std::numeric_limits<Raw>::max();
   return static_cast<Raw>(value > kMax ? kMax : value);
 }
 

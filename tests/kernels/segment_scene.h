@@ -12,7 +12,8 @@
 #include "base/rng.h"
 #include "kernels/core/camera.h"
 
-namespace im2fit::test {
+// Not im2fit::test: analytic_figure.h has shapes of the same names there, and one program holds both.
+namespace im2fit::room_test {
 
 struct Capsule {
   Vec3f a, b;
@@ -145,4 +146,4 @@ inline void add(Scene& scene, const std::vector<Capsule>& person) {
   scene.capsules.insert(scene.capsules.end(), person.begin(), person.end());
 }
 
-}  // namespace im2fit::test
+}  // namespace im2fit::room_test

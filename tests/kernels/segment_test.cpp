@@ -10,12 +10,12 @@
 namespace im2fit {
 namespace {
 
-using test::add;
-using test::Box;
-using test::look;
-using test::person_at;
-using test::Picture;
-using test::Scene;
+using room_test::add;
+using room_test::Box;
+using room_test::look;
+using room_test::person_at;
+using room_test::Picture;
+using room_test::Scene;
 
 constexpr double kKinectNoise = 0.5;
 
@@ -215,7 +215,6 @@ TEST(Segment, NobodyInRoomsWithoutPeople) {
   wall.wall_z = 2500;
   Scene floor;
   floor.pitch_deg = 20;
-  // One by one: GCC 12 under AddressSanitizer destroys a braced list of these pairs before the loop ends.
   std::vector<std::pair<std::string, Scene>> scenes;
   scenes.emplace_back("room", room);
   scenes.emplace_back("furnished", furnished);
