@@ -1,16 +1,70 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tiers of a kernel. A kernel's kernels.inc has one row per variant; dispatch, test and bench all include it, so that
-// a variant cannot exist untested.
+// Tiers of a kernel, and which one runs.
+//
+// A kernel's kernels.inc has one row per variant, slowest first; its header includes it to make the kernel's table of
+// variants, and dispatch, tests and benchmarks all walk that table, so that a variant cannot exist untested.
+//
+// Which variant runs: on a target whose instruction set is fixed when it is compiled (ARM with NEON; x86-64 built for
+// AVX2) and in every build without IM2FIT_TIER_SWITCH the choice is a constant and the call direct. Plain x86-64 asks
+// the processor, once. Test builds (IM2FIT_TIER_SWITCH) obey the environment: IM2FIT_DISABLE_TIERS=avx2,neon.
 #pragma once
+
+#include <cstddef>
+
+#if defined(__x86_64__) && !defined(IM2FIT_PORTABLE_ONLY)
+#define IM2FIT_HAVE_AVX2 1
+#else
+#define IM2FIT_HAVE_AVX2 0
+#endif
+#if defined(__ARM_NEON) && !defined(IM2FIT_PORTABLE_ONLY)
+#define IM2FIT_HAVE_NEON 1
+#else
+#define IM2FIT_HAVE_NEON 0
+#endif
+
+// One row of a kernels.inc: IM2FIT_KERNEL(unproject, neon) is the function unproject_neon.
+#define IM2FIT_KERNEL(kernel, tier) {#tier, kernel##_##tier, ::im2fit::Tier::tier},
+
+// Declares what is chosen by dispatch: `IM2FIT_CHOSEN_ONCE best = fastest(kUnprojectKernels);`
+#if defined(IM2FIT_TIER_SWITCH) || (IM2FIT_HAVE_AVX2 && !defined(__AVX2__))
+#define IM2FIT_TIER_AT_RUN_TIME 1
+#define IM2FIT_CHOSEN_ONCE static const auto
+#else
+#define IM2FIT_TIER_AT_RUN_TIME 0
+#define IM2FIT_CHOSEN_ONCE static constexpr auto
+#endif
 
 namespace im2fit {
 
-// Later is faster. `ref` is never chosen by dispatch: it is written to be read.
+// `ref` is never chosen by dispatch: it is written to be read. `neon` serves AArch64 and ARMv7.
 enum class Tier { ref, portable, neon, avx2 };
 
-// Whether this build and this machine can run the tier.
+// Whether this build on this machine can run the tier and nobody disabled it. ref and portable always can.
+#if IM2FIT_TIER_AT_RUN_TIME
+bool tier_available(Tier tier);
+#else
 constexpr bool tier_available(Tier tier) {
-  return tier == Tier::ref || tier == Tier::portable;
+  return tier == Tier::ref || tier == Tier::portable || (tier == Tier::neon && IM2FIT_HAVE_NEON) ||
+         (tier == Tier::avx2 && IM2FIT_HAVE_AVX2);
+}
+#endif
+
+template <class Function>
+struct KernelVariant {
+  const char* name;  // the tier's
+  Function* function;
+  Tier tier;
+};
+
+// The last variant, ref apart, that can run here. Tables begin with ref and portable.
+template <class Function, std::size_t kCount>
+constexpr Function* fastest(const KernelVariant<Function> (&variants)[kCount]) {
+  static_assert(kCount >= 2);
+  Function* best = variants[1].function;
+  for (const auto& variant : variants) {
+    if (variant.tier != Tier::ref && tier_available(variant.tier)) best = variant.function;
+  }
+  return best;
 }
 
 }  // namespace im2fit

@@ -50,8 +50,8 @@ class FpfhWorkspace {
 // Descriptors of `keypoints` (any positions in mm, not necessarily cloud points): out has 33 values each, three
 // groups of 11 scaled to 100; all zero where nothing is in range or the keypoint is not finite. SPFHs are shared
 // between keypoints. No allocation except in ref; no threads; a workspace serves one call at a time.
-using FpfhFunction = void (*)(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
-                              FpfhWorkspace& work, std::span<float> out);
+using FpfhFunction = void(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
+                          FpfhWorkspace& work, std::span<float> out);
 void fpfh_ref(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm, FpfhWorkspace& work,
               std::span<float> out);
 void fpfh_portable(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
@@ -60,15 +60,9 @@ void fpfh_portable(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints
 void fpfh(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm, FpfhWorkspace& work,
           std::span<float> out);
 
-struct FpfhKernel {
-  const char* name;
-  FpfhFunction function;
-  Tier tier;
-};
+using FpfhKernel = KernelVariant<FpfhFunction>;
 inline constexpr FpfhKernel kFpfhKernels[] = {
-#define IM2FIT_FPFH_KERNEL(name, function, tier) {#name, function, tier},
 #include "kernels/fpfh/kernels.inc"
-#undef IM2FIT_FPFH_KERNEL
 };
 
 }  // namespace im2fit

@@ -19,10 +19,7 @@ FpfhWorkspace::FpfhWorkspace(int width, int height) {
 
 void fpfh(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm, FpfhWorkspace& work,
           std::span<float> out) {
-  FpfhFunction best = fpfh_portable;
-  for (const FpfhKernel& kernel : kFpfhKernels) {
-    if (kernel.tier != Tier::ref && tier_available(kernel.tier)) best = kernel.function;
-  }
+  IM2FIT_CHOSEN_ONCE best = fastest(kFpfhKernels);
   best(cloud, keypoints, radius_mm, work, out);
 }
 

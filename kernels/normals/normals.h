@@ -14,8 +14,8 @@ namespace im2fit {
 // three where there is no point, fewer than half of the window is usable, or the usable points lie on a line.
 // radius_px >= 1. No allocation, thread-safe. Portable differs from ref by at most 1e-3 rad where the smallest
 // eigenvalue is below half of the next (float covariance, 2^-32 left of the other eigenvectors).
-using NormalsFunction = void (*)(const Intrinsics& intrinsics, const float* x, const float* y, const float* z,
-                                 int radius_px, float max_step_mm, float* nx, float* ny, float* nz);
+using NormalsFunction = void(const Intrinsics& intrinsics, const float* x, const float* y, const float* z,
+                             int radius_px, float max_step_mm, float* nx, float* ny, float* nz);
 void normals_ref(const Intrinsics& intrinsics, const float* x, const float* y, const float* z, int radius_px,
                  float max_step_mm, float* nx, float* ny, float* nz);
 void normals_portable(const Intrinsics& intrinsics, const float* x, const float* y, const float* z, int radius_px,
@@ -24,15 +24,9 @@ void normals_portable(const Intrinsics& intrinsics, const float* x, const float*
 // Points on a line: second eigenvalue below about this share of the largest.
 inline constexpr float kNormalsLineShare = 1e-3F;
 
-struct NormalsKernel {
-  const char* name;
-  NormalsFunction function;
-  Tier tier;
-};
+using NormalsKernel = KernelVariant<NormalsFunction>;
 inline constexpr NormalsKernel kNormalsKernels[] = {
-#define IM2FIT_NORMALS_KERNEL(name, function, tier) {#name, function, tier},
 #include "kernels/normals/kernels.inc"
-#undef IM2FIT_NORMALS_KERNEL
 };
 
 }  // namespace im2fit

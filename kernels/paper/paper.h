@@ -54,23 +54,18 @@ class PaperWorkspace {
 // and to 1 mm in girths (section points are rounded to 1/8 mm, rms 0.036 mm; over the hundred or more points of a
 // section that moves the mean by 0.004 mm, and the half-seen ellipse magnifies it by up to some tens). Integers, and
 // floats in written order: the same bits on every machine. No allocation after construction, no threads.
-using PaperFunction = PaperMeasurements (*)(ImageView<const std::uint16_t> depth_q4, MaskView mask,
-                                            const Intrinsics& intrinsics, const JointSet& joints,
-                                            PaperWorkspace& work);
+using PaperFunction = PaperMeasurements(ImageView<const std::uint16_t> depth_q4, MaskView mask,
+                                        const Intrinsics& intrinsics, const JointSet& joints, PaperWorkspace& work);
 PaperMeasurements measure_paper(ImageView<const std::uint16_t> depth_q4, MaskView mask, const Intrinsics& intrinsics,
                                 const JointSet& joints, PaperWorkspace& work);
+PaperMeasurements measure_paper_portable(ImageView<const std::uint16_t> depth_q4, MaskView mask,
+                                         const Intrinsics& intrinsics, const JointSet& joints, PaperWorkspace& work);
 PaperMeasurements measure_paper_ref(ImageView<const std::uint16_t> depth_q4, MaskView mask,
                                     const Intrinsics& intrinsics, const JointSet& joints, PaperWorkspace& work);
 
-struct PaperKernel {
-  const char* name;
-  PaperFunction function;
-  Tier tier;
-};
+using PaperKernel = KernelVariant<PaperFunction>;
 inline constexpr PaperKernel kPaperKernels[] = {
-#define IM2FIT_PAPER_KERNEL(name, function, tier) {#name, function, tier},
 #include "kernels/paper/kernels.inc"
-#undef IM2FIT_PAPER_KERNEL
 };
 
 // In the id table's order; ids the paper does not measure are NaN.

@@ -184,8 +184,8 @@ std::array<float, kPaperSectionCount> Measurer::girths() {
 
 }  // namespace
 
-PaperMeasurements measure_paper(ImageView<const std::uint16_t> depth_q4, MaskView mask, const Intrinsics& intrinsics,
-                                const JointSet& joints, PaperWorkspace& work) {
+PaperMeasurements measure_paper_portable(ImageView<const std::uint16_t> depth_q4, MaskView mask,
+                                         const Intrinsics& intrinsics, const JointSet& joints, PaperWorkspace& work) {
   PaperMeasurements m = paper_detail::unmeasured();
   const BodyFrame frame = body_frame(joints);
   if (!(norm(frame.w) > 0)) return m;
@@ -196,6 +196,11 @@ PaperMeasurements measure_paper(ImageView<const std::uint16_t> depth_q4, MaskVie
   m.chest_ratio = paper_detail::surface_ratio(depth_q4, mask, intrinsics, joints);
   m.valid = !std::isnan(m.stature_mm);
   return m;
+}
+
+PaperMeasurements measure_paper(ImageView<const std::uint16_t> depth_q4, MaskView mask, const Intrinsics& intrinsics,
+                                const JointSet& joints, PaperWorkspace& work) {
+  return measure_paper_portable(depth_q4, mask, intrinsics, joints, work);
 }
 
 }  // namespace im2fit

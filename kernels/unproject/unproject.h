@@ -47,20 +47,14 @@ class RayTable {
 // 0..10 of its values (0: mm, 4: 1/16 mm). No allocation, thread-safe. Portable (fixed point) is within 1e-3 mm of
 // ref up to 16 m: slope rounded to 2^-30 (1.5e-5 mm at 16 m), product to 2^-11 mm, float to 2^-10 mm between 8 and 16
 // m.
-using UnprojectFunction = void (*)(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y,
-                                   float* z);
+using UnprojectFunction = void(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y,
+                               float* z);
 void unproject_ref(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y, float* z);
 void unproject_portable(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y, float* z);
 
-struct UnprojectKernel {
-  const char* name;
-  UnprojectFunction function;
-  Tier tier;
-};
+using UnprojectKernel = KernelVariant<UnprojectFunction>;
 inline constexpr UnprojectKernel kUnprojectKernels[] = {
-#define IM2FIT_UNPROJECT_KERNEL(name, function, tier) {#name, function, tier},
 #include "kernels/unproject/kernels.inc"
-#undef IM2FIT_UNPROJECT_KERNEL
 };
 
 }  // namespace im2fit

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The measured calls: one case per kernel, variant and size. kernels_bench times them (Google Benchmark),
+// kernels_count runs one of them N times so that an emulator's plugin can count its instructions.
+//
+// A topic's TOPIC_cases.cpp defines `void add_TOPIC_cases(Cases&)`; cases.cpp lists the topics.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kernels/tier.h"
+
+namespace im2fit::bench {
+
+// Back of the envelope: what one run cannot take less than, on one core of 2.5 GHz with 32-byte vectors that reads
+// 11.6 GB/s. `why` is the sum, in words.
+struct Floor {
+  double us = 0;
+  std::string why;
+};
+
+struct Case {
+  std::string kernel;   // "unproject/640x480": topic and size
+  std::string variant;  // the row's name in kernels.inc; "frame" cases: how the whole was chosen
+  Tier tier = Tier::portable;
+  double items = 0;  // what one run handles, for a rate
+  std::string item;  // "px", "pair"
+  Floor floor;
+  std::function<void()> run;
+};
+
+using Cases = std::vector<Case>;
+
+// Adds one case per row of a kernel's table that can run here, `ref` included only when it is quick enough to repeat.
+// make(function) returns what a run calls; it owns its data (a shared_ptr captured by value) and must not let the
+// compiler drop the result.
+template <class Variants, class Make>
+void add_variants(Cases& cases, const std::string& kernel, const Variants& variants, double items,
+                  const std::string& item, const Floor& floor, bool with_ref, Make make) {
+  for (const auto& variant : variants) {
+    if (!tier_available(variant.tier) || (variant.tier == Tier::ref && !with_ref)) continue;
+    cases.push_back({kernel, variant.name, variant.tier, items, item, floor, make(variant.function)});
+  }
+}
+
+// Keeps a result alive without storing it.
+template <class T>
+void keep(const T& value) {
+  asm volatile("" : : "g"(&value) : "memory");
+}
+
+// Every case of every topic.
+Cases all_cases();
+
+}  // namespace im2fit::bench

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs one case a given number of times: what an instruction counter watches. Two counts of different lengths give
+// the cost of a run without that of the start.
+//   kernels_count --list            kernel:variant of every case
+//   kernels_count KERNEL:VARIANT N
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "bench/kernels/cases.h"
+
+int main(int argc, char** argv) {
+  const im2fit::bench::Cases cases = im2fit::bench::all_cases();
+  if (argc == 2 && std::strcmp(argv[1], "--list") == 0) {
+    for (const auto& one : cases) std::printf("%s:%s\n", one.kernel.c_str(), one.variant.c_str());
+    return 0;
+  }
+  char* end = nullptr;
+  const long count = argc == 3 ? std::strtol(argv[2], &end, 10) : -1;
+  if (count < 0 || *end != '\0') {
+    std::fprintf(stderr, "use: kernels_count --list | kernels_count KERNEL:VARIANT COUNT\n");
+    return 2;
+  }
+  for (const auto& one : cases) {
+    if (one.kernel + ":" + one.variant != argv[1]) continue;
+    for (long i = 0; i < count; ++i) one.run();
+    return 0;
+  }
+  std::fprintf(stderr, "kernels_count: no case %s; --list names them\n", argv[1]);
+  return 2;
+}
