@@ -31,6 +31,11 @@ struct Subject {
 // Deterministic: depends on the model, family, seed and index only. Even indices are men, odd ones women.
 Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index);
 
+// Whom a camera shows that is given a seed and nothing else: a woman for odd seeds, a man for even ones.
+constexpr std::uint64_t subject_of_seed(std::uint64_t seed) {
+  return seed % 2;
+}
+
 // The rest mesh of a subject, offsets applied; out has model.vertex_count() places.
 void morph_subject(const body::BodyModel& model, const Subject& subject, std::span<Vec3f> out);
 

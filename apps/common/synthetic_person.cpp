@@ -76,6 +76,7 @@ Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string
     if (error != std::errc() || end != seed.data() + seed.size())
       return Error{ErrorCode::invalid_argument, "synthetic:" + seed + ": the seed must be a whole number"};
   }
+  options.subject = synth::subject_of_seed(options.seed);
   auto loaded = load_body(body_path);
   if (!loaded) return loaded.error();
   // The generator keeps what it draws from alive.

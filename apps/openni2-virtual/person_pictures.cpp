@@ -41,8 +41,11 @@ class PersonPictures final : public Pictures {
  public:
   PersonPictures(body::BodyModel model, const Settings& settings)
       : model_(std::move(model)),
-        scene_(model_, synth::draw_subject(model_, family_of(settings.family), settings.seed, 0), scene_of(settings),
-               sensor_of(settings), synth::kinect_intrinsics(settings.width, settings.height), settings.seed) {}
+        scene_(model_,
+               synth::draw_subject(model_, family_of(settings.family), settings.seed,
+                                   synth::subject_of_seed(settings.seed)),
+               scene_of(settings), sensor_of(settings), synth::kinect_intrinsics(settings.width, settings.height),
+               settings.seed) {}
   const Intrinsics& camera() const override { return scene_.intrinsics(); }
   void make(std::uint64_t index, DepthImage out) override { scene_.render(index, out); }
 

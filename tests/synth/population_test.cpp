@@ -122,6 +122,11 @@ TEST_F(Population, FamiliesNeverShareASeed) {
   EXPECT_EQ(seeds.size(), 12U);
 }
 
+TEST_F(Population, ASeedAloneShowsWomenAndMenInTurn) {
+  for (const std::uint64_t seed : {0, 1, 6, 7})
+    EXPECT_EQ(draw_subject(model(), Family::held_out, seed, subject_of_seed(seed)).woman, seed % 2 == 1) << seed;
+}
+
 TEST_F(Population, MeetsStatureAndWeightAsDrawn) {
   int off = 0;
   for (std::uint64_t i = 0; i < 60; ++i) {
