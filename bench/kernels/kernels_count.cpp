@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs one case a given number of times: what an instruction counter watches. Two counts of different lengths give
 // the cost of a run without that of the start.
-//   kernels_count --list            kernel:variant of every case
+//   kernels_count --list            kernel:variant, items a run and what an item is, of every case, between tabs
 //   kernels_count KERNEL:VARIANT N
 #include <cstdio>
 #include <cstdlib>
@@ -10,9 +10,10 @@
 #include "bench/kernels/cases.h"
 
 int main(int argc, char** argv) {
-  const im2fit::bench::Cases cases = im2fit::bench::all_cases();
   if (argc == 2 && std::strcmp(argv[1], "--list") == 0) {
-    for (const auto& one : cases) std::printf("%s:%s\n", one.kernel.c_str(), one.variant.c_str());
+    for (const auto& one : im2fit::bench::all_cases()) {
+      std::printf("%s:%s\t%.0f\t%s\n", one.kernel.c_str(), one.variant.c_str(), one.items, one.item.c_str());
+    }
     return 0;
   }
   char* end = nullptr;
@@ -21,7 +22,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "use: kernels_count --list | kernels_count KERNEL:VARIANT COUNT\n");
     return 2;
   }
-  for (const auto& one : cases) {
+  for (const auto& one : im2fit::bench::all_cases(argv[1])) {
     if (one.kernel + ":" + one.variant != argv[1]) continue;
     for (long i = 0; i < count; ++i) one.run();
     return 0;
