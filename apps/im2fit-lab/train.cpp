@@ -51,6 +51,13 @@ void add_train(CLI::App& app, Command& chosen) {
   sub->add_option("--threads", options->train.thread_count, "Threads; the result does not depend on them")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  sub->add_option("--levels", options->train.level_count, "Levels of the refining cascade")
+      ->check(CLI::Range(1, 32))
+      ->capture_default_str();
+  sub->add_option("--level-trees", options->train.level_tree_count,
+                  "Trees of each level; the file's size is 2.9 kB for each of levels x trees")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
   sub->add_option("--out", options->out, "Tracker file to write")->type_name("FILE")->capture_default_str();
 }
