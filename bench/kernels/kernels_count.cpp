@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   char* end = nullptr;
   const long count = argc == 3 ? std::strtol(argv[2], &end, 10) : -1;
   if (count < 0 || *end != '\0') {
-    std::fprintf(stderr, "use: kernels_count --list | kernels_count KERNEL:VARIANT COUNT\n");
+    std::fprintf(stderr, "use: %s --list | KERNEL:VARIANT COUNT\n", argv[0]);
     return 2;
   }
   for (const auto& one : im2fit::bench::all_cases(argv[1])) {
@@ -27,6 +27,6 @@ int main(int argc, char** argv) {
     for (long i = 0; i < count; ++i) one.run();
     return 0;
   }
-  std::fprintf(stderr, "kernels_count: no case %s; --list names them\n", argv[1]);
+  std::fprintf(stderr, "%s: no case %s; --list names them\n", argv[0], argv[1]);
   return 2;
 }

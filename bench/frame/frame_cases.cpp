@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// One whole frame at 640x480 (portrait: 480 wide), and its parts, as the engine runs them: a guided frame is
+// Sensor::sense and Fuser::add, a measuring frame describes and asks the index as well. The variant is the best tier
+// the build, the machine and IM2FIT_DISABLE_TIERS allow.
+//
+// Tracker and index: IM2FIT_TRACKER, IM2FIT_INDEX, else where scripts/test puts the small ones. Where they are absent
+// the cases that need them are left out, and standard error says so.
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/file.h"
+#include "base/rng.h"
+#include "bench/kernels/cases.h"
+#include "index/index.h"
+#include "kernels/fpfh/fpfh.h"
+#include "kernels/fuse/decimate.h"
+#include "kernels/fuse/depth_fusion.h"
+#include "kernels/normals/normals.h"
+#include "kernels/observe/observe.h"
+#include "tests/kernels/analytic_figure.h"
+
+namespace im2fit::bench {
+namespace {
+
+constexpr Intrinsics kCamera = {480, 640, 575.8F, 575.8F, 239.5F, 319.5F};
+constexpr float kDistanceMm = 2300;
+constexpr double kFloorMm = 900, kWallMm = 3900;  // the figure's soles, and a wall behind it
+constexpr int kGathered = 15;                     // frames of a session, and of the fused picture that is described
+constexpr std::size_t kFrames = 4;                // with noise of their own
+
+std::string file_of(const char* variable, const char* name) {
+  if (const char* path = std::getenv(variable)) return path;
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  const char* home = std::getenv("HOME");
+  return (cache != nullptr ? std::string(cache) : std::string(home != nullptr ? home : "") + "/.cache") +
+         "/im2fit/small/" + name;
+}
+
+// A Kinect's picture of the figure in a room: disparity in steps of 1/8 pixel, half a step of noise.
+std::vector<std::uint16_t> picture(const test::Figure& figure, std::uint64_t seed) {
+  constexpr double kStep = 2.85e-6;  // 1/mm
+  Rng rng(seed);
+  std::vector<std::uint16_t> depth;
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      const double tx = (u - double{kCamera.cx}) / double{kCamera.fx};
+      const double ty = (v - double{kCamera.cy}) / double{kCamera.fy};
+      test::Hit hit = test::nearer(figure.cast_ray(tx, ty), {kWallMm, {0, 0, -1}});
+      if (ty > 0) hit = test::nearer(hit, {kFloorMm / ty, {0, -1, 0}});
+      const double steps = std::floor(1.0 / hit.z / kStep + 0.5 * double{rng.fast_normal()} + 0.5);
+      depth.push_back(static_cast<std::uint16_t>(std::lround(1.0 / (kStep * steps))));
+    }
+  }
+  return depth;
+}
+
+struct Room {
+  test::Figure figure = test::standing_figure(0, kDistanceMm);
+  std::array<std::vector<std::uint16_t>, kFrames> depth;
+  std::vector<std::uint8_t> mask =
+      std::vector<std::uint8_t>(static_cast<std::size_t>(kCamera.width * kCamera.height));
+  Segmenter segmenter{kCamera.width, kCamera.height};
+  Person person;  // in the last frame, whose mask is in `mask`
+  std::size_t next = 0;
+
+  Room() {
+    for (std::size_t i = 0; i < kFrames; ++i) depth[i] = picture(figure, 7 + i);
+    // The room is learned before anything is measured.
+    for (int i = 0; i < 2 * kGathered; ++i) person = segmenter.run(frame(), kCamera, mask_image());
+    if (!person.found) std::fprintf(stderr, "frame: the segmenter finds no person in the rendered room\n");
+  }
+  DepthView frame() {
+    next = (next + 1) % kFrames;
+    return last();
+  }
+  DepthView last() const { return {depth[next].data(), kCamera.width, kCamera.height}; }
+  MaskImage mask_image() { return {mask.data(), kCamera.width, kCamera.height}; }
+  Sighting sighting() const { return {person, figure.joints, 0}; }
+};
+
+// The fused person on the descriptor's grid.
+struct Grid {
+  explicit Grid(Room& room)
+      : fusion(kCamera.width, kCamera.height),
+        step(grid_step_px(kCamera, kDistanceMm)),
+        k(grid_intrinsics(kCamera, step)),
+        work(k.width, k.height) {
+    const Person& p = room.person;
+    for (int i = 0; i < kGathered; ++i)
+      fusion.add(room.frame(), room.mask_image(), p.u_min, p.v_min, p.u_max, p.v_max);
+    fusion.finish();
+    for (auto& plane : planes) plane.resize(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
+    decimate_once();
+  }
+  void decimate_once() { decimate(fusion.depth_q4(), fusion.mask(), k, step, planes[0], planes[1], planes[2]); }
+  OrganisedCloud cloud() const {
+    return {k,
+            planes[0].data(),
+            planes[1].data(),
+            planes[2].data(),
+            planes[3].data(),
+            planes[4].data(),
+            planes[5].data()};
+  }
+
+  DepthFusion fusion;
+  int step;
+  Intrinsics k;
+  FpfhWorkspace work;
+  std::array<std::vector<float>, 6> planes;  // x y z nx ny nz
+  std::array<float, kFpfhSize * kJointCount> descriptors{};
+};
+
+// Everything that outlives the cases.
+struct Bench {
+  std::shared_ptr<Room> room = std::make_shared<Room>();
+  std::shared_ptr<Fuser> fuser = std::make_shared<Fuser>(kCamera.width, kCamera.height);
+  std::shared_ptr<MappedFile> tracker_file;
+  std::shared_ptr<JointModel> tracker;
+  std::shared_ptr<index::Index> index;
+
+  void open_files() {
+    const std::string tracker_path = file_of("IM2FIT_TRACKER", "tracker.i2t");
+    const std::string index_path = file_of("IM2FIT_INDEX", "index.i2f");
+    if (auto file = MappedFile::open(tracker_path)) {
+      tracker_file = std::make_shared<MappedFile>(std::move(*file));
+      if (auto model = JointModel::parse(tracker_file->bytes(), tracker_path))
+        tracker = std::make_shared<JointModel>(std::move(*model));
+    }
+    if (auto opened = index::Index::open(index_path); opened && opened->feature_size() == kFeatureSize)
+      index = std::make_shared<index::Index>(std::move(*opened));
+    if (tracker == nullptr) std::fprintf(stderr, "frame: no tracker in %s: cases left out\n", tracker_path.c_str());
+    if (index == nullptr)
+      std::fprintf(stderr, "frame: no index of today's in %s: cases left out\n", index_path.c_str());
+  }
+};
+
+const char* variant() {
+  return tier_available(Tier::avx2) ? "avx2" : tier_available(Tier::neon) ? "neon" : "portable";
+}
+
+void add(Cases& cases, const char* name, Floor floor, std::function<void()> run) {
+  const Tier tier = tier_available(Tier::avx2)   ? Tier::avx2
+                    : tier_available(Tier::neon) ? Tier::neon
+                                                 : Tier::portable;
+  cases.push_back({std::string("frame/") + name, variant(), tier, 1, "frame", std::move(floor), std::move(run)});
+}
+
+// Sense and add; `describe` and `query` on top when an index is given.
+void add_whole(Cases& cases, const Bench& b) {
+  const auto sensor = std::make_shared<Sensor>(kCamera.width, kCamera.height, *b.tracker);
+  const auto look = [b, sensor] {
+    const DepthView depth = b.room->frame();
+    const Sighting sighting = sensor->sense(depth, kCamera, b.room->mask_image());
+    if (b.fuser->frame_count() >= kGathered) b.fuser->reset();
+    b.fuser->add(depth, b.room->mask_image(), kCamera, sighting);
+  };
+  for (int i = 0; i < 2 * kGathered; ++i) look();
+  add(cases, "guided", {0.13e3, "depth read twice, mask written and read: 1.5 MB at 11.6 GB/s"}, look);
+  if (b.index == nullptr) return;
+  const std::shared_ptr<index::Index::Scratch> scratch = b.index->make_scratch();
+  add(cases, "measuring", {2e3, "guided, and the grid's 0.2 M ordered pairs at 8 ns"}, [b, look, scratch] {
+    look();
+    index::QueryOptions options;
+    options.frame_count = kGathered;
+    keep(b.index->query(b.fuser->describe().feature, options, *scratch));
+  });
+  const auto feature = std::make_shared<Feature>(b.fuser->describe().feature);
+  add(cases, "query", {10, "the feature times 40 targets: 50 k multiplications, 8 a cycle; one tree walk"},
+      [b, feature, scratch] {
+        index::QueryOptions options;
+        options.frame_count = kGathered;
+        keep(b.index->query(*feature, options, *scratch));
+      });
+}
+
+void add_sense_parts(Cases& cases, const Bench& b) {
+  const auto room = b.room;
+  add(cases, "segment", {0.08e3, "0.6 MB of depth read, 0.3 MB of mask written"}, [room] {
+    room->person = room->segmenter.run(room->frame(), kCamera, room->mask_image());
+    keep(room->person);
+  });
+  if (b.tracker != nullptr) {
+    const auto tracker = std::make_shared<JointTracker>(*b.tracker);
+    const auto joints = std::make_shared<JointSet>();
+    *joints = tracker->track(room->last(), room->mask_image(), kCamera, room->person, nullptr);
+    add(cases, "joints", {}, [b, room, tracker, joints] {
+      *joints = tracker->track(room->last(), room->mask_image(), kCamera, room->person, joints.get());
+      keep(*joints);
+    });
+  }
+  add(cases, "fuse", {0.06e3, "box of 92 k pixels: 8 bytes read and written"}, [b, room] {
+    if (b.fuser->frame_count() >= kGathered) b.fuser->reset();
+    b.fuser->add(room->last(), room->mask_image(), kCamera, room->sighting());
+  });
+}
+
+void add_describe_parts(Cases& cases, const Bench& b) {
+  const auto room = b.room;
+  const auto gathered = std::make_shared<Fuser>(kCamera.width, kCamera.height);
+  for (int i = 0; i < kGathered; ++i) gathered->add(room->last(), room->mask_image(), kCamera, room->sighting());
+  add(cases, "describe", {}, [gathered] { keep(gathered->describe()); });
+
+  const auto grid = std::make_shared<Grid>(*room);
+  add(cases, "describe/finish", {0.2e3, "2.8 MB at 11.6 GB/s"}, [grid] { grid->fusion.finish(); });
+  const auto paper = std::make_shared<PaperWorkspace>(kCamera.width, kCamera.height);
+  add(cases, "describe/paper", {}, [room, grid, paper] {
+    keep(measure_paper(grid->fusion.depth_q4(), grid->fusion.mask(), kCamera, room->figure.joints, *paper));
+  });
+  add(cases, "describe/grid", {0.08e3, "0.9 MB at 11.6 GB/s"}, [grid] { grid->decimate_once(); });
+  add(cases, "describe/normals", {}, [grid] {
+    auto& p = grid->planes;
+    fastest(kNormalsKernels)(grid->k, p[0].data(), p[1].data(), p[2].data(), 1, 60, p[3].data(), p[4].data(),
+                             p[5].data());
+  });
+  add(cases, "describe/fpfh", {}, [room, grid] {
+    fpfh(grid->cloud(), room->figure.joints.position_mm, kFpfhRadiusMm, grid->work, grid->descriptors);
+  });
+  const auto profile = std::make_shared<ProfileWorkspace>();
+  const auto out = std::make_shared<std::vector<float>>(kProfileSize);
+  add(cases, "describe/profile", {}, [room, grid, profile, out] {
+    section_profile(grid->fusion.depth_q4(), grid->fusion.mask(), kCamera, room->figure.joints, {}, *profile, *out);
+  });
+}
+
+}  // namespace
+
+Cases all_cases(std::string_view) {
+  Bench b;
+  b.open_files();
+  Cases cases;
+  if (b.tracker != nullptr) add_whole(cases, b);
+  add_sense_parts(cases, b);
+  add_describe_parts(cases, b);
+  return cases;
+}
+
+}  // namespace im2fit::bench
