@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fast point feature histograms (Rusu 2009) with PCL 1.13's exact semantics (docs: facts in kernels/fpfh/README.md).
-// Tiers: ref (double, readable) and portable (float32, the contract); further tiers register in kernels.inc.
+// Tiers: ref (double, readable), portable (float32, the contract), neon and avx2 (portable's bits).
 #pragma once
 
 #include <cstdint>
@@ -30,21 +30,22 @@ struct OrganisedCloud {
   const float* nz = nullptr;  // unit
 };
 
-// Buffers sized once for images up to width x height. Contents are the kernels' own. 170 bytes a pixel, of which the
-// 132 of `counts` are left untouched until points need them, so that most never become resident.
+// Buffers sized once for images up to width x height. Contents are the kernels' own. 200 bytes a pixel, of which the
+// 164 of the counts are left untouched until points need them, so that most never become resident.
 class FpfhWorkspace {
  public:
   FpfhWorkspace(int width, int height);
 
   // Compacted valid points in row order; metres, because PCL's float rounding at the radius is in metres.
   std::vector<float> x, y, z, nx, ny, nz;
-  std::vector<std::int32_t> row_table;        // (width + 1) per row: first compact point at or right of a column
-  std::vector<std::uint8_t> has_normal;       // per compact point
-  std::vector<std::uint8_t> needed;           // per compact point: a keypoint wants its SPFH
-  std::unique_ptr<std::int32_t[]> counts;     // kFpfhSize per compact point
-  std::vector<std::int32_t> neighbour_count;  // per compact point, itself included
-  std::vector<std::int32_t> near_list;        // neighbours with a normal
-  std::vector<std::int32_t> blank_list;       // neighbours without one
+  std::vector<std::int32_t> row_table;          // (width + 1) per row: first compact point at or right of a column
+  std::vector<std::uint8_t> has_normal;         // per compact point
+  std::vector<std::uint8_t> needed;             // per compact point: a keypoint wants its SPFH
+  std::unique_ptr<std::int32_t[]> counts;       // kFpfhSize per compact point
+  std::unique_ptr<std::uint8_t[]> count_bytes;  // the hand-written tiers' (fpfh_blocks.h), not yet in `counts`
+  std::vector<std::int32_t> ranges;             // begin and end of a source's candidates, by row
+  std::vector<std::int32_t> near_list;          // neighbours with a normal
+  std::vector<std::int32_t> blank_list;         // neighbours without one
 };
 
 // Descriptors of `keypoints` (any positions in mm, not necessarily cloud points): out has 33 values each, three
@@ -56,6 +57,7 @@ void fpfh_ref(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, flo
               std::span<float> out);
 void fpfh_portable(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
                    FpfhWorkspace& work, std::span<float> out);
+FpfhFunction fpfh_neon, fpfh_avx2;
 // The best tier of this machine.
 void fpfh(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm, FpfhWorkspace& work,
           std::span<float> out);

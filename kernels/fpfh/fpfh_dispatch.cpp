@@ -2,19 +2,22 @@
 #include <cstddef>
 
 #include "kernels/fpfh/fpfh.h"
+#include "kernels/fpfh/fpfh_blocks.h"
 
 namespace im2fit {
 
 FpfhWorkspace::FpfhWorkspace(int width, int height) {
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  for (std::vector<float>* v : {&x, &y, &z, &nx, &ny, &nz}) v->resize(count);
+  constexpr std::size_t kSlack = 64;  // the slack lets a block of pairs be read past the end or padded in place
+  for (std::vector<float>* v : {&x, &y, &z, &nx, &ny, &nz}) v->resize(count + kSlack);
   row_table.resize(static_cast<std::size_t>(width + 1) * static_cast<std::size_t>(height));
   has_normal.resize(count);
-  needed.resize(count);
+  needed.resize(count + kSlack);
   counts = std::make_unique_for_overwrite<std::int32_t[]>(count * kFpfhSize);
-  neighbour_count.resize(count);
-  near_list.resize(count + 64);  // the slack lets a block of pairs be padded in place
-  blank_list.resize(count + 64);
+  count_bytes = std::make_unique_for_overwrite<std::uint8_t[]>((count + kSlack) * fpfh_detail::kCountBytes);
+  ranges.resize(2 * static_cast<std::size_t>(height));
+  near_list.resize(count + kSlack);
+  blank_list.resize(count + kSlack);
 }
 
 void fpfh(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm, FpfhWorkspace& work,

@@ -2,13 +2,13 @@
 // One pair's bins in float and without trigonometry: the careful way, for pairs the fast path leaves aside.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 
 #include "kernels/core/vec3.h"
 #include "kernels/fpfh/fpfh.h"
+#include "kernels/fpfh/fpfh_constants.h"
 
 namespace im2fit::fpfh_detail {
 
@@ -16,13 +16,6 @@ struct PairBins {
   int f1, f2, f3;
 };
 inline constexpr PairBins kDegenerateBins = {kFpfhBins / 2, kFpfhBins / 2, kFpfhBins / 2};
-
-// The edges of f1's bins above zero: angles (2k + 1) pi / 11.
-inline constexpr int kEdgeCount = 5;
-inline constexpr std::array<float, kEdgeCount> kEdgeCos = {0.959492974F, 0.654860734F, 0.142314838F, -0.415415013F,
-                                                           -0.841253533F};
-inline constexpr std::array<float, kEdgeCount> kEdgeSin = {0.281732557F, 0.755749574F, 0.989821442F, 0.909631995F,
-                                                           0.540640817F};
 
 // floor(11 (f + 1) / 2), clamped; NaN gives 0.
 inline int cosine_bin(float f) {
@@ -36,8 +29,7 @@ inline int cosine_bin(float f) {
 inline int angle_bin(float y, float x) {
   if (std::isnan(y) || std::isnan(x)) return 0;
   int passed = 0;
-  for (std::size_t k = 0; k < kEdgeCount; ++k)
-    passed += (std::fabs(y) * kEdgeCos[k] - x * kEdgeSin[k] > 0.0F) ? 1 : 0;
+  for (int k = 0; k < kEdgeCount; ++k) passed += (std::fabs(y) * kEdgeCosine[k] - x * kEdgeSine[k] > 0.0F) ? 1 : 0;
   return std::signbit(y) ? 5 - passed : 5 + passed;
 }
 
@@ -68,9 +60,6 @@ inline float arc_cosine(float a) {
   const float tail = (z - head * head) / (root + head);
   return 2.0F * (head + (series(z) * root + tail));
 }
-
-// Where the cosines a1 and a2 differ by less than this, the swap is decided as PCL does; see swaps().
-inline constexpr float kNearTie = 1e-6F;
 
 // acosf(|a1|) > acosf(|a2|): between nearly equal normals (planes, quantised depth) many rounded arc cosines are
 // equal though the cosines are not, and f3's sign hangs on it. False where a2 is above 1 (a NaN in PCL).
