@@ -11,16 +11,13 @@
 #include "kernels/core/camera.h"
 #include "kernels/core/joints.h"
 #include "kernels/joints/tracker.h"
+#include "kernels/joints/trees/trees.h"
 #include "kernels/joints/view.h"
 
 namespace im2fit::joints {
 
 inline constexpr std::string_view kTrackerMagic = "I2TR";
 inline constexpr std::uint32_t kTrackerVersion = 1;
-inline constexpr int kSplitDepth = 5;
-inline constexpr int kSplitCount = 31;  // inner nodes of a depth-5 tree
-inline constexpr int kLeafCount = 32;
-inline constexpr int kShapeSize = 3 * static_cast<int>(kJointCount);
 inline constexpr float kLeafUnit = 64.0F;  // cascade leaves are in 1/64 mm
 inline constexpr int kConfidenceBinCount = 12;
 inline constexpr int kPixelCountMax = 1024;
@@ -60,13 +57,6 @@ struct Anchor {  // one shape-indexed pixel: a joint and an offset in mm
   std::uint16_t joint = 0;
 };
 static_assert(sizeof(Anchor) == 6);
-
-struct Split {  // pixel a - pixel b > threshold goes right
-  std::uint16_t a = 0;
-  std::uint16_t b = 0;
-  std::int16_t threshold = 0;
-};
-static_assert(sizeof(Split) == 6);
 
 struct ConfidenceBin {  // bins in rising order of doubt
   std::uint16_t doubt_mm_max = 0;

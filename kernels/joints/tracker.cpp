@@ -74,17 +74,6 @@ void read_anchors(std::span<const Anchor> anchors, const View& view, const Shape
   }
 }
 
-namespace {
-
-// Two loops of fixed length: whole vectors, then the rest, so that plain -O2 vectorises the first.
-inline void add_leaf(const std::int16_t* __restrict leaf, std::int32_t* __restrict sum) {
-  constexpr int kWhole = kShapeSize / 8 * 8;
-  for (int i = 0; i < kWhole; ++i) sum[i] += leaf[i];
-  for (int i = kWhole; i < kShapeSize; ++i) sum[i] += leaf[i];
-}
-
-}  // namespace
-
 void run_cascade(const JointModel::Data& model, const View& view, Shape& shape) {
   const std::size_t pixel_count = model.meta.pixel_count;
   const std::size_t tree_count = model.meta.level_tree_count;
@@ -94,12 +83,7 @@ void run_cascade(const JointModel::Data& model, const View& view, Shape& shape) 
     std::array<std::int32_t, static_cast<std::size_t>(kShapeSize)> sum{};
     const Split* splits = model.splits.data() + level * tree_count * kSplitCount;
     const std::int16_t* leaves = model.leaves.data() + level * tree_count * kLeafCount * kShapeSize;
-    for (std::size_t t = 0; t < tree_count; ++t) {
-      const int leaf = find_leaf(splits, pixels.data());
-      add_leaf(leaves + leaf * kShapeSize, sum.data());
-      splits += kSplitCount;
-      leaves += kLeafCount * kShapeSize;
-    }
+    sum_leaves(splits, leaves, static_cast<int>(tree_count), pixels.data(), sum.data());
     for (std::size_t i = 0; i < shape.size(); ++i) shape[i] += static_cast<float>(sum[i]) * (1.0F / kLeafUnit);
   }
 }

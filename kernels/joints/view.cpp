@@ -3,18 +3,9 @@
 
 #include <algorithm>
 
+#include "kernels/joints/thin/thin_box.h"
+
 namespace im2fit::joints {
-namespace {
-
-// The first masked pixel of a step x step block: thinning by choice, not by mean, makes no depth between two limbs.
-std::uint16_t first_masked(DepthView depth, MaskView mask, int u0, int v0, int step) {
-  for (int v = v0; v < std::min(v0 + step, depth.height); ++v)
-    for (int u = u0; u < std::min(u0 + step, depth.width); ++u)
-      if (mask.at(u, v) != 0 && depth.at(u, v) != 0) return depth.at(u, v);
-  return 0;
-}
-
-}  // namespace
 
 bool thin(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person, View& view) {
   view.width = view.height = view.pixel_count = 0;
@@ -39,32 +30,18 @@ bool thin(DepthView depth, MaskView mask, const Intrinsics& k, const Person& per
   view.height = v_max / step - view.v_first + 1;
   const std::size_t count = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
   if (view.depth.size() < count) view.depth.resize(count);
-  std::uint64_t sum_z = 0;
-  double sum_uz = 0;
-  double sum_vz = 0;
-  for (int v = 0; v < view.height; ++v) {
-    std::uint64_t row_z = 0;
-    std::uint64_t row_uz = 0;
-    std::uint16_t* out = view.depth.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(view.width);
-    for (int u = 0; u < view.width; ++u) {
-      const std::uint16_t z = first_masked(depth, mask, (u + view.u_first) * step, (v + view.v_first) * step, step);
-      out[u] = z;
-      if (z == 0) continue;
-      ++view.pixel_count;
-      row_z += z;
-      row_uz += static_cast<std::uint64_t>(z) * static_cast<std::uint64_t>(u);
-    }
-    sum_z += row_z;
-    sum_uz += static_cast<double>(row_uz);
-    sum_vz += static_cast<double>(row_z) * v;
-  }
+  ThinMoments moments;
+  thin_box({depth, mask, step, view.u_first, view.v_first, view.width, view.height}, view.depth.data(), moments);
+  view.pixel_count = static_cast<int>(moments.count);
   if (view.pixel_count == 0) return false;
   const double n = view.pixel_count;
-  const double z = static_cast<double>(sum_z);
+  const double z = static_cast<double>(moments.z);
+  const double uz = static_cast<double>(moments.uz);
+  const double vz = static_cast<double>(moments.vz);
   const double left = static_cast<double>(view.cx) - view.u_first;
   const double top = static_cast<double>(view.cy) - view.v_first;
-  view.centroid_mm = {static_cast<float>((sum_uz - left * z) / (n * static_cast<double>(view.fx))),
-                      static_cast<float>((sum_vz - top * z) / (n * static_cast<double>(view.fy))),
+  view.centroid_mm = {static_cast<float>((uz - left * z) / (n * static_cast<double>(view.fx))),
+                      static_cast<float>((vz - top * z) / (n * static_cast<double>(view.fy))),
                       static_cast<float>(z / n)};
   return true;
 }

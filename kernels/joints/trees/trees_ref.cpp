@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/joints/trees/trees.h"
+
+namespace im2fit::joints {
+
+void sum_leaves_ref(const Split* splits, const std::int16_t* leaves, int tree_count, const std::int16_t* pixels,
+                    std::int32_t* sum) {
+  for (int t = 0; t < tree_count; ++t) {
+    int node = 0;
+    while (node < kSplitCount) {
+      const Split& s = splits[t * kSplitCount + node];
+      node = 2 * node + (pixels[s.a] - pixels[s.b] > s.threshold ? 2 : 1);
+    }
+    const int leaf = t * kLeafCount + node - kSplitCount;
+    for (int i = 0; i < kShapeSize; ++i) sum[i] += leaves[leaf * kShapeSize + i];
+  }
+}
+
+}  // namespace im2fit::joints
