@@ -43,9 +43,11 @@ class FpfhWorkspace {
   std::vector<std::uint8_t> needed;             // per compact point: a keypoint wants its SPFH
   std::unique_ptr<std::int32_t[]> counts;       // kFpfhSize per compact point
   std::unique_ptr<std::uint8_t[]> count_bytes;  // the hand-written tiers' (fpfh_blocks.h), not yet in `counts`
-  std::vector<std::int32_t> ranges;             // begin and end of a source's candidates, by row
-  std::vector<std::int32_t> near_list;          // neighbours with a normal
-  std::vector<std::int32_t> blank_list;         // neighbours without one
+  std::vector<float> row_slope, row_norm, row_inverse_norm;  // y/z of a row's rays, sqrt(1 + slope^2), its inverse
+  std::vector<std::int32_t> columns_low, columns_high;       // a sphere's outline, by row
+  std::vector<std::int32_t> ranges;                          // begin and end of a source's candidates
+  std::vector<std::int32_t> near_list;                       // neighbours with a normal
+  std::vector<std::int32_t> blank_list;                      // neighbours without one
 };
 
 // Descriptors of `keypoints` (any positions in mm, not necessarily cloud points): out has 33 values each, three

@@ -80,8 +80,10 @@ __m256i pair_codes(const Source& p, __m256 dx, __m256 dy, __m256 dz, __m256 d2, 
   const __m256 sound = _mm256_and_ps(greater(s, _mm256_mul_ps(_mm256_set1_ps(fpfh_detail::kNearlyParallel), d2)),
                                      _mm256_cmp_ps(size_of(_mm256_sub_ps(size1, size2)), tie, _CMP_GT_OQ));
   careful = _mm256_andnot_ps(sound, _mm256_castsi256_ps(_mm256_set1_epi32(-1)));
-  return _mm256_or_si256(_mm256_or_si256(_mm256_slli_epi32(b1, 9), _mm256_slli_epi32(b2, 5)),
-                         _mm256_slli_epi32(b3, 21));
+  // (b1 * 121 + b2 * 11 + b3) * 32.
+  const __m256i first_two = _mm256_madd_epi16(_mm256_or_si256(b1, _mm256_slli_epi32(b2, 16)),
+                                              _mm256_set1_epi32(kFpfhBins * kFpfhBins | kFpfhBins << 16));
+  return _mm256_slli_epi32(_mm256_add_epi32(first_two, b3), 5);
 }
 
 void list_lanes(unsigned lanes, int first, std::int32_t* list, int& count) {
@@ -100,13 +102,11 @@ void add_bytes(__m256i bytes, std::int32_t* counts) {
 
 // Counts eight pairs at their candidates and returns their sum.
 __m256i count_codes(__m256i codes, std::uint8_t* bytes) {
-  alignas(32) std::uint16_t offsets[2 * kLanes];
+  alignas(32) std::uint32_t offsets[kLanes];
   _mm256_store_si256(reinterpret_cast<__m256i*>(offsets), codes);
   __m256i sum = _mm256_setzero_si256();
   for (int t = 0; t < kLanes; ++t) {
-    const __m256i first = _mm256_load_si256(reinterpret_cast<const __m256i*>(kIncrements.first + offsets[2 * t]));
-    const __m256i one = _mm256_add_epi8(
-        first, _mm256_load_si256(reinterpret_cast<const __m256i*>(kIncrements.third + offsets[2 * t + 1])));
+    const __m256i one = _mm256_load_si256(reinterpret_cast<const __m256i*>(kIncrements.bytes + offsets[t]));
     sum = _mm256_add_epi8(sum, one);
     __m256i* at = reinterpret_cast<__m256i*>(bytes + t * kCountBytes);
     _mm256_storeu_si256(at, _mm256_add_epi8(_mm256_loadu_si256(at), one));
@@ -119,7 +119,6 @@ void count_pairs(PairTask& task) {
   const Source p = {_mm256_set1_ps(task.x[i]),  _mm256_set1_ps(task.y[i]),  _mm256_set1_ps(task.z[i]),
                     _mm256_set1_ps(task.nx[i]), _mm256_set1_ps(task.ny[i]), _mm256_set1_ps(task.nz[i])};
   const __m256 radius_squared = _mm256_set1_ps(task.radius_squared);
-  const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
   __m256i own = _mm256_setzero_si256();
   int blocks = 0;
   for (int r = 0; r < task.range_count; ++r) {
@@ -129,8 +128,7 @@ void count_pairs(PairTask& task) {
       const __m256 dy = _mm256_sub_ps(_mm256_loadu_ps(task.y + j), p.y);
       const __m256 dz = _mm256_sub_ps(_mm256_loadu_ps(task.z + j), p.z);
       const __m256 d2 = dot(dx, dy, dz, dx, dy, dz);
-      __m256 inside = _mm256_and_ps(_mm256_cmp_ps(d2, radius_squared, _CMP_LT_OQ),
-                                    _mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32(end - j), lane)));
+      __m256 inside = _mm256_cmp_ps(d2, radius_squared, _CMP_LT_OQ);
       if (!task.source_needed) {
         const __m256i needed =
             _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(task.needed + j)));

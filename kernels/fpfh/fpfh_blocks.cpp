@@ -13,12 +13,14 @@ constexpr Increments make_increments() {
   Increments t{};
   for (int f1 = 0; f1 < kFpfhBins; ++f1) {
     for (int f2 = 0; f2 < kFpfhBins; ++f2) {
-      std::uint8_t* entry = t.first + (f1 * 16 + f2) * kCountBytes;
-      entry[f1] = 1;
-      entry[kFpfhBins + f2] = 1;
+      for (int f3 = 0; f3 < kFpfhBins; ++f3) {
+        std::uint8_t* entry = t.bytes + ((f1 * kFpfhBins + f2) * kFpfhBins + f3) * kCountBytes;
+        entry[f1] = 1;
+        entry[kFpfhBins + f2] = 1;
+        if (f3 < kFpfhBins - 1) entry[2 * kFpfhBins + f3] = 1;
+      }
     }
   }
-  for (int f3 = 0; f3 < kFpfhBins - 1; ++f3) t.third[f3 * kCountBytes + 2 * kFpfhBins + f3] = 1;
   return t;
 }
 
@@ -51,8 +53,9 @@ class BlockCounter {
   void count_all() {
     for (int v = 0; v < frame_.intrinsics().height; ++v) {
       for (int i = frame_.row_first(v); i < frame_.row_end(v); ++i) {
-        find_ranges(i, v);
+        task_.range_count = frame_.find_ranges(frame_.position(i), v, i + 1);
         if (task_.range_count == 0) continue;
+        touched_end_ = std::max(touched_end_, task_.ranges[2 * task_.range_count - 1]);
         if (frame_.has_normal(i)) {
           count_source(i);
         } else {
@@ -65,18 +68,6 @@ class BlockCounter {
   }
 
  private:
-  void find_ranges(int i, int row) {
-    std::int32_t* out = work_.ranges.data();
-    frame_.visit_candidates(frame_.position(i), row, [&](int begin, int end) {
-      begin = std::max(begin, i + 1);
-      if (begin >= end) return;
-      *out++ = begin;
-      *out++ = end;
-    });
-    task_.range_count = static_cast<int>(out - work_.ranges.data()) / 2;
-    touched_end_ = task_.range_count == 0 ? touched_end_ : std::max(touched_end_, out[-1]);
-  }
-
   void count_source(int i) {
     task_.source = i;
     task_.source_needed = frame_.needed(i);

@@ -15,7 +15,10 @@ FpfhWorkspace::FpfhWorkspace(int width, int height) {
   needed.resize(count + kSlack);
   counts = std::make_unique_for_overwrite<std::int32_t[]>(count * kFpfhSize);
   count_bytes = std::make_unique_for_overwrite<std::uint8_t[]>((count + kSlack) * fpfh_detail::kCountBytes);
-  ranges.resize(2 * static_cast<std::size_t>(height));
+  const auto rows = static_cast<std::size_t>(height);
+  for (std::vector<float>* v : {&row_slope, &row_norm, &row_inverse_norm}) v->resize(rows);
+  for (std::vector<std::int32_t>* v : {&columns_low, &columns_high}) v->resize(rows);
+  ranges.resize(2 * rows);
   near_list.resize(count + kSlack);
   blank_list.resize(count + kSlack);
 }

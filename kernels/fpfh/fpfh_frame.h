@@ -17,10 +17,13 @@
 
 namespace im2fit::fpfh_detail {
 
-// A point lies within half a pixel of its own; two hundredths more cover float rounding of the bounds.
-inline constexpr float kPixelReach = 0.52F;
+// A point lies within half a pixel of its own; three hundredths more cover float rounding of the bounds.
+inline constexpr float kPixelReach = 0.53F;
 inline constexpr float kSlackM = 2e-5F;    // rounding of positions and chords: below 16 m an ulp is <= 1e-6 m
-inline constexpr float kNearestM = 1e-3F;  // nearer than this, a sphere's outline in the picture is unbounded
+inline constexpr float kNearestM = 0.02F;  // a sphere nearer than this has no useful outline in the picture
+// Ranges of candidates less than this apart are one: a block of pairs that runs over the end of one then meets no
+// point of the next, only points out of reach.
+inline constexpr int kMergedGap = 16;
 
 struct Radius {
   float metres, squared;
@@ -42,7 +45,7 @@ class FpfhFrame {
   // Marks the points within the radius of every finite keypoint.
   void mark_needed(std::span<const Vec3f> keypoints_mm);
   // From finished counts; zeros for a keypoint that is not finite.
-  void describe(std::span<const Vec3f> keypoints_mm, std::span<float> out) const;
+  void describe(std::span<const Vec3f> keypoints_mm, std::span<float> out);
 
   const Intrinsics& intrinsics() const { return k_; }
   float radius_squared() const { return radius_.squared; }
@@ -61,10 +64,10 @@ class FpfhFrame {
   }
   std::int32_t* counts(int i) const { return work_.counts.get() + static_cast<std::ptrdiff_t>(i) * kFpfhSize; }
 
-  // Calls visit(begin, end) with ranges of compact points, rows >= first_row, that together hold every point within
-  // the radius of p.
-  template <class Visit>
-  void visit_candidates(Vec3f p, int first_row, Visit visit) const;
+  // Ranges [begin, end) of compact points that together hold every point >= first within the radius of p, whose row
+  // is `row` or a later one. In order, at least kMergedGap apart; in work.ranges, begin and end in turn. Returns how
+  // many.
+  int find_ranges(Vec3f p, int row, int first);
 
   // Both views of a pair that the fast arithmetic leaves aside.
   void count_careful(int i, int j);
@@ -74,55 +77,17 @@ class FpfhFrame {
 
  private:
   void compact(const OrganisedCloud& cloud);
+  struct Outline;
+  Outline outline(Vec3f p) const;
+  void find_columns(const Outline& outline, int v0, int v1);
   template <class Visit>
-  void visit_neighbours(Vec3f p, Visit visit) const;
-  void describe_one(Vec3f keypoint_m, float* out) const;
+  void visit_neighbours(Vec3f p, Visit visit);
+  void describe_one(Vec3f keypoint_m, float* out);
 
   Intrinsics k_;
   Radius radius_;
   FpfhWorkspace& work_;
-  float inverse_fy_;
   int point_count_ = 0;
 };
-
-// Row v holds only points whose ray's slope y/z is that of row v within kPixelReach, so the sphere meets them in a
-// chord at least the slab's distance dy from its centre.
-template <class Visit>
-void FpfhFrame::visit_candidates(Vec3f p, int first_row, Visit visit) const {
-  const float r = radius_.metres + kSlackM;
-  const float z_near = std::max(p.z - r, kNearestM);
-  const float z_far = std::max(p.z + r, kNearestM);
-  const bool unbounded = !(p.z - r > kNearestM);
-  const float y_low = p.y - r, y_high = p.y + r;
-  const float row_low = y_low / (y_low >= 0.0F ? z_far : z_near) * k_.fy + k_.cy - kPixelReach;
-  const float row_high = y_high / (y_high >= 0.0F ? z_near : z_far) * k_.fy + k_.cy + kPixelReach;
-  const int v0 = unbounded ? first_row : std::max(first_row, clamp_to_int(row_low, 0, k_.height));
-  const int v1 = unbounded ? k_.height - 1 : clamp_to_int(row_high, -1, k_.height - 1);
-
-  for (int v = v0; v <= v1; ++v) {
-    const std::int32_t* row = work_.row_table.data() + static_cast<std::ptrdiff_t>(v) * (k_.width + 1);
-    if (row[0] == row[k_.width]) continue;
-    if (unbounded) {
-      visit(row[0], row[k_.width]);
-      continue;
-    }
-    const float slope_low = (static_cast<float>(v) - kPixelReach - k_.cy) * inverse_fy_;
-    const float slope_high = (static_cast<float>(v) + kPixelReach - k_.cy) * inverse_fy_;
-    const float slab_low = slope_low * (slope_low >= 0.0F ? z_near : z_far);
-    const float slab_high = slope_high * (slope_high >= 0.0F ? z_far : z_near);
-    const float dy = std::max(0.0F, std::max(slab_low - p.y, p.y - slab_high));
-    const float chord_squared = r * r - dy * dy;
-    if (!(chord_squared > 0.0F)) continue;
-    const float h = std::sqrt(chord_squared) + kSlackM;
-    const float inverse_near = 1.0F / std::max(p.z - h, kNearestM);
-    const float inverse_far = 1.0F / (p.z + h);
-    const float x_low = p.x - h, x_high = p.x + h;
-    const float column_low = x_low * (x_low >= 0.0F ? inverse_far : inverse_near) * k_.fx + k_.cx - kPixelReach;
-    const float column_high = x_high * (x_high >= 0.0F ? inverse_near : inverse_far) * k_.fx + k_.cx + kPixelReach;
-    const int begin = row[clamp_to_int(column_low, 0, k_.width)];
-    const int end = row[clamp_to_int(column_high, -1, k_.width - 1) + 1];
-    if (begin < end) visit(begin, end);
-  }
-}
 
 }  // namespace im2fit::fpfh_detail

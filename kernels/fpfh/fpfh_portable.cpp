@@ -53,8 +53,11 @@ void PairCounter::collect(int i, int row) {
   const float radius_squared = frame_.radius_squared();
   const Vec3f p = frame_.position(i);
   const std::uint8_t anyone = work_.needed[static_cast<std::size_t>(i)];
-  frame_.visit_candidates(p, row, [&](int range_begin, int range_end) {
-    for (int begin = std::max(range_begin, i + 1); begin < range_end; begin += kCandidateBlock) {
+  const int range_count = frame_.find_ranges(p, row, i + 1);
+  for (int r = 0; r < range_count; ++r) {
+    const int range_begin = work_.ranges[static_cast<std::size_t>(2 * r)];
+    const int range_end = work_.ranges[static_cast<std::size_t>(2 * r + 1)];
+    for (int begin = range_begin; begin < range_end; begin += kCandidateBlock) {
       const int count = std::min(kCandidateBlock, range_end - begin);
       const float* x = work_.x.data() + begin;
       const float* y = work_.y.data() + begin;
@@ -74,7 +77,7 @@ void PairCounter::collect(int i, int row) {
         blank_count_ += inside & (has_normal[t] ^ 1);
       }
     }
-  });
+  }
 }
 
 // Bins of the pairs (i, js[0..kBlock)), packed f1 | f2 << 8 | f3 << 16, or -1 where the careful path must decide.
