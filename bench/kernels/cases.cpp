@@ -4,6 +4,9 @@
 namespace im2fit::bench {
 
 void add_fpfh_cases(Cases& cases);
+void add_sample_cases(Cases& cases);
+void add_silhouette_cases(Cases& cases);
+void add_membership_cases(Cases& cases);
 void add_unproject_cases(Cases& cases);
 
 namespace {
@@ -15,6 +18,9 @@ struct Topic {
 // One line a topic, so that several people can add theirs.
 constexpr Topic kTopics[] = {
     {"fpfh", add_fpfh_cases},
+    {"sample", add_sample_cases},
+    {"silhouette", add_silhouette_cases},
+    {"membership", add_membership_cases},
     {"unproject", add_unproject_cases},
 };
 

@@ -2,7 +2,8 @@
 #include "kernels/segment/grid.h"
 
 #include <algorithm>
-#include <array>
+
+#include "kernels/sample/sample.h"
 
 namespace im2fit::segment {
 namespace {
@@ -30,31 +31,9 @@ void Grid::sample(DepthView image, const Intrinsics& k) {
   for (int r = 0; r < height; ++r)
     ray_y[static_cast<std::size_t>(r)] = (static_cast<float>(r * step) + centre - k.cy) / k.fy;
 
-  // Corners and one inner pixel: five looks at different projector dots, for one median.
-  const int last = step - 1;
-  const std::array<int, 5> du = {0, last, step / 2, 0, last};
-  const std::array<int, 5> dv = {0, 0, step / 2, last, last};
-  const int look_count = step == 1 ? 1 : 5;
+  im2fit::sample(image, step, depth.data());
   valid_count = 0;
-  for (int r = 0; r < height; ++r) {
-    for (int c = 0; c < width; ++c) {
-      std::array<std::uint16_t, 5> seen{};
-      int count = 0;
-      for (int i = 0; i < look_count; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        const std::uint16_t z = image.at(c * step + du[at], r * step + dv[at]);
-        if (z == 0 || z > kDepthMaxMm) continue;
-        int place = count++;
-        for (; place > 0 && seen[static_cast<std::size_t>(place - 1)] > z; --place)
-          seen[static_cast<std::size_t>(place)] = seen[static_cast<std::size_t>(place - 1)];
-        seen[static_cast<std::size_t>(place)] = z;
-      }
-      const bool valid = count > 0;
-      depth[static_cast<std::size_t>(index(c, r))] =
-          valid ? seen[static_cast<std::size_t>((count - 1) / 2)] : std::uint16_t{0};
-      valid_count += valid ? 1 : 0;
-    }
-  }
+  for (const std::uint16_t z : depth) valid_count += z != 0 ? 1 : 0;
 }
 
 void Grid::measure_heights(const FloorPlane& floor) {

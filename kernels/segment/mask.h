@@ -1,19 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// From chosen cells to the full-resolution mask, and the feet grown back into the floor band.
+// From chosen cells to the full-resolution mask.
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "kernels/segment/grid.h"
 
 namespace im2fit::segment {
 
-// Sets `mask` to 255 where a pixel belongs to the cells with `chosen` != 0, else 0.
-void refine_mask(const Grid& grid, DepthView depth, std::span<const std::uint8_t> chosen, MaskImage mask);
+class MaskRefiner {
+ public:
+  explicit MaskRefiner(const Grid& grid);
+  // Sets `mask` to 255 where a pixel belongs to the cells with `chosen` != 0 (which have depth), else 0.
+  void run(const Grid& grid, DepthView depth, std::span<const std::uint8_t> chosen, MaskImage mask);
 
-// Adds shoe and foot pixels between the mask's lower end and the floor. Floor height carries stature.
-void grow_feet(const Grid& grid, DepthView depth, const FloorPlane& floor, MaskImage mask);
+ private:
+  void fill_planes(const Grid& grid, std::span<const std::uint8_t> chosen);
+  int list_cells(const Grid& grid, std::span<const std::uint8_t> chosen);
+
+  int stride_;                                 // of the planes, which have a cell more on every side
+  std::vector<std::uint16_t> person_, other_;  // depths, kNoSurface elsewhere
+  std::vector<std::uint32_t> list_;
+};
 
 // Box, count, centroid and touched borders of the mask.
 void describe_mask(const Grid& grid, DepthView depth, MaskView mask, Person& person);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/segment/blobs.h"
+#include "kernels/segment/feet.h"
 #include "kernels/segment/floor.h"
 #include "kernels/segment/grid.h"
 #include "kernels/segment/mask.h"
@@ -54,6 +55,8 @@ struct Segmenter::Workspace {
         grid(w, h),
         floor(grid),
         blobs(grid),
+        refiner(grid),
+        feet(w),
         chosen(grid.depth.size()),
         touch(at(segment::kBlobCountMax)),
         border(at(segment::kBlobCountMax)),
@@ -74,6 +77,8 @@ struct Segmenter::Workspace {
   Grid grid;
   FloorFinder floor;
   BlobFinder blobs;
+  segment::MaskRefiner refiner;
+  segment::FootGrower feet;
   std::vector<std::uint8_t> chosen;
   std::vector<std::int32_t> touch;
   std::vector<std::int32_t> border;
@@ -239,8 +244,8 @@ GuidanceSet Segmenter::Workspace::advise(const Person& person, DepthView depth, 
   const Vec3f up = person.floor.known ? person.floor.up : Vec3f{0, -1, 0};
   float lowest = 1e9F;
   float highest = -1e9F;
-  for (int u = person.u_min; u <= person.u_max; u += grid.step) {
-    for (int v = person.v_min; v <= person.v_max; ++v) {
+  for (int v = person.v_min; v <= person.v_max; ++v) {
+    for (int u = person.u_min; u <= person.u_max; u += grid.step) {
       if (mask.at(u, v) == 0) continue;
       const float h = dot(up, unproject(grid.intrinsics, static_cast<float>(u), static_cast<float>(v),
                                         static_cast<float>(depth.at(u, v))));
@@ -288,7 +293,7 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   if (who >= 0) person.people_count = std::max(1, person.people_count);  // one without a head may be chosen
   if (who < 0) {
     std::fill(w.chosen.begin(), w.chosen.end(), std::uint8_t{0});
-    segment::refine_mask(w.grid, depth, w.chosen, mask);
+    w.refiner.run(w.grid, depth, w.chosen, mask);
     person.guidance = w.advise_nobody();
     w.has_last = false;
     return person;
@@ -302,8 +307,8 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
         w.last_mm - person.floor.up * (dot(person.floor.up, w.last_mm) + person.floor.camera_height_mm);
     person.floor = w.floor.refine(w.grid, depth, person.floor, feet, w.chosen);
   }
-  segment::refine_mask(w.grid, depth, w.chosen, mask);
-  segment::grow_feet(w.grid, depth, person.floor, mask);
+  w.refiner.run(w.grid, depth, w.chosen, mask);
+  w.feet.run(w.grid, depth, person.floor, w.chosen, mask);
   segment::describe_mask(w.grid, depth, mask, person);
   person.found = person.pixel_count > 0;
   w.mark_dead_borders(person);

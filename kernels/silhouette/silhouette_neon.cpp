@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <arm_neon.h>
+
+#include "kernels/silhouette/silhouette.h"
+
+namespace im2fit {
+namespace {
+
+constexpr int kLanes = 8;
+constexpr int kFlush = 16;  // a lane takes 2 x 32767 x 2047 a step: sixteen stay below 2^32
+
+std::uint64_t sum_of(uint64x2_t v) {
+  return vgetq_lane_u64(v, 0) + vgetq_lane_u64(v, 1);
+}
+
+struct Row {
+  int count = 0, first = 0, last = -1;
+  std::uint64_t z = 0, uz = 0;
+};
+
+int first_set(std::uint64_t bytes) {
+  return __builtin_ctzll(bytes) / 8;
+}
+int last_set(std::uint64_t bytes) {
+  return 7 - __builtin_clzll(bytes) / 8;
+}
+
+Row measure_row(const std::uint16_t* z, const std::uint8_t* m, int width) {
+  Row row;
+  uint32x4_t z_sum = vdupq_n_u32(0), uz_sum = z_sum;
+  uint64x2_t uz_wide = vdupq_n_u64(0);
+  uint16x8_t count = vdupq_n_u16(0);
+  const std::uint16_t up[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+  const uint16x8_t count_up = vld1q_u16(up);
+  int steps = 0, u = 0;
+  for (; u + kLanes <= width; u += kLanes) {
+    const uint8x8_t mask = vld1_u8(m + u);
+    const std::uint64_t bytes = vget_lane_u64(vreinterpret_u64_u8(mask), 0);
+    if (bytes == 0) continue;
+    const uint16x8_t wide = vreinterpretq_u16_s16(vmovl_s8(vreinterpret_s8_u8(mask)));
+    const uint16x8_t seen = vandq_u16(vld1q_u16(z + u), wide);
+    const uint16x8_t columns = vaddq_u16(count_up, vdupq_n_u16(static_cast<std::uint16_t>(u)));
+    z_sum = vpadalq_u16(z_sum, seen);
+    uz_sum = vmlal_u16(uz_sum, vget_low_u16(seen), vget_low_u16(columns));
+    uz_sum = vmlal_u16(uz_sum, vget_high_u16(seen), vget_high_u16(columns));
+    count = vsubq_u16(count, wide);  // less -1
+    if (row.last < 0) row.first = u + first_set(bytes);
+    row.last = u + last_set(bytes);
+    if (++steps == kFlush) {
+      uz_wide = vpadalq_u32(uz_wide, uz_sum);
+      uz_sum = vdupq_n_u32(0);
+      steps = 0;
+    }
+  }
+  row.z = sum_of(vpaddlq_u32(z_sum));
+  row.uz = sum_of(vpadalq_u32(uz_wide, uz_sum));
+  row.count = static_cast<int>(sum_of(vpaddlq_u32(vpaddlq_u16(count))));
+  for (; u < width; ++u) {
+    if (m[u] == 0) continue;
+    if (row.last < 0) row.first = u;
+    row.last = u;
+    ++row.count;
+    row.z += z[u];
+    row.uz += static_cast<std::uint64_t>(u) * z[u];
+  }
+  return row;
+}
+
+}  // namespace
+
+void silhouette_neon(DepthView depth, MaskView mask, Silhouette& out) {
+  Silhouette s;
+  for (int v = 0; v < mask.height; ++v) {
+    const Row row = measure_row(depth.pixels + std::ptrdiff_t{v} * depth.stride,
+                                mask.pixels + std::ptrdiff_t{v} * mask.stride, mask.width);
+    if (row.count == 0) continue;
+    if (s.count == 0) s.v_min = v;
+    if (s.count == 0 || row.first < s.u_min) s.u_min = row.first;
+    if (row.last > s.u_max) s.u_max = row.last;
+    s.v_max = v;
+    s.count += row.count;
+    s.sum_z += row.z;
+    s.sum_uz += row.uz;
+    s.sum_vz += row.z * static_cast<std::uint64_t>(v);
+  }
+  out = s;
+}
+
+}  // namespace im2fit
