@@ -5,6 +5,7 @@
 //
 // Tracker and index: IM2FIT_TRACKER, IM2FIT_INDEX, else where scripts/test puts the small ones. Where they are absent
 // the cases that need them are left out, and standard error says so.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -32,7 +33,8 @@ constexpr Intrinsics kCamera = {480, 640, 575.8F, 575.8F, 239.5F, 319.5F};
 constexpr float kDistanceMm = 2300;
 constexpr double kFloorMm = 900, kWallMm = 3900;  // the figure's soles, and a wall behind it
 constexpr int kGathered = 15;                     // frames of a session, and of the fused picture that is described
-constexpr std::size_t kFrames = 4;                // with noise of their own
+constexpr int kWarmUp = 8;                        // frames before the first measured one: floor and tracker settle
+constexpr std::size_t kFrames = 2;                // with noise of their own
 
 std::string file_of(const char* variable, const char* name) {
   if (const char* path = std::getenv(variable)) return path;
@@ -72,7 +74,7 @@ struct Room {
   Room() {
     for (std::size_t i = 0; i < kFrames; ++i) depth[i] = picture(figure, 7 + i);
     // The room is learned before anything is measured.
-    for (int i = 0; i < 2 * kGathered; ++i) person = segmenter.run(frame(), kCamera, mask_image());
+    for (int i = 0; i < kWarmUp; ++i) person = segmenter.run(frame(), kCamera, mask_image());
     if (!person.found) std::fprintf(stderr, "frame: the segmenter finds no person in the rendered room\n");
   }
   DepthView frame() {
@@ -161,7 +163,7 @@ void add_whole(Cases& cases, const Bench& b) {
     if (b.fuser->frame_count() >= kGathered) b.fuser->reset();
     b.fuser->add(depth, b.room->mask_image(), kCamera, sighting);
   };
-  for (int i = 0; i < 2 * kGathered; ++i) look();
+  for (int i = 0; i < kWarmUp; ++i) look();
   add(cases, "guided", {0.13e3, "depth read twice, mask written and read: 1.5 MB at 11.6 GB/s"}, look);
   if (b.index == nullptr) return;
   const std::shared_ptr<index::Index::Scratch> scratch = b.index->make_scratch();
@@ -231,13 +233,18 @@ void add_describe_parts(Cases& cases, const Bench& b) {
 
 }  // namespace
 
-Cases all_cases(std::string_view) {
+Cases all_cases(std::string_view only) {
   Bench b;
   b.open_files();
+  const auto any_of = [only](std::initializer_list<const char*> names) {
+    return only.empty() || std::any_of(names.begin(), names.end(), [only](const char* name) {
+             return only.starts_with(std::string("frame/") + name);
+           });
+  };
   Cases cases;
-  if (b.tracker != nullptr) add_whole(cases, b);
-  add_sense_parts(cases, b);
-  add_describe_parts(cases, b);
+  if (b.tracker != nullptr && any_of({"guided", "measuring", "query"})) add_whole(cases, b);
+  if (any_of({"segment", "joints", "fuse"})) add_sense_parts(cases, b);
+  if (any_of({"describe"})) add_describe_parts(cases, b);
   return cases;
 }
 
