@@ -38,9 +38,10 @@ class Validator {
       return bad("base",
                  std::to_string(count) + " vertices, expected " + std::to_string(kBodyVertexCount) + " to 65535");
     if (d_.skin.size() != d_.base.size()) return bad("skin", "not one record a vertex");
+    // A coordinate is 0 or no smaller than kernels/blend may take for 0 somewhere.
+    const auto sane = [](float c) { return c == 0 || (std::fabs(c) > 1e-18F && std::fabs(c) < 1e5F); };
     for (const Vec3f& v : d_.base)
-      if (!(std::fabs(v.x) < 1e5F && std::fabs(v.y) < 1e5F && std::fabs(v.z) < 1e5F))
-        return bad("base", "a vertex is no finite position");
+      if (!sane(v.x) || !sane(v.y) || !sane(v.z)) return bad("base", "a vertex is no finite position");
     if (!quads_within(d_.quads, kBodyVertexCount)) return bad("quads", "vertex index out of range");
     if (!quads_within(d_.tights_quads, count)) return bad("tights_quads", "vertex index out of range");
     if (!quads_within(d_.skirt_quads, count)) return bad("skirt_quads", "vertex index out of range");
@@ -235,12 +236,8 @@ void add_modifiers(const BodyModel::Data& d, const Params& p, TargetWeights& wei
 
 void add_target(const BodyModel::Data& d, const TargetRecord& target, float weight, float* out) {
   const float scale = weight * kDeltaUnitMm;
-  for (const RunRecord& run : d.runs.subspan(target.first_run, target.run_count)) {
-    float* o = out + std::size_t{run.first_vertex} * 3;
-    const std::int16_t* delta = d.deltas.data() + std::size_t{run.first_delta} * 3;
-    const std::size_t count = std::size_t{run.vertex_count} * 3;
-    for (std::size_t i = 0; i < count; ++i) o[i] += scale * static_cast<float>(delta[i]);
-  }
+  if (std::fabs(scale) < kBlendScaleMin) return;
+  blend(d.runs.data() + target.first_run, static_cast<int>(target.run_count), d.deltas.data(), scale, out);
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 
 #include "base/file.h"
 #include "body/model.h"
+#include "kernels/blend/blend.h"
+#include "kernels/skin/skin.h"
 
 namespace im2fit::body {
 
@@ -58,11 +60,7 @@ struct TargetRecord {  // a range of runs
   std::uint32_t first_run = 0;
   std::uint32_t run_count = 0;
 };
-struct RunRecord {                // consecutive vertices of one target
-  std::uint32_t first_delta = 0;  // in vertices (three int16 each)
-  std::uint16_t first_vertex = 0;
-  std::uint16_t vertex_count = 0;
-};
+using RunRecord = BlendRun;
 struct MacroRecord {
   std::uint16_t target = 0;
   std::array<std::uint8_t, 6> factors = {kNoFactor, kNoFactor, kNoFactor, kNoFactor, kNoFactor, kNoFactor};
@@ -71,10 +69,7 @@ struct ModifierRecord {  // targets of the negative and of the positive side, -1
   std::array<std::int16_t, 2> low = {-1, -1};
   std::array<std::int16_t, 2> high = {-1, -1};
 };
-struct SkinRecord {  // heaviest first; weights sum to 1; unused places have weight 0
-  std::array<std::uint8_t, 4> segment{};
-  std::array<float, 4> weight{};
-};
+using im2fit::SkinRecord;
 struct ListRecord {  // a joint: the plain mean of these vertices
   std::uint32_t first = 0;
   std::uint32_t count = 0;

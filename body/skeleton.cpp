@@ -245,17 +245,17 @@ void skin(const BodyModel& model, std::span<const Vec3f> rest_vertices, const Sk
   assert(out.size() == rest_vertices.size());
   assert(rest_vertices.size() <= static_cast<std::size_t>(model.vertex_count()));
   const PosedSkeleton posed = pose_skeleton(rest, pose);
-  std::array<Vec3f, kCount> shift;
-  for (std::size_t s = 0; s < kCount; ++s) shift[s] = posed.head[s] - pose.rotation[s] * rest.head[s];
-  const std::span<const SkinRecord> records = model.data().skin;
-  for (std::size_t v = 0; v < rest_vertices.size(); ++v) {
-    const SkinRecord& r = records[v];
-    const Vec3f p = rest_vertices[v];
-    Vec3f sum = (pose.rotation[r.segment[0]] * p + shift[r.segment[0]]) * r.weight[0];
-    for (std::size_t i = 1; i < 4 && r.weight[i] > 0; ++i)
-      sum = sum + (pose.rotation[r.segment[i]] * p + shift[r.segment[i]]) * r.weight[i];
-    out[v] = sum;
+  std::array<SkinMatrix, kCount> matrices;
+  for (std::size_t s = 0; s < kCount; ++s) {
+    const auto& m = pose.rotation[s].m;
+    const Vec3f shift = posed.head[s] - pose.rotation[s] * rest.head[s];
+    matrices[s] = {
+        {{m[0], m[3], m[6], 0}, {m[1], m[4], m[7], 0}, {m[2], m[5], m[8], 0}, {shift.x, shift.y, shift.z, 0}}};
   }
+  if (rest_vertices.empty()) return;
+  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+  im2fit::skin(&rest_vertices[0].x, model.data().skin.data(), static_cast<int>(rest_vertices.size()), matrices.data(),
+               &out[0].x);
 }
 
 JointSet joints_of(const BodyModel& model, std::span<const Vec3f> posed_vertices) {

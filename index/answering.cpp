@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/standardise/standardise.h"
+
 namespace im2fit::index {
 namespace {
 
@@ -14,8 +16,21 @@ constexpr double kBodySlopePenalty = 0.005;  // little: the body is to follow th
 
 Answerer::Answerer(const Contents& contents)
     : contents_(contents),
+      regressor_(contents.ridge, contents.ridge_bias, contents.meta.feature_size),
       points_(contents.point_code, contents.grid_steps()),
       entries_(contents.entry_code, contents.grid_steps()) {}
+
+Answerer::Workspace::Workspace(const Answerer& answerer)
+    : standardised(answerer.regressor_.padded_size()), points(answerer.points_), entries(answerer.entries_) {}
+
+Targets Answerer::regressed(std::span<const float> feature, Workspace& work) const {
+  if (feature.size() == contents_.meta.feature_size)
+    im2fit::standardise(feature.data(), contents_.feature_mean.data(), contents_.feature_scale.data(),
+                        static_cast<int>(feature.size()), work.standardised.data());
+  else
+    std::fill(work.standardised.begin(), work.standardised.end(), std::int16_t{0});
+  return regressor_(work.standardised);
+}
 
 Coordinates Answerer::key_of(const Targets& targets) const {
   const Contents& c = contents_;
@@ -24,7 +39,7 @@ Coordinates Answerer::key_of(const Targets& targets) const {
                  c.meta.grid_unit);
 }
 
-Targets Answerer::corrected(const Targets& regressed, const QueryOptions& options, std::span<Neighbour> neighbours,
+Targets Answerer::corrected(const Targets& regressed, const QueryOptions& options, Workspace& work,
                             Targets& spread) const {
   const Contents& c = contents_;
   const int targets = static_cast<int>(c.meta.target_count);
@@ -39,25 +54,24 @@ Targets Answerer::corrected(const Targets& regressed, const QueryOptions& option
   }
   const Coordinates grid = key_of(regressed);
   const int wanted = options.neighbour_count > 0 ? options.neighbour_count : static_cast<int>(c.meta.neighbour_count);
-  const auto found =
-      points_.nearest(grid, neighbours.first(static_cast<std::size_t>(std::min(wanted, kNeighbourMax))));
-  const LocalAnswer local = local_regression(
-      c.local_data(), grid, found,
-      {static_cast<LocalMethod>(c.meta.local_method), c.meta.intercept_penalty, c.meta.slope_penalty});
+  const auto found = work.points.nearest(grid, static_cast<std::size_t>(std::min(wanted, kNeighbourMax)));
+  fit_local(c.local_data(), grid, found,
+            {static_cast<LocalMethod>(c.meta.local_method), c.meta.intercept_penalty, c.meta.slope_penalty},
+            work.local);
+  const LocalAnswer local = apply_local(work.local, c.local_data(), found);
   for (int t = 0; t < targets; ++t)
     if ((c.meta.local_targets >> t & 1U) != 0) value[t] += local.correction[t];
   spread = local.spread;
   return value;
 }
 
-Answer Answerer::answer(const Targets& regressed, const QueryOptions& options,
-                        std::span<Neighbour> neighbours) const {
+Answer Answerer::answer(const Targets& regressed, const QueryOptions& options, Workspace& work) const {
   const Contents& c = contents_;
   Targets spread{};
-  const Targets value = corrected(regressed, options, neighbours, spread);
+  const Targets value = corrected(regressed, options, work, spread);
   Answer out;
   fill_estimates(value, spread, options.frame_count, out);
-  const auto nearest = entries_.nearest(key_of(value), neighbours.first(1));
+  const auto nearest = work.entries.nearest(key_of(value), 1);
   out.nearest = nearest[0].index;
   out.nearest_distance = static_cast<float>(std::sqrt(static_cast<double>(nearest[0].distance)) * c.meta.grid_unit);
   std::copy_n(c.entry_truth.begin() + static_cast<std::ptrdiff_t>(out.nearest * kMeasurementCount), kMeasurementCount,
@@ -65,24 +79,23 @@ Answer Answerer::answer(const Targets& regressed, const QueryOptions& options,
   return out;
 }
 
-void Answerer::body(const Targets& regressed, const QueryOptions& options, std::span<Neighbour> neighbours,
+void Answerer::body(const Targets& regressed, const QueryOptions& options, Workspace& work,
                     std::span<float> out) const {
   const Contents& c = contents_;
   Targets spread{};
-  const Coordinates key = key_of(corrected(regressed, options, neighbours, spread));
-  const auto found = entries_.nearest(key, neighbours.first(kBodyNeighbours));
+  const Coordinates key = key_of(corrected(regressed, options, work, spread));
+  const auto found = work.entries.nearest(key, kBodyNeighbours);
+  LocalData data = {c.entry_code, c.grid_steps(), static_cast<int>(c.meta.dimensions), c.body, c.body_scale, 0, 0};
+  fit_local(data, key, found, {LocalMethod::linear, 0, kBodySlopePenalty}, work.local);
   const auto row_size = static_cast<int>(c.meta.body_size);
   for (int first = 0; first < row_size; first += kTargetMax) {
     const int count = std::min(kTargetMax, row_size - first);
     const auto from = static_cast<std::size_t>(first);
-    const LocalData data{c.entry_code,
-                         c.grid_steps(),
-                         static_cast<int>(c.meta.dimensions),
-                         c.body.subspan(from),
-                         c.body_scale.subspan(from),
-                         count,
-                         row_size};
-    const LocalAnswer local = local_regression(data, key, found, {LocalMethod::linear, 0, kBodySlopePenalty});
+    data.residuals = c.body.subspan(from);
+    data.residual_scale = c.body_scale.subspan(from);
+    data.target_count = count;
+    data.row_size = row_size;
+    const LocalAnswer local = apply_local(work.local, data, found);
     for (int t = 0; t < count; ++t)
       out[from + static_cast<std::size_t>(t)] = static_cast<float>(
           static_cast<double>(c.body_offset[from + static_cast<std::size_t>(t)]) + local.correction[t]);

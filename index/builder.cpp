@@ -425,14 +425,12 @@ std::vector<HeldOut> IndexBuilder::Impl::answer_strangers(std::span<const std::b
   const auto contents = parse_contents(file, "index");
   if (!contents) return out;
   const Answerer answerer(*contents);
-  std::vector<float> z(feature_size);
-  std::vector<Neighbour> neighbours(kNeighbourMax);
+  Answerer::Workspace work(answerer);
   for (const Sample& s : strangers) {
     HeldOut row;
     row.subject = static_cast<std::uint32_t>(s.subject);
     row.frame_count = s.frame_count;
-    standardise(s.feature, contents->feature_mean, contents->feature_scale, z);
-    row.answer = answerer.corrected(regress(z, contents->ridge, contents->ridge_bias), {}, neighbours, row.spread);
+    row.answer = answerer.corrected(answerer.regressed(s.feature, work), {}, work, row.spread);
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
       row.truth[m] = target_scale[m] > 0 ? (static_cast<double>(s.truth[m]) - target_mean[m]) / target_scale[m] : 0;
     out.push_back(row);

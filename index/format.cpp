@@ -79,7 +79,9 @@ void check_meta(SectionReader& in, const MetaRecord& m) {
 }
 
 void check_values(SectionReader& in, const Contents& c) {
-  for (const float s : c.feature_scale) in.require(s >= 0, "feature.scale", "holds a negative scale");
+  // Below that (kernels/standardise) no feature varies.
+  for (const float s : c.feature_scale)
+    in.require(s == 0 || s >= 1e-30F, "feature.scale", "holds an impossible scale");
   for (const float s : c.target_scale) in.require(s >= 0, "target.scale", "holds a negative scale");
   for (const std::int32_t s : c.steps) in.require(s >= 0 && s <= kStepMax, "code.step", "holds a step out of range");
   for (std::size_t m = 0; m < kMeasurementCount && !in.failed(); ++m) {

@@ -53,9 +53,8 @@ struct Index::Data {
 
 class Index::Scratch {
  public:
-  explicit Scratch(std::size_t feature_size) : standardised(feature_size) {}
-  std::vector<float> standardised;
-  std::array<Neighbour, kNeighbourMax> neighbours;
+  explicit Scratch(const Answerer& answerer) : work(answerer) {}
+  Answerer::Workspace work;
 };
 
 Index::Index() : data_(std::make_unique<Data>()) {}
@@ -109,31 +108,19 @@ const Info& Index::info() const {
 }
 
 std::unique_ptr<Index::Scratch, void (*)(Index::Scratch*)> Index::make_scratch() const {
-  return {new Scratch(feature_size()), [](Scratch* s) { delete s; }};
+  return {new Scratch(*data_->answerer), [](Scratch* s) { delete s; }};
 }
-
-namespace {
-
-Targets regressed_targets(const Contents& c, std::span<const float> feature, std::span<float> standardised) {
-  if (feature.size() == c.meta.feature_size)
-    standardise(feature, c.feature_mean, c.feature_scale, standardised);
-  else
-    std::fill(standardised.begin(), standardised.end(), 0.0F);
-  return regress(standardised, c.ridge, c.ridge_bias);
-}
-
-}  // namespace
 
 Answer Index::query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const {
-  const Targets regressed = regressed_targets(data_->contents, feature, scratch.standardised);
-  return data_->answerer->answer(regressed, options, scratch.neighbours);
+  const Answerer& answerer = *data_->answerer;
+  return answerer.answer(answerer.regressed(feature, scratch.work), options, scratch.work);
 }
 
 std::vector<float> Index::body_for(std::span<const float> feature, const QueryOptions& options,
                                    Scratch& scratch) const {
   std::vector<float> out(body_size());
-  const Targets regressed = regressed_targets(data_->contents, feature, scratch.standardised);
-  data_->answerer->body(regressed, options, scratch.neighbours, out);
+  const Answerer& answerer = *data_->answerer;
+  answerer.body(answerer.regressed(feature, scratch.work), options, scratch.work, out);
   return out;
 }
 

@@ -4,45 +4,42 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/project/project.h"
+#include "kernels/standardise/standardise.h"
+
 namespace im2fit::index {
 namespace {
 
-constexpr int kOrderMax = kDimensionMax + 1;
+constexpr std::size_t kOrderMax = kDimensionMax + 1;
+constexpr std::size_t kRowSize = 20;  // kOrderMax in whole vectors
 constexpr double kPositionClip = 4.0;
 
-// Normal equations of weighted least squares: intercept first, then the slopes.
-struct NormalEquations {
-  std::array<std::array<double, kOrderMax>, kOrderMax> matrix{};
-  std::array<Targets, kOrderMax> right{};
-};
+// Normal equations of weighted least squares: intercept first, then the slopes; lower triangle. Rows are padded with
+// zeros so that every sum has a fixed length: the compiler makes vectors of them, each sum keeps its order.
+using Gram = std::array<std::array<double, kRowSize>, kOrderMax>;
 
-// In place Cholesky factorisation and solution (Golub & Van Loan, algorithm 4.2.1); the matrix is positive definite
-// because every diagonal element carries a penalty. Only the first row of the solution is needed.
-Targets solve_intercept(NormalEquations& eq, int order, int target_count) {
-  auto& a = eq.matrix;
-  for (int j = 0; j < order; ++j) {
-    for (int k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
+// The first row of the inverse. In place Cholesky factorisation and solution (Golub & Van Loan, algorithm 4.2.1); the
+// matrix is positive definite because every diagonal element carries a penalty.
+std::array<double, kRowSize> first_of_inverse(Gram& a, std::size_t order) {
+  for (std::size_t j = 0; j < order; ++j) {
+    for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
     a[j][j] = std::sqrt(std::max(a[j][j], 1e-12));
-    for (int i = j + 1; i < order; ++i) {
-      for (int k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k];
+    for (std::size_t i = j + 1; i < order; ++i) {
+      for (std::size_t k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k];
       a[i][j] /= a[j][j];
     }
   }
-  Targets out{};
-  for (int t = 0; t < target_count; ++t) {
-    std::array<double, kOrderMax> x{};
-    for (int i = 0; i < order; ++i) {
-      double sum = eq.right[i][t];
-      for (int k = 0; k < i; ++k) sum -= a[i][k] * x[k];
-      x[i] = sum / a[i][i];
-    }
-    for (int i = order - 1; i >= 0; --i) {
-      for (int k = i + 1; k < order; ++k) x[i] -= a[k][i] * x[k];
-      x[i] /= a[i][i];
-    }
-    out[t] = x[0];
+  std::array<double, kRowSize> x{};
+  for (std::size_t i = 0; i < order; ++i) {
+    double sum = i == 0 ? 1 : 0;
+    for (std::size_t k = 0; k < i; ++k) sum -= a[i][k] * x[k];
+    x[i] = sum / a[i][i];
   }
-  return out;
+  for (std::size_t i = order; i-- > 0;) {
+    for (std::size_t k = i + 1; k < order; ++k) x[i] -= a[k][i] * x[k];
+    x[i] /= a[i][i];
+  }
+  return x;
 }
 
 }  // namespace
@@ -56,15 +53,30 @@ void standardise(std::span<const float> feature, std::span<const float> mean, st
   }
 }
 
-Targets regress(std::span<const float> standardised, std::span<const float> weights, std::span<const float> bias) {
-  Targets out{};
-  const std::size_t count = standardised.size();
+Regressor::Regressor(std::span<const float> weights, std::span<const float> bias, std::size_t feature_size)
+    : stride_(static_cast<std::size_t>(projected_stride(static_cast<int>(feature_size)))),
+      weights_(stride_ * bias.size()),
+      bias_(bias.begin(), bias.end()) {
+  constexpr double kWeightMax = 32767;
   for (std::size_t t = 0; t < bias.size(); ++t) {
-    const float* row = weights.data() + t * count;
-    double sum = static_cast<double>(bias[t]);
-    for (std::size_t i = 0; i < count; ++i) sum += static_cast<double>(row[i]) * static_cast<double>(standardised[i]);
-    out[t] = sum;
+    const auto row = weights.subspan(t * feature_size, feature_size);
+    double largest = 0;
+    for (const float w : row) largest = std::max(largest, std::abs(static_cast<double>(w)));
+    const double unit = largest > 0 ? largest / kWeightMax : 1;
+    for (std::size_t i = 0; i < feature_size; ++i) {
+      const double raw = static_cast<double>(row[i]) / unit;
+      weights_[t * stride_ + i] = static_cast<std::int16_t>(raw < 0 ? raw - 0.5 : raw + 0.5);
+    }
+    unit_.push_back(unit * StandardFeature::from_raw(1).real());
   }
+}
+
+Targets Regressor::operator()(std::span<const std::int16_t> standardised) const {
+  std::array<std::int64_t, kTargetMax> sums{};
+  im2fit::project(standardised.data(), weights_.data(), static_cast<int>(stride_), static_cast<int>(bias_.size()),
+                  sums.data());
+  Targets out{};
+  for (std::size_t t = 0; t < bias_.size(); ++t) out[t] = bias_[t] + unit_[t] * static_cast<double>(sums[t]);
   return out;
 }
 
@@ -114,40 +126,78 @@ Targets apply_quadratic(std::span<const double> terms, std::span<const float> we
   return out;
 }
 
-LocalAnswer local_regression(const LocalData& data, const Coordinates& query, std::span<const Neighbour> neighbours,
-                             const LocalOptions& options) {
+void fit_local(const LocalData& data, const Coordinates& query, std::span<const Neighbour> neighbours,
+               const LocalOptions& options, LocalWeights& out) {
+  out.count = neighbours.size();
+  out.total = 0;
+  if (neighbours.empty()) return;
+  const auto order = static_cast<std::size_t>(options.method == LocalMethod::linear ? data.dimensions + 1 : 1);
+  const double radius2 = static_cast<double>(neighbours.back().distance) + 1.0;
+  const double inverse2 = 1.0 / radius2;
+  const double inverse = 1.0 / std::sqrt(radius2);
+  const auto place = [&](const Neighbour& n, double* x) {
+    const std::int8_t* code = data.codes.data() + static_cast<std::size_t>(n.index) * kDimensionMax;
+    for (std::size_t d = 0; d < kDimensionMax; ++d)
+      x[d] = static_cast<double>(code[d] * data.steps[d] - query[d]) * inverse;
+  };
+  Gram gram{};
+  for (std::size_t n = 0; n < neighbours.size(); ++n) {
+    const double u = 1.0 - static_cast<double>(neighbours[n].distance) * inverse2;
+    const double w = u * u;
+    out.kernel[n] = w;
+    out.total += w;
+    if (order == 1) continue;
+    std::array<double, kRowSize> x{1};
+    place(neighbours[n], &x[1]);
+    for (std::size_t i = 0; i < order; ++i) {
+      const double wx = w * x[i];
+      for (std::size_t j = 0; j < kRowSize; ++j) gram[i][j] += wx * x[j];
+    }
+  }
+  gram[0][0] = out.total;
+  const double total = std::max(out.total, 1e-9);
+  gram[0][0] += options.intercept_penalty + 1e-9;
+  for (std::size_t i = 1; i < order; ++i) gram[i][i] += options.slope_penalty * total + 1e-9;
+  const std::array<double, kRowSize> z = first_of_inverse(gram, order);
+  for (std::size_t n = 0; n < neighbours.size(); ++n) {
+    double sum = z[0];
+    if (order > 1) {
+      std::array<double, kDimensionMax> x;
+      place(neighbours[n], x.data());
+      for (std::size_t d = 0; d < kDimensionMax; ++d) sum += z[d + 1] * x[d];
+    }
+    out.influence[n] = options.method == LocalMethod::none ? 0 : out.kernel[n] * sum;
+  }
+}
+
+LocalAnswer apply_local(const LocalWeights& weights, const LocalData& data, std::span<const Neighbour> neighbours) {
   LocalAnswer answer;
   if (neighbours.empty()) return answer;
-  const int order = options.method == LocalMethod::linear ? data.dimensions + 1 : 1;
-  const double radius2 = static_cast<double>(neighbours.back().distance) + 1.0;
-  const double radius = std::sqrt(radius2);
-  NormalEquations eq;
   Targets squares{};
-  for (const Neighbour& n : neighbours) {
-    const double u = 1.0 - static_cast<double>(n.distance) / radius2;
-    const double w = u * u;
-    std::array<double, kOrderMax> x{};
-    x[0] = 1;
-    const std::int8_t* code = data.codes.data() + static_cast<std::size_t>(n.index) * kDimensionMax;
-    for (int d = 1; d < order; ++d)
-      x[d] = static_cast<double>(code[d - 1] * data.steps[d - 1] - query[d - 1]) / radius;
-    const std::int16_t* residual = data.residuals.data() + static_cast<std::size_t>(n.index) * data.row_size;
-    for (int i = 0; i < order; ++i) {
-      const double wx = w * x[i];
-      for (int j = 0; j <= i; ++j) eq.matrix[i][j] += wx * x[j];
-      for (int t = 0; t < data.target_count; ++t) eq.right[i][t] += wx * residual[t];
+  const auto columns = static_cast<std::size_t>(data.target_count);
+  for (std::size_t n = 0; n < neighbours.size(); ++n) {
+    const std::int16_t* residual = data.residuals.data() + static_cast<std::size_t>(neighbours[n].index) *
+                                                               static_cast<std::size_t>(data.row_size);
+    for (std::size_t t = 0; t < columns; ++t) {
+      const double r = residual[t];
+      answer.correction[t] += weights.influence[n] * r;
+      squares[t] += weights.kernel[n] * (r * r);
     }
-    for (int t = 0; t < data.target_count; ++t) squares[t] += w * residual[t] * residual[t];
   }
-  const double total = eq.matrix[0][0] > 1e-9 ? eq.matrix[0][0] : 1e-9;
-  for (int t = 0; t < data.target_count; ++t)
-    answer.spread[t] = std::sqrt(squares[t] / total) * static_cast<double>(data.residual_scale[t]);
-  if (options.method == LocalMethod::none) return answer;
-  eq.matrix[0][0] += options.intercept_penalty + 1e-9;
-  for (int i = 1; i < order; ++i) eq.matrix[i][i] += options.slope_penalty * total + 1e-9;
-  answer.correction = solve_intercept(eq, order, data.target_count);
-  for (int t = 0; t < data.target_count; ++t) answer.correction[t] *= static_cast<double>(data.residual_scale[t]);
+  const double total = std::max(weights.total, 1e-9);
+  for (std::size_t t = 0; t < columns; ++t) {
+    const auto scale = static_cast<double>(data.residual_scale[t]);
+    answer.spread[t] = std::sqrt(squares[t] / total) * scale;
+    answer.correction[t] *= scale;
+  }
   return answer;
+}
+
+LocalAnswer local_regression(const LocalData& data, const Coordinates& query, std::span<const Neighbour> neighbours,
+                             const LocalOptions& options) {
+  LocalWeights weights;
+  fit_local(data, query, neighbours, options, weights);
+  return apply_local(weights, data, neighbours);
 }
 
 }  // namespace im2fit::index

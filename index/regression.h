@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "index/code_tree.h"
 #include "kernels/core/measurement.h"
@@ -28,12 +29,28 @@ inline constexpr int kQuadraticTermMax = quadratic_term_count(kQuadraticDimensio
 using Targets = std::array<double, kTargetMax>;
 using Position = std::array<double, kDimensionMax>;  // in the projected space
 
-// (x - mean) * scale, clipped; 0 for NaN and for features that never vary (scale 0).
+// (x - mean) * scale, clipped; 0 for NaN and for features that never vary (scale 0). For training; a query's feature
+// is made fixed point by kernels/standardise.
 void standardise(std::span<const float> feature, std::span<const float> mean, std::span<const float> scale,
                  std::span<float> out);
 
-// weights: per target a row of features.
-Targets regress(std::span<const float> standardised, std::span<const float> weights, std::span<const float> bias);
+// A linear map from standardised features to targets, its weights rounded to 16 bits per target when it is made: a
+// target changes by less than 2^-16 of its largest weight times the sum of |feature|, 3e-5 of a standard deviation in
+// practice (docs/formats-index.md).
+class Regressor {
+ public:
+  // weights: per target a row of features.
+  Regressor(std::span<const float> weights, std::span<const float> bias, std::size_t feature_size);
+  std::size_t padded_size() const { return stride_; }
+  // standardised: padded_size() values from kernels/standardise, zeros behind the feature's own.
+  Targets operator()(std::span<const std::int16_t> standardised) const;
+
+ private:
+  std::size_t stride_;
+  std::vector<std::int16_t> weights_;
+  std::vector<double> unit_;  // per target: of a product of raws
+  std::vector<double> bias_;
+};
 
 // matrix: per dimension a row of `target_count`.
 Position project(const Targets& targets, int target_count, std::span<const float> matrix, int dimensions);
@@ -69,7 +86,19 @@ struct LocalAnswer {
   Targets spread{};  // root mean square of the residuals nearby
 };
 
-// Biweight kernel whose radius is the farthest neighbour's distance. `neighbours` nearest first.
+// What a local regression makes of the neighbours' places alone. Its answer is a weighted sum of their residuals (a
+// linear smoother), so the weights serve any number of columns.
+struct LocalWeights {
+  std::array<double, kNeighbourMax> kernel;     // biweight; its radius is the farthest neighbour's distance
+  std::array<double, kNeighbourMax> influence;  // on the answer; zeros for LocalMethod::none
+  std::size_t count = 0;
+  double total = 0;  // of the kernel
+};
+// `neighbours`: at most kNeighbourMax, nearest first. Of `data` codes, steps and dimensions are used.
+void fit_local(const LocalData& data, const Coordinates& query, std::span<const Neighbour> neighbours,
+               const LocalOptions& options, LocalWeights& out);
+LocalAnswer apply_local(const LocalWeights& weights, const LocalData& data, std::span<const Neighbour> neighbours);
+// Both.
 LocalAnswer local_regression(const LocalData& data, const Coordinates& query, std::span<const Neighbour> neighbours,
                              const LocalOptions& options);
 

@@ -143,12 +143,10 @@ void Tuner::encode(int dimensions) {
 }
 
 // The nearest `count` points of other subjects.
-std::span<Neighbour> Tuner::neighbours_of(const CodeTree& tree, std::ptrdiff_t row, const Coordinates& grid,
-                                          std::span<const std::uint32_t> subject, int count,
-                                          std::vector<Neighbour>& buffer) const {
+std::span<Neighbour> Tuner::neighbours_of(CodeSearch& search, std::ptrdiff_t row, const Coordinates& grid,
+                                          std::span<const std::uint32_t> subject, int count) const {
   const std::uint32_t own = rows_.subject[static_cast<std::size_t>(row)];
-  buffer.resize(static_cast<std::size_t>(count + captures_max_));
-  const auto found = tree.nearest(grid, buffer);
+  const auto found = search.nearest(grid, static_cast<std::size_t>(count + captures_max_));
   const auto end =
       std::remove_if(found.begin(), found.end(), [&](const Neighbour& n) { return subject[n.index] == own; });
   return found.first(
@@ -157,11 +155,11 @@ std::span<Neighbour> Tuner::neighbours_of(const CodeTree& tree, std::ptrdiff_t r
 
 double Tuner::nearest_entry_error(int dimensions) const {
   const CodeTree tree(entry_code, steps);
-  std::vector<Neighbour> buffer;
+  CodeSearch search(tree, static_cast<std::size_t>(1 + captures_max_));
   double sum = 0;
   for (const std::ptrdiff_t i : judged_rows(kJudgedRowMax)) {
     const Coordinates grid = to_grid(position_of(regressed_, i, dimensions), dimensions, meta.grid_unit);
-    const auto found = neighbours_of(tree, i, grid, entry_subject_, 1, buffer);
+    const auto found = neighbours_of(search, i, grid, entry_subject_, 1);
     for (int t = 0; !found.empty() && t < kTargetMin; ++t)
       sum += std::abs(entry_targets_(found[0].index, t) - rows_.targets(i, t));
   }
@@ -237,14 +235,14 @@ Eigen::MatrixXd Tuner::local_errors(const CodeTree& tree, const Eigen::MatrixXd&
                                     int count) const {
   const int dimensions = static_cast<int>(meta.dimensions);
   const LocalData data{point_code, steps, dimensions, point_residual, residual_scale, target_count_, target_count_};
-  std::vector<Neighbour> buffer;
+  CodeSearch search(tree, static_cast<std::size_t>(count + captures_max_));
   const auto judged = judged_rows(kJudgedRowMax);
   Eigen::MatrixXd out(static_cast<std::ptrdiff_t>(judged.size()), target_count_);
   for (std::size_t k = 0; k < judged.size(); ++k) {
     const std::ptrdiff_t i = judged[k];
     const Coordinates grid = to_grid(position_of(regressed_, i, dimensions), dimensions, meta.grid_unit);
     const LocalAnswer local =
-        local_regression(data, grid, neighbours_of(tree, i, grid, rows_.subject, count, buffer), options);
+        local_regression(data, grid, neighbours_of(search, i, grid, rows_.subject, count), options);
     for (int t = 0; t < target_count_; ++t)
       out(static_cast<std::ptrdiff_t>(k), t) = std::abs(base(i, t) + local.correction[t] - rows_.targets(i, t));
   }
@@ -299,7 +297,8 @@ void Tuner::answer_held_out() {
   const LocalOptions options{static_cast<LocalMethod>(meta.local_method), meta.intercept_penalty, meta.slope_penalty};
   const CodeTree points(point_code, steps);
   const CodeTree entries(entry_code, steps);
-  std::vector<Neighbour> buffer;
+  CodeSearch near_points(points, static_cast<std::size_t>(static_cast<int>(meta.neighbour_count) + captures_max_));
+  CodeSearch near_entries(entries, static_cast<std::size_t>(1 + captures_max_));
   const auto judged = judged_rows(kCalibrationRowMax);
   for (const std::ptrdiff_t i : judged) {
     HeldOut row;
@@ -309,7 +308,7 @@ void Tuner::answer_held_out() {
     row.answer = row_of(regressed_, i);
     const Coordinates grid = to_grid(position_of(regressed_, i, dimensions), dimensions, meta.grid_unit);
     const LocalAnswer local = local_regression(
-        data, grid, neighbours_of(points, i, grid, rows_.subject, static_cast<int>(meta.neighbour_count), buffer),
+        data, grid, neighbours_of(near_points, i, grid, rows_.subject, static_cast<int>(meta.neighbour_count)),
         options);
     for (int t = 0; t < target_count_; ++t)
       row.answer[t] +=
@@ -317,7 +316,7 @@ void Tuner::answer_held_out() {
     row.spread = local.spread;
     const Coordinates key =
         to_grid(project(row.answer, target_count_, projection, dimensions), dimensions, meta.grid_unit);
-    const auto nearest = neighbours_of(entries, i, key, entry_subject_, 1, buffer);
+    const auto nearest = neighbours_of(near_entries, i, key, entry_subject_, 1);
     for (std::size_t m = 0; !nearest.empty() && m < kMeasurementCount; ++m)
       nearest_error[m] +=
           static_cast<float>(std::abs(entry_targets_(nearest[0].index, static_cast<int>(m)) - row.truth[m]) /

@@ -44,9 +44,8 @@ class Tuner {
   Targets row_of(const Eigen::MatrixXd& m, std::ptrdiff_t row) const;
   Position position_of(const Eigen::MatrixXd& m, std::ptrdiff_t row, int dimensions) const;
   double nearest_entry_error(int dimensions) const;
-  std::span<Neighbour> neighbours_of(const CodeTree& tree, std::ptrdiff_t row, const Coordinates& grid,
-                                     std::span<const std::uint32_t> subject, int count,
-                                     std::vector<Neighbour>& buffer) const;
+  std::span<Neighbour> neighbours_of(CodeSearch& search, std::ptrdiff_t row, const Coordinates& grid,
+                                     std::span<const std::uint32_t> subject, int count) const;
   Eigen::MatrixXd local_errors(const CodeTree& tree, const Eigen::MatrixXd& base, const LocalOptions& options,
                                int count) const;
   std::vector<std::ptrdiff_t> judged_rows(std::ptrdiff_t count_max) const;

@@ -40,7 +40,7 @@ void compare(std::size_t points, int dimensions, bool coarse, std::uint64_t seed
       codes[i * kDimensionMax + static_cast<std::size_t>(j)] =
           static_cast<std::int8_t>(coarse ? rng.index(3) : rng.index(256) - 128);
   const CodeTree tree(codes, steps);
-  std::vector<Neighbour> buffer(kNeighbourMax);
+  CodeSearch search(tree);
   for (int trial = 0; trial < 20; ++trial) {
     Coordinates q{};
     const int reach = trial % 4 == 3 ? kCoordinateMax : 1 << 16;
@@ -48,7 +48,7 @@ void compare(std::size_t points, int dimensions, bool coarse, std::uint64_t seed
     if (trial == 0)
       for (std::size_t j = 0; j < q.size(); ++j) q[j] = codes[j] * steps[j];
     for (const std::size_t k : {std::size_t{1}, std::size_t{7}, std::size_t{kNeighbourMax}}) {
-      const auto found = tree.nearest(q, std::span(buffer).first(k));
+      const auto found = search.nearest(q, k);
       const auto truth = exhaustive(codes, steps, q, k);
       ASSERT_TRUE(std::equal(found.begin(), found.end(), truth.begin(), truth.end()))
           << points << " points, " << dimensions << " dimensions, k " << k << ", coarse " << coarse;
@@ -73,8 +73,8 @@ TEST(CodeTree, AllPointsAlike) {
   Coordinates steps{};
   steps.fill(3);
   const CodeTree tree(codes, steps);
-  std::vector<Neighbour> buffer(4);
-  const auto found = tree.nearest({}, buffer);
+  CodeSearch search(tree);
+  const auto found = search.nearest({}, 4);
   ASSERT_EQ(found.size(), 4U);
   for (std::uint32_t i = 0; i < 4; ++i) {
     EXPECT_EQ(found[i].index, i);

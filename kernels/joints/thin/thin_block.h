@@ -60,9 +60,9 @@ inline void for_each_row(const ThinBox& box, std::uint16_t* out, ThinMoments& mo
   }
 }
 
-// Sums of vectors: lane l of chunk c holds column kLanes c + l. `once` adds each chunk up, `again` adds `once` up
-// after each chunk, so that again = sum of (n - c) z over the chunks. 4096 columns keep it below 2^32 in 8 lanes
-// of 16.
+// Sums of vectors: lane l of chunk c holds column lanes * c + l. `once` adds each chunk up, `again` adds `once` up
+// after each chunk, so that again = sum of (n - c) z over the n chunks. 2048 columns, 256 chunks of 8, keep it below
+// 2^32.
 inline void add_lanes(const std::uint32_t* once, const std::uint32_t* again, int lanes, int chunks, RowSums& sums) {
   for (int l = 0; l < lanes; ++l) {
     sums.z += once[l];
