@@ -86,10 +86,6 @@ __m256i pair_codes(const Source& p, __m256 dx, __m256 dy, __m256 dz, __m256 d2, 
   return _mm256_slli_epi32(_mm256_add_epi32(first_two, b3), 5);
 }
 
-void list_lanes(unsigned lanes, int first, std::int32_t* list, int& count) {
-  for (; lanes != 0; lanes &= lanes - 1) list[count++] = first + __builtin_ctz(lanes);
-}
-
 void add_bytes(__m256i bytes, std::int32_t* counts) {
   alignas(32) std::uint8_t values[kCountBytes];
   _mm256_store_si256(reinterpret_cast<__m256i*>(values), bytes);
@@ -140,11 +136,8 @@ void count_pairs(PairTask& task) {
       // A missing normal is NaN, which makes a pair look careful.
       const __m256 aside = _mm256_and_ps(inside, careful);
       if (!_mm256_testz_ps(aside, aside)) {
-        const __m256 nx = _mm256_loadu_ps(task.nx + j);
-        const __m256 blank = _mm256_and_ps(aside, _mm256_cmp_ps(nx, nx, _CMP_UNORD_Q));
-        list_lanes(static_cast<unsigned>(_mm256_movemask_ps(blank)), j, task.blank_list, task.blank_count);
-        list_lanes(static_cast<unsigned>(_mm256_movemask_ps(_mm256_andnot_ps(blank, aside))), j, task.careful_list,
-                   task.careful_count);
+        for (int lanes = _mm256_movemask_ps(aside); lanes != 0; lanes &= lanes - 1)
+          task.aside_list[task.aside_count++] = j + __builtin_ctz(static_cast<unsigned>(lanes));
       }
       const __m256i counted = _mm256_castps_si256(_mm256_andnot_ps(careful, inside));
       own = _mm256_add_epi8(own, count_codes(_mm256_blendv_epi8(_mm256_set1_epi32(kNoPair), codes, counted),

@@ -45,8 +45,6 @@ class BlockCounter {
              work_.ranges.data(),
              0,
              work_.near_list.data(),
-             0,
-             work_.blank_list.data(),
              0};
   }
 
@@ -72,10 +70,9 @@ class BlockCounter {
     task_.source = i;
     task_.source_needed = frame_.needed(i);
     task_.own_counts = frame_.counts(i);
-    task_.careful_count = task_.blank_count = 0;
+    task_.aside_count = 0;
     count_pairs_(task_);
-    for (int t = 0; t < task_.careful_count; ++t) frame_.count_careful(i, task_.careful_list[t]);
-    for (int t = 0; t < task_.blank_count; ++t) frame_.count_blank(i, task_.blank_list[t]);
+    for (int t = 0; t < task_.aside_count; ++t) frame_.count_aside(i, task_.aside_list[t]);
     if (++sources_ == kLanesUntilOverflow) {
       flush();
       touched_begin_ = i + 1;

@@ -40,11 +40,9 @@ struct PairTask {
   // Begin and end of candidates > source. A block may run over an end: what it meets there is out of reach.
   const std::int32_t* ranges;
   int range_count;
-  // Filled by the tier: neighbours whose pair must be decided carefully, and neighbours without a normal.
-  std::int32_t* careful_list;
-  int careful_count;
-  std::int32_t* blank_list;
-  int blank_count;
+  // Filled by the tier: neighbours it left aside, because the careful path must decide or a normal is missing.
+  std::int32_t* aside_list;
+  int aside_count;
 };
 inline constexpr int kSlack = 16;
 

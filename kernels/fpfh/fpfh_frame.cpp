@@ -4,6 +4,8 @@
 #include <array>
 #include <limits>
 
+#include "kernels/fpfh/fpfh_lane.h"
+
 namespace im2fit::fpfh_detail {
 namespace {
 
@@ -175,6 +177,22 @@ void FpfhFrame::mark_needed(std::span<const Vec3f> keypoints_mm) {
 void FpfhFrame::count_careful(int i, int j) {
   add(counts(i), pair_bins(position(i), normal(i), position(j), normal(j)));
   add(counts(j), pair_bins(position(j), normal(j), position(i), normal(i)));
+}
+
+void FpfhFrame::count_aside(int i, int j) {
+  if (!has_normal(i) || !has_normal(j)) {
+    count_blank(i, j);
+    return;
+  }
+  const Vec3f d = position(j) - position(i);
+  const std::int32_t code = pair_code(d.x, d.y, d.z, normal(i), normal(j));
+  if (code < 0) {
+    count_careful(i, j);
+    return;
+  }
+  const PairBins bins = {code & 0xFF, (code >> 8) & 0xFF, code >> 16};
+  add(counts(i), bins);
+  add(counts(j), bins);
 }
 
 void FpfhFrame::count_blank(int i, int j) {

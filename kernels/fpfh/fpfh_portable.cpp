@@ -19,13 +19,12 @@
 
 #include "kernels/fpfh/fpfh.h"
 #include "kernels/fpfh/fpfh_frame.h"
-#include "kernels/fpfh/fpfh_pair.h"
+#include "kernels/fpfh/fpfh_lane.h"
 
 namespace im2fit {
 namespace {
 
 using fpfh_detail::FpfhFrame;
-using fpfh_detail::kNearlyParallel;
 
 constexpr int kBlock = 16;           // pairs computed together: a fixed trip count the compiler can vectorise
 constexpr int kCandidateBlock = 64;  // candidates tested together
@@ -80,11 +79,7 @@ void PairCounter::collect(int i, int row) {
   }
 }
 
-// Bins of the pairs (i, js[0..kBlock)), packed f1 | f2 << 8 | f3 << 16, or -1 where the careful path must decide.
-//
-// With d = q - p unnormalised and unit normals n1, n2, let A be +-n.d of the source the swap rule picks and T that of
-// the target, c = n1.n2. Then |d x source|^2 = d2 - A^2 =: s, v.target = d.(n1 x n2)/sqrt(s) whichever is the source,
-// and w.target = (T - A c)/sqrt(s).
+// Codes of the pairs (i, js[0..kBlock)): see fpfh_lane.h.
 void PairCounter::block_bins(int i, const std::int32_t* js, std::int32_t* codes) const {
   constexpr std::size_t n = kBlock;
   std::array<float, n> x, y, z, mx, my, mz;
@@ -100,37 +95,7 @@ void PairCounter::block_bins(int i, const std::int32_t* js, std::int32_t* codes)
   const Vec3f p = frame_.position(i), u = frame_.normal(i);
   for (std::size_t t = 0; t < n; ++t) {
     const float dx = x[t] - p.x, dy = y[t] - p.y, dz = z[t] - p.z;
-    const float d2 = dx * dx + dy * dy + dz * dz;
-    const float along1 = u.x * dx + u.y * dy + u.z * dz;
-    const float along2 = mx[t] * dx + my[t] * dy + mz[t] * dz;
-    const float c = u.x * mx[t] + u.y * my[t] + u.z * mz[t];
-    const float triple =
-        (dy * u.z - dz * u.y) * mx[t] + (dz * u.x - dx * u.z) * my[t] + (dx * u.y - dy * u.x) * mz[t];
-    const float size1 = std::fabs(along1), size2 = std::fabs(along2);
-    const bool swap = size1 < size2;
-    const float source = swap ? -along2 : along1;
-    const float target = swap ? -along1 : along2;
-    const float s = d2 - source * source;
-    const float v_length = std::sqrt(s > 0.0F ? s : 0.0F);
-    const float d_length = std::sqrt(d2);
-    const float inverse = 1.0F / (v_length * d_length);
-    const float tie = fpfh_detail::kNearTie * d_length;
-    const float f2 = triple * d_length * inverse * 5.5F + 5.5F;
-    const float f3 = source * v_length * inverse * 5.5F + 5.5F;
-    const float wt = target - source * c;
-    const float across = std::fabs(wt);
-    const float cl = c * v_length;
-    int passed = 0;
-    for (int k = 0; k < fpfh_detail::kEdgeCount; ++k) {
-      passed += (across * fpfh_detail::kEdgeCosine[k] - cl * fpfh_detail::kEdgeSine[k] > 0.0F) ? 1 : 0;
-    }
-    const int b1 = wt < 0.0F ? 5 - passed : 5 + passed;
-    // max(0, .) first: a NaN from 0/0 becomes 0 and stays in range; such pairs are careful ones anyway.
-    const float low2 = f2 > 0.0F ? f2 : 0.0F, low3 = f3 > 0.0F ? f3 : 0.0F;
-    const int b2 = static_cast<int>(low2 < 10.0F ? low2 : 10.0F);
-    const int b3 = static_cast<int>(low3 < 10.0F ? low3 : 10.0F);
-    const int careful = (s > kNearlyParallel * d2 ? 0 : -1) | (std::fabs(size1 - size2) <= tie ? -1 : 0);
-    codes[t] = (b1 | (b2 << 8) | (b3 << 16)) | careful;
+    codes[t] = fpfh_detail::pair_code(dx, dy, dz, u, {mx[t], my[t], mz[t]});
   }
 }
 
