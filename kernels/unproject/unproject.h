@@ -30,6 +30,9 @@ class RayTable {
   const Intrinsics& intrinsics() const { return intrinsics_; }
   RaySlope column(int u) const { return columns_[static_cast<std::size_t>(u)]; }
   RaySlope row(int v) const { return rows_[static_cast<std::size_t>(v)]; }
+  // The raw values, for code that takes them many at a time.
+  const std::int32_t* column_raws() const;
+  const std::int32_t* row_raws() const;
 
   // `raw` is a depth of `fraction_bits` fraction bits: 0 for mm, 4 for 1/16 mm. Every value fits: 65535 mm x 4 <
   // 2^21.
@@ -46,11 +49,12 @@ class RayTable {
 // x, y, z: width*height values in mm, NaN in all three where depth is 0. `depth` has the table's size; fraction_bits
 // 0..10 of its values (0: mm, 4: 1/16 mm). No allocation, thread-safe. Portable (fixed point) is within 1e-3 mm of
 // ref up to 16 m: slope rounded to 2^-30 (1.5e-5 mm at 16 m), product to 2^-11 mm, float to 2^-10 mm between 8 and 16
-// m.
+// m. The product is an integer and the conversion one rounding: all tiers but ref agree bit for bit.
 using UnprojectFunction = void(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y,
                                float* z);
-void unproject_ref(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y, float* z);
-void unproject_portable(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y, float* z);
+UnprojectFunction unproject_ref, unproject_portable, unproject_neon, unproject_avx2;
+// The fastest here.
+void unproject(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y, float* z);
 
 using UnprojectKernel = KernelVariant<UnprojectFunction>;
 inline constexpr UnprojectKernel kUnprojectKernels[] = {

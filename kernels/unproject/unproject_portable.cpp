@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/unproject/unproject.h"
-
 #include <cassert>
 #include <cstddef>
 #include <limits>
+#include <type_traits>
+
+#include "kernels/unproject/unproject.h"
 
 namespace im2fit {
 namespace {
@@ -33,18 +34,13 @@ void RayTable::set(const Intrinsics& intrinsics) {
   }
 }
 
-void unproject_ref(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y, float* z) {
-  const Intrinsics& k = rays.intrinsics();
-  std::size_t i = 0;
-  for (int v = 0; v < depth.height; ++v) {
-    for (int u = 0; u < depth.width; ++u, ++i) {
-      const double mm = depth.at(u, v) / static_cast<double>(1 << fraction_bits);
-      const bool none = mm == 0;
-      x[i] = none ? kNan : static_cast<float>((u - double{k.cx}) * mm / double{k.fx});
-      y[i] = none ? kNan : static_cast<float>((v - double{k.cy}) * mm / double{k.fy});
-      z[i] = none ? kNan : static_cast<float>(mm);
-    }
-  }
+static_assert(sizeof(RaySlope) == sizeof(std::int32_t) && std::is_standard_layout_v<RaySlope>);
+
+const std::int32_t* RayTable::column_raws() const {
+  return reinterpret_cast<const std::int32_t*>(columns_.data());
+}
+const std::int32_t* RayTable::row_raws() const {
+  return reinterpret_cast<const std::int32_t*>(rows_.data());
 }
 
 void unproject_portable(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y, float* z) {
@@ -63,6 +59,11 @@ void unproject_portable(DepthView depth, int fraction_bits, const RayTable& rays
       z[i] = static_cast<float>(p.z.raw()) * kUnit;
     }
   }
+}
+
+void unproject(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y, float* z) {
+  IM2FIT_CHOSEN_ONCE best = fastest(kUnprojectKernels);
+  best(depth, fraction_bits, rays, x, y, z);
 }
 
 }  // namespace im2fit
