@@ -4,6 +4,12 @@
 namespace im2fit::bench {
 
 void add_fpfh_cases(Cases& cases);
+void add_joints_cases(Cases& cases);
+void add_blend_cases(Cases& cases);
+void add_skin_cases(Cases& cases);
+void add_standardise_cases(Cases& cases);
+void add_project_cases(Cases& cases);
+void add_code_cases(Cases& cases);
 void add_sample_cases(Cases& cases);
 void add_silhouette_cases(Cases& cases);
 void add_membership_cases(Cases& cases);
@@ -18,6 +24,12 @@ struct Topic {
 // One line a topic, so that several people can add theirs.
 constexpr Topic kTopics[] = {
     {"fpfh", add_fpfh_cases},
+    {"joints", add_joints_cases},
+    {"blend", add_blend_cases},
+    {"skin", add_skin_cases},
+    {"standardise", add_standardise_cases},
+    {"project", add_project_cases},
+    {"code", add_code_cases},
     {"sample", add_sample_cases},
     {"silhouette", add_silhouette_cases},
     {"membership", add_membership_cases},

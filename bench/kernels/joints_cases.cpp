@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tracker's kernels on a random model of the shipped size.
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/rng.h"
+#include "bench/kernels/cases.h"
+#include "kernels/joints/thin/thin_box.h"
+#include "kernels/joints/trees/trees.h"
+
+namespace im2fit::bench {
+namespace {
+
+// One frame's cascade: ten levels of 400 trees. AVX2 and NEON halve the adding only: more than half of a call is the
+// walk, a chain of dependent loads that every tier shares (a gather costs what its loads cost), so that neither
+// reaches twice portable, which walks four trees side by side and whose adds the compiler vectorises.
+void add_trees(Cases& cases) {
+  using namespace joints;
+  constexpr int kLevels = 10, kTrees = 400, kPixels = 400;
+  struct Data {
+    std::vector<Split> splits = std::vector<Split>(kLevels * kTrees * kSplitCount);
+    std::vector<std::int16_t> leaves = std::vector<std::int16_t>(kLevels * kTrees * kLeafCount * kShapeSize);
+    std::vector<std::int16_t> pixels = std::vector<std::int16_t>(kPixels);
+  };
+  const auto data = std::make_shared<Data>();
+  Rng rng(1);
+  for (Split& s : data->splits)
+    s = {static_cast<std::uint16_t>(rng.index(kPixels)), static_cast<std::uint16_t>(rng.index(kPixels)),
+         static_cast<std::int16_t>(rng.index(401) - 200)};
+  for (std::int16_t& v : data->leaves) v = static_cast<std::int16_t>(rng.index(200) - 100);
+  for (std::int16_t& v : data->pixels) v = static_cast<std::int16_t>(rng.index(1201) - 600);
+  constexpr double kCount = kLevels * kTrees;
+  const Floor floor = {kCount * (5 * 5 + 6) / 2 / 2500, "5 loads a step of 5, 6 loads a leaf, two loads a cycle"};
+  add_variants(cases, "joints_trees/10x400", kSumLeavesKernels, kCount, "tree", floor, true, [&](auto* function) {
+    return [data, function] {
+      std::int32_t sum[kShapeSize] = {};
+      for (std::size_t level = 0; level < kLevels; ++level)
+        function(data->splits.data() + level * kTrees * kSplitCount,
+                 data->leaves.data() + level * kTrees * kLeafCount * kShapeSize, kTrees, data->pixels.data(), sum);
+      keep(sum[0]);
+    };
+  });
+}
+
+// A standing person's box in a 480x640 frame.
+void add_thin(Cases& cases) {
+  using namespace joints;
+  constexpr int kWidth = 480, kHeight = 640;
+  struct Data {
+    std::vector<std::uint16_t> depth = std::vector<std::uint16_t>(kWidth * kHeight);
+    std::vector<std::uint8_t> mask = std::vector<std::uint8_t>(kWidth * kHeight);
+    std::vector<std::uint16_t> out = std::vector<std::uint16_t>(110 * 225);
+  };
+  const auto data = std::make_shared<Data>();
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const auto i = static_cast<std::size_t>(v * kWidth + u);
+      data->depth[i] = static_cast<std::uint16_t>(2000 + u);
+      data->mask[i] = u > 190 && u < 290 ? 255 : 0;
+    }
+  }
+  const ThinBox box = {DepthView(data->depth.data(), kWidth, kHeight),
+                       MaskView(data->mask.data(), kWidth, kHeight),
+                       2,
+                       65,
+                       50,
+                       110,
+                       225};
+  constexpr double kPixels = 220 * 450;
+  const Floor floor = {kPixels * 3 / 32 / 2 / 2500, "3 bytes read a pixel, two loads of 32 bytes a cycle"};
+  add_variants(cases, "joints_thin/220x450", kThinBoxKernels, kPixels, "px", floor, true, [&](auto* function) {
+    return [data, box, function] {
+      ThinMoments moments;
+      function(box, data->out.data(), moments);
+      keep(moments);
+    };
+  });
+}
+
+}  // namespace
+
+void add_joints_cases(Cases& cases) {
+  add_trees(cases);
+  add_thin(cases);
+}
+
+}  // namespace im2fit::bench

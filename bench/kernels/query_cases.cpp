@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an index query does, at the shipped sizes: 1085 features, 16 targets, 12 dimensions, 20,000 points.
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/rng.h"
+#include "bench/kernels/cases.h"
+#include "kernels/code_bounds/code_bounds.h"
+#include "kernels/code_distance/code_distance.h"
+#include "kernels/project/project.h"
+#include "kernels/standardise/standardise.h"
+
+namespace im2fit::bench {
+namespace {
+
+constexpr int kFeatures = 1085, kTargets = 16, kDimensions = 12, kPoints = 20000, kBoxes = 600;
+
+}  // namespace
+
+void add_standardise_cases(Cases& cases) {
+  struct Data {
+    std::vector<float> feature, mean, scale;
+    std::vector<std::int16_t> out = std::vector<std::int16_t>(kFeatures);
+  };
+  const auto data = std::make_shared<Data>();
+  Rng rng(2);
+  for (int i = 0; i < kFeatures; ++i) {
+    data->mean.push_back(static_cast<float>(rng.uniform(0, 100)));
+    data->scale.push_back(static_cast<float>(rng.uniform(0.01, 1)));
+    data->feature.push_back(data->mean.back() + static_cast<float>(rng.normal(0, 2)) / data->scale.back());
+  }
+  const Floor floor = {kFeatures / 8.0 * 3 / 2 / 2500, "three loads of 8 values, two loads a cycle"};
+  add_variants(cases, "standardise/1085", kStandardiseKernels, kFeatures, "value", floor, true, [&](auto* function) {
+    return [data, function] {
+      function(data->feature.data(), data->mean.data(), data->scale.data(), kFeatures, data->out.data());
+      keep(data->out[0]);
+    };
+  });
+}
+
+void add_project_cases(Cases& cases) {
+  constexpr int kStride = projected_stride(kFeatures);
+  struct Data {
+    std::vector<std::int16_t> feature = std::vector<std::int16_t>(kStride);
+    std::vector<std::int16_t> weights = std::vector<std::int16_t>(std::size_t{kStride} * kTargets);
+  };
+  const auto data = std::make_shared<Data>();
+  Rng rng(3);
+  for (std::int16_t& v : data->feature) v = static_cast<std::int16_t>(rng.index(40961) - 20480);
+  for (std::int16_t& v : data->weights) v = static_cast<std::int16_t>(rng.index(65535) - 32767);
+  constexpr double kProducts = double{kStride} * kTargets;
+  const Floor floor = {kProducts / 16 * 6 / 3 / 2500,
+                       "16 products take a load, a multiplication and four operations to add exactly; three a cycle"};
+  add_variants(cases, "project/1085x16", kProjectKernels, kProducts, "product", floor, true, [&](auto* function) {
+    return [data, function] {
+      std::int64_t out[kTargets];
+      function(data->feature.data(), data->weights.data(), kStride, kTargets, out);
+      keep(out[0]);
+    };
+  });
+}
+
+namespace {
+
+// All points, as a scan without a tree would. A query scans a fifth of them, a leaf at a time.
+void add_distance(Cases& cases) {
+  constexpr int kBlocks = kPoints / kCodeBlock;
+  struct Data {
+    std::vector<std::int8_t> blocks = std::vector<std::int8_t>(std::size_t{kPoints} * kDimensions);
+    std::vector<std::int64_t> norm = std::vector<std::int64_t>(kPoints), out = norm;
+  };
+  const auto data = std::make_shared<Data>();
+  Rng rng(4);
+  for (std::int8_t& c : data->blocks) c = static_cast<std::int8_t>(rng.index(256) - 128);
+  for (std::int64_t& n : data->norm) n = rng.index(1 << 30);
+  std::array<std::int32_t, kDimensions> steps{}, place{};
+  for (std::int32_t& s : steps) s = 50 + rng.index(900);
+  for (std::int32_t& p : place) p = rng.index(1 << 17) - (1 << 16);
+  const CodeQuery query(steps.data(), place.data(), kDimensions);
+  const Floor floor = {kBlocks * (kDimensions / 2.0 * 12 + 36) / 3 / 2500,
+                       "16 points: 12 operations a pair of dimensions, 36 to put the sums together; three a cycle"};
+  add_variants(cases, "code_distance/20000x12", kCodeDistanceKernels, kPoints, "point", floor, true,
+               [&](auto* function) {
+                 return [data, query, function] {
+                   function(data->blocks.data(), data->norm.data(), kBlocks, query, data->out.data());
+                   keep(data->out[0]);
+                 };
+               });
+}
+
+void add_bounds(Cases& cases) {
+  constexpr int kBlocks = kBoxes / kBoxBlock;
+  struct Data {
+    std::vector<std::int32_t> blocks = std::vector<std::int32_t>(std::size_t{kBoxes} * 2 * kDimensions);
+    std::vector<std::uint32_t> out = std::vector<std::uint32_t>(kBoxes);
+  };
+  const auto data = std::make_shared<Data>();
+  Rng rng(5);
+  for (std::size_t i = 0; i < data->blocks.size(); ++i)
+    data->blocks[i] = i / kBoxBlock % 2 == 0 ? rng.index(1 << 17) - (1 << 16) : data->blocks[i - kBoxBlock] + 20000;
+  std::array<std::int32_t, kDimensions> place{};
+  for (std::int32_t& p : place) p = rng.index(1 << 17) - (1 << 16);
+  const Floor floor = {kBlocks * kDimensions * 11.0 / 3 / 2500, "8 boxes: 11 operations a dimension, three a cycle"};
+  add_variants(cases, "code_bounds/600x12", kCodeBoundsKernels, kBoxes, "box", floor, true, [&](auto* function) {
+    return [data, place, function] {
+      function(data->blocks.data(), kBlocks, place.data(), kDimensions, data->out.data());
+      keep(data->out[0]);
+    };
+  });
+}
+
+}  // namespace
+
+void add_code_cases(Cases& cases) {
+  add_distance(cases);
+  add_bounds(cases);
+}
+
+}  // namespace im2fit::bench
