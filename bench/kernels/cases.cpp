@@ -13,6 +13,7 @@ void add_code_cases(Cases& cases);
 void add_sample_cases(Cases& cases);
 void add_silhouette_cases(Cases& cases);
 void add_membership_cases(Cases& cases);
+void add_fuse_cases(Cases& cases);
 void add_unproject_cases(Cases& cases);
 
 namespace {
@@ -33,6 +34,7 @@ constexpr Topic kTopics[] = {
     {"sample", add_sample_cases},
     {"silhouette", add_silhouette_cases},
     {"membership", add_membership_cases},
+    {"fuse", add_fuse_cases},
     {"unproject", add_unproject_cases},
 };
 
