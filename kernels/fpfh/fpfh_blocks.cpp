@@ -24,10 +24,19 @@ constexpr Increments make_increments() {
   return t;
 }
 
+constexpr EdgeVectors make_edge_vectors() {
+  static_assert(kEdgeCount == 5);
+  EdgeVectors e{};
+  for (int k = 0; k < kEdgeCount; ++k) {
+    for (int t = 0; t < 8; ++t) e.cosine[k][t] = kEdgeCosine[k], e.sine[k][t] = kEdgeSine[k];
+  }
+  return e;
+}
+
 class BlockCounter {
  public:
-  BlockCounter(FpfhFrame& frame, FpfhWorkspace& work, CountPairsFunction* count_pairs)
-      : frame_(frame), work_(work), count_pairs_(count_pairs) {
+  BlockCounter(FpfhFrame& frame, FpfhWorkspace& work, const PairCounters& counters)
+      : frame_(frame), work_(work), counters_(counters) {
     std::fill_n(work_.count_bytes.get(), static_cast<std::ptrdiff_t>(frame.point_count() + kSlack) * kCountBytes,
                 std::uint8_t{0});
     task_ = {work_.x.data(),
@@ -38,7 +47,7 @@ class BlockCounter {
              work_.nz.data(),
              work_.needed.data(),
              work_.count_bytes.get(),
-             nullptr,
+             frame.counts(0),
              0,
              false,
              frame.radius_squared(),
@@ -54,11 +63,7 @@ class BlockCounter {
         task_.range_count = frame_.find_ranges(frame_.position(i), v, i + 1);
         if (task_.range_count == 0) continue;
         touched_end_ = std::max(touched_end_, task_.ranges[2 * task_.range_count - 1]);
-        if (frame_.has_normal(i)) {
-          count_source(i);
-        } else {
-          count_blank_source(i);
-        }
+        count_source(i);
       }
     }
     flush();
@@ -69,24 +74,12 @@ class BlockCounter {
   void count_source(int i) {
     task_.source = i;
     task_.source_needed = frame_.needed(i);
-    task_.own_counts = frame_.counts(i);
     task_.aside_count = 0;
-    count_pairs_(task_);
+    (frame_.has_normal(i) ? counters_.with_normal : counters_.blank)(task_);
     for (int t = 0; t < task_.aside_count; ++t) frame_.count_aside(i, task_.aside_list[t]);
     if (++sources_ == kLanesUntilOverflow) {
       flush();
       touched_begin_ = i + 1;
-    }
-  }
-
-  void count_blank_source(int i) {
-    const Vec3f p = frame_.position(i);
-    for (int r = 0; r < task_.range_count; ++r) {
-      for (int j = task_.ranges[2 * r]; j < task_.ranges[2 * r + 1]; ++j) {
-        const Vec3f d = frame_.position(j) - p;
-        if (d.x * d.x + d.y * d.y + d.z * d.z < task_.radius_squared && (frame_.needed(i) || frame_.needed(j)))
-          frame_.count_blank(i, j);
-      }
     }
   }
 
@@ -113,7 +106,7 @@ class BlockCounter {
 
   FpfhFrame& frame_;
   FpfhWorkspace& work_;
-  CountPairsFunction* count_pairs_;
+  const PairCounters& counters_;
   PairTask task_{};
   int sources_ = 0;  // since the bytes were emptied
   int touched_begin_ = 0, touched_end_ = 0;
@@ -122,15 +115,16 @@ class BlockCounter {
 }  // namespace
 
 constinit const Increments kIncrements = make_increments();
+constinit const EdgeVectors kEdgeVectors = make_edge_vectors();
 
 void fpfh_in_blocks(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
-                    FpfhWorkspace& work, std::span<float> out, CountPairsFunction* count_pairs) {
+                    FpfhWorkspace& work, std::span<float> out, const PairCounters& counters) {
   assert(out.size() == keypoints.size() * kFpfhSize);
   assert(work.needed.size() >=
          static_cast<std::size_t>(cloud.intrinsics.width) * static_cast<std::size_t>(cloud.intrinsics.height));
   FpfhFrame frame(cloud, radius_of(radius_mm), work);
   frame.mark_needed(keypoints);
-  BlockCounter(frame, work, count_pairs).count_all();
+  BlockCounter(frame, work, counters).count_all();
   frame.describe(keypoints, out);
 }
 

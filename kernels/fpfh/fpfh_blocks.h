@@ -28,27 +28,40 @@ struct Increments {
 };
 extern const Increments kIncrements;
 
+// f1's edges as whole vectors of eight, defined where no compiler sees their values: it would rather build each from
+// a single number, every time.
+struct EdgeVectors {
+  alignas(32) float cosine[5][8];
+  alignas(32) float sine[5][8];
+};
+extern const EdgeVectors kEdgeVectors;
+
 // One source and its candidates.
 struct PairTask {
   const float *x, *y, *z, *nx, *ny, *nz;  // metres; readable kSlack values past the last point, where x is NaN
   const std::uint8_t* needed;             // likewise
   std::uint8_t* count_bytes;              // kCountBytes a point; likewise, and writable
-  std::int32_t* own_counts;               // the source's 32-bit counts
+  std::int32_t* counts;                   // kFpfhSize a point, for what is counted one by one
   int source;
   bool source_needed;  // otherwise only pairs with a needed point have to be counted
   float radius_squared;
   // Begin and end of candidates > source. A block may run over an end: what it meets there is out of reach.
   const std::int32_t* ranges;
   int range_count;
-  // Filled by the tier: neighbours it left aside, because the careful path must decide or a normal is missing.
+  // Filled by the tier: neighbours it left aside, because the careful path must decide or the points coincide.
   std::int32_t* aside_list;
   int aside_count;
 };
 inline constexpr int kSlack = 16;
 
-using CountPairsFunction = void(PairTask& task);
+// Two ways to count the pairs of a source: it has a normal, or it has none. A pair with one normal counts in bin 0
+// but for f3 at the point that has it, which is known; a pair with none counts in bin 0.
+struct PairCounters {
+  void (*with_normal)(PairTask& task);
+  void (*blank)(PairTask& task);
+};
 
 void fpfh_in_blocks(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
-                    FpfhWorkspace& work, std::span<float> out, CountPairsFunction* count_pairs);
+                    FpfhWorkspace& work, std::span<float> out, const PairCounters& counters);
 
 }  // namespace im2fit::fpfh_detail
