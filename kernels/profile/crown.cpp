@@ -3,83 +3,79 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+
+#include "kernels/height/height.h"
 
 namespace im2fit::profile {
 namespace {
 
 using L = ProfileLayout;
-constexpr float kHeightBinMm = 4.0F;
-constexpr float kHeightMinMm = -100.0F;
 
-// Height below (from the top) or above (from the bottom) which `area_mm2` of the histogram lies.
-float height_at_area(std::span<const float> histogram, float area_mm2, bool from_top) {
-  float sum = 0;
-  const int n = static_cast<int>(histogram.size());
-  for (int i = 0; i < n; ++i) {
+// Heights below (from the top) or above (from the bottom) which the areas lie, rising ones; NaN where there is less.
+void heights_at_areas(std::span<const std::uint64_t> squares, double mm2_per_square, bool from_top,
+                      std::span<const float> areas_mm2, std::span<float> out) {
+  std::size_t next = 0;
+  double sum = 0;
+  const int n = static_cast<int>(squares.size());
+  for (int i = 0; i < n && next < areas_mm2.size(); ++i) {
     const int bin = from_top ? n - 1 - i : i;
-    const float here = histogram[static_cast<std::size_t>(bin)];
-    if (here > 0 && sum + here >= area_mm2) {
-      const float part = (area_mm2 - sum) / here;
-      const float edge = from_top ? static_cast<float>(bin + 1) - part : static_cast<float>(bin) + part;
-      return kHeightMinMm + kHeightBinMm * edge;
+    const std::uint64_t square = squares[static_cast<std::size_t>(bin)];
+    if (square == 0) continue;
+    const double here = static_cast<double>(square) * mm2_per_square;
+    while (next < areas_mm2.size() && sum + here >= double{areas_mm2[next]}) {
+      const double part = (double{areas_mm2[next]} - sum) / here;
+      const double edge = from_top ? bin + 1 - part : bin + part;
+      out[next++] = static_cast<float>(kHeightMinMm + kHeightBinMm * edge);
     }
     sum += here;
   }
-  return kNaN;
+  std::fill(out.begin() + static_cast<std::ptrdiff_t>(next), out.end(), kNaN);
 }
 
-// Area by height, of head pixels (from the top) or of all (from the bottom).
-template <class Keep>
-void height_histogram(const Scene& s, int row_begin, int row_end, ProfileWorkspace& work, Keep keep) {
-  std::fill(work.height_area.begin(), work.height_area.end(), 0.0F);
-  const float scale = 1.0F / (s.k.fx * s.k.fy);
-  for (int v = row_begin; v < row_end; ++v) {
-    for (int u = 0; u < s.mask.width; ++u) {
-      const float z = s.z(u, v);
-      if (z <= 0) continue;
-      const Vec3f p = s.point(static_cast<float>(u), v, z);
-      if (!keep(p)) continue;
-      const int bin = static_cast<int>((s.frame.height(p) - kHeightMinMm) / kHeightBinMm);
-      if (bin >= 0 && bin < kHeightBins) work.height_area[static_cast<std::size_t>(bin)] += z * z * scale;
-    }
-  }
-}
-
-float lowest_height(const Scene& s, int row_begin, int row_last) {
-  float lowest = std::numeric_limits<float>::max();
-  for (int v = std::max(0, row_begin); v <= row_last; ++v)
-    for (int u = 0; u < s.mask.width; ++u)
-      if (const float z = s.z(u, v); z > 0)
-        lowest = std::min(lowest, s.frame.height(s.point(static_cast<float>(u), v, z)));
-  return lowest < std::numeric_limits<float>::max() ? lowest : 0.0F;
+// Rows begin .. end - 1 of the picture; points further than side_max_mm from side_mm do not count.
+HeightScan scan_of(const Scene& s, const ProfileWorkspace& work, int begin, int end, float side_mm,
+                   std::int32_t side_max) {
+  begin = std::max(begin, 0);
+  const ImageView<const std::uint16_t> depth = {s.depth.row(begin), s.depth.width, end - begin, s.depth.stride};
+  const MaskView mask = {s.mask.row(begin), s.mask.width, end - begin, s.mask.stride};
+  const double side_offset = -double{dot(s.frame.right, s.frame.origin_mm)} - double{side_mm};
+  return {depth,
+          mask,
+          work.up.columns(),
+          work.up.rows() + begin,
+          work.side.columns(),
+          work.side.rows() + begin,
+          form_offset(double{s.frame.camera_height_mm}),
+          form_offset(side_offset),
+          side_max};
 }
 
 }  // namespace
 
 void crown_and_soles(Scene& s, bool floor_known, ProfileWorkspace& work, std::span<float> crown,
                      std::span<float> soles) {
+  constexpr std::int32_t kAnySide = std::numeric_limits<std::int32_t>::max();
+  constexpr double kHeadHalfMm = 140;
   int first = 0;
   int last = s.mask.height - 1;
-  const auto empty = [&](int v) {
-    for (int u = 0; u < s.mask.width; ++u)
-      if (s.mask.at(u, v) != 0) return false;
-    return true;
-  };
+  const auto empty = [&](int v) { return work.outline[static_cast<std::size_t>(v)].count == 0; };
   while (first < last && empty(first)) ++first;
   while (last > first && empty(last)) --last;
   const int span = last - first + 1;
-  if (!floor_known) s.frame.camera_height_mm -= lowest_height(s, last - span / 8, last);
+  if (!floor_known) {
+    const std::int32_t lowest = height(scan_of(s, work, last - span / 8, last + 1, 0, kAnySide), work.squares.data());
+    if (lowest != kHeightNone) s.frame.camera_height_mm -= static_cast<float>(CoordinateMm::from_raw(lowest).real());
+  }
 
+  const double mm2_per_square = 1.0 / (256.0 * double{s.k.fx} * double{s.k.fy});
   const float head_side = s.frame.side(s.joint(Joint::HE));
-  height_histogram(s, first, first + span / 5, work,
-                   [&](Vec3f p) { return std::abs(s.frame.side(p) - head_side) < 140.0F; });
+  height(scan_of(s, work, first, first + span / 5, head_side, form_offset(kHeadHalfMm)), work.squares.data());
   constexpr std::array<float, L::kCrownValues> kCrownAreas = {150.0F, 500.0F, 1500.0F, 4000.0F, 9000.0F};
-  for (std::size_t i = 0; i < crown.size(); ++i) crown[i] = height_at_area(work.height_area, kCrownAreas[i], true);
+  heights_at_areas(work.squares, mm2_per_square, true, kCrownAreas, crown);
 
-  height_histogram(s, last - span / 5, last + 1, work, [](Vec3f) { return true; });
+  height(scan_of(s, work, last - span / 5, last + 1, 0, kAnySide), work.squares.data());
   constexpr std::array<float, L::kSoleValues> kSoleAreas = {400.0F, 1500.0F, 5000.0F, 12000.0F};
-  for (std::size_t i = 0; i < soles.size(); ++i) soles[i] = height_at_area(work.height_area, kSoleAreas[i], false);
+  heights_at_areas(work.squares, mm2_per_square, false, kSoleAreas, soles);
 }
 
 }  // namespace im2fit::profile

@@ -10,9 +10,8 @@
 
 namespace im2fit::profile {
 
-inline constexpr int kHeightBins = 700;  // 4 mm each, from -100 mm
-
 // Heights above the floor. Where no floor is known, sets the frame so that the lowest point is the zero of heights.
+// Reads the workspace's outline and its tables of heights and sides.
 void crown_and_soles(Scene& s, bool floor_known, ProfileWorkspace& work, std::span<float> crown,
                      std::span<float> soles);
 

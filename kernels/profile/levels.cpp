@@ -47,40 +47,42 @@ bool in_band(const Scene& s, const Band& band, float height_mm) {
 
 // Ends the trunk's run where an arm grows out of it: at the arm's centre line less its radius.
 Run clip_arms(const Scene& s, const Row& row, Run run) {
-  const std::array<Vec3f, 3> left = {s.joint(Joint::LS), s.joint(Joint::LE), s.joint(Joint::LA)};
-  const std::array<Vec3f, 3> right = {s.joint(Joint::RS), s.joint(Joint::RE), s.joint(Joint::RA)};
-  const float z = z_near(s, (run.begin + run.end) / 2, row.v);
+  const float z = z_near(row, (run.begin + run.end) / 2);
   if (z <= 0) return run;
-  const float shoulder_h = 0.5F * (s.frame.height(left[0]) + s.frame.height(right[0]));
+  const float shoulder_h = 0.5F * (s.left_arm.height_mm[0] + s.right_arm.height_mm[0]);
   if (row.height_mm > shoulder_h + 20.0F) return run;
-  const float u_left = column_of_side(s, line_side(s, left, row.height_mm), row.v, z);  // picture's right
-  const float u_right = column_of_side(s, line_side(s, right, row.height_mm), row.v, z);
+  const float u_left = row.side.column(s.left_arm.side_at(row.height_mm), z);  // picture's right
+  const float u_right = row.side.column(s.right_arm.side_at(row.height_mm), z);
   const float radius_px = kArmRadiusMm * s.k.fx / z;
-  if (static_cast<float>(run.end) > u_left) run.end = std::max(run.begin, static_cast<int>(u_left - radius_px));
-  if (static_cast<float>(run.begin) < u_right)
+  if (static_cast<float>(run.end) > u_left) {
+    run.end = std::max(run.begin, static_cast<int>(u_left - radius_px));
+    run.end_side_mm = side_of_edge(row, static_cast<float>(run.end) + 0.5F, run.end);
+  }
+  if (static_cast<float>(run.begin) < u_right) {
     run.begin = std::min(run.end, static_cast<int>(u_right + radius_px) + 1);
+    run.begin_side_mm = side_of_edge(row, static_cast<float>(run.begin) - 0.5F, run.begin);
+  }
   return run;
 }
 
 void add_trunk_row(const Scene& s, const Row& row, ProfileWorkspace& work) {
-  const std::array<Vec3f, 3> spine = {s.joint(Joint::NE), s.joint(Joint::TO),
-                                      (s.joint(Joint::LH) + s.joint(Joint::RH)) * 0.5F};
-  const float axis = line_side(s, spine, row.height_mm);
-  const Run* found = run_at(s, row, axis);
+  const float axis = s.spine.side_at(row.height_mm);
+  const Run* found = run_at(row, axis);
   if (found == nullptr) return;
   const Run run = clip_arms(s, row, *found);
   if (run.end - run.begin < 8) return;
 
   std::array<float, L::kTrunkValues> values{};
-  const float a = side_of_edge(s, static_cast<float>(run.begin) - 0.5F, run.begin, row.v);
-  const float b = side_of_edge(s, static_cast<float>(run.end) + 0.5F, run.end, row.v);
+  const float a = run.begin_side_mm, b = run.end_side_mm;
   values[0] = axis - a;
   values[1] = b - axis;
   const float half = 0.5F * (b - a);
-  std::array<float, L::kReliefs> reliefs{};
-  for (int i = 0; i < L::kReliefs; ++i)
+  const float middle_z = z_near(row, (run.begin + run.end) / 2);
+  std::array<float, L::kReliefs> reliefs;
+  reliefs.fill(kNaN);
+  for (int i = 0; i < L::kReliefs && middle_z > 0; ++i)
     reliefs[static_cast<std::size_t>(i)] =
-        relief_at_side(s, a + half * (1.0F + 0.2F * static_cast<float>(i - L::kReliefs / 2)), row.v, run);
+        relief_at_side(row, a + half * (1.0F + 0.2F * static_cast<float>(i - L::kReliefs / 2)), middle_z, run);
   // Relative to the level's own front, so that leaning and distance do not matter.
   float front = 0;
   for (int i = 2; i <= 6; ++i) front += reliefs[static_cast<std::size_t>(i)] * 0.2F;
@@ -98,45 +100,36 @@ void add_trunk_row(const Scene& s, const Row& row, ProfileWorkspace& work) {
 }
 
 void add_leg_row(const Scene& s, const Row& row, ProfileWorkspace& work) {
-  const std::array<std::array<Vec3f, 3>, 2> lines = {{{s.joint(Joint::LH), s.joint(Joint::LK), s.joint(Joint::LF)},
-                                                      {s.joint(Joint::RH), s.joint(Joint::RK), s.joint(Joint::RF)}}};
-  std::array<float, 2> centre{};
-  std::array<const Run*, 2> runs{};
-  for (std::size_t leg = 0; leg < 2; ++leg) {
-    centre[leg] = line_side(s, lines[leg], row.height_mm);
-    runs[leg] = run_at(s, row, centre[leg]);
-    if (runs[leg] == nullptr) return;
-  }
+  const std::array<float, 2> centre = {s.left_leg.side_at(row.height_mm), s.right_leg.side_at(row.height_mm)};
+  const std::array<const Run*, 2> runs = {run_at(row, centre[0]), run_at(row, centre[1])};
+  if (runs[0] == nullptr || runs[1] == nullptr) return;
   std::array<float, L::kLegValues> values{};
   for (std::size_t leg = 0; leg < 2; ++leg) {
     const Run& r = *runs[leg];
-    float a = side_of_edge(s, static_cast<float>(r.begin) - 0.5F, r.begin, row.v);
-    float b = side_of_edge(s, static_cast<float>(r.end) + 0.5F, r.end, row.v);
+    float a = r.begin_side_mm, b = r.end_side_mm;
     if (runs[0] == runs[1]) {  // thighs touch: they meet half way
       const float middle = 0.5F * (centre[0] + centre[1]);
       (leg == 0 ? a : b) = middle;
     }
     values[leg] = b - a;
-    const float z = z_near(s, (r.begin + r.end) / 2, row.v);
-    const float u = z > 0 ? column_of_side(s, 0.5F * (a + b), row.v, z) : static_cast<float>(r.begin);
-    values[2 + leg] = relief_at(s, u, row.v, r);
+    const float z = z_near(row, (r.begin + r.end) / 2);
+    const float u = z > 0 ? row.side.column(0.5F * (a + b), z) : static_cast<float>(r.begin);
+    values[2 + leg] = relief_at(row, u, r);
   }
   add_to_levels(s, kLegBand, L::kLegs, row.height_mm, values, work);
 }
 
 void add_head_row(const Scene& s, const Row& row, ProfileWorkspace& work) {
-  const std::array<Vec3f, 2> line = {s.joint(Joint::HE), s.joint(Joint::NE)};
-  const Run* run = run_at(s, row, line_side(s, line, row.height_mm));
+  const Run* run = run_at(row, s.head.side_at(row.height_mm));
   if (run == nullptr || run->end - run->begin < 4) return;
   std::array<float, L::kHeadValues> values{};
-  values[0] = side_of_edge(s, static_cast<float>(run->end) + 0.5F, run->end, row.v) -
-              side_of_edge(s, static_cast<float>(run->begin) - 0.5F, run->begin, row.v);
+  values[0] = run->end_side_mm - run->begin_side_mm;
   const float centre_u = 0.5F * static_cast<float>(run->begin + run->end);
   const float half_u = 0.5F * static_cast<float>(run->end - run->begin);
   const float torso = s.frame.depth(s.joint(Joint::TO));
   for (int i = 0; i < 3; ++i)
     values[static_cast<std::size_t>(1 + i)] =
-        relief_at(s, centre_u + half_u * 0.5F * static_cast<float>(i - 1), row.v, *run) - torso;
+        relief_at(row, centre_u + half_u * 0.5F * static_cast<float>(i - 1), *run) - torso;
   add_to_levels(s, kHeadBand, L::kHead, row.height_mm, values, work);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/height/height.h"
 #include "kernels/profile/crown.h"
 #include "kernels/profile/levels.h"
 #include "kernels/profile/row_scan.h"
@@ -17,10 +18,11 @@ using namespace profile;
 // Width of a limb across the picture at pixel (u, v), along the unit direction (du, dv).
 float width_across(const Scene& s, float u, float v, float du, float dv) {
   const auto z_at = [&](float x, float y) {
-    const int iu = static_cast<int>(std::floor(x + 0.5F));
-    const int iv = static_cast<int>(std::floor(y + 0.5F));
-    if (iu < 0 || iv < 0 || iu >= s.mask.width || iv >= s.mask.height) return 0.0F;
-    return s.z(iu, iv);
+    // Not below zero, so that cutting off is rounding down.
+    if (!(x >= -0.5F && y >= -0.5F)) return 0.0F;
+    if (!(x < static_cast<float>(s.mask.width) && y < static_cast<float>(s.mask.height))) return 0.0F;
+    const int iu = static_cast<int>(x + 0.5F), iv = static_cast<int>(y + 0.5F);
+    return iu < s.mask.width && iv < s.mask.height ? s.z(iu, iv) : 0.0F;
   };
   const float centre = z_at(u, v);
   if (centre <= 0) return kNaN;
@@ -85,24 +87,18 @@ void joints_and_bones(const Scene& s, std::span<float> positions, std::span<floa
 }
 
 // What the picture's geometry adds to widths and heights; lets the projection take it out again.
-void scene_values(const Scene& s, std::span<float> out) {
-  float area = 0;
-  float count = 0;
-  float mean_z = 0;
-  for (int v = 0; v < s.mask.height; ++v) {
-    float row_area = 0;
-    for (int u = 0; u < s.mask.width; ++u) {
-      const float z = s.z(u, v);
-      if (z <= 0) continue;
-      row_area += z * z;
-      mean_z += z;
-      count += 1.0F;
-    }
-    area += row_area / (s.k.fx * s.k.fy);
+void scene_values(const Scene& s, std::span<const ContourRow> outline, std::span<float> out) {
+  std::uint64_t count = 0, depth_sum = 0, square_sum = 0;
+  for (const ContourRow& row : outline) {
+    count += row.count;
+    depth_sum += row.depth_sum;
+    square_sum += row.depth_square_sum;
   }
+  const auto area = static_cast<float>(static_cast<double>(square_sum) / (256.0 * double{s.k.fx} * double{s.k.fy}));
+  const auto mean_z = static_cast<float>(static_cast<double>(depth_sum) / (16.0 * static_cast<double>(count)));
   const Vec3f shoulders = s.joint(Joint::LS) - s.joint(Joint::RS);
   const Vec3f hips = s.joint(Joint::LH) - s.joint(Joint::RH);
-  out[0] = count > 0 ? mean_z / count : kNaN;
+  out[0] = count > 0 ? mean_z : kNaN;
   out[1] = area;
   out[2] = area / s.stature_mm;
   out[3] = s.frame.camera_height_mm;
@@ -114,16 +110,55 @@ void scene_values(const Scene& s, std::span<float> out) {
 
 }  // namespace
 
-ProfileWorkspace::ProfileWorkspace()
-    : height_area(kHeightBins), level_sum(kLevelFloats), level_weight(kLevelFloats) {}
+ProfileWorkspace::ProfileWorkspace(int width_max, int height_max)
+    : rays(width_max, height_max),
+      up(width_max, height_max),
+      side(width_max, height_max),
+      outline(static_cast<std::size_t>(height_max)),
+      seen(static_cast<std::size_t>(height_max) * contour_words(width_max)),
+      steps(seen.size()),
+      squares(kHeightBins),
+      level_sum(kLevelFloats),
+      level_weight(kLevelFloats) {}
+
+namespace {
+
+void gather_levels(const Scene& s, ProfileWorkspace& work, std::span<float> out) {
+  std::fill(work.level_sum.begin(), work.level_sum.end(), 0.0F);
+  std::fill(work.level_weight.begin(), work.level_weight.end(), 0.0F);
+  const float torso_side = s.frame.side(s.joint(Joint::TO));
+  const std::size_t words = contour_words(s.mask.width);
+  Row row;
+  for (int v = 0; v < s.mask.height; ++v) {
+    const auto at = static_cast<std::size_t>(v);
+    if (work.outline[at].count == 0) continue;
+    find_runs(s, v, work.seen.data() + at * words, work.steps.data() + at * words, row);
+    const Run* centre = run_at(row, torso_side);
+    const Run& any = centre != nullptr ? *centre : row.runs[0];
+    const int u = (any.begin + any.end) / 2;
+    const float z = z_near(row, u);
+    row.height_mm = row.height.at(static_cast<float>(u), z > 0 ? z : z_near(row, any.begin));
+    add_row(s, row, work);
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(L::kArms); ++i)
+    if (work.level_weight[i] > 0.3F) out[i] = work.level_sum[i] / work.level_weight[i];
+}
+
+}  // namespace
 
 void section_profile(ImageView<const std::uint16_t> depth_q4, MaskView mask, const Intrinsics& intrinsics,
                      const JointSet& joints, const FloorPlane& floor, ProfileWorkspace& work, std::span<float> out) {
   std::fill(out.begin(), out.end(), kNaN);
   Scene s{depth_q4, mask, intrinsics, person_frame(floor, joints[Joint::TO]), &joints};
+  // A torso that is nowhere has no frame.
+  if (!(norm(s.frame.up) > 0.5F && norm(s.frame.right) > 0.5F)) return;
   const auto part = [&](int first, int size) {
     return out.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size));
   };
+  set_camera(work.rays, intrinsics);
+  work.up.set(work.rays, s.frame.up);
+  work.side.set(work.rays, s.frame.right);
+  contour(depth_q4, mask, work.outline.data(), work.seen.data(), work.steps.data());
 
   const auto crown = part(L::kCrown, L::kCrownValues);
   const auto soles = part(L::kSoles, L::kSoleValues);
@@ -132,28 +167,13 @@ void section_profile(ImageView<const std::uint16_t> depth_q4, MaskView mask, con
   if (!floor.known) s.base_mm = soles[0];
   s.stature_mm = crown[1] - s.base_mm;
   if (s.stature_mm < 800.0F || s.stature_mm > 2600.0F) return;
-
-  std::fill(work.level_sum.begin(), work.level_sum.end(), 0.0F);
-  std::fill(work.level_weight.begin(), work.level_weight.end(), 0.0F);
-  const float torso_side = s.frame.side(joints[Joint::TO]);
-  Row row;
-  for (int v = 0; v < mask.height; ++v) {
-    row.v = v;
-    row.run_count = find_runs(s, v, row.runs);
-    if (row.run_count == 0) continue;
-    const Run* centre = run_at(s, row, torso_side);
-    const Run& any = centre != nullptr ? *centre : row.runs[0];
-    const int u = (any.begin + any.end) / 2;
-    row.height_mm = s.frame.height(
-        s.point(static_cast<float>(u), v, z_near(s, u, v) > 0 ? z_near(s, u, v) : z_near(s, any.begin, v)));
-    add_row(s, row, work);
-  }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(L::kArms); ++i)
-    if (work.level_weight[i] > 0.3F) out[i] = work.level_sum[i] / work.level_weight[i];
+  s.set_axes();
+  gather_levels(s, work, out);
 
   arm_widths(s, part(L::kArms, L::kArmValues));
   joints_and_bones(s, part(L::kJoints, 3 * static_cast<int>(kJointCount)), part(L::kBoneLengths, L::kBones));
-  scene_values(s, part(L::kSceneValues, L::kScene));
+  scene_values(s, std::span(work.outline).first(static_cast<std::size_t>(mask.height)),
+               part(L::kSceneValues, L::kScene));
   if (!floor.known) {
     for (float& h : crown) h -= s.base_mm;
     for (float& h : soles) h -= s.base_mm;

@@ -9,9 +9,12 @@
 #include <span>
 #include <vector>
 
+#include "kernels/contour/contour.h"
 #include "kernels/core/camera.h"
 #include "kernels/core/joints.h"
 #include "kernels/profile/person_frame.h"
+#include "kernels/rayform/ray_form.h"
+#include "kernels/unproject/unproject.h"
 
 namespace im2fit {
 
@@ -42,15 +45,22 @@ struct ProfileLayout {
   static constexpr int kSize = kSceneValues + kScene;
 };
 
+// Buffers sized once, for pictures up to width x height.
 class ProfileWorkspace {
  public:
-  ProfileWorkspace();
-  std::vector<float> height_area;  // histogram of heights, mm^2 a bin
+  explicit ProfileWorkspace(int width_max = kImageSideMax, int height_max = kImageSideMax);
+  RayTable rays;
+  RayForm up, side;                 // heights and sideways positions of all pixels
+  std::vector<ContourRow> outline;  // of each row
+  std::vector<std::uint64_t> seen, steps;
+  std::vector<std::uint64_t> squares;  // by height: see kernels/height
   std::vector<float> level_sum;
   std::vector<float> level_weight;
 };
 
-// `depth_q4` in 1/16 mm, 0 = none; only masked pixels count. out: ProfileLayout::kSize values.
+// `depth_q4` in 1/16 mm, 0 = none; only masked pixels count. out: ProfileLayout::kSize values, all NaN where the
+// torso is nowhere or in the floor's normal through the camera. Sums over the picture are exact integers, the rest
+// floats in written order: the same bits on every machine. No allocation after construction, no threads.
 void section_profile(ImageView<const std::uint16_t> depth_q4, MaskView mask, const Intrinsics& intrinsics,
                      const JointSet& joints, const FloorPlane& floor, ProfileWorkspace& work, std::span<float> out);
 

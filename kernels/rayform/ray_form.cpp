@@ -20,6 +20,13 @@ void RayForm::set(const RayTable& rays, Vec3f axis) {
   for (std::size_t v = 0; v < height; ++v) rows_[v] = (y * rays.row(static_cast<int>(v)) + z).raw();
 }
 
+void set_camera(RayTable& rays, const Intrinsics& k) {
+  const Intrinsics& had = rays.intrinsics();
+  const bool same = had.width == k.width && had.height == k.height && had.fx == k.fx && had.fy == k.fy &&
+                    had.cx == k.cx && had.cy == k.cy;
+  if (!same) rays.set(k);
+}
+
 std::int32_t form_offset(double mm) {
   constexpr double kLimitMm = static_cast<double>(kFormOffsetMax >> CoordinateMm::kFractionBits);
   if (mm != mm) return 0;

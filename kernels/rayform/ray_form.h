@@ -39,6 +39,9 @@ class RayForm {
   std::vector<std::int32_t> columns_, rows_;
 };
 
+// Tables of one camera are made once: set() again only where the camera is another one.
+void set_camera(RayTable& rays, const Intrinsics& intrinsics);
+
 // The nearest CoordinateMm within +-kFormOffsetMax; NaN gives zero.
 std::int32_t form_offset(double mm);
 
