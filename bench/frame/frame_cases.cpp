@@ -99,6 +99,11 @@ struct Grid {
     fusion.finish();
     for (auto& plane : planes) plane.resize(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
     decimate_once();
+    normals_once();
+  }
+  void normals_once() {
+    auto& p = planes;
+    fastest(kNormalsKernels)(k, p[0].data(), p[1].data(), p[2].data(), 1, 60, p[3].data(), p[4].data(), p[5].data());
   }
   void decimate_once() { decimate(fusion.depth_q4(), fusion.mask(), k, step, planes[0], planes[1], planes[2]); }
   OrganisedCloud cloud() const {
@@ -216,11 +221,7 @@ void add_describe_parts(Cases& cases, const Bench& b) {
     keep(measure_paper(grid->fusion.depth_q4(), grid->fusion.mask(), kCamera, room->figure.joints, *paper));
   });
   add(cases, "describe/grid", {0.08e3, "0.9 MB at 11.6 GB/s"}, [grid] { grid->decimate_once(); });
-  add(cases, "describe/normals", {}, [grid] {
-    auto& p = grid->planes;
-    fastest(kNormalsKernels)(grid->k, p[0].data(), p[1].data(), p[2].data(), 1, 60, p[3].data(), p[4].data(),
-                             p[5].data());
-  });
+  add(cases, "describe/normals", {}, [grid] { grid->normals_once(); });
   add(cases, "describe/fpfh", {}, [room, grid] {
     fpfh(grid->cloud(), room->figure.joints.position_mm, kFpfhRadiusMm, grid->work, grid->descriptors);
   });
