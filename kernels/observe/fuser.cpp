@@ -31,6 +31,7 @@ struct Fuser::Workspace {
       : fusion(width, height),
         paper(width, height),
         fpfh(width / kStepMin, height / kStepMin),
+        profile(width, height),
         grid(static_cast<std::size_t>(width / kStepMin) * static_cast<std::size_t>(height / kStepMin) * 6) {}
 
   DepthFusion fusion;
