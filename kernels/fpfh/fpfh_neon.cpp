@@ -207,20 +207,69 @@ inline void count_pair(std::uint32_t code, std::uint8_t* bytes, uint8x16_t& own_
   vst1q_u8(bytes + 16, vaddq_u8(vld1q_u8(bytes + 16), high));
 }
 
-void list_lanes(uint32x4_t lanes, int first, PairTask& task) {
+struct Lanes {
   std::uint32_t marked[kLanes];
-  vst1q_u32(marked, lanes);
+};
+Lanes spread(uint32x4_t lanes) {
+  Lanes out;
+  vst1q_u32(out.marked, lanes);
+  return out;
+}
+
+void leave_aside(PairTask& task, int j, uint32x4_t lanes) {
+  const Lanes aside = spread(lanes);
   for (int t = 0; t < kLanes; ++t) {
-    task.aside_list[task.aside_count] = first + t;
-    task.aside_count += marked[t] != 0 ? 1 : 0;
+    task.aside_list[task.aside_count] = j + t;
+    task.aside_count += aside.marked[t] != 0 ? 1 : 0;
   }
+}
+
+// Lanes within the radius that someone needs.
+uint32x4_t lanes_inside(const PairTask& task, int j, float32x4_t d2) {
+  const uint32x4_t inside = vcltq_f32(d2, vdupq_n_f32(task.radius_squared));
+  if (task.source_needed) return inside;
+  const std::uint8_t* needed = task.needed + j;
+  const std::uint32_t wanted[kLanes] = {needed[0], needed[1], needed[2], needed[3]};
+  return vandq_u32(inside, vcgtq_u32(vld1q_u32(wanted), vdupq_n_u32(0)));
+}
+
+// Adds four pairs to their candidates' bytes and to the source's.
+void count_codes(uint32x4_t codes, std::uint8_t* bytes, uint8x16_t& own_low, uint8x16_t& own_high) {
+  count_pair(vgetq_lane_u32(codes, 0), bytes, own_low, own_high);
+  count_pair(vgetq_lane_u32(codes, 1), bytes + kCountBytes, own_low, own_high);
+  count_pair(vgetq_lane_u32(codes, 2), bytes + 2 * kCountBytes, own_low, own_high);
+  count_pair(vgetq_lane_u32(codes, 3), bytes + 3 * kCountBytes, own_low, own_high);
+}
+
+// What no tier decides in vectors: coinciding points and, on ARMv7, f3 of a pair with one normal, which needs a
+// division. AArch64 counts the latter here.
+void count_unsound(PairTask& task, int j, uint32x4_t lanes, const Source& p, float32x4_t dx, float32x4_t dy,
+                   float32x4_t dz, float32x4_t d2) {
+#ifdef __aarch64__
+  const float32x4_t nx = vld1q_f32(task.nx + j);
+  const uint32x4_t blank = vandq_u32(vbicq_u32(lanes, vceqq_f32(nx, nx)), vcgtzq_f32(d2));
+  std::int32_t f3[kLanes];
+  vst1q_s32(f3, clamped(vdivq_f32(dot(p.nx, p.ny, p.nz, dx, dy, dz), vsqrtq_f32(d2))));
+  const Lanes counted = spread(blank);
+  std::int32_t* own = task.counts + static_cast<long>(task.source) * kFpfhSize;
+  for (int t = 0; t < kLanes; ++t) {
+    if (counted.marked[t] == 0) continue;
+    std::int32_t* other = task.counts + static_cast<long>(j + t) * kFpfhSize;
+    ++own[0], ++own[kFpfhBins], ++own[2 * kFpfhBins + f3[t]];
+    ++other[0], ++other[kFpfhBins], ++other[2 * kFpfhBins];
+  }
+  leave_aside(task, j, vbicq_u32(lanes, blank));
+#else
+  (void)p, (void)dx, (void)dy, (void)dz, (void)d2;
+  leave_aside(task, j, lanes);
+#endif
 }
 
 void count_pairs(PairTask& task) {
   const int i = task.source;
   const Source p = {vdupq_n_f32(task.x[i]),  vdupq_n_f32(task.y[i]),  vdupq_n_f32(task.z[i]),
                     vdupq_n_f32(task.nx[i]), vdupq_n_f32(task.ny[i]), vdupq_n_f32(task.nz[i])};
-  const float32x4_t radius_squared = vdupq_n_f32(task.radius_squared);
+  std::int32_t* const own_counts = task.counts + static_cast<long>(i) * kFpfhSize;
   uint8x16_t own_low = vdupq_n_u8(0), own_high = vdupq_n_u8(0);
   int blocks = 0;
   for (int r = 0; r < task.range_count; ++r) {
@@ -230,35 +279,41 @@ void count_pairs(PairTask& task) {
       const float32x4_t dy = vsubq_f32(vld1q_f32(task.y + j), p.y);
       const float32x4_t dz = vsubq_f32(vld1q_f32(task.z + j), p.z);
       const float32x4_t d2 = dot(dx, dy, dz, dx, dy, dz);
-      uint32x4_t inside = vcltq_f32(d2, radius_squared);
-      if (!task.source_needed) {
-        const std::uint8_t* needed = task.needed + j;
-        const std::uint32_t wanted[kLanes] = {needed[0], needed[1], needed[2], needed[3]};
-        inside = vandq_u32(inside, vcgtq_u32(vld1q_u32(wanted), vdupq_n_u32(0)));
-      }
+      const uint32x4_t inside = lanes_inside(task, j, d2);
       if (!any(inside)) continue;
       const Pairs pairs = pairs_of(
           terms_of(p, dx, dy, dz, d2, vld1q_f32(task.nx + j), vld1q_f32(task.ny + j), vld1q_f32(task.nz + j)));
-      // A missing normal is NaN, which is not sound either.
-      const uint32x4_t aside = vbicq_u32(inside, pairs.sound);
-      if (any(aside)) list_lanes(aside, j, task);
+      // A missing normal is NaN, which is not sound.
+      const uint32x4_t unsound = vbicq_u32(inside, pairs.sound);
+      if (any(unsound)) count_unsound(task, j, unsound, p, dx, dy, dz, d2);
       const uint32x4_t codes =
           vbslq_u32(vandq_u32(inside, pairs.sound), vreinterpretq_u32_s32(pairs.codes), vdupq_n_u32(kNoPair));
-      std::uint8_t* bytes = task.count_bytes + static_cast<long>(j) * kCountBytes;
-      count_pair(vgetq_lane_u32(codes, 0), bytes, own_low, own_high);
-      count_pair(vgetq_lane_u32(codes, 1), bytes + kCountBytes, own_low, own_high);
-      count_pair(vgetq_lane_u32(codes, 2), bytes + 2 * kCountBytes, own_low, own_high);
-      count_pair(vgetq_lane_u32(codes, 3), bytes + 3 * kCountBytes, own_low, own_high);
+      count_codes(codes, task.count_bytes + static_cast<long>(j) * kCountBytes, own_low, own_high);
       if (++blocks == kBlocksUntilOverflow) {
-        add_bytes(own_low, task.own_counts);
-        add_bytes(own_high, task.own_counts + 16);
+        add_bytes(own_low, own_counts);
+        add_bytes(own_high, own_counts + 16);
         own_low = own_high = vdupq_n_u8(0);
         blocks = 0;
       }
     }
   }
-  add_bytes(own_low, task.own_counts);
-  add_bytes(own_high, task.own_counts + 16);
+  add_bytes(own_low, own_counts);
+  add_bytes(own_high, own_counts + 16);
+}
+
+// Few points have no normal: their pairs are left to the scalar unit.
+void count_blank_pairs(PairTask& task) {
+  const int i = task.source;
+  for (int r = 0; r < task.range_count; ++r) {
+    const int end = task.ranges[2 * r + 1];
+    for (int j = task.ranges[2 * r]; j < end; j += kLanes) {
+      const float32x4_t dx = vsubq_f32(vld1q_f32(task.x + j), vdupq_n_f32(task.x[i]));
+      const float32x4_t dy = vsubq_f32(vld1q_f32(task.y + j), vdupq_n_f32(task.y[i]));
+      const float32x4_t dz = vsubq_f32(vld1q_f32(task.z + j), vdupq_n_f32(task.z[i]));
+      const uint32x4_t inside = lanes_inside(task, j, dot(dx, dy, dz, dx, dy, dz));
+      if (any(inside)) leave_aside(task, j, inside);
+    }
+  }
 }
 
 }  // namespace
@@ -269,7 +324,7 @@ void fpfh_neon(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, fl
     fpfh_portable(cloud, keypoints, radius_mm, work, out);
     return;
   }
-  fpfh_detail::fpfh_in_blocks(cloud, keypoints, radius_mm, work, out, count_pairs);
+  fpfh_detail::fpfh_in_blocks(cloud, keypoints, radius_mm, work, out, {count_pairs, count_blank_pairs});
 }
 
 }  // namespace im2fit
