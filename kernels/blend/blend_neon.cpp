@@ -33,6 +33,11 @@ void blend_neon(const BlendRun* runs, int run_count, const std::int16_t* deltas,
     const int count = run->vertex_count * 3;
     if (count >= 8) {
       int i = 0;
+      for (; i + 16 <= count; i += 16) {
+        const int16x8_t first = vld1q_s16(delta + i), second = vld1q_s16(delta + i + 8);
+        move_eight(value + i, first, scale);
+        move_eight(value + i + 8, second, scale);
+      }
       for (; i + 8 <= count; i += 8) move_eight(value + i, vld1q_s16(delta + i), scale);
       if (i == count) continue;
       const int16x8_t rest = vandq_s16(vld1q_s16(delta + count - 8), vld1q_s16(kKept + (count - i)));

@@ -21,9 +21,9 @@ inline constexpr std::int32_t kCodePlaceMax = (1 << 20) - 1;
 struct CodeQuery {
   CodeQuery(const std::int32_t* steps, const std::int32_t* place, int dimension_count);
   std::array<std::int32_t, kCodeDimensionMax> step{}, place{};
-  std::array<std::int16_t, kCodeDimensionMax> high{}, low{};
-  std::int64_t square = 0;  // |p|^2
-  int pair_count = 0;       // dimensions, two and two
+  std::array<std::int16_t, 2 * kCodeDimensionMax> weight{};  // per pair of dimensions: two highs, two lows
+  std::int64_t square = 0;                                   // |p|^2
+  int pair_count = 0;                                        // dimensions, two and two
 };
 
 // `blocks` of 16 points: for each pair of dimensions the codes of point 0 (two bytes), of point 1, ... (32 bytes).

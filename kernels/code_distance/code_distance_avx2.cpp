@@ -37,9 +37,8 @@ void code_distance_avx2(const std::int8_t* blocks, const std::int64_t* norm, int
                         std::int64_t* out) {
   PairWeights weights[kCodeDimensionMax / 2];
   const int pair_count = query.pair_count;
-  const std::int16_t* high = reinterpret_cast<const std::int16_t*>(&query.high);
-  const std::int16_t* low = reinterpret_cast<const std::int16_t*>(&query.low);
-  for (int p = 0; p < pair_count; ++p) weights[p] = {both(high + 2 * p), both(low + 2 * p)};
+  const std::int16_t* weight = reinterpret_cast<const std::int16_t*>(&query.weight);
+  for (int p = 0; p < pair_count; ++p) weights[p] = {both(weight + 4 * p), both(weight + 4 * p + 2)};
   const __m256i square = _mm256_set1_epi64x(query.square);
   for (int b = 0; b < block_count; ++b, norm += kCodeBlock, out += kCodeBlock) {
     __m256i h0 = _mm256_setzero_si256(), h1 = h0, l0 = h0, l1 = h0;

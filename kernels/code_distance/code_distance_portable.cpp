@@ -12,9 +12,10 @@ CodeQuery::CodeQuery(const std::int32_t* steps, const std::int32_t* at, int dime
     assert(steps[j] >= 0 && steps[j] <= kCodeStepMax);
     step[j] = steps[j];
     place[j] = at[j] > kCodePlaceMax ? kCodePlaceMax : at[j] < -kCodePlaceMax ? -kCodePlaceMax : at[j];
-    const std::int32_t weight = step[j] * place[j];
-    high[j] = static_cast<std::int16_t>(weight >> 15);
-    low[j] = static_cast<std::int16_t>(weight & 0x7FFF);
+    const std::int32_t whole = step[j] * place[j];
+    std::int16_t* high = &weight[j / 2 * 4 + j % 2];
+    high[0] = static_cast<std::int16_t>(whole >> 15);
+    high[2] = static_cast<std::int16_t>(whole & 0x7FFF);
     square += std::int64_t{place[j]} * place[j];
   }
 }
@@ -24,10 +25,11 @@ void code_distance_portable(const std::int8_t* blocks, const std::int64_t* norm,
   for (int b = 0; b < block_count; ++b, norm += kCodeBlock, out += kCodeBlock) {
     // At most 16 products of 8 by 16 bits: below 2^27.
     std::int32_t high[kCodeBlock] = {}, low[kCodeBlock] = {};
-    for (std::size_t pair = 0; pair < static_cast<std::size_t>(query.pair_count); ++pair, blocks += 2 * kCodeBlock) {
+    const std::int16_t* w = query.weight.data();
+    for (int pair = 0; pair < query.pair_count; ++pair, w += 4, blocks += 2 * kCodeBlock) {
       for (int i = 0; i < kCodeBlock; ++i) {
-        high[i] += blocks[2 * i] * query.high[2 * pair] + blocks[2 * i + 1] * query.high[2 * pair + 1];
-        low[i] += blocks[2 * i] * query.low[2 * pair] + blocks[2 * i + 1] * query.low[2 * pair + 1];
+        high[i] += blocks[2 * i] * w[0] + blocks[2 * i + 1] * w[1];
+        low[i] += blocks[2 * i] * w[2] + blocks[2 * i + 1] * w[3];
       }
     }
     for (int i = 0; i < kCodeBlock; ++i)
