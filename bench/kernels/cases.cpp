@@ -4,6 +4,7 @@
 namespace im2fit::bench {
 
 void add_fpfh_cases(Cases& cases);
+void add_normals_cases(Cases& cases);
 void add_joints_cases(Cases& cases);
 void add_blend_cases(Cases& cases);
 void add_skin_cases(Cases& cases);
@@ -25,6 +26,7 @@ struct Topic {
 // One line a topic, so that several people can add theirs.
 constexpr Topic kTopics[] = {
     {"fpfh", add_fpfh_cases},
+    {"normals", add_normals_cases},
     {"joints", add_joints_cases},
     {"blend", add_blend_cases},
     {"skin", add_skin_cases},

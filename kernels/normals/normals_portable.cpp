@@ -5,6 +5,7 @@
 
 #include "kernels/core/vec3.h"
 #include "kernels/normals/normals.h"
+#include "kernels/normals/row.h"
 #include "kernels/normals/window.h"
 
 namespace im2fit {
@@ -57,22 +58,31 @@ bool smallest_eigenvector(const Covariance<float>& covariance, Vec3f& n) {
 
 }  // namespace
 
+void normals_detail::normals_of_row(const float* x, const float* y, const float* z, int width, int height, int v,
+                                    int u_begin, int u_end, int radius_px, float max_step_mm, float* nx, float* ny,
+                                    float* nz) {
+  Intrinsics size;
+  size.width = width;
+  size.height = height;
+  for (int u = u_begin; u < u_end; ++u) {
+    const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
+    nx[i] = ny[i] = nz[i] = kNan;
+    if (!(z[i] > 0.0F)) continue;
+    const auto covariance = window_covariance<float>(size, x, y, z, u, v, radius_px, max_step_mm);
+    Vec3f n;
+    if (!covariance.enough || !smallest_eigenvector(covariance, n)) continue;
+    if (n.x * x[i] + n.y * y[i] + n.z * z[i] > 0.0F) n = -n;
+    nx[i] = n.x;
+    ny[i] = n.y;
+    nz[i] = n.z;
+  }
+}
+
 void normals_portable(const Intrinsics& intrinsics, const float* x, const float* y, const float* z, int radius_px,
                       float max_step_mm, float* nx, float* ny, float* nz) {
-  std::size_t i = 0;
   for (int v = 0; v < intrinsics.height; ++v) {
-    for (int u = 0; u < intrinsics.width; ++u, ++i) {
-      nx[i] = ny[i] = nz[i] = kNan;
-      if (!(z[i] > 0.0F)) continue;
-      const auto covariance =
-          normals_detail::window_covariance<float>(intrinsics, x, y, z, u, v, radius_px, max_step_mm);
-      Vec3f n;
-      if (!covariance.enough || !smallest_eigenvector(covariance, n)) continue;
-      if (n.x * x[i] + n.y * y[i] + n.z * z[i] > 0.0F) n = -n;
-      nx[i] = n.x;
-      ny[i] = n.y;
-      nz[i] = n.z;
-    }
+    normals_detail::normals_of_row(x, y, z, intrinsics.width, intrinsics.height, v, 0, intrinsics.width, radius_px,
+                                   max_step_mm, nx, ny, nz);
   }
 }
 

@@ -86,8 +86,8 @@ void Fuser::Workspace::fpfh_values(std::span<float> out) {
   const auto size = static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height);
   const auto plane = [&](std::size_t i) { return std::span(grid).subspan(i * size, size); };
   decimate(fusion.depth_q4(), fusion.mask(), k, step, plane(0), plane(1), plane(2));
-  normals_portable(k, plane(0).data(), plane(1).data(), plane(2).data(), 1, kNormalStepMm, plane(3).data(),
-                   plane(4).data(), plane(5).data());
+  normals(k, plane(0).data(), plane(1).data(), plane(2).data(), 1, kNormalStepMm, plane(3).data(), plane(4).data(),
+          plane(5).data());
   const OrganisedCloud cloud{
       k, plane(0).data(), plane(1).data(), plane(2).data(), plane(3).data(), plane(4).data(), plane(5).data()};
   im2fit::fpfh(cloud, description.joints.position_mm, kFpfhRadiusMm, fpfh, out);
