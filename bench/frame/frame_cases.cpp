@@ -246,7 +246,7 @@ Cases all_cases(std::string_view only) {
   if (b.tracker != nullptr && any_of({"guided", "measuring", "query"})) add_whole(cases, b);
   if (any_of({"segment", "joints", "fuse"})) add_sense_parts(cases, b);
   if (any_of({"describe"})) add_describe_parts(cases, b);
-  return cases;
+  return cases.empty() && !only.empty() ? all_cases({}) : cases;
 }
 
 }  // namespace im2fit::bench

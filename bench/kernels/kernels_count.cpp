@@ -28,8 +28,11 @@ void mark() {
   syscall(SYS_getpid, 0x66326d69L);
 }
 
-int run_each(const std::regex& wanted) {
-  for (const Case& one : all_cases()) {
+int run_each(const std::string& pattern) {
+  const std::regex wanted(pattern);
+  // The start of a name, not a pattern: its topic alone is set up.
+  const bool plain = pattern.find_first_of("^$.*+?()[]{}|\\") == std::string::npos;
+  for (const Case& one : all_cases(plain ? pattern : "")) {
     if (one.tier == im2fit::Tier::ref || !std::regex_search(name_of(one), wanted)) continue;
     // The first run binds library calls and meets cold states.
     one.run();
@@ -51,7 +54,7 @@ int main(int argc, char** argv) {
   }
   if ((argc == 2 || argc == 3) && std::strcmp(argv[1], "--each") == 0) {
     try {
-      return run_each(std::regex(argc == 3 ? argv[2] : ""));
+      return run_each(argc == 3 ? argv[2] : "");
     } catch (const std::regex_error& error) {
       std::fprintf(stderr, "%s: %s is no regular expression: %s\n", argv[0], argv[2], error.what());
       return 2;
