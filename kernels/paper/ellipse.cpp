@@ -17,24 +17,9 @@ double Ellipse::perimeter() const {
   return std::numbers::pi * (a + b) * (1 + 3 * h / (10 + std::sqrt(4 - 3 * h)));
 }
 
-void EllipseSums::add(std::int32_t x, std::int32_t y) {
-  std::array<std::int64_t, 5> px{1}, py{1};
-  for (std::size_t i = 1; i < 5; ++i) {
-    px[i] = px[i - 1] * x;
-    py[i] = py[i - 1] * y;
-  }
-  std::size_t n = 0;
-  for (std::size_t degree = 0; degree <= 4; ++degree) {
-    for (std::size_t j = 0; j <= degree; ++j) sum_[n++] += px[degree - j] * py[j];
-  }
-}
-
-void EllipseSums::add(const EllipseSums& other) {
-  for (std::size_t i = 0; i < sum_.size(); ++i) sum_[i] += other.sum_[i];
-}
-
 double EllipseSums::moment(int i, int j) const {
-  return static_cast<double>(sum_[index(i, j)]) / static_cast<double>(std::int64_t{1} << (10 * (i + j)));
+  return static_cast<double>(sum[static_cast<std::size_t>(moment_index(i, j))]) /
+         static_cast<double>(std::int64_t{1} << (10 * (i + j)));
 }
 
 namespace {

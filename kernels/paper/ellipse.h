@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <span>
 
+#include "kernels/moments/moments.h"
+
 namespace im2fit {
 
 // Semi-axes a >= b in the unit of the points. valid is false where no ellipse fits: too few points, points on a line.
@@ -20,27 +22,13 @@ struct Ellipse {
 
 inline constexpr int kEllipsePointsMin = 12;
 
-// Sums of x^i y^j, i + j <= 4: exact integers, so the order of points does not matter.
-// Scaling and overflow: |x|, |y| <= 4096; kPointsMax of them at the corner reach 2^15 * 2^48 = 2^63.
-class EllipseSums {
- public:
-  static constexpr std::int32_t kCoordinateMax = 4095;
-  static constexpr std::int64_t kPointsMax = 32767;
+// Sums of x^i y^j, i + j <= 4: exact integers, so the order of points does not matter. Bounds: kernels/moments.
+struct EllipseSums {
+  std::array<std::int64_t, kMomentCount> sum{};
 
-  void add(std::int32_t x, std::int32_t y);
-  void add(const EllipseSums& other);
-  std::int64_t count() const { return sum_[0]; }
-  std::int64_t sum_x() const { return sum_[1]; }
-  std::int64_t sum_y() const { return sum_[2]; }
+  std::int64_t count() const { return sum[0]; }
   // Of x^i y^j in units of 2^10 coordinates, so that the fit works near one.
   double moment(int i, int j) const;
-
- private:
-  static constexpr std::size_t index(int i, int j) {
-    const int degree = i + j;
-    return static_cast<std::size_t>(degree * (degree + 1) / 2 + j);
-  }
-  std::array<std::int64_t, 15> sum_{};
 };
 
 // Deterministic: + - * / sqrt in double. No allocation.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/paper/paper.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -28,7 +29,13 @@ BodyFrame body_frame(const JointSet& joints) {
   return frame;
 }
 
-PaperWorkspace::PaperWorkspace(int width, int height) : rays(width, height) {}
+PaperWorkspace::PaperWorkspace(int width, int height)
+    : rays(width, height),
+      spine(width, height),
+      across(width, height),
+      depth(width, height),
+      point_capacity(std::min(kMomentPointsMax, width * height)),
+      points(kPaperSectionCount * static_cast<std::size_t>(point_capacity + kSectionSlack)) {}
 
 MeasurementValues to_values(const PaperMeasurements& m) {
   MeasurementValues values;

@@ -11,6 +11,8 @@
 #include "kernels/core/joints.h"
 #include "kernels/core/measurement.h"
 #include "kernels/paper/ellipse.h"
+#include "kernels/rayform/ray_form.h"
+#include "kernels/section/section.h"
 #include "kernels/tier.h"
 #include "kernels/unproject/unproject.h"
 
@@ -46,14 +48,17 @@ class PaperWorkspace {
 
   static constexpr int kBinCount = 128;  // of 8 mm across the section
   RayTable rays;
-  std::array<std::array<EllipseSums, kBinCount>, kPaperSectionCount> sections;
+  RayForm spine, across, depth;      // coordinates along the body's axes, of all pixels
+  int point_capacity;                // of a section
+  std::vector<SectionPoint> points;  // of all sections: see kernels/section
 };
 
 // `depth` in 1/16 mm (Q12.4 fixed point, 0 = none) so that fused depth keeps its fraction; masked pixels only.
 // Portable agrees with ref to 0.05 mm in lengths (coordinates are rounded to 2^-11 mm and sums of a few stay below)
 // and to 1 mm in girths (section points are rounded to 1/8 mm, rms 0.036 mm; over the hundred or more points of a
 // section that moves the mean by 0.004 mm, and the half-seen ellipse magnifies it by up to some tens). Integers, and
-// floats in written order: the same bits on every machine. No allocation after construction, no threads.
+// floats in written order: the same bits on every machine and in every tier of the kernels it calls (section,
+// moments, geodesic). No allocation after construction, no threads.
 using PaperFunction = PaperMeasurements(ImageView<const std::uint16_t> depth_q4, MaskView mask,
                                         const Intrinsics& intrinsics, const JointSet& joints, PaperWorkspace& work);
 PaperMeasurements measure_paper(ImageView<const std::uint16_t> depth_q4, MaskView mask, const Intrinsics& intrinsics,

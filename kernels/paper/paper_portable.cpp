@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The paper's measurements in fixed point.
 //
-// Scaling: coordinates Q21.10 mm, unit axes Q1.30, their products Q22.9 mm; section points in 1/8 mm, at most 512 mm
-// from the section's centre, summed exactly in 64 bits.
+// Scaling: coordinates Q21.10 mm, unit axes Q1.30, their products Q22.9 mm; sections as kernels/section,
+// kernels/moments.
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "kernels/paper/plan.h"
@@ -14,7 +15,6 @@ namespace {
 using paper_detail::kEpsilonInverseSquared;
 using Axis = Fixed<std::int32_t, 30>;
 using ProductMm = decltype(Axis() * CoordinateMm());  // Q22.9
-using SectionMm = Fixed<std::int32_t, 3>;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
@@ -54,7 +54,7 @@ class Measurer {
   Measurer(ImageView<const std::uint16_t> depth_q4, MaskView mask, const Intrinsics& k, const JointSet& joints,
            const BodyFrame& frame, PaperWorkspace& work)
       : depth_(depth_q4), mask_(mask), k_(k), joints_(joints), frame_(frame), work_(work) {
-    work_.rays.set(k);
+    set_camera(work_.rays, k);
   }
 
   float stature();
@@ -67,8 +67,10 @@ class Measurer {
            mask_.at(u + 1, v) == 0 || mask_.at(u, v - 1) == 0 || mask_.at(u, v + 1) == 0;
   }
   CoordinateMm distance(Joint a, Joint b) const { return length(fixed_point(joints_[a]) - fixed_point(joints_[b])); }
-  void gather_sections(const std::array<Vec3f, kPaperSectionCount>& centres);
-  float girth(std::size_t section, float z_mm) const;
+  // The contour point of row v nearest to the axis, of those that count; false where there is none.
+  bool nearest_on_contour(int v, const FixedAxis& lateral, FixedPoint3 torso, FixedPoint3& nearest) const;
+  void gather_sections(const std::array<Vec3f, kPaperSectionCount>& centres, int* counts);
+  float girth(const SectionPoint* points, int count, float z_mm) const;
 
   ImageView<const std::uint16_t> depth_;
   MaskView mask_;
@@ -78,35 +80,44 @@ class Measurer {
   PaperWorkspace& work_;
 };
 
+bool empty(const std::uint8_t* mask, int width) {
+  int u = 0;
+  for (; u + 8 <= width; u += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, mask + u, 8);
+    if (eight != 0) return false;
+  }
+  for (; u < width; ++u)
+    if (mask[u] != 0) return false;
+  return true;
+}
+
+bool Measurer::nearest_on_contour(int v, const FixedAxis& lateral, FixedPoint3 torso, FixedPoint3& nearest) const {
+  if (empty(mask_.row(v), mask_.width)) return false;
+  ProductMm best = ProductMm::from_raw(std::numeric_limits<std::int32_t>::max());
+  for (int u = 0; u < depth_.width; ++u) {
+    if (mask_.at(u, v) == 0 || depth_.at(u, v) == 0 || !on_contour(u, v)) continue;
+    const FixedPoint3 p = work_.rays.point(u, v, depth_.at(u, v), 4);
+    const FixedPoint3 d = p - torso;
+    ProductMm side = along(lateral, d);
+    if (!nearly_perpendicular(side, d)) continue;
+    if (side < ProductMm()) side = -side;
+    if (side < best) {
+      best = side;
+      nearest = p;
+    }
+  }
+  return best.raw() != std::numeric_limits<std::int32_t>::max();
+}
+
 // Eq. (3). Among several contour points of the top or bottom row the one nearest to the axis counts.
 float Measurer::stature() {
   const FixedPoint3 torso = fixed_point(joints_[Joint::TO]);
   const FixedAxis lateral = fixed_axis(frame_.v);
   FixedPoint3 top, bottom;
-  int top_row = -1, bottom_row = -1;
-  for (int v = 0; v < depth_.height; ++v) {
-    ProductMm best = ProductMm::from_raw(std::numeric_limits<std::int32_t>::max());
-    FixedPoint3 nearest;
-    for (int u = 0; u < depth_.width; ++u) {
-      if (mask_.at(u, v) == 0 || depth_.at(u, v) == 0 || !on_contour(u, v)) continue;
-      const FixedPoint3 p = work_.rays.point(u, v, depth_.at(u, v), 4);
-      const FixedPoint3 d = p - torso;
-      ProductMm side = along(lateral, d);
-      if (!nearly_perpendicular(side, d)) continue;
-      if (side < ProductMm()) side = -side;
-      if (side < best) {
-        best = side;
-        nearest = p;
-      }
-    }
-    if (best.raw() == std::numeric_limits<std::int32_t>::max()) continue;
-    if (top_row < 0) {
-      top_row = v;
-      top = nearest;
-    }
-    bottom_row = v;
-    bottom = nearest;
-  }
+  int top_row = 0, bottom_row = depth_.height - 1;
+  while (top_row < depth_.height && !nearest_on_contour(top_row, lateral, torso, top)) ++top_row;
+  while (bottom_row > top_row && !nearest_on_contour(bottom_row, lateral, torso, bottom)) --bottom_row;
   return top_row < bottom_row ? real(length(bottom - top)) : kNan;
 }
 
@@ -120,65 +131,65 @@ void Measurer::sleeve_and_leg(PaperMeasurements& m) const {
   m.shoulder_mm = real(distance(LS, RS));
 }
 
-void Measurer::gather_sections(const std::array<Vec3f, kPaperSectionCount>& centres_mm) {
+void Measurer::gather_sections(const std::array<Vec3f, kPaperSectionCount>& centres_mm, int* counts) {
   // Across the section: v made perpendicular to u, and w.
-  const FixedAxis up = fixed_axis(frame_.u), across = fixed_axis(cross(frame_.w, frame_.u)),
-                  depth = fixed_axis(frame_.w);
-  // A point of the section is at most sqrt(2) * 512 mm from its centre, a tenth of that off its plane.
-  const ProductMm off_plane_max = ProductMm::from_real(0.1 * 1.4143 * paper_detail::kSectionHalfMm);
-  std::array<FixedPoint3, kPaperSectionCount> centres;
-  std::array<ProductMm, kPaperSectionCount> heights;
-  std::array<std::int64_t, kPaperSectionCount> counts{};
+  const Vec3f across = cross(frame_.w, frame_.u);
+  work_.spine.set(work_.rays, frame_.u);
+  work_.across.set(work_.rays, across);
+  work_.depth.set(work_.rays, frame_.w);
+  std::array<SectionCut, kPaperSectionCount> cuts;
   for (std::size_t s = 0; s < kPaperSectionCount; ++s) {
-    centres[s] = fixed_point(centres_mm[s]);
-    heights[s] = along(up, centres[s]);
-    work_.sections[s].fill(EllipseSums());
+    cuts[s] = {form_offset(double{dot(frame_.u, centres_mm[s])}), form_offset(double{dot(across, centres_mm[s])}),
+               form_offset(double{dot(frame_.w, centres_mm[s])})};
   }
-  for (int v = 0; v < depth_.height; ++v) {
-    const std::uint16_t* depths = depth_.row(v);
-    const std::uint8_t* masks = mask_.row(v);
-    for (int u = 0; u < depth_.width; ++u) {
-      if (masks[u] == 0 || depths[u] == 0) continue;
-      const FixedPoint3 p = work_.rays.point(u, v, depths[u], 4);
-      const ProductMm height = along(up, p);
-      for (std::size_t s = 0; s < kPaperSectionCount; ++s) {
-        const ProductMm off_plane = height - heights[s];
-        if (off_plane > off_plane_max || off_plane < -off_plane_max) continue;
-        const FixedPoint3 d = p - centres[s];
-        if (!nearly_perpendicular(off_plane, d)) continue;
-        const std::int32_t x = rescale<SectionMm::kFractionBits>(along(across, d)).raw();
-        const std::int32_t y = rescale<SectionMm::kFractionBits>(along(depth, d)).raw();
-        if (std::abs(x) > EllipseSums::kCoordinateMax || std::abs(y) > EllipseSums::kCoordinateMax) continue;
-        if (counts[s] == EllipseSums::kPointsMax) continue;
-        ++counts[s];
-        constexpr int kUnitsPerBin = paper_detail::kBinMm << SectionMm::kFractionBits;
-        const int bin = (x + paper_detail::kSectionHalfMm * (1 << SectionMm::kFractionBits)) / kUnitsPerBin;
-        work_.sections[s][static_cast<std::size_t>(bin)].add(x, y);
-      }
-    }
-  }
+  const SectionScan scan = {depth_,
+                            mask_,
+                            work_.spine.columns(),
+                            work_.spine.rows(),
+                            work_.across.columns(),
+                            work_.across.rows(),
+                            work_.depth.columns(),
+                            work_.depth.rows(),
+                            cuts.data(),
+                            static_cast<int>(cuts.size())};
+  section(scan, work_.points.data(), work_.point_capacity, counts);
 }
 
-float Measurer::girth(std::size_t section, float z_mm) const {
-  const auto& bins = work_.sections[section];
-  const auto bin = [&](int b) -> const EllipseSums& { return bins[static_cast<std::size_t>(b)]; };
+float Measurer::girth(const SectionPoint* points, int count, float z_mm) const {
+  struct Bin {
+    std::int32_t count = 0, sum_y = 0;  // 32767 * 4095 < 2^27
+  };
+  std::array<Bin, PaperWorkspace::kBinCount> bins{};
+  for (int i = 0; i < count; ++i) {
+    Bin& bin = bins[static_cast<std::size_t>((points[i].x - paper_detail::kFirstUnit) / paper_detail::kUnitsPerBin)];
+    ++bin.count;
+    bin.sum_y += points[i].y;
+  }
+  const auto bin = [&](int b) -> const Bin& { return bins[static_cast<std::size_t>(b)]; };
   const paper_detail::BinRange range = paper_detail::connected_bins(
-      paper_detail::hole_bins(z_mm, k_.fx), [&](int b) { return bin(b).count(); },
+      paper_detail::hole_bins(z_mm, k_.fx), [&](int b) { return bin(b).count; },
       [&](int b) {
         constexpr double kUnit = 1.0 / (1 << SectionMm::kFractionBits);
-        return static_cast<double>(bin(b).sum_y()) / static_cast<double>(bin(b).count()) * kUnit;
+        return static_cast<double>(bin(b).sum_y) / static_cast<double>(bin(b).count) * kUnit;
       });
+  if (range.last < range.first) return kNan;
   EllipseSums sums;
-  for (int b = range.first; b <= range.last; ++b) sums.add(bin(b));
+  const int first = paper_detail::kFirstUnit + range.first * paper_detail::kUnitsPerBin;
+  const int last = paper_detail::kFirstUnit + (range.last + 1) * paper_detail::kUnitsPerBin - 1;
+  moments(points, count, first, last, sums.sum.data());
   const Ellipse ellipse = fit_ellipse(sums);
   return ellipse.valid ? static_cast<float>(ellipse.perimeter() / (1 << SectionMm::kFractionBits)) : kNan;
 }
 
 std::array<float, kPaperSectionCount> Measurer::girths() {
   const auto centres = paper_detail::section_centres(joints_);
-  gather_sections(centres);
+  std::array<int, kPaperSectionCount> counts;
+  gather_sections(centres, counts.data());
   std::array<float, kPaperSectionCount> out;
-  for (std::size_t s = 0; s < kPaperSectionCount; ++s) out[s] = girth(s, centres[s].z);
+  for (std::size_t s = 0; s < kPaperSectionCount; ++s) {
+    const std::size_t at = s * static_cast<std::size_t>(work_.point_capacity + kSectionSlack);
+    out[s] = girth(work_.points.data() + at, counts[s], centres[s].z);
+  }
   return out;
 }
 

@@ -9,16 +9,17 @@
 
 namespace im2fit::paper_detail {
 
-// The paper's epsilons are all 1/10: |cosine| < 1/10 is tested as 100 dot^2 < length^2.
+// The paper's epsilons are all 1/10: |cosine| < 1/10 is tested as 100 dot^2 < length^2 (sections: kernels/section).
 inline constexpr int kEpsilonInverseSquared = 100;
 
 // A section is walked across in bins of 8 mm from its centre outwards and ends where the next point is further away
 // sideways than a hole in the depth may be, or jumps in depth: there the arm begins.
 inline constexpr int kBinMm = 8;
-inline constexpr int kSectionHalfMm = 512;  // further from the centre than any trunk reaches
-inline constexpr int kStartReachMm = 40;    // the centre joint may lie beside a hole
-inline constexpr int kHoleMm = 24;          // and never less than 2.5 pixels
-inline constexpr int kJumpMm = 60;          // an ellipse of 170 x 115 mm falls by 35 mm over its last bin
+inline constexpr int kSectionHalfMm = 512;  // further from the centre than any trunk reaches; a section's own bound
+static_assert(kSectionHalfMm << SectionMm::kFractionBits == kSectionCoordinateMax + 1);
+inline constexpr int kStartReachMm = 40;  // the centre joint may lie beside a hole
+inline constexpr int kHoleMm = 24;        // and never less than 2.5 pixels
+inline constexpr int kJumpMm = 60;        // an ellipse of 170 x 115 mm falls by 35 mm over its last bin
 inline constexpr double kHolePixels = 2.5;
 
 // Eq. (4), with the paper's indices.
@@ -35,6 +36,9 @@ inline int hole_bins(float z_mm, float fx) {
   const int bins = static_cast<int>(hole / kBinMm) + 1;
   return bins < PaperWorkspace::kBinCount ? bins : PaperWorkspace::kBinCount;
 }
+
+inline constexpr int kUnitsPerBin = kBinMm << SectionMm::kFractionBits;
+inline constexpr int kFirstUnit = -(kSectionCoordinateMax + 1);  // where bin 0 begins
 
 struct BinRange {
   int first = 0, last = -1;  // inclusive; empty where the section has no start

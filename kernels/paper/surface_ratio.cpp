@@ -3,9 +3,11 @@
 // the geodesic is found; here it is the surface line seen behind the straight line LS-RS, sampled every 1/24 of it
 // (about 15 mm: shorter steps would count noise as length), averaged over about 16 x 16 mm, without its part along
 // the spine: the line of sight to it is not level, and would add height that the section does not have.
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "kernels/geodesic/geodesic.h"
 #include "kernels/paper/plan.h"
 
 namespace im2fit::paper_detail {
@@ -51,7 +53,7 @@ float surface_ratio(ImageView<const std::uint16_t> depth_q4, MaskView mask, cons
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const Vec3f from = joints[Joint::LS], to = joints[Joint::RS], spine = body_frame(joints).u;
   Vec3f first, previous;
-  float length = 0;
+  std::array<std::int32_t, kSteps + 1> x, y, z;  // GeodesicMm raws
   int seen = 0;
   for (int i = 0; i <= kSteps; ++i) {
     const Vec3f p = from + (to - from) * (static_cast<float>(i) / kSteps);
@@ -67,17 +69,18 @@ float surface_ratio(ImageView<const std::uint16_t> depth_q4, MaskView mask, cons
         patch_point(depth_q4, mask, k, static_cast<int>(u + 0.5F), static_cast<int>(v + 0.5F), half_pixels);
     if (seen_at.z == 0.0F) continue;
     const Vec3f surface = seen_at - spine * dot(spine, seen_at);
-    if (seen > 0)
-      length += norm(surface - previous);
-    else
-      first = surface;
+    if (seen == 0) first = surface;
     previous = surface;
-    ++seen;
+    const auto at = static_cast<std::size_t>(seen++);
+    x[at] = GeodesicMm::from_real(double{surface.x}).raw();
+    y[at] = GeodesicMm::from_real(double{surface.y}).raw();
+    z[at] = GeodesicMm::from_real(double{surface.z}).raw();
   }
   const float straight = norm(previous - first);
   // Two thirds of the samples, over two thirds of the way: else it is not the chest that was seen.
   if (3 * seen < 2 * (kSteps + 1) || !(3.0F * straight > 2.0F * norm(to - from))) return kNan;
-  return length / straight;
+  const std::uint32_t length = geodesic(x.data(), y.data(), z.data(), seen);
+  return static_cast<float>(static_cast<double>(length) / (1 << GeodesicMm::kFractionBits)) / straight;
 }
 
 }  // namespace im2fit::paper_detail
