@@ -15,6 +15,7 @@ void add_sample_cases(Cases& cases);
 void add_silhouette_cases(Cases& cases);
 void add_membership_cases(Cases& cases);
 void add_fuse_cases(Cases& cases);
+void add_segment_cases(Cases& cases);
 void add_unproject_cases(Cases& cases);
 
 namespace {
@@ -37,6 +38,7 @@ constexpr Topic kTopics[] = {
     {"silhouette", add_silhouette_cases},
     {"membership", add_membership_cases},
     {"fuse", add_fuse_cases},
+    {"segment", add_segment_cases},
     {"unproject", add_unproject_cases},
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connected surfaces of the coarse picture: labelling, metric size, heads, and which of them are people.
+// Connected surfaces of the coarse picture: metric size (blobs.cpp), heads (heads.cpp), and which of them are people
+// (people.cpp).
 #pragma once
 
 #include <array>
@@ -7,13 +8,16 @@
 #include <span>
 #include <vector>
 
+#include "kernels/components/components.h"
 #include "kernels/segment/floor.h"
 #include "kernels/segment/grid.h"
+#include "kernels/segment/wall.h"
 
 namespace im2fit::segment {
 
 inline constexpr int kBlobCountMax = 400;
 inline constexpr int kHeadCountMax = 8;
+inline constexpr float kFloatingMm = 450.0F;  // above the floor: what ends there ends in the air
 
 struct Blob {
   int cell_count = 0;
@@ -46,9 +50,7 @@ class BlobFinder {
   std::span<const Head> heads() const { return {heads_.data(), static_cast<std::size_t>(head_count_)}; }
 
  private:
-  void remove_wall(const Grid& grid, const FloorPlane& floor);
-  void join(const Grid& grid);
-  void number(const Grid& grid);
+  void open_cells(const Grid& grid, const FloorPlane& floor);
   void describe(const Grid& grid);
   void split_between_heads(const Grid& grid);
   void find_heads(const Grid& grid, int blob, const FloorPlane& floor);
@@ -57,12 +59,10 @@ class BlobFinder {
   bool on_pole(const Grid& grid, int blob, const FloorPlane& floor) const;
   bool floats(const Grid& grid, int blob, const FloorPlane& floor) const;
   void judge(const Grid& grid, const FloorPlane& floor);
-  std::int32_t root(std::int32_t cell);
-  void unite(std::int32_t a, std::int32_t b);
 
   std::vector<std::uint8_t> open_;  // cells that may belong to a thing
-  std::vector<std::int32_t> parent_;
-  std::vector<std::int32_t> size_;
+  WallRemover wall_;
+  Components components_;
   std::vector<std::uint16_t> labels_;
   std::vector<std::int16_t> top_;  // per column, for the blob looked at
   std::vector<FloorEquations> planes_;

@@ -48,41 +48,6 @@ bool plane_through(Vec3f a, Vec3f b, Vec3f c, FloorPlane& out) {
 
 }  // namespace
 
-void FloorEquations::add(float rx, float ry, float inverse_z, float w) {
-  const double x = rx;
-  const double y = ry;
-  const double d = w;
-  a[0] += d * x * x;
-  a[1] += d * x * y;
-  a[2] += d * x;
-  a[3] += d * y * y;
-  a[4] += d * y;
-  a[5] += d;
-  const double t = -d * static_cast<double>(inverse_z);
-  b[0] += t * x;
-  b[1] += t * y;
-  b[2] += t;
-  weight += d;
-}
-
-void FloorEquations::add(const FloorRow& row, float ry, float w) {
-  const double d = w;
-  const double y = ry;
-  const double n = row.n;
-  const double x = row.x;
-  const double t = row.t;
-  a[0] += d * static_cast<double>(row.xx);
-  a[1] += d * x * y;
-  a[2] += d * x;
-  a[3] += d * n * y * y;
-  a[4] += d * n * y;
-  a[5] += d * n;
-  b[0] -= d * static_cast<double>(row.tx);
-  b[1] -= d * t * y;
-  b[2] -= d * t;
-  weight += d * n;
-}
-
 void FloorEquations::blend(const FloorEquations& older, double share) {
   for (std::size_t i = 0; i < a.size(); ++i) a[i] += share * older.a[i];
   for (std::size_t i = 0; i < b.size(); ++i) b[i] += share * older.b[i];
@@ -116,9 +81,13 @@ bool FloorEquations::solve(FloorPlane& out) const {
   return plausible(out);
 }
 
-FloorFinder::FloorFinder(const Grid& grid) {
-  candidates_.reserve(grid.depth.size());
-}
+FloorFinder::FloorFinder(const Grid& grid)
+    : candidates_(grid.depth.size()),
+      level_(static_cast<std::size_t>(grid.width)),
+      near_cells_(grid.depth.size()),
+      pixel_ray_x_(static_cast<std::size_t>(grid.width * grid.step)),
+      pixel_ray_y_(static_cast<std::size_t>(grid.height * grid.step)),
+      row_up_(pixel_ray_y_.size()) {}
 
 void FloorFinder::reset() {
   tracked_ = {};
@@ -127,24 +96,30 @@ void FloorFinder::reset() {
 
 // A level cell: two cells further up the picture the surface has gone away from the camera, not up.
 void FloorFinder::gather(const Grid& grid) {
-  candidates_.clear();
+  candidate_count_ = 0;
   for (int r = 2; r < grid.height; ++r) {
+    const std::uint16_t* here = grid.depth.data() + grid.index(0, r);
+    const std::uint16_t* above = grid.depth.data() + grid.index(0, r - 2);
+    const float ry = grid.ray_y[static_cast<std::size_t>(r)], above_ry = grid.ray_y[static_cast<std::size_t>(r - 2)];
+    for (std::size_t c = 0; c < level_.size(); ++c) {
+      const float z = static_cast<float>(here[c]), above_z = static_cast<float>(above[c]);
+      const float dz = above_z - z, dy = above_ry * above_z - ry * z;
+      // A cell above without data makes dz negative; this one may have none.
+      level_[c] = static_cast<std::uint8_t>((dz > 0) & (std::fabs(dy) < 0.5F * dz + 8.0F) & (dz < 800.0F) & (z > 0));
+    }
     for (int c = 0; c < grid.width; ++c) {
-      const int here = grid.index(c, r);
-      const int above = grid.index(c, r - 2);
-      if (grid.depth[static_cast<std::size_t>(here)] == 0 || grid.depth[static_cast<std::size_t>(above)] == 0)
-        continue;
-      const Vec3f d = grid.point(above) - grid.point(here);
-      if (d.z > 0 && std::fabs(d.y) < 0.5F * d.z + 8.0F && d.z < 800.0F) candidates_.push_back(here);
+      if (level_[static_cast<std::size_t>(c)] == 0) continue;
+      const Vec3f p = grid.point(c, r);
+      candidates_[static_cast<std::size_t>(candidate_count_++)] = {p, p.x / p.z, p.y / p.z, 1.0F / p.z};
     }
   }
 }
 
 FloorPlane FloorFinder::search(const Grid& grid) const {
   FloorPlane best;
-  const int count = static_cast<int>(candidates_.size());
+  const int count = candidate_count_;
   if (count < kSupportMin) return best;
-  const auto candidate = [&](int i) { return grid.point(candidates_[static_cast<std::size_t>(i)]); };
+  const auto candidate = [&](int i) { return candidates_[static_cast<std::size_t>(i)].point; };
   const int stride = std::max(1, count / kScoredCount);
   const int cells = static_cast<int>(grid.depth.size());
   const int cell_stride = std::max(1, cells / kScoredCount) | 1;  // odd: walks all columns
@@ -179,14 +154,13 @@ FloorPlane FloorFinder::search(const Grid& grid) const {
   return best;
 }
 
-FloorPlane FloorFinder::fit_cells(const Grid& grid, FloorPlane plane) const {
+FloorPlane FloorFinder::fit_cells(FloorPlane plane) const {
   for (int pass = 0; pass < 3 && plane.known; ++pass) {
     FloorEquations equations;
     const float share = pass == 0 ? 1.5F : 1.0F;
-    for (const std::int32_t cell : candidates_) {
-      const Vec3f p = grid.point(cell);
-      if (std::fabs(height_of(plane, p)) > share * height_gate_mm(plane, p.z)) continue;
-      equations.add(p.x / p.z, p.y / p.z, 1.0F / p.z, 1.0F);
+    for (const Candidate& c : candidates()) {
+      if (std::fabs(height_of(plane, c.point)) > share * height_gate_mm(plane, c.point.z)) continue;
+      equations.add(c.ray_x, c.ray_y, c.inverse_z);
     }
     FloorPlane next;
     if (!equations.solve(next)) return {};
@@ -202,8 +176,8 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) const {
   float x_max = -1e9F;
   float z_min = 1e9F;
   float z_max = -1e9F;
-  for (const std::int32_t cell : candidates_) {
-    const Vec3f p = grid.point(cell);
+  for (const Candidate& candidate : candidates()) {
+    const Vec3f& p = candidate.point;
     if (std::fabs(height_of(plane, p)) > height_gate_mm(plane, p.z)) continue;
     ++count;
     x_min = std::min(x_min, p.x);
@@ -213,10 +187,11 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) const {
   }
   if (count < kSupportMin || x_max - x_min < kSupportWidthMm || z_max - z_min < kSupportLengthMm) return false;
   int below = 0;
-  for (std::size_t i = 0; i < grid.depth.size(); ++i) {
-    if (grid.depth[i] == 0) continue;
-    const Vec3f p = grid.point(static_cast<int>(i));
-    if (height_of(plane, p) < -60.0F - quantum_mm(p.z)) ++below;
+  for (int r = 0; r < grid.height; ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      const Vec3f p = grid.point(c, r);
+      below += (p.z > 0) & (height_of(plane, p) < -60.0F - quantum_mm(p.z)) ? 1 : 0;
+    }
   }
   return below * 20 <= grid.valid_count && below <= 3 * count;
 }
@@ -224,13 +199,35 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) const {
 FloorPlane FloorFinder::find(const Grid& grid) {
   gather(grid);
   if (tracked_.known) {
-    const FloorPlane followed = fit_cells(grid, tracked_);
+    const FloorPlane followed = fit_cells(tracked_);
     if (supported(grid, followed)) return tracked_ = followed;
   }
   has_gathered_ = false;
-  tracked_ = fit_cells(grid, search(grid));
+  tracked_ = fit_cells(search(grid));
   if (!supported(grid, tracked_)) tracked_ = {};
   return tracked_;
+}
+
+// Cells of the floor near the feet, in reading order. In the first pass, which only centres the gate, and in far
+// cells, which count little, every fourth pixel does.
+int FloorFinder::list_cells(const Grid& grid, Vec3f feet, std::span<const std::uint8_t> taken, int pass) {
+  int count = 0;
+  for (int r = 0; r < grid.height; ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      const auto i = static_cast<std::size_t>(grid.index(c, r));
+      if (grid.depth[i] == 0 || taken[i] != 0 || std::fabs(grid.height_mm[i]) > 60.0F) continue;
+      const Vec3f p = grid.point(c, r);
+      const float away_x = p.x - feet.x;
+      const float away_z = p.z - feet.z;
+      const float away = (away_x * away_x + away_z * away_z) * (1.0F / (500.0F * 500.0F));
+      if (away > 25.0F) continue;
+      const int stride = grid.step > 1 && (pass == 0 || away > 2.0F) ? 2 : 1;
+      near_cells_[static_cast<std::size_t>(count++)] = {
+          static_cast<std::uint16_t>(c * grid.step), static_cast<std::uint16_t>(r * grid.step),
+          static_cast<std::uint16_t>(stride), static_cast<float>(stride * stride) / (1.0F + away)};
+    }
+  }
+  return count;
 }
 
 FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPlane& coarse, Vec3f feet,
@@ -240,41 +237,19 @@ FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPla
   const Intrinsics& k = grid.intrinsics;
   const float inverse_fx = 1.0F / k.fx;
   const float inverse_fy = 1.0F / k.fy;
+  for (std::size_t u = 0; u < pixel_ray_x_.size(); ++u) pixel_ray_x_[u] = (static_cast<float>(u) - k.cx) * inverse_fx;
+  for (std::size_t v = 0; v < pixel_ray_y_.size(); ++v) pixel_ray_y_[v] = (static_cast<float>(v) - k.cy) * inverse_fy;
   for (int pass = 0; pass < 2; ++pass) {
-    equations = {};
-    for (int r = 0; r < grid.height; ++r) {
-      for (int c = 0; c < grid.width; ++c) {
-        const int cell = grid.index(c, r);
-        const auto i = static_cast<std::size_t>(cell);
-        if (grid.depth[i] == 0 || taken[i] != 0 || std::fabs(grid.height_mm[i]) > 60.0F) continue;
-        const Vec3f p = grid.point(cell);
-        const float away_x = p.x - feet.x;
-        const float away_z = p.z - feet.z;
-        const float away = (away_x * away_x + away_z * away_z) * (1.0F / (500.0F * 500.0F));
-        if (away > 25.0F) continue;
-        // The first pass only centres the gate; far cells count little: both look at every fourth pixel.
-        const int stride = grid.step > 1 && (pass == 0 || away > 2.0F) ? 2 : 1;
-        const float weight = static_cast<float>(stride * stride) / (1.0F + away);
-        const float gate = pass == 0 ? 1.5F : 1.0F;
-        const float gate_flat = gate * kGateMm;
-        const float gate_noise = gate * kGateQuanta * quantum_mm(1.0F) * plane.camera_height_mm;
-        for (int v = r * grid.step; v < (r + 1) * grid.step; v += stride) {
-          const float ry = (static_cast<float>(v) - k.cy) * inverse_fy;
-          const float row = plane.up.y * ry + plane.up.z;
-          FloorRow sums;
-          for (int u = c * grid.step; u < (c + 1) * grid.step; u += stride) {
-            const std::uint16_t raw = depth.at(u, v);
-            if (raw == 0 || raw > kDepthMaxMm) continue;
-            const float z = static_cast<float>(raw);
-            const float rx = (static_cast<float>(u) - k.cx) * inverse_fx;
-            const float height = (plane.up.x * rx + row) * z + plane.camera_height_mm;
-            if (std::fabs(height) > gate_flat + gate_noise * z) continue;
-            sums.add(rx, 1.0F / z);
-          }
-          equations.add(sums, ry, weight);
-        }
-      }
-    }
+    for (std::size_t v = 0; v < row_up_.size(); ++v) row_up_[v] = plane.up.y * pixel_ray_y_[v] + plane.up.z;
+    const int count = list_cells(grid, feet, taken, pass);
+    const float share = pass == 0 ? 1.5F : 1.0F;
+    const FloorGate gate = {plane.up.x,          plane.camera_height_mm,
+                            share * kGateMm,     share * kGateQuanta * quantum_mm(1.0F) * plane.camera_height_mm,
+                            pixel_ray_x_.data(), pixel_ray_y_.data(),
+                            row_up_.data()};
+    PlaneSums sums;
+    floor_sums(depth, grid.step, gate, near_cells_.data(), count, sums);
+    equations = FloorEquations(sums);
     FloorPlane next;
     if (equations.weight < 30.0 || !equations.solve(next)) return coarse;
     plane = next;

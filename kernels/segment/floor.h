@@ -8,29 +8,40 @@
 #include <span>
 #include <vector>
 
+#include "kernels/floor_sums/floor_sums.h"
 #include "kernels/segment/grid.h"
 
 namespace im2fit::segment {
 
-// A few neighbouring pixels of one row, summed in float: their range is small enough.
-struct FloorRow {
-  float n = 0, x = 0, xx = 0, t = 0, tx = 0;
-  void add(float rx, float inverse_z) {
-    n += 1.0F;
-    x += rx;
-    xx += rx * rx;
-    t += inverse_z;
-    tx += inverse_z * rx;
-  }
-};
+// Depth at which a ray meets the plane q.r = -1/z; 0 when it does not.
+inline float plane_depth(const std::array<double, 3>& q, float rx, float ry) {
+  const float inverse = -(static_cast<float>(q[0]) * rx + static_cast<float>(q[1]) * ry + static_cast<float>(q[2]));
+  return inverse > 1e-5F ? 1.0F / inverse : 0.0F;
+}
 
 // Upper triangle of the 3x3 normal matrix, right side, and the sum of weights.
 struct FloorEquations {
   std::array<double, 6> a{};
   std::array<double, 3> b{};
   double weight = 0;
-  void add(float rx, float ry, float inverse_z, float w);
-  void add(const FloorRow& row, float ry, float w);
+
+  FloorEquations() = default;
+  explicit FloorEquations(const PlaneSums& sums)
+      : a(std::to_array(sums.a)), b(std::to_array(sums.b)), weight(sums.weight) {}
+  // A point of weight 1.
+  void add(float rx, float ry, float inverse_z) {
+    const double x = rx, y = ry, t = inverse_z;
+    a[0] += x * x;
+    a[1] += x * y;
+    a[2] += x;
+    a[3] += y * y;
+    a[4] += y;
+    a[5] += 1;
+    b[0] -= t * x;
+    b[1] -= t * y;
+    b[2] -= t;
+    weight += 1;
+  }
   void blend(const FloorEquations& older, double share);
   // q with q.r = -1/z in the least-squares sense; false when the points do not span a plane.
   bool solve_plane(std::array<double, 3>& q) const;
@@ -50,12 +61,26 @@ class FloorFinder {
                     std::span<const std::uint8_t> taken);
 
  private:
+  // A cell that looks level.
+  struct Candidate {
+    Vec3f point;
+    float ray_x = 0, ray_y = 0, inverse_z = 0;
+  };
+
   void gather(const Grid& grid);
   FloorPlane search(const Grid& grid) const;
   bool supported(const Grid& grid, const FloorPlane& plane) const;
-  FloorPlane fit_cells(const Grid& grid, FloorPlane plane) const;
+  FloorPlane fit_cells(FloorPlane plane) const;
+  int list_cells(const Grid& grid, Vec3f feet, std::span<const std::uint8_t> taken, int pass);
+  std::span<const Candidate> candidates() const {
+    return {candidates_.data(), static_cast<std::size_t>(candidate_count_)};
+  }
 
-  std::vector<std::int32_t> candidates_;  // cells that look level
+  std::vector<Candidate> candidates_;
+  int candidate_count_ = 0;
+  std::vector<std::uint8_t> level_;  // of a row of cells
+  std::vector<FloorCell> near_cells_;
+  std::vector<float> pixel_ray_x_, pixel_ray_y_, row_up_;
   FloorPlane tracked_;
   FloorEquations gathered_;
   bool has_gathered_ = false;

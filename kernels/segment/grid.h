@@ -29,10 +29,12 @@ struct Grid {
   void measure_heights(const FloorPlane& floor);
 
   int index(int cell_u, int cell_v) const { return cell_v * width + cell_u; }
-  Vec3f point(int cell) const {
-    const float z = static_cast<float>(depth[static_cast<std::size_t>(cell)]);
-    return {ray_x[static_cast<std::size_t>(cell % width)] * z, ray_y[static_cast<std::size_t>(cell / width)] * z, z};
+  Vec3f point(int cell_u, int cell_v) const {
+    const float z = static_cast<float>(depth[static_cast<std::size_t>(index(cell_u, cell_v))]);
+    return {ray_x[static_cast<std::size_t>(cell_u)] * z, ray_y[static_cast<std::size_t>(cell_v)] * z, z};
   }
+  // Divides twice: not for loops over all cells.
+  Vec3f point(int cell) const { return point(cell % width, cell / width); }
 
   int step;  // px
   int width;

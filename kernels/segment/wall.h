@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// A wall is a wide upright plane with next to nothing behind it. Removing it first keeps whatever leans on it apart.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/segment/grid.h"
+
+namespace im2fit::segment {
+
+class WallRemover {
+ public:
+  explicit WallRemover(const Grid& grid);
+  // Closes the cells (`open` 1 to 0) of a wall and of what lies behind it.
+  void run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
+
+ private:
+  using Plane = std::array<double, 3>;  // q of q.r = -1/z
+
+  void collect_voters(const Grid& grid, std::span<const std::uint8_t> open);
+  bool search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best);
+  bool refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane) const;
+
+  std::vector<float> ray_x_, ray_y_, z_mm_, near_mm_, far_mm_;  // of the open cells that vote
+  int voter_count_ = 0;
+};
+
+}  // namespace im2fit::segment
