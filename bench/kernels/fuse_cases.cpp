@@ -3,6 +3,7 @@
 #include "bench/kernels/cases.h"
 #include "bench/kernels/room_picture.h"
 #include "kernels/fuse/average/average.h"
+#include "kernels/fuse/blocks/blocks.h"
 #include "kernels/fuse/mean/mean.h"
 
 namespace im2fit::bench {
@@ -41,6 +42,15 @@ void add_fuse_cases(Cases& cases) {
     return [data, function] {
       function(data->sum.data(), data->seen.data(), kPixels, 15, data->depth.data(), data->mask.data());
       keep(data->depth[0]);
+    };
+  });
+  for (std::size_t i = 0; i < kPixels; ++i) data->depth[i] = static_cast<std::uint16_t>(16 * data->room->depth[i]);
+  const Floor grid = {kPixels * (1 + 0.1 * 4) / 11.6e3, "one byte of mask a pixel, of the person's depth twice"};
+  add_variants(cases, "fuse.blocks/640x480", kBlocksKernels, kPixels, "px", grid, true, [&](auto* function) {
+    return [data, function] {
+      function({data->depth.data(), 640, 480}, data->room->mask_view(), {5, 128, 96}, data->sum.data(),
+               data->seen.data());
+      keep(data->sum[0]);
     };
   });
 }

@@ -2,38 +2,12 @@
 #include "kernels/fuse/decimate.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
+#include "kernels/fuse/blocks/blocks.h"
+
 namespace im2fit {
-namespace {
-
-constexpr std::uint32_t kSurfaceQ4 = 60U * 16U;  // deeper than this behind the block's front is another surface
-
-struct Block {
-  std::uint32_t sum_q4 = 0;
-  std::uint32_t count = 0;
-};
-
-Block front_of_block(ImageView<const std::uint16_t> depth_q4, MaskView mask, int u0, int v0, int step) {
-  std::uint32_t nearest = UINT32_MAX;
-  for (int v = v0; v < v0 + step; ++v)
-    for (int u = u0; u < u0 + step; ++u)
-      if (mask.at(u, v) != 0 && depth_q4.at(u, v) > 0) nearest = std::min<std::uint32_t>(nearest, depth_q4.at(u, v));
-  Block block;
-  if (nearest == UINT32_MAX) return block;
-  for (int v = v0; v < v0 + step; ++v) {
-    for (int u = u0; u < u0 + step; ++u) {
-      const std::uint32_t d = depth_q4.at(u, v);
-      if (mask.at(u, v) == 0 || d == 0 || d > nearest + kSurfaceQ4) continue;
-      block.sum_q4 += d;
-      ++block.count;
-    }
-  }
-  return block;
-}
-
-}  // namespace
-
 int grid_step_px(const Intrinsics& intrinsics, float distance_mm) {
   if (!(distance_mm > 0)) return 1;
   return std::clamp(static_cast<int>(kGridSpacingMm * intrinsics.fx / distance_mm + 0.5F), 1, 16);
@@ -49,16 +23,21 @@ Intrinsics grid_intrinsics(const Intrinsics& k, int step_px) {
 void decimate(ImageView<const std::uint16_t> depth_q4, MaskView mask, const Intrinsics& grid, int step_px,
               std::span<float> x, std::span<float> y, std::span<float> z) {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-  const auto needed = static_cast<std::uint32_t>(std::max(1, step_px * step_px / 3));
+  const int needed = std::max(1, step_px * step_px / 3);
+  std::array<std::uint32_t, kImageSideMax> sum_q4;
+  std::array<std::uint16_t, kImageSideMax> count;
   std::size_t at = 0;
   for (int j = 0; j < grid.height; ++j) {
+    const DepthView rows(depth_q4.row(j * step_px), depth_q4.width, step_px, depth_q4.stride);
+    const MaskView mask_rows(mask.row(j * step_px), mask.width, step_px, mask.stride);
+    blocks(rows, mask_rows, {step_px, grid.width, 1}, sum_q4.data(), count.data());
     for (int i = 0; i < grid.width; ++i, ++at) {
-      const Block block = front_of_block(depth_q4, mask, i * step_px, j * step_px, step_px);
-      if (block.count < needed) {
+      const auto column = static_cast<std::size_t>(i);
+      if (count[column] < needed) {
         x[at] = y[at] = z[at] = kNaN;
         continue;
       }
-      const float depth = static_cast<float>(block.sum_q4) / (16.0F * static_cast<float>(block.count));
+      const float depth = static_cast<float>(sum_q4[column]) / (16.0F * static_cast<float>(count[column]));
       const Vec3f p = unproject(grid, static_cast<float>(i), static_cast<float>(j), depth);
       x[at] = p.x;
       y[at] = p.y;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/fuse/average/average.h"
+#include "kernels/fuse/blocks/blocks.h"
 #include "kernels/fuse/mean/mean.h"
 #include "tests/kernels/checkasm.h"
 
@@ -65,6 +66,64 @@ TEST_P(Mean, RoundsToTheSixteenth) {
   GetParam().function(sum.data(), seen.data(), 8, 32, depth.data(), mask.data());
   EXPECT_EQ(depth, (std::vector<std::uint16_t>{0, 0, 0, 65520, 1, 33, 0, 0}));
   EXPECT_EQ(mask, (std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 0, 0}));
+}
+
+class Blocks : public testing::TestWithParam<BlocksKernel> {};
+INSTANTIATE_TEST_SUITE_P(Tiers, Blocks, testing::ValuesIn(kBlocksKernels), kName);
+
+TEST_P(Blocks, SumTheFrontSurface) {
+  if (!tier_available(GetParam().tier)) GTEST_SKIP() << "not on this machine";
+  // Blocks of 2 x 2: all one surface; two behind by 60 mm and by more; one lost, one not the person's; nothing.
+  const std::vector<std::uint16_t> depth = {16000, 16016, 16000, 16960, 16000, 0,     99,
+                                            16032, 16000, 16961, 16000, 900,   16004, 99};
+  const std::vector<std::uint8_t> mask = {255, 255, 255, 255, 255, 255, 0, 255, 255, 255, 255, 0, 255, 0};
+  std::vector<std::uint32_t> sum(3, 7);
+  std::vector<std::uint16_t> count(3, 7);
+  GetParam().function({depth.data(), 6, 2, 7}, {mask.data(), 6, 2, 7}, {2, 3, 1}, sum.data(), count.data());
+  EXPECT_EQ(sum, (std::vector<std::uint32_t>{64048, 48960, 32004}));
+  EXPECT_EQ(count, (std::vector<std::uint16_t>{4, 3, 2}));
+}
+
+TEST(BlocksCheck, EveryTierGivesTheSameBits) {
+  checkasm::Trial trial;
+  for (int step = 1; step <= kBlockSideMax; ++step) {
+    for (int repeat = 0; repeat < 8; ++repeat) {
+      const BlockGrid grid = {step, 1 + trial.rng().index(70 / step + 3), 1 + trial.rng().index(3)};
+      const int width = grid.columns * step + trial.rng().index(step), height = grid.rows * step;
+      const int d_stride = width + trial.rng().index(3), m_stride = width + trial.rng().index(3);
+      IM2FIT_CHECK_PARAMETERS(trial, step << ", size " << width << 'x' << height);
+      checkasm::Buffer<std::uint16_t> depth(static_cast<std::size_t>((height - 1) * d_stride + width),
+                                            trial.next_end());
+      checkasm::Buffer<std::uint8_t> mask(static_cast<std::size_t>((height - 1) * m_stride + width),
+                                          trial.next_end());
+      const int kind = trial.rng().index(3);
+      if (kind == 0)
+        trial.fill(depth.span());
+      else
+        trial.fill(depth.span(), std::uint16_t{30000}, static_cast<std::uint16_t>(kind == 1 ? 31200 : 30100));
+      const int begin = trial.rng().index(width), end = begin + trial.rng().index(width);  // columns with a person
+      for (std::size_t i = 0; i < mask.size(); ++i) {
+        const int u = static_cast<int>(i) % m_stride;
+        mask[i] = u >= begin && u <= end && trial.rng().index(8) != 0 ? 255 : 0;
+        if (trial.rng().index(10) == 0 && i < depth.size()) depth[i] = 0;
+      }
+      const auto size = static_cast<std::size_t>(grid.columns * grid.rows);
+      checkasm::Buffer<std::uint32_t> want_sum(size), got_sum(size, trial.next_end());
+      checkasm::Buffer<std::uint16_t> want(size), got(size, trial.next_end());
+      const DepthView d(depth.data(), width, height, d_stride);
+      const MaskView m(mask.data(), width, height, m_stride);
+      blocks_ref(d, m, grid, want_sum.data(), want.data());
+      blocks_portable(d, m, grid, got_sum.data(), got.data());
+      checkasm::expect_same_bits(want_sum, got_sum);
+      checkasm::expect_same_bits(want, got);
+      checkasm::each_simd(kBlocksKernels, [&](const auto& variant) {
+        got_sum.refill();
+        variant.function(d, m, grid, got_sum.data(), got.data());
+        checkasm::expect_same_bits(want_sum, got_sum);
+        checkasm::expect_same_bits(want, got);
+      });
+    }
+  }
 }
 
 TEST(AverageCheck, EveryTierGivesTheSameBits) {
