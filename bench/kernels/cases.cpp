@@ -17,6 +17,11 @@ void add_membership_cases(Cases& cases);
 void add_fuse_cases(Cases& cases);
 void add_segment_cases(Cases& cases);
 void add_unproject_cases(Cases& cases);
+void add_contour_cases(Cases& cases);
+void add_height_cases(Cases& cases);
+void add_section_cases(Cases& cases);
+void add_moments_cases(Cases& cases);
+void add_geodesic_cases(Cases& cases);
 
 namespace {
 
@@ -40,6 +45,11 @@ constexpr Topic kTopics[] = {
     {"fuse", add_fuse_cases},
     {"segment", add_segment_cases},
     {"unproject", add_unproject_cases},
+    {"contour", add_contour_cases},
+    {"height", add_height_cases},
+    {"section", add_section_cases},
+    {"moments", add_moments_cases},
+    {"geodesic", add_geodesic_cases},
 };
 
 }  // namespace
