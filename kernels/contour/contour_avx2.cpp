@@ -79,6 +79,26 @@ inline bool empty(const std::uint8_t* mask) {
   return _mm256_testz_si256(any, any) != 0;
 }
 
+inline void copy16(std::uint8_t* to, const std::uint8_t* from) {
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm_loadu_si128(reinterpret_cast<const __m128i*>(from)));
+}
+inline void copy16(std::uint16_t* to, const std::uint16_t* from) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)));
+}
+// `count` values, fewer than 64, then zeros.
+template <class T>
+inline void copy_tail(T* to, const T* from, int count) {
+  const T zeros[16] = {};
+  for (int i = 0; i < 64; i += 16) {
+    if (i + 16 <= count) {
+      copy16(to + i, from + i);
+    } else {
+      copy16(to + i, zeros);
+      for (int n = i; n < count; ++n) to[n] = from[n];
+    }
+  }
+}
+
 void scan_row(const std::uint16_t* depth, const std::uint8_t* mask, int width, ContourRow* out, std::uint64_t* seen,
               std::uint64_t* steps) {
   const __m256i zero = _mm256_setzero_si256();
@@ -93,12 +113,10 @@ void scan_row(const std::uint16_t* depth, const std::uint8_t* mask, int width, C
     std::uint16_t depth_tail[64];
     std::uint8_t mask_tail[64];
     if (width - u < 64) {
-      for (int i = 0; i < 64; ++i) {
-        depth_tail[i] = u + i < width ? d[i] : std::uint16_t{0};
-        mask_tail[i] = u + i < width ? m[i] : std::uint8_t{0};
-      }
-      d = depth_tail;
+      copy_tail(mask_tail, m, width - u);
       m = mask_tail;
+      if (!empty(m)) copy_tail(depth_tail, d, width - u);
+      d = depth_tail;
     }
     if (empty(m)) {
       *seen = *steps = before_seen = 0;

@@ -68,6 +68,27 @@ inline bool empty(const std::uint8_t* mask) {
   return vget_lane_u64(vreinterpret_u64_u8(half), 0) == 0;
 }
 
+inline void copy16(std::uint8_t* to, const std::uint8_t* from) {
+  vst1q_u8(to, vld1q_u8(from));
+}
+inline void copy16(std::uint16_t* to, const std::uint16_t* from) {
+  vst1q_u16(to, vld1q_u16(from));
+  vst1q_u16(to + 8, vld1q_u16(from + 8));
+}
+// `count` values, fewer than 64, then zeros.
+template <class T>
+inline void copy_tail(T* to, const T* from, int count) {
+  const T zeros[16] = {};
+  for (int i = 0; i < 64; i += 16) {
+    if (i + 16 <= count) {
+      copy16(to + i, from + i);
+    } else {
+      copy16(to + i, zeros);
+      for (int n = i; n < count; ++n) to[n] = from[n];
+    }
+  }
+}
+
 void scan_row(const std::uint16_t* depth, const std::uint8_t* mask, int width, ContourRow* out, std::uint64_t* seen,
               std::uint64_t* steps) {
   Sums sums = {vdupq_n_u32(0), vdupq_n_u64(0)};
@@ -80,12 +101,10 @@ void scan_row(const std::uint16_t* depth, const std::uint8_t* mask, int width, C
     std::uint16_t depth_tail[64];
     std::uint8_t mask_tail[64];
     if (width - u < 64) {
-      for (int i = 0; i < 64; ++i) {
-        depth_tail[i] = u + i < width ? d[i] : std::uint16_t{0};
-        mask_tail[i] = u + i < width ? m[i] : std::uint8_t{0};
-      }
-      d = depth_tail;
+      copy_tail(mask_tail, m, width - u);
       m = mask_tail;
+      if (!empty(m)) copy_tail(depth_tail, d, width - u);
+      d = depth_tail;
     }
     if (empty(m)) {
       *seen = *steps = 0;

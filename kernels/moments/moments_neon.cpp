@@ -21,16 +21,18 @@ inline std::int64_t sum32(int32x4_t a) {
   return vgetq_lane_s64(pairs, 0) + vgetq_lane_s64(pairs, 1);
 }
 
-inline void add_high(High& h, int32x2_t x, int32x2_t y, int32x2_t xx, int32x2_t xy, int32x2_t yy) {
-  h.sum[0] = vmlal_s32(h.sum[0], xx, x);
-  h.sum[1] = vmlal_s32(h.sum[1], xx, y);
-  h.sum[2] = vmlal_s32(h.sum[2], yy, x);
-  h.sum[3] = vmlal_s32(h.sum[3], yy, y);
-  h.sum[4] = vmlal_s32(h.sum[4], xx, xx);
-  h.sum[5] = vmlal_s32(h.sum[5], xx, xy);
-  h.sum[6] = vmlal_s32(h.sum[6], xx, yy);
-  h.sum[7] = vmlal_s32(h.sum[7], xy, yy);
-  h.sum[8] = vmlal_s32(h.sum[8], yy, yy);
+inline int64x2_t add_low_products(int64x2_t sum, int32x4_t a, int32x4_t b) {
+  return vmlal_s32(sum, vget_low_s32(a), vget_low_s32(b));
+}
+inline int64x2_t add_high_products(int64x2_t sum, int32x4_t a, int32x4_t b) {
+#ifdef __aarch64__
+  return vmlal_high_s32(sum, a, b);
+#else
+  return vmlal_s32(sum, vget_high_s32(a), vget_high_s32(b));
+#endif
+}
+inline void add_products(int64x2_t& sum, int32x4_t a, int32x4_t b) {
+  sum = add_high_products(add_low_products(sum, a, b), a, b);
 }
 
 inline void add4(Low& l, High& h, int16x4_t x, int16x4_t y) {
@@ -39,8 +41,15 @@ inline void add4(Low& l, High& h, int16x4_t x, int16x4_t y) {
   l.xx = vaddq_s32(l.xx, xx);
   l.xy = vaddq_s32(l.xy, xy);
   l.yy = vaddq_s32(l.yy, yy);
-  add_high(h, vget_low_s32(x32), vget_low_s32(y32), vget_low_s32(xx), vget_low_s32(xy), vget_low_s32(yy));
-  add_high(h, vget_high_s32(x32), vget_high_s32(y32), vget_high_s32(xx), vget_high_s32(xy), vget_high_s32(yy));
+  add_products(h.sum[0], xx, x32);
+  add_products(h.sum[1], xx, y32);
+  add_products(h.sum[2], yy, x32);
+  add_products(h.sum[3], yy, y32);
+  add_products(h.sum[4], xx, xx);
+  add_products(h.sum[5], xx, xy);
+  add_products(h.sum[6], xx, yy);
+  add_products(h.sum[7], xy, yy);
+  add_products(h.sum[8], yy, yy);
 }
 
 inline void add8(Low& l, High& h, int16x8x2_t points, int16x8_t first_x, int16x8_t last_x) {
