@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/gram/gram.h"
 #include "kernels/project/project.h"
 #include "kernels/standardise/standardise.h"
 
@@ -11,16 +12,15 @@ namespace im2fit::index {
 namespace {
 
 constexpr std::size_t kOrderMax = kDimensionMax + 1;
-constexpr std::size_t kRowSize = 20;  // kOrderMax in whole vectors
 constexpr double kPositionClip = 4.0;
 
-// Normal equations of weighted least squares: intercept first, then the slopes; lower triangle. Rows are padded with
-// zeros so that every sum has a fixed length: the compiler makes vectors of them, each sum keeps its order.
-using Gram = std::array<std::array<double, kRowSize>, kOrderMax>;
+// Normal equations of weighted least squares: intercept first, then the slopes; lower triangle.
+static_assert(kGramWidth == kDimensionMax);
+using Gram = std::array<std::array<double, kOrderMax>, kOrderMax>;
 
 // The first row of the inverse. In place Cholesky factorisation and solution (Golub & Van Loan, algorithm 4.2.1); the
 // matrix is positive definite because every diagonal element carries a penalty.
-std::array<double, kRowSize> first_of_inverse(Gram& a, std::size_t order) {
+std::array<double, kOrderMax> first_of_inverse(Gram& a, std::size_t order) {
   for (std::size_t j = 0; j < order; ++j) {
     for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
     a[j][j] = std::sqrt(std::max(a[j][j], 1e-12));
@@ -29,7 +29,7 @@ std::array<double, kRowSize> first_of_inverse(Gram& a, std::size_t order) {
       a[i][j] /= a[j][j];
     }
   }
-  std::array<double, kRowSize> x{};
+  std::array<double, kOrderMax> x{};
   for (std::size_t i = 0; i < order; ++i) {
     double sum = i == 0 ? 1 : 0;
     for (std::size_t k = 0; k < i; ++k) sum -= a[i][k] * x[k];
@@ -140,25 +140,32 @@ void fit_local(const LocalData& data, const Coordinates& query, std::span<const 
     for (std::size_t d = 0; d < kDimensionMax; ++d)
       x[d] = static_cast<double>(code[d] * data.steps[d] - query[d]) * inverse;
   };
-  Gram gram{};
-  for (std::size_t n = 0; n < neighbours.size(); ++n) {
-    const double u = 1.0 - static_cast<double>(neighbours[n].distance) * inverse2;
-    const double w = u * u;
-    out.kernel[n] = w;
-    out.total += w;
-    if (order == 1) continue;
-    std::array<double, kRowSize> x{1};
-    place(neighbours[n], &x[1]);
-    for (std::size_t i = 0; i < order; ++i) {
-      const double wx = w * x[i];
-      for (std::size_t j = 0; j < kRowSize; ++j) gram[i][j] += wx * x[j];
+  std::array<double, kGramWidth> sums{};
+  std::array<double, kGramWidth * kGramWidth> products{};
+  constexpr std::size_t kChunk = 32;  // rows at a time: 4 KiB
+  std::array<double, kChunk * kGramWidth> rows;
+  for (std::size_t first = 0; first < neighbours.size(); first += kChunk) {
+    const std::size_t count = std::min(kChunk, neighbours.size() - first);
+    for (std::size_t n = 0; n < count; ++n) {
+      const double u = 1.0 - static_cast<double>(neighbours[first + n].distance) * inverse2;
+      const double w = u * u;
+      out.kernel[first + n] = w;
+      out.total += w;
+      place(neighbours[first + n], rows.data() + n * kGramWidth);
     }
+    add_gram(rows.data(), out.kernel.data() + first, static_cast<int>(count), static_cast<int>(order) - 1,
+             sums.data(), products.data());
+  }
+  Gram gram{};
+  for (std::size_t i = 1; i < order; ++i) {
+    gram[i][0] = sums[i - 1];
+    std::copy_n(products.begin() + static_cast<std::ptrdiff_t>((i - 1) * kGramWidth), i, gram[i].begin() + 1);
   }
   gram[0][0] = out.total;
   const double total = std::max(out.total, 1e-9);
   gram[0][0] += options.intercept_penalty + 1e-9;
   for (std::size_t i = 1; i < order; ++i) gram[i][i] += options.slope_penalty * total + 1e-9;
-  const std::array<double, kRowSize> z = first_of_inverse(gram, order);
+  const std::array<double, kOrderMax> z = first_of_inverse(gram, order);
   for (std::size_t n = 0; n < neighbours.size(); ++n) {
     double sum = z[0];
     if (order > 1) {

@@ -5,6 +5,7 @@ namespace im2fit::bench {
 
 void add_fpfh_cases(Cases& cases);
 void add_normals_cases(Cases& cases);
+void add_gram_cases(Cases& cases);
 void add_joints_cases(Cases& cases);
 void add_blend_cases(Cases& cases);
 void add_skin_cases(Cases& cases);
@@ -33,6 +34,7 @@ struct Topic {
 constexpr Topic kTopics[] = {
     {"fpfh", add_fpfh_cases},
     {"normals", add_normals_cases},
+    {"gram", add_gram_cases},
     {"joints", add_joints_cases},
     {"blend", add_blend_cases},
     {"skin", add_skin_cases},

@@ -8,6 +8,7 @@
 #include "bench/kernels/cases.h"
 #include "kernels/code_bounds/code_bounds.h"
 #include "kernels/code_distance/code_distance.h"
+#include "kernels/gram/gram.h"
 #include "kernels/project/project.h"
 #include "kernels/standardise/standardise.h"
 
@@ -39,6 +40,8 @@ void add_standardise_cases(Cases& cases) {
   });
 }
 
+// NEON stays below twice portable in instructions: the compiler makes the same widening multiplications of portable,
+// and exact sums of 31-bit products must be widened every second time whoever writes them.
 void add_project_cases(Cases& cases) {
   constexpr int kStride = projected_stride(kFeatures);
   struct Data {
@@ -115,6 +118,31 @@ void add_bounds(Cases& cases) {
 void add_code_cases(Cases& cases) {
   add_distance(cases);
   add_bounds(cases);
+}
+
+// The 512 neighbours of a query, 32 rows at a time as index/regression does it.
+void add_gram_cases(Cases& cases) {
+  constexpr int kRows = 512, kChunk = 32;
+  struct Data {
+    std::vector<double> rows = std::vector<double>(kRows * kGramWidth), weights = std::vector<double>(kRows);
+  };
+  const auto data = std::make_shared<Data>();
+  Rng rng(8);
+  for (std::size_t i = 0; i < data->rows.size(); ++i)
+    data->rows[i] = i % kGramWidth < kDimensions ? rng.uniform(-1, 1) : 0.0;
+  for (double& w : data->weights) w = rng.uniform();
+  constexpr double kVectors = 4 + 4 * (1 + 2 + 3);  // of four sums: those of the columns, then rows of 4, 8, 12
+  const Floor floor = {kRows * kVectors * 2 / 2 / 2500, "28 multiplications and additions a row, two a cycle"};
+  add_variants(cases, "gram/512x12", kAddGramKernels, kRows, "row", floor, true, [&](auto* function) {
+    return [data, function] {
+      double sums[kGramWidth] = {}, products[kGramWidth * kGramWidth] = {};
+      for (int first = 0; first < kRows; first += kChunk)
+        function(data->rows.data() + first * kGramWidth, data->weights.data() + first, kChunk, kDimensions, sums,
+                 products);
+      keep(sums[0]);
+      keep(products[0]);
+    };
+  });
 }
 
 }  // namespace im2fit::bench
