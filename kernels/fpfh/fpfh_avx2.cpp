@@ -85,8 +85,8 @@ __m256i pair_codes(const Vectors& u, const Vectors& m, const Vectors& d, __m256 
   // Minus the number of edges passed. a - b > 0 where a > b: floats underflow gradually.
   __m256i passed = _mm256_setzero_si256();
   for (int k = 0; k < fpfh_detail::kEdgeCount; ++k) {
-    const __m256 above = greater(_mm256_mul_ps(across, _mm256_load_ps(fpfh_detail::kEdgeVectors.cosine[k])),
-                                 _mm256_mul_ps(cl, _mm256_load_ps(fpfh_detail::kEdgeVectors.sine[k])));
+    const __m256 above = greater(_mm256_mul_ps(across, _mm256_load_ps(fpfh_detail::kVectorConstants.cosine[k])),
+                                 _mm256_mul_ps(cl, _mm256_load_ps(fpfh_detail::kVectorConstants.sine[k])));
     passed = _mm256_add_epi32(passed, _mm256_castps_si256(above));
   }
   // 5 + passed, or 5 - passed where w.target is below zero.

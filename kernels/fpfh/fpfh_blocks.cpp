@@ -24,13 +24,17 @@ constexpr Increments make_increments() {
   return t;
 }
 
-constexpr EdgeVectors make_edge_vectors() {
+constexpr VectorConstants make_constants() {
   static_assert(kEdgeCount == 5);
-  EdgeVectors e{};
+  VectorConstants c{};
   for (int k = 0; k < kEdgeCount; ++k) {
-    for (int t = 0; t < 8; ++t) e.cosine[k][t] = kEdgeCosine[k], e.sine[k][t] = kEdgeSine[k];
+    for (int t = 0; t < 8; ++t) c.cosine[k][t] = kEdgeCosine[k], c.sine[k][t] = kEdgeSine[k];
+    c.lanes[k] = kEdgeCosine[k];
+    c.lanes[kEdgeCount + k] = kEdgeSine[k];
   }
-  return e;
+  c.lanes[10] = kNearTie;
+  c.lanes[11] = kNearlyParallel;
+  return c;
 }
 
 class BlockCounter {
@@ -115,7 +119,7 @@ class BlockCounter {
 }  // namespace
 
 constinit const Increments kIncrements = make_increments();
-constinit const EdgeVectors kEdgeVectors = make_edge_vectors();
+constinit const VectorConstants kVectorConstants = make_constants();
 
 void fpfh_in_blocks(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
                     FpfhWorkspace& work, std::span<float> out, const PairCounters& counters) {

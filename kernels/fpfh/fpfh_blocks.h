@@ -28,13 +28,14 @@ struct Increments {
 };
 extern const Increments kIncrements;
 
-// f1's edges as whole vectors of eight, defined where no compiler sees their values: it would rather build each from
-// a single number, every time.
-struct EdgeVectors {
-  alignas(32) float cosine[5][8];
+// The numbers of fpfh_constants.h as vector code wants them, defined where no compiler sees their values: it would
+// rather build each anew, every time.
+struct VectorConstants {
+  alignas(32) float cosine[5][8];  // of f1's edges, whole vectors
   alignas(32) float sine[5][8];
+  alignas(16) float lanes[12];  // cosine 0..4, sine 0..4, kNearTie, kNearlyParallel
 };
-extern const EdgeVectors kEdgeVectors;
+extern const VectorConstants kVectorConstants;
 
 // One source and its candidates.
 struct PairTask {

@@ -14,8 +14,6 @@ namespace im2fit {
 namespace {
 
 using fpfh_detail::kCountBytes;
-using fpfh_detail::kEdgeCosine;
-using fpfh_detail::kEdgeSine;
 using fpfh_detail::kIncrements;
 using fpfh_detail::kNoPair;
 using fpfh_detail::PairTask;
@@ -65,6 +63,25 @@ Terms terms_of(const Source& p, float32x4_t dx, float32x4_t dy, float32x4_t dz, 
   return t;
 }
 
+// kVectorConstants.lanes, to be multiplied by lane.
+struct Constants {
+  float32x4_t a, b, c;
+};
+Constants load_constants() {
+  const float* lanes = fpfh_detail::kVectorConstants.lanes;
+  return {vld1q_f32(lanes), vld1q_f32(lanes + 4), vld1q_f32(lanes + 8)};
+}
+template <int kIndex>
+float32x4_t times(float32x4_t v, const Constants& k) {
+  const float32x4_t of = kIndex < 4 ? k.a : kIndex < 8 ? k.b : k.c;
+#ifdef __aarch64__
+  return vmulq_laneq_f32(v, of, kIndex % 4);
+#else
+  return vmulq_lane_f32(v, kIndex % 4 < 2 ? vget_low_f32(of) : vget_high_f32(of), kIndex % 2);
+#endif
+}
+constexpr int kTie = 10, kParallel = 11;
+
 struct Pairs {
   int32x4_t codes;
   uint32x4_t sound;  // lanes whose code holds
@@ -79,7 +96,7 @@ int32x4_t clamped(float32x4_t f) {
   return vcvtq_s32_f32(vminnmq_f32(vmaxnmq_f32(position, vdupq_n_f32(0.0F)), vdupq_n_f32(10.0F)));
 }
 
-Pairs pairs_of(const Terms& t) {
+Pairs pairs_of(const Terms& t, const Constants& k) {
   const float32x4_t v_length = vsqrtq_f32(vmaxnmq_f32(t.s, vdupq_n_f32(0.0F)));
   const float32x4_t d_length = vsqrtq_f32(t.d2);
   const float32x4_t inverse = vdivq_f32(vdupq_n_f32(1.0F), vmulq_f32(v_length, d_length));
@@ -88,15 +105,17 @@ Pairs pairs_of(const Terms& t) {
   const float32x4_t wt = vsubq_f32(t.target, vmulq_f32(t.source, t.c));
   const float32x4_t across = vabsq_f32(wt), cl = vmulq_f32(t.c, v_length);
   // Minus the number of edges passed. a - b > 0 where a > b: floats underflow gradually.
-  uint32x4_t passed = vdupq_n_u32(0);
-  for (int k = 0; k < fpfh_detail::kEdgeCount; ++k)
-    passed = vaddq_u32(passed, vcgtq_f32(vmulq_n_f32(across, kEdgeCosine[k]), vmulq_n_f32(cl, kEdgeSine[k])));
+  uint32x4_t passed = vcgtq_f32(times<0>(across, k), times<5>(cl, k));
+  passed = vaddq_u32(passed, vcgtq_f32(times<1>(across, k), times<6>(cl, k)));
+  passed = vaddq_u32(passed, vcgtq_f32(times<2>(across, k), times<7>(cl, k)));
+  passed = vaddq_u32(passed, vcgtq_f32(times<3>(across, k), times<8>(cl, k)));
+  passed = vaddq_u32(passed, vcgtq_f32(times<4>(across, k), times<9>(cl, k)));
   const uint32x4_t below = vcltzq_f32(wt);
   // b1 = 5 + passed, or 5 - passed where w.target is below zero.
   const int32x4_t minus = vreinterpretq_s32_u32(vsubq_u32(veorq_u32(passed, below), below));
   Pairs out;
-  const uint32x4_t apart = vcgtq_f32(vabdq_f32(t.size1, t.size2), vmulq_n_f32(d_length, fpfh_detail::kNearTie));
-  out.sound = vandq_u32(apart, vcgtq_f32(t.s, vmulq_n_f32(t.d2, fpfh_detail::kNearlyParallel)));
+  const uint32x4_t apart = vcgtq_f32(vabdq_f32(t.size1, t.size2), times<kTie>(d_length, k));
+  out.sound = vandq_u32(apart, vcgtq_f32(t.s, times<kParallel>(t.d2, k)));
   constexpr int kStride = kFpfhBins * kFpfhBins;
   const int32x4_t places =
       vmlsq_n_s32(vmlaq_n_s32(vaddq_s32(b3, vdupq_n_s32(5 * kStride)), b2, kFpfhBins), minus, kStride);
@@ -137,10 +156,10 @@ int32x4_t clamped(float32x4_t f, uint32x4_t& sound) {
   return vminq_s32(bin, vdupq_n_s32(kFpfhBins - 1));
 }
 
-Pairs pairs_of(const Terms& t) {
+Pairs pairs_of(const Terms& t, const Constants& k) {
   Pairs out;
   out.sound = vcgtq_f32(t.d2, vdupq_n_f32(kTinySquared));
-  out.sound = vandq_u32(out.sound, vcgtq_f32(t.s, vmulq_n_f32(t.d2, fpfh_detail::kNearlyParallel)));
+  out.sound = vandq_u32(out.sound, vcgtq_f32(t.s, times<kParallel>(t.d2, k)));
   const float32x4_t inverse_v = inverse_root(t.s), inverse_d = inverse_root(t.d2);
   const float32x4_t v_length = vmulq_f32(t.s, inverse_v), d_length = vmulq_f32(t.d2, inverse_d);
   const float32x4_t apart = vabdq_f32(t.size1, t.size2);
@@ -153,11 +172,16 @@ Pairs pairs_of(const Terms& t) {
   out.sound = vandq_u32(out.sound, vcgtq_f32(across, vdupq_n_f32(kTinyAcross)));
   const float32x4_t margin = vmulq_n_f32(vaddq_f32(across, vabsq_f32(cl)), kEdgeMargin);
   uint32x4_t passed = vdupq_n_u32(0);
-  for (int k = 0; k < fpfh_detail::kEdgeCount; ++k) {
-    const float32x4_t over = vsubq_f32(vmulq_n_f32(across, kEdgeCosine[k]), vmulq_n_f32(cl, kEdgeSine[k]));
+  const auto edge = [&](float32x4_t along_cosine, float32x4_t along_sine) {
+    const float32x4_t over = vsubq_f32(along_cosine, along_sine);
     passed = vaddq_u32(passed, vcgtq_f32(over, vdupq_n_f32(0.0F)));
     out.sound = vandq_u32(out.sound, vcagtq_f32(over, margin));
-  }
+  };
+  edge(times<0>(across, k), times<5>(cl, k));
+  edge(times<1>(across, k), times<6>(cl, k));
+  edge(times<2>(across, k), times<7>(cl, k));
+  edge(times<3>(across, k), times<8>(cl, k));
+  edge(times<4>(across, k), times<9>(cl, k));
   const uint32x4_t below = vcltq_f32(wt, vdupq_n_f32(0.0F));
   const int32x4_t minus = vreinterpretq_s32_u32(vsubq_u32(veorq_u32(passed, below), below));
   constexpr int kStride = kFpfhBins * kFpfhBins;
@@ -200,11 +224,11 @@ void add_bytes(uint8x16_t bytes, std::int32_t* counts) {
 // Adds one pair to its candidate's bytes and to the source's.
 inline void count_pair(std::uint32_t code, std::uint8_t* bytes, uint8x16_t& own_low, uint8x16_t& own_high) {
   const std::uint8_t* entry = kIncrements.bytes + code;
-  const uint8x16_t low = vld1q_u8(entry), high = vld1q_u8(entry + 16);
-  own_low = vaddq_u8(own_low, low);
-  own_high = vaddq_u8(own_high, high);
-  vst1q_u8(bytes, vaddq_u8(vld1q_u8(bytes), low));
-  vst1q_u8(bytes + 16, vaddq_u8(vld1q_u8(bytes + 16), high));
+  const uint8x16x2_t one = vld1q_u8_x2(entry);
+  own_low = vaddq_u8(own_low, one.val[0]);
+  own_high = vaddq_u8(own_high, one.val[1]);
+  vst1q_u8(bytes, vaddq_u8(vld1q_u8(bytes), one.val[0]));
+  vst1q_u8(bytes + 16, vaddq_u8(vld1q_u8(bytes + 16), one.val[1]));
 }
 
 struct Lanes {
@@ -216,17 +240,19 @@ Lanes spread(uint32x4_t lanes) {
   return out;
 }
 
-void leave_aside(PairTask& task, int j, uint32x4_t lanes) {
+// Returns the new length of the list.
+int leave_aside(std::int32_t* list, int count, int j, uint32x4_t lanes) {
   const Lanes aside = spread(lanes);
   for (int t = 0; t < kLanes; ++t) {
-    task.aside_list[task.aside_count] = j + t;
-    task.aside_count += aside.marked[t] != 0 ? 1 : 0;
+    list[count] = j + t;
+    count += aside.marked[t] != 0 ? 1 : 0;
   }
+  return count;
 }
 
 // Lanes within the radius that someone needs.
-uint32x4_t lanes_inside(const PairTask& task, int j, float32x4_t d2) {
-  const uint32x4_t inside = vcltq_f32(d2, vdupq_n_f32(task.radius_squared));
+uint32x4_t lanes_inside(const PairTask& task, int j, float32x4_t d2, float32x4_t radius_squared) {
+  const uint32x4_t inside = vcltq_f32(d2, radius_squared);
   if (task.source_needed) return inside;
   const std::uint8_t* needed = task.needed + j;
   const std::uint32_t wanted[kLanes] = {needed[0], needed[1], needed[2], needed[3]};
@@ -241,31 +267,36 @@ void count_codes(uint32x4_t codes, std::uint8_t* bytes, uint8x16_t& own_low, uin
   count_pair(vgetq_lane_u32(codes, 3), bytes + 3 * kCountBytes, own_low, own_high);
 }
 
-// What no tier decides in vectors: coinciding points and, on ARMv7, f3 of a pair with one normal, which needs a
-// division. AArch64 counts the latter here.
-void count_unsound(PairTask& task, int j, uint32x4_t lanes, const Source& p, float32x4_t dx, float32x4_t dy,
-                   float32x4_t dz, float32x4_t d2) {
 #ifdef __aarch64__
-  const float32x4_t nx = vld1q_f32(task.nx + j);
-  const uint32x4_t blank = vandq_u32(vbicq_u32(lanes, vceqq_f32(nx, nx)), vcgtzq_f32(d2));
+// The source has a normal, the candidates of some lanes have none. Returns those lanes.
+uint32x4_t count_blank_candidates(std::int32_t* own, std::int32_t* others, uint32x4_t lanes, const float* nx,
+                                  const Source& p, float32x4_t dx, float32x4_t dy, float32x4_t dz, float32x4_t d2) {
+  const float32x4_t m = vld1q_f32(nx);
+  const uint32x4_t blank = vandq_u32(vbicq_u32(lanes, vceqq_f32(m, m)), vcgtzq_f32(d2));
   std::int32_t f3[kLanes];
   vst1q_s32(f3, clamped(vdivq_f32(dot(p.nx, p.ny, p.nz, dx, dy, dz), vsqrtq_f32(d2))));
   const Lanes counted = spread(blank);
-  std::int32_t* own = task.counts + static_cast<long>(task.source) * kFpfhSize;
   for (int t = 0; t < kLanes; ++t) {
     if (counted.marked[t] == 0) continue;
-    std::int32_t* other = task.counts + static_cast<long>(j + t) * kFpfhSize;
+    std::int32_t* other = others + t * kFpfhSize;
     ++own[0], ++own[kFpfhBins], ++own[2 * kFpfhBins + f3[t]];
     ++other[0], ++other[kFpfhBins], ++other[2 * kFpfhBins];
   }
-  leave_aside(task, j, vbicq_u32(lanes, blank));
-#else
-  (void)p, (void)dx, (void)dy, (void)dz, (void)d2;
-  leave_aside(task, j, lanes);
-#endif
+  return blank;
 }
+#else
+// f3 needs a division: the scalar unit's.
+uint32x4_t count_blank_candidates(std::int32_t*, std::int32_t*, uint32x4_t, const float*, const Source&, float32x4_t,
+                                  float32x4_t, float32x4_t, float32x4_t) {
+  return vdupq_n_u32(0);
+}
+#endif
 
-void count_pairs(PairTask& task) {
+// Bytes are written that may be anyone's: what a loop needs of the task is copied first, or it would be read again.
+void count_pairs(PairTask& shared_task) {
+  PairTask task = shared_task;
+  const Constants constants = load_constants();
+  const float32x4_t radius_squared = vdupq_n_f32(task.radius_squared);
   const int i = task.source;
   const Source p = {vdupq_n_f32(task.x[i]),  vdupq_n_f32(task.y[i]),  vdupq_n_f32(task.z[i]),
                     vdupq_n_f32(task.nx[i]), vdupq_n_f32(task.ny[i]), vdupq_n_f32(task.nz[i])};
@@ -279,13 +310,18 @@ void count_pairs(PairTask& task) {
       const float32x4_t dy = vsubq_f32(vld1q_f32(task.y + j), p.y);
       const float32x4_t dz = vsubq_f32(vld1q_f32(task.z + j), p.z);
       const float32x4_t d2 = dot(dx, dy, dz, dx, dy, dz);
-      const uint32x4_t inside = lanes_inside(task, j, d2);
+      const uint32x4_t inside = lanes_inside(task, j, d2, radius_squared);
       if (!any(inside)) continue;
       const Pairs pairs = pairs_of(
-          terms_of(p, dx, dy, dz, d2, vld1q_f32(task.nx + j), vld1q_f32(task.ny + j), vld1q_f32(task.nz + j)));
+          terms_of(p, dx, dy, dz, d2, vld1q_f32(task.nx + j), vld1q_f32(task.ny + j), vld1q_f32(task.nz + j)),
+          constants);
       // A missing normal is NaN, which is not sound.
       const uint32x4_t unsound = vbicq_u32(inside, pairs.sound);
-      if (any(unsound)) count_unsound(task, j, unsound, p, dx, dy, dz, d2);
+      if (any(unsound)) {
+        const uint32x4_t blank = count_blank_candidates(own_counts, task.counts + static_cast<long>(j) * kFpfhSize,
+                                                        unsound, task.nx + j, p, dx, dy, dz, d2);
+        task.aside_count = leave_aside(task.aside_list, task.aside_count, j, vbicq_u32(unsound, blank));
+      }
       const uint32x4_t codes =
           vbslq_u32(vandq_u32(inside, pairs.sound), vreinterpretq_u32_s32(pairs.codes), vdupq_n_u32(kNoPair));
       count_codes(codes, task.count_bytes + static_cast<long>(j) * kCountBytes, own_low, own_high);
@@ -299,10 +335,13 @@ void count_pairs(PairTask& task) {
   }
   add_bytes(own_low, own_counts);
   add_bytes(own_high, own_counts + 16);
+  shared_task.aside_count = task.aside_count;
 }
 
 // Few points have no normal: their pairs are left to the scalar unit.
-void count_blank_pairs(PairTask& task) {
+void count_blank_pairs(PairTask& shared_task) {
+  PairTask task = shared_task;
+  const float32x4_t radius_squared = vdupq_n_f32(task.radius_squared);
   const int i = task.source;
   for (int r = 0; r < task.range_count; ++r) {
     const int end = task.ranges[2 * r + 1];
@@ -310,10 +349,11 @@ void count_blank_pairs(PairTask& task) {
       const float32x4_t dx = vsubq_f32(vld1q_f32(task.x + j), vdupq_n_f32(task.x[i]));
       const float32x4_t dy = vsubq_f32(vld1q_f32(task.y + j), vdupq_n_f32(task.y[i]));
       const float32x4_t dz = vsubq_f32(vld1q_f32(task.z + j), vdupq_n_f32(task.z[i]));
-      const uint32x4_t inside = lanes_inside(task, j, dot(dx, dy, dz, dx, dy, dz));
-      if (any(inside)) leave_aside(task, j, inside);
+      const uint32x4_t inside = lanes_inside(task, j, dot(dx, dy, dz, dx, dy, dz), radius_squared);
+      if (any(inside)) task.aside_count = leave_aside(task.aside_list, task.aside_count, j, inside);
     }
   }
+  shared_task.aside_count = task.aside_count;
 }
 
 }  // namespace
