@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include "kernels/height/height.h"
 
@@ -56,6 +58,7 @@ void crown_and_soles(Scene& s, bool floor_known, ProfileWorkspace& work, std::sp
                      std::span<float> soles) {
   constexpr std::int32_t kAnySide = std::numeric_limits<std::int32_t>::max();
   constexpr double kHeadHalfMm = 140;
+  constexpr float kFarthestMm = 100000.0F;
   int first = 0;
   int last = s.mask.height - 1;
   const auto empty = [&](int v) { return work.outline[static_cast<std::size_t>(v)].count == 0; };
@@ -69,6 +72,7 @@ void crown_and_soles(Scene& s, bool floor_known, ProfileWorkspace& work, std::sp
 
   const double mm2_per_square = 1.0 / (256.0 * double{s.k.fx} * double{s.k.fy});
   const float head_side = s.frame.side(s.joint(Joint::HE));
+  if (!(std::abs(head_side) < kFarthestMm)) return;  // nowhere, so that nothing is at the head
   height(scan_of(s, work, first, first + span / 5, head_side, form_offset(kHeadHalfMm)), work.squares.data());
   constexpr std::array<float, L::kCrownValues> kCrownAreas = {150.0F, 500.0F, 1500.0F, 4000.0F, 9000.0F};
   heights_at_areas(work.squares, mm2_per_square, true, kCrownAreas, crown);

@@ -11,7 +11,8 @@
 namespace im2fit::profile {
 
 // Heights above the floor. Where no floor is known, sets the frame so that the lowest point is the zero of heights.
-// Reads the workspace's outline and its tables of heights and sides.
+// Reads the workspace's outline and its tables of heights and sides. Leaves crown and soles as they are where the
+// head is nowhere.
 void crown_and_soles(Scene& s, bool floor_known, ProfileWorkspace& work, std::span<float> crown,
                      std::span<float> soles);
 

@@ -104,6 +104,31 @@ TEST_F(CylinderProfile, LegsOfOneRunMeetHalfWay) {
   EXPECT_NEAR(value(at + 1), kRadius, 3.0);
 }
 
+TEST_F(CylinderProfile, AJointThatIsNowhereGivesNothing) {
+  for (const Joint joint : {Joint::TO, Joint::HE}) {
+    const Vec3f was = joints[joint];
+    for (const float broken : {std::nanf(""), 1e30F}) {
+      joints[joint].x = broken;
+      run();
+      for (const float v : out) EXPECT_TRUE(std::isnan(v));
+    }
+    joints[joint] = was;
+  }
+}
+
+// Pixels that are masked but hold no depth are nobody's crown and nobody's soles.
+TEST_F(CylinderProfile, MaskWithoutDepthChangesNothing) {
+  run();
+  const std::vector<float> before = out;
+  for (std::size_t i = 0; i < kWidth; i += 3) mask[i] = mask[mask.size() - 1 - i] = 255;
+  run();
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    EXPECT_EQ(std::isnan(out[i]), std::isnan(before[i])) << i;
+    if (std::isnan(before[i])) continue;
+    EXPECT_EQ(out[i], before[i]) << i;
+  }
+}
+
 TEST_F(CylinderProfile, NobodyGivesNothing) {
   std::fill(mask.begin(), mask.end(), std::uint8_t{0});
   run();
