@@ -19,8 +19,8 @@ Result<UprightPath> UprightPath::make(const Calibration& calibration, int rotate
   if (!calibration.distortion.any()) return path;
   auto table = undistortion_table(calibration.intrinsics, calibration.distortion, what);
   if (!table) return table.error();
-  path.undistortion_ = std::move(*table);
-  path.undistorted_.resize(path.undistortion_.size());
+  path.undistortion_ = undistort_runs(*table);
+  path.undistorted_.resize(table->size());
   return path;
 }
 
@@ -33,8 +33,8 @@ void UprightPath::deliver(DepthView camera_frame, DepthImage out) {
     rotate_upright(camera_frame, rotate_deg_, out);
     return;
   }
-  for (std::size_t i = 0; i < undistortion_.size(); ++i)
-    undistorted_[i] = undistortion_[i] < 0 ? std::uint16_t{0} : camera_frame.pixels[undistortion_[i]];
+  undistort(camera_frame.pixels, static_cast<int>(undistorted_.size()), undistortion_.data(),
+            static_cast<int>(undistortion_.size()), undistorted_.data());
   rotate_upright(DepthView(undistorted_.data(), camera_.width, camera_.height), rotate_deg_, out);
 }
 

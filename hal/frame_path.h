@@ -7,6 +7,7 @@
 
 #include "hal/intrinsics.h"
 #include "hal/source.h"
+#include "kernels/undistort/undistort.h"
 
 namespace im2fit::hal {
 
@@ -34,7 +35,7 @@ class UprightPath {
   Intrinsics upright_;
   int rotate_deg_ = 0;
   std::vector<std::uint16_t> pixels_;
-  std::vector<std::int32_t> undistortion_;  // empty for a lens without distortion
+  std::vector<UndistortRun> undistortion_;  // empty for a lens without distortion
   std::vector<std::uint16_t> undistorted_;
 };
 

@@ -18,6 +18,7 @@ void add_membership_cases(Cases& cases);
 void add_fuse_cases(Cases& cases);
 void add_segment_cases(Cases& cases);
 void add_edge_cases(Cases& cases);
+void add_undistort_cases(Cases& cases);
 void add_unproject_cases(Cases& cases);
 void add_contour_cases(Cases& cases);
 void add_height_cases(Cases& cases);
@@ -48,6 +49,7 @@ constexpr Topic kTopics[] = {
     {"fuse", add_fuse_cases},
     {"segment", add_segment_cases},
     {"edge", add_edge_cases},
+    {"undistort", add_undistort_cases},
     {"unproject", add_unproject_cases},
     {"contour", add_contour_cases},
     {"height", add_height_cases},
