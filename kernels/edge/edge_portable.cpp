@@ -4,10 +4,16 @@
 namespace im2fit {
 namespace {
 
-// What a neighbour says, without branches for the vectoriser: bit 0 that it is near, bit 1 that it is far.
-std::uint32_t look(std::uint32_t z, std::uint32_t limit, std::uint32_t other) {
-  const std::uint32_t away = other > z ? other - z : z - other;
-  return (other != 0 ? 1U : 0U) << (away > limit ? 1 : 0);
+struct Answer {
+  unsigned far = 0, near = 0;  // 1 where a neighbour was
+};
+
+// Without branches, for the vectoriser.
+inline void look(unsigned z, unsigned limit, unsigned other, Answer& answer) {
+  const unsigned away = (other > z ? other : z) - (other > z ? z : other);
+  const unsigned there = other != 0 ? 1 : 0, within = away <= limit ? 1 : 0;
+  answer.near |= there & within;
+  answer.far |= there & (within ^ 1);
 }
 
 }  // namespace
@@ -22,14 +28,19 @@ void edge_portable(DepthView depth, MaskImage mask) {
     std::uint8_t* out = mask.row(v);
     edge_pixels(depth, mask, v, 0, 1);
     for (int u = 1; u + 1 < depth.width; ++u) {
-      const std::uint32_t z = here[u];
-      const std::uint32_t limit = 40 + ((z * z >> 16) * 18361 >> 16);
-      const std::uint32_t straight = look(z, limit, above[u]) | look(z, limit, below[u]) |
-                                     look(z, limit, here[u - 1]) | look(z, limit, here[u + 1]);
-      const std::uint32_t slanting = look(z, limit, above[u - 1]) | look(z, limit, above[u + 1]) |
-                                     look(z, limit, below[u - 1]) | look(z, limit, below[u + 1]);
-      const bool is_edge = (straight & 2U) != 0 || ((straight | slanting) & 1U) == 0;
-      out[u] = z != 0 && is_edge ? 255 : 0;
+      const unsigned z = here[u];
+      const unsigned limit = 40 + ((z * z >> 16) * 18361 >> 16);
+      Answer straight, slanting;
+      look(z, limit, above[u], straight);
+      look(z, limit, below[u], straight);
+      look(z, limit, here[u - 1], straight);
+      look(z, limit, here[u + 1], straight);
+      look(z, limit, above[u - 1], slanting);
+      look(z, limit, above[u + 1], slanting);
+      look(z, limit, below[u - 1], slanting);
+      look(z, limit, below[u + 1], slanting);
+      const unsigned is_edge = straight.far | ((straight.near | slanting.near) ^ 1);
+      out[u] = static_cast<std::uint8_t>((z != 0 ? 255 : 0) & (0 - is_edge));
     }
     edge_pixels(depth, mask, v, depth.width - 1, depth.width);
   }

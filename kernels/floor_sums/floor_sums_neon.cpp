@@ -35,7 +35,7 @@ float32x4_t where(uint32x4_t take, float32x4_t value) {
 }
 
 struct Rows {
-  float n[4], x[4], xx[4], t[4], tx[4];
+  float32x4_t n, x, xx, t, tx;
 };
 
 void sum_rows(DepthView depth, const FloorGate& gate, const FloorCell& cell, Rows& rows) {
@@ -57,11 +57,7 @@ void sum_rows(DepthView depth, const FloorGate& gate, const FloorCell& cell, Row
     t = vaddq_f32(t, where(take, inverse));
     tx = vaddq_f32(tx, where(take, vmulq_f32(inverse, ray)));
   }
-  vst1q_f32(rows.n, n);
-  vst1q_f32(rows.x, x);
-  vst1q_f32(rows.xx, xx);
-  vst1q_f32(rows.t, t);
-  vst1q_f32(rows.tx, tx);
+  rows = {n, x, xx, t, tx};
 }
 
 struct Sums {
@@ -69,21 +65,39 @@ struct Sums {
               t_n = vdupq_n_f64(0);
 };
 
-float64x2_t two(double a, double b) {
-  return vsetq_lane_f64(b, vdupq_n_f64(a), 1);
+// Two rows at a time, from half of each register; a lane is a row until the terms are paired.
+struct TwoRows {
+  float64x2_t n, x, xx, t, tx, y;
+};
+
+void add(Sums& sums, const TwoRows& rows, float64x2_t weight, bool both) {
+  const float64x2_t x = vmulq_f64(weight, rows.x), xx = vmulq_f64(weight, rows.xx), n = vmulq_f64(weight, rows.n);
+  const float64x2_t t = vmulq_f64(weight, rows.t), tx = vmulq_f64(weight, rows.tx), minus_t = vnegq_f64(t);
+  const float64x2_t xy = vmulq_f64(x, rows.y), ty = vmulq_f64(t, rows.y);
+  const float64x2_t y = vmulq_f64(n, rows.y), yy = vmulq_f64(y, rows.y);
+  sums.xx_xy = vaddq_f64(sums.xx_xy, vzip1q_f64(xx, xy));
+  sums.x_yy = vaddq_f64(sums.x_yy, vzip1q_f64(x, yy));
+  sums.y_1 = vaddq_f64(sums.y_1, vzip1q_f64(y, n));
+  sums.tx_ty = vsubq_f64(sums.tx_ty, vzip1q_f64(tx, ty));
+  sums.t_n = vaddq_f64(sums.t_n, vzip1q_f64(minus_t, n));
+  if (!both) return;
+  sums.xx_xy = vaddq_f64(sums.xx_xy, vzip2q_f64(xx, xy));
+  sums.x_yy = vaddq_f64(sums.x_yy, vzip2q_f64(x, yy));
+  sums.y_1 = vaddq_f64(sums.y_1, vzip2q_f64(y, n));
+  sums.tx_ty = vsubq_f64(sums.tx_ty, vzip2q_f64(tx, ty));
+  sums.t_n = vaddq_f64(sums.t_n, vzip2q_f64(minus_t, n));
 }
 
-void add(Sums& sums, const Rows& rows, int lane, float ray_y, float weight) {
-  const double n = static_cast<double>(rows.n[lane]), x = static_cast<double>(rows.x[lane]);
-  const double t = static_cast<double>(rows.t[lane]), y = static_cast<double>(ray_y);
-  const float64x2_t d = vdupq_n_f64(static_cast<double>(weight));
-  const float64x2_t one_y = two(1, y), y_one = two(y, 1);
-  const float64x2_t by_n = vmulq_f64(vmulq_f64(d, vdupq_n_f64(n)), y_one);
-  sums.xx_xy = vaddq_f64(sums.xx_xy, vmulq_f64(vmulq_f64(d, two(static_cast<double>(rows.xx[lane]), x)), one_y));
-  sums.x_yy = vaddq_f64(sums.x_yy, vmulq_f64(vmulq_f64(vmulq_f64(d, two(x, n)), one_y), one_y));
-  sums.y_1 = vaddq_f64(sums.y_1, by_n);
-  sums.tx_ty = vsubq_f64(sums.tx_ty, vmulq_f64(vmulq_f64(d, two(static_cast<double>(rows.tx[lane]), t)), one_y));
-  sums.t_n = vaddq_f64(sums.t_n, vmulq_f64(d, two(-t, n)));
+void add_cell(Sums& sums, const Rows& rows, const FloorGate& gate, const FloorCell& cell) {
+  const float32x4_t y = vld1q_f32(gate.ray_y + cell.v);
+  const float64x2_t weight = vdupq_n_f64(static_cast<double>(cell.weight));
+  const auto low = [](float32x4_t v) { return vcvt_f64_f32(vget_low_f32(v)); };
+  const bool both = cell.stride == 1;
+  add(sums, {low(rows.n), low(rows.x), low(rows.xx), low(rows.t), low(rows.tx), low(y)}, weight, both);
+  add(sums,
+      {vcvt_high_f64_f32(rows.n), vcvt_high_f64_f32(rows.x), vcvt_high_f64_f32(rows.xx), vcvt_high_f64_f32(rows.t),
+       vcvt_high_f64_f32(rows.tx), vcvt_high_f64_f32(y)},
+      weight, both);
 }
 
 }  // namespace
@@ -96,7 +110,7 @@ void floor_sums_neon(DepthView depth, int step, const FloorGate& gate, const Flo
   for (int i = 0; i < count; ++i) {
     const FloorCell& cell = cells[i];
     sum_rows(depth, gate, cell, rows);
-    for (int k = 0; k < 4; k += cell.stride) add(sums, rows, k, gate.ray_y[cell.v + k], cell.weight);
+    add_cell(sums, rows, gate, cell);
   }
   out = {{vgetq_lane_f64(sums.xx_xy, 0), vgetq_lane_f64(sums.xx_xy, 1), vgetq_lane_f64(sums.x_yy, 0),
           vgetq_lane_f64(sums.x_yy, 1), vgetq_lane_f64(sums.y_1, 0), vgetq_lane_f64(sums.y_1, 1)},
