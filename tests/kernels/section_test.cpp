@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::int32_t kSlopeOne = 1 << FormSlope::kFractionBits;
 
+// The cuts must outlive the scan.
 SectionScan scan_of(const test::RayPicture& p, const std::vector<SectionCut>& cuts) {
   return {p.depths(),     p.masks(),         p.columns0.data(), p.rows0.data(), p.columns1.data(),
           p.rows1.data(), p.columns2.data(), p.rows2.data(),    cuts.data(),    static_cast<int>(cuts.size())};
@@ -190,7 +191,8 @@ TEST(Section, PointsOfAColumnLieOnItsCircle) {
 TEST(Section, PortableAgreesWithRef) {
   checkasm::Trial trial;
   const test::RayPicture p(160, 40, kSlopeOne / 12, 28000, 34000, trial);
-  const SectionScan scan = scan_of(p, {{10000, -50000, 1000000}, {-60000, 30000, 2000000}});
+  const std::vector<SectionCut> cuts = {{10000, -50000, 1000000}, {-60000, 30000, 2000000}};
+  const SectionScan scan = scan_of(p, cuts);
   Lists ref(scan, 6400, checkasm::Guard::after), got(scan, 6400, checkasm::Guard::after);
   section_ref(scan, ref.points.data(), 6400, ref.counts.data());
   section_portable(scan, got.points.data(), 6400, got.counts.data());
