@@ -8,13 +8,14 @@ namespace im2fit::segment {
 namespace {
 
 constexpr float kFloorBandMm = 35.0F;
-constexpr float kFarthestMm = 6500.0F;
+constexpr float kFloorBandMaxMm = 70.0F;
+constexpr std::uint16_t kFarthestMm = 6500;
 constexpr int kSpeckCells = 12;
 constexpr float kTorsoMm = 1000.0F;
 
 // Depth noise lifts floor cells by noise x slope of the ray; the band widens with it, up to a shoe's height.
 float floor_band_mm(const FloorPlane& floor, float z) {
-  return std::min(70.0F, kFloorBandMm + 0.7F * quantum_mm(z) * floor.camera_height_mm / z);
+  return std::min(kFloorBandMaxMm, kFloorBandMm + 0.7F * quantum_mm(z) * floor.camera_height_mm / z);
 }
 
 std::size_t at(int i) {
@@ -168,12 +169,16 @@ void BlobFinder::join_trunks(const Grid& grid, const FloorPlane& floor) {
 }
 
 void BlobFinder::open_cells(const Grid& grid, const FloorPlane& floor) {
-  // Without branches, for the vectoriser. Where the floor is unknown no height is below the band.
-  const float lift = floor.known ? 0.0F : 1e9F;
   for (std::size_t i = 0; i < open_.size(); ++i) {
-    const float z = static_cast<float>(grid.depth[i]);
-    const bool above = !(grid.height_mm[i] + lift < floor_band_mm(floor, z));
-    open_[i] = static_cast<std::uint8_t>((z > 0) & (z < kFarthestMm) & above);
+    const std::uint16_t z = grid.depth[i];
+    open_[i] = z > 0 && z < kFarthestMm ? 1 : 0;
+  }
+  if (!floor.known) return;
+  for (std::size_t i = 0; i < open_.size(); ++i) {
+    const float height = grid.height_mm[i];
+    // The band is nowhere narrower nor wider than these: few cells need it.
+    if (!(height < kFloorBandMaxMm)) continue;
+    if (height < kFloorBandMm || height < floor_band_mm(floor, static_cast<float>(grid.depth[i]))) open_[i] = 0;
   }
 }
 
