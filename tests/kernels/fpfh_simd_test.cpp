@@ -130,6 +130,28 @@ TEST(FpfhSimd, CountersDoNotOverflow) {
   EXPECT_GT(compare({7, 290, 250, 5, 0.05, 0.02, 0.0, 0, 400}, 4, trial, work), 0);
 }
 
+// Coordinates so small that their products are denormals, which some vector units take for zeros.
+TEST(FpfhSimd, DenormalsDecideAlike) {
+  checkasm::Trial trial;
+  FpfhWorkspace work(16, 16);
+  for (const float tiny : {1e-12F, 1e-20F, 1e-30F}) {
+    Cloud cloud({9, 7, 300, 0, 0, 0, 0, 0, 200}, trial);
+    for (std::size_t i = 0; i < cloud.count; ++i) {
+      const Vec3f n =
+          normalized({tiny * trial.between(-1, 1), i % 2 == 0 ? tiny : 1.0F, trial.between(-1, 1) * tiny});
+      cloud.nx[i] = n.x, cloud.ny[i] = n.y, cloud.nz[i] = i % 2 == 0 ? -1.0F : n.z;
+      if (i % 9 == 4) cloud.x[i] = tiny * trial.between(-1, 1);
+    }
+    const std::vector<Vec3f> keypoints = {{5, 3, 310}, {-40, 20, 290}};
+    std::vector<float> want(keypoints.size() * kFpfhSize), got(want.size());
+    fpfh_portable(cloud.view(), keypoints, 200, work, want);
+    checkasm::each_simd(kFpfhKernels, [&](const auto& variant) {
+      variant.function(cloud.view(), keypoints, 200, work, got);
+      checkasm::expect_same_bits<float>(want, got);
+    });
+  }
+}
+
 // A workspace used before, for a larger picture: nothing of it may show.
 TEST(FpfhSimd, WorkspaceIsCleanEachTime) {
   checkasm::Trial trial;
