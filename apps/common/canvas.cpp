@@ -41,7 +41,7 @@ const Glyph* glyph_of(char letter) {
 
 std::uint8_t mixed(std::uint8_t below, std::uint8_t above, float alpha) {
   const float value = static_cast<float>(below) + (static_cast<float>(above) - static_cast<float>(below)) * alpha;
-  return static_cast<std::uint8_t>(value + 0.5F);
+  return static_cast<std::uint8_t>(std::lround(value));
 }
 
 // Distance of (x, y) from the segment.

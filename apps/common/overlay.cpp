@@ -166,7 +166,8 @@ class Painter {
       const int x = canvas_.width() - width - 4 * scale;
       const int y = std::max(lowest, static_cast<int>(label.y) - height / 2);
       lowest = y + height + 4 * scale;
-      canvas_.line(label.x, label.y, static_cast<float>(x - 2 * scale), static_cast<float>(y + height / 2),
+      const int middle = y + height / 2;
+      canvas_.line(label.x, label.y, static_cast<float>(x - 2 * scale), static_cast<float>(middle),
                    static_cast<float>(scale) * 0.6F, label.colour, 0.7F);
       plate(x, y, label.text, scale, label.colour);
     }
