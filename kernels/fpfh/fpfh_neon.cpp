@@ -224,7 +224,11 @@ void add_bytes(uint8x16_t bytes, std::int32_t* counts) {
 // Adds one pair to its candidate's bytes and to the source's.
 inline void count_pair(std::uint32_t code, std::uint8_t* bytes, uint8x16_t& own_low, uint8x16_t& own_high) {
   const std::uint8_t* entry = kIncrements.bytes + code;
+#ifdef __aarch64__
   const uint8x16x2_t one = vld1q_u8_x2(entry);
+#else
+  const uint8x16x2_t one = {{vld1q_u8(entry), vld1q_u8(entry + 16)}};
+#endif
   own_low = vaddq_u8(own_low, one.val[0]);
   own_high = vaddq_u8(own_high, one.val[1]);
   vst1q_u8(bytes, vaddq_u8(vld1q_u8(bytes), one.val[0]));
