@@ -29,6 +29,16 @@ float32x4_t dot(float32x4_t ax, float32x4_t ay, float32x4_t az, float32x4_t bx, 
   return vaddq_f32(vaddq_f32(vmulq_f32(ax, bx), vmulq_f32(ay, by)), vmulq_f32(az, bz));
 }
 
+uint32x4_t greater(float32x4_t a, float32x4_t b) {
+#ifdef __aarch64__
+  return vcgtq_f32(a, b);
+#else
+  uint32x4_t out;  // GCC 12 would compare lane by lane in the scalar unit, for the sake of denormals
+  asm("vcgt.f32 %q0, %q1, %q2" : "=w"(out) : "w"(a), "w"(b));
+  return out;
+#endif
+}
+
 bool any(uint32x4_t lanes) {
 #ifdef __aarch64__
   return vmaxvq_u32(lanes) != 0;
@@ -56,7 +66,7 @@ Terms terms_of(const Source& p, float32x4_t dx, float32x4_t dy, float32x4_t dz, 
   t.triple = dot(vx, vy, vz, mx, my, mz);
   t.size1 = vabsq_f32(along1);
   t.size2 = vabsq_f32(along2);
-  const uint32x4_t swap = vcltq_f32(t.size1, t.size2);
+  const uint32x4_t swap = greater(t.size2, t.size1);
   t.source = vbslq_f32(swap, vnegq_f32(along2), along1);
   t.target = vbslq_f32(swap, vnegq_f32(along1), along2);
   t.s = vsubq_f32(d2, vmulq_f32(t.source, t.source));
@@ -105,17 +115,17 @@ Pairs pairs_of(const Terms& t, const Constants& k) {
   const float32x4_t wt = vsubq_f32(t.target, vmulq_f32(t.source, t.c));
   const float32x4_t across = vabsq_f32(wt), cl = vmulq_f32(t.c, v_length);
   // Minus the number of edges passed. a - b > 0 where a > b: floats underflow gradually.
-  uint32x4_t passed = vcgtq_f32(times<0>(across, k), times<5>(cl, k));
-  passed = vaddq_u32(passed, vcgtq_f32(times<1>(across, k), times<6>(cl, k)));
-  passed = vaddq_u32(passed, vcgtq_f32(times<2>(across, k), times<7>(cl, k)));
-  passed = vaddq_u32(passed, vcgtq_f32(times<3>(across, k), times<8>(cl, k)));
-  passed = vaddq_u32(passed, vcgtq_f32(times<4>(across, k), times<9>(cl, k)));
+  uint32x4_t passed = greater(times<0>(across, k), times<5>(cl, k));
+  passed = vaddq_u32(passed, greater(times<1>(across, k), times<6>(cl, k)));
+  passed = vaddq_u32(passed, greater(times<2>(across, k), times<7>(cl, k)));
+  passed = vaddq_u32(passed, greater(times<3>(across, k), times<8>(cl, k)));
+  passed = vaddq_u32(passed, greater(times<4>(across, k), times<9>(cl, k)));
   const uint32x4_t below = vcltzq_f32(wt);
   // b1 = 5 + passed, or 5 - passed where w.target is below zero.
   const int32x4_t minus = vreinterpretq_s32_u32(vsubq_u32(veorq_u32(passed, below), below));
   Pairs out;
-  const uint32x4_t apart = vcgtq_f32(vabdq_f32(t.size1, t.size2), times<kTie>(d_length, k));
-  out.sound = vandq_u32(apart, vcgtq_f32(t.s, times<kParallel>(t.d2, k)));
+  const uint32x4_t apart = greater(vabdq_f32(t.size1, t.size2), times<kTie>(d_length, k));
+  out.sound = vandq_u32(apart, greater(t.s, times<kParallel>(t.d2, k)));
   constexpr int kStride = kFpfhBins * kFpfhBins;
   const int32x4_t places =
       vmlsq_n_s32(vmlaq_n_s32(vaddq_s32(b3, vdupq_n_s32(5 * kStride)), b2, kFpfhBins), minus, kStride);
@@ -158,23 +168,23 @@ int32x4_t clamped(float32x4_t f, uint32x4_t& sound) {
 
 Pairs pairs_of(const Terms& t, const Constants& k) {
   Pairs out;
-  out.sound = vcgtq_f32(t.d2, vdupq_n_f32(kTinySquared));
-  out.sound = vandq_u32(out.sound, vcgtq_f32(t.s, times<kParallel>(t.d2, k)));
+  out.sound = greater(t.d2, vdupq_n_f32(kTinySquared));
+  out.sound = vandq_u32(out.sound, greater(t.s, times<kParallel>(t.d2, k)));
   const float32x4_t inverse_v = inverse_root(t.s), inverse_d = inverse_root(t.d2);
   const float32x4_t v_length = vmulq_f32(t.s, inverse_v), d_length = vmulq_f32(t.d2, inverse_d);
   const float32x4_t apart = vabdq_f32(t.size1, t.size2);
   out.sound =
-      vandq_u32(out.sound, vcgtq_f32(apart, vmulq_n_f32(d_length, fpfh_detail::kNearTie * (1.0F + kTieMargin))));
+      vandq_u32(out.sound, greater(apart, vmulq_n_f32(d_length, fpfh_detail::kNearTie * (1.0F + kTieMargin))));
   const int32x4_t b2 = clamped(vmulq_f32(t.triple, inverse_v), out.sound);
   const int32x4_t b3 = clamped(vmulq_f32(t.source, inverse_d), out.sound);
   const float32x4_t wt = vsubq_f32(t.target, vmulq_f32(t.source, t.c));
   const float32x4_t across = vabsq_f32(wt), cl = vmulq_f32(t.c, v_length);
-  out.sound = vandq_u32(out.sound, vcgtq_f32(across, vdupq_n_f32(kTinyAcross)));
+  out.sound = vandq_u32(out.sound, greater(across, vdupq_n_f32(kTinyAcross)));
   const float32x4_t margin = vmulq_n_f32(vaddq_f32(across, vabsq_f32(cl)), kEdgeMargin);
   uint32x4_t passed = vdupq_n_u32(0);
   const auto edge = [&](float32x4_t along_cosine, float32x4_t along_sine) {
     const float32x4_t over = vsubq_f32(along_cosine, along_sine);
-    passed = vaddq_u32(passed, vcgtq_f32(over, vdupq_n_f32(0.0F)));
+    passed = vaddq_u32(passed, greater(over, vdupq_n_f32(0.0F)));
     out.sound = vandq_u32(out.sound, vcagtq_f32(over, margin));
   };
   edge(times<0>(across, k), times<5>(cl, k));
@@ -182,7 +192,7 @@ Pairs pairs_of(const Terms& t, const Constants& k) {
   edge(times<2>(across, k), times<7>(cl, k));
   edge(times<3>(across, k), times<8>(cl, k));
   edge(times<4>(across, k), times<9>(cl, k));
-  const uint32x4_t below = vcltq_f32(wt, vdupq_n_f32(0.0F));
+  const uint32x4_t below = greater(vdupq_n_f32(0.0F), wt);
   const int32x4_t minus = vreinterpretq_s32_u32(vsubq_u32(veorq_u32(passed, below), below));
   constexpr int kStride = kFpfhBins * kFpfhBins;
   const int32x4_t places =
@@ -256,7 +266,7 @@ int leave_aside(std::int32_t* list, int count, int j, uint32x4_t lanes) {
 
 // Lanes within the radius that someone needs.
 uint32x4_t lanes_inside(const PairTask& task, int j, float32x4_t d2, float32x4_t radius_squared) {
-  const uint32x4_t inside = vcltq_f32(d2, radius_squared);
+  const uint32x4_t inside = greater(radius_squared, d2);
   if (task.source_needed) return inside;
   const std::uint8_t* needed = task.needed + j;
   const std::uint32_t wanted[kLanes] = {needed[0], needed[1], needed[2], needed[3]};
