@@ -82,15 +82,13 @@ void add_floor_sums(Cases& cases) {
                              static_cast<std::uint16_t>(c > 50 && c < 110 ? 1 : 2), 1.0F});
   const auto count = static_cast<double>(data->cells.size());
   const Floor floor = {count * 4 * 4 / 2.5e3, "four rows a cell, each waiting 4 cycles for the last sum of doubles"};
-  add_variants(cases, "segment.floor_sums/2400", kFloorSumsKernels, count, "cell", floor, true,
-               [&](auto* function) {
-                 return [data, function] {
-                   PlaneSums out;
-                   function(data->room->view(), 4, data->gate(), data->cells.data(),
-                            static_cast<int>(data->cells.size()), out);
-                   keep(out);
-                 };
-               });
+  add_variants(cases, "segment.floor_sums/2400", kFloorSumsKernels, count, "cell", floor, true, [&](auto* function) {
+    return [data, function] {
+      PlaneSums out;
+      function(data->room->view(), 4, data->gate(), data->cells.data(), static_cast<int>(data->cells.size()), out);
+      keep(out);
+    };
+  });
 }
 
 void add_frame(Cases& cases) {
