@@ -46,7 +46,7 @@ Status write_paper_files(const body::BodyModel& model, SyntheticPerson& person, 
                                                   {body::write_bvh, "sample.bvh"},
                                                   {body::write_attributes, "sample.txt"}};
   for (const auto& [write, name] : files)
-    if (const auto written = write(avatar, directory + "/" + name); !written) return written;
+    if (const auto written = write(avatar, directory + "/" + name); !written) return written.error();
   return Ok{};
 }
 
@@ -66,8 +66,8 @@ Status write_frames(SyntheticPerson& person, const RenderOptions& options, int r
     info.sequence = static_cast<std::uint64_t>(i);
     info.host_ns = i * 33'333'333LL;
     info.device_us = i * 33'333LL;
-    if (const auto written = (*writer)->write(image, info); !written) return written;
-    progress.update(static_cast<std::uint64_t>(i + 1));
+    if (const auto written = (*writer)->write(image, info); !written) return written.error();
+    progress.update(static_cast<std::uint64_t>(i) + 1);
   }
   return (*writer)->finish();
 }
