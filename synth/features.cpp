@@ -70,6 +70,7 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
   Stopwatch watch;
   const Intrinsics upright = hal::rotate_upright(options.intrinsics, options.scene.rotate_deg);
   Station& at = station(upright.width, upright.height);
+  last_ = &at;
   at.sensor.reset();
   at.fuser.reset();
   capture_ = {};
@@ -104,6 +105,10 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
   capture_.paper = description.paper;
   capture_.feature = description.feature;
   return capture_;
+}
+
+const Fuser* CaptureRig::gathered() const {
+  return last_ == nullptr ? nullptr : &last_->fuser;
 }
 
 CaptureOptions draw_capture(const CaptureVariety& variety, std::uint64_t seed, std::uint64_t subject, int capture) {

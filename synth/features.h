@@ -53,6 +53,8 @@ class CaptureRig {
   ~CaptureRig();
   // Depends on the subject and the options only. The result is valid until the next call.
   const Capture& run(const Subject& subject, const CaptureOptions& options);
+  // What the last run gathered, for other descriptors of the same frames; null before the first run.
+  const Fuser* gathered() const;
   CaptureCost cost;
 
  private:
@@ -61,6 +63,7 @@ class CaptureRig {
   const body::BodyModel& model_;
   const JointModel& joint_model_;
   std::vector<std::unique_ptr<Station>> stations_;
+  const Station* last_ = nullptr;
   std::vector<std::uint16_t> delivered_;
   Capture capture_;
 };

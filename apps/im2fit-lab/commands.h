@@ -14,5 +14,6 @@ void add_index(CLI::App& app, Command& chosen);
 void add_render(CLI::App& app, Command& chosen);
 void add_import_raw(CLI::App& app, Command& chosen);
 void add_eval(CLI::App& app, Command& chosen);
+void add_descriptors(CLI::App& app, Command& chosen);
 
 }  // namespace im2fit::apps

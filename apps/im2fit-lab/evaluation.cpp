@@ -16,12 +16,11 @@ constexpr std::uint64_t kSceneStream = 0x5CE9E;
 constexpr int kShownPerWanted = 3;
 constexpr float kWithinMm = 100.0F;
 
-struct Person {
-  synth::Subject subject;
-  synth::CaptureOptions capture;
-};
+using Person = HeldOutPerson;
 
-Person draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index) {
+}  // namespace
+
+HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index) {
   Person person{synth::draw_subject(model, synth::Family::held_out, options.seed, index), {}};
   person.capture.scene = options.noise ? furnished_room() : synth::SceneOptions{};
   person.capture.sensor = sensor_of(options.noise);
@@ -30,6 +29,8 @@ Person draw_person(const body::BodyModel& model, const EvaluationOptions& option
   person.capture.seed = Rng::for_item(options.seed, kSceneStream, index).next();
   return person;
 }
+
+namespace {
 
 void add_joint_errors(const JointSet& found, const JointSet& truth, Outcome& outcome) {
   for (std::size_t j = 0; j < kJointCount; ++j) {

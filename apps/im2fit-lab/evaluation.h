@@ -10,6 +10,7 @@
 #include "index/index.h"
 #include "index/raw_nearest.h"
 #include "kernels/joints/tracker.h"
+#include "synth/features.h"
 
 namespace im2fit::apps {
 
@@ -21,6 +22,13 @@ struct EvaluationOptions {
   int width = 640, height = 480;
   int threads = 1;  // does not change the result
 };
+
+// The person `index` of an evaluation, and where the camera stands.
+struct HeldOutPerson {
+  synth::Subject subject;
+  synth::CaptureOptions capture;
+};
+HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index);
 
 // One person, one session.
 struct Outcome {
