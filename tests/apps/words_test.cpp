@@ -87,7 +87,8 @@ TEST(Words, HelpIsEverywhere) {
         {"index", "inspect"},
         {"render"},
         {"import-raw"},
-        {"eval"}}},
+        {"eval"},
+        {"descriptors"}}},
   };
   for (const auto& [program, commands] : table) {
     for (Words words : commands) {

@@ -99,9 +99,10 @@ TEST(CheckAsm, BiasedValuesReachBothEnds) {
 
 #ifdef IM2FIT_TIER_SWITCH
 TEST(Tiers, EnvironmentDisablesNamedOnes) {
-  const bool neon = tier_available(Tier::neon), avx2 = tier_available(Tier::avx2);
   const char* before = std::getenv("IM2FIT_DISABLE_TIERS");
   const std::string restore = before == nullptr ? "" : before;
+  unsetenv("IM2FIT_DISABLE_TIERS");
+  const bool neon = tier_available(Tier::neon), avx2 = tier_available(Tier::avx2);
   setenv("IM2FIT_DISABLE_TIERS", "avx2", 1);
   EXPECT_FALSE(tier_available(Tier::avx2));
   EXPECT_EQ(tier_available(Tier::neon), neon);
