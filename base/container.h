@@ -32,10 +32,10 @@ class ContainerWriter {
   // Names: 1 to 15 characters, unique.
   void add(std::string name, std::vector<std::byte> bytes);
   template <class T>
-  void add_array(std::string name, std::span<const T> values) {
+  void add_array(const std::string& name, std::span<const T> values) {
     static_assert(std::is_trivially_copyable_v<T>);
     const auto bytes = std::as_bytes(values);
-    add(std::move(name), {bytes.begin(), bytes.end()});
+    add(name, {bytes.begin(), bytes.end()});
   }
   std::vector<std::byte> finish() const;
 

@@ -43,7 +43,7 @@ Result<std::vector<std::int32_t>> undistortion_table(const Intrinsics& k, const 
       const double column = at.x * fx + cx + 0.5;
       const double row = at.y * fy + cy + 0.5;
       if (!(column >= 0 && column < k.width && row >= 0 && row < k.height)) continue;  // also when not a number
-      table[static_cast<std::size_t>(v * k.width + u)] =
+      table[static_cast<std::size_t>(v) * static_cast<std::size_t>(k.width) + static_cast<std::size_t>(u)] =
           static_cast<std::int32_t>(row) * k.width + static_cast<std::int32_t>(column);
       ++seen_count;
     }

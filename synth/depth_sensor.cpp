@@ -94,7 +94,7 @@ DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
     t.graze_raw.push_back(static_cast<float>(1 / (std::sqrt(z_mm / 1000) * step_mm)));
     const double delivered = z_mm * options.depth_scale;
     const bool inside = delivered >= options.range_min_mm && delivered <= options.range_max_mm && delivered < 65535;
-    t.mm.push_back(inside ? static_cast<std::uint16_t>(delivered + 0.5) : std::uint16_t{0});
+    t.mm.push_back(inside ? static_cast<std::uint16_t>(std::lround(delivered)) : std::uint16_t{0});
     t.lost_by_raw.push_back(chance_of(3e-4 + 0.3 * ramp(z_mm, 4000, 5500)));
   }
   for (int c = 0; c < 256; ++c) {
@@ -217,12 +217,13 @@ std::uint16_t DepthSensor::deliver(const Sample& s, float noise, std::uint32_t c
   const float q = (static_cast<float>(kRawAtInfinity) - raw) * static_cast<float>(kRawStepPerMm);
   const float z = noise == 0 ? options_.depth_scale / s.inverse_depth : options_.depth_scale / q;
   if (!(z >= options_.range_min_mm && z <= options_.range_max_mm && z < 65535)) return 0;
-  return static_cast<std::uint16_t>(z + 0.5F);
+  const float up = z + 0.5F;  // positive: cut, it is the nearest; lround would be a call a pixel
+  return static_cast<std::uint16_t>(up);
 }
 
 bool DepthSensor::hair_lost(std::uint64_t seed, std::uint64_t frame, int u, int v) const {
   // Patches that stay with the scene and flicker a little: two lattices of 6 px (at 640 wide), bilinear.
-  const int cell = std::max(2, static_cast<int>(6 * pixel_scale_ + 0.5F));
+  const int cell = std::max(2, static_cast<int>(std::lround(6 * pixel_scale_)));
   Rng person = Rng::for_item(seed, kHairPattern, 0);
   const float darkness = static_cast<float>(person.uniform(-3.0, 0.4));  // most heads answer, some in patches only
   const float x = static_cast<float>(u % cell) / static_cast<float>(cell);

@@ -108,7 +108,8 @@ class TreeGrower {
     std::array<int, kScoreSize> dims{};
     for (int half = 0; half < 2; ++half) {
       const int joint = rng_.index(static_cast<int>(kJointCount));
-      for (int k = 0; k < 3; ++k) dims[static_cast<std::size_t>(3 * half + k)] = 3 * joint + k;
+      for (int k = 0; k < 3; ++k)
+        dims[3 * static_cast<std::size_t>(half) + static_cast<std::size_t>(k)] = 3 * joint + k;
     }
     scores_.resize(looked * kScoreSize);
     for (std::size_t n = 0; n < looked; ++n) {
@@ -183,8 +184,9 @@ void prepare(Level& level, std::span<const TrackerImage> images, std::span<const
   level.residual.resize(starts.size() * static_cast<std::size_t>(kShapeSize));
   const int chunk = 256;
   for_each_item(static_cast<int>((starts.size() + chunk - 1) / chunk), threads, [&](int item) {
-    const std::size_t end = std::min(starts.size(), static_cast<std::size_t>((item + 1) * chunk));
-    for (std::size_t i = static_cast<std::size_t>(item * chunk); i < end; ++i) {
+    const std::size_t end =
+        std::min(starts.size(), (static_cast<std::size_t>(item) + 1) * static_cast<std::size_t>(chunk));
+    for (std::size_t i = static_cast<std::size_t>(item) * static_cast<std::size_t>(chunk); i < end; ++i) {
       const TrackerImage& image = images[static_cast<std::size_t>(starts[i].image)];
       joints::read_anchors(level.anchors, image.view, starts[i].shape,
                            level.pixels.data() + i * static_cast<std::size_t>(level.pixel_count));
@@ -202,8 +204,9 @@ void prepare(Level& level, std::span<const TrackerImage> images, std::span<const
 void subtract(Level& level, std::span<const Tree> trees, std::span<CascadeStart> starts, int threads) {
   const int chunk = 1024;
   for_each_item(static_cast<int>((starts.size() + chunk - 1) / chunk), threads, [&](int item) {
-    const std::size_t end = std::min(starts.size(), static_cast<std::size_t>((item + 1) * chunk));
-    for (std::size_t i = static_cast<std::size_t>(item * chunk); i < end; ++i) {
+    const std::size_t end =
+        std::min(starts.size(), (static_cast<std::size_t>(item) + 1) * static_cast<std::size_t>(chunk));
+    for (std::size_t i = static_cast<std::size_t>(item) * static_cast<std::size_t>(chunk); i < end; ++i) {
       float* r = level.residual.data() + i * static_cast<std::size_t>(kShapeSize);
       for (const Tree& tree : trees) {
         const int leaf = joints::find_leaf(tree.splits.data(), level.row(static_cast<std::int32_t>(i)));
@@ -245,7 +248,8 @@ Cascade train_cascade(std::span<const TrackerImage> images, std::vector<CascadeS
       const int batch = std::min(kBatchTreeCount, options.level_tree_count - t);
       std::vector<Tree> trees(static_cast<std::size_t>(batch));
       for_each_item(batch, options.thread_count, [&](int b) {
-        const auto item = static_cast<std::uint64_t>(l * options.level_tree_count + t + b);
+        const int number = l * options.level_tree_count + t + b;
+        const auto item = static_cast<std::uint64_t>(number);
         trees[static_cast<std::size_t>(b)] = TreeGrower(level, Rng::for_item(options.seed, kLevelStream, item)).run();
       });
       subtract(level, trees, starts, options.thread_count);

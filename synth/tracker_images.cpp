@@ -18,6 +18,10 @@ constexpr int kSensorHeight = 240;
 constexpr double kTruthMaskShare = 0.25;
 constexpr double kCutShare = 0.08;
 
+std::size_t index_of(int u, int v, int width) {
+  return static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
+}
+
 // Turns a sensor frame upright (synth/virtual_camera.h, "Mounting").
 template <class T>
 void turn_upright(const std::vector<T>& in, int width, int height, int rotate_deg, std::vector<T>& out) {
@@ -38,7 +42,7 @@ void turn_upright(const std::vector<T>& in, int width, int height, int rotate_de
         from_u = width - 1 - v;
         from_v = u;
       }
-      out[static_cast<std::size_t>(v * out_width + u)] = in[static_cast<std::size_t>(from_v * width + from_u)];
+      out[index_of(u, v, out_width)] = in[index_of(from_u, from_v, width)];
     }
   }
 }
@@ -81,7 +85,7 @@ Person box_of(const std::vector<std::uint8_t>& mask, int width, int height) {
   person.v_min = height;
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
-      if (mask[static_cast<std::size_t>(v * width + u)] == 0) continue;
+      if (mask[index_of(u, v, width)] == 0) continue;
       person.found = true;
       person.u_min = std::min(person.u_min, u);
       person.u_max = std::max(person.u_max, u);

@@ -69,7 +69,7 @@ class NpmSource : public Source {
   Status open(const std::string& directory) {
     for (const auto step : {&NpmSource::read_targets, &NpmSource::read_mesh}) {
       const Status status = (this->*step)(directory);
-      if (!status) return status;
+      if (!status) return status.error();
     }
     auto rig_read = read_rig(directory + "/src/json/rigs/default.json");
     if (!rig_read) return rig_read.error();

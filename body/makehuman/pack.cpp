@@ -103,7 +103,7 @@ class Packer {
     for (const std::span<const std::string_view> joints :
          {std::span<const std::string_view>(kSegmentHeads), {kSegmentTails}, {kOpenNiJoints}}) {
       const Status status = add(joints);
-      if (!status) return status;
+      if (!status) return status.error();
     }
     writer_.add_array<ListRecord>("lists", records);
     writer_.add_array<std::int32_t>("list_vertices", vertices);
@@ -216,14 +216,14 @@ class Packer {
         const std::string name =
             std::string("macrodetails/height/") + g.name + "-young-averagemuscle-averageweight-" + h.name;
         const Status status = add_macro(name, {g.factor, h.factor}, true, true);
-        if (!status) return status;
+        if (!status) return status.error();
       }
       for (const auto& a : kAges) {
         const std::string who = std::string(g.name) + "-" + a.name;
         for (const auto& r : kRaces) {
           const Status status = add_macro("macrodetails/" + std::string(r.name) + "-" + who,
                                           {g.factor, a.factor, r.factor}, true, false);
-          if (!status) return status;
+          if (!status) return status.error();
         }
         for (const auto& m : kMuscles)
           for (const auto& k : kWeights) {
@@ -231,13 +231,13 @@ class Packer {
             const std::vector<Factor> factors = {g.factor, a.factor, m.factor, k.factor};
             Status status = add_macro("macrodetails/universal-" + build, factors, true, false);
             for (const auto& p : kProportions) {
-              if (!status) return status;
+              if (!status) return status.error();
               auto with = factors;
               with.push_back(p.factor);
               status = add_macro("macrodetails/proportions/" + build + "-" + p.name, with, true, false);
             }
             if (status && g.factor == Factor::female) status = add_breast(build, factors);
-            if (!status) return status;
+            if (!status) return status.error();
           }
       }
     }
@@ -261,7 +261,7 @@ class Packer {
         with.push_back(c.factor);
         with.push_back(f.factor);
         const Status status = add_macro(name, with, false, false);
-        if (!status) return status;
+        if (!status) return status.error();
       }
     return Ok{};
   }

@@ -3,6 +3,7 @@
 
 #include <OniCAPI.h>
 
+#include <algorithm>
 #include <mutex>
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -74,6 +75,7 @@ Result<std::vector<OpenNi2Device>> list_openni2_devices() {
   if (oniGetDeviceList(&list, &count) != ONI_STATUS_OK)
     return Error{ErrorCode::io, "OpenNI2 cannot list its cameras (" + openni2_complaint() + ")"};
   std::vector<OpenNi2Device> devices;
+  devices.reserve(static_cast<std::size_t>(std::max(count, 0)));
   for (int i = 0; i < count; ++i) devices.push_back({list[i].uri, std::string(list[i].vendor) + " " + list[i].name});
   oniReleaseDeviceList(list);
   return devices;

@@ -66,11 +66,11 @@ static_assert(sizeof(ConfidenceBin) == 4);
 
 using Shape = std::array<float, static_cast<std::size_t>(kShapeSize)>;  // x, y, z by joint, mm
 inline Vec3f joint_of(const Shape& s, int j) {
-  const auto i = static_cast<std::size_t>(3 * j);
+  const auto i = 3 * static_cast<std::size_t>(j);
   return {s[i], s[i + 1], s[i + 2]};
 }
 inline void set_joint(Shape& s, int j, Vec3f p) {
-  const auto i = static_cast<std::size_t>(3 * j);
+  const auto i = 3 * static_cast<std::size_t>(j);
   s[i] = p.x;
   s[i + 1] = p.y;
   s[i + 2] = p.z;
