@@ -44,6 +44,12 @@ function(im2fit_test_room room)
   target_link_libraries(${room}_tests PRIVATE ${arg_DEPENDS} GTest::gtest_main GTest::gmock)
   # One ctest entry a room: starting a process for each case costs more than most cases.
   add_test(NAME ${room} COMMAND ${room}_tests)
-  set_tests_properties(${room} PROPERTIES TIMEOUT 600
+  # An emulator is ten to fifty times slower.
+  if(CMAKE_CROSSCOMPILING)
+    set(timeout_s 1500)
+  else()
+    set(timeout_s 600)
+  endif()
+  set_tests_properties(${room} PROPERTIES TIMEOUT ${timeout_s}
     SKIP_REGULAR_EXPRESSION "NOTHING_TO_TEST")
 endfunction()
