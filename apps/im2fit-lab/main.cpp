@@ -6,8 +6,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Workstation side of im2fit: body data, synthetic people, training, evaluation.", "im2fit-lab"};
   app.footer("Start with: im2fit-lab fetch, then im2fit-lab train, then im2fit-lab index --subjects 20000");
   Command chosen;
-  for (auto* add :
-       {add_fetch, add_population, add_train, add_dataset, add_index, add_render, add_import_raw, add_eval, add_descriptors})
+  for (auto* add : {add_fetch, add_population, add_train, add_dataset, add_index, add_render, add_import_raw,
+                    add_eval, add_descriptors})
     add(app, chosen);
   return run_program(app, chosen, argc, argv);
 }
