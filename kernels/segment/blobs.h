@@ -29,6 +29,8 @@ struct Blob {
   float relief_mm = 0;  // rms distance in depth from the best plane: furniture fronts and walls are flat
   bool person = false;
   bool has_head = false;
+  bool vague = false;  // its head is
+  Vec3f head_mm;       // cell at the crown, when has_head
 };
 
 struct Head {
@@ -45,7 +47,6 @@ class BlobFinder {
   // Labels every cell: blob index + 1, or 0 for floor, no data and specks.
   void run(const Grid& grid, const FloorPlane& floor);
   std::span<const std::uint16_t> labels() const { return labels_; }
-  std::span<std::uint16_t> labels() { return labels_; }
   std::span<const Blob> blobs() const { return {blobs_.data(), static_cast<std::size_t>(blob_count_)}; }
   std::span<const Head> heads() const { return {heads_.data(), static_cast<std::size_t>(head_count_)}; }
 

@@ -75,6 +75,8 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
       const bool sized = blob.area_m2 > 0.06F && blob.area_m2 < 2.2F && tall > 300.0F;
       if (!sized || floats(grid, b, floor) || on_pole(grid, b, floor)) continue;
       blob.person = blob.has_head = true;
+      blob.vague = vague;
+      blob.head_mm = heads_[at(h)].top_mm;
       any_head = true;
     }
   }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// From one depth frame to the mask of the person to be measured: floor plane, background, blobs, choice.
-// No allocation after construction, no threads; not shareable between threads.
+// From one depth frame to the people in it and the mask of the one to be measured: floor plane, background, blobs,
+// people, choice. No allocation after construction, no threads; not shareable between threads.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "kernels/core/camera.h"
 #include "kernels/core/guidance.h"
@@ -17,8 +18,22 @@ struct FloorPlane {
   float camera_height_mm = 0;  // the camera's distance above the floor; height of p = dot(up, p) + camera_height_mm
 };
 
+// One of the people of a frame, as the coarse picture shows them (cells of 4 px at 640x480).
+struct User {
+  int id = 0;  // >= 1; stays while the person is seen, or hidden for 3 s at most; never given to another person
+  int u_min = 0, v_min = 0, u_max = -1, v_max = -1;  // px, box, inclusive
+  int pixel_count = 0;                               // of the cells
+  Vec3f centroid_mm;                                 // of the cells
+  Vec3f head_mm;            // crown, as the camera sees it; without has_head the topmost cell seen last
+  bool has_head = false;    // a head is seen in this frame
+  float visible_share = 1;  // of the surface seen of this person at best, 0..1: less behind others
+  bool confirmed = false;   // seen in three frames, or there from the first
+};
+inline constexpr int kUserCountMax = 8;
+
 struct Person {
   bool found = false;
+  int id = 0;                                        // of the User measured; 0: nobody
   int people_count = 0;                              // people in view, the chosen one included
   int u_min = 0, v_min = 0, u_max = -1, v_max = -1;  // px, box of the mask, inclusive
   int pixel_count = 0;
@@ -37,8 +52,14 @@ class Segmenter {
 
   // `depth` and `mask` have the constructor's size; both upright (camera rolled by 12 degrees at most). Pixels of 0
   // or more than 10,000 mm are no data. With the floor unknown, heights are along the picture's vertical.
-  Person run(DepthView depth, const Intrinsics& intrinsics, MaskImage mask);
-  void reset();  // forgets the floor and the background
+  // `seconds`: since the frame before, for those who walk or are hidden.
+  Person run(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = 1.0F / 30.0F);
+  // The people of the last frame, at most kUserCountMax, nearest first; valid until the next run or reset.
+  std::span<const User> users() const;
+  // Whom to measure from the next frame on: the user of this id and nobody else, even while he is hidden or gone;
+  // 0 (default): the nearest and most central one.
+  void select(int id);
+  void reset();  // forgets the floor, the background and everybody; ids go on; the selection ends
 
  private:
   struct Workspace;

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hands and forearms that became islands of their own, given back to the person.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/segment/blobs.h"
+#include "kernels/segment/grid.h"
+
+namespace im2fit::segment {
+
+class FragmentJoiner {
+ public:
+  FragmentJoiner();
+  // Sets `chosen` to 1 for the cells of blob `person` and of the islands that belong to it, 0 elsewhere.
+  void run(const Grid& grid, const BlobFinder& found, bool floor_known, int person, std::span<std::uint8_t> chosen);
+
+ private:
+  void list_candidates(const Grid& grid, std::span<const Blob> list, bool floor_known, int person);
+  void look_around(const Grid& grid, std::span<const std::uint16_t> labels, std::span<const std::uint8_t> chosen,
+                   int c, int r);
+
+  // Per blob.
+  std::vector<std::int32_t> touch_, border_;
+  std::vector<float> gap_mm_, gap_max_mm_;  // nearest to the person in space
+  std::vector<std::uint8_t> candidate_;     // 0 no, 1 when enclosed, 2 also when near (a hand)
+};
+
+}  // namespace im2fit::segment

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/segment/users.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace im2fit::segment {
+namespace {
+
+constexpr float kHiddenMaxS = 3.0F;
+constexpr float kUnconfirmedHiddenMaxS = 0.25F;
+constexpr int kConfirmFrames = 3;
+constexpr float kGateMm = 350.0F;            // a head's jump when a raised arm is taken for it
+constexpr float kGateGrowthMmPerS = 500.0F;  // who is hidden may stop or turn
+constexpr float kGateMaxMm = 1200.0F;
+constexpr float kTopGateMm = 250.0F;  // two people of unlike height are not one
+constexpr float kPlaceGain = 0.6F;    // of an alpha-beta filter; heads are seen to a cell, 20 mm
+constexpr float kSpeedGain = 0.12F;
+constexpr float kSpeedMaxMmPerS = 3000.0F;
+constexpr float kAreaKeep = 0.999F;  // per frame
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+Vec3f along_floor(Vec3f p, const FloorPlane& floor) {
+  const Vec3f up = floor.known ? floor.up : Vec3f{0, -1, 0};
+  return p - up * dot(up, p);
+}
+
+// From p to the line between a and b.
+float distance_to(Vec3f p, Vec3f a, Vec3f b) {
+  const Vec3f way = b - a;
+  const float length2 = dot(way, way);
+  const float share = length2 > 1.0F ? std::clamp(dot(p - a, way) / length2, 0.0F, 1.0F) : 0.0F;
+  return norm(p - (a + way * share));
+}
+
+}  // namespace
+
+void UserTracker::reset() {
+  track_count_ = sighting_count_ = user_count_ = 0;
+  first_ = true;
+}
+
+// The nearest ones where there are too many.
+void UserTracker::list_sightings(const BlobFinder& found, const FloorPlane& floor) {
+  sighting_count_ = 0;
+  const auto list = found.blobs();
+  for (std::size_t b = 0; b < list.size(); ++b) {
+    const Blob& blob = list[b];
+    if (!blob.person) continue;
+    int where = sighting_count_;
+    while (where > 0 && list[at(sightings_[at(where - 1)].blob)].centroid_mm.z > blob.centroid_mm.z) --where;
+    if (where == kUserCountMax) continue;
+    sighting_count_ = std::min(sighting_count_ + 1, kUserCountMax);
+    for (int i = sighting_count_ - 1; i > where; --i) sightings_[at(i)] = sightings_[at(i - 1)];
+    Sighting s;
+    s.blob = static_cast<int>(b);
+    s.place_mm = along_floor(blob.has_head ? blob.head_mm : blob.centroid_mm, floor);
+    s.top_mm = blob.height_max_mm;
+    s.has_top = blob.has_head && floor.known;
+    s.head_mm = blob.has_head ? blob.head_mm : blob.centroid_mm;
+    sightings_[at(where)] = s;
+  }
+}
+
+// Millimetres of doubt that the track is what is sighted; negative: it is not.
+float UserTracker::cost(const Track& track, const Sighting& sighting) const {
+  const float gate = std::min(kGateMaxMm, kGateMm + kGateGrowthMmPerS * track.hidden_s);
+  const float away = distance_to(sighting.place_mm, track.seen_mm, track.expected_mm);
+  if (away > gate) return -1.0F;
+  if (!track.has_top || !sighting.has_top) return away + 60.0F;
+  const float taller = std::fabs(track.top_mm - sighting.top_mm);
+  if (track.hidden_s > 0.3F && taller > kTopGateMm) return -1.0F;
+  return away + std::min(taller, kTopGateMm);
+}
+
+// Least doubt first. People are apart by more than they move in a frame: no better pairing is missed.
+void UserTracker::match() {
+  for (int t = 0; t < track_count_; ++t) tracks_[at(t)].sighting = -1;
+  for (;;) {
+    float best = 1e9F;
+    int best_track = -1;
+    int best_sighting = -1;
+    for (int t = 0; t < track_count_; ++t) {
+      if (tracks_[at(t)].sighting >= 0) continue;
+      for (int s = 0; s < sighting_count_; ++s) {
+        if (sightings_[at(s)].track >= 0) continue;
+        // Who was seen a frame ago comes before who is hidden.
+        const float doubt = cost(tracks_[at(t)], sightings_[at(s)]);
+        const float late = tracks_[at(t)].hidden_s > 0 ? 100.0F : 0.0F;
+        if (doubt < 0 || doubt + late >= best) continue;
+        best = doubt + late;
+        best_track = t;
+        best_sighting = s;
+      }
+    }
+    if (best_track < 0) return;
+    tracks_[at(best_track)].sighting = best_sighting;
+    sightings_[at(best_sighting)].track = best_track;
+  }
+}
+
+void UserTracker::follow(Track& track, const Sighting& sighting, float area_m2, float seconds) {
+  const Vec3f off = sighting.place_mm - track.expected_mm;
+  const bool hidden = track.hidden_s > 0;
+  track.seen_mm = hidden ? sighting.place_mm : track.expected_mm + off * kPlaceGain;
+  // After a gap the error grew over all of it.
+  const float since = seconds + track.hidden_s;
+  track.speed_mm_s = track.speed_mm_s + off * ((hidden ? 0.5F : kSpeedGain) / since);
+  const float speed = norm(track.speed_mm_s);
+  if (speed > kSpeedMaxMmPerS) track.speed_mm_s = track.speed_mm_s * (kSpeedMaxMmPerS / speed);
+  if (sighting.has_top) {
+    track.top_mm = track.has_top ? track.top_mm + 0.2F * (sighting.top_mm - track.top_mm) : sighting.top_mm;
+    track.has_top = true;
+  }
+  track.expected_mm = track.seen_mm;
+  track.head_mm = sighting.head_mm;
+  track.area_m2 = std::max(area_m2, track.area_m2 * kAreaKeep);
+  track.hidden_s = 0;
+  track.seen_count = std::min(track.seen_count + 1, kConfirmFrames);
+}
+
+// Where all are taken, the one hidden longest goes.
+UserTracker::Track& UserTracker::new_track() {
+  if (track_count_ < kTrackCountMax) return tracks_[at(track_count_++)];
+  int oldest = 0;
+  for (int t = 1; t < track_count_; ++t)
+    if (tracks_[at(t)].hidden_s > tracks_[at(oldest)].hidden_s) oldest = t;
+  return tracks_[at(oldest)];
+}
+
+void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds) {
+  for (int t = 0; t < track_count_; ++t)
+    tracks_[at(t)].expected_mm = tracks_[at(t)].expected_mm + tracks_[at(t)].speed_mm_s * seconds;
+  list_sightings(found, floor);
+  match();
+  int kept = 0;
+  for (int t = 0; t < track_count_; ++t) {
+    Track& track = tracks_[at(t)];
+    if (track.sighting >= 0) {
+      const Sighting& s = sightings_[at(track.sighting)];
+      follow(track, s, found.blobs()[at(s.blob)].area_m2, seconds);
+    } else {
+      track.hidden_s += seconds;
+      if (track.hidden_s > (track.seen_count < kConfirmFrames ? kUnconfirmedHiddenMaxS : kHiddenMaxS)) continue;
+    }
+    tracks_[at(kept++)] = track;
+  }
+  track_count_ = kept;
+  for (int t = 0; t < track_count_; ++t)
+    if (tracks_[at(t)].sighting >= 0) sightings_[at(tracks_[at(t)].sighting)].track = t;
+  for (int i = 0; i < sighting_count_; ++i) {
+    Sighting& s = sightings_[at(i)];
+    if (s.track >= 0) continue;
+    Track& track = new_track();
+    track = {};
+    track.id = ++id_last_;
+    track.seen_mm = track.expected_mm = s.place_mm;
+    track.top_mm = s.top_mm;
+    track.has_top = s.has_top;
+    track.head_mm = s.head_mm;
+    track.area_m2 = found.blobs()[at(s.blob)].area_m2;
+    track.seen_count = first_ ? kConfirmFrames : 1;
+    track.sighting = i;
+    s.track = static_cast<int>(&track - tracks_.data());
+  }
+  list_users(grid, found);
+  first_ = false;
+}
+
+void UserTracker::list_users(const Grid& grid, const BlobFinder& found) {
+  user_count_ = 0;
+  for (int i = 0; i < sighting_count_; ++i) {
+    const Sighting& s = sightings_[at(i)];
+    const Track& track = tracks_[at(s.track)];
+    const Blob& blob = found.blobs()[at(s.blob)];
+    User user;
+    user.id = track.id;
+    user.u_min = blob.c_min * grid.step;
+    user.v_min = blob.r_min * grid.step;
+    user.u_max = (blob.c_max + 1) * grid.step - 1;
+    user.v_max = (blob.r_max + 1) * grid.step - 1;
+    user.pixel_count = blob.cell_count * grid.step * grid.step;
+    user.centroid_mm = blob.centroid_mm;
+    user.head_mm = s.head_mm;
+    user.has_head = blob.has_head;
+    user.visible_share = track.area_m2 > 0 ? std::min(1.0F, blob.area_m2 / track.area_m2) : 1.0F;
+    user.confirmed = track.seen_count >= kConfirmFrames;
+    user_blobs_[at(user_count_)] = s.blob;
+    users_[at(user_count_++)] = user;
+  }
+}
+
+}  // namespace im2fit::segment

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who is who from frame to frame: people keep their numbers while they walk past one another.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "kernels/segment/blobs.h"
+#include "kernels/segment/grid.h"
+
+namespace im2fit::segment {
+
+class UserTracker {
+ public:
+  void reset();  // forgets everybody; ids go on
+  // Gives the people among the blobs their ids. `seconds` since the frame before.
+  void run(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds);
+  std::span<const User> users() const { return {users_.data(), static_cast<std::size_t>(user_count_)}; }
+  int blob_of(std::size_t user) const { return user_blobs_[user]; }
+
+ private:
+  static constexpr int kTrackCountMax = 16;
+  struct Track {
+    int id = 0;
+    Vec3f seen_mm;      // where last seen, along the floor (no component along up)
+    Vec3f expected_mm;  // where by now, at the speed it had
+    Vec3f speed_mm_s;
+    float top_mm = 0;  // height of the crown
+    bool has_top = false;
+    float hidden_s = 0;
+    int seen_count = 0;  // frames, up to what confirms
+    float area_m2 = 0;   // the most seen of it, slowly forgotten
+    Vec3f head_mm;
+    int sighting = -1;  // of this frame
+  };
+  struct Sighting {
+    int blob = -1;
+    Vec3f place_mm;  // along the floor
+    float top_mm = 0;
+    bool has_top = false;
+    Vec3f head_mm;
+    int track = -1;
+  };
+
+  void list_sightings(const BlobFinder& found, const FloorPlane& floor);
+  void match();
+  float cost(const Track& track, const Sighting& sighting) const;
+  void follow(Track& track, const Sighting& sighting, float area_m2, float seconds);
+  Track& new_track();
+  void list_users(const Grid& grid, const BlobFinder& found);
+
+  std::array<Track, kTrackCountMax> tracks_;
+  int track_count_ = 0;
+  std::array<Sighting, kUserCountMax> sightings_;
+  int sighting_count_ = 0;
+  std::array<User, kUserCountMax> users_;
+  std::array<int, kUserCountMax> user_blobs_{};
+  int user_count_ = 0;
+  int id_last_ = 0;
+  bool first_ = true;
+};
+
+}  // namespace im2fit::segment
