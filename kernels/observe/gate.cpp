@@ -17,10 +17,24 @@ constexpr float kLateralMax = 0.5F;
 constexpr float kTiltMax = 0.26F;       // sine of the spine's tilt against the floor's normal: 15 degrees
 constexpr float kYawMax = 0.42F;        // sine of the shoulders' turn away from the camera: 25 degrees
 constexpr float kHandGapMinMm = 60.0F;  // hand's distance sideways from the hip joint
+constexpr float kAcrossMinMm = 100.0F;  // shoulders and hips together: some 500 mm apart
+constexpr float kBackMin = 0.65F;
+constexpr float kFrontMax = 0.35F;
 
 }  // namespace
 
-GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor) {
+ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_probability) {
+  const PersonFrame frame = person_frame(floor, joints[Joint::TO]);
+  // Hips turn with the shoulders; together they are steadier than either.
+  const Vec3f across = (joints[Joint::LS] - joints[Joint::RS]) + (joints[Joint::LH] - joints[Joint::RH]);
+  if (!(norm(across) >= kAcrossMinMm)) return ViewSide::unknown;
+  if (std::abs(dot(normalized(across), frame.toward)) > kYawMax) return ViewSide::side;
+  // Seen from behind, the person's left is the picture's left.
+  if (dot(across, frame.right) < 0 || back_probability >= kBackMin) return ViewSide::back;
+  return back_probability <= kFrontMax ? ViewSide::front : ViewSide::unknown;
+}
+
+GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view) {
   GuidanceSet guidance = 0;
   const BodyFrame body = body_frame(joints);
   const PersonFrame frame = person_frame(floor, joints[Joint::TO]);
@@ -30,14 +44,11 @@ GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor) {
   if (body.lateral > kLateralMax || along < 0 || tilt > kTiltMax)
     guidance |= static_cast<GuidanceSet>(Guidance::not_upright);
 
-  // Hips turn with the shoulders; together they are steadier than either.
-  const Vec3f across = (joints[Joint::LS] - joints[Joint::RS]) + (joints[Joint::LH] - joints[Joint::RH]);
-  if (std::abs(dot(normalized(across), frame.toward)) > kYawMax)
-    guidance |= static_cast<GuidanceSet>(Guidance::not_frontal);
+  if (view != ViewSide::front && view != ViewSide::back) guidance |= static_cast<GuidanceSet>(Guidance::not_frontal);
 
   const float left_gap = frame.side(joints[Joint::LA]) - frame.side(joints[Joint::LH]);
   const float right_gap = frame.side(joints[Joint::RH]) - frame.side(joints[Joint::RA]);
-  // Seen from behind, the person's left is the picture's left.
+  // By the joints' own left and right, whatever the view: the gap is measured outwards.
   const bool facing = frame.side(joints[Joint::LS]) > frame.side(joints[Joint::RS]);
   const float sign = facing ? 1.0F : -1.0F;
   if (sign * left_gap < kHandGapMinMm || sign * right_gap < kHandGapMinMm)

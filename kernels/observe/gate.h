@@ -8,8 +8,19 @@
 
 namespace im2fit {
 
-// not_upright (mended Eq. 1 and the floor), not_frontal, arms_close. Thresholds sit three joint errors away from what
-// a person asked to stand straight does: one noisy joint must not refuse a good frame.
-GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor);
+// Which side of the person the camera sees. `side`: turned too far for either, by more than 25 degrees from both.
+enum class ViewSide : int { unknown, front, back, side };
+
+// From the line of shoulders and hips and `back_probability` (0..1: the tracker's, that the person is seen from
+// behind; 0 where nobody says). Joints whose left lies on the picture's left say `back` themselves. `unknown` when
+// the joints span no line, or the probability does not decide (0.35..0.65).
+ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_probability = 0.0F);
+
+// not_upright (mended Eq. 1 and the floor), not_frontal (neither front nor back), arms_close. Thresholds sit three
+// joint errors away from what a person asked to stand straight does: one noisy joint must not refuse a good frame.
+GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view);
+inline GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor) {
+  return pose_gate(joints, floor, view_side(joints, floor));
+}
 
 }  // namespace im2fit
