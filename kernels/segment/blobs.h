@@ -28,6 +28,7 @@ struct Blob {
   Vec3f centroid_mm;
   float relief_mm = 0;  // rms distance in depth from the best plane: furniture fronts and walls are flat
   bool person = false;
+  bool person_sized = false;  // without a head: might be one
   bool has_head = false;
   bool vague = false;  // its head is
   Vec3f head_mm;       // cell at the crown, when has_head
@@ -60,6 +61,7 @@ class BlobFinder {
   bool on_pole(const Grid& grid, int blob, const FloorPlane& floor) const;
   bool floats(const Grid& grid, int blob, const FloorPlane& floor) const;
   void judge(const Grid& grid, const FloorPlane& floor);
+  static bool person_sized(const Grid& grid, const Blob& blob, const FloorPlane& floor);
 
   std::vector<std::uint8_t> open_;  // cells that may belong to a thing
   WallRemover wall_;

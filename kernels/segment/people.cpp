@@ -80,29 +80,33 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
       any_head = true;
     }
   }
+  bool clear_head = false;
   for (int h = 0; h < head_count_; ++h)
-    if (blobs_[at(heads_[at(h)].blob)].has_head && !heads_[at(h)].vague) return;
-  // Heads cut off by the upper border, or hidden by raised arms: person-sized, neither flat nor filling its box.
+    clear_head = clear_head || (blobs_[at(heads_[at(h)].blob)].has_head && !heads_[at(h)].vague);
   for (int b = 0; b < blob_count_; ++b) {
     Blob& blob = blobs_[at(b)];
     if (blob.person || blob.cell_count == 0) continue;
-    const float mm = cell_mm(grid, blob.centroid_mm.z);
-    const float wide = static_cast<float>(blob.c_max - blob.c_min + 1) * mm;
-    const float tall = blob.height_max_mm - blob.height_min_mm;
-    const int box = (blob.c_max - blob.c_min + 1) * (blob.r_max - blob.r_min + 1);
-    const bool top_cut = blob.r_min <= 1;
-    const float fill = static_cast<float>(blob.cell_count) / static_cast<float>(box);
-    const float relief_min = 14.0F + 0.5F * quantum_mm(blob.centroid_mm.z);
-    const bool stands = !floor.known || blob.height_min_mm < 250.0F || blob.r_max >= grid.height - 2;
-    if (blob.relief_mm < relief_min || blob.relief_mm > 220.0F || !stands) continue;
-    if (top_cut) {
-      blob.person = tall > 600.0F && wide > 250.0F && wide < 1500.0F && blob.area_m2 > 0.18F && blob.area_m2 < 1.6F &&
-                    fill < 0.86F && fill > 0.25F;
-    } else {
-      blob.person = tall > 1250.0F && tall < 2500.0F && wide > 250.0F && wide < 1700.0F && blob.area_m2 > 0.22F &&
-                    blob.area_m2 < 1.3F && fill < 0.72F && fill > 0.18F;
-    }
+    blob.person_sized = person_sized(grid, blob, floor);
+    blob.person = blob.person_sized && !clear_head;
   }
+}
+
+// Heads cut off by the upper border, or hidden by raised arms: person-sized, neither flat nor filling its box.
+bool BlobFinder::person_sized(const Grid& grid, const Blob& blob, const FloorPlane& floor) {
+  const float mm = cell_mm(grid, blob.centroid_mm.z);
+  const float wide = static_cast<float>(blob.c_max - blob.c_min + 1) * mm;
+  const float tall = blob.height_max_mm - blob.height_min_mm;
+  const int box = (blob.c_max - blob.c_min + 1) * (blob.r_max - blob.r_min + 1);
+  const bool top_cut = blob.r_min <= 1;
+  const float fill = static_cast<float>(blob.cell_count) / static_cast<float>(box);
+  const float relief_min = 14.0F + 0.5F * quantum_mm(blob.centroid_mm.z);
+  const bool stands = !floor.known || blob.height_min_mm < 250.0F || blob.r_max >= grid.height - 2;
+  if (blob.relief_mm < relief_min || blob.relief_mm > 220.0F || !stands) return false;
+  if (top_cut)
+    return tall > 600.0F && wide > 250.0F && wide < 1500.0F && blob.area_m2 > 0.18F && blob.area_m2 < 1.6F &&
+           fill < 0.86F && fill > 0.25F;
+  return tall > 1250.0F && tall < 2500.0F && wide > 250.0F && wide < 1700.0F && blob.area_m2 > 0.22F &&
+         blob.area_m2 < 1.3F && fill < 0.72F && fill > 0.18F;
 }
 
 }  // namespace im2fit::segment

@@ -17,6 +17,11 @@ constexpr float kTopGateMm = 250.0F;  // two people of unlike height are not one
 constexpr float kPlaceGain = 0.6F;    // of an alpha-beta filter; heads are seen to a cell, 20 mm
 constexpr float kSpeedGain = 0.12F;
 constexpr float kSpeedMaxMmPerS = 3000.0F;
+constexpr float kHeadlessGateMm = 350.0F;
+constexpr float kHeadlessMaxS = 1.0F;  // of what has a person's place but not a person's size
+constexpr float kHeadlessTallMm = 300.0F;
+constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person
+constexpr float kHeadlessAreaMax = 1.4F;
 constexpr float kAreaKeep = 0.999F;  // per frame
 
 std::size_t at(int i) {
@@ -43,6 +48,17 @@ void UserTracker::reset() {
   first_ = true;
 }
 
+UserTracker::Sighting UserTracker::sight(const Blob& blob, int index, const FloorPlane& floor) {
+  Sighting s;
+  s.blob = index;
+  s.centroid_mm = along_floor(blob.centroid_mm, floor);
+  s.place_mm = blob.has_head ? along_floor(blob.head_mm, floor) : s.centroid_mm;
+  s.top_mm = blob.height_max_mm;
+  s.has_head = blob.has_head;
+  s.has_top = blob.has_head && floor.known;
+  return s;
+}
+
 // The nearest ones where there are too many.
 void UserTracker::list_sightings(const BlobFinder& found, const FloorPlane& floor) {
   sighting_count_ = 0;
@@ -55,20 +71,48 @@ void UserTracker::list_sightings(const BlobFinder& found, const FloorPlane& floo
     if (where == kUserCountMax) continue;
     sighting_count_ = std::min(sighting_count_ + 1, kUserCountMax);
     for (int i = sighting_count_ - 1; i > where; --i) sightings_[at(i)] = sightings_[at(i - 1)];
-    Sighting s;
-    s.blob = static_cast<int>(b);
-    s.place_mm = along_floor(blob.has_head ? blob.head_mm : blob.centroid_mm, floor);
-    s.top_mm = blob.height_max_mm;
-    s.has_top = blob.has_head && floor.known;
-    s.head_mm = blob.has_head ? blob.head_mm : blob.centroid_mm;
-    sightings_[at(where)] = s;
+    sightings_[at(where)] = sight(blob, static_cast<int>(b), floor);
+  }
+}
+
+// People known from the frames before, whose heads are not seen now: what stands where they are expected and is as
+// large as they were.
+void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor) {
+  const auto list = found.blobs();
+  for (int t = 0; t < track_count_; ++t) {
+    Track& track = tracks_[at(t)];
+    if (track.sighting >= 0 || track.seen_count < kConfirmFrames || sighting_count_ == kUserCountMax) continue;
+    float nearest = kHeadlessGateMm;
+    int best = -1;
+    for (std::size_t b = 0; b < list.size(); ++b) {
+      const Blob& blob = list[b];
+      const bool alike = blob.person_sized || (track.headless_s < kHeadlessMaxS &&
+                                               blob.height_max_mm - blob.height_min_mm > kHeadlessTallMm &&
+                                               blob.relief_mm > 14.0F + 0.4F * quantum_mm(blob.centroid_mm.z));
+      if (blob.person || !alike || blob.area_m2 < kHeadlessAreaMin * track.area_m2 ||
+          blob.area_m2 > kHeadlessAreaMax * track.area_m2)
+        continue;
+      if (track.has_top && blob.height_max_mm > track.top_mm + kTopGateMm) continue;
+      bool taken = false;
+      for (int i = 0; i < sighting_count_; ++i) taken = taken || sightings_[at(i)].blob == static_cast<int>(b);
+      const Vec3f place = along_floor(blob.centroid_mm, floor) + track.lean_mm;
+      const float away = distance_to(place, track.seen_mm, track.expected_mm);
+      if (taken || away >= nearest) continue;
+      nearest = away;
+      best = static_cast<int>(b);
+    }
+    if (best < 0) continue;
+    sightings_[at(sighting_count_)] = sight(list[at(best)], best, floor);
+    sightings_[at(sighting_count_)].track = t;
+    track.sighting = sighting_count_++;
   }
 }
 
 // Millimetres of doubt that the track is what is sighted; negative: it is not.
-float UserTracker::cost(const Track& track, const Sighting& sighting) const {
+float UserTracker::cost(const Track& track, const Sighting& sighting) {
   const float gate = std::min(kGateMaxMm, kGateMm + kGateGrowthMmPerS * track.hidden_s);
-  const float away = distance_to(sighting.place_mm, track.seen_mm, track.expected_mm);
+  const Vec3f place = sighting.has_head ? sighting.place_mm : sighting.place_mm + track.lean_mm;
+  const float away = distance_to(place, track.seen_mm, track.expected_mm);
   if (away > gate) return -1.0F;
   if (!track.has_top || !sighting.has_top) return away + 60.0F;
   const float taller = std::fabs(track.top_mm - sighting.top_mm);
@@ -103,20 +147,22 @@ void UserTracker::match() {
 }
 
 void UserTracker::follow(Track& track, const Sighting& sighting, float area_m2, float seconds) {
-  const Vec3f off = sighting.place_mm - track.expected_mm;
+  const Vec3f place = sighting.has_head ? sighting.place_mm : sighting.place_mm + track.lean_mm;
+  const Vec3f off = place - track.expected_mm;
   const bool hidden = track.hidden_s > 0;
-  track.seen_mm = hidden ? sighting.place_mm : track.expected_mm + off * kPlaceGain;
+  track.seen_mm = hidden ? place : track.expected_mm + off * kPlaceGain;
   // After a gap the error grew over all of it.
   const float since = seconds + track.hidden_s;
   track.speed_mm_s = track.speed_mm_s + off * ((hidden ? 0.5F : kSpeedGain) / since);
   const float speed = norm(track.speed_mm_s);
   if (speed > kSpeedMaxMmPerS) track.speed_mm_s = track.speed_mm_s * (kSpeedMaxMmPerS / speed);
+  if (sighting.has_head) track.lean_mm = sighting.place_mm - sighting.centroid_mm;
+  track.headless_s = sighting.has_head ? 0.0F : track.headless_s + since;
   if (sighting.has_top) {
     track.top_mm = track.has_top ? track.top_mm + 0.2F * (sighting.top_mm - track.top_mm) : sighting.top_mm;
     track.has_top = true;
   }
   track.expected_mm = track.seen_mm;
-  track.head_mm = sighting.head_mm;
   track.area_m2 = std::max(area_m2, track.area_m2 * kAreaKeep);
   track.hidden_s = 0;
   track.seen_count = std::min(track.seen_count + 1, kConfirmFrames);
@@ -136,6 +182,7 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
     tracks_[at(t)].expected_mm = tracks_[at(t)].expected_mm + tracks_[at(t)].speed_mm_s * seconds;
   list_sightings(found, floor);
   match();
+  find_headless(found, floor);
   int kept = 0;
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
@@ -160,7 +207,7 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
     track.seen_mm = track.expected_mm = s.place_mm;
     track.top_mm = s.top_mm;
     track.has_top = s.has_top;
-    track.head_mm = s.head_mm;
+    if (s.has_head) track.lean_mm = s.place_mm - s.centroid_mm;
     track.area_m2 = found.blobs()[at(s.blob)].area_m2;
     track.seen_count = first_ ? kConfirmFrames : 1;
     track.sighting = i;
@@ -184,7 +231,7 @@ void UserTracker::list_users(const Grid& grid, const BlobFinder& found) {
     user.v_max = (blob.r_max + 1) * grid.step - 1;
     user.pixel_count = blob.cell_count * grid.step * grid.step;
     user.centroid_mm = blob.centroid_mm;
-    user.head_mm = s.head_mm;
+    user.head_mm = blob.has_head ? blob.head_mm : blob.centroid_mm + track.lean_mm;
     user.has_head = blob.has_head;
     user.visible_share = track.area_m2 > 0 ? std::min(1.0F, blob.area_m2 / track.area_m2) : 1.0F;
     user.confirmed = track.seen_count >= kConfirmFrames;

@@ -29,24 +29,28 @@ class UserTracker {
     float top_mm = 0;  // height of the crown
     bool has_top = false;
     float hidden_s = 0;
-    int seen_count = 0;  // frames, up to what confirms
-    float area_m2 = 0;   // the most seen of it, slowly forgotten
-    Vec3f head_mm;
-    int sighting = -1;  // of this frame
+    int seen_count = 0;    // frames, up to what confirms
+    float area_m2 = 0;     // the most seen of it, slowly forgotten
+    Vec3f lean_mm;         // from the centroid to the crown, along the floor
+    float headless_s = 0;  // since its head was seen
+    int sighting = -1;     // of this frame
   };
   struct Sighting {
     int blob = -1;
-    Vec3f place_mm;  // along the floor
+    Vec3f place_mm;     // of the head, or of the centroid where there is none; along the floor
+    Vec3f centroid_mm;  // along the floor
     float top_mm = 0;
+    bool has_head = false;
     bool has_top = false;
-    Vec3f head_mm;
     int track = -1;
   };
 
   void list_sightings(const BlobFinder& found, const FloorPlane& floor);
+  static Sighting sight(const Blob& blob, int index, const FloorPlane& floor);
   void match();
-  float cost(const Track& track, const Sighting& sighting) const;
-  void follow(Track& track, const Sighting& sighting, float area_m2, float seconds);
+  void find_headless(const BlobFinder& found, const FloorPlane& floor);
+  static float cost(const Track& track, const Sighting& sighting);
+  static void follow(Track& track, const Sighting& sighting, float area_m2, float seconds);
   Track& new_track();
   void list_users(const Grid& grid, const BlobFinder& found);
 
