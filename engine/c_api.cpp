@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C functions of include/im2fit/im2fit.h over the C++ engine. Nothing of C++ crosses: every function catches.
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <new>
 #include <span>
@@ -26,6 +27,8 @@ static_assert(IM2FIT_WEIGHT == static_cast<int>(im2fit::Measurement::weight));
 static_assert(IM2FIT_HIP_GIRTH == static_cast<int>(im2fit::Measurement::hip_girth));
 static_assert(IM2FIT_STATE_MEASURED == static_cast<int>(im2fit::SessionState::measured));
 static_assert(IM2FIT_STATE_LOST == static_cast<int>(im2fit::SessionState::lost));
+static_assert(IM2FIT_VIEW_UNKNOWN == static_cast<int>(im2fit::ViewSide::unknown));
+static_assert(IM2FIT_VIEW_SIDE == static_cast<int>(im2fit::ViewSide::side));
 static_assert(IM2FIT_GUIDANCE_MOVING == static_cast<int>(im2fit::Guidance::moving));
 static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guidance::calibration_pose));
 
@@ -67,11 +70,16 @@ int guarded(im2fit_handle* handle, Body body) noexcept {
   }
 }
 
+// Up to `log_user`: what the first header had. Later fields are 0 for callers built with it.
+constexpr std::size_t kSettingsSizeMin = offsetof(im2fit_settings, user_id);
+
 // A struct a newer caller made: what we do not know must be unset.
 bool copy_settings(const im2fit_settings& from, im2fit_settings& to) {
   const std::size_t size = from.struct_size;
-  if (size < sizeof to || size > 65536) return false;
-  std::memcpy(&to, &from, sizeof to);
+  if (size < kSettingsSizeMin || size > 65536) return false;
+  to = {};
+  std::memcpy(&to, &from, std::min(size, sizeof to));
+  if (size <= sizeof to) return true;
   const std::span<const char> bytes(reinterpret_cast<const char*>(&from), size);
   return std::all_of(bytes.begin() + sizeof to, bytes.end(), [](char c) { return c == 0; });
 }
@@ -119,6 +127,13 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   }
   out.index_entry = r.answer.nearest;
   out.index_distance = r.answer.nearest_distance;
+  out.user_id = r.user;
+  out.view = static_cast<std::int32_t>(r.view);
+  out.session = r.session;
+  if (!r.has_joints) return out;
+  out.joints_inferred = r.joints_inferred;
+  for (std::size_t i = 0; i < im2fit::kJointCount; ++i)
+    out.display_joints[i] = to_c(r.display_joints.position_mm[i], r.display_joints.confidence[i]);
   return out;
 }
 
@@ -226,6 +241,13 @@ int im2fit_finish(im2fit_handle* handle) {
 int im2fit_reset(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
     h.engine->reset();
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+int im2fit_next(im2fit_handle* handle) {
+  return guarded(handle, [](im2fit_handle& h) {
+    h.engine->next_person();
     return static_cast<int>(IM2FIT_OK);
   });
 }
@@ -365,6 +387,11 @@ const char* im2fit_measurement_unit(int id) {
 
 const char* im2fit_joint_name(int joint) {
   return name_at(im2fit::kJointNames, joint);
+}
+
+const char* im2fit_view_name(int view) {
+  constexpr std::array<std::string_view, 4> kNames = {"unknown", "front", "back", "side"};
+  return name_at(kNames, view);
 }
 
 }  // extern "C"

@@ -17,6 +17,7 @@ EngineSettings engine_settings(const im2fit_settings& s) {
   settings.intrinsics = {s.width, s.height, s.fx, s.fy, s.cx, s.cy};
   settings.frames_wanted = s.frames_wanted;
   settings.frames_min = s.frames_min;
+  settings.user = s.user_id;
   settings.calibration_psi = s.calibration_psi != 0;
   settings.live = s.live != 0;
   settings.single_thread = s.single_thread != 0;

@@ -7,6 +7,7 @@
 // nothing is under way both halves sleep, and the producer may touch what is theirs (finish, reset).
 #include "engine/engine.h"
 
+#include <limits>
 #include <thread>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "engine/frame_stages.h"
 #include "engine/snapshot.h"
 #include "engine/spsc_ring.h"
+#include "engine/user_lock.h"
 
 namespace im2fit {
 namespace {
@@ -48,6 +50,21 @@ class ArrivalCounter {
   hal::FrameInfo previous_;
 };
 
+// Seconds from frame to frame by the source's clock; the nominal period where it has none or steps back.
+class FrameClock {
+ public:
+  float step(std::int64_t host_ns) {
+    const std::int64_t passed_ns = host_ns - previous_ns_;
+    const bool known = previous_ns_ != 0 && passed_ns > 0;
+    previous_ns_ = host_ns;
+    return known ? static_cast<float>(passed_ns) * 1e-9F : kFramePeriodS;
+  }
+  void reset() { previous_ns_ = 0; }
+
+ private:
+  std::int64_t previous_ns_ = 0;
+};
+
 class PipelineEngine final : public Engine {
  public:
   PipelineEngine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages)
@@ -57,6 +74,7 @@ class PipelineEngine final : public Engine {
         input_(pool_.slot_count()),
         sensed_(pool_.slot_count()),
         free_(pool_.slot_count()),
+        lock_(settings.user),
         fit_(settings, *stages_),
         snapshot_(fit_.result()) {
     for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) free_.try_push(slot);
@@ -112,12 +130,17 @@ class PipelineEngine final : public Engine {
   void reset() override {
     drain();
     stages_->reset_sense();
+    lock_.reset();
+    clock_.reset();
     fit_.reset();
-    over_.store(false, std::memory_order_relaxed);
-    counts_ = {};
-    arrival_.reset();
-    finished_ = false;
-    snapshot_.publish(fit_.result());
+    begin_again();
+  }
+
+  void next_person() override {
+    drain();
+    if (!fit_.over()) lock_.reset();
+    fit_.next_person();
+    begin_again();
   }
 
   ImageView<const std::uint16_t> fused_depth_q4() const override {
@@ -128,6 +151,14 @@ class PipelineEngine final : public Engine {
   }
 
  private:
+  void begin_again() {
+    over_.store(false, std::memory_order_relaxed);
+    counts_ = {};
+    arrival_.reset();
+    finished_ = false;
+    snapshot_.publish(fit_.result());
+  }
+
   // A slot for a new frame; false when the frame is to be dropped (live only).
   bool acquire(std::uint32_t& index) {
     if (settings_.live && !settings_.single_thread) {
@@ -161,7 +192,11 @@ class PipelineEngine final : public Engine {
 
   void sense(FrameSlot& slot) {
     slot.sensed = !over_.load(std::memory_order_relaxed);
-    if (slot.sensed) slot.sighting = stages_->sense(slot.depth, settings_.intrinsics, slot.mask);
+    if (!slot.sensed) return;
+    slot.seconds = clock_.step(slot.info.host_ns);
+    stages_->before_sense(slot.seconds, lock_.selected());
+    slot.sighting = stages_->sense(slot.depth, settings_.intrinsics, slot.mask);
+    lock_.saw(slot.sighting);
   }
 
   void fit(FrameSlot& slot) {
@@ -169,6 +204,10 @@ class PipelineEngine final : public Engine {
     fit_.process(slot);
     if (fit_.over()) over_.store(true, std::memory_order_relaxed);
     snapshot_.publish(fit_.result());
+    if (!settings_.watch) return;
+    const Sighting& sighting = slot.sighting;
+    settings_.watch({slot.depth, slot.mask, slot.info,
+                     std::span(sighting.users).first(static_cast<std::size_t>(sighting.user_count)), fit_.result()});
   }
 
   void sense_loop() {
@@ -208,7 +247,9 @@ class PipelineEngine final : public Engine {
   SpscRing input_;
   SpscRing sensed_;
   SpscRing free_;
-  FitHalf fit_;  // FIT's, or the producer's while nothing is under way
+  UserLock lock_;     // SENSE's, or the producer's while nothing is under way
+  FrameClock clock_;  // the same
+  FitHalf fit_;       // FIT's, or the producer's while nothing is under way
   Snapshot<EngineResult> snapshot_;
 
   // The producer's.
@@ -239,6 +280,7 @@ Status check_settings(const EngineSettings& s) {
   if (auto ok = check_range("frames_wanted", s.frames_wanted, 1, 1000); !ok) return ok;
   if (auto ok = check_range("frames_min", s.frames_min, 1, s.frames_wanted); !ok) return ok;
   if (auto ok = check_range("pool_frames", s.pool_frames, kPoolFramesMin, kPoolFramesMax); !ok) return ok;
+  if (auto ok = check_range("user", s.user, 0, std::numeric_limits<int>::max()); !ok) return ok;
   if (s.intrinsics.width != s.width || s.intrinsics.height != s.height)
     return Error{ErrorCode::invalid_argument, "engine intrinsics are for " + std::to_string(s.intrinsics.width) +
                                                   "x" + std::to_string(s.intrinsics.height) + ", the frames are " +

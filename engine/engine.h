@@ -5,7 +5,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "base/status.h"
@@ -14,11 +16,17 @@
 #include "index/index.h"
 #include "kernels/core/guidance.h"
 #include "kernels/core/joints.h"
+#include "kernels/observe/chain_filter.h"
 #include "kernels/observe/observe.h"
 
 namespace im2fit {
 
 enum class SessionState : int { searching, user_found, calibrating, tracking, measured, lost };
+
+struct FrameSeen;
+// Called on the thread of FIT (push()'s with single_thread) after each frame processed; what it is given is valid
+// during the call. It may take its time (frames wait, or drop when live) and may not call the engine.
+using FrameWatch = std::function<void(const FrameSeen&)>;
 
 struct EngineSettings {
   int width = 640, height = 480;  // of upright frames
@@ -26,14 +34,17 @@ struct EngineSettings {
   int frames_wanted = 30;        // accepted frames until MEASURED
   int frames_min = 5;            // fewest a measurement may rest on when the stream ends
   bool calibration_psi = false;  // ask for the Psi pose first, as the paper does
+  int user = 0;                  // measure the user of this id only; 0: whoever stands right first
   bool live = false;             // live: drop the oldest frame when behind; else wait (replay never drops)
   bool single_thread = false;    // both halves on the caller's thread in push(): same bits
   int pool_frames = 8;           // 3..64 frames of 3 bytes a pixel
+  FrameWatch watch;              // none by default
 };
 
 // Immutable snapshot; plain data, no allocation to copy. Everything stands still from MEASURED until reset(), so that
 // how far a producer ran ahead of the measurement leaves no trace: the same frames give the same result.
 struct EngineResult {
+  std::uint32_t session = 0;  // counts the sessions that followed next_person(), from 0; reset() begins at 0 again
   SessionState state = SessionState::searching;
   GuidanceSet guidance = 0;                                     // of the latest frame
   GuidanceSet guidance_seen = 0;                                // of all frames so far
@@ -44,13 +55,25 @@ struct EngineResult {
   std::uint64_t sequence_gaps = 0;     // sequence numbers skipped
   std::uint64_t sequence_repeats = 0;  // frames whose sequence number did not grow
   std::uint64_t time_reversals = 0;    // frames whose host time did not grow
+  int user = 0;                        // whose joints and guidance these are; 0: nobody is in view
+  ViewSide view = ViewSide::unknown;   // of the latest frame
   bool has_joints = false;
-  JointSet joints;  // latest
+  JointSet joints;                 // latest; those of little confidence held by the skeleton (ChainFilter)
+  JointFlags joints_inferred = 0;  // which those are
+  JointSet display_joints;         // the same, steadied for the eye (JointFilter)
   FloorPlane floor;
   bool measured = false;
   index::Answer answer;       // valid when measured
   MeasurementValues paper{};  // NaN where not measured
   JointSet measured_joints;   // robust mean behind the answer
+};
+
+struct FrameSeen {
+  DepthView depth;
+  MaskView mask;
+  hal::FrameInfo info;
+  std::span<const User> users;  // everybody in view
+  const EngineResult& result;
 };
 
 class Engine {
@@ -68,6 +91,10 @@ class Engine {
   // Any thread, any time, never blocks the pipeline.
   virtual EngineResult result() const = 0;
   virtual void reset() = 0;  // a new person; after finish() or between frames. Waits for frames under way
+  // The next person, after MEASURED: frames are looked at again, the answer stands until who was measured has left
+  // the picture (kAbsentFramesMax frames), then a new session begins by itself. The floor and the ids are kept.
+  // Before MEASURED: the same as reset(), but for floor and ids. From the producer thread; waits as reset() does.
+  virtual void next_person() = 0;
   // For overlays, after finish(): the fused picture. Empty views when there is none.
   virtual ImageView<const std::uint16_t> fused_depth_q4() const = 0;
   virtual MaskView fused_mask() const = 0;
@@ -78,5 +105,7 @@ class Engine {
 // silent for kSilenceMs. The end of a stream is Ok, measured or not.
 inline constexpr int kSilenceMs = 5000;
 Status run(Engine& engine, hal::Source& source, bool stop_when_measured);
+// The same, until `go_on`, called on this thread after every frame pushed, says false; it may call the engine.
+Status run(Engine& engine, hal::Source& source, const std::function<bool()>& go_on);
 
 }  // namespace im2fit

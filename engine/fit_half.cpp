@@ -25,12 +25,55 @@ EngineResult empty_result() {
 FitHalf::FitHalf(const EngineSettings& settings, FrameStages& stages)
     : intrinsics_(settings.intrinsics), rules_(rules_of(settings)), stages_(stages), result_(empty_result()) {}
 
+// What callers and overlays see of the latest frame, whatever the session makes of it.
+void FitHalf::show(const FrameSlot& slot) {
+  const Sighting& sighting = slot.sighting;
+  const int user = sighting.person.found ? sighting.person.id : 0;
+  if (!sighting.person.found || user != result_.user) {
+    chain_.reset();
+    steady_.reset();
+    motion_.reset();
+  }
+  result_.user = user;
+  result_.view = sighting.person.found ? sighting.view : ViewSide::unknown;
+  result_.has_joints = sighting.person.found;
+  if (sighting.person.floor.known) result_.floor = sighting.person.floor;
+  if (!sighting.person.found) return;
+  const ChainedJoints chained = chain_.step(sighting.joints, slot.seconds);
+  result_.joints = chained.joints;
+  result_.joints_inferred = chained.inferred;
+  result_.display_joints = steady_.step(chained.joints, slot.seconds);
+}
+
+void FitHalf::wait_for_leaving(const FrameSlot& slot) {
+  const Person& person = slot.sighting.person;
+  if (person.found && person.id == session_.user)
+    leaving_absent_frames_ = 0;
+  else if (++leaving_absent_frames_ > rules_.absent_frames_max)
+    begin_next();
+}
+
+void FitHalf::begin_next() {
+  const std::uint32_t session = result_.session + 1;
+  reset();
+  result_.session = session;
+}
+
 void FitHalf::process(const FrameSlot& slot) {
+  show(slot);
+  if (leaving_) {
+    wait_for_leaving(slot);
+    return;
+  }
   const Sighting& sighting = slot.sighting;
   const FloorPlane& floor = sighting.person.floor;
   SessionView view;
   view.found = sighting.person.found;
   view.guidance = sighting.guidance;
+  view.user = sighting.person.id;
+  view.view = sighting.view;
+  view.frames_gathered = stages_.frame_count();
+  if (view.found) view.motion = motion_.step(sighting.joints, slot.seconds);
   view.psi =
       rules_.calibration_psi && view.found && is_psi_pose(sighting.joints, floor.known ? floor.up : Vec3f{0, -1, 0});
 
@@ -41,9 +84,6 @@ void FitHalf::process(const FrameSlot& slot) {
   ++result_.frames_seen;
   take_counts(slot.counts);
   result_.guidance = step.guidance;
-  result_.has_joints = view.found;
-  if (view.found) result_.joints = sighting.joints;
-  if (floor.known) result_.floor = floor;
   const bool enough = step.use_frame && gather(slot);
   take_guidance(result_.guidance);
   if (enough) measure();
@@ -80,7 +120,7 @@ void FitHalf::measure() {
 }
 
 void FitHalf::end(const ArrivalCounts& counts) {
-  if (over()) return;
+  if (session_.state == SessionState::measured) return;
   take_counts(counts);
   if (measure_at_end(rules_, session_, stages_.frame_count())) measure();
   result_.state = session_.state;
@@ -91,6 +131,18 @@ void FitHalf::reset() {
   stages_.reset_fit();
   session_ = {};
   result_ = empty_result();
+  chain_.reset();
+  steady_.reset();
+  motion_.reset();
+  leaving_ = false;
+  leaving_absent_frames_ = 0;
+}
+
+void FitHalf::next_person() {
+  if (session_.state != SessionState::measured)
+    begin_next();
+  else
+    leaving_ = true;
 }
 
 void FitHalf::take_counts(const ArrivalCounts& counts) {

@@ -6,6 +6,9 @@
 #include "engine/frame_pool.h"
 #include "engine/frame_stages.h"
 #include "engine/session.h"
+#include "kernels/observe/chain_filter.h"
+#include "kernels/observe/joint_filter.h"
+#include "kernels/observe/motion_filter.h"
 
 namespace im2fit {
 
@@ -17,11 +20,16 @@ class FitHalf {
   // The stream has ended: measures when enough is gathered.
   void end(const ArrivalCounts& counts);
   void reset();
-  // The session is over: MEASURED; frames change nothing any more.
-  bool over() const { return session_.state == SessionState::measured; }
+  // After MEASURED: waits for the person to leave, then begins anew. Before: begins anew.
+  void next_person();
+  // The session is over: MEASURED; frames change nothing any more, but for who waits for the person to leave.
+  bool over() const { return session_.state == SessionState::measured && !leaving_; }
   const EngineResult& result() const { return result_; }
 
  private:
+  void show(const FrameSlot& slot);
+  void wait_for_leaving(const FrameSlot& slot);
+  void begin_next();
   bool gather(const FrameSlot& slot);  // true: enough to measure
   void measure();
   void take_counts(const ArrivalCounts& counts);
@@ -32,6 +40,11 @@ class FitHalf {
   FrameStages& stages_;
   Session session_;
   EngineResult result_;
+  ChainFilter chain_;
+  JointFilter steady_;
+  MotionFilter motion_;
+  bool leaving_ = false;
+  int leaving_absent_frames_ = 0;
 };
 
 }  // namespace im2fit

@@ -27,6 +27,7 @@ struct FrameSlot {
   MaskImage mask;
   hal::FrameInfo info;
   ArrivalCounts counts;
+  float seconds = 0;  // since the frame sensed before
   Sighting sighting;
   bool sensed = false;  // false: passed through unread because the session is over
 };

@@ -24,6 +24,8 @@ class FrameStages {
   virtual ~FrameStages() = default;
 
   // Half SENSE.
+  // Before each frame: `seconds` since the one before it, and whom to sense (0: the nearest and most central).
+  virtual void before_sense([[maybe_unused]] float seconds, [[maybe_unused]] int user) {}
   virtual Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) = 0;
   virtual void reset_sense() = 0;
 

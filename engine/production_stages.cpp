@@ -12,8 +12,12 @@ class ProductionStages final : public FrameStages {
   ProductionStages(int width, int height, const JointModel& joint_model, const index::Index& index)
       : sensor_(width, height, joint_model), fuser_(width, height), index_(index), scratch_(index.make_scratch()) {}
 
+  void before_sense(float seconds, int user) override {
+    seconds_ = seconds;
+    sensor_.select(user);
+  }
   Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) override {
-    return sensor_.sense(depth, intrinsics, mask);
+    return sensor_.sense(depth, intrinsics, mask, seconds_);
   }
   void reset_sense() override { sensor_.reset(); }
 
@@ -39,6 +43,7 @@ class ProductionStages final : public FrameStages {
 
  private:
   Sensor sensor_;
+  float seconds_ = kFramePeriodS;
   Fuser fuser_;
   const index::Index& index_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;

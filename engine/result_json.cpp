@@ -81,6 +81,8 @@ Json joints_json(const EngineResult& result) {
     all[std::string(kJointNames[i])] = {
         {"position_mm", Json::array({rounded(p.x, kTenths), rounded(p.y, kTenths), rounded(p.z, kTenths)})},
         {"confidence", rounded(joints.confidence[i], kThousandths)}};
+    if (!result.measured && (result.joints_inferred & joint_bit(i)) != 0)
+      all[std::string(kJointNames[i])]["inferred"] = true;
   }
   return all;
 }
@@ -138,6 +140,20 @@ std::string_view name_of(SessionState state) {
       break;
   }
   return "LOST";
+}
+
+std::string_view name_of(ViewSide view) {
+  switch (view) {
+    case ViewSide::front:
+      return "front";
+    case ViewSide::back:
+      return "back";
+    case ViewSide::side:
+      return "side";
+    case ViewSide::unknown:
+      break;
+  }
+  return "unknown";
 }
 
 std::string_view name_of(hal::IntrinsicsOrigin origin) {

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kWaitMs = 250;
 
-Status pull(Engine& engine, hal::Source& source, bool stop_when_measured) {
+Status pull(Engine& engine, hal::Source& source, const std::function<bool()>& go_on) {
   const Intrinsics& k = source.info().intrinsics;
   std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
   const DepthImage depth(pixels.data(), k.width, k.height);
@@ -28,15 +28,19 @@ Status pull(Engine& engine, hal::Source& source, bool stop_when_measured) {
     }
     silent_ms = 0;
     if (auto pushed = engine.push(depth, *info); !pushed) return pushed;
-    if (stop_when_measured && engine.result().measured) return Ok{};
+    if (!go_on()) return Ok{};
   }
 }
 
 }  // namespace
 
 Status run(Engine& engine, hal::Source& source, bool stop_when_measured) {
+  return run(engine, source, [&] { return !(stop_when_measured && engine.result().measured); });
+}
+
+Status run(Engine& engine, hal::Source& source, const std::function<bool()>& go_on) {
   if (auto started = source.start(); !started) return started;
-  Status status = pull(engine, source, stop_when_measured);
+  Status status = pull(engine, source, go_on);
   source.stop();
   engine.finish();
   return status;

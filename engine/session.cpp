@@ -19,11 +19,24 @@ SessionStep on_absence(const SessionRules& rules, SessionStep step) {
   return step;
 }
 
-void begin_attempt(Session& next) {
+void begin_attempt(Session& next, int user) {
   next.state = SessionState::user_found;
+  next.user = user;
   next.psi_frames = 0;
   next.psi_wait_frames = 0;
   next.rejected_frames = 0;
+}
+
+bool is_moving(const SessionRules& rules, const SessionView& view) {
+  return view.motion.trunk_mm_s > rules.trunk_speed_max_mm_s || view.motion.limb_mm_s > rules.limb_speed_max_mm_s;
+}
+
+// What a frame cannot say by itself. From behind is a view of its own: what is learned of people is their front.
+GuidanceSet own_needs(const SessionRules& rules, const SessionView& view) {
+  GuidanceSet needs = 0;
+  if (view.view == ViewSide::back) needs |= bit(Guidance::not_frontal);
+  if (is_moving(rules, view)) needs |= bit(Guidance::moving);
+  return needs;
 }
 
 SessionStep on_calibrating(const SessionRules& rules, SessionStep step, const SessionView& view) {
@@ -45,19 +58,28 @@ SessionStep on_sighting(const SessionRules& rules, const Session& session, const
   step.next = session;
   step.guidance = view.guidance;
   if (session.state == SessionState::measured) return step;
+  const bool begun = session.state == SessionState::calibrating || session.state == SessionState::tracking;
   if (!view.found) return on_absence(rules, step);
+  if (begun && view.user != session.user) {
+    step.guidance = 0;  // the other's
+    return on_absence(rules, step);
+  }
 
   Session& next = step.next;
   next.absent_frames = 0;
   if (next.state == SessionState::searching) {
-    begin_attempt(next);
+    begin_attempt(next, view.user);
   } else if (next.state == SessionState::lost) {
     if (next.attempts >= rules.attempts_max) return step;
     ++next.attempts;
     step.forget = true;
-    begin_attempt(next);
+    begin_attempt(next, view.user);
   }
-  if (next.state == SessionState::user_found && view.guidance == 0)
+  next.user = view.user;
+  step.guidance |= own_needs(rules, view);
+  if (is_moving(rules, view) && view.frames_gathered > 0 && view.frames_gathered <= rules.unsettled_frames_max)
+    step.forget = true;
+  if (next.state == SessionState::user_found && step.guidance == 0)
     next.state = rules.calibration_psi ? SessionState::calibrating : SessionState::tracking;
   if (next.state == SessionState::calibrating) return on_calibrating(rules, step, view);
   // Arms still raised after calibration: the person is on the way to standing relaxed.

@@ -5,9 +5,13 @@
 //   SEARCHING -> USER_FOUND -> [CALIBRATING ->] TRACKING -> MEASURED
 //   LOST from USER_FOUND, CALIBRATING and TRACKING; back to USER_FOUND when somebody is found again, at most
 //   attempts_max times. MEASURED ends the session.
+//
+// From CALIBRATING on the session belongs to one user: while another is sighted, that user is absent.
 #pragma once
 
 #include "engine/engine.h"
+#include "engine/user_lock.h"
+#include "kernels/observe/motion_filter.h"
 
 namespace im2fit {
 
@@ -15,11 +19,15 @@ struct SessionRules {
   int frames_wanted = 30;
   int frames_min = 5;
   bool calibration_psi = false;
-  int absent_frames_max = 15;     // half a second at 30 Hz; shorter flicker of the mask is no loss
+  int absent_frames_max = kAbsentFramesMax;
   int psi_frames = 5;             // in a row
   int psi_wait_frames_max = 300;  // ten seconds to take the pose
   int rejected_frames_max = 30;   // in a row: the person stands still, but no longer as gathered
-  int attempts_max = 8;           // beginnings after the first, by loss or by a pose that changed
+  int unsettled_frames_max = MotionFilter::kFrameCount;  // gathered before movement shows: part of that movement
+  // Of people told to stand still, seen at 320x240, the tracker's joints reach 35 (trunk) and 180 (hands) mm/s.
+  float trunk_speed_max_mm_s = 60;
+  float limb_speed_max_mm_s = 300;
+  int attempts_max = 8;  // beginnings after the first, by loss or by a pose that changed
 };
 
 struct Session {
@@ -29,6 +37,7 @@ struct Session {
   int psi_wait_frames = 0;  // in CALIBRATING
   int rejected_frames = 0;  // in a row
   int attempts = 0;
+  int user = 0;  // whose session it is; 0 before USER_FOUND
 };
 
 // The part of a Sighting the session looks at.
@@ -36,6 +45,10 @@ struct SessionView {
   bool found = false;
   GuidanceSet guidance = 0;
   bool psi = false;  // is_psi_pose
+  int user = 0;
+  ViewSide view = ViewSide::unknown;
+  Motion motion = {};
+  int frames_gathered = 0;  // before this frame
 };
 
 struct SessionStep {

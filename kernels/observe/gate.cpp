@@ -14,8 +14,10 @@ namespace {
 // Sine of the angle between neck-torso and torso-hips. The paper asks for 0.1, but an upright person's own spine
 // curves: true joints of 40 held-out people have a median of 0.16 and a maximum of 0.32.
 constexpr float kLateralMax = 0.5F;
-constexpr float kTiltMax = 0.26F;       // sine of the spine's tilt against the floor's normal: 15 degrees
-constexpr float kYawMax = 0.42F;        // sine of the shoulders' turn away from the camera: 25 degrees
+constexpr float kTiltMax = 0.26F;  // sine of the spine's tilt against the floor's normal: 15 degrees
+// Sine of the shoulders' turn away from the camera. People are learned within 13 degrees, and 12 are too many to
+// measure well; the joints' yaw errs by 6, so that 18 degrees let pass all who stand within 12.
+constexpr float kYawMax = 0.309F;
 constexpr float kHandGapMinMm = 60.0F;  // hand's distance sideways from the hip joint
 constexpr float kAcrossMinMm = 100.0F;  // shoulders and hips together: some 500 mm apart
 constexpr float kBackMin = 0.65F;

@@ -8,7 +8,7 @@
 
 namespace im2fit {
 
-// Which side of the person the camera sees. `side`: turned too far for either, by more than 25 degrees from both.
+// Which side of the person the camera sees. `side`: turned too far for either, by more than 18 degrees from both.
 enum class ViewSide : int { unknown, front, back, side };
 
 // From the line of shoulders and hips and `back_probability` (0..1: the tracker's, that the person is seen from

@@ -26,7 +26,7 @@ class MotionFilter {
   // them (confidence below kJointSeenMin) or jumped (kJumpMm in a frame): that is the tracker's doing.
   Motion step(const JointSet& joints, float dt_s);
 
-  static constexpr float kJumpMm = 250.0F;
+  static constexpr float kJumpMm = 200.0F;
 
  private:
   // Elbows, hands, knees and feet, then the trunk's mean.

@@ -12,6 +12,8 @@
 #include "kernels/core/guidance.h"
 #include "kernels/core/joints.h"
 #include "kernels/joints/tracker.h"
+#include "kernels/observe/gate.h"
+#include "kernels/observe/joint_filter.h"
 #include "kernels/paper/paper.h"
 #include "kernels/profile/profile.h"
 #include "kernels/segment/segment.h"
@@ -27,13 +29,19 @@ using Feature = std::array<float, kFeatureSize>;
 // First half (thread SENSE): who is there, and where the joints are.
 struct Sighting {
   Person person;
-  JointSet joints;           // meaningful when person.found
+  JointSet joints;  // meaningful when person.found
+  ViewSide view = ViewSide::unknown;
+  std::array<User, kUserCountMax> users{};  // everybody in view, nearest first; the first user_count are set
+  int user_count = 0;
   GuidanceSet guidance = 0;  // the person's and the pose's: zero means the frame may be used
 };
 class Sensor {
  public:
   Sensor(int width, int height, const JointModel& model);
-  Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask);
+  // `seconds` since the frame before.
+  Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
+  // Whom to sense from the next frame on: the user of this id and nobody else; 0: the nearest and most central.
+  void select(int user) { segmenter_.select(user); }
   void reset();
 
  private:

@@ -37,6 +37,9 @@ static void make_frame(uint16_t* depth, int found, unsigned guidance) {
   depth[1] = (uint16_t)guidance;
   depth[2] = 0;
   depth[3] = 0;
+  depth[4] = 1; /* user */
+  depth[6] = IM2FIT_VIEW_FRONT;
+  depth[7] = 0; /* where the person stands, mm to the right */
 }
 
 static void measures_a_person(int single_thread) {
@@ -206,11 +209,110 @@ static void structs_may_grow(void) {
   im2fit_close(handle);
 }
 
+/* A caller built with the header before user_id: the field is not read. */
+static void settings_of_the_first_header_still_open(void) {
+  struct {
+    im2fit_settings settings;
+    char more[16];
+  } newer;
+  memset(&newer, 0, sizeof newer);
+  im2fit_handle* handle = NULL;
+  newer.settings = small_settings();
+  newer.settings.tracker_path = "/nonexistent.i2t";
+  newer.settings.index_path = "/nonexistent.i2f";
+  newer.settings.user_id = -77;
+  newer.settings.struct_size = offsetof(im2fit_settings, user_id);
+  CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_NOT_FOUND); /* past the size: the file is missing */
+  newer.settings.struct_size = offsetof(im2fit_settings, log_user);
+  CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_UNSUPPORTED);
+  newer.settings.struct_size = sizeof newer;
+  CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_NOT_FOUND);
+  newer.more[15] = 1;
+  CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_UNSUPPORTED);
+}
+
+static void push_person(im2fit_handle* handle, int found, int user, int view, int x_mm, int count) {
+  static uint64_t sequence;
+  uint16_t depth[PIXELS];
+  make_frame(depth, found, 0);
+  depth[4] = (uint16_t)user;
+  depth[6] = (uint16_t)view;
+  depth[7] = (uint16_t)x_mm;
+  for (int i = 0; i < count; ++i) {
+    ++sequence;
+    CHECK(im2fit_push(handle, depth, WIDTH, HEIGHT, 0, sequence, (int64_t)sequence * 33333333) == IM2FIT_OK);
+  }
+}
+
+/* Ids, view and steadied joints of whoever is in view, and one person after the other. */
+static void one_person_after_the_other(int single_thread) {
+  im2fit_settings settings = small_settings();
+  settings.single_thread = single_thread;
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  im2fit_result r;
+  push_person(handle, 1, 4, IM2FIT_VIEW_BACK, 0, 1);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.user_id == 4 && r.view == IM2FIT_VIEW_BACK && r.session == 0);
+  CHECK(r.guidance == IM2FIT_GUIDANCE_NOT_FRONTAL);
+  CHECK(r.state == IM2FIT_STATE_USER_FOUND);
+  CHECK(r.joints_inferred == 0);
+  CHECK(r.display_joints[3].x == 180.0F && r.display_joints[3].confidence == r.joints[3].confidence);
+
+  CHECK(im2fit_next(handle) == IM2FIT_OK); /* nothing measured: anew */
+  push_person(handle, 1, 4, IM2FIT_VIEW_FRONT, 0, 12);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.state == IM2FIT_STATE_MEASURED && r.session == 1 && r.user_id == 4);
+
+  CHECK(im2fit_next(handle) == IM2FIT_OK);
+  push_person(handle, 1, 4, IM2FIT_VIEW_SIDE, 90, 40); /* does not leave */
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.measured == 1 && r.session == 1 && r.frames_seen == 10);
+  CHECK(r.view == IM2FIT_VIEW_SIDE);
+  CHECK(fabsf(r.display_joints[3].x - 270.0F) < 1.0F); /* followed; */
+  CHECK(r.joints[3].x == 180.0F);                      /* what was measured stands */
+
+  CHECK(im2fit_next(handle) == IM2FIT_OK);
+  push_person(handle, 0, 0, 0, 0, 20); /* gone */
+  push_person(handle, 1, 5, IM2FIT_VIEW_FRONT, 0, 12);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.measured == 1 && r.session == 2 && r.user_id == 5);
+  CHECK(im2fit_reset(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.measured == 0 && r.session == 0 && r.user_id == 0 && r.display_joints[3].confidence == 0.0F);
+  im2fit_close(handle);
+}
+
+static void only_the_user_asked_for(void) {
+  im2fit_settings settings = small_settings();
+  settings.user_id = 2;
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  im2fit_result r;
+  push_person(handle, 1, 1, IM2FIT_VIEW_FRONT, 0, 12);
+  push_person(handle, 1, 2, IM2FIT_VIEW_FRONT, 0, 3);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.measured == 1 && r.user_id == 2 && r.frames_seen == 15 && r.frames_used == 3);
+  CHECK(im2fit_next(NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(strcmp(im2fit_view_name(IM2FIT_VIEW_BACK), "back") == 0);
+  CHECK(im2fit_view_name(4) == NULL && im2fit_view_name(-1) == NULL);
+  im2fit_close(handle);
+  settings.user_id = -1;
+  CHECK(open_with_fake_stages(&settings) == NULL);
+}
+
 int main(void) {
   measures_a_person(0);
   measures_a_person(1);
   refuses_bad_frames_and_says_why();
   pumps_an_attached_source();
   structs_may_grow();
+  settings_of_the_first_header_still_open();
+  one_person_after_the_other(0);
+  one_person_after_the_other(1);
+  only_the_user_asked_for();
   return check_failures == 0 ? 0 : 1;
 }

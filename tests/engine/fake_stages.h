@@ -22,6 +22,9 @@ struct Shot {
   bool refused = false;  // the fuser answers MOVING
   bool psi = false;
   std::uint16_t value = 1000;
+  int user = 1;
+  ViewSide view = ViewSide::front;
+  int shift_mm = 0;  // of all joints, sideways
 };
 
 struct FramePixels {
@@ -30,6 +33,9 @@ struct FramePixels {
     pixels[1] = static_cast<std::uint16_t>(shot.guidance);
     pixels[2] = shot.refused;
     pixels[3] = shot.psi;
+    pixels[4] = static_cast<std::uint16_t>(shot.user);
+    pixels[6] = static_cast<std::uint16_t>(shot.view);
+    pixels[7] = static_cast<std::uint16_t>(shot.shift_mm);
   }
   DepthView view() const { return {pixels.data(), kWidth, kHeight}; }
   std::vector<std::uint16_t> pixels;
@@ -62,15 +68,20 @@ class FakeStages final : public FrameStages {
   };
   explicit FakeStages(Control& control) : control_(control) {}
 
+  void before_sense(float, int user) override { user_ = user; }
+  // Who stands there is seen by who asks for him, or for anybody.
   Sighting sense(DepthView depth, const Intrinsics&, MaskImage mask) override {
     ++control_.sense_calls;
     pause(control_.sense_delay_us);
     Sighting sighting;
-    sighting.person.found = depth.at(0, 0) != 0;
+    sighting.person.found = depth.at(0, 0) != 0 && (user_ == 0 || user_ == depth.at(4, 0));
+    sighting.person.id = sighting.person.found ? depth.at(4, 0) : 0;
+    sighting.view = static_cast<ViewSide>(depth.at(6, 0));
     sighting.person.floor = {true, {0, -1, 0}, 900};
     sighting.guidance = depth.at(1, 0);
     sighting.joints = standing_joints(depth.at(3, 0) != 0);
     sighting.joints[Joint::HE] = {static_cast<float>(sense_state_++), 0, depth.at(5, 5) * 1.0F};
+    for (Vec3f& p : sighting.joints.position_mm) p.x += static_cast<float>(depth.at(7, 0));
     for (int v = 0; v < mask.height; ++v)
       for (int u = 0; u < mask.width; ++u) mask.at(u, v) = depth.at(u, v) % 2 == 0 ? 255 : 0;
     return sighting;
@@ -114,6 +125,7 @@ class FakeStages final : public FrameStages {
   }
   Control& control_;
   int sense_state_ = 0;
+  int user_ = 0;
   int frame_count_ = 0;
   double sum_ = 0;
   JointSet joints_;

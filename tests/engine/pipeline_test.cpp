@@ -8,6 +8,7 @@
 
 #include "base/rng.h"
 #include "engine/engine.h"
+#include "engine/user_lock.h"
 #include "fake_stages.h"
 
 namespace im2fit {
@@ -150,6 +151,121 @@ TEST_P(BothWays, CalibrationAsksForPsiAndThenForRelaxedStanding) {
   EXPECT_EQ(r.guidance_frames[12], 3U + 4U) << "three without the pose, four until it held";
   EXPECT_EQ(r.guidance_frames[8], 3U) << "arms still raised";
   EXPECT_EQ(r.frames_seen, 21U);
+}
+
+TEST_P(BothWays, StaysWithItsUserAndIsLostWithHim) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 4; ++i) rig.push({.user = 2});
+  for (int i = 0; i < 3; ++i) rig.push({.user = 9});  // somebody steps before him
+  for (int i = 0; i < 3; ++i) rig.push({.user = 2});
+  for (int i = 0; i <= kAbsentFramesMax; ++i) rig.push({.user = 9});
+  for (int i = 0; i < 10; ++i) rig.push({.value = 3000, .user = 9});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_TRUE(r.measured);
+  EXPECT_EQ(r.user, 9);
+  EXPECT_EQ(r.guidance_frames[0], 3U + kAbsentFramesMax + 1) << "NO_PERSON while only another is there";
+  EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550) << "the first user's frames are forgotten";
+}
+
+TEST_P(BothWays, TheNextPersonIsAwaitedOutsideThePicture) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 12; ++i) rig.push({.value = 2000, .user = 1});
+  rig.engine->finish();
+  rig.engine->next_person();
+  for (int i = 0; i < 50; ++i) rig.push({.value = 3000, .user = 1, .shift_mm = 40});
+  for (int i = 0; i < kAbsentFramesMax; ++i) rig.push({.found = false});
+  for (int i = 0; i < 3; ++i) rig.push({.user = 1});
+  rig.engine->finish();
+  EngineResult r = rig.engine->result();
+  EXPECT_TRUE(r.measured) << "he is still there";
+  EXPECT_EQ(r.session, 0U);
+  EXPECT_EQ(r.frames_seen, 10U);
+  EXPECT_EQ(r.answer.measurements[0].value, 2000.0F * 55 + 2550);
+
+  rig.engine->next_person();
+  for (int i = 0; i <= kAbsentFramesMax; ++i) rig.push({.found = false});
+  rig.push({.found = false});
+  rig.engine->finish();
+  r = rig.engine->result();
+  EXPECT_FALSE(r.measured);
+  EXPECT_EQ(r.session, 1U);
+  EXPECT_EQ(r.state, SessionState::searching);
+  EXPECT_EQ(r.frames_seen, 1U);
+  EXPECT_EQ(r.user, 0);
+
+  rig.engine->next_person();
+  for (int i = 0; i < 12; ++i) rig.push({.value = 1500, .user = 2});
+  rig.engine->finish();
+  r = rig.engine->result();
+  EXPECT_TRUE(r.measured);
+  EXPECT_EQ(r.session, 2U);
+  EXPECT_EQ(r.user, 2);
+  EXPECT_EQ(r.answer.measurements[0].value, 1500.0F * 55 + 2550);
+}
+
+TEST_P(BothWays, WhoeverWaitsBesideIsMeasuredWhenTheFirstLeaves) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 12; ++i) rig.push({.user = 1});
+  rig.engine->finish();
+  rig.engine->next_person();
+  for (int i = 0; i <= kAbsentFramesMax; ++i) rig.push({.value = 3000, .user = 5});
+  for (int i = 0; i < 10; ++i) rig.push({.value = 3000, .user = 5});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_TRUE(r.measured);
+  EXPECT_EQ(r.session, 1U);
+  EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550);
+}
+
+TEST_P(BothWays, AWalkIsNotGathered) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 9; ++i) rig.push({.shift_mm = 5 * i});  // 150 mm/s; seen after 16 frames
+  for (int i = 9; i < 20; ++i) rig.push({.guidance = kNear, .shift_mm = 5 * i});
+  for (int i = 0; i < 40; ++i) rig.push({.value = 3000, .shift_mm = 100});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_TRUE(r.measured);
+  EXPECT_TRUE(has(r.guidance_seen, Guidance::moving));
+  EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550) << "only what came after it";
+}
+
+TEST_P(BothWays, JointsForTheEyeAreSteadiedAndTheOthersAreNot) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 8; ++i) rig.push({.guidance = kNear});
+  rig.push({.guidance = kNear, .shift_mm = 100});
+  rig.engine->finish();
+  EngineResult r = rig.engine->result();
+  EXPECT_EQ(r.joints[Joint::LS].x, 280.0F);
+  EXPECT_GT(r.display_joints[Joint::LS].x, 200.0F);
+  EXPECT_LT(r.display_joints[Joint::LS].x, 275.0F);
+  EXPECT_EQ(r.view, ViewSide::front);
+  EXPECT_EQ(r.joints_inferred, 0U);
+
+  rig.engine->reset();
+  rig.push({.guidance = kNear});
+  rig.push({.found = false});
+  rig.push({.guidance = kNear, .shift_mm = 100});
+  rig.engine->finish();
+  EXPECT_EQ(rig.engine->result().display_joints[Joint::LS].x, 280.0F) << "a loss begins anew";
+}
+
+TEST_P(BothWays, TheWatchSeesEveryFrameInOrder) {
+  EngineSettings settings = with(GetParam());
+  std::vector<std::uint64_t> sequences;
+  std::vector<int> depths;
+  settings.watch = [&](const FrameSeen& frame) {
+    sequences.push_back(frame.info.sequence);
+    depths.push_back(frame.depth.at(5, 5));
+    EXPECT_EQ(frame.mask.at(5, 5), 255);
+    EXPECT_EQ(frame.result.frames_seen, sequences.size());
+    EXPECT_TRUE(frame.users.empty());
+  };
+  Rig rig(settings);
+  for (int i = 0; i < 6; ++i) rig.push({.value = static_cast<std::uint16_t>(1000 + 2 * i)});
+  rig.engine->finish();
+  EXPECT_THAT(sequences, testing::ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(depths, testing::ElementsAre(1000, 1002, 1004, 1006, 1008, 1010));
 }
 
 TEST_P(BothWays, OddArrivalsAreCounted) {

@@ -99,6 +99,115 @@ TEST(Session, EveryTransitionOnASighting) {
   }
 }
 
+Session of_user(State state, int user, int absent = 0) {
+  Session s = at(state, absent);
+  s.user = user;
+  return s;
+}
+SessionView seen(int user) {
+  SessionView view = kGood;
+  view.user = user;
+  return view;
+}
+
+TEST(Session, BelongsToItsUserFromTheFirstGoodFrameOn) {
+  const SessionStep found = on_sighting(rules(false), {}, seen(3));
+  EXPECT_EQ(found.next.state, State::tracking);
+  EXPECT_EQ(found.next.user, 3);
+
+  SessionView waiting = kTooNear;
+  waiting.user = 4;
+  const SessionStep other = on_sighting(rules(false), of_user(State::user_found, 3), waiting);
+  EXPECT_EQ(other.next.user, 4) << "nothing has begun";
+  EXPECT_EQ(other.guidance, kNear);
+}
+
+TEST(Session, AnotherUserIsAnAbsence) {
+  for (const State state : {State::calibrating, State::tracking}) {
+    SessionView other = kTooNear;
+    other.user = 4;
+    SessionStep step = on_sighting(rules(true), of_user(state, 3), other);
+    EXPECT_EQ(step.next.state, state);
+    EXPECT_EQ(step.next.user, 3);
+    EXPECT_EQ(step.next.absent_frames, 1);
+    EXPECT_EQ(step.guidance, kNobody) << "not what the other should do";
+    EXPECT_FALSE(step.use_frame);
+    step = on_sighting(rules(true), of_user(state, 3, 2), other);
+    EXPECT_EQ(step.next.state, State::lost);
+    const SessionStep next = on_sighting(rules(true), step.next, other);
+    EXPECT_EQ(next.next.state, State::user_found);
+    EXPECT_EQ(next.next.user, 4);
+    EXPECT_TRUE(next.forget);
+    EXPECT_EQ(next.next.attempts, 1);
+  }
+}
+
+TEST(Session, SeenFromBehindIsNotFrontal) {
+  SessionView back = kGood;
+  back.view = ViewSide::back;
+  const SessionStep step = on_sighting(rules(false), at(State::user_found), back);
+  EXPECT_EQ(step.next.state, State::user_found);
+  EXPECT_EQ(step.guidance, static_cast<GuidanceSet>(Guidance::not_frontal));
+  EXPECT_FALSE(step.use_frame);
+  back.view = ViewSide::front;
+  EXPECT_TRUE(on_sighting(rules(false), at(State::user_found), back).use_frame);
+}
+
+TEST(Session, MovementIsNotGatheredAndTakesItsFirstFramesWithIt) {
+  const SessionRules r = rules(false);
+  struct Case {
+    float trunk, limb;
+    int gathered;
+    bool moving, forget;
+  };
+  const Case cases[] = {{59, 299, 9, false, false},
+                        {61, 0, 0, true, false},
+                        {61, 0, 1, true, true},
+                        {0, 301, r.unsettled_frames_max, true, true},
+                        {61, 301, r.unsettled_frames_max + 1, true, false}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.trunk);
+    SessionView view = kGood;
+    view.motion = {c.trunk, c.limb};
+    view.frames_gathered = c.gathered;
+    const SessionStep step = on_sighting(r, at(State::tracking), view);
+    EXPECT_EQ(step.guidance, c.moving ? kMoving : 0U);
+    EXPECT_EQ(step.use_frame, !c.moving);
+    EXPECT_EQ(step.forget, c.forget);
+    EXPECT_EQ(step.next.state, State::tracking);
+  }
+}
+
+Sighting sighting_of(bool found, int user, GuidanceSet guidance = 0) {
+  Sighting sighting;
+  sighting.person.found = found;
+  sighting.person.id = found ? user : 0;
+  sighting.guidance = found ? guidance : kNobody;
+  return sighting;
+}
+
+TEST(UserLock, HoldsFromTheFirstGoodFrameUntilTheUserIsGone) {
+  UserLock lock(0);
+  lock.saw(sighting_of(true, 3, kNear));
+  EXPECT_EQ(lock.selected(), 0) << "somebody may still come nearer";
+  lock.saw(sighting_of(true, 4));
+  EXPECT_EQ(lock.selected(), 4);
+  for (int i = 0; i < kAbsentFramesMax; ++i) lock.saw(sighting_of(false, 0));
+  EXPECT_EQ(lock.selected(), 4) << "a flicker";
+  lock.saw(sighting_of(true, 4, kNear));
+  for (int i = 0; i < kAbsentFramesMax; ++i) lock.saw(sighting_of(false, 0));
+  EXPECT_EQ(lock.selected(), 4) << "counted anew";
+  lock.saw(sighting_of(false, 0));
+  EXPECT_EQ(lock.selected(), 0) << "lost";
+}
+
+TEST(UserLock, AUserAskedForIsNeverGivenUp) {
+  UserLock lock(7);
+  EXPECT_EQ(lock.selected(), 7);
+  for (int i = 0; i < 100; ++i) lock.saw(sighting_of(false, 0));
+  EXPECT_EQ(lock.selected(), 7);
+}
+
 TEST(Session, BeingSeenClearsTheAbsence) {
   const SessionStep step = on_sighting(rules(false), at(State::tracking, 2), kGood);
   EXPECT_EQ(step.next.absent_frames, 0);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "tests/kernels/analytic_figure.h"
 
@@ -51,6 +52,66 @@ TEST(PoseGate, StandingStraightPasses) {
 TEST(PoseGate, TurnedIsNotFrontal) {
   EXPECT_EQ(pose_gate(turned(35), kLevelFloor), static_cast<GuidanceSet>(Guidance::not_frontal));
   EXPECT_EQ(pose_gate(turned(-35), kLevelFloor), static_cast<GuidanceSet>(Guidance::not_frontal));
+}
+
+TEST(PoseGate, TheTurnAllowedLiesBetweenStandingSquareAndTurnedAside) {
+  for (const int side : {-1, 1})
+    for (const int facing : {0, 180}) {
+      EXPECT_EQ(pose_gate(turned(facing + side * 16), kLevelFloor), 0U);
+      EXPECT_TRUE(has(pose_gate(turned(facing + side * 20), kLevelFloor), Guidance::not_frontal));
+    }
+}
+
+TEST(ViewSide, FrontBackSideByTheJointsThemselves) {
+  for (const int degrees : {-15, 0, 15}) {
+    EXPECT_EQ(view_side(turned(degrees), kLevelFloor), ViewSide::front) << degrees;
+    EXPECT_EQ(view_side(turned(180 + degrees), kLevelFloor), ViewSide::back) << degrees;
+  }
+  for (const int degrees : {30, 90, 150, 210, 270, 330})
+    EXPECT_EQ(view_side(turned(degrees), kLevelFloor), ViewSide::side) << degrees;
+}
+
+TEST(ViewSide, WhoSeesFacesMaySayBack) {
+  const JointSet joints = standing();  // left and right as of somebody facing the camera
+  EXPECT_EQ(view_side(joints, kLevelFloor, 0.1F), ViewSide::front);
+  EXPECT_EQ(view_side(joints, kLevelFloor, 0.9F), ViewSide::back);
+  EXPECT_EQ(view_side(joints, kLevelFloor, 0.5F), ViewSide::unknown);
+  EXPECT_EQ(view_side(turned(60), kLevelFloor, 0.9F), ViewSide::side);
+  EXPECT_EQ(view_side(turned(180), kLevelFloor, 0.5F), ViewSide::back) << "the joints know already";
+}
+
+TEST(ViewSide, JointsThatSpanNothingSayNothing) {
+  EXPECT_EQ(view_side(JointSet{}, kLevelFloor), ViewSide::unknown);
+  JointSet broken = standing();
+  broken[Joint::LS].x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(view_side(broken, kLevelFloor), ViewSide::unknown);
+}
+
+TEST(PoseGate, NeitherFrontNorBackIsNotFrontal) {
+  for (const ViewSide view : {ViewSide::front, ViewSide::back})
+    EXPECT_EQ(pose_gate(standing(), kLevelFloor, view), 0U);
+  for (const ViewSide view : {ViewSide::side, ViewSide::unknown})
+    EXPECT_EQ(pose_gate(standing(), kLevelFloor, view), static_cast<GuidanceSet>(Guidance::not_frontal));
+}
+
+// Bows about the hips, legs upright.
+JointSet bowing(double degrees) {
+  JointSet joints = standing();
+  const auto c = static_cast<float>(std::cos(degrees * 0.017453292519943295));
+  const auto s = static_cast<float>(std::sin(degrees * 0.017453292519943295));
+  const Vec3f hip = (joints[Joint::LH] + joints[Joint::RH]) * 0.5F;
+  for (const Joint j :
+       {Joint::HE, Joint::NE, Joint::TO, Joint::LS, Joint::RS, Joint::LE, Joint::RE, Joint::LA, Joint::RA}) {
+    const Vec3f d = joints[j] - hip;
+    joints[j] = hip + Vec3f{d.x, c * d.y - s * d.z, s * d.y + c * d.z};
+  }
+  return joints;
+}
+
+TEST(PoseGate, BowingIsNotUpright) {
+  EXPECT_EQ(pose_gate(bowing(10), kLevelFloor), 0U);
+  EXPECT_EQ(pose_gate(bowing(25), kLevelFloor), static_cast<GuidanceSet>(Guidance::not_upright));
+  EXPECT_EQ(pose_gate(bowing(-25), kLevelFloor), static_cast<GuidanceSet>(Guidance::not_upright));
 }
 
 TEST(PoseGate, LeaningIsNotUpright) {

@@ -104,6 +104,7 @@ typedef struct im2fit_settings {
   int32_t pool_frames;     /* 8: frames held, 3..64, three bytes a pixel each */
   im2fit_log_fn log;       /* NULL: none */
   void* log_user;
+  int32_t user_id; /* 0: whoever stands right first. Else only the person with this im2fit_result.user_id */
 } im2fit_settings;
 
 /* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_settings) as the caller sees it.
@@ -129,6 +130,11 @@ IM2FIT_API int im2fit_finish(im2fit_handle* handle);
 
 /* A new person: forgets everything seen. After im2fit_finish or between frames. */
 IM2FIT_API int im2fit_reset(im2fit_handle* handle);
+
+/* The next person, after IM2FIT_STATE_MEASURED: frames are looked at again, and the answer stands until the person
+ * measured has left the picture for half a second; then a new session begins by itself (im2fit_result.session counts
+ * it). Before the measurement: begins anew at once. The floor and the ids are kept, unlike with im2fit_reset. */
+IM2FIT_API int im2fit_next(im2fit_handle* handle);
 
 /* ---- Sources by URI (optional) --------------------------------------------------------------------------------- */
 
@@ -177,7 +183,7 @@ enum {
   IM2FIT_GUIDANCE_FEET_CUT = 1 << 3,
   IM2FIT_GUIDANCE_HEAD_CUT = 1 << 4,
   IM2FIT_GUIDANCE_ARMS_CLOSE = 1 << 5,
-  IM2FIT_GUIDANCE_NOT_FRONTAL = 1 << 6,
+  IM2FIT_GUIDANCE_NOT_FRONTAL = 1 << 6, /* also when seen from behind */
   IM2FIT_GUIDANCE_NOT_UPRIGHT = 1 << 7,
   IM2FIT_GUIDANCE_MOVING = 1 << 8,
   IM2FIT_GUIDANCE_SEVERAL_PEOPLE = 1 << 9,
@@ -186,6 +192,14 @@ enum {
   IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12 /* raise the arms: upper arms level, hands up */
 };
 #define IM2FIT_GUIDANCE_COUNT 13
+
+/* Which side of the person the camera sees. */
+enum {
+  IM2FIT_VIEW_UNKNOWN = 0,
+  IM2FIT_VIEW_FRONT,
+  IM2FIT_VIEW_BACK,
+  IM2FIT_VIEW_SIDE /* turned too far for either */
+};
 
 /* Of the naked body, relaxed standing; girths round the convex hull of the section (docs/result.md). */
 enum {
@@ -215,7 +229,7 @@ typedef struct im2fit_estimate {
 
 typedef struct im2fit_joint {
   float x, y, z;    /* mm, camera axes */
-  float confidence; /* 0..1: chance of being within 50 mm */
+  float confidence; /* 0..1: chance of being within 50 mm; below 0.25 the joint is inferred, not seen */
 } im2fit_joint;
 
 typedef struct im2fit_result {
@@ -236,6 +250,13 @@ typedef struct im2fit_result {
   float paper[IM2FIT_MEASUREMENT_COUNT]; /* the published method's own, NaN where it has none */
   uint32_t index_entry;                  /* the stored body nearest to the answer */
   float index_distance;
+  int32_t user_id; /* whose joints and guidance these are: >= 1, never given to two people; 0: nobody is in view */
+  int32_t view;    /* IM2FIT_VIEW_..., of the latest frame */
+  uint32_t joints_inferred; /* bit per joint of display_joints: not seen, held by the skeleton where it was last */
+  uint32_t session;         /* counts the sessions begun after im2fit_next, from 0 */
+  /* The latest frame's, to draw, once measured too; zero confidence without has_joints. Steadied: a joint at rest is
+   * shown 0.11 s late, at 1 m/s 0.02 s. `joints` is not. */
+  im2fit_joint display_joints[IM2FIT_JOINT_COUNT];
 } im2fit_result;
 
 /* A consistent copy of the latest state; never waits for the threads at work. `struct_size` is sizeof *result: a
@@ -265,6 +286,7 @@ IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..12: "TOO_NEAR" is 
 IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
 IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */
+IM2FIT_API const char* im2fit_view_name(int view);      /* "front" */
 
 #ifdef __cplusplus
 }

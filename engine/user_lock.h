@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whose session it is, decided in half SENSE so that it depends on the frames alone, not on how far FIT has come.
+#pragma once
+
+#include "kernels/observe/observe.h"
+
+namespace im2fit {
+
+// Shorter flicker of the mask is no loss: half a second at 30 Hz. The session counts the same frames.
+inline constexpr int kAbsentFramesMax = 15;
+
+// Free: the nearest and most central person. From the first frame that needs nothing on, that user and nobody else,
+// until absent for more than kAbsentFramesMax frames: then the session is LOST, and whoever comes next may begin one.
+class UserLock {
+ public:
+  // `user`: measure this one only; 0: whoever stands right first.
+  explicit UserLock(int user) : asked_for_(user), selected_(user) {}
+  void reset() { *this = UserLock(asked_for_); }
+  // Whom to sense in the next frame; 0: anybody.
+  int selected() const { return selected_; }
+  void saw(const Sighting& sighting) {
+    if (asked_for_ != 0) return;
+    if (sighting.person.found) {
+      absent_frames_ = 0;
+      if (selected_ == 0 && sighting.guidance == 0) selected_ = sighting.person.id;
+    } else if (selected_ != 0 && ++absent_frames_ > kAbsentFramesMax) {
+      reset();
+    }
+  }
+
+ private:
+  int asked_for_;
+  int selected_;
+  int absent_frames_ = 0;
+};
+
+}  // namespace im2fit
