@@ -60,6 +60,10 @@ float distance(float x, float y, float x0, float y0, float x1, float y1) {
 Canvas::Canvas(int width, int height)
     : width_(width), height_(height), pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
 
+Rgb Canvas::at(int x, int y) const {
+  return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+}
+
 void Canvas::set(int x, int y, Rgb colour, float alpha) {
   if (x < 0 || y < 0 || x >= width_ || y >= height_ || alpha <= 0) return;
   Rgb& p = pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];

@@ -21,6 +21,7 @@ class Canvas {
   Canvas(int width, int height);
   int width() const { return width_; }
   int height() const { return height_; }
+  Rgb at(int x, int y) const;  // inside the picture
   // Drawing outside the picture is cut off. `alpha` 0..1 mixes with what is there.
   void set(int x, int y, Rgb colour, float alpha = 1.0F);
   void line(float x0, float y0, float x1, float y1, float thickness, Rgb colour, float alpha = 1.0F);

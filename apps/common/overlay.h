@@ -9,6 +9,7 @@
 #include "apps/common/canvas.h"
 #include "kernels/core/camera.h"
 #include "kernels/core/joints.h"
+#include "kernels/observe/chain_filter.h"
 #include "kernels/segment/segment.h"
 
 namespace im2fit::apps {
@@ -32,5 +33,23 @@ struct OverlayInput {
 };
 
 Canvas draw_overlay(const OverlayInput& input);
+
+// One frame as the tracker understood it, for people who watch: depth by brightness, the person tinted with an
+// outline, left limbs orange and right limbs violet, joints from red (guessed) over yellow to green (sure), inferred
+// ones hollow.
+struct SightingInput {
+  Intrinsics intrinsics;
+  DepthView depth;
+  MaskView mask;  // may be empty
+  bool has_joints = false;
+  JointSet joints;
+  JointFlags inferred = 0;
+  std::vector<User> users;            // those with an id are labelled with it
+  int measured_user = 0;              // this one's label is bright
+  std::vector<std::string> captions;  // lines in the upper left corner
+};
+
+// `height_px` of the picture, of any size: its width follows. Text (captions, ids) only when `text`.
+Canvas draw_sighting(const SightingInput& input, int height_px, bool text = true);
 
 }  // namespace im2fit::apps

@@ -137,4 +137,22 @@ std::string result_table(const SessionOutcome& outcome) {
   return text;
 }
 
+Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& options) {
+  const EngineResult& result = outcome.report.result;
+  if (!options.out.empty())
+    if (const auto written = write_outputs(outcome, options.out); !written) return written.error();
+  if (options.json) fmt::print("{}", result_json(outcome.report));
+  if (const auto flushed = flush_output(); !flushed) return flushed.error();
+  if (!result.measured) {
+    print_error(fmt::format("no measurement after {} frames ({} good ones); needed: {}", result.frames_seen,
+                            result.frames_used, guidance_words(reported_guidance(result))));
+    return kExitNoMeasurement;
+  }
+  if (!options.json) {
+    fmt::print("{}", result_table(outcome));
+    if (!options.out.empty()) fmt::print("written to {}\n", options.out);
+  }
+  return kExitOk;
+}
+
 }  // namespace im2fit::apps

@@ -26,6 +26,7 @@ EngineSettings settings_of(const SessionOptions& options, const hal::SourceInfo&
   settings.frames_wanted = options.frames;
   settings.frames_min = std::min(settings.frames_min, options.frames);
   settings.calibration_psi = options.calibration == "psi";
+  settings.user = options.user;
   settings.live = options.live && info.live;
   settings.single_thread = options.threads == 1;
   return settings;
@@ -60,7 +61,7 @@ void add_session_options(CLI::App& sub, SessionOptions& options) {
   sub.add_flag("--json", options.json, "Print result.json, and nothing else, on stdout");
 }
 
-Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch) {
+Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch) {
   auto loaded_tracker = Tracker::load(options.tracker);
   if (!loaded_tracker) return loaded_tracker.error();
   auto tracker = std::make_unique<Tracker>(std::move(*loaded_tracker));
@@ -69,46 +70,63 @@ Result<SessionOutcome> run_session(const SessionOptions& options, const SessionW
   auto index = std::make_unique<index::Index>(std::move(*loaded_index));
   auto model = load_body(options.input.body);
   if (!model) return model.error();
-  const auto charts = load_charts(options.size_charts);
+  auto charts = load_charts(options.size_charts);
   if (!charts) return charts.error();
   if (!options.out.empty())
     if (const auto made = make_directory(options.out); !made) return made.error();
   auto input = open_input(options.input);
   if (!input) return input.error();
 
-  auto engine = Engine::create(settings_of(options, input->source->info()), tracker->model(), *index);
+  EngineSettings settings = settings_of(options, input->source->info());
+  settings.watch = std::move(engine_watch);
+  auto engine = Engine::create(settings, tracker->model(), *index);
   if (!engine) return engine.error();
-  SessionOutcome outcome{
-      std::move(tracker), std::move(index), std::move(*model), std::move(*input), std::move(*engine), nullptr, {},
-      std::nullopt};
-  const double started_ms = now_ms();
-  double answered_ms = 0;
-  outcome.tap = std::make_unique<FrameTap>(*outcome.input.source, 0, [&](std::uint64_t frame_count) {
-    const EngineResult result = outcome.engine->result();
-    if (result.measured && answered_ms == 0) answered_ms = now_ms();
-    if (watch) watch(frame_count, result);
-  });
+  SessionOutcome outcome{std::move(tracker), std::move(index),   std::move(*model), std::move(*charts),
+                         std::move(*input),  std::move(*engine), nullptr,           {},
+                         std::nullopt};
+  outcome.tap = std::make_unique<FrameTap>(*outcome.input.source, 0, std::move(watch));
   catch_interrupt();
-  if (const auto done = run(*outcome.engine, *outcome.tap, true); !done) return done.error();
-  // Damaged frames among good ones are left out; nothing but damage is no stream.
-  if (outcome.engine->result().frames_seen == 0 && outcome.tap->first_damage()) return *outcome.tap->first_damage();
+  return outcome;
+}
 
+Status conclude(SessionOutcome& outcome) {
+  outcome.body.reset();
   ResultReport& report = outcome.report;
+  report = {};
   report.result = outcome.engine->result();
   report.source = outcome.input.source->info();
-  if (options.timing)
-    report.timing = ResultTiming{now_ms() - started_ms, (answered_ms > 0 ? answered_ms : now_ms()) - started_ms};
-  if (!report.result.measured) return outcome;
-
-  report.size =
-      size_probabilities(*charts, report.result.answer.measurements[measurement_index(Measurement::chest_girth)],
-                         report.result.answer.female);
-  auto body = body_of_answer(outcome.body_model, *outcome.index, report.result.answer, report.result.measured_joints,
-                             report.result.floor);
+  if (!report.result.measured) return Ok{};
+  const index::Answer& answer = report.result.answer;
+  report.size = size_probabilities(outcome.charts, answer.measurements[measurement_index(Measurement::chest_girth)],
+                                   answer.female);
+  auto body =
+      body_of_answer(outcome.body_model, *outcome.index, answer, report.result.measured_joints, report.result.floor);
   if (!body) return body.error();
   outcome.body = std::move(*body);
   report.body = outcome.body->params;
   report.modifier_names = outcome.body_model.modifier_names();
+  return Ok{};
+}
+
+Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch) {
+  const Engine* engine = nullptr;
+  double answered_ms = 0;
+  auto outcome = open_session(options, nullptr, [&](std::uint64_t frame_count) {
+    const EngineResult result = engine->result();
+    if (result.measured && answered_ms == 0) answered_ms = now_ms();
+    if (watch) watch(frame_count, result);
+  });
+  if (!outcome) return outcome;
+  engine = outcome->engine.get();
+  const double started_ms = now_ms();
+  if (const auto done = run(*outcome->engine, *outcome->tap, true); !done) return done.error();
+  // Damaged frames among good ones are left out; nothing but damage is no stream.
+  if (outcome->engine->result().frames_seen == 0 && outcome->tap->first_damage())
+    return *outcome->tap->first_damage();
+  if (const auto concluded = conclude(*outcome); !concluded) return concluded.error();
+  if (options.timing)
+    outcome->report.timing =
+        ResultTiming{now_ms() - started_ms, (answered_ms > 0 ? answered_ms : now_ms()) - started_ms};
   return outcome;
 }
 

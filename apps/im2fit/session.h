@@ -25,6 +25,7 @@ struct SessionOptions {
   int threads = 2;
   bool json = false;
   bool timing = false;
+  int user = 0;  // 0: the nearest
   bool live = false;
 };
 void add_session_options(CLI::App& sub, SessionOptions& options);
@@ -37,6 +38,7 @@ struct SessionOutcome {
   std::unique_ptr<Tracker> tracker;  // this and the index stay where they are: the engine refers to them
   std::unique_ptr<index::Index> index;
   body::BodyModel body_model;
+  SizeSystem charts;
   Input input;
   std::unique_ptr<Engine> engine;
   std::unique_ptr<FrameTap> tap;
@@ -44,9 +46,16 @@ struct SessionOutcome {
   std::optional<AnsweredBody> body;
 };
 
-// Opens everything (so that bad words fail before a frame is read), makes the folder --out, runs to the end.
+// Opens everything (so that bad words fail before a frame is read) and makes the folder --out. `engine_watch` sees
+// every frame processed, on the engine's thread; `watch` every frame read.
+Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch);
+// Makes the report of what the engine says now.
+Status conclude(SessionOutcome& outcome);
+// Opens, runs to the end or the measurement, concludes.
 Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch);
 
+// Files, then the answer on stdout; exit 3 when there is none.
+Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& options);
 // result.json always; avatar.glb, .obj, .bvh when measured; overlay.png when there was a frame.
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory);
 // For people: value, interval, the paper's, and truth where it is known.

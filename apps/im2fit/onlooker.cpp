@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit/onlooker.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "apps/common/overlay.h"
+#include "apps/im2fit/session.h"
+#include "base/file.h"
+
+namespace im2fit::apps {
+namespace {
+
+constexpr auto kShowPeriod = std::chrono::milliseconds(100);
+constexpr int kPictureHeightPx = 960;
+constexpr int kLineCount = 3;
+
+std::string upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return c == '_' ? ' ' : static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
+SightingInput picture_of(const FrameSeen& frame, const Intrinsics& intrinsics) {
+  SightingInput input;
+  input.intrinsics = intrinsics;
+  input.depth = frame.depth;
+  input.mask = frame.mask;
+  input.has_joints = frame.result.has_joints;
+  input.joints = frame.result.display_joints;
+  input.inferred = frame.result.joints_inferred;
+  input.users.assign(frame.users.begin(), frame.users.end());
+  input.measured_user = frame.result.user;
+  return input;
+}
+
+}  // namespace
+
+std::string state_words(const EngineResult& result, int frames_wanted) {
+  std::string words = fmt::format("{:<11}", name_of(result.state));
+  if (result.user != 0) words += fmt::format("  user {}  {}", result.user, name_of(result.view));
+  if (result.state == SessionState::tracking)
+    words += fmt::format("  {} of {} good frames", result.frames_used, frames_wanted);
+  return words;
+}
+
+Onlooker::Onlooker(OnlookerOptions options, const Intrinsics& intrinsics, int frames_wanted)
+    : options_(std::move(options)), intrinsics_(intrinsics), frames_wanted_(frames_wanted) {
+  if (options_.view) view_ = std::make_unique<TerminalView>();
+}
+
+void Onlooker::see(const FrameSeen& frame) {
+  const std::uint64_t index = frames_++;
+  if (!options_.overlay.empty() && !error_ && index % static_cast<std::uint64_t>(options_.overlay_every) == 0)
+    write_picture(frame);
+  if (view_ == nullptr) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - shown_ < kShowPeriod) return;
+  shown_ = now;
+  show_picture(frame);
+}
+
+void Onlooker::write_picture(const FrameSeen& frame) {
+  SightingInput input = picture_of(frame, intrinsics_);
+  input.captions = {upper(state_words(frame.result, frames_wanted_))};
+  if (frame.result.guidance != 0) input.captions.push_back(upper(guidance_words(frame.result.guidance)));
+  const auto png = draw_sighting(input, kPictureHeightPx).png();
+  if (!png) {
+    error_ = png.error();
+    return;
+  }
+  const std::string path = fmt::format("{}/{:06}.png", options_.overlay, frame.info.sequence);
+  if (const auto written = write_file_atomically(path, *png); !written)
+    error_ = written.error();
+  else
+    ++pictures_;
+}
+
+void Onlooker::show_picture(const FrameSeen& frame) {
+  const SightingInput input = picture_of(frame, intrinsics_);
+  const int height = view_->picture_height(intrinsics_.width, intrinsics_.height, kLineCount);
+  const bool measured = frame.result.state == SessionState::measured;
+  view_->show(draw_sighting(input, height, false), {state_words(frame.result, frames_wanted_),
+                                                    measured ? "measured: please step out of the picture"
+                                                             : "needed: " + guidance_words(frame.result.guidance),
+                                                    last_word_});
+}
+
+}  // namespace im2fit::apps
