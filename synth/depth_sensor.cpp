@@ -2,6 +2,7 @@
 #include "synth/depth_sensor.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -15,6 +16,13 @@ constexpr float kRawPerInverseMm = static_cast<float>(1 / kRawStepPerMm);
 constexpr float kDepthStep = 0.02F;  // relative: a jump of 40 mm at 2 m is an edge
 constexpr int kEdgeReachPx = 2;
 constexpr float kPatchShare = 0.5F;  // of the axial variance
+constexpr float kTofPatchShare = 0.25F;
+constexpr double kFlyingShare = 0.45;  // of pixels at an edge: both surfaces
+constexpr double kGivenUpShare = 0.15;
+// Multipath: share of how far two walls part kMultipathReachPx (at 640 wide) from the corner.
+constexpr float kMultipathShare = 0.1F;
+constexpr float kMultipathMostMm = 20;
+constexpr int kMultipathReachPx = 24;
 
 enum Stream : std::uint64_t { kPixels = 0x5E01, kLattice = 0x5E02, kBlobs = 0x5E03, kHairPattern = 0x5E04 };
 
@@ -45,6 +53,14 @@ double grazing(double t) {
 double ramp(double x, double low, double high) {
   return std::clamp((x - low) / (high - low), 0.0, 1.0);
 }
+// What one kind of sensor makes of a surface head-on and of a grazing one.
+double head_on_sigma(SensorKind kind, double z_mm) {
+  return kind == SensorKind::time_of_flight ? tof_sigma_mm(z_mm, 1) : axial_sigma_mm(z_mm, 1);
+}
+double graze_factor(SensorKind kind, double z_mm) {
+  const double z = z_mm / 1000;
+  return kind == SensorKind::time_of_flight ? z * std::sqrt(z) : 1 / std::sqrt(z);
+}
 std::uint16_t chance_of(double p) {
   return static_cast<std::uint16_t>(std::clamp(p, 0.0, 1.0) * 65535);
 }
@@ -53,6 +69,14 @@ std::uint16_t chance_of(double p) {
 
 SensorOptions kinect_sensor() {
   return {};
+}
+SensorOptions tof_sensor() {
+  SensorOptions o;
+  o.kind = SensorKind::time_of_flight;
+  o.quantise = o.shadow = false;
+  o.range_min_mm = 400;
+  o.range_max_mm = 5000;
+  return o;
 }
 SensorOptions exact_sensor() {
   SensorOptions o;
@@ -72,6 +96,12 @@ double axial_sigma_mm(double z_mm, double cosine) {
   return 1.2 + 1.9 * (z - 0.4) * (z - 0.4) + grazing(t) / std::sqrt(z);
 }
 
+double tof_sigma_mm(double z_mm, double cosine) {
+  const double z = z_mm / 1000;
+  const double t = std::min(std::acos(std::clamp(cosine, 0.0, 1.0)), 87 * std::numbers::pi / 180);
+  return 2.0 + 0.3 * z * z + grazing(t) * graze_factor(SensorKind::time_of_flight, z_mm);
+}
+
 DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
     : options_(options),
       k_(k),
@@ -88,14 +118,16 @@ DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
     // Past the last finite step there is nothing to deliver; the tables keep the farthest's values.
     const double z_mm = raw_to_mm(std::min(raw, static_cast<int>(kRawAtInfinity)));
     const double step_mm = z_mm * z_mm * kRawStepPerMm;
-    const double sigma = axial_sigma_mm(z_mm, 1) / step_mm;
+    const double sigma = head_on_sigma(options.kind, z_mm) / step_mm;
     const double quantiser = options.quantise ? 1.0 / 12 : 0;
     t.sigma_raw.push_back(static_cast<float>(std::sqrt(std::max(0.0, sigma * sigma - quantiser))));
-    t.graze_raw.push_back(static_cast<float>(1 / (std::sqrt(z_mm / 1000) * step_mm)));
+    t.graze_raw.push_back(static_cast<float>(graze_factor(options.kind, z_mm) / step_mm));
     const double delivered = z_mm * options.depth_scale;
     const bool inside = delivered >= options.range_min_mm && delivered <= options.range_max_mm && delivered < 65535;
     t.mm.push_back(inside ? static_cast<std::uint16_t>(std::lround(delivered)) : std::uint16_t{0});
-    t.lost_by_raw.push_back(chance_of(3e-4 + 0.3 * ramp(z_mm, 4000, 5500)));
+    const double far_loss =
+        options.kind == SensorKind::time_of_flight ? 0.1 * ramp(z_mm, 4500, 5500) : 0.3 * ramp(z_mm, 4000, 5500);
+    t.lost_by_raw.push_back(chance_of(3e-4 + far_loss));
   }
   for (int c = 0; c < 256; ++c) {
     const double angle = incidence(c);
@@ -158,12 +190,36 @@ void DepthSensor::edge_rows(const CleanView& view, int v0, int v1) {
   }
 }
 
+// 1/z is affine over a plane's picture and convex across a concave corner: its second difference is zero away from
+// corners and grows towards them. Room only: on anything else it speaks of outlines.
+void DepthSensor::bias_rows(const CleanView& view, int v0, int v1) {
+  const int reach = std::max(2, static_cast<int>(std::lround(kMultipathReachPx * pixel_scale_)));
+  const auto bend = [&](std::size_t low, std::size_t here, std::size_t high) {
+    if (view.label[low] != kRoom || view.label[high] != kRoom) return 0.0F;
+    return std::max(0.0F, view.inverse_depth[low] + view.inverse_depth[high] - 2 * view.inverse_depth[here]);
+  };
+  for (int v = v0; v < v1; ++v) {
+    for (int u = 0; u < k_.width; ++u) {
+      const std::size_t at = view.at(u, v);
+      const float q = view.inverse_depth[at];
+      if (view.label[at] != kRoom || q <= 0) continue;
+      float sum = 0;
+      if (u >= reach && u + reach < k_.width) sum += bend(view.at(u - reach, v), at, view.at(u + reach, v));
+      if (v >= reach && v + reach < k_.height) sum += bend(view.at(u, v - reach), at, view.at(u, v + reach));
+      if (sum * 1e3F < q) continue;  // rounding
+      const float z = 1 / q;
+      source_[at] = 1 / (z + std::min(kMultipathMostMm, kMultipathShare * sum * z * z));
+    }
+  }
+}
+
 void DepthSensor::prepare(const CleanView& view, const PixelBox& box) {
   if (box.empty()) return;
   // Displaced samples come from up to kEdgeReachPx rows away.
   const int v0 = std::max(0, box.v0 - kEdgeReachPx);
   const int v1 = std::min(k_.height, box.v1 + kEdgeReachPx);
   for (int v = v0; v < v1; ++v) shadow_row(view, v);
+  if (options_.noise && options_.kind == SensorKind::time_of_flight) bias_rows(view, v0, v1);
   if (options_.noise) edge_rows(view, box.v0, box.v1);
 }
 
@@ -203,6 +259,36 @@ DepthSensor::Sample DepthSensor::displaced(const CleanView& view, int u, int v, 
   return {source_[at], view.cosine[at], view.label[at]};
 }
 
+// A pixel beside a step sees its neighbour's surface, too.
+DepthSensor::Sample DepthSensor::flying(const CleanView& view, int u, int v, std::uint64_t bits) const {
+  static constexpr std::array<std::array<int, 2>, 4> kBeside = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+  const std::size_t at = view.at(u, v);
+  const Sample own{source_[at], view.cosine[at], view.label[at]};
+  Sample other = own;
+  float step = kDepthStep;
+  for (const auto& [du, dv] : kBeside) {
+    const int x = u + du, y = v + dv;
+    if (x < 0 || y < 0 || x >= k_.width || y >= k_.height) continue;
+    const std::size_t there = view.at(x, y);
+    if (source_[there] <= 0 || own.inverse_depth <= 0) continue;
+    const float jump = std::fabs(own.inverse_depth / source_[there] - 1);
+    if (jump <= step) continue;
+    step = jump;
+    other = {source_[there], view.cosine[there], view.label[there]};
+  }
+  if (step == kDepthStep) return own;
+  Rng rng(bits);
+  const double kind = rng.uniform();
+  if (kind < kGivenUpShare) return {};
+  if (kind > kGivenUpShare + kFlyingShare) return own;
+  // Half of the way at most: the pixel's own surface fills more of it.
+  const auto mix = static_cast<float>(rng.uniform(0, 0.5));
+  const float own_z = 1 / own.inverse_depth, other_z = 1 / other.inverse_depth;
+  Sample mixed = own;
+  mixed.inverse_depth = 1 / (own_z + mix * (other_z - own_z));
+  return mixed;
+}
+
 std::uint16_t DepthSensor::deliver(const Sample& s, float noise, std::uint32_t chance) const {
   const float exact = static_cast<float>(kRawAtInfinity) - s.inverse_depth * kRawPerInverseMm;
   const auto index = static_cast<std::size_t>(std::clamp(exact, 0.0F, static_cast<float>(kRawCount - 1)));
@@ -240,8 +326,10 @@ bool DepthSensor::hair_lost(std::uint64_t seed, std::uint64_t frame, int u, int 
 
 void DepthSensor::expose(const CleanView& view, const PixelBox& box, std::uint64_t seed, std::uint64_t frame,
                          DepthImage out, std::uint8_t* person) {
-  const float white_share = std::sqrt(1 - kPatchShare);
-  const float patch_share = std::sqrt(kPatchShare);
+  const bool tof = options_.kind == SensorKind::time_of_flight;
+  const float shared = tof ? kTofPatchShare : kPatchShare;
+  const float white_share = std::sqrt(1 - shared);
+  const float patch_share = std::sqrt(shared);
   for (int v = box.v0; v < box.v1; ++v) {
     const std::uint64_t row = row_seed(seed, kPixels, frame, v);
     if (options_.noise) patch_row(seed, frame, v);
@@ -250,17 +338,18 @@ void DepthSensor::expose(const CleanView& view, const PixelBox& box, std::uint64
       const std::size_t at = view.at(u, v);
       const std::uint64_t bits = draw(row, u);
       Sample sample{source_[at], view.cosine[at], view.label[at]};
-      if (options_.noise && edge_[at] != 0) sample = displaced(view, u, v, bits ^ kGamma);
+      if (options_.noise && edge_[at] != 0)
+        sample = tof ? flying(view, u, v, bits ^ kGamma) : displaced(view, u, v, bits ^ kGamma);
       std::uint16_t depth = 0;
       if (sample.inverse_depth > 0) {
         const float noise =
             options_.noise ? white_share * normal_of(bits) + patch_share * patch_[static_cast<std::size_t>(u)] : 0.0F;
         const auto chance = static_cast<std::uint32_t>((bits * 0xD1342543DE82EF95ULL) >> 48);
-        const bool lost = options_.holes && sample.label == kHair && hair_lost(seed, frame, u, v);
+        const bool lost = options_.holes && is_hair(sample.label) && hair_lost(seed, frame, u, v);
         if (!lost) depth = deliver(sample, noise, chance);
       }
       pixels[u] = depth;
-      if (person != nullptr) person[at] = depth != 0 && (sample.label & kPerson) != 0 ? 255 : 0;
+      if (person != nullptr) person[at] = depth != 0 ? mask_value(sample.label) : std::uint8_t{0};
     }
   }
   if (options_.holes) punch_blobs(box, seed, frame, out, person);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a structured-light sensor makes of an ideal view: Kinect for Xbox 360.
+// What a depth sensor makes of an ideal view. Two kinds: structured light (Kinect for Xbox 360) and time of flight
+// (after Kinect v2 and Azure Kinect).
 //
-// Everything happens in disparity, where the sensor works: raw = A - C/z with one raw unit = one step of the 11-bit
-// output (2.894e-6/mm in 1/z: 11.6 mm at 2 m, Khoshelham 2012).
+// Structured light. Everything happens in disparity, where the sensor works: raw = A - C/z with one raw unit = one
+// step of the 11-bit output (2.894e-6/mm in 1/z: 11.6 mm at 2 m, Khoshelham 2012).
 //  - Axial noise: Nguyen 2012, sigma = 1.2 + 1.9 (z - 0.4)^2 mm, plus 0.1/sqrt(z) t^2/(pi/2 - t)^2 mm at incidence
 //    t (z in m). The published spread was measured on the quantised output, so the quantiser's own variance
 //    (1/12 step^2) is taken off before it is added again by rounding. Half of the variance is shared by patches of
@@ -11,6 +12,18 @@
 //    t/(pi/2 - t) px at 640 wide.
 //  - Shadow: no data where the projector, 75 mm along +u, is hidden by something nearer.
 //  - Holes: grazing surfaces, far surfaces, single pixels, small blobs, dark hair in patches.
+//
+// Time of flight. No disparity steps, no projector's shadow, millimetres from 0.4 to 5 m.
+//  - Axial noise: sigma = 2.0 + 0.3 z^2 + 0.1 z^1.5 t^2/(pi/2 - t)^2 mm (z in m): growth with distance and incidence
+//    in the form Fankhauser 2015 ("Kinect v2 for mobile robot navigation: evaluation and modeling") fitted to
+//    Kinect v2; the base of 2 mm stands for its 1.5 - 0.5 z, since cloth and skin answer less than a white target.
+//    Stays below Azure Kinect's stated 17 mm random error. A quarter of the variance is shared by patches.
+//  - Flying pixels: beside a depth step, 45 % of the pixels see both surfaces and deliver a depth up to half way
+//    between, even over the mixture; 15 % are given up as invalid.
+//  - Multipath: light from the other wall lengthens the way in the room's concave corners: up to +20 mm in the
+//  corner,
+//    fading within about 100 mm at 2.5 m.
+//  - Holes: grazing surfaces (from 70 degrees), dark hair in patches, single pixels.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +39,8 @@ inline constexpr float kKinectFocalPx = 575.8F;  // depth camera, 640 px wide (n
 inline constexpr float kProjectorBaselineMm = 75;
 inline constexpr double kRawStepPerMm = 0.1042 / 4 / 9000;  // of 1/z: pixel 0.1042 mm, zero plane 1200 mm, 7.5 cm
 
+enum class SensorKind : std::uint8_t { structured_light, time_of_flight };
+
 struct SensorOptions {
   bool noise = true;     // axial and lateral; false: exact depth rounded to mm (or to the raw step, see quantise)
   bool quantise = true;  // 11-bit raw steps
@@ -35,8 +50,12 @@ struct SensorOptions {
   float range_max_mm = 5000;
   float depth_scale = 1;   // a device's own scale error: delivered = true * depth_scale (up to +-0.3 % is usual)
   int box_margin_px = -1;  // >= 0: only the person's box and this margin are made, the rest of the frame is 0
+  SensorKind kind = SensorKind::structured_light;
+
+  bool operator==(const SensorOptions&) const = default;
 };
 SensorOptions kinect_sensor();
+SensorOptions tof_sensor();
 SensorOptions exact_sensor();  // no noise, no quantisation, no range limits
 
 // z in mm of a raw 11-bit value, unrounded; raw < kRawInfinity.
@@ -44,6 +63,8 @@ double raw_to_mm(int raw);
 inline constexpr int kRawCount = 2048;
 // Nguyen's axial spread, mm, at z mm and incidence cosine 0..1 (capped at 87 degrees).
 double axial_sigma_mm(double z_mm, double cosine);
+// Time of flight's axial spread, same units and cap.
+double tof_sigma_mm(double z_mm, double cosine);
 
 // Not shareable between threads. No allocation after construction.
 class DepthSensor {
@@ -53,7 +74,7 @@ class DepthSensor {
   // Shadow and edges of the view's rows box.v0 .. v1 (whole rows: a shadow's cause may lie outside the box).
   void prepare(const CleanView& view, const PixelBox& box);
   // One frame of the prepared view, pixels of `box` only: depends on seed, frame and the view, not on the box.
-  // `person` (same size, may be null): 255 where the delivered depth is the person's.
+  // `person` (same size, may be null): 255 - who where the delivered depth is a person's (label_of), else 0.
   void expose(const CleanView& view, const PixelBox& box, std::uint64_t seed, std::uint64_t frame, DepthImage out,
               std::uint8_t* person);
 
@@ -74,8 +95,10 @@ class DepthSensor {
   };
   void shadow_row(const CleanView& view, int v);
   void edge_rows(const CleanView& view, int v0, int v1);
+  void bias_rows(const CleanView& view, int v0, int v1);
   void patch_row(std::uint64_t seed, std::uint64_t frame, int v);
   Sample displaced(const CleanView& view, int u, int v, std::uint64_t bits) const;
+  Sample flying(const CleanView& view, int u, int v, std::uint64_t bits) const;
   std::uint16_t deliver(const Sample& sample, float noise, std::uint32_t chance) const;
   bool hair_lost(std::uint64_t seed, std::uint64_t frame, int u, int v) const;
   void punch_blobs(const PixelBox& box, std::uint64_t seed, std::uint64_t frame, DepthImage out,
@@ -86,7 +109,7 @@ class DepthSensor {
   int patch_px_;       // side of a noise patch
   float pixel_scale_;  // width of a 640-wide camera's pixel in ours
   Tables tables_;
-  std::vector<float> source_;       // inverse depth after the shadow
+  std::vector<float> source_;       // inverse depth after the shadow, or with multipath
   std::vector<std::uint8_t> edge_;  // 1 within 2 px of a depth step
   std::vector<std::uint8_t> step_;
   std::vector<float> lattice_low_, lattice_high_, patch_;  // patch noise: rows of the lattice, row of the frame

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "synth/reach.h"
+
 namespace im2fit::synth {
 namespace {
 
@@ -16,6 +18,8 @@ using body::Segment;
 constexpr Vec3f kX{1, 0, 0};
 constexpr Vec3f kY{0, 1, 0};
 constexpr Vec3f kZ{0, 0, 1};
+
+constexpr float kThighMostDeg = 10;  // of a seated thigh from level
 
 constexpr std::size_t at(Segment s) {
   return static_cast<std::size_t>(s);
@@ -50,6 +54,9 @@ ArmAngles draw_arm(StandingPose pose, Rng& rng, float spread_min_deg) {
               gauss(rng, 8)};
     case StandingPose::psi:
       return {90 + gauss(rng, 8), gauss(rng, 6), 88 + gauss(rng, 9), 90 + gauss(rng, 9), gauss(rng, 8)};
+    case StandingPose::crossed:
+    case StandingPose::seated:
+      return draw_arm(StandingPose::relaxed, rng, spread_min_deg);
     case StandingPose::free:
       break;
   }
@@ -68,11 +75,21 @@ std::array<Vec3f, 2> arm_directions(const ArmAngles& a, float side) {
 
 class Builder {
  public:
-  Builder(const body::Skeleton& rest, StandingPose pose, Rng& rng) : rest_(rest), pose_(pose), rng_(rng) {}
+  Builder(const body::Skeleton& rest, StandingPose pose, Rng& rng, const TrunkShape* shape)
+      : rest_(rest), pose_(pose), rng_(rng), shape_(shape) {}
 
   body::Pose build(float spread_min_deg) {
     trunk();
-    arms(spread_min_deg);
+    if (pose_ == StandingPose::seated) {
+      sit(Segment::left_upper_leg, 1);
+      sit(Segment::right_upper_leg, -1);
+      seated_arms(spread_min_deg);
+      return result_;
+    }
+    if (pose_ == StandingPose::crossed)
+      crossed_arms(spread_min_deg);
+    else
+      arms(spread_min_deg);
     leg(Segment::left_upper_leg, 1);
     leg(Segment::right_upper_leg, -1);
     return result_;
@@ -93,6 +110,16 @@ class Builder {
   }
 
   void trunk() {
+    if (pose_ == StandingPose::seated) {
+      // Sitting tilts the pelvis back; the spine makes up for most of it.
+      const float tilt = draw(rng_, 2, 16);
+      rotation(Segment::pelvis) = about(kX, -tilt) * jitter(2, 2, 1.5);
+      rotation(Segment::abdomen) = rotation(Segment::pelvis) * about(kX, tilt * 0.5F) * jitter(2.5, 2, 1.5);
+      rotation(Segment::chest) = rotation(Segment::abdomen) * about(kX, tilt * 0.5F) * jitter(2.5, 2.5, 1.5);
+      rotation(Segment::neck) = rotation(Segment::chest) * jitter(4, 4, 2);
+      rotation(Segment::head) = rotation(Segment::neck) * jitter(5, 8, 3);
+      return;
+    }
     rotation(Segment::pelvis) = free() ? jitter(4, 0, 3) : jitter(1.5, 0, 1.0);
     rotation(Segment::abdomen) = rotation(Segment::pelvis) * (free() ? jitter(5, 5, 4) : jitter(1.5, 1.2, 1.0));
     rotation(Segment::chest) = rotation(Segment::abdomen) * (free() ? jitter(4, 5, 3) : jitter(1.5, 1.2, 1.0));
@@ -167,20 +194,218 @@ class Builder {
     rotation(foot) = toes * (free() ? jitter(5, 0, 2) : jitter(1, 0, 0.5));
   }
 
+  // --- arms on the body ---
+
+  struct ArmBones {
+    Segment shoulder, upper, lower, hand;
+  };
+  static ArmBones bones(float side) {
+    const std::size_t first = at(side > 0 ? Segment::left_shoulder : Segment::right_shoulder);
+    return {static_cast<Segment>(first), static_cast<Segment>(first + 1), static_cast<Segment>(first + 2),
+            static_cast<Segment>(first + 3)};
+  }
+
+  // Points that move with the chest, posed and back.
+  Vec3f with_chest(Vec3f rest_point) const {
+    return rotation_of(Segment::chest) * (rest_point - rest_.head[at(Segment::chest)]) + chest_at();
+  }
+  Vec3f in_rest(Vec3f posed) const {
+    return transpose(rotation_of(Segment::chest)) * (posed - chest_at()) + rest_.head[at(Segment::chest)];
+  }
+  Vec3f chest_at() const { return body::pose_skeleton(rest_, result_).head[at(Segment::chest)]; }
+  const Mat3f& rotation_of(Segment s) const { return result_.rotation[at(s)]; }
+
+  // Without a shape: an ellipse of 0.9 x 0.6 of the shoulders' half width.
+  Vec3f on_trunk(float up, float angle_deg, float clear_mm) const {
+    if (shape_ != nullptr) return shape_->point(up, angle_deg, clear_mm);
+    const Vec3f left = rest_.head[at(Segment::left_upper_arm)], hip = rest_.head[at(Segment::left_upper_leg)];
+    const float a = angle_deg * std::numbers::pi_v<float> / 180;
+    return {(0.9F * left.x + clear_mm) * std::sin(a), hip.y + up * (left.y - hip.y),
+            left.z + (0.6F * left.x + clear_mm) * std::cos(a)};
+  }
+
+  // Wrist to `wrist`, fingers along `fingers` as far as they lie flat on a surface of normal `out`, palm against it.
+  // All posed.
+  void lay_arm(float side, Vec3f wrist, Vec3f out, Vec3f fingers, Vec3f elbow_hint) {
+    const ArmBones b = bones(side);
+    rotation(b.shoulder) = rotation(Segment::chest) * about(kZ, side * gauss(rng_, 2));
+    const Vec3f shoulder = body::pose_skeleton(rest_, result_).head[at(b.upper)];
+    const float upper_mm = norm(rest_.tail[at(b.upper)] - rest_.head[at(b.upper)]);
+    const float lower_mm = norm(rest_.tail[at(b.lower)] - rest_.head[at(b.lower)]);
+    const auto inside = [&](Vec3f p) { return shape_ == nullptr ? -1000.0F : shape_->depth_inside(in_rest(p)); };
+    const Reach r = reach_for(shoulder, upper_mm, lower_mm, wrist, elbow_hint, inside);
+    point(b.upper, rotation(b.shoulder), r.upper);
+    point(b.lower, rotation(b.upper), r.lower);
+    const Vec3f flat = normalized(fingers - out * dot(fingers, out) + out * 0.05F);
+    point(b.hand, rotation(b.lower), flat);
+    // Half of the hand's turn about its own length is the forearm's.
+    const Vec3f palm = rotation(b.hand) * Vec3f{side * kPalm.x, kPalm.y, kPalm.z};
+    const Vec3f wanted = -out;
+    const float turn =
+        std::atan2(dot(cross(palm, wanted), flat), dot(palm, wanted)) * 180 / std::numbers::pi_v<float>;
+    rotation(b.hand) = about(flat, turn) * rotation(b.hand);
+    rotation(b.lower) = about(r.lower, std::clamp(turn, -110.0F, 110.0F) / 2) * rotation(b.lower);
+  }
+
+  void hand_on_trunk(float side, float up, float angle_deg, float clear_mm) {
+    const Vec3f chest_point = on_trunk(up, angle_deg, clear_mm);
+    const float a = angle_deg * std::numbers::pi_v<float> / 180;
+    const Mat3f& chest = rotation(Segment::chest);
+    const Vec3f out = chest * Vec3f{std::sin(a), 0, std::cos(a)};
+    const Vec3f across = chest * Vec3f{-side * std::cos(a), draw(rng_, -0.3, 0.35), side * std::sin(a)};
+    const Vec3f hint = chest * Vec3f{side * 0.75F, -0.75F, draw(rng_, -0.4, 0.1)};
+    lay_arm(side, with_chest(chest_point), out, across, hint);
+  }
+
+  void hand_on_hip(float side) {
+    const float angle = side * draw(rng_, 62, 88);
+    const float a = angle * std::numbers::pi_v<float> / 180;
+    const Mat3f& chest = rotation(Segment::chest);
+    const Vec3f out = chest * Vec3f{std::sin(a), 0, std::cos(a)};
+    const Vec3f fingers = chest * Vec3f{0, -0.6F, 0.8F};
+    const Vec3f hint = chest * Vec3f{side, 0.1F, draw(rng_, -0.6, -0.1)};
+    lay_arm(side, with_chest(on_trunk(draw(rng_, 0.12, 0.3), angle, 42)), out, fingers, hint);
+  }
+
+  void hanging_arm(float side, float spread_min_deg) {
+    arm(bones(side).shoulder, draw_arm(StandingPose::relaxed, rng_, spread_min_deg), side);
+  }
+
+  void folded_arms() {
+    const float up = draw(rng_, 0.48, 0.68);
+    const float over = rng_.index(2) == 0 ? 1.0F : -1.0F;
+    hand_on_trunk(-over, up - 0.03F, over * draw(rng_, 12, 30), 40);
+    hand_on_trunk(over, up + 0.03F, -over * draw(rng_, 8, 24), 105);
+  }
+
+  void crossed_arms(float spread_min_deg) {
+    const double kind = rng_.uniform();
+    const float side = rng_.index(2) == 0 ? 1.0F : -1.0F;
+    if (kind < 0.32) {
+      hand_on_trunk(side, draw(rng_, 0.25, 0.8), side * draw(rng_, 2, 36), 38);
+      hanging_arm(-side, spread_min_deg);
+    } else if (kind < 0.6) {
+      // One hand over the other where they meet.
+      const float up = draw(rng_, 0.22, 0.5), apart = draw(rng_, 0.0, 0.2);
+      hand_on_trunk(side, up, side * draw(rng_, 8, 32), 38);
+      hand_on_trunk(-side, up + apart, -side * draw(rng_, 8, 32), apart < 0.12F ? 75.0F : 38.0F);
+    } else if (kind < 0.8) {
+      folded_arms();
+    } else {
+      hand_on_hip(side);
+      if (rng_.uniform() < 0.7)
+        hand_on_hip(-side);
+      else
+        hanging_arm(-side, spread_min_deg);
+    }
+  }
+
+  // --- sitting ---
+
+  void sit(Segment upper, float side) {
+    const auto lower = static_cast<Segment>(at(upper) + 1);
+    const auto foot = static_cast<Segment>(at(upper) + 2);
+    const float abducted = draw(rng_, 1, 16), raised = std::clamp(gauss(rng_, 3.5), -kThighMostDeg, kThighMostDeg);
+    const Vec3f thigh = about(kY, side * abducted) * (about(kX, -raised) * kZ);
+    point(upper, rotation(Segment::pelvis), thigh);
+    const Vec3f shank = about(kX, gauss(rng_, 7)) * (about(kZ, side * gauss(rng_, 4)) * -kY);
+    point(lower, rotation(upper), shank);
+    rotation(foot) = about(kY, side * (abducted * 0.6F + gauss(rng_, 6)));
+  }
+
+  void hand_on_thigh(float side) {
+    const Segment leg = side > 0 ? Segment::left_upper_leg : Segment::right_upper_leg;
+    const auto posed = body::pose_skeleton(rest_, result_);
+    const Vec3f hip = posed.head[at(leg)], knee = posed.tail[at(leg)];
+    const float radius = shape_ != nullptr ? shape_->thigh_radius_mm() : 75;
+    const float inwards = rng_.uniform() < 0.3 ? draw(rng_, 30, 70) : draw(rng_, -10, 20);
+    const Vec3f wrist =
+        hip + (knee - hip) * draw(rng_, 0.42, 0.72) + kY * (radius + 30) - Vec3f{side * inwards, 0, 0};
+    const Vec3f fingers = normalized(knee - hip) - Vec3f{side * draw(rng_, 0, 0.7), 0, 0};
+    lay_arm(side, wrist, kY, fingers, {side * 0.8F, -0.3F, -0.5F});
+  }
+
+  void seated_arms(float spread_min_deg) {
+    if (rng_.uniform() < 0.12) {
+      folded_arms();
+      return;
+    }
+    for (const float side : {1.0F, -1.0F}) {
+      const double kind = rng_.uniform();
+      if (kind < 0.68) {
+        hand_on_thigh(side);
+      } else if (kind < 0.8) {
+        hand_on_trunk(side, draw(rng_, 0.3, 0.6), side * draw(rng_, 5, 32), side > 0 ? 38.0F : 70.0F);
+      } else if (kind < 0.88) {
+        hanging_arm(side, spread_min_deg);
+      } else {
+        // A gesture: the upper arm near the trunk, the forearm raised before it.
+        const ArmAngles raised = {draw(rng_, 15, 50), draw(rng_, 5, 40), draw(rng_, 70, 125), draw(rng_, -20, 60),
+                                  gauss(rng_, 15)};
+        arm(bones(side).shoulder, raised, side);
+      }
+    }
+  }
+
+  // Out of the left palm at rest, found from the base mesh' hand (its flattest direction).
+  static constexpr Vec3f kPalm{-0.5F, -0.8F, 0.33F};
+
   const body::Skeleton& rest_;
   StandingPose pose_;
   Rng& rng_;
+  const TrunkShape* shape_;
   body::Pose result_;
 };
 
+// Leg of one side half a turn after the other; the knee bends while the leg comes forward.
+void swing_leg(body::Pose& pose, Segment upper, float phase, float strength) {
+  const float turn = 2 * std::numbers::pi_v<float> * phase;
+  const Mat3f hip = about(kX, -24 * strength * std::sin(turn));
+  const float bend = 6 + 44 * std::max(0.0F, std::cos(turn));
+  const Mat3f knee = hip * about(kX, bend * strength);
+  Mat3f& thigh = pose.rotation[at(upper)];
+  Mat3f& shank = pose.rotation[at(upper) + 1];
+  Mat3f& foot = pose.rotation[at(upper) + 2];
+  thigh = hip * thigh;
+  shank = knee * shank;
+  foot = about(kX, 0.5F * strength * (bend - 24 * std::sin(turn))) * foot;
+}
+
+void swing_arm(body::Pose& pose, Segment upper, float phase, float strength) {
+  const float angle = 20 * strength * std::sin(2 * std::numbers::pi_v<float> * phase);
+  for (std::size_t i = 0; i < 3; ++i) {
+    Mat3f& r = pose.rotation[at(upper) + i];
+    r = about(kX, -angle - (i > 0 ? 6 * strength : 0)) * r;
+  }
+}
+
 }  // namespace
 
-body::Pose draw_pose(const body::Skeleton& rest, StandingPose pose, Rng& rng, float arm_spread_min_deg) {
-  return Builder(rest, pose, rng).build(arm_spread_min_deg);
+body::Pose draw_pose(const body::Skeleton& rest, StandingPose pose, Rng& rng, float arm_spread_min_deg,
+                     const TrunkShape* trunk) {
+  return Builder(rest, pose, rng, trunk).build(arm_spread_min_deg);
+}
+
+body::Pose striding(const body::Pose& standing, float phase, float strength) {
+  body::Pose pose = standing;
+  swing_leg(pose, Segment::left_upper_leg, phase, strength);
+  swing_leg(pose, Segment::right_upper_leg, phase + 0.5F, strength);
+  swing_arm(pose, Segment::left_upper_arm, phase + 0.5F, strength);
+  swing_arm(pose, Segment::right_upper_arm, phase, strength);
+  return pose;
 }
 
 float draw_yaw_deg(StandingPose pose, Rng& rng) {
-  return gauss(rng, pose == StandingPose::free ? 20 : 4.5);
+  switch (pose) {
+    case StandingPose::free:
+      return gauss(rng, 20);
+    case StandingPose::crossed:
+      return gauss(rng, 10);
+    case StandingPose::seated:
+      return gauss(rng, 12);
+    default:
+      return gauss(rng, 4.5);
+  }
 }
 
 float arm_spread_deg(float body_mass_index) {

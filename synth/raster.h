@@ -26,7 +26,20 @@ PixelBox intersect(const PixelBox& a, const PixelBox& b);
 PixelBox bounding(const PixelBox& a, const PixelBox& b);  // an empty box counts for nothing
 PixelBox grown(const PixelBox& box, int margin_px);
 
+// People have the top bit, their number (0 the main person .. 62) in the middle and their hair in the lowest.
 enum Label : std::uint8_t { kNothing = 0, kRoom = 1, kFurniture = 2, kPerson = 128, kHair = 129 };
+constexpr std::uint8_t label_of(std::size_t who, bool hair) {
+  return static_cast<std::uint8_t>(kPerson | (who << 1) | (hair ? 1U : 0U));
+}
+constexpr bool is_person(std::uint8_t label) {
+  return (label & kPerson) != 0;
+}
+constexpr bool is_hair(std::uint8_t label) {
+  return (label & kHair) == kHair;
+}
+constexpr std::uint8_t mask_value(std::uint8_t label) {  // 255 - who for people, else 0
+  return static_cast<std::uint8_t>(is_person(label) ? 255 - ((label & 0x7F) >> 1) : 0);
+}
 
 // One buffer per quantity, row-major.
 struct CleanView {

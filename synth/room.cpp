@@ -87,6 +87,41 @@ Piece coat_stand(Rng& rng) {
   return p;
 }
 
+Piece coated_chair(Rng& rng) {
+  Piece p = chair(rng);
+  // A coat over the back, to the floor or nearly; now and then a hat on top.
+  const float h = draw(rng, 950, 1250), w = draw(rng, 420, 520);
+  p.box({draw(rng, -20, 20), h / 2 + 60, -200}, {w, h - 120, draw(rng, 110, 170)});
+  if (rng.index(3) == 0) p.ball({0, h + 90, -200}, draw(rng, 90, 120));
+  return p;
+}
+
+Piece dog(Rng& rng) {
+  Piece p;
+  const float length = draw(rng, 500, 900), h = draw(rng, 420, 700), w = draw(rng, 180, 280);
+  p.box({0, h * 0.68F, 0}, {w, h * 0.42F, length});
+  four_legs(p, w, length, h * 0.5F, 60);
+  p.box({0, h * 0.98F, length / 2 + 60}, {w * 0.6F, h * 0.3F, 220});
+  return p;
+}
+
+// Low enough to pass under hanging hands.
+Piece low_piece(Rng& rng) {
+  Piece p;
+  const float h = draw(rng, 180, 480), w = draw(rng, 200, 420), d = draw(rng, 200, 420);
+  switch (rng.index(3)) {
+    case 0:
+      return dog(rng);
+    case 1:  // stool or side table
+      p.box({0, h - 15, 0}, {w, 30, d});
+      four_legs(p, w, d, h - 30, 35);
+      return p;
+    default:  // bag or carton
+      p.box({0, h / 2, 0}, {w, h, d});
+      return p;
+  }
+}
+
 struct Extent {
   float x_low = 0, x_high = 0, z_low = 0, z_high = 0;
 };
@@ -151,6 +186,46 @@ void furnish(const RoomOptions& options, const Standing& person, Rng& rng, World
   }
 }
 
+// Beside the lower legs or right behind the heels, 0..40 mm away.
+void touch_legs(const Standing& person, Rng& rng, WorldMesh& out) {
+  const int count = 1 + rng.index(2);
+  const int first = rng.index(3);
+  for (int i = 0; i < count; ++i) {
+    Piece piece = low_piece(rng);
+    turn(piece.mesh(), draw(rng, -25, 25));
+    const Extent e = extent_of(piece.mesh());
+    const float gap = draw(rng, 0, 40);
+    const float middle_z = (e.z_low + e.z_high) / 2;
+    const float z = std::min(draw(rng, -150, 120) - middle_z, 200 - e.z_high);
+    switch ((first + i) % 3) {
+      case 0:
+        place(piece.mesh(), {person.legs_left_mm - gap - e.x_high, 0, z}, out);
+        break;
+      case 1:
+        place(piece.mesh(), {person.legs_right_mm + gap - e.x_low, 0, z}, out);
+        break;
+      default:
+        place(piece.mesh(), {draw(rng, -150, 150), 0, person.legs_back_mm - gap - e.z_high}, out);
+    }
+  }
+}
+
+void place_decoys(const RoomOptions& options, const Standing& person, Rng& rng, WorldMesh& out) {
+  for (int i = 0; i < options.decoy_count; ++i) {
+    Piece piece = rng.index(3) == 0 ? coat_stand(rng) : rng.index(2) == 0 ? coated_chair(rng) : dog(rng);
+    turn(piece.mesh(), draw(rng, -70, 70));
+    const Extent e = extent_of(piece.mesh());
+    const float wall_z = (options.walls ? -options.wall_distance_mm : -2000.0F) + 5 - e.z_low;
+    float x = draw(rng, -1000, 1000), z = draw(rng, std::min(-300.0, static_cast<double>(wall_z)), 300);
+    z = std::max(z, wall_z);
+    if (!options.empty_place) {
+      const float inner = person.half_width_mm + kClearMm;
+      x = x < 0 ? -inner - e.x_high + x * 0.3F : inner - e.x_low + x * 0.3F;
+    }
+    place(piece.mesh(), {x, 0, z}, out);
+  }
+}
+
 }  // namespace
 
 void add_box(WorldMesh& mesh, Vec3f centre, Vec3f size_mm, float yaw_deg) {
@@ -176,6 +251,10 @@ void add_box(WorldMesh& mesh, Vec3f centre, Vec3f size_mm, float yaw_deg) {
                                                        {1, 3, 7},
                                                        {1, 7, 5}}};
   for (const Triangle& t : kFaces) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
+void append(const WorldMesh& from, WorldMesh& to) {
+  place(from, {}, to);
 }
 
 void add_sphere(WorldMesh& mesh, Vec3f centre, float radius_mm, int rings) {
@@ -214,7 +293,36 @@ Room draw_room_plan(const RoomOptions& options, const Standing& person, Rng& rng
     room.walls.push_back({{0, 1, 0}, draw(rng, 2350, 3000)});
   }
   furnish(options, person, rng, room.furniture);
+  if (options.touching) touch_legs(person, rng, room.furniture);
+  place_decoys(options, person, rng, room.furniture);
   return room;
+}
+
+void draw_seat(const Seat& seat, Rng& rng, WorldMesh& out) {
+  Piece p;
+  const float w = std::max(seat.width_mm, draw(rng, 380, 520));
+  const float depth = std::max(300.0F, seat.front_mm - seat.back_mm);
+  const float middle = seat.front_mm - depth / 2, back = seat.front_mm - depth, top = seat.height_mm;
+  const float thick = draw(rng, 25, 90), leg = draw(rng, 25, 50);
+  p.box({0, top - thick / 2, middle}, {w, thick, depth});
+  for (const float x : {-1.0F, 1.0F})
+    for (const float z : {-1.0F, 1.0F})
+      p.box({x * (w - leg) / 2, (top - thick) / 2, middle + z * (depth - leg) / 2}, {leg, top - thick, leg});
+  if (rng.uniform() < 0.7) {
+    const float h = draw(rng, 330, 560), low = draw(rng, 60, 180);
+    p.box({0, top + (low + h) / 2, back - 20}, {w, h - low, 30});
+    for (const float x : {-1.0F, 1.0F}) p.box({x * (w - leg) / 2, top + h / 2 - thick, back - 20}, {leg, h, leg});
+    if (rng.uniform() < 0.35) {
+      const float arm_y = top + draw(rng, 190, 240);
+      for (const float x : {-1.0F, 1.0F}) {
+        p.box({x * (w / 2 + 55), arm_y, middle}, {50, 25, depth * 0.8F});
+        p.box({x * (w / 2 + 55), arm_y / 2, middle + depth * 0.3F}, {35, arm_y, 35});
+        p.box({x * (w / 2 + 55), arm_y / 2, back}, {35, arm_y, 35});
+      }
+    }
+  }
+  turn(p.mesh(), seat.yaw_deg);
+  place(p.mesh(), {seat.x_mm, 0, seat.z_mm}, out);
 }
 
 }  // namespace im2fit::synth

@@ -19,6 +19,7 @@ struct WorldMesh {
 };
 // A box of size `size_mm` about `centre`, turned by yaw about y.
 void add_box(WorldMesh& mesh, Vec3f centre, Vec3f size_mm, float yaw_deg = 0);
+void append(const WorldMesh& from, WorldMesh& to);
 void add_sphere(WorldMesh& mesh, Vec3f centre, float radius_mm, int rings);
 
 // dot(normal, x) <= offset_mm inside the room, world axes.
@@ -32,6 +33,20 @@ struct Wall {
 struct Standing {
   float half_width_mm = 500;  // |x| of the person
   float behind_mm = 200;      // -z of the person
+  // Of what reaches below kLegsTopMm: where furniture may touch.
+  float legs_left_mm = -150, legs_right_mm = 150;  // x, left as the camera sees it
+  float legs_back_mm = -120;                       // z
+};
+inline constexpr float kLegsTopMm = 450;
+
+// A seat under a person whose hips are above (x, z); front and back as for one who faces +z before the turn.
+struct Seat {
+  float height_mm = 450;  // of its top
+  float front_mm = 250;   // z of its front edge
+  float back_mm = -150;   // z of the person's back
+  float width_mm = 420;
+  float yaw_deg = 0;
+  float x_mm = 0, z_mm = 0;
 };
 
 struct Room {
@@ -43,7 +58,12 @@ struct RoomOptions {
   bool walls = true;
   float wall_distance_mm = 1500;  // behind the person
   int furniture_count = 0;
+  bool touching = false;     // one or two pieces at the person's feet or lower legs
+  int decoy_count = 0;       // what fools detectors: coat stands, chairs with a coat, dog-sized boxes
+  bool empty_place = false;  // nobody there: decoys may stand at the origin
 };
 Room draw_room_plan(const RoomOptions& options, const Standing& person, Rng& rng);
+// Chair with or without arms, or a stool.
+void draw_seat(const Seat& seat, Rng& rng, WorldMesh& out);
 
 }  // namespace im2fit::synth

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 
 #include "synth/room.h"
 
@@ -14,28 +15,12 @@ namespace {
 
 using body::Mat3f;
 
-constexpr Vec3f kX{1, 0, 0};
-constexpr Vec3f kY{0, 1, 0};
-constexpr Vec3f kZ{0, 0, 1};
 constexpr float kDrawn = 1e8F;            // angles above this are to be drawn
 constexpr float kFitMarginShare = 0.02F;  // of the picture's width, free at every border
-constexpr double kFramesPerSecond = 30;
+constexpr float kDistanceMaxMm = 4500;
+constexpr std::size_t kSubjectsKept = 32;  // bystanders that come again
 
-enum Stream : std::uint64_t {
-  kSceneStream = 0x5C01,
-  kPoseStream = 0x5C02,
-  kRoomStream = 0x5C03,
-  kSwayStream = 0x5C04
-};
-
-struct Rigid {
-  Mat3f rotation;
-  Vec3f translation;
-  Vec3f operator()(Vec3f p) const { return rotation * p + translation; }
-};
-Rigid operator*(const Rigid& a, const Rigid& b) {
-  return {a.rotation * b.rotation, a(b.translation)};
-}
+enum Stream : std::uint64_t { kSceneStream = 0x5C01, kRoomStream = 0x5C03, kOthersStream = 0x5C06 };
 
 Mat3f mounting(int rotate_deg) {
   switch (rotate_deg) {
@@ -55,68 +40,13 @@ struct CameraPlace {
   float distance_mm = 2300, height_mm = 1000, aside_mm = 0, pitch_deg = 0, roll_deg = 0;
   Mat3f rotation() const {
     const Mat3f level{{1, 0, 0, 0, -1, 0, 0, 0, -1}};
-    return body::rotation_about(kZ, roll_deg) * body::rotation_about(kX, pitch_deg) * level;
+    return body::rotation_about(kAxisZ, roll_deg) * body::rotation_about(kAxisX, pitch_deg) * level;
   }
   Rigid world_to_upright() const {
     const Mat3f r = rotation();
     return {r, r * Vec3f{-aside_mm, -height_mm, -distance_mm}};
   }
 };
-
-// Slow sway about the ankles and a little turning: sums of three incommensurate waves, 0.1..0.6 Hz, so that any
-// frame can be had without the ones before it. Sizes: 3.5 mm sideways and 5 mm back and forth at head height.
-struct Sway {
-  struct Wave {
-    float hertz = 0, phase = 0, size = 0;
-  };
-  std::array<std::array<Wave, 3>, 3> waves;  // lean forwards, lean sideways, turn (degrees)
-
-  explicit Sway(std::uint64_t seed) {
-    Rng rng = Rng::for_item(seed, kSwayStream, 0);
-    constexpr std::array<double, 3> kSize = {0.15, 0.10, 0.25};
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j)
-        waves[i][j] = {static_cast<float>(rng.uniform(0.1, 0.6)), static_cast<float>(rng.uniform(0, 1)),
-                       static_cast<float>(kSize[i] * rng.uniform(0.5, 1.0))};
-  }
-  float value(std::size_t axis, double seconds) const {
-    double sum = 0;
-    for (const Wave& w : waves[axis])
-      sum += static_cast<double>(w.size) *
-             std::sin(2 * std::numbers::pi * (static_cast<double>(w.hertz) * seconds + static_cast<double>(w.phase)));
-    return static_cast<float>(sum);
-  }
-  Rigid at(std::uint64_t frame) const {
-    const double t = static_cast<double>(frame) / kFramesPerSecond;
-    return {body::rotation_about(kX, value(0, t)) * body::rotation_about(kZ, value(1, t)) *
-                body::rotation_about(kY, value(2, t)),
-            {}};
-  }
-};
-
-// Crown, sides and back of the head; the face stays bare. By rest mesh and head bone.
-std::vector<std::uint8_t> person_labels(const body::BodyModel& model, std::span<const Vec3f> rest,
-                                        const body::Skeleton& skeleton) {
-  const Vec3f low = skeleton.head[static_cast<std::size_t>(body::Segment::head)];
-  float crown = low.y;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(model.body_vertex_count()); ++i)
-    crown = std::max(crown, rest[i].y);
-  const float height = crown - low.y;
-  const auto hair = [&](Vec3f p) {
-    const float up = (p.y - low.y) / height;
-    const float back = (low.z - p.z) / height;
-    return up > 0.78F || (up > 0.25F && back > -0.12F && up - 0.5F * (0.3F - back) > 0.1F);
-  };
-  std::vector<std::uint8_t> labels;
-  labels.reserve(model.body_triangles().size());
-  for (const Triangle& t : model.body_triangles()) {
-    const Vec3f centre = (rest[static_cast<std::size_t>(t[0])] + rest[static_cast<std::size_t>(t[1])] +
-                          rest[static_cast<std::size_t>(t[2])]) *
-                         (1.0F / 3);
-    labels.push_back(hair(centre) ? kHair : kPerson);
-  }
-  return labels;
-}
 
 }  // namespace
 
@@ -151,22 +81,29 @@ struct VirtualScene::Impl {
         intrinsics(k),
         seed(scene_seed),
         box_margin_px(sensor_options.box_margin_px),
-        sway(scene_seed),
         room_view(k.width, k.height),
         view(k.width, k.height),
         sensor(sensor_options, k),
         mask(view.label.size()) {}
 
   void stage(const Subject& subject);
-  void pose_person(const Subject& subject);
+  void stage_others();
+  const Subject& subject_of(const Bystander& other);
+  Tailor* tailor_for(Clothing clothing, bool hair);
   void place_camera();
   void furnish();
+  Standing standing() const;
   bool fits() const;
+  bool shown(std::size_t who) const { return who > 0 || scene.person; }
+  bool moves() const;
   void draw_background(const PixelBox& box);
   void ensure_background(const PixelBox& band);
-  PixelBox draw_person(std::uint64_t index, const PixelBox& clip);
-  PixelBox silhouette_box(std::uint64_t index) const;
-  Rigid person_to_world(std::uint64_t index) const { return scene.sway ? sway.at(index) : Rigid{}; }
+  PixelBox draw_person(std::size_t who, std::uint64_t index, const PixelBox& clip);
+  PixelBox silhouette_box(std::size_t who, std::uint64_t index);
+  PixelBox everyones_box(std::uint64_t index);
+  Rigid person_to_upright(std::size_t who, std::uint64_t index) const {
+    return camera.world_to_upright() * people[who].placed(index);
+  }
   Rigid world_to_sensor() const { return Rigid{mounting(scene.rotate_deg), {}} * camera.world_to_upright(); }
 
   const body::BodyModel& model;
@@ -174,10 +111,10 @@ struct VirtualScene::Impl {
   Intrinsics intrinsics;
   std::uint64_t seed;
   int box_margin_px;
-  Sway sway;
-  std::vector<Vec3f> person;  // body vertices, world axes, without sway
-  std::vector<std::uint8_t> labels;
-  JointSet joints;  // world axes, without sway
+  std::vector<ScenePerson> people;  // [0] the main person; those past the scene's are kept for the next
+  std::size_t people_count = 1;
+  std::unique_ptr<Tailor> tailor;
+  std::vector<std::pair<Bystander, Subject>> known;
   CameraPlace camera;
   Room room;
   std::vector<Vec3f> furniture;  // sensor axes
@@ -185,6 +122,7 @@ struct VirtualScene::Impl {
   CleanView room_view, view;
   PixelBox room_done;   // where room_view has been drawn
   PixelBox person_box;  // of the frame rendered last
+  PixelBox people_box;  // likewise, everyone's
   bool view_ready = false;
   MeshRaster raster;
   DepthSensor sensor;
@@ -193,45 +131,55 @@ struct VirtualScene::Impl {
 };
 
 void VirtualScene::Impl::stage(const Subject& subject) {
-  room_done = person_box = {};
+  room_done = person_box = people_box = {};
   view_ready = false;
-  pose_person(subject);
+  people_count = 1 + std::min(scene.others.size(), kBystandersMax);
+  while (people.size() < people_count) people.emplace_back(model);
+  PersonPlan plan{scene.pose, scene.clothing, scene.hair, {}, scene.back_view, scene.sway, scene.walk};
+  if (scene.yaw_deg <= kDrawn) plan.yaw_deg = scene.yaw_deg;
+  people[0].stage(subject, plan, seed, 0, tailor_for(scene.clothing, scene.hair));
   place_camera();
+  stage_others();
   furnish();
 }
 
-void VirtualScene::Impl::pose_person(const Subject& subject) {
-  Rng rng = Rng::for_item(seed, kPoseStream, 0);
-  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
-  morph_subject(model, subject, rest);
-  const body::Skeleton skeleton = body::rest_skeleton(model, rest);
-  const float stature_m = subject.truth[measurement_index(Measurement::stature)] / 1000;
-  const float mass_kg = subject.truth[measurement_index(Measurement::weight)];
-  const float bmi = stature_m > 0 ? mass_kg / (stature_m * stature_m) : 24;
-  const body::Pose pose = draw_pose(skeleton, scene.pose, rng, arm_spread_deg(bmi));
-  std::vector<Vec3f> posed(rest.size());
-  body::skin(model, rest, skeleton, pose, posed);
-  joints = body::joints_of(model, posed);
-  labels = person_labels(model, rest, skeleton);
+Tailor* VirtualScene::Impl::tailor_for(Clothing clothing, bool hair) {
+  if (clothing == Clothing::none && !hair) return nullptr;
+  if (tailor == nullptr) tailor = std::make_unique<Tailor>(model);
+  return tailor.get();
+}
 
-  posed.resize(static_cast<std::size_t>(model.body_vertex_count()));
-  const float drawn_yaw = draw_yaw_deg(scene.pose, rng);
-  const float yaw = (scene.yaw_deg > kDrawn ? drawn_yaw : scene.yaw_deg) + (scene.back_view ? 180.0F : 0.0F);
-  const Mat3f turn = body::rotation_about(kY, yaw);
-  float lowest = 1e9F;
-  for (const Vec3f& p : posed) lowest = std::min(lowest, p.y);
-  const Vec3f hips = (joints[Joint::LH] + joints[Joint::RH]) * 0.5F;
-  const auto to_world = [&](Vec3f p) { return turn * Vec3f{p.x - hips.x, p.y - lowest, p.z - hips.z}; };
-  for (Vec3f& p : posed) p = to_world(p);
-  for (Vec3f& p : joints.position_mm) p = to_world(p);
-  person = std::move(posed);
+const Subject& VirtualScene::Impl::subject_of(const Bystander& other) {
+  for (const auto& [who, subject] : known)
+    if (who.family == other.family && who.subject_seed == other.subject_seed &&
+        who.subject_index == other.subject_index)
+      return subject;
+  if (known.size() >= kSubjectsKept) known.erase(known.begin());
+  known.emplace_back(other, draw_subject(model, other.family, other.subject_seed, other.subject_index));
+  return known.back().second;
+}
+
+void VirtualScene::Impl::stage_others() {
+  for (std::size_t who = 1; who < people_count; ++who) {
+    const Bystander& other = scene.others[who - 1];
+    PersonPlan plan{other.pose, other.clothing, other.hair, {}, false, scene.sway, other.path};
+    if (other.yaw_deg <= kDrawn) plan.yaw_deg = other.yaw_deg;
+    const std::uint64_t own_seed = Rng::for_item(seed, kOthersStream, who).next();
+    people[who].stage(subject_of(other), plan, own_seed, who, tailor_for(other.clothing, other.hair));
+  }
+}
+
+bool VirtualScene::Impl::moves() const {
+  for (std::size_t who = 0; who < people_count; ++who)
+    if (shown(who) && people[who].moves()) return true;
+  return false;
 }
 
 // The whole person inside the picture with a margin, at every sway.
 bool VirtualScene::Impl::fits() const {
   const Rigid to_sensor = world_to_sensor();
   const float margin = kFitMarginShare * static_cast<float>(intrinsics.width);
-  for (const Vec3f& world : person) {
+  for (const Vec3f& world : people[0].surface()) {
     const Vec3f p = to_sensor(world);
     if (p.z < kNearMm) return false;
     const float u = p.x * intrinsics.fx / p.z + intrinsics.cx;
@@ -256,32 +204,62 @@ void VirtualScene::Impl::place_camera() {
   camera.height_mm = scene.camera_height_mm > 0 ? scene.camera_height_mm : height;
   camera.distance_mm = scene.distance_mm > 0 ? scene.distance_mm : distance;
   float top = 0;
-  for (const Vec3f& p : person) top = std::max(top, p.y);
+  for (const Vec3f& p : people[0].surface()) top = std::max(top, p.y);
   const auto aim_camera = [&] {
     const float middle = std::atan2(camera.height_mm - top / 2, camera.distance_mm) * 180 / std::numbers::pi_v<float>;
-    camera.pitch_deg = scene.pitch_deg > kDrawn ? middle + aim : scene.pitch_deg;
+    const float drawn = std::clamp(middle + aim, -scene.pitch_limit_deg, scene.pitch_limit_deg);
+    camera.pitch_deg = scene.pitch_deg > kDrawn ? drawn : scene.pitch_deg;
   };
   aim_camera();
-  constexpr float kDistanceMaxMm = 4500;
-  while (scene.distance_mm <= 0 && camera.distance_mm < kDistanceMaxMm && !fits()) {
+  const bool enlarge = scene.distance_mm <= 0 || scene.enlarge_to_fit;
+  while (enlarge && camera.distance_mm < kDistanceMaxMm && !fits()) {
     camera.distance_mm *= 1.03F;
     aim_camera();
   }
 }
 
+Standing VirtualScene::Impl::standing() const {
+  Standing out{300, 150};
+  out.legs_left_mm = out.legs_back_mm = 1e9F;
+  out.legs_right_mm = -1e9F;
+  for (const Vec3f& p : people[0].surface()) {
+    out.half_width_mm = std::max(out.half_width_mm, std::fabs(p.x));
+    out.behind_mm = std::max(out.behind_mm, -p.z);
+    if (p.y > kLegsTopMm) continue;
+    out.legs_left_mm = std::min(out.legs_left_mm, p.x);
+    out.legs_right_mm = std::max(out.legs_right_mm, p.x);
+    out.legs_back_mm = std::min(out.legs_back_mm, p.z);
+  }
+  return out;
+}
+
 void VirtualScene::Impl::furnish() {
   Rng rng = Rng::for_item(seed, kRoomStream, 0);
-  Standing standing{300, 150};
-  for (const Vec3f& p : person) {
-    standing.half_width_mm = std::max(standing.half_width_mm, std::fabs(p.x));
-    standing.behind_mm = std::max(standing.behind_mm, -p.z);
+  Standing place = standing();
+  WorldMesh seats;
+  for (std::size_t who = 0; who < people_count; ++who) {
+    const Seat* seat = people[who].seat();
+    if (seat == nullptr || !shown(who)) continue;
+    Rng seat_rng = Rng::for_item(seed, kRoomStream, 1 + who);
+    draw_seat(*seat, seat_rng, seats);
+    if (who > 0) continue;
+    for (const Vec3f& p : seats.vertices) {
+      place.half_width_mm = std::max(place.half_width_mm, std::fabs(p.x));
+      place.behind_mm = std::max(place.behind_mm, -p.z);
+    }
   }
   const float drawn = static_cast<float>(rng.uniform(450, 2500));
-  RoomOptions options{scene.floor, scene.wall, scene.wall_distance_mm > 0 ? scene.wall_distance_mm : drawn,
-                      scene.furniture_count};
+  RoomOptions options{scene.floor,
+                      scene.wall,
+                      scene.wall_distance_mm > 0 ? scene.wall_distance_mm : drawn,
+                      scene.furniture_count,
+                      scene.furniture_touching,
+                      scene.decoy_count,
+                      !scene.person};
   // A drawn wall stands behind the person, whatever the pose; a given one is taken at its word.
-  if (scene.wall_distance_mm <= 0) options.wall_distance_mm = std::max(drawn, standing.behind_mm + 150);
-  room = draw_room_plan(options, standing, rng);
+  if (scene.wall_distance_mm <= 0) options.wall_distance_mm = std::max(drawn, place.behind_mm + 150);
+  room = draw_room_plan(options, place, rng);
+  append(seats, room.furniture);
 
   const Rigid to_sensor = world_to_sensor();
   planes.clear();
@@ -311,11 +289,13 @@ void VirtualScene::Impl::ensure_background(const PixelBox& band) {
   draw_background(room_done);
 }
 
-PixelBox VirtualScene::Impl::silhouette_box(std::uint64_t index) const {
-  const Rigid to_sensor = world_to_sensor() * person_to_world(index);
+PixelBox VirtualScene::Impl::silhouette_box(std::size_t who, std::uint64_t index) {
+  if (!shown(who)) return {};
+  people[who].choose_frame(index);
+  const Rigid to_sensor = world_to_sensor() * people[who].placed(index);
   float u0 = 1e9F, v0 = 1e9F, u1 = -1e9F, v1 = -1e9F;
-  for (const Vec3f& world : person) {
-    const Vec3f p = to_sensor(world);
+  for (const Vec3f& own : people[who].surface()) {
+    const Vec3f p = to_sensor(own);
     if (p.z < kNearMm) continue;
     const float u = p.x * intrinsics.fx / p.z + intrinsics.cx;
     const float v = p.y * intrinsics.fy / p.z + intrinsics.cy;
@@ -330,11 +310,25 @@ PixelBox VirtualScene::Impl::silhouette_box(std::uint64_t index) const {
   return intersect(frame, {inside(u0), inside(v0), inside(u1) + 2, inside(v1) + 2});
 }
 
-PixelBox VirtualScene::Impl::draw_person(std::uint64_t index, const PixelBox& clip) {
-  const Rigid to_sensor = world_to_sensor() * person_to_world(index);
-  vertices.resize(person.size());
-  for (std::size_t i = 0; i < person.size(); ++i) vertices[i] = to_sensor(person[i]);
-  return raster.draw(vertices, model.body_triangles(), labels, true, intrinsics, clip, view);
+PixelBox VirtualScene::Impl::everyones_box(std::uint64_t index) {
+  PixelBox box;
+  for (std::size_t who = 0; who < people_count; ++who) box = bounding(box, silhouette_box(who, index));
+  return box;
+}
+
+PixelBox VirtualScene::Impl::draw_person(std::size_t who, std::uint64_t index, const PixelBox& clip) {
+  ScenePerson& person = people[who];
+  person.choose_frame(index);
+  const Rigid to_sensor = world_to_sensor() * person.placed(index);
+  const auto surface = person.surface();
+  vertices.resize(surface.size());
+  for (std::size_t i = 0; i < surface.size(); ++i) vertices[i] = to_sensor(surface[i]);
+  PixelBox box = raster.draw(vertices, person.closed_triangles(), person.labels(), true, intrinsics, clip, view);
+  if (!person.open_triangles().empty()) {
+    const std::array<std::uint8_t, 1> label = {label_of(who, false)};
+    box = bounding(box, raster.draw(vertices, person.open_triangles(), label, false, intrinsics, clip, view));
+  }
+  return box;
 }
 
 VirtualScene::VirtualScene(const body::BodyModel& model, const Subject& subject, const SceneOptions& scene,
@@ -348,7 +342,6 @@ VirtualScene::VirtualScene(VirtualScene&&) noexcept = default;
 void VirtualScene::restage(const Subject& subject, const SceneOptions& scene, std::uint64_t seed) {
   impl_->scene = scene;
   impl_->seed = seed;
-  impl_->sway = Sway(seed);
   impl_->stage(subject);
 }
 
@@ -358,21 +351,24 @@ void VirtualScene::render(std::uint64_t index, DepthImage out) {
   const bool boxed = s.box_margin_px >= 0;
   PixelBox wanted = frame;
   if (boxed) {
-    wanted = intersect(frame, grown(s.silhouette_box(index), s.box_margin_px));
+    wanted = intersect(frame, grown(s.silhouette_box(0, index), s.box_margin_px));
     for (int v = 0; v < out.height; ++v) std::fill_n(out.row(v), out.width, std::uint16_t{0});
     std::fill(s.mask.begin(), s.mask.end(), std::uint8_t{0});
   }
   // Rows of the box whole, and some above and below: the shadow looks along the row, the edges across it.
   const PixelBox band = intersect(frame, {0, wanted.v0 - 4, s.intrinsics.width, wanted.v1 + 4});
-  if (!s.view_ready || s.scene.sway || boxed) {
+  if (!s.view_ready || s.moves() || boxed) {
     s.ensure_background(band);
     PixelBox changed = band;
     if (s.view_ready && !boxed) {
-      changed = intersect(frame, grown(bounding(s.person_box, s.silhouette_box(index)), 2));
+      changed = intersect(frame, grown(bounding(s.people_box, s.everyones_box(index)), 2));
       changed = intersect(frame, {0, changed.v0 - 4, s.intrinsics.width, changed.v1 + 4});
     }
     copy_box(s.room_view, changed, s.view);
-    s.person_box = s.draw_person(index, band);
+    s.person_box = s.shown(0) ? s.draw_person(0, index, band) : PixelBox{};
+    s.people_box = s.person_box;
+    for (std::size_t who = 1; who < s.people_count; ++who)
+      s.people_box = bounding(s.people_box, s.draw_person(who, index, band));
     s.sensor.prepare(s.view, boxed ? wanted : changed);
     s.view_ready = true;
   }
@@ -383,24 +379,49 @@ const Intrinsics& VirtualScene::intrinsics() const {
   return impl_->intrinsics;
 }
 
-JointSet VirtualScene::joints(std::uint64_t index) const {
-  const Rigid to_upright = impl_->camera.world_to_upright() * impl_->person_to_world(index);
-  JointSet out = impl_->joints;
+std::size_t VirtualScene::people_count() const {
+  return impl_->people_count;
+}
+
+JointSet VirtualScene::joints(std::uint64_t index, std::size_t who) const {
+  if (who >= impl_->people_count || !impl_->shown(who)) return {};
+  impl_->people[who].choose_frame(index);
+  const Rigid to_upright = impl_->person_to_upright(who, index);
+  JointSet out = impl_->people[who].joints();
   for (Vec3f& p : out.position_mm) p = to_upright(p);
   return out;
 }
 
 FloorPlane VirtualScene::floor() const {
-  return {true, impl_->camera.rotation() * kY, impl_->camera.height_mm};
+  return {true, impl_->camera.rotation() * kAxisY, impl_->camera.height_mm};
 }
 
-void VirtualScene::person_mesh(std::uint64_t index, std::span<Vec3f> out) const {
-  const Rigid to_upright = impl_->camera.world_to_upright() * impl_->person_to_world(index);
-  for (std::size_t i = 0; i < impl_->person.size(); ++i) out[i] = to_upright(impl_->person[i]);
+void VirtualScene::person_mesh(std::uint64_t index, std::span<Vec3f> out, std::size_t who) const {
+  if (who >= impl_->people_count) return;
+  impl_->people[who].choose_frame(index);
+  const Rigid to_upright = impl_->person_to_upright(who, index);
+  const auto& body = impl_->people[who].body();
+  for (std::size_t i = 0; i < body.size(); ++i) out[i] = to_upright(body[i]);
 }
 
-void VirtualScene::person_mask(MaskImage out) const {
-  for (int v = 0; v < out.height; ++v) std::copy_n(&impl_->mask[impl_->view.at(0, v)], out.width, out.row(v));
+VirtualScene::Surface VirtualScene::person_surface(std::uint64_t index, std::size_t who) const {
+  if (who >= impl_->people_count) return {};
+  ScenePerson& person = impl_->people[who];
+  person.choose_frame(index);
+  const Rigid to_upright = impl_->person_to_upright(who, index);
+  Surface out;
+  for (const Vec3f& p : person.surface()) out.vertices.push_back(to_upright(p));
+  out.triangles.assign(person.closed_triangles().begin(), person.closed_triangles().end());
+  out.triangles.insert(out.triangles.end(), person.open_triangles().begin(), person.open_triangles().end());
+  return out;
+}
+
+void VirtualScene::person_mask(MaskImage out, std::size_t who) const {
+  const std::uint8_t wanted = mask_value(label_of(who, false));
+  for (int v = 0; v < out.height; ++v) {
+    const std::uint8_t* from = &impl_->mask[impl_->view.at(0, v)];
+    for (int u = 0; u < out.width; ++u) out.row(v)[u] = from[u] == wanted ? 255 : 0;
+  }
 }
 
 PixelBox VirtualScene::person_box() const {

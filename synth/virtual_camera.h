@@ -21,9 +21,11 @@
 #include "kernels/core/camera.h"
 #include "kernels/core/joints.h"
 #include "kernels/segment/segment.h"
+#include "synth/clothing.h"
 #include "synth/depth_sensor.h"
 #include "synth/population.h"
 #include "synth/poses.h"
+#include "synth/scene_person.h"
 
 namespace im2fit::synth {
 
@@ -33,6 +35,19 @@ Intrinsics kinect_intrinsics(int width, int height);
 Intrinsics upright_intrinsics(const Intrinsics& sensor, int rotate_deg);
 // A point or direction in the upright picture's camera axes, in the sensor's own.
 Vec3f upright_to_sensor(Vec3f upright, int rotate_deg);
+
+// Somebody else in the room. The subject is draw_subject(model, family, subject_seed, subject_index).
+struct Bystander {
+  Family family = Family::training;
+  std::uint64_t subject_seed = 0;
+  std::uint64_t subject_index = 0;
+  StandingPose pose = StandingPose::relaxed;
+  Clothing clothing = Clothing::none;
+  bool hair = false;
+  float yaw_deg = 1e9F;  // 0 faces the camera; 1e9: along the path on the way, else drawn by pose class
+  FloorPath path;        // {x, z} alone: stands there
+};
+inline constexpr std::size_t kBystandersMax = 30;
 
 struct SceneOptions {
   bool floor = true;
@@ -48,6 +63,20 @@ struct SceneOptions {
   int rotate_deg = 90;     // camera mounting, 0|90|180|270: the image is rendered as the sensor delivers it
   bool back_view = false;  // turned by 180 degrees
   bool sway = true;        // standing sway of a few mm and tenths of a degree; false: frames differ by noise only
+
+  // Off by default; what is off leaves every other draw as it was.
+  Clothing clothing = Clothing::none;  // also shoes; joints and person_mesh stay the naked body's, raised by the sole
+  bool hair = false;                   // volume of 0..40 mm on the head's hair region
+  bool person = true;                  // false: the room (and `others`) without the main person, who is still drawn
+                                       // for the camera's place; mask empty, joints of confidence 0
+  FloorPath walk;                      // of the main person; yaw 1e9: along it on the way. Camera and room are
+                                       // placed as for a person standing at the origin
+  std::vector<Bystander> others;       // at most kBystandersMax
+  bool furniture_touching = false;     // one or two pieces at the feet or beside the lower legs, 0..40 mm away
+  int decoy_count = 0;          // coat stands, chairs with a coat, dog-sized boxes; without a person also where
+                                // one would stand
+  bool enlarge_to_fit = false;  // a given distance_mm, too, grows until the whole person fits (4.5 m at most)
+  float pitch_limit_deg = 90;   // of a drawn pitch, either way
 };
 
 // A scene drawn once; frames differ by sensor noise and by sway. Not shareable between threads; the model must
@@ -67,15 +96,23 @@ class VirtualScene {
   // size, before any --rotate. Frame times are index/30 s.
   void render(std::uint64_t index, DepthImage out);
   const Intrinsics& intrinsics() const;
-  // Truth in camera axes of the *upright* image, the one the program sees after undoing rotate_deg.
-  JointSet joints(std::uint64_t index) const;
-  FloorPlane floor() const;  // known also when SceneOptions::floor is off
+  // Truth in camera axes of the *upright* image, the one the program sees after undoing rotate_deg. `who`: 0 the main
+  // person, 1.. SceneOptions::others in order; out of range: confidence 0.
+  JointSet joints(std::uint64_t index, std::size_t who = 0) const;
+  std::size_t people_count() const;  // with the main person, shown or not
+  FloorPlane floor() const;          // known also when SceneOptions::floor is off
   // Body vertices (body_vertex_count of them) of frame `index`, upright camera axes.
-  void person_mesh(std::uint64_t index, std::span<Vec3f> out) const;
+  void person_mesh(std::uint64_t index, std::span<Vec3f> out, std::size_t who = 0) const;
+  // What is drawn of a person: body in clothes, skirt, shoes, hair; upright camera axes.
+  struct Surface {
+    std::vector<Vec3f> vertices;
+    std::vector<Triangle> triangles;
+  };
+  Surface person_surface(std::uint64_t index, std::size_t who = 0) const;
   // Mask of the person, upright or not like render()'s output, of the frame rendered last: 255 where the delivered
-  // depth is the person's (holes and shadow are 0).
-  void person_mask(MaskImage out) const;
-  // Box of the person's clean silhouette in the frame rendered last, sensor pixels; empty before the first.
+  // depth is the person's (holes and shadow are 0). Masks of different people are disjoint.
+  void person_mask(MaskImage out, std::size_t who = 0) const;
+  // Box of the main person's clean silhouette in the frame rendered last, sensor pixels; empty before the first.
   PixelBox person_box() const;
   float distance_mm() const;  // as drawn or given
 
