@@ -238,6 +238,12 @@ void add_live(CLI::App& app, Command& chosen) {
       "--overlay pictures --overlay-every 5\n  im2fit live openni2 --json | ./kiosk",
       options, run_live);
   add_session_options(*sub, options->session);
+  sub->get_option("--out")->description(
+      "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png: with --count 1 "
+      "in it, else in person-001 and so on");
+  sub->get_option("--json")->description(
+      "Print events on stdout, one JSON object a line: state, measured, left, end");
+  sub->remove_option(sub->get_option("--timing"));
   sub->add_option("--count", options->count, "End after so many people; 0: at Ctrl-C or the source's end")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
