@@ -62,6 +62,11 @@ class Tailor {
   struct Place {
     Part part = Part::trunk;
     float along = 0;
+    float radius_mm = 0;  // from the bone
+    // About the trunk's axis: height (0 hips, 1 shoulders), distance and direction (0 front, left positive, radians).
+    float up = 0;
+    float out_mm = 0;
+    float angle = 0;
   };
   struct Cut;
   static Cut draw_cut(Clothing clothing, bool woman, Rng& rng);
@@ -69,6 +74,7 @@ class Tailor {
   void locate(std::span<const Vec3f> rest, const body::Skeleton& skeleton);
   Cover cover_of(const Place& place, const Cut& cut) const;
   float ease_of(std::size_t vertex, const Cut& cut, Cover cover) const;
+  void hang(const Cut& cut, const Outfit& out);
   void clothe(std::span<const Vec3f> rest, const Cut& cut, Rng& rng, Outfit& out);
   void grow_hair(std::span<const Vec3f> rest, const body::Skeleton& skeleton, bool woman, Rng& rng, Outfit& out);
   void hang_skirt(std::span<const Vec3f> rest, const Cut& cut, Rng& rng, Outfit& out) const;
@@ -79,6 +85,7 @@ class Tailor {
   std::vector<Place> place_;
   std::vector<float> ease_, base_, next_;
   float hips_y_ = 0, shoulders_y_ = 0;
+  Vec3f axis_;  // the trunk's
 };
 
 }  // namespace im2fit::synth
