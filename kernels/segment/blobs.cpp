@@ -182,8 +182,9 @@ void BlobFinder::open_cells(const Grid& grid, const FloorPlane& floor) {
   }
 }
 
-void BlobFinder::run(const Grid& grid, const FloorPlane& floor) {
+void BlobFinder::run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background) {
   open_cells(grid, floor);
+  for (std::size_t i = 0; i < open_.size(); ++i) open_[i] = static_cast<std::uint8_t>(open_[i] & (background[i] ^ 1));
   wall_.run(grid, floor, open_);
   blob_count_ = components_.run(grid.depth, open_, kSpeckCells, kBlobCountMax, labels_);
   describe(grid);

@@ -45,8 +45,8 @@ struct Head {
 class BlobFinder {
  public:
   explicit BlobFinder(const Grid& grid);
-  // Labels every cell: blob index + 1, or 0 for floor, no data and specks.
-  void run(const Grid& grid, const FloorPlane& floor);
+  // Labels every cell: blob index + 1, or 0 for floor, no data, specks and where `background` is 1.
+  void run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background);
   std::span<const std::uint16_t> labels() const { return labels_; }
   std::span<const Blob> blobs() const { return {blobs_.data(), static_cast<std::size_t>(blob_count_)}; }
   std::span<const Head> heads() const { return {heads_.data(), static_cast<std::size_t>(head_count_)}; }

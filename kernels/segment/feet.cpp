@@ -23,6 +23,7 @@ struct Grower {
   const Grid& grid;
   DepthView depth;
   FloorPlane floor;
+  std::span<const std::uint8_t> barred;
   MaskImage mask;
 
   float height_of(int u, int v, float z) const {
@@ -30,6 +31,10 @@ struct Grower {
     return dot(floor.up, unproject(k, static_cast<float>(u), static_cast<float>(v), z)) + floor.camera_height_mm;
   }
   float clear_mm(float z) const { return kFootClearMm + 0.6F * quantum_mm(z) * floor.camera_height_mm / z; }
+  bool is_barred(int u, int v) const {
+    const int c = std::min(u / grid.step, grid.width - 1), r = std::min(v / grid.step, grid.height - 1);
+    return barred[static_cast<std::size_t>(grid.index(c, r))] != 0;
+  }
   bool take(int u, int v, int from_u, int from_v) const {
     if (mask.at(u, v) != 0 || mask.at(from_u, from_v) == 0) return false;
     const std::uint16_t raw = depth.at(u, v);
@@ -38,7 +43,7 @@ struct Grower {
     const float from = static_cast<float>(depth.at(from_u, from_v));
     if (std::fabs(z - from) > 30.0F + quantum_mm(z)) return false;
     const float height = height_of(u, v, z);
-    if (height > kFootTopMm || height < clear_mm(z)) return false;
+    if (height > kFootTopMm || height < clear_mm(z) || is_barred(u, v)) return false;
     mask.at(u, v) = 255;
     return true;
   }
@@ -156,7 +161,7 @@ void Grower::close_to_floor(const Box& box, std::span<std::int16_t> lowest) cons
       if (raw == 0 || raw > kDepthMaxMm) break;
       const float z = static_cast<float>(raw);
       if (height_of(u, down, z) < 0.0F || z < front - 15.0F - 0.5F * quantum_mm(z) ||
-          z > front + 30.0F + quantum_mm(z))
+          z > front + 30.0F + quantum_mm(z) || is_barred(u, down))
         break;
       mask.at(u, down) = 255;
     }
@@ -166,9 +171,9 @@ void Grower::close_to_floor(const Box& box, std::span<std::int16_t> lowest) cons
 }  // namespace
 
 void FootGrower::run(const Grid& grid, DepthView depth, const FloorPlane& floor, std::span<const std::uint8_t> chosen,
-                     MaskImage mask) {
+                     std::span<const std::uint8_t> barred, MaskImage mask) {
   if (!floor.known) return;
-  const Grower grower = {grid, depth, floor, mask};
+  const Grower grower = {grid, depth, floor, barred, mask};
   Box box = grower.low_box(chosen);
   if (box.v_last < 0) return;
   const int reach = std::max(4, kFootReachPx * grid.step / 4);

@@ -9,6 +9,10 @@ namespace {
 
 constexpr float kUpXMax = 0.22F;  // roll up to 12 degrees
 constexpr float kUpZMax = 0.42F;  // pitch up to 25 degrees
+constexpr float kLevelSlope = 0.5F;
+constexpr float kSteepUpZMax =
+    0.64F;  // up to 40, where nothing else is found: at such a tilt seats and laps look level
+constexpr float kSteepSlope = 0.9F;
 constexpr float kCameraHeightMinMm = 420.0F;
 constexpr float kCameraHeightMaxMm = 2500.0F;
 constexpr int kHypothesisCount = 120;
@@ -29,12 +33,12 @@ float height_gate_mm(const FloorPlane& plane, float z) {
   return kGateMm + kGateQuanta * quantum_mm(1.0F) * z * plane.camera_height_mm;
 }
 
-bool plausible(const FloorPlane& plane) {
-  return plane.up.y < 0 && std::fabs(plane.up.x) <= kUpXMax && std::fabs(plane.up.z) <= kUpZMax &&
+bool plausible(const FloorPlane& plane, float up_z_max = kSteepUpZMax) {
+  return plane.up.y < 0 && std::fabs(plane.up.x) <= kUpXMax && std::fabs(plane.up.z) <= up_z_max &&
          plane.camera_height_mm >= kCameraHeightMinMm && plane.camera_height_mm <= kCameraHeightMaxMm;
 }
 
-bool plane_through(Vec3f a, Vec3f b, Vec3f c, FloorPlane& out) {
+bool plane_through(Vec3f a, Vec3f b, Vec3f c, float up_z_max, FloorPlane& out) {
   Vec3f n = cross(b - a, c - a);
   const float length = norm(n);
   if (!(length > 1.0e4F)) return false;  // mm^2: three points in a line say nothing
@@ -43,7 +47,7 @@ bool plane_through(Vec3f a, Vec3f b, Vec3f c, FloorPlane& out) {
   out.known = true;
   out.up = n;
   out.camera_height_mm = -dot(n, a);
-  return plausible(out);
+  return plausible(out, up_z_max);
 }
 
 }  // namespace
@@ -95,7 +99,7 @@ void FloorFinder::reset() {
 }
 
 // A level cell: two cells further up the picture the surface has gone away from the camera, not up.
-void FloorFinder::gather(const Grid& grid) {
+void FloorFinder::gather(const Grid& grid, float slope) {
   candidate_count_ = 0;
   for (int r = 2; r < grid.height; ++r) {
     const std::uint16_t* here = grid.depth.data() + grid.index(0, r);
@@ -105,7 +109,7 @@ void FloorFinder::gather(const Grid& grid) {
       const float z = static_cast<float>(here[c]), above_z = static_cast<float>(above[c]);
       const float dz = above_z - z, dy = above_ry * above_z - ry * z;
       // A cell above without data makes dz negative; this one may have none.
-      level_[c] = static_cast<std::uint8_t>((dz > 0) & (std::fabs(dy) < 0.5F * dz + 8.0F) & (dz < 800.0F) & (z > 0));
+      level_[c] = static_cast<std::uint8_t>((dz > 0) & (std::fabs(dy) < slope * dz + 8.0F) & (dz < 800.0F) & (z > 0));
     }
     for (int c = 0; c < grid.width; ++c) {
       if (level_[static_cast<std::size_t>(c)] == 0) continue;
@@ -115,7 +119,7 @@ void FloorFinder::gather(const Grid& grid) {
   }
 }
 
-FloorPlane FloorFinder::search(const Grid& grid) const {
+FloorPlane FloorFinder::search(const Grid& grid, float up_z_max) const {
   FloorPlane best;
   const int count = candidate_count_;
   if (count < kSupportMin) return best;
@@ -134,7 +138,7 @@ FloorPlane FloorFinder::search(const Grid& grid) const {
     const int i = draw();
     const int j = draw();
     const int k = draw();
-    if (!plane_through(candidate(i), candidate(j), candidate(k), plane)) continue;
+    if (!plane_through(candidate(i), candidate(j), candidate(k), up_z_max, plane)) continue;
     int score = 0;
     for (int n = 0; n < count; n += stride) {
       const Vec3f p = candidate(n);
@@ -197,13 +201,17 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) const {
 }
 
 FloorPlane FloorFinder::find(const Grid& grid) {
-  gather(grid);
   if (tracked_.known) {
+    gather(grid, plausible(tracked_, kUpZMax) ? kLevelSlope : kSteepSlope);
     const FloorPlane followed = fit_cells(tracked_);
     if (supported(grid, followed)) return tracked_ = followed;
   }
   has_gathered_ = false;
-  tracked_ = fit_cells(search(grid));
+  gather(grid, kLevelSlope);
+  tracked_ = fit_cells(search(grid, kUpZMax));
+  if (supported(grid, tracked_)) return tracked_;
+  gather(grid, kSteepSlope);
+  tracked_ = fit_cells(search(grid, kSteepUpZMax));
   if (!supported(grid, tracked_)) tracked_ = {};
   return tracked_;
 }

@@ -67,8 +67,8 @@ class FloorFinder {
     float ray_x = 0, ray_y = 0, inverse_z = 0;
   };
 
-  void gather(const Grid& grid);
-  FloorPlane search(const Grid& grid) const;
+  void gather(const Grid& grid, float slope);  // rise over run in the picture's axes
+  FloorPlane search(const Grid& grid, float up_z_max) const;
   bool supported(const Grid& grid, const FloorPlane& plane) const;
   FloorPlane fit_cells(FloorPlane plane) const;
   int list_cells(const Grid& grid, Vec3f feet, std::span<const std::uint8_t> taken, int pass);

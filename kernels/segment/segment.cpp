@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/segment/advice.h"
+#include "kernels/segment/background.h"
 #include "kernels/segment/blobs.h"
 #include "kernels/segment/feet.h"
 #include "kernels/segment/floor.h"
@@ -37,6 +38,7 @@ struct Segmenter::Workspace {
         height(h),
         grid(w, h),
         floor(grid),
+        background(grid),
         blobs(grid),
         refiner(grid),
         feet(w),
@@ -50,6 +52,7 @@ struct Segmenter::Workspace {
   int height;
   Grid grid;
   segment::FloorFinder floor;
+  segment::Background background;
   segment::BlobFinder blobs;
   segment::UserTracker users;
   segment::FragmentJoiner fragments;
@@ -108,6 +111,7 @@ Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
 
 void Segmenter::reset() {
   work_->floor.reset();
+  work_->background.reset();
   work_->users.reset();
   work_->selected_id = work_->last_id = 0;
 }
@@ -126,13 +130,15 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   w.grid.sample(depth, intrinsics);
   person.floor = w.floor.find(w.grid);
   w.grid.measure_heights(person.floor);
-  w.blobs.run(w.grid, person.floor);
+  w.background.look(w.grid, person.floor);
+  w.blobs.run(w.grid, person.floor, w.background.shown());
   w.users.run(w.grid, w.blobs, person.floor, seconds);
   person.people_count = w.people_count();
 
   const int who = w.choose();
   if (who < 0) {
     std::fill(w.chosen.begin(), w.chosen.end(), std::uint8_t{0});
+    w.background.learn(w.grid, w.users.keepouts(), w.chosen);
     w.refiner.run(w.grid, depth, w.chosen, mask);
     person.guidance = segment::advise_nobody(w.grid, w.blobs.blobs());
     w.last_id = 0;
@@ -142,13 +148,14 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   person.people_count = std::max(1, person.people_count);  // one without a head may be chosen
   w.last_id = user.id;
   w.fragments.run(w.grid, w.blobs, person.floor.known, w.users.blob_of(at(who)), w.chosen);
+  w.background.learn(w.grid, w.users.keepouts(), w.chosen);
   if (person.floor.known) {
     const Vec3f c = user.centroid_mm;
     const Vec3f feet = c - person.floor.up * (dot(person.floor.up, c) + person.floor.camera_height_mm);
     person.floor = w.floor.refine(w.grid, depth, person.floor, feet, w.chosen);
   }
   w.refiner.run(w.grid, depth, w.chosen, mask);
-  w.feet.run(w.grid, depth, person.floor, w.chosen, mask);
+  w.feet.run(w.grid, depth, person.floor, w.chosen, w.background.shown(), mask);
   segment::describe_mask(w.grid, depth, mask, person);
   if (person.pixel_count == 0) {
     person.guidance = static_cast<GuidanceSet>(Guidance::no_person);

@@ -44,7 +44,7 @@ float distance_to(Vec3f p, Vec3f a, Vec3f b) {
 }  // namespace
 
 void UserTracker::reset() {
-  track_count_ = sighting_count_ = user_count_ = 0;
+  track_count_ = sighting_count_ = user_count_ = keepout_count_ = 0;
   first_ = true;
 }
 
@@ -81,12 +81,13 @@ void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor
   const auto list = found.blobs();
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
-    if (track.sighting >= 0 || track.seen_count < kConfirmFrames || sighting_count_ == kUserCountMax) continue;
+    if (track.sighting >= 0 || sighting_count_ == kUserCountMax) continue;
+    const bool confirmed = track.seen_count >= kConfirmFrames;
     float nearest = kHeadlessGateMm;
     int best = -1;
     for (std::size_t b = 0; b < list.size(); ++b) {
       const Blob& blob = list[b];
-      const bool alike = blob.person_sized || (track.headless_s < kHeadlessMaxS &&
+      const bool alike = blob.person_sized || (confirmed && track.headless_s < kHeadlessMaxS &&
                                                blob.height_max_mm - blob.height_min_mm > kHeadlessTallMm &&
                                                blob.relief_mm > 14.0F + 0.4F * quantum_mm(blob.centroid_mm.z));
       if (blob.person || !alike || blob.area_m2 < kHeadlessAreaMin * track.area_m2 ||
@@ -214,7 +215,20 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
     s.track = static_cast<int>(&track - tracks_.data());
   }
   list_users(grid, found);
+  list_keepouts(found);
   first_ = false;
+}
+
+void UserTracker::list_keepouts(const BlobFinder& found) {
+  keepout_count_ = 0;
+  const auto of = [](const Blob& blob) { return Keepout{blob.c_min, blob.c_max, blob.centroid_mm.z}; };
+  for (int t = 0; t < track_count_; ++t) {
+    Track& track = tracks_[at(t)];
+    if (track.sighting >= 0) track.keepout = of(found.blobs()[at(sightings_[at(track.sighting)].blob)]);
+    keepouts_[at(keepout_count_++)] = track.keepout;
+  }
+  for (const Blob& blob : found.blobs())
+    if (blob.person_sized && keepout_count_ < kKeepoutCountMax) keepouts_[at(keepout_count_++)] = of(blob);
 }
 
 void UserTracker::list_users(const Grid& grid, const BlobFinder& found) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <span>
 
+#include "kernels/segment/background.h"
 #include "kernels/segment/blobs.h"
 #include "kernels/segment/grid.h"
 
@@ -18,9 +19,12 @@ class UserTracker {
   void run(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds);
   std::span<const User> users() const { return {users_.data(), static_cast<std::size_t>(user_count_)}; }
   int blob_of(std::size_t user) const { return user_blobs_[user]; }
+  // Where people are, or were when last seen, and what has a person's size; until the next run.
+  std::span<const Keepout> keepouts() const { return {keepouts_.data(), static_cast<std::size_t>(keepout_count_)}; }
 
  private:
   static constexpr int kTrackCountMax = 16;
+  static constexpr int kKeepoutCountMax = 32;
   struct Track {
     int id = 0;
     Vec3f seen_mm;      // where last seen, along the floor (no component along up)
@@ -33,6 +37,7 @@ class UserTracker {
     float area_m2 = 0;     // the most seen of it, slowly forgotten
     Vec3f lean_mm;         // from the centroid to the crown, along the floor
     float headless_s = 0;  // since its head was seen
+    Keepout keepout;       // where last seen
     int sighting = -1;     // of this frame
   };
   struct Sighting {
@@ -53,6 +58,7 @@ class UserTracker {
   static void follow(Track& track, const Sighting& sighting, float area_m2, float seconds);
   Track& new_track();
   void list_users(const Grid& grid, const BlobFinder& found);
+  void list_keepouts(const BlobFinder& found);
 
   std::array<Track, kTrackCountMax> tracks_;
   int track_count_ = 0;
@@ -61,6 +67,8 @@ class UserTracker {
   std::array<User, kUserCountMax> users_;
   std::array<int, kUserCountMax> user_blobs_{};
   int user_count_ = 0;
+  std::array<Keepout, kKeepoutCountMax> keepouts_;
+  int keepout_count_ = 0;
   int id_last_ = 0;
   bool first_ = true;
 };

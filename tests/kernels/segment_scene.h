@@ -89,6 +89,28 @@ inline float hit_box(Vec3f o, Vec3f d, const Box& b) {
   return near <= far && near > 0 ? near : 1e9F;
 }
 
+// Pixels a capsule may show in, all of the picture where it is near the camera.
+struct PixelBounds {
+  float u_min = -1, v_min = -1, u_max = 1e9F, v_max = 1e9F;
+  bool holds(int u, int v) const {
+    const float x = static_cast<float>(u), y = static_cast<float>(v);
+    return x >= u_min && x <= u_max && y >= v_min && y <= v_max;
+  }
+};
+inline PixelBounds bounds_of(const Scene& s, const Capsule& c) {
+  const Intrinsics k = s.intrinsics();
+  PixelBounds b = {1e9F, 1e9F, -1e9F, -1e9F};
+  for (const Vec3f end : {s.to_camera(c.a), s.to_camera(c.b)}) {
+    if (end.z < 400 + c.radius) return {};
+    // A sphere's outline leaves the circle of its radius by less than a fifth within 60 degrees of view.
+    const float reach = 1.2F * c.radius * k.fx / (end.z - c.radius) + 2;
+    const float u = end.x * k.fx / end.z + k.cx, v = end.y * k.fy / end.z + k.cy;
+    b = {std::min(b.u_min, u - reach), std::min(b.v_min, v - reach), std::max(b.u_max, u + reach),
+         std::max(b.v_max, v + reach)};
+  }
+  return b;
+}
+
 // `noise_raw`: spread in 11-bit disparity steps (0: exact, rounded to mm); Kinect's is about 0.5 and it quantises.
 inline Picture look(const Scene& s, double noise_raw = 0, std::uint64_t seed = 1) {
   Picture p;
@@ -98,6 +120,8 @@ inline Picture look(const Scene& s, double noise_raw = 0, std::uint64_t seed = 1
   const Vec3f o = {0, s.camera_height, 0};
   const Vec3f down = {0, -s.cos_pitch(), -s.sin_pitch()};
   const Vec3f forward = {0, -s.sin_pitch(), s.cos_pitch()};
+  std::vector<PixelBounds> bounds;
+  for (const Capsule& c : s.capsules) bounds.push_back(bounds_of(s, c));
   Rng rng(seed);
   for (int v = 0; v < s.height; ++v) {
     for (int u = 0; u < s.width; ++u) {
@@ -114,7 +138,8 @@ inline Picture look(const Scene& s, double noise_raw = 0, std::uint64_t seed = 1
       if (s.floor && d.y < -1e-6F) nearer(-o.y / d.y, 255);
       if (s.wall_z > 0) nearer(s.wall_z / d.z, 255);
       for (const Box& b : s.boxes) nearer(hit_box(o, d, b), 255);
-      for (const Capsule& c : s.capsules) nearer(hit_capsule(o, d, c), c.owner);
+      for (std::size_t i = 0; i < s.capsules.size(); ++i)
+        if (bounds[i].holds(u, v)) nearer(hit_capsule(o, d, s.capsules[i]), s.capsules[i].owner);
       double z = static_cast<double>(t);
       if (noise_raw > 0 && z < 8000) {
         constexpr double kStep = 2.85e-6;  // 1/mm

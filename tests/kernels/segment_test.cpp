@@ -80,7 +80,8 @@ TEST_P(SegmentFloor, HeightAtTheFeetIsRight) {
 INSTANTIATE_TEST_SUITE_P(Mountings, SegmentFloor,
                          testing::Values(FloorCase{1000, 0, 2500}, FloorCase{600, 0, 2500}, FloorCase{900, -8, 3000},
                                          FloorCase{1200, 12, 2200}, FloorCase{1800, 20, 2600},
-                                         FloorCase{2100, 20, 3200}));
+                                         FloorCase{2100, 20, 3200}, FloorCase{2200, 28, 2700},
+                                         FloorCase{2300, 35, 2200}, FloorCase{500, -6, 2600}));
 
 TEST(Segment, MaskFollowsThePersonDownToTheFloor) {
   const Scene s = standing();

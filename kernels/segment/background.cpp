@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/segment/background.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace im2fit::segment {
+namespace {
+
+constexpr int kLearnedFrames = 60;    // two seconds: longer than people stand unrecognised
+constexpr int kEvidenceMax = 240;     // frames something nearer must stay to be the background
+constexpr float kKeepoutMm = 350.0F;  // beside and before people
+constexpr float kKeepoutDepthMm = 700.0F;
+constexpr int kKnownMin = 1000;    // cells that can tell whether the camera moved
+constexpr float kTurnMax = 0.02F;  // of the floor's normal: 1.1 degrees
+constexpr float kLiftMaxMm = 40.0F;
+
+// Noise and rounding of a still surface, mm: 10 and some more than a disparity step.
+int tolerance_mm(int z) {
+  return 10 + ((z * z) >> 18);
+}
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+}  // namespace
+
+Background::Background(const Grid& grid)
+    : depth_(grid.depth.size()),
+      evidence_(grid.depth.size()),
+      kept_out_(grid.depth.size()),
+      shown_(grid.depth.size()) {}
+
+void Background::reset() {
+  std::fill(depth_.begin(), depth_.end(), std::uint16_t{0});
+  std::fill(evidence_.begin(), evidence_.end(), std::uint8_t{0});
+  std::fill(shown_.begin(), shown_.end(), std::uint8_t{0});
+  floor_ = {};
+}
+
+// The far field: of the cells known and seen, a third shows something else, nearer or farther; or the floor tilted.
+bool Background::moved(const Grid& grid, const FloorPlane& floor) const {
+  if (floor.known && floor_.known &&
+      (norm(floor.up - floor_.up) > kTurnMax ||
+       std::fabs(floor.camera_height_mm - floor_.camera_height_mm) > kLiftMaxMm))
+    return true;
+  int known = 0;
+  int other = 0;
+  for (std::size_t i = 0; i < depth_.size(); ++i) {
+    const int z = grid.depth[i];
+    const int counts = (evidence_[i] >= kLearnedFrames) & (z != 0) & (kept_out_[i] == 0);
+    known += counts;
+    other += counts & (std::abs(z - (depth_[i] >> 2)) > tolerance_mm(z));
+  }
+  return known >= kKnownMin && other * 3 > known;
+}
+
+void Background::keep_out(const Grid& grid, std::span<const Keepout> keepouts) {
+  std::fill(kept_out_.begin(), kept_out_.end(), std::uint8_t{0});
+  for (const Keepout& k : keepouts) {
+    const int beside = static_cast<int>(kKeepoutMm * grid.intrinsics.fx / (static_cast<float>(grid.step) * k.z_mm));
+    const int c_min = std::max(0, k.c_min - beside);
+    const int c_max = std::min(grid.width - 1, k.c_max + beside);
+    for (int r = 0; r < grid.height; ++r) {
+      for (int c = c_min; c <= c_max; ++c) {
+        const auto i = at(grid.index(c, r));
+        if (std::fabs(static_cast<float>(grid.depth[i]) - k.z_mm) < kKeepoutDepthMm) kept_out_[i] = 1;
+      }
+    }
+  }
+}
+
+void Background::look(const Grid& grid, const FloorPlane& floor) {
+  if (moved(grid, floor)) reset();
+  if (!floor_.known) floor_ = floor;
+  for (std::size_t i = 0; i < depth_.size(); ++i) {
+    const int z = grid.depth[i];
+    const int away = std::abs(z - (depth_[i] >> 2));
+    shown_[i] = static_cast<std::uint8_t>((evidence_[i] >= kLearnedFrames) & (away <= tolerance_mm(z)));
+  }
+}
+
+void Background::learn(const Grid& grid, std::span<const Keepout> keepouts, std::span<const std::uint8_t> taken) {
+  keep_out(grid, keepouts);
+  for (std::size_t i = 0; i < depth_.size(); ++i) {
+    const int z = grid.depth[i];
+    if (z == 0) continue;
+    if (taken[i] != 0) {
+      evidence_[i] = 0;
+      continue;
+    }
+    if (kept_out_[i] != 0) continue;
+    const int before = depth_[i];
+    const int off = z * 4 - before;
+    const int tolerance = 4 * tolerance_mm(z);
+    if (std::abs(off) <= tolerance) {
+      depth_[i] = static_cast<std::uint16_t>(before + off / 8);
+      evidence_[i] = static_cast<std::uint8_t>(std::min(evidence_[i] + 1, kEvidenceMax));
+    } else if (off > 0 || evidence_[i] == 0) {  // what stood there has gone
+      depth_[i] = static_cast<std::uint16_t>(z * 4);
+      evidence_[i] = 1;
+    } else {
+      --evidence_[i];
+    }
+  }
+}
+
+}  // namespace im2fit::segment
