@@ -88,43 +88,6 @@ void BlobFinder::describe(const Grid& grid) {
   }
 }
 
-// People whose hands or shoulders touch are one surface: each cell goes with the head it is nearest to.
-void BlobFinder::split_between_heads(const Grid& grid) {
-  bool split = false;
-  const int before = blob_count_;
-  for (int b = 0; b < before; ++b) {
-    int first = -1;
-    std::array<int, kHeadCountMax> mine{};
-    int count = 0;
-    for (int h = 0; h < head_count_; ++h)
-      if (heads_[at(h)].blob == b) mine[at(count++)] = h;
-    if (count < 2) continue;
-    first = mine[0];
-    for (int i = 1; i < count; ++i) {
-      if (blob_count_ == kBlobCountMax) return;
-      heads_[at(mine[at(i)])].blob = blob_count_++;
-      split = true;
-    }
-    const auto old_label = static_cast<std::uint16_t>(b + 1);
-    for (int cell = 0; cell < static_cast<int>(labels_.size()); ++cell) {
-      if (labels_[at(cell)] != old_label) continue;
-      const Vec3f p = grid.point(cell);
-      float best = 1e30F;
-      int owner = first;
-      for (int i = 0; i < count; ++i) {
-        const Vec3f d = p - heads_[at(mine[at(i)])].top_mm;
-        const float cost = std::fabs(d.x) + 0.7F * std::fabs(d.z);
-        if (cost < best) {
-          best = cost;
-          owner = mine[at(i)];
-        }
-      }
-      labels_[at(cell)] = static_cast<std::uint16_t>(heads_[at(owner)].blob + 1);
-    }
-  }
-  if (split) describe(grid);
-}
-
 // An arm held across the body cuts the trunk off below it: what lies under a head that ends in the air, at its depth
 // and partly behind it, is joined to it.
 void BlobFinder::join_trunks(const Grid& grid, const FloorPlane& floor) {
@@ -182,7 +145,8 @@ void BlobFinder::open_cells(const Grid& grid, const FloorPlane& floor) {
   }
 }
 
-void BlobFinder::run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background) {
+void BlobFinder::run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
+                     std::span<const Vec3f> expected) {
   open_cells(grid, floor);
   for (std::size_t i = 0; i < open_.size(); ++i) open_[i] = static_cast<std::uint8_t>(open_[i] & (background[i] ^ 1));
   wall_.run(grid, floor, open_);
@@ -194,6 +158,7 @@ void BlobFinder::run(const Grid& grid, const FloorPlane& floor, std::span<const 
     if (blob.area_m2 > 0.05F && blob.height_max_mm - blob.height_min_mm > 300.0F) find_heads(grid, b, floor);
   }
   join_trunks(grid, floor);
+  expect_heads(grid, floor, expected);
   split_between_heads(grid);
   judge(grid, floor);
 }

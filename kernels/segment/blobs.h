@@ -39,14 +39,17 @@ struct Head {
   int c = 0, r = 0;  // cell of its top
   Vec3f top_mm;
   float width_mm = 0;
+  bool seen = true;    // false: where somebody's head is expected
   bool vague = false;  // rather flat, or too far to tell: counts only where there is no better one
 };
 
 class BlobFinder {
  public:
   explicit BlobFinder(const Grid& grid);
-  // Labels every cell: blob index + 1, or 0 for floor, no data, specks and where `background` is 1.
-  void run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background);
+  // Labels every cell: blob index + 1, or 0 for floor, no data, specks and where `background` is 1. `expected`:
+  // crowns of people known, who are told apart also where their heads are not seen.
+  void run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
+           std::span<const Vec3f> expected);
   std::span<const std::uint16_t> labels() const { return labels_; }
   std::span<const Blob> blobs() const { return {blobs_.data(), static_cast<std::size_t>(blob_count_)}; }
   std::span<const Head> heads() const { return {heads_.data(), static_cast<std::size_t>(head_count_)}; }
@@ -54,6 +57,8 @@ class BlobFinder {
  private:
   void open_cells(const Grid& grid, const FloorPlane& floor);
   void describe(const Grid& grid);
+  void expect_heads(const Grid& grid, const FloorPlane& floor, std::span<const Vec3f> expected);
+  int blob_under(const Grid& grid, Vec3f crown, Vec3f up) const;
   void split_between_heads(const Grid& grid);
   void find_heads(const Grid& grid, int blob, const FloorPlane& floor);
   bool head_at(const Grid& grid, int blob, int c, int r, Head& out) const;

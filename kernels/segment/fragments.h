@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hands and forearms that became islands of their own, given back to the person.
+// Hands, arms and legs that became islands of their own, given back to the person.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,20 @@ class FragmentJoiner {
   void run(const Grid& grid, const BlobFinder& found, bool floor_known, int person, std::span<std::uint8_t> chosen);
 
  private:
+  enum class Kind : std::uint8_t { no, enclosed, hand, arm, leg };
+
   void list_candidates(const Grid& grid, std::span<const Blob> list, bool floor_known, int person);
+  void look_along(const Grid& grid, std::span<const std::uint16_t> labels, std::span<const std::uint8_t> chosen);
+  bool belongs(const Blob& blob, std::size_t index, const Blob& body) const;
   void look_around(const Grid& grid, std::span<const std::uint16_t> labels, std::span<const std::uint8_t> chosen,
                    int c, int r);
 
   // Per blob.
   std::vector<std::int32_t> touch_, border_;
   std::vector<float> gap_mm_, gap_max_mm_;  // nearest to the person in space
-  std::vector<std::uint8_t> candidate_;     // 0 no, 1 when enclosed, 2 also when near (a hand)
+  std::vector<Kind> kind_;
+  std::vector<std::int32_t> ends_, held_;  // columns that end, and those that do so on something else
+  std::vector<std::int32_t> tops_, hung_;  // columns that begin, and those that do so under the person
 };
 
 }  // namespace im2fit::segment

@@ -68,7 +68,7 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
   for (const bool vague : {false, true}) {
     if (any_head) break;
     for (int h = 0; h < head_count_; ++h) {
-      if (heads_[at(h)].vague != vague) continue;
+      if (heads_[at(h)].vague != vague || !heads_[at(h)].seen) continue;
       const int b = heads_[at(h)].blob;
       Blob& blob = blobs_[at(b)];
       const float tall = blob.height_max_mm - blob.height_min_mm;

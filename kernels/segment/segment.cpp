@@ -131,7 +131,7 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   person.floor = w.floor.find(w.grid);
   w.grid.measure_heights(person.floor);
   w.background.look(w.grid, person.floor);
-  w.blobs.run(w.grid, person.floor, w.background.shown());
+  w.blobs.run(w.grid, person.floor, w.background.shown(), w.users.expected());
   w.users.run(w.grid, w.blobs, person.floor, seconds);
   person.people_count = w.people_count();
 

@@ -19,6 +19,7 @@ constexpr float kSpeedGain = 0.12F;
 constexpr float kSpeedMaxMmPerS = 3000.0F;
 constexpr float kHeadlessGateMm = 350.0F;
 constexpr float kHeadlessMaxS = 1.0F;  // of what has a person's place but not a person's size
+constexpr float kExpectedMaxS = 1.0F;
 constexpr float kHeadlessTallMm = 300.0F;
 constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person
 constexpr float kHeadlessAreaMax = 1.4F;
@@ -44,7 +45,7 @@ float distance_to(Vec3f p, Vec3f a, Vec3f b) {
 }  // namespace
 
 void UserTracker::reset() {
-  track_count_ = sighting_count_ = user_count_ = keepout_count_ = 0;
+  track_count_ = sighting_count_ = user_count_ = keepout_count_ = expected_count_ = 0;
   first_ = true;
 }
 
@@ -216,7 +217,19 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
   }
   list_users(grid, found);
   list_keepouts(found);
+  list_expected(floor, seconds);
   first_ = false;
+}
+
+void UserTracker::list_expected(const FloorPlane& floor, float seconds) {
+  const Vec3f up = floor.known ? floor.up : Vec3f{0, -1, 0};
+  const float camera = floor.known ? floor.camera_height_mm : 0.0F;
+  expected_count_ = 0;
+  for (int t = 0; t < track_count_; ++t) {
+    const Track& track = tracks_[at(t)];
+    if (track.seen_count < kConfirmFrames || track.hidden_s > kExpectedMaxS) continue;
+    expected_[at(expected_count_++)] = track.expected_mm + track.speed_mm_s * seconds + up * (track.top_mm - camera);
+  }
 }
 
 void UserTracker::list_keepouts(const BlobFinder& found) {

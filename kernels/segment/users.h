@@ -19,6 +19,8 @@ class UserTracker {
   void run(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds);
   std::span<const User> users() const { return {users_.data(), static_cast<std::size_t>(user_count_)}; }
   int blob_of(std::size_t user) const { return user_blobs_[user]; }
+  // Crowns of those seen within the last second, where they should be by now.
+  std::span<const Vec3f> expected() const { return {expected_.data(), static_cast<std::size_t>(expected_count_)}; }
   // Where people are, or were when last seen, and what has a person's size; until the next run.
   std::span<const Keepout> keepouts() const { return {keepouts_.data(), static_cast<std::size_t>(keepout_count_)}; }
 
@@ -59,6 +61,7 @@ class UserTracker {
   Track& new_track();
   void list_users(const Grid& grid, const BlobFinder& found);
   void list_keepouts(const BlobFinder& found);
+  void list_expected(const FloorPlane& floor, float seconds);
 
   std::array<Track, kTrackCountMax> tracks_;
   int track_count_ = 0;
@@ -67,6 +70,8 @@ class UserTracker {
   std::array<User, kUserCountMax> users_;
   std::array<int, kUserCountMax> user_blobs_{};
   int user_count_ = 0;
+  std::array<Vec3f, kTrackCountMax> expected_;
+  int expected_count_ = 0;
   std::array<Keepout, kKeepoutCountMax> keepouts_;
   int keepout_count_ = 0;
   int id_last_ = 0;
