@@ -21,7 +21,8 @@ namespace im2fit::synth {
 enum class Clothing : std::uint8_t { none, tight, normal, loose };
 
 // Distance from skin to the cloth's outside wherever there is cloth, mm: tight 3..8, normal 4..20, loose 6..28 on the
-// trunk and 6..20 on the limbs. Skirts hang free below the seat and are not held to it.
+// trunk and 6..20 on the limbs. Skirts hang free below the seat and are not held to it. Where posed skin meets skin
+// (armpits, groin, bent knees) layers run into each other, unseen.
 struct EaseRange {
   float least_mm = 0;
   float most_mm = 0;

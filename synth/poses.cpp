@@ -81,8 +81,7 @@ class Builder {
   body::Pose build(float spread_min_deg) {
     trunk();
     if (pose_ == StandingPose::seated) {
-      sit(Segment::left_upper_leg, 1);
-      sit(Segment::right_upper_leg, -1);
+      sit();
       seated_arms(spread_min_deg);
       return result_;
     }
@@ -230,8 +229,8 @@ class Builder {
     const ArmBones b = bones(side);
     rotation(b.shoulder) = rotation(Segment::chest) * about(kZ, side * gauss(rng_, 2));
     const Vec3f shoulder = body::pose_skeleton(rest_, result_).head[at(b.upper)];
-    const float upper_mm = norm(rest_.tail[at(b.upper)] - rest_.head[at(b.upper)]);
-    const float lower_mm = norm(rest_.tail[at(b.lower)] - rest_.head[at(b.lower)]);
+    const float upper_mm = bone_mm(b.upper);
+    const float lower_mm = bone_mm(b.lower);
     const auto inside = [&](Vec3f p) { return shape_ == nullptr ? -1000.0F : shape_->depth_inside(in_rest(p)); };
     const Reach r = reach_for(shoulder, upper_mm, lower_mm, wrist, elbow_hint, inside);
     point(b.upper, rotation(b.shoulder), r.upper);
@@ -302,16 +301,45 @@ class Builder {
 
   // --- sitting ---
 
-  void sit(Segment upper, float side) {
-    const auto lower = static_cast<Segment>(at(upper) + 1);
-    const auto foot = static_cast<Segment>(at(upper) + 2);
-    const float abducted = draw(rng_, 1, 16), raised = std::clamp(gauss(rng_, 3.5), -kThighMostDeg, kThighMostDeg);
-    const Vec3f thigh = about(kY, side * abducted) * (about(kX, -raised) * kZ);
-    point(upper, rotation(Segment::pelvis), thigh);
-    const Vec3f shank = about(kX, gauss(rng_, 7)) * (about(kZ, side * gauss(rng_, 4)) * -kY);
-    point(lower, rotation(upper), shank);
-    rotation(foot) = about(kY, side * (abducted * 0.6F + gauss(rng_, 6)));
+  // Both thighs are raised alike; then the leg whose foot would hang is lowered until it stands, too.
+  void sit() {
+    struct Leg {
+      Segment upper;
+      float side, abducted, toes, hip_y, thigh_mm, shank_mm;
+      Vec3f shank;
+    };
+    const float raised = std::clamp(gauss(rng_, 3), -kThighMostDeg, kThighMostDeg) * std::numbers::pi_v<float> / 180;
+    const body::PosedSkeleton posed = body::pose_skeleton(rest_, result_);
+    std::array<Leg, 2> legs{};
+    float floor_y = 1e9F;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const float side = i == 0 ? 1.0F : -1.0F;
+      const Segment upper = i == 0 ? Segment::left_upper_leg : Segment::right_upper_leg;
+      const float abducted = draw(rng_, 1, 16);
+      const Vec3f shank = about(kX, gauss(rng_, 7)) * (about(kZ, side * gauss(rng_, 4)) * -kY);
+      const float toes = abducted * 0.6F + gauss(rng_, 6);
+      legs[i] = {upper,
+                 side,
+                 abducted,
+                 toes,
+                 posed.head[at(upper)].y,
+                 bone_mm(upper),
+                 bone_mm(static_cast<Segment>(at(upper) + 1)),
+                 shank};
+      floor_y =
+          std::min(floor_y, legs[i].hip_y + legs[i].thigh_mm * std::sin(raised) + legs[i].shank_mm * legs[i].shank.y);
+    }
+    for (const Leg& leg : legs) {
+      const float rise = std::clamp((floor_y - leg.hip_y - leg.shank_mm * leg.shank.y) / leg.thigh_mm, -0.2F, 0.2F);
+      const float a = leg.side * leg.abducted * std::numbers::pi_v<float> / 180;
+      const float level = std::sqrt(1 - rise * rise);
+      const auto lower = static_cast<Segment>(at(leg.upper) + 1);
+      point(leg.upper, rotation(Segment::pelvis), {level * std::sin(a), rise, level * std::cos(a)});
+      point(lower, rotation(leg.upper), leg.shank);
+      rotation(static_cast<Segment>(at(leg.upper) + 2)) = about(kY, leg.side * leg.toes);
+    }
   }
+  float bone_mm(Segment s) const { return norm(rest_.tail[at(s)] - rest_.head[at(s)]); }
 
   void hand_on_thigh(float side) {
     const Segment leg = side > 0 ? Segment::left_upper_leg : Segment::right_upper_leg;
@@ -357,42 +385,11 @@ class Builder {
   body::Pose result_;
 };
 
-// Leg of one side half a turn after the other; the knee bends while the leg comes forward.
-void swing_leg(body::Pose& pose, Segment upper, float phase, float strength) {
-  const float turn = 2 * std::numbers::pi_v<float> * phase;
-  const Mat3f hip = about(kX, -24 * strength * std::sin(turn));
-  const float bend = 6 + 44 * std::max(0.0F, std::cos(turn));
-  const Mat3f knee = hip * about(kX, bend * strength);
-  Mat3f& thigh = pose.rotation[at(upper)];
-  Mat3f& shank = pose.rotation[at(upper) + 1];
-  Mat3f& foot = pose.rotation[at(upper) + 2];
-  thigh = hip * thigh;
-  shank = knee * shank;
-  foot = about(kX, 0.5F * strength * (bend - 24 * std::sin(turn))) * foot;
-}
-
-void swing_arm(body::Pose& pose, Segment upper, float phase, float strength) {
-  const float angle = 20 * strength * std::sin(2 * std::numbers::pi_v<float> * phase);
-  for (std::size_t i = 0; i < 3; ++i) {
-    Mat3f& r = pose.rotation[at(upper) + i];
-    r = about(kX, -angle - (i > 0 ? 6 * strength : 0)) * r;
-  }
-}
-
 }  // namespace
 
 body::Pose draw_pose(const body::Skeleton& rest, StandingPose pose, Rng& rng, float arm_spread_min_deg,
                      const TrunkShape* trunk) {
   return Builder(rest, pose, rng, trunk).build(arm_spread_min_deg);
-}
-
-body::Pose striding(const body::Pose& standing, float phase, float strength) {
-  body::Pose pose = standing;
-  swing_leg(pose, Segment::left_upper_leg, phase, strength);
-  swing_leg(pose, Segment::right_upper_leg, phase + 0.5F, strength);
-  swing_arm(pose, Segment::left_upper_arm, phase + 0.5F, strength);
-  swing_arm(pose, Segment::right_upper_arm, phase, strength);
-  return pose;
 }
 
 float draw_yaw_deg(StandingPose pose, Rng& rng) {

@@ -136,6 +136,14 @@ Extent extent_of(const WorldMesh& mesh) {
   return e;
 }
 
+bool in_the_way(const Extent& e, float x, float z, const Standing& standing) {
+  for (const Vec3f& spot : standing.others)
+    if (spot.x > x + e.x_low - kOthersClearMm && spot.x < x + e.x_high + kOthersClearMm &&
+        spot.z > z + e.z_low - kOthersClearMm && spot.z < z + e.z_high + kOthersClearMm)
+      return true;
+  return false;
+}
+
 void turn(WorldMesh& mesh, float yaw_deg) {
   const float a = yaw_deg * std::numbers::pi_v<float> / 180;
   const float c = std::cos(a), s = std::sin(a);
@@ -182,7 +190,7 @@ void furnish(const RoomOptions& options, const Standing& person, Rng& rng, World
       const float inner = person.half_width_mm + kClearMm;
       x = x < 0 ? -inner - e.x_high + x * 0.4F : inner - e.x_low + x * 0.4F;
     }
-    place(piece.mesh(), {x, 0, z}, out);
+    if (!in_the_way(e, x, z, person)) place(piece.mesh(), {x, 0, z}, out);
   }
 }
 
@@ -222,7 +230,7 @@ void place_decoys(const RoomOptions& options, const Standing& person, Rng& rng, 
       const float inner = person.half_width_mm + kClearMm;
       x = x < 0 ? -inner - e.x_high + x * 0.3F : inner - e.x_low + x * 0.3F;
     }
-    place(piece.mesh(), {x, 0, z}, out);
+    if (!in_the_way(e, x, z, person)) place(piece.mesh(), {x, 0, z}, out);
   }
 }
 

@@ -36,7 +36,10 @@ struct Standing {
   // Of what reaches below kLegsTopMm: where furniture may touch.
   float legs_left_mm = -150, legs_right_mm = 150;  // x, left as the camera sees it
   float legs_back_mm = -120;                       // z
+  std::vector<Vec3f> others =
+      {};  // floor points where further people stand or walk: kOthersClearMm about them stay free
 };
+inline constexpr float kOthersClearMm = 450;
 inline constexpr float kLegsTopMm = 450;
 
 // A seat under a person whose hips are above (x, z); front and back as for one who faces +z before the turn.

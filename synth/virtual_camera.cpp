@@ -5,73 +5,19 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <utility>
 
+#include "synth/camera_place.h"
 #include "synth/room.h"
 
 namespace im2fit::synth {
 namespace {
 
-using body::Mat3f;
-
-constexpr float kDrawn = 1e8F;            // angles above this are to be drawn
-constexpr float kFitMarginShare = 0.02F;  // of the picture's width, free at every border
-constexpr float kDistanceMaxMm = 4500;
 constexpr std::size_t kSubjectsKept = 32;  // bystanders that come again
 
-enum Stream : std::uint64_t { kSceneStream = 0x5C01, kRoomStream = 0x5C03, kOthersStream = 0x5C06 };
-
-Mat3f mounting(int rotate_deg) {
-  switch (rotate_deg) {
-    case 90:
-      return {{0, 1, 0, -1, 0, 0, 0, 0, 1}};
-    case 180:
-      return {{-1, 0, 0, 0, -1, 0, 0, 0, 1}};
-    case 270:
-      return {{0, -1, 0, 1, 0, 0, 0, 0, 1}};
-    default:
-      return {};
-  }
-}
-
-// World (y up, z towards the camera, origin on the floor under the person) to the upright camera.
-struct CameraPlace {
-  float distance_mm = 2300, height_mm = 1000, aside_mm = 0, pitch_deg = 0, roll_deg = 0;
-  Mat3f rotation() const {
-    const Mat3f level{{1, 0, 0, 0, -1, 0, 0, 0, -1}};
-    return body::rotation_about(kAxisZ, roll_deg) * body::rotation_about(kAxisX, pitch_deg) * level;
-  }
-  Rigid world_to_upright() const {
-    const Mat3f r = rotation();
-    return {r, r * Vec3f{-aside_mm, -height_mm, -distance_mm}};
-  }
-};
+enum Stream : std::uint64_t { kRoomStream = 0x5C03, kOthersStream = 0x5C06 };
 
 }  // namespace
-
-Intrinsics kinect_intrinsics(int width, int height) {
-  const float f = kKinectFocalPx * static_cast<float>(width) / 640;
-  return {width, height, f, f, (static_cast<float>(width) - 1) / 2, (static_cast<float>(height) - 1) / 2};
-}
-
-Intrinsics upright_intrinsics(const Intrinsics& k, int rotate_deg) {
-  const float right = static_cast<float>(k.width - 1), bottom = static_cast<float>(k.height - 1);
-  switch (rotate_deg) {
-    case 90:
-      return {k.height, k.width, k.fy, k.fx, bottom - k.cy, k.cx};
-    case 180:
-      return {k.width, k.height, k.fx, k.fy, right - k.cx, bottom - k.cy};
-    case 270:
-      return {k.height, k.width, k.fy, k.fx, k.cy, right - k.cx};
-    default:
-      return k;
-  }
-}
-
-Vec3f upright_to_sensor(Vec3f p, int rotate_deg) {
-  return mounting(rotate_deg) * p;
-}
 
 struct VirtualScene::Impl {
   Impl(const body::BodyModel& body_model, const SceneOptions& options, const SensorOptions& sensor_options,
@@ -90,10 +36,8 @@ struct VirtualScene::Impl {
   void stage_others();
   const Subject& subject_of(const Bystander& other);
   Tailor* tailor_for(Clothing clothing, bool hair);
-  void place_camera();
   void furnish();
   Standing standing() const;
-  bool fits() const;
   bool shown(std::size_t who) const { return who > 0 || scene.person; }
   bool moves() const;
   void draw_background(const PixelBox& box);
@@ -136,9 +80,9 @@ void VirtualScene::Impl::stage(const Subject& subject) {
   people_count = 1 + std::min(scene.others.size(), kBystandersMax);
   while (people.size() < people_count) people.emplace_back(model);
   PersonPlan plan{scene.pose, scene.clothing, scene.hair, {}, scene.back_view, scene.sway, scene.walk};
-  if (scene.yaw_deg <= kDrawn) plan.yaw_deg = scene.yaw_deg;
+  if (scene.yaw_deg <= kDrawnDeg) plan.yaw_deg = scene.yaw_deg;
   people[0].stage(subject, plan, seed, 0, tailor_for(scene.clothing, scene.hair));
-  place_camera();
+  camera = place_camera(scene, people[0].surface(), intrinsics, seed);
   stage_others();
   furnish();
 }
@@ -163,7 +107,7 @@ void VirtualScene::Impl::stage_others() {
   for (std::size_t who = 1; who < people_count; ++who) {
     const Bystander& other = scene.others[who - 1];
     PersonPlan plan{other.pose, other.clothing, other.hair, {}, false, scene.sway, other.path};
-    if (other.yaw_deg <= kDrawn) plan.yaw_deg = other.yaw_deg;
+    if (other.yaw_deg <= kDrawnDeg) plan.yaw_deg = other.yaw_deg;
     const std::uint64_t own_seed = Rng::for_item(seed, kOthersStream, who).next();
     people[who].stage(subject_of(other), plan, own_seed, who, tailor_for(other.clothing, other.hair));
   }
@@ -175,51 +119,10 @@ bool VirtualScene::Impl::moves() const {
   return false;
 }
 
-// The whole person inside the picture with a margin, at every sway.
-bool VirtualScene::Impl::fits() const {
-  const Rigid to_sensor = world_to_sensor();
-  const float margin = kFitMarginShare * static_cast<float>(intrinsics.width);
-  for (const Vec3f& world : people[0].surface()) {
-    const Vec3f p = to_sensor(world);
-    if (p.z < kNearMm) return false;
-    const float u = p.x * intrinsics.fx / p.z + intrinsics.cx;
-    const float v = p.y * intrinsics.fy / p.z + intrinsics.cy;
-    if (u < margin || v < margin || u > static_cast<float>(intrinsics.width - 1) - margin ||
-        v > static_cast<float>(intrinsics.height - 1) - margin)
-      return false;
-  }
-  return true;
-}
-
-void VirtualScene::Impl::place_camera() {
-  Rng rng = Rng::for_item(seed, kSceneStream, 0);
-  const bool portrait = scene.rotate_deg == 90 || scene.rotate_deg == 270;
-  const auto draw = [&](double low, double high) { return static_cast<float>(rng.uniform(low, high)); };
-  const float distance = portrait ? draw(2000, 2600) : draw(2400, 3200);
-  const float height = draw(800, 1200);
-  const float aside = std::clamp(static_cast<float>(rng.normal(0, 80)), -160.0F, 160.0F);
-  const float aim = static_cast<float>(rng.normal(0, 1.2));
-  camera.roll_deg = static_cast<float>(rng.normal(0, 0.7));
-  camera.aside_mm = aside;
-  camera.height_mm = scene.camera_height_mm > 0 ? scene.camera_height_mm : height;
-  camera.distance_mm = scene.distance_mm > 0 ? scene.distance_mm : distance;
-  float top = 0;
-  for (const Vec3f& p : people[0].surface()) top = std::max(top, p.y);
-  const auto aim_camera = [&] {
-    const float middle = std::atan2(camera.height_mm - top / 2, camera.distance_mm) * 180 / std::numbers::pi_v<float>;
-    const float drawn = std::clamp(middle + aim, -scene.pitch_limit_deg, scene.pitch_limit_deg);
-    camera.pitch_deg = scene.pitch_deg > kDrawn ? drawn : scene.pitch_deg;
-  };
-  aim_camera();
-  const bool enlarge = scene.distance_mm <= 0 || scene.enlarge_to_fit;
-  while (enlarge && camera.distance_mm < kDistanceMaxMm && !fits()) {
-    camera.distance_mm *= 1.03F;
-    aim_camera();
-  }
-}
-
 Standing VirtualScene::Impl::standing() const {
-  Standing out{300, 150};
+  Standing out;
+  out.half_width_mm = 300;
+  out.behind_mm = 150;
   out.legs_left_mm = out.legs_back_mm = 1e9F;
   out.legs_right_mm = -1e9F;
   for (const Vec3f& p : people[0].surface()) {
@@ -248,6 +151,20 @@ void VirtualScene::Impl::furnish() {
       place.behind_mm = std::max(place.behind_mm, -p.z);
     }
   }
+  constexpr int kSpots = 8;  // of a path
+  const auto keep_free = [&](const FloorPath& path) {
+    for (int i = 0; i <= kSpots; ++i) {
+      const float t = static_cast<float>(i) / kSpots;
+      place.others.push_back({path.from_x_mm + t * (path.to_x_mm - path.from_x_mm), 0,
+                              path.from_z_mm + t * (path.to_z_mm - path.from_z_mm)});
+    }
+  };
+  for (std::size_t who = 1; who < people_count; ++who) {
+    const FloorPath& path = scene.others[who - 1].path;
+    keep_free(path.frame_count > 0 ? path
+                                   : FloorPath{path.from_x_mm, path.from_z_mm, path.from_x_mm, path.from_z_mm});
+  }
+  if (scene.walk.frame_count > 0) keep_free(scene.walk);
   const float drawn = static_cast<float>(rng.uniform(450, 2500));
   RoomOptions options{scene.floor,
                       scene.wall,

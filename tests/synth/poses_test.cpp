@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "synth/poses.h"
 
+#include <array>
 #include <cmath>
 #include <vector>
 
+#include "body/model_data.h"
 #include "body_fixture.h"
+#include "mesh_checks.h"
 #include "synth/population.h"
 
 namespace im2fit::synth {
@@ -95,6 +98,81 @@ TEST_F(Poses, SameSeedSamePose) {
     EXPECT_EQ(ja[Joint::LA].x, jb[Joint::LA].x);
     EXPECT_NE(ja[Joint::LA].x, jc[Joint::LA].x);
   }
+}
+
+TEST_F(Poses, SeatedThighsAreLevelAndShanksUpright) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Rng rng(seed);
+    const TrunkShape trunk(model(), rest_, skeleton_);
+    const JointSet j = joints(draw_pose(skeleton_, StandingPose::seated, rng, 15, &trunk));
+    for (const auto& [h, k, f] : {std::array{Joint::LH, Joint::LK, Joint::LF}, {Joint::RH, Joint::RK, Joint::RF}}) {
+      const Vec3f thigh = normalized(j[k] - j[h]), shank = normalized(j[f] - j[k]);
+      EXPECT_NEAR(std::asin(thigh.y) * 57.29578F, 0, 12);
+      EXPECT_GT(thigh.z, 0.9F);
+      EXPECT_LT(std::acos(-shank.y) * 57.29578F, 28);
+    }
+    EXPECT_GT(j[Joint::HE].y, j[Joint::TO].y + 300);
+    EXPECT_NEAR(j[Joint::LF].y, j[Joint::RF].y, 20);  // both feet on the floor
+  }
+}
+
+// At least one hand on the trunk: nearer than 160 mm to trunk skin (palm and wrist), and neither forearm nor hand
+// deeper in the trunk than 35 mm.
+TEST_F(Poses, CrossedHandsLieOnTheTrunkNotInIt) {
+  const auto skin = model().data().skin;
+  const auto segment = [&](std::int32_t v) {
+    return static_cast<body::Segment>(skin[static_cast<std::size_t>(v)].segment[0]);
+  };
+  std::vector<Corner> trunk_triangles;
+  for (const Corner& t : model().body_triangles()) {
+    bool all = true;
+    for (const std::int32_t v : t)
+      all = all && (segment(v) == body::Segment::pelvis || segment(v) == body::Segment::abdomen ||
+                    segment(v) == body::Segment::chest);
+    if (all) trunk_triangles.push_back(t);
+  }
+  int across = 0, both = 0;
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    const Subject subject = draw_subject(model(), Family::held_out, 9, seed % 6);
+    std::vector<Vec3f> rest(rest_.size()), posed(rest_.size());
+    morph_subject(model(), subject, rest);
+    const body::Skeleton skeleton = body::rest_skeleton(model(), rest);
+    const TrunkShape trunk(model(), rest, skeleton);
+    Rng rng(seed);
+    body::skin(model(), rest, skeleton, draw_pose(skeleton, StandingPose::crossed, rng, 15, &trunk), posed);
+    const JointSet j = body::joints_of(model(), posed);
+    int touching = 0;
+    for (const Joint hand : {Joint::LA, Joint::RA}) touching += distance_to(j[hand], posed, trunk_triangles) < 160;
+    EXPECT_GE(touching, 1) << seed;
+    both += touching == 2 ? 1 : 0;
+    across += j[Joint::LA].x < 60 || j[Joint::RA].x > -60 ? 1 : 0;
+    for (std::int32_t v = 0; v < model().body_vertex_count(); v += 19) {
+      const body::Segment s = segment(v);
+      if (s != body::Segment::left_lower_arm && s != body::Segment::right_lower_arm &&
+          s != body::Segment::left_hand && s != body::Segment::right_hand)
+        continue;
+      const Vec3f p = posed[static_cast<std::size_t>(v)];
+      // The trunk is open where arms, neck and legs go; its solid angle still tells inside from outside.
+      if (winding(p, posed, trunk_triangles) > 0.5F) {
+        EXPECT_LT(distance_to(p, posed, trunk_triangles), 35) << "seed " << seed << " vertex " << v;
+      }
+    }
+  }
+  EXPECT_GT(across, 10);
+  EXPECT_GT(both, 8);
+}
+
+TEST_F(Poses, StridingSwingsLegsAgainstEachOtherAndComesRound) {
+  Rng rng(3);
+  const body::Pose standing = draw_pose(skeleton_, StandingPose::relaxed, rng);
+  const JointSet still = joints(striding(standing, 0.3F, 0)), start = joints(standing);
+  EXPECT_LT(norm(still[Joint::LF] - start[Joint::LF]), 0.01F);
+  const JointSet first = joints(striding(standing, 0.25F, 1)), second = joints(striding(standing, 0.75F, 1)),
+                 round = joints(striding(standing, 1.25F, 1));
+  EXPECT_GT(first[Joint::LF].z - first[Joint::RF].z, 350);
+  EXPECT_GT(second[Joint::RF].z - second[Joint::LF].z, 350);
+  EXPECT_GT(first[Joint::RA].z, first[Joint::LA].z);  // the arm of the other side goes with the leg
+  EXPECT_LT(norm(first[Joint::LF] - round[Joint::LF]), 0.5F);
 }
 
 }  // namespace
