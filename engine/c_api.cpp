@@ -27,6 +27,7 @@ static_assert(IM2FIT_WEIGHT == static_cast<int>(im2fit::Measurement::weight));
 static_assert(IM2FIT_HIP_GIRTH == static_cast<int>(im2fit::Measurement::hip_girth));
 static_assert(IM2FIT_STATE_MEASURED == static_cast<int>(im2fit::SessionState::measured));
 static_assert(IM2FIT_STATE_LOST == static_cast<int>(im2fit::SessionState::lost));
+static_assert(IM2FIT_USER_COUNT_MAX == im2fit::kUserCountMax);
 static_assert(IM2FIT_VIEW_UNKNOWN == static_cast<int>(im2fit::ViewSide::unknown));
 static_assert(IM2FIT_VIEW_SIDE == static_cast<int>(im2fit::ViewSide::side));
 static_assert(IM2FIT_GUIDANCE_MOVING == static_cast<int>(im2fit::Guidance::moving));
@@ -130,6 +131,12 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   out.user_id = r.user;
   out.view = static_cast<std::int32_t>(r.view);
   out.session = r.session;
+  out.measured_side = static_cast<std::int32_t>(r.measured_side);
+  out.user_count = r.user_count;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(r.user_count); ++i) {
+    const im2fit::User& u = r.users[i];
+    out.users[i] = {u.id, u.u_min, u.v_min, u.u_max, u.v_max, u.centroid_mm.x, u.centroid_mm.y, u.centroid_mm.z};
+  }
   if (!r.has_joints) return out;
   out.joints_inferred = r.joints_inferred;
   for (std::size_t i = 0; i < im2fit::kJointCount; ++i)
@@ -248,6 +255,16 @@ int im2fit_reset(im2fit_handle* handle) {
 int im2fit_next(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
     h.engine->next_person();
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+int im2fit_select_user(im2fit_handle* handle, int32_t user_id) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    if (user_id < 0)
+      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT,
+                  "user id " + std::to_string(user_id) + ": ids are 1 and up, 0 means anybody");
+    h.engine->select_user(user_id);
     return static_cast<int>(IM2FIT_OK);
   });
 }

@@ -150,6 +150,14 @@ class PipelineEngine final : public Engine {
     return finished_ && fit_.result().frames_used > 0 ? stages_->fused_mask() : MaskView{};
   }
 
+  void select_user(int user) override {
+    drain();
+    if (lock_.asked_for() == user) return;
+    lock_.ask_for(user);
+    fit_.begin_next();
+    begin_again();
+  }
+
  private:
   void begin_again() {
     over_.store(false, std::memory_order_relaxed);

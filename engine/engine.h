@@ -51,21 +51,24 @@ struct EngineResult {
   std::array<std::uint32_t, kGuidanceCount> guidance_frames{};  // frames that carried each code, in bit order
   std::uint64_t frames_seen = 0;                                // processed
   std::uint64_t frames_used = 0;                                // gathered behind the answer (or so far)
-  std::uint64_t frames_dropped = 0;    // given up unread because the engine was behind (live only)
-  std::uint64_t sequence_gaps = 0;     // sequence numbers skipped
-  std::uint64_t sequence_repeats = 0;  // frames whose sequence number did not grow
-  std::uint64_t time_reversals = 0;    // frames whose host time did not grow
-  int user = 0;                        // whose joints and guidance these are; 0: nobody is in view
-  ViewSide view = ViewSide::unknown;   // of the latest frame
+  std::uint64_t frames_dropped = 0;         // given up unread because the engine was behind (live only)
+  std::uint64_t sequence_gaps = 0;          // sequence numbers skipped
+  std::uint64_t sequence_repeats = 0;       // frames whose sequence number did not grow
+  std::uint64_t time_reversals = 0;         // frames whose host time did not grow
+  std::array<User, kUserCountMax> users{};  // everybody in view, nearest first; user_count are set
+  int user_count = 0;
+  int user = 0;                       // whose joints and guidance these are; 0: nobody is in view
+  ViewSide view = ViewSide::unknown;  // of the latest frame
   bool has_joints = false;
   JointSet joints;                 // latest; those of little confidence held by the skeleton (ChainFilter)
   JointFlags joints_inferred = 0;  // which those are
   JointSet display_joints;         // the same, steadied for the eye (JointFilter)
   FloorPlane floor;
   bool measured = false;
-  index::Answer answer;       // valid when measured
-  MeasurementValues paper{};  // NaN where not measured
-  JointSet measured_joints;   // robust mean behind the answer
+  ViewSide measured_side = ViewSide::front;  // back: seen from behind only, which the index may not have learned
+  index::Answer answer;                      // valid when measured
+  MeasurementValues paper{};                 // NaN where not measured
+  JointSet measured_joints;                  // robust mean behind the answer
 };
 
 struct FrameSeen {
@@ -95,6 +98,9 @@ class Engine {
   // the picture (kAbsentFramesMax frames), then a new session begins by itself. The floor and the ids are kept.
   // Before MEASURED: the same as reset(), but for floor and ids. From the producer thread; waits as reset() does.
   virtual void next_person() = 0;
+  // From the next frame on the user of this id and nobody else, 0: whoever stands right first. Another than before
+  // begins anew, as next_person() before MEASURED does. From the producer thread; waits as reset() does.
+  virtual void select_user(int user) = 0;
   // For overlays, after finish(): the fused picture. Empty views when there is none.
   virtual ImageView<const std::uint16_t> fused_depth_q4() const = 0;
   virtual MaskView fused_mask() const = 0;

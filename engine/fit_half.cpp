@@ -35,6 +35,8 @@ void FitHalf::show(const FrameSlot& slot) {
     motion_.reset();
   }
   result_.user = user;
+  result_.users = sighting.users;
+  result_.user_count = sighting.user_count;
   result_.view = sighting.person.found ? sighting.view : ViewSide::unknown;
   result_.has_joints = sighting.person.found;
   if (sighting.person.floor.known) result_.floor = sighting.person.floor;
@@ -73,7 +75,7 @@ void FitHalf::process(const FrameSlot& slot) {
   view.user = sighting.person.id;
   view.view = sighting.view;
   view.frames_gathered = stages_.frame_count();
-  if (view.found) view.motion = motion_.step(sighting.joints, slot.seconds);
+  if (view.found) view.motion = motion_.step(sighting.person.centroid_mm, sighting.joints, slot.seconds);
   view.psi =
       rules_.calibration_psi && view.found && is_psi_pose(sighting.joints, floor.known ? floor.up : Vec3f{0, -1, 0});
 
@@ -113,6 +115,7 @@ void FitHalf::measure() {
   }
   result_.guidance = 0;  // nothing more is needed
   result_.measured = true;
+  result_.measured_side = session_.side;
   result_.answer = person.answer;
   result_.paper = person.paper;
   result_.measured_joints = person.joints;

@@ -22,6 +22,8 @@ class FitHalf {
   void reset();
   // After MEASURED: waits for the person to leave, then begins anew. Before: begins anew.
   void next_person();
+  // Begins anew at once.
+  void begin_next();
   // The session is over: MEASURED; frames change nothing any more, but for who waits for the person to leave.
   bool over() const { return session_.state == SessionState::measured && !leaving_; }
   const EngineResult& result() const { return result_; }
@@ -29,7 +31,6 @@ class FitHalf {
  private:
   void show(const FrameSlot& slot);
   void wait_for_leaving(const FrameSlot& slot);
-  void begin_next();
   bool gather(const FrameSlot& slot);  // true: enough to measure
   void measure();
   void take_counts(const ArrivalCounts& counts);

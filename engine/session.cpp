@@ -27,16 +27,28 @@ void begin_attempt(Session& next, int user) {
   next.rejected_frames = 0;
 }
 
+// Limbs count when nothing else is wrong: the joints of who is turned, bent or cut off leap about by themselves. Of a
+// picture that is mostly holes even the middle does.
 bool is_moving(const SessionRules& rules, const SessionView& view) {
-  return view.motion.trunk_mm_s > rules.trunk_speed_max_mm_s || view.motion.limb_mm_s > rules.limb_speed_max_mm_s;
+  if (has(view.guidance, Guidance::too_noisy)) return false;
+  return view.motion.body_mm_s > rules.body_speed_max_mm_s ||
+         (view.guidance == 0 && view.motion.limb_mm_s > rules.limb_speed_max_mm_s);
 }
 
-// What a frame cannot say by itself. From behind is a view of its own: what is learned of people is their front.
-GuidanceSet own_needs(const SessionRules& rules, const SessionView& view) {
-  GuidanceSet needs = 0;
-  if (view.view == ViewSide::back) needs |= bit(Guidance::not_frontal);
-  if (is_moving(rules, view)) needs |= bit(Guidance::moving);
-  return needs;
+// One measurement is of one side. The front is what bodies are learned from: frames from behind give way to it, and
+// those that come after it are not used.
+SessionStep choose_side(SessionStep step, const SessionView& view) {
+  const bool back = view.view == ViewSide::back;
+  if (view.frames_gathered == 0 || step.forget) {
+    step.next.side = back ? ViewSide::back : ViewSide::front;
+  } else if (back && step.next.side == ViewSide::front) {
+    step.guidance |= bit(Guidance::not_frontal);
+    step.use_frame = false;
+  } else if (!back && step.next.side == ViewSide::back) {
+    step.next.side = ViewSide::front;
+    step.forget = true;
+  }
+  return step;
 }
 
 SessionStep on_calibrating(const SessionRules& rules, SessionStep step, const SessionView& view) {
@@ -76,9 +88,10 @@ SessionStep on_sighting(const SessionRules& rules, const Session& session, const
     begin_attempt(next, view.user);
   }
   next.user = view.user;
-  step.guidance |= own_needs(rules, view);
-  if (is_moving(rules, view) && view.frames_gathered > 0 && view.frames_gathered <= rules.unsettled_frames_max)
-    step.forget = true;
+  if (is_moving(rules, view)) {
+    step.guidance |= bit(Guidance::moving);
+    if (view.frames_gathered > 0 && view.frames_gathered <= rules.unsettled_frames_max) step.forget = true;
+  }
   if (next.state == SessionState::user_found && step.guidance == 0)
     next.state = rules.calibration_psi ? SessionState::calibrating : SessionState::tracking;
   if (next.state == SessionState::calibrating) return on_calibrating(rules, step, view);
@@ -86,7 +99,7 @@ SessionStep on_sighting(const SessionRules& rules, const Session& session, const
   if (next.state == SessionState::tracking && rules.calibration_psi && view.psi)
     step.guidance |= bit(Guidance::moving);
   step.use_frame = next.state == SessionState::tracking && step.guidance == 0;
-  return step;
+  return step.use_frame ? choose_side(step, view) : step;
 }
 
 OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_gathered) {

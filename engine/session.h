@@ -24,8 +24,9 @@ struct SessionRules {
   int psi_wait_frames_max = 300;  // ten seconds to take the pose
   int rejected_frames_max = 30;   // in a row: the person stands still, but no longer as gathered
   int unsettled_frames_max = MotionFilter::kFrameCount;  // gathered before movement shows: part of that movement
-  // Of people told to stand still, seen at 320x240, the tracker's joints reach 35 (trunk) and 180 (hands) mm/s.
-  float trunk_speed_max_mm_s = 60;
+  // Of people told to stand still, seen at 320x240, the middle sways by up to 20 mm/s and the tracker's hands tremble
+  // by 180.
+  float body_speed_max_mm_s = 60;
   float limb_speed_max_mm_s = 300;
   int attempts_max = 8;  // beginnings after the first, by loss or by a pose that changed
 };
@@ -37,7 +38,8 @@ struct Session {
   int psi_wait_frames = 0;  // in CALIBRATING
   int rejected_frames = 0;  // in a row
   int attempts = 0;
-  int user = 0;  // whose session it is; 0 before USER_FOUND
+  int user = 0;                     // whose session it is; 0 before USER_FOUND
+  ViewSide side = ViewSide::front;  // of what is gathered: front or back
 };
 
 // The part of a Sighting the session looks at.

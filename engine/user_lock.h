@@ -16,6 +16,9 @@ class UserLock {
   // `user`: measure this one only; 0: whoever stands right first.
   explicit UserLock(int user) : asked_for_(user), selected_(user) {}
   void reset() { *this = UserLock(asked_for_); }
+  // From the next frame on; as the constructor.
+  void ask_for(int user) { *this = UserLock(user); }
+  int asked_for() const { return asked_for_; }
   // Whom to sense in the next frame; 0: anybody.
   int selected() const { return selected_; }
   void saw(const Sighting& sighting) {

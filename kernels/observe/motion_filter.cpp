@@ -6,10 +6,9 @@
 namespace im2fit {
 namespace {
 
-constexpr std::array<Joint, 6> kTrunk = {Joint::NE, Joint::TO, Joint::LS, Joint::RS, Joint::LH, Joint::RH};
 constexpr std::array<Joint, 8> kLimbs = {Joint::LE, Joint::RE, Joint::LA, Joint::RA,
                                          Joint::LK, Joint::RK, Joint::LF, Joint::RF};
-constexpr std::size_t kTrunkPoint = kLimbs.size();
+constexpr std::size_t kBodyPoint = kLimbs.size();
 
 }  // namespace
 
@@ -38,7 +37,7 @@ float MotionFilter::speed_of(std::size_t point) const {
   return seconds > 0 ? norm(newer - older) / (static_cast<float>(kHalf) * seconds) : 0.0F;
 }
 
-Motion MotionFilter::step(const JointSet& joints, float dt_s) {
+Motion MotionFilter::step(Vec3f body_mm, const JointSet& joints, float dt_s) {
   // Times count back from now, so that a float keeps its milliseconds all day.
   for (Frame& frame : frames_) frame.time_s -= dt_s;
   Frame& now = frames_[static_cast<std::size_t>(next_)];
@@ -47,16 +46,14 @@ Motion MotionFilter::step(const JointSet& joints, float dt_s) {
     now.position_mm[i] = joints[kLimbs[i]];
     now.seen[i] = joints.confidence[joint_index(kLimbs[i])] >= kJointSeenMin;
   }
-  Vec3f sum;
-  for (const Joint joint : kTrunk) sum = sum + joints[joint];
-  now.position_mm[kTrunkPoint] = sum * (1.0F / static_cast<float>(kTrunk.size()));
-  now.seen[kTrunkPoint] = true;
+  now.position_mm[kBodyPoint] = body_mm;
+  now.seen[kBodyPoint] = true;
   next_ = (next_ + 1) % kFrameCount;
   if (count_ < kFrameCount) ++count_;
 
   Motion motion;
   if (count_ < kFrameCount) return motion;
-  motion.trunk_mm_s = speed_of(kTrunkPoint);
+  motion.body_mm_s = speed_of(kBodyPoint);
   for (std::size_t i = 0; i < kLimbs.size(); ++i) {
     const float speed = speed_of(i);
     if (speed > motion.limb_mm_s) motion.limb_mm_s = speed;

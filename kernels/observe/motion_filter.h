@@ -9,8 +9,8 @@
 namespace im2fit {
 
 struct Motion {
-  float trunk_mm_s = 0;  // of the mean of neck, torso, shoulders and hips
-  float limb_mm_s = 0;   // of the fastest elbow, hand, knee or foot that is seen
+  float body_mm_s = 0;  // of the body's middle
+  float limb_mm_s = 0;  // of the fastest elbow, hand, knee or foot that is seen
 };
 
 // Speeds as the distance between the means of the older and the newer half of the last kFrameCount frames, over the
@@ -22,14 +22,15 @@ class MotionFilter {
   static constexpr int kFrameCount = 16;
 
   void reset() { count_ = 0; }
-  // `dt_s` since the last call. Zero until kFrameCount frames are seen, and for a limb that was not seen in all of
-  // them (confidence below kJointSeenMin) or jumped (kJumpMm in a frame): that is the tracker's doing.
-  Motion step(const JointSet& joints, float dt_s);
+  // `body_mm`: the middle of what is seen of the person: joints are guesses when somebody turns or bends, the middle
+  // of a mask is not. `dt_s` since the last call. Zero until kFrameCount frames are seen, and for a limb that was not
+  // seen in all of them (confidence below kJointSeenMin) or jumped (kJumpMm in a frame): that is the tracker's doing.
+  Motion step(Vec3f body_mm, const JointSet& joints, float dt_s);
 
   static constexpr float kJumpMm = 200.0F;
 
  private:
-  // Elbows, hands, knees and feet, then the trunk's mean.
+  // Elbows, hands, knees and feet, then the body's middle.
   static constexpr std::size_t kPointCount = 9;
   struct Frame {
     std::array<Vec3f, kPointCount> position_mm{};

@@ -48,7 +48,7 @@ class Sensor {
   Segmenter segmenter_;
   JointTracker tracker_;
   JointSet previous_;
-  bool has_previous_ = false;
+  int previous_user_ = 0;  // whose joints those are; 0: nobody's
 };
 
 // Second half (thread FIT): gather frames, then describe.

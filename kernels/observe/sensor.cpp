@@ -3,6 +3,12 @@
 #include "kernels/observe/observe.h"
 
 namespace im2fit {
+namespace {
+
+constexpr GuidanceSet kPoseUnseen =
+    (Guidance::too_near | Guidance::too_far) | static_cast<GuidanceSet>(Guidance::too_noisy);
+
+}  // namespace
 
 Sensor::Sensor(int width, int height, const JointModel& model) : segmenter_(width, height), tracker_(model) {}
 
@@ -12,20 +18,23 @@ Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage 
   for (const User& user : segmenter_.users()) sighting.users[static_cast<std::size_t>(sighting.user_count++)] = user;
   sighting.guidance = sighting.person.guidance;
   if (!sighting.person.found) {
-    has_previous_ = false;
+    previous_user_ = 0;
     return sighting;
   }
-  sighting.joints = tracker_.track(depth, mask, intrinsics, sighting.person, has_previous_ ? &previous_ : nullptr);
+  const bool follows = previous_user_ != 0 && previous_user_ == sighting.person.id;
+  sighting.joints = tracker_.track(depth, mask, intrinsics, sighting.person, follows ? &previous_ : nullptr);
   sighting.view = view_side(sighting.joints, sighting.person.floor);
-  sighting.guidance |= pose_gate(sighting.joints, sighting.person.floor, sighting.view);
+  // Joints in few or coarse pixels are guesses: first the person must stand where the pose can be seen.
+  if ((sighting.guidance & kPoseUnseen) == 0)
+    sighting.guidance |= pose_gate(sighting.joints, sighting.person.floor, sighting.view);
   previous_ = sighting.joints;
-  has_previous_ = true;
+  previous_user_ = sighting.person.id;
   return sighting;
 }
 
 void Sensor::reset() {
   segmenter_.reset();
-  has_previous_ = false;
+  previous_user_ = 0;
 }
 
 }  // namespace im2fit

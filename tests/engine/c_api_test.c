@@ -254,8 +254,7 @@ static void one_person_after_the_other(int single_thread) {
   CHECK(im2fit_finish(handle) == IM2FIT_OK);
   CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
   CHECK(r.user_id == 4 && r.view == IM2FIT_VIEW_BACK && r.session == 0);
-  CHECK(r.guidance == IM2FIT_GUIDANCE_NOT_FRONTAL);
-  CHECK(r.state == IM2FIT_STATE_USER_FOUND);
+  CHECK(r.state == IM2FIT_STATE_TRACKING && r.frames_used == 1);
   CHECK(r.joints_inferred == 0);
   CHECK(r.display_joints[3].x == 180.0F && r.display_joints[3].confidence == r.joints[3].confidence);
 
@@ -264,6 +263,7 @@ static void one_person_after_the_other(int single_thread) {
   CHECK(im2fit_finish(handle) == IM2FIT_OK);
   CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
   CHECK(r.state == IM2FIT_STATE_MEASURED && r.session == 1 && r.user_id == 4);
+  CHECK(r.measured_side == IM2FIT_VIEW_FRONT);
 
   CHECK(im2fit_next(handle) == IM2FIT_OK);
   push_person(handle, 1, 4, IM2FIT_VIEW_SIDE, 90, 40); /* does not leave */
@@ -296,6 +296,19 @@ static void only_the_user_asked_for(void) {
   CHECK(im2fit_finish(handle) == IM2FIT_OK);
   CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
   CHECK(r.measured == 1 && r.user_id == 2 && r.frames_seen == 15 && r.frames_used == 3);
+  CHECK(r.user_count == 1 && r.users[0].id == 2 && r.users[0].right == WIDTH - 1 && r.users[0].z == 2000.0F);
+  CHECK(im2fit_select_user(handle, 3) == IM2FIT_OK);
+  push_person(handle, 1, 2, IM2FIT_VIEW_FRONT, 0, 1);
+  push_person(handle, 1, 3, IM2FIT_VIEW_FRONT, 0, 3);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.measured == 1 && r.user_id == 3 && r.session == 1);
+  CHECK(im2fit_reset(handle) == IM2FIT_OK);
+  push_person(handle, 1, 3, IM2FIT_VIEW_BACK, 0, 3);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.measured == 1 && r.measured_side == IM2FIT_VIEW_BACK);
+  CHECK(im2fit_select_user(handle, -1) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(im2fit_next(NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(strcmp(im2fit_view_name(IM2FIT_VIEW_BACK), "back") == 0);
   CHECK(im2fit_view_name(4) == NULL && im2fit_view_name(-1) == NULL);

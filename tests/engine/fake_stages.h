@@ -76,7 +76,15 @@ class FakeStages final : public FrameStages {
     Sighting sighting;
     sighting.person.found = depth.at(0, 0) != 0 && (user_ == 0 || user_ == depth.at(4, 0));
     sighting.person.id = sighting.person.found ? depth.at(4, 0) : 0;
+    // Everybody in view: the one asked for or not.
+    if (depth.at(0, 0) != 0) {
+      sighting.user_count = 1;
+      sighting.users[0].id = depth.at(4, 0);
+      sighting.users[0].u_max = kWidth - 1;
+      sighting.users[0].centroid_mm = {0, 0, 2000};
+    }
     sighting.view = static_cast<ViewSide>(depth.at(6, 0));
+    sighting.person.centroid_mm = {static_cast<float>(depth.at(7, 0)), 0, 2000};
     sighting.person.floor = {true, {0, -1, 0}, 900};
     sighting.guidance = depth.at(1, 0);
     sighting.joints = standing_joints(depth.at(3, 0) != 0);

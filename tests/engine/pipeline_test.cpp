@@ -218,6 +218,25 @@ TEST_P(BothWays, WhoeverWaitsBesideIsMeasuredWhenTheFirstLeaves) {
   EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550);
 }
 
+TEST_P(BothWays, AUserMayBeChosenWhileOthersAreThere) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 5; ++i) rig.push({.user = 1});
+  rig.engine->select_user(2);
+  EXPECT_EQ(rig.engine->result().frames_used, 0U);
+  for (int i = 0; i < 5; ++i) rig.push({.user = 1});
+  for (int i = 0; i < 4; ++i) rig.push({.value = 3000, .user = 2});
+  rig.engine->select_user(2);  // no change
+  for (int i = 0; i < 6; ++i) rig.push({.value = 3000, .user = 2});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_TRUE(r.measured);
+  EXPECT_EQ(r.user, 2);
+  EXPECT_EQ(r.user_count, 1);
+  EXPECT_EQ(r.users[0].id, 2);
+  EXPECT_EQ(r.guidance_frames[0], 5U) << "NO_PERSON: not the one chosen";
+  EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550);
+}
+
 TEST_P(BothWays, AWalkIsNotGathered) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 9; ++i) rig.push({.shift_mm = 5 * i});  // 150 mm/s; seen after 16 frames
@@ -259,7 +278,7 @@ TEST_P(BothWays, TheWatchSeesEveryFrameInOrder) {
     depths.push_back(frame.depth.at(5, 5));
     EXPECT_EQ(frame.mask.at(5, 5), 255);
     EXPECT_EQ(frame.result.frames_seen, sequences.size());
-    EXPECT_TRUE(frame.users.empty());
+    EXPECT_EQ(frame.users.size(), 1U);
   };
   Rig rig(settings);
   for (int i = 0; i < 6; ++i) rig.push({.value = static_cast<std::uint16_t>(1000 + 2 * i)});

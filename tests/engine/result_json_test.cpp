@@ -119,6 +119,29 @@ TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {
   EXPECT_EQ(v["joints"], json::object());
 }
 
+TEST(ResultJson, InferredJointsAreMarkedUntilMeasured) {
+  ResultReport report = measured_report();
+  report.result.joints_inferred = joint_bit(joint_index(Joint::LA)) | joint_bit(joint_index(Joint::RF));
+  report.result.joints = report.result.measured_joints;
+  report.result.has_joints = true;
+  for (const auto& [name, joint] : json::parse(result_json(report))["joints"].items())
+    EXPECT_FALSE(joint.contains("inferred")) << name << " is the mean of frames";
+  report.result.measured = false;
+  const json v = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
+  for (const auto& [name, joint] : v["joints"].items())
+    EXPECT_EQ(joint.value("inferred", false), name == "LA" || name == "RF") << name;
+}
+
+TEST(ResultJson, AMeasurementFromBehindSaysSo) {
+  ResultReport report = measured_report();
+  EXPECT_FALSE(json::parse(result_json(report)).contains("side"));
+  report.result.measured_side = ViewSide::back;
+  const json v = json::parse(result_json(report));
+  EXPECT_EQ(v["side"], "back");
+  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
+}
+
 TEST(ResultJson, TimingStandsApart) {
   ResultReport report = measured_report();
   const std::string plain = result_json(report);

@@ -142,15 +142,35 @@ TEST(Session, AnotherUserIsAnAbsence) {
   }
 }
 
-TEST(Session, SeenFromBehindIsNotFrontal) {
-  SessionView back = kGood;
-  back.view = ViewSide::back;
-  const SessionStep step = on_sighting(rules(false), at(State::user_found), back);
-  EXPECT_EQ(step.next.state, State::user_found);
-  EXPECT_EQ(step.guidance, static_cast<GuidanceSet>(Guidance::not_frontal));
-  EXPECT_FALSE(step.use_frame);
-  back.view = ViewSide::front;
-  EXPECT_TRUE(on_sighting(rules(false), at(State::user_found), back).use_frame);
+TEST(Session, GathersOneSideAndPrefersTheFront) {
+  struct Case {
+    const char* name;
+    ViewSide gathered;
+    int frames_gathered;
+    ViewSide seen;
+    bool use, forget, not_frontal;
+    ViewSide after;
+  };
+  using V = ViewSide;
+  const Case cases[] = {{"first of the front", V::back, 0, V::front, true, false, false, V::front},
+                        {"first of the back", V::front, 0, V::back, true, false, false, V::back},
+                        {"front again", V::front, 3, V::front, true, false, false, V::front},
+                        {"back again", V::back, 3, V::back, true, false, false, V::back},
+                        {"turned round to the front", V::back, 3, V::front, true, true, false, V::front},
+                        {"turned round to the back", V::front, 3, V::back, false, false, true, V::front}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    Session session = at(State::tracking);
+    session.side = c.gathered;
+    SessionView view = kGood;
+    view.view = c.seen;
+    view.frames_gathered = c.frames_gathered;
+    const SessionStep step = on_sighting(rules(false), session, view);
+    EXPECT_EQ(step.use_frame, c.use);
+    EXPECT_EQ(step.forget, c.forget);
+    EXPECT_EQ(has(step.guidance, Guidance::not_frontal), c.not_frontal);
+    EXPECT_EQ(step.next.side, c.after);
+  }
 }
 
 TEST(Session, MovementIsNotGatheredAndTakesItsFirstFramesWithIt) {
@@ -175,6 +195,26 @@ TEST(Session, MovementIsNotGatheredAndTakesItsFirstFramesWithIt) {
     EXPECT_EQ(step.use_frame, !c.moving);
     EXPECT_EQ(step.forget, c.forget);
     EXPECT_EQ(step.next.state, State::tracking);
+  }
+}
+
+TEST(Session, MovementIsSaidWhenItCanBeKnown) {
+  struct Case {
+    Guidance other;
+    float body, limb;
+    bool moving;
+  };
+  const Case cases[] = {{Guidance::not_frontal, 61, 0, true},
+                        {Guidance::not_frontal, 0, 900, false},  // joints of who is turned aside leap
+                        {Guidance::too_near, 0, 900, false},
+                        {Guidance::too_noisy, 900, 900, false}};
+  for (const Case& c : cases) {
+    SessionView view = kGood;
+    view.guidance = static_cast<GuidanceSet>(c.other);
+    view.motion = {c.body, c.limb};
+    const SessionStep step = on_sighting(rules(false), at(State::tracking), view);
+    EXPECT_EQ(has(step.guidance, Guidance::moving), c.moving) << view.guidance;
+    EXPECT_TRUE(has(step.guidance, c.other));
   }
 }
 

@@ -201,12 +201,13 @@ TEST(MotionFilter, StatesTheSpeedOfARamp) {
       MotionFilter filter;
       Motion motion;
       for (int i = 0; i < 40; ++i) {
-        motion = filter.step(figure(speed / rate_hz * static_cast<float>(i)), 1 / rate_hz);
+        const float x = speed / rate_hz * static_cast<float>(i);
+        motion = filter.step({x, 0, 2300}, figure(x), 1 / rate_hz);
         if (i < MotionFilter::kFrameCount - 1) {
-          EXPECT_EQ(motion.trunk_mm_s, 0.0F) << "too early to say";
+          EXPECT_EQ(motion.body_mm_s, 0.0F) << "too early to say";
         }
       }
-      EXPECT_NEAR(motion.trunk_mm_s, speed, 0.005F * speed);
+      EXPECT_NEAR(motion.body_mm_s, speed, 0.005F * speed);
       EXPECT_NEAR(motion.limb_mm_s, speed, 0.005F * speed);
     }
 }
@@ -217,9 +218,9 @@ TEST(MotionFilter, AWavingHandIsALimb) {
   for (int i = 0; i < 20; ++i) {
     JointSet joints = figure();
     joints[Joint::RA].y -= 10.0F * static_cast<float>(i);  // 300 mm/s
-    motion = filter.step(joints, kPeriod);
+    motion = filter.step({0, 0, 2300}, joints, kPeriod);
   }
-  EXPECT_EQ(motion.trunk_mm_s, 0.0F);
+  EXPECT_EQ(motion.body_mm_s, 0.0F);
   EXPECT_NEAR(motion.limb_mm_s, 300, 1);
 }
 
@@ -229,11 +230,8 @@ TEST(MotionFilter, TremorIsNoMovement) {
   double sum2 = 0;
   constexpr int kCount = 4000;
   for (int i = 0; i < kCount; ++i) {
-    JointSet joints = figure();
-    // The trunk as one, so that its mean trembles by 5 mm in one direction: stated 1.9 x 5 mm/s.
-    const auto tremor = static_cast<float>(rng.normal(0, 5));
-    for (Vec3f& p : joints.position_mm) p.x += tremor;
-    const double v = static_cast<double>(filter.step(joints, kPeriod).trunk_mm_s);
+    const auto tremor = static_cast<float>(rng.normal(0, 5));  // stated: 1.9 x 5 mm/s
+    const double v = static_cast<double>(filter.step({tremor, 0, 2300}, figure(), kPeriod).body_mm_s);
     sum2 += v * v;
   }
   EXPECT_NEAR(std::sqrt(sum2 / kCount), 1.875 * 5, 0.5);
@@ -246,19 +244,19 @@ TEST(MotionFilter, UnseenAndJumpingLimbsSayNothing) {
     JointSet joints = figure();
     joints[Joint::LF].x += 20.0F * static_cast<float>(i);
     joints.confidence[joint_index(Joint::LF)] = 0.1F;
-    EXPECT_EQ(unseen.step(joints, kPeriod).limb_mm_s, 0.0F);
+    EXPECT_EQ(unseen.step({}, joints, kPeriod).limb_mm_s, 0.0F);
     joints = figure();
     joints[Joint::LA].x += i % 2 == 0 ? 0.0F : 400.0F;
-    EXPECT_EQ(jumping.step(joints, kPeriod).limb_mm_s, 0.0F);
+    EXPECT_EQ(jumping.step({}, joints, kPeriod).limb_mm_s, 0.0F);
   }
 }
 
 TEST(MotionFilter, ALossForgets) {
   MotionFilter filter;
-  for (int i = 0; i < 20; ++i) filter.step(figure(30.0F * static_cast<float>(i)), kPeriod);
+  for (int i = 0; i < 20; ++i) filter.step({30.0F * static_cast<float>(i), 0, 0}, figure(), kPeriod);
   filter.reset();
   for (int i = 0; i < MotionFilter::kFrameCount - 1; ++i)
-    EXPECT_EQ(filter.step(figure(30.0F * static_cast<float>(i)), kPeriod).trunk_mm_s, 0.0F);
+    EXPECT_EQ(filter.step({30.0F * static_cast<float>(i), 0, 0}, figure(), kPeriod).body_mm_s, 0.0F);
 }
 
 }  // namespace

@@ -136,6 +136,10 @@ IM2FIT_API int im2fit_reset(im2fit_handle* handle);
  * it). Before the measurement: begins anew at once. The floor and the ids are kept, unlike with im2fit_reset. */
 IM2FIT_API int im2fit_next(im2fit_handle* handle);
 
+/* From the next frame on the person of this user_id and nobody else; 0: whoever stands right first, as at the start.
+ * Another than before begins anew. INVALID_ARGUMENT for a negative id. */
+IM2FIT_API int im2fit_select_user(im2fit_handle* handle, int32_t user_id);
+
 /* ---- Sources by URI (optional) --------------------------------------------------------------------------------- */
 
 /* One opened source, filled in by an opener. */
@@ -183,7 +187,7 @@ enum {
   IM2FIT_GUIDANCE_FEET_CUT = 1 << 3,
   IM2FIT_GUIDANCE_HEAD_CUT = 1 << 4,
   IM2FIT_GUIDANCE_ARMS_CLOSE = 1 << 5,
-  IM2FIT_GUIDANCE_NOT_FRONTAL = 1 << 6, /* also when seen from behind */
+  IM2FIT_GUIDANCE_NOT_FRONTAL = 1 << 6,
   IM2FIT_GUIDANCE_NOT_UPRIGHT = 1 << 7,
   IM2FIT_GUIDANCE_MOVING = 1 << 8,
   IM2FIT_GUIDANCE_SEVERAL_PEOPLE = 1 << 9,
@@ -232,6 +236,14 @@ typedef struct im2fit_joint {
   float confidence; /* 0..1: chance of being within 50 mm; below 0.25 the joint is inferred, not seen */
 } im2fit_joint;
 
+/* Somebody in view: pixels of the upright picture, inclusive; mm, camera axes. */
+typedef struct im2fit_user {
+  int32_t id; /* >= 1 */
+  int32_t left, top, right, bottom;
+  float x, y, z; /* the middle of what is seen */
+} im2fit_user;
+#define IM2FIT_USER_COUNT_MAX 8
+
 typedef struct im2fit_result {
   int32_t state;          /* IM2FIT_STATE_... */
   uint32_t guidance;      /* of the latest frame; 0 once measured */
@@ -257,6 +269,9 @@ typedef struct im2fit_result {
   /* The latest frame's, to draw, once measured too; zero confidence without has_joints. Steadied: a joint at rest is
    * shown 0.11 s late, at 1 m/s 0.02 s. `joints` is not. */
   im2fit_joint display_joints[IM2FIT_JOINT_COUNT];
+  int32_t measured_side; /* IM2FIT_VIEW_FRONT; or BACK: seen from behind only, which the index may not have learned */
+  int32_t user_count;    /* everybody in view, nearest first */
+  im2fit_user users[IM2FIT_USER_COUNT_MAX];
 } im2fit_result;
 
 /* A consistent copy of the latest state; never waits for the threads at work. `struct_size` is sizeof *result: a
