@@ -295,7 +295,8 @@ Room draw_room_plan(const RoomOptions& options, const Standing& person, Rng& rng
     room.walls.push_back({{std::sin(yaw), 0, -std::cos(yaw)}, options.wall_distance_mm * std::cos(yaw)});
     for (const float side : {-1.0F, 1.0F}) {
       const bool there = rng.uniform() < 0.4;
-      const float distance = draw(rng, static_cast<double>(person.half_width_mm) + 500, 2600);
+      float distance = draw(rng, static_cast<double>(person.half_width_mm) + 500, 2600);
+      for (const Vec3f& spot : person.others) distance = std::max(distance, side * spot.x + kOthersClearMm);
       if (there) room.walls.push_back({{side, 0, 0}, distance});
     }
     room.walls.push_back({{0, 1, 0}, draw(rng, 2350, 3000)});

@@ -82,8 +82,6 @@ void draw_others(const TrackerMix& mix, Family family, Rng& rng, SceneOptions& s
     other.path.from_z_mm = beside ? draw(rng, -1200, 250) : draw(rng, -1600, -700);
     scene.others.push_back(other);
   }
-  // Nobody stands in the wall.
-  if (scene.wall) scene.wall_distance_mm = draw(rng, 1900, 3200);
 }
 
 void draw_camera(const TrackerMix& mix, Rng& rng, SceneOptions& scene) {

@@ -107,6 +107,20 @@ TEST_F(People, CompanyLeavesTheMainPersonAlone) {
   EXPECT_EQ(together.joints(0, 2).confidence[0], 0);
 }
 
+// Walls make way: in a walled room everybody far behind and aside is seen as in one without walls.
+TEST_F(People, NobodyStandsInAWall) {
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    SceneOptions options = landscape();
+    options.distance_mm = 3000;
+    options.camera_height_mm = 1000;
+    options.others = {somebody(i % 2 == 0 ? 1300 : -1300, -1800, 1)};
+    VirtualScene walled = make(options, exact_sensor(), i);
+    options.wall = false;
+    VirtualScene open = make(options, exact_sensor(), i);
+    EXPECT_EQ(take(walled, 0).masks[1], take(open, 0).masks[1]) << i;
+  }
+}
+
 // Hips follow the path at 30 frames a second, feet stay on the floor, the walker looks where it leads.
 TEST_F(People, WalksAlongItsPath) {
   SceneOptions options = landscape();
