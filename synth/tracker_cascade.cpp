@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "synth/tracker_cascade.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +13,9 @@ namespace im2fit::synth {
 namespace {
 
 using joints::Anchor;
+using joints::Basis;
 using joints::kLeafCount;
+using joints::kLeafSize;
 using joints::kShapeSize;
 using joints::kSplitCount;
 using joints::Split;
@@ -26,10 +29,16 @@ constexpr int kScoreSize = 6;  // two joints' residuals judge a split
 constexpr double kShrinkage = 0.11;
 constexpr double kLeafPrior = 12;     // samples' worth of "no correction" in every leaf
 constexpr double kPairReachMm = 450;  // near pairs are likelier (Kazemi 2014, section 2.3.2)
-constexpr double kCorrectionMaxMm = 500;
+constexpr double kLeafReach = 5;      // standard deviations of the residual that a leaf can hold
+constexpr double kUnitMinMm = 1e-3;
+
+using Sums = std::array<std::int32_t, static_cast<std::size_t>(kLeafSize)>;
 
 struct Level {
   std::span<const Anchor> anchors;
+  Basis basis{};
+  std::array<std::array<float, static_cast<std::size_t>(kShapeSize)>, static_cast<std::size_t>(kLeafSize)> units{};
+  std::vector<Sums> sums;                   // by start: what the level's trees have given
   std::vector<std::array<float, 2>> where;  // anchors about the mean shape, mm
   std::vector<std::int16_t> pixels;         // starts * pixel_count
   std::vector<float> residual;              // starts * 45
@@ -44,7 +53,7 @@ struct Level {
 
 struct Tree {
   std::array<Split, kSplitCount> splits{};
-  std::vector<std::int16_t> leaves = std::vector<std::int16_t>(static_cast<std::size_t>(kLeafCount * kShapeSize));
+  std::vector<std::int8_t> leaves = std::vector<std::int8_t>(static_cast<std::size_t>(kLeafCount * kLeafSize));
 };
 
 double anchor_spread_mm(int level) {
@@ -80,7 +89,7 @@ class TreeGrower {
     for (std::size_t leaf = 0; leaf < static_cast<std::size_t>(kLeafCount); ++leaf) {
       const std::size_t node = leaf + static_cast<std::size_t>(kSplitCount);
       fill_leaf({order.data() + first[node], last[node] - first[node]},
-                tree.leaves.data() + leaf * static_cast<std::size_t>(kShapeSize));
+                tree.leaves.data() + leaf * static_cast<std::size_t>(kLeafSize));
     }
     return tree;
   }
@@ -147,16 +156,17 @@ class TreeGrower {
     return best;
   }
 
-  void fill_leaf(std::span<const std::int32_t> mine, std::int16_t* out) const {
+  void fill_leaf(std::span<const std::int32_t> mine, std::int8_t* out) const {
     std::array<double, static_cast<std::size_t>(kShapeSize)> sum{};
     for (const std::int32_t i : mine) {
       const float* r = level_.left_to_go(i);
       for (std::size_t d = 0; d < sum.size(); ++d) sum[d] += static_cast<double>(r[d]);
     }
     const double scale = kShrinkage / (static_cast<double>(mine.size()) + kLeafPrior);
-    for (std::size_t d = 0; d < sum.size(); ++d) {
-      const double mm = std::clamp(sum[d] * scale, -kCorrectionMaxMm, kCorrectionMaxMm);
-      out[d] = static_cast<std::int16_t>(std::lround(mm * static_cast<double>(joints::kLeafUnit)));
+    for (std::size_t k = 0; k < level_.units.size(); ++k) {
+      double value = 0;
+      for (std::size_t d = 0; d < sum.size(); ++d) value += sum[d] * static_cast<double>(level_.units[k][d]);
+      out[k] = static_cast<std::int8_t>(std::lround(std::clamp(value * scale, -127.0, 127.0)));
     }
   }
 
@@ -201,24 +211,55 @@ void prepare(Level& level, std::span<const TrackerImage> images, std::span<const
   });
 }
 
-void subtract(Level& level, std::span<const Tree> trees, std::span<CascadeStart> starts, int threads) {
+void subtract(Level& level, std::span<const Tree> trees, int threads) {
   const int chunk = 1024;
-  for_each_item(static_cast<int>((starts.size() + chunk - 1) / chunk), threads, [&](int item) {
-    const std::size_t end =
-        std::min(starts.size(), (static_cast<std::size_t>(item) + 1) * static_cast<std::size_t>(chunk));
+  const std::size_t count = level.sums.size();
+  for_each_item(static_cast<int>((count + chunk - 1) / chunk), threads, [&](int item) {
+    const std::size_t end = std::min(count, (static_cast<std::size_t>(item) + 1) * static_cast<std::size_t>(chunk));
     for (std::size_t i = static_cast<std::size_t>(item) * static_cast<std::size_t>(chunk); i < end; ++i) {
-      float* r = level.residual.data() + i * static_cast<std::size_t>(kShapeSize);
+      Sums batch{};
       for (const Tree& tree : trees) {
         const int leaf = joints::find_leaf(tree.splits.data(), level.row(static_cast<std::int32_t>(i)));
-        const std::int16_t* values = tree.leaves.data() + leaf * kShapeSize;
-        for (std::size_t d = 0; d < static_cast<std::size_t>(kShapeSize); ++d) {
-          const float step = static_cast<float>(values[d]) * (1.0F / joints::kLeafUnit);
-          r[d] -= step;
-          starts[i].shape[d] += step;
-        }
+        const std::int8_t* values = tree.leaves.data() + leaf * kLeafSize;
+        for (std::size_t k = 0; k < batch.size(); ++k) batch[k] += values[k];
+      }
+      float* r = level.residual.data() + i * static_cast<std::size_t>(kShapeSize);
+      for (std::size_t k = 0; k < batch.size(); ++k) {
+        const float amount = static_cast<float>(batch[k]);
+        const float* mm = level.basis.data() + k * static_cast<std::size_t>(kShapeSize);
+        for (std::size_t d = 0; d < static_cast<std::size_t>(kShapeSize); ++d) r[d] -= amount * mm[d];
+        level.sums[i][k] += batch[k];
       }
     }
   });
+}
+
+// The directions the level's residuals vary in most, each with a unit that lets a byte reach a few of its standard
+// deviations; what is left out is the next level's.
+void choose_basis(Level& level) {
+  using Matrix = Eigen::Matrix<double, joints::kShapeSize, joints::kShapeSize>;
+  using Vector = Eigen::Matrix<double, joints::kShapeSize, 1>;
+  const std::size_t count = level.sums.size();
+  Matrix moments = Matrix::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector r =
+        Eigen::Map<const Eigen::Matrix<float, joints::kShapeSize, 1>>(level.left_to_go(static_cast<std::int32_t>(i)))
+            .cast<double>();
+    moments.selfadjointView<Eigen::Lower>().rankUpdate(r);
+  }
+  moments /= static_cast<double>(count);
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(moments);  // values rise
+  for (int k = 0; k < kLeafSize; ++k) {
+    const int column = kShapeSize - 1 - k;
+    const double spread_mm = std::sqrt(std::max(0.0, solver.eigenvalues()[column]));
+    const double unit_mm = std::max(kUnitMinMm, kLeafReach * kShrinkage * spread_mm / 127);
+    for (int d = 0; d < kShapeSize; ++d) {
+      const double along = solver.eigenvectors()(d, column);
+      const auto at = static_cast<std::size_t>(k * kShapeSize + d);
+      level.basis[at] = static_cast<float>(along * unit_mm);
+      level.units[static_cast<std::size_t>(k)][static_cast<std::size_t>(d)] = static_cast<float>(along / unit_mm);
+    }
+  }
 }
 
 }  // namespace
@@ -244,6 +285,8 @@ Cascade train_cascade(std::span<const TrackerImage> images, std::vector<CascadeS
       level.where.push_back({p.x + static_cast<float>(a.dx), p.y + static_cast<float>(a.dy)});
     }
     prepare(level, images, starts, options.thread_count);
+    level.sums.assign(starts.size(), Sums{});
+    choose_basis(level);
     for (int t = 0; t < options.level_tree_count; t += kBatchTreeCount) {
       const int batch = std::min(kBatchTreeCount, options.level_tree_count - t);
       std::vector<Tree> trees(static_cast<std::size_t>(batch));
@@ -252,14 +295,17 @@ Cascade train_cascade(std::span<const TrackerImage> images, std::vector<CascadeS
         const auto item = static_cast<std::uint64_t>(number);
         trees[static_cast<std::size_t>(b)] = TreeGrower(level, Rng::for_item(options.seed, kLevelStream, item)).run();
       });
-      subtract(level, trees, starts, options.thread_count);
+      subtract(level, trees, options.thread_count);
       for (const Tree& tree : trees) {
         cascade.splits.insert(cascade.splits.end(), tree.splits.begin(), tree.splits.end());
         cascade.leaves.insert(cascade.leaves.end(), tree.leaves.begin(), tree.leaves.end());
       }
       if (progress) progress((l + static_cast<double>(t + batch) / options.level_tree_count) / options.level_count);
     }
+    for (std::size_t i = 0; i < starts.size(); ++i)
+      joints::add_sums(level.basis, level.sums[i].data(), starts[i].shape);
     cascade.anchors.insert(cascade.anchors.end(), anchors.begin(), anchors.end());
+    cascade.basis.push_back(level.basis);
   }
   return cascade;
 }

@@ -21,7 +21,8 @@ struct CascadeStart {
 struct Cascade {
   std::vector<joints::Anchor> anchors;
   std::vector<joints::Split> splits;
-  std::vector<std::int16_t> leaves;
+  std::vector<std::int8_t> leaves;
+  std::vector<joints::Basis> basis;  // by level
 };
 
 // `starts` are moved to where the cascade takes them.

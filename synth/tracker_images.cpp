@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "base/rng.h"
+#include "kernels/joints/side.h"
 #include "kernels/segment/segment.h"
 #include "synth/tracker_parallel.h"
 #include "synth/virtual_camera.h"
@@ -17,6 +18,7 @@ constexpr int kSensorWidth = 320;
 constexpr int kSensorHeight = 240;
 constexpr double kTruthMaskShare = 0.25;
 constexpr double kCutShare = 0.08;
+constexpr double kBackShare = 0.25;
 
 std::size_t index_of(int u, int v, int width) {
   return static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
@@ -59,6 +61,7 @@ SceneOptions draw_scene(Rng& rng) {
   scene.furniture_count = rng.uniform() < 0.4 ? 1 + rng.index(4) : 0;
   scene.wall = rng.uniform() < 0.85;
   scene.sway = false;
+  scene.back_view = rng.uniform() < kBackShare;
   return scene;
 }
 
@@ -129,7 +132,10 @@ TrackerImage make_image(const body::BodyModel& model, const Subject& subject, st
   TrackerImage image;
   joints::thin(DepthView(frame.depth.data(), k.width, k.height), MaskView(mask.data(), k.width, k.height), k, person,
                image.view);
-  image.truth = frame.joints.position_mm;
+  JointSet truth = frame.joints;
+  image.back = truth[Joint::LS].x + truth[Joint::LH].x < truth[Joint::RS].x + truth[Joint::RH].x;
+  if (image.back) joints::swap_sides(truth);
+  image.truth = truth.position_mm;
   return image;
 }
 

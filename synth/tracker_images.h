@@ -16,7 +16,8 @@ namespace im2fit::synth {
 
 struct TrackerImage {
   joints::View view;
-  std::array<Vec3f, kJointCount> truth;
+  std::array<Vec3f, kJointCount> truth;  // left and right as if facing the camera: exchanged when `back`
+  bool back = false;
 };
 
 // A frame as the program sees it: upright. Drawn by the training mixture: 45 % calm (relaxed, A, Psi), 55 % free;

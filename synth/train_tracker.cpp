@@ -13,6 +13,7 @@
 #include "synth/tracker_forest.h"
 #include "synth/tracker_images.h"
 #include "synth/tracker_parallel.h"
+#include "synth/tracker_side.h"
 
 namespace im2fit::synth {
 namespace {
@@ -135,8 +136,16 @@ std::vector<joints::ConfidenceBin> calibrate(std::span<const TrackerImage> image
   return bins;
 }
 
+// As the forest and the cascade leave each image.
+std::vector<SideExample> side_examples(std::span<const CascadeStart> starts, int starts_per_image) {
+  std::vector<SideExample> out;
+  for (std::size_t i = 0; i < starts.size(); i += static_cast<std::size_t>(starts_per_image))
+    out.push_back({starts[i].image, starts[i].shape});
+  return out;
+}
+
 std::vector<std::byte> pack(const joints::Meta& meta, const Forest& forest, const Cascade& cascade,
-                            std::span<const joints::ConfidenceBin> bins) {
+                            const SideTrees& side, std::span<const joints::ConfidenceBin> bins) {
   ContainerWriter writer(joints::kTrackerMagic, joints::kTrackerVersion);
   writer.add_array<joints::Meta>("meta", std::span(&meta, 1));
   writer.add_array<std::uint32_t>("tree", forest.tree_start);
@@ -144,8 +153,12 @@ std::vector<std::byte> pack(const joints::Meta& meta, const Forest& forest, cons
   writer.add_array<std::int16_t>("bone", forest.bone);
   writer.add_array<joints::Anchor>("anchor", cascade.anchors);
   writer.add_array<joints::Split>("split", cascade.splits);
-  writer.add_array<std::int16_t>("leaf", cascade.leaves);
+  writer.add_array<std::int8_t>("leaf", cascade.leaves);
+  writer.add_array<joints::Basis>("basis", cascade.basis);
   writer.add_array<joints::ConfidenceBin>("confidence", bins);
+  writer.add_array<joints::Anchor>("side anchor", side.anchors);
+  writer.add_array<joints::Split>("side split", side.splits);
+  writer.add_array<std::int16_t>("side leaf", side.leaves);
   return writer.finish();
 }
 
@@ -161,16 +174,19 @@ Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const
   const std::span<const TrackerImage> learnt(images.data(), learnt_count);
   const Forest forest = train_forest(learnt, options, Progress{progress, 0.5, 0.65, "jump forest"});
   std::vector<CascadeStart> starts = make_starts(learnt, forest, options);
-  const Cascade cascade = train_cascade(learnt, starts, options, Progress{progress, 0.65, 1.0, "cascade"});
+  const Cascade cascade = train_cascade(learnt, starts, options, Progress{progress, 0.65, 0.99, "cascade"});
+  const SideTrees side = train_side(learnt, side_examples(starts, options.starts_per_image), options);
 
   const joints::Meta meta = {
       static_cast<std::uint32_t>(options.tree_count),  static_cast<std::uint32_t>(options.jump_count),
       static_cast<std::uint32_t>(options.level_count), static_cast<std::uint32_t>(options.level_tree_count),
-      static_cast<std::uint32_t>(options.pixel_count), 0};
-  const JointModel::Data data = {meta, forest.view(), cascade.anchors, cascade.splits, cascade.leaves, {}};
+      static_cast<std::uint32_t>(options.pixel_count), static_cast<std::uint32_t>(side.tree_count())};
+  const JointModel::Data data = {meta,          forest.view(), cascade.anchors, cascade.splits, cascade.leaves,
+                                 cascade.basis, {},            {},              {},             {}};
   const std::vector<joints::ConfidenceBin> bins =
       calibrate({images.data() + learnt_count, images.size() - learnt_count}, data);
-  return pack(meta, forest, cascade, bins);
+  if (progress) progress(1.0, "done");
+  return pack(meta, forest, cascade, side, bins);
 }
 
 }  // namespace im2fit::synth

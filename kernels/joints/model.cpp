@@ -10,6 +10,8 @@ namespace {
 
 using joints::JumpNode;
 
+constexpr float kBasisMaxMm = 100;  // a unit; times 127 a tree
+
 Error damaged(const std::string& what, const std::string& detail) {
   return {ErrorCode::corrupt, what + ": " + detail + "; train the tracker again"};
 }
@@ -20,6 +22,7 @@ Status check_meta(const joints::Meta& m, const std::string& what) {
   if (!within(m.jump_count, 1, 64)) return damaged(what, "jumps per joint are not 1..64");
   if (!within(m.level_count, 0, 32)) return damaged(what, "cascade levels are not 0..32");
   if (!within(m.level_tree_count, 1, 4096)) return damaged(what, "trees per cascade level are not 1..4096");
+  if (!within(m.side_tree_count, 0, 1024)) return damaged(what, "trees for front or back are not 0..1024");
   if (!within(m.pixel_count, 2, joints::kPixelCountMax)) return damaged(what, "anchors per level are not 2..1024");
   return Ok{};
 }
@@ -42,13 +45,21 @@ Status check_forest(const joints::ForestView& f, const std::string& what) {
   return Ok{};
 }
 
-Status check_cascade(const JointModel::Data& d, const std::string& what) {
-  for (const joints::Anchor& a : d.anchors)
+Status check_trees(std::span<const joints::Anchor> anchors, std::span<const joints::Split> splits,
+                   std::uint32_t pixel_count, const std::string& what) {
+  for (const joints::Anchor& a : anchors)
     if (a.joint >= kJointCount) return damaged(what, "an anchor names joint " + std::to_string(a.joint) + " of 15");
-  for (const joints::Split& s : d.splits)
-    if (s.a >= d.meta.pixel_count || s.b >= d.meta.pixel_count)
+  for (const joints::Split& s : splits)
+    if (s.a >= pixel_count || s.b >= pixel_count)
       return damaged(what, "a split reads anchor " + std::to_string(std::max(s.a, s.b)) + " of " +
-                               std::to_string(d.meta.pixel_count));
+                               std::to_string(pixel_count));
+  return Ok{};
+}
+
+Status check_basis(const JointModel::Data& d, const std::string& what) {
+  for (const joints::Basis& level : d.basis)
+    for (const float mm : level)
+      if (!(mm >= -kBasisMaxMm && mm <= kBasisMaxMm)) return damaged(what, "a basis holds no length in mm");
   return Ok{};
 }
 
@@ -84,15 +95,29 @@ Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std
   if (!anchors) return anchors.error();
   auto splits = reader->array<joints::Split>("split", level_trees * joints::kSplitCount);
   if (!splits) return splits.error();
-  auto leaves = reader->array<std::int16_t>("leaf", level_trees * joints::kLeafCount * joints::kShapeSize);
+  auto leaves = reader->array<std::int8_t>("leaf", level_trees * joints::kLeafCount * joints::kLeafSize);
   if (!leaves) return leaves.error();
+  auto basis = reader->array<joints::Basis>("basis", d.meta.level_count);
+  if (!basis) return basis.error();
   auto bins = reader->array<joints::ConfidenceBin>("confidence", kJointCount * joints::kConfidenceBinCount);
   if (!bins) return bins.error();
+  auto side_anchors = reader->array<joints::Anchor>("side anchor", d.meta.side_tree_count > 0 ? d.meta.pixel_count : 0);
+  if (!side_anchors) return side_anchors.error();
+  auto side_splits = reader->array<joints::Split>("side split", d.meta.side_tree_count * joints::kSplitCount);
+  if (!side_splits) return side_splits.error();
+  auto side_leaves = reader->array<std::int16_t>("side leaf", d.meta.side_tree_count * joints::kLeafCount);
+  if (!side_leaves) return side_leaves.error();
   d.anchors = *anchors;
   d.splits = *splits;
   d.leaves = *leaves;
+  d.basis = *basis;
   d.bins = *bins;
-  if (Status ok = check_cascade(d, what); !ok) return ok.error();
+  d.side_anchors = *side_anchors;
+  d.side_splits = *side_splits;
+  d.side_leaves = *side_leaves;
+  if (Status ok = check_trees(d.anchors, d.splits, d.meta.pixel_count, what); !ok) return ok.error();
+  if (Status ok = check_trees(d.side_anchors, d.side_splits, d.meta.pixel_count, what); !ok) return ok.error();
+  if (Status ok = check_basis(d, what); !ok) return ok.error();
   return model;
 }
 

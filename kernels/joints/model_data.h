@@ -17,8 +17,7 @@
 namespace im2fit::joints {
 
 inline constexpr std::string_view kTrackerMagic = "I2TR";
-inline constexpr std::uint32_t kTrackerVersion = 1;
-inline constexpr float kLeafUnit = 64.0F;  // cascade leaves are in 1/64 mm
+inline constexpr std::uint32_t kTrackerVersion = 2;
 inline constexpr int kConfidenceBinCount = 12;
 inline constexpr int kPixelCountMax = 1024;
 
@@ -36,7 +35,7 @@ struct Meta {
   std::uint32_t level_count = 0;
   std::uint32_t level_tree_count = 0;
   std::uint32_t pixel_count = 0;  // per level
-  std::uint32_t reserved = 0;
+  std::uint32_t side_tree_count = 0;  // that tell front from back; 0: everybody faces the camera
 };
 
 // Inner node: depth difference of two probes against `threshold`; children at `left`, `left + 1` of the same tree.
@@ -57,6 +56,8 @@ struct Anchor {  // one shape-indexed pixel: a joint and an offset in mm
   std::uint16_t joint = 0;
 };
 static_assert(sizeof(Anchor) == 6);
+
+using Basis = std::array<float, static_cast<std::size_t>(kLeafSize* kShapeSize)>;  // mm a unit, by coefficient
 
 struct ConfidenceBin {  // bins in rising order of doubt
   std::uint16_t doubt_mm_max = 0;
@@ -131,11 +132,17 @@ struct JointModel::Data {
   joints::ForestView forest;
   std::span<const joints::Anchor> anchors;      // levels * pixels
   std::span<const joints::Split> splits;        // levels * trees * 31
-  std::span<const std::int16_t> leaves;         // levels * trees * 32 * 45, 1/64 mm
+  std::span<const std::int8_t> leaves;          // levels * trees * 32 * 32, units of the level's basis
+  std::span<const joints::Basis> basis;         // levels
   std::span<const joints::ConfidenceBin> bins;  // joints * 12
+  std::span<const joints::Anchor> side_anchors;  // pixels
+  std::span<const joints::Split> side_splits;    // side trees * 31
+  std::span<const std::int16_t> side_leaves;     // side trees * 32, 1/256 of log-odds
 };
 
 namespace joints {
+// shape += the sum of basis[k] * sum[k], k rising.
+void add_sums(const Basis& basis, const std::int32_t* sum, Shape& shape);
 void run_cascade(const JointModel::Data& model, const View& view, Shape& shape);
 }  // namespace joints
 

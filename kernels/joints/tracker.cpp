@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kernels/joints/model_data.h"
+#include "kernels/joints/side.h"
 
 namespace im2fit {
 namespace joints {
@@ -74,17 +75,25 @@ void read_anchors(std::span<const Anchor> anchors, const View& view, const Shape
   }
 }
 
+void add_sums(const Basis& basis, const std::int32_t* sum, Shape& shape) {
+  constexpr auto kSize = static_cast<std::size_t>(kShapeSize);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(kLeafSize); ++k) {
+    const float amount = static_cast<float>(sum[k]);
+    for (std::size_t i = 0; i < kSize; ++i) shape[i] += basis[k * kSize + i] * amount;
+  }
+}
+
 void run_cascade(const JointModel::Data& model, const View& view, Shape& shape) {
   const std::size_t pixel_count = model.meta.pixel_count;
   const std::size_t tree_count = model.meta.level_tree_count;
   std::array<std::int16_t, kPixelCountMax> pixels;
   for (std::size_t level = 0; level < model.meta.level_count; ++level) {
     read_anchors(model.anchors.subspan(level * pixel_count, pixel_count), view, shape, pixels.data());
-    std::array<std::int32_t, static_cast<std::size_t>(kShapeSize)> sum{};
+    std::array<std::int32_t, static_cast<std::size_t>(kLeafSize)> sum{};
     const Split* splits = model.splits.data() + level * tree_count * kSplitCount;
-    const std::int16_t* leaves = model.leaves.data() + level * tree_count * kLeafCount * kShapeSize;
+    const std::int8_t* leaves = model.leaves.data() + level * tree_count * kLeafCount * kLeafSize;
     sum_leaves(splits, leaves, static_cast<int>(tree_count), pixels.data(), sum.data());
-    for (std::size_t i = 0; i < shape.size(); ++i) shape[i] += static_cast<float>(sum[i]) * (1.0F / kLeafUnit);
+    add_sums(model.basis[level], sum.data(), shape);
   }
 }
 
@@ -93,6 +102,7 @@ void run_cascade(const JointModel::Data& model, const View& view, Shape& shape) 
 namespace {
 
 constexpr float kFollowMm = 150.0F;      // last frame's joint counts when this near to the cold start
+constexpr int kSideFrames = 4;           // the newest frame's share in the side is one of these
 constexpr float kOffMaskShare = 0.7F;    // a joint beside the mask is less sure
 constexpr float kOffImageShare = 0.15F;  // one outside the picture is a guess
 
@@ -111,6 +121,26 @@ struct JointTracker::Workspace {
   explicit Workspace(const JointModel& m) : model(&m.data()) { view.depth.resize(joints::kViewPixelCountMax); }
   const JointModel::Data* model;
   joints::View view;
+  int side_sum = 0;  // of scores, fading: four times their mean
+
+  bool back() const { return side_sum > 0; }
+  void see_side(const joints::Shape& shape, bool cold) {
+    const int score = joints::side_score(*model, view, shape);
+    side_sum = cold ? kSideFrames * score : side_sum - side_sum / kSideFrames + score;
+  }
+  // The cascade's start: half way between the forest's answer and the last frame's, where they agree.
+  joints::Shape start(const joints::Shape& cold, const JointSet* previous) const {
+    joints::Shape shape = cold;
+    if (previous == nullptr) return shape;
+    JointSet last = *previous;
+    if (back()) joints::swap_sides(last);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const Vec3f there = joints::joint_of(cold, static_cast<int>(j));
+      if (norm(last.position_mm[j] - there) < kFollowMm)
+        joints::set_joint(shape, static_cast<int>(j), (last.position_mm[j] + there) * 0.5F);
+    }
+    return shape;
+  }
 };
 
 JointTracker::JointTracker(const JointModel& model) : work_(std::make_unique<Workspace>(model)) {}
@@ -128,15 +158,9 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
   joints::Shape cold{};
   std::array<float, kJointCount> spread{};
   joints::run_forest(model.forest, view, cold, spread.data());
-  joints::Shape shape = cold;
-  if (previous != nullptr) {
-    for (std::size_t j = 0; j < kJointCount; ++j) {
-      const Vec3f start = joints::joint_of(cold, static_cast<int>(j));
-      const Vec3f last = previous->position_mm[j];
-      if (norm(last - start) < kFollowMm) joints::set_joint(shape, static_cast<int>(j), (last + start) * 0.5F);
-    }
-  }
+  joints::Shape shape = work_->start(cold, previous);
   joints::run_cascade(model, view, shape);
+  work_->see_side(shape, previous == nullptr);
 
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const Vec3f p = joints::joint_of(shape, static_cast<int>(j));
@@ -154,7 +178,12 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
     out.position_mm[j] = p;
     out.confidence[j] = chance;
   }
+  if (work_->back()) joints::swap_sides(out);
   return out;
+}
+
+float JointTracker::back_chance() const {
+  return joints::chance_of_score(work_->side_sum / kSideFrames);
 }
 
 }  // namespace im2fit

@@ -36,11 +36,13 @@ class JointTracker {
   ~JointTracker();
   JointTracker(JointTracker&&) noexcept;
   JointTracker& operator=(JointTracker&&) noexcept;
-  // `previous`: last frame's joints to start from, or null for a cold start; joints that are far from the cold start
-  // or not finite are ignored. All zero when the mask is empty. Faces are assumed to look at the camera: of a person
-  // seen from behind, left and right come out exchanged. No allocation.
+  // `previous`: what the last call answered for this person, or null for a cold start; joints that are far from the
+  // cold start or not finite are ignored. All zero when the mask is empty. No allocation.
   JointSet track(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Person& person,
                  const JointSet* previous);
+  // After track(): the chance that the person's back is towards the camera, over the last frames (their scores'
+  // mean, the newest counting a quarter) since a cold start. Left and right of the joints follow it.
+  float back_chance() const;
 
  private:
   struct Workspace;

@@ -30,6 +30,7 @@ using Feature = std::array<float, kFeatureSize>;
 struct Sighting {
   Person person;
   JointSet joints;  // meaningful when person.found
+  float back_chance = 0;  // of the back being towards the camera
   ViewSide view = ViewSide::unknown;
   std::array<User, kUserCountMax> users{};  // everybody in view, nearest first; the first user_count are set
   int user_count = 0;

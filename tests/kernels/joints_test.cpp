@@ -7,41 +7,15 @@
 #include "base/rng.h"
 #include "kernels/joints/tracker.h"
 #include "kernels/joints/view.h"
+#include "tests/kernels/joints_board.h"
 #include "tests/kernels/joints_model_builder.h"
 
 namespace im2fit {
 namespace {
 
+using test::Board;
 using test::constant_model;
 using test::ModelRecords;
-
-// A flat 40 x 60 px board in the middle of a 320 x 240 frame, 2 m away.
-struct Board {
-  int width = 320, height = 240;
-  std::vector<std::uint16_t> depth = std::vector<std::uint16_t>(320 * 240, 0);
-  std::vector<std::uint8_t> mask = std::vector<std::uint8_t>(320 * 240, 0);
-  Intrinsics k{320, 240, 288, 288, 159.5F, 119.5F};
-  Person person;
-
-  Board() {
-    for (int v = 90; v < 150; ++v) {
-      for (int u = 140; u < 180; ++u) {
-        depth[static_cast<std::size_t>(v * width + u)] = 2000;
-        mask[static_cast<std::size_t>(v * width + u)] = 255;
-      }
-    }
-    person.found = true;
-    person.u_min = 140;
-    person.u_max = 179;
-    person.v_min = 90;
-    person.v_max = 149;
-  }
-  JointSet track(const JointModel& model, const JointSet* previous = nullptr) const {
-    JointTracker tracker(model);
-    return tracker.track(DepthView(depth.data(), width, height), MaskView(mask.data(), width, height), k, person,
-                         previous);
-  }
-};
 
 JointModel parse(const std::vector<std::byte>& bytes) {
   auto model = JointModel::parse(bytes, "model");
@@ -50,7 +24,7 @@ JointModel parse(const std::vector<std::byte>& bytes) {
 }
 
 TEST(JointTracker, JumpsAndCascadeAddUp) {
-  const auto bytes = constant_model(10, -20, 30, 64).bytes();
+  const auto bytes = constant_model(10, -20, 30, 1).bytes();
   const JointModel model = parse(bytes);
   const JointSet j = Board().track(model);
   // Six jumps, the mean of the last three stands: 5 jumps from the board's centre (0, 0, 2000). The neck starts
@@ -100,8 +74,10 @@ TEST(JointTracker, CascadeSplitsOnAnchorDifference) {
   m.anchor = {{0, 0, 2}, {400, 0, 2}, {0, 0, 0}, {0, 0, 0}};
   m.split.assign(31, {0, 1, 0});
   m.split[0] = {1, 0, 500};  // right at the root, left below it: node 2, 5, 11, 23 and leaf 47 - 31 = 16
-  m.leaf.assign(32 * 45, 0);
-  m.leaf[16 * 45 + 3] = 640;  // x of the neck, 10 mm
+  m.leaf.assign(32 * 32, 0);
+  m.leaf[16 * 32 + 3] = 40;
+  m.basis.assign(32 * 45, 0);
+  m.basis[3 * 45 + 3] = 0.25F;  // x of the neck, 40 units of 1/4 mm
   const auto bytes = m.bytes();
   const JointModel model = parse(bytes);
   const JointSet j = Board().track(model);
@@ -136,7 +112,7 @@ TEST(JointTracker, ConfidenceFollowsDoubtAndMask) {
   const JointSet sure = Board().track(still);
   EXPECT_NEAR(sure.confidence[joint_index(Joint::TO)], 0.75, 0.001);
 
-  const auto moved_bytes = constant_model(0, 0, 0, 64 * 100).bytes();  // the cascade moves every joint by 600 mm
+  const auto moved_bytes = constant_model(0, 0, 0, 100).bytes();  // the cascade moves every joint by 600 mm
   const JointModel moved = parse(moved_bytes);
   EXPECT_LT(Board().track(moved).confidence[joint_index(Joint::TO)], 0.26);
 
@@ -213,6 +189,10 @@ TEST(JointModel, DamagedFilesAreRefusedByName) {
       {"split b", [](ModelRecords& m) { m.split[9].b = 65535; }},
       {"split count", [](ModelRecords& m) { m.split.pop_back(); }},
       {"leaf count", [](ModelRecords& m) { m.leaf.pop_back(); }},
+      {"basis count", [](ModelRecords& m) { m.basis.pop_back(); }},
+      {"basis", [](ModelRecords& m) { m.basis[50] = std::numeric_limits<float>::quiet_NaN(); }},
+      {"basis too large", [](ModelRecords& m) { m.basis[51] = -1e9F; }},
+      {"side trees", [](ModelRecords& m) { m.meta.side_trees = 1; }},
       {"bins", [](ModelRecords& m) { m.bin.clear(); }},
   };
   for (const Damage& d : damages) {
@@ -249,7 +229,8 @@ TEST(JointModel, AnyAcceptedValuesTrackWithoutHarm) {
     for (auto& a : m.anchor) a = {any(), any(), static_cast<std::uint16_t>(rng.index(15))};
     for (auto& s : m.split)
       s = {static_cast<std::uint16_t>(rng.index(4)), static_cast<std::uint16_t>(rng.index(4)), any()};
-    for (auto& l : m.leaf) l = any();
+    for (auto& l : m.leaf) l = static_cast<std::int8_t>(rng.next());
+    for (auto& b : m.basis) b = static_cast<float>(rng.uniform(-100, 100));
     const auto bytes = m.bytes();
     const JointModel model = parse(bytes);
     const JointSet j = Board().track(model);

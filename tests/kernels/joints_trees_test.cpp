@@ -12,8 +12,8 @@ using checkasm::Buffer;
 TEST(SumLeaves, RefFollowsThePathAndAddsTheLeaf) {
   for (int leaf = 0; leaf < kLeafCount; ++leaf) {
     std::vector<Split> splits(kSplitCount, Split{0, 1, 0});
-    std::vector<std::int16_t> leaves(kLeafCount * kShapeSize);
-    for (std::size_t i = 0; i < leaves.size(); ++i) leaves[i] = static_cast<std::int16_t>(i);
+    std::vector<std::int8_t> leaves(kLeafCount * kLeafSize);
+    for (std::size_t i = 0; i < leaves.size(); ++i) leaves[i] = static_cast<std::int8_t>(i % 251 - 125);
     int node = 0;
     for (int bit = kSplitDepth - 1; bit >= 0; --bit) {
       const bool right = (leaf >> bit & 1) != 0;
@@ -22,10 +22,10 @@ TEST(SumLeaves, RefFollowsThePathAndAddsTheLeaf) {
       node = 2 * node + (right ? 2 : 1);
     }
     const std::int16_t pixels[2] = {50, -50};
-    std::int32_t sum[kShapeSize];
-    for (int i = 0; i < kShapeSize; ++i) sum[i] = 1000;
+    std::int32_t sum[kLeafSize];
+    for (int i = 0; i < kLeafSize; ++i) sum[i] = 1000;
     sum_leaves_ref(splits.data(), leaves.data(), 1, pixels, sum);
-    for (int i = 0; i < kShapeSize; ++i) ASSERT_EQ(sum[i], 1000 + leaf * kShapeSize + i) << "leaf " << leaf;
+    for (int i = 0; i < kLeafSize; ++i) ASSERT_EQ(sum[i], 1000 + (leaf * kLeafSize + i) % 251 - 125) << "leaf " << leaf;
   }
 }
 
@@ -36,15 +36,16 @@ TEST(SumLeaves, EveryTierGivesTheSameSums) {
     const auto trees = static_cast<std::size_t>(tree_count);
     constexpr std::size_t kPixels = 30;
     Buffer<Split> splits(trees * kSplitCount, trial.next_end());
-    Buffer<std::int16_t> leaves(trees * kLeafCount * kShapeSize, trial.next_end()), pixels(kPixels, trial.next_end());
+    Buffer<std::int8_t> leaves(trees * kLeafCount * kLeafSize, trial.next_end());
+    Buffer<std::int16_t> pixels(kPixels, trial.next_end());
     trial.fill(leaves.span());
     trial.fill(pixels.span());
     for (Split& s : splits.span())
       s = {trial.biased<std::uint16_t>(0, kPixels - 1), trial.biased<std::uint16_t>(0, kPixels - 1),
            trial.biased<std::int16_t>(INT16_MIN, INT16_MAX)};
-    Buffer<std::int32_t> start(kShapeSize), want(kShapeSize, trial.next_end()), got(kShapeSize, trial.next_end());
+    Buffer<std::int32_t> start(kLeafSize), want(kLeafSize, trial.next_end()), got(kLeafSize, trial.next_end());
     trial.fill(start.span(), -1000000, 1000000);
-    const auto restart = [&](auto& sum) { std::copy_n(start.data(), kShapeSize, sum.data()); };
+    const auto restart = [&](auto& sum) { std::copy_n(start.data(), kLeafSize, sum.data()); };
     restart(want);
     sum_leaves_ref(splits.data(), leaves.data(), tree_count, pixels.data(), want.data());
     restart(got);

@@ -6,40 +6,29 @@
 namespace im2fit::joints {
 namespace {
 
-inline __m256i widened(__m128i v) {
-  return _mm256_cvtepi16_epi32(v);
+inline __m256i sixteen(const std::int8_t* p) {
+  return _mm256_cvtepi8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)));
 }
-inline __m128i eight(const std::int16_t* p) {
-  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
+inline void add_eight(std::int32_t* out, __m128i v) {
+  __m256i* to = reinterpret_cast<__m256i*>(out);
+  _mm256_storeu_si256(to, _mm256_add_epi32(_mm256_loadu_si256(to), _mm256_cvtepi16_epi32(v)));
 }
 
 }  // namespace
 
-void sum_leaves_avx2(const Split* splits, const std::int16_t* leaves, int tree_count, const std::int16_t* pixels,
+void sum_leaves_avx2(const Split* splits, const std::int8_t* leaves, int tree_count, const std::int16_t* pixels,
                      std::int32_t* sum) {
-  __m256i s[6];
-  for (int i = 0; i < 6; ++i) s[i] = _mm256_setzero_si256();
-  for_each_batch(splits, leaves, tree_count, pixels, [&s](const std::int16_t* const* found, int count) {
-    __m256i a = s[0], b = s[1], c = s[2], d = s[3], e = s[4], f = s[5];
+  for_each_batch(splits, leaves, tree_count, pixels, [sum](const std::int8_t* const* found, int count) {
+    __m256i low = _mm256_setzero_si256(), high = low;  // a batch fits 16 bits
     for (int t = 0; t < count; ++t) {
-      const std::int16_t* leaf = found[t];
-      a = _mm256_add_epi32(a, widened(eight(leaf)));
-      b = _mm256_add_epi32(b, widened(eight(leaf + 8)));
-      c = _mm256_add_epi32(c, widened(eight(leaf + 16)));
-      d = _mm256_add_epi32(d, widened(eight(leaf + 24)));
-      e = _mm256_add_epi32(e, widened(eight(leaf + 32)));
-      // Values 37..44: nothing past the leaf is read; 37..39 are dropped below.
-      f = _mm256_add_epi32(f, widened(eight(leaf + 37)));
+      low = _mm256_add_epi16(low, sixteen(found[t]));
+      high = _mm256_add_epi16(high, sixteen(found[t] + 16));
     }
-    s[0] = a, s[1] = b, s[2] = c, s[3] = d, s[4] = e, s[5] = f;
+    add_eight(sum, _mm256_castsi256_si128(low));
+    add_eight(sum + 8, _mm256_extracti128_si256(low, 1));
+    add_eight(sum + 16, _mm256_castsi256_si128(high));
+    add_eight(sum + 24, _mm256_extracti128_si256(high, 1));
   });
-  for (int i = 0; i < 5; ++i) {
-    __m256i* out = reinterpret_cast<__m256i*>(sum + 8 * i);
-    _mm256_storeu_si256(out, _mm256_add_epi32(_mm256_loadu_si256(out), s[i]));
-  }
-  alignas(32) std::int32_t rest[8];
-  _mm256_store_si256(reinterpret_cast<__m256i*>(rest), s[5]);
-  for (int i = 3; i < 8; ++i) sum[37 + i] += rest[i];
 }
 
 }  // namespace im2fit::joints

@@ -3,7 +3,7 @@
 
 namespace im2fit::joints {
 
-void sum_leaves_ref(const Split* splits, const std::int16_t* leaves, int tree_count, const std::int16_t* pixels,
+void sum_leaves_ref(const Split* splits, const std::int8_t* leaves, int tree_count, const std::int16_t* pixels,
                     std::int32_t* sum) {
   for (int t = 0; t < tree_count; ++t) {
     int node = 0;
@@ -12,7 +12,7 @@ void sum_leaves_ref(const Split* splits, const std::int16_t* leaves, int tree_co
       node = 2 * node + (pixels[s.a] - pixels[s.b] > s.threshold ? 2 : 1);
     }
     const int leaf = t * kLeafCount + node - kSplitCount;
-    for (int i = 0; i < kShapeSize; ++i) sum[i] += leaves[leaf * kShapeSize + i];
+    for (int i = 0; i < kLeafSize; ++i) sum[i] += leaves[leaf * kLeafSize + i];
   }
 }
 

@@ -12,13 +12,11 @@ namespace im2fit::joints {
 namespace {
 
 constexpr int kBatch = 16;  // trees whose leaves are on their way from memory before the first is added
-constexpr int kLeafValues = kLeafCount * kShapeSize;
+constexpr int kLeafValues = kLeafCount * kLeafSize;
 
-// A model is larger than the caches of a tablet: a leaf's 90 bytes (two lines, seldom three) are asked for as soon as
-// they are known.
-inline const std::int16_t* asked_for(const std::int16_t* leaf) {
+// A model is larger than the caches of a tablet: a leaf's 32 bytes are asked for as soon as they are known.
+inline const std::int8_t* asked_for(const std::int8_t* leaf) {
   __builtin_prefetch(leaf);
-  __builtin_prefetch(leaf + kShapeSize - 1);
   return leaf;
 }
 
@@ -28,8 +26,8 @@ inline int next_node(const Split* tree, const std::int16_t* pixels, int node) {
 }
 
 // Leaves of `count` <= kBatch trees.
-inline void find_leaves(const Split* splits, const std::int16_t* leaves, int count, const std::int16_t* pixels,
-                        const std::int16_t** found) {
+inline void find_leaves(const Split* splits, const std::int8_t* leaves, int count, const std::int16_t* pixels,
+                        const std::int8_t** found) {
   int t = 0;
   for (; t + 4 <= count; t += 4) {
     const Split* tree = splits + std::ptrdiff_t{t} * kSplitCount;
@@ -40,25 +38,25 @@ inline void find_leaves(const Split* splits, const std::int16_t* leaves, int cou
       c = next_node(tree + 2 * kSplitCount, pixels, c);
       d = next_node(tree + 3 * kSplitCount, pixels, d);
     }
-    const std::int16_t* leaf = leaves + std::ptrdiff_t{t} * kLeafValues - kSplitCount * kShapeSize;
-    found[t] = asked_for(leaf + a * kShapeSize);
-    found[t + 1] = asked_for(leaf + kLeafValues + b * kShapeSize);
-    found[t + 2] = asked_for(leaf + 2 * kLeafValues + c * kShapeSize);
-    found[t + 3] = asked_for(leaf + 3 * kLeafValues + d * kShapeSize);
+    const std::int8_t* leaf = leaves + std::ptrdiff_t{t} * kLeafValues - kSplitCount * kLeafSize;
+    found[t] = asked_for(leaf + a * kLeafSize);
+    found[t + 1] = asked_for(leaf + kLeafValues + b * kLeafSize);
+    found[t + 2] = asked_for(leaf + 2 * kLeafValues + c * kLeafSize);
+    found[t + 3] = asked_for(leaf + 3 * kLeafValues + d * kLeafSize);
   }
   for (; t < count; ++t) {
     int a = 0;
     for (int depth = 0; depth < kSplitDepth; ++depth)
       a = next_node(splits + std::ptrdiff_t{t} * kSplitCount, pixels, a);
-    found[t] = asked_for(leaves + std::ptrdiff_t{t} * kLeafValues + (a - kSplitCount) * kShapeSize);
+    found[t] = asked_for(leaves + std::ptrdiff_t{t} * kLeafValues + (a - kSplitCount) * kLeafSize);
   }
 }
 
 // Calls add(leaves, count) for every batch, one batch behind the walk.
 template <class Add>
-inline void for_each_batch(const Split* splits, const std::int16_t* leaves, int tree_count,
+inline void for_each_batch(const Split* splits, const std::int8_t* leaves, int tree_count,
                            const std::int16_t* pixels, Add add) {
-  const std::int16_t* found[2][kBatch];
+  const std::int8_t* found[2][kBatch];
   int before = 0, turn = 0;
   for (int t = 0; t < tree_count; t += kBatch, turn ^= 1) {
     const int count = tree_count - t < kBatch ? tree_count - t : kBatch;

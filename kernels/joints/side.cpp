@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/joints/side.h"
+
+#include <array>
+#include <utility>
+
+namespace im2fit::joints {
+
+int side_score(const JointModel::Data& model, const View& view, const Shape& shape) {
+  const std::size_t tree_count = model.meta.side_tree_count;
+  std::array<std::int16_t, kPixelCountMax> pixels;
+  read_anchors(model.side_anchors, view, shape, pixels.data());
+  int score = 0;
+  for (std::size_t t = 0; t < tree_count; ++t) {
+    const int leaf = find_leaf(model.side_splits.data() + t * kSplitCount, pixels.data());
+    score += model.side_leaves[t * kLeafCount + static_cast<std::size_t>(leaf)];
+  }
+  return score;
+}
+
+// 1 / (1 + exp(-x)) by exp(y) = lim (1 + y/n)^n at n = 256: no libm, the same bits everywhere; 3 % off at |x| = 4.
+float chance_of_score(int score) {
+  constexpr int kScoreMax = 12 * kSideUnit;
+  const int bounded = score > kScoreMax ? kScoreMax : (score < -kScoreMax ? -kScoreMax : score);
+  float e = 1.0F - static_cast<float>(bounded) * (1.0F / static_cast<float>(kSideUnit * 256));
+  for (int i = 0; i < 8; ++i) e *= e;
+  return 1.0F / (1.0F + e);
+}
+
+void swap_sides(JointSet& joints) {
+  constexpr std::array<std::pair<Joint, Joint>, 6> kPairs = {{{Joint::LS, Joint::RS},
+                                                              {Joint::LE, Joint::RE},
+                                                              {Joint::LA, Joint::RA},
+                                                              {Joint::LH, Joint::RH},
+                                                              {Joint::LK, Joint::RK},
+                                                              {Joint::LF, Joint::RF}}};
+  for (const auto& [left, right] : kPairs) {
+    std::swap(joints[left], joints[right]);
+    std::swap(joints.confidence[joint_index(left)], joints.confidence[joint_index(right)]);
+  }
+}
+
+}  // namespace im2fit::joints
