@@ -2,23 +2,21 @@
 #include "synth/tracker_images.h"
 
 #include <algorithm>
+#include <memory>
 #include <mutex>
 
 #include "base/rng.h"
 #include "kernels/joints/side.h"
 #include "kernels/segment/segment.h"
 #include "synth/tracker_parallel.h"
+#include "synth/tracker_scenes.h"
 #include "synth/virtual_camera.h"
 
 namespace im2fit::synth {
 namespace {
 
 constexpr std::uint64_t kImageStream = 0x7452414B;
-constexpr int kSensorWidth = 320;
-constexpr int kSensorHeight = 240;
 constexpr double kTruthMaskShare = 0.25;
-constexpr double kCutShare = 0.08;
-constexpr double kBackShare = 0.25;
 
 std::size_t index_of(int u, int v, int width) {
   return static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
@@ -49,36 +47,24 @@ void turn_upright(const std::vector<T>& in, int width, int height, int rotate_de
   }
 }
 
-SceneOptions draw_scene(Rng& rng) {
-  SceneOptions scene;
-  const double kind = rng.uniform();
-  scene.pose = kind < 0.55   ? StandingPose::free
-               : kind < 0.78 ? StandingPose::relaxed
-               : kind < 0.90 ? StandingPose::a_pose
-                             : StandingPose::psi;
-  const double mount = rng.uniform();
-  scene.rotate_deg = mount < 0.45 ? 90 : (mount < 0.55 ? 270 : 0);
-  scene.furniture_count = rng.uniform() < 0.4 ? 1 + rng.index(4) : 0;
-  scene.wall = rng.uniform() < 0.85;
-  scene.sway = false;
-  scene.back_view = rng.uniform() < kBackShare;
-  return scene;
-}
-
-UprightFrame render_frame(const body::BodyModel& model, const Subject& subject, std::uint64_t seed, Rng& rng) {
-  const SceneOptions options = draw_scene(rng);
-  const Intrinsics sensor = kinect_intrinsics(kSensorWidth, kSensorHeight);
-  VirtualScene scene(model, subject, options, kinect_sensor(), sensor, seed);
-  const std::size_t count = static_cast<std::size_t>(kSensorWidth) * kSensorHeight;
-  std::vector<std::uint16_t> depth(count);
-  std::vector<std::uint8_t> mask(count);
-  scene.render(0, DepthImage(depth.data(), kSensorWidth, kSensorHeight));
-  scene.person_mask(MaskImage(mask.data(), kSensorWidth, kSensorHeight));
+UprightFrame render_frame(const body::BodyModel& model, const Subject& subject, Rng& rng,
+                          std::unique_ptr<VirtualScene>& scene, TrackerScene& last) {
+  const TrackerScene drawn = draw_tracker_scene(training_mix(), rng);
+  if (scene != nullptr && drawn.same_camera(last))
+    scene->restage(subject, drawn.scene, drawn.seed);
+  else
+    scene = std::make_unique<VirtualScene>(model, subject, drawn.scene, drawn.sensor, drawn.intrinsics, drawn.seed);
+  last = drawn;
+  const int width = drawn.intrinsics.width, height = drawn.intrinsics.height;
+  std::vector<std::uint16_t> depth(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::vector<std::uint8_t> mask(depth.size());
+  scene->render(0, DepthImage(depth.data(), width, height));
+  scene->person_mask(MaskImage(mask.data(), width, height));
   UprightFrame frame;
-  frame.intrinsics = upright_intrinsics(sensor, options.rotate_deg);
-  turn_upright(depth, kSensorWidth, kSensorHeight, options.rotate_deg, frame.depth);
-  turn_upright(mask, kSensorWidth, kSensorHeight, options.rotate_deg, frame.truth_mask);
-  frame.joints = scene.joints(0);
+  frame.intrinsics = upright_intrinsics(drawn.intrinsics, drawn.rotate_deg);
+  turn_upright(depth, width, height, drawn.rotate_deg, frame.depth);
+  turn_upright(mask, width, height, drawn.rotate_deg, frame.truth_mask);
+  frame.joints = scene->joints(0);
   return frame;
 }
 
@@ -110,10 +96,16 @@ bool overlaps(const std::vector<std::uint8_t>& mask, const std::vector<std::uint
   return both * 2 > either;
 }
 
-TrackerImage make_image(const body::BodyModel& model, const Subject& subject, std::uint64_t seed,
-                        std::uint64_t index) {
+// Renders one picture after the other with the buffers of the one before.
+struct Studio {
+  const body::BodyModel& model;
+  std::unique_ptr<VirtualScene> scene;
+  TrackerScene last;
+};
+
+TrackerImage make_image(Studio& studio, const Subject& subject, std::uint64_t seed, std::uint64_t index) {
   Rng rng = Rng::for_item(seed, kImageStream, index);
-  const UprightFrame frame = render_frame(model, subject, rng.next(), rng);
+  const UprightFrame frame = render_frame(studio.model, subject, rng, studio.scene, studio.last);
   const Intrinsics& k = frame.intrinsics;
   std::vector<std::uint8_t> mask = frame.truth_mask;
   if (rng.uniform() >= kTruthMaskShare) {
@@ -122,13 +114,7 @@ TrackerImage make_image(const body::BodyModel& model, const Subject& subject, st
     segmenter.run(DepthView(frame.depth.data(), k.width, k.height), k, MaskImage(own.data(), k.width, k.height));
     if (overlaps(own, frame.truth_mask)) mask.swap(own);
   }
-  Person person = box_of(mask, k.width, k.height);
-  if (person.found && rng.uniform() < kCutShare) {
-    const double keep = rng.uniform(0.4, 0.95);
-    const int cut = person.v_min + static_cast<int>(keep * (person.v_max - person.v_min));
-    std::fill(mask.begin() + static_cast<std::ptrdiff_t>(cut + 1) * k.width, mask.end(), std::uint8_t{0});
-    person.v_max = cut;
-  }
+  const Person person = box_of(mask, k.width, k.height);
   TrackerImage image;
   joints::thin(DepthView(frame.depth.data(), k.width, k.height), MaskView(mask.data(), k.width, k.height), k, person,
                image.view);
@@ -151,8 +137,9 @@ std::vector<TrackerImage> render_tracker_images(const body::BodyModel& model, in
   for_each_item(subject_count, thread_count, [&](int s) {
     const Subject subject = draw_subject(model, Family::training, seed, static_cast<std::uint64_t>(s));
     const int last = std::min(image_count, (s + 1) * images_per_subject);
+    Studio studio{model, nullptr, {}};
     for (int i = s * images_per_subject; i < last; ++i)
-      images[static_cast<std::size_t>(i)] = make_image(model, subject, seed, static_cast<std::uint64_t>(i));
+      images[static_cast<std::size_t>(i)] = make_image(studio, subject, seed, static_cast<std::uint64_t>(i));
     const std::lock_guard lock(report);
     if (progress) progress(static_cast<double>(++done) / subject_count);
   });

@@ -20,8 +20,7 @@ struct TrackerImage {
   bool back = false;
 };
 
-// A frame as the program sees it: upright. Drawn by the training mixture: 45 % calm (relaxed, A, Psi), 55 % free;
-// landscape and portrait, furnished or not.
+// A frame as the program sees it: upright.
 struct UprightFrame {
   Intrinsics intrinsics;
   std::vector<std::uint16_t> depth;
@@ -29,8 +28,8 @@ struct UprightFrame {
   JointSet joints;
 };
 
-// Images of subjects `index` = image / images_per_subject. Masks: most from the segmenter, some the truth, some cut
-// off below (people too near the camera).
+// Scenes of training_mix() (synth/tracker_scenes.h) with subject image / images_per_subject. Masks: most from the
+// segmenter, some the truth.
 std::vector<TrackerImage> render_tracker_images(const body::BodyModel& model, int image_count, int images_per_subject,
                                                 std::uint64_t seed, int thread_count,
                                                 const std::function<void(double)>& progress);

@@ -109,7 +109,7 @@ TrackerMix training_mix() {
   mix.pose_weight = {0.27, 0.08, 0.34, 0.12, 0.09, 0.10};
   mix.clothed_share = 0.75;
   mix.hair_share = 0.7;
-  mix.back_share = 0.12;
+  mix.back_share = 0.2;
   mix.furniture_share = 0.5;
   mix.touching_share = 0.3;
   mix.decoy_share = 0.25;

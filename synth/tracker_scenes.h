@@ -47,7 +47,7 @@ struct TrackerMix {
   double portrait_share = 0.55;
   bool wide_camera = false;  // heights 0.5..2.2 m, pitch within +-20 degrees, distances 1..4 m; false: as
                              // SceneOptions draws them (0.8..1.2 m, 2..3.2 m)
-  bool noise = true;  // false: exact_sensor()
+  bool noise = true;         // false: exact_sensor()
 };
 TrackerMix training_mix();         // everything
 TrackerMix full_conditions_mix();  // clothing, hair, furniture, sensor noise, others behind; whole, usual distances

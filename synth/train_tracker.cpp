@@ -51,8 +51,8 @@ Status check(const TrainOptions& o) {
   return Ok{};
 }
 
-// Where the cascade will be started from on the device: the forest (by trees that have not seen the image), the
-// forest blurred, and half way from the last frame's joints.
+// Where the cascade will be started from on the device: the forest (by trees that have not seen the image), and the
+// forest blurred, some of it less wrong than it is.
 std::vector<CascadeStart> make_starts(std::span<const TrackerImage> images, const Forest& forest,
                                       const TrainOptions& options) {
   const std::array<Forest, 2> folds = {forest.fold(0), forest.fold(1)};
@@ -181,8 +181,8 @@ Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const
       static_cast<std::uint32_t>(options.tree_count),  static_cast<std::uint32_t>(options.jump_count),
       static_cast<std::uint32_t>(options.level_count), static_cast<std::uint32_t>(options.level_tree_count),
       static_cast<std::uint32_t>(options.pixel_count), static_cast<std::uint32_t>(side.tree_count())};
-  const JointModel::Data data = {meta,          forest.view(), cascade.anchors, cascade.splits, cascade.leaves,
-                                 cascade.basis, {},            {},              {},             {}};
+  const JointModel::Data data = {
+      meta, forest.view(), cascade.anchors, cascade.splits, cascade.leaves, cascade.basis, {}, {}, {}, {}};
   const std::vector<joints::ConfidenceBin> bins =
       calibrate({images.data() + learnt_count, images.size() - learnt_count}, data);
   if (progress) progress(1.0, "done");

@@ -51,8 +51,8 @@ Status check_trees(std::span<const joints::Anchor> anchors, std::span<const join
     if (a.joint >= kJointCount) return damaged(what, "an anchor names joint " + std::to_string(a.joint) + " of 15");
   for (const joints::Split& s : splits)
     if (s.a >= pixel_count || s.b >= pixel_count)
-      return damaged(what, "a split reads anchor " + std::to_string(std::max(s.a, s.b)) + " of " +
-                               std::to_string(pixel_count));
+      return damaged(
+          what, "a split reads anchor " + std::to_string(std::max(s.a, s.b)) + " of " + std::to_string(pixel_count));
   return Ok{};
 }
 
@@ -101,7 +101,8 @@ Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std
   if (!basis) return basis.error();
   auto bins = reader->array<joints::ConfidenceBin>("confidence", kJointCount * joints::kConfidenceBinCount);
   if (!bins) return bins.error();
-  auto side_anchors = reader->array<joints::Anchor>("side anchor", d.meta.side_tree_count > 0 ? d.meta.pixel_count : 0);
+  auto side_anchors =
+      reader->array<joints::Anchor>("side anchor", d.meta.side_tree_count > 0 ? d.meta.pixel_count : 0);
   if (!side_anchors) return side_anchors.error();
   auto side_splits = reader->array<joints::Split>("side split", d.meta.side_tree_count * joints::kSplitCount);
   if (!side_splits) return side_splits.error();

@@ -34,7 +34,7 @@ struct Meta {
   std::uint32_t jump_count = 0;
   std::uint32_t level_count = 0;
   std::uint32_t level_tree_count = 0;
-  std::uint32_t pixel_count = 0;  // per level
+  std::uint32_t pixel_count = 0;      // per level
   std::uint32_t side_tree_count = 0;  // that tell front from back; 0: everybody faces the camera
 };
 
@@ -130,11 +130,11 @@ namespace im2fit {
 struct JointModel::Data {
   joints::Meta meta;
   joints::ForestView forest;
-  std::span<const joints::Anchor> anchors;      // levels * pixels
-  std::span<const joints::Split> splits;        // levels * trees * 31
-  std::span<const std::int8_t> leaves;          // levels * trees * 32 * 32, units of the level's basis
-  std::span<const joints::Basis> basis;         // levels
-  std::span<const joints::ConfidenceBin> bins;  // joints * 12
+  std::span<const joints::Anchor> anchors;       // levels * pixels
+  std::span<const joints::Split> splits;         // levels * trees * 31
+  std::span<const std::int8_t> leaves;           // levels * trees * 32 * 32, units of the level's basis
+  std::span<const joints::Basis> basis;          // levels
+  std::span<const joints::ConfidenceBin> bins;   // joints * 12
   std::span<const joints::Anchor> side_anchors;  // pixels
   std::span<const joints::Split> side_splits;    // side trees * 31
   std::span<const std::int16_t> side_leaves;     // side trees * 32, 1/256 of log-odds

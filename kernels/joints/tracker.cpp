@@ -101,7 +101,6 @@ void run_cascade(const JointModel::Data& model, const View& view, Shape& shape) 
 
 namespace {
 
-constexpr float kFollowMm = 150.0F;      // last frame's joint counts when this near to the cold start
 constexpr int kSideFrames = 4;           // the newest frame's share in the side is one of these
 constexpr float kOffMaskShare = 0.7F;    // a joint beside the mask is less sure
 constexpr float kOffImageShare = 0.15F;  // one outside the picture is a guess
@@ -128,19 +127,6 @@ struct JointTracker::Workspace {
     const int score = joints::side_score(*model, view, shape);
     side_sum = cold ? kSideFrames * score : side_sum - side_sum / kSideFrames + score;
   }
-  // The cascade's start: half way between the forest's answer and the last frame's, where they agree.
-  joints::Shape start(const joints::Shape& cold, const JointSet* previous) const {
-    joints::Shape shape = cold;
-    if (previous == nullptr) return shape;
-    JointSet last = *previous;
-    if (back()) joints::swap_sides(last);
-    for (std::size_t j = 0; j < kJointCount; ++j) {
-      const Vec3f there = joints::joint_of(cold, static_cast<int>(j));
-      if (norm(last.position_mm[j] - there) < kFollowMm)
-        joints::set_joint(shape, static_cast<int>(j), (last.position_mm[j] + there) * 0.5F);
-    }
-    return shape;
-  }
 };
 
 JointTracker::JointTracker(const JointModel& model) : work_(std::make_unique<Workspace>(model)) {}
@@ -149,7 +135,7 @@ JointTracker::JointTracker(JointTracker&&) noexcept = default;
 JointTracker& JointTracker::operator=(JointTracker&&) noexcept = default;
 
 JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Person& person,
-                             const JointSet* previous) {
+                             bool same_person) {
   JointSet out;
   const JointModel::Data& model = *work_->model;
   const joints::View& view = work_->view;
@@ -158,9 +144,9 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
   joints::Shape cold{};
   std::array<float, kJointCount> spread{};
   joints::run_forest(model.forest, view, cold, spread.data());
-  joints::Shape shape = work_->start(cold, previous);
+  joints::Shape shape = cold;
   joints::run_cascade(model, view, shape);
-  work_->see_side(shape, previous == nullptr);
+  work_->see_side(shape, !same_person);
 
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const Vec3f p = joints::joint_of(shape, static_cast<int>(j));

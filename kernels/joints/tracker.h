@@ -36,10 +36,11 @@ class JointTracker {
   ~JointTracker();
   JointTracker(JointTracker&&) noexcept;
   JointTracker& operator=(JointTracker&&) noexcept;
-  // `previous`: what the last call answered for this person, or null for a cold start; joints that are far from the
-  // cold start or not finite are ignored. All zero when the mask is empty. No allocation.
+  // Each frame is answered for itself: starting from the last frame's joints was worse (28.6 mm for 27.1 over six
+  // frames of one pose), because their error is not independent. `same_person`: as in the last call; only front or
+  // back is kept over frames. All zero when the mask is empty. No allocation.
   JointSet track(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Person& person,
-                 const JointSet* previous);
+                 bool same_person);
   // After track(): the chance that the person's back is towards the camera, over the last frames (their scores'
   // mean, the newest counting a quarter) since a cold start. Left and right of the joints follow it.
   float back_chance() const;

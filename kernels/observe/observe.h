@@ -29,7 +29,7 @@ using Feature = std::array<float, kFeatureSize>;
 // First half (thread SENSE): who is there, and where the joints are.
 struct Sighting {
   Person person;
-  JointSet joints;  // meaningful when person.found
+  JointSet joints;        // meaningful when person.found
   float back_chance = 0;  // of the back being towards the camera
   ViewSide view = ViewSide::unknown;
   std::array<User, kUserCountMax> users{};  // everybody in view, nearest first; the first user_count are set
@@ -48,8 +48,7 @@ class Sensor {
  private:
   Segmenter segmenter_;
   JointTracker tracker_;
-  JointSet previous_;
-  int previous_user_ = 0;  // whose joints those are; 0: nobody's
+  int previous_user_ = 0;  // of the last frame; 0: nobody
 };
 
 // Second half (thread FIT): gather frames, then describe.

@@ -22,13 +22,12 @@ Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage 
     return sighting;
   }
   const bool follows = previous_user_ != 0 && previous_user_ == sighting.person.id;
-  sighting.joints = tracker_.track(depth, mask, intrinsics, sighting.person, follows ? &previous_ : nullptr);
+  sighting.joints = tracker_.track(depth, mask, intrinsics, sighting.person, follows);
   sighting.back_chance = tracker_.back_chance();
   sighting.view = view_side(sighting.joints, sighting.person.floor, sighting.back_chance);
   // Joints in few or coarse pixels are guesses: first the person must stand where the pose can be seen.
   if ((sighting.guidance & kPoseUnseen) == 0)
     sighting.guidance |= pose_gate(sighting.joints, sighting.person.floor, sighting.view);
-  previous_ = sighting.joints;
   previous_user_ = sighting.person.id;
   return sighting;
 }

@@ -31,13 +31,13 @@ struct Board {
     person.v_min = 90;
     person.v_max = 149;
   }
-  JointSet track(JointTracker& tracker, const JointSet* previous = nullptr) const {
+  JointSet track(JointTracker& tracker, bool same_person = false) const {
     return tracker.track(DepthView(depth.data(), width, height), MaskView(mask.data(), width, height), k, person,
-                         previous);
+                         same_person);
   }
-  JointSet track(const JointModel& model, const JointSet* previous = nullptr) const {
+  JointSet track(const JointModel& model) const {
     JointTracker tracker(model);
-    return track(tracker, previous);
+    return track(tracker);
   }
 };
 

@@ -65,7 +65,8 @@ struct ModelRecords {
 };
 
 // Every tree of the forest is one leaf: each jump moves by (jx, jy, jz) mm. Bones are zero. The cascade's leaves are
-// first coefficients are all `leaf`, and that coefficient's unit is 1 mm along every axis of every joint. Confidence: 0.75 up to 500 mm of doubt, then 0.25.
+// first coefficients are all `leaf`, and that coefficient's unit is 1 mm along every axis of every joint. Confidence:
+// 0.75 up to 500 mm of doubt, then 0.25.
 inline ModelRecords constant_model(std::int16_t jx, std::int16_t jy, std::int16_t jz, std::int8_t leaf) {
   ModelRecords m;
   const std::size_t trees = kJointCount * m.meta.forest_trees;
@@ -77,7 +78,8 @@ inline ModelRecords constant_model(std::int16_t jx, std::int16_t jy, std::int16_
   m.leaf.assign(m.meta.levels * m.meta.level_trees * 32 * 32, 0);
   for (std::size_t i = 0; i < m.leaf.size(); i += 32) m.leaf[i] = leaf;
   m.basis.assign(m.meta.levels * 32 * 45, 0);
-  for (std::size_t l = 0; l < m.meta.levels; ++l) std::fill_n(m.basis.begin() + static_cast<std::ptrdiff_t>(l * 32 * 45), 45, 1.0F);
+  for (std::size_t l = 0; l < m.meta.levels; ++l)
+    std::fill_n(m.basis.begin() + static_cast<std::ptrdiff_t>(l * 32 * 45), 45, 1.0F);
   for (std::size_t j = 0; j < kJointCount; ++j)
     for (std::uint16_t b = 0; b < 12; ++b)
       m.bin.push_back(

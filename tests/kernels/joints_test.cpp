@@ -85,27 +85,6 @@ TEST(JointTracker, CascadeSplitsOnAnchorDifference) {
   EXPECT_NEAR(j[Joint::TO].x, 0, 0.01);
 }
 
-TEST(JointTracker, LastFrameCountsWhenNear) {
-  const auto bytes = constant_model(0, 0, 0, 0).bytes();
-  const JointModel model = parse(bytes);
-  JointSet last;
-  for (auto& p : last.position_mm) p = {60, 0, 2000};
-  last[Joint::HE] = {900, 0, 2000};
-  const JointSet j = Board().track(model, &last);
-  EXPECT_NEAR(j[Joint::TO].x, 30, 0.01);
-  EXPECT_NEAR(j[Joint::HE].x, 0, 0.01);  // too far to be believed
-}
-
-TEST(JointTracker, UnusableLastFrameIsIgnored) {
-  const auto bytes = constant_model(0, 0, 0, 0).bytes();
-  const JointModel model = parse(bytes);
-  JointSet last;
-  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-  for (auto& p : last.position_mm) p = {nan, inf, -inf};
-  const JointSet j = Board().track(model, &last);
-  for (const Vec3f& p : j.position_mm) EXPECT_NEAR(p.x, 0, 0.01);
-}
-
 TEST(JointTracker, ConfidenceFollowsDoubtAndMask) {
   const auto still_bytes = constant_model(0, 0, 0, 0).bytes();
   const JointModel still = parse(still_bytes);

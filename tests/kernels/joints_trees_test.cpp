@@ -25,7 +25,8 @@ TEST(SumLeaves, RefFollowsThePathAndAddsTheLeaf) {
     std::int32_t sum[kLeafSize];
     for (int i = 0; i < kLeafSize; ++i) sum[i] = 1000;
     sum_leaves_ref(splits.data(), leaves.data(), 1, pixels, sum);
-    for (int i = 0; i < kLeafSize; ++i) ASSERT_EQ(sum[i], 1000 + (leaf * kLeafSize + i) % 251 - 125) << "leaf " << leaf;
+    for (int i = 0; i < kLeafSize; ++i)
+      ASSERT_EQ(sum[i], 1000 + (leaf * kLeafSize + i) % 251 - 125) << "leaf " << leaf;
   }
 }
 

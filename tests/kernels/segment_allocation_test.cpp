@@ -63,7 +63,7 @@ TEST(SegmentAllocation, NoneAfterConstruction) {
   const long before = allocation_count;
   for (const room_test::Picture* p : {&person, &nobody, &person, &person}) {
     const Person who = segmenter.run(p->view(), k, MaskImage(mask.data(), p->width, p->height));
-    joints = tracker.track(p->view(), MaskView(mask.data(), p->width, p->height), k, who, found ? &joints : nullptr);
+    joints = tracker.track(p->view(), MaskView(mask.data(), p->width, p->height), k, who, found);
     found = who.found;
   }
   EXPECT_EQ(allocation_count - before, 0);

@@ -117,7 +117,7 @@ TEST(TrainTracker, CachedModelMeetsItsBarOnHeldOutPeople) {
       either += mask[p] != 0 || truth[p] != 0 ? 1 : 0;
     }
     worst_overlap = std::min(worst_overlap, both / either);
-    const JointSet j = tracker.track(DepthView(depth.data(), w, h), MaskView(mask.data(), w, h), k, person, nullptr);
+    const JointSet j = tracker.track(DepthView(depth.data(), w, h), MaskView(mask.data(), w, h), k, person, false);
     const JointSet t = scene.joints(0);
     for (std::size_t n = 0; n < kJointCount; ++n) {
       const double off = static_cast<double>(norm(j.position_mm[n] - t.position_mm[n]));
