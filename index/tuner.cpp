@@ -105,7 +105,7 @@ void Tuner::choose_dimensions(int wanted) {
   }
   encode(chosen);
   meta.dimensions = static_cast<std::uint32_t>(chosen);
-  projection.resize(static_cast<std::size_t>(chosen * target_count_));
+  projection.resize(static_cast<std::size_t>(chosen) * static_cast<std::size_t>(target_count_));
 }
 
 // A dimension of wide spread gets long steps: all dimensions use the 8 bits, and distances stay those of the space.
@@ -146,7 +146,7 @@ void Tuner::encode(int dimensions) {
 std::span<Neighbour> Tuner::neighbours_of(CodeSearch& search, std::ptrdiff_t row, const Coordinates& grid,
                                           std::span<const std::uint32_t> subject, int count) const {
   const std::uint32_t own = rows_.subject[static_cast<std::size_t>(row)];
-  const auto found = search.nearest(grid, static_cast<std::size_t>(count + captures_max_));
+  const auto found = search.nearest(grid, static_cast<std::size_t>(count) + static_cast<std::size_t>(captures_max_));
   const auto end =
       std::remove_if(found.begin(), found.end(), [&](const Neighbour& n) { return subject[n.index] == own; });
   return found.first(
@@ -197,6 +197,7 @@ void Tuner::fit_quadratic() {
   };
   quadratic_correction_.resize(regressed_.rows(), target_count_);
   std::vector<Eigen::MatrixXd> fits;
+  fits.reserve(static_cast<std::size_t>(rows_.fold_count));
   for (int f = 0; f < rows_.fold_count; ++f) fits.push_back(solve(f));
   for (std::ptrdiff_t i = 0; i < phi.rows(); ++i)
     quadratic_correction_.row(i) =
@@ -235,7 +236,7 @@ Eigen::MatrixXd Tuner::local_errors(const CodeTree& tree, const Eigen::MatrixXd&
                                     int count) const {
   const int dimensions = static_cast<int>(meta.dimensions);
   const LocalData data{point_code, steps, dimensions, point_residual, residual_scale, target_count_, target_count_};
-  CodeSearch search(tree, static_cast<std::size_t>(count + captures_max_));
+  CodeSearch search(tree, static_cast<std::size_t>(count) + static_cast<std::size_t>(captures_max_));
   const auto judged = judged_rows(kJudgedRowMax);
   Eigen::MatrixXd out(static_cast<std::ptrdiff_t>(judged.size()), target_count_);
   for (std::size_t k = 0; k < judged.size(); ++k) {

@@ -28,9 +28,10 @@ made() {
 }
 mark() { local file=$1; shift; printf '%s %s\n' "$digest" "$*" > "$file.made"; }
 
-# prepare LAB DIRECTORY SUBJECTS TRAINING_IMAGES: body data, tracker and index into DIRECTORY, each made once.
+# prepare LAB DIRECTORY SUBJECTS TRAINING_IMAGES LEVEL_TREES: body data, tracker and index into DIRECTORY, each made
+# once.
 prepare() {
-  local lab=$1 directory=$2 subjects=$3 images=$4
+  local lab=$1 directory=$2 subjects=$3 images=$4 trees=$5
   digest=$(data_digest)
   mkdir -p "$directory"
   export IM2FIT_BODY=$cache/body.i2b IM2FIT_TRACKER=$directory/tracker.i2t IM2FIT_INDEX=$directory/index.i2f
@@ -39,21 +40,21 @@ prepare() {
     "$lab" fetch --out "$IM2FIT_BODY"
     mark "$IM2FIT_BODY" body
   fi
-  if ! made "$IM2FIT_TRACKER" "tracker $images"; then
+  if ! made "$IM2FIT_TRACKER" "tracker $images $trees"; then
     say "tracker from $images renders"
-    "$lab" train --images "$images" --out "$IM2FIT_TRACKER"
-    mark "$IM2FIT_TRACKER" "tracker $images"
+    "$lab" train --images "$images" --level-trees "$trees" --out "$IM2FIT_TRACKER"
+    mark "$IM2FIT_TRACKER" "tracker $images $trees"
   fi
-  if ! made "$IM2FIT_INDEX" "index $subjects $images"; then
+  if ! made "$IM2FIT_INDEX" "index $subjects $images $trees"; then
     say "index of $subjects models"
     "$lab" index --subjects "$subjects" --out "$IM2FIT_INDEX"
-    mark "$IM2FIT_INDEX" "index $subjects $images"
+    mark "$IM2FIT_INDEX" "index $subjects $images $trees"
   fi
 }
 
 # What tests need: numbers that are right in kind, made in a few minutes.
-small_subjects=1500 small_images=2500
-prepare_small() { prepare "$1" "$cache/small" $small_subjects $small_images; }
+small_subjects=1500 small_images=2500 small_trees=250
+prepare_small() { prepare "$1" "$cache/small" $small_subjects $small_images $small_trees; }
 
 # closing_line FILE...: "N passed, N failed" over the ctest outputs given.
 closing_line() {

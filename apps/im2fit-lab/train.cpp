@@ -40,10 +40,11 @@ Result<int> run_train(const TrainCommand& options) {
 void add_train(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<TrainCommand>();
   options->train.thread_count = default_threads();
-  auto* sub = add_command<TrainCommand>(
-      app, chosen, "train", "Train the joint tracker (.i2t) on renders of synthetic people",
-      "  im2fit-lab train\n  im2fit-lab train --images 2500 --out small.i2t   a quick one, for tests", options,
-      run_train);
+  auto* sub =
+      add_command<TrainCommand>(app, chosen, "train", "Train the joint tracker (.i2t) on renders of synthetic people",
+                                "  im2fit-lab train\n  im2fit-lab train --images 2500 --level-trees 250 --out "
+                                "small.i2t   a quick one, for tests",
+                                options, run_train);
   sub->add_option("--images", options->train.image_count, "Renders to learn from")
       ->check(CLI::Range(40, 200000))
       ->capture_default_str();
@@ -55,7 +56,7 @@ void add_train(CLI::App& app, Command& chosen) {
       ->check(CLI::Range(1, 32))
       ->capture_default_str();
   sub->add_option("--level-trees", options->train.level_tree_count,
-                  "Trees of each level; the file's size is 2.9 kB for each of levels x trees")
+                  "Trees of each level; the file's size is 1.2 kB for each of levels x trees, and the forest")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
