@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -78,7 +79,7 @@ void make_one(const body::BodyModel& model, std::span<const Vec3f> rest, const b
   for (std::size_t i = 0; i < count; ++i) {
     if (!of_foot(i)) continue;
     const Vec3f p = rest[i] - ankle;
-    const int at = std::clamp(static_cast<int>((dot(p, along) - heel_s) / step + 0.5F), 0, kStations - 1);
+    const int at = std::clamp(static_cast<int>(std::lround((dot(p, along) - heel_s) / step)), 0, kStations - 1);
     const float w = dot(p, aside), y = std::min(rest[i].y, ankle.y + kCuffMm);
     widen(sections[static_cast<std::size_t>(at)], {w, w, y});
   }
@@ -101,7 +102,10 @@ void make_one(const body::BodyModel& model, std::span<const Vec3f> rest, const b
   const auto heel_cap = static_cast<std::int32_t>(vertices.size());
   const auto centre = [&](std::int32_t of) {
     Vec3f sum;
-    for (std::int32_t i = 0; i < around; ++i) sum = sum + vertices[static_cast<std::size_t>(first + of * around + i)];
+    for (std::int32_t i = 0; i < around; ++i) {
+      const std::int32_t at = first + of * around + i;
+      sum = sum + vertices[static_cast<std::size_t>(at)];
+    }
     return sum * (1 / static_cast<float>(around));
   };
   const Vec3f heel_middle = centre(0) - along * 2, toe_middle = centre(rings - 1) + along * 5;

@@ -50,11 +50,10 @@ TrunkShape::TrunkShape(const body::BodyModel& model, std::span<const Vec3f> rest
     const int sector = static_cast<int>(std::floor(angle / (360.0F / kSectors) + kSectors)) % kSectors;
     const float r = std::hypot(p.x - axis_.x, p.z - axis_.z);
     // Vertices are up to a level apart: each counts for its neighbours too.
-    for (int dl = -1; dl <= 1; ++dl) {
-      if (level + dl < 0 || level + dl >= kLevels) continue;
+    for (int near = std::max(0, level - 1); near <= std::min(kLevels - 1, level + 1); ++near) {
       for (int ds = -1; ds <= 1; ++ds) {
         const auto at = static_cast<std::size_t>((sector + ds + kSectors) % kSectors);
-        float& most = radius_[static_cast<std::size_t>(level + dl)][at];
+        float& most = radius_[static_cast<std::size_t>(near)][at];
         most = std::max(most, r);
       }
     }
