@@ -31,9 +31,9 @@ ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_p
   const Vec3f across = (joints[Joint::LS] - joints[Joint::RS]) + (joints[Joint::LH] - joints[Joint::RH]);
   if (!(norm(across) >= kAcrossMinMm)) return ViewSide::unknown;
   if (std::abs(dot(normalized(across), frame.toward)) > kYawMax) return ViewSide::side;
+  if (back_probability > kFrontMax && back_probability < kBackMin) return ViewSide::unknown;
   // Seen from behind, the person's left is the picture's left.
-  if (dot(across, frame.right) < 0 || back_probability >= kBackMin) return ViewSide::back;
-  return back_probability <= kFrontMax ? ViewSide::front : ViewSide::unknown;
+  return dot(across, frame.right) < 0 || back_probability >= kBackMin ? ViewSide::back : ViewSide::front;
 }
 
 GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view) {
