@@ -75,7 +75,8 @@ TEST_F(People, MasksAreDisjointAndEachPixelIsOnItsPerson) {
     for (const auto& mask : shot.masks) owners += mask[i] == 255 ? 1 : 0;
     ASSERT_LE(owners, 1);
     if (owners == 0 || i % 61 != 0) continue;
-    const auto u = static_cast<float>(i % kWidth), v = static_cast<float>(i / kWidth);
+    const std::size_t column = i % kWidth, row = i / kWidth;
+    const auto u = static_cast<float>(column), v = static_cast<float>(row);
     const Vec3f ray{(u - k.cx) / k.fx, (v - k.cy) / k.fy, 1};
     float nearest = 1e9F;
     std::size_t first = 9;
@@ -230,7 +231,7 @@ TEST_F(People, SeatedPeopleSitOnSomething) {
     int chair = 0;
     for (int v = 0; v < kHeight; ++v) {
       for (int u = 0; u < kWidth; ++u) {
-        const std::size_t at = static_cast<std::size_t>(v * kWidth + u);
+        const std::size_t at = static_cast<std::size_t>(v) * kWidth + static_cast<std::size_t>(u);
         if (shot.depth[at] == 0 || shot.masks[0][at] != 0) continue;
         const Vec3f p = unproject(k, static_cast<float>(u), static_cast<float>(v), shot.depth[at]);
         const float height = dot(floor.up, p) + floor.camera_height_mm;
@@ -259,8 +260,9 @@ TEST_F(People, TouchingFurnitureHidesNothingAndIsNear) {
     bool close = false;
     for (std::size_t p = 0; p < b.depth.size() && !close; ++p) {
       if (b.masks[0][p] != 0 || b.depth[p] == 0 || b.depth[p] == a.depth[p]) continue;
+      const std::size_t column = p % kWidth, row = p / kWidth;
       const Vec3f at =
-          unproject(touched.intrinsics(), static_cast<float>(p % kWidth), static_cast<float>(p / kWidth), b.depth[p]);
+          unproject(touched.intrinsics(), static_cast<float>(column), static_cast<float>(row), b.depth[p]);
       if (dot(floor.up, at) + floor.camera_height_mm > 500) continue;
       for (const Joint foot : {Joint::LF, Joint::RF}) close = close || norm(at - j[foot]) < 260;
     }
