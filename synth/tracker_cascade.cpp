@@ -39,6 +39,7 @@ struct Level {
   Basis basis{};
   std::array<std::array<float, static_cast<std::size_t>(kShapeSize)>, static_cast<std::size_t>(kLeafSize)> units{};
   std::vector<Sums> sums;                   // by start: what the level's trees have given
+  std::array<double, kJointCount> joint_share{};  // of the residual's spread
   std::vector<std::array<float, 2>> where;  // anchors about the mean shape, mm
   std::vector<std::int16_t> pixels;         // starts * pixel_count
   std::vector<float> residual;              // starts * 45
@@ -95,6 +96,16 @@ class TreeGrower {
   }
 
  private:
+  // Joints with more left to go are asked more often.
+  int draw_joint() {
+    double left = rng_.uniform();
+    for (std::size_t j = 0; j + 1 < kJointCount; ++j) {
+      left -= level_.joint_share[j];
+      if (left < 0) return static_cast<int>(j);
+    }
+    return static_cast<int>(kJointCount) - 1;
+  }
+
   Split draw() {
     Split s;
     for (int tries = 0; tries < 12; ++tries) {
@@ -116,7 +127,7 @@ class TreeGrower {
     const std::size_t stride = mine.size() / looked;
     std::array<int, kScoreSize> dims{};
     for (int half = 0; half < 2; ++half) {
-      const int joint = rng_.index(static_cast<int>(kJointCount));
+      const int joint = draw_joint();
       for (int k = 0; k < 3; ++k)
         dims[3 * static_cast<std::size_t>(half) + static_cast<std::size_t>(k)] = 3 * joint + k;
     }
@@ -248,6 +259,13 @@ void choose_basis(Level& level) {
     moments.selfadjointView<Eigen::Lower>().rankUpdate(r);
   }
   moments /= static_cast<double>(count);
+  double sum = 0;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const auto at = static_cast<Eigen::Index>(3 * j);
+    level.joint_share[j] = std::sqrt(moments(at, at) + moments(at + 1, at + 1) + moments(at + 2, at + 2));
+    sum += level.joint_share[j];
+  }
+  for (double& share : level.joint_share) share /= sum;
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(moments);  // values rise
   for (int k = 0; k < kLeafSize; ++k) {
     const int column = kShapeSize - 1 - k;
