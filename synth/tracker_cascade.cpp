@@ -38,11 +38,11 @@ struct Level {
   std::span<const Anchor> anchors;
   Basis basis{};
   std::array<std::array<float, static_cast<std::size_t>(kShapeSize)>, static_cast<std::size_t>(kLeafSize)> units{};
-  std::vector<Sums> sums;                   // by start: what the level's trees have given
+  std::vector<Sums> sums;                         // by start: what the level's trees have given
   std::array<double, kJointCount> joint_share{};  // of the residual's spread
-  std::vector<std::array<float, 2>> where;  // anchors about the mean shape, mm
-  std::vector<std::int16_t> pixels;         // starts * pixel_count
-  std::vector<float> residual;              // starts * 45
+  std::vector<std::array<float, 2>> where;        // anchors about the mean shape, mm
+  std::vector<std::int16_t> pixels;               // starts * pixel_count
+  std::vector<float> residual;                    // starts * 45
   int pixel_count = 0;
   const std::int16_t* row(std::int32_t start) const {
     return pixels.data() + static_cast<std::size_t>(start) * static_cast<std::size_t>(pixel_count);
@@ -256,7 +256,7 @@ void choose_basis(Level& level) {
     const Vector r =
         Eigen::Map<const Eigen::Matrix<float, joints::kShapeSize, 1>>(level.left_to_go(static_cast<std::int32_t>(i)))
             .cast<double>();
-    moments.selfadjointView<Eigen::Lower>().rankUpdate(r);
+    moments += r * r.transpose();
   }
   moments /= static_cast<double>(count);
   double sum = 0;

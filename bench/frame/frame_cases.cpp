@@ -198,9 +198,9 @@ void add_sense_parts(Cases& cases, const Bench& b) {
   if (b.tracker != nullptr) {
     const auto tracker = std::make_shared<JointTracker>(*b.tracker);
     const auto joints = std::make_shared<JointSet>();
-    *joints = tracker->track(room->last(), room->mask_image(), kCamera, room->person, nullptr);
+    *joints = tracker->track(room->last(), room->mask_image(), kCamera, room->person, false);
     add(cases, "joints", {}, [b, room, tracker, joints] {
-      *joints = tracker->track(room->last(), room->mask_image(), kCamera, room->person, joints.get());
+      *joints = tracker->track(room->last(), room->mask_image(), kCamera, room->person, true);
       keep(*joints);
     });
   }

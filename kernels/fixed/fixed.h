@@ -101,7 +101,7 @@ class Fixed {
   constexpr Raw raw() const { return raw_; }
   constexpr double real() const { return static_cast<double>(raw_) / scale(); }
 
-  friend constexpr auto operator<=>(const Fixed&, const Fixed&) = default;
+  friend constexpr auto operator<=>(const Fixed&, const Fixed&) = default;  // NOLINT(modernize-use-nullptr)
   friend Fixed operator+(Fixed a, Fixed b) {
     Raw sum;
     const bool overflow = __builtin_add_overflow(a.raw_, b.raw_, &sum);

@@ -30,9 +30,8 @@ __m256i limit(__m256i z) {
 
 // The cells around one, read once for all its pixels.
 struct Around {
-  __m256i person[9], other[9];
+  __m256i person[9], other[9], own;
   int person_count = 0, other_count = 0;
-  __m256i own;
   bool interior = false;
 };
 

@@ -80,9 +80,10 @@ void add_trunk_row(const Scene& s, const Row& row, ProfileWorkspace& work) {
   const float middle_z = z_near(row, (run.begin + run.end) / 2);
   std::array<float, L::kReliefs> reliefs;
   reliefs.fill(kNaN);
+  constexpr int kMiddle = L::kReliefs / 2;
   for (int i = 0; i < L::kReliefs && middle_z > 0; ++i)
     reliefs[static_cast<std::size_t>(i)] =
-        relief_at_side(row, a + half * (1.0F + 0.2F * static_cast<float>(i - L::kReliefs / 2)), middle_z, run);
+        relief_at_side(row, a + half * (1.0F + 0.2F * static_cast<float>(i - kMiddle)), middle_z, run);
   // Relative to the level's own front, so that leaning and distance do not matter.
   float front = 0;
   for (int i = 2; i <= 6; ++i) front += reliefs[static_cast<std::size_t>(i)] * 0.2F;

@@ -43,8 +43,8 @@ void mean_avx2(const std::uint32_t* sum, const std::uint16_t* seen, int count, i
   for (; i + kLanes <= count; i += kLanes) eight(sum + i, seen + i, least, depth_q4 + i, mask + i);
   if (i == count) return;
   std::uint32_t last_sum[kLanes] = {};
-  std::uint16_t last_seen[kLanes] = {}, last_depth[kLanes];
-  std::uint8_t last_mask[kLanes];
+  std::uint16_t last_seen[kLanes] = {}, last_depth[kLanes] = {};
+  std::uint8_t last_mask[kLanes] = {};
   for (int k = 0; i + k < count; ++k) {
     last_sum[k] = sum[i + k];
     last_seen[k] = seen[i + k];

@@ -54,8 +54,8 @@ inline void find_leaves(const Split* splits, const std::int8_t* leaves, int coun
 
 // Calls add(leaves, count) for every batch, one batch behind the walk.
 template <class Add>
-inline void for_each_batch(const Split* splits, const std::int8_t* leaves, int tree_count,
-                           const std::int16_t* pixels, Add add) {
+inline void for_each_batch(const Split* splits, const std::int8_t* leaves, int tree_count, const std::int16_t* pixels,
+                           Add add) {
   const std::int8_t* found[2][kBatch];
   int before = 0, turn = 0;
   for (int t = 0; t < tree_count; t += kBatch, turn ^= 1) {
