@@ -7,15 +7,14 @@
 int main(int argc, char** argv) {
   const im2fit::bench::Cases cases = im2fit::bench::all_cases();
   for (const im2fit::bench::Case& one : cases) {
-    benchmark::RegisterBenchmark(
-        (one.kernel + ":" + one.variant).c_str(),
-        [&one](benchmark::State& state) {  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the library keeps it
-          for (auto _ : state) one.run();
-          state.counters[one.item] = benchmark::Counter(one.items, benchmark::Counter::kIsIterationInvariantRate);
-          state.counters["floor_us"] = one.floor.us;
-          state.SetLabel(one.floor.why);
-        })
-        ->Unit(benchmark::kMicrosecond);
+    const auto run = [&one](benchmark::State& state) {
+      for (auto _ : state) one.run();
+      state.counters[one.item] = benchmark::Counter(one.items, benchmark::Counter::kIsIterationInvariantRate);
+      state.counters["floor_us"] = one.floor.us;
+      state.SetLabel(one.floor.why);
+    };
+    // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): the library keeps it
+    benchmark::RegisterBenchmark((one.kernel + ":" + one.variant).c_str(), run)->Unit(benchmark::kMicrosecond);
   }
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
