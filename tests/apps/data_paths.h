@@ -24,12 +24,17 @@ inline std::string tracker_path() {
 inline std::string index_path() {
   return data_path("IM2FIT_INDEX", "index.i2f");
 }
+inline bool have_tracker() {
+  return std::filesystem::exists(body_path()) && std::filesystem::exists(tracker_path());
+}
 inline bool have_data() {
-  return std::filesystem::exists(body_path()) && std::filesystem::exists(tracker_path()) &&
-         std::filesystem::exists(index_path());
+  return have_tracker() && std::filesystem::exists(index_path());
 }
 
 #define IM2FIT_NEED_DATA() \
   if (!test::have_data()) GTEST_SKIP() << "no body, tracker or index file: run im2fit-lab fetch, train and index"
+
+#define IM2FIT_NEED_TRACKER() \
+  if (!test::have_tracker()) GTEST_SKIP() << "no body or tracker file: run im2fit-lab fetch and train"
 
 }  // namespace im2fit::test

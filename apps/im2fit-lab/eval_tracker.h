@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// `eval --tracker`: the words of the command line, and the run.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "body/model.h"
+#include "kernels/joints/tracker.h"
+
+namespace im2fit::apps {
+
+struct TrackerEvalWords {
+  bool wanted = false;
+  std::vector<std::string> only;    // sections; empty: all
+  std::vector<std::string> scenes;  // conditions and guidance codes; empty: all
+  int scenes_per_subject = 2;
+  int clips = 50;
+  int clip_frames = 300;
+  int empty_frames = 10'000;
+  int guidance_scenes = 100;
+  std::string pictures;
+};
+
+// `others`: what has no meaning beside --tracker.
+void add_tracker_words(CLI::App& sub, TrackerEvalWords& words, const std::vector<CLI::Option*>& others);
+
+struct TrackerEvalRun {
+  int subjects = 200;
+  std::uint64_t seed = 0;
+  int threads = 1;
+  std::string json_path;
+  bool json = false;
+};
+Result<int> run_tracker_eval(const body::BodyModel& model, const JointModel& joint_model,
+                             const TrackerEvalWords& words, const TrackerEvalRun& run);
+
+}  // namespace im2fit::apps
