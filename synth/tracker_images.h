@@ -34,4 +34,7 @@ std::vector<TrackerImage> render_tracker_images(const body::BodyModel& model, in
                                                 std::uint64_t seed, int thread_count,
                                                 const std::function<void(double)>& progress);
 
+// The same picture in a mirror, with the names of left and right exchanged: a person as likely as the first.
+TrackerImage mirrored(const TrackerImage& image);
+
 }  // namespace im2fit::synth

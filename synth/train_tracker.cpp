@@ -52,7 +52,7 @@ Status check(const TrainOptions& o) {
 }
 
 // Where the cascade will be started from on the device: the forest (by trees that have not seen the image), and the
-// forest blurred, some of it less wrong than it is.
+// forest blurred.
 std::vector<CascadeStart> make_starts(std::span<const TrackerImage> images, const Forest& forest,
                                       const TrainOptions& options) {
   const std::array<Forest, 2> folds = {forest.fold(0), forest.fold(1)};
@@ -68,16 +68,12 @@ std::vector<CascadeStart> make_starts(std::span<const TrackerImage> images, cons
       start.image = i;
       start.shape = cold;
       if (s == 0) continue;
-      const bool follow = s % 3 == 2;
-      const double shift = follow ? 15 : 10;
-      const Vec3f moved = {static_cast<float>(rng.normal(0, shift)), static_cast<float>(rng.normal(0, shift)),
-                           static_cast<float>(rng.normal(0, shift))};
+      const Vec3f moved = {static_cast<float>(rng.normal(0, 10)), static_cast<float>(rng.normal(0, 10)),
+                           static_cast<float>(rng.normal(0, 10))};
       for (int j = 0; j < static_cast<int>(kJointCount); ++j) {
         const Vec3f blur = {static_cast<float>(rng.normal(0, 14)), static_cast<float>(rng.normal(0, 14)),
                             static_cast<float>(rng.normal(0, 14))};
-        Vec3f p = joints::joint_of(cold, j) + moved + blur;
-        if (follow) p = (p + image.truth[static_cast<std::size_t>(j)]) * 0.5F;
-        joints::set_joint(start.shape, j, p);
+        joints::set_joint(start.shape, j, joints::joint_of(cold, j) + moved + blur);
       }
     }
   });
@@ -167,11 +163,18 @@ std::vector<std::byte> pack(const joints::Meta& meta, const Forest& forest, cons
 Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const TrainOptions& options,
                                              const TrainProgress& progress) {
   if (Status ok = check(options); !ok) return ok.error();
-  const std::vector<TrackerImage> images =
+  std::vector<TrackerImage> images =
       render_tracker_images(model, options.image_count, options.images_per_subject, options.seed,
                             options.thread_count, Progress{progress, 0.0, 0.5, "rendering"});
-  const auto learnt_count = static_cast<std::size_t>(static_cast<double>(images.size()) * (1.0 - kCalibrationShare));
-  const std::span<const TrackerImage> learnt(images.data(), learnt_count);
+  // Even, so that a picture and its mirror image are in the same half.
+  const auto learnt_count =
+      static_cast<std::size_t>(static_cast<double>(images.size()) * (1.0 - kCalibrationShare)) / 2 * 2;
+  const auto split = images.begin() + static_cast<std::ptrdiff_t>(learnt_count);
+  const std::vector<TrackerImage> unseen(split, images.end());
+  images.erase(split, images.end());
+  images.reserve(2 * learnt_count);
+  for (std::size_t i = 0; i < learnt_count; ++i) images.push_back(mirrored(images[i]));
+  const std::span<const TrackerImage> learnt(images);
   const Forest forest = train_forest(learnt, options, Progress{progress, 0.5, 0.65, "jump forest"});
   std::vector<CascadeStart> starts = make_starts(learnt, forest, options);
   const Cascade cascade = train_cascade(learnt, starts, options, Progress{progress, 0.65, 0.99, "cascade"});
@@ -183,8 +186,7 @@ Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const
       static_cast<std::uint32_t>(options.pixel_count), static_cast<std::uint32_t>(side.tree_count())};
   const JointModel::Data data = {
       meta, forest.view(), cascade.anchors, cascade.splits, cascade.leaves, cascade.basis, {}, {}, {}, {}};
-  const std::vector<joints::ConfidenceBin> bins =
-      calibrate({images.data() + learnt_count, images.size() - learnt_count}, data);
+  const std::vector<joints::ConfidenceBin> bins = calibrate(unseen, data);
   if (progress) progress(1.0, "done");
   return pack(meta, forest, cascade, side, bins);
 }

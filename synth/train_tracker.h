@@ -22,12 +22,12 @@ struct TrainOptions {
   int tree_count = 2;  // per joint; even: half of the trees learn on each half of the images
   int jump_count = 6;
   int samples_per_image = 10;
-  int tree_depth_max = 12;
+  int tree_depth_max = 13;
   // Cascade
   int level_count = 10;
   int level_tree_count = 600;
   int pixel_count = 400;
-  int starts_per_image = 4;
+  int starts_per_image = 2;  // and of its mirror image
 };
 
 // Called now and then from the calling thread or a worker, one at a time: share of the work done (0..1), rising.
