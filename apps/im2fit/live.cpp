@@ -222,7 +222,7 @@ Result<int> run_live(const LiveOptions& asked) {
   LiveOptions options = asked;
   options.session.user = user_of(options.user).value_or(0);
   std::string tables;
-  const auto code = run_live_shown(options, tables);
+  auto code = run_live_shown(options, tables);
   fmt::print("{}", tables);
   return code;
 }

@@ -36,6 +36,13 @@ ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_p
   return dot(across, frame.right) < 0 || back_probability >= kBackMin ? ViewSide::back : ViewSide::front;
 }
 
+GuidanceSet pose_codes_seen(GuidanceSet of_mask) {
+  if (has(of_mask, Guidance::too_near) || has(of_mask, Guidance::too_far) || has(of_mask, Guidance::too_noisy))
+    return 0;
+  const GuidanceSet trunk = Guidance::not_upright | Guidance::not_frontal;
+  return has(of_mask, Guidance::side_cut) ? trunk : trunk | static_cast<GuidanceSet>(Guidance::arms_close);
+}
+
 GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view) {
   GuidanceSet guidance = 0;
   const BodyFrame body = body_frame(joints);

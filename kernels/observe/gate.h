@@ -19,6 +19,9 @@ ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_p
 // not_upright (mended Eq. 1 and the floor), not_frontal (neither front nor back), arms_close. Thresholds sit three
 // joint errors away from what a person asked to stand straight does: one noisy joint must not refuse a good frame.
 GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view);
+// Which of those codes a frame can bear, given what the mask says of it: joints in few or coarse pixels are guesses,
+// and a hand outside the picture has no place. First the person must stand where the pose can be seen.
+GuidanceSet pose_codes_seen(GuidanceSet of_mask);
 inline GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor) {
   return pose_gate(joints, floor, view_side(joints, floor));
 }

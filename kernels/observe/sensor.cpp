@@ -3,12 +3,6 @@
 #include "kernels/observe/observe.h"
 
 namespace im2fit {
-namespace {
-
-constexpr GuidanceSet kPoseUnseen =
-    (Guidance::too_near | Guidance::too_far) | static_cast<GuidanceSet>(Guidance::too_noisy);
-
-}  // namespace
 
 Sensor::Sensor(int width, int height, const JointModel& model) : segmenter_(width, height), tracker_(model) {}
 
@@ -25,9 +19,8 @@ Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage 
   sighting.joints = tracker_.track(depth, mask, intrinsics, sighting.person, follows);
   sighting.back_chance = tracker_.back_chance();
   sighting.view = view_side(sighting.joints, sighting.person.floor, sighting.back_chance);
-  // Joints in few or coarse pixels are guesses: first the person must stand where the pose can be seen.
-  if ((sighting.guidance & kPoseUnseen) == 0)
-    sighting.guidance |= pose_gate(sighting.joints, sighting.person.floor, sighting.view);
+  sighting.guidance |=
+      pose_gate(sighting.joints, sighting.person.floor, sighting.view) & pose_codes_seen(sighting.guidance);
   previous_user_ = sighting.person.id;
   return sighting;
 }

@@ -95,6 +95,16 @@ TEST(PoseGate, NeitherFrontNorBackIsNotFrontal) {
     EXPECT_EQ(pose_gate(standing(), kLevelFloor, view), static_cast<GuidanceSet>(Guidance::not_frontal));
 }
 
+TEST(PoseGate, IsHeardWhereThePoseCanBeSeen) {
+  const GuidanceSet trunk = Guidance::not_upright | Guidance::not_frontal;
+  const GuidanceSet all = trunk | static_cast<GuidanceSet>(Guidance::arms_close);
+  EXPECT_EQ(pose_codes_seen(0), all);
+  EXPECT_EQ(pose_codes_seen(Guidance::feet_cut | Guidance::several_people), all);
+  EXPECT_EQ(pose_codes_seen(static_cast<GuidanceSet>(Guidance::side_cut)), trunk) << "the hand is outside";
+  for (const Guidance unseen : {Guidance::too_near, Guidance::too_far, Guidance::too_noisy})
+    EXPECT_EQ(pose_codes_seen(static_cast<GuidanceSet>(unseen)), 0U);
+}
+
 // Bows about the hips, legs upright.
 JointSet bowing(double degrees) {
   JointSet joints = standing();
