@@ -20,7 +20,7 @@ struct FloorPlane {
 
 // One of the people of a frame, as the coarse picture shows them (cells of 4 px at 640x480).
 struct User {
-  int id = 0;  // >= 1; stays while the person is seen, or hidden for 3 s at most; never given to another person
+  int id = 0;  // >= 1; stays while the person is seen, or hidden for 5 s at most; never given to another person
   int u_min = 0, v_min = 0, u_max = -1, v_max = -1;  // px, box, inclusive
   int pixel_count = 0;                               // of the cells
   Vec3f centroid_mm;                                 // of the cells

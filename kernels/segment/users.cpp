@@ -7,12 +7,13 @@
 namespace im2fit::segment {
 namespace {
 
-constexpr float kHiddenMaxS = 3.0F;
-constexpr float kUnconfirmedHiddenMaxS = 0.25F;
+constexpr float kHiddenMaxS = 5.0F;
+constexpr float kUnconfirmedHiddenMaxS = 1.0F;
 constexpr int kConfirmFrames = 3;
+constexpr int kSeenMax = 8;
 constexpr float kGateMm = 350.0F;            // a head's jump when a raised arm is taken for it
-constexpr float kGateGrowthMmPerS = 500.0F;  // who is hidden may stop or turn
-constexpr float kGateMaxMm = 1200.0F;
+constexpr float kGateGrowthMmPerS = 600.0F;  // who is hidden may stop or turn
+constexpr float kGateMaxMm = 1400.0F;
 constexpr float kTopGateMm = 250.0F;  // two people of unlike height are not one
 constexpr float kPlaceGain = 0.6F;    // of an alpha-beta filter; heads are seen to a cell, 20 mm
 constexpr float kSpeedGain = 0.12F;
@@ -20,6 +21,7 @@ constexpr float kSpeedMaxMmPerS = 3000.0F;
 constexpr float kHeadlessGateMm = 350.0F;
 constexpr float kHeadlessMaxS = 1.0F;  // of what has a person's place but not a person's size
 constexpr float kExpectedMaxS = 1.0F;
+constexpr float kHeadlessHiddenMaxS = 1.5F;  // later, who comes out of hiding may be furniture
 constexpr float kHeadlessTallMm = 300.0F;
 constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person
 constexpr float kHeadlessAreaMax = 1.4F;
@@ -82,7 +84,7 @@ void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor
   const auto list = found.blobs();
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
-    if (track.sighting >= 0 || sighting_count_ == kUserCountMax) continue;
+    if (track.sighting >= 0 || track.hidden_s > kHeadlessHiddenMaxS || sighting_count_ == kUserCountMax) continue;
     const bool confirmed = track.seen_count >= kConfirmFrames;
     float nearest = kHeadlessGateMm;
     int best = -1;
@@ -153,9 +155,10 @@ void UserTracker::follow(Track& track, const Sighting& sighting, float area_m2, 
   const Vec3f off = place - track.expected_mm;
   const bool hidden = track.hidden_s > 0;
   track.seen_mm = hidden ? place : track.expected_mm + off * kPlaceGain;
-  // After a gap the error grew over all of it.
+  // After a gap the error grew over all of it; a new track's speed is learned from little.
+  const float gain = hidden ? 0.5F : std::max(kSpeedGain, 1.0F / static_cast<float>(track.seen_count + 1));
   const float since = seconds + track.hidden_s;
-  track.speed_mm_s = track.speed_mm_s + off * ((hidden ? 0.5F : kSpeedGain) / since);
+  track.speed_mm_s = track.speed_mm_s + off * (gain / since);
   const float speed = norm(track.speed_mm_s);
   if (speed > kSpeedMaxMmPerS) track.speed_mm_s = track.speed_mm_s * (kSpeedMaxMmPerS / speed);
   if (sighting.has_head) track.lean_mm = sighting.place_mm - sighting.centroid_mm;
@@ -167,7 +170,7 @@ void UserTracker::follow(Track& track, const Sighting& sighting, float area_m2, 
   track.expected_mm = track.seen_mm;
   track.area_m2 = std::max(area_m2, track.area_m2 * kAreaKeep);
   track.hidden_s = 0;
-  track.seen_count = std::min(track.seen_count + 1, kConfirmFrames);
+  track.seen_count = std::min(track.seen_count + 1, kSeenMax);
 }
 
 // Where all are taken, the one hidden longest goes.

@@ -35,7 +35,7 @@ class UserTracker {
     float top_mm = 0;  // height of the crown
     bool has_top = false;
     float hidden_s = 0;
-    int seen_count = 0;    // frames, up to what confirms
+    int seen_count = 0;    // frames, up to kSeenMax
     float area_m2 = 0;     // the most seen of it, slowly forgotten
     Vec3f lean_mm;         // from the centroid to the crown, along the floor
     float headless_s = 0;  // since its head was seen
