@@ -28,6 +28,8 @@ struct SessionRules {
   // by 180.
   float body_speed_max_mm_s = 60;
   float limb_speed_max_mm_s = 300;
+  bool back_learned =
+      false;             // the index knows people from behind: then a back may be measured where no front is shown
   int attempts_max = 8;  // beginnings after the first, by loss or by a pose that changed
 };
 

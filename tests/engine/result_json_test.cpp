@@ -124,7 +124,8 @@ TEST(ResultJson, InferredJointsAreMarkedUntilMeasured) {
   report.result.joints_inferred = joint_bit(joint_index(Joint::LA)) | joint_bit(joint_index(Joint::RF));
   report.result.joints = report.result.measured_joints;
   report.result.has_joints = true;
-  for (const auto& [name, joint] : json::parse(result_json(report))["joints"].items())
+  const json measured = json::parse(result_json(report));
+  for (const auto& [name, joint] : measured["joints"].items())
     EXPECT_FALSE(joint.contains("inferred")) << name << " is the mean of frames";
   report.result.measured = false;
   const json v = json::parse(result_json(report));

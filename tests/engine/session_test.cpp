@@ -165,11 +165,26 @@ TEST(Session, GathersOneSideAndPrefersTheFront) {
     SessionView view = kGood;
     view.view = c.seen;
     view.frames_gathered = c.frames_gathered;
-    const SessionStep step = on_sighting(rules(false), session, view);
+    SessionRules learned = rules(false);
+    learned.back_learned = true;
+    const SessionStep step = on_sighting(learned, session, view);
     EXPECT_EQ(step.use_frame, c.use);
     EXPECT_EQ(step.forget, c.forget);
     EXPECT_EQ(has(step.guidance, Guidance::not_frontal), c.not_frontal);
     EXPECT_EQ(step.next.side, c.after);
+  }
+}
+
+TEST(Session, ABackIsAskedToTurnRoundWhereBacksWereNotLearned) {
+  SessionView view = kGood;
+  for (const State state : {State::user_found, State::tracking}) {
+    view.view = ViewSide::back;
+    const SessionStep back = on_sighting(rules(false), at(state), view);
+    EXPECT_FALSE(back.use_frame);
+    EXPECT_EQ(back.guidance, static_cast<GuidanceSet>(Guidance::not_frontal));
+    EXPECT_EQ(back.next.state, state);
+    view.view = ViewSide::front;
+    EXPECT_TRUE(on_sighting(rules(false), at(state), view).use_frame);
   }
 }
 

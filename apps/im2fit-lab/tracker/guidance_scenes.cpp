@@ -50,7 +50,6 @@ class Maker {
     s.hair = rng.uniform() < 0.5;
     s.furniture_count = rng.index(3);
     s.pose = rng.uniform() < 0.7 ? synth::StandingPose::relaxed : synth::StandingPose::a_pose;
-    s.back_view = rng.uniform() < 0.15;
   }
 
   void ok() {}
@@ -159,7 +158,6 @@ void Maker::side_cut() {
 // A hand before the body or on it: by the truth, not further out than the hip joint beside it.
 void Maker::arms_close() {
   options().pose = synth::StandingPose::crossed;
-  options().back_view = false;
   for (int i = 0; i < kDrawsMax; ++i) {
     const UprightScene staged(model_, scene_.subject, scene_.shot);
     const JointSet truth = staged.staged().joints(0);
@@ -172,7 +170,8 @@ void Maker::arms_close() {
 }
 
 void Maker::not_frontal() {
-  options().yaw_deg = either_sign(rng_, draw(rng_, 40, 80));
+  options().back_view = rng_.uniform() < 0.3;  // from behind about squarely
+  if (!options().back_view) options().yaw_deg = either_sign(rng_, draw(rng_, 40, 80));
 }
 
 void Maker::not_upright() {
