@@ -75,8 +75,8 @@ TEST_P(DamagedDataFile, IsNamedInOneLine) {
   expect_lab_fails({"index", "inspect", folder.path("bad.i2f")}, "bad.i2f");
   expect_lab_fails({"population", "--subjects", "1", "--body", folder.path("bad.i2b")}, "bad.i2b");
   expect_lab_fails({"render", "--out", folder.path("scene"), "--body", folder.path("bad.i2b")}, "bad.i2b");
-  expect_lab_fails({"eval", "--subjects", "1", "--body", test::body_path(), "--joint-model",
-                    folder.path("bad.i2t"), "--index", test::index_path()},
+  expect_lab_fails({"eval", "--subjects", "1", "--body", test::body_path(), "--joint-model", folder.path("bad.i2t"),
+                    "--index", test::index_path()},
                    "bad.i2t");
   EXPECT_FALSE(std::filesystem::exists(folder.path("scene")));
 }
