@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::uint64_t kGuidanceStream = 0x6D1DA;
 constexpr std::uint64_t kSpoilStream = 0x6D1DB;
-constexpr int kDrawsMax = 200;  // until a scene is what its name says
+constexpr int kDrawsMax = 200;       // until a scene is what its name says
+constexpr float kHandReachMm = 150;  // from the hand's joint to the finger tips, and some
 constexpr float kDegree = std::numbers::pi_v<float> / 180;
 
 GuidanceSet bits(std::initializer_list<Guidance> codes) {
@@ -77,10 +78,23 @@ class Maker {
   }
   float stature_mm() const { return scene_.subject.truth[measurement_index(Measurement::stature)]; }
 
+  // By the truth, fingers and all: nothing is cut at the sides.
+  bool hands_inside();
+
   const body::BodyModel& model_;
   Rng& rng_;
   GuidanceScene scene_;
 };
+
+bool Maker::hands_inside() {
+  const UprightScene staged(model_, scene_.subject, scene_.shot);
+  const JointSet truth = staged.staged().joints(0);
+  const Intrinsics& k = staged.intrinsics();
+  return std::ranges::all_of(std::array{Joint::LA, Joint::RA, Joint::LE, Joint::RE}, [&](Joint j) {
+    const float x = truth[j].x, limit = truth[j].z * k.cx / k.fx - kHandReachMm;
+    return std::fabs(x) < limit;
+  });
+}
 
 void Maker::no_person() {
   options().person = false;
@@ -88,10 +102,10 @@ void Maker::no_person() {
   options().decoy_count = rng_.index(3);
 }
 
-// Nearer than a metre the whole person fits into no picture of ours; head or trunk must be there to be seen.
+// Nearer than a metre the whole person fits into no picture of ours; the head, in most of them, or some of it.
 void Maker::too_near() {
-  options().distance_mm = draw(rng_, 620, 880);
-  options().camera_height_mm = draw(rng_, 1100, 1500);
+  options().distance_mm = draw(rng_, 650, 880);
+  options().camera_height_mm = stature_mm() - draw(rng_, 100, 320);
   options().pitch_deg = draw(rng_, -5, 5);
 }
 
@@ -100,7 +114,8 @@ void Maker::too_far() {
   options().wall_distance_mm = draw(rng_, 600, 2500);
 }
 
-// The picture's lower edge meets the person between ankle and knee; the head stays inside.
+// The picture's lower edge meets the person between ankle and knee; the head stays inside. Without a floor in view
+// nothing tells a camera that looks up from a person who leans back: the camera looks up by 12 degrees at most.
 void Maker::feet_cut() {
   for (int i = 0; i < kDrawsMax; ++i) {
     const float distance = draw(rng_, 1500, 2600), height = draw(rng_, 900, 1500);
@@ -108,11 +123,11 @@ void Maker::feet_cut() {
     const float half = half_height_angle();
     const float pitch = std::atan((height - cut) / distance) - half;
     const float top = height + distance * std::tan(half - pitch);
-    if (top < stature_mm() + 120 || std::fabs(pitch) > 22 * kDegree) continue;
+    if (top < stature_mm() + 120 || std::fabs(pitch) > 12 * kDegree) continue;
     options().distance_mm = distance;
     options().camera_height_mm = height;
     options().pitch_deg = pitch / kDegree;
-    return;
+    if (hands_inside()) return;
   }
 }
 
@@ -128,7 +143,7 @@ void Maker::head_cut() {
     options().distance_mm = distance;
     options().camera_height_mm = height;
     options().pitch_deg = pitch / kDegree;
-    return;
+    if (hands_inside()) return;
   }
 }
 
@@ -278,10 +293,9 @@ void spoil(DepthImage depth, double lost_share, std::uint64_t seed, std::uint64_
   Rng rng = Rng::for_item(seed, kSpoilStream, frame);
   const auto pixels = static_cast<double>(depth.width) * depth.height;
   const double scale = depth.width * depth.height > 200'000 ? 2 : 1;
-  // Blobs overlap: n blobs of share s leave (1 - s)^n.
-  const double side_mean = 3 * scale;
-  const auto blobs =
-      static_cast<std::int64_t>(std::log(1 - lost_share) / std::log(1 - side_mean * side_mean / pixels));
+  // Blobs overlap: n blobs of share s leave (1 - s)^n. Sides of 1 to 4: 7.5 px on average.
+  const double blob_share = 7.5 * scale * scale / pixels;
+  const auto blobs = static_cast<std::int64_t>(std::log(1 - lost_share) / std::log(1 - blob_share));
   for (std::int64_t i = 0; i < blobs; ++i) {
     const int side = static_cast<int>(scale) * (1 + rng.index(4));
     const int u0 = rng.index(depth.width), v0 = rng.index(depth.height);

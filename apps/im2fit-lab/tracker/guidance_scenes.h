@@ -31,7 +31,7 @@ struct GuidanceScene {
 GuidanceScene draw_guidance_scene(const body::BodyModel& model, const std::string& kind, std::uint64_t seed,
                                   std::uint64_t number);
 
-// What sunlight does: pixels lost in blobs of 2 to 8 px until `lost_share` of them are gone.
+// What sunlight does: pixels lost in square blobs of 1 to 4 px (at 320x240) until `lost_share` of them are gone.
 void spoil(DepthImage depth, double lost_share, std::uint64_t seed, std::uint64_t frame);
 
 }  // namespace im2fit::apps
