@@ -79,6 +79,7 @@ inline bool drain(std::array<int, 2> pipes, std::array<std::string*, 2> texts, i
 
 inline Run run_program(std::vector<std::string> command, const RunOptions& options = {}) {
   std::vector<char*> argv;
+  argv.reserve(command.size() + 1);
   for (std::string& word : command) argv.push_back(word.data());
   argv.push_back(nullptr);
   std::array<int, 2> out{}, err{};

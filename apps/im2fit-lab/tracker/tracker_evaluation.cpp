@@ -47,6 +47,7 @@ std::vector<const TrialOutcome*> worst_of(const std::vector<TrialOutcome>& trial
 
 std::vector<const TrialOutcome*> random_of(const std::vector<TrialOutcome>& trials, std::uint64_t seed) {
   std::vector<const TrialOutcome*> all;
+  all.reserve(trials.size());
   for (const TrialOutcome& trial : trials) all.push_back(&trial);
   Rng rng = Rng::for_item(seed, kRandomStream, 0);
   const std::size_t count = std::min(all.size(), kSheetPictures);
