@@ -81,6 +81,7 @@ Status OniSource::launch() {
   child_ = std::move(*child);
   const auto header = receive(options_.stall_ms + 1);
   if (!header) return Error{ErrorCode::corrupt, header.error().message};
+  if (header->kind == oni::Kind::failure) return Error{ErrorCode::corrupt, cannot_be_played(*header).message};
   if (header->kind != oni::Kind::hello || header->payload_bytes != sizeof(oni::Hello))
     return Error{ErrorCode::corrupt, give_up("begins with nonsense").message};
   oni::Hello hello;
@@ -132,6 +133,10 @@ Error OniSource::give_up(const std::string& why) {
   return *final_;
 }
 
+Error OniSource::cannot_be_played(const oni::Header& failure) {
+  return give_up("cannot be played: " + one_line(message_.data() + sizeof failure, failure.payload_bytes));
+}
+
 Result<oni::Header> OniSource::receive(int timeout_ms) {
   oni::Header header;
   int waited_ms = 0;
@@ -181,8 +186,7 @@ Result<FrameInfo> OniSource::next(DepthImage depth, int timeout_ms) {
   const std::byte* payload = message_.data() + sizeof(oni::Header);
   const std::size_t frame_bytes = sizeof(oni::Frame) + path_.pixel_count() * sizeof(std::uint16_t);
   if (header->kind == oni::Kind::frame && header->payload_bytes == frame_bytes) return accept_frame(depth);
-  if (header->kind == oni::Kind::failure)
-    return give_up("cannot be played: " + one_line(payload, header->payload_bytes));
+  if (header->kind == oni::Kind::failure) return cannot_be_played(*header);
   if (header->kind != oni::Kind::end || header->payload_bytes != sizeof(oni::End))
     return give_up("gives nonsense after frame " + std::to_string(frames_));
   oni::End end;

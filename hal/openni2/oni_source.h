@@ -42,7 +42,8 @@ class OniSource final : public Source {
   // One whole message into message_, or why there is none.
   Result<oni::Header> receive(int timeout_ms);
   Result<FrameInfo> accept_frame(DepthImage depth);
-  Error give_up(const std::string& why);  // ends the child; every later call fails the same way
+  Error cannot_be_played(const oni::Header& failure);  // in the reader's own words
+  Error give_up(const std::string& why);               // ends the child; every later call fails the same way
 
   SourceInfo info_;
   OniOptions options_;

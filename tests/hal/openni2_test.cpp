@@ -455,8 +455,18 @@ TEST_F(Recorded, ARecordingThatWasNeverClosedGivesItsFramesAndSaysSo) {
   Picture out(kWidth, kHeight);
   for (int i = 0; i < 10; ++i) ASSERT_TRUE((*camera)->next(out.image(), 5000));
   (*camera)->stop();
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  std::filesystem::copy_file(folder_->path("open.oni.part"), folder_->path("killed.oni"));
+  // The runtime's recorder writes in a thread of its own, when it gets to it.
+  const auto frames_written = [&] {
+    std::filesystem::copy_file(folder_->path("open.oni.part"), folder_->path("killed.oni"),
+                               std::filesystem::copy_options::overwrite_existing);
+    const auto contents = inspect_oni(folder_->path("killed.oni"));
+    if (contents) return static_cast<int>(contents->frames);
+    const std::string& broken_off = contents.error().message;  // "... breaks off ..., after N frames"
+    const auto after = broken_off.rfind("after ");
+    return after == std::string::npos ? 0 : std::stoi(broken_off.substr(after + 6));
+  };
+  for (int i = 0; i < 300 && frames_written() < 8; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  ASSERT_GE(frames_written(), 8);
   ASSERT_TRUE((*camera)->end_recording());
   auto source = open_source(folder_->path("killed.oni"));
   ASSERT_TRUE(source) << source.error().message;
@@ -548,6 +558,7 @@ TEST_F(Recorded, WhatIsNoRecordingIsRefused) {
     ASSERT_FALSE(source) << name;
     EXPECT_EQ(source.error().code, ErrorCode::corrupt) << source.error().message;
     EXPECT_TRUE(contains(source.error().message, name)) << source.error().message;
+    EXPECT_TRUE(contains(source.error().message, "does not take it for a recording")) << source.error().message;
   }
 }
 
