@@ -131,7 +131,6 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   out.user_id = r.user;
   out.view = static_cast<std::int32_t>(r.view);
   out.session = r.session;
-  out.measured_side = static_cast<std::int32_t>(r.measured_side);
   out.user_count = r.user_count;
   for (std::size_t i = 0; i < static_cast<std::size_t>(r.user_count); ++i) {
     const im2fit::User& u = r.users[i];

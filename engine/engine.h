@@ -65,10 +65,9 @@ struct EngineResult {
   JointSet display_joints;         // the same, steadied for the eye (JointFilter)
   FloorPlane floor;
   bool measured = false;
-  ViewSide measured_side = ViewSide::front;  // back: seen from behind only, by an index that learned backs
-  index::Answer answer;                      // valid when measured
-  MeasurementValues paper{};                 // NaN where not measured
-  JointSet measured_joints;                  // robust mean behind the answer
+  index::Answer answer;       // valid when measured
+  MeasurementValues paper{};  // NaN where not measured
+  JointSet measured_joints;   // robust mean behind the answer
 };
 
 struct FrameSeen {

@@ -115,7 +115,6 @@ void FitHalf::measure() {
   }
   result_.guidance = 0;  // nothing more is needed
   result_.measured = true;
-  result_.measured_side = session_.side;
   result_.answer = person.answer;
   result_.paper = person.paper;
   result_.measured_joints = person.joints;

@@ -2,49 +2,29 @@
 #include <string>
 #include <utility>
 
-#include "engine/frame_stages.h"
+#include "engine/sensing_stages.h"
 
 namespace im2fit {
 namespace {
 
-class ProductionStages final : public FrameStages {
+class ProductionStages final : public SensingStages {
  public:
   ProductionStages(int width, int height, const JointModel& joint_model, const index::Index& index)
-      : sensor_(width, height, joint_model), fuser_(width, height), index_(index), scratch_(index.make_scratch()) {}
-
-  void before_sense(float seconds, int user) override {
-    seconds_ = seconds;
-    sensor_.select(user);
-  }
-  Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) override {
-    return sensor_.sense(depth, intrinsics, mask, seconds_);
-  }
-  void reset_sense() override { sensor_.reset(); }
-
-  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting) override {
-    return fuser_.add(depth, mask, intrinsics, sighting);
-  }
-  int frame_count() const override { return fuser_.frame_count(); }
+      : SensingStages(width, height, joint_model), index_(index), scratch_(index.make_scratch()) {}
 
   bool measure(MeasuredPerson& person) override {
-    const Fuser::Description& description = fuser_.describe();
+    const Fuser::Description& description = fuser().describe();
     if (!description.valid) return false;
     index::QueryOptions options;
-    options.frame_count = fuser_.frame_count();
+    options.frame_count = fuser().frame_count();
     person.answer = index_.query(description.feature, options, *scratch_);
     person.paper = to_values(description.paper);
     person.joints = description.joints;
     person.floor = description.floor;
     return true;
   }
-  void reset_fit() override { fuser_.reset(); }
-  ImageView<const std::uint16_t> fused_depth_q4() const override { return fuser_.depth_q4(); }
-  MaskView fused_mask() const override { return fuser_.mask(); }
 
  private:
-  Sensor sensor_;
-  float seconds_ = kFramePeriodS;
-  Fuser fuser_;
   const index::Index& index_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
 };

@@ -192,7 +192,6 @@ std::string result_json(const ResultReport& report) {
   json["frames"] = {{"seen", r.frames_seen}, {"used", r.frames_used}, {"dropped", r.frames_dropped}};
   json["source"] = source_json(report.source);
   json["measurements"] = measurements_json(r);
-  if (r.measured && r.measured_side == ViewSide::back) json["side"] = std::string(name_of(r.measured_side));
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured && report.size) json["size"] = size_json(*report.size);
   json["joints"] = joints_json(r);

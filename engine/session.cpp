@@ -35,22 +35,6 @@ bool is_moving(const SessionRules& rules, const SessionView& view) {
          (view.guidance == 0 && view.motion.limb_mm_s > rules.limb_speed_max_mm_s);
 }
 
-// One measurement is of one side. The front is what bodies are learned from: frames from behind give way to it, and
-// those that come after it are not used.
-SessionStep choose_side(SessionStep step, const SessionView& view) {
-  const bool back = view.view == ViewSide::back;
-  if (view.frames_gathered == 0 || step.forget) {
-    step.next.side = back ? ViewSide::back : ViewSide::front;
-  } else if (back && step.next.side == ViewSide::front) {
-    step.guidance |= bit(Guidance::not_frontal);
-    step.use_frame = false;
-  } else if (!back && step.next.side == ViewSide::back) {
-    step.next.side = ViewSide::front;
-    step.forget = true;
-  }
-  return step;
-}
-
 SessionStep on_calibrating(const SessionRules& rules, SessionStep step, const SessionView& view) {
   Session& next = step.next;
   next.psi_frames = view.psi ? next.psi_frames + 1 : 0;
@@ -92,7 +76,7 @@ SessionStep on_sighting(const SessionRules& rules, const Session& session, const
     step.guidance |= bit(Guidance::moving);
     if (view.frames_gathered > 0 && view.frames_gathered <= rules.unsettled_frames_max) step.forget = true;
   }
-  if (view.view == ViewSide::back && !rules.back_learned) step.guidance |= bit(Guidance::not_frontal);
+  if (view.view == ViewSide::back) step.guidance |= bit(Guidance::not_frontal);
   if (next.state == SessionState::user_found && step.guidance == 0)
     next.state = rules.calibration_psi ? SessionState::calibrating : SessionState::tracking;
   if (next.state == SessionState::calibrating) return on_calibrating(rules, step, view);
@@ -100,7 +84,7 @@ SessionStep on_sighting(const SessionRules& rules, const Session& session, const
   if (next.state == SessionState::tracking && rules.calibration_psi && view.psi)
     step.guidance |= bit(Guidance::moving);
   step.use_frame = next.state == SessionState::tracking && step.guidance == 0;
-  return step.use_frame ? choose_side(step, view) : step;
+  return step;
 }
 
 OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_gathered) {

@@ -28,8 +28,6 @@ struct SessionRules {
   // by 180.
   float body_speed_max_mm_s = 60;
   float limb_speed_max_mm_s = 300;
-  bool back_learned =
-      false;             // the index knows people from behind: then a back may be measured where no front is shown
   int attempts_max = 8;  // beginnings after the first, by loss or by a pose that changed
 };
 
@@ -40,8 +38,7 @@ struct Session {
   int psi_wait_frames = 0;  // in CALIBRATING
   int rejected_frames = 0;  // in a row
   int attempts = 0;
-  int user = 0;                     // whose session it is; 0 before USER_FOUND
-  ViewSide side = ViewSide::front;  // of what is gathered: front or back
+  int user = 0;  // whose session it is; 0 before USER_FOUND
 };
 
 // The part of a Sighting the session looks at.

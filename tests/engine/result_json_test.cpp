@@ -134,15 +134,6 @@ TEST(ResultJson, InferredJointsAreMarkedUntilMeasured) {
     EXPECT_EQ(joint.value("inferred", false), name == "LA" || name == "RF") << name;
 }
 
-TEST(ResultJson, AMeasurementFromBehindSaysSo) {
-  ResultReport report = measured_report();
-  EXPECT_FALSE(json::parse(result_json(report)).contains("side"));
-  report.result.measured_side = ViewSide::back;
-  const json v = json::parse(result_json(report));
-  EXPECT_EQ(v["side"], "back");
-  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
-}
-
 TEST(ResultJson, TimingStandsApart) {
   ResultReport report = measured_report();
   const std::string plain = result_json(report);

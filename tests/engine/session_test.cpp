@@ -142,40 +142,7 @@ TEST(Session, AnotherUserIsAnAbsence) {
   }
 }
 
-TEST(Session, GathersOneSideAndPrefersTheFront) {
-  struct Case {
-    const char* name;
-    ViewSide gathered;
-    int frames_gathered;
-    ViewSide seen;
-    bool use, forget, not_frontal;
-    ViewSide after;
-  };
-  using V = ViewSide;
-  const Case cases[] = {{"first of the front", V::back, 0, V::front, true, false, false, V::front},
-                        {"first of the back", V::front, 0, V::back, true, false, false, V::back},
-                        {"front again", V::front, 3, V::front, true, false, false, V::front},
-                        {"back again", V::back, 3, V::back, true, false, false, V::back},
-                        {"turned round to the front", V::back, 3, V::front, true, true, false, V::front},
-                        {"turned round to the back", V::front, 3, V::back, false, false, true, V::front}};
-  for (const Case& c : cases) {
-    SCOPED_TRACE(c.name);
-    Session session = at(State::tracking);
-    session.side = c.gathered;
-    SessionView view = kGood;
-    view.view = c.seen;
-    view.frames_gathered = c.frames_gathered;
-    SessionRules learned = rules(false);
-    learned.back_learned = true;
-    const SessionStep step = on_sighting(learned, session, view);
-    EXPECT_EQ(step.use_frame, c.use);
-    EXPECT_EQ(step.forget, c.forget);
-    EXPECT_EQ(has(step.guidance, Guidance::not_frontal), c.not_frontal);
-    EXPECT_EQ(step.next.side, c.after);
-  }
-}
-
-TEST(Session, ABackIsAskedToTurnRoundWhereBacksWereNotLearned) {
+TEST(Session, ABackIsAskedToTurnRound) {
   SessionView view = kGood;
   for (const State state : {State::user_found, State::tracking}) {
     view.view = ViewSide::back;

@@ -8,7 +8,7 @@
 
 #include "apps/im2fit-lab/parallel.h"
 #include "apps/im2fit-lab/tracker/guidance_scenes.h"
-#include "engine/frame_stages.h"
+#include "engine/sensing_stages.h"
 
 namespace im2fit::apps {
 namespace {
@@ -16,34 +16,6 @@ namespace {
 // Speeds need 16 frames (kernels/observe/motion_filter.h); what was raised in the last eight counts.
 constexpr int kFramesShown = 26;
 constexpr int kFramesCounted = 8;
-
-// The engine's stages without an index: nothing is measured, everything else is as on the device.
-class UnmeasuredStages final : public FrameStages {
- public:
-  UnmeasuredStages(const Intrinsics& k, const JointModel& joint_model)
-      : sensor_(k.width, k.height, joint_model), fuser_(k.width, k.height) {}
-  void before_sense(float seconds, int user) override {
-    seconds_ = seconds;
-    sensor_.select(user);
-  }
-  Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) override {
-    return sensor_.sense(depth, intrinsics, mask, seconds_);
-  }
-  void reset_sense() override { sensor_.reset(); }
-  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting) override {
-    return fuser_.add(depth, mask, intrinsics, sighting);
-  }
-  int frame_count() const override { return fuser_.frame_count(); }
-  bool measure(MeasuredPerson&) override { return false; }
-  void reset_fit() override { fuser_.reset(); }
-  ImageView<const std::uint16_t> fused_depth_q4() const override { return fuser_.depth_q4(); }
-  MaskView fused_mask() const override { return fuser_.mask(); }
-
- private:
-  Sensor sensor_;
-  Fuser fuser_;
-  float seconds_ = 1.0F / 30;
-};
 
 // `picture`: of the last frame; may be null.
 Result<GuidanceSet> raised_by(const body::BodyModel& model, const JointModel& joint_model, const GuidanceScene& drawn,
@@ -65,7 +37,9 @@ Result<GuidanceSet> raised_by(const body::BodyModel& model, const JointModel& jo
       picture->joints = seen.result.joints;
       picture->truth = scene.truth();
     };
-  auto engine = create_engine(settings, std::make_unique<UnmeasuredStages>(settings.intrinsics, joint_model));
+  // As on the device, but for the index: nothing is measured.
+  auto engine =
+      create_engine(settings, std::make_unique<SensingStages>(settings.width, settings.height, joint_model));
   if (!engine) return engine.error();
   std::array<int, kGuidanceCount> counts{};
   for (int i = 0; i < kFramesShown; ++i) {

@@ -269,8 +269,7 @@ typedef struct im2fit_result {
   /* The latest frame's, to draw, once measured too; zero confidence without has_joints. Steadied: a joint at rest is
    * shown 0.11 s late, at 1 m/s 0.02 s. `joints` is not. */
   im2fit_joint display_joints[IM2FIT_JOINT_COUNT];
-  int32_t measured_side; /* IM2FIT_VIEW_FRONT; or BACK: seen from behind only, by an index that learned backs */
-  int32_t user_count;    /* everybody in view, nearest first */
+  int32_t user_count; /* everybody in view, nearest first */
   im2fit_user users[IM2FIT_USER_COUNT_MAX];
 } im2fit_result;
 
