@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "base/rng.h"
+#include "kernels/core/skeleton.h"
 #include "synth/tracker_parallel.h"
 
 namespace im2fit::synth {
@@ -177,8 +178,7 @@ std::vector<std::int16_t> mean_bones(std::span<const TrackerImage> images) {
   std::vector<std::int16_t> out;
   for (std::size_t j = 0; j < kJointCount; ++j) {
     Sums sums;
-    for (const TrackerImage& image : images)
-      sums.add(image.truth[j] - image.truth[joint_index(joints::kJointParent[j])]);
+    for (const TrackerImage& image : images) sums.add(image.truth[j] - image.truth[joint_index(kJointParent[j])]);
     out.push_back(to_int16(sums.x / sums.n));
     out.push_back(to_int16(sums.y / sums.n));
     out.push_back(to_int16(sums.z / sums.n));

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "apps/common/drawn_bones.h"
+
 namespace im2fit::apps {
 namespace {
 
@@ -16,12 +18,6 @@ constexpr Rgb kRight{90, 230, 130};
 constexpr Rgb kMiddle{255, 220, 80};
 constexpr Rgb kInk{240, 240, 240};
 constexpr Rgb kSectionColours[] = {{255, 90, 160}, {255, 180, 60}, {120, 240, 240}, {200, 140, 255}, {180, 255, 110}};
-
-constexpr std::pair<Joint, Joint> kBones[] = {{Joint::HE, Joint::NE}, {Joint::NE, Joint::TO}, {Joint::NE, Joint::LS},
-                                              {Joint::NE, Joint::RS}, {Joint::LS, Joint::LE}, {Joint::LE, Joint::LA},
-                                              {Joint::RS, Joint::RE}, {Joint::RE, Joint::RA}, {Joint::TO, Joint::LH},
-                                              {Joint::TO, Joint::RH}, {Joint::LH, Joint::RH}, {Joint::LH, Joint::LK},
-                                              {Joint::LK, Joint::LF}, {Joint::RH, Joint::RK}, {Joint::RK, Joint::RF}};
 
 class Painter {
  public:
@@ -106,18 +102,16 @@ class Painter {
 
   void paint_skeleton() {
     const float unit = static_cast<float>(canvas_.height()) / 400.0F;
-    for (const auto& [from, to] : kBones) {
+    for (const auto& [from, to, coloured_as] : kDrawnBones) {
       const auto [x0, y0] = project(in_.joints[from]);
       const auto [x1, y1] = project(in_.joints[to]);
       canvas_.line(x0, y0, x1, y1, 1.6F * unit, {0, 0, 0}, 0.5F);
       canvas_.line(x0, y0, x1, y1, unit, kBone, 0.9F);
     }
-    for (std::size_t j = 0; j < kJointCount; ++j) {
-      const auto [x, y] = project(in_.joints.position_mm[j]);
-      const bool left = kJointNames[j][0] == 'L';
-      const bool right = kJointNames[j][0] == 'R';
+    for (const Joint joint : kJointOrder) {
+      const auto [x, y] = project(in_.joints[joint]);
       canvas_.disc(x, y, 2.6F * unit, {0, 0, 0}, 0.6F);
-      canvas_.disc(x, y, 2.0F * unit, left ? kLeft : right ? kRight : kMiddle);
+      canvas_.disc(x, y, 2.0F * unit, is_left(joint) ? kLeft : is_right(joint) ? kRight : kMiddle);
     }
   }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "apps/common/drawn_bones.h"
 #include "apps/common/overlay.h"
 
 namespace im2fit::apps {
@@ -24,25 +25,9 @@ constexpr Rgb kMiddle{245, 245, 245};
 constexpr Rgb kInk{240, 240, 240};
 constexpr Rgb kDimInk{150, 150, 150};
 
-struct Bone {
-  Joint from, to;
-  Rgb colour;
-};
-constexpr std::array<Bone, 15> kBones = {{{Joint::HE, Joint::NE, kMiddle},
-                                          {Joint::NE, Joint::TO, kMiddle},
-                                          {Joint::LH, Joint::RH, kMiddle},
-                                          {Joint::NE, Joint::LS, kOrange},
-                                          {Joint::LS, Joint::LE, kOrange},
-                                          {Joint::LE, Joint::LA, kOrange},
-                                          {Joint::TO, Joint::LH, kOrange},
-                                          {Joint::LH, Joint::LK, kOrange},
-                                          {Joint::LK, Joint::LF, kOrange},
-                                          {Joint::NE, Joint::RS, kViolet},
-                                          {Joint::RS, Joint::RE, kViolet},
-                                          {Joint::RE, Joint::RA, kViolet},
-                                          {Joint::TO, Joint::RH, kViolet},
-                                          {Joint::RH, Joint::RK, kViolet},
-                                          {Joint::RK, Joint::RF, kViolet}}};
+Rgb colour_of(Joint j) {
+  return is_left(j) ? kOrange : is_right(j) ? kViolet : kMiddle;
+}
 
 // Red at 0, yellow at one half, green at 1.
 Rgb colour_of(float confidence) {
@@ -136,12 +121,12 @@ class SightingPainter {
   bool inferred(Joint j) const { return (in_.inferred & joint_bit(joint_index(j))) != 0; }
 
   void paint_skeleton() {
-    for (const Bone& bone : kBones) {
-      const auto [x0, y0] = project(in_.joints[bone.from]);
-      const auto [x1, y1] = project(in_.joints[bone.to]);
-      const bool guess = inferred(bone.from) || inferred(bone.to);
+    for (const auto& [from, to, coloured_as] : kDrawnBones) {
+      const auto [x0, y0] = project(in_.joints[from]);
+      const auto [x1, y1] = project(in_.joints[to]);
+      const bool guess = inferred(from) || inferred(to);
       canvas_.line(x0, y0, x1, y1, 2.2F * unit_, {0, 0, 0}, 0.5F);
-      canvas_.line(x0, y0, x1, y1, std::max(1.0F, 1.2F * unit_), bone.colour, guess ? 0.45F : 1.0F);
+      canvas_.line(x0, y0, x1, y1, std::max(1.0F, 1.2F * unit_), colour_of(coloured_as), guess ? 0.45F : 1.0F);
     }
     for (std::size_t j = 0; j < kJointCount; ++j) {
       const auto [x, y] = project(in_.joints.position_mm[j]);

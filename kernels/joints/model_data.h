@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "kernels/core/camera.h"
-#include "kernels/core/joints.h"
+#include "kernels/core/skeleton.h"
 #include "kernels/joints/tracker.h"
 #include "kernels/joints/trees/trees.h"
 #include "kernels/joints/view.h"
@@ -20,14 +20,6 @@ inline constexpr std::string_view kTrackerMagic = "I2TR";
 inline constexpr std::uint32_t kTrackerVersion = 2;
 inline constexpr int kConfidenceBinCount = 12;
 inline constexpr int kPixelCountMax = 1024;
-
-// Torso first, then outwards: each joint starts half way along the mean bone from its parent.
-inline constexpr std::array<Joint, kJointCount> kJointOrder = {Joint::TO, Joint::NE, Joint::HE, Joint::LS, Joint::RS,
-                                                               Joint::LE, Joint::RE, Joint::LA, Joint::RA, Joint::LH,
-                                                               Joint::RH, Joint::LK, Joint::RK, Joint::LF, Joint::RF};
-inline constexpr std::array<Joint, kJointCount> kJointParent = {  // by Joint; the torso is its own
-    Joint::NE, Joint::TO, Joint::TO, Joint::NE, Joint::NE, Joint::LS, Joint::RS, Joint::LE,
-    Joint::RE, Joint::TO, Joint::TO, Joint::LH, Joint::RH, Joint::LK, Joint::RK};
 
 struct Meta {
   std::uint32_t forest_tree_count = 0;  // per joint

@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "kernels/core/skeleton.h"
+
 namespace im2fit::joints {
 
 int side_score(const JointModel::Data& model, const View& view, const Shape& shape) {
@@ -28,15 +30,11 @@ float chance_of_score(int score) {
 }
 
 void swap_sides(JointSet& joints) {
-  constexpr std::array<std::pair<Joint, Joint>, 6> kPairs = {{{Joint::LS, Joint::RS},
-                                                              {Joint::LE, Joint::RE},
-                                                              {Joint::LA, Joint::RA},
-                                                              {Joint::LH, Joint::RH},
-                                                              {Joint::LK, Joint::RK},
-                                                              {Joint::LF, Joint::RF}}};
-  for (const auto& [left, right] : kPairs) {
-    std::swap(joints[left], joints[right]);
-    std::swap(joints.confidence[joint_index(left)], joints.confidence[joint_index(right)]);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const std::size_t other = joint_index(kJointMirror[j]);
+    if (other <= j) continue;  // its own image, or exchanged before
+    std::swap(joints.position_mm[j], joints.position_mm[other]);
+    std::swap(joints.confidence[j], joints.confidence[other]);
   }
 }
 

@@ -1,31 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/observe/chain_filter.h"
 
+#include "kernels/core/skeleton.h"
+
 namespace im2fit {
 namespace {
 
 constexpr float kLengthShare = 0.1F;  // of the newest frame in a bone's length: ten frames settle it
-
-struct Link {
-  Joint joint;
-  Joint parent;
-  Joint mirror;  // the other side's joint; itself in the middle
-};
-// Parents before children; the torso is the root.
-constexpr std::array<Link, kJointCount - 1> kChain = {{{Joint::NE, Joint::TO, Joint::NE},
-                                                       {Joint::HE, Joint::NE, Joint::HE},
-                                                       {Joint::LS, Joint::NE, Joint::RS},
-                                                       {Joint::RS, Joint::NE, Joint::LS},
-                                                       {Joint::LE, Joint::LS, Joint::RE},
-                                                       {Joint::RE, Joint::RS, Joint::LE},
-                                                       {Joint::LA, Joint::LE, Joint::RA},
-                                                       {Joint::RA, Joint::RE, Joint::LA},
-                                                       {Joint::LH, Joint::TO, Joint::RH},
-                                                       {Joint::RH, Joint::TO, Joint::LH},
-                                                       {Joint::LK, Joint::LH, Joint::RK},
-                                                       {Joint::RK, Joint::RH, Joint::LK},
-                                                       {Joint::LF, Joint::LK, Joint::RF},
-                                                       {Joint::RF, Joint::RK, Joint::LF}}};
 
 }  // namespace
 
@@ -33,9 +14,10 @@ ChainedJoints ChainFilter::step(const JointSet& joints, float dt_s) {
   ChainedJoints out;
   out.joints = joints;
   const auto seen = [&](std::size_t j) { return joints.confidence[j] >= kJointSeenMin; };
-  for (const Link& link : kChain) {
-    const std::size_t j = joint_index(link.joint);
-    const std::size_t parent = joint_index(link.parent);
+  for (const Joint joint : kJointOrder) {
+    if (joint == parent_of(joint)) continue;
+    const std::size_t j = joint_index(joint);
+    const std::size_t parent = joint_index(parent_of(joint));
     Bone& bone = bones_[j];
     if (seen(j)) {
       bone.unseen_s = 0;
@@ -46,7 +28,7 @@ ChainedJoints ChainFilter::step(const JointSet& joints, float dt_s) {
       continue;
     }
     bone.unseen_s += dt_s;
-    const float length = bone.length_mm > 0 ? bone.length_mm : bones_[joint_index(link.mirror)].length_mm;
+    const float length = bone.length_mm > 0 ? bone.length_mm : bones_[joint_index(mirror_of(joint))].length_mm;
     out.inferred |= joint_bit(j);
     if (!(length > 0)) continue;
     const bool hold = bone.length_mm > 0 && bone.unseen_s <= kHoldS;

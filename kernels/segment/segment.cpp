@@ -25,6 +25,7 @@ namespace {
 constexpr float kHeadlessMm = 700.0F;    // one without a head must be that much nearer to be chosen
 constexpr float kStayMm = 300.0F;        // advantage of who was chosen in the last frame
 constexpr float kFarBehindMm = 1500.0F;  // who is further behind the person measured disturbs nobody
+constexpr float kSecondsMin = 0.001F;    // two frames of one time stamp: a speed must not divide by it
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -130,7 +131,7 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   w.grid.measure_heights(person.floor);
   w.background.look(w.grid, person.floor);
   w.blobs.run(w.grid, person.floor, w.background.shown(), w.users.expected());
-  w.users.run(w.grid, w.blobs, person.floor, seconds);
+  w.users.run(w.grid, w.blobs, person.floor, std::max(seconds, kSecondsMin));
   person.people_count = w.people_count();
 
   const int who = w.choose();

@@ -7,6 +7,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "apps/common/drawn_bones.h"
+
 namespace im2fit::apps {
 namespace {
 
@@ -21,16 +23,9 @@ constexpr Rgb kMiddle{255, 255, 255};
 constexpr Rgb kOutline{255, 230, 0};
 constexpr Rgb kInk{235, 235, 235};
 
-struct Bone {
-  Joint from, to;
-  Rgb colour;
-};
-constexpr Bone kBones[] = {
-    {Joint::HE, Joint::NE, kMiddle}, {Joint::NE, Joint::TO, kMiddle}, {Joint::NE, Joint::LS, kLeft},
-    {Joint::LS, Joint::LE, kLeft},   {Joint::LE, Joint::LA, kLeft},   {Joint::NE, Joint::RS, kRight},
-    {Joint::RS, Joint::RE, kRight},  {Joint::RE, Joint::RA, kRight},  {Joint::TO, Joint::LH, kLeft},
-    {Joint::TO, Joint::RH, kRight},  {Joint::LH, Joint::LK, kLeft},   {Joint::LK, Joint::LF, kLeft},
-    {Joint::RH, Joint::RK, kRight},  {Joint::RK, Joint::RF, kRight}};
+Rgb colour_of(Joint j) {
+  return is_left(j) ? kLeft : is_right(j) ? kRight : kMiddle;
+}
 
 class Drawing {
  public:
@@ -47,10 +42,10 @@ class Drawing {
       for (int x = 0; x < canvas_.width(); ++x) paint_pixel(x, y);
   }
   void bones(const JointSet& joints, bool true_ones) {
-    for (const Bone& bone : kBones) {
-      const auto [x0, y0] = project(joints[bone.from]);
-      const auto [x1, y1] = project(joints[bone.to]);
-      canvas_.line(x0, y0, x1, y1, true_ones ? 3.5F : 1.8F, true_ones ? kTruth : bone.colour);
+    for (const auto& [from, to, coloured_as] : kDrawnBones) {
+      const auto [x0, y0] = project(joints[from]);
+      const auto [x1, y1] = project(joints[to]);
+      canvas_.line(x0, y0, x1, y1, true_ones ? 3.5F : 1.8F, true_ones ? kTruth : colour_of(coloured_as));
     }
     for (const Vec3f& p : joints.position_mm) {
       const auto [x, y] = project(p);
