@@ -27,7 +27,9 @@ constexpr int kCandidateCount = 90;
 constexpr int kLookedMax = 1200;
 constexpr int kScoreSize = 6;  // two joints' residuals judge a split
 constexpr double kShrinkage = 0.11;
-constexpr double kLeafPrior = 12;     // samples' worth of "no correction" in every leaf
+constexpr double kLeafPrior = 12;      // samples' worth of "no correction" in every leaf
+constexpr double kBetweenShare = 0.6;  // of the anchors lie between two joints, and nearer to that line:
+constexpr double kBetweenSpread = 0.5;
 constexpr double kPairReachMm = 450;  // near pairs are likelier (Kazemi 2014, section 2.3.2)
 constexpr double kLeafReach = 5;      // standard deviations of the residual that a leaf can hold
 constexpr double kUnitMinMm = 1e-3;
@@ -189,12 +191,20 @@ class TreeGrower {
 std::vector<Anchor> draw_anchors(const TrainOptions& options, int level) {
   Rng rng = Rng::for_item(options.seed, kAnchorStream, static_cast<std::uint64_t>(level));
   std::vector<Anchor> out;
-  const double spread = anchor_spread_mm(level);
+  const auto offset = [&](double spread_mm) {
+    return static_cast<std::int16_t>(std::clamp(rng.normal(0, spread_mm), -2000.0, 2000.0));
+  };
   for (int i = 0; i < options.pixel_count; ++i) {
     Anchor a;
-    a.joint = static_cast<std::uint16_t>(rng.index(static_cast<int>(kJointCount)));
-    a.dx = static_cast<std::int16_t>(std::clamp(rng.normal(0, spread), -2000.0, 2000.0));
-    a.dy = static_cast<std::int16_t>(std::clamp(rng.normal(0, spread), -2000.0, 2000.0));
+    double spread_mm = anchor_spread_mm(level);
+    a.joint = a.towards = static_cast<std::uint8_t>(rng.index(static_cast<int>(kJointCount)));
+    if (rng.uniform() < kBetweenShare) {
+      a.towards = static_cast<std::uint8_t>(rng.index(static_cast<int>(kJointCount)));
+      a.share_q8 = static_cast<std::int16_t>(rng.index(257));
+      spread_mm *= kBetweenSpread;
+    }
+    a.dx = offset(spread_mm);
+    a.dy = offset(spread_mm);
     out.push_back(a);
   }
   return out;
@@ -299,7 +309,8 @@ Cascade train_cascade(std::span<const TrackerImage> images, std::vector<CascadeS
     level.anchors = anchors;
     level.where.clear();
     for (const Anchor& a : anchors) {
-      const Vec3f p = joints::joint_of(mean, a.joint);
+      const Vec3f from = joints::joint_of(mean, a.joint);
+      const Vec3f p = from + (joints::joint_of(mean, a.towards) - from) * (static_cast<float>(a.share_q8) / 256);
       level.where.push_back({p.x + static_cast<float>(a.dx), p.y + static_cast<float>(a.dy)});
     }
     prepare(level, images, starts, options.thread_count);

@@ -133,19 +133,11 @@ class TreeTrainer {
   void make_leaf(const Task& task) {
     Sums sums;
     for (int i = task.first; i < task.last; ++i) sums.add(samples_[static_cast<std::size_t>(i)].jump);
-    const Vec3f mean = {static_cast<float>(sums.x / sums.n), static_cast<float>(sums.y / sums.n),
-                        static_cast<float>(sums.z / sums.n)};
-    double spread = 0;
-    for (int i = task.first; i < task.last; ++i) {
-      const Vec3f d = samples_[static_cast<std::size_t>(i)].jump - mean;
-      spread += static_cast<double>(dot(d, d));
-    }
     JumpNode& leaf = nodes_[static_cast<std::size_t>(task.node)];
     leaf = {};
-    leaf.a = to_int16(static_cast<double>(mean.x));
-    leaf.b = to_int16(static_cast<double>(mean.y));
-    leaf.c = to_int16(static_cast<double>(mean.z));
-    leaf.d = to_int16(std::sqrt(spread / sums.n));
+    leaf.a = to_int16(sums.x / sums.n);
+    leaf.b = to_int16(sums.y / sums.n);
+    leaf.c = to_int16(sums.z / sums.n);
   }
 
   std::span<const TrackerImage> images_;
@@ -188,30 +180,14 @@ std::vector<std::int16_t> mean_bones(std::span<const TrackerImage> images) {
 
 }  // namespace
 
-Forest Forest::fold(int which) const {
-  Forest out;
-  out.jump_count = jump_count;
-  out.bone = bone;
-  out.tree_start.push_back(0);
-  const joints::ForestView all = view();
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    for (std::uint32_t t = static_cast<std::uint32_t>(which); t < tree_count; t += 2) {
-      const auto tree = all.tree(static_cast<int>(j), t);
-      out.nodes.insert(out.nodes.end(), tree.begin(), tree.end());
-      out.tree_start.push_back(static_cast<std::uint32_t>(out.nodes.size()));
-    }
-  }
-  out.tree_count = tree_count / 2;
-  return out;
-}
-
 Forest train_forest(std::span<const TrackerImage> images, const TrainOptions& options,
                     const std::function<void(double)>& progress) {
   Forest forest;
   forest.tree_count = static_cast<std::uint32_t>(options.tree_count);
   forest.jump_count = static_cast<std::uint32_t>(options.jump_count);
   forest.bone = mean_bones(images);
-  const joints::ForestView bones = {0, 0, {}, {}, forest.bone};
+  joints::ForestView bones;
+  bones.bone = forest.bone;
   const int tree_total = static_cast<int>(kJointCount) * options.tree_count;
   std::vector<std::vector<JumpNode>> trees(static_cast<std::size_t>(tree_total));
   std::mutex report;

@@ -21,11 +21,9 @@ struct Forest {
   std::vector<joints::JumpNode> nodes;
   std::vector<std::int16_t> bone;
   joints::ForestView view() const { return {tree_count, jump_count, tree_start, nodes, bone}; }
-  // The trees of one half of the images (even or odd tree numbers).
-  Forest fold(int which) const;
 };
 
-// Tree t learns on the images i with i % 2 == t % 2, so that each half can be started by trees that never saw it.
+// Tree t learns on the images i with i % 2 == t % 2: view().half(h) never saw those with i % 2 != h.
 Forest train_forest(std::span<const TrackerImage> images, const TrainOptions& options,
                     const std::function<void(double)>& progress);
 

@@ -148,13 +148,7 @@ std::vector<TrackerImage> render_tracker_images(const body::BodyModel& model, in
 
 TrackerImage mirrored(const TrackerImage& image) {
   TrackerImage out = image;
-  joints::View& view = out.view;
-  view.cx = static_cast<float>(2 * view.u_first + view.width - 1) - view.cx;
-  view.centroid_mm.x = -view.centroid_mm.x;
-  for (int v = 0; v < view.height; ++v) {
-    const auto row = view.depth.begin() + static_cast<std::ptrdiff_t>(v) * view.width;
-    std::reverse(row, row + view.width);
-  }
+  joints::mirror(image.view, out.view);
   JointSet joints;
   joints.position_mm = image.truth;
   for (Vec3f& p : joints.position_mm) p.x = -p.x;

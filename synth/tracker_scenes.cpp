@@ -92,7 +92,7 @@ void draw_camera(const TrackerMix& mix, Rng& rng, SceneOptions& scene) {
     scene.rotate_deg = mount < 1 - 0.1 * (1 - mix.portrait_share) ? 0 : 180;
   const bool cut = chance(rng, mix.cut_share);
   const float height = draw(rng, 500, 2200), near = draw(rng, 1000, 4000), close = draw(rng, 1000, 2300);
-  if (mix.wide_camera) {
+  if (mix.wide_share >= 1 || (mix.wide_share > 0 && chance(rng, mix.wide_share))) {
     scene.camera_height_mm = height;
     scene.pitch_limit_deg = kPitchMostDeg;
     scene.distance_mm = cut ? close : near;
@@ -109,7 +109,7 @@ TrackerMix training_mix() {
   mix.pose_weight = {0.27, 0.08, 0.34, 0.12, 0.09, 0.10};
   mix.clothed_share = 0.75;
   mix.hair_share = 0.7;
-  mix.back_share = 0.2;
+  mix.back_share = 0.15;
   mix.furniture_share = 0.5;
   mix.touching_share = 0.3;
   mix.decoy_share = 0.25;
@@ -117,7 +117,7 @@ TrackerMix training_mix() {
   mix.cut_share = 0.12;
   mix.tof_share = 0.3;
   mix.vga_share = 0.15;
-  mix.wide_camera = true;
+  mix.wide_share = 0.5;
   return mix;
 }
 

@@ -45,11 +45,11 @@ struct TrackerMix {
   double tof_share = 0;       // time of flight; the rest structured light
   double vga_share = 0;       // 640x480; the rest 320x240
   double portrait_share = 0.55;
-  bool wide_camera = false;  // heights 0.5..2.2 m, pitch within +-20 degrees, distances 1..4 m; false: as
-                             // SceneOptions draws them (0.8..1.2 m, 2..3.2 m)
-  bool noise = true;         // false: exact_sensor()
+  double wide_share = 0;  // heights 0.5..2.2 m, pitch within +-20 degrees, distances 1..4 m; the rest as
+                          // SceneOptions draws them (0.8..1.2 m, 2..3.2 m)
+  bool noise = true;      // false: exact_sensor()
 };
-TrackerMix training_mix();         // everything
+TrackerMix training_mix();         // everything, half of it from where cameras are advised to stand
 TrackerMix full_conditions_mix();  // clothing, hair, furniture, sensor noise, others behind; whole, usual distances
 TrackerMix bare_mix();             // naked, alone, no furniture; calm and Psi : free = 1 : 1 (facts/algorithms.md)
 

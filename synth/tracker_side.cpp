@@ -76,7 +76,7 @@ class SideTrainer {
     float best_gain = -1;
     for (int c = 0; c < kCandidateCount; ++c) {
       Split s;
-      s.a = static_cast<std::uint16_t>(rng_.index(pixel_count_));
+      s.a = static_cast<std::uint8_t>(rng_.index(pixel_count_));
       s.b = static_cast<std::uint16_t>(rng_.index(pixel_count_));
       if (s.a == s.b) continue;
       const std::int32_t like = mine[static_cast<std::size_t>(rng_.index(static_cast<int>(mine.size())))];
@@ -121,7 +121,7 @@ std::vector<Anchor> draw_anchors(int count, Rng& rng) {
   std::vector<Anchor> out;
   for (int i = 0; i < count; ++i) {
     Anchor a;
-    a.joint = static_cast<std::uint16_t>(rng.index(static_cast<int>(kJointCount)));
+    a.joint = a.towards = static_cast<std::uint8_t>(rng.index(static_cast<int>(kJointCount)));
     a.dx = static_cast<std::int16_t>(std::clamp(rng.normal(0, 110), -600.0, 600.0));
     a.dy = static_cast<std::int16_t>(std::clamp(rng.normal(0, 110), -600.0, 600.0));
     out.push_back(a);

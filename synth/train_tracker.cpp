@@ -8,6 +8,7 @@
 
 #include "base/container.h"
 #include "base/rng.h"
+#include "kernels/joints/estimate.h"
 #include "kernels/joints/model_data.h"
 #include "synth/tracker_cascade.h"
 #include "synth/tracker_forest.h"
@@ -55,13 +56,12 @@ Status check(const TrainOptions& o) {
 // forest blurred.
 std::vector<CascadeStart> make_starts(std::span<const TrackerImage> images, const Forest& forest,
                                       const TrainOptions& options) {
-  const std::array<Forest, 2> folds = {forest.fold(0), forest.fold(1)};
   const std::size_t per_image = static_cast<std::size_t>(options.starts_per_image);
   std::vector<CascadeStart> starts(images.size() * per_image);
   for_each_item(static_cast<int>(images.size()), options.thread_count, [&](int i) {
     const TrackerImage& image = images[static_cast<std::size_t>(i)];
     joints::Shape cold{};
-    joints::run_forest(folds[static_cast<std::size_t>(1 - i % 2)].view(), image.view, cold, nullptr);
+    joints::run_forest(forest.view().half(static_cast<std::uint32_t>(1 - i % 2)), image.view, cold);
     Rng rng = Rng::for_item(options.seed, kStartStream, static_cast<std::uint64_t>(i));
     for (std::size_t s = 0; s < per_image; ++s) {
       CascadeStart& start = starts[static_cast<std::size_t>(i) * per_image + s];
@@ -111,17 +111,14 @@ void fit_bins(std::vector<std::pair<float, bool>>& seen, joints::ConfidenceBin* 
 
 std::vector<joints::ConfidenceBin> calibrate(std::span<const TrackerImage> images, const JointModel::Data& model) {
   std::array<std::vector<std::pair<float, bool>>, kJointCount> seen;
+  joints::View mirror_image;
   for (const TrackerImage& image : images) {
     if (image.view.pixel_count == 0) continue;
-    joints::Shape cold{};
-    std::array<float, kJointCount> spread{};
-    joints::run_forest(model.forest, image.view, cold, spread.data());
-    joints::Shape shape = cold;
-    joints::run_cascade(model, image.view, shape);
+    joints::mirror(image.view, mirror_image);
+    const joints::Estimate found = joints::estimate(model, image.view, mirror_image);
     for (std::size_t j = 0; j < kJointCount; ++j) {
-      const Vec3f p = joints::joint_of(shape, static_cast<int>(j));
-      const float doubt = norm(p - joints::joint_of(cold, static_cast<int>(j))) + spread[j];
-      seen[j].emplace_back(doubt, static_cast<double>(norm(p - image.truth[j])) < kCloseMm);
+      const Vec3f p = joints::joint_of(found.shape, static_cast<int>(j));
+      seen[j].emplace_back(found.doubt_mm[j], static_cast<double>(norm(p - image.truth[j])) < kCloseMm);
     }
   }
   std::vector<joints::ConfidenceBin> bins(kJointCount * static_cast<std::size_t>(joints::kConfidenceBinCount));

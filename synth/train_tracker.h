@@ -27,7 +27,7 @@ struct TrainOptions {
   int level_count = 10;
   int level_tree_count = 600;
   int pixel_count = 400;
-  int starts_per_image = 2;  // and of its mirror image
+  int starts_per_image = 4;  // and of its mirror image
 };
 
 // Called now and then from the calling thread or a worker, one at a time: share of the work done (0..1), rising.

@@ -18,7 +18,8 @@ Error damaged(const std::string& what, const std::string& detail) {
 
 Status check_meta(const joints::Meta& m, const std::string& what) {
   const auto within = [](std::uint32_t v, std::uint32_t low, std::uint32_t high) { return v >= low && v <= high; };
-  if (!within(m.forest_tree_count, 1, 16)) return damaged(what, "forest trees per joint are not 1..16");
+  if (!within(m.forest_tree_count, 2, 16) || m.forest_tree_count % 2 != 0)
+    return damaged(what, "forest trees per joint are not 2, 4 .. 16");
   if (!within(m.jump_count, 1, 64)) return damaged(what, "jumps per joint are not 1..64");
   if (!within(m.level_count, 0, 32)) return damaged(what, "cascade levels are not 0..32");
   if (!within(m.level_tree_count, 1, 4096)) return damaged(what, "trees per cascade level are not 1..4096");
@@ -48,7 +49,8 @@ Status check_forest(const joints::ForestView& f, const std::string& what) {
 Status check_trees(std::span<const joints::Anchor> anchors, std::span<const joints::Split> splits,
                    std::uint32_t pixel_count, const std::string& what) {
   for (const joints::Anchor& a : anchors)
-    if (a.joint >= kJointCount) return damaged(what, "an anchor names joint " + std::to_string(a.joint) + " of 15");
+    if (a.joint >= kJointCount || a.towards >= kJointCount)
+      return damaged(what, "an anchor names joint " + std::to_string(std::max(a.joint, a.towards)) + " of 15");
   for (const joints::Split& s : splits)
     if (s.a >= pixel_count || s.b >= pixel_count)
       return damaged(

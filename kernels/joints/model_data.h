@@ -17,7 +17,7 @@
 namespace im2fit::joints {
 
 inline constexpr std::string_view kTrackerMagic = "I2TR";
-inline constexpr std::uint32_t kTrackerVersion = 2;
+inline constexpr std::uint32_t kTrackerVersion = 3;
 inline constexpr int kConfidenceBinCount = 12;
 inline constexpr int kPixelCountMax = 1024;
 
@@ -31,7 +31,7 @@ struct Meta {
 };
 
 // Inner node: depth difference of two probes against `threshold`; children at `left`, `left + 1` of the same tree.
-// Leaf (left == 0): the jump in a, b, c (mm) and the spread of its training samples in d (mm).
+// Leaf (left == 0): the jump in a, b, c, mm.
 struct JumpNode {
   std::int16_t a = 0;
   std::int16_t b = 0;
@@ -42,12 +42,16 @@ struct JumpNode {
 };
 static_assert(sizeof(JumpNode) == 12);
 
-struct Anchor {  // one shape-indexed pixel: a joint and an offset in mm
+// One shape-indexed pixel: a place on the line from one joint to another, and an offset from there, mm. Between
+// joints of a limb it follows the limb whatever way that points (Burgos-Artizzu et al. 2013, section 3.1).
+struct Anchor {
   std::int16_t dx = 0;
   std::int16_t dy = 0;
-  std::uint16_t joint = 0;
+  std::uint8_t joint = 0;
+  std::uint8_t towards = 0;
+  std::int16_t share_q8 = 0;  // 0 at `joint`, 256 at `towards`
 };
-static_assert(sizeof(Anchor) == 6);
+static_assert(sizeof(Anchor) == 8);
 
 using Basis = std::array<float, static_cast<std::size_t>(kLeafSize* kShapeSize)>;  // mm a unit, by coefficient
 
@@ -97,22 +101,28 @@ inline int find_leaf(const Split* splits, const std::int16_t* pixels) {
   return i - kSplitCount;
 }
 
+// All trees, or every second one: each half of the trees has learnt on a half of the pictures.
 struct ForestView {
-  std::uint32_t tree_count = 0;  // per joint
+  std::uint32_t tree_count = 0;  // per joint, of this view
   std::uint32_t jump_count = 0;
   std::span<const std::uint32_t> tree_start;  // joints * trees + 1
   std::span<const JumpNode> nodes;
   std::span<const std::int16_t> bone;  // joints * 3: mean offset from the parent, mm
+  std::uint32_t tree_first = 0;
+  std::uint32_t tree_step = 1;
 
   std::span<const JumpNode> tree(int joint, std::uint32_t t) const {
-    const std::size_t i = static_cast<std::size_t>(joint) * tree_count + t;
+    const std::size_t i =
+        (static_cast<std::size_t>(joint) * tree_count + t) * static_cast<std::size_t>(tree_step) + tree_first;
     return nodes.subspan(tree_start[i], tree_start[i + 1] - tree_start[i]);
   }
+  ForestView half(std::uint32_t which) const {  // 0 or 1; of an even number of trees
+    return {tree_count / 2, jump_count, tree_start, nodes, bone, which, 2};
+  }
 };
-// Cold start. `spread_mm` (may be null): per joint, how far the trees and the last jumps disagree.
-void run_forest(const ForestView& forest, const View& view, Shape& shape, float* spread_mm);
+void run_forest(const ForestView& forest, const View& view, Shape& shape);
 // One joint from `start`.
-Vec3f run_jumps(const ForestView& forest, int joint, const View& view, Vec3f start, float* spread_mm);
+Vec3f run_jumps(const ForestView& forest, int joint, const View& view, Vec3f start);
 Vec3f jump_start(const ForestView& forest, int joint, const View& view, const Shape& shape);
 
 }  // namespace im2fit::joints

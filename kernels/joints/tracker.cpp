@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "kernels/joints/estimate.h"
 #include "kernels/joints/model_data.h"
 #include "kernels/joints/side.h"
 
@@ -27,36 +28,30 @@ Vec3f jump_start(const ForestView& forest, int joint, const View& view, const Sh
 }
 
 // The mean of the later half of the jumps: single trees hop between two leaves about the joint.
-Vec3f run_jumps(const ForestView& forest, int joint, const View& view, Vec3f p, float* spread_mm) {
+Vec3f run_jumps(const ForestView& forest, int joint, const View& view, Vec3f p) {
   const float tree_share = 1.0F / static_cast<float>(forest.tree_count);
   Vec3f sum;
   int sum_count = 0;
-  float spread = 0;
   for (std::uint32_t step = 0; step < forest.jump_count; ++step) {
     Vec3f jump;
-    float doubt = 0;
     for (std::uint32_t t = 0; t < forest.tree_count; ++t) {
       const JumpNode& leaf = find_leaf(forest.tree(joint, t), view, p);
       jump = jump + Vec3f{static_cast<float>(leaf.a), static_cast<float>(leaf.b), static_cast<float>(leaf.c)};
-      doubt += static_cast<float>(leaf.d);
     }
     p = p + jump * tree_share;
     p.z = safe_depth(p.z);
     if (step < forest.jump_count / 2) continue;
     sum = sum + p;
-    spread += doubt * tree_share;
     ++sum_count;
   }
-  const float share = 1.0F / static_cast<float>(sum_count);
-  if (spread_mm != nullptr) *spread_mm = spread * share;
-  return sum * share;
+  return sum * (1.0F / static_cast<float>(sum_count));
 }
 
-void run_forest(const ForestView& forest, const View& view, Shape& shape, float* spread_mm) {
+void run_forest(const ForestView& forest, const View& view, Shape& shape) {
   for (const Joint name : kJointOrder) {
     const int j = static_cast<int>(name);
     const Vec3f start = jump_start(forest, j, view, shape);
-    set_joint(shape, j, run_jumps(forest, j, view, start, spread_mm == nullptr ? nullptr : spread_mm + j));
+    set_joint(shape, j, run_jumps(forest, j, view, start));
   }
 }
 
@@ -67,8 +62,10 @@ void read_anchors(std::span<const Anchor> anchors, const View& view, const Shape
   const int reference = static_cast<int>(joint_of(shape, static_cast<int>(Joint::TO)).z);
   for (std::size_t i = 0; i < anchors.size(); ++i) {
     const Anchor& a = anchors[i];
-    const Vec3f p = joint_of(shape, a.joint);
-    const float s = inverse_z[a.joint];
+    const Vec3f from = joint_of(shape, a.joint);
+    const float share = static_cast<float>(a.share_q8) * (1.0F / 256.0F);
+    const Vec3f p = from + (joint_of(shape, a.towards) - from) * share;
+    const float s = inverse_z[a.joint] + (inverse_z[a.towards] - inverse_z[a.joint]) * share;
     const int d = view.at_ray((p.x + static_cast<float>(a.dx)) * s, (p.y + static_cast<float>(a.dy)) * s);
     const int q = d == 0 ? 600 : d - reference;
     out[i] = static_cast<std::int16_t>(q > 600 ? 600 : (q < -600 ? -600 : q));
@@ -105,7 +102,7 @@ constexpr int kSideFrames = 4;           // the newest frame's share in the side
 constexpr float kOffMaskShare = 0.7F;    // a joint beside the mask is less sure
 constexpr float kOffImageShare = 0.15F;  // one outside the picture is a guess
 
-// Chance by doubt: how far the cascade moved the joint, and how mixed the forest's leaves were.
+// Chance by doubt.
 float chance_of(const JointModel::Data& model, int joint, float doubt_mm) {
   const auto bins = model.bins.subspan(static_cast<std::size_t>(joint * joints::kConfidenceBinCount),
                                        static_cast<std::size_t>(joints::kConfidenceBinCount));
@@ -117,9 +114,13 @@ float chance_of(const JointModel::Data& model, int joint, float doubt_mm) {
 }  // namespace
 
 struct JointTracker::Workspace {
-  explicit Workspace(const JointModel& m) : model(&m.data()) { view.depth.resize(joints::kViewPixelCountMax); }
+  explicit Workspace(const JointModel& m) : model(&m.data()) {
+    view.depth.resize(joints::kViewPixelCountMax);
+    mirror_image.depth.resize(joints::kViewPixelCountMax);
+  }
   const JointModel::Data* model;
   joints::View view;
+  joints::View mirror_image;
   int side_sum = 0;  // of scores, fading: four times their mean
 
   bool back() const { return side_sum > 0; }
@@ -141,17 +142,13 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
   const joints::View& view = work_->view;
   if (!joints::thin(depth, mask, intrinsics, person, work_->view)) return out;
 
-  joints::Shape cold{};
-  std::array<float, kJointCount> spread{};
-  joints::run_forest(model.forest, view, cold, spread.data());
-  joints::Shape shape = cold;
-  joints::run_cascade(model, view, shape);
-  work_->see_side(shape, !same_person);
+  joints::mirror(view, work_->mirror_image);
+  const joints::Estimate seen = joints::estimate(model, view, work_->mirror_image);
+  work_->see_side(seen.shape, !same_person);
 
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    const Vec3f p = joints::joint_of(shape, static_cast<int>(j));
-    const float doubt = norm(p - joints::joint_of(cold, static_cast<int>(j))) + spread[j];
-    float chance = chance_of(model, static_cast<int>(j), doubt);
+    const Vec3f p = joints::joint_of(seen.shape, static_cast<int>(j));
+    float chance = chance_of(model, static_cast<int>(j), seen.doubt_mm[j]);
     const float inverse_z = 1.0F / joints::safe_depth(p.z);
     const float u = intrinsics.fx * p.x * inverse_z + intrinsics.cx;
     const float v = intrinsics.fy * p.y * inverse_z + intrinsics.cy;

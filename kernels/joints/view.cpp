@@ -46,4 +46,23 @@ bool thin(DepthView depth, MaskView mask, const Intrinsics& k, const Person& per
   return true;
 }
 
+void mirror(const View& view, View& out) {
+  out.u_first = view.u_first;
+  out.v_first = view.v_first;
+  out.width = view.width;
+  out.height = view.height;
+  out.fx = view.fx;
+  out.fy = view.fy;
+  out.cx = static_cast<float>(2 * view.u_first + view.width - 1) - view.cx;
+  out.cy = view.cy;
+  out.centroid_mm = {-view.centroid_mm.x, view.centroid_mm.y, view.centroid_mm.z};
+  out.pixel_count = view.pixel_count;
+  const std::size_t count = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+  if (out.depth.size() < count) out.depth.resize(count);
+  for (std::size_t first = 0; first < count; first += static_cast<std::size_t>(view.width)) {
+    const std::uint16_t* from = view.depth.data() + first;
+    std::reverse_copy(from, from + view.width, out.depth.data() + first);
+  }
+}
+
 }  // namespace im2fit::joints

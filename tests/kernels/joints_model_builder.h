@@ -22,7 +22,8 @@ struct NodeRecord {
 };
 struct AnchorRecord {
   std::int16_t dx = 0, dy = 0;
-  std::uint16_t joint = 0;
+  std::uint8_t joint = 0, towards = 0;
+  std::int16_t share_q8 = 0;
 };
 struct SplitRecord {
   std::uint16_t a = 0, b = 1;
@@ -47,7 +48,7 @@ struct ModelRecords {
   std::vector<std::int16_t> side_leaf;
 
   std::vector<std::byte> bytes() const {
-    ContainerWriter w("I2TR", 2);
+    ContainerWriter w("I2TR", 3);
     w.add_array<MetaRecord>("meta", std::span(&meta, 1));
     w.add_array<std::uint32_t>("tree", tree);
     w.add_array<NodeRecord>("node", node);

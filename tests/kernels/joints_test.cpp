@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/rng.h"
+#include "kernels/joints/model_data.h"
 #include "kernels/joints/tracker.h"
 #include "kernels/joints/view.h"
 #include "tests/kernels/joints_board.h"
@@ -28,9 +30,10 @@ TEST(JointTracker, JumpsAndCascadeAddUp) {
   const JointModel model = parse(bytes);
   const JointSet j = Board().track(model);
   // Six jumps, the mean of the last three stands: 5 jumps from the board's centre (0, 0, 2000). The neck starts
-  // where the torso ended, the head where the neck did. The cascade adds 2 levels x 3 trees x 1 mm.
+  // where the torso ended, the head where the neck did. The cascade adds 2 levels x 3 trees x 1 mm. In the mirror the
+  // same model goes as far to the other side.
   const auto expect = [&](Joint name, float jumps) {
-    EXPECT_NEAR(j[name].x, 10 * jumps + 6, 0.01) << kJointNames[joint_index(name)];
+    EXPECT_NEAR(j[name].x, 0, 0.01) << kJointNames[joint_index(name)];
     EXPECT_NEAR(j[name].y, -20 * jumps + 6, 0.01) << kJointNames[joint_index(name)];
     EXPECT_NEAR(j[name].z, 2000 + 30 * jumps + 6, 0.01) << kJointNames[joint_index(name)];
   };
@@ -45,15 +48,15 @@ TEST(JointTracker, JumpsAndCascadeAddUp) {
 TEST(JointTracker, ForestSplitsOnDepthDifference) {
   ModelRecords m = constant_model(0, 0, 0, 0);
   // The torso's trees: depth 200 mm to the right of the point minus depth at the point. On the board both are equal
-  // (0 > 100 is false: left child, +7); beside it nothing is there (1000 > 100: right child, +9).
+  // (0 > 100 is false: left child, 7 down); beside it nothing is there (1000 > 100: right child, 9 down).
   m.node.clear();
   m.tree.clear();
   for (std::size_t t = 0; t < kJointCount * 2; ++t) {
     m.tree.push_back(static_cast<std::uint32_t>(m.node.size()));
     if (t / 2 == joint_index(Joint::TO)) {
       m.node.push_back({static_cast<std::int16_t>(t % 2 == 0 ? 100 : 200), 0, 0, 0, 100, 1});
-      m.node.push_back({7, 0, 0, 0, 0, 0});
-      m.node.push_back({9, 0, 0, 0, 0, 0});
+      m.node.push_back({0, 7, 0, 0, 0, 0});
+      m.node.push_back({0, 9, 0, 0, 0, 0});
     } else {
       m.node.push_back({});
     }
@@ -62,8 +65,9 @@ TEST(JointTracker, ForestSplitsOnDepthDifference) {
   m.meta.jumps = 1;
   const auto bytes = m.bytes();
   const JointModel model = parse(bytes);
-  // The board reaches 20 px = 139 mm to the right: 100 mm is on it, 200 mm is not. Mean of 7 and 9.
-  EXPECT_NEAR(Board().track(model)[Joint::TO].x, 8, 0.01);
+  // The board reaches 20 px = 139 mm to either side: 100 mm is on it, 200 mm is not. One half of the trees says 7,
+  // the other 9, all of them 8: the median.
+  EXPECT_NEAR(Board().track(model)[Joint::TO].y, 8, 0.01);
 }
 
 TEST(JointTracker, CascadeSplitsOnAnchorDifference) {
@@ -77,12 +81,76 @@ TEST(JointTracker, CascadeSplitsOnAnchorDifference) {
   m.leaf.assign(32 * 32, 0);
   m.leaf[16 * 32 + 3] = 40;
   m.basis.assign(32 * 45, 0);
-  m.basis[3 * 45 + 3] = 0.25F;  // x of the neck, 40 units of 1/4 mm
+  m.basis[3 * 45 + 4] = 0.25F;  // y of the neck, 40 units of 1/4 mm
   const auto bytes = m.bytes();
   const JointModel model = parse(bytes);
   const JointSet j = Board().track(model);
-  EXPECT_NEAR(j[Joint::NE].x, 10, 0.01);
-  EXPECT_NEAR(j[Joint::TO].x, 0, 0.01);
+  EXPECT_NEAR(j[Joint::NE].y, 10, 0.01);
+  EXPECT_NEAR(j[Joint::TO].y, 0, 0.01);
+}
+
+TEST(JointTracker, AnAnchorBetweenTwoJointsFollowsBoth) {
+  ModelRecords m = constant_model(0, 0, 0, 0);
+  m.bone[3 * joint_index(Joint::NE)] = 800;  // the neck starts 400 mm right of the torso, beside the board
+  const std::vector<std::byte> bytes = m.bytes();
+  const JointModel model = parse(bytes);
+  const Board board;
+  joints::View view;
+  ASSERT_TRUE(joints::thin(DepthView(board.depth.data(), board.width, board.height),
+                           MaskView(board.mask.data(), board.width, board.height), board.k, board.person, view));
+  joints::Shape shape{};
+  joints::run_forest(model.data().forest, view, shape);
+  EXPECT_NEAR(joints::joint_of(shape, static_cast<int>(Joint::NE)).x, 400, 0.01);
+  constexpr auto kTorso = static_cast<std::uint8_t>(Joint::TO);
+  constexpr auto kNeck = static_cast<std::uint8_t>(Joint::NE);
+  // The board ends 139 mm to the right: a quarter of the way is on it, a half is not.
+  const joints::Anchor anchors[] = {{0, 0, kTorso, kNeck, 0},
+                                    {0, 0, kTorso, kNeck, 64},
+                                    {0, 0, kTorso, kNeck, 128},
+                                    {-250, 0, kTorso, kNeck, 256},
+                                    {0, 0, kNeck, kTorso, 192}};
+  std::array<std::int16_t, 5> pixels{};
+  joints::read_anchors(anchors, view, shape, pixels.data());
+  EXPECT_EQ(pixels, (std::array<std::int16_t, 5>{0, 0, 600, 600, 0}));
+}
+
+// Whatever the model: the picture in the mirror has the joints in the mirror.
+TEST(JointTracker, AMirrorShowsTheSameJointsOnTheOtherSide) {
+  Rng rng(5);
+  for (int round = 0; round < 20; ++round) {
+    ModelRecords m = constant_model(0, 0, 0, 0);
+    const auto some = [&](double spread) { return static_cast<std::int16_t>(rng.normal(0, spread)); };
+    for (auto& n : m.node) n = {some(60), some(60), some(60), 0, 0, 0};
+    for (auto& b : m.bone) b = some(100);
+    for (auto& a : m.anchor)
+      a = {some(150), some(150), static_cast<std::uint8_t>(rng.index(15)), static_cast<std::uint8_t>(rng.index(15)),
+           static_cast<std::int16_t>(rng.index(257))};
+    for (auto& s : m.split)
+      s = {static_cast<std::uint16_t>(rng.index(4)), static_cast<std::uint16_t>(rng.index(4)), some(200)};
+    for (auto& l : m.leaf) l = static_cast<std::int8_t>(rng.next());
+    for (auto& b : m.basis) b = static_cast<float>(rng.uniform(-0.1, 0.1));
+    const auto bytes = m.bytes();
+    const JointModel model = parse(bytes);
+    Board board;
+    board.widen(160 + 4 * round);
+    for (std::size_t i = 0; i < board.depth.size(); ++i)
+      if (board.mask[i] != 0) board.depth[i] = static_cast<std::uint16_t>(2000 + rng.index(300));
+    Board other = board;
+    for (int v = 0; v < board.height; ++v) {
+      const auto row = static_cast<std::ptrdiff_t>(v * board.width);
+      std::reverse(other.depth.begin() + row, other.depth.begin() + row + board.width);
+      std::reverse(other.mask.begin() + row, other.mask.begin() + row + board.width);
+    }
+    other.person.u_min = board.width - 1 - board.person.u_max;
+    other.person.u_max = board.width - 1 - board.person.u_min;
+    const JointSet plain = board.track(model), image = other.track(model);
+    constexpr std::array<std::size_t, kJointCount> kOther = {0, 1, 2, 4, 3, 6, 5, 8, 7, 10, 9, 12, 11, 14, 13};
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      EXPECT_NEAR(plain.position_mm[j].x, -image.position_mm[kOther[j]].x, 0.5) << kJointNames[j];
+      EXPECT_NEAR(plain.position_mm[j].y, image.position_mm[kOther[j]].y, 0.5) << kJointNames[j];
+      EXPECT_NEAR(plain.position_mm[j].z, image.position_mm[kOther[j]].z, 0.5) << kJointNames[j];
+    }
+  }
 }
 
 TEST(JointTracker, ConfidenceFollowsDoubtAndMask) {
@@ -91,11 +159,11 @@ TEST(JointTracker, ConfidenceFollowsDoubtAndMask) {
   const JointSet sure = Board().track(still);
   EXPECT_NEAR(sure.confidence[joint_index(Joint::TO)], 0.75, 0.001);
 
-  const auto moved_bytes = constant_model(0, 0, 0, 100).bytes();  // the cascade moves every joint by 600 mm
+  const auto moved_bytes = constant_model(0, 0, 0, 100).bytes();  // 600 mm right, and left in the mirror
   const JointModel moved = parse(moved_bytes);
   EXPECT_LT(Board().track(moved).confidence[joint_index(Joint::TO)], 0.26);
 
-  const auto outside_bytes = constant_model(100, 0, 0, 0).bytes();  // the head ends 1.5 m right, outside the picture
+  const auto outside_bytes = constant_model(0, 100, 0, 0).bytes();  // the head ends 1.5 m down, outside the picture
   const JointModel outside = parse(outside_bytes);
   EXPECT_LT(Board().track(outside).confidence[joint_index(Joint::HE)], 0.2);
 }
@@ -147,6 +215,7 @@ TEST(JointModel, DamagedFilesAreRefusedByName) {
     void (*apply)(ModelRecords&);
   };
   const Damage damages[] = {
+      {"odd trees", [](ModelRecords& m) { m.meta.forest_trees = 3; }},
       {"no trees", [](ModelRecords& m) { m.meta.forest_trees = 0; }},
       {"many trees", [](ModelRecords& m) { m.meta.forest_trees = 4000000000U; }},
       {"no jumps", [](ModelRecords& m) { m.meta.jumps = 0; }},
@@ -163,6 +232,7 @@ TEST(JointModel, DamagedFilesAreRefusedByName) {
       {"no nodes", [](ModelRecords& m) { m.node.clear(); }},
       {"bones", [](ModelRecords& m) { m.bone.pop_back(); }},
       {"anchor joint", [](ModelRecords& m) { m.anchor[2].joint = 15; }},
+      {"anchor towards", [](ModelRecords& m) { m.anchor[1].towards = 15; }},
       {"anchor count", [](ModelRecords& m) { m.anchor.pop_back(); }},
       {"split a", [](ModelRecords& m) { m.split[9].a = 4; }},
       {"split b", [](ModelRecords& m) { m.split[9].b = 65535; }},
@@ -205,7 +275,8 @@ TEST(JointModel, AnyAcceptedValuesTrackWithoutHarm) {
     const auto any = [&] { return static_cast<std::int16_t>(rng.next()); };
     for (auto& n : m.node) n = {any(), any(), any(), any(), any(), 0};
     for (auto& b : m.bone) b = any();
-    for (auto& a : m.anchor) a = {any(), any(), static_cast<std::uint16_t>(rng.index(15))};
+    for (auto& a : m.anchor)
+      a = {any(), any(), static_cast<std::uint8_t>(rng.index(15)), static_cast<std::uint8_t>(rng.index(15)), any()};
     for (auto& s : m.split)
       s = {static_cast<std::uint16_t>(rng.index(4)), static_cast<std::uint16_t>(rng.index(4)), any()};
     for (auto& l : m.leaf) l = static_cast<std::int8_t>(rng.next());

@@ -94,6 +94,7 @@ TEST_F(TrackerScenesStaged, TrainingCamerasStayInTheirRanges) {
     TrackerMix mix = training_mix();
     mix.others_share = 0;
     mix.cut_share = 0.3;
+    mix.wide_share = 1;
     TrackerScene t = drawn(mix, i);
     const Subject subject = draw_subject(model(), Family::training, 40, i % 10);
     VirtualScene staged(model(), subject, t.scene, t.sensor, t.intrinsics, t.seed);

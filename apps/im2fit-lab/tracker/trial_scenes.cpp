@@ -18,7 +18,9 @@ synth::TrackerMix mix_of(Condition condition) {
     case Condition::wide:
       break;
   }
-  return synth::training_mix();
+  synth::TrackerMix mix = synth::training_mix();
+  mix.wide_share = 1;
+  return mix;
 }
 
 const char* distance_class(float distance_mm) {

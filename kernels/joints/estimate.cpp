@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/joints/estimate.h"
+
+#include <algorithm>
+
+#include "kernels/core/skeleton.h"
+
+namespace im2fit::joints {
+namespace {
+
+constexpr std::size_t kStartCount = 3;
+constexpr std::size_t kRunCount = 2 * kStartCount;
+
+// What the mirror image's joints are in the view itself.
+Shape mirrored(const Shape& shape) {
+  Shape out{};
+  for (int j = 0; j < static_cast<int>(kJointCount); ++j) {
+    const Vec3f p = joint_of(shape, j);
+    set_joint(out, static_cast<int>(mirror_of(static_cast<Joint>(j))), {-p.x, p.y, p.z});
+  }
+  return out;
+}
+
+float middle(std::array<float, kRunCount> values) {
+  std::sort(values.begin(), values.end());
+  return (values[kRunCount / 2 - 1] + values[kRunCount / 2]) * 0.5F;
+}
+
+}  // namespace
+
+Estimate estimate(const JointModel::Data& model, const View& view, const View& mirror_image) {
+  const std::array<ForestView, kStartCount> starts = {model.forest, model.forest.half(0), model.forest.half(1)};
+  std::array<Shape, kRunCount> runs{};
+  for (std::size_t i = 0; i < kRunCount; ++i) {
+    const bool plain = i < kStartCount;
+    const View& seen = plain ? view : mirror_image;
+    Shape shape{};
+    run_forest(starts[i % kStartCount], seen, shape);
+    run_cascade(model, seen, shape);
+    runs[i] = plain ? shape : mirrored(shape);
+  }
+  Estimate out;
+  for (std::size_t k = 0; k < out.shape.size(); ++k)
+    out.shape[k] = middle({runs[0][k], runs[1][k], runs[2][k], runs[3][k], runs[4][k], runs[5][k]});
+  for (int j = 0; j < static_cast<int>(kJointCount); ++j) {
+    float sum = 0;
+    for (const Shape& run : runs) sum += norm(joint_of(run, j) - joint_of(out.shape, j));
+    out.doubt_mm[static_cast<std::size_t>(j)] = sum * (1.0F / static_cast<float>(kRunCount));
+  }
+  return out;
+}
+
+}  // namespace im2fit::joints
