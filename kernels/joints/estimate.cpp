@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kStartCount = 3;
 constexpr std::size_t kRunCount = 2 * kStartCount;
+static_assert(kRunCount <= kCascadeRunsMax);
 
 // What the mirror image's joints are in the view itself.
 Shape mirrored(const Shape& shape) {
@@ -30,21 +31,20 @@ float middle(std::array<float, kRunCount> values) {
 
 Estimate estimate(const JointModel::Data& model, const View& view, const View& mirror_image) {
   const std::array<ForestView, kStartCount> starts = {model.forest, model.forest.half(0), model.forest.half(1)};
-  std::array<Shape, kRunCount> runs{};
+  std::array<CascadeRun, kRunCount> runs{};
   for (std::size_t i = 0; i < kRunCount; ++i) {
-    const bool plain = i < kStartCount;
-    const View& seen = plain ? view : mirror_image;
-    Shape shape{};
-    run_forest(starts[i % kStartCount], seen, shape);
-    run_cascade(model, seen, shape);
-    runs[i] = plain ? shape : mirrored(shape);
+    runs[i].view = i < kStartCount ? &view : &mirror_image;
+    run_forest(starts[i % kStartCount], *runs[i].view, runs[i].shape);
   }
+  run_cascade(model, runs);
+  std::array<Shape, kRunCount> seen{};
+  for (std::size_t i = 0; i < kRunCount; ++i) seen[i] = i < kStartCount ? runs[i].shape : mirrored(runs[i].shape);
   Estimate out;
   for (std::size_t k = 0; k < out.shape.size(); ++k)
-    out.shape[k] = middle({runs[0][k], runs[1][k], runs[2][k], runs[3][k], runs[4][k], runs[5][k]});
+    out.shape[k] = middle({seen[0][k], seen[1][k], seen[2][k], seen[3][k], seen[4][k], seen[5][k]});
   for (int j = 0; j < static_cast<int>(kJointCount); ++j) {
     float sum = 0;
-    for (const Shape& run : runs) sum += norm(joint_of(run, j) - joint_of(out.shape, j));
+    for (const Shape& run : seen) sum += norm(joint_of(run, j) - joint_of(out.shape, j));
     out.doubt_mm[static_cast<std::size_t>(j)] = sum * (1.0F / static_cast<float>(kRunCount));
   }
   return out;

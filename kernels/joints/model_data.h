@@ -145,7 +145,13 @@ struct JointModel::Data {
 namespace joints {
 // shape += the sum of basis[k] * sum[k], k rising.
 void add_sums(const Basis& basis, const std::int32_t* sum, Shape& shape);
-void run_cascade(const JointModel::Data& model, const View& view, Shape& shape);
+
+struct CascadeRun {
+  const View* view = nullptr;
+  Shape shape{};  // the start, then the answer
+};
+inline constexpr std::size_t kCascadeRunsMax = 6;
+void run_cascade(const JointModel::Data& model, std::span<CascadeRun> runs);  // kCascadeRunsMax at most
 }  // namespace joints
 
 }  // namespace im2fit

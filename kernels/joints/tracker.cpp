@@ -12,6 +12,8 @@
 namespace im2fit {
 namespace joints {
 
+constexpr std::size_t kTreesAtOnce = 32;
+
 const JumpNode& find_leaf(std::span<const JumpNode> tree, const View& view, Vec3f p) {
   const JumpNode* n = tree.data();
   while (n->left != 0) n = tree.data() + n->left + (jump_feature(view, p, *n) > n->threshold ? 1 : 0);
@@ -80,17 +82,28 @@ void add_sums(const Basis& basis, const std::int32_t* sum, Shape& shape) {
   }
 }
 
-void run_cascade(const JointModel::Data& model, const View& view, Shape& shape) {
+void run_cascade(const JointModel::Data& model, std::span<CascadeRun> runs) {
+  struct Progress {
+    std::array<std::int16_t, kPixelCountMax> pixels;
+    std::array<std::int32_t, static_cast<std::size_t>(kLeafSize)> sum;
+  };
+  std::array<Progress, kCascadeRunsMax> progress;
   const std::size_t pixel_count = model.meta.pixel_count;
   const std::size_t tree_count = model.meta.level_tree_count;
-  std::array<std::int16_t, kPixelCountMax> pixels;
   for (std::size_t level = 0; level < model.meta.level_count; ++level) {
-    read_anchors(model.anchors.subspan(level * pixel_count, pixel_count), view, shape, pixels.data());
-    std::array<std::int32_t, static_cast<std::size_t>(kLeafSize)> sum{};
-    const Split* splits = model.splits.data() + level * tree_count * kSplitCount;
-    const std::int8_t* leaves = model.leaves.data() + level * tree_count * kLeafCount * kLeafSize;
-    sum_leaves(splits, leaves, static_cast<int>(tree_count), pixels.data(), sum.data());
-    add_sums(model.basis[level], sum.data(), shape);
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      read_anchors(model.anchors.subspan(level * pixel_count, pixel_count), *runs[r].view, runs[r].shape,
+                   progress[r].pixels.data());
+      progress[r].sum = {};
+    }
+    // A few trees for every run, then the next few: the model comes from memory once, whatever the number of runs.
+    for (std::size_t tree = level * tree_count; tree < (level + 1) * tree_count; tree += kTreesAtOnce) {
+      const std::size_t count = std::min(kTreesAtOnce, (level + 1) * tree_count - tree);
+      for (std::size_t r = 0; r < runs.size(); ++r)
+        sum_leaves(model.splits.data() + tree * kSplitCount, model.leaves.data() + tree * kLeafCount * kLeafSize,
+                   static_cast<int>(count), progress[r].pixels.data(), progress[r].sum.data());
+    }
+    for (std::size_t r = 0; r < runs.size(); ++r) add_sums(model.basis[level], progress[r].sum.data(), runs[r].shape);
   }
 }
 
