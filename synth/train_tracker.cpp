@@ -137,8 +137,18 @@ std::vector<SideExample> side_examples(std::span<const CascadeStart> starts, int
   return out;
 }
 
+std::string describe(const TrainOptions& o) {
+  const auto n = [](auto number) { return std::to_string(number); };
+  return "im2fit joint model: " + n(o.image_count) + " renders and their mirror images, " + n(o.images_per_subject) +
+         " a subject, seed " + n(o.seed) + "; forest " + n(o.tree_count) + " trees of depth " + n(o.tree_depth_max) +
+         ", " + n(o.samples_per_image) + " samples a render; cascade " + n(o.level_count) + " levels of " +
+         n(o.level_tree_count) + " trees, " + n(o.pixel_count) + " anchors, " + n(o.starts_per_image) +
+         " starts a render";
+}
+
 std::vector<std::byte> pack(const joints::Meta& meta, const Forest& forest, const Cascade& cascade,
-                            const SideTrees& side, std::span<const joints::ConfidenceBin> bins) {
+                            const SideTrees& side, std::span<const joints::ConfidenceBin> bins,
+                            const std::string& provenance) {
   ContainerWriter writer(joints::kTrackerMagic, joints::kTrackerVersion);
   writer.add_array<joints::Meta>("meta", std::span(&meta, 1));
   writer.add_array<std::uint32_t>("tree", forest.tree_start);
@@ -152,6 +162,7 @@ std::vector<std::byte> pack(const joints::Meta& meta, const Forest& forest, cons
   writer.add_array<joints::Anchor>("side anchor", side.anchors);
   writer.add_array<joints::Split>("side split", side.splits);
   writer.add_array<std::int16_t>("side leaf", side.leaves);
+  writer.add_array<char>("provenance", provenance);
   return writer.finish();
 }
 
@@ -181,11 +192,16 @@ Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const
       static_cast<std::uint32_t>(options.tree_count),  static_cast<std::uint32_t>(options.jump_count),
       static_cast<std::uint32_t>(options.level_count), static_cast<std::uint32_t>(options.level_tree_count),
       static_cast<std::uint32_t>(options.pixel_count), static_cast<std::uint32_t>(side.tree_count())};
-  const JointModel::Data data = {
-      meta, forest.view(), cascade.anchors, cascade.splits, cascade.leaves, cascade.basis, {}, {}, {}, {}};
+  JointModel::Data data;
+  data.meta = meta;
+  data.forest = forest.view();
+  data.anchors = cascade.anchors;
+  data.splits = cascade.splits;
+  data.leaves = cascade.leaves;
+  data.basis = cascade.basis;
   const std::vector<joints::ConfidenceBin> bins = calibrate(unseen, data);
   if (progress) progress(1.0, "done");
-  return pack(meta, forest, cascade, side, bins);
+  return pack(meta, forest, cascade, side, bins, describe(options));
 }
 
 }  // namespace im2fit::synth

@@ -107,6 +107,7 @@ Result<int> run_tracker_eval(const body::BodyModel& model, const JointModel& joi
   TrackerReport report = tracker_report(*outcomes, options.sections);
   report.seed = run.seed;
   report.subjects = run.subjects;
+  report.model = joint_model.provenance();
   if (!run.json_path.empty())
     if (const auto written = write_file_atomically(run.json_path, json_of(report)); !written) return written.error();
   if (!words.pictures.empty())

@@ -72,6 +72,10 @@ JointModel::JointModel(JointModel&&) noexcept = default;
 JointModel& JointModel::operator=(JointModel&&) noexcept = default;
 JointModel::~JointModel() = default;
 
+std::string_view JointModel::provenance() const {
+  return data_->provenance;
+}
+
 Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std::string& what) {
   auto reader = ContainerReader::parse(bytes, joints::kTrackerMagic, joints::kTrackerVersion, what);
   if (!reader) return reader.error();
@@ -110,6 +114,10 @@ Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std
   if (!side_splits) return side_splits.error();
   auto side_leaves = reader->array<std::int16_t>("side leaf", d.meta.side_tree_count * joints::kLeafCount);
   if (!side_leaves) return side_leaves.error();
+  auto provenance = reader->array<char>("provenance");
+  if (!provenance) return provenance.error();
+  if (provenance->size() > joints::kProvenanceMax) return damaged(what, "provenance is longer than 64 KiB");
+  d.provenance = {provenance->data(), provenance->size()};
   d.anchors = *anchors;
   d.splits = *splits;
   d.leaves = *leaves;

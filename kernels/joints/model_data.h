@@ -18,6 +18,7 @@ namespace im2fit::joints {
 
 inline constexpr std::string_view kTrackerMagic = "I2TR";
 inline constexpr std::uint32_t kTrackerVersion = 3;
+inline constexpr std::size_t kProvenanceMax = 65536;
 inline constexpr int kConfidenceBinCount = 12;
 inline constexpr int kPixelCountMax = 1024;
 
@@ -140,6 +141,7 @@ struct JointModel::Data {
   std::span<const joints::Anchor> side_anchors;  // pixels
   std::span<const joints::Split> side_splits;    // side trees * 31
   std::span<const std::int16_t> side_leaves;     // side trees * 32, 1/256 of log-odds
+  std::string_view provenance;                   // text
 };
 
 namespace joints {

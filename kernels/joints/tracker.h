@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "base/status.h"
 #include "kernels/core/camera.h"
@@ -24,6 +25,7 @@ class JointModel {  // the contents of a .i2t file; immutable, shareable
   ~JointModel();
   struct Data;
   const Data& data() const { return *data_; }
+  std::string_view provenance() const;  // how it was trained; as long as the bytes live
 
  private:
   JointModel();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "base/container.h"
@@ -46,6 +47,7 @@ struct ModelRecords {
   std::vector<AnchorRecord> side_anchor;
   std::vector<SplitRecord> side_split;
   std::vector<std::int16_t> side_leaf;
+  std::string provenance = "by hand";
 
   std::vector<std::byte> bytes() const {
     ContainerWriter w("I2TR", 3);
@@ -61,6 +63,7 @@ struct ModelRecords {
     w.add_array<AnchorRecord>("side anchor", side_anchor);
     w.add_array<SplitRecord>("side split", side_split);
     w.add_array<std::int16_t>("side leaf", side_leaf);
+    w.add_array<char>("provenance", provenance);
     return w.finish();
   }
 };

@@ -242,6 +242,7 @@ TEST(JointModel, DamagedFilesAreRefusedByName) {
       {"basis", [](ModelRecords& m) { m.basis[50] = std::numeric_limits<float>::quiet_NaN(); }},
       {"basis too large", [](ModelRecords& m) { m.basis[51] = -1e9F; }},
       {"side trees", [](ModelRecords& m) { m.meta.side_trees = 1; }},
+      {"provenance", [](ModelRecords& m) { m.provenance.assign(70000, ' '); }},
       {"bins", [](ModelRecords& m) { m.bin.clear(); }},
   };
   for (const Damage& d : damages) {

@@ -81,6 +81,7 @@ struct Bar {
 struct TrackerReport {
   std::uint64_t seed = 0;
   int subjects = 0;
+  std::string model;  // its provenance
   std::vector<JointRow> joints;
   std::vector<MaskRow> masks;
   std::vector<ReliabilityReport> reliability;

@@ -118,6 +118,7 @@ Json bars_json(const std::vector<Bar>& bars) {
 std::string json_of(const TrackerReport& report) {
   Json json = {{"schema", "im2fit.tracker-evaluation/1"},
                {"data", "synthetic"},
+               {"model", report.model},
                {"seed", report.seed},
                {"subjects", report.subjects}};
   if (!report.joints.empty()) json["joints"] = joints_json(report.joints);

@@ -120,8 +120,9 @@ std::string bar_table(const std::vector<Bar>& bars) {
 }  // namespace
 
 std::string text_of(const TrackerReport& report) {
-  std::string text = fmt::format(
-      "synthetic, held-out people, seed {}; rows: after five frames, right: first frame\n\n", report.seed);
+  std::string text =
+      fmt::format("synthetic, held-out people, seed {}; rows: after five frames, right: first frame\n{}\n\n",
+                  report.seed, report.model);
   text += joint_table(report.joints, Condition::full) + joint_table(report.joints, Condition::bare) +
           joint_table(report.joints, Condition::wide);
   text += mask_table(report.masks) + reliability_table(report.reliability);
