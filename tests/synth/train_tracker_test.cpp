@@ -126,8 +126,8 @@ TEST(TrainTracker, CachedModelMeetsItsBarOnHeldOutPeople) {
     }
   }
   const double count = kPeople * static_cast<double>(kJointCount);
-  EXPECT_LT(error / count, 40);
-  EXPECT_GT(near / count, 0.97);
+  EXPECT_LT(error / count, 25);  // the small model of scripts/test has 18
+  EXPECT_GT(near / count, 0.985);
   EXPECT_GT(worst_overlap, 0.93);
 }
 
