@@ -12,7 +12,8 @@ constexpr GuidanceSet bit(Guidance g) {
 // found again, so that a stream that ends with an empty room still measures who stood there.
 SessionStep on_absence(const SessionRules& rules, SessionStep step) {
   Session& next = step.next;
-  step.guidance |= bit(Guidance::no_person);
+  // Somebody too near to be found is not nobody.
+  if (!has(step.guidance, Guidance::too_near)) step.guidance |= bit(Guidance::no_person);
   if (next.state == SessionState::searching || next.state == SessionState::lost) return step;
   next.psi_frames = 0;
   if (++next.absent_frames > rules.absent_frames_max) next.state = SessionState::lost;

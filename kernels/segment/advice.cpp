@@ -2,6 +2,7 @@
 #include "kernels/segment/advice.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace im2fit::segment {
 namespace {
@@ -11,7 +12,19 @@ constexpr float kFarMm = 4000.0F;
 constexpr float kHoleShareMax = 0.30F;
 constexpr float kFeetMissingMm = 220.0F;  // lowest visible part this far above the floor: the feet are hidden
 constexpr float kWholeBodyMinMm = 1250.0F;
-constexpr int kDeadBorderPx = 12;  // sensors leave some columns at the border without data
+constexpr int kNearShare = 8;  // of the picture: what is near fills an eighth at least
+constexpr float kNearHalfMm = 180.0F;
+constexpr float kNearDepthMm = 300.0F;
+constexpr int kNearRowsMin = 16;
+constexpr float kNearBulgeMinMm = 15.0F;
+constexpr float kNearBulgeMaxMm = 140.0F;
+constexpr float kNearRoundMin = 0.6F;  // half way out, of the bulge in the middle
+constexpr float kHeadWideMinMm = 90.0F;
+constexpr float kHeadWideMaxMm = 290.0F;
+constexpr float kHeadTallMinMm = 50.0F;  // of it seen
+constexpr float kHeadRimMinMm = 20.0F;
+constexpr float kShoulderReachMm = 45.0F;  // beyond the head
+constexpr int kDeadBorderPx = 12;          // sensors leave some columns at the border without data
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -45,6 +58,93 @@ float hole_share(const Grid& grid, DepthView depth, std::span<const std::uint8_t
     }
   }
   return total > 0 ? static_cast<float>(lost) / static_cast<float>(total) : 1.0F;
+}
+
+// Somebody too near shows a trunk and little else: rounded across. In inverse depth a wall is straight over the
+// picture's rows, however it is turned, and a box has one corner: whichever side of the middle that is on, half way
+// out on the other side a corner rises half as far over its chord as in the middle, and a circle three quarters.
+bool round_body(const Grid& grid, const Blob& blob) {
+  const float z_mm = blob.centroid_mm.z;
+  const float cell_mm = static_cast<float>(grid.step) * z_mm / grid.intrinsics.fx;
+  const int half = std::max(2, static_cast<int>(kNearHalfMm / cell_mm));
+  const float u = blob.centroid_mm.x / z_mm * grid.intrinsics.fx + grid.intrinsics.cx;
+  const int middle = std::clamp(static_cast<int>(u / static_cast<float>(grid.step)), 0, grid.width - 1);
+  int rows = 0;
+  float centres = 0;
+  float lefts = 0;
+  float rights = 0;
+  for (int r = blob.r_min; r <= blob.r_max; ++r) {
+    const auto inside = [&](int c) {
+      if (c < 0 || c >= grid.width) return false;
+      const float z = static_cast<float>(grid.depth[at(grid.index(c, r))]);
+      return z > z_mm - kNearDepthMm && z < z_mm + kNearDepthMm;
+    };
+    if (!inside(middle)) continue;
+    int lo = middle;
+    int hi = middle;
+    while (middle - lo < half && inside(lo - 1)) --lo;
+    while (hi - middle < half && inside(hi + 1)) ++hi;
+    const int width = hi - lo + 1;
+    if (width < half) continue;  // a head, or a neck
+    const int part = std::max(1, width / 6);
+    const auto nearness = [&](int first) {
+      float sum = 0;
+      for (int i = 0; i < part; ++i) sum += 1.0F / static_cast<float>(grid.depth[at(grid.index(first + i, r))]);
+      return sum / static_cast<float>(part);
+    };
+    const int quarter = (width - part) / 4;
+    const int last = hi + 1 - part;
+    const float left = nearness(lo);
+    const float right = nearness(last);
+    const auto over_chord = [&](int first) {
+      const float share = static_cast<float>(first - lo) / static_cast<float>(last - lo);
+      return nearness(first) - (left + share * (right - left));
+    };
+    centres += over_chord(lo + (width - part) / 2);
+    lefts += over_chord(lo + quarter);
+    rights += over_chord(last - quarter);
+    ++rows;
+  }
+  if (rows < kNearRowsMin) return false;
+  const float bulge_mm = centres / static_cast<float>(rows) * z_mm * z_mm;
+  return bulge_mm > kNearBulgeMinMm && bulge_mm < kNearBulgeMaxMm &&
+         std::min(lefts, rights) > kNearRoundMin * centres;
+}
+
+// A head over shoulders that reach out on both sides of it, and round: its rim lies behind what is nearest in the row
+// (the nose may be too near to be seen at all).
+bool head_over_shoulders(const Grid& grid, const Blob& blob) {
+  const float cell_mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
+  const auto cells = [&](float mm) { return static_cast<int>(mm / cell_mm); };
+  int rows = 0;
+  int head_lo = grid.width;
+  int head_hi = -1;
+  float rim = 0;
+  for (int r = blob.r_min; r <= blob.r_max; ++r) {
+    int lo = -1;
+    int hi = -1;
+    std::uint16_t nearest = kDepthMaxMm;
+    for (int c = blob.c_min; c <= blob.c_max; ++c) {
+      const std::uint16_t z = grid.depth[at(grid.index(c, r))];
+      if (z == 0 || std::fabs(static_cast<float>(z) - blob.centroid_mm.z) > kNearDepthMm) continue;
+      lo = lo < 0 ? c : lo;
+      hi = c;
+      nearest = std::min(nearest, z);
+    }
+    if (lo < 0) continue;
+    const int width = hi - lo + 1;
+    if (rows >= cells(kHeadTallMinMm)) {
+      const bool shoulders = head_lo - lo >= cells(kShoulderReachMm) && hi - head_hi >= cells(kShoulderReachMm);
+      if (shoulders) return rim >= kHeadRimMinMm * static_cast<float>(rows);
+    }
+    if (width < cells(kHeadWideMinMm) || width > cells(kHeadWideMaxMm) || lo == 0 || hi == grid.width - 1) continue;
+    const auto z_at = [&](int c) { return static_cast<float>(grid.depth[at(grid.index(c, r))]); };
+    rim += 0.5F * (z_at(lo) + z_at(hi)) - static_cast<float>(nearest);
+    head_lo = std::min(head_lo, lo);
+    head_hi = std::max(head_hi, hi);
+    ++rows;
+  }
+  return false;
 }
 
 }  // namespace
@@ -103,12 +203,12 @@ GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, Mask
 }
 
 GuidanceSet advise_nobody(const Grid& grid, std::span<const Blob> blobs) {
-  GuidanceSet out = bit(Guidance::no_person);
   for (const Blob& blob : blobs) {
-    const bool large = blob.cell_count * 8 > static_cast<int>(grid.depth.size());
-    if (large && blob.centroid_mm.z < kNearMm) out |= bit(Guidance::too_near);
+    const bool large = blob.cell_count * kNearShare > static_cast<int>(grid.depth.size());
+    if (large && blob.centroid_mm.z < kNearMm && (round_body(grid, blob) || head_over_shoulders(grid, blob)))
+      return bit(Guidance::too_near);
   }
-  return out;
+  return bit(Guidance::no_person);
 }
 
 }  // namespace im2fit::segment

@@ -52,11 +52,16 @@ Session at(State state, int absent = 0, int psi = 0, int psi_wait = 0, int attem
 constexpr SessionView kAbsent{false, 0, false};
 constexpr SessionView kGood{true, 0, false};
 constexpr SessionView kTooNear{true, kNear, false};
+constexpr SessionView kTooNearToBeFound{false, kNear, false};
 constexpr SessionView kPsi{true, 0, true};
 
 const Transition kTransitions[] = {
     // name, calibration, from, view, to, guidance, forget, use, attempts
     {"nobody keeps searching", false, at(State::searching), kAbsent, State::searching, kNobody, false, false, 0},
+    {"too near to be found is somebody", false, at(State::searching), kTooNearToBeFound, State::searching, kNear,
+     false, false, 0},
+    {"comes too near to be found", false, at(State::tracking, 2), kTooNearToBeFound, State::lost, kNear, false, false,
+     0},
     {"found but too near", false, at(State::searching), kTooNear, State::user_found, kNear, false, false, 0},
     {"found and fine is tracked at once", false, at(State::searching), kGood, State::tracking, 0, false, true, 0},
     {"found and fine must calibrate", true, at(State::searching), kGood, State::calibrating, kPose, false, false, 0},
