@@ -13,6 +13,7 @@
 #include "kernels/core/joints.h"
 #include "kernels/joints/tracker.h"
 #include "kernels/observe/gate.h"
+#include "kernels/observe/hole_filler.h"
 #include "kernels/observe/joint_filter.h"
 #include "kernels/paper/paper.h"
 #include "kernels/profile/profile.h"
@@ -46,6 +47,7 @@ class Sensor {
   void reset();
 
  private:
+  HoleFiller holes_;
   Segmenter segmenter_;
   JointTracker tracker_;
   int previous_user_ = 0;  // of the last frame; 0: nobody

@@ -4,11 +4,19 @@
 
 namespace im2fit {
 
-Sensor::Sensor(int width, int height, const JointModel& model) : segmenter_(width, height), tracker_(model) {}
+namespace {
+
+constexpr float kLostShareMax = 0.30F;  // of the person's pixels
+
+}  // namespace
+
+Sensor::Sensor(int width, int height, const JointModel& model)
+    : holes_(width, height), segmenter_(width, height), tracker_(model) {}
 
 Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) {
   Sighting sighting;
-  sighting.person = segmenter_.run(depth, intrinsics, mask, seconds);
+  const DepthView mended = holes_.run(depth);
+  sighting.person = segmenter_.run(mended, intrinsics, mask, seconds);
   for (const User& user : segmenter_.users()) sighting.users[static_cast<std::size_t>(sighting.user_count++)] = user;
   sighting.guidance = sighting.person.guidance;
   if (!sighting.person.found) {
@@ -16,7 +24,9 @@ Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage 
     return sighting;
   }
   const bool follows = previous_user_ != 0 && previous_user_ == sighting.person.id;
-  sighting.joints = tracker_.track(depth, mask, intrinsics, sighting.person, follows);
+  sighting.joints = tracker_.track(mended, mask, intrinsics, sighting.person, follows);
+  if (holes_.mended() && drop_lost_pixels(depth, mask) > kLostShareMax)
+    sighting.guidance |= static_cast<GuidanceSet>(Guidance::too_noisy);
   sighting.back_chance = tracker_.back_chance();
   sighting.view = view_side(sighting.joints, sighting.person.floor, sighting.back_chance);
   sighting.guidance |=
