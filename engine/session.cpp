@@ -77,7 +77,9 @@ SessionStep on_sighting(const SessionRules& rules, const Session& session, const
     step.guidance |= bit(Guidance::moving);
     if (view.frames_gathered > 0 && view.frames_gathered <= rules.unsettled_frames_max) step.forget = true;
   }
-  if (view.view == ViewSide::back) step.guidance |= bit(Guidance::not_frontal);
+  // Which way somebody bent faces is a guess.
+  if (view.view == ViewSide::back && !has(view.guidance, Guidance::not_upright))
+    step.guidance |= bit(Guidance::not_frontal);
   if (next.state == SessionState::user_found && step.guidance == 0)
     next.state = rules.calibration_psi ? SessionState::calibrating : SessionState::tracking;
   if (next.state == SessionState::calibrating) return on_calibrating(rules, step, view);

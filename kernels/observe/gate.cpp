@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "kernels/core/skeleton.h"
 #include "kernels/paper/paper.h"
 #include "kernels/profile/person_frame.h"
 
@@ -15,13 +16,25 @@ namespace {
 // curves: true joints of 40 held-out people have a median of 0.16 and a maximum of 0.32.
 constexpr float kLateralMax = 0.5F;
 constexpr float kTiltMax = 0.26F;  // sine of the spine's tilt against the floor's normal: 15 degrees
+constexpr float kLeanMax = 0.19F;  // a trunk bent by 16 degrees about the hips, or all of the body leaning by 11
 // Sine of the shoulders' turn away from the camera. People are learned within 13 degrees, and 12 are too many to
 // measure well; the joints' yaw errs by 6, so that 18 degrees let pass all who stand within 12.
 constexpr float kYawMax = 0.309F;
 constexpr float kHandGapMinMm = 60.0F;  // hand's distance sideways from the hip joint
+// Of a hand the tracker hardly sees, which it puts where hands mostly are: 100 to 200 mm further out than it is, when
+// it is before the body.
+constexpr float kHandGapUnsureMinMm = 200.0F;
+constexpr float kHandSureMin = 0.33F;
 constexpr float kAcrossMinMm = 100.0F;  // shoulders and hips together: some 500 mm apart
 constexpr float kBackMin = 0.65F;
 constexpr float kFrontMax = 0.35F;
+
+bool spine_tilted(const JointSet& joints, const PersonFrame& frame) {
+  const Vec3f spine = normalized(joints[Joint::NE] - (joints[Joint::LH] + joints[Joint::RH]) * 0.5F);
+  const float along = dot(spine, frame.up);
+  const float tilt = std::sqrt(std::fmax(0.0F, 1.0F - along * along));
+  return body_frame(joints).lateral > kLateralMax || along < 0 || tilt > kTiltMax;
+}
 
 }  // namespace
 
@@ -43,24 +56,25 @@ GuidanceSet pose_codes_seen(GuidanceSet of_mask) {
   return has(of_mask, Guidance::side_cut) ? trunk : trunk | static_cast<GuidanceSet>(Guidance::arms_close);
 }
 
-GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view) {
+GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view, const Lean& lean) {
   GuidanceSet guidance = 0;
-  const BodyFrame body = body_frame(joints);
   const PersonFrame frame = person_frame(floor, joints[Joint::TO]);
-  const Vec3f spine = normalized(joints[Joint::NE] - (joints[Joint::LH] + joints[Joint::RH]) * 0.5F);
-  const float along = dot(spine, frame.up);
-  const float tilt = std::sqrt(std::fmax(0.0F, 1.0F - along * along));
-  if (body.lateral > kLateralMax || along < 0 || tilt > kTiltMax)
+  if (lean.seen ? lean.tangent > kLeanMax : spine_tilted(joints, frame))
     guidance |= static_cast<GuidanceSet>(Guidance::not_upright);
+  else if (view != ViewSide::front && view != ViewSide::back)
+    guidance |= static_cast<GuidanceSet>(Guidance::not_frontal);
 
-  if (view != ViewSide::front && view != ViewSide::back) guidance |= static_cast<GuidanceSet>(Guidance::not_frontal);
-
-  const float left_gap = frame.side(joints[Joint::LA]) - frame.side(joints[Joint::LH]);
-  const float right_gap = frame.side(joints[Joint::RH]) - frame.side(joints[Joint::RA]);
   // By the joints' own left and right, whatever the view: the gap is measured outwards.
   const bool facing = frame.side(joints[Joint::LS]) > frame.side(joints[Joint::RS]);
-  const float sign = facing ? 1.0F : -1.0F;
-  if (sign * left_gap < kHandGapMinMm || sign * right_gap < kHandGapMinMm)
+  const auto gap = [&](Joint hand, Joint hip) {
+    const float outwards = frame.side(joints[hand]) - frame.side(joints[hip]);
+    return facing == is_left(hand) ? outwards : -outwards;
+  };
+  const auto close = [&](Joint hand, Joint hip) {
+    const bool sure = joints.confidence[joint_index(hand)] >= kHandSureMin;
+    return gap(hand, hip) < (sure ? kHandGapMinMm : kHandGapUnsureMinMm);
+  };
+  if (close(Joint::LA, Joint::LH) || close(Joint::RA, Joint::RH))
     guidance |= static_cast<GuidanceSet>(Guidance::arms_close);
   return guidance;
 }

@@ -4,6 +4,7 @@
 
 #include "kernels/core/guidance.h"
 #include "kernels/core/joints.h"
+#include "kernels/observe/lean.h"
 #include "kernels/segment/segment.h"
 
 namespace im2fit {
@@ -16,9 +17,10 @@ enum class ViewSide : int { unknown, front, back, side };
 // the joints span no line, or the probability does not decide (0.35..0.65).
 ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_probability = 0.0F);
 
-// not_upright (mended Eq. 1 and the floor), not_frontal (neither front nor back), arms_close. Thresholds sit three
-// joint errors away from what a person asked to stand straight does: one noisy joint must not refuse a good frame.
-GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view);
+// not_upright (by the lean where it is seen, else by the joints: mended Eq. 1 and the floor), not_frontal (neither
+// front nor back), arms_close. Thresholds sit three joint errors away from what a person asked to stand straight
+// does: one noisy joint must not refuse a good frame. Which way somebody bent faces is not told.
+GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view, const Lean& lean = {});
 // Which of those codes a frame can bear, given what the mask says of it: joints in few or coarse pixels are guesses,
 // and a hand outside the picture has no place. First the person must stand where the pose can be seen.
 GuidanceSet pose_codes_seen(GuidanceSet of_mask);

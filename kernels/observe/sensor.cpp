@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "kernels/observe/gate.h"
 #include "kernels/observe/observe.h"
 
@@ -25,12 +27,16 @@ Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage 
   }
   const bool follows = previous_user_ != 0 && previous_user_ == sighting.person.id;
   sighting.joints = tracker_.track(mended, mask, intrinsics, sighting.person, follows);
+  const auto is_chosen = [&](const User& user) { return user.id == sighting.person.id; };
+  const auto users = segmenter_.users();
+  const auto user = std::find_if(users.begin(), users.end(), is_chosen);
+  const Lean lean = lean_of(mended, mask, intrinsics, sighting.person, user != users.end() ? &*user : nullptr);
   if (holes_.mended() && drop_lost_pixels(depth, mask) > kLostShareMax)
     sighting.guidance |= static_cast<GuidanceSet>(Guidance::too_noisy);
   sighting.back_chance = tracker_.back_chance();
   sighting.view = view_side(sighting.joints, sighting.person.floor, sighting.back_chance);
   sighting.guidance |=
-      pose_gate(sighting.joints, sighting.person.floor, sighting.view) & pose_codes_seen(sighting.guidance);
+      pose_gate(sighting.joints, sighting.person.floor, sighting.view, lean) & pose_codes_seen(sighting.guidance);
   previous_user_ = sighting.person.id;
   return sighting;
 }

@@ -160,6 +160,15 @@ TEST(Session, ABackIsAskedToTurnRound) {
   }
 }
 
+TEST(Session, WhichWaySomebodyBentFacesIsNotTold) {
+  SessionView view = kGood;
+  view.view = ViewSide::back;
+  view.guidance = static_cast<GuidanceSet>(Guidance::not_upright);
+  const SessionStep bent = on_sighting(rules(false), at(State::tracking), view);
+  EXPECT_EQ(bent.guidance, view.guidance);
+  EXPECT_FALSE(bent.use_frame);
+}
+
 TEST(Session, MovementIsNotGatheredAndTakesItsFirstFramesWithIt) {
   const SessionRules r = rules(false);
   struct Case {

@@ -138,6 +138,37 @@ TEST(PoseGate, UprightMeansAgainstTheFloorNotThePicture) {
   EXPECT_FALSE(has(pose_gate(joints, rolled), Guidance::not_upright));
 }
 
+// Joints straighten who bends: what is seen decides, where it is seen.
+TEST(PoseGate, TheLeanSeenDecides) {
+  const GuidanceSet bent = static_cast<GuidanceSet>(Guidance::not_upright);
+  EXPECT_EQ(pose_gate(standing(), kLevelFloor, ViewSide::front, {true, 0.3F}), bent);
+  EXPECT_EQ(pose_gate(bowing(25), kLevelFloor, ViewSide::front, {true, 0.05F}), 0U);
+  EXPECT_EQ(pose_gate(bowing(25), kLevelFloor, ViewSide::front, {false, 0.05F}), bent);
+}
+
+TEST(PoseGate, WhichWaySomebodyBentFacesIsNotTold) {
+  for (const ViewSide view : {ViewSide::side, ViewSide::unknown}) {
+    EXPECT_EQ(pose_gate(standing(), kLevelFloor, view, {true, 0.3F}),
+              static_cast<GuidanceSet>(Guidance::not_upright));
+    EXPECT_EQ(pose_gate(standing(), kLevelFloor, view, {true, 0.05F}),
+              static_cast<GuidanceSet>(Guidance::not_frontal));
+  }
+}
+
+// Hands before the body are hidden hands put where hands mostly are.
+TEST(PoseGate, AnUnsureHandNeedsMoreRoom) {
+  for (const auto& [hand, hip] : {std::pair{Joint::LA, Joint::LH}, std::pair{Joint::RA, Joint::RH}}) {
+    JointSet joints = standing();
+    const float outwards = joints[hand].x > 0 ? 1.0F : -1.0F;
+    joints[hand].x = joints[hip].x + outwards * 150;
+    EXPECT_EQ(pose_gate(joints, kLevelFloor), 0U);
+    joints.confidence[joint_index(hand)] = 0.2F;
+    EXPECT_EQ(pose_gate(joints, kLevelFloor), static_cast<GuidanceSet>(Guidance::arms_close));
+    joints[hand].x = joints[hip].x + outwards * 260;
+    EXPECT_EQ(pose_gate(joints, kLevelFloor), 0U);
+  }
+}
+
 TEST(PoseGate, AHandOnTheHipIsTooClose) {
   JointSet joints = standing();
   joints[Joint::LA].x = joints[Joint::LH].x + 30;
