@@ -9,6 +9,7 @@
 
 #include "apps/im2fit-lab/tracker/bent_people.h"
 #include "base/rng.h"
+#include "kernels/profile/person_frame.h"
 
 namespace im2fit::apps {
 namespace {
@@ -170,7 +171,8 @@ void Maker::side_cut() {
   options().enlarge_to_fit = false;
 }
 
-// A hand before the body or on it: by the truth, not further out than the hip joint beside it.
+// A hand before the body or on it: by the truth, not further out than the hip joint beside it. The person faces the
+// camera within what the program lets pass (12 degrees): who folds the arms and turns aside shows two things.
 void Maker::arms_close() {
   options().pose = synth::StandingPose::crossed;
   for (int i = 0; i < kDrawsMax; ++i) {
@@ -179,7 +181,10 @@ void Maker::arms_close() {
     const Vec3f across = normalized(truth[Joint::LH] - truth[Joint::RH]);
     const float left = dot(truth[Joint::LA] - truth[Joint::LH], across);
     const float right = dot(truth[Joint::RH] - truth[Joint::RA], across);
-    if (std::min(left, right) < 0) return;
+    const Vec3f line = (truth[Joint::LS] - truth[Joint::RS]) + (truth[Joint::LH] - truth[Joint::RH]);
+    const FloorPlane floor = staged.floor();
+    const float turn = dot(normalized(line), person_frame(floor, truth[Joint::TO]).toward);
+    if (std::min(left, right) < 0 && std::fabs(turn) < std::sin(12 * kDegree)) return;
     scene_.shot.seed = rng_.next();
   }
 }
