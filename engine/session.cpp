@@ -28,12 +28,13 @@ void begin_attempt(Session& next, int user) {
   next.rejected_frames = 0;
 }
 
-// Limbs count when nothing else is wrong: the joints of who is turned, bent or cut off leap about by themselves. Of a
-// picture that is mostly holes even the middle does.
+// Limbs count when nothing else is wrong: the joints of who is turned, bent or cut off leap about by themselves. So
+// does the middle of what is seen of them, a little: only plain movement is told beside something else. Of a picture
+// that is mostly holes even the middle says nothing.
 bool is_moving(const SessionRules& rules, const SessionView& view) {
   if (has(view.guidance, Guidance::too_noisy)) return false;
-  return view.motion.body_mm_s > rules.body_speed_max_mm_s ||
-         (view.guidance == 0 && view.motion.limb_mm_s > rules.limb_speed_max_mm_s);
+  if (view.guidance != 0) return view.motion.body_mm_s > rules.body_speed_plain_mm_s;
+  return view.motion.body_mm_s > rules.body_speed_max_mm_s || view.motion.limb_mm_s > rules.limb_speed_max_mm_s;
 }
 
 SessionStep on_calibrating(const SessionRules& rules, SessionStep step, const SessionView& view) {
@@ -77,9 +78,9 @@ SessionStep on_sighting(const SessionRules& rules, const Session& session, const
     step.guidance |= bit(Guidance::moving);
     if (view.frames_gathered > 0 && view.frames_gathered <= rules.unsettled_frames_max) step.forget = true;
   }
-  // Which way somebody bent faces is a guess.
-  if (view.view == ViewSide::back && !has(view.guidance, Guidance::not_upright))
-    step.guidance |= bit(Guidance::not_frontal);
+  // Which way somebody bent faces, or whose head is outside the picture, is a guess.
+  const bool guessed = has(view.guidance, Guidance::not_upright) || has(view.guidance, Guidance::head_cut);
+  if (view.view == ViewSide::back && !guessed) step.guidance |= bit(Guidance::not_frontal);
   if (next.state == SessionState::user_found && step.guidance == 0)
     next.state = rules.calibration_psi ? SessionState::calibrating : SessionState::tracking;
   if (next.state == SessionState::calibrating) return on_calibrating(rules, step, view);

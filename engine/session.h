@@ -28,7 +28,8 @@ struct SessionRules {
   // by 180.
   float body_speed_max_mm_s = 60;
   float limb_speed_max_mm_s = 300;
-  int attempts_max = 8;  // beginnings after the first, by loss or by a pose that changed
+  float body_speed_plain_mm_s = 150;  // movement that is told beside something else
+  int attempts_max = 8;               // beginnings after the first, by loss or by a pose that changed
 };
 
 struct Session {

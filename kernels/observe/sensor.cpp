@@ -31,12 +31,14 @@ Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage 
   const auto users = segmenter_.users();
   const auto user = std::find_if(users.begin(), users.end(), is_chosen);
   const Lean lean = lean_of(mended, mask, intrinsics, sighting.person, user != users.end() ? &*user : nullptr);
+  // Who else is there is a guess as well.
   if (holes_.mended() && drop_lost_pixels(depth, mask) > kLostShareMax)
-    sighting.guidance |= static_cast<GuidanceSet>(Guidance::too_noisy);
+    sighting.guidance = (sighting.guidance & ~static_cast<GuidanceSet>(Guidance::several_people)) |
+                        static_cast<GuidanceSet>(Guidance::too_noisy);
   sighting.back_chance = tracker_.back_chance();
   sighting.view = view_side(sighting.joints, sighting.person.floor, sighting.back_chance);
-  sighting.guidance |=
-      pose_gate(sighting.joints, sighting.person.floor, sighting.view, lean) & pose_codes_seen(sighting.guidance);
+  sighting.guidance |= pose_gate(sighting.joints, sighting.person.floor, sighting.view, lean) &
+                       pose_codes_seen(sighting.guidance, sighting.view, lean.seen);
   previous_user_ = sighting.person.id;
   return sighting;
 }
