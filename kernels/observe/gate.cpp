@@ -49,11 +49,11 @@ ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_p
   return dot(across, frame.right) < 0 || back_probability >= kBackMin ? ViewSide::back : ViewSide::front;
 }
 
-GuidanceSet pose_codes_seen(GuidanceSet of_mask, ViewSide view, bool lean_seen) {
+GuidanceSet pose_codes_seen(GuidanceSet of_mask, ViewSide view) {
   if (has(of_mask, Guidance::too_near) || has(of_mask, Guidance::too_far) || has(of_mask, Guidance::too_noisy))
     return 0;
   GuidanceSet seen = 0;
-  if (lean_seen || !has(of_mask, Guidance::feet_cut)) seen |= static_cast<GuidanceSet>(Guidance::not_upright);
+  if (!has(of_mask, Guidance::feet_cut)) seen |= static_cast<GuidanceSet>(Guidance::not_upright);
   if (view == ViewSide::side || !has(of_mask, Guidance::head_cut))
     seen |= static_cast<GuidanceSet>(Guidance::not_frontal);
   if (!has(of_mask, Guidance::side_cut)) seen |= static_cast<GuidanceSet>(Guidance::arms_close);

@@ -22,9 +22,9 @@ ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_p
 // does: one noisy joint must not refuse a good frame. Which way somebody bent faces is not told.
 GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view, const Lean& lean = {});
 // Which of those codes a frame can bear, given what the mask says of it: joints in few or coarse pixels are guesses,
-// a hand outside the picture has no place, without a head nothing tells a front from a back, and hips without legs
-// (`lean_seen`: with) are where the trunk is taken to end. First the person must stand where the pose can be seen.
-GuidanceSet pose_codes_seen(GuidanceSet of_mask, ViewSide view, bool lean_seen);
+// a hand outside the picture has no place, without a head nothing tells a front from a back, and without feet the
+// floor they stand on is not seen, nor what is upright. First the person must stand where the pose can be seen.
+GuidanceSet pose_codes_seen(GuidanceSet of_mask, ViewSide view);
 inline GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor) {
   return pose_gate(joints, floor, view_side(joints, floor));
 }

@@ -38,7 +38,7 @@ Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage 
   sighting.back_chance = tracker_.back_chance();
   sighting.view = view_side(sighting.joints, sighting.person.floor, sighting.back_chance);
   sighting.guidance |= pose_gate(sighting.joints, sighting.person.floor, sighting.view, lean) &
-                       pose_codes_seen(sighting.guidance, sighting.view, lean.seen);
+                       pose_codes_seen(sighting.guidance, sighting.view);
   previous_user_ = sighting.person.id;
   return sighting;
 }

@@ -61,6 +61,26 @@ class BlobFinder {
     int row_count = 0;
   };
 
+  struct Roundness {
+    float score = 0;     // mm: 12 to 45 for people, below 9 for furniture
+    float sides_mm = 0;  // of the rounder quarter, about the upright axis
+    float share = 0;     // of the cells with blob on either side
+  };
+  // Below a top, where a head may be. Columns of cells.
+  struct HeadShape {
+    int centre = 0;
+    int lo = 0, hi = 0;                        // of its last row
+    float width_mm = 0;                        // mean, 55..165 mm below the top
+    float narrowest_mm = 1e9F, widest_mm = 0;  // there
+    float neck_mm = 1e9F;                      // narrowest, 165..280 mm below
+    float shoulders_mm = 0;                    // widest, 270..430 mm below
+    float left_mm = 0, right_mm = 0;           // what they reach beyond the head
+    float relief_mm = 0;                       // of the head's middle before its edges
+    float bulge_mm = 0;                        // of the trunk, rms
+    bool cut = false;                          // by the picture's left or right border
+  };
+  class HeadProbe;
+
   void open_cells(const Grid& grid, const FloorPlane& floor);
   void describe(const Grid& grid);
   void expect_heads(const Grid& grid, const FloorPlane& floor, std::span<const Vec3f> expected);
@@ -75,6 +95,8 @@ class BlobFinder {
   TrunkShape trunk_shape(const Grid& grid, int blob, int c, int r_first, int r_last, float z_mm) const;
   bool person_shaped(const Grid& grid, int blob) const;
   bool has_legs(const Grid& grid, int blob) const;
+  Roundness roundness(const Grid& grid, int blob, int row_last) const;
+  bool round_body(const Grid& grid, int blob, const FloorPlane& floor) const;
   TrunkShape trunk_of(const Grid& grid, int blob) const;
   static float trunk_doubt(const TrunkShape& shape);
   static bool person_sized(const Grid& grid, const Blob& blob, const FloorPlane& floor);

@@ -16,7 +16,8 @@ constexpr float kNeckWidthMinMm = 90.0F;
 constexpr float kDoubtMax = 1.0F;
 constexpr float kDoubtOnLegsMax = 3.0F;
 constexpr float kTrunkBeginMm = 270.0F;
-constexpr float kTrunkEndMm = 650.0F;  // below the crown
+constexpr float kTrunkEndMm = 650.0F;   // below the crown
+constexpr float kHeadDepthMm = 280.0F;  // of what hangs together with a head, from its depth
 constexpr float kTrunkHalfMm = 180.0F;
 constexpr float kHeadApartMm = 320.0F;  // two heads side by side
 
@@ -30,6 +31,129 @@ std::size_t at(int i) {
 
 }  // namespace
 
+// Widths and depths of rows from a top downwards: of the head, the neck, the shoulders and the trunk.
+class BlobFinder::HeadProbe {
+ public:
+  HeadProbe(const Grid& grid, std::span<const std::uint16_t> labels, int blob, int c, int r, float z_mm)
+      : grid_(grid),
+        labels_(labels),
+        label_(static_cast<std::uint16_t>(blob + 1)),
+        r_(r),
+        z_mm_(z_mm),
+        cell_mm_(cell_mm(grid, z_mm)) {
+    shape_.centre = shape_.lo = shape_.hi = c;
+  }
+  // False where no head can be: the rows end above the shoulders, or the neck is a pole.
+  bool measure();
+  const HeadShape& shape() const { return shape_; }
+
+ private:
+  struct Run {
+    int row = 0;
+    int lo = 0, hi = -1;  // columns, inclusive
+    float below_mm = 0;   // the top
+    float width_mm = 0;
+  };
+  bool inside(int col, int row) const {
+    const auto cell = at(grid_.index(col, row));
+    return labels_[cell] == label_ && std::fabs(static_cast<float>(grid_.depth[cell]) - z_mm_) < kHeadDepthMm;
+  }
+  float z_at(int col, int row) const { return static_cast<float>(grid_.depth[at(grid_.index(col, row))]); }
+  bool find_run(int row, Run& run) const;
+  void add_head(const Run& run);
+  void add_shoulders(const Run& run);
+  void add_bulge(const Run& run);
+
+  const Grid& grid_;
+  std::span<const std::uint16_t> labels_;
+  std::uint16_t label_;
+  int r_;
+  float z_mm_;
+  float cell_mm_;
+  HeadShape shape_;
+  int head_rows_ = 0;
+  int border_rows_ = 0;
+  int bulge_rows_ = 0;
+};
+
+// The run of the row under the head's middle, across gaps of one cell; false: there is none.
+bool BlobFinder::HeadProbe::find_run(int row, Run& run) const {
+  const int centre = shape_.centre;
+  int start = centre;
+  for (int away = 1; away <= 3 && !inside(start, row); ++away) {
+    if (centre - away >= 0 && inside(centre - away, row))
+      start = centre - away;
+    else if (centre + away < grid_.width && inside(centre + away, row))
+      start = centre + away;
+  }
+  if (!inside(start, row)) return false;
+  int lo = start;
+  int hi = start;
+  while (lo > 0 && (inside(lo - 1, row) || (lo > 1 && inside(lo - 2, row)))) --lo;
+  while (hi + 1 < grid_.width && (inside(hi + 1, row) || (hi + 2 < grid_.width && inside(hi + 2, row)))) ++hi;
+  run = {row, lo, hi, static_cast<float>(row - r_) * cell_mm_, static_cast<float>(hi - lo + 1) * cell_mm_};
+  return true;
+}
+
+void BlobFinder::HeadProbe::add_head(const Run& run) {
+  shape_.narrowest_mm = std::min(shape_.narrowest_mm, run.width_mm);
+  shape_.widest_mm = std::max(shape_.widest_mm, run.width_mm);
+  shape_.width_mm += run.width_mm;
+  if (inside(run.lo, run.row) && inside(run.hi, run.row) && inside(shape_.centre, run.row))
+    shape_.relief_mm += 0.5F * (z_at(run.lo, run.row) + z_at(run.hi, run.row)) - z_at(shape_.centre, run.row);
+  shape_.lo = run.lo;
+  shape_.hi = run.hi;
+  border_rows_ += run.lo == 0 || run.hi == grid_.width - 1 ? 1 : 0;
+  ++head_rows_;
+}
+
+void BlobFinder::HeadProbe::add_shoulders(const Run& run) {
+  shape_.shoulders_mm = std::max(shape_.shoulders_mm, run.width_mm);
+  shape_.left_mm = std::max(shape_.left_mm, static_cast<float>(shape_.lo - run.lo) * cell_mm_);
+  shape_.right_mm = std::max(shape_.right_mm, static_cast<float>(run.hi - shape_.hi) * cell_mm_);
+}
+
+// How far the middle lies before the line between its sides.
+void BlobFinder::HeadProbe::add_bulge(const Run& run) {
+  const int centre = shape_.centre;
+  const int half = std::max(1, static_cast<int>(kTrunkHalfMm / cell_mm_));
+  const int left = std::max(run.lo + 1, centre - half);
+  const int right = std::min(run.hi - 1, centre + half);
+  const bool across = left < centre && centre < right;
+  if (!across || !inside(left, run.row) || !inside(right, run.row) || !inside(centre, run.row)) return;
+  const float share = static_cast<float>(centre - left) / static_cast<float>(right - left);
+  const float z_left = z_at(left, run.row);
+  const float bulge = z_left + share * (z_at(right, run.row) - z_left) - z_at(centre, run.row);
+  shape_.bulge_mm += bulge * bulge;
+  ++bulge_rows_;
+}
+
+bool BlobFinder::HeadProbe::measure() {
+  for (int row = r_; row < grid_.height; ++row) {
+    const float below = static_cast<float>(row - r_) * cell_mm_;
+    if (below > kTrunkEndMm) break;
+    Run run;
+    if (!find_run(row, run)) {
+      if (below < kNeckEndMm && below > 20.0F) return false;
+      continue;
+    }
+    if (below <= 170.0F) shape_.centre = (run.lo + run.hi) / 2;
+    if (below >= 55.0F && below <= 165.0F) add_head(run);
+    if (below >= 165.0F && below < kNeckEndMm) {
+      if (run.width_mm < kNeckWidthMinMm - cell_mm_) return false;
+      shape_.neck_mm = std::min(shape_.neck_mm, run.width_mm);
+    }
+    if (below >= kTrunkBeginMm) add_bulge(run);
+    if (below >= kTrunkBeginMm && below <= 430.0F) add_shoulders(run);
+  }
+  if (head_rows_ == 0) return false;
+  shape_.width_mm /= static_cast<float>(head_rows_);
+  shape_.relief_mm /= static_cast<float>(head_rows_);
+  shape_.cut = border_rows_ * 2 > head_rows_;
+  shape_.bulge_mm = bulge_rows_ > 0 ? std::sqrt(shape_.bulge_mm / static_cast<float>(bulge_rows_)) : 1e9F;
+  return true;
+}
+
 // A head: 85..330 mm wide over a hand's breadth below its top, rounded, with shoulders wider than it under it.
 // A raised hand fails at the wrist, a box at its missing shoulders, a hat over a coat at the stand's thin
 // pole or the coat's flat front.
@@ -41,100 +165,30 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   if (labels_[at(probe)] != label) return false;
   const float z_head = static_cast<float>(grid.depth[at(probe)]);
   const float mm = cell_mm(grid, z_head);
-  float narrowest = 1e9F;
-  float widest = 0;
-  float width_sum = 0;
-  float relief_sum = 0;
-  int row_count = 0;
-  int at_border = 0;
-  float neck = 1e9F;
-  float shoulders = 0;
-  float left_reach = 0;
-  float right_reach = 0;
-  float bulge_square_sum = 0;
-  int bulge_count = 0;
-  int head_lo = c;
-  int head_hi = c;
-  int centre = c;
-  for (int row = r; row < grid.height; ++row) {
-    const float below = static_cast<float>(row - r) * mm;
-    if (below > kTrunkEndMm) break;
-    const auto inside = [&](int col) {
-      const int cell = grid.index(col, row);
-      return labels_[at(cell)] == label && std::fabs(static_cast<float>(grid.depth[at(cell)]) - z_head) < 280.0F;
-    };
-    int start = centre;
-    for (int away = 1; away <= 3 && !inside(start); ++away) {
-      if (centre - away >= 0 && inside(centre - away))
-        start = centre - away;
-      else if (centre + away < grid.width && inside(centre + away))
-        start = centre + away;
-    }
-    if (!inside(start)) {
-      if (below < kNeckEndMm && below > 20.0F) return false;
-      continue;
-    }
-    int lo = start;
-    int hi = start;
-    while (lo > 0 && (inside(lo - 1) || (lo > 1 && inside(lo - 2)))) --lo;
-    while (hi + 1 < grid.width && (inside(hi + 1) || (hi + 2 < grid.width && inside(hi + 2)))) ++hi;
-    const float width = static_cast<float>(hi - lo + 1) * mm;
-    if (below <= 170.0F) centre = (lo + hi) / 2;
-    if (below >= 55.0F && below <= 165.0F) {
-      narrowest = std::min(narrowest, width);
-      widest = std::max(widest, width);
-      width_sum += width;
-      const auto z_at = [&](int col) { return static_cast<float>(grid.depth[at(grid.index(col, row))]); };
-      if (inside(lo) && inside(hi) && inside(centre)) relief_sum += 0.5F * (z_at(lo) + z_at(hi)) - z_at(centre);
-      head_lo = lo;
-      head_hi = hi;
-      at_border += lo == 0 || hi == grid.width - 1 ? 1 : 0;
-      ++row_count;
-    }
-    if (below >= 165.0F && below < kNeckEndMm) {
-      if (width < kNeckWidthMinMm - mm) return false;
-      neck = std::min(neck, width);
-    }
-    if (below >= 270.0F) {
-      const int half = std::max(1, static_cast<int>(kTrunkHalfMm / mm));
-      const int left = std::max(lo + 1, centre - half);
-      const int right = std::min(hi - 1, centre + half);
-      if (left < centre && centre < right && inside(left) && inside(right) && inside(centre)) {
-        const auto z_at = [&](int col) { return static_cast<float>(grid.depth[at(grid.index(col, row))]); };
-        const float share = static_cast<float>(centre - left) / static_cast<float>(right - left);
-        const float bulge = z_at(left) + share * (z_at(right) - z_at(left)) - z_at(centre);
-        bulge_square_sum += bulge * bulge;
-        ++bulge_count;
-      }
-    }
-    if (below >= 270.0F && below <= 430.0F) {
-      shoulders = std::max(shoulders, width);
-      left_reach = std::max(left_reach, static_cast<float>(head_lo - lo) * mm);
-      right_reach = std::max(right_reach, static_cast<float>(hi - head_hi) * mm);
-    }
-  }
-  if (row_count == 0) return false;
-  const float width = width_sum / static_cast<float>(row_count);
-  if (at_border * 2 > row_count || narrowest < 0.45F * widest) return false;  // cut in two; a cupboard's corner
-  if (neck > 1.25F * width + mm) return false;  // widens steadily, as a cupboard's top seen over its corner
-  if (narrowest < 85.0F - mm || widest > 330.0F + mm || width < 105.0F || width > 270.0F + 0.5F * mm) return false;
-  if (shoulders < std::max(220.0F, 1.2F * width)) return false;
-  if (std::max(left_reach, right_reach) < 40.0F || std::min(left_reach, right_reach) < -0.25F * width) return false;
-  const float round = kHeadReliefMinMm - 0.2F * quantum_mm(z_head);
-  if (relief_sum < round * static_cast<float>(row_count)) return false;
+  HeadProbe rows(grid, labels_, blob, c, r, z_head);
+  if (!rows.measure()) return false;
+  const HeadShape& head = rows.shape();
+  const float width = head.width_mm;
+  if (head.cut || head.narrowest_mm < 0.45F * head.widest_mm) return false;  // cut in two; a cupboard's corner
+  if (head.neck_mm > 1.25F * width + mm) return false;  // widens steadily, as a cupboard's top seen over its corner
+  if (head.narrowest_mm < 85.0F - mm || head.widest_mm > 330.0F + mm || width < 105.0F || width > 270.0F + 0.5F * mm)
+    return false;
+  if (head.shoulders_mm < std::max(220.0F, 1.2F * width)) return false;
+  if (std::max(head.left_mm, head.right_mm) < 40.0F || std::min(head.left_mm, head.right_mm) < -0.25F * width)
+    return false;
+  if (head.relief_mm < kHeadReliefMinMm - 0.2F * quantum_mm(z_head)) return false;
   // Some backs are as flat as a coat.
-  const float bulge = bulge_count > 0 ? std::sqrt(bulge_square_sum / static_cast<float>(bulge_count)) : 1e9F;
-  if (bulge < 10.0F + 0.35F * quantum_mm(z_head)) return false;
+  if (head.bulge_mm < 10.0F + 0.35F * quantum_mm(z_head)) return false;
   // Each limit keeps 95 % of 250 dressed people's heads in furnished rooms; hats on chairs and stands miss several.
   const int trunk_first = r + static_cast<int>(kTrunkBeginMm / mm);
   const int trunk_last = r + static_cast<int>(kTrunkEndMm / mm);
-  const float doubt = trunk_doubt(trunk_shape(grid, blob, centre, trunk_first, trunk_last, z_head)) +
-                      std::max(0.0F, (width - 192.0F) / 25.0F) + std::max(0.0F, (neck - 150.0F) / 25.0F) +
-                      std::max(0.0F, (2.2F - shoulders / width) / 0.25F);
+  const float doubt = trunk_doubt(trunk_shape(grid, blob, head.centre, trunk_first, trunk_last, z_head)) +
+                      std::max(0.0F, (width - 192.0F) / 25.0F) + std::max(0.0F, (head.neck_mm - 150.0F) / 25.0F) +
+                      std::max(0.0F, (2.2F - head.shoulders_mm / width) / 0.25F);
   if (doubt > kDoubtMax && (doubt > kDoubtOnLegsMax || !has_legs(grid, blob))) return false;
-  out.vague = bulge < 14.0F + 0.5F * quantum_mm(z_head) || z_head > kVagueMm;
+  out.vague = head.bulge_mm < 14.0F + 0.5F * quantum_mm(z_head) || z_head > kVagueMm;
   out.blob = blob;
-  out.c = centre;
+  out.c = head.centre;
   out.r = r;
   out.top_mm = grid.point(probe);
   out.width_mm = width;

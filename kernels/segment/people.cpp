@@ -9,9 +9,12 @@ namespace {
 
 constexpr float kShinLowMm = 200.0F;  // above the floor
 constexpr float kThighMm = 900.0F;
-constexpr float kLegWidthMinMm = 80.0F;
+constexpr float kLegWidthMinMm = 65.0F;  // calves behind one another; poles are 40, and a cell more
 constexpr float kTrunkDoubtMax = 0.5F;
-constexpr float kShapeFarMm = 4000.0F;  // beyond, a disparity step is as deep as a leg is round
+constexpr float kHeadRoundMin = 6.0F;    // of the whole or, where furniture hangs on it, the upper half
+constexpr float kShapeRoundMin = 14.0F;  // of 274 people without a head 99 % are above
+constexpr float kCutRoundMin = 8.0F;     // of trunks cut off above: coats against the border are below 6
+constexpr float kShapeFarMm = 4000.0F;   // beyond, a disparity step is as deep as a leg is round
 constexpr float kTrunkBulgeMinMm = 5.0F;
 constexpr float kTrunkBulgeMaxMm = 110.0F;
 
@@ -77,7 +80,11 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
       Blob& blob = blobs_[at(b)];
       const float tall = blob.height_max_mm - blob.height_min_mm;
       const bool sized = blob.area_m2 > 0.06F && blob.area_m2 < 2.2F && tall > 300.0F;
-      if (!sized || floats(grid, b, floor) || on_pole(grid, b, floor)) continue;
+      const bool hangs = floor.known && blob.height_min_mm > kFloatingMm && blob.centroid_mm.z > kShapeFarMm;
+      if (!sized || hangs || floats(grid, b, floor) || on_pole(grid, b, floor)) continue;
+      const int middle = blob.r_min + (blob.r_max - blob.r_min) / 2;
+      if (roundness(grid, b, middle).score < kHeadRoundMin && roundness(grid, b, blob.r_max).score < kHeadRoundMin)
+        continue;
       blob.person = blob.has_head = true;
       blob.vague = vague;
       blob.head_mm = heads_[at(h)].top_mm;
@@ -88,7 +95,7 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
     Blob& blob = blobs_[at(b)];
     if (blob.person || blob.cell_count == 0) continue;
     blob.person_sized = person_sized(grid, blob, floor);
-    blob.person = blob.person_sized && person_shaped(grid, b);
+    blob.person = (blob.person_sized && person_shaped(grid, b)) || round_body(grid, b, floor);
   }
 }
 
@@ -107,8 +114,11 @@ BlobFinder::TrunkShape BlobFinder::trunk_of(const Grid& grid, int b) const {
 bool BlobFinder::person_shaped(const Grid& grid, int b) const {
   const Blob& blob = blobs_[at(b)];
   if (blob.centroid_mm.z > kShapeFarMm) return false;
+  const float round = roundness(grid, b, blob.r_max).score;
+  if (round < kCutRoundMin) return false;
   const TrunkShape trunk = trunk_of(grid, b);
-  if (has_legs(grid, b)) return trunk.bulge_mm > kTrunkBulgeMinMm && trunk.bulge_mm < kTrunkBulgeMaxMm;
+  if (has_legs(grid, b) && round > kShapeRoundMin)
+    return trunk.bulge_mm > kTrunkBulgeMinMm && trunk.bulge_mm < kTrunkBulgeMaxMm;
   const bool inside = blob.c_min > 1 && blob.c_max < grid.width - 2;
   return blob.r_min <= 1 && inside && trunk_doubt(trunk) < kTrunkDoubtMax;
 }

@@ -11,6 +11,7 @@
 #include "kernels/segment/feet.h"
 #include "kernels/segment/floor.h"
 #include "kernels/segment/fragments.h"
+#include "kernels/segment/furniture.h"
 #include "kernels/segment/grid.h"
 #include "kernels/segment/mask.h"
 #include "kernels/segment/users.h"
@@ -41,13 +42,16 @@ struct Segmenter::Workspace {
         floor(grid),
         background(grid),
         blobs(grid),
+        furniture(grid),
         refiner(grid),
         feet(w),
-        chosen(grid.depth.size()) {}
+        chosen(grid.depth.size()),
+        barred(grid.depth.size()) {}
 
   int choose() const;
   int people_count() const;
   bool disturbed(int chosen_user) const;
+  std::span<const std::uint8_t> not_feet();
 
   int width;
   int height;
@@ -57,9 +61,11 @@ struct Segmenter::Workspace {
   segment::BlobFinder blobs;
   segment::UserTracker users;
   segment::FragmentJoiner fragments;
+  segment::FurnitureCutter furniture;
   segment::MaskRefiner refiner;
   segment::FootGrower feet;
   std::vector<std::uint8_t> chosen;
+  std::vector<std::uint8_t> barred;
   int selected_id = 0;
   int last_id = 0;
 };
@@ -101,6 +107,14 @@ bool Segmenter::Workspace::disturbed(int chosen_user) const {
     if (static_cast<int>(i) != chosen_user && other.confirmed && other.centroid_mm.z < limit) return true;
   }
   return false;
+}
+
+// Where the mask must not grow down to the floor: what stands there.
+std::span<const std::uint8_t> Segmenter::Workspace::not_feet() {
+  const auto shown = background.shown();
+  const auto cut = furniture.cut();
+  for (std::size_t i = 0; i < barred.size(); ++i) barred[i] = shown[i] | cut[i];
+  return barred;
 }
 
 Segmenter::Segmenter(int width, int height) : work_(std::make_unique<Workspace>(width, height)) {}
@@ -147,6 +161,7 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   person.people_count = std::max(1, person.people_count);  // one without a head may be chosen
   w.last_id = user.id;
   w.fragments.run(w.grid, w.blobs, person.floor.known, w.users.blob_of(at(who)), w.chosen);
+  w.furniture.run(w.grid, person.floor, w.chosen);
   w.background.learn(w.grid, w.users.keepouts(), w.chosen);
   if (person.floor.known) {
     const Vec3f c = user.centroid_mm;
@@ -154,7 +169,7 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
     person.floor = w.floor.refine(w.grid, depth, person.floor, feet, w.chosen);
   }
   w.refiner.run(w.grid, depth, w.chosen, mask);
-  w.feet.run(w.grid, depth, person.floor, w.chosen, w.background.shown(), mask);
+  w.feet.run(w.grid, depth, person.floor, w.chosen, w.not_feet(), mask);
   segment::describe_mask(w.grid, depth, mask, person);
   if (person.pixel_count == 0) {
     person.guidance = static_cast<GuidanceSet>(Guidance::no_person);

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/segment/furniture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace im2fit::segment {
+namespace {
+
+constexpr float kLedgeLowMm = 130.0F;   // above the floor: shoes are lower
+constexpr float kLedgeHighMm = 700.0F;  // hands hang above
+constexpr float kLedgeShare = 0.45F;    // of the height of who stands
+constexpr float kSeatedShare = 0.33F;   // of who sits: the thighs are higher
+constexpr float kSeatShare = 0.36F;     // their seats are lower, between the thighs
+constexpr float kSeatedMaxMm = 1450.0F;
+constexpr float kClearMm = 80.0F;      // above a ledge: nothing of the person
+constexpr float kLevelStepMm = 28.0F;  // from column to column
+constexpr float kLevelMm = 50.0F;      // along a ledge
+constexpr float kLedgeMinMm = 110.0F;  // long
+constexpr float kTopFaceMm = 30.0F;    // in height
+constexpr int kFrontCells = 4;         // tell a front's distance
+constexpr int kEdgeCells = 2;          // about an edge, of either face
+constexpr float kBandMm = 60.0F;       // a front in the floor band, which noise lifts
+constexpr float kBesideMm = 200.0F;
+constexpr float kPartMm = 22.0F;  // and a disparity step: apart in depth
+constexpr int kFlatCellsMin = 4;
+constexpr float kTrunkLow = 0.55F;  // of a seated person's height
+constexpr float kTrunkHigh = 0.8F;
+constexpr float kBehindMm = 150.0F;  // trunks are 230 deep: their sides end half way
+constexpr float kDistanceBinMm = 10.0F;
+constexpr int kDistanceBins = 1000;
+constexpr float kFlatBaseMm = 50.0F;  // calves bulge by 25 mm over twice that, boxes by nothing
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+float cell_mm(const Grid& grid, float z) {
+  return static_cast<float>(grid.step) * z / grid.intrinsics.fx;
+}
+
+float front_tolerance_mm(float z) {
+  return 14.0F + 0.8F * quantum_mm(z);
+}
+
+}  // namespace
+
+FurnitureCutter::FurnitureCutter(const Grid& grid)
+    : cut_(grid.depth.size()),
+      top_(at(grid.width)),
+      bottom_(at(grid.width)),
+      front_mm_(at(grid.width)),
+      island_(grid.depth.size()),
+      stack_(grid.depth.size()),
+      trunk_(at(kDistanceBins)) {}
+
+// The uppermost cell of each column that begins low, in the open.
+void FurnitureCutter::find_tops(const Grid& grid, float limit_mm, std::span<const std::uint8_t> chosen) {
+  for (int c = 0; c < grid.width; ++c) {
+    top_[at(c)] = bottom_[at(c)] = -1;
+    int last = -grid.height;  // row of the person's last cell above
+    for (int r = 0; r < grid.height; ++r) {
+      const auto i = at(grid.index(c, r));
+      if (chosen[i] == 0) continue;
+      const float z = static_cast<float>(grid.depth[i]);
+      const float clear = static_cast<float>(r - last) * cell_mm(grid, z);
+      const bool low = grid.height_mm[i] > kLedgeLowMm && grid.height_mm[i] < limit_mm;
+      last = r;
+      if (!low || r == 0 || clear < kClearMm) continue;
+      const float above = static_cast<float>(grid.depth[i - at(grid.width)]);
+      if (above > 0 && above < z - depth_step_mm(z)) continue;  // hidden by something nearer
+      top_[at(c)] = r;
+      break;
+    }
+  }
+}
+
+// From column c on: columns that begin at one height; empty where there is none at c.
+FurnitureCutter::Ledge FurnitureCutter::next_ledge(const Grid& grid, int c) const {
+  Ledge ledge = {c, c - 1};
+  if (top_[at(c)] < 0) return ledge;
+  float height = grid.height_mm[at(grid.index(c, top_[at(c)]))];
+  float low = height;
+  float high = height;
+  ledge.c_last = c;
+  for (int next = c + 1; next < grid.width && next <= ledge.c_last + 2; ++next) {
+    if (top_[at(next)] < 0) continue;
+    const float h = grid.height_mm[at(grid.index(next, top_[at(next)]))];
+    if (std::fabs(h - height) > kLevelStepMm || std::max(high, h) - std::min(low, h) > kLevelMm) break;
+    low = std::min(low, h);
+    high = std::max(high, h);
+    height = h;
+    ledge.c_last = next;
+  }
+  return ledge;
+}
+
+// Down the upper face, then down the front as long as its distance along the floor stays.
+void FurnitureCutter::follow_down(const Grid& grid, Vec3f ahead, const Ledge& ledge,
+                                  std::span<const std::uint8_t> chosen) {
+  for (int c = ledge.c_first; c <= ledge.c_last; ++c) {
+    const int top = top_[at(c)];
+    if (top < 0) continue;
+    const float height = grid.height_mm[at(grid.index(c, top))];
+    int r = top;
+    float away = 0;
+    while (r < grid.height && chosen[at(grid.index(c, r))] != 0 &&
+           grid.height_mm[at(grid.index(c, r))] > height - kTopFaceMm) {
+      away = dot(ahead, grid.point(c, r));
+      ++r;
+    }
+    float sum = 0;
+    int count = 0;
+    int restarts = kEdgeCells;
+    for (; r < grid.height && chosen[at(grid.index(c, r))] != 0; ++r) {
+      away = dot(ahead, grid.point(c, r));
+      const float z = static_cast<float>(grid.depth[at(grid.index(c, r))]);
+      if (count > 0 &&
+          std::fabs(away * static_cast<float>(count) - sum) > front_tolerance_mm(z) * static_cast<float>(count)) {
+        if (restarts-- == 0) break;
+        sum = 0;
+        count = 0;
+      }
+      if (count >= kFrontCells) {
+        restarts = 0;
+        continue;
+      }
+      sum += away;
+      ++count;
+    }
+    bottom_[at(c)] = r - 1;
+    front_mm_[at(c)] = count > 0 ? sum / static_cast<float>(count) : away;
+  }
+}
+
+// No rounder than noise makes it.
+bool FurnitureCutter::flat(const Grid& grid, const Ledge& ledge) const {
+  const auto first = at(grid.index(ledge.c_first, top_[at(ledge.c_first)]));
+  const float z = static_cast<float>(grid.depth[first]);
+  const float mm = cell_mm(grid, z);
+  const int columns = ledge.c_last - ledge.c_first + 1;
+  const int base = std::max(1, static_cast<int>(kFlatBaseMm / mm + 0.5F));
+  if (static_cast<float>(columns) * mm < kLedgeMinMm || columns < 2 * base + 1) return false;
+  int flat = 0;
+  int total = 0;
+  for (int c = ledge.c_first + base; c + base <= ledge.c_last; ++c) {
+    if (top_[at(c)] < 0 || top_[at(c - base)] < 0 || top_[at(c + base)] < 0) continue;
+    const float bulge = 0.5F * (front_mm_[at(c - base)] + front_mm_[at(c + base)]) - front_mm_[at(c)];
+    ++total;
+    flat += std::fabs(bulge) < 7.0F + 0.4F * quantum_mm(z) ? 1 : 0;
+  }
+  return total > 0 && flat * 2 > total;
+}
+
+// Also what the floor band holds of the front: feet must not grow into it.
+void FurnitureCutter::take(const Grid& grid, Vec3f ahead, const Ledge& ledge, std::span<std::uint8_t> chosen) {
+  for (int c = ledge.c_first; c <= ledge.c_last; ++c) {
+    if (top_[at(c)] < 0) continue;
+    for (int r = top_[at(c)]; r <= bottom_[at(c)]; ++r) {
+      const auto i = at(grid.index(c, r));
+      chosen[i] = 0;
+      cut_[i] = 1;
+    }
+    for (int r = bottom_[at(c)] + 1; r < grid.height; ++r) {
+      const auto i = at(grid.index(c, r));
+      if (chosen[i] != 0 || std::fabs(dot(ahead, grid.point(c, r)) - front_mm_[at(c)]) > kBandMm) break;
+      cut_[i] = 1;
+    }
+  }
+}
+
+// The front goes on under the person's outline where a leg hides the ledge: along the line the front has.
+void FurnitureCutter::take_beside(const Grid& grid, Vec3f ahead, const Ledge& ledge, std::span<std::uint8_t> chosen) {
+  float count = 0, c_sum = 0, z_sum = 0, cc_sum = 0, cz_sum = 0;
+  for (int c = ledge.c_first; c <= ledge.c_last; ++c) {
+    if (top_[at(c)] < 0) continue;
+    const float x = static_cast<float>(c - ledge.c_first);
+    count += 1;
+    c_sum += x;
+    z_sum += front_mm_[at(c)];
+    cc_sum += x * x;
+    cz_sum += x * front_mm_[at(c)];
+  }
+  const float spread = count * cc_sum - c_sum * c_sum;
+  if (spread <= 0) return;
+  const float slope = (count * cz_sum - c_sum * z_sum) / spread;
+  const float start = (z_sum - slope * c_sum) / count;
+  const auto first = at(grid.index(ledge.c_first, top_[at(ledge.c_first)]));
+  const float mm = cell_mm(grid, static_cast<float>(grid.depth[first]));
+  const int reach = static_cast<int>(kBesideMm / mm);
+  for (const int way : {-1, 1}) {
+    const int edge = way < 0 ? ledge.c_first : ledge.c_last;
+    for (int r = top_[at(edge)]; r <= bottom_[at(edge)]; ++r) {
+      for (int step = 1; step <= reach; ++step) {
+        const int c = edge + way * step;
+        if (c < 0 || c >= grid.width) break;
+        const auto i = at(grid.index(c, r));
+        const Vec3f p = grid.point(c, r);
+        const float line = start + slope * static_cast<float>(c - ledge.c_first);
+        if (chosen[i] == 0 || std::fabs(dot(ahead, p) - line) > 10.0F + 0.4F * quantum_mm(p.z)) break;
+        chosen[i] = 0;
+        cut_[i] = 1;
+      }
+    }
+  }
+}
+
+// A row of one surface in the picture may be several in space: parted where depth jumps. Shins are before the seat:
+// what is behind its neighbours on both sides, or on one and flat, is the seat's front or the chair's.
+void FurnitureCutter::cut_row(const Grid& grid, int row, float limit_mm, std::span<std::uint8_t> chosen) {
+  const auto cell = [&](int c) { return at(grid.index(c, row)); };
+  const auto z = [&](int c) { return static_cast<float>(grid.depth[cell(c)]); };
+  const auto mine = [&](int c) {
+    return c >= 0 && c < grid.width && chosen[cell(c)] != 0 && grid.height_mm[cell(c)] < limit_mm;
+  };
+  int behind_left = 0;  // 1: the part begins behind the one before it, -1: before it, 0: in the open
+  for (int first = 0; first < grid.width;) {
+    if (!mine(first)) {
+      ++first;
+      behind_left = 0;
+      continue;
+    }
+    int last = first;
+    const auto jump = [&](int c) { return z(c + 1) - z(c); };
+    const auto parted = [&](int c) { return std::fabs(jump(c)) > kPartMm + quantum_mm(z(c)); };
+    while (mine(last + 1) && !parted(last)) ++last;
+    const int behind_right = !mine(last + 1) ? 0 : jump(last) > 0 ? -1 : 1;
+    const int middle = (first + last) / 2;
+    const float bulge = 0.5F * (z(first) + z(last)) - z(middle);
+    const bool flat = last - first + 1 >= kFlatCellsMin && std::fabs(bulge) < 5.0F + 0.4F * quantum_mm(z(middle));
+    const bool between = behind_left > 0 && behind_right > 0;
+    const bool beside = behind_left + behind_right == 1 && flat;
+    if (between || beside)
+      for (int c = first; c <= last; ++c) cut_[cell(c)] = 1;
+    behind_left = -behind_right;
+    first = last + 1;
+  }
+}
+
+// The legs under a seat's edge and its upper face.
+void FurnitureCutter::cut_below_and_above(const Grid& grid, Vec3f ahead, int c, int r,
+                                          std::span<std::uint8_t> chosen) {
+  const auto start = at(grid.index(c, r));
+  const float away = dot(ahead, grid.point(c, r));
+  for (int below = r + 1; below < grid.height; ++below) {
+    const auto i = at(grid.index(c, below));
+    const float off = dot(ahead, grid.point(c, below)) - away;
+    if (chosen[i] == 0 || std::fabs(off) > front_tolerance_mm(static_cast<float>(grid.depth[i]))) break;
+    chosen[i] = 0;
+    cut_[i] = 1;
+  }
+  for (int above = r - 1; above >= 0; --above) {
+    const auto i = at(grid.index(c, above));
+    if (chosen[i] == 0 || grid.height_mm[i] > grid.height_mm[start] + kTopFaceMm) break;
+    chosen[i] = 0;
+    cut_[i] = 1;
+  }
+}
+
+void FurnitureCutter::cut_seat(const Grid& grid, Vec3f ahead, float limit_mm, std::span<std::uint8_t> chosen) {
+  for (int r = 0; r < grid.height; ++r) cut_row(grid, r, limit_mm, chosen);
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = static_cast<std::uint8_t>(chosen[i] & (cut_[i] ^ 1));
+  for (int r = 0; r < grid.height; ++r)
+    for (int c = 0; c < grid.width; ++c)
+      if (cut_[at(grid.index(c, r))] != 0) cut_below_and_above(grid, ahead, c, r, chosen);
+}
+
+// The backrest and the legs under it: further away than the sides of the trunk.
+void FurnitureCutter::cut_behind(const Grid& grid, Vec3f ahead, float tall_mm, std::span<std::uint8_t> chosen) {
+  std::fill(trunk_.begin(), trunk_.end(), 0);
+  int count = 0;
+  for (int r = 0; r < grid.height; ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      const auto i = at(grid.index(c, r));
+      if (chosen[i] == 0 || grid.height_mm[i] < kTrunkLow * tall_mm || grid.height_mm[i] > kTrunkHigh * tall_mm)
+        continue;
+      const int bin = static_cast<int>(dot(ahead, grid.point(c, r)) * (1.0F / kDistanceBinMm));
+      ++trunk_[at(std::clamp(bin, 0, kDistanceBins - 1))];
+      ++count;
+    }
+  }
+  int median = 0;
+  for (int below = trunk_[0]; below * 2 < count; below += trunk_[at(median)]) ++median;
+  const float limit = kDistanceBinMm * static_cast<float>(median) + kBehindMm;
+  for (int r = 0; r < grid.height; ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      const auto i = at(grid.index(c, r));
+      if (chosen[i] == 0 || grid.height_mm[i] > kTrunkHigh * tall_mm) continue;
+      const Vec3f p = grid.point(c, r);
+      if (dot(ahead, p) < limit + quantum_mm(p.z)) continue;
+      chosen[i] = 0;
+      cut_[i] = 1;
+    }
+  }
+}
+
+// What hung on the person by what was taken: islands beside it, all of them low.
+void FurnitureCutter::drop_loose(const Grid& grid, float limit_mm, std::span<std::uint8_t> chosen) {
+  std::fill(island_.begin(), island_.end(), 0);
+  const int cells = grid.width * grid.height;
+  for (int start = 0; start < cells; ++start) {
+    if (chosen[at(start)] == 0 || island_[at(start)] != 0) continue;
+    int size = 0;
+    stack_[at(size++)] = start;
+    island_[at(start)] = start + 1;
+    bool low = true;
+    bool beside = false;
+    for (int done = 0; done < size; ++done) {
+      const int cell = stack_[at(done)];
+      low = low && grid.height_mm[at(cell)] < limit_mm;
+      const int c = cell % grid.width;
+      const int r = cell / grid.width;
+      for (int rr = std::max(0, r - 1); rr <= std::min(grid.height - 1, r + 1); ++rr) {
+        for (int cc = std::max(0, c - 1); cc <= std::min(grid.width - 1, c + 1); ++cc) {
+          const int other = grid.index(cc, rr);
+          beside = beside || cut_[at(other)] != 0;
+          if (chosen[at(other)] == 0 || island_[at(other)] != 0) continue;
+          const float z = static_cast<float>(grid.depth[at(cell)]);
+          if (std::fabs(static_cast<float>(grid.depth[at(other)]) - z) > depth_step_mm(z)) continue;
+          island_[at(other)] = start + 1;
+          stack_[at(size++)] = other;
+        }
+      }
+    }
+    if (!low || !beside) continue;
+    for (int i = 0; i < size; ++i) {
+      chosen[at(stack_[at(i)])] = 0;
+      cut_[at(stack_[at(i)])] = 1;
+    }
+  }
+}
+
+void FurnitureCutter::run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> chosen) {
+  std::fill(cut_.begin(), cut_.end(), std::uint8_t{0});
+  if (!floor.known) return;
+  float tall_mm = 0;
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    tall_mm = std::max(tall_mm, chosen[i] != 0 ? grid.height_mm[i] : 0.0F);
+  const float limit_mm = std::min(kLedgeHighMm, (tall_mm > kSeatedMaxMm ? kLedgeShare : kSeatedShare) * tall_mm);
+  const Vec3f ahead = Vec3f{0, 0, 1} - floor.up * floor.up.z;
+  bool any = tall_mm < kSeatedMaxMm;
+  if (any) {
+    cut_seat(grid, ahead, kSeatShare * tall_mm, chosen);
+    cut_behind(grid, ahead, tall_mm, chosen);
+  }
+  find_tops(grid, limit_mm, chosen);
+  for (int c = 0; c < grid.width; ++c) {
+    const Ledge ledge = next_ledge(grid, c);
+    if (ledge.c_last < ledge.c_first) continue;
+    follow_down(grid, ahead, ledge, chosen);
+    if (!flat(grid, ledge)) continue;
+    take(grid, ahead, ledge, chosen);
+    take_beside(grid, ahead, ledge, chosen);
+    any = true;
+    c = ledge.c_last;
+  }
+  if (any) drop_loose(grid, limit_mm, chosen);
+}
+
+}  // namespace im2fit::segment
