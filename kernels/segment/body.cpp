@@ -14,7 +14,8 @@ namespace {
 constexpr float kBaseMm = 70.0F;  // either side of a point; less than a thigh is wide, more than depth noise hides
 constexpr int kStepMaxMm = 150;   // to the side points: no outline between
 constexpr int kRunCells = 4;      // averaged along the other axis
-constexpr int kBinCount = 256;    // of 1 mm, from -128
+constexpr int kBinZero = 128;
+constexpr int kBinCount = 256;  // of 1 mm, from -128
 constexpr float kBodyFarMm = 4000.0F;
 constexpr float kBodyTallMinMm = 900.0F;
 constexpr float kBodyTopMinMm = 1000.0F;  // above the floor
@@ -32,7 +33,7 @@ std::size_t at(int i) {
 class Bulges {
  public:
   void add(int bulge_mm) {
-    ++count_[at(std::clamp(bulge_mm + kBinCount / 2, 0, kBinCount - 1))];
+    ++count_[at(std::clamp(bulge_mm + kBinZero, 0, kBinCount - 1))];
     ++total_;
   }
   int total() const { return total_; }
@@ -41,7 +42,7 @@ class Bulges {
     int below = 0;
     for (int bin = 0; bin < kBinCount; ++bin) {
       below += count_[at(bin)];
-      if (below > wanted) return static_cast<float>(bin - kBinCount / 2);
+      if (below > wanted) return static_cast<float>(bin - kBinZero);
     }
     return 0;
   }

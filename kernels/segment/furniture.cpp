@@ -28,6 +28,7 @@ constexpr int kFlatCellsMin = 4;
 constexpr float kTrunkLow = 0.55F;  // of a seated person's height
 constexpr float kTrunkHigh = 0.8F;
 constexpr float kBehindMm = 150.0F;  // trunks are 230 deep: their sides end half way
+constexpr float kBendsMm = 60.0F;
 constexpr float kDistanceBinMm = 10.0F;
 constexpr int kDistanceBins = 1000;
 constexpr float kFlatBaseMm = 50.0F;  // calves bulge by 25 mm over twice that, boxes by nothing
@@ -53,7 +54,7 @@ FurnitureCutter::FurnitureCutter(const Grid& grid)
       front_mm_(at(grid.width)),
       island_(grid.depth.size()),
       stack_(grid.depth.size()),
-      trunk_(at(kDistanceBins)) {}
+      distances_(at(kDistanceBins)) {}
 
 // The uppermost cell of each column that begins low, in the open.
 void FurnitureCutter::find_tops(const Grid& grid, float limit_mm, std::span<const std::uint8_t> chosen) {
@@ -266,23 +267,34 @@ void FurnitureCutter::cut_seat(const Grid& grid, Vec3f ahead, float limit_mm, st
       if (cut_[at(grid.index(c, r))] != 0) cut_below_and_above(grid, ahead, c, r, chosen);
 }
 
-// The backrest and the legs under it: further away than the sides of the trunk.
-void FurnitureCutter::cut_behind(const Grid& grid, Vec3f ahead, float tall_mm, std::span<std::uint8_t> chosen) {
-  std::fill(trunk_.begin(), trunk_.end(), 0);
+// Median distance of what is between two heights.
+float FurnitureCutter::distance_between(const Grid& grid, Vec3f ahead, float low_mm, float high_mm,
+                                        std::span<const std::uint8_t> chosen) {
+  std::fill(distances_.begin(), distances_.end(), 0);
   int count = 0;
   for (int r = 0; r < grid.height; ++r) {
     for (int c = 0; c < grid.width; ++c) {
       const auto i = at(grid.index(c, r));
-      if (chosen[i] == 0 || grid.height_mm[i] < kTrunkLow * tall_mm || grid.height_mm[i] > kTrunkHigh * tall_mm)
-        continue;
+      if (chosen[i] == 0 || grid.height_mm[i] < low_mm || grid.height_mm[i] > high_mm) continue;
       const int bin = static_cast<int>(dot(ahead, grid.point(c, r)) * (1.0F / kDistanceBinMm));
-      ++trunk_[at(std::clamp(bin, 0, kDistanceBins - 1))];
+      ++distances_[at(std::clamp(bin, 0, kDistanceBins - 1))];
       ++count;
     }
   }
   int median = 0;
-  for (int below = trunk_[0]; below * 2 < count; below += trunk_[at(median)]) ++median;
-  const float limit = kDistanceBinMm * static_cast<float>(median) + kBehindMm;
+  for (int below = distances_[0]; below * 2 < count; below += distances_[at(median)]) ++median;
+  return kDistanceBinMm * static_cast<float>(median);
+}
+
+// Not tall either, but with the shins behind the trunk: who sits has them before it.
+bool FurnitureCutter::bends(const Grid& grid, Vec3f ahead, float tall_mm, std::span<const std::uint8_t> chosen) {
+  return distance_between(grid, ahead, kLedgeLowMm, kSeatShare * tall_mm, chosen) >
+         distance_between(grid, ahead, kTrunkLow * tall_mm, kTrunkHigh * tall_mm, chosen) + kBendsMm;
+}
+
+// The backrest and the legs under it: further away than the sides of the trunk.
+void FurnitureCutter::cut_behind(const Grid& grid, Vec3f ahead, float tall_mm, std::span<std::uint8_t> chosen) {
+  const float limit = distance_between(grid, ahead, kTrunkLow * tall_mm, kTrunkHigh * tall_mm, chosen) + kBehindMm;
   for (int r = 0; r < grid.height; ++r) {
     for (int c = 0; c < grid.width; ++c) {
       const auto i = at(grid.index(c, r));
@@ -339,7 +351,7 @@ void FurnitureCutter::run(const Grid& grid, const FloorPlane& floor, std::span<s
     tall_mm = std::max(tall_mm, chosen[i] != 0 ? grid.height_mm[i] : 0.0F);
   const float limit_mm = std::min(kLedgeHighMm, (tall_mm > kSeatedMaxMm ? kLedgeShare : kSeatedShare) * tall_mm);
   const Vec3f ahead = Vec3f{0, 0, 1} - floor.up * floor.up.z;
-  bool any = tall_mm < kSeatedMaxMm;
+  bool any = tall_mm < kSeatedMaxMm && !bends(grid, ahead, tall_mm, chosen);
   if (any) {
     cut_seat(grid, ahead, kSeatShare * tall_mm, chosen);
     cut_behind(grid, ahead, tall_mm, chosen);

@@ -31,6 +31,9 @@ class FurnitureCutter {
   void follow_down(const Grid& grid, Vec3f ahead, const Ledge& ledge, std::span<const std::uint8_t> chosen);
   bool flat(const Grid& grid, const Ledge& ledge) const;
   void cut_seat(const Grid& grid, Vec3f ahead, float limit_mm, std::span<std::uint8_t> chosen);
+  float distance_between(const Grid& grid, Vec3f ahead, float low_mm, float high_mm,
+                         std::span<const std::uint8_t> chosen);
+  bool bends(const Grid& grid, Vec3f ahead, float tall_mm, std::span<const std::uint8_t> chosen);
   void cut_behind(const Grid& grid, Vec3f ahead, float tall_mm, std::span<std::uint8_t> chosen);
   void cut_row(const Grid& grid, int row, float limit_mm, std::span<std::uint8_t> chosen);
   void cut_below_and_above(const Grid& grid, Vec3f ahead, int c, int r, std::span<std::uint8_t> chosen);
@@ -43,7 +46,7 @@ class FurnitureCutter {
   std::vector<float> front_mm_;             // distance along the floor
   std::vector<std::int32_t> island_;        // per cell, 0: not looked at
   std::vector<std::int32_t> stack_;
-  std::vector<std::int32_t> trunk_;  // cells by distance along the floor
+  std::vector<std::int32_t> distances_;  // cells by distance along the floor
 };
 
 }  // namespace im2fit::segment

@@ -9,7 +9,10 @@ namespace {
 
 constexpr float kShinLowMm = 200.0F;  // above the floor
 constexpr float kThighMm = 900.0F;
-constexpr float kLegWidthMinMm = 65.0F;  // calves behind one another; poles are 40, and a cell more
+constexpr float kHangsFarMm = 3300.0F;  // beyond, depth steps make coats round: who is that far must be seen to stand
+constexpr float kPoleMm = 50.0F;        // thick at most, with its edges; calves one behind the other are 65
+constexpr float kPoleCells = 1.2F;
+constexpr float kPoleMaxMm = 80.0F;
 constexpr float kTrunkDoubtMax = 0.5F;
 constexpr float kHeadRoundMin = 6.0F;    // of the whole or, where furniture hangs on it, the upper half
 constexpr float kShapeRoundMin = 14.0F;  // of 274 people without a head 99 % are above
@@ -53,6 +56,7 @@ bool BlobFinder::on_pole(const Grid& grid, int b, const FloorPlane& floor) const
   const Blob& blob = blobs_[at(b)];
   if (!floor.known || blob.height_min_mm > kShinLowMm) return false;
   const auto label = static_cast<std::uint16_t>(b + 1);
+  const float thin_mm = std::min(kPoleMaxMm, kPoleMm + kPoleCells * cell_mm(grid, blob.centroid_mm.z));
   int thin_rows = 0;  // in succession
   for (int r = blob.r_min; r <= blob.r_max; ++r) {
     // The whole row's width: cut at a height, the slanting edge of a thigh would look thin.
@@ -64,7 +68,7 @@ bool BlobFinder::on_pole(const Grid& grid, int b, const FloorPlane& floor) const
       low = low || (grid.height_mm[cell] > kShinLowMm && grid.height_mm[cell] < kThighMm);
       width += cell_mm(grid, static_cast<float>(grid.depth[cell]));
     }
-    thin_rows = low && width < kLegWidthMinMm ? thin_rows + 1 : 0;
+    thin_rows = low && width < thin_mm ? thin_rows + 1 : 0;
     if (thin_rows == 3) return true;
   }
   return false;
@@ -80,7 +84,7 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
       Blob& blob = blobs_[at(b)];
       const float tall = blob.height_max_mm - blob.height_min_mm;
       const bool sized = blob.area_m2 > 0.06F && blob.area_m2 < 2.2F && tall > 300.0F;
-      const bool hangs = floor.known && blob.height_min_mm > kFloatingMm && blob.centroid_mm.z > kShapeFarMm;
+      const bool hangs = floor.known && blob.height_min_mm > kFloatingMm && blob.centroid_mm.z > kHangsFarMm;
       if (!sized || hangs || floats(grid, b, floor) || on_pole(grid, b, floor)) continue;
       const int middle = blob.r_min + (blob.r_max - blob.r_min) / 2;
       if (roundness(grid, b, middle).score < kHeadRoundMin && roundness(grid, b, blob.r_max).score < kHeadRoundMin)

@@ -2,6 +2,7 @@
 #include "kernels/segment/segment.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -24,6 +25,7 @@ using segment::Grid;
 namespace {
 
 constexpr float kHeadlessMm = 700.0F;    // one without a head must be that much nearer to be chosen
+constexpr float kDoubtedMm = 20'000.0F;  // whoever else is there comes before furniture
 constexpr float kStayMm = 300.0F;        // advantage of who was chosen in the last frame
 constexpr float kFarBehindMm = 1500.0F;  // who is further behind the person measured disturbs nobody
 constexpr float kSecondsMin = 0.001F;    // two frames of one time stamp: a speed must not divide by it
@@ -48,6 +50,7 @@ struct Segmenter::Workspace {
         chosen(grid.depth.size()),
         barred(grid.depth.size()) {}
 
+  bool is_doubted(int id) const { return std::find(doubted.begin(), doubted.end(), id) != doubted.end(); }
   int choose() const;
   int people_count() const;
   bool disturbed(int chosen_user) const;
@@ -68,6 +71,7 @@ struct Segmenter::Workspace {
   std::vector<std::uint8_t> barred;
   int selected_id = 0;
   int last_id = 0;
+  std::array<int, kUserCountMax> doubted{};  // 0: free
 };
 
 // Index of the user to be measured, -1: nobody. Nearest and most central; the person of the last frame keeps an
@@ -79,11 +83,11 @@ int Segmenter::Workspace::choose() const {
   for (std::size_t i = 0; i < list.size(); ++i) {
     const User& user = list[i];
     if (selected_id != 0 && user.id != selected_id) continue;
-    const bool vague = blobs.blobs()[at(users.blob_of(i))].vague || !user.has_head;
-    if (vague && !user.confirmed) continue;
+    if (!user.confirmed) continue;
     const Vec3f c = user.centroid_mm;
     float cost = c.z + 0.8F * std::fabs(c.x) + (user.has_head ? 0.0F : kHeadlessMm);
     if (user.id == last_id) cost -= kStayMm;
+    if (is_doubted(user.id)) cost += kDoubtedMm;
     if (cost < best_cost) {
       best_cost = cost;
       best = static_cast<int>(i);
@@ -104,7 +108,8 @@ bool Segmenter::Workspace::disturbed(int chosen_user) const {
   const float limit = list[at(chosen_user)].centroid_mm.z + kFarBehindMm;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const User& other = list[i];
-    if (static_cast<int>(i) != chosen_user && other.confirmed && other.centroid_mm.z < limit) return true;
+    if (static_cast<int>(i) != chosen_user && other.confirmed && other.centroid_mm.z < limit && !is_doubted(other.id))
+      return true;
   }
   return false;
 }
@@ -127,6 +132,19 @@ void Segmenter::reset() {
   work_->background.reset();
   work_->users.reset();
   work_->selected_id = work_->last_id = 0;
+  work_->doubted = {};
+}
+
+void Segmenter::doubt(int id, bool doubted) {
+  auto& list = work_->doubted;
+  const auto found = std::find(list.begin(), list.end(), id);
+  if (found != list.end()) {
+    if (!doubted) *found = 0;
+    return;
+  }
+  if (!doubted) return;
+  std::copy_backward(list.begin(), list.end() - 1, list.end());  // the oldest goes
+  list[0] = id;
 }
 
 void Segmenter::select(int id) {
@@ -151,9 +169,10 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   const int who = w.choose();
   if (who < 0) {
     std::fill(w.chosen.begin(), w.chosen.end(), std::uint8_t{0});
-    w.background.learn(w.grid, w.users.keepouts(), w.chosen);
-    w.refiner.run(w.grid, depth, w.chosen, mask);
     person.guidance = segment::advise_nobody(w.grid, w.blobs.blobs());
+    // Who stands too near to be found must not become the room.
+    if (!has(person.guidance, Guidance::too_near)) w.background.learn(w.grid, w.users.keepouts(), w.chosen);
+    w.refiner.run(w.grid, depth, w.chosen, mask);
     w.last_id = 0;
     return person;
   }

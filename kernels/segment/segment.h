@@ -27,7 +27,7 @@ struct User {
   Vec3f head_mm;            // crown, as the camera sees it; without has_head the topmost cell seen last
   bool has_head = false;    // a head is seen in this frame
   float visible_share = 1;  // of the surface seen of this person at best, 0..1: less behind others
-  bool confirmed = false;   // seen in three frames, or there from the first
+  bool confirmed = false;   // a person in three frames or in the first, and in a fifth of those since
 };
 inline constexpr int kUserCountMax = 8;
 
@@ -59,6 +59,9 @@ class Segmenter {
   // Whom to measure from the next frame on: the user of this id and nobody else, even while he is hidden or gone;
   // 0 (default): the nearest and most central one.
   void select(int id);
+  // That user looks like furniture, or after all does not: from the next frame on others are chosen before, and
+  // nobody is disturbed by it. Ends with reset().
+  void doubt(int id, bool doubted);
   void reset();  // forgets the floor, the background and everybody; ids go on; the selection ends
 
  private:

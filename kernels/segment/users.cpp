@@ -9,8 +9,10 @@ namespace {
 
 constexpr float kHiddenMaxS = 5.0F;
 constexpr float kUnconfirmedHiddenMaxS = 1.0F;
-constexpr int kConfirmFrames = 3;
-constexpr int kSeenMax = 8;
+constexpr int kSeenGain = 4;                 // of a frame that shows a person there
+constexpr int kConfirmed = 12;               // three frames
+constexpr int kDoubted = 6;                  // no longer confirmed below
+constexpr int kSeenMax = 32;                 // beyond doubt
 constexpr float kGateMm = 350.0F;            // a head's jump when a raised arm is taken for it
 constexpr float kGateGrowthMmPerS = 600.0F;  // who is hidden may stop or turn
 constexpr float kGateMaxMm = 1400.0F;
@@ -85,7 +87,7 @@ void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
     if (track.sighting >= 0 || track.hidden_s > kHeadlessHiddenMaxS || sighting_count_ == kUserCountMax) continue;
-    const bool confirmed = track.seen_count >= kConfirmFrames;
+    const bool confirmed = track.confirmed;
     float nearest = kHeadlessGateMm;
     int best = -1;
     for (std::size_t b = 0; b < list.size(); ++b) {
@@ -150,13 +152,15 @@ void UserTracker::match() {
   }
 }
 
-void UserTracker::follow(Track& track, const Sighting& sighting, float area_m2, float seconds) {
+void UserTracker::follow(Track& track, const Sighting& sighting, const Blob& blob, float seconds) {
   const Vec3f place = sighting.has_head ? sighting.place_mm : sighting.place_mm + track.lean_mm;
   const Vec3f off = place - track.expected_mm;
   const bool hidden = track.hidden_s > 0;
   track.seen_mm = hidden ? place : track.expected_mm + off * kPlaceGain;
   // After a gap the error grew over all of it; a new track's speed is learned from little.
-  const float gain = hidden ? 0.5F : std::max(kSpeedGain, 1.0F / static_cast<float>(track.seen_count + 1));
+  const float gain =
+      hidden ? 0.5F
+             : std::max(kSpeedGain, static_cast<float>(kSeenGain) / static_cast<float>(track.evidence + kSeenGain));
   const float since = seconds + track.hidden_s;
   track.speed_mm_s = track.speed_mm_s + off * (gain / since);
   const float speed = norm(track.speed_mm_s);
@@ -168,9 +172,12 @@ void UserTracker::follow(Track& track, const Sighting& sighting, float area_m2, 
     track.has_top = true;
   }
   track.expected_mm = track.seen_mm;
-  track.area_m2 = std::max(area_m2, track.area_m2 * kAreaKeep);
+  track.area_m2 = std::max(blob.area_m2, track.area_m2 * kAreaKeep);
   track.hidden_s = 0;
-  track.seen_count = std::min(track.seen_count + 1, kSeenMax);
+  // Furniture may look like a person once, and stands there ever after.
+  if (track.evidence < kSeenMax)
+    track.evidence = blob.person ? std::min(track.evidence + kSeenGain, kSeenMax) : std::max(track.evidence - 1, 0);
+  track.confirmed = track.evidence >= (track.confirmed ? kDoubted : kConfirmed);
 }
 
 // Where all are taken, the one hidden longest goes.
@@ -193,10 +200,10 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
     Track& track = tracks_[at(t)];
     if (track.sighting >= 0) {
       const Sighting& s = sightings_[at(track.sighting)];
-      follow(track, s, found.blobs()[at(s.blob)].area_m2, seconds);
+      follow(track, s, found.blobs()[at(s.blob)], seconds);
     } else {
       track.hidden_s += seconds;
-      if (track.hidden_s > (track.seen_count < kConfirmFrames ? kUnconfirmedHiddenMaxS : kHiddenMaxS)) continue;
+      if (track.hidden_s > (track.confirmed ? kHiddenMaxS : kUnconfirmedHiddenMaxS)) continue;
     }
     tracks_[at(kept++)] = track;
   }
@@ -214,7 +221,8 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
     track.has_top = s.has_top;
     if (s.has_head) track.lean_mm = s.place_mm - s.centroid_mm;
     track.area_m2 = found.blobs()[at(s.blob)].area_m2;
-    track.seen_count = first_ ? kConfirmFrames : 1;
+    track.evidence = first_ ? kConfirmed : kSeenGain;
+    track.confirmed = first_;
     track.sighting = i;
     s.track = static_cast<int>(&track - tracks_.data());
   }
@@ -230,7 +238,7 @@ void UserTracker::list_expected(const FloorPlane& floor, float seconds) {
   expected_count_ = 0;
   for (int t = 0; t < track_count_; ++t) {
     const Track& track = tracks_[at(t)];
-    if (track.seen_count < kConfirmFrames || track.hidden_s > kExpectedMaxS) continue;
+    if (!track.confirmed || track.hidden_s > kExpectedMaxS) continue;
     expected_[at(expected_count_++)] = track.expected_mm + track.speed_mm_s * seconds + up * (track.top_mm - camera);
   }
 }
@@ -264,7 +272,7 @@ void UserTracker::list_users(const Grid& grid, const BlobFinder& found) {
     user.head_mm = blob.has_head ? blob.head_mm : blob.centroid_mm + track.lean_mm;
     user.has_head = blob.has_head;
     user.visible_share = track.area_m2 > 0 ? std::min(1.0F, blob.area_m2 / track.area_m2) : 1.0F;
-    user.confirmed = track.seen_count >= kConfirmFrames;
+    user.confirmed = track.confirmed;
     user_blobs_[at(user_count_)] = s.blob;
     users_[at(user_count_++)] = user;
   }

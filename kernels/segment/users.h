@@ -35,7 +35,8 @@ class UserTracker {
     float top_mm = 0;  // height of the crown
     bool has_top = false;
     float hidden_s = 0;
-    int seen_count = 0;    // frames, up to kSeenMax
+    int evidence = 0;  // that it is a person: 4 for a frame that shows one, -1 for one that does not
+    bool confirmed = false;
     float area_m2 = 0;     // the most seen of it, slowly forgotten
     Vec3f lean_mm;         // from the centroid to the crown, along the floor
     float headless_s = 0;  // since its head was seen
@@ -57,7 +58,7 @@ class UserTracker {
   void match();
   void find_headless(const BlobFinder& found, const FloorPlane& floor);
   static float cost(const Track& track, const Sighting& sighting);
-  static void follow(Track& track, const Sighting& sighting, float area_m2, float seconds);
+  static void follow(Track& track, const Sighting& sighting, const Blob& blob, float seconds);
   Track& new_track();
   void list_users(const Grid& grid, const BlobFinder& found);
   void list_keepouts(const BlobFinder& found);

@@ -46,7 +46,7 @@ Shares first_look(const Scene& s, std::uint64_t seed = 1) {
   return {either > 0 ? both / either : 0, ours > 0 ? 1 - both / ours : 0, person.found};
 }
 
-Scene room_with(std::vector<Capsule> person, std::vector<Box> boxes = {}) {
+Scene room_with(const std::vector<Capsule>& person, std::vector<Box> boxes = {}) {
   Scene s;
   s.wall_z = 4200;
   s.camera_height = 1100;
@@ -66,6 +66,23 @@ TEST(SegmentFurniture, ABoxAtTheLegIsNotThePerson) {
     EXPECT_LT(s.furniture, 0.04) << side;
     EXPECT_GT(s.overlap, 0.95) << side;
   }
+}
+
+// Bent forward by 55 degrees about the hips: no taller than who sits, but nothing of it is a chair.
+TEST(SegmentFurniture, WhoBendsDownKeepsTheLegs) {
+  constexpr float kSine = 0.82F, kCosine = 0.57F, kHips = 930;
+  std::vector<Capsule> bent;
+  for (Capsule c : person_at(0, 2800)) {
+    const bool leg = std::min(c.a.y, c.b.y) < 840 && std::max(c.a.y, c.b.y) <= 900;
+    for (Vec3f* end : {&c.a, &c.b}) {
+      const float up = end->y - kHips;
+      if (!leg) *end = {end->x, kHips + kCosine * up, end->z - kSine * up};
+    }
+    bent.push_back(c);
+  }
+  const Shares s = first_look(room_with(bent));
+  ASSERT_TRUE(s.found);
+  EXPECT_GT(s.overlap, 0.95);
 }
 
 TEST(SegmentFurniture, ABoxBetweenTheLegsIsNotThePerson) {

@@ -113,7 +113,10 @@ TEST_F(SegmentPeople, WhoReturnsSoonIsTheSameAndWhoReturnsLateIsNot) {
   ASSERT_TRUE(person.found);
   EXPECT_EQ(person.id, id);
   for (int i = 0; i < 10; ++i) run(empty, 1.0F);
-  person = run(s);
+  for (int i = 0; i < 3; ++i) {  // a newcomer is believed at the third sight
+    EXPECT_FALSE(person.found && i > 0) << i;
+    person = run(s);
+  }
   ASSERT_TRUE(person.found);
   EXPECT_NE(person.id, id);
 }
@@ -231,13 +234,14 @@ TEST_F(SegmentPeople, WhoStandsStillDoesNotBecomeTheBackground) {
 
 TEST_F(SegmentPeople, AMovedCameraHasNoBackground) {
   for (int i = 0; i < 75; ++i) run(with_chest());
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 5; ++i) {
     Scene s = with_chest();
     s.boxes.clear();
     s.camera_height = 1400;
     s.pitch_deg = 9;
     add(s, person_at(100, 2650));
     const Person person = run(s);
+    if (i < 2) continue;  // a newcomer is believed at the third sight
     ASSERT_TRUE(person.found);
     EXPECT_GT(overlap(1), 0.95) << i;
   }
