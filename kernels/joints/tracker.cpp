@@ -115,13 +115,17 @@ constexpr int kSideFrames = 4;           // the newest frame's share in the side
 constexpr float kOffMaskShare = 0.7F;    // a joint beside the mask is less sure
 constexpr float kOffImageShare = 0.15F;  // one outside the picture is a guess
 
+float chance_in(const joints::ConfidenceBin& bin) {
+  return static_cast<float>(bin.chance) * (1.0F / 65535.0F);
+}
+
 // Chance by doubt.
 float chance_of(const JointModel::Data& model, int joint, float doubt_mm) {
   const auto bins = model.bins.subspan(static_cast<std::size_t>(joint * joints::kConfidenceBinCount),
                                        static_cast<std::size_t>(joints::kConfidenceBinCount));
   for (const joints::ConfidenceBin& bin : bins)
-    if (doubt_mm <= static_cast<float>(bin.doubt_mm_max)) return static_cast<float>(bin.chance) * (1.0F / 65535.0F);
-  return static_cast<float>(bins.back().chance) * (1.0F / 65535.0F);
+    if (doubt_mm <= static_cast<float>(bin.doubt_mm_max)) return chance_in(bin);
+  return chance_in(bins.back());
 }
 
 }  // namespace
@@ -130,10 +134,16 @@ struct JointTracker::Workspace {
   explicit Workspace(const JointModel& m) : model(&m.data()) {
     view.depth.resize(joints::kViewPixelCountMax);
     mirror_image.depth.resize(joints::kViewPixelCountMax);
+    // A table's bins hold equally many.
+    float sum = 0;
+    for (const joints::ConfidenceBin& bin : model->bins) sum += chance_in(bin);
+    usual_chance = sum / static_cast<float>(model->bins.size());
   }
   const JointModel::Data* model;
   joints::View view;
   joints::View mirror_image;
+  float usual_chance = 1;  // mean over the trained for
+  float likeness = 0;
   int side_sum = 0;  // of scores, fading: four times their mean
 
   bool back() const { return side_sum > 0; }
@@ -159,6 +169,8 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
   const joints::Estimate seen = joints::estimate(model, view, work_->mirror_image);
   work_->see_side(seen.shape, !same_person);
 
+  float sum = 0;
+  int inside_count = 0;
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const Vec3f p = joints::joint_of(seen.shape, static_cast<int>(j));
     float chance = chance_of(model, static_cast<int>(j), seen.doubt_mm[j]);
@@ -167,6 +179,8 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
     const float v = intrinsics.fy * p.y * inverse_z + intrinsics.cy;
     const bool inside =
         u >= 0 && v >= 0 && u <= static_cast<float>(depth.width - 1) && v <= static_cast<float>(depth.height - 1);
+    sum += inside ? chance : 0.0F;
+    inside_count += inside ? 1 : 0;
     if (!inside)
       chance *= kOffImageShare;
     else if (view.at_ray(p.x * inverse_z, p.y * inverse_z) == 0)
@@ -174,8 +188,13 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
     out.position_mm[j] = p;
     out.confidence[j] = chance;
   }
+  work_->likeness = inside_count > 0 ? sum / (static_cast<float>(inside_count) * work_->usual_chance) : 0.0F;
   if (work_->back()) joints::swap_sides(out);
   return out;
+}
+
+float JointTracker::likeness() const {
+  return work_->likeness;
 }
 
 float JointTracker::back_chance() const {

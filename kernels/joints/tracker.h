@@ -46,6 +46,10 @@ class JointTracker {
   // After track(): the chance that the person's back is towards the camera, over the last frames (their scores'
   // mean, the newest counting a quarter) since a cold start. Left and right of the joints follow it.
   float back_chance() const;
+  // After track(): the joints' mean confidence by that of the people the model was trained for, about 1; only joints
+  // inside the picture count, beside the mask or not. Furniture has 0.5 to 0.7, since the model's runs disagree on
+  // it.
+  float likeness() const;
 
  private:
   struct Workspace;

@@ -43,14 +43,26 @@ class Sensor {
   // `seconds` since the frame before.
   Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
   // Whom to sense from the next frame on: the user of this id and nobody else; 0: the nearest and most central.
-  void select(int user) { segmenter_.select(user); }
+  void select(int user) {
+    segmenter_.select(user);
+    selected_user_ = user;
+  }
   void reset();
 
  private:
+  bool accepted(int id) const;
+  void accept(int id);
+  bool looks_like_somebody(int id);
+  Sighting nobody(const Sighting& doubted, MaskImage mask);
+
   HoleFiller holes_;
   Segmenter segmenter_;
   JointTracker tracker_;
-  int previous_user_ = 0;  // of the last frame; 0: nobody
+  std::array<int, kUserCountMax> accepted_{};  // ids whose joints once looked like a person's; 0: free
+  int selected_user_ = 0;                      // by select()
+  int like_user_ = 0;                          // not yet accepted, but like somebody
+  int like_frames_ = 0;                        // ... for so many frames in a row
+  int previous_user_ = 0;                      // of the last frame; 0: nobody
 };
 
 // Second half (thread FIT): gather frames, then describe.

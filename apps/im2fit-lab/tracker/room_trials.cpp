@@ -6,6 +6,7 @@
 #include "apps/im2fit-lab/parallel.h"
 #include "apps/im2fit-lab/tracker/upright_scene.h"
 #include "base/rng.h"
+#include "kernels/observe/observe.h"
 
 namespace im2fit::apps {
 namespace {
@@ -30,20 +31,20 @@ Shot draw_room(std::uint64_t seed, std::uint64_t room, std::string& kind) {
   return shot;
 }
 
-// A room before the segmenter, frame after frame.
+// A room before the tracker, frame after frame.
 class Watch {
  public:
-  Watch(const body::BodyModel& model, const RoomOptions& options, std::uint64_t room)
+  Watch(const body::BodyModel& model, const JointModel& joint_model, const RoomOptions& options, std::uint64_t room)
       // Nobody is shown, but the camera is placed as for this person.
       : scene_(model, synth::draw_subject(model, synth::Family::held_out, options.seed, room % kPlacingPeople),
                draw_room(options.seed, room, kind_)),
-        segmenter_(scene_.intrinsics().width, scene_.intrinsics().height),
+        sensor_(scene_.intrinsics().width, scene_.intrinsics().height, joint_model),
         mask_(static_cast<std::size_t>(scene_.intrinsics().width) *
               static_cast<std::size_t>(scene_.intrinsics().height)) {}
 
   bool finds_somebody(std::uint64_t frame) {
     scene_.show(frame);
-    return segmenter_.run(scene_.depth(), scene_.intrinsics(), mask()).found;
+    return sensor_.sense(scene_.depth(), scene_.intrinsics(), mask()).person.found;
   }
   const std::string& kind() const { return kind_; }
   JudgedPicture picture() {
@@ -58,18 +59,19 @@ class Watch {
 
   std::string kind_;
   UprightScene scene_;
-  Segmenter segmenter_;
+  Sensor sensor_;
   std::vector<std::uint8_t> mask_;
 };
 
 }  // namespace
 
-std::vector<RoomOutcome> run_rooms(const body::BodyModel& model, const RoomOptions& options) {
+std::vector<RoomOutcome> run_rooms(const body::BodyModel& model, const JointModel& joint_model,
+                                   const RoomOptions& options) {
   const int rooms = (options.frames + kFramesPerRoom - 1) / kFramesPerRoom;
   std::vector<RoomOutcome> outcomes(static_cast<std::size_t>(rooms));
   parallel_items("empty rooms", outcomes.size(), options.threads, [&](std::uint64_t room) {
     RoomOutcome& outcome = outcomes[static_cast<std::size_t>(room)];
-    Watch watch(model, options, room);
+    Watch watch(model, joint_model, options, room);
     outcome.room = room;
     outcome.kind = watch.kind();
     outcome.frames = static_cast<std::uint64_t>(
@@ -80,8 +82,9 @@ std::vector<RoomOutcome> run_rooms(const body::BodyModel& model, const RoomOptio
   return outcomes;
 }
 
-JudgedPicture picture_of(const body::BodyModel& model, const RoomOptions& options, const RoomOutcome& outcome) {
-  Watch watch(model, options, outcome.room);
+JudgedPicture picture_of(const body::BodyModel& model, const JointModel& joint_model, const RoomOptions& options,
+                         const RoomOutcome& outcome) {
+  Watch watch(model, joint_model, options, outcome.room);
   const std::uint64_t last = outcome.false_users > 0 ? outcome.first_false : outcome.frames - 1;
   for (std::uint64_t frame = 0; frame <= last; ++frame) watch.finds_somebody(frame);
   return watch.picture();

@@ -8,6 +8,7 @@
 
 #include "apps/im2fit-lab/tracker/upright_scene.h"
 #include "body/model.h"
+#include "kernels/joints/tracker.h"
 
 namespace im2fit::apps {
 
@@ -26,9 +27,11 @@ struct RoomOutcome {
   std::uint64_t first_false = 0;  // the first of them
 };
 
-std::vector<RoomOutcome> run_rooms(const body::BodyModel& model, const RoomOptions& options);
+std::vector<RoomOutcome> run_rooms(const body::BodyModel& model, const JointModel& joint_model,
+                                   const RoomOptions& options);
 
 // One room again: the first frame with somebody found, else its last.
-JudgedPicture picture_of(const body::BodyModel& model, const RoomOptions& options, const RoomOutcome& outcome);
+JudgedPicture picture_of(const body::BodyModel& model, const JointModel& joint_model, const RoomOptions& options,
+                         const RoomOutcome& outcome);
 
 }  // namespace im2fit::apps

@@ -88,11 +88,12 @@ std::vector<const GuidanceOutcome*> some_of_each_kind(const std::vector<Guidance
   return out;
 }
 
-Result<Canvas> sheet_of(const body::BodyModel& model, const JointModel&, const RoomOptions& options,
+Result<Canvas> sheet_of(const body::BodyModel& model, const JointModel& joint_model, const RoomOptions& options,
                         const std::vector<const RoomOutcome*>& rooms) {
   std::vector<SheetCell> cells;
   cells.reserve(rooms.size());
-  for (const RoomOutcome* room : rooms) cells.push_back(room_cell(picture_of(model, options, *room), *room));
+  for (const RoomOutcome* room : rooms)
+    cells.push_back(room_cell(picture_of(model, joint_model, options, *room), *room));
   return contact_sheet(cells);
 }
 
@@ -135,7 +136,7 @@ Result<TrackerOutcomes> evaluate_tracker(const body::BodyModel& model, const Joi
   if (wanted.joints || wanted.segmentation || wanted.confidence)
     outcomes.trials = run_trials(model, joint_model, options.trials);
   if (wanted.people) outcomes.clips = run_clips(model, joint_model, options.clips);
-  if (wanted.empty) outcomes.rooms = run_rooms(model, options.rooms);
+  if (wanted.empty) outcomes.rooms = run_rooms(model, joint_model, options.rooms);
   if (wanted.guidance) {
     auto guidance = run_guidance(model, joint_model, options.guidance);
     if (!guidance) return guidance.error();
