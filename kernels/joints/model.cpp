@@ -51,6 +51,8 @@ Status check_trees(std::span<const joints::Anchor> anchors, std::span<const join
   for (const joints::Anchor& a : anchors)
     if (a.joint >= kJointCount || a.towards >= kJointCount)
       return damaged(what, "an anchor names joint " + std::to_string(std::max(a.joint, a.towards)) + " of 15");
+  for (const joints::Anchor& a : anchors)
+    if (a.share_q8 < 0 || a.share_q8 > 256) return damaged(what, "an anchor does not lie between its joints");
   for (const joints::Split& s : splits)
     if (s.a >= pixel_count || s.b >= pixel_count)
       return damaged(

@@ -13,6 +13,7 @@ namespace im2fit {
 namespace joints {
 
 constexpr std::size_t kTreesAtOnce = 32;
+constexpr float kPlaceMaxMm = 1e6F;
 
 const JumpNode& find_leaf(std::span<const JumpNode> tree, const View& view, Vec3f p) {
   const JumpNode* n = tree.data();
@@ -80,6 +81,8 @@ void add_sums(const Basis& basis, const std::int32_t* sum, Shape& shape) {
     const float amount = static_cast<float>(sum[k]);
     for (std::size_t i = 0; i < kSize; ++i) shape[i] += basis[k * kSize + i] * amount;
   }
+  // A file may hold anything: places further away than any camera sees must stay numbers of pixels.
+  for (float& mm : shape) mm = std::clamp(mm, -kPlaceMaxMm, kPlaceMaxMm);
 }
 
 void run_cascade(const JointModel::Data& model, std::span<CascadeRun> runs) {

@@ -233,6 +233,8 @@ TEST(JointModel, DamagedFilesAreRefusedByName) {
       {"bones", [](ModelRecords& m) { m.bone.pop_back(); }},
       {"anchor joint", [](ModelRecords& m) { m.anchor[2].joint = 15; }},
       {"anchor towards", [](ModelRecords& m) { m.anchor[1].towards = 15; }},
+      {"anchor beyond", [](ModelRecords& m) { m.anchor[1].share_q8 = 257; }},
+      {"anchor before", [](ModelRecords& m) { m.anchor[1].share_q8 = -1; }},
       {"anchor count", [](ModelRecords& m) { m.anchor.pop_back(); }},
       {"split a", [](ModelRecords& m) { m.split[9].a = 4; }},
       {"split b", [](ModelRecords& m) { m.split[9].b = 65535; }},
@@ -277,7 +279,8 @@ TEST(JointModel, AnyAcceptedValuesTrackWithoutHarm) {
     for (auto& n : m.node) n = {any(), any(), any(), any(), any(), 0};
     for (auto& b : m.bone) b = any();
     for (auto& a : m.anchor)
-      a = {any(), any(), static_cast<std::uint8_t>(rng.index(15)), static_cast<std::uint8_t>(rng.index(15)), any()};
+      a = {any(), any(), static_cast<std::uint8_t>(rng.index(15)), static_cast<std::uint8_t>(rng.index(15)),
+           static_cast<std::int16_t>(rng.index(257))};
     for (auto& s : m.split)
       s = {static_cast<std::uint16_t>(rng.index(4)), static_cast<std::uint16_t>(rng.index(4)), any()};
     for (auto& l : m.leaf) l = static_cast<std::int8_t>(rng.next());
