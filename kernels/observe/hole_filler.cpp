@@ -2,7 +2,6 @@
 #include "kernels/observe/hole_filler.h"
 
 #include <algorithm>
-#include <array>
 
 namespace im2fit {
 namespace {
@@ -64,16 +63,19 @@ void HoleFiller::mend(DepthView depth) {
       int below = std::max(below_row_[column], v + 1);
       while (below < depth.height && below - v <= reach_px_ && depth.at(u, below) == 0) ++below;
       below_row_[column] = below;
-      std::array<std::uint16_t, 4> found{};
+      std::uint16_t nearest = 0xFFFF, second = 0xFFFF;
       int count = 0;
-      const auto take = [&](std::uint16_t z) { found[static_cast<std::size_t>(count++)] = z; };
+      const auto take = [&](std::uint16_t z) {
+        second = std::min(second, std::max(nearest, z));
+        nearest = std::min(nearest, z);
+        ++count;
+      };
       if (u - left <= reach_px_) take(row[left]);
       if (right < depth.width && right - u <= reach_px_) take(row[right]);
       if (v - above_row_[column] <= reach_px_) take(depth.at(u, above_row_[column]));
       if (below < depth.height && below - v <= reach_px_) take(depth.at(u, below));
       if (count < 3) continue;
-      std::sort(found.begin(), found.begin() + count);
-      out[u] = found[1];
+      out[u] = second;
     }
   }
 }
