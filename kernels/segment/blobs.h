@@ -30,7 +30,6 @@ struct Blob {
   bool person = false;
   bool person_sized = false;  // without a head: might be one
   bool has_head = false;
-  bool vague = false;  // its head is
   Vec3f head_mm;       // cell at the crown, when has_head
 };
 

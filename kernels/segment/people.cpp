@@ -90,7 +90,6 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
       if (roundness(grid, b, middle).score < kHeadRoundMin && roundness(grid, b, blob.r_max).score < kHeadRoundMin)
         continue;
       blob.person = blob.has_head = true;
-      blob.vague = vague;
       blob.head_mm = heads_[at(h)].top_mm;
       any_head = true;
     }
