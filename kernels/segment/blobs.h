@@ -30,7 +30,7 @@ struct Blob {
   bool person = false;
   bool person_sized = false;  // without a head: might be one
   bool has_head = false;
-  Vec3f head_mm;       // cell at the crown, when has_head
+  Vec3f head_mm;  // cell at the crown, when has_head
 };
 
 struct Head {
