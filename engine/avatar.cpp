@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "body/measure.h"
-#include "body/params_vector.h"
+#include "body/population.h"
 
 namespace im2fit {
 namespace {
@@ -43,10 +43,8 @@ JointSet to_mesh_axes(const JointSet& camera_joints, const FloorPlane& floor) {
   return joints;
 }
 
-Result<AnsweredBody> body_of_row(const body::BodyModel& model, std::span<const float> row, double stature_mm,
-                                 double weight_kg, const JointSet& measured_joints, const FloorPlane& floor) {
-  auto params = body::unpack_params(row, model.modifier_names().size());
-  if (!params) return params.error();
+Result<AnsweredBody> body_of_params(const body::BodyModel& model, const body::Params& params, double stature_mm,
+                                    double weight_kg, const JointSet& measured_joints, const FloorPlane& floor) {
   for (std::size_t i = 0; i < kJointCount; ++i) {
     const Vec3f& p = measured_joints.position_mm[i];
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
@@ -56,7 +54,7 @@ Result<AnsweredBody> body_of_row(const body::BodyModel& model, std::span<const f
     return Error{ErrorCode::invalid_argument, "answered stature and weight must be positive"};
 
   AnsweredBody answered;
-  answered.params = std::move(*params);
+  answered.params = params;
   answered.in_reach = solve(model, answered.params, stature_mm, weight_kg);
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
   model.morph(answered.params, rest);
@@ -67,14 +65,14 @@ Result<AnsweredBody> body_of_row(const body::BodyModel& model, std::span<const f
 Result<AnsweredBody> body_of_answer(const body::BodyModel& model, const index::Index& index,
                                     const index::Answer& answer, const JointSet& measured_joints,
                                     const FloorPlane& floor) {
-  const std::vector<float> row = index.body_of(answer.nearest);
-  if (row.empty())
-    return Error{ErrorCode::not_found, "index entry " + std::to_string(answer.nearest) + " does not exist: it has " +
-                                           std::to_string(index.size()) + " entries"};
+  const index::Person person = index.person_of(answer.nearest);
+  const auto params = body::params_of_person(model, person.version, person.seed, person.number);
+  if (!params) return params.error();
   const auto value = [&](Measurement m) {
     return static_cast<double>(answer.measurements[measurement_index(m)].value);
   };
-  return body_of_row(model, row, value(Measurement::stature), value(Measurement::weight), measured_joints, floor);
+  return body_of_params(model, *params, value(Measurement::stature), value(Measurement::weight), measured_joints,
+                        floor);
 }
 
 }  // namespace im2fit

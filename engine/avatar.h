@@ -20,14 +20,14 @@ struct AnsweredBody {
   bool in_reach = true;  // false: stature or weight is beyond the body model, params hold the nearest
 };
 
-// Errors: the entry does not exist; the index was built with another body file; joints that are not finite.
+// Errors: the index was built of another population or with another body file; as body_of_params.
 Result<AnsweredBody> body_of_answer(const body::BodyModel& model, const index::Index& index,
                                     const index::Answer& answer, const JointSet& measured_joints,
                                     const FloorPlane& floor);
 
-// The same from a row of body/params_vector.h.
-Result<AnsweredBody> body_of_row(const body::BodyModel& model, std::span<const float> row, double stature_mm,
-                                 double weight_kg, const JointSet& measured_joints, const FloorPlane& floor);
+// The same from sliders. Errors: joints, stature or weight that are not finite or not positive.
+Result<AnsweredBody> body_of_params(const body::BodyModel& model, const body::Params& params, double stature_mm,
+                                    double weight_kg, const JointSet& measured_joints, const FloorPlane& floor);
 
 // Camera axes (x right, y down, z forward) to mesh axes (x the person's left, y up, z out of the face) for a person
 // who faces the camera: a half turn about x, then the floor's up, where known, to +y; see AnsweredBody::pose.

@@ -9,19 +9,17 @@
 namespace im2fit::index {
 namespace {
 
-constexpr std::size_t kBodyNeighbours = 256;
-constexpr double kBodySlopePenalty = 0.005;  // little: the body is to follow the measurements exactly
+double squared(double x) {
+  return x * x;
+}
 
 }  // namespace
 
 Answerer::Answerer(const Contents& contents)
-    : contents_(contents),
-      regressor_(contents.ridge, contents.ridge_bias, contents.meta.feature_size),
-      points_(contents.point_code, contents.grid_steps()),
-      entries_(contents.entry_code, contents.grid_steps()) {}
+    : contents_(contents), regressor_(contents.ridge, contents.ridge_bias, contents.meta.feature_size) {}
 
 Answerer::Workspace::Workspace(const Answerer& answerer)
-    : standardised(answerer.regressor_.padded_size()), points(answerer.points_), entries(answerer.entries_) {}
+    : standardised(answerer.regressor_.padded_size()), search(answerer.contents_.tree) {}
 
 Targets Answerer::regressed(std::span<const float> feature, Workspace& work) const {
   if (feature.size() == contents_.meta.feature_size)
@@ -32,33 +30,32 @@ Targets Answerer::regressed(std::span<const float> feature, Workspace& work) con
   return regressor_(work.standardised);
 }
 
-Coordinates Answerer::key_of(const Targets& targets) const {
-  const Contents& c = contents_;
-  const int dimensions = static_cast<int>(c.meta.dimensions);
-  return to_grid(project(targets, static_cast<int>(c.meta.target_count), c.projection, dimensions), dimensions,
-                 c.meta.grid_unit);
+Position Answerer::place_of(const Targets& targets) const {
+  return project(targets, static_cast<int>(contents_.meta.target_count), contents_.projection,
+                 static_cast<int>(contents_.meta.dimensions));
 }
 
-Targets Answerer::corrected(const Targets& regressed, const QueryOptions& options, Workspace& work,
-                            Targets& spread) const {
+Targets Answerer::corrected(const Targets& regressed, const QueryOptions& options, Workspace& work, Targets& spread,
+                            std::span<const Neighbour>& neighbours) const {
   const Contents& c = contents_;
   const int targets = static_cast<int>(c.meta.target_count);
   const int dimensions = static_cast<int>(c.meta.dimensions);
   Targets value = regressed;
+  const Position place = place_of(regressed);
   if (c.meta.quadratic != 0) {
     std::array<double, kQuadraticTermMax> buffer{};
     const auto terms = std::span(buffer).first(static_cast<std::size_t>(quadratic_term_count(dimensions)));
-    quadratic_terms(project(regressed, targets, c.projection, dimensions), c.inverse_spread, dimensions, terms);
+    quadratic_terms(place, c.inverse_spread, dimensions, terms);
     const Targets correction = apply_quadratic(terms, c.quadratic, targets);
     for (int t = 0; t < targets; ++t) value[t] += correction[t];
   }
-  const Coordinates grid = key_of(regressed);
+  const Coordinates grid = to_grid(place, dimensions, c.meta.grid_unit);
   const int wanted = options.neighbour_count > 0 ? options.neighbour_count : static_cast<int>(c.meta.neighbour_count);
-  const auto found = work.points.nearest(grid, static_cast<std::size_t>(std::min(wanted, kNeighbourMax)));
-  fit_local(c.local_data(), grid, found,
-            {static_cast<LocalMethod>(c.meta.local_method), c.meta.intercept_penalty, c.meta.slope_penalty},
-            work.local);
-  const LocalAnswer local = apply_local(work.local, c.local_data(), found);
+  const auto count = static_cast<std::size_t>(std::min(wanted, kNeighbourMax));
+  neighbours = options.exhaustive ? work.search.exhaustive(grid, count) : work.search.nearest(grid, count);
+  const LocalAnswer local = local_regression(
+      c.local_data(), grid, neighbours,
+      {static_cast<LocalMethod>(c.meta.local_method), c.meta.intercept_penalty, c.meta.slope_penalty});
   for (int t = 0; t < targets; ++t)
     if ((c.meta.local_targets >> t & 1U) != 0) value[t] += local.correction[t];
   spread = local.spread;
@@ -66,40 +63,30 @@ Targets Answerer::corrected(const Targets& regressed, const QueryOptions& option
 }
 
 Answer Answerer::answer(const Targets& regressed, const QueryOptions& options, Workspace& work) const {
-  const Contents& c = contents_;
   Targets spread{};
-  const Targets value = corrected(regressed, options, work, spread);
+  std::span<const Neighbour> neighbours;
+  const Targets value = corrected(regressed, options, work, spread, neighbours);
   Answer out;
   fill_estimates(value, spread, options.frame_count, out);
-  const auto nearest = work.entries.nearest(key_of(value), 1);
-  out.nearest = nearest[0].index;
-  out.nearest_distance = static_cast<float>(std::sqrt(static_cast<double>(nearest[0].distance)) * c.meta.grid_unit);
-  std::copy_n(c.entry_truth.begin() + static_cast<std::ptrdiff_t>(out.nearest * kMeasurementCount), kMeasurementCount,
-              out.nearest_values.begin());
+  fill_nearest(value, neighbours, out);
   return out;
 }
 
-void Answerer::body(const Targets& regressed, const QueryOptions& options, Workspace& work,
-                    std::span<float> out) const {
-  const Contents& c = contents_;
-  Targets spread{};
-  const Coordinates key = key_of(corrected(regressed, options, work, spread));
-  const auto found = work.entries.nearest(key, kBodyNeighbours);
-  LocalData data = {c.entry_code, c.grid_steps(), static_cast<int>(c.meta.dimensions), c.body, c.body_scale, 0, 0};
-  fit_local(data, key, found, {LocalMethod::linear, 0, kBodySlopePenalty}, work.local);
-  const auto row_size = static_cast<int>(c.meta.body_size);
-  for (int first = 0; first < row_size; first += kTargetMax) {
-    const int count = std::min(kTargetMax, row_size - first);
-    const auto from = static_cast<std::size_t>(first);
-    data.residuals = c.body.subspan(from);
-    data.residual_scale = c.body_scale.subspan(from);
-    data.target_count = count;
-    data.row_size = row_size;
-    const LocalAnswer local = apply_local(work.local, data, found);
-    for (int t = 0; t < count; ++t)
-      out[from + static_cast<std::size_t>(t)] = static_cast<float>(
-          static_cast<double>(c.body_offset[from + static_cast<std::size_t>(t)]) + local.correction[t]);
+// Of the neighbours, whose features resemble the query's, the one whose true place is nearest to the answer.
+void Answerer::fill_nearest(const Targets& targets, std::span<const Neighbour> neighbours, Answer& out) const {
+  const Position wanted = place_of(targets);
+  double best = 1e300;
+  for (const Neighbour& n : neighbours) {
+    const Position place = contents_.place_of_entry(n.index);
+    double sum = 0;
+    for (std::size_t d = 0; d < contents_.meta.dimensions; ++d) sum += squared(place[d] - wanted[d]);
+    // Ties to the smaller index, in whatever order neighbours come.
+    if (sum > best || (sum == best && n.index > out.nearest)) continue;
+    best = sum;
+    out.nearest = n.index;
   }
+  out.nearest_distance = static_cast<float>(std::sqrt(best));
+  out.nearest_values = contents_.measurements_of_entry(out.nearest);
 }
 
 void Answerer::fill_estimates(const Targets& targets, const Targets& spread, int frame_count, Answer& out) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From regressed targets to an answer: quadratic and local correction, intervals, sex, nearest stored body.
+// From regressed targets to an answer: quadratic and local correction, intervals, sex, nearest entry.
 #pragma once
 
 #include <span>
@@ -11,35 +11,31 @@ namespace im2fit::index {
 
 class Answerer {
  public:
-  // Builds both kd-trees and the integer regression. The contents' bytes must outlive this.
+  // Rounds the regression to integers. The contents' bytes must outlive this.
   explicit Answerer(const Contents& contents);
   // What one thread's query needs.
   struct Workspace {
     explicit Workspace(const Answerer& answerer);
     std::vector<std::int16_t> standardised;
-    CodeSearch points, entries;
-    LocalWeights local;
+    CodeSearch search;
   };
   // A feature of the wrong size counts as not measured.
   Targets regressed(std::span<const float> feature, Workspace& work) const;
   Answer answer(const Targets& regressed, const QueryOptions& options, Workspace& work) const;
 
-  // Body parameters at the answered targets: local linear regression of the stored bodies on their true positions.
-  // `out`: body_size values.
-  void body(const Targets& regressed, const QueryOptions& options, Workspace& work, std::span<float> out) const;
-
-  // Regressed targets with both corrections; `spread`: of the residuals nearby. Standardised units.
-  Targets corrected(const Targets& regressed, const QueryOptions& options, Workspace& work, Targets& spread) const;
+  // Regressed targets with both corrections; `spread`: of the residuals nearby. Standardised units. `neighbours`:
+  // those that were asked, until the workspace's next search.
+  Targets corrected(const Targets& regressed, const QueryOptions& options, Workspace& work, Targets& spread,
+                    std::span<const Neighbour>& neighbours) const;
 
  private:
-  Coordinates key_of(const Targets& targets) const;
+  Position place_of(const Targets& targets) const;
+  void fill_nearest(const Targets& targets, std::span<const Neighbour> neighbours, Answer& out) const;
   void fill_estimates(const Targets& targets, const Targets& spread, int frame_count, Answer& out) const;
   float female_probability(double score) const;
 
   Contents contents_;
   Regressor regressor_;
-  CodeTree points_;   // captures, where the regression puts them: for the local correction
-  CodeTree entries_;  // subjects, where their true measurements put them: for the body
 };
 
 }  // namespace im2fit::index

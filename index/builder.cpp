@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include "index/builder.h"
+
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <limits>
-#include <map>
-#include <numeric>
+#include <optional>
 
 #include "base/container.h"
-#include "base/rng.h"
 #include "index/answering.h"
 #include "index/calibration.h"
+#include "index/densify.h"
+#include "index/encoder.h"
 #include "index/format.h"
-#include "index/index.h"
+#include "index/learning.h"
 #include "index/ridge.h"
 #include "index/tuner.h"
 
@@ -22,9 +20,8 @@ namespace {
 
 constexpr std::size_t kSubjectMin = 20;
 constexpr std::size_t kStrangersMin = 200;  // fewer say too little about 2.5 % quantiles
-constexpr std::size_t kBlockSamples = 1024;
-constexpr double kVarianceMin = 1e-10;  // relative to the mean's square: below it a feature is a constant
-constexpr int kLatentMax = kTargetMax - kTargetMin;
+constexpr std::size_t kStrangersMax = 8192;
+constexpr std::ptrdiff_t kBlockRows = 512;
 constexpr double kLatentExplained = 0.1;  // a latent whose regression explains less than this is dropped
 
 Error invalid(const std::string& why) {
@@ -34,6 +31,425 @@ Error invalid(const std::string& why) {
 template <class T>
 std::span<const T> view(const std::vector<T>& v) {
   return v;
+}
+
+Status check_options(const BuildOptions& o) {
+  if (o.dimensions < 0 || o.dimensions > kDimensionMax)
+    return invalid("dimensions is " + std::to_string(o.dimensions) + ", expected 0 (chosen) to " +
+                   std::to_string(kDimensionMax));
+  if (!(o.held_out_fraction >= 0.05 && o.held_out_fraction <= 0.5))
+    return invalid("held_out_fraction must be within 0.05 .. 0.5");
+  if (o.provenance.size() > kProvenanceMax) return invalid("provenance is longer than 64 KiB");
+  if (o.chosen_on < kSubjectMin) return invalid("chosen_on must be at least " + std::to_string(kSubjectMin));
+  if (o.densify_to > kEntryMax) return invalid("densify_to is more than " + std::to_string(kEntryMax));
+  return Ok{};
+}
+
+class Builder {
+ public:
+  Builder(const BuildOptions& options, const SampleSource& source) : options_(options), source_(source) {}
+  Result<std::vector<std::byte>> run();
+
+ private:
+  Status check_sample(const Sample& sample, std::size_t number) const;
+  Status check_set() const;
+  Status read_chosen();
+  Status read_moments();
+  Status read_entries();
+  void regress();
+  std::vector<std::ptrdiff_t> drop_weak_latents(const Eigen::MatrixXd& regressed) const;
+  void densify();
+  ReportRecord make_report(const IntervalModel& intervals) const;
+  std::vector<GroupRecord> group_records() const;
+  std::vector<HeldOut> answer_strangers(std::span<const std::byte> file) const;
+  std::vector<std::byte> write(const PackedTree& tree, const IntervalModel& intervals) const;
+  void tell(const char* stage, std::size_t samples) const {
+    if (options_.progress && samples % 1024 == 0) options_.progress(stage, samples);
+  }
+
+  const BuildOptions& options_;
+  const SampleSource& source_;
+  std::vector<FeatureGroup> groups_;
+  std::vector<Sample> chosen_;     // to learn scales from; emptied then
+  std::vector<Sample> strangers_;  // calibrate_only
+  std::size_t feature_size_ = 0, body_size_ = 0;
+  std::size_t sample_count_ = 0, subject_count_ = 0;
+  int fold_count_ = 2;
+
+  std::optional<FeatureScale> features_;
+  std::optional<TargetSpace> targets_;
+  std::optional<FoldMoments> moments_;
+  TrainingRows rows_;  // of the samples choices are made on
+  RidgeTrainer::Choice choice_;
+  std::vector<RidgeFit> fold_fits_;
+  RidgeFit fit_;
+  Eigen::MatrixXd regressed_;
+  std::optional<Tuner> tuner_;
+  std::optional<Entries> entries_;
+  std::vector<std::uint32_t> person_;
+  // Of the real entries, only when they are to be mixed.
+  std::vector<Position> regressed_places_, true_places_;
+  std::array<std::vector<std::uint32_t>, 2> of_sex_;
+};
+
+Status Builder::check_sample(const Sample& sample, std::size_t number) const {
+  const std::string which = "sample " + std::to_string(number);
+  if (sample.feature.size() != feature_size_ || sample.body.size() != body_size_)
+    return invalid(which + " has " + std::to_string(sample.feature.size()) + " features and " +
+                   std::to_string(sample.body.size()) + " body parameters, the first had " +
+                   std::to_string(feature_size_) + " and " + std::to_string(body_size_));
+  const auto finite = [](float v) { return std::isfinite(v); };
+  if (!std::all_of(sample.truth.begin(), sample.truth.end(), finite) ||
+      !std::all_of(sample.body.begin(), sample.body.end(), finite))
+    return invalid(which + " has a truth or body parameter that is not finite");
+  if (sample.subject > 0xFFFFFFFFU) return invalid(which + " has a subject number of 2^32 or more");
+  return Ok{};
+}
+
+// The first samples, and the subjects among them.
+Status Builder::read_chosen() {
+  Status bad = Ok{};
+  std::size_t number = 0;
+  const Status read = source_([&](const Sample& sample) {
+    if (number == 0) {
+      feature_size_ = sample.feature.size();
+      body_size_ = sample.body.size();
+    }
+    bad = check_sample(sample, number++);
+    if (bad && !sample.calibrate_only) chosen_.push_back(sample);
+    return static_cast<bool>(bad) && chosen_.size() < options_.chosen_on;
+  });
+  if (!read) return read;
+  return bad;
+}
+
+Status Builder::check_set() const {
+  if (chosen_.empty()) return invalid("no samples; render a dataset first");
+  std::size_t subjects = 0;
+  for (std::size_t i = 0; i < chosen_.size(); ++i)
+    subjects += i == 0 || chosen_[i].subject != chosen_[i - 1].subject ? 1 : 0;
+  if (subjects < kSubjectMin)
+    return invalid("only " + std::to_string(subjects) + " subjects; at least " + std::to_string(kSubjectMin) +
+                   " are needed to hold some out, and thousands for useful answers");
+  if (feature_size_ == 0 || feature_size_ > kFeatureMax)
+    return invalid("features have " + std::to_string(feature_size_) + " values, expected 1 to " +
+                   std::to_string(kFeatureMax));
+  std::size_t covered = 0;
+  for (const auto& g : groups_) covered += g.count;
+  if (covered != feature_size_ || groups_.size() > kGroupMax)
+    return invalid("the feature groups cover " + std::to_string(covered) + " values in " +
+                   std::to_string(groups_.size()) + " groups, the feature has " + std::to_string(feature_size_) +
+                   " and at most 16 groups");
+  return Ok{};
+}
+
+// Every sample into the moments; the rows choices are made on are kept.
+Status Builder::read_moments() {
+  features_.emplace(chosen_);
+  targets_.emplace(chosen_);
+  const auto kept = static_cast<std::ptrdiff_t>(chosen_.size());
+  std::vector<Sample>().swap(chosen_);
+  fold_count_ = std::clamp(static_cast<int>(std::lround(1 / options_.held_out_fraction)), 2, 10);
+  moments_.emplace(static_cast<std::ptrdiff_t>(feature_size_), targets_->size(), fold_count_);
+  rows_.features.resize(kept, static_cast<std::ptrdiff_t>(feature_size_));
+  rows_.targets.resize(kept, targets_->size());
+  rows_.fold_count = fold_count_;
+  FoldDealer dealer(options_.seed, fold_count_);
+  std::vector<float> z(feature_size_);
+  Status bad = Ok{};
+  std::size_t number = 0;
+  std::uint64_t last = 0;
+  const Status read = source_([&](const Sample& sample) {
+    bad = check_sample(sample, number++);
+    if (!bad) return false;
+    if (sample.calibrate_only) {
+      if (strangers_.size() < kStrangersMax) strangers_.push_back(sample);
+      return true;
+    }
+    if (sample_count_ == kEntryMax) {
+      bad = invalid("more than " + std::to_string(kEntryMax) + " samples");
+      return false;
+    }
+    const int fold = dealer.fold_of(sample.subject);
+    features_->standardise(sample.feature, z);
+    const Eigen::VectorXd y = (*targets_)(sample);
+    moments_->add(fold, z, y);
+    if (sample_count_ == 0 || sample.subject != last) ++subject_count_;
+    last = sample.subject;
+    const auto row = static_cast<std::ptrdiff_t>(sample_count_);
+    if (row < kept) {
+      rows_.features.row(row) = Eigen::Map<const Eigen::RowVectorXf>(z.data(), static_cast<std::ptrdiff_t>(z.size()));
+      rows_.targets.row(row) = y.transpose();
+      rows_.subject.push_back(static_cast<std::uint32_t>(sample.subject));
+      rows_.frame_count.push_back(std::max(sample.frame_count, 1));
+      rows_.fold.push_back(fold);
+    }
+    tell("learning", ++sample_count_);
+    return true;
+  });
+  if (!read) return read;
+  return bad;
+}
+
+void Builder::regress() {
+  std::vector<std::uint32_t> sizes;
+  for (const auto& g : groups_) sizes.push_back(g.count);
+  RidgeTrainer trainer(rows_, moments_->folds(), sizes);
+  choice_ = trainer.choose(kTargetMin);
+  const Eigen::MatrixXd all = trainer.cross_fitted(choice_.penalty);
+  const auto kept = drop_weak_latents(all);
+  const auto columns = static_cast<std::ptrdiff_t>(kept.size());
+  Eigen::MatrixXd truth(all.rows(), columns);
+  regressed_.resize(all.rows(), columns);
+  for (std::ptrdiff_t k = 0; k < columns; ++k) {
+    regressed_.col(k) = all.col(kept[static_cast<std::size_t>(k)]);
+    truth.col(k) = rows_.targets.col(kept[static_cast<std::size_t>(k)]);
+  }
+  rows_.targets = truth;
+  targets_->keep(kept);
+  for (int f = 0; f < fold_count_; ++f) fold_fits_.push_back(trainer.fit(choice_.penalty, f).of_targets(kept));
+  fit_ = trainer.fit(choice_.penalty, -1).of_targets(kept);
+  moments_.reset();
+}
+
+// A latent the features do not show would only blur the metric. Returns the targets kept.
+std::vector<std::ptrdiff_t> Builder::drop_weak_latents(const Eigen::MatrixXd& regressed) const {
+  std::vector<std::ptrdiff_t> kept;
+  for (std::ptrdiff_t t = 0; t < regressed.cols(); ++t) {
+    const double error = (rows_.targets.col(t) - regressed.col(t)).squaredNorm();
+    if (t < kTargetMin || error < (1 - kLatentExplained) * rows_.targets.col(t).squaredNorm()) kept.push_back(t);
+  }
+  return kept;
+}
+
+// Every sample to an entry, by the regression that did not see its subject.
+Status Builder::read_entries() {
+  entries_.emplace(tuner_->encoder);
+  FoldDealer dealer(options_.seed, fold_count_);
+  RowMatrixF block(kBlockRows, static_cast<std::ptrdiff_t>(feature_size_));
+  std::vector<Targets> truth;
+  std::vector<int> fold;
+  std::vector<float> z(feature_size_);
+  const bool mixed_later = options_.densify_to > sample_count_;
+  const auto flush = [&] {
+    const auto count = static_cast<std::ptrdiff_t>(fold.size());
+    if (count == 0) return;
+    std::vector<RowMatrixF> by_fold;
+    for (const RidgeFit& fit : fold_fits_) by_fold.push_back(fit.predict(block.topRows(count)));
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      Targets regressed{};
+      for (std::ptrdiff_t t = 0; t < targets_->size(); ++t)
+        regressed[static_cast<std::size_t>(t)] =
+            static_cast<double>(by_fold[static_cast<std::size_t>(fold[at])](i, t));
+      const Position place = tuner_->encoder.place_of(regressed), true_place = tuner_->encoder.place_of(truth[at]);
+      entries_->add(place, true_place);
+      if (!mixed_later) continue;
+      regressed_places_.push_back(place);
+      true_places_.push_back(true_place);
+    }
+    fold.clear();
+    truth.clear();
+  };
+  const Status read = source_([&](const Sample& sample) {
+    if (sample.calibrate_only) return true;
+    features_->standardise(sample.feature, z);
+    block.row(static_cast<std::ptrdiff_t>(fold.size())) =
+        Eigen::Map<const Eigen::RowVectorXf>(z.data(), static_cast<std::ptrdiff_t>(z.size()));
+    const Eigen::VectorXd y = (*targets_)(sample);
+    Targets t{};
+    std::copy(y.begin(), y.end(), t.begin());
+    truth.push_back(t);
+    fold.push_back(dealer.fold_of(sample.subject));
+    if (mixed_later) of_sex_[sample.woman ? 1 : 0].push_back(static_cast<std::uint32_t>(person_.size()));
+    person_.push_back(static_cast<std::uint32_t>(sample.subject));
+    if (fold.size() == static_cast<std::size_t>(kBlockRows)) flush();
+    tell("encoding", person_.size());
+    return person_.size() <= sample_count_;
+  });
+  if (!read) return read;
+  flush();
+  if (person_.size() != sample_count_) return invalid("the samples changed while they were read");
+  return Ok{};
+}
+
+void Builder::densify() {
+  const std::size_t real = person_.size();
+  if (options_.densify_to <= real) return;
+  std::array<Position, 2> regressed_mean{}, true_mean{};
+  std::vector<int> sex(real);
+  for (std::size_t s = 0; s < 2; ++s) {
+    const auto count = static_cast<double>(std::max<std::size_t>(of_sex_[s].size(), 1));
+    for (const std::uint32_t i : of_sex_[s]) {
+      sex[i] = static_cast<int>(s);
+      for (std::size_t d = 0; d < kDimensionMax; ++d) {
+        regressed_mean[s][d] += regressed_places_[i][d] / count;
+        true_mean[s][d] += true_places_[i][d] / count;
+      }
+    }
+  }
+  const Densifier densifier(of_sex_, options_.seed);
+  for (std::uint64_t n = 0; person_.size() < options_.densify_to; ++n) {
+    const Mix mix = densifier.mix(n);
+    const auto s = static_cast<std::size_t>(sex[mix.first]);
+    const auto mixed = [&](const std::vector<Position>& of, const Position& mean) {
+      Position out{};
+      for (std::size_t d = 0; d < kDimensionMax; ++d)
+        out[d] = mean[d] + mix.first_share * (of[mix.first][d] - mean[d]) +
+                 mix.second_share * (of[mix.second][d] - mean[d]);
+      return out;
+    };
+    entries_->add(mixed(regressed_places_, regressed_mean[s]), mixed(true_places_, true_mean[s]));
+    person_.push_back(person_[mix.first]);
+    tell("densifying", person_.size());
+  }
+}
+
+ReportRecord Builder::make_report(const IntervalModel& intervals) const {
+  const Tuner& tuner = *tuner_;
+  ReportRecord report;
+  report.dimension_bits = tuner.dimension_bits;
+  for (std::size_t d = tuner.meta.dimensions; d < report.dimension_bits.size(); ++d) report.dimension_bits[d] = 0;
+  report.error_with_all = static_cast<float>(choice_.error);
+  report.coverage = intervals.coverage;
+  const auto n = static_cast<double>(tuner.held_out.size());
+  double right = 0;
+  std::array<double, kMeasurementCount> answer{}, prior{};
+  for (const HeldOut& row : tuner.held_out) {
+    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+      answer[m] += std::abs(row.answer[m] - row.truth[m]) / n;
+      prior[m] += std::abs(row.truth[m]) / n;
+    }
+    const double mean = targets_->mean(kSexTarget);
+    const double scale = targets_->scale(kSexTarget);
+    right += (mean + scale * row.answer[kSexTarget] > 0) == (mean + scale * row.truth[kSexTarget] > 0) ? 1 / n : 0;
+  }
+  report.sex_accuracy = static_cast<float>(right);
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+    const auto t = static_cast<std::ptrdiff_t>(m);
+    report.answer_mae[m] = static_cast<float>(targets_->scale(m) * answer[m]);
+    report.prior_mae[m] = static_cast<float>(targets_->scale(m) * prior[m]);
+    report.nearest_mae[m] = static_cast<float>(targets_->scale(m) * static_cast<double>(tuner.nearest_error[m]));
+    report.ridge_mae[m] =
+        static_cast<float>(targets_->scale(m) * (rows_.targets.col(t) - regressed_.col(t)).cwiseAbs().mean());
+  }
+  return report;
+}
+
+std::vector<GroupRecord> Builder::group_records() const {
+  double lightest = choice_.penalty.group[0];
+  for (const double p : choice_.penalty.group) lightest = std::min(lightest, p);
+  std::vector<GroupRecord> out;
+  std::uint32_t first = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    GroupRecord record;
+    groups_[g].name.copy(record.name, sizeof record.name - 1);
+    record.first = first;
+    record.count = groups_[g].count;
+    // Scaling a group by w is the same as dividing its penalty by w^2.
+    const double weight = std::sqrt(lightest / choice_.penalty.group[g]);
+    record.weight = static_cast<float>(choice_.penalty.group[g] > 1e6 ? 0 : weight);
+    record.error_without = static_cast<float>(choice_.error_without[g]);
+    out.push_back(record);
+    first += groups_[g].count;
+  }
+  return out;
+}
+
+std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalModel& intervals) const {
+  const Tuner& tuner = *tuner_;
+  const auto targets = static_cast<std::size_t>(targets_->size());
+  MetaRecord meta = tuner.meta;
+  meta.feature_size = static_cast<std::uint32_t>(feature_size_);
+  meta.target_count = static_cast<std::uint32_t>(targets);
+  meta.entry_count = static_cast<std::uint32_t>(person_.size());
+  meta.subject_count = static_cast<std::uint32_t>(subject_count_);
+  meta.leaf_count = static_cast<std::uint32_t>(tree.view().leaf_count());
+  meta.group_count = static_cast<std::uint32_t>(groups_.size());
+  meta.interval_kind = static_cast<std::uint32_t>(intervals.kind);
+  meta.frame_model = intervals.frame_model;
+  meta.frame_noise = intervals.frame_noise;
+  meta.population_seed = options_.population_seed;
+  meta.population_version = options_.population_version;
+  meta.densified_count = static_cast<std::uint32_t>(person_.size() - sample_count_);
+  const std::vector<float> mean(targets_->means().begin(), targets_->means().end());
+  const std::vector<float> scale(targets_->scales().begin(), targets_->scales().end());
+  const ReportRecord report = make_report(intervals);
+  std::vector<std::uint32_t> person;
+  person.reserve(tree.order.size());
+  for (const std::uint32_t row : tree.order) person.push_back(person_[row]);
+
+  ContainerWriter out(kMagic, kVersion);
+  out.add_array("meta", std::span<const MetaRecord>(&meta, 1));
+  out.add_array("report", std::span<const ReportRecord>(&report, 1));
+  out.add_array("groups", view(group_records()));
+  out.add_array("provenance", std::span<const char>(options_.provenance));
+  out.add_array("feature.mean", view(features_->mean));
+  out.add_array("feature.scale", view(features_->scale));
+  out.add_array("ridge", std::span<const float>(fit_.weights.data(), targets * feature_size_));
+  out.add_array("ridge.bias", std::span<const float>(fit_.bias.data(), targets));
+  out.add_array("target.mean", view(mean));
+  out.add_array("target.scale", view(scale));
+  out.add_array("projection", view(tuner.encoder.projection));
+  out.add_array("code.step", std::span<const std::int32_t>(tuner.encoder.steps));
+  out.add_array("code.spread", view(tuner.encoder.inverse_spread));
+  out.add_array("quadratic", view(tuner.quadratic));
+  out.add_array("error.map", view(tuner.error_map));
+  out.add_array("place.map", view(tuner.place_map));
+  out.add_array("residual.scale", view(tuner.encoder.residual_scale));
+  out.add_array("interval", std::span<const float>(intervals.quantiles));
+  out.add_array("spread.floor", std::span<const float>(intervals.spread_floor));
+  out.add_array("sex.table",
+                view(calibrate_sex(tuner.held_out, targets_->mean(kSexTarget), targets_->scale(kSexTarget))));
+  out.add_array("group.box", view(tree.group_boxes));
+  out.add_array("leaf.box", view(tree.leaf_boxes));
+  out.add_array("leaf", view(tree.leaf_first));
+  out.add_array("code", view(tree.blocks));
+  out.add_array("residual", view(in_order(entries_->residuals, tree.dimension_count, tree.order)));
+  out.add_array("person", view(person));
+  return out.finish();
+}
+
+// The finished index, asked about people it was not made for.
+std::vector<HeldOut> Builder::answer_strangers(std::span<const std::byte> file) const {
+  std::vector<HeldOut> out;
+  const auto contents = parse_contents(file, "index");
+  if (!contents) return out;
+  const Answerer answerer(*contents);
+  Answerer::Workspace work(answerer);
+  std::span<const Neighbour> neighbours;
+  for (const Sample& s : strangers_) {
+    HeldOut row;
+    row.subject = static_cast<std::uint32_t>(s.subject);
+    row.frame_count = s.frame_count;
+    row.answer = answerer.corrected(answerer.regressed(s.feature, work), {}, work, row.spread, neighbours);
+    for (std::size_t m = 0; m < kMeasurementCount; ++m)
+      row.truth[m] =
+          targets_->scale(m) > 0 ? (static_cast<double>(s.truth[m]) - targets_->mean(m)) / targets_->scale(m) : 0;
+    out.push_back(row);
+  }
+  return out;
+}
+
+Result<std::vector<std::byte>> Builder::run() {
+  if (auto s = check_options(options_); !s) return s.error();
+  if (auto s = read_chosen(); !s) return s.error();
+  groups_ = options_.groups.empty() ? default_groups(feature_size_) : options_.groups;
+  if (auto s = check_set(); !s) return s.error();
+  if (auto s = read_moments(); !s) return s.error();
+  regress();
+  tuner_.emplace(rows_, regressed_);
+  tuner_->run(options_.dimensions);
+  if (auto s = read_entries(); !s) return s.error();
+  densify();
+  const PackedTree tree = pack_tree(entries_->codes, tuner_->encoder.dimensions, tuner_->encoder.steps);
+  IntervalModel intervals = calibrate_intervals(tuner_->held_out);
+  std::vector<std::byte> file = write(tree, intervals);
+  if (strangers_.size() < kStrangersMin) return file;
+  const std::vector<HeldOut> strangers = answer_strangers(file);
+  if (strangers.empty()) return invalid("the new index cannot be read back");
+  intervals = calibrate_intervals(strangers);
+  return write(tree, intervals);
 }
 
 }  // namespace
@@ -46,423 +462,16 @@ std::vector<FeatureGroup> default_groups(std::size_t feature_size) {
   return groups;
 }
 
-struct IndexBuilder::Impl {
-  BuildOptions options;
-  std::string complaint;  // of the first bad sample
-  std::size_t feature_size = 0;
-  std::size_t body_size = 0;
-  std::vector<std::vector<float>> blocks;  // kBlockSamples features each: no second copy while growing
-  std::size_t sample_count = 0;
-  std::map<std::uint64_t, std::uint32_t> subject_index;
-  std::vector<std::uint32_t> subject;    // of each sample
-  std::vector<MeasurementValues> truth;  // of each subject, as all below
-  std::vector<bool> woman;
-  std::vector<float> body;
-
-  std::vector<Sample> strangers;  // calibrate_only
-
-  std::vector<FeatureGroup> groups;
-  std::vector<float> feature_mean;
-  std::vector<float> feature_scale;
-  TrainingRows rows;
-  Eigen::MatrixXd entry_targets;
-  std::vector<double> target_mean;
-  std::vector<double> target_scale;
-  RidgeTrainer::Choice choice;
-
-  const float* features_of(std::size_t sample) const {
-    return blocks[sample / kBlockSamples].data() + sample % kBlockSamples * feature_size;
-  }
-  Status check() const;
-  void standardise_features();
-  void make_targets();
-  Eigen::MatrixXd body_latents(const Eigen::MatrixXd& targets) const;
-  void make_folds();
-  std::vector<std::ptrdiff_t> drop_weak_latents(Eigen::MatrixXd& regressed);
-  ReportRecord make_report(const Tuner& tuner, const Eigen::MatrixXd& regressed,
-                           const IntervalModel& intervals) const;
-  std::vector<GroupRecord> group_records() const;
-  void add_body(ContainerWriter& out) const;
-  std::vector<HeldOut> answer_strangers(std::span<const std::byte> file) const;
-  std::vector<std::byte> write(const Tuner& tuner, const RidgeFit& fit, const IntervalModel& intervals,
-                               const ReportRecord& report) const;
-};
-
-IndexBuilder::IndexBuilder(const BuildOptions& options) : impl_(std::make_unique<Impl>()) {
-  impl_->options = options;
-}
-IndexBuilder::~IndexBuilder() = default;
-std::size_t IndexBuilder::sample_count() const {
-  return impl_->sample_count;
-}
-
-void IndexBuilder::add(const Sample& sample) {
-  Impl& d = *impl_;
-  if (!d.complaint.empty()) return;
-  if (d.sample_count == 0 && d.strangers.empty()) {
-    d.feature_size = sample.feature.size();
-    d.body_size = sample.body.size();
-  }
-  const std::string which = "sample " + std::to_string(d.sample_count);
-  if (sample.feature.size() != d.feature_size || sample.body.size() != d.body_size) {
-    d.complaint = which + " has " + std::to_string(sample.feature.size()) + " features and " +
-                  std::to_string(sample.body.size()) + " body parameters, the first had " +
-                  std::to_string(d.feature_size) + " and " + std::to_string(d.body_size);
-    return;
-  }
-  const auto finite = [](float v) { return std::isfinite(v); };
-  if (!std::all_of(sample.truth.begin(), sample.truth.end(), finite) ||
-      !std::all_of(sample.body.begin(), sample.body.end(), finite)) {
-    d.complaint = which + " has a truth or body parameter that is not finite";
-    return;
-  }
-  if (sample.calibrate_only) {
-    d.strangers.push_back(sample);
-    return;
-  }
-  const auto [it, fresh] = d.subject_index.emplace(sample.subject, static_cast<std::uint32_t>(d.truth.size()));
-  if (fresh) {
-    d.truth.push_back(sample.truth);
-    d.woman.push_back(sample.woman);
-    d.body.insert(d.body.end(), sample.body.begin(), sample.body.end());
-  }
-  if (d.sample_count % kBlockSamples == 0) d.blocks.emplace_back().reserve(kBlockSamples * d.feature_size);
-  d.blocks.back().insert(d.blocks.back().end(), sample.feature.begin(), sample.feature.end());
-  d.subject.push_back(it->second);
-  d.rows.frame_count.push_back(std::max(sample.frame_count, 1));
-  ++d.sample_count;
-}
-
-Status IndexBuilder::Impl::check() const {
-  if (!complaint.empty()) return invalid(complaint);
-  if (sample_count == 0) return invalid("no samples; render a dataset first");
-  if (truth.size() < kSubjectMin)
-    return invalid("only " + std::to_string(truth.size()) + " subjects; at least " + std::to_string(kSubjectMin) +
-                   " are needed to hold some out, and thousands for useful answers");
-  if (feature_size == 0 || feature_size > kFeatureMax)
-    return invalid("features have " + std::to_string(feature_size) + " values, expected 1 to " +
-                   std::to_string(kFeatureMax));
-  if (body_size > kBodyMax)
-    return invalid("bodies have " + std::to_string(body_size) + " parameters, at most " + std::to_string(kBodyMax));
-  if (sample_count > kEntryMax) return invalid("more than " + std::to_string(kEntryMax) + " samples");
-  if (options.dimensions < 0 || options.dimensions > kDimensionMax)
-    return invalid("dimensions is " + std::to_string(options.dimensions) + ", expected 0 (chosen) to " +
-                   std::to_string(kDimensionMax));
-  if (!(options.held_out_fraction >= 0.05 && options.held_out_fraction <= 0.5))
-    return invalid("held_out_fraction must be within 0.05 .. 0.5");
-  if (options.provenance.size() > kProvenanceMax) return invalid("provenance is longer than 64 KiB");
-  std::size_t covered = 0;
-  for (const auto& g : groups) covered += g.count;
-  if (covered != feature_size || groups.size() > kGroupMax)
-    return invalid("the feature groups cover " + std::to_string(covered) + " values in " +
-                   std::to_string(groups.size()) + " groups, the feature has " + std::to_string(feature_size) +
-                   " and at most 16 groups");
-  return Ok{};
-}
-
-// Mean and spread of what was measured; what was not becomes the mean.
-void IndexBuilder::Impl::standardise_features() {
-  std::vector<double> count(feature_size), sum(feature_size), square(feature_size);
-  for (std::size_t s = 0; s < sample_count; ++s) {
-    const float* x = features_of(s);
-    for (std::size_t i = 0; i < feature_size; ++i)
-      if (std::isfinite(x[i])) {
-        count[i] += 1;
-        sum[i] += static_cast<double>(x[i]);
-      }
-  }
-  feature_mean.assign(feature_size, 0);
-  for (std::size_t i = 0; i < feature_size; ++i)
-    if (count[i] > 0) feature_mean[i] = static_cast<float>(std::clamp(sum[i] / count[i], -1e9, 1e9));
-  for (std::size_t s = 0; s < sample_count; ++s) {
-    const float* x = features_of(s);
-    for (std::size_t i = 0; i < feature_size; ++i)
-      if (std::isfinite(x[i])) {
-        const double d = static_cast<double>(x[i]) - static_cast<double>(feature_mean[i]);
-        square[i] += d * d;
-      }
-  }
-  feature_scale.assign(feature_size, 0);
-  for (std::size_t i = 0; i < feature_size; ++i) {
-    if (count[i] < 2) continue;
-    const double variance = square[i] / count[i];
-    const auto mean = static_cast<double>(feature_mean[i]);
-    if (variance > kVarianceMin * (mean * mean + 1e-8))
-      feature_scale[i] = static_cast<float>(1 / std::sqrt(variance));
-    if (!(feature_scale[i] < 1e9F)) feature_scale[i] = 0;
-  }
-  rows.features.resize(static_cast<std::ptrdiff_t>(sample_count), static_cast<std::ptrdiff_t>(feature_size));
-  for (std::size_t s = 0; s < sample_count; ++s) {
-    standardise({features_of(s), feature_size}, feature_mean, feature_scale,
-                {rows.features.data() + s * feature_size, feature_size});
-    if ((s + 1) % kBlockSamples == 0) std::vector<float>().swap(blocks[s / kBlockSamples]);
-  }
-  blocks.clear();
-}
-
-// Directions of the body that measurements and sex leave open, strongest first, unit variance.
-Eigen::MatrixXd IndexBuilder::Impl::body_latents(const Eigen::MatrixXd& targets) const {
-  const auto n = targets.rows();
-  const auto b = static_cast<std::ptrdiff_t>(body_size);
-  if (b == 0 || n < 200) return Eigen::MatrixXd(n, 0);
-  Eigen::MatrixXd x(n, b);
-  for (std::ptrdiff_t i = 0; i < n; ++i)
-    for (std::ptrdiff_t j = 0; j < b; ++j) x(i, j) = static_cast<double>(body[static_cast<std::size_t>(i * b + j)]);
-  x.rowwise() -= x.colwise().mean().eval();
-  for (std::ptrdiff_t j = 0; j < b; ++j) {
-    const double sd = std::sqrt(x.col(j).squaredNorm() / static_cast<double>(n));
-    x.col(j) *= sd > 1e-6 ? 1 / sd : 0.0;
-  }
-  Eigen::MatrixXd a = targets.transpose() * targets;
-  a.diagonal().array() += 1e-3 * static_cast<double>(n);
-  x -= targets * a.llt().solve(targets.transpose() * x);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(x.transpose() * x / static_cast<double>(n));
-  const std::ptrdiff_t count = std::min<std::ptrdiff_t>(b, kLatentMax);
-  Eigen::MatrixXd out(n, count);
-  for (std::ptrdiff_t k = 0; k < count; ++k) {
-    // The sign of an eigenvector is the solver's whim: fix it by the largest coefficient.
-    Eigen::VectorXd v = eigen.eigenvectors().col(b - 1 - k);
-    std::ptrdiff_t largest = 0;
-    v.cwiseAbs().maxCoeff(&largest);
-    if (v(largest) < 0) v = -v;
-    out.col(k) = x * v / std::sqrt(std::max(eigen.eigenvalues()(b - 1 - k), 1e-12));
-  }
-  return out;
-}
-
-void IndexBuilder::Impl::make_targets() {
-  const auto n = static_cast<std::ptrdiff_t>(truth.size());
-  Eigen::MatrixXd y(n, kTargetMin);
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const auto s = static_cast<std::size_t>(i);
-    for (std::size_t m = 0; m < kMeasurementCount; ++m)
-      y(i, static_cast<std::ptrdiff_t>(m)) = static_cast<double>(truth[s][m]);
-    y(i, kSexTarget) = woman[s] ? 1 : -1;
-  }
-  for (int t = 0; t < kTargetMin; ++t) {
-    const double mean = y.col(t).mean();
-    y.col(t).array() -= mean;
-    const double sd = std::sqrt(y.col(t).squaredNorm() / static_cast<double>(n));
-    const double scale = sd > 1e-6 * (std::abs(mean) + 1e-3) ? sd : 0.0;
-    if (scale > 0)
-      y.col(t) /= scale;
-    else
-      y.col(t).setZero();
-    target_mean.push_back(mean);
-    target_scale.push_back(scale);
-  }
-  const Eigen::MatrixXd latents = body_latents(y);
-  entry_targets.resize(n, kTargetMin + latents.cols());
-  entry_targets << y, latents;
-  for (std::ptrdiff_t k = 0; k < latents.cols(); ++k) {
-    target_mean.push_back(0);
-    target_scale.push_back(1);
-  }
-  rows.targets.resize(static_cast<std::ptrdiff_t>(sample_count), entry_targets.cols());
-  for (std::size_t s = 0; s < sample_count; ++s)
-    rows.targets.row(static_cast<std::ptrdiff_t>(s)) = entry_targets.row(subject[s]);
-}
-
-// Whole subjects go to a fold, in an order drawn from the seed, so that the folds are equally large.
-void IndexBuilder::Impl::make_folds() {
-  rows.subject = subject;
-  rows.fold_count = std::clamp(static_cast<int>(std::lround(1 / options.held_out_fraction)), 2, 10);
-  std::vector<std::uint32_t> order(truth.size());
-  std::iota(order.begin(), order.end(), 0U);
-  Rng rng = Rng::for_item(options.seed, 0x1dec5, 0);
-  for (std::size_t i = order.size() - 1; i > 0; --i)
-    std::swap(order[i], order[static_cast<std::size_t>(rng.index(static_cast<int>(i + 1)))]);
-  std::vector<int> fold_of(truth.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    fold_of[order[i]] = static_cast<int>(i % static_cast<std::size_t>(rows.fold_count));
-  rows.fold.clear();
-  for (const std::uint32_t s : subject) rows.fold.push_back(fold_of[s]);
-}
-
-// A latent the features do not show would only blur the metric. Returns the targets kept.
-std::vector<std::ptrdiff_t> IndexBuilder::Impl::drop_weak_latents(Eigen::MatrixXd& regressed) {
-  std::vector<std::ptrdiff_t> kept;
-  for (std::ptrdiff_t t = 0; t < rows.targets.cols(); ++t) {
-    const double error = (rows.targets.col(t) - regressed.col(t)).squaredNorm();
-    if (t < kTargetMin || error < (1 - kLatentExplained) * rows.targets.col(t).squaredNorm()) kept.push_back(t);
-  }
-  const auto keep = [&](Eigen::MatrixXd& m) {
-    Eigen::MatrixXd out(m.rows(), static_cast<std::ptrdiff_t>(kept.size()));
-    for (std::size_t k = 0; k < kept.size(); ++k) out.col(static_cast<std::ptrdiff_t>(k)) = m.col(kept[k]);
-    m = out;
+SampleSource source_of(const std::vector<Sample>& samples) {
+  return [&samples](const std::function<bool(const Sample&)>& take) -> Status {
+    for (const Sample& sample : samples)
+      if (!take(sample)) break;
+    return Ok{};
   };
-  keep(rows.targets);
-  keep(entry_targets);
-  keep(regressed);
-  target_mean.resize(kept.size());  // latents all have mean 0 and scale 1
-  target_scale.resize(kept.size());
-  return kept;
 }
 
-ReportRecord IndexBuilder::Impl::make_report(const Tuner& tuner, const Eigen::MatrixXd& regressed,
-                                             const IntervalModel& intervals) const {
-  ReportRecord report;
-  report.dimension_bits = tuner.dimension_bits;
-  for (std::size_t d = tuner.meta.dimensions; d < report.dimension_bits.size(); ++d) report.dimension_bits[d] = 0;
-  report.error_with_all = static_cast<float>(choice.error);
-  report.coverage = intervals.coverage;
-  const auto n = static_cast<double>(tuner.held_out.size());
-  double right = 0;
-  std::array<double, kMeasurementCount> answer{}, prior{};
-  for (const HeldOut& row : tuner.held_out) {
-    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
-      answer[m] += std::abs(row.answer[m] - row.truth[m]) / n;
-      prior[m] += std::abs(row.truth[m]) / n;
-    }
-    const double mean = target_mean[kSexTarget];
-    const double scale = target_scale[kSexTarget];
-    right += (mean + scale * row.answer[kSexTarget] > 0) == (mean + scale * row.truth[kSexTarget] > 0) ? 1 / n : 0;
-  }
-  report.sex_accuracy = static_cast<float>(right);
-  for (std::size_t m = 0; m < kMeasurementCount; ++m) {
-    const auto t = static_cast<std::ptrdiff_t>(m);
-    report.answer_mae[m] = static_cast<float>(target_scale[m] * answer[m]);
-    report.prior_mae[m] = static_cast<float>(target_scale[m] * prior[m]);
-    report.nearest_mae[m] = static_cast<float>(target_scale[m] * static_cast<double>(tuner.nearest_error[m]));
-    report.ridge_mae[m] =
-        static_cast<float>(target_scale[m] * (rows.targets.col(t) - regressed.col(t)).cwiseAbs().mean());
-  }
-  return report;
-}
-
-std::vector<GroupRecord> IndexBuilder::Impl::group_records() const {
-  double lightest = choice.penalty.group[0];
-  for (const double p : choice.penalty.group) lightest = std::min(lightest, p);
-  std::vector<GroupRecord> out;
-  std::uint32_t first = 0;
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    GroupRecord record;
-    groups[g].name.copy(record.name, sizeof record.name - 1);
-    record.first = first;
-    record.count = groups[g].count;
-    // Scaling a group by w is the same as dividing its penalty by w^2.
-    const double weight = std::sqrt(lightest / choice.penalty.group[g]);
-    record.weight = static_cast<float>(choice.penalty.group[g] > 1e6 ? 0 : weight);
-    record.error_without = static_cast<float>(choice.error_without[g]);
-    out.push_back(record);
-    first += groups[g].count;
-  }
-  return out;
-}
-
-void IndexBuilder::Impl::add_body(ContainerWriter& out) const {
-  std::vector<float> offset(body_size), scale(body_size);
-  std::vector<std::int16_t> values(body.size());
-  const std::size_t n = truth.size();
-  for (std::size_t j = 0; j < body_size; ++j) {
-    float low = std::numeric_limits<float>::max();
-    float high = std::numeric_limits<float>::lowest();
-    for (std::size_t i = 0; i < n; ++i) {
-      low = std::min(low, body[i * body_size + j]);
-      high = std::max(high, body[i * body_size + j]);
-    }
-    const double middle = 0.5 * (static_cast<double>(low) + static_cast<double>(high));
-    const double unit = std::max((static_cast<double>(high) - static_cast<double>(low)) / 65534, 1e-30);
-    offset[j] = static_cast<float>(middle);
-    scale[j] = static_cast<float>(unit);
-    for (std::size_t i = 0; i < n; ++i) {
-      const double q = (static_cast<double>(body[i * body_size + j]) - middle) / unit;
-      values[i * body_size + j] = static_cast<std::int16_t>(std::lround(std::clamp(q, -32767.0, 32767.0)));
-    }
-  }
-  out.add_array("body", view(values));
-  out.add_array("body.offset", view(offset));
-  out.add_array("body.scale", view(scale));
-}
-
-std::vector<std::byte> IndexBuilder::Impl::write(const Tuner& tuner, const RidgeFit& fit,
-                                                 const IntervalModel& intervals, const ReportRecord& report) const {
-  const auto targets = static_cast<std::size_t>(entry_targets.cols());
-  MetaRecord meta = tuner.meta;
-  meta.feature_size = static_cast<std::uint32_t>(feature_size);
-  meta.target_count = static_cast<std::uint32_t>(targets);
-  meta.entry_count = static_cast<std::uint32_t>(truth.size());
-  meta.point_count = static_cast<std::uint32_t>(sample_count);
-  meta.body_size = static_cast<std::uint32_t>(body_size);
-  meta.group_count = static_cast<std::uint32_t>(groups.size());
-  meta.interval_kind = static_cast<std::uint32_t>(intervals.kind);
-  meta.frame_model = intervals.frame_model;
-  meta.frame_noise = intervals.frame_noise;
-  const std::vector<float> mean(target_mean.begin(), target_mean.end());
-  const std::vector<float> scale(target_scale.begin(), target_scale.end());
-  const auto ridge_size = targets * feature_size;
-
-  ContainerWriter out(kMagic, kVersion);
-  out.add_array("meta", std::span<const MetaRecord>(&meta, 1));
-  out.add_array("report", std::span<const ReportRecord>(&report, 1));
-  out.add_array("groups", view(group_records()));
-  out.add_array("provenance", std::span<const char>(options.provenance));
-  out.add_array("feature.mean", view(feature_mean));
-  out.add_array("feature.scale", view(feature_scale));
-  out.add_array("ridge", std::span<const float>(fit.weights.data(), ridge_size));
-  out.add_array("ridge.bias", std::span<const float>(fit.bias.data(), targets));
-  out.add_array("target.mean", view(mean));
-  out.add_array("target.scale", view(scale));
-  out.add_array("projection", view(tuner.projection));
-  out.add_array("code.step", std::span<const std::int32_t>(tuner.steps));
-  out.add_array("code.spread", view(tuner.inverse_spread));
-  out.add_array("quadratic", view(tuner.quadratic));
-  out.add_array("point.code", view(tuner.point_code));
-  out.add_array("point.residual", view(tuner.point_residual));
-  out.add_array("residual.scale", view(tuner.residual_scale));
-  out.add_array("entry.code", view(tuner.entry_code));
-  out.add_array("entry.truth", std::span<const float>(truth.front().data(), truth.size() * kMeasurementCount));
-  add_body(out);
-  out.add_array("interval", std::span<const float>(intervals.quantiles));
-  out.add_array("spread.floor", std::span<const float>(intervals.spread_floor));
-  out.add_array("sex.table", view(calibrate_sex(tuner.held_out, target_mean[kSexTarget], target_scale[kSexTarget])));
-  return out.finish();
-}
-
-// The finished index, asked about people it was not made for.
-std::vector<HeldOut> IndexBuilder::Impl::answer_strangers(std::span<const std::byte> file) const {
-  std::vector<HeldOut> out;
-  const auto contents = parse_contents(file, "index");
-  if (!contents) return out;
-  const Answerer answerer(*contents);
-  Answerer::Workspace work(answerer);
-  for (const Sample& s : strangers) {
-    HeldOut row;
-    row.subject = static_cast<std::uint32_t>(s.subject);
-    row.frame_count = s.frame_count;
-    row.answer = answerer.corrected(answerer.regressed(s.feature, work), {}, work, row.spread);
-    for (std::size_t m = 0; m < kMeasurementCount; ++m)
-      row.truth[m] = target_scale[m] > 0 ? (static_cast<double>(s.truth[m]) - target_mean[m]) / target_scale[m] : 0;
-    out.push_back(row);
-  }
-  return out;
-}
-
-Result<std::vector<std::byte>> IndexBuilder::finish() {
-  Impl& d = *impl_;
-  d.groups = d.options.groups.empty() ? default_groups(d.feature_size) : d.options.groups;
-  if (auto s = d.check(); !s) return s.error();
-  d.standardise_features();
-  d.make_targets();
-  d.make_folds();
-  std::vector<std::uint32_t> group_sizes;
-  for (const auto& g : d.groups) group_sizes.push_back(g.count);
-  RidgeTrainer trainer(d.rows, group_sizes);
-  d.choice = trainer.choose(kTargetMin);
-  Eigen::MatrixXd regressed = trainer.cross_fitted(d.choice.penalty);
-  const auto kept = d.drop_weak_latents(regressed);
-  const RidgeFit fit = trainer.fit(d.choice.penalty, -1).of_targets(kept);
-
-  Tuner tuner(d.rows, regressed, d.entry_targets);
-  tuner.run(d.options.dimensions);
-  IntervalModel intervals = calibrate_intervals(tuner.held_out);
-  const auto finished = [&] { return d.write(tuner, fit, intervals, d.make_report(tuner, regressed, intervals)); };
-  std::vector<std::byte> file = finished();
-  if (d.strangers.size() < kStrangersMin) return file;
-  const std::vector<HeldOut> strangers = d.answer_strangers(file);
-  if (strangers.empty()) return invalid("the new index cannot be read back");
-  intervals = calibrate_intervals(strangers);
-  return finished();
+Result<std::vector<std::byte>> build_index(const BuildOptions& options, const SampleSource& source) {
+  return Builder(options, source).run();
 }
 
 }  // namespace im2fit::index

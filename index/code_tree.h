@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact nearest neighbours among int8 codes. nanoflann's kd-tree cuts the points into leaves; a search bounds the
-// distance to every leaf's box at once, then scans the leaves that may matter (kernels/code_bounds, code_distance).
-// Measured with 512 of 18,461 neighbours in 12 dimensions: a fifth of the points is scanned, and a scan of a leaf
-// costs less than walking the tree down to it.
+// Exact nearest neighbours among int8 codes, in arrays that are used where they lie in a mapped file.
+//
+// nanoflann's kd-tree cuts the points into leaves when the index is built; the file stores the points in the order of
+// the leaves, the leaves' boxes, and boxes round groups of leaves. A search bounds its distance to all groups, then
+// to the leaves of the groups that may matter, then scans those leaves (kernels/code_bounds, code_distance): no tree
+// is walked, nothing is rebuilt when a file is opened, and the format does not depend on nanoflann's version.
 #pragma once
 
 #include <array>
@@ -10,75 +12,96 @@
 #include <span>
 #include <vector>
 
+#include "kernels/code_bounds/code_bounds.h"
 #include "kernels/code_distance/code_distance.h"
 
 namespace im2fit::index {
 
-inline constexpr int kDimensionMax = kCodeDimensionMax;  // codes are padded to this with zeros
+inline constexpr int kDimensionMax = kCodeDimensionMax;
 inline constexpr int kNeighbourMax = 512;
-inline constexpr int kStepMax = kCodeStepMax;  // of one code, in units of the common grid
-// Bound of a query coordinate; squared distances stay below 2^45.
-inline constexpr std::int32_t kCoordinateMax = kCodePlaceMax;
+inline constexpr int kStepMax = kCodeStepMax;                  // of one code, in units of the grid
+inline constexpr std::int32_t kCoordinateMax = kCodePlaceMax;  // bound of a query coordinate
+inline constexpr std::size_t kLeafMax = 128;                   // points
+inline constexpr std::size_t kGroupLeaves = 64;                // whole blocks of boxes
+static_assert(kGroupLeaves % kBoxBlock == 0);
 
 using Coordinates = std::array<std::int32_t, kDimensionMax>;
 
 struct Neighbour {
-  std::int64_t distance = 0;  // squared, in units of the common grid
+  std::int32_t distance = 0;  // squared, as kernels/code_distance defines it
   std::uint32_t index = 0;
-  // Ties go to the smaller index, whatever order the leaves are scanned in.
-  friend bool operator<(const Neighbour& a, const Neighbour& b) {
-    return a.distance != b.distance ? a.distance < b.distance : a.index < b.index;
-  }
   friend bool operator==(const Neighbour&, const Neighbour&) = default;
 };
 
-// Immutable, shareable between threads. Takes about 30 bytes a point.
-class CodeTree {
- public:
-  // `codes`: kDimensionMax per point, at least one point; not needed afterwards. A code of dimension j stands for
-  // codes[j] * steps[j] grid units; steps are 0..kStepMax, and 0 for dimensions that are not used.
-  CodeTree(std::span<const std::int8_t> codes, const Coordinates& steps);
-  std::size_t size() const { return point_count_; }
+// Views; whoever made them sees to their sizes (format.cpp, PackedTree).
+struct CodeTree {
+  std::size_t point_count = 0;
+  int dimension_count = 0;
+  Coordinates steps{};                        // 0..kStepMax; 0 from dimension_count on
+  std::span<const std::int8_t> blocks;        // of 16 points, each of pair_count() pairs (kernels/code_distance)
+  std::span<const std::uint32_t> leaf_first;  // per leaf its first point; then point_count
+  std::span<const std::int16_t> leaf_boxes;   // blocks of 16 boxes (kernels/code_bounds), in units of the grid
+  std::span<const std::int16_t> group_boxes;  // the same, of kGroupLeaves leaves each
 
- private:
-  friend class CodeSearch;
-  struct Leaf {
-    std::uint32_t first_block = 0;  // of 16 points
-    std::uint32_t point_count = 0;
-  };
-  void add_leaf(std::span<const std::int8_t> codes, std::span<const std::uint32_t> points);
-
-  Coordinates steps_{};
-  int dimension_count_ = 0;  // up to the last with a step
-  std::size_t point_count_ = 0;
-  std::vector<Leaf> leaves_;
-  std::vector<std::int32_t> boxes_;   // blocks of 8 leaves
-  std::vector<std::int8_t> blocks_;   // blocks of 16 points, each leaf beginning a block
-  std::vector<std::int64_t> norms_;   // 16 a block
-  std::vector<std::uint32_t> index_;  // 16 a block
+  std::size_t leaf_count() const { return leaf_first.size() - 1; }
+  std::size_t group_count() const { return (leaf_count() + kGroupLeaves - 1) / kGroupLeaves; }
+  std::size_t pair_count() const { return static_cast<std::size_t>(dimension_count + 1) / 2; }
+  int code(std::uint32_t point, std::size_t dimension) const {
+    return blocks[((point / kCodeBlock) * pair_count() + dimension / 2) * 2 * kCodeBlock + point % kCodeBlock * 2 +
+                  dimension % 2];
+  }
 };
 
-// What one thread needs to search a tree, which must outlive it.
+// Sizes the arrays of a tree must have.
+std::size_t code_block_bytes(std::size_t point_count, int dimension_count);
+std::size_t box_values(std::size_t box_count, int dimension_count);
+
+// A tree as the builder makes it.
+struct PackedTree {
+  std::vector<std::uint32_t> order;  // of each stored point, its row in the codes given
+  std::vector<std::int8_t> blocks;
+  std::vector<std::uint32_t> leaf_first;
+  std::vector<std::int16_t> leaf_boxes, group_boxes;
+  Coordinates steps{};
+  int dimension_count = 0;
+  CodeTree view() const;
+};
+// `codes`: dimension_count per point, at least one point. Deterministic.
+PackedTree pack_tree(std::span<const std::int8_t> codes, int dimension_count, const Coordinates& steps);
+
+// What one thread needs to search a tree, whose arrays must outlive it.
 class CodeSearch {
  public:
   explicit CodeSearch(const CodeTree& tree, std::size_t count_max = kNeighbourMax);
-  // The min(count, tree size) nearest, nearest first; count 1..count_max. Coordinates are clamped to
-  // +-kCoordinateMax. The result is the caller's until the next call. No allocation.
+  // The min(count, point_count) nearest, nearest first, ties to the smaller index; count 1..count_max. Coordinates
+  // are clamped to +-kCoordinateMax. The result is the caller's until the next call. No allocation.
   std::span<Neighbour> nearest(const Coordinates& query, std::size_t count);
+  // The same by looking at every point: the truth, and faster for few points.
+  std::span<Neighbour> exhaustive(const Coordinates& query, std::size_t count);
+  // Of the last search: how much of the file it read.
+  struct Work {
+    std::size_t groups = 0, leaves = 0, points = 0;
+  };
+  const Work& work() const { return work_; }
 
  private:
-  void scan(const CodeTree::Leaf& leaf, const CodeQuery& query, std::size_t count);
-  void drop_far_ones(std::size_t count);
-  std::span<Neighbour> sorted(std::size_t count);
+  using Key = std::uint64_t;  // distance, then index: ordered as neighbours are
+  void begin(std::size_t count);
+  void search_group(std::size_t group, const CodeQuery& query);
+  void scan(std::size_t first, std::size_t last, const CodeQuery& query);
+  void keep_nearest();
+  std::span<Neighbour> finish();
 
-  const CodeTree& tree_;
+  CodeTree tree_;
   std::size_t count_max_;
-  std::vector<std::uint32_t> bounds_;
-  std::vector<std::uint64_t> order_;  // bound, leaf
-  std::vector<Neighbour> found_, sorted_;
-  std::array<std::uint16_t, 1025> buckets_{};  // of distance
+  std::vector<std::int32_t> group_bounds_;
+  std::vector<Key> groups_;
+  std::vector<Key> found_;
+  std::vector<Neighbour> result_;
+  std::size_t count_ = 0;
   std::size_t found_count_ = 0;
-  std::int64_t reach_ = 0;  // points farther than this are none of the nearest
+  std::int32_t reach_ = 0;  // points farther than this are none of the nearest
+  Work work_;
 };
 
 }  // namespace im2fit::index

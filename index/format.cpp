@@ -66,8 +66,9 @@ void check_meta(SectionReader& in, const MetaRecord& m) {
   in.require(within(m.target_count, kTargetMin, kTargetMax), "meta", "says an impossible number of targets");
   in.require(within(m.dimensions, 1, kDimensionMax), "meta", "says an impossible number of dimensions");
   in.require(within(m.entry_count, 1, kEntryMax), "meta", "says an impossible number of entries");
-  in.require(within(m.point_count, 1, kEntryMax), "meta", "says an impossible number of points");
-  in.require(m.body_size <= kBodyMax, "meta", "says an impossible body size");
+  in.require(m.subject_count <= m.entry_count && m.densified_count <= m.entry_count, "meta",
+             "says an impossible number of people");
+  in.require(within(m.leaf_count, 1, m.entry_count), "meta", "says an impossible number of leaves");
   in.require(within(m.group_count, 1, kGroupMax), "meta", "says an impossible number of groups");
   in.require(m.local_method <= 2 && m.quadratic <= 1 && m.interval_kind <= 1, "meta", "names an unknown method");
   in.require(within(m.neighbour_count, 1, kNeighbourMax), "meta", "says an impossible number of neighbours");
@@ -78,12 +79,38 @@ void check_meta(SectionReader& in, const MetaRecord& m) {
              "meta", "says an impossible noise model");
 }
 
+CodeTree take_tree(SectionReader& in, const MetaRecord& m) {
+  CodeTree tree;
+  tree.point_count = m.entry_count;
+  tree.dimension_count = static_cast<int>(m.dimensions);
+  const auto steps = in.take<std::int32_t>("code.step", kDimensionMax);
+  tree.blocks = in.take<std::int8_t>("code", code_block_bytes(tree.point_count, tree.dimension_count));
+  tree.leaf_first = in.take<std::uint32_t>("leaf", std::size_t{m.leaf_count} + 1);
+  tree.leaf_boxes = in.take<std::int16_t>("leaf.box", box_values(m.leaf_count, tree.dimension_count));
+  if (in.failed()) return tree;
+  tree.group_boxes = in.take<std::int16_t>("group.box", box_values(tree.group_count(), tree.dimension_count));
+  if (in.failed()) return tree;
+  for (std::size_t d = 0; d < steps.size(); ++d) {
+    in.require(steps[d] >= 0 && steps[d] <= kStepMax && (steps[d] == 0 || d < m.dimensions), "code.step",
+               "holds a step out of range");
+    tree.steps[d] = steps[d];
+  }
+  in.require(tree.leaf_first.front() == 0 && tree.leaf_first.back() == m.entry_count, "leaf",
+             "does not cover the entries");
+  for (std::size_t l = 0; l < m.leaf_count; ++l)
+    in.require(tree.leaf_first[l] < tree.leaf_first[l + 1], "leaf", "is not rising");
+  for (const auto boxes : {tree.leaf_boxes, tree.group_boxes})
+    for (const std::int16_t edge : boxes)
+      in.require(edge >= -kCoordinateMax && edge <= kCoordinateMax, "leaf.box", "holds an edge out of range");
+  return tree;
+}
+
 void check_values(SectionReader& in, const Contents& c) {
   // Below that (kernels/standardise) no feature varies.
   for (const float s : c.feature_scale)
     in.require(s == 0 || s >= 1e-30F, "feature.scale", "holds an impossible scale");
   for (const float s : c.target_scale) in.require(s >= 0, "target.scale", "holds a negative scale");
-  for (const std::int32_t s : c.steps) in.require(s >= 0 && s <= kStepMax, "code.step", "holds a step out of range");
+  for (const float s : c.residual_scale) in.require(s >= 0, "residual.scale", "holds a negative scale");
   for (std::size_t m = 0; m < kMeasurementCount && !in.failed(); ++m) {
     in.require(c.interval[2 * m] <= c.interval[2 * m + 1], "interval", "is turned round");
     in.require(c.spread_floor[m] >= 0, "spread.floor", "holds a negative spread");
@@ -102,16 +129,31 @@ void check_values(SectionReader& in, const Contents& c) {
 
 }  // namespace
 
-Coordinates Contents::grid_steps() const {
-  Coordinates out{};
-  std::copy(steps.begin(), steps.end(), out.begin());
+LocalData Contents::local_data() const {
+  return {&tree, residual, residual_scale, error_map, static_cast<int>(meta.target_count)};
+}
+
+Position Contents::place_of_entry(std::uint32_t entry) const {
+  Position out{};
+  const auto dimensions = static_cast<int>(meta.dimensions);
+  for (int d = 0; d < dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    out[at] = meta.grid_unit * (tree.code(entry, at) * tree.steps[at]) +
+              static_cast<double>(residual_scale[at]) * residual_steps(residual, dimensions, entry, d);
+  }
   return out;
 }
 
-LocalData Contents::local_data() const {
-  const auto targets = static_cast<int>(meta.target_count);
-  return {point_code, grid_steps(), static_cast<int>(meta.dimensions), point_residual, residual_scale,
-          targets,    targets};
+MeasurementValues Contents::measurements_of_entry(std::uint32_t entry) const {
+  const Position place = place_of_entry(entry);
+  MeasurementValues out{};
+  for (std::size_t m = 0; m < out.size(); ++m) {
+    double sum = 0;
+    for (std::size_t d = 0; d < meta.dimensions; ++d)
+      sum += static_cast<double>(place_map[m * meta.dimensions + d]) * place[d];
+    out[m] = static_cast<float>(static_cast<double>(target_mean[m]) + static_cast<double>(target_scale[m]) * sum);
+  }
+  return out;
 }
 
 Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::string& what) {
@@ -127,7 +169,6 @@ Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::str
   const std::size_t features = m.feature_size;
   const std::size_t targets = m.target_count;
   const std::size_t entries = m.entry_count;
-  const std::size_t points = m.point_count;
   const auto terms = static_cast<std::size_t>(quadratic_term_count(static_cast<int>(m.dimensions)));
   const auto report = in.take<float>("report", sizeof(ReportRecord) / sizeof(float));
   if (!in.failed()) std::memcpy(static_cast<void*>(&c.report), report.data(), sizeof c.report);
@@ -139,17 +180,14 @@ Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::str
   c.target_mean = in.take<float>("target.mean", targets);
   c.target_scale = in.take<float>("target.scale", targets);
   c.projection = in.take<float>("projection", m.dimensions * targets);
-  c.steps = in.take<std::int32_t>("code.step", kDimensionMax);
   c.inverse_spread = in.take<float>("code.spread", m.dimensions);
   c.quadratic = in.take<float>("quadratic", targets * terms);
-  c.point_code = in.take<std::int8_t>("point.code", points * kDimensionMax);
-  c.point_residual = in.take<std::int16_t>("point.residual", points * targets);
-  c.residual_scale = in.take<float>("residual.scale", targets);
-  c.entry_code = in.take<std::int8_t>("entry.code", entries * kDimensionMax);
-  c.entry_truth = in.take<float>("entry.truth", entries * kMeasurementCount);
-  c.body = in.take<std::int16_t>("body", entries * m.body_size);
-  c.body_offset = in.take<float>("body.offset", m.body_size);
-  c.body_scale = in.take<float>("body.scale", m.body_size);
+  c.tree = take_tree(in, m);
+  c.residual = in.take<std::uint8_t>("residual", entries * residual_bytes(static_cast<int>(m.dimensions)));
+  c.residual_scale = in.take<float>("residual.scale", m.dimensions);
+  c.error_map = in.take<float>("error.map", targets * m.dimensions);
+  c.place_map = in.take<float>("place.map", targets * m.dimensions);
+  c.person = in.take<std::uint32_t>("person", entries);
   c.interval = in.take<float>("interval", 2 * kMeasurementCount);
   c.spread_floor = in.take<float>("spread.floor", kMeasurementCount);
   c.sex_table = in.take<float>("sex.table", kSexTableSize);

@@ -9,15 +9,15 @@
 #include <string>
 
 #include "base/status.h"
+#include "index/code_tree.h"
 #include "index/regression.h"
 
 namespace im2fit::index {
 
 inline constexpr char kMagic[] = "I2FX";
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 inline constexpr std::uint32_t kFeatureMax = 16384;
 inline constexpr std::uint32_t kEntryMax = 1U << 24;
-inline constexpr std::uint32_t kBodyMax = 1024;
 inline constexpr std::uint32_t kGroupMax = 16;
 inline constexpr std::size_t kProvenanceMax = 65536;
 inline constexpr std::size_t kSexTableSize = 129;  // scores -2 .. 2
@@ -29,10 +29,10 @@ struct MetaRecord {
   std::uint32_t feature_size = 0;
   std::uint32_t target_count = 0;
   std::uint32_t dimensions = 0;
-  std::uint32_t entry_count = 0;  // subjects
-  std::uint32_t point_count = 0;  // captures
-  std::uint32_t body_size = 0;
-  std::uint32_t group_count = 0;
+  std::uint32_t entry_count = 0;
+  std::uint32_t subject_count = 0;
+  std::uint32_t leaf_count = 0;
+  std::uint32_t group_count = 0;  // of features
   std::uint32_t local_method = 0;
   std::uint32_t neighbour_count = 0;
   std::uint32_t quadratic = 0;  // 1: the quadratic section is applied
@@ -43,8 +43,11 @@ struct MetaRecord {
   double slope_penalty = 0;
   double frame_model = 1;  // error variance(frames) = frame_model + frame_noise / frames, relative
   double frame_noise = 0;
+  std::uint64_t population_seed = 0;
+  std::uint32_t population_version = 0;
+  std::uint32_t densified_count = 0;  // of the entries
 };
-static_assert(sizeof(MetaRecord) == 88);
+static_assert(sizeof(MetaRecord) == 104);
 
 struct GroupRecord {
   char name[24] = {};
@@ -73,30 +76,29 @@ struct Contents {
   ReportRecord report;
   std::span<const GroupRecord> groups;
   std::span<const char> provenance;
-  std::span<const float> feature_mean;           // feature_size
-  std::span<const float> feature_scale;          // feature_size
-  std::span<const float> ridge;                  // target_count x feature_size
-  std::span<const float> ridge_bias;             // target_count
-  std::span<const float> target_mean;            // target_count
-  std::span<const float> target_scale;           // target_count: units per standardised unit
-  std::span<const float> projection;             // dimensions x target_count
-  std::span<const std::int32_t> steps;           // kDimensionMax
-  std::span<const float> inverse_spread;         // dimensions
-  std::span<const float> quadratic;              // target_count x quadratic_term_count
-  std::span<const std::int8_t> point_code;       // point_count x kDimensionMax
-  std::span<const std::int16_t> point_residual;  // point_count x target_count
-  std::span<const float> residual_scale;         // target_count
-  std::span<const std::int8_t> entry_code;       // entry_count x kDimensionMax
-  std::span<const float> entry_truth;            // entry_count x kMeasurementCount
-  std::span<const std::int16_t> body;            // entry_count x body_size
-  std::span<const float> body_offset;            // body_size
-  std::span<const float> body_scale;             // body_size
-  std::span<const float> interval;               // kMeasurementCount x {low, high} in units of the spread
-  std::span<const float> spread_floor;           // kMeasurementCount, standardised units
-  std::span<const float> sex_table;              // kSexTableSize probabilities, rising
+  std::span<const float> feature_mean;     // feature_size
+  std::span<const float> feature_scale;    // feature_size
+  std::span<const float> ridge;            // target_count x feature_size
+  std::span<const float> ridge_bias;       // target_count
+  std::span<const float> target_mean;      // target_count
+  std::span<const float> target_scale;     // target_count: units per standardised unit
+  std::span<const float> projection;       // dimensions x target_count
+  std::span<const float> inverse_spread;   // dimensions
+  std::span<const float> quadratic;        // target_count x quadratic_term_count
+  CodeTree tree;                           // entries, where the regression puts them
+  std::span<const std::uint8_t> residual;  // entry_count x residual_bytes: truth less regression, there
+  std::span<const float> residual_scale;   // dimensions: projected space per residual step
+  std::span<const float> error_map;        // target_count x dimensions: targets' error per projected error
+  std::span<const float> place_map;        // target_count x dimensions: targets at a projected place
+  std::span<const std::uint32_t> person;   // entry_count: number in the population
+  std::span<const float> interval;         // kMeasurementCount x {low, high} in units of the spread
+  std::span<const float> spread_floor;     // kMeasurementCount, standardised units
+  std::span<const float> sex_table;        // kSexTableSize probabilities, rising
 
-  Coordinates grid_steps() const;
   LocalData local_data() const;
+  // Where the truth of an entry lies, and its measurements there: both to within the rounding of its codes.
+  Position place_of_entry(std::uint32_t entry) const;
+  MeasurementValues measurements_of_entry(std::uint32_t entry) const;
 };
 
 Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::string& what);

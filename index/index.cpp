@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
+#include "base/container.h"
 #include "base/file.h"
 #include "index/answering.h"
 #include "index/format.h"
@@ -23,8 +25,9 @@ std::string describe_method(const MetaRecord& meta) {
 Info make_info(const Contents& c) {
   Info info;
   info.provenance.assign(c.provenance.begin(), c.provenance.end());
-  info.subject_count = c.meta.entry_count;
-  info.sample_count = c.meta.point_count;
+  info.subject_count = c.meta.subject_count;
+  info.entry_count = c.meta.entry_count;
+  info.densified_count = c.meta.densified_count;
   for (const GroupRecord& g : c.groups)
     info.groups.push_back(
         {std::string(g.name, strnlen(g.name, sizeof g.name)), g.first, g.count, g.weight, g.error_without});
@@ -48,6 +51,7 @@ struct Index::Data {
   MappedFile file;
   Contents contents;
   Info info;
+  std::vector<Section> sections;
   std::unique_ptr<Answerer> answerer;
 };
 
@@ -69,6 +73,11 @@ Status load(Index::Data& data, std::span<const std::byte> bytes, const std::stri
   if (!contents) return contents.error();
   data.contents = *contents;
   data.info = make_info(*contents);
+  const auto container = ContainerReader::parse(bytes, kMagic, kVersion, what, false);
+  if (!container) return container.error();
+  std::map<std::uint64_t, Index::Section> by_offset;
+  for (const auto& [name, entry] : container->entries()) by_offset[entry.offset] = {name, entry.size};
+  for (const auto& [offset, section] : by_offset) data.sections.push_back(section);
   data.answerer = std::make_unique<Answerer>(*contents);
   return Ok{};
 }
@@ -100,9 +109,6 @@ int Index::dimensions() const {
 std::size_t Index::feature_size() const {
   return data_->contents.meta.feature_size;
 }
-std::size_t Index::body_size() const {
-  return data_->contents.meta.body_size;
-}
 const Info& Index::info() const {
   return data_->info;
 }
@@ -116,30 +122,29 @@ Answer Index::query(std::span<const float> feature, const QueryOptions& options,
   return answerer.answer(answerer.regressed(feature, scratch.work), options, scratch.work);
 }
 
-std::vector<float> Index::body_for(std::span<const float> feature, const QueryOptions& options,
-                                   Scratch& scratch) const {
-  std::vector<float> out(body_size());
-  const Answerer& answerer = *data_->answerer;
-  answerer.body(answerer.regressed(feature, scratch.work), options, scratch.work, out);
-  return out;
-}
-
-std::vector<float> Index::body_of(std::uint32_t entry) const {
+Person Index::person_of(std::uint32_t entry) const {
   const Contents& c = data_->contents;
-  std::vector<float> out;
-  if (entry >= c.meta.entry_count) return out;
-  out.resize(c.meta.body_size);
-  const std::int16_t* row = c.body.data() + static_cast<std::size_t>(entry) * c.meta.body_size;
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = c.body_offset[i] + c.body_scale[i] * static_cast<float>(row[i]);
-  return out;
+  return {c.meta.population_version, c.meta.population_seed, c.person[entry]};
 }
 
 MeasurementValues Index::measurements_of(std::uint32_t entry) const {
-  MeasurementValues out{};
-  const auto row = data_->contents.entry_truth.subspan(static_cast<std::size_t>(entry) * kMeasurementCount);
-  std::copy_n(row.begin(), kMeasurementCount, out.begin());
-  return out;
+  return data_->contents.measurements_of_entry(entry);
+}
+
+std::vector<Index::Section> Index::sections() const {
+  return data_->sections;
+}
+
+Index::Work Index::work_of(const Scratch& scratch) const {
+  const Contents& c = data_->contents;
+  const CodeSearch::Work& work = scratch.work.search.work();
+  constexpr std::size_t kPage = 4096;
+  const auto pages = [](std::size_t bytes) { return bytes / kPage + 2; };
+  const std::size_t box_bytes = 4 * c.meta.dimensions, leaf_bytes = kLeafMax * 2 * c.tree.pair_count();
+  const std::size_t neighbours = std::min<std::size_t>(kNeighbourMax, c.meta.neighbour_count);
+  return {work.leaves, work.points,
+          pages(c.tree.group_count() * box_bytes) + work.groups * pages(kGroupLeaves * (box_bytes + 4)) +
+              work.leaves * pages(leaf_bytes) + 2 * neighbours};
 }
 
 }  // namespace im2fit::index

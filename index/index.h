@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Features -> supervised, noise-aware projection -> quantised codes -> nanoflann -> k neighbours -> local regression.
-// The file is a .i2f (base/container.h, docs/formats-index.md): mapped, never read past its end.
+// Features -> supervised, noise-aware projection -> quantised codes -> nanoflann's leaves -> k neighbours -> local
+// regression. The file is a .i2f (base/container.h, docs/formats-index.md): mapped, used where it lies, never read
+// past its end.
 #pragma once
 
 #include <array>
@@ -24,7 +25,7 @@ struct Estimate {
 struct Answer {
   std::array<Estimate, kMeasurementCount> measurements;
   float female = 0.5F;         // probability
-  std::uint32_t nearest = 0;   // entry number: the stored body closest to the estimate
+  std::uint32_t nearest = 0;   // entry: of the neighbours, the one whose true body is closest to the estimate
   float nearest_distance = 0;  // in the projected space, whose unit is one standard deviation of the error
   // For the evaluation: the nearest entry's own measurements, without the regression that follows.
   MeasurementValues nearest_values{};
@@ -33,6 +34,14 @@ struct Answer {
 struct QueryOptions {
   int neighbour_count = 0;  // 0: what the builder found best; otherwise clamped to 1..512
   int frame_count = 1;      // frames fused behind the feature: widens the interval when few
+  bool exhaustive = false;  // look at every entry: the same answer, for checking the search
+};
+
+// A person of a population: its draw is named by these three (body/population.h).
+struct Person {
+  std::uint32_t version = 0;  // of the way people are drawn
+  std::uint64_t seed = 0;
+  std::uint64_t number = 0;
 };
 
 // What the builder learned and measured, for people to read. Every error is cross-fitted: the subject asked about
@@ -46,8 +55,9 @@ struct Info {
     float error_without = 0;  // mean absolute error, in standard deviations of people, when left out
   };
   std::string provenance;
-  std::uint32_t subject_count = 0;  // = entries
-  std::uint32_t sample_count = 0;   // captures
+  std::uint32_t subject_count = 0;
+  std::uint32_t entry_count = 0;      // captures of subjects, densified ones included
+  std::uint32_t densified_count = 0;  // entries mixed from two real ones (index/densify.h): for measuring speed only
   std::vector<Group> groups;
   float error_with_all = 0;           // to compare Group::error_without with
   std::vector<float> dimension_bits;  // information of each projected dimension about the body
@@ -70,10 +80,9 @@ class Index {
   Index& operator=(Index&&) noexcept;
   ~Index();
 
-  std::size_t size() const;
-  int dimensions() const;  // of the projected space
+  std::size_t size() const;  // entries
+  int dimensions() const;    // of the projected space
   std::size_t feature_size() const;
-  std::size_t body_size() const;
   const Info& info() const;
   // Memory one query needs; made once, reused. Not shareable between threads; the index is.
   class Scratch;
@@ -81,67 +90,29 @@ class Index {
   // No allocation. NaN in the feature means "not measured" and is imputed by the training mean; a feature of
   // another size than feature_size() is read as if all of it were NaN.
   Answer query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
-  // The body parameters of an entry, as stored by the builder (an opaque blob of body_size() floats, each within
-  // 1/65534 of its column's range). Empty for an entry that does not exist.
-  std::vector<float> body_of(std::uint32_t entry) const;
-  // A body whose measurements follow the answer's: the stored bodies around it, by local linear regression. Closer
-  // than body_of(answer.nearest), for it need not have stood in the index. body_size() values; may lie a little
-  // outside the sliders' ranges (body/params_vector.h clamps).
-  std::vector<float> body_for(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
-  // Truth of an entry, as given to the builder. `entry` < size().
+  // Whose body an entry is. `entry` < size(), as below.
+  Person person_of(std::uint32_t entry) const;
+  // Truth of an entry to within the rounding of its codes: a seventh of the regression's error, and what the
+  // projected space leaves out.
   MeasurementValues measurements_of(std::uint32_t entry) const;
+  // Sizes and names of the file's sections, in the order of the file.
+  struct Section {
+    std::string name;
+    std::uint64_t size = 0;
+  };
+  std::vector<Section> sections() const;
+  // How much of the file the scratch's last query read.
+  struct Work {
+    std::size_t leaves = 0, points = 0;
+    std::size_t pages = 0;  // of 4096 bytes, at most
+  };
+  Work work_of(const Scratch& scratch) const;
 
   struct Data;
 
  private:
   Index();
   std::unique_ptr<Data> data_;
-};
-
-// One training subject seen once. Several rows may share a subject (different pose, noise, distance).
-struct Sample {
-  std::uint64_t subject = 0;
-  std::vector<float> feature;
-  MeasurementValues truth{};
-  bool woman = false;
-  std::vector<float> body;  // parameters to regenerate the mesh; the same size in every sample
-  int frame_count = 1;      // frames fused behind the feature
-  // Not learned from and no entry: only the intervals are fitted to such subjects, so that they also hold for people
-  // unlike the index' own. Used when there are at least 200 of them.
-  bool calibrate_only = false;
-};
-
-// Features that share one regularisation. Groups cover the feature in order.
-struct FeatureGroup {
-  std::string name;  // up to 23 characters
-  std::uint32_t count = 0;
-};
-// Lengths, ratios, FPFH and profile of kernels/observe for a feature of at least 501 values; else one group.
-std::vector<FeatureGroup> default_groups(std::size_t feature_size);
-
-struct BuildOptions {
-  int dimensions = 0;               // 0: chosen by held-out error; else 1..16
-  double held_out_fraction = 0.15;  // of subjects: one in 1/fraction folds is held out at a time
-  std::uint64_t seed = 1;
-  std::string provenance;            // free text stored in the file: command line, seeds, versions; <= 64 KiB
-  std::vector<FeatureGroup> groups;  // empty: default_groups
-};
-
-// Takes samples: `add` any number, then `finish` to .i2f bytes. Deterministic in the order of adding. Workstation
-// code: allocates about (4 x feature_size) bytes a sample.
-class IndexBuilder {
- public:
-  explicit IndexBuilder(const BuildOptions& options);
-  ~IndexBuilder();
-  // A sample whose sizes differ from the first one's, or with a truth that is not finite, makes finish() fail.
-  void add(const Sample& sample);
-  std::size_t sample_count() const;  // without those that only calibrate
-  // Errors: too few subjects (< 20), samples that disagree in size, options out of range. Call once.
-  Result<std::vector<std::byte>> finish();
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace im2fit::index

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "index/index.h"
+#include "index/sample.h"
 
 namespace im2fit::index {
 

@@ -44,15 +44,6 @@ std::array<double, kOrderMax> first_of_inverse(Gram& a, std::size_t order) {
 
 }  // namespace
 
-void standardise(std::span<const float> feature, std::span<const float> mean, std::span<const float> scale,
-                 std::span<float> out) {
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    float z = 0;
-    if (scale[i] > 0 && !std::isnan(feature[i])) z = (feature[i] - mean[i]) * scale[i];
-    out[i] = std::clamp(z, -kClipSd, kClipSd);
-  }
-}
-
 Regressor::Regressor(std::span<const float> weights, std::span<const float> bias, std::size_t feature_size)
     : stride_(static_cast<std::size_t>(projected_stride(static_cast<int>(feature_size)))),
       weights_(stride_ * bias.size()),
@@ -126,40 +117,68 @@ Targets apply_quadratic(std::span<const double> terms, std::span<const float> we
   return out;
 }
 
-void fit_local(const LocalData& data, const Coordinates& query, std::span<const Neighbour> neighbours,
-               const LocalOptions& options, LocalWeights& out) {
-  out.count = neighbours.size();
-  out.total = 0;
-  if (neighbours.empty()) return;
-  const auto order = static_cast<std::size_t>(options.method == LocalMethod::linear ? data.dimensions + 1 : 1);
-  const double radius2 = static_cast<double>(neighbours.back().distance) + 1.0;
-  const double inverse2 = 1.0 / radius2;
-  const double inverse = 1.0 / std::sqrt(radius2);
-  const auto place = [&](const Neighbour& n, double* x) {
-    const std::int8_t* code = data.codes.data() + static_cast<std::size_t>(n.index) * kDimensionMax;
-    for (std::size_t d = 0; d < kDimensionMax; ++d)
-      x[d] = static_cast<double>(code[d] * data.steps[d] - query[d]) * inverse;
-  };
-  std::array<double, kGramWidth> sums{};
-  std::array<double, kGramWidth * kGramWidth> products{};
-  constexpr std::size_t kChunk = 32;  // rows at a time: 4 KiB
-  std::array<double, kChunk * kGramWidth> rows;
+namespace {
+
+// What a local regression makes of the neighbours' places alone.
+struct Weights {
+  std::array<double, kNeighbourMax> kernel;     // biweight; its radius is the farthest neighbour's distance
+  std::array<double, kNeighbourMax> influence;  // on the answer; zeros for LocalMethod::none
+  double total = 0;                             // of the kernel
+};
+constexpr std::size_t kChunk = 32;  // rows at a time: 4 KiB
+using Rows = std::array<double, kChunk * kGramWidth>;
+
+class Places {
+ public:
+  Places(const CodeTree& tree, const Coordinates& query, double scale) : tree_(tree), query_(query), scale_(scale) {}
+  // kGramWidth values, zeros behind the dimensions.
+  void operator()(std::uint32_t entry, double* x) const {
+    std::fill_n(x, kGramWidth, 0.0);
+    for (std::size_t d = 0; d < static_cast<std::size_t>(tree_.dimension_count); ++d)
+      x[d] = static_cast<double>(tree_.code(entry, d) * tree_.steps[d] - query_[d]) * scale_;
+  }
+
+ private:
+  const CodeTree& tree_;
+  const Coordinates& query_;
+  double scale_;
+};
+
+// fill(neighbour, row) for all; the weighted sums and products of the rows' first `columns`.
+template <class Fill>
+void weighted_gram(std::span<const Neighbour> neighbours, const double* weights, int columns, Fill fill, double* sums,
+                   double* products) {
+  Rows rows;
   for (std::size_t first = 0; first < neighbours.size(); first += kChunk) {
     const std::size_t count = std::min(kChunk, neighbours.size() - first);
-    for (std::size_t n = 0; n < count; ++n) {
-      const double u = 1.0 - static_cast<double>(neighbours[first + n].distance) * inverse2;
-      const double w = u * u;
-      out.kernel[first + n] = w;
-      out.total += w;
-      place(neighbours[first + n], rows.data() + n * kGramWidth);
-    }
-    add_gram(rows.data(), out.kernel.data() + first, static_cast<int>(count), static_cast<int>(order) - 1,
-             sums.data(), products.data());
+    for (std::size_t n = 0; n < count; ++n) fill(neighbours[first + n], rows.data() + n * kGramWidth);
+    add_gram(rows.data(), weights + first, static_cast<int>(count), columns, sums, products);
+  }
+}
+
+void fit_local(const LocalData& data, const Coordinates& query, std::span<const Neighbour> neighbours,
+               const LocalOptions& options, Weights& out) {
+  const auto order =
+      static_cast<std::size_t>(options.method == LocalMethod::linear ? data.tree->dimension_count + 1 : 1);
+  const double radius2 = static_cast<double>(neighbours.back().distance) + 1.0;
+  const double inverse2 = 1.0 / radius2;
+  const Places place(*data.tree, query, 1.0 / std::sqrt(radius2));
+  for (std::size_t n = 0; n < neighbours.size(); ++n) {
+    const double u = 1.0 - static_cast<double>(neighbours[n].distance) * inverse2;
+    out.kernel[n] = u * u;
+    out.total += u * u;
   }
   Gram gram{};
-  for (std::size_t i = 1; i < order; ++i) {
-    gram[i][0] = sums[i - 1];
-    std::copy_n(products.begin() + static_cast<std::ptrdiff_t>((i - 1) * kGramWidth), i, gram[i].begin() + 1);
+  if (order > 1) {
+    std::array<double, kGramWidth> sums{};
+    std::array<double, kGramWidth * kGramWidth> products{};
+    weighted_gram(
+        neighbours, out.kernel.data(), static_cast<int>(order) - 1,
+        [&](const Neighbour& n, double* x) { place(n.index, x); }, sums.data(), products.data());
+    for (std::size_t i = 1; i < order; ++i) {
+      gram[i][0] = sums[i - 1];
+      std::copy_n(products.begin() + static_cast<std::ptrdiff_t>((i - 1) * kGramWidth), i, gram[i].begin() + 1);
+    }
   }
   gram[0][0] = out.total;
   const double total = std::max(out.total, 1e-9);
@@ -169,42 +188,56 @@ void fit_local(const LocalData& data, const Coordinates& query, std::span<const 
   for (std::size_t n = 0; n < neighbours.size(); ++n) {
     double sum = z[0];
     if (order > 1) {
-      std::array<double, kDimensionMax> x;
-      place(neighbours[n], x.data());
-      for (std::size_t d = 0; d < kDimensionMax; ++d) sum += z[d + 1] * x[d];
+      std::array<double, kGramWidth> x;
+      place(neighbours[n].index, x.data());
+      for (std::size_t d = 0; d + 1 < order; ++d) sum += z[d + 1] * x[d];
     }
     out.influence[n] = options.method == LocalMethod::none ? 0 : out.kernel[n] * sum;
   }
 }
 
-LocalAnswer apply_local(const LocalWeights& weights, const LocalData& data, std::span<const Neighbour> neighbours) {
-  LocalAnswer answer;
-  if (neighbours.empty()) return answer;
-  Targets squares{};
-  const auto columns = static_cast<std::size_t>(data.target_count);
-  for (std::size_t n = 0; n < neighbours.size(); ++n) {
-    const std::int16_t* residual = data.residuals.data() + static_cast<std::size_t>(neighbours[n].index) *
-                                                               static_cast<std::size_t>(data.row_size);
-    for (std::size_t t = 0; t < columns; ++t) {
-      const double r = residual[t];
-      answer.correction[t] += weights.influence[n] * r;
-      squares[t] += weights.kernel[n] * (r * r);
-    }
-  }
-  const double total = std::max(weights.total, 1e-9);
-  for (std::size_t t = 0; t < columns; ++t) {
-    const auto scale = static_cast<double>(data.residual_scale[t]);
-    answer.spread[t] = std::sqrt(squares[t] / total) * scale;
-    answer.correction[t] *= scale;
-  }
-  return answer;
-}
+}  // namespace
 
 LocalAnswer local_regression(const LocalData& data, const Coordinates& query, std::span<const Neighbour> neighbours,
                              const LocalOptions& options) {
-  LocalWeights weights;
+  LocalAnswer answer;
+  if (neighbours.empty()) return answer;
+  Weights weights;
   fit_local(data, query, neighbours, options, weights);
-  return apply_local(weights, data, neighbours);
+  const int dimensions = data.tree->dimension_count;
+  std::array<double, kDimensionMax> correction{};
+  std::array<double, kGramWidth> sums{};
+  std::array<double, kGramWidth * kGramWidth> products{};
+  std::size_t n = 0;
+  weighted_gram(
+      neighbours, weights.kernel.data(), dimensions,
+      [&](const Neighbour& neighbour, double* row) {
+        std::fill_n(row, kGramWidth, 0.0);
+        for (int d = 0; d < dimensions; ++d) {
+          row[d] = static_cast<double>(data.residual_scale[static_cast<std::size_t>(d)]) *
+                   residual_steps(data.residuals, dimensions, neighbour.index, d);
+          correction[static_cast<std::size_t>(d)] += weights.influence[n] * row[d];
+        }
+        ++n;
+      },
+      sums.data(), products.data());
+  const double total = std::max(weights.total, 1e-9);
+  for (int t = 0; t < data.target_count; ++t) {
+    const float* map = data.error_map.data() + t * dimensions;
+    double value = 0, square = 0;
+    for (int i = 0; i < dimensions; ++i) {
+      const auto m = static_cast<double>(map[i]);
+      value += m * correction[static_cast<std::size_t>(i)];
+      // Below the diagonal only; what lies off it counts twice.
+      double row = 0.5 * m * products[static_cast<std::size_t>(i * kGramWidth + i)];
+      for (int j = 0; j < i; ++j)
+        row += static_cast<double>(map[j]) * products[static_cast<std::size_t>(i * kGramWidth + j)];
+      square += 2 * m * row;
+    }
+    answer.correction[static_cast<std::size_t>(t)] = value;
+    answer.spread[static_cast<std::size_t>(t)] = std::sqrt(std::max(square, 0.0) / total);
+  }
+  return answer;
 }
 
 }  // namespace im2fit::index

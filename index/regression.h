@@ -16,7 +16,6 @@ namespace im2fit::index {
 inline constexpr int kTargetMax = 16;
 inline constexpr int kSexTarget = static_cast<int>(kMeasurementCount);  // +1 woman, -1 man
 inline constexpr int kTargetMin = kSexTarget + 1;
-inline constexpr float kClipSd = 5.0F;  // of a standardised feature: one wild bin must not carry the answer
 inline constexpr int kQuadraticDimensionMax = 12;
 // 1, each dimension, each product.
 constexpr int quadratic_term_count(int dimensions) {
@@ -28,11 +27,6 @@ inline constexpr int kQuadraticTermMax = quadratic_term_count(kQuadraticDimensio
 // Standardised targets: measurements, sex, then shape latents.
 using Targets = std::array<double, kTargetMax>;
 using Position = std::array<double, kDimensionMax>;  // in the projected space
-
-// (x - mean) * scale, clipped; 0 for NaN and for features that never vary (scale 0). For training; a query's feature
-// is made fixed point by kernels/standardise.
-void standardise(std::span<const float> feature, std::span<const float> mean, std::span<const float> scale,
-                 std::span<float> out);
 
 // A linear map from standardised features to targets, its weights rounded to 16 bits per target when it is made: a
 // target changes by less than 2^-16 of its largest weight times the sum of |feature|, 3e-5 of a standard deviation in
@@ -62,15 +56,26 @@ void quadratic_terms(const Position& position, std::span<const float> inverse_sp
 // weights: per target a row of terms.
 Targets apply_quadratic(std::span<const double> terms, std::span<const float> weights, int target_count);
 
-// Training points around the query: where they lie (codes), and what the regression got wrong there (residuals).
+// What the regression got wrong at an entry (truth less regression in the projected space): four bits a dimension,
+// two dimensions a byte, low half first; 1..15 stand for -7..7 steps. A step is half a standard deviation, so that
+// the rounding adds two hundredths to the variance of one error, and an error beyond 3.5 of them counts as that.
+inline constexpr int kResidualMax = 7;
+constexpr std::size_t residual_bytes(int dimensions) {
+  return static_cast<std::size_t>(dimensions + 1) / 2;
+}
+inline int residual_steps(std::span<const std::uint8_t> residuals, int dimensions, std::uint32_t entry,
+                          int dimension) {
+  const std::uint8_t pair = residuals[entry * residual_bytes(dimensions) + static_cast<std::size_t>(dimension) / 2];
+  return (dimension % 2 == 0 ? pair & 15 : pair >> 4) - (kResidualMax + 1);
+}
+
+// Entries around the query: where they lie, and what the regression got wrong there.
 struct LocalData {
-  std::span<const std::int8_t> codes;
-  Coordinates steps{};
-  int dimensions = 0;
-  std::span<const std::int16_t> residuals;  // a row per point, in units of residual_scale
-  std::span<const float> residual_scale;
-  int target_count = 0;  // columns looked at, the first of each row
-  int row_size = 0;
+  const CodeTree* tree = nullptr;
+  std::span<const std::uint8_t> residuals;
+  std::span<const float> residual_scale;  // per dimension, projected space per step
+  std::span<const float> error_map;       // target_count x dimensions
+  int target_count = 0;
 };
 
 enum class LocalMethod : std::uint32_t { none, mean, linear };
@@ -86,19 +91,8 @@ struct LocalAnswer {
   Targets spread{};  // root mean square of the residuals nearby
 };
 
-// What a local regression makes of the neighbours' places alone. Its answer is a weighted sum of their residuals (a
-// linear smoother), so the weights serve any number of columns.
-struct LocalWeights {
-  std::array<double, kNeighbourMax> kernel;     // biweight; its radius is the farthest neighbour's distance
-  std::array<double, kNeighbourMax> influence;  // on the answer; zeros for LocalMethod::none
-  std::size_t count = 0;
-  double total = 0;  // of the kernel
-};
-// `neighbours`: at most kNeighbourMax, nearest first. Of `data` codes, steps and dimensions are used.
-void fit_local(const LocalData& data, const Coordinates& query, std::span<const Neighbour> neighbours,
-               const LocalOptions& options, LocalWeights& out);
-LocalAnswer apply_local(const LocalWeights& weights, const LocalData& data, std::span<const Neighbour> neighbours);
-// Both.
+// Weighted regression of the neighbours' residuals on their places, read off at the query. Its answer is a weighted
+// sum of the residuals (a linear smoother). `neighbours`: at most kNeighbourMax, nearest first.
 LocalAnswer local_regression(const LocalData& data, const Coordinates& query, std::span<const Neighbour> neighbours,
                              const LocalOptions& options);
 

@@ -10,19 +10,11 @@
 namespace im2fit::index {
 namespace {
 
-constexpr std::ptrdiff_t kBlockRows = 512;  // float sums this long keep six digits; the blocks add up in double
+constexpr std::ptrdiff_t kBlockRows = 512;
 constexpr std::size_t kNoiseRowMax = 8192;  // enough for a covariance of 1,100 features
 constexpr double kLeftOut = 1e7;            // a penalty that silences a group
 constexpr std::array<double, 6> kCommonPenalties = {1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0};
 constexpr double kWorthwhile = 0.999;  // a choice must gain a thousandth, else the simpler one stays
-
-void reset(Moments& m, std::ptrdiff_t features, std::ptrdiff_t targets) {
-  m.count = 0;
-  m.gram.setZero(features, features);
-  m.cross.setZero(features, targets);
-  m.feature_sum.setZero(features);
-  m.target_sum.setZero(targets);
-}
 
 void add_gram(const RowMatrixF& block, Eigen::MatrixXf& work, Eigen::MatrixXd& gram) {
   work.setZero(block.cols(), block.cols());
@@ -42,44 +34,23 @@ RidgeFit RidgeFit::of_targets(std::span<const std::ptrdiff_t> targets) const {
   return out;
 }
 
-RidgeTrainer::RidgeTrainer(const TrainingRows& rows, std::vector<std::uint32_t> groups)
-    : rows_(rows), groups_(std::move(groups)), fold_rows_(static_cast<std::size_t>(rows.fold_count)) {
-  for (std::size_t i = 0; i < rows.fold.size(); ++i)
-    fold_rows_[static_cast<std::size_t>(rows.fold[i])].push_back(static_cast<std::int32_t>(i));
-  accumulate();
-  accumulate_noise();
+RowMatrixF RidgeFit::predict(const RowMatrixF& features) const {
+  RowMatrixF y = features * weights.transpose();
+  y.rowwise() += bias.transpose();
+  return y;
 }
 
-void RidgeTrainer::accumulate() {
-  const auto features = rows_.features.cols();
-  const auto targets = rows_.targets.cols();
-  reset(total_, features, targets);
-  Eigen::MatrixXf work;
-  RowMatrixF block;
-  for (const auto& members : fold_rows_) {
-    Moments& m = folds_.emplace_back();
-    reset(m, features, targets);
-    for (std::size_t at = 0; at < members.size(); at += kBlockRows) {
-      const auto count = std::min<std::ptrdiff_t>(kBlockRows, static_cast<std::ptrdiff_t>(members.size() - at));
-      const auto part = std::span(members).subspan(at, static_cast<std::size_t>(count));
-      block.resize(count, features);
-      Eigen::MatrixXd y(count, targets);
-      for (std::ptrdiff_t i = 0; i < count; ++i) {
-        block.row(i) = rows_.features.row(part[static_cast<std::size_t>(i)]);
-        y.row(i) = rows_.targets.row(part[static_cast<std::size_t>(i)]);
-      }
-      add_gram(block, work, m.gram);
-      m.cross += (block.transpose() * y.cast<float>()).cast<double>();
-      m.feature_sum += block.colwise().sum().transpose().cast<double>();
-      m.target_sum += y.colwise().sum().transpose();
-      m.count += static_cast<double>(count);
-    }
-    total_.count += m.count;
-    total_.gram += m.gram;
-    total_.cross += m.cross;
-    total_.feature_sum += m.feature_sum;
-    total_.target_sum += m.target_sum;
-  }
+RidgeTrainer::RidgeTrainer(const TrainingRows& rows, const std::vector<Moments>& folds,
+                           std::vector<std::uint32_t> groups)
+    : rows_(rows),
+      groups_(std::move(groups)),
+      fold_rows_(folds.size()),
+      folds_(folds),
+      total_(rows.features.cols(), rows.targets.cols()) {
+  for (std::size_t i = 0; i < rows.fold.size(); ++i)
+    fold_rows_[static_cast<std::size_t>(rows.fold[i])].push_back(static_cast<std::int32_t>(i));
+  for (const Moments& m : folds) total_ += m;
+  accumulate_noise();
 }
 
 // What changes between captures of one body is noise, pose or distance: anything but shape.
@@ -164,9 +135,7 @@ Eigen::MatrixXd RidgeTrainer::predict(const RidgeFit& fit, std::span<const std::
     block.resize(count, rows_.features.cols());
     for (std::ptrdiff_t i = 0; i < count; ++i)
       block.row(i) = rows_.features.row(rows[at + static_cast<std::size_t>(i)]);
-    RowMatrixF y = block * fit.weights.transpose();
-    y.rowwise() += fit.bias.transpose();
-    out.middleRows(static_cast<std::ptrdiff_t>(at), count) = y.cast<double>();
+    out.middleRows(static_cast<std::ptrdiff_t>(at), count) = fit.predict(block).cast<double>();
   }
   return out;
 }

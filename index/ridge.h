@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workstation side: group-wise ridge regression from moments, with whole subjects held out fold by fold.
+// Workstation side: group-wise ridge regression from moments, with whole subjects held out fold by fold. The moments
+// are of all samples, the rows of those that choices are judged by.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "index/moments.h"
 
 namespace im2fit::index {
 
@@ -21,19 +24,12 @@ struct TrainingRows {
   int fold_count = 0;
 };
 
-// Sums over the rows of some subjects.
-struct Moments {
-  double count = 0;
-  Eigen::MatrixXd gram;   // lower triangle of sum z z'
-  Eigen::MatrixXd cross;  // sum z y'
-  Eigen::VectorXd feature_sum;
-  Eigen::VectorXd target_sum;
-};
-
 struct RidgeFit {
   RowMatrixF weights;  // target x feature
   Eigen::VectorXf bias;
   RidgeFit of_targets(std::span<const std::ptrdiff_t> targets) const;
+  // A row each of features' rows.
+  RowMatrixF predict(const RowMatrixF& features) const;
 };
 
 // A regularisation: penalty per group of features, and how much of the measured noise is added on top.
@@ -44,8 +40,8 @@ struct Penalty {
 
 class RidgeTrainer {
  public:
-  // `groups`: features per group, in order. The rows must outlive this.
-  RidgeTrainer(const TrainingRows& rows, std::vector<std::uint32_t> groups);
+  // `groups`: features per group, in order. Rows and moments (one for each fold) must outlive this.
+  RidgeTrainer(const TrainingRows& rows, const std::vector<Moments>& folds, std::vector<std::uint32_t> groups);
 
   // Without the rows of `held_out_fold`; -1: all rows.
   RidgeFit fit(const Penalty& penalty, int held_out_fold) const;
@@ -63,14 +59,13 @@ class RidgeTrainer {
   bool has_noise() const { return noise_count_ > 0; }
 
  private:
-  void accumulate();
   void accumulate_noise();
   Eigen::MatrixXd predict(const RidgeFit& fit, std::span<const std::int32_t> rows) const;
 
   const TrainingRows& rows_;
   std::vector<std::uint32_t> groups_;
   std::vector<std::vector<std::int32_t>> fold_rows_;
-  std::vector<Moments> folds_;
+  const std::vector<Moments>& folds_;
   Moments total_;
   Eigen::MatrixXd noise_;  // within-subject covariance, lower triangle
   double noise_count_ = 0;

@@ -9,7 +9,7 @@
 
 #include "base/status.h"
 #include "body/model.h"
-#include "index/index.h"
+#include "index/sample.h"
 #include "synth/features.h"
 
 namespace im2fit::synth {

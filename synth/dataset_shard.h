@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/status.h"
-#include "index/index.h"
+#include "index/sample.h"
 #include "kernels/core/guidance.h"
 
 namespace im2fit::synth {

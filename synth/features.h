@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "body/model.h"
-#include "index/index.h"
+#include "index/sample.h"
 #include "kernels/observe/observe.h"
 #include "synth/virtual_camera.h"
 

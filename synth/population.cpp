@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "synth/population.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 
 #include "base/rng.h"
@@ -13,84 +10,7 @@
 namespace im2fit::synth {
 namespace {
 
-constexpr std::array<AgeGroup, 4> kMen = {{{18, 25, 0.13, 176.7, 0.3, 83.4, 0.7},
-                                           {25, 45, 0.36, 176.8, 0.3, 87.6, 0.8},
-                                           {45, 65, 0.35, 175.8, 0.3, 88.8, 0.9},
-                                           {65, 75, 0.16, 174.4, 0.3, 87.1, 0.6}}};
-constexpr std::array<AgeGroup, 4> kWomen = {{{18, 25, 0.13, 162.8, 0.3, 71.1, 0.9},
-                                             {25, 45, 0.35, 163.2, 0.3, 75.3, 1.0},
-                                             {45, 65, 0.35, 162.3, 0.3, 76.9, 1.1},
-                                             {65, 75, 0.17, 160.0, 0.2, 74.9, 0.6}}};
-
-// Family tags keep the families' seed spaces apart: the same seed and index never meet.
-constexpr std::array<std::uint64_t, 3> kFamilyTag = {0x7061706572000001ULL, 0x747261696E000002ULL,
-                                                     0x68656C646F757403ULL};
-enum Stream : std::uint64_t { kBuildStream = 0x9001, kShapeStream = 0x9002, kOffsetStream = 0x9003 };
-constexpr int kAttemptCount = 8;
-
-double limited_normal(Rng& rng, double sd_max) {
-  return std::clamp(rng.normal(), -sd_max, sd_max);
-}
-
-// Marsaglia and Tsang 2000; shapes below one by the usual boost.
-double gamma_draw(Rng& rng, double shape) {
-  if (shape < 1) return gamma_draw(rng, shape + 1) * std::pow(1 - rng.uniform(), 1 / shape);
-  const double d = shape - 1.0 / 3;
-  const double c = 1 / std::sqrt(9 * d);
-  while (true) {
-    const double x = rng.normal();
-    const double t = 1 + c * x;
-    const double v = t * t * t;
-    if (v > 0 && std::log(1 - rng.uniform()) < 0.5 * x * x + d - d * v + d * std::log(v)) return d * v;
-  }
-}
-
-// Training: mostly one origin. Held out: mixtures, another centre. The paper's: MakeHuman's even mixture.
-std::array<float, 3> draw_race(Family family, Rng& rng) {
-  if (family == Family::paper) return {1.0F / 3, 1.0F / 3, 1.0F / 3};
-  const std::array<double, 3> shape =
-      family == Family::training ? std::array<double, 3>{0.5, 0.4, 1.2} : std::array<double, 3>{2.0, 2.5, 2.0};
-  std::array<double, 3> draw{};
-  double sum = 1e-12;
-  for (std::size_t i = 0; i < 3; ++i) sum += draw[i] = gamma_draw(rng, shape[i]);
-  return {static_cast<float>(draw[0] / sum), static_cast<float>(draw[1] / sum),
-          static_cast<float>(1 - draw[0] / sum - draw[1] / sum)};
-}
-
-float draw_gender(Family family, bool woman, Rng& rng) {
-  const double reach = family == Family::paper ? 0 : family == Family::training ? 0.05 : 0.15;
-  const double mixed = rng.uniform(0, 1) * reach;
-  return static_cast<float>(woman ? mixed : 1 - mixed);
-}
-
-float slider(Rng& rng, double mean, double sd, double low, double high) {
-  return static_cast<float>(std::clamp(rng.normal(mean, sd), low, high));
-}
-
-body::Params draw_params(const body::BodyModel& model, const Subject& subject, const Build& build, int attempt) {
-  Rng rng = Rng::for_item(subject.seed, kShapeStream, static_cast<std::uint64_t>(attempt));
-  body::Params p;
-  p.gender = draw_gender(subject.family, subject.woman, rng);
-  p.age_years = static_cast<float>(build.age_years);
-  p.race = draw_race(subject.family, rng);
-  const double metres = build.stature_mm / 1000;
-  const double bmi = build.weight_kg / (metres * metres);
-  // Much mass needs little muscle (the weight slider saturates, facts/makehuman.md); each failed attempt goes on
-  // in the direction that reaches farther.
-  const double muscle = (subject.woman ? 0.42 : 0.48) - 0.025 * (bmi - 24) - 0.04 * attempt;
-  const bool varied = subject.family != Family::paper;
-  p.muscle = slider(rng, muscle, varied ? 0.13 : 0.05, 0.0, 0.9);
-  p.proportions = slider(rng, 0.55, varied ? 0.09 : 0.05, 0.3, 0.8);
-  p.cup = slider(rng, 0.5, varied ? 0.2 : 0.05, 0.05, 0.95);
-  p.firmness = slider(rng, 0.55, varied ? 0.2 : 0.05, 0.05, 0.95);
-  if (varied) {
-    const SpreadUse use = subject.family == Family::training ? SpreadUse::training : SpreadUse::held_out;
-    p.modifiers = draw_modifiers(model, use, subject.woman, rng);
-  } else {
-    p.modifiers.assign(model.modifier_names().size(), 0.0F);
-  }
-  return p;
-}
+constexpr std::uint64_t kOffsetStream = 0x9003;
 
 void draw_offsets(const body::BodyModel& model, Subject& subject, std::span<const Vec3f> rest) {
   if (subject.family == Family::paper) return;
@@ -104,49 +24,13 @@ void draw_offsets(const body::BodyModel& model, Subject& subject, std::span<cons
 
 }  // namespace
 
-std::span<const AgeGroup> age_groups(bool woman) {
-  return woman ? kWomen : kMen;
-}
-
-Build draw_build(Family family, bool woman, std::uint64_t person_seed) {
-  Rng rng = Rng::for_item(person_seed, kBuildStream, 0);
-  const auto groups = age_groups(woman);
-  double left = rng.uniform();
-  std::size_t g = 0;
-  while (g + 1 < groups.size() && left >= groups[g].share) left -= groups[g++].share;
-  const AgeGroup& group = groups[g];
-  Build b;
-  b.age_years = rng.uniform(group.age_low, group.age_high);
-  const double tall = limited_normal(rng, 3);
-  if (family == Family::paper) {
-    b.stature_mm = 10 * (group.stature_cm + group.stature_error_cm * tall);
-    b.weight_kg = group.weight_kg + group.weight_error_kg * limited_normal(rng, 3);
-    return b;
-  }
-  b.stature_mm = 10 * (group.stature_cm + (woman ? 7.0 : 7.5) * tall);
-  const double relative = 20 / group.weight_kg;
-  const double log_variance = std::log(1 + relative * relative);
-  const double with_stature = woman ? 0.28 : 0.42;
-  const double own = limited_normal(rng, 3);
-  const double z = with_stature * tall + std::sqrt(1 - with_stature * with_stature) * own;
-  b.weight_kg = group.weight_kg * std::exp(std::sqrt(log_variance) * z - log_variance / 2);
-  const double square_metres = b.stature_mm * b.stature_mm * 1e-6;
-  b.weight_kg = std::clamp(b.weight_kg, 16.5 * square_metres, 45 * square_metres);
-  return b;
-}
-
 Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index) {
+  body::Drawn drawn = body::draw_person(model, family, seed, index);
   Subject subject;
+  subject.seed = drawn.seed;
   subject.family = family;
-  subject.seed = Rng::for_item(seed, kFamilyTag[static_cast<std::size_t>(family)], index).next();
-  subject.woman = (index & 1) != 0;
-  const Build build = draw_build(family, subject.woman, subject.seed);
-  // Stature and weight stay as drawn (else the heavy would be thinned out); the rest is redrawn until they can be
-  // met. After the last attempt the nearest body stands in: its truth is measured like every other's.
-  for (int attempt = 0; attempt < kAttemptCount; ++attempt) {
-    subject.params = draw_params(model, subject, build, attempt);
-    if (body::solve_stature_and_weight(model, subject.params, build.stature_mm, build.weight_kg)) break;
-  }
+  subject.woman = drawn.woman;
+  subject.params = std::move(drawn.params);
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
   model.morph(subject.params, rest);
   draw_offsets(model, subject, rest);

@@ -7,6 +7,7 @@
 
 #include "base/rng.h"
 #include "body/measure.h"
+#include "body/shape_spread.h"
 #include "synth/shape_variation.h"
 
 namespace im2fit::synth {
@@ -28,8 +29,8 @@ bool used(std::string_view name) {
     if (out.compare(slash, 2, "l-") == 0 || out.compare(slash, 2, "r-") == 0) out.erase(slash, 2);
     return out;
   };
-  return std::any_of(modifier_spreads().begin(), modifier_spreads().end(),
-                     [&](const ModifierSpread& row) { return plain(row.name) == plain(name); });
+  return std::any_of(body::modifier_spreads().begin(), body::modifier_spreads().end(),
+                     [&](const body::ModifierSpread& row) { return plain(row.name) == plain(name); });
 }
 
 // Lengths of bones vary freely in training already; hands, feet and parts moved sideways have nothing to do with

@@ -10,6 +10,7 @@
 #include "apps/im2fit-lab/parallel.h"
 #include "body/params_vector.h"
 #include "hal/source.h"
+#include "index/builder.h"
 #include "kernels/fpfh/fpfh.h"
 #include "kernels/fuse/decimate.h"
 #include "kernels/normals/normals.h"
@@ -116,10 +117,10 @@ Result<std::vector<MeasurementValues>> errors_of(std::size_t way, const std::vec
                                                  const std::vector<Row>& people) {
   index::BuildOptions options;
   options.groups = synth::feature_groups();
-  index::IndexBuilder builder(options);
+  std::vector<index::Sample> samples;
   for (const Row& row : training)
-    if (row.valid) builder.add(described(row, way));
-  auto bytes = builder.finish();
+    if (row.valid) samples.push_back(described(row, way));
+  auto bytes = index::build_index(options, index::source_of(samples));
   if (!bytes) return bytes.error();
   const auto index = index::Index::parse(std::move(*bytes), kDescriptorWays[way].name);
   if (!index) return index.error();

@@ -9,6 +9,8 @@
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/samples.h"
 #include "base/file.h"
+#include "body/population.h"
+#include "index/builder.h"
 #include "synth/features.h"
 
 namespace im2fit::apps {
@@ -31,10 +33,16 @@ Result<int> run_build(const IndexCommand& options) {
   build.groups = synth::feature_groups();
   build.provenance = fmt::format("im2fit-lab index --subjects {} --captures {} --seed {}", samples.subjects,
                                  samples.captures, samples.seed);
-  index::IndexBuilder builder(build);
-  const auto report = make_samples(samples, [&](const index::Sample& sample) { builder.add(sample); });
+  build.population_version = body::kPopulationVersion;
+  build.population_seed = samples.seed;
+  const auto report = make_samples(samples, [](const index::Sample&) {});
   if (!report) return report.error();
-  const auto bytes = builder.finish();
+  const auto bytes = index::build_index(build, [&](const std::function<bool(const index::Sample&)>& take) -> Status {
+    bool going = true;
+    const auto read = make_samples(samples, [&](const index::Sample& s) { going = going && take(s); });
+    if (!read) return read.error();
+    return Ok{};
+  });
   if (!bytes) return bytes.error();
   if (const auto written = write_file_atomically(options.out, *bytes); !written) return written.error();
   fmt::print("{}{}: {:.1f} MB, {:.1f} bytes a model\n", summary_of(*report), options.out,
@@ -47,8 +55,8 @@ Result<int> run_inspect(const std::string& path) {
   const auto index = load_index(path);
   if (!index) return index.error();
   const index::Info& info = index->info();
-  fmt::print("{}\n  models      {} from {} captures\n  dimensions  {}, then {} over {} neighbours\n", path,
-             index->size(), info.sample_count, index->dimensions(), info.method, info.neighbour_count);
+  fmt::print("{}\n  models      {} in {} entries\n  dimensions  {}, then {} over {} neighbours\n", path,
+             info.subject_count, index->size(), index->dimensions(), info.method, info.neighbour_count);
   fmt::print("  feature     {} values\n  made by     {}\n  sex         {:.1f} % right (synthetic, cross-fitted)\n\n",
              index->feature_size(), info.provenance, 100 * info.sex_accuracy);
   TextTable groups({"group", "values", "weight", "error without"});

@@ -4,20 +4,19 @@
 
 #include <cstdint>
 
+#include "kernels/code_distance/code_distance.h"
 #include "kernels/tier.h"
 
 namespace im2fit {
 
-inline constexpr int kBoxBlock = 8;         // boxes stored together
-inline constexpr int kBoundUnitBits = 8;    // a bound of 1 stands for a squared distance of 2^8
-inline constexpr int kBoundGapMax = 11585;  // squared and added up over 16 dimensions: below 2^31
+inline constexpr int kBoxBlock = 16;  // boxes stored together
 
-// `blocks` of 8 boxes: for each dimension eight low edges, then eight high edges. Edges and place within +-2^21, low
-// <= high; at most 16 dimensions. out, for each box: the sum over the dimensions of min(gap >> 4, 11585)^2, where gap
-// is the way from the place to the box along that dimension, 0 inside. Rounded down everywhere: out * 2^8 is never
-// above the squared distance to any point of the box. Exact integers. No allocation, thread-safe.
-using CodeBoundsFunction = void(const std::int32_t* blocks, int block_count, const std::int32_t* place,
-                                int dimension_count, std::uint32_t* out);
+// `blocks` of 16 boxes: for each dimension sixteen low edges, then sixteen high edges, low <= high. Edges and place
+// within +-kCodePlaceMax; at most kCodeDimensionMax dimensions. out, for each box: the sum over the dimensions of
+// min(gap, kCodeGapMax)^2, where gap is the way from the place to the box along that dimension, 0 inside: never above
+// what code_distance gives for a point of the box. Exact integers. No allocation, thread-safe.
+using CodeBoundsFunction = void(const std::int16_t* blocks, int block_count, const std::int16_t* place,
+                                int dimension_count, std::int32_t* out);
 CodeBoundsFunction code_bounds_ref, code_bounds_portable, code_bounds_neon, code_bounds_avx2, code_bounds;
 
 inline constexpr KernelVariant<CodeBoundsFunction> kCodeBoundsKernels[] = {

@@ -1,41 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <arm_neon.h>
 
-#include <cstddef>
-
 #include "kernels/code_bounds/code_bounds.h"
 
 namespace im2fit {
 namespace {
 
-// The way from the place to the nearest value between the edges.
-inline int32x4_t add_gap(int32x4_t sum, const std::int32_t* box, int32x4_t place) {
-  const int32x4_t nearest = vminq_s32(vmaxq_s32(place, vld1q_s32(box)), vld1q_s32(box + kBoxBlock));
-  const int32x4_t step = vminq_s32(vshrq_n_s32(vabdq_s32(place, nearest), 4), vdupq_n_s32(kBoundGapMax));
-  return vmlaq_s32(sum, step, step);
+struct Sums {
+  int32x4_t low, high;
+};
+
+// Eight boxes: the way from the place to the nearest value between the edges.
+inline void add_gaps(Sums& sum, const std::int16_t* box, int16x8_t place) {
+  const int16x8_t nearest = vminq_s16(vmaxq_s16(place, vld1q_s16(box)), vld1q_s16(box + kBoxBlock));
+  const int16x8_t gap = vminq_s16(vabdq_s16(place, nearest), vdupq_n_s16(kCodeGapMax));
+  sum.low = vmlal_s16(sum.low, vget_low_s16(gap), vget_low_s16(gap));
+#ifdef __aarch64__
+  sum.high = vmlal_high_s16(sum.high, gap, gap);
+#else
+  sum.high = vmlal_s16(sum.high, vget_high_s16(gap), vget_high_s16(gap));
+#endif
 }
 
 }  // namespace
 
-void code_bounds_neon(const std::int32_t* blocks, int block_count, const std::int32_t* place, int dimension_count,
-                      std::uint32_t* out) {
-  const std::ptrdiff_t size = std::ptrdiff_t{dimension_count} * 2 * kBoxBlock;
-  // Two blocks at a time; an odd last one is done twice.
-  for (int b = 0; b < block_count; b += 2) {
-    const std::int32_t *first = blocks + b * size, *second = b + 1 < block_count ? first + size : first;
-    int32x4_t s0 = vdupq_n_s32(0), s1 = s0, s2 = s0, s3 = s0;
-    for (int d = 0; d < dimension_count; ++d, first += 2 * kBoxBlock, second += 2 * kBoxBlock) {
-      const int32x4_t p = vdupq_n_s32(place[d]);
-      s0 = add_gap(s0, first, p);
-      s1 = add_gap(s1, first + 4, p);
-      s2 = add_gap(s2, second, p);
-      s3 = add_gap(s3, second + 4, p);
+void code_bounds_neon(const std::int16_t* blocks, int block_count, const std::int16_t* place, int dimension_count,
+                      std::int32_t* out) {
+  const int32x4_t zero = vdupq_n_s32(0);
+  for (int b = 0; b < block_count; ++b, out += kBoxBlock) {
+    Sums front = {zero, zero}, back = front;
+    for (int d = 0; d < dimension_count; ++d, blocks += 2 * kBoxBlock) {
+      const int16x8_t p = vdupq_n_s16(place[d]);
+      add_gaps(front, blocks, p);
+      add_gaps(back, blocks + 8, p);
     }
-    std::uint32_t *front = out + b * kBoxBlock, *back = b + 1 < block_count ? front + kBoxBlock : front;
-    vst1q_u32(front, vreinterpretq_u32_s32(s0));
-    vst1q_u32(front + 4, vreinterpretq_u32_s32(s1));
-    vst1q_u32(back, vreinterpretq_u32_s32(s2));
-    vst1q_u32(back + 4, vreinterpretq_u32_s32(s3));
+    vst1q_s32(out, front.low);
+    vst1q_s32(out + 4, front.high);
+    vst1q_s32(out + 8, back.low);
+    vst1q_s32(out + 12, back.high);
   }
 }
 

@@ -10,7 +10,6 @@
 #include <limits>
 
 #include "body/measure.h"
-#include "body/params_vector.h"
 #include "fake_stages.h"
 
 namespace im2fit {
@@ -75,7 +74,7 @@ std::string body_path() {
                           : std::string(home != nullptr ? home : "") + "/.cache/im2fit/body.i2b";
 }
 
-class BodyOfRow : public testing::Test {
+class BodyOfParams : public testing::Test {
  protected:
   void SetUp() override {
     if (!std::ifstream(body_path())) GTEST_SKIP() << "no body file at " << body_path() << ": run im2fit-lab fetch";
@@ -86,12 +85,11 @@ class BodyOfRow : public testing::Test {
   std::optional<body::BodyModel> model_;
 };
 
-TEST_F(BodyOfRow, HasTheAnsweredStatureAndWeightAndStandsAsMeasured) {
+TEST_F(BodyOfParams, HasTheAnsweredStatureAndWeightAndStandsAsMeasured) {
   body::Params someone;
   someone.gender = 1;
   someone.age_years = 40;
   someone.modifiers.assign(model_->modifier_names().size(), 0.0F);
-  const auto row = body::pack_params(someone, model_->modifier_names().size());
 
   // Truth of the pose: the joints of a mesh posed with the arms out, seen by a camera pitched by 0.1.
   std::vector<Vec3f> mesh(static_cast<std::size_t>(model_->vertex_count()));
@@ -109,7 +107,7 @@ TEST_F(BodyOfRow, HasTheAnsweredStatureAndWeightAndStandsAsMeasured) {
     seen.position_mm[i] = to_camera({p.x, p.y, 2400 - p.z}, pitch);
   }
 
-  auto answered = body_of_row(*model_, row, 1790, 82, seen, floor_below(pitch));
+  auto answered = body_of_params(*model_, someone, 1790, 82, seen, floor_below(pitch));
   ASSERT_TRUE(answered) << answered.error().message;
   EXPECT_TRUE(answered->in_reach);
   model_->morph(answered->params, mesh);
@@ -126,23 +124,19 @@ TEST_F(BodyOfRow, HasTheAnsweredStatureAndWeightAndStandsAsMeasured) {
   }
 }
 
-TEST_F(BodyOfRow, BeyondTheModelGivesTheNearest) {
-  const auto row = body::pack_params({}, model_->modifier_names().size());
-  auto answered = body_of_row(*model_, row, 2600, 300, test::standing_joints(false), {});
+TEST_F(BodyOfParams, BeyondTheModelGivesTheNearest) {
+  auto answered = body_of_params(*model_, {}, 2600, 300, test::standing_joints(false), {});
   ASSERT_TRUE(answered);
   EXPECT_FALSE(answered->in_reach);
 }
 
-TEST_F(BodyOfRow, RefusesForeignRowsAndOddNumbers) {
-  const std::size_t count = model_->modifier_names().size();
+TEST_F(BodyOfParams, RefusesOddNumbers) {
   const JointSet joints = test::standing_joints(false);
-  EXPECT_FALSE(body_of_row(*model_, body::pack_params({}, count + 1), 1700, 70, joints, {}));
-  const auto row = body::pack_params({}, count);
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_FALSE(body_of_row(*model_, row, static_cast<double>(nan), 70, joints, {}));
+  EXPECT_FALSE(body_of_params(*model_, {}, static_cast<double>(nan), 70, joints, {}));
   JointSet odd = joints;
   odd[Joint::LK].z = nan;
-  auto answered = body_of_row(*model_, row, 1700, 70, odd, {});
+  auto answered = body_of_params(*model_, {}, 1700, 70, odd, {});
   ASSERT_FALSE(answered);
   EXPECT_THAT(answered.error().message, testing::HasSubstr("LK"));
 }

@@ -120,7 +120,7 @@ void add_answer(Lines& lines, const index::Index& index, std::span<const float> 
   lines.add("answer female %.9g", exact(answer.female));
   lines.add("answer entry %u distance %.9g", static_cast<unsigned>(answer.nearest), exact(answer.nearest_distance));
   lines.add_checksum("answer entry values", checksum(answer.nearest_values));
-  lines.add_checksum("answer body", checksum(index.body_for(feature, options, *scratch)));
+  lines.add("answer person %llu", static_cast<unsigned long long>(index.person_of(answer.nearest).number));
 }
 
 EngineSettings settings_of(const Intrinsics& intrinsics, bool single_thread) {

@@ -81,9 +81,9 @@ TEST(IndexFile, OpensWhatItWrote) {
   const auto parsed = Index::parse(good_file(), "memory");
   ASSERT_TRUE(parsed);
   const World world(0.1);
-  EXPECT_EQ(mapped->size(), 400U);
+  EXPECT_EQ(mapped->size(), 800U);
   EXPECT_EQ(mapped->feature_size(), 120U);
-  EXPECT_EQ(mapped->info().sample_count, 800U);
+  EXPECT_EQ(mapped->info().subject_count, 400U);
   EXPECT_EQ(mapped->info().provenance, "synthetic people, seed 42");
   auto a = mapped->make_scratch();
   auto b = parsed->make_scratch();
@@ -95,18 +95,28 @@ TEST(IndexFile, OpensWhatItWrote) {
   }
 }
 
-TEST(IndexFile, BodiesAndTruthsComeBack) {
+// Every entry is a subject's capture: its number comes back exactly, its truth to within the rounding of the codes.
+TEST(IndexFile, PeopleAndTruthsComeBack) {
   const auto index = Index::parse(good_file(), "memory");
   ASSERT_TRUE(index);
   const World world(0.1);
-  ASSERT_EQ(index->body_size(), static_cast<std::size_t>(world.shapes));
-  for (std::uint32_t s = 0; s < 400; s += 37) {
-    const Sample sample = world.sample(s, 0);
-    EXPECT_EQ(index->measurements_of(s), sample.truth);
-    const auto body = index->body_of(s);
-    for (std::size_t j = 0; j < body.size(); ++j) EXPECT_NEAR(body[j], sample.body[j], 8.0 / 65534);
+  std::vector<int> seen(400);
+  double off = 0, error = 0;
+  for (std::uint32_t entry = 0; entry < index->size(); ++entry) {
+    const Person person = index->person_of(entry);
+    EXPECT_EQ(person.version, 7U);
+    EXPECT_EQ(person.seed, 77U);
+    ASSERT_LT(person.number, 400U);
+    ++seen[person.number];
+    const Sample sample = world.sample(person.number, 0);
+    const MeasurementValues values = index->measurements_of(entry);
+    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+      off += std::abs(static_cast<double>(values[m] - sample.truth[m]));
+      error += static_cast<double>(index->info().ridge_mae[m]);
+    }
   }
-  EXPECT_TRUE(index->body_of(400).empty());
+  EXPECT_EQ(seen, std::vector<int>(400, 2));
+  EXPECT_LT(off, 0.25 * error);
 }
 
 TEST(IndexFile, QueriesDoNotAllocate) {
@@ -135,7 +145,7 @@ TEST(IndexFile, AnswersAnyFeatureWithNumbers) {
     }
     EXPECT_GE(a.female, 0);
     EXPECT_LE(a.female, 1);
-    EXPECT_LT(a.nearest, 400U);
+    EXPECT_LT(a.nearest, 800U);
   }
 }
 
@@ -168,9 +178,15 @@ TEST(IndexFile, HostileValuesBehindCorrectChecksumsAreRefused) {
       {"meta", patched("meta", 8, std::uint32_t{0})},  // dimensions
       {"meta", patched("meta", 8, std::uint32_t{99})},
       {"meta", patched("meta", 12, std::uint32_t{0})},  // entries
-      {"entry", patched("meta", 12, std::uint32_t{401})},
-      {"point", patched("meta", 16, std::uint32_t{1 << 20})},  // points
-      {"body", patched("meta", 20, std::uint32_t{1024})},      // body size
+      {"code", patched("meta", 12, std::uint32_t{900})},
+      {"residual", patched("meta", 12, std::uint32_t{799})},  // as many blocks
+      {"meta", patched("meta", 16, std::uint32_t{1 << 20})},  // subjects
+      {"meta", patched("meta", 20, std::uint32_t{0})},        // leaves
+      {"leaf", patched("meta", 20, std::uint32_t{3})},
+      {"leaf", patched("leaf", 4, std::uint32_t{0})},  // an empty leaf
+      {"leaf", patched("leaf", 4, std::uint32_t{0x7FFFFFFF})},
+      {"leaf.box", patched("leaf.box", 0, std::int16_t{32767})},
+      {"leaf.box", patched("group.box", 0, std::int16_t{-32768})},
       {"groups", patched("meta", 24, std::uint32_t{16})},
       {"meta", patched("meta", 28, std::uint32_t{7})},     // method
       {"meta", patched("meta", 32, std::uint32_t{5000})},  // neighbours
@@ -227,56 +243,59 @@ TEST(IndexFile, DamagedForeignAndTruncatedFilesAreRefused) {
 
 TEST(IndexBuild, RefusesWhatCannotBeLearnedFrom) {
   const World world;
-  const auto message = [](IndexBuilder& b) {
-    auto r = b.finish();
+  const auto message = [](const std::vector<Sample>& samples, const BuildOptions& options = {}) {
+    auto r = build_index(options, source_of(samples));
     return r ? std::string("accepted") : r.error().message;
   };
-  IndexBuilder none({});
-  EXPECT_NE(message(none).find("no samples"), std::string::npos);
+  EXPECT_NE(message({}).find("no samples"), std::string::npos);
 
-  IndexBuilder single({});
-  for (std::uint64_t c = 0; c < 50; ++c) single.add(world.sample(1, c));
+  std::vector<Sample> single, sizes, nan, thirty;
+  for (std::uint64_t c = 0; c < 50; ++c) single.push_back(world.sample(1, c));
   EXPECT_NE(message(single).find("only 1 subjects"), std::string::npos);
 
-  IndexBuilder sizes({});
-  sizes.add(world.sample(0, 0));
-  Sample longer = world.sample(1, 0);
-  longer.feature.push_back(0);
-  sizes.add(longer);
+  sizes = {world.sample(0, 0), world.sample(1, 0)};
+  sizes[1].feature.push_back(0);
   EXPECT_NE(message(sizes).find("sample 1 has 121 features"), std::string::npos);
 
-  IndexBuilder nan({});
-  Sample bad = world.sample(0, 0);
-  bad.truth[3] = std::numeric_limits<float>::quiet_NaN();
-  nan.add(bad);
+  nan = {world.sample(0, 0)};
+  nan[0].truth[3] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_NE(message(nan).find("not finite"), std::string::npos);
 
+  for (std::uint64_t s = 0; s < 30; ++s) thirty.push_back(world.sample(s, 0));
   BuildOptions uncovered;
   uncovered.groups = {{"half", 60}};
-  IndexBuilder half(uncovered);
-  for (std::uint64_t s = 0; s < 30; ++s) half.add(world.sample(s, 0));
-  EXPECT_NE(message(half).find("cover 60 values"), std::string::npos);
-
+  EXPECT_NE(message(thirty, uncovered).find("cover 60 values"), std::string::npos);
   BuildOptions many;
   many.dimensions = 17;
-  IndexBuilder dimensions(many);
-  for (std::uint64_t s = 0; s < 30; ++s) dimensions.add(world.sample(s, 0));
-  EXPECT_NE(message(dimensions).find("dimensions is 17"), std::string::npos);
+  EXPECT_NE(message(thirty, many).find("dimensions is 17"), std::string::npos);
+  BuildOptions crowded;
+  crowded.densify_to = std::size_t{1} << 40;
+  EXPECT_NE(message(thirty, crowded).find("densify_to"), std::string::npos);
+
+  thirty[29].subject = std::uint64_t{1} << 32;
+  EXPECT_NE(message(thirty).find("subject number"), std::string::npos);
+}
+
+TEST(IndexBuild, SaysWhatTheSourceSays) {
+  const auto torn = [](const auto&) -> Status { return Error{ErrorCode::io, "shard 7 is gone"}; };
+  const auto built = build_index({}, torn);
+  ASSERT_FALSE(built);
+  EXPECT_NE(built.error().message.find("shard 7 is gone"), std::string::npos);
 }
 
 // Features or people that do not vary leave nothing to learn, but also nothing to break.
 TEST(IndexBuild, SurvivesConstants) {
   const World world;
   for (const bool same_people : {false, true}) {
-    IndexBuilder builder({});
+    std::vector<Sample> samples;
     for (std::uint64_t s = 0; s < 60; ++s) {
       Sample sample = world.sample(same_people ? 0 : s, 0);
       sample.subject = s;
       if (!same_people) std::fill(sample.feature.begin(), sample.feature.end(), 7.0F);
       sample.feature[5] = std::numeric_limits<float>::quiet_NaN();  // never measured
-      builder.add(sample);
+      samples.push_back(sample);
     }
-    auto bytes = builder.finish();
+    auto bytes = build_index({}, source_of(samples));
     ASSERT_TRUE(bytes) << bytes.error().message;
     const auto index = Index::parse(std::move(*bytes), "constant");
     ASSERT_TRUE(index) << index.error().message;

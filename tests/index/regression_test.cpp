@@ -44,38 +44,41 @@ TEST(Regressor, StaysCloseToTheSumInDouble) {
 }
 
 struct World {
-  static constexpr int kDimensions = 5, kColumns = 4;
+  static constexpr int kDimensions = 5, kTargets = 4;
   static constexpr std::size_t kPoints = 300;
-  std::vector<std::int8_t> codes = std::vector<std::int8_t>(kPoints * kDimensionMax);
-  std::vector<std::int16_t> residuals;
-  std::vector<float> scale = {0.5F, 0.01F, 2, 1};
+  std::vector<std::int8_t> codes = std::vector<std::int8_t>(kPoints * kDimensions);
+  std::vector<int> steps_off;  // kDimensions a point
+  std::vector<std::uint8_t> residuals = std::vector<std::uint8_t>(kPoints * residual_bytes(kDimensions));
+  std::vector<float> scale = {0.5F, 0.01F, 2, 1, 0.25F};
+  std::vector<float> map;
   Coordinates query{};
+  PackedTree packed;
+  CodeTree tree;
   LocalData data;
   std::vector<Neighbour> neighbours;
 
   explicit World(std::uint64_t seed) {
     Rng rng(seed);
+    Coordinates steps{};
     for (std::size_t j = 0; j < kDimensions; ++j) {
-      data.steps[j] = 100 + rng.index(900);
-      query[j] = rng.index(20000) - 10000;
+      steps[j] = 10 + rng.index(90);
+      query[j] = rng.index(4000) - 2000;
     }
-    for (std::size_t i = 0; i < kPoints; ++i) {
-      Neighbour n{0, static_cast<std::uint32_t>(i)};
+    for (auto& c : codes) c = static_cast<std::int8_t>(rng.index(256) - 128);
+    for (std::size_t i = 0; i < kPoints; ++i)
       for (std::size_t j = 0; j < kDimensions; ++j) {
-        codes[i * kDimensionMax + j] = static_cast<std::int8_t>(rng.index(256) - 128);
-        const std::int64_t gap = codes[i * kDimensionMax + j] * data.steps[j] - query[j];
-        n.distance += gap * gap;
+        steps_off.push_back(rng.index(2 * kResidualMax + 1) - kResidualMax);
+        auto& pair = residuals[i * residual_bytes(kDimensions) + j / 2];
+        pair = static_cast<std::uint8_t>(pair | (steps_off.back() + 8) << (j % 2 * 4));
       }
-      neighbours.push_back(n);
-      for (int c = 0; c < kColumns; ++c) residuals.push_back(static_cast<std::int16_t>(rng.index(4001) - 2000));
-    }
-    std::sort(neighbours.begin(), neighbours.end());
+    for (int i = 0; i < kTargets * kDimensions; ++i) map.push_back(static_cast<float>(rng.normal()));
+    packed = pack_tree(codes, kDimensions, steps);
+    tree = packed.view();
     neighbours.resize(120);
-    data.codes = codes;
-    data.dimensions = kDimensions;
-    data.residuals = residuals;
-    data.residual_scale = scale;
-    data.target_count = data.row_size = kColumns;
+    CodeSearch search(tree);
+    const auto found = search.nearest(query, 120);
+    std::copy(found.begin(), found.end(), neighbours.begin());
+    data = {&tree, residuals, scale, map, kTargets};
   }
 };
 
@@ -83,7 +86,7 @@ struct World {
 Targets by_normal_equations(const World& w, const LocalOptions& options, Targets& spread) {
   const int order = options.method == LocalMethod::linear ? World::kDimensions + 1 : 1;
   const auto n = static_cast<Eigen::Index>(w.neighbours.size());
-  Eigen::MatrixXd x = Eigen::MatrixXd::Ones(n, order), r(n, World::kColumns);
+  Eigen::MatrixXd x = Eigen::MatrixXd::Ones(n, order), r(n, World::kTargets);
   Eigen::VectorXd weight(n);
   const double radius2 = static_cast<double>(w.neighbours.back().distance) + 1;
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -91,18 +94,22 @@ Targets by_normal_equations(const World& w, const LocalOptions& options, Targets
     weight[i] = std::pow(1 - static_cast<double>(point.distance) / radius2, 2);
     for (int d = 1; d < order; ++d) {
       const auto j = static_cast<std::size_t>(d - 1);
-      x(i, d) = (w.codes[point.index * kDimensionMax + j] * w.data.steps[j] - w.query[j]) / std::sqrt(radius2);
+      const int code = w.codes[w.packed.order[point.index] * World::kDimensions + j];
+      x(i, d) = (code * w.tree.steps[j] - w.query[j]) / std::sqrt(radius2);
     }
-    for (int c = 0; c < World::kColumns; ++c)
-      r(i, c) = static_cast<double>(w.residuals[point.index * World::kColumns + static_cast<std::size_t>(c)]) *
-                static_cast<double>(w.scale[static_cast<std::size_t>(c)]);
+    for (int t = 0; t < World::kTargets; ++t) {
+      r(i, t) = 0;
+      for (std::size_t d = 0; d < World::kDimensions; ++d)
+        r(i, t) += static_cast<double>(w.map[static_cast<std::size_t>(t) * World::kDimensions + d]) *
+                   static_cast<double>(w.scale[d]) * w.steps_off[point.index * World::kDimensions + d];
+    }
   }
   Eigen::MatrixXd normal = x.transpose() * weight.asDiagonal() * x;
   normal(0, 0) += options.intercept_penalty;
   for (int d = 1; d < order; ++d) normal(d, d) += options.slope_penalty * weight.sum();
   const Eigen::MatrixXd solution = normal.ldlt().solve(x.transpose() * weight.asDiagonal() * r);
   Targets out{};
-  for (int c = 0; c < World::kColumns; ++c) {
+  for (int c = 0; c < World::kTargets; ++c) {
     out[static_cast<std::size_t>(c)] = solution(0, c);
     spread[static_cast<std::size_t>(c)] =
         std::sqrt((weight.array() * r.col(c).array().square()).sum() / weight.sum());
@@ -117,9 +124,9 @@ TEST(LocalRegression, IsTheInterceptOfWeightedLeastSquares) {
     Targets spread{};
     const Targets expected = by_normal_equations(w, options, spread);
     const LocalAnswer found = local_regression(w.data, w.query, w.neighbours, options);
-    for (std::size_t c = 0; c < World::kColumns; ++c) {
+    for (std::size_t c = 0; c < World::kTargets; ++c) {
       EXPECT_NEAR(found.correction[c], expected[c], 1e-6 * spread[c]) << c;
-      EXPECT_NEAR(found.spread[c], spread[c], 1e-9 * spread[c]) << c;
+      EXPECT_NEAR(found.spread[c], spread[c], 1e-7 * spread[c]) << c;
     }
   }
 }
@@ -127,7 +134,7 @@ TEST(LocalRegression, IsTheInterceptOfWeightedLeastSquares) {
 TEST(LocalRegression, WithoutAMethodOnlyTheSpreadIsAnswered) {
   const World w(8);
   const LocalAnswer found = local_regression(w.data, w.query, w.neighbours, {});
-  for (std::size_t c = 0; c < World::kColumns; ++c) {
+  for (std::size_t c = 0; c < World::kTargets; ++c) {
     EXPECT_EQ(found.correction[c], 0);
     EXPECT_GT(found.spread[c], 0);
   }

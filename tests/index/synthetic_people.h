@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/rng.h"
+#include "index/builder.h"
 #include "index/index.h"
 
 namespace im2fit::index::testing {
@@ -86,17 +87,19 @@ inline constexpr std::uint64_t kFreshSubjects = 1'000'000;  // never trained on
 inline BuildOptions options_for(const World& world) {
   BuildOptions o;
   o.provenance = "synthetic people, seed 42";
+  o.population_version = 7;
+  o.population_seed = 77;
   o.groups = {{"first", 20}, {"second", static_cast<std::uint32_t>(world.features) - 20}};
   return o;
 }
 
 inline std::vector<std::byte> build(const World& world, int subjects, int captures, bool vary_frames = false) {
-  IndexBuilder builder(options_for(world));
+  std::vector<Sample> samples;
   for (int s = 0; s < subjects; ++s)
     for (int c = 0; c < captures; ++c)
-      builder.add(world.sample(static_cast<std::uint64_t>(s), static_cast<std::uint64_t>(c),
-                               vary_frames ? 1 + (s * 7 + c) % 16 : 1));
-  auto bytes = builder.finish();
+      samples.push_back(world.sample(static_cast<std::uint64_t>(s), static_cast<std::uint64_t>(c),
+                                     vary_frames ? 1 + (s * 7 + c) % 16 : 1));
+  auto bytes = build_index(options_for(world), source_of(samples));
   return bytes ? std::move(*bytes) : std::vector<std::byte>{};
 }
 

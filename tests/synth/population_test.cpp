@@ -14,11 +14,14 @@
 #include <vector>
 
 #include "body/measure.h"
+#include "body/shape_spread.h"
 #include "body_fixture.h"
 #include "synth/shape_variation.h"
 
 namespace im2fit::synth {
 namespace {
+
+using namespace body;
 
 struct Moments {
   double count = 0, sum = 0, squares = 0;

@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include "body/shape_spread.h"
 #include "synth/shape_variation.h"
 #include "tests/synth/body_fixture.h"
 
 namespace im2fit::synth {
 namespace {
+
+using namespace body;
 
 class Strangers : public WithBody {};
 

@@ -15,6 +15,7 @@
 #include "engine/engine.h"
 #include "engine/result_json.h"
 #include "hal/source.h"
+#include "index/builder.h"
 #include "synth/population.h"
 #include "synth/virtual_camera.h"
 
@@ -37,7 +38,8 @@ constexpr int kRotateDeg = 90;
 Result<index::Index> random_index(std::size_t modifier_count) {
   index::BuildOptions options;
   options.dimensions = 4;
-  index::IndexBuilder builder(options);
+  options.population_version = body::kPopulationVersion;
+  std::vector<index::Sample> samples;
   Rng rng(9);
   for (std::uint64_t i = 0; i < 40; ++i) {
     index::Sample sample;
@@ -49,9 +51,9 @@ Result<index::Index> random_index(std::size_t modifier_count) {
     sample.truth[measurement_index(Measurement::weight)] = static_cast<float>(rng.normal(70, 8));
     sample.woman = i % 2 == 1;
     sample.body = body::pack_params({}, modifier_count);
-    builder.add(sample);
+    samples.push_back(sample);
   }
-  auto bytes = builder.finish();
+  auto bytes = index::build_index(options, index::source_of(samples));
   if (!bytes) return bytes.error();
   return index::Index::parse(std::move(*bytes), "random index");
 }

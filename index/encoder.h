@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Workstation side: where an entry's codes stand, and what it got wrong there.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "index/code_tree.h"
+#include "index/regression.h"
+
+namespace im2fit::index {
+
+struct Encoder {
+  int target_count = 0;
+  int dimensions = 0;
+  std::vector<float> projection;  // dimensions x target_count
+  double grid_unit = 1;
+  Coordinates steps{};
+  std::vector<float> inverse_spread;  // dimensions
+  std::vector<float> quadratic;       // target_count x quadratic_term_count; empty: none
+  std::vector<float> residual_scale;  // dimensions
+
+  Position place_of(const Targets& targets) const;
+  void encode_place(const Position& place, std::span<std::int8_t> codes) const;
+  // Where codes stand, and how the quadratic moves that.
+  Position place_of_codes(std::span<const std::int8_t> codes) const;
+  Position bend_at(const Position& place) const;
+  // `error`: truth less the bent place of the codes; residual_bytes(dimensions) out.
+  void encode_residual(const Position& error, std::span<std::uint8_t> out) const;
+};
+
+// Entries under way to a file: codes and residuals, in the order they came.
+struct Entries {
+  explicit Entries(const Encoder& encoder) : encoder(encoder) {}
+  const Encoder& encoder;
+  std::vector<std::int8_t> codes;       // dimensions each
+  std::vector<std::uint8_t> residuals;  // residual_bytes each
+  std::size_t size() const { return codes.size() / static_cast<std::size_t>(encoder.dimensions); }
+  void add(const Position& regressed, const Position& truth);
+};
+
+// Residuals in the order of a tree.
+std::vector<std::uint8_t> in_order(const std::vector<std::uint8_t>& residuals, int dimensions,
+                                   std::span<const std::uint32_t> order);
+
+}  // namespace im2fit::index

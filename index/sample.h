@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an index is learned from.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "kernels/core/measurement.h"
+
+namespace im2fit::index {
+
+// One training subject seen once. Several samples may share a subject (different pose, noise, distance); they must
+// follow each other.
+struct Sample {
+  std::uint64_t subject = 0;  // its number in the population, below 2^32
+  std::vector<float> feature;
+  MeasurementValues truth{};
+  bool woman = false;
+  std::vector<float> body;  // parameters of the mesh, the same size in every sample: shape beyond the measurements
+  int frame_count = 1;      // frames fused behind the feature
+  // Not learned from and no entry: only the intervals are fitted to such subjects, so that they also hold for people
+  // unlike the index' own. Used when there are at least 200 of them.
+  bool calibrate_only = false;
+};
+
+// Features that share one regularisation. Groups cover the feature in order.
+struct FeatureGroup {
+  std::string name;  // up to 23 characters
+  std::uint32_t count = 0;
+};
+// Lengths, ratios, FPFH and profile of kernels/observe for a feature of at least 501 values; else one group.
+std::vector<FeatureGroup> default_groups(std::size_t feature_size);
+
+// Hands over all samples, the same in the same order each time it is called, until there are no more or `take` says
+// false.
+using SampleSource = std::function<Status(const std::function<bool(const Sample&)>& take)>;
+// Of samples in memory, which must outlive it.
+SampleSource source_of(const std::vector<Sample>& samples);
+
+}  // namespace im2fit::index
