@@ -35,51 +35,46 @@ Position Answerer::place_of(const Targets& targets) const {
                  static_cast<int>(contents_.meta.dimensions));
 }
 
-Targets Answerer::corrected(const Targets& regressed, const QueryOptions& options, Workspace& work, Targets& spread,
-                            std::span<const Neighbour>& neighbours) const {
+Answerer::Corrected Answerer::corrected(const Targets& regressed, const QueryOptions& options,
+                                        Workspace& work) const {
   const Contents& c = contents_;
   const int targets = static_cast<int>(c.meta.target_count);
-  const int dimensions = static_cast<int>(c.meta.dimensions);
-  Targets value = regressed;
   const Position place = place_of(regressed);
-  if (c.meta.quadratic != 0) {
-    std::array<double, kQuadraticTermMax> buffer{};
-    const auto terms = std::span(buffer).first(static_cast<std::size_t>(quadratic_term_count(dimensions)));
-    quadratic_terms(place, c.inverse_spread, dimensions, terms);
-    const Targets correction = apply_quadratic(terms, c.quadratic, targets);
-    for (int t = 0; t < targets; ++t) value[t] += correction[t];
-  }
-  const Coordinates grid = to_grid(place, dimensions, c.meta.grid_unit);
+  const Surface surface = c.surface();
+  const Targets bend = surface.targets_at(place);
+  Corrected out;
+  out.shift = surface.shift_of(bend);
+  const Coordinates grid = to_grid(place, static_cast<int>(c.meta.dimensions), c.meta.grid_unit);
   const int wanted = options.neighbour_count > 0 ? options.neighbour_count : static_cast<int>(c.meta.neighbour_count);
   const auto count = static_cast<std::size_t>(std::min(wanted, kNeighbourMax));
-  neighbours = options.exhaustive ? work.search.exhaustive(grid, count) : work.search.nearest(grid, count);
+  out.neighbours = options.exhaustive ? work.search.exhaustive(grid, count) : work.search.nearest(grid, count);
   const LocalAnswer local = local_regression(
-      c.local_data(), grid, neighbours,
+      c.local_data(), grid, out.neighbours,
       {static_cast<LocalMethod>(c.meta.local_method), c.meta.intercept_penalty, c.meta.slope_penalty});
   for (int t = 0; t < targets; ++t)
-    if ((c.meta.local_targets >> t & 1U) != 0) value[t] += local.correction[t];
-  spread = local.spread;
-  return value;
-}
-
-Answer Answerer::answer(const Targets& regressed, const QueryOptions& options, Workspace& work) const {
-  Targets spread{};
-  std::span<const Neighbour> neighbours;
-  const Targets value = corrected(regressed, options, work, spread, neighbours);
-  Answer out;
-  fill_estimates(value, spread, options.frame_count, out);
-  fill_nearest(value, neighbours, out);
+    out.value[t] = regressed[t] + bend[t] + ((c.meta.local_targets >> t & 1U) != 0 ? local.correction[t] : 0.0);
+  out.spread = local.spread;
   return out;
 }
 
-// Of the neighbours, whose features resemble the query's, the one whose true place is nearest to the answer.
-void Answerer::fill_nearest(const Targets& targets, std::span<const Neighbour> neighbours, Answer& out) const {
-  const Position wanted = place_of(targets);
+Answer Answerer::answer(const Targets& regressed, const QueryOptions& options, Workspace& work) const {
+  const Corrected corrected = this->corrected(regressed, options, work);
+  Answer out;
+  fill_estimates(corrected.value, corrected.spread, options.frame_count, out);
+  fill_nearest(corrected, out);
+  return out;
+}
+
+// Of the neighbours, whose features resemble the query's, the one whose true place is nearest to the answer. The
+// surface is taken to shift all of them as it shifts the query.
+void Answerer::fill_nearest(const Corrected& corrected, Answer& out) const {
+  Position wanted = place_of(corrected.value);
+  for (std::size_t d = 0; d < contents_.meta.dimensions; ++d) wanted[d] -= corrected.shift[d];
   double best = 1e300;
-  for (const Neighbour& n : neighbours) {
-    const Position place = contents_.place_of_entry(n.index);
+  for (const Neighbour& n : corrected.neighbours) {
+    const Position code = contents_.code_place(n.index), error = contents_.error_of(n.index);
     double sum = 0;
-    for (std::size_t d = 0; d < contents_.meta.dimensions; ++d) sum += squared(place[d] - wanted[d]);
+    for (std::size_t d = 0; d < contents_.meta.dimensions; ++d) sum += squared(code[d] + error[d] - wanted[d]);
     // Ties to the smaller index, in whatever order neighbours come.
     if (sum > best || (sum == best && n.index > out.nearest)) continue;
     best = sum;

@@ -23,14 +23,18 @@ class Answerer {
   Targets regressed(std::span<const float> feature, Workspace& work) const;
   Answer answer(const Targets& regressed, const QueryOptions& options, Workspace& work) const;
 
-  // Regressed targets with both corrections; `spread`: of the residuals nearby. Standardised units. `neighbours`:
-  // those that were asked, until the workspace's next search.
-  Targets corrected(const Targets& regressed, const QueryOptions& options, Workspace& work, Targets& spread,
-                    std::span<const Neighbour>& neighbours) const;
+  // Regressed targets with both corrections. Standardised units.
+  struct Corrected {
+    Targets value{};
+    Targets spread{};                       // of the residuals nearby
+    Position shift{};                       // of the place, by the surface
+    std::span<const Neighbour> neighbours;  // that were asked; until the workspace's next search
+  };
+  Corrected corrected(const Targets& regressed, const QueryOptions& options, Workspace& work) const;
 
  private:
   Position place_of(const Targets& targets) const;
-  void fill_nearest(const Targets& targets, std::span<const Neighbour> neighbours, Answer& out) const;
+  void fill_nearest(const Corrected& corrected, Answer& out) const;
   void fill_estimates(const Targets& targets, const Targets& spread, int frame_count, Answer& out) const;
   float female_probability(double score) const;
 

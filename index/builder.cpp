@@ -417,12 +417,13 @@ std::vector<HeldOut> Builder::answer_strangers(std::span<const std::byte> file) 
   if (!contents) return out;
   const Answerer answerer(*contents);
   Answerer::Workspace work(answerer);
-  std::span<const Neighbour> neighbours;
   for (const Sample& s : strangers_) {
     HeldOut row;
     row.subject = static_cast<std::uint32_t>(s.subject);
     row.frame_count = s.frame_count;
-    row.answer = answerer.corrected(answerer.regressed(s.feature, work), {}, work, row.spread, neighbours);
+    const auto corrected = answerer.corrected(answerer.regressed(s.feature, work), {}, work);
+    row.answer = corrected.value;
+    row.spread = corrected.spread;
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
       row.truth[m] =
           targets_->scale(m) > 0 ? (static_cast<double>(s.truth[m]) - targets_->mean(m)) / targets_->scale(m) : 0;

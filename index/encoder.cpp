@@ -21,14 +21,6 @@ Position Encoder::place_of_codes(std::span<const std::int8_t> codes) const {
   return out;
 }
 
-Position Encoder::bend_at(const Position& place) const {
-  if (quadratic.empty()) return {};
-  std::array<double, kQuadraticTermMax> buffer{};
-  const auto terms = std::span(buffer).first(static_cast<std::size_t>(quadratic_term_count(dimensions)));
-  quadratic_terms(place, inverse_spread, dimensions, terms);
-  return place_of(apply_quadratic(terms, quadratic, target_count));
-}
-
 void Encoder::encode_residual(const Position& error, std::span<std::uint8_t> out) const {
   std::fill(out.begin(), out.end(), std::uint8_t{0});
   for (std::size_t d = 0; d < static_cast<std::size_t>(dimensions); ++d) {
@@ -45,9 +37,11 @@ void Entries::add(const Position& regressed, const Position& truth) {
   const auto used = std::span(code).first(static_cast<std::size_t>(encoder.dimensions));
   const auto packed = std::span(residual).first(residual_bytes(encoder.dimensions));
   encoder.encode_place(regressed, used);
-  const Position stands = encoder.place_of_codes(used), bend = encoder.bend_at(stands);
+  const Position stands = encoder.place_of_codes(used);
+  const Surface surface = encoder.surface();
+  const Position shift = surface.shift_of(surface.targets_at(stands));
   Position error{};
-  for (std::size_t d = 0; d < used.size(); ++d) error[d] = truth[d] - stands[d] - bend[d];
+  for (std::size_t d = 0; d < used.size(); ++d) error[d] = truth[d] - stands[d] - shift[d];
   encoder.encode_residual(error, packed);
   codes.insert(codes.end(), used.begin(), used.end());
   residuals.insert(residuals.end(), packed.begin(), packed.end());

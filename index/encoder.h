@@ -24,10 +24,9 @@ struct Encoder {
 
   Position place_of(const Targets& targets) const;
   void encode_place(const Position& place, std::span<std::int8_t> codes) const;
-  // Where codes stand, and how the quadratic moves that.
   Position place_of_codes(std::span<const std::int8_t> codes) const;
-  Position bend_at(const Position& place) const;
-  // `error`: truth less the bent place of the codes; residual_bytes(dimensions) out.
+  Surface surface() const { return {projection, inverse_spread, quadratic, target_count, dimensions}; }
+  // `error`: truth less where the surface puts the codes' place; residual_bytes(dimensions) out.
   void encode_residual(const Position& error, std::span<std::uint8_t> out) const;
 };
 

@@ -133,19 +133,30 @@ LocalData Contents::local_data() const {
   return {&tree, residual, residual_scale, error_map, static_cast<int>(meta.target_count)};
 }
 
-Position Contents::place_of_entry(std::uint32_t entry) const {
+Surface Contents::surface() const {
+  return {projection, inverse_spread, meta.quadratic != 0 ? quadratic : std::span<const float>{},
+          static_cast<int>(meta.target_count), static_cast<int>(meta.dimensions)};
+}
+
+Position Contents::code_place(std::uint32_t entry) const {
+  Position out{};
+  for (std::size_t d = 0; d < meta.dimensions; ++d) out[d] = meta.grid_unit * (tree.code(entry, d) * tree.steps[d]);
+  return out;
+}
+
+Position Contents::error_of(std::uint32_t entry) const {
   Position out{};
   const auto dimensions = static_cast<int>(meta.dimensions);
-  for (int d = 0; d < dimensions; ++d) {
-    const auto at = static_cast<std::size_t>(d);
-    out[at] = meta.grid_unit * (tree.code(entry, at) * tree.steps[at]) +
-              static_cast<double>(residual_scale[at]) * residual_steps(residual, dimensions, entry, d);
-  }
+  for (int d = 0; d < dimensions; ++d)
+    out[static_cast<std::size_t>(d)] = static_cast<double>(residual_scale[static_cast<std::size_t>(d)]) *
+                                       residual_steps(residual, dimensions, entry, d);
   return out;
 }
 
 MeasurementValues Contents::measurements_of_entry(std::uint32_t entry) const {
-  const Position place = place_of_entry(entry);
+  Position place = code_place(entry);
+  const Position shift = surface().shift_of(surface().targets_at(place)), error = error_of(entry);
+  for (std::size_t d = 0; d < meta.dimensions; ++d) place[d] += shift[d] + error[d];
   MeasurementValues out{};
   for (std::size_t m = 0; m < out.size(); ++m) {
     double sum = 0;

@@ -96,8 +96,12 @@ struct Contents {
   std::span<const float> sex_table;        // kSexTableSize probabilities, rising
 
   LocalData local_data() const;
-  // Where the truth of an entry lies, and its measurements there: both to within the rounding of its codes.
-  Position place_of_entry(std::uint32_t entry) const;
+  Surface surface() const;
+  // Where an entry's code stands, and what the regression got wrong there: with the surface's shift at that place
+  // they add up to the truth.
+  Position code_place(std::uint32_t entry) const;
+  Position error_of(std::uint32_t entry) const;
+  // At the truth of an entry, to within the rounding of its codes.
   MeasurementValues measurements_of_entry(std::uint32_t entry) const;
 };
 

@@ -117,6 +117,18 @@ Targets apply_quadratic(std::span<const double> terms, std::span<const float> we
   return out;
 }
 
+Targets Surface::targets_at(const Position& place) const {
+  if (quadratic.empty()) return {};
+  std::array<double, kQuadraticTermMax> buffer{};
+  const auto terms = std::span(buffer).first(static_cast<std::size_t>(quadratic_term_count(dimensions)));
+  quadratic_terms(place, inverse_spread, dimensions, terms);
+  return apply_quadratic(terms, quadratic, target_count);
+}
+
+Position Surface::shift_of(const Targets& correction) const {
+  return project(correction, target_count, projection, dimensions);
+}
+
 namespace {
 
 // What a local regression makes of the neighbours' places alone.

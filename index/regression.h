@@ -56,6 +56,17 @@ void quadratic_terms(const Position& position, std::span<const float> inverse_sp
 // weights: per target a row of terms.
 Targets apply_quadratic(std::span<const double> terms, std::span<const float> weights, int target_count);
 
+// A quadratic over the projected space, for what a linear map of the features cannot bend to. Views.
+struct Surface {
+  std::span<const float> projection;      // dimensions x target_count
+  std::span<const float> inverse_spread;  // dimensions
+  std::span<const float> quadratic;       // target_count x quadratic_term_count; empty: flat
+  int target_count = 0;
+  int dimensions = 0;
+  Targets targets_at(const Position& place) const;     // to be added to the regressed ones
+  Position shift_of(const Targets& correction) const;  // what that does to a place
+};
+
 // What the regression got wrong at an entry (truth less regression in the projected space): four bits a dimension,
 // two dimensions a byte, low half first; 1..15 stand for -7..7 steps. A step is half a standard deviation, so that
 // the rounding adds two hundredths to the variance of one error, and an error beyond 3.5 of them counts as that.

@@ -179,7 +179,7 @@ TEST(IndexFile, HostileValuesBehindCorrectChecksumsAreRefused) {
       {"meta", patched("meta", 8, std::uint32_t{99})},
       {"meta", patched("meta", 12, std::uint32_t{0})},  // entries
       {"code", patched("meta", 12, std::uint32_t{900})},
-      {"residual", patched("meta", 12, std::uint32_t{799})},  // as many blocks
+      {"leaf", patched("meta", 12, std::uint32_t{799})},      // as many blocks
       {"meta", patched("meta", 16, std::uint32_t{1 << 20})},  // subjects
       {"meta", patched("meta", 20, std::uint32_t{0})},        // leaves
       {"leaf", patched("meta", 20, std::uint32_t{3})},
