@@ -40,7 +40,7 @@ CodeSearch::CodeSearch(const CodeTree& tree, std::size_t count_max)
       count_max_(count_max),
       group_bounds_(blocks_of(tree.group_count(), kBoxBlock) * kBoxBlock),
       groups_(tree.group_count()),
-      found_(2 * count_max + kChunk),
+      found_(count_max),
       result_(count_max) {}
 
 std::span<Neighbour> CodeSearch::nearest(const Coordinates& query, std::size_t count) {
@@ -94,8 +94,6 @@ void CodeSearch::search_group(std::size_t group, const CodeQuery& query) {
   for (const Key* leaf = ahead; leaf != end && distance_of(*leaf) <= reach_; ++leaf) {
     ++work_.leaves;
     scan(tree_.leaf_first[index_of(*leaf)], tree_.leaf_first[index_of(*leaf) + 1], query);
-    // Fewer could be kept for longer, but each leaf scanned in vain costs more than drawing the reach in.
-    if (found_count_ > count_ + count_ / 2) keep_nearest();
   }
 }
 
@@ -106,32 +104,40 @@ void CodeSearch::scan(std::size_t first, std::size_t last, const CodeQuery& quer
     // Leaves do not begin with a block: the points before and behind are passed over.
     const std::size_t block = first / kCodeBlock, base = block * kCodeBlock;
     const std::size_t end = std::min(last, base + kChunk);
-    std::int32_t distance[kChunk];
+    std::int32_t distance[kChunk], least[kChunk / kCodeBlock];
     code_distance(tree_.blocks.data() + block * block_bytes, static_cast<int>(blocks_of(end - base, kCodeBlock)),
-                  query, distance);
-    Key* out = found_.data() + found_count_;
-    for (std::size_t i = first; i < end; ++i) {
-      const std::int32_t d = distance[i - base];
-      *out = key_of(d, i);
-      out += d <= reach_ ? 1 : 0;
+                  query, distance, least);
+    // Few points are near enough: most blocks are done with one look at their nearest.
+    for (std::size_t at = base; at < end; at += kCodeBlock) {
+      if (least[(at - base) / kCodeBlock] > reach_) continue;
+      const std::size_t stop = std::min(end, at + kCodeBlock);
+      for (std::size_t i = std::max(first, at); i < stop; ++i)
+        if (distance[i - base] <= reach_) offer(key_of(distance[i - base], i));
     }
-    found_count_ = static_cast<std::size_t>(out - found_.data());
-    if (found_count_ + kChunk > found_.size()) keep_nearest();
     first = end;
   }
 }
 
-void CodeSearch::keep_nearest() {
-  if (found_count_ < count_) return;
-  const auto found = std::span(found_).first(found_count_);
-  const auto last = found.begin() + static_cast<std::ptrdiff_t>(count_ - 1);
-  std::nth_element(found.begin(), last, found.end());
-  found_count_ = count_;
-  reach_ = distance_of(*last);
+// The nearest so far are a heap, farthest on top.
+void CodeSearch::offer(Key key) {
+  if (found_count_ < count_) {
+    found_[found_count_++] = key;
+    if (found_count_ < count_) return;
+    std::make_heap(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(count_));
+  } else if (key < found_[0]) {
+    std::size_t hole = 0;
+    for (std::size_t child = 1; child < count_; child = 2 * hole + 1) {
+      child += child + 1 < count_ && found_[child + 1] > found_[child] ? 1 : 0;
+      if (found_[child] <= key) break;
+      found_[hole] = found_[child];
+      hole = child;
+    }
+    found_[hole] = key;
+  }
+  reach_ = distance_of(found_[0]);
 }
 
 std::span<Neighbour> CodeSearch::finish() {
-  keep_nearest();
   const auto found = std::span(found_).first(found_count_);
   std::sort(found.begin(), found.end());
   for (std::size_t i = 0; i < found.size(); ++i)

@@ -89,7 +89,7 @@ class CodeSearch {
   void begin(std::size_t count);
   void search_group(std::size_t group, const CodeQuery& query);
   void scan(std::size_t first, std::size_t last, const CodeQuery& query);
-  void keep_nearest();
+  void offer(Key key);
   std::span<Neighbour> finish();
 
   CodeTree tree_;

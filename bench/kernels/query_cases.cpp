@@ -15,7 +15,7 @@
 namespace im2fit::bench {
 namespace {
 
-constexpr int kFeatures = 1085, kTargets = 16, kDimensions = 12, kPoints = 20000, kBoxes = 600;
+constexpr int kFeatures = 1085, kTargets = 16, kDimensions = 12, kPoints = 20000, kBoxes = 640;
 
 }  // namespace
 
@@ -66,27 +66,27 @@ void add_project_cases(Cases& cases) {
 
 namespace {
 
-// All points, as a scan without a tree would. A query scans a fifth of them, a leaf at a time.
+// All points, as a scan without a tree would. A query of 50,000 entries scans a tenth of them, a leaf at a time.
 void add_distance(Cases& cases) {
   constexpr int kBlocks = kPoints / kCodeBlock;
   struct Data {
     std::vector<std::int8_t> blocks = std::vector<std::int8_t>(std::size_t{kPoints} * kDimensions);
-    std::vector<std::int64_t> norm = std::vector<std::int64_t>(kPoints), out = norm;
+    std::vector<std::int32_t> out = std::vector<std::int32_t>(kPoints), least = std::vector<std::int32_t>(kBlocks);
   };
   const auto data = std::make_shared<Data>();
   Rng rng(4);
   for (std::int8_t& c : data->blocks) c = static_cast<std::int8_t>(rng.index(256) - 128);
-  for (std::int64_t& n : data->norm) n = rng.index(1 << 30);
   std::array<std::int32_t, kDimensions> steps{}, place{};
-  for (std::int32_t& s : steps) s = 50 + rng.index(900);
-  for (std::int32_t& p : place) p = rng.index(1 << 17) - (1 << 16);
+  for (std::int32_t& s : steps) s = 5 + rng.index(kCodeStepMax - 4);
+  for (std::int32_t& p : place) p = rng.index(8000) - 4000;
   const CodeQuery query(steps.data(), place.data(), kDimensions);
-  const Floor floor = {kBlocks * (kDimensions / 2.0 * 12 + 36) / 3 / 2500,
-                       "16 points: 12 operations a pair of dimensions, 36 to put the sums together; three a cycle"};
+  const Floor floor = {
+      kBlocks * (kDimensions / 2.0 * 16 + 12) / 3 / 2500,
+      "16 points: 16 operations a pair of dimensions, 12 to store and find the least; three a cycle"};
   add_variants(cases, "code_distance/20000x12", kCodeDistanceKernels, kPoints, "point", floor, true,
                [&](auto* function) {
                  return [data, query, function] {
-                   function(data->blocks.data(), data->norm.data(), kBlocks, query, data->out.data());
+                   function(data->blocks.data(), kBlocks, query, data->out.data(), data->least.data());
                    keep(data->out[0]);
                  };
                });
@@ -95,17 +95,18 @@ void add_distance(Cases& cases) {
 void add_bounds(Cases& cases) {
   constexpr int kBlocks = kBoxes / kBoxBlock;
   struct Data {
-    std::vector<std::int32_t> blocks = std::vector<std::int32_t>(std::size_t{kBoxes} * 2 * kDimensions);
-    std::vector<std::uint32_t> out = std::vector<std::uint32_t>(kBoxes);
+    std::vector<std::int16_t> blocks = std::vector<std::int16_t>(std::size_t{kBoxes} * 2 * kDimensions);
+    std::vector<std::int32_t> out = std::vector<std::int32_t>(kBoxes);
   };
   const auto data = std::make_shared<Data>();
   Rng rng(5);
   for (std::size_t i = 0; i < data->blocks.size(); ++i)
-    data->blocks[i] = i / kBoxBlock % 2 == 0 ? rng.index(1 << 17) - (1 << 16) : data->blocks[i - kBoxBlock] + 20000;
-  std::array<std::int32_t, kDimensions> place{};
-  for (std::int32_t& p : place) p = rng.index(1 << 17) - (1 << 16);
-  const Floor floor = {kBlocks * kDimensions * 11.0 / 3 / 2500, "8 boxes: 11 operations a dimension, three a cycle"};
-  add_variants(cases, "code_bounds/600x12", kCodeBoundsKernels, kBoxes, "box", floor, true, [&](auto* function) {
+    data->blocks[i] = static_cast<std::int16_t>(i / kBoxBlock % 2 == 0 ? rng.index(1 << 13) - (1 << 12)
+                                                                       : data->blocks[i - kBoxBlock] + 2000);
+  std::array<std::int16_t, kDimensions> place{};
+  for (std::int16_t& p : place) p = static_cast<std::int16_t>(rng.index(1 << 13) - (1 << 12));
+  const Floor floor = {kBlocks * kDimensions * 13.0 / 3 / 2500, "16 boxes: 13 operations a dimension, three a cycle"};
+  add_variants(cases, "code_bounds/640x12", kCodeBoundsKernels, kBoxes, "box", floor, true, [&](auto* function) {
     return [data, place, function] {
       function(data->blocks.data(), kBlocks, place.data(), kDimensions, data->out.data());
       keep(data->out[0]);

@@ -29,9 +29,10 @@ struct CodeQuery {
 
 // `blocks` of 16 points: for each pair of dimensions the codes of point 0 (two bytes), of point 1, ... (32 bytes).
 // out, for each point: the sum over the dimensions of min(|code * step - place|, kCodeGapMax)^2. Dimensions of step 0
-// and place 0 may be left out. Exact integers. No allocation, thread-safe.
+// and place 0 may be left out. least, for each block: the
+// smallest of its sixteen. Exact integers. No allocation, thread-safe.
 using CodeDistanceFunction = void(const std::int8_t* blocks, int block_count, const CodeQuery& query,
-                                  std::int32_t* out);
+                                  std::int32_t* out, std::int32_t* least);
 CodeDistanceFunction code_distance_ref, code_distance_portable, code_distance_neon, code_distance_avx2, code_distance;
 
 inline constexpr KernelVariant<CodeDistanceFunction> kCodeDistanceKernels[] = {

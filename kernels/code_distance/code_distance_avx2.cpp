@@ -20,9 +20,16 @@ inline __m256i add_squares(__m256i sum, const std::int8_t* codes, __m256i step, 
   return _mm256_add_epi32(sum, _mm256_madd_epi16(counted, counted));
 }
 
+inline std::int32_t smallest_of(__m256i v) {
+  const __m128i four = _mm_min_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+  const __m128i two = _mm_min_epi32(four, _mm_shuffle_epi32(four, _MM_SHUFFLE(1, 0, 3, 2)));
+  return _mm_cvtsi128_si32(_mm_min_epi32(two, _mm_shuffle_epi32(two, _MM_SHUFFLE(2, 3, 0, 1))));
+}
+
 }  // namespace
 
-void code_distance_avx2(const std::int8_t* blocks, int block_count, const CodeQuery& query, std::int32_t* out) {
+void code_distance_avx2(const std::int8_t* blocks, int block_count, const CodeQuery& query, std::int32_t* out,
+                        std::int32_t* least) {
   __m256i step[kCodeDimensionMax / 2], place[kCodeDimensionMax / 2];
   const int pair_count = query.pair_count;
   for (int p = 0; p < pair_count; ++p) {
@@ -37,6 +44,7 @@ void code_distance_avx2(const std::int8_t* blocks, int block_count, const CodeQu
     }
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), first);
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + 8), second);
+    least[b] = smallest_of(_mm256_min_epi32(first, second));
   }
 }
 

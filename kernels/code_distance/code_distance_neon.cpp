@@ -22,9 +22,19 @@ inline void add_squares(Sums& sum, int8x8_t codes, int16x8_t step, int16x8_t pla
 #endif
 }
 
+inline std::int32_t smallest_of(int32x4_t v) {
+#ifdef __aarch64__
+  return vminvq_s32(v);
+#else
+  const int32x2_t two = vpmin_s32(vget_low_s32(v), vget_high_s32(v));
+  return vget_lane_s32(vpmin_s32(two, two), 0);
+#endif
+}
+
 }  // namespace
 
-void code_distance_neon(const std::int8_t* blocks, int block_count, const CodeQuery& query, std::int32_t* out) {
+void code_distance_neon(const std::int8_t* blocks, int block_count, const CodeQuery& query, std::int32_t* out,
+                        std::int32_t* least) {
   const int32x4_t zero = vdupq_n_s32(0);
   for (int b = 0; b < block_count; ++b, out += kCodeBlock) {
     Sums front = {zero, zero}, back = front;
@@ -42,6 +52,7 @@ void code_distance_neon(const std::int8_t* blocks, int block_count, const CodeQu
     vst1q_s32(out + 4, front.high);
     vst1q_s32(out + 8, back.low);
     vst1q_s32(out + 12, back.high);
+    least[b] = smallest_of(vminq_s32(vminq_s32(front.low, front.high), vminq_s32(back.low, back.high)));
   }
 }
 

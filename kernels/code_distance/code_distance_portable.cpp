@@ -16,7 +16,8 @@ CodeQuery::CodeQuery(const std::int32_t* steps, const std::int32_t* at, int dime
   }
 }
 
-void code_distance_portable(const std::int8_t* blocks, int block_count, const CodeQuery& query, std::int32_t* out) {
+void code_distance_portable(const std::int8_t* blocks, int block_count, const CodeQuery& query, std::int32_t* out,
+                            std::int32_t* least) {
   // A copy the stores to `out` cannot change.
   const auto step = query.step, place = query.place;
   const auto square_of = [](std::int32_t code, std::int32_t s, std::int32_t p) {
@@ -30,13 +31,19 @@ void code_distance_portable(const std::int8_t* blocks, int block_count, const Co
       for (int i = 0; i < kCodeBlock; ++i)
         sum[i] +=
             square_of(blocks[2 * i], step[j], place[j]) + square_of(blocks[2 * i + 1], step[j + 1], place[j + 1]);
-    for (int i = 0; i < kCodeBlock; ++i) out[i] = sum[i];
+    std::int32_t smallest = sum[0];
+    for (int i = 0; i < kCodeBlock; ++i) {
+      out[i] = sum[i];
+      smallest = sum[i] < smallest ? sum[i] : smallest;
+    }
+    least[b] = smallest;
   }
 }
 
-void code_distance(const std::int8_t* blocks, int block_count, const CodeQuery& query, std::int32_t* out) {
+void code_distance(const std::int8_t* blocks, int block_count, const CodeQuery& query, std::int32_t* out,
+                   std::int32_t* least) {
   IM2FIT_CHOSEN_ONCE best = fastest(kCodeDistanceKernels);
-  best(blocks, block_count, query, out);
+  best(blocks, block_count, query, out, least);
 }
 
 }  // namespace im2fit

@@ -6,7 +6,8 @@
 
 namespace im2fit {
 
-void code_distance_ref(const std::int8_t* blocks, int block_count, const CodeQuery& query, std::int32_t* out) {
+void code_distance_ref(const std::int8_t* blocks, int block_count, const CodeQuery& query, std::int32_t* out,
+                       std::int32_t* least) {
   for (int point = 0; point < block_count * kCodeBlock; ++point) {
     const std::int8_t* block = blocks + std::int64_t{point / kCodeBlock} * query.pair_count * 2 * kCodeBlock;
     double sum = 0;  // whole numbers below 2^53: exact
@@ -18,6 +19,8 @@ void code_distance_ref(const std::int8_t* blocks, int block_count, const CodeQue
     }
     out[point] = static_cast<std::int32_t>(sum);
   }
+  for (int b = 0; b < block_count; ++b)
+    least[b] = *std::min_element(out + b * kCodeBlock, out + (b + 1) * kCodeBlock);
 }
 
 }  // namespace im2fit

@@ -13,11 +13,13 @@ TEST(CodeDistance, RefOnATriangle) {
   const std::int32_t steps[] = {10, 1}, at[] = {0, 4};
   const CodeQuery query(steps, at, 2);
   std::vector<std::int8_t> block(2 * kCodeBlock);
-  block[2 * 5] = 3;  // the sixth point is at (30, 0): 30, 4 away
-  std::int32_t out[kCodeBlock];
-  code_distance_ref(block.data(), 1, query, out);
+  block[2 * 5] = 3;      // the sixth point is at (30, 0): 30, 4 away
+  block[2 * 9 + 1] = 1;  // the tenth at (0, 1)
+  std::int32_t out[kCodeBlock], least = 0;
+  code_distance_ref(block.data(), 1, query, out, &least);
   EXPECT_EQ(out[5], 900 + 16);
   EXPECT_EQ(out[0], 16);
+  EXPECT_EQ(least, 9);
 }
 
 TEST(CodeDistance, EveryTierIsExact) {
@@ -34,13 +36,18 @@ TEST(CodeDistance, EveryTierIsExact) {
         Buffer<std::int8_t> blocks(points * 2 * static_cast<std::size_t>(query.pair_count), trial.next_end());
         trial.fill(blocks.span());
         Buffer<std::int32_t> want(points, trial.next_end()), got(points, trial.next_end());
-        code_distance_ref(blocks.data(), block_count, query, want.data());
-        code_distance_portable(blocks.data(), block_count, query, got.data());
+        const auto count = static_cast<std::size_t>(block_count);
+        Buffer<std::int32_t> want_least(count, trial.next_end()), got_least(count, trial.next_end());
+        code_distance_ref(blocks.data(), block_count, query, want.data(), want_least.data());
+        code_distance_portable(blocks.data(), block_count, query, got.data(), got_least.data());
         checkasm::expect_same_bits(want, got);
+        checkasm::expect_same_bits(want_least, got_least);
         checkasm::each_simd(kCodeDistanceKernels, [&](const auto& variant) {
           got.refill();
-          variant.function(blocks.data(), block_count, query, got.data());
+          got_least.refill();
+          variant.function(blocks.data(), block_count, query, got.data(), got_least.data());
           checkasm::expect_same_bits(want, got);
+          checkasm::expect_same_bits(want_least, got_least);
         });
       }
     }
@@ -55,8 +62,8 @@ TEST(CodeDistance, LongGapsAreCutAndTheLargestSumFits) {
   const std::vector<std::int8_t> block(kCodeBlock * kCodeDimensionMax, -128);
   for (const auto& variant : kCodeDistanceKernels) {
     if (!tier_available(variant.tier)) continue;
-    std::int32_t out[kCodeBlock];
-    variant.function(block.data(), 1, query, out);
+    std::int32_t out[kCodeBlock], least = 0;
+    variant.function(block.data(), 1, query, out, &least);
     for (const std::int32_t d : out) ASSERT_EQ(d, 16 * 11585 * 11585) << variant.name;
   }
 }
@@ -120,8 +127,9 @@ TEST(CodeBounds, EveryTierIsExactAndNoPointOfABoxIsNearer) {
         checkasm::expect_same_bits(want, got);
       });
       std::vector<std::int32_t> distance(boxes * kCodeBlock);
-      code_distance_ref(points.data(), static_cast<int>(boxes), query, distance.data());
-      for (std::size_t i = 0; i < distance.size(); ++i) ASSERT_LE(want[i / kCodeBlock], distance[i]);
+      std::vector<std::int32_t> nearest(boxes);
+      code_distance_ref(points.data(), static_cast<int>(boxes), query, distance.data(), nearest.data());
+      for (std::size_t box = 0; box < boxes; ++box) ASSERT_LE(want[box], nearest[box]);
     }
   }
 }
