@@ -12,6 +12,11 @@ function(im2fit_target name)
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     target_compile_options(${name} PRIVATE -Wno-restrict)
   endif()
+  # Branchless code joins truths with &. GCC's -Wconversion leaves signs out, and so do we.
+  if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
+    target_compile_options(${name} PRIVATE -Wno-bitwise-instead-of-logical -Wno-bitwise-conditional-parentheses
+                                           -Wno-sign-conversion)
+  endif()
   if(IM2FIT_SANITIZE)
     target_compile_options(${name} PUBLIC -fsanitize=${IM2FIT_SANITIZE} -fno-omit-frame-pointer
                                           -fno-sanitize-recover=all)

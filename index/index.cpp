@@ -51,6 +51,7 @@ struct Index::Data {
   MappedFile file;
   Contents contents;
   Info info;
+  std::string what;
   std::vector<Section> sections;
   std::unique_ptr<Answerer> answerer;
 };
@@ -73,6 +74,7 @@ Status load(Index::Data& data, std::span<const std::byte> bytes, const std::stri
   if (!contents) return contents.error();
   data.contents = *contents;
   data.info = make_info(*contents);
+  data.what = what;
   const auto container = ContainerReader::parse(bytes, kMagic, kVersion, what, false);
   if (!container) return container.error();
   std::map<std::uint64_t, Index::Section> by_offset;
@@ -133,6 +135,42 @@ MeasurementValues Index::measurements_of(std::uint32_t entry) const {
 
 std::vector<Index::Section> Index::sections() const {
   return data_->sections;
+}
+
+Status Index::verify(int trials) const {
+  const Contents& c = data_->contents;
+  const auto wrong = [&](const std::string& why) {
+    return Error{ErrorCode::corrupt, data_->what + ": " + why + "; build the index again"};
+  };
+  const CodeTree& tree = c.tree;
+  const auto edges = [&](std::span<const std::int16_t> boxes, std::size_t box, std::size_t d) {
+    const std::int16_t* edge =
+        boxes.data() + (box / kBoxBlock * c.meta.dimensions + d) * 2 * kBoxBlock + box % kBoxBlock;
+    return std::pair(edge[0], edge[kBoxBlock]);
+  };
+  for (std::size_t l = 0; l < tree.leaf_count(); ++l)
+    for (std::size_t d = 0; d < c.meta.dimensions; ++d) {
+      const auto [low, high] = edges(tree.leaf_boxes, l, d);
+      const auto [group_low, group_high] = edges(tree.group_boxes, l / kGroupLeaves, d);
+      if (low < group_low || high > group_high) return wrong("leaf " + std::to_string(l) + " lies outside its group");
+      for (std::uint32_t i = tree.leaf_first[l]; i < tree.leaf_first[l + 1]; ++i)
+        if (const int at = tree.code(i, d) * tree.steps[d]; at < low || at > high)
+          return wrong("entry " + std::to_string(i) + " lies outside its leaf");
+    }
+  CodeSearch search(tree);
+  std::vector<Neighbour> found;
+  for (int t = 0; t < trials; ++t) {
+    const auto entry =
+        static_cast<std::uint32_t>(tree.point_count * static_cast<std::size_t>(t) / static_cast<std::size_t>(trials));
+    Coordinates place{};
+    for (std::size_t d = 0; d < c.meta.dimensions; ++d) place[d] = tree.code(entry, d) * tree.steps[d];
+    const auto nearest = search.nearest(place, c.meta.neighbour_count);
+    found.assign(nearest.begin(), nearest.end());
+    const auto all = search.exhaustive(place, c.meta.neighbour_count);
+    if (!std::equal(all.begin(), all.end(), found.begin(), found.end()))
+      return wrong("the search near entry " + std::to_string(entry) + " misses neighbours");
+  }
+  return Ok{};
 }
 
 Index::Work Index::work_of(const Scratch& scratch) const {

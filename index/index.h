@@ -101,6 +101,10 @@ class Index {
     std::uint64_t size = 0;
   };
   std::vector<Section> sections() const;
+  // What opening a file does not look at: that every entry lies in its leaf's box and every leaf in its group's, and
+  // that the search finds what an exhaustive one finds, at `trials` entries. An error says what is wrong where.
+  // Opening has already held every section to its CRC and the records to their ranges.
+  Status verify(int trials) const;
   // How much of the file the scratch's last query read.
   struct Work {
     std::size_t leaves = 0, points = 0;

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// index inspect, verify and query: looking into an index that exists.
+#pragma once
+
+#include "apps/common/program.h"
+
+namespace im2fit::apps {
+
+void add_index_looks(CLI::App& index, Command& chosen);
+
+}  // namespace im2fit::apps

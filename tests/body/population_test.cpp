@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// People drawn again from their number.
+#include "body/population.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "body/params_vector.h"
+#include "body_pack.h"
+
+namespace im2fit::body {
+namespace {
+
+std::vector<Vec3f> mesh_of(const BodyModel& model, const Params& params) {
+  std::vector<Vec3f> out(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(params, out);
+  return out;
+}
+
+// What an index' number must give back: the mesh of the person it was made from.
+TEST(Population, APersonComesBackFromItsNumberWithinAMillimetre) {
+  IM2FIT_NEEDS_BODY();
+  const BodyModel& model = *real_body();
+  for (std::uint64_t number = 0; number < 12; ++number) {
+    const Drawn made = draw_person(model, Family::training, 5, number);
+    const auto again = params_of_person(model, kPopulationVersion, 5, number);
+    ASSERT_TRUE(again);
+    const auto a = mesh_of(model, made.params), b = mesh_of(model, *again);
+    float worst_mm = 0;
+    for (std::size_t v = 0; v < a.size(); ++v) worst_mm = std::max(worst_mm, norm(a[v] - b[v]));
+    EXPECT_LE(worst_mm, 1.0F) << number;
+    EXPECT_EQ(made.woman, number % 2 == 1);
+  }
+}
+
+TEST(Population, NumbersAndSeedsAreDifferentPeople) {
+  IM2FIT_NEEDS_BODY();
+  const BodyModel& model = *real_body();
+  std::set<std::vector<float>> seen;
+  for (const std::uint64_t seed : {1, 2})
+    for (std::uint64_t number = 0; number < 6; ++number)
+      seen.insert(
+          pack_params(*params_of_person(model, kPopulationVersion, seed, number), model.modifier_names().size()));
+  EXPECT_EQ(seen.size(), 12U);
+}
+
+// Sliders but stature's and weight's stand on a grid of 2^-16, so that a logarithm's last bit cannot show.
+TEST(Population, SlidersStandOnTheirGrid) {
+  IM2FIT_NEEDS_BODY();
+  const auto params = params_of_person(*real_body(), kPopulationVersion, 9, 3);
+  ASSERT_TRUE(params);
+  for (const float v : {params->gender, params->muscle, params->proportions, params->cup, params->firmness,
+                        params->race[0], params->race[1], params->race[2]})
+    EXPECT_EQ(v * 65536, std::round(v * 65536));
+  EXPECT_EQ(params->race[0] + params->race[1] + params->race[2], 1.0F);
+}
+
+TEST(Population, AnotherVersionIsRefused) {
+  IM2FIT_NEEDS_BODY();
+  const auto params = params_of_person(*real_body(), kPopulationVersion + 1, 1, 1);
+  ASSERT_FALSE(params);
+  EXPECT_NE(params.error().message.find("build the index again"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace im2fit::body

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a program does with a body file, done with one that may be damaged.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "body/measure.h"
+#include "body/model.h"
+#include "body/skeleton.h"
+
+namespace im2fit::fuzz {
+
+// Nothing when the file is refused; else whether every vertex of a few bodies is finite.
+inline std::optional<bool> use_body(std::vector<std::byte> bytes) {
+  const auto model = body::BodyModel::parse(std::move(bytes), "fuzzed.i2b");
+  if (!model) return std::nullopt;
+  std::vector<Vec3f> mesh(static_cast<std::size_t>(model->vertex_count())), posed(mesh.size());
+  bool sane = true;
+  for (const float at : {0.0F, 0.4F, 1.0F}) {
+    body::Params p;
+    p.gender = p.weight = p.height = p.muscle = at;
+    p.age_years = 18 + 70 * at;
+    p.modifiers.assign(model->modifier_names().size(), at - 0.5F);
+    model->morph(p, mesh);
+    for (const Vec3f& v : mesh) sane &= std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    const auto rest = body::rest_skeleton(*model, mesh);
+    body::skin(*model, mesh, rest, body::psi_pose(rest), posed);
+    (void)body::joints_of(*model, posed);
+  }
+  return sane;
+}
+
+}  // namespace im2fit::fuzz
