@@ -34,6 +34,16 @@ GuidanceSet bit(Guidance g) {
   return static_cast<GuidanceSet>(g);
 }
 
+// Pixels without data of the cells from column c_first to before c_end.
+int count_lost(const Grid& grid, DepthView depth, int r, int c_first, int c_end) {
+  int lost = 0;
+  for (int v = r * grid.step; v < (r + 1) * grid.step; ++v) {
+    const std::uint16_t* row = depth.row(v);
+    for (int u = c_first * grid.step; u < c_end * grid.step; ++u) lost += row[u] == 0 ? 1 : 0;
+  }
+  return lost;
+}
+
 // Share of the person's pixels without data, counting lost cells with the person on two sides.
 float hole_share(const Grid& grid, DepthView depth, std::span<const std::uint8_t> chosen) {
   int total = 0;
@@ -41,20 +51,19 @@ float hole_share(const Grid& grid, DepthView depth, std::span<const std::uint8_t
   const auto is_person = [&](int c, int r) {
     return c >= 0 && r >= 0 && c < grid.width && r < grid.height && chosen[at(grid.index(c, r))] != 0;
   };
+  const auto counts = [&](int c, int r) {
+    const auto cell = at(grid.index(c, r));
+    if (chosen[cell] != 0) return true;
+    if (grid.depth[cell] != 0) return false;
+    const bool across = (is_person(c - 1, r) || is_person(c - 2, r)) && (is_person(c + 1, r) || is_person(c + 2, r));
+    return across && (is_person(c, r - 1) || is_person(c, r - 2)) && (is_person(c, r + 1) || is_person(c, r + 2));
+  };
   for (int r = 0; r < grid.height; ++r) {
-    for (int c = 0; c < grid.width; ++c) {
-      const int cell = grid.index(c, r);
-      if (chosen[at(cell)] == 0) {
-        if (grid.depth[at(cell)] != 0) continue;
-        const bool across =
-            (is_person(c - 1, r) || is_person(c - 2, r)) && (is_person(c + 1, r) || is_person(c + 2, r));
-        const bool along =
-            (is_person(c, r - 1) || is_person(c, r - 2)) && (is_person(c, r + 1) || is_person(c, r + 2));
-        if (!across || !along) continue;
-      }
-      for (int v = r * grid.step; v < (r + 1) * grid.step; ++v)
-        for (int u = c * grid.step; u < (c + 1) * grid.step; ++u) lost += depth.at(u, v) == 0 ? 1 : 0;
-      total += grid.step * grid.step;
+    for (int first = 0, c = 0; c <= grid.width; ++c) {
+      if (c < grid.width && counts(c, r)) continue;
+      if (c > first) lost += count_lost(grid, depth, r, first, c);
+      total += (c - first) * grid.step * grid.step;
+      first = c + 1;
     }
   }
   return total > 0 ? static_cast<float>(lost) / static_cast<float>(total) : 1.0F;
@@ -147,22 +156,44 @@ bool head_over_shoulders(const Grid& grid, const Blob& blob) {
   return false;
 }
 
+// Whether nothing of the person is seen near the floor, or, without one, too little of a body.
+bool feet_hidden(const Grid& grid, const Person& person, DepthView depth, MaskView mask) {
+  const Vec3f up = person.floor.known ? person.floor.up : Vec3f{0, -1, 0};
+  float lowest = 1e9F;
+  float highest = -1e9F;
+  for (int v = person.v_max; v >= person.v_min; --v) {
+    for (int u = person.u_min; u <= person.u_max; u += grid.step) {
+      if (mask.at(u, v) == 0) continue;
+      const float h = dot(up, unproject(grid.intrinsics, static_cast<float>(u), static_cast<float>(v),
+                                        static_cast<float>(depth.at(u, v))));
+      lowest = std::min(lowest, h);
+      highest = std::max(highest, h);
+    }
+    if (person.floor.known && lowest + person.floor.camera_height_mm <= kFeetMissingMm) return false;
+  }
+  return person.floor.known || highest - lowest < kWholeBodyMinMm;
+}
+
 }  // namespace
 
 void mark_dead_borders(const Grid& grid, int image_width, int image_height, Person& person) {
-  int c_min = grid.width;
-  int c_max = -1;
-  int r_min = grid.height;
-  int r_max = -1;
-  for (int r = 0; r < grid.height; ++r) {
-    for (int c = 0; c < grid.width; ++c) {
-      if (grid.depth[at(grid.index(c, r))] == 0) continue;
-      c_min = std::min(c_min, c);
-      c_max = std::max(c_max, c);
-      r_min = std::min(r_min, r);
-      r_max = std::max(r_max, r);
-    }
-  }
+  const auto row_has_data = [&](int r) {
+    const auto first = grid.depth.begin() + grid.index(0, r);
+    return std::any_of(first, first + grid.width, [](std::uint16_t z) { return z != 0; });
+  };
+  const auto column_has_data = [&](int c) {
+    int r = 0;
+    while (r < grid.height && grid.depth[at(grid.index(c, r))] == 0) ++r;
+    return r < grid.height;
+  };
+  int c_min = 0;
+  int c_max = grid.width - 1;
+  int r_min = 0;
+  int r_max = grid.height - 1;
+  while (r_min <= r_max && !row_has_data(r_min)) ++r_min;
+  while (r_max > r_min && !row_has_data(r_max)) --r_max;
+  while (c_min <= c_max && !column_has_data(c_min)) ++c_min;
+  while (c_max > c_min && !column_has_data(c_max)) --c_max;
   const int dead = std::max(2, kDeadBorderPx * grid.step / 4);
   const auto ends = [&](int gap_px, int distance_px) { return gap_px <= dead && distance_px < grid.step; };
   const int left = c_min * grid.step;
@@ -184,21 +215,7 @@ GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, Mask
   if (person.cut_left || person.cut_right) out |= bit(Guidance::side_cut);
   if (disturbed) out |= bit(Guidance::several_people);
   if (hole_share(grid, depth, chosen) > kHoleShareMax) out |= bit(Guidance::too_noisy);
-  const Vec3f up = person.floor.known ? person.floor.up : Vec3f{0, -1, 0};
-  float lowest = 1e9F;
-  float highest = -1e9F;
-  for (int v = person.v_min; v <= person.v_max; ++v) {
-    for (int u = person.u_min; u <= person.u_max; u += grid.step) {
-      if (mask.at(u, v) == 0) continue;
-      const float h = dot(up, unproject(grid.intrinsics, static_cast<float>(u), static_cast<float>(v),
-                                        static_cast<float>(depth.at(u, v))));
-      lowest = std::min(lowest, h);
-      highest = std::max(highest, h);
-    }
-  }
-  const bool feet_hidden = person.floor.known ? lowest + person.floor.camera_height_mm > kFeetMissingMm
-                                              : highest - lowest < kWholeBodyMinMm;
-  if (person.cut_bottom || feet_hidden) out |= bit(Guidance::feet_cut);
+  if (person.cut_bottom || feet_hidden(grid, person, depth, mask)) out |= bit(Guidance::feet_cut);
   return out;
 }
 

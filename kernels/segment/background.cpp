@@ -17,8 +17,8 @@ constexpr float kTurnMax = 0.02F;  // of the floor's normal: 1.1 degrees
 constexpr float kLiftMaxMm = 40.0F;
 
 // Noise and rounding of a still surface, mm: 10 and some more than a disparity step.
-int tolerance_mm(int z) {
-  return 10 + ((z * z) >> 18);
+int tolerance_mm(std::uint16_t z) {
+  return 10 + static_cast<int>((std::uint32_t{z} * z) >> 16 >> 2);
 }
 
 std::size_t at(int i) {
@@ -40,19 +40,28 @@ void Background::reset() {
   floor_ = {};
 }
 
-// The far field: of the cells known and seen, a third shows something else, nearer or farther; or the floor tilted.
-bool Background::moved(const Grid& grid, const FloorPlane& floor) const {
-  if (floor.known && floor_.known &&
-      (norm(floor.up - floor_.up) > kTurnMax ||
-       std::fabs(floor.camera_height_mm - floor_.camera_height_mm) > kLiftMaxMm))
-    return true;
+bool Background::floor_moved(const FloorPlane& floor) const {
+  return floor.known && floor_.known &&
+         (norm(floor.up - floor_.up) > kTurnMax ||
+          std::fabs(floor.camera_height_mm - floor_.camera_height_mm) > kLiftMaxMm);
+}
+
+// Finds the cells that show the background. True when the far field moved: of the cells known and seen, a third shows
+// something else, nearer or farther.
+bool Background::compare(const Grid& grid) {
+  const std::uint16_t *z = grid.depth.data(), *known_z = depth_.data();
+  const std::uint8_t *evidence = evidence_.data(), *kept_out = kept_out_.data();
+  std::uint8_t* shown = shown_.data();
   int known = 0;
   int other = 0;
-  for (std::size_t i = 0; i < depth_.size(); ++i) {
-    const int z = grid.depth[i];
-    const int counts = (evidence_[i] >= kLearnedFrames) & (z != 0) & (kept_out_[i] == 0);
+  for (std::size_t i = 0, count = depth_.size(); i < count; ++i) {
+    const int away = std::abs(z[i] - (known_z[i] >> 2));
+    const int learned = evidence[i] >= kLearnedFrames;
+    const int same = away <= tolerance_mm(z[i]);
+    const int counts = learned & (z[i] != 0) & (kept_out[i] == 0);
+    shown[i] = static_cast<std::uint8_t>(learned & same);
     known += counts;
-    other += counts & (std::abs(z - (depth_[i] >> 2)) > tolerance_mm(z));
+    other += counts & (same ^ 1);
   }
   return known >= kKnownMin && other * 3 > known;
 }
@@ -73,19 +82,14 @@ void Background::keep_out(const Grid& grid, std::span<const Keepout> keepouts) {
 }
 
 void Background::look(const Grid& grid, const FloorPlane& floor) {
-  if (moved(grid, floor)) reset();
+  if (compare(grid) || floor_moved(floor)) reset();
   if (!floor_.known) floor_ = floor;
-  for (std::size_t i = 0; i < depth_.size(); ++i) {
-    const int z = grid.depth[i];
-    const int away = std::abs(z - (depth_[i] >> 2));
-    shown_[i] = static_cast<std::uint8_t>((evidence_[i] >= kLearnedFrames) & (away <= tolerance_mm(z)));
-  }
 }
 
 void Background::learn(const Grid& grid, std::span<const Keepout> keepouts, std::span<const std::uint8_t> taken) {
   keep_out(grid, keepouts);
   for (std::size_t i = 0; i < depth_.size(); ++i) {
-    const int z = grid.depth[i];
+    const std::uint16_t z = grid.depth[i];
     if (z == 0) continue;
     if (taken[i] != 0) {
       evidence_[i] = 0;

@@ -29,7 +29,8 @@ class Background {
   void learn(const Grid& grid, std::span<const Keepout> keepouts, std::span<const std::uint8_t> taken);
 
  private:
-  bool moved(const Grid& grid, const FloorPlane& floor) const;
+  bool floor_moved(const FloorPlane& floor) const;
+  bool compare(const Grid& grid);
   void keep_out(const Grid& grid, std::span<const Keepout> keepouts);
 
   std::vector<std::uint16_t> depth_;    // 1/4 mm; 0: none yet

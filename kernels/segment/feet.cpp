@@ -19,6 +19,12 @@ struct Box {
   int u_first, u_last, v_first, v_last;  // inclusive
 };
 
+// The chosen cells of a row: columns, inclusive, and depths.
+struct Cells {
+  int c_min, c_max;
+  std::uint16_t nearest, farthest;
+};
+
 struct Grower {
   const Grid& grid;
   DepthView depth;
@@ -59,7 +65,11 @@ struct Grower {
     return slope * z + floor.camera_height_mm <= kFootTopMm + kSlackMm;
   }
 
+  bool is_low(int u, int v) const {
+    return mask.at(u, v) != 0 && !(height_of(u, v, static_cast<float>(depth.at(u, v))) > kFootTopMm);
+  }
   // The mask's pixels at foot height; v_last < 0 where there are none.
+  Cells cells_of(std::span<const std::uint8_t> chosen, int row) const;
   Box low_box(std::span<const std::uint8_t> chosen) const;
   void sweep_right(int v, const Box& box) const;
   void sweep_left(int v, const Box& box) const;
@@ -68,20 +78,16 @@ struct Grower {
 
 Box Grower::low_box(std::span<const std::uint8_t> chosen) const {
   Box box = {mask.width, -1, mask.height, -1};
+  Cells above = cells_of(chosen, -1), here = above, below = cells_of(chosen, 0);
   for (int r = 0; r < grid.height; ++r) {
-    std::uint16_t nearest = 65535, farthest = 0;
-    int c_min = grid.width, c_max = -1;
-    for (int rr = std::max(0, r - 1); rr <= std::min(grid.height - 1, r + 1); ++rr) {
-      for (int c = 0; c < grid.width; ++c) {
-        const auto i = static_cast<std::size_t>(grid.index(c, rr));
-        if (chosen[i] == 0) continue;
-        nearest = std::min(nearest, grid.depth[i]);
-        farthest = std::max(farthest, grid.depth[i]);
-        c_min = std::min(c_min, c);
-        c_max = std::max(c_max, c);
-      }
-    }
+    above = here;
+    here = below;
+    below = cells_of(chosen, r + 1);
+    const int c_min = std::min({above.c_min, here.c_min, below.c_min});
+    const int c_max = std::max({above.c_max, here.c_max, below.c_max});
     if (c_max < 0) continue;
+    const std::uint16_t nearest = std::min({above.nearest, here.nearest, below.nearest});
+    const std::uint16_t farthest = std::max({above.farthest, here.farthest, below.farthest});
     const float z_min = std::max(0.0F, static_cast<float>(nearest) - kMaskReachMm);
     const float z_max = static_cast<float>(farthest) + kMaskReachMm;
     const int v_end = r + 1 == grid.height ? mask.height : (r + 1) * grid.step;
@@ -89,13 +95,14 @@ Box Grower::low_box(std::span<const std::uint8_t> chosen) const {
     const int u_end = c_max + 2 >= grid.width ? mask.width : (c_max + 2) * grid.step;
     for (int v = r * grid.step; v < v_end; ++v) {
       if (!may_be_low(v, z_min, z_max)) continue;
-      for (int u = u_begin; u < u_end; ++u) {
-        if (mask.at(u, v) == 0 || height_of(u, v, static_cast<float>(depth.at(u, v))) > kFootTopMm) continue;
-        box.v_first = std::min(box.v_first, v);
-        box.v_last = std::max(box.v_last, v);
-        box.u_first = std::min(box.u_first, u);
-        box.u_last = std::max(box.u_last, u);
-      }
+      int u_first = u_begin, u_last = u_end - 1;
+      while (u_first <= u_last && !is_low(u_first, v)) ++u_first;
+      if (u_first > u_last) continue;
+      while (!is_low(u_last, v)) --u_last;
+      box.v_first = std::min(box.v_first, v);
+      box.v_last = std::max(box.v_last, v);
+      box.u_first = std::min(box.u_first, u_first);
+      box.u_last = std::max(box.u_last, u_last);
     }
   }
   return box;
@@ -107,6 +114,20 @@ std::uint64_t word(const std::uint8_t* p) {
   std::uint64_t w = 0;
   std::memcpy(&w, p, sizeof w);
   return w;
+}
+
+Cells Grower::cells_of(std::span<const std::uint8_t> chosen, int row) const {
+  Cells cells = {grid.width, -1, 65535, 0};
+  if (row < 0 || row >= grid.height) return cells;
+  for (int c = 0; c < grid.width; ++c) {
+    const auto i = static_cast<std::size_t>(grid.index(c, row));
+    if (chosen[i] == 0) continue;
+    cells.nearest = std::min(cells.nearest, grid.depth[i]);
+    cells.farthest = std::max(cells.farthest, grid.depth[i]);
+    cells.c_min = std::min(cells.c_min, c);
+    cells.c_max = c;
+  }
+  return cells;
 }
 
 // Nothing grows in a word that is full, nor in one that is empty and has only empty pixels before and above it.

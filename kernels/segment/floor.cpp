@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace im2fit::segment {
 namespace {
@@ -23,6 +24,21 @@ constexpr float kSupportLengthMm = 250.0F;
 constexpr float kGateMm = 12.0F;
 constexpr float kGateQuanta = 0.8F;
 constexpr float kJumpMm = 12.0F;  // the camera was moved
+
+constexpr std::size_t kTogether = 8;
+
+// Of kTogether flags.
+bool none(const std::uint8_t* flags) {
+  std::uint64_t all = 0;
+  std::memcpy(&all, flags, kTogether);
+  return all == 0;
+}
+
+// Whether the rays of a row of cells all look up from the floor: what they meet is far above it.
+bool looks_up(const Grid& grid, const FloorPlane& plane, int row) {
+  const float up = plane.up.y * grid.ray_y[static_cast<std::size_t>(row)] + plane.up.z;
+  return plane.up.x * grid.ray_x.front() + up > 0 && plane.up.x * grid.ray_x.back() + up > 0;
+}
 
 float height_of(const FloorPlane& plane, Vec3f p) {
   return dot(plane.up, p) + plane.camera_height_mm;
@@ -86,12 +102,16 @@ bool FloorEquations::solve(FloorPlane& out) const {
 }
 
 FloorFinder::FloorFinder(const Grid& grid)
-    : candidates_(grid.depth.size()),
-      level_(static_cast<std::size_t>(grid.width)),
+    : level_(static_cast<std::size_t>(grid.width)),
       near_cells_(grid.depth.size()),
+      away_(grid.depth.size()),
       pixel_ray_x_(static_cast<std::size_t>(grid.width * grid.step)),
       pixel_ray_y_(static_cast<std::size_t>(grid.height * grid.step)),
-      row_up_(pixel_ray_y_.size()) {}
+      row_up_(pixel_ray_y_.size()) {
+  Candidates& c = candidates_;
+  for (std::vector<float>* v : {&c.x, &c.y, &c.z, &c.ray_x, &c.ray_y, &c.inverse_z}) v->resize(grid.depth.size());
+  c.on.resize(grid.depth.size());
+}
 
 void FloorFinder::reset() {
   tracked_ = {};
@@ -100,30 +120,46 @@ void FloorFinder::reset() {
 
 // A level cell: two cells further up the picture the surface has gone away from the camera, not up.
 void FloorFinder::gather(const Grid& grid, float slope) {
-  candidate_count_ = 0;
+  Candidates& out = candidates_;
+  const std::size_t width = level_.size();
+  const float* ray_x = grid.ray_x.data();
+  float *x = out.x.data(), *y = out.y.data(), *depth = out.z.data();
+  std::uint8_t* level = level_.data();
+  std::size_t count = 0;
   for (int r = 2; r < grid.height; ++r) {
     const std::uint16_t* here = grid.depth.data() + grid.index(0, r);
     const std::uint16_t* above = grid.depth.data() + grid.index(0, r - 2);
     const float ry = grid.ray_y[static_cast<std::size_t>(r)], above_ry = grid.ray_y[static_cast<std::size_t>(r - 2)];
-    for (std::size_t c = 0; c < level_.size(); ++c) {
+    for (std::size_t c = 0; c < width; ++c) {
       const float z = static_cast<float>(here[c]), above_z = static_cast<float>(above[c]);
       const float dz = above_z - z, dy = above_ry * above_z - ry * z;
       // A cell above without data makes dz negative; this one may have none.
-      level_[c] = static_cast<std::uint8_t>((dz > 0) & (std::fabs(dy) < slope * dz + 8.0F) & (dz < 800.0F) & (z > 0));
+      level[c] = static_cast<std::uint8_t>((dz > 0) & (std::fabs(dy) < slope * dz + 8.0F) & (dz < 800.0F) & (z > 0));
     }
-    for (int c = 0; c < grid.width; ++c) {
-      if (level_[static_cast<std::size_t>(c)] == 0) continue;
-      const Vec3f p = grid.point(c, r);
-      candidates_[static_cast<std::size_t>(candidate_count_++)] = {p, p.x / p.z, p.y / p.z, 1.0F / p.z};
+    for (std::size_t c = 0; c < width; ++c) {
+      if (c % kTogether == 0 && c + kTogether <= width && none(level + c)) {
+        c += kTogether - 1;
+        continue;
+      }
+      const float z = static_cast<float>(here[c]);
+      x[count] = ray_x[c] * z;
+      y[count] = ry * z;
+      depth[count] = z;
+      count += level[c];
     }
   }
+  out.count = count;
+  float *over_x = out.ray_x.data(), *over_y = out.ray_y.data(), *over_one = out.inverse_z.data();
+  for (std::size_t i = 0; i < count; ++i) over_x[i] = x[i] / depth[i];
+  for (std::size_t i = 0; i < count; ++i) over_y[i] = y[i] / depth[i];
+  for (std::size_t i = 0; i < count; ++i) over_one[i] = 1.0F / depth[i];
 }
 
 FloorPlane FloorFinder::search(const Grid& grid, float up_z_max) const {
   FloorPlane best;
-  const int count = candidate_count_;
+  const int count = static_cast<int>(candidates_.count);
   if (count < kSupportMin) return best;
-  const auto candidate = [&](int i) { return candidates_[static_cast<std::size_t>(i)].point; };
+  const auto candidate = [&](int i) { return candidates_.point(static_cast<std::size_t>(i)); };
   const int stride = std::max(1, count / kScoredCount);
   const int cells = static_cast<int>(grid.depth.size());
   const int cell_stride = std::max(1, cells / kScoredCount) | 1;  // odd: walks all columns
@@ -158,43 +194,55 @@ FloorPlane FloorFinder::search(const Grid& grid, float up_z_max) const {
   return best;
 }
 
-FloorPlane FloorFinder::fit_cells(FloorPlane plane) const {
+void FloorFinder::mark_on(const FloorPlane& plane, float share) {
+  const float *x = candidates_.x.data(), *y = candidates_.y.data(), *z = candidates_.z.data();
+  const FloorPlane p = plane;
+  std::uint8_t* on = candidates_.on.data();
+  for (std::size_t i = 0, count = candidates_.count; i < count; ++i)
+    on[i] = static_cast<std::uint8_t>(std::fabs(height_of(p, {x[i], y[i], z[i]})) <= share * height_gate_mm(p, z[i]));
+}
+
+FloorPlane FloorFinder::fit_cells(FloorPlane plane) {
+  const Candidates& all = candidates_;
   for (int pass = 0; pass < 3 && plane.known; ++pass) {
-    FloorEquations equations;
-    const float share = pass == 0 ? 1.5F : 1.0F;
-    for (const Candidate& c : candidates()) {
-      if (std::fabs(height_of(plane, c.point)) > share * height_gate_mm(plane, c.point.z)) continue;
-      equations.add(c.ray_x, c.ray_y, c.inverse_z);
-    }
+    mark_on(plane, pass == 0 ? 1.5F : 1.0F);
+    PointSums sums;
+    for (std::size_t i = 0; i < all.count; ++i)
+      if (all.on[i] != 0) sums.add(all.ray_x[i], all.ray_y[i], all.inverse_z[i]);
     FloorPlane next;
-    if (!equations.solve(next)) return {};
+    if (!sums.equations().solve(next)) return {};
     plane = next;
   }
   return plane;
 }
 
-bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) const {
+bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) {
   if (!plane.known || !plausible(plane)) return false;
+  const Candidates& all = candidates_;
+  mark_on(plane, 1.0F);
   int count = 0;
   float x_min = 1e9F;
   float x_max = -1e9F;
   float z_min = 1e9F;
   float z_max = -1e9F;
-  for (const Candidate& candidate : candidates()) {
-    const Vec3f& p = candidate.point;
-    if (std::fabs(height_of(plane, p)) > height_gate_mm(plane, p.z)) continue;
+  for (std::size_t i = 0; i < all.count; ++i) {
+    if (all.on[i] == 0) continue;
     ++count;
-    x_min = std::min(x_min, p.x);
-    x_max = std::max(x_max, p.x);
-    z_min = std::min(z_min, p.z);
-    z_max = std::max(z_max, p.z);
+    x_min = std::min(x_min, all.x[i]);
+    x_max = std::max(x_max, all.x[i]);
+    z_min = std::min(z_min, all.z[i]);
+    z_max = std::max(z_max, all.z[i]);
   }
   if (count < kSupportMin || x_max - x_min < kSupportWidthMm || z_max - z_min < kSupportLengthMm) return false;
   int below = 0;
   for (int r = 0; r < grid.height; ++r) {
+    if (looks_up(grid, plane, r)) continue;
+    const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
+    const float ry = grid.ray_y[static_cast<std::size_t>(r)];
     for (int c = 0; c < grid.width; ++c) {
-      const Vec3f p = grid.point(c, r);
-      below += (p.z > 0) & (height_of(plane, p) < -60.0F - quantum_mm(p.z)) ? 1 : 0;
+      const float z = static_cast<float>(depth[c]);
+      const Vec3f p = {grid.ray_x[static_cast<std::size_t>(c)] * z, ry * z, z};
+      below += (z > 0) & (height_of(plane, p) < -60.0F - quantum_mm(z)) ? 1 : 0;
     }
   }
   return below * 20 <= grid.valid_count && below <= 3 * count;
@@ -216,11 +264,13 @@ FloorPlane FloorFinder::find(const Grid& grid) {
   return tracked_;
 }
 
-// Cells of the floor near the feet, in reading order. In the first pass, which only centres the gate, and in far
-// cells, which count little, every fourth pixel does.
-int FloorFinder::list_cells(const Grid& grid, Vec3f feet, std::span<const std::uint8_t> taken, int pass) {
+// Cells of the floor near the feet, in reading order, every fourth pixel of each.
+int FloorFinder::list_cells(const Grid& grid, const FloorPlane& plane, Vec3f feet,
+                            std::span<const std::uint8_t> taken) {
+  const int stride = grid.step > 1 ? 2 : 1;
   int count = 0;
   for (int r = 0; r < grid.height; ++r) {
+    if (looks_up(grid, plane, r)) continue;
     for (int c = 0; c < grid.width; ++c) {
       const auto i = static_cast<std::size_t>(grid.index(c, r));
       if (grid.depth[i] == 0 || taken[i] != 0 || std::fabs(grid.height_mm[i]) > 60.0F) continue;
@@ -229,13 +279,23 @@ int FloorFinder::list_cells(const Grid& grid, Vec3f feet, std::span<const std::u
       const float away_z = p.z - feet.z;
       const float away = (away_x * away_x + away_z * away_z) * (1.0F / (500.0F * 500.0F));
       if (away > 25.0F) continue;
-      const int stride = grid.step > 1 && (pass == 0 || away > 2.0F) ? 2 : 1;
+      away_[static_cast<std::size_t>(count)] = away;
       near_cells_[static_cast<std::size_t>(count++)] = {
           static_cast<std::uint16_t>(c * grid.step), static_cast<std::uint16_t>(r * grid.step),
           static_cast<std::uint16_t>(stride), static_cast<float>(stride * stride) / (1.0F + away)};
     }
   }
   return count;
+}
+
+// Every pixel of those listed, but for far cells, which count little.
+void FloorFinder::list_more_pixels(const Grid& grid, int count) {
+  if (grid.step == 1) return;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const bool near = !(away_[i] > 2.0F);
+    near_cells_[i].stride = near ? 1 : 2;
+    near_cells_[i].weight *= near ? 0.25F : 1.0F;
+  }
 }
 
 FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPlane& coarse, Vec3f feet,
@@ -247,9 +307,11 @@ FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPla
   const float inverse_fy = 1.0F / k.fy;
   for (std::size_t u = 0; u < pixel_ray_x_.size(); ++u) pixel_ray_x_[u] = (static_cast<float>(u) - k.cx) * inverse_fx;
   for (std::size_t v = 0; v < pixel_ray_y_.size(); ++v) pixel_ray_y_[v] = (static_cast<float>(v) - k.cy) * inverse_fy;
+  // The first pass only centres the gate.
+  const int count = list_cells(grid, coarse, feet, taken);
   for (int pass = 0; pass < 2; ++pass) {
+    if (pass == 1) list_more_pixels(grid, count);
     for (std::size_t v = 0; v < row_up_.size(); ++v) row_up_[v] = plane.up.y * pixel_ray_y_[v] + plane.up.z;
-    const int count = list_cells(grid, feet, taken, pass);
     const float share = pass == 0 ? 1.5F : 1.0F;
     const FloorGate gate = {plane.up.x,          plane.camera_height_mm,
                             share * kGateMm,     share * kGateQuanta * quantum_mm(1.0F) * plane.camera_height_mm,

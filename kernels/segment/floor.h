@@ -13,10 +13,19 @@
 
 namespace im2fit::segment {
 
-// Depth at which a ray meets the plane q.r = -1/z; 0 when it does not.
+// 1/z at which the rays of a row of the picture meet the plane q.r = -1/z; they do above kNearnessMin.
+struct PlaneRow {
+  PlaneRow(const std::array<double, 3>& q, float ray_y)
+      : q_x(static_cast<float>(q[0])), q_y_ry(static_cast<float>(q[1]) * ray_y), q_z(static_cast<float>(q[2])) {}
+  float nearness(float ray_x) const { return -(q_x * ray_x + q_y_ry + q_z); }
+  float q_x, q_y_ry, q_z;
+};
+inline constexpr float kNearnessMin = 1e-5F;
+
+// Depth at which a ray meets the plane; 0 when it does not.
 inline float plane_depth(const std::array<double, 3>& q, float rx, float ry) {
-  const float inverse = -(static_cast<float>(q[0]) * rx + static_cast<float>(q[1]) * ry + static_cast<float>(q[2]));
-  return inverse > 1e-5F ? 1.0F / inverse : 0.0F;
+  const float inverse = PlaneRow(q, ry).nearness(rx);
+  return inverse > kNearnessMin ? 1.0F / inverse : 0.0F;
 }
 
 // Upper triangle of the 3x3 normal matrix, right side, and the sum of weights.
@@ -49,6 +58,34 @@ struct FloorEquations {
   bool solve(FloorPlane& out) const;
 };
 
+// FloorEquations of many points of weight 1: few enough sums to stay in registers.
+class PointSums {
+ public:
+  void add(float rx, float ry, float inverse_z) {
+    const double x = rx, y = ry, t = inverse_z;
+    xx_ += x * x;
+    xy_ += x * y;
+    x_ += x;
+    yy_ += y * y;
+    y_ += y;
+    tx_ -= t * x;
+    ty_ -= t * y;
+    t_ -= t;
+    ++count_;
+  }
+  FloorEquations equations() const {
+    FloorEquations out;
+    out.weight = count_;
+    out.a = {xx_, xy_, x_, yy_, y_, out.weight};
+    out.b = {tx_, ty_, t_};
+    return out;
+  }
+
+ private:
+  double xx_ = 0, xy_ = 0, x_ = 0, yy_ = 0, y_ = 0, tx_ = 0, ty_ = 0, t_ = 0;
+  int count_ = 0;
+};
+
 class FloorFinder {
  public:
   explicit FloorFinder(const Grid& grid);
@@ -61,25 +98,27 @@ class FloorFinder {
                     std::span<const std::uint8_t> taken);
 
  private:
-  // A cell that looks level.
-  struct Candidate {
-    Vec3f point;
-    float ray_x = 0, ray_y = 0, inverse_z = 0;
+  // The cells that look level, the first `count` of each.
+  struct Candidates {
+    std::vector<float> x, y, z;  // mm
+    std::vector<float> ray_x, ray_y, inverse_z;
+    std::vector<std::uint8_t> on;  // 1: on the plane last asked for
+    std::size_t count = 0;
+    Vec3f point(std::size_t i) const { return {x[i], y[i], z[i]}; }
   };
 
   void gather(const Grid& grid, float slope);  // rise over run in the picture's axes
+  void mark_on(const FloorPlane& plane, float share);
   FloorPlane search(const Grid& grid, float up_z_max) const;
-  bool supported(const Grid& grid, const FloorPlane& plane) const;
-  FloorPlane fit_cells(FloorPlane plane) const;
-  int list_cells(const Grid& grid, Vec3f feet, std::span<const std::uint8_t> taken, int pass);
-  std::span<const Candidate> candidates() const {
-    return {candidates_.data(), static_cast<std::size_t>(candidate_count_)};
-  }
+  bool supported(const Grid& grid, const FloorPlane& plane);
+  FloorPlane fit_cells(FloorPlane plane);
+  int list_cells(const Grid& grid, const FloorPlane& plane, Vec3f feet, std::span<const std::uint8_t> taken);
+  void list_more_pixels(const Grid& grid, int count);
 
-  std::vector<Candidate> candidates_;
-  int candidate_count_ = 0;
+  Candidates candidates_;
   std::vector<std::uint8_t> level_;  // of a row of cells
   std::vector<FloorCell> near_cells_;
+  std::vector<float> away_;  // of those: their squared distance from the feet, in units of its weight's
   std::vector<float> pixel_ray_x_, pixel_ray_y_, row_up_;
   FloorPlane tracked_;
   FloorEquations gathered_;

@@ -94,13 +94,13 @@ void FragmentJoiner::list_candidates(const Grid& grid, std::span<const Blob> lis
 // What goes on beneath as something else, at the same depth, lies on it: boxes on stools. What begins under the
 // person hangs there: legs.
 void FragmentJoiner::look_along(const Grid& grid, std::span<const std::uint16_t> labels,
-                                std::span<const std::uint8_t> chosen) {
+                                std::span<const std::uint8_t> chosen, int r_first, int r_last) {
   std::fill(ends_.begin(), ends_.end(), 0);
   std::fill(held_.begin(), held_.end(), 0);
   std::fill(tops_.begin(), tops_.end(), 0);
   std::fill(hung_.begin(), hung_.end(), 0);
   const auto row = at(grid.width);
-  for (int r = 2; r + 3 < grid.height; ++r) {
+  for (int r = std::max(2, r_first); r <= std::min(grid.height - 4, r_last); ++r) {
     for (int c = 0; c < grid.width; ++c) {
       const auto i = at(grid.index(c, r));
       const std::uint16_t own = labels[i];
@@ -148,12 +148,20 @@ void FragmentJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_k
   const auto label = static_cast<std::uint16_t>(person + 1);
   for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = labels[i] == label ? 1 : 0;
   list_candidates(grid, list, floor_known, person);
-  look_along(grid, labels, chosen);
+  int r_first = grid.height;
+  int r_last = -1;
+  for (std::size_t b = 0; b < list.size(); ++b) {
+    if (kind_[b] == Kind::no || list[b].cell_count == 0) continue;
+    r_first = std::min(r_first, list[b].r_min);
+    r_last = std::max(r_last, list[b].r_max);
+  }
+  if (r_last < 0) return;
+  look_along(grid, labels, chosen, r_first, r_last);
   for (int pass = 0; pass < 2; ++pass) {  // a hand may hang on a wrist that is an island itself
     std::fill(touch_.begin(), touch_.end(), 0);
     std::fill(border_.begin(), border_.end(), 0);
     std::fill(gap_mm_.begin(), gap_mm_.end(), 1e9F);
-    for (int r = 1; r + 1 < grid.height; ++r) {
+    for (int r = std::max(1, r_first); r <= std::min(grid.height - 2, r_last); ++r) {
       for (int c = 1; c + 1 < grid.width; ++c) {
         const int cell = grid.index(c, r);
         const std::uint16_t own = labels[at(cell)];
@@ -161,10 +169,12 @@ void FragmentJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_k
         look_around(grid, labels, chosen, c, r);
       }
     }
-    for (std::size_t i = 0; i < chosen.size(); ++i) {
-      if (labels[i] == 0 || chosen[i] != 0) continue;
-      const auto b = at(labels[i] - 1);
-      if (belongs(list[b], b, list[at(person)])) chosen[i] = 1;
+    for (std::size_t b = 0; b < list.size(); ++b) {
+      const Blob& blob = list[b];
+      if (kind_[b] == Kind::no || blob.cell_count == 0 || !belongs(blob, b, list[at(person)])) continue;
+      for (int r = blob.r_min; r <= blob.r_max; ++r)
+        for (int c = blob.c_min; c <= blob.c_max; ++c)
+          if (labels[at(grid.index(c, r))] == b + 1) chosen[at(grid.index(c, r))] = 1;
     }
   }
 }

@@ -26,7 +26,7 @@ int vote_stride(std::size_t cells) {
 
 }  // namespace
 
-WallRemover::WallRemover(const Grid& grid) {
+WallRemover::WallRemover(const Grid& grid) : on_(at(grid.width)) {
   const auto stride = static_cast<std::size_t>(vote_stride(grid.depth.size()));
   const std::size_t voters = (grid.depth.size() + stride - 1) / stride;
   for (std::vector<float>* v : {&ray_x_, &ray_y_, &z_mm_, &near_mm_, &far_mm_}) v->resize(voters);
@@ -84,30 +84,40 @@ bool WallRemover::search(const Grid& grid, Vec3f up, std::span<const std::uint8_
   return best_support > 0;
 }
 
+void WallRemover::mark_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row) {
+  const std::uint16_t* depth = grid.depth.data() + grid.index(0, row);
+  const std::uint8_t* is_open = open.data() + grid.index(0, row);
+  const PlaneRow wall(plane, grid.ray_y[at(row)]);
+  for (std::size_t c = 0; c < on_.size(); ++c) {
+    const float z = static_cast<float>(depth[c]);
+    const float nearness = wall.nearness(grid.ray_x[c]);
+    const bool near = std::fabs(z - 1.0F / nearness) <= 20.0F + quantum_mm(z);
+    on_[c] = static_cast<std::uint8_t>((nearness > kNearnessMin) & near & (is_open[c] != 0));
+  }
+}
+
 // Fits the plane to all cells on it; false when they are too few or too small for a wall.
-bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane) const {
+bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane) {
   float x_min = 1e9F;
   float x_max = -1e9F;
   float area_m2 = 0;
   const float cell_area =
       static_cast<float>(grid.step * grid.step) / (grid.intrinsics.fx * grid.intrinsics.fy) * 1e-6F;
   for (int pass = 0; pass < 2; ++pass) {
-    FloorEquations equations;
+    PointSums sums;
     area_m2 = 0;
     for (int r = 0; r < grid.height; ++r) {
-      const float ry = grid.ray_y[at(r)];
+      mark_on(grid, open, plane, r);
       for (int c = 0; c < grid.width; ++c) {
-        if (open[at(grid.index(c, r))] == 0) continue;
+        if (on_[at(c)] == 0) continue;
         const Vec3f p = grid.point(c, r);
-        const float rx = grid.ray_x[at(c)];
-        const float wall = plane_depth(plane, rx, ry);
-        if (!(wall > 0) || std::fabs(p.z - wall) > 20.0F + quantum_mm(p.z)) continue;
-        equations.add(rx, ry, 1.0F / p.z);
+        sums.add(grid.ray_x[at(c)], grid.ray_y[at(r)], 1.0F / p.z);
         x_min = std::min(x_min, p.x);
         x_max = std::max(x_max, p.x);
         area_m2 += cell_area * p.z * p.z;
       }
     }
+    const FloorEquations equations = sums.equations();
     if (equations.weight < 100.0 || !equations.solve_plane(plane)) return false;
   }
   return x_max - x_min >= kWidthMinMm && area_m2 >= kAreaMinM2;
@@ -120,11 +130,14 @@ void WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::
   Plane plane{};
   if (!search(grid, floor.known ? floor.up : Vec3f{0, -1, 0}, open, plane) || !refine(grid, open, plane)) return;
   for (int r = 0; r < grid.height; ++r) {
+    const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
+    std::uint8_t* is_open = open.data() + grid.index(0, r);
+    const PlaneRow wall(plane, grid.ray_y[at(r)]);
     for (int c = 0; c < grid.width; ++c) {
-      const std::size_t cell = at(grid.index(c, r));
-      const float z = static_cast<float>(grid.depth[cell]);
-      const float wall = plane_depth(plane, grid.ray_x[at(c)], grid.ray_y[at(r)]);
-      if (wall > 0 && z > wall - 45.0F - 2.0F * quantum_mm(z)) open[cell] = 0;
+      const float z = static_cast<float>(depth[c]);
+      const float nearness = wall.nearness(grid.ray_x[at(c)]);
+      const bool behind = z > 1.0F / nearness - 45.0F - 2.0F * quantum_mm(z);
+      is_open[c] = static_cast<std::uint8_t>(is_open[c] & ~((nearness > kNearnessMin) & behind));
     }
   }
 }

@@ -22,10 +22,12 @@ class WallRemover {
 
   void collect_voters(const Grid& grid, std::span<const std::uint8_t> open);
   bool search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best);
-  bool refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane) const;
+  void mark_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row);
+  bool refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane);
 
   std::vector<float> ray_x_, ray_y_, z_mm_, near_mm_, far_mm_;  // of the open cells that vote
   int voter_count_ = 0;
+  std::vector<std::uint8_t> on_;  // of a row: on the wall
 };
 
 }  // namespace im2fit::segment
