@@ -173,12 +173,20 @@ double stature_mm(const BodyModel& model, std::span<const Vec3f> vertices) {
   return static_cast<double>(e.high) - e.low;
 }
 
-float relaxed_spread_deg(const BodyModel& model, std::span<const Vec3f> rest_vertices) {
-  const double stature_m = stature_mm(model, rest_vertices) * 1e-3;
-  const double index = volume_litres(model, rest_vertices) / (stature_m * stature_m);
+namespace {
+
+float spread_deg(double tall_mm, double litres) {
+  const double stature_m = tall_mm * 1e-3;
+  const double index = litres / (stature_m * stature_m);
   // 10 degrees for the slim (20 l/m^2), 14 at 30, 21 at 42: what keeps arms out of the flanks.
   const double spread = index < 30 ? 10 + (index - 20) * 0.4 : 14 + (index - 30) * (7.0 / 12);
   return static_cast<float>(spread > 10 ? (spread < 22 ? spread : 22) : 10);
+}
+
+}  // namespace
+
+float relaxed_spread_deg(const BodyModel& model, std::span<const Vec3f> rest_vertices) {
+  return spread_deg(stature_mm(model, rest_vertices), volume_litres(model, rest_vertices));
 }
 
 MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3f> rest_vertices, float gender) {
@@ -190,7 +198,7 @@ MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3
   set(Measurement::weight, litres * 1e-3 * density_kg_m3(tall_mm, litres));
 
   const Skeleton rest = rest_skeleton(model, rest_vertices);
-  const Pose pose = relaxed_pose(rest, relaxed_spread_deg(model, rest_vertices));
+  const Pose pose = relaxed_pose(rest, spread_deg(tall_mm, litres));
   std::vector<Vec3f> posed(rest_vertices.size());
   skin(model, rest_vertices, rest, pose, posed);
   Standing standing(model, posed, gender);

@@ -162,6 +162,11 @@ void derive(BodyModel::Data& d) {
     d.triangles.push_back({q[0], q[1], q[2]});
     d.triangles.push_back({q[0], q[2], q[3]});
   }
+  for (const TargetRecord& t : d.targets) {
+    std::uint32_t count = t.run_count;
+    while (count > 0 && d.runs[t.first_run + count - 1].first_vertex >= kBodyVertexCount) --count;
+    d.body_run_count.push_back(count);
+  }
   const auto arm_weight = [&](std::int32_t v) {
     const SkinRecord& s = d.skin[static_cast<std::size_t>(v)];
     float sum = 0;
@@ -234,10 +239,16 @@ void add_modifiers(const BodyModel::Data& d, const Params& p, TargetWeights& wei
   }
 }
 
-void add_target(const BodyModel::Data& d, const TargetRecord& target, float weight, float* out) {
+void weigh_targets(const BodyModel::Data& d, const Params& p, TargetWeights& weights) {
+  std::fill_n(weights.begin(), d.targets.size(), 0.0F);
+  add_macros(d, p, weights);
+  add_modifiers(d, p, weights);
+}
+
+void add_runs(const BodyModel::Data& d, std::uint32_t first_run, std::uint32_t run_count, float weight, float* out) {
   const float scale = weight * kDeltaUnitMm;
   if (std::fabs(scale) < kBlendScaleMin) return;
-  blend(d.runs.data() + target.first_run, static_cast<int>(target.run_count), d.deltas.data(), scale, out);
+  blend(d.runs.data() + first_run, static_cast<int>(run_count), d.deltas.data(), scale, out);
 }
 
 }  // namespace
@@ -293,13 +304,22 @@ void BodyModel::morph(const Params& params, std::span<Vec3f> out) const {
   const Data& d = *data_;
   assert(out.size() == d.base.size());
   TargetWeights weights;
-  std::fill_n(weights.begin(), d.targets.size(), 0.0F);
-  add_macros(d, params, weights);
-  add_modifiers(d, params, weights);
+  weigh_targets(d, params, weights);
   static_assert(sizeof(Vec3f) == 3 * sizeof(float));
   std::memcpy(out.data(), d.base.data(), d.base.size_bytes());
   for (std::size_t t = 0; t < d.targets.size(); ++t)
-    if (weights[t] != 0) add_target(d, d.targets[t], weights[t], &out[0].x);
+    if (weights[t] != 0) add_runs(d, d.targets[t].first_run, d.targets[t].run_count, weights[t], &out[0].x);
+}
+
+// A run may cross from the body into the helpers, which therefore need places that hold numbers.
+void BodyModel::morph_body(const Params& params, std::span<Vec3f> out) const {
+  const Data& d = *data_;
+  assert(out.size() == d.base.size());
+  TargetWeights weights;
+  weigh_targets(d, params, weights);
+  std::memcpy(out.data(), d.base.data(), d.base.size_bytes());
+  for (std::size_t t = 0; t < d.targets.size(); ++t)
+    if (weights[t] != 0) add_runs(d, d.targets[t].first_run, d.body_run_count[t], weights[t], &out[0].x);
 }
 
 Vec3f mean_of_list(const BodyModel::Data& data, std::size_t list, std::span<const Vec3f> vertices) {

@@ -77,6 +77,8 @@ class BodyModel {
 
   // Rest-pose mesh of `params`; out has vertex_count() places. No allocation.
   void morph(const Params& params, std::span<Vec3f> out) const;
+  // The same bits for the body's vertices and something for the helpers': what stature and volume ask for.
+  void morph_body(const Params& params, std::span<Vec3f> out) const;
 
   struct Data;
   const Data& data() const { return *data_; }

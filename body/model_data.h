@@ -113,6 +113,7 @@ struct BodyModel::Data {
 
   std::vector<std::string> modifier_names;
   std::vector<std::array<std::int32_t, 3>> triangles;
+  std::vector<std::uint32_t> body_run_count;  // of each target: its runs from the first on that reach the body
   std::vector<std::uint8_t> triangle_is_arm;  // 1: arm (not shoulder) weight >= .5 on average
 
   std::int32_t landmark(Landmark l) const { return landmarks[static_cast<std::size_t>(l)]; }

@@ -38,13 +38,15 @@ void heights_along(std::span<const Vec3f> vertices, Vec3f normal, std::vector<fl
 void section_points(std::span<const Triangle> triangles, std::span<const std::uint8_t> skip,
                     std::span<const Vec3f> vertices, std::span<const float> heights, float level,
                     std::vector<Vec3f>& out) {
-  const auto height = [&](std::int32_t v) { return heights[static_cast<std::size_t>(v)] - level; };
+  std::vector<std::uint8_t> above(heights.size());
+  for (std::size_t i = 0; i < heights.size(); ++i) above[i] = heights[i] - level > 0 ? 1 : 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
-    const std::array<float, 3> d = {height(corner[0]), height(corner[1]), height(corner[2])};
+    const auto side = [&](std::size_t i) { return static_cast<int>(above[static_cast<std::size_t>(corner[i])]); };
     // Sums, not branches: which side a corner lies on is a coin toss to the predictor.
-    const int above = static_cast<int>(d[0] > 0) + static_cast<int>(d[1] > 0) + static_cast<int>(d[2] > 0);
-    if (above % 3 == 0 || (!skip.empty() && skip[t] != 0)) continue;
+    if ((side(0) + side(1) + side(2)) % 3 == 0 || (!skip.empty() && skip[t] != 0)) continue;
+    const auto height = [&](std::size_t i) { return heights[static_cast<std::size_t>(corner[i])] - level; };
+    const std::array<float, 3> d = {height(0), height(1), height(2)};
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t j = i == 2 ? 0 : i + 1;
       if ((d[i] > 0) == (d[j] > 0)) continue;

@@ -33,16 +33,20 @@ struct Sliders {
   float build;  // the weight slider 0..1; above it 1 + fatness, below it minus slimness
 };
 
-// Stature, volume and their derivatives along the two sliders.
+// How far stature and volume are from their goals, and their derivatives along the two sliders.
 struct Response {
-  double stature_mm, volume_l;
+  double more_stature, more_volume;
   double stature_by_height, stature_by_build;
   double volume_by_height, volume_by_build;
 };
 
 class Solver {
  public:
-  Solver(const BodyModel& model, const Params& params) : model_(model), original_(params), trial_(params) {
+  Solver(const BodyModel& model, const Params& params)
+      : model_(model),
+        original_(params),
+        trial_(params),
+        body_count_(static_cast<std::size_t>(model.body_vertex_count())) {
     for (std::size_t i = 0; i < std::size(kFatness); ++i)
       fatness_index_[i] = model.modifier_index(kFatness[i].modifier);
     trial_.modifiers.resize(model.modifier_names().size());
@@ -51,15 +55,14 @@ class Solver {
     for (Mesh* m : {&here_, &by_height_, &by_build_}) m->resize(count);
   }
 
-  // Newton in both sliders. Along each the mesh is affine between the slider's kinks, so the derivative at a point is
-  // the difference to any other point of its piece.
+  // Newton in both sliders; sliders that no longer move are against their stops. Along each the mesh is affine
+  // between the slider's kinks, so the derivative at a point is the difference to any other point of its piece.
   bool solve(double stature_goal, double volume_goal, Sliders& s) {
     for (int step = 0; step < kStepCountMax; ++step) {
-      const Response r = respond(s);
-      const double more_stature = stature_goal - r.stature_mm;
-      const double more_volume = volume_goal - r.volume_l;
-      if (std::fabs(more_stature) < kStatureToleranceMm && std::fabs(more_volume) < kVolumeToleranceL) return true;
-      s = next(s, r, more_stature, more_volume);
+      if (!respond(s, stature_goal, volume_goal)) return true;
+      const Sliders n = next(s, response_);
+      if (n.height == s.height && n.build == s.build) return false;
+      s = n;
     }
     return false;
   }
@@ -81,15 +84,15 @@ class Solver {
   static int build_piece(float b) { return b < 0 ? 0 : b < 0.5F ? 1 : b <= 1 ? 2 : 3; }
   static bool beyond_slider(int piece) { return piece == 0 || piece == 3; }
 
-  Response respond(Sliders s) {
+  // False: the goals are met, and response_ is not made.
+  bool respond(Sliders s, double stature_goal, double volume_goal) {
     const int height = height_piece(s.height), build = build_piece(s.build);
     // Beyond the slider a modifier of the set may change sign on the way, so there nothing is kept.
     const bool keep_build = build == build_piece_ && !beyond_slider(build);
     if (height == height_piece_ && keep_build) {
-      for (std::size_t i = 0; i < here_.size(); ++i)
-        here_[i] = here_[i] + by_height_[i] * (s.height - last_.height) + by_build_[i] * (s.build - last_.build);
+      advance(s.height - last_.height, s.build - last_.build);
     } else {
-      model_.morph(at(s), here_);
+      model_.morph_body(at(s), here_);
       if (height != height_piece_) {
         const float other = other_point(s.height);
         difference({other, s.build}, other - s.height, by_height_);
@@ -102,13 +105,29 @@ class Solver {
     height_piece_ = height;
     build_piece_ = build;
     last_ = s;
-    return derive();
+    find_extremes();
+    response_.more_stature = stature_goal - tall(here_);
+    response_.more_volume = volume_goal - volume_l();
+    if (std::fabs(response_.more_stature) < kStatureToleranceMm &&
+        std::fabs(response_.more_volume) < kVolumeToleranceL)
+      return false;
+    derive();
+    return true;
+  }
+
+  void advance(float height, float build) {
+    float* here = &here_[0].x;
+    const float* by_height = &by_height_[0].x;
+    const float* by_build = &by_build_[0].x;
+    for (std::size_t i = 0; i < 3 * body_count_; ++i) here[i] = here[i] + by_height[i] * height + by_build[i] * build;
   }
 
   // Movement of each vertex per unit of the slider that differs by `step` at `there`.
   void difference(Sliders there, float step, Mesh& out) {
-    model_.morph(at(there), out);
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = (out[i] - here_[i]) * (1 / step);
+    model_.morph_body(at(there), out);
+    float* value = &out[0].x;
+    const float* here = &here_[0].x;
+    for (std::size_t i = 0; i < 3 * body_count_; ++i) value[i] = (value[i] - here[i]) * (1 / step);
   }
 
   // A second point of the same piece of a slider, 0..0.5 or 0.5..1.
@@ -118,35 +137,44 @@ class Solver {
     return v > 1 + kFatnessMax / 2 || (v < -kSlimnessMax / 2 && v < 0) ? v - outwards : v + outwards;
   }
 
+  void find_extremes() {
+    low_ = high_ = 0;
+    for (std::size_t i = 0; i < body_count_; ++i) {
+      if (here_[i].y < here_[low_].y) low_ = i;
+      if (here_[i].y > here_[high_].y) high_ = i;
+    }
+  }
+  double tall(const Mesh& m) const { return static_cast<double>(m[high_].y) - m[low_].y; }
+
+  double volume_l() const {
+    double volume = 0;
+    for (const auto& t : model_.body_triangles()) {
+      const Vec3f& a = here_[static_cast<std::size_t>(t[0])];
+      const Vec3f& b = here_[static_cast<std::size_t>(t[1])];
+      const Vec3f& c = here_[static_cast<std::size_t>(t[2])];
+      volume += static_cast<double>(dot(cross(b - a, c - a), a + b + c));
+    }
+    return volume / 18e6;  // (edge x edge) . corner is the same for the three corners
+  }
+
   // First variation of a closed mesh's volume: a sixth of (edge x edge) . (sum of the corners' movements).
-  Response derive() const {
-    double volume = 0, by_height = 0, by_build = 0;
+  void derive() {
+    double by_height = 0, by_build = 0;
     for (const auto& t : model_.body_triangles()) {
       const auto a = static_cast<std::size_t>(t[0]), b = static_cast<std::size_t>(t[1]),
                  c = static_cast<std::size_t>(t[2]);
-      const Vec3f sum = here_[a] + here_[b] + here_[c];
       const Vec3f n = cross(here_[b] - here_[a], here_[c] - here_[a]);
-      volume += static_cast<double>(dot(n, sum));
       by_height += static_cast<double>(dot(n, by_height_[a] + by_height_[b] + by_height_[c]));
       by_build += static_cast<double>(dot(n, by_build_[a] + by_build_[b] + by_build_[c]));
     }
-    std::size_t low = 0, high = 0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(model_.body_vertex_count()); ++i) {
-      if (here_[i].y < here_[low].y) low = i;
-      if (here_[i].y > here_[high].y) high = i;
-    }
-    const auto tall = [&](const Mesh& m) { return static_cast<double>(m[high].y) - m[low].y; };
-    Response r{};
-    r.stature_mm = tall(here_);
-    r.volume_l = volume / 18e6;  // (edge x edge) . corner is the same for the three corners
-    r.stature_by_height = tall(by_height_);
-    r.stature_by_build = tall(by_build_);
-    r.volume_by_height = by_height / 6e6;
-    r.volume_by_build = by_build / 6e6;
-    return r;
+    response_.stature_by_height = tall(by_height_);
+    response_.stature_by_build = tall(by_build_);
+    response_.volume_by_height = by_height / 6e6;
+    response_.volume_by_build = by_build / 6e6;
   }
 
-  static Sliders next(Sliders s, const Response& r, double more_stature, double more_volume) {
+  static Sliders next(Sliders s, const Response& r) {
+    const double more_stature = r.more_stature, more_volume = r.more_volume;
     const double det = r.stature_by_height * r.volume_by_build - r.stature_by_build * r.volume_by_height;
     double dh = 0, db = 0;
     if (r.volume_by_build > 0 && std::fabs(det) > 1e-9) {
@@ -177,7 +205,10 @@ class Solver {
   Sliders last_{};
   int height_piece_ = -1;
   int build_piece_ = -1;
-  Mesh here_, by_height_, by_build_;
+  std::size_t body_count_;
+  Mesh here_, by_height_, by_build_;  // of the helpers nothing is asked
+  std::size_t low_ = 0, high_ = 0;    // vertices of here_: the soles' and the crown's
+  Response response_{};
 };
 
 // The volume whose mass at this stature is weight_kg; density falls slowly with volume, so iteration contracts.
