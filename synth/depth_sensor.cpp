@@ -17,6 +17,7 @@ constexpr float kDepthStep = 0.02F;  // relative: a jump of 40 mm at 2 m is an e
 constexpr int kEdgeReachPx = 2;
 constexpr float kPatchShare = 0.5F;  // of the axial variance
 constexpr float kTofPatchShare = 0.25F;
+constexpr std::int32_t kSurelyLost = 65536;
 constexpr double kFlyingShare = 0.45;  // of pixels at an edge: both surfaces
 constexpr double kGivenUpShare = 0.15;
 // Multipath: share of how far two walls part kMultipathReachPx (at 640 wide) from the corner.
@@ -26,20 +27,12 @@ constexpr int kMultipathReachPx = 24;
 
 enum Stream : std::uint64_t { kPixels = 0x5E01, kLattice = 0x5E02, kBlobs = 0x5E03, kHairPattern = 0x5E04 };
 
-// As Rng::fast_normal, on given bits.
-float normal_of(std::uint64_t r) {
-  const int sum = static_cast<int>(r & 0xFFFF) + static_cast<int>((r >> 16) & 0xFFFF) +
-                  static_cast<int>((r >> 32) & 0xFFFF) + static_cast<int>(r >> 48);
-  return (static_cast<float>(sum) - 131070.0F) * (1.7320508F / 65536.0F);
-}
-
 // Counter-based: any row or pixel of any frame can be had without the ones before it.
 std::uint64_t row_seed(std::uint64_t seed, Stream stream, std::uint64_t frame, int v) {
   return Rng::for_item(seed, stream + (static_cast<std::uint64_t>(v) << 16), frame).next();
 }
-constexpr std::uint64_t kGamma = 0x9E3779B97F4A7C15ULL;  // SplitMix64's step: state + k gamma is the k-th draw
 std::uint64_t draw(std::uint64_t row, int k) {
-  return Rng(row + kGamma * static_cast<std::uint64_t>(k)).next();
+  return Rng(row + kRowStep * static_cast<std::uint64_t>(k)).next();
 }
 
 double incidence(int cosine_byte) {
@@ -111,8 +104,15 @@ DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
       edge_(source_.size()),
       step_(source_.size()),
       lattice_low_(static_cast<std::size_t>(k.width / patch_px_ + 2)),
-      lattice_high_(lattice_low_.size()),
+      lattice_row_low_(lattice_low_.size()),
+      lattice_row_high_(lattice_low_.size()),
       patch_(static_cast<std::size_t>(k.width)) {
+  if (in_steps()) {
+    exact_.resize(source_.size());
+    sigma_.resize(source_.size());
+    lost_.resize(source_.size());
+    step_row_.resize(static_cast<std::size_t>(k.width));
+  }
   Tables& t = tables_;
   for (int raw = 0; raw < kRawCount; ++raw) {
     // Past the last finite step there is nothing to deliver; the tables keep the farthest's values.
@@ -122,9 +122,6 @@ DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
     const double quantiser = options.quantise ? 1.0 / 12 : 0;
     t.sigma_raw.push_back(static_cast<float>(std::sqrt(std::max(0.0, sigma * sigma - quantiser))));
     t.graze_raw.push_back(static_cast<float>(graze_factor(options.kind, z_mm) / step_mm));
-    const double delivered = z_mm * options.depth_scale;
-    const bool inside = delivered >= options.range_min_mm && delivered <= options.range_max_mm && delivered < 65535;
-    t.mm.push_back(inside ? static_cast<std::uint16_t>(std::lround(delivered)) : std::uint16_t{0});
     const double far_loss =
         options.kind == SensorKind::time_of_flight ? 0.1 * ramp(z_mm, 4500, 5500) : 0.3 * ramp(z_mm, 4000, 5500);
     t.lost_by_raw.push_back(chance_of(3e-4 + far_loss));
@@ -135,6 +132,30 @@ DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
     t.lateral_px.push_back(static_cast<float>(0.8 + 0.035 * angle / (std::numbers::pi / 2 - angle)) * pixel_scale_);
     t.lost_by_cosine.push_back(chance_of(0.7 * std::pow(ramp(angle * 180 / std::numbers::pi, 70, 88), 2)));
   }
+  scale_depth(options.depth_scale);
+}
+
+void DepthSensor::scale_depth(float depth_scale) {
+  options_.depth_scale = depth_scale;
+  tables_.mm.clear();
+  for (int raw = 0; raw < kRawCount; ++raw) {
+    const double delivered = raw_to_mm(std::min(raw, static_cast<int>(kRawAtInfinity))) * depth_scale;
+    const bool inside = delivered >= options_.range_min_mm && delivered <= options_.range_max_mm && delivered < 65535;
+    tables_.mm.push_back(inside ? static_cast<std::uint16_t>(std::lround(delivered)) : std::uint16_t{0});
+  }
+  tables_.mm.push_back(0);  // of kRawCount, no data
+}
+
+void DepthSensor::change(const SensorOptions& options) {
+  SensorOptions alike = options;
+  alike.depth_scale = options_.depth_scale;
+  alike.box_margin_px = options_.box_margin_px;
+  if (!(alike == options_)) {
+    *this = DepthSensor(options, k_);
+    return;
+  }
+  options_ = options;
+  scale_depth(options.depth_scale);
 }
 
 void DepthSensor::shadow_row(const CleanView& view, int v) {
@@ -221,12 +242,40 @@ void DepthSensor::prepare(const CleanView& view, const PixelBox& box) {
   for (int v = v0; v < v1; ++v) shadow_row(view, v);
   if (options_.noise && options_.kind == SensorKind::time_of_flight) bias_rows(view, v0, v1);
   if (options_.noise) edge_rows(view, box.v0, box.v1);
+  if (in_steps()) expect_rows(view, v0, v1);
 }
 
+// All of deliver() that no noise changes, so that frames of a scene that stands still share it.
+void DepthSensor::expect_rows(const CleanView& view, int v0, int v1) {
+  const std::size_t end = view.at(0, v1);
+  for (std::size_t at = view.at(0, v0); at < end; ++at) {
+    const float q = source_[at];
+    const float exact = static_cast<float>(kRawAtInfinity) - q * kRawPerInverseMm;
+    const auto index = static_cast<std::size_t>(std::clamp(exact, 0.0F, static_cast<float>(kRawCount - 1)));
+    const std::uint8_t cosine = view.cosine[at];
+    exact_[at] = exact;
+    sigma_[at] = tables_.sigma_raw[index] + tables_.graze_raw[index] * tables_.graze[cosine];
+    const int lost = std::max(tables_.lost_by_cosine[cosine], tables_.lost_by_raw[index]);
+    lost_[at] = !(q > 0) ? kSurelyLost : options_.holes ? lost : 0;
+  }
+}
+
+void DepthSensor::lattice_row(std::uint64_t seed, std::uint64_t frame, int cell, std::vector<float>& out) {
+  const std::uint64_t row = row_seed(seed, kLattice, frame, cell);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = normal_of_bits(draw(row, static_cast<int>(i)));
+}
+
+// Rows of a frame from top to bottom: those of one cell share the lattice's two rows.
 void DepthSensor::patch_row(std::uint64_t seed, std::uint64_t frame, int v) {
   const int cell = v / patch_px_;
-  const std::uint64_t low = row_seed(seed, kLattice, frame, cell);
-  const std::uint64_t high = row_seed(seed, kLattice, frame, cell + 1);
+  if (cell != lattice_cell_) {
+    if (cell == lattice_cell_ + 1 && lattice_cell_ >= 0)
+      lattice_row_low_.swap(lattice_row_high_);
+    else
+      lattice_row(seed, frame, cell, lattice_row_low_);
+    lattice_row(seed, frame, cell + 1, lattice_row_high_);
+    lattice_cell_ = cell;
+  }
   // Interpolated normals keep unit variance when divided by the length of their weights.
   const auto weights = [&](int phase, float& near_weight, float& far_weight) {
     const float x = (static_cast<float>(phase) + 0.5F) / static_cast<float>(patch_px_);
@@ -236,9 +285,8 @@ void DepthSensor::patch_row(std::uint64_t seed, std::uint64_t frame, int v) {
   };
   float a = 0, b = 0;
   weights(v % patch_px_, a, b);
-  const int cells = static_cast<int>(lattice_low_.size());
-  for (int i = 0; i < cells; ++i)
-    lattice_low_[static_cast<std::size_t>(i)] = a * normal_of(draw(low, i)) + b * normal_of(draw(high, i));
+  for (std::size_t i = 0; i < lattice_low_.size(); ++i)
+    lattice_low_[i] = a * lattice_row_low_[i] + b * lattice_row_high_[i];
   for (int phase = 0; phase < patch_px_; ++phase) {
     weights(phase, a, b);
     for (int i = 0, u = phase; u < k_.width; ++i, u += patch_px_)
@@ -247,16 +295,15 @@ void DepthSensor::patch_row(std::uint64_t seed, std::uint64_t frame, int v) {
   }
 }
 
-DepthSensor::Sample DepthSensor::displaced(const CleanView& view, int u, int v, std::uint64_t bits) const {
+// Whose value a pixel beside a step delivers.
+std::size_t DepthSensor::displaced(const CleanView& view, int u, int v, std::uint64_t bits) const {
   const float sigma = tables_.lateral_px[view.cosine[view.at(u, v)]];
-  const float du = normal_of(bits) * sigma;
-  const float dv = normal_of(Rng(bits).next()) * sigma;
+  const float du = normal_of_bits(bits) * sigma;
+  const float dv = normal_of_bits(Rng(bits).next()) * sigma;
   const auto shift = [](float d) {
     return std::clamp(static_cast<int>(d + (d < 0 ? -0.5F : 0.5F)), -kEdgeReachPx, kEdgeReachPx);
   };
-  const std::size_t at =
-      view.at(std::clamp(u + shift(du), 0, k_.width - 1), std::clamp(v + shift(dv), 0, k_.height - 1));
-  return {source_[at], view.cosine[at], view.label[at]};
+  return view.at(std::clamp(u + shift(du), 0, k_.width - 1), std::clamp(v + shift(dv), 0, k_.height - 1));
 }
 
 // A pixel beside a step sees its neighbour's surface, too.
@@ -289,17 +336,13 @@ DepthSensor::Sample DepthSensor::flying(const CleanView& view, int u, int v, std
   return mixed;
 }
 
+// Without steps.
 std::uint16_t DepthSensor::deliver(const Sample& s, float noise, std::uint32_t chance) const {
   const float exact = static_cast<float>(kRawAtInfinity) - s.inverse_depth * kRawPerInverseMm;
   const auto index = static_cast<std::size_t>(std::clamp(exact, 0.0F, static_cast<float>(kRawCount - 1)));
   if (options_.holes && (chance < tables_.lost_by_cosine[s.cosine] || chance < tables_.lost_by_raw[index])) return 0;
   const float sigma = tables_.sigma_raw[index] + tables_.graze_raw[index] * tables_.graze[s.cosine];
   const float raw = exact + sigma * noise;
-  if (options_.quantise) {
-    // Nearer than the sensor can express (raw < 0) is as lost as farther.
-    if (raw < -0.5F) return 0;
-    return tables_.mm[static_cast<std::size_t>(std::min(raw + 0.5F, static_cast<float>(kRawCount - 1)))];
-  }
   const float q = (static_cast<float>(kRawAtInfinity) - raw) * static_cast<float>(kRawStepPerMm);
   const float z = noise == 0 ? options_.depth_scale / s.inverse_depth : options_.depth_scale / q;
   if (!(z >= options_.range_min_mm && z <= options_.range_max_mm && z < 65535)) return 0;
@@ -317,7 +360,7 @@ bool DepthSensor::hair_lost(std::uint64_t seed, std::uint64_t frame, int u, int 
   const auto corner = [&](int du, int dv) {
     const std::uint64_t still = row_seed(seed, kHairPattern, 0, v / cell + dv + 1);
     const std::uint64_t flicker = row_seed(seed, kHairPattern, frame + 1, v / cell + dv + 1);
-    return normal_of(draw(still, u / cell + du)) + 0.4F * normal_of(draw(flicker, u / cell + du));
+    return normal_of_bits(draw(still, u / cell + du)) + 0.4F * normal_of_bits(draw(flicker, u / cell + du));
   };
   const float pattern =
       (1 - y) * ((1 - x) * corner(0, 0) + x * corner(1, 0)) + y * ((1 - x) * corner(0, 1) + x * corner(1, 1));
@@ -326,33 +369,94 @@ bool DepthSensor::hair_lost(std::uint64_t seed, std::uint64_t frame, int u, int 
 
 void DepthSensor::expose(const CleanView& view, const PixelBox& box, std::uint64_t seed, std::uint64_t frame,
                          DepthImage out, std::uint8_t* person) {
+  lattice_cell_ = -1;
+  for (int v = box.v0; v < box.v1 && box.u0 < box.u1; ++v) {
+    const std::uint64_t row = row_seed(seed, kPixels, frame, v);
+    if (options_.noise) patch_row(seed, frame, v);
+    const RowOfFrame where{v, box.u0, box.u1, row, seed, frame};
+    if (in_steps())
+      expose_steps(view, where, out.row(v), person);
+    else
+      expose_smooth(view, where, out.row(v), person);
+  }
+  if (options_.holes) punch_blobs(box, seed, frame, out, person);
+}
+
+void DepthSensor::expose_steps(const CleanView& view, const RowOfFrame& where, std::uint16_t* pixels,
+                               std::uint8_t* person) {
+  const std::size_t first = view.at(where.u0, where.v);
+  const float own = options_.noise ? std::sqrt(1 - kPatchShare) : 0.0F;
+  const float shared = options_.noise ? std::sqrt(kPatchShare) : 0.0F;
+  RawRow row{where.row + kRowStep * static_cast<std::uint64_t>(where.u0),
+             &exact_[first],
+             &sigma_[first],
+             &lost_[first],
+             &patch_[static_cast<std::size_t>(where.u0)],
+             own,
+             shared};
+  raw_row_(row, where.u1 - where.u0, step_row_.data());
+  for (int u = where.u0; u < where.u1; ++u)
+    pixels[u] = tables_.mm[static_cast<std::size_t>(step_row_[static_cast<std::size_t>(u - where.u0)])];
+  const std::uint8_t* labels = &view.label[view.at(0, where.v)];
+  std::uint8_t* people = person != nullptr ? person + view.at(0, where.v) : nullptr;
+  if (people != nullptr)
+    for (int u = where.u0; u < where.u1; ++u) people[u] = pixels[u] != 0 ? mask_value(labels[u]) : std::uint8_t{0};
+
+  const std::uint8_t* edges = &edge_[view.at(0, where.v)];
+  for (int u = where.u0; u < where.u1; ++u) {
+    const bool edge = options_.noise && edges[u] != 0;
+    if (!edge && !is_hair(labels[u])) continue;
+    std::size_t from = view.at(u, where.v);
+    std::int32_t step = step_row_[static_cast<std::size_t>(u - where.u0)];
+    if (edge) {
+      const std::uint64_t bits = draw(where.row, u);
+      from = displaced(view, u, where.v, bits ^ kRowStep);
+      row = {where.row + kRowStep * static_cast<std::uint64_t>(u),
+             &exact_[from],
+             &sigma_[from],
+             &lost_[from],
+             &patch_[static_cast<std::size_t>(u)],
+             own,
+             shared};
+      raw_row_(row, 1, &step);
+    }
+    const std::uint8_t label = view.label[from];
+    if (options_.holes && is_hair(label) && hair_lost(where.seed, where.frame, u, where.v)) step = kRawCount;
+    pixels[u] = tables_.mm[static_cast<std::size_t>(step)];
+    if (people != nullptr) people[u] = pixels[u] != 0 ? mask_value(label) : std::uint8_t{0};
+  }
+}
+
+void DepthSensor::expose_smooth(const CleanView& view, const RowOfFrame& where, std::uint16_t* pixels,
+                                std::uint8_t* person) {
   const bool tof = options_.kind == SensorKind::time_of_flight;
   const float shared = tof ? kTofPatchShare : kPatchShare;
   const float white_share = std::sqrt(1 - shared);
   const float patch_share = std::sqrt(shared);
-  for (int v = box.v0; v < box.v1; ++v) {
-    const std::uint64_t row = row_seed(seed, kPixels, frame, v);
-    if (options_.noise) patch_row(seed, frame, v);
-    std::uint16_t* pixels = out.row(v);
-    for (int u = box.u0; u < box.u1; ++u) {
-      const std::size_t at = view.at(u, v);
-      const std::uint64_t bits = draw(row, u);
-      Sample sample{source_[at], view.cosine[at], view.label[at]};
-      if (options_.noise && edge_[at] != 0)
-        sample = tof ? flying(view, u, v, bits ^ kGamma) : displaced(view, u, v, bits ^ kGamma);
-      std::uint16_t depth = 0;
-      if (sample.inverse_depth > 0) {
-        const float noise =
-            options_.noise ? white_share * normal_of(bits) + patch_share * patch_[static_cast<std::size_t>(u)] : 0.0F;
-        const auto chance = static_cast<std::uint32_t>((bits * 0xD1342543DE82EF95ULL) >> 48);
-        const bool lost = options_.holes && is_hair(sample.label) && hair_lost(seed, frame, u, v);
-        if (!lost) depth = deliver(sample, noise, chance);
+  for (int u = where.u0; u < where.u1; ++u) {
+    const std::size_t at = view.at(u, where.v);
+    const std::uint64_t bits = draw(where.row, u);
+    Sample sample{source_[at], view.cosine[at], view.label[at]};
+    if (options_.noise && edge_[at] != 0) {
+      if (tof) {
+        sample = flying(view, u, where.v, bits ^ kRowStep);
+      } else {
+        const std::size_t from = displaced(view, u, where.v, bits ^ kRowStep);
+        sample = {source_[from], view.cosine[from], view.label[from]};
       }
-      pixels[u] = depth;
-      if (person != nullptr) person[at] = depth != 0 ? mask_value(sample.label) : std::uint8_t{0};
     }
+    std::uint16_t depth = 0;
+    if (sample.inverse_depth > 0) {
+      const float noise = options_.noise
+                              ? white_share * normal_of_bits(bits) + patch_share * patch_[static_cast<std::size_t>(u)]
+                              : 0.0F;
+      const auto chance = static_cast<std::uint32_t>(chance_of_bits(bits));
+      const bool lost = options_.holes && is_hair(sample.label) && hair_lost(where.seed, where.frame, u, where.v);
+      if (!lost) depth = deliver(sample, noise, chance);
+    }
+    pixels[u] = depth;
+    if (person != nullptr) person[at] = depth != 0 ? mask_value(sample.label) : std::uint8_t{0};
   }
-  if (options_.holes) punch_blobs(box, seed, frame, out, person);
 }
 
 void DepthSensor::punch_blobs(const PixelBox& box, std::uint64_t seed, std::uint64_t frame, DepthImage out,

@@ -32,6 +32,7 @@
 #include "base/rng.h"
 #include "kernels/core/camera.h"
 #include "synth/raster.h"
+#include "synth/raw_row.h"
 
 namespace im2fit::synth {
 
@@ -43,7 +44,7 @@ enum class SensorKind : std::uint8_t { structured_light, time_of_flight };
 
 struct SensorOptions {
   bool noise = true;     // axial and lateral; false: exact depth rounded to mm (or to the raw step, see quantise)
-  bool quantise = true;  // 11-bit raw steps
+  bool quantise = true;  // 11-bit raw steps; structured light only
   bool shadow = true;
   bool holes = true;
   float range_min_mm = 500;  // nearer or farther: no data
@@ -60,7 +61,6 @@ SensorOptions exact_sensor();  // no noise, no quantisation, no range limits
 
 // z in mm of a raw 11-bit value, unrounded; raw < kRawInfinity.
 double raw_to_mm(int raw);
-inline constexpr int kRawCount = 2048;
 // Nguyen's axial spread, mm, at z mm and incidence cosine 0..1 (capped at 87 degrees).
 double axial_sigma_mm(double z_mm, double cosine);
 // Time of flight's axial spread, same units and cap.
@@ -70,6 +70,8 @@ double tof_sigma_mm(double z_mm, double cosine);
 class DepthSensor {
  public:
   DepthSensor(const SensorOptions& options, const Intrinsics& intrinsics);
+  // Becomes DepthSensor(options, the same intrinsics); cheap when only the depth scale differs.
+  void change(const SensorOptions& options);
 
   // Shadow and edges of the view's rows box.v0 .. v1 (whole rows: a shadow's cause may lie outside the box).
   void prepare(const CleanView& view, const PixelBox& box);
@@ -84,7 +86,7 @@ class DepthSensor {
     std::vector<float> graze_raw;            // by raw: raw units per mm sqrt(m) of grazing noise
     std::vector<float> graze;                // by cosine byte: 0.1 t^2/(pi/2 - t)^2
     std::vector<float> lateral_px;           // by cosine byte
-    std::vector<std::uint16_t> mm;           // by raw, 0 out of range
+    std::vector<std::uint16_t> mm;           // by raw, 0 out of range, and of kRawCount
     std::vector<std::uint16_t> lost_by_raw;  // chance of no data, of 65536
     std::vector<std::uint16_t> lost_by_cosine;
   };
@@ -96,8 +98,19 @@ class DepthSensor {
   void shadow_row(const CleanView& view, int v);
   void edge_rows(const CleanView& view, int v0, int v1);
   void bias_rows(const CleanView& view, int v0, int v1);
+  void scale_depth(float depth_scale);
+  // A row of the frame under way: pixels u0 .. u1 of row v; `row` seeds its draws.
+  struct RowOfFrame {
+    int v, u0, u1;
+    std::uint64_t row, seed, frame;
+  };
+  bool in_steps() const { return options_.quantise && options_.kind == SensorKind::structured_light; }
+  void expect_rows(const CleanView& view, int v0, int v1);
+  static void lattice_row(std::uint64_t seed, std::uint64_t frame, int cell, std::vector<float>& out);
   void patch_row(std::uint64_t seed, std::uint64_t frame, int v);
-  Sample displaced(const CleanView& view, int u, int v, std::uint64_t bits) const;
+  void expose_steps(const CleanView& view, const RowOfFrame& where, std::uint16_t* pixels, std::uint8_t* person);
+  void expose_smooth(const CleanView& view, const RowOfFrame& where, std::uint16_t* pixels, std::uint8_t* person);
+  std::size_t displaced(const CleanView& view, int u, int v, std::uint64_t bits) const;
   Sample flying(const CleanView& view, int u, int v, std::uint64_t bits) const;
   std::uint16_t deliver(const Sample& sample, float noise, std::uint32_t chance) const;
   bool hair_lost(std::uint64_t seed, std::uint64_t frame, int u, int v) const;
@@ -112,7 +125,13 @@ class DepthSensor {
   std::vector<float> source_;       // inverse depth after the shadow, or with multipath
   std::vector<std::uint8_t> edge_;  // 1 within 2 px of a depth step
   std::vector<std::uint8_t> step_;
-  std::vector<float> lattice_low_, lattice_high_, patch_;  // patch noise: rows of the lattice, row of the frame
+  // Patch noise: two rows of the lattice and what lies between them, row of the frame.
+  std::vector<float> lattice_low_, lattice_row_low_, lattice_row_high_, patch_;
+  int lattice_cell_ = -1;  // whose rows those are, of the frame under way
+  // In steps: what noise does not change, by pixel.
+  std::vector<float> exact_, sigma_;
+  std::vector<std::int32_t> lost_, step_row_;
+  RawRowFunction* raw_row_ = fastest_raw_row();
 };
 
 }  // namespace im2fit::synth

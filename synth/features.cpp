@@ -2,32 +2,17 @@
 #include "synth/features.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "base/rng.h"
 #include "hal/source.h"
+#include "synth/stopwatch.h"
 
 namespace im2fit::synth {
 namespace {
 
 constexpr std::uint64_t kCaptureStream = 0xCA97;
 constexpr int kPatience = 4;  // frames beyond 1.5 times those wanted before a capture is given up
-
-class Stopwatch {
- public:
-  // Seconds since construction or the last lap.
-  double lap() {
-    const auto now = Clock::now();
-    const double s = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return s;
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point last_ = Clock::now();
-};
 
 }  // namespace
 
@@ -66,6 +51,19 @@ CaptureRig::Station& CaptureRig::station(int width, int height) {
   return *stations_.emplace_back(std::make_unique<Station>(width, height, joint_model_));
 }
 
+VirtualScene& CaptureRig::stage(const Subject& subject, const CaptureOptions& options) {
+  const Intrinsics& k = options.intrinsics;
+  for (VirtualScene& scene : scenes_) {
+    const Intrinsics& its = scene.intrinsics();
+    if (its.width != k.width || its.height != k.height || its.fx != k.fx || its.fy != k.fy || its.cx != k.cx ||
+        its.cy != k.cy)
+      continue;
+    scene.restage(subject, options.scene, options.sensor, options.seed);
+    return scene;
+  }
+  return scenes_.emplace_back(model_, subject, options.scene, options.sensor, k, options.seed);
+}
+
 const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& options) {
   Stopwatch watch;
   const Intrinsics upright = hal::rotate_upright(options.intrinsics, options.scene.rotate_deg);
@@ -74,7 +72,7 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
   at.sensor.reset();
   at.fuser.reset();
   capture_ = {};
-  VirtualScene scene(model_, subject, options.scene, options.sensor, options.intrinsics, options.seed);
+  VirtualScene& scene = stage(subject, options);
   delivered_.resize(static_cast<std::size_t>(options.intrinsics.width) * options.intrinsics.height);
   const DepthImage delivered(delivered_.data(), options.intrinsics.width, options.intrinsics.height);
   const DepthImage depth(at.depth.data(), at.width, at.height);

@@ -35,7 +35,7 @@ struct Capture {
 };
 inline constexpr int kCaptureFramesMin = 3;
 
-// Seconds spent, to see which part is slow.
+// Processor seconds spent, to see which part is slow.
 struct CaptureCost {
   double draw = 0;    // subject: shape, exact stature and weight, truth
   double scene = 0;   // pose, skin, rasterise
@@ -44,6 +44,7 @@ struct CaptureCost {
   double fuse = 0;
   double describe = 0;  // FPFH and profile
   CaptureCost& operator+=(const CaptureCost& o);
+  double sum() const { return draw + scene + render + sense + fuse + describe; }
 };
 
 // Not shareable between threads; the models must outlive it.
@@ -60,10 +61,12 @@ class CaptureRig {
  private:
   struct Station;  // sensor, fuser and buffers of one upright size
   Station& station(int width, int height);
+  VirtualScene& stage(const Subject& subject, const CaptureOptions& options);
   const body::BodyModel& model_;
   const JointModel& joint_model_;
   std::vector<std::unique_ptr<Station>> stations_;
   const Station* last_ = nullptr;
+  std::vector<VirtualScene> scenes_;  // one of each picture size, staged anew for every capture
   std::vector<std::uint16_t> delivered_;
   Capture capture_;
 };

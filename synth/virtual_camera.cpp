@@ -268,6 +268,13 @@ void VirtualScene::restage(const Subject& subject, const SceneOptions& scene, st
   impl_->stage(subject);
 }
 
+void VirtualScene::restage(const Subject& subject, const SceneOptions& scene, const SensorOptions& sensor,
+                           std::uint64_t seed) {
+  impl_->sensor.change(sensor);
+  impl_->box_margin_px = sensor.box_margin_px;
+  restage(subject, scene, seed);
+}
+
 void VirtualScene::render(std::uint64_t index, DepthImage out) {
   Impl& s = *impl_;
   const PixelBox frame = whole(s.intrinsics.width, s.intrinsics.height);

@@ -91,6 +91,8 @@ class VirtualScene {
   // The same camera before another person and room, as if newly made, without its allocations: for those who render
   // thousands.
   void restage(const Subject& subject, const SceneOptions& scene, std::uint64_t seed);
+  // The same with another sensor of the same picture size.
+  void restage(const Subject& subject, const SceneOptions& scene, const SensorOptions& sensor, std::uint64_t seed);
 
   // Frame `index`: depends on the scene's seed and the index only. Depth as the sensor delivers it: `intrinsics`
   // size, before any --rotate. Frame times are index/30 s.

@@ -203,6 +203,14 @@ TEST_F(VirtualCamera, RestagedIsAsNew) {
     const Shot a = take(used, 30), b = take(fresh, 30);
     EXPECT_EQ(a.depth, b.depth);
     EXPECT_EQ(a.mask, b.mask);
+    for (const bool smooth : {false, true}) {
+      SensorOptions other = sensor;
+      other.depth_scale = 1.003F;
+      other.quantise = !smooth;
+      used.restage(draw_subject(model(), Family::training, 40, 2), second, other, 2);
+      VirtualScene changed = make(second, other, 2);
+      EXPECT_EQ(take(used, 1).depth, take(changed, 1).depth);
+    }
   }
 }
 

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "synth/raw_row_loop.h"
+
+namespace im2fit::synth {
+
+void raw_row_avx2(const RawRow& row, int count, std::int32_t* out) {
+  raw_row_loop(row, count, out);
+}
+
+}  // namespace im2fit::synth
