@@ -137,7 +137,7 @@ void WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::
       const float z = static_cast<float>(depth[c]);
       const float nearness = wall.nearness(grid.ray_x[at(c)]);
       const bool behind = z > 1.0F / nearness - 45.0F - 2.0F * quantum_mm(z);
-      is_open[c] = static_cast<std::uint8_t>(is_open[c] & ~((nearness > kNearnessMin) & behind));
+      is_open[c] = static_cast<std::uint8_t>(is_open[c] & !((nearness > kNearnessMin) & behind));
     }
   }
 }

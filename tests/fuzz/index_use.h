@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/rng.h"
 #include "index/builder.h"
 #include "index/index.h"
 
