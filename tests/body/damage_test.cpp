@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Eighty thousand damaged body files: each is refused, or gives meshes of finite numbers.
+#include <gtest/gtest.h>
+
+#include "body/makehuman/makehuman.h"
+#include "fake_makehuman.h"
+#include "tests/fuzz/body_use.h"
+#include "tests/fuzz/damage.h"
+
+namespace im2fit::fuzz {
+namespace {
+
+const Bytes& sound_body() {
+  static const Bytes bytes = [] {
+    const body::TemporaryFolder folder;
+    body::FakeMakeHuman().write_upstream(folder.path());
+    auto packed = body::pack_makehuman(folder.path());
+    return packed ? std::move(*packed) : Bytes{};
+  }();
+  return bytes;
+}
+
+TEST(DamagedBody, AccidentsAreNoticedOrHarmless) {
+  const Bytes& good = sound_body();
+  const auto model = body::BodyModel::parse(good, "sound");
+  ASSERT_TRUE(model);
+  const auto mesh_of = [](const body::BodyModel& m) {
+    std::vector<Vec3f> mesh(static_cast<std::size_t>(m.vertex_count()));
+    m.morph({}, mesh);
+    return mesh;
+  };
+  const std::vector<Vec3f> truth = mesh_of(*model);
+  Rng rng(20263);
+  for (int i = 0; i < 50000; ++i) {
+    Bytes bytes = damaged(good, rng);
+    const auto found = body::BodyModel::parse(std::move(bytes), "damaged");
+    if (!found) continue;
+    const std::vector<Vec3f> mesh = mesh_of(*found);
+    ASSERT_EQ(std::memcmp(mesh.data(), truth.data(), truth.size() * sizeof(Vec3f)), 0) << "accident " << i;
+  }
+}
+
+TEST(DamagedBody, AttacksAreRefusedOrGiveFiniteMeshes) {
+  const Bytes& good = sound_body();
+  Rng rng(20264);
+  int accepted = 0;
+  for (int i = 0; i < 30000; ++i) {
+    Bytes bytes = damaged(good, rng);
+    mend_checksums(bytes);
+    const auto sane = use_body(std::move(bytes));
+    if (!sane) continue;
+    ++accepted;
+    ASSERT_TRUE(*sane) << "attack " << i;
+  }
+  EXPECT_GT(accepted, 2000);  // else the checksums still stood in the way
+}
+
+}  // namespace
+}  // namespace im2fit::fuzz
