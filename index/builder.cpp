@@ -110,7 +110,7 @@ Status Builder::check_sample(const Sample& sample, std::size_t number) const {
 Status Builder::read_chosen() {
   Status bad = Ok{};
   std::size_t number = 0;
-  const Status read = source_([&](const Sample& sample) {
+  Status read = source_([&](const Sample& sample) {
     if (number == 0) {
       feature_size_ = sample.feature.size();
       body_size_ = sample.body.size();
@@ -159,7 +159,7 @@ Status Builder::read_moments() {
   Status bad = Ok{};
   std::size_t number = 0;
   std::uint64_t last = 0;
-  const Status read = source_([&](const Sample& sample) {
+  Status read = source_([&](const Sample& sample) {
     bad = check_sample(sample, number++);
     if (!bad) return false;
     if (sample.calibrate_only) {
@@ -251,7 +251,7 @@ Status Builder::read_entries() {
     fold.clear();
     truth.clear();
   };
-  const Status read = source_([&](const Sample& sample) {
+  Status read = source_([&](const Sample& sample) {
     if (sample.calibrate_only) return true;
     features_->standardise(sample.feature, z);
     block.row(static_cast<std::ptrdiff_t>(fold.size())) =

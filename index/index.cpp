@@ -78,7 +78,8 @@ Status load(Index::Data& data, std::span<const std::byte> bytes, const std::stri
   const auto container = ContainerReader::parse(bytes, kMagic, kVersion, what, false);
   if (!container) return container.error();
   std::multimap<std::uint64_t, Index::Section> by_offset;  // an empty one shares its place with the next
-  for (const auto& [name, entry] : container->entries()) by_offset.emplace(entry.offset, Index::Section{name, entry.size});
+  for (const auto& [name, entry] : container->entries())
+    by_offset.emplace(entry.offset, Index::Section{name, entry.size});
   for (const auto& [offset, section] : by_offset) data.sections.push_back(section);
   data.answerer = std::make_unique<Answerer>(*contents);
   return Ok{};

@@ -120,7 +120,7 @@ void TargetSpace::learn_latents(const std::vector<const Sample*>& subjects) {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(b, b);
   for (const Sample* s : subjects) {
     const Eigen::VectorXd x = deviation(*s) - body_by_measured_ * measured(*s);
-    covariance.selfadjointView<Eigen::Lower>().rankUpdate(x, 1 / n);
+    covariance += x / n * x.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
   const std::ptrdiff_t count = std::min<std::ptrdiff_t>(b, kLatentMax);

@@ -12,7 +12,8 @@ void code_distance_ref(const std::int8_t* blocks, int block_count, const CodeQue
     const std::int8_t* block = blocks + std::int64_t{point / kCodeBlock} * query.pair_count * 2 * kCodeBlock;
     double sum = 0;  // whole numbers below 2^53: exact
     for (int j = 0; j < 2 * query.pair_count; ++j) {
-      const double code = block[(j / 2 * kCodeBlock + point % kCodeBlock) * 2 + j % 2];
+      const int at = (j / 2 * kCodeBlock + point % kCodeBlock) * 2 + j % 2;
+      const double code = block[at];
       const auto d = static_cast<std::size_t>(j);
       const double gap = std::min(std::abs(code * query.step[d] - query.place[d]), double{kCodeGapMax});
       sum += gap * gap;
