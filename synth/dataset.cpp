@@ -2,10 +2,8 @@
 #include "synth/dataset.h"
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <memory>
 #include <mutex>
@@ -13,6 +11,7 @@
 #include "base/file.h"
 #include "body/params_vector.h"
 #include "synth/dataset_shard.h"
+#include "synth/stopwatch.h"
 #include "synth/strangers.h"
 #include "synth/tracker_parallel.h"
 
@@ -20,7 +19,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr int kAttempts = 3;                  // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 5;  // raise when the way to a feature changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 6;  // raise when the way to a feature changes: shards are then made again
 constexpr double kReportSeconds = 0.25;
 
 using Clock = std::chrono::steady_clock;
@@ -33,40 +32,20 @@ Error invalid(const std::string& why) {
 }
 
 Status check(const DatasetOptions& o) {
-  if (o.subject_count < 1 || o.subject_count > 10'000'000)
-    return invalid("subject_count is " + std::to_string(o.subject_count) + ", expected 1 to 10000000");
+  if (o.subject_count < 1 || o.subject_count > 1'000'000'000)
+    return invalid("subject_count is " + std::to_string(o.subject_count) + ", expected 1 to 1000000000");
   if (o.captures_per_subject < 1 || o.captures_per_subject > 64)
     return invalid("captures_per_subject is " + std::to_string(o.captures_per_subject) + ", expected 1 to 64");
   if (o.stranger_every < 0) return invalid("stranger_every must not be negative");
   if (o.chunk_size < 1 || o.thread_count < 1) return invalid("chunk_size and thread_count must be at least 1");
+  if (o.part_count < 1 || o.part < 0 || o.part >= o.part_count)
+    return invalid("part " + std::to_string(o.part) + " of " + std::to_string(o.part_count) +
+                   ", expected 0 <= part < count");
   const CaptureVariety& v = o.variety;
   if (v.frames_min < kCaptureFramesMin || v.frames_max < v.frames_min || v.frames_max > 1000)
     return invalid("frames " + std::to_string(v.frames_min) + " to " + std::to_string(v.frames_max) +
                    ", expected 3 <= least <= most <= 1000");
   return Ok{};
-}
-
-// Everything a sample depends on. FNV-1a over words.
-std::uint64_t key_of(const body::BodyModel& model, const DatasetOptions& o, std::uint64_t first, int count) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  const auto mix = [&](std::uint64_t word) { hash = (hash ^ word) * 0x100000001b3ULL, hash ^= hash >> 29; };
-  mix(kDatasetVersion);
-  mix(o.input_key);
-  mix(kFeatureSize);
-  mix(static_cast<std::uint64_t>(model.vertex_count()));
-  mix(model.modifier_names().size());
-  mix(static_cast<std::uint64_t>(o.family));
-  mix(o.seed);
-  mix(first);
-  mix(static_cast<std::uint64_t>(count));
-  mix(static_cast<std::uint64_t>(o.captures_per_subject));
-  mix(static_cast<std::uint64_t>(o.variety.frames_min));
-  mix(static_cast<std::uint64_t>(o.variety.frames_max));
-  mix(std::bit_cast<std::uint64_t>(o.variety.wide_share));
-  mix(std::bit_cast<std::uint64_t>(o.variety.landscape_share));
-  mix(o.variety.plain ? 1 : 0);
-  mix(static_cast<std::uint64_t>(o.stranger_every));
-  return hash;
 }
 
 struct SubjectResult {
@@ -80,12 +59,12 @@ struct SubjectResult {
 SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const DatasetOptions& o,
                            std::uint64_t number) {
   SubjectResult result;
-  const auto start = Clock::now();
+  Stopwatch watch;
   const bool stranger = o.family == Family::training && o.stranger_every > 0 &&
                         number % static_cast<std::uint64_t>(o.stranger_every) == 5;
   const Subject subject =
       stranger ? draw_stranger(model, o.seed, number) : draw_subject(model, o.family, o.seed, number);
-  rig.cost.draw += seconds_since(start);
+  rig.cost.draw += watch.lap();
   for (int c = 0; c < o.captures_per_subject; ++c) {
     bool done = false;
     for (int attempt = 0; attempt < kAttempts && !done; ++attempt) {
@@ -104,6 +83,7 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
       s.body = body::pack_params(subject.params, model.modifier_names().size());
       s.frame_count = capture.frame_count;
       s.calibrate_only = stranger;
+      fit_to_shard(s);  // made now or read again, it is the same
       done = true;
     }
     if (!done) ++result.missing;
@@ -113,24 +93,17 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
 
 Chunk gather(std::vector<SubjectResult>& results) {
   Chunk chunk;
+  ChunkCounts& counts = chunk.counts;
   for (SubjectResult& r : results) {
-    chunk.subjects += r.samples.empty() ? 0 : 1;
-    chunk.captures_failed += r.failed;
-    chunk.captures_missing += r.missing;
-    chunk.frames_seen += r.frames_seen;
-    for (std::size_t g = 0; g < kGuidanceCount; ++g) chunk.refused[g] += r.refused[g];
+    counts.subjects += r.samples.empty() ? 0 : 1;
+    counts.captures_failed += r.failed;
+    counts.captures_missing += r.missing;
+    counts.frames_seen += r.frames_seen;
+    for (std::size_t g = 0; g < kGuidanceCount; ++g) counts.refused[g] += r.refused[g];
     std::move(r.samples.begin(), r.samples.end(), std::back_inserter(chunk.samples));
   }
+  counts.samples = static_cast<std::int32_t>(chunk.samples.size());
   return chunk;
-}
-
-void add(DatasetReport& report, const Chunk& chunk) {
-  report.subjects += chunk.subjects;
-  report.samples += static_cast<int>(chunk.samples.size());
-  report.captures_failed += chunk.captures_failed;
-  report.captures_missing += chunk.captures_missing;
-  report.frames_seen += chunk.frames_seen;
-  for (std::size_t g = 0; g < kGuidanceCount; ++g) report.refused[g] += chunk.refused[g];
 }
 
 // Counts finished subjects and tells, not too often.
@@ -169,66 +142,123 @@ class Reporter {
   const std::function<void(const DatasetProgress&)>& tell_;
 };
 
+// The rigs of threads that are not at work.
+class RigPool {
+ public:
+  RigPool(const body::BodyModel& model, const JointModel& joint_model) : model_(model), joint_model_(joint_model) {}
+  std::unique_ptr<CaptureRig> borrow() {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) return std::make_unique<CaptureRig>(model_, joint_model_);
+    auto rig = std::move(idle_.back());
+    idle_.pop_back();
+    return rig;
+  }
+  void give_back(std::unique_ptr<CaptureRig> rig) {
+    const std::lock_guard lock(mutex_);
+    cost_ += rig->cost;
+    rig->cost = {};
+    idle_.push_back(std::move(rig));
+  }
+  const CaptureCost& cost() const { return cost_; }
+
+ private:
+  const body::BodyModel& model_;
+  const JointModel& joint_model_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<CaptureRig>> idle_;
+  CaptureCost cost_;
+};
+
+// Chunks of the part: file numbers that all parts share out evenly.
+struct ChunkSpan {
+  std::int64_t first, end;
+};
+ChunkSpan chunks_of_part(const DatasetOptions& o) {
+  const std::int64_t chunks = (o.subject_count + std::int64_t{o.chunk_size} - 1) / o.chunk_size;
+  return {chunks * o.part / o.part_count, chunks * (o.part + 1) / o.part_count};
+}
+SubjectRange range_of_chunk(const DatasetOptions& o, std::int64_t chunk) {
+  const std::int64_t at = chunk * o.chunk_size;
+  return {o.first_subject + static_cast<std::uint64_t>(at),
+          static_cast<std::uint64_t>(std::min<std::int64_t>(o.chunk_size, o.subject_count - at))};
+}
+
+Chunk make_chunk(const body::BodyModel& model, const DatasetOptions& options, const SubjectRange& range,
+                 RigPool& rigs, Reporter& reporter) {
+  std::vector<SubjectResult> results(range.count);
+  for_each_item(static_cast<int>(range.count), options.thread_count, [&](int i) {
+    auto rig = rigs.borrow();
+    results[static_cast<std::size_t>(i)] =
+        make_subject(model, *rig, options, range.first + static_cast<std::uint64_t>(i));
+    rigs.give_back(std::move(rig));
+    reporter.made();
+  });
+  return gather(results);
+}
+
 }  // namespace
+
+void DatasetReport::add(const ChunkCounts& counts, const SubjectRange& range) {
+  subjects_drawn += static_cast<int>(range.count);
+  subjects += counts.subjects;
+  samples += counts.samples;
+  captures_failed += counts.captures_failed;
+  captures_missing += counts.captures_missing;
+  frames_seen += counts.frames_seen;
+  for (std::size_t g = 0; g < kGuidanceCount; ++g) refused[g] += counts.refused[g];
+}
+
+RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
+  RunKey run;
+  run.dataset_version = kDatasetVersion;
+  run.input_key = o.input_key;
+  run.seed = o.seed;
+  run.family = static_cast<std::uint32_t>(o.family);
+  run.captures_per_subject = static_cast<std::uint32_t>(o.captures_per_subject);
+  run.frames_min = static_cast<std::uint32_t>(o.variety.frames_min);
+  run.frames_max = static_cast<std::uint32_t>(o.variety.frames_max);
+  run.wide_share = o.variety.wide_share;
+  run.landscape_share = o.variety.landscape_share;
+  run.plain = o.variety.plain ? 1 : 0;
+  run.stranger_every = static_cast<std::uint32_t>(o.stranger_every);
+  run.feature_size = static_cast<std::uint32_t>(kFeatureSize);
+  run.body_size = static_cast<std::uint32_t>(body::params_vector_size(model.modifier_names().size()));
+  return run;
+}
 
 Result<DatasetReport> make_dataset(const body::BodyModel& model, const JointModel& joint_model,
                                    const DatasetOptions& options,
                                    const std::function<void(const DatasetProgress&)>& progress,
                                    const std::function<void(const index::Sample&)>& sink) {
   if (auto s = check(options); !s) return s.error();
-  if (!options.work_dir.empty())
+  const bool kept = !options.work_dir.empty();
+  if (kept)
     if (auto s = make_directory(options.work_dir); !s) return s.error();
   const auto start = Clock::now();
+  const RunKey run = run_key_of(model, options);
+  const ChunkSpan chunks = chunks_of_part(options);
+  int total = 0;
+  for (std::int64_t c = chunks.first; c < chunks.end; ++c)
+    total += static_cast<int>(range_of_chunk(options, c).count);
   DatasetReport report;
-  Reporter reporter(options.subject_count, progress);
-  std::vector<std::unique_ptr<CaptureRig>> rigs;  // those not in use
-  std::mutex rigs_mutex;
-  const auto borrow = [&] {
-    const std::lock_guard lock(rigs_mutex);
-    if (rigs.empty()) return std::make_unique<CaptureRig>(model, joint_model);
-    auto rig = std::move(rigs.back());
-    rigs.pop_back();
-    return rig;
-  };
-  const auto give_back = [&](std::unique_ptr<CaptureRig> rig) {
-    const std::lock_guard lock(rigs_mutex);
-    report.cost += rig->cost;
-    rig->cost = {};
-    rigs.push_back(std::move(rig));
-  };
-
-  for (int at = 0; at < options.subject_count; at += options.chunk_size) {
-    const int count = std::min(options.chunk_size, options.subject_count - at);
-    const std::uint64_t first = options.first_subject + static_cast<std::uint64_t>(at);
-    const std::uint64_t key = key_of(model, options, first, count);
-    char name[64];
-    std::snprintf(name, sizeof name, "/shard-%016llx.i2d", static_cast<unsigned long long>(key));
-    const std::string path = options.work_dir + name;
-    Chunk chunk;
-    bool found = false;
-    if (!options.work_dir.empty())
-      if (auto shard = read_shard(path, key)) {
-        chunk = std::move(*shard);
-        found = true;
-        report.subjects_reused += count;
-        reporter.reused(count);
-      }
-    if (!found) {
-      std::vector<SubjectResult> results(static_cast<std::size_t>(count));
-      for_each_item(count, options.thread_count, [&](int i) {
-        auto rig = borrow();
-        results[static_cast<std::size_t>(i)] =
-            make_subject(model, *rig, options, first + static_cast<std::uint64_t>(i));
-        give_back(std::move(rig));
-        reporter.made();
-      });
-      chunk = gather(results);
-      if (!options.work_dir.empty())
-        if (auto s = write_shard(path, key, chunk); !s) return s.error();
+  Reporter reporter(total, progress);
+  RigPool rigs(model, joint_model);
+  for (std::int64_t c = chunks.first; c < chunks.end; ++c) {
+    const SubjectRange range = range_of_chunk(options, c);
+    const std::string path = options.work_dir + "/" + shard_name(run, range);
+    Result<Chunk> chunk = kept ? read_shard(path, run, range) : Error{};
+    if (chunk) {
+      report.subjects_reused += static_cast<int>(range.count);
+      reporter.reused(static_cast<int>(range.count));
+    } else {
+      chunk = make_chunk(model, options, range, rigs, reporter);
+      if (kept)
+        if (auto s = write_shard(path, run, range, *chunk); !s) return s.error();
     }
-    add(report, chunk);
-    for (const index::Sample& s : chunk.samples) sink(s);
+    report.add(chunk->counts, range);
+    for (const index::Sample& s : chunk->samples) sink(s);
   }
+  report.cost = rigs.cost();
   report.seconds = seconds_since(start);
   return report;
 }

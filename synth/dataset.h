@@ -10,12 +10,13 @@
 #include "base/status.h"
 #include "body/model.h"
 #include "index/sample.h"
+#include "synth/dataset_shard.h"
 #include "synth/features.h"
 
 namespace im2fit::synth {
 
 struct DatasetOptions {
-  int subject_count = 20000;  // 1 .. 10,000,000
+  int subject_count = 20000;  // 1 .. 1,000,000,000
   std::uint64_t first_subject = 0;
   int captures_per_subject = 1;  // 1 .. 64
   Family family = Family::training;
@@ -29,7 +30,11 @@ struct DatasetOptions {
   // the same options (thread_count aside) and the same `input_key`, e.g. a checksum of the body and tracker files.
   std::string work_dir;
   std::uint64_t input_key = 0;
-  int chunk_size = 500;  // subjects in a shard
+  int chunk_size = 1000;  // subjects in a file
+  // Part `part` of `part_count` alone: an even share of the chunks, so that the files of all parts together are those
+  // of a run that is not parted.
+  int part = 0;
+  int part_count = 1;
 };
 
 struct DatasetProgress {
@@ -42,18 +47,24 @@ struct DatasetProgress {
 struct DatasetReport {
   int subjects = 0;  // with at least one sample
   int samples = 0;
-  int subjects_reused = 0;   // from shards
+  int subjects_drawn = 0;    // with those without a sample
+  int subjects_reused = 0;   // of these, from shards
   int captures_failed = 0;   // gave too few frames; drawn anew up to twice
   int captures_missing = 0;  // failed three times: no sample
   std::int64_t frames_seen = 0;
   std::array<std::int64_t, kGuidanceCount> refused{};  // frames by guidance code
   double seconds = 0;
   CaptureCost cost;  // summed over threads
+
+  void add(const ChunkCounts& counts, const SubjectRange& range);
 };
 
+// What shards of these options are recognised by.
+RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& options);
+
 // `progress` is called from worker threads, one at a time, a few times a second; `sink` from the calling thread, in
-// the order of subjects. Errors: options out of range, work_dir that cannot be written. A damaged or foreign shard is
-// made again.
+// the order of subjects. Memory: the samples of one chunk. Errors: options out of range, work_dir that cannot be
+// written. A damaged or foreign shard is made again.
 Result<DatasetReport> make_dataset(const body::BodyModel& model, const JointModel& joint_model,
                                    const DatasetOptions& options,
                                    const std::function<void(const DatasetProgress&)>& progress,

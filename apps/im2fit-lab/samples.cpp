@@ -2,8 +2,12 @@
 #include "apps/im2fit-lab/samples.h"
 
 #include <fmt/core.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/common/paths.h"
 #include "apps/im2fit-lab/parallel.h"
@@ -26,12 +30,28 @@ Result<std::uint64_t> key_of_files(const std::string& body, const std::string& t
   return static_cast<std::uint64_t>(crc32c(a->bytes())) << 32U | crc32c(b->bytes());
 }
 
+// Meshes and pictures come and go by the hundred kilobytes; handing them back to the system each time costs as many
+// page faults as a third of a scene.
+void keep_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
+
 // How many people must be drawn so that `models` of them become entries: strangers only calibrate intervals.
 int people_drawn(int models, int stranger_every) {
   const auto strangers = [stranger_every](int people) { return (people + stranger_every - 6) / stranger_every; };
   int people = models;
   while (people - strangers(people) < models) ++people;
   return people;
+}
+
+int chunk_of(const SampleOptions& options, int otherwise) {
+  if (options.chunk > 0) return options.chunk;
+  const auto noted = noted_samples(options.work_dir);
+  const bool same = noted && noted->captures == options.captures && noted->seed == options.seed;
+  return same && noted->chunk > 0 ? noted->chunk : otherwise;
 }
 
 }  // namespace
@@ -47,7 +67,7 @@ SampleOptions default_samples() {
 void add_sample_options(CLI::App& sub, SampleOptions& options) {
   sub.add_option("--subjects", options.subjects,
                  "Models: synthetic people in the index (one in 13 more is drawn to fit intervals on)")
-      ->check(CLI::Range(1, 9'000'000))
+      ->check(CLI::Range(1, 900'000'000))
       ->capture_default_str();
   sub.add_option("--captures", options.captures, "Captures of each: other pose, place and noise")
       ->check(CLI::Range(1, 64))
@@ -76,15 +96,53 @@ Result<synth::DatasetReport> make_samples(const SampleOptions& options,
   dataset.thread_count = options.threads;
   dataset.work_dir = options.work_dir;
   dataset.input_key = *key;
-  Progress progress("subjects", static_cast<std::uint64_t>(dataset.subject_count));
-  auto report = synth::make_dataset(
-      *model, tracker->model(), dataset,
-      [&](const synth::DatasetProgress& p) { progress.update(static_cast<std::uint64_t>(p.done)); }, sink);
-  if (!report) return report.error();
-  const nlohmann::ordered_json note = {
-      {"subjects", options.subjects}, {"captures", options.captures}, {"seed", options.seed}};
+  dataset.chunk_size = chunk_of(options, dataset.chunk_size);
+  dataset.part = options.part;
+  dataset.part_count = options.part_count;
+  // First, so that who reads the folder of a run that was killed learns how much is missing.
+  const nlohmann::ordered_json note = {{"subjects", options.subjects},
+                                       {"captures", options.captures},
+                                       {"seed", options.seed},
+                                       {"chunk", dataset.chunk_size}};
   if (const auto written = write_file_atomically(note_path(options.work_dir), note.dump() + "\n"); !written)
     return written.error();
+  keep_memory();
+  std::optional<Progress> progress;  // a part's total is known to the dataset
+  return synth::make_dataset(
+      *model, tracker->model(), dataset,
+      [&](const synth::DatasetProgress& p) {
+        if (!progress) progress.emplace("subjects", static_cast<std::uint64_t>(p.total));
+        progress->update(static_cast<std::uint64_t>(p.done));
+      },
+      sink);
+}
+
+Result<synth::ShardSet> check_samples(const std::vector<std::string>& folders) {
+  auto set = synth::ShardSet::find(folders);
+  if (!set) return set.error();
+  for (const std::string& folder : folders) {
+    const auto note = noted_samples(folder);
+    if (!note) return note.error();
+    const int people = people_drawn(note->subjects, static_cast<int>(set->run().stranger_every));
+    if (const auto whole = set->expect({0, static_cast<std::uint64_t>(people)}); !whole) return whole.error();
+  }
+  return set;
+}
+
+Result<synth::DatasetReport> read_samples(const std::vector<std::string>& folders,
+                                          const std::function<void(const index::Sample&)>& sink) {
+  const auto set = check_samples(folders);
+  if (!set) return set.error();
+  synth::DatasetReport report;
+  for (const synth::ShardAbout& shard : set->shards()) report.add(shard.counts, shard.range);
+  report.subjects_reused = report.subjects_drawn;
+  Progress progress("samples", static_cast<std::uint64_t>(report.samples));
+  std::uint64_t done = 0;
+  const auto read = set->read([&](const index::Sample& sample) {
+    sink(sample);
+    progress.update(++done);
+  });
+  if (!read) return read.error();
   return report;
 }
 
@@ -100,6 +158,7 @@ Result<SampleOptions> noted_samples(const std::string& work_dir) {
   options.subjects = json["subjects"].get<int>();
   options.captures = json["captures"].get<int>();
   options.seed = json["seed"].get<std::uint64_t>();
+  options.chunk = json.value("chunk", 0);
   options.work_dir = work_dir;
   return options;
 }
@@ -108,6 +167,14 @@ std::string summary_of(const synth::DatasetReport& report) {
   std::string text =
       fmt::format("{} samples of {} synthetic people ({} from shards) in {:.0f} s; {} captures missing\n",
                   report.samples, report.subjects, report.subjects_reused, report.seconds, report.captures_missing);
+  const synth::CaptureCost& cost = report.cost;
+  const int made = report.subjects_drawn - report.subjects_reused;
+  if (made > 0)
+    text += fmt::format(
+        "processor ms a person: {:.2f} = body {:.2f}, scene {:.2f}, frames {:.2f}, sense {:.2f}, fuse {:.2f}, "
+        "describe {:.2f}\n",
+        1e3 * cost.sum() / made, 1e3 * cost.draw / made, 1e3 * cost.scene / made, 1e3 * cost.render / made,
+        1e3 * cost.sense / made, 1e3 * cost.fuse / made, 1e3 * cost.describe / made);
   std::string refused;
   for (std::size_t g = 0; g < kGuidanceCount; ++g)
     if (report.refused[g] > 0) refused += fmt::format(" {} {}", kGuidanceNames[g], report.refused[g]);

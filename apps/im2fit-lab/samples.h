@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "apps/common/data_files.h"
 #include "apps/common/program.h"
@@ -18,6 +19,9 @@ struct SampleOptions {
   std::uint64_t seed = 1;
   int threads = 1;
   std::string work_dir;  // shards live here and are used again
+  int chunk = 0;         // people in a shard; 0: as noted in work_dir for the same run, else 1000
+  int part = 0;          // make this part of so many alone
+  int part_count = 1;
   std::string body;
   std::string tracker;
 };
@@ -29,6 +33,14 @@ void add_sample_options(CLI::App& sub, SampleOptions& options);
 // Makes or reuses the samples, in order, with progress on a terminal, and notes in `work_dir` how they were made.
 Result<synth::DatasetReport> make_samples(const SampleOptions& options,
                                           const std::function<void(const index::Sample&)>& sink);
+
+// All samples of one run from any number of folders, in the order of subjects, one shard in memory at a time. Nothing
+// is made: shards that are damaged, of other runs, doubled or missing are errors that say which. How many subjects
+// there must be stands in the folders' notes.
+Result<synth::DatasetReport> read_samples(const std::vector<std::string>& folders,
+                                          const std::function<void(const index::Sample&)>& sink);
+// The same without reading more than the shards' heads.
+Result<synth::ShardSet> check_samples(const std::vector<std::string>& folders);
 
 // The samples an index was built from, as noted in `work_dir`; an error when there is no note.
 Result<SampleOptions> noted_samples(const std::string& work_dir);
