@@ -52,7 +52,7 @@ class Sensor {
  private:
   bool accepted(int id) const;
   void accept(int id);
-  bool looks_like_somebody(int id);
+  bool looks_like_somebody(int id, bool confirmed);
   Sighting nobody(const Sighting& doubted, MaskImage mask);
 
   HoleFiller holes_;
@@ -60,8 +60,10 @@ class Sensor {
   JointTracker tracker_;
   std::array<int, kUserCountMax> accepted_{};  // ids whose joints once looked like a person's; 0: free
   int selected_user_ = 0;                      // by select()
-  int like_user_ = 0;                          // not yet accepted, but like somebody
-  int like_frames_ = 0;                        // ... for so many frames in a row
+  int like_user_ = 0;                          // not yet accepted
+  int like_frames_ = 0;                        // like somebody for so many frames in a row
+  int odds_frames_ = 0;                        // looked at so often
+  float odds_sum_ = 0;                         // of the log-odds that it is somebody
   int previous_user_ = 0;                      // of the last frame; 0: nobody
 };
 

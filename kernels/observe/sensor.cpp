@@ -14,6 +14,12 @@ namespace {
 constexpr float kLikenessSure = 0.72F;  // somebody at once
 constexpr float kLikenessMin = 0.67F;   // somebody after kLikeFrames in a row
 constexpr int kLikeFrames = 6;
+// With the shape's log-odds (Segmenter::shape_odds; weighed together, see there).
+constexpr float kOddsOfLikeness = 22.0F;
+constexpr float kLikenessEven = 0.65F;
+constexpr float kOddsMin = 0.3F;          // in the mean, of who is not sure at once
+constexpr float kOddsDoubtfulMin = 0.8F;  // ... and whose shape alone does not tell either
+constexpr int kOddsFrames = 6;
 constexpr float kLostShareMax = 0.30F;  // of the person's pixels
 
 }  // namespace
@@ -34,7 +40,10 @@ Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage 
   const bool follows = previous_user_ != 0 && previous_user_ == sighting.person.id;
   sighting.joints = tracker_.track(mended, mask, intrinsics, sighting.person, follows);
   if (!accepted(sighting.person.id)) {
-    const bool somebody = looks_like_somebody(sighting.person.id);
+    const auto listed = std::find_if(sighting.users.begin(), sighting.users.end(),
+                                     [&](const User& user) { return user.id == sighting.person.id; });
+    const bool somebody =
+        looks_like_somebody(sighting.person.id, listed != sighting.users.end() && listed->confirmed);
     segmenter_.doubt(sighting.person.id, !somebody);
     if (!somebody) return nobody(sighting, mask);
     accept(sighting.person.id);
@@ -60,11 +69,21 @@ bool Sensor::accepted(int id) const {
   return id == selected_user_ || std::find(accepted_.begin(), accepted_.end(), id) != accepted_.end();
 }
 
-bool Sensor::looks_like_somebody(int id) {
-  const float likeness = tracker_.likeness();
-  like_frames_ = likeness < kLikenessMin ? 0 : id == like_user_ ? like_frames_ + 1 : 1;
+bool Sensor::looks_like_somebody(int id, bool confirmed) {
+  if (id != like_user_) {
+    like_frames_ = odds_frames_ = 0;
+    odds_sum_ = 0;
+  }
   like_user_ = id;
-  return likeness >= kLikenessSure || like_frames_ >= kLikeFrames;
+  const float likeness = tracker_.likeness();
+  const float odds = segmenter_.shape_odds(id) + kOddsOfLikeness * (likeness - kLikenessEven);
+  like_frames_ = likeness < kLikenessMin ? 0 : like_frames_ + 1;
+  odds_sum_ += odds;
+  ++odds_frames_;
+  const float odds_min = confirmed ? kOddsMin : kOddsDoubtfulMin;
+  const bool told = odds_frames_ >= kOddsFrames && odds_sum_ >= odds_min * static_cast<float>(odds_frames_);
+  const bool like = likeness >= kLikenessSure || like_frames_ >= kLikeFrames;
+  return told || (confirmed && like && odds >= 0);
 }
 
 void Sensor::accept(int id) {

@@ -17,6 +17,7 @@ namespace im2fit::segment {
 
 inline constexpr int kBlobCountMax = 400;
 inline constexpr int kHeadCountMax = 8;
+inline constexpr float kShapeUnknown = -100.0F;
 inline constexpr float kFloatingMm = 450.0F;  // above the floor: what ends there ends in the air
 
 struct Blob {
@@ -26,8 +27,10 @@ struct Blob {
   float height_min_mm = 0;
   float height_max_mm = 0;
   Vec3f centroid_mm;
-  float relief_mm = 0;  // rms distance in depth from the best plane: furniture fronts and walls are flat
+  float relief_mm = 0;               // rms distance in depth from the best plane: furniture fronts and walls are flat
+  float shape_odds = kShapeUnknown;  // log-odds of a person's shape against furniture's
   bool person = false;
+  bool doubtful = false;      // no person, but not shaped like furniture either
   bool person_sized = false;  // without a head: might be one
   bool has_head = false;
   Vec3f head_mm;  // cell at the crown, when has_head
@@ -96,6 +99,7 @@ class BlobFinder {
   bool has_legs(const Grid& grid, int blob) const;
   Roundness roundness(const Grid& grid, int blob, int row_last) const;
   bool round_body(const Grid& grid, int blob, const FloorPlane& floor) const;
+  float shape_odds(const Grid& grid, int blob, const FloorPlane& floor) const;
   TrunkShape trunk_of(const Grid& grid, int blob) const;
   static float trunk_doubt(const TrunkShape& shape);
   static bool person_sized(const Grid& grid, const Blob& blob, const FloorPlane& floor);

@@ -24,6 +24,12 @@ constexpr float kBodyLowMaxMm = 250.0F;
 constexpr float kBodyReliefMaxMm = 180.0F;
 constexpr float kBodyRoundMin = 28.0F;
 constexpr float kLegsBonus = 10.0F;
+constexpr float kWholeTopMinMm = 1000.0F;  // above the floor
+constexpr float kWholeLeglessTopMinMm = 1150.0F;
+constexpr float kWholeWideMinMm = 240.0F;
+constexpr float kWholeLowMaxMm = 420.0F;
+constexpr float kWholeNearMm = 1100.0F;
+constexpr float kOddsMax = 9.0F;
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -127,6 +133,37 @@ bool BlobFinder::round_body(const Grid& grid, int b, const FloorPlane& floor) co
   const Roundness round = roundness(grid, b, blob.r_max);
   const bool even = round.share > 0.1F && round.share < 0.6F && round.sides_mm > 14.0F && round.sides_mm < 45.0F;
   return even && round.score + (has_legs(grid, b) ? kLegsBonus : 0.0F) >= kBodyRoundMin;
+}
+
+// A logistic regression on 1,100 furnished rooms without people and 1,200 people (calm, free, turned by 40 to 80
+// degrees, bent by 28 to 50, seated; whole in the picture, half of them from anywhere), whose joints' likeness adds
+// 22 (likeness - 0.65). Together, over three frames, they are above 0.3 in all but 4 % of those turned, 2 % of those
+// bent and 1 % of the rest, and in none of the rooms. Said of what is whole, on the floor and of a person's size.
+float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) const {
+  const Blob& blob = blobs_[at(b)];
+  const float mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
+  const float wide = static_cast<float>(blob.c_max - blob.c_min + 1) * mm;
+  const float top = blob.height_max_mm;
+  const int box = (blob.c_max - blob.c_min + 1) * (blob.r_max - blob.r_min + 1);
+  const float fill = static_cast<float>(blob.cell_count) / static_cast<float>(box);
+  const bool whole = floor.known && top > kWholeTopMinMm && blob.height_min_mm < kWholeLowMaxMm;
+  const bool sized = blob.area_m2 > 0.15F && blob.area_m2 < 1.1F && wide > kWholeWideMinMm && fill < 0.75F &&
+                     blob.centroid_mm.z > kWholeNearMm && blob.centroid_mm.z < kBodyFarMm;
+  if (!whole || !sized || floats(grid, b, floor)) return kShapeUnknown;
+  const bool legs = has_legs(grid, b);
+  const Roundness round = roundness(grid, b, blob.r_max);
+  if (!legs && (top < kWholeLeglessTopMinMm || fill < 0.3F)) return kShapeUnknown;
+  if (round.share < 0.04F) return kShapeUnknown;
+  const auto above = [](float value, float limit) { return std::max(0.0F, value - limit); };
+  const auto below = [](float value, float limit) { return std::max(0.0F, limit - value); };
+  float odds = -2.0F + 0.16F * std::clamp(round.score, -5.0F, 40.0F) - 0.0018F * wide;
+  odds += on_pole(grid, b, floor) ? -2.6F : legs ? 3.0F : 0.0F;
+  odds -= 0.14F * above(round.sides_mm, 38.0F) + 0.27F * below(round.sides_mm, 14.0F);
+  odds -= 13.0F * below(round.share, 0.1F) + 12.0F * above(round.share, 0.45F);
+  odds -= 0.01F * below(top, 1150.0F) + 0.011F * above(top, 1900.0F);
+  odds -= 0.036F * above(blob.relief_mm, 110.0F);
+  odds -= 0.003F * above(blob.centroid_mm.z, 3300.0F);  // where disparity steps make flat things round
+  return std::clamp(odds, -kOddsMax, kOddsMax);
 }
 
 }  // namespace im2fit::segment

@@ -14,10 +14,11 @@ constexpr float kPoleMm = 50.0F;        // thick at most, with its edges; calves
 constexpr float kPoleCells = 1.2F;
 constexpr float kPoleMaxMm = 80.0F;
 constexpr float kTrunkDoubtMax = 0.5F;
-constexpr float kHeadRoundMin = 6.0F;    // of the whole or, where furniture hangs on it, the upper half
-constexpr float kShapeRoundMin = 14.0F;  // of 274 people without a head 99 % are above
-constexpr float kCutRoundMin = 8.0F;     // of trunks cut off above: coats against the border are below 6
-constexpr float kShapeFarMm = 4000.0F;   // beyond, a disparity step is as deep as a leg is round
+constexpr float kHeadRoundMin = 6.0F;      // of the whole or, where furniture hangs on it, the upper half
+constexpr float kShapeRoundMin = 14.0F;    // of 274 people without a head 99 % are above
+constexpr float kCutRoundMin = 8.0F;       // of trunks cut off above: coats against the border are below 6
+constexpr float kShapeFarMm = 4000.0F;     // beyond, a disparity step is as deep as a leg is round
+constexpr float kDoubtfulOddsMin = -1.0F;  // joints add 2 at most to those of furniture
 constexpr float kTrunkBulgeMinMm = 5.0F;
 constexpr float kTrunkBulgeMaxMm = 110.0F;
 
@@ -99,6 +100,11 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
     if (blob.person || blob.cell_count == 0) continue;
     blob.person_sized = person_sized(grid, blob, floor);
     blob.person = (blob.person_sized && person_shaped(grid, b)) || round_body(grid, b, floor);
+  }
+  for (int b = 0; b < blob_count_; ++b) {
+    Blob& blob = blobs_[at(b)];
+    blob.shape_odds = shape_odds(grid, b, floor);
+    blob.doubtful = !blob.person && blob.shape_odds >= kDoubtfulOddsMin;
   }
 }
 

@@ -83,11 +83,12 @@ int Segmenter::Workspace::choose() const {
   for (std::size_t i = 0; i < list.size(); ++i) {
     const User& user = list[i];
     if (selected_id != 0 && user.id != selected_id) continue;
-    if (!user.confirmed) continue;
+    const bool doubtful = users.doubtful(i);
+    if (!user.confirmed && !doubtful) continue;
     const Vec3f c = user.centroid_mm;
     float cost = c.z + 0.8F * std::fabs(c.x) + (user.has_head ? 0.0F : kHeadlessMm);
     if (user.id == last_id) cost -= kStayMm;
-    if (is_doubted(user.id)) cost += kDoubtedMm;
+    if (doubtful || is_doubted(user.id)) cost += kDoubtedMm;
     if (cost < best_cost) {
       best_cost = cost;
       best = static_cast<int>(i);
@@ -138,6 +139,7 @@ void Segmenter::reset() {
 void Segmenter::doubt(int id, bool doubted) {
   auto& list = work_->doubted;
   const auto found = std::find(list.begin(), list.end(), id);
+  if (!doubted) work_->users.vouch(id);
   if (found != list.end()) {
     if (!doubted) *found = 0;
     return;
@@ -149,6 +151,10 @@ void Segmenter::doubt(int id, bool doubted) {
 
 void Segmenter::select(int id) {
   work_->selected_id = id;
+}
+
+float Segmenter::shape_odds(int id) const {
+  return work_->users.shape_odds(id);
 }
 
 std::span<const User> Segmenter::users() const {
@@ -166,10 +172,14 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   w.users.run(w.grid, w.blobs, person.floor, std::max(seconds, kSecondsMin));
   person.people_count = w.people_count();
 
-  const int who = w.choose();
+  int who = w.choose();
+  // Who is too near to be found comes before what may be furniture.
+  const GuidanceSet nobody =
+      who >= 0 && w.users.users()[at(who)].confirmed ? 0 : segment::advise_nobody(w.grid, w.blobs.blobs());
+  if (has(nobody, Guidance::too_near)) who = -1;
   if (who < 0) {
     std::fill(w.chosen.begin(), w.chosen.end(), std::uint8_t{0});
-    person.guidance = segment::advise_nobody(w.grid, w.blobs.blobs());
+    person.guidance = nobody;
     // Who stands too near to be found must not become the room.
     if (!has(person.guidance, Guidance::too_near)) w.background.learn(w.grid, w.users.keepouts(), w.chosen);
     w.refiner.run(w.grid, depth, w.chosen, mask);

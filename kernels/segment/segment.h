@@ -60,8 +60,12 @@ class Segmenter {
   // 0 (default): the nearest and most central one.
   void select(int id);
   // That user looks like furniture, or after all does not: from the next frame on others are chosen before, and
-  // nobody is disturbed by it. Ends with reset().
+  // nobody is disturbed by it. Who does not is confirmed by it. Ends with reset().
   void doubt(int id, bool doubted);
+  // How much more that user's surface is shaped like a person's than like furniture, mean over the last frames:
+  // log-odds, from -9 to 9; 0 of who is not seen whole or unknown. Somebody may be found who is not confirmed: then
+  // the shape alone does not tell, others are chosen before, and whoever asks should look at the joints.
+  float shape_odds(int id) const;
   void reset();  // forgets the floor, the background and everybody; ids go on; the selection ends
 
  private:

@@ -27,6 +27,9 @@ constexpr float kHeadlessHiddenMaxS = 1.5F;  // later, who comes out of hiding m
 constexpr float kHeadlessTallMm = 300.0F;
 constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person
 constexpr float kHeadlessAreaMax = 1.4F;
+constexpr float kDoubtfulHiddenMaxS = 0.3F;
+constexpr int kShapeFramesMax = 12;
+constexpr float kShapelessOdds = -3.0F;
 constexpr float kAreaKeep = 0.999F;  // per frame
 
 std::size_t at(int i) {
@@ -99,11 +102,9 @@ void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor
           blob.area_m2 > kHeadlessAreaMax * track.area_m2)
         continue;
       if (track.has_top && blob.height_max_mm > track.top_mm + kTopGateMm) continue;
-      bool taken = false;
-      for (int i = 0; i < sighting_count_; ++i) taken = taken || sightings_[at(i)].blob == static_cast<int>(b);
       const Vec3f place = along_floor(blob.centroid_mm, floor) + track.lean_mm;
       const float away = distance_to(place, track.seen_mm, track.expected_mm);
-      if (taken || away >= nearest) continue;
+      if (taken(static_cast<int>(b)) || away >= nearest) continue;
       nearest = away;
       best = static_cast<int>(b);
     }
@@ -111,6 +112,31 @@ void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor
     sightings_[at(sighting_count_)] = sight(list[at(best)], best, floor);
     sightings_[at(sighting_count_)].track = t;
     track.sighting = sighting_count_++;
+  }
+}
+
+bool UserTracker::taken(int blob) const {
+  return std::any_of(sightings_.begin(), sightings_.begin() + sighting_count_,
+                     [blob](const Sighting& s) { return s.blob == blob; });
+}
+
+// What may be people: as who is not told from furniture yet, as who was seen a moment ago, or as somebody new.
+void UserTracker::list_doubtful(const BlobFinder& found, const FloorPlane& floor) {
+  const auto list = found.blobs();
+  for (std::size_t b = 0; b < list.size() && sighting_count_ < kUserCountMax; ++b) {
+    if (!list[b].doubtful || taken(static_cast<int>(b))) continue;
+    Sighting s = sight(list[b], static_cast<int>(b), floor);
+    float nearest = kHeadlessGateMm;
+    for (int t = 0; t < track_count_; ++t) {
+      const Track& track = tracks_[at(t)];
+      if (track.sighting >= 0 || (track.confirmed && track.hidden_s > kDoubtfulHiddenMaxS)) continue;
+      const float away = distance_to(s.place_mm + track.lean_mm, track.seen_mm, track.expected_mm);
+      if (away >= nearest) continue;
+      nearest = away;
+      s.track = t;
+    }
+    if (s.track >= 0) tracks_[at(s.track)].sighting = sighting_count_;
+    sightings_[at(sighting_count_++)] = s;
   }
 }
 
@@ -152,6 +178,33 @@ void UserTracker::match() {
   }
 }
 
+// Furniture has a person's shape for a frame now and then: not to have it, or not to be seen, speaks against who is
+// not confirmed.
+void UserTracker::note_shape(Track& track, const Blob* blob) {
+  const bool chance = blob != nullptr && (blob->person || blob->doubtful);
+  track.chances = chance ? std::min(track.chances + kSeenGain, kSeenMax) : std::max(track.chances - 1, 0);
+  const bool known = blob != nullptr && blob->shape_odds != kShapeUnknown;
+  if (!known && (track.confirmed || (blob != nullptr && blob->person))) return;
+  track.shape_frames = std::min(track.shape_frames + 1, kShapeFramesMax);
+  track.shape_odds +=
+      ((known ? blob->shape_odds : kShapelessOdds) - track.shape_odds) / static_cast<float>(track.shape_frames);
+}
+
+float UserTracker::shape_odds(int id) const {
+  for (int t = 0; t < track_count_; ++t)
+    if (tracks_[at(t)].id == id) return tracks_[at(t)].shape_odds;
+  return 0;
+}
+
+void UserTracker::vouch(int id) {
+  for (int t = 0; t < track_count_; ++t) {
+    Track& track = tracks_[at(t)];
+    if (track.id != id || track.confirmed) continue;
+    track.evidence = kSeenMax;
+    track.confirmed = true;
+  }
+}
+
 void UserTracker::follow(Track& track, const Sighting& sighting, const Blob& blob, float seconds) {
   const Vec3f place = sighting.has_head ? sighting.place_mm : sighting.place_mm + track.lean_mm;
   const Vec3f off = place - track.expected_mm;
@@ -178,6 +231,7 @@ void UserTracker::follow(Track& track, const Sighting& sighting, const Blob& blo
   if (track.evidence < kSeenMax)
     track.evidence = blob.person ? std::min(track.evidence + kSeenGain, kSeenMax) : std::max(track.evidence - 1, 0);
   track.confirmed = track.evidence >= (track.confirmed ? kDoubted : kConfirmed);
+  note_shape(track, &blob);
 }
 
 // Where all are taken, the one hidden longest goes.
@@ -195,6 +249,7 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
   list_sightings(found, floor);
   match();
   find_headless(found, floor);
+  list_doubtful(found, floor);
   int kept = 0;
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
@@ -203,6 +258,7 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
       follow(track, s, found.blobs()[at(s.blob)], seconds);
     } else {
       track.hidden_s += seconds;
+      if (!track.confirmed) note_shape(track, nullptr);
       if (track.hidden_s > (track.confirmed ? kHiddenMaxS : kUnconfirmedHiddenMaxS)) continue;
     }
     tracks_[at(kept++)] = track;
@@ -220,9 +276,12 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
     track.top_mm = s.top_mm;
     track.has_top = s.has_top;
     if (s.has_head) track.lean_mm = s.place_mm - s.centroid_mm;
-    track.area_m2 = found.blobs()[at(s.blob)].area_m2;
-    track.evidence = first_ ? kConfirmed : kSeenGain;
-    track.confirmed = first_;
+    const Blob& blob = found.blobs()[at(s.blob)];
+    track.evidence = !blob.person ? 0 : first_ ? kConfirmed : kSeenGain;
+    track.confirmed = track.evidence >= kConfirmed;
+    track.area_m2 = blob.area_m2;
+    note_shape(track, &blob);
+    if (first_) track.chances = kConfirmed;
     track.sighting = i;
     s.track = static_cast<int>(&track - tracks_.data());
   }
@@ -274,6 +333,7 @@ void UserTracker::list_users(const Grid& grid, const BlobFinder& found) {
     user.visible_share = track.area_m2 > 0 ? std::min(1.0F, blob.area_m2 / track.area_m2) : 1.0F;
     user.confirmed = track.confirmed;
     user_blobs_[at(user_count_)] = s.blob;
+    user_doubtful_[at(user_count_)] = !track.confirmed && track.chances >= kConfirmed;
     users_[at(user_count_++)] = user;
   }
 }

@@ -19,6 +19,10 @@ class UserTracker {
   void run(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds);
   std::span<const User> users() const { return {users_.data(), static_cast<std::size_t>(user_count_)}; }
   int blob_of(std::size_t user) const { return user_blobs_[user]; }
+  // Not confirmed, but seen often enough, and not shaped like furniture.
+  bool doubtful(std::size_t user) const { return user_doubtful_[user]; }
+  float shape_odds(int id) const;  // mean over the last frames; 0: unknown
+  void vouch(int id);              // it is a person
   // Crowns of those seen within the last second, where they should be by now.
   std::span<const Vec3f> expected() const { return {expected_.data(), static_cast<std::size_t>(expected_count_)}; }
   // Where people are, or were when last seen, and what has a person's size; until the next run.
@@ -37,6 +41,9 @@ class UserTracker {
     float hidden_s = 0;
     int evidence = 0;  // that it is a person: 4 for a frame that shows one, -1 for one that does not
     bool confirmed = false;
+    int chances = 0;  // that it might be one: counted as evidence is
+    float shape_odds = 0;
+    int shape_frames = 0;  // it is the mean of, kShapeFramesMax at most
     float area_m2 = 0;     // the most seen of it, slowly forgotten
     Vec3f lean_mm;         // from the centroid to the crown, along the floor
     float headless_s = 0;  // since its head was seen
@@ -57,7 +64,10 @@ class UserTracker {
   static Sighting sight(const Blob& blob, int index, const FloorPlane& floor);
   void match();
   void find_headless(const BlobFinder& found, const FloorPlane& floor);
+  void list_doubtful(const BlobFinder& found, const FloorPlane& floor);
+  bool taken(int blob) const;
   static float cost(const Track& track, const Sighting& sighting);
+  static void note_shape(Track& track, const Blob* blob);  // null: not seen
   static void follow(Track& track, const Sighting& sighting, const Blob& blob, float seconds);
   Track& new_track();
   void list_users(const Grid& grid, const BlobFinder& found);
@@ -70,6 +80,7 @@ class UserTracker {
   int sighting_count_ = 0;
   std::array<User, kUserCountMax> users_;
   std::array<int, kUserCountMax> user_blobs_{};
+  std::array<bool, kUserCountMax> user_doubtful_{};
   int user_count_ = 0;
   std::array<Vec3f, kTrackCountMax> expected_;
   int expected_count_ = 0;

@@ -127,5 +127,53 @@ TEST_F(Likeness, ADoubtedUserIsPassedOverForAnother) {
   EXPECT_TRUE(has(run().guidance, Guidance::several_people));
 }
 
+// In profile: no shoulders on either side of the head, one leg before the other, an arm along the trunk.
+std::vector<room_test::Capsule> profile_at(float z) {
+  const auto at = [&](float dx, float y, float dz = 0) { return Vec3f{dx, y, z + dz}; };
+  return {{at(0, 1600), at(15, 1650), 95, 1},
+          {at(-10, 1430), at(-10, 1580), 62, 1},
+          {at(-15, 950), at(-5, 1380), 118, 1},
+          {at(-20, 1390, -85), at(-30, 1120, -95), 48, 1},
+          {at(-30, 1120, -95), at(30, 880, -100), 38, 1},
+          {at(20, 900, -60), at(40, 480, -70), 80, 1},
+          {at(40, 480, -70), at(30, 80, -70), 52, 1},
+          {at(-30, 900, 60), at(-60, 480, 70), 80, 1},
+          {at(-60, 480, 70), at(-90, 80, 70), 52, 1},
+          {at(30, 40, -70), at(190, 35, -70), 36, 1},
+          {at(-90, 40, 70), at(60, 35, 70), 36, 1}};
+}
+
+TEST_F(Likeness, WhoseShapeDoesNotTellIsFoundByTheJointsInSixFrames) {
+  const Model agreed(0), apart(100);
+  Scene s = room();
+  add(s, profile_at(2600));
+  Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
+  int first = -1;
+  for (int frame = 0; frame < 12; ++frame) {
+    const Sighting seen = show(sure, s);
+    if (seen.person.found && first < 0) first = frame;
+    if (first < 0) continue;
+    EXPECT_TRUE(seen.person.found) << "frame " << frame << ": somebody once, somebody for good";
+    if (frame == first) continue;
+    ASSERT_EQ(seen.user_count, 1);
+    EXPECT_TRUE(seen.users[0].confirmed);
+  }
+  EXPECT_GE(first, 5) << "six frames tell more than one";
+  EXPECT_LE(first, 7);
+  for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(show(torn, s).person.found);
+}
+
+TEST_F(Likeness, APersonsShapeIsLikelierThanFurnitures) {
+  Scene s = room();
+  add(s, person_at(0, 2700, 1));
+  Segmenter segmenter(s.width, s.height);
+  std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
+  const auto picture = look(s, kKinectNoise, 1);
+  const Person person = segmenter.run(picture.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
+  ASSERT_TRUE(person.found);
+  EXPECT_GT(segmenter.shape_odds(person.id), 1.0F);
+  EXPECT_EQ(segmenter.shape_odds(person.id + 1), 0.0F) << "of nobody known";
+}
+
 }  // namespace
 }  // namespace im2fit
