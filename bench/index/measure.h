@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// One peer at one size: how fast it answers people it does not know, and how wrong.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/index/peer.h"
+
+namespace im2fit::bench {
+
+// What the errors are of.
+inline constexpr std::array<Measurement, 4> kJudged = {Measurement::stature, Measurement::chest_girth,
+                                                       Measurement::waist_girth, Measurement::hip_girth};
+using Errors = std::array<double, kJudged.size()>;  // mean absolute, mm
+
+struct Row {
+  std::string kind, peer, note;
+  std::size_t models = 0, densified = 0;
+  std::optional<double> build_s, bytes_a_model;
+  std::size_t asked = 0;
+  std::optional<double> p50_us, p99_us;  // processor time of one thread
+  std::optional<double> recall_own;      // the same nearest as by looking at every model in the peer's own space
+  std::optional<double> recall_raw;      // the same nearest as by the raw 501 features
+  Errors error{};
+  std::optional<Errors> error_of_nearest;  // of ours, before the regression
+};
+
+// Who asks, and what is right at one size.
+struct Exam {
+  const Models& models;
+  std::vector<std::vector<float>> raw;     // of every query
+  std::vector<std::uint32_t> raw_nearest;  // of the first so many, as time allowed
+  const std::vector<index::Sample>& queries;
+  double seconds;  // to spend on asking, for each row; a hundred queries are asked in any case
+};
+Exam make_exam(const Models& models, const std::vector<index::Sample>& queries, double seconds);
+
+// Every query once, in turn, until time is up.
+Row measure(Peer& peer, const Exam& exam);
+// The nearest by raw features where no peer could hold them: errors only.
+Row raw_nearest_row(const Exam& exam);
+
+}  // namespace im2fit::bench

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/index/report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace im2fit::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kSmall = 50'000, kLarge = 5'000'000;
+
+std::string number(double value, int digits) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+std::string duration(double us) {
+  if (us < 99.95) return number(us, us < 9.95 ? 1 : 0) + " µs";
+  if (us < 999.5) return number(us, 0) + " µs";
+  const double ms = us / 1000;
+  return number(ms, ms < 9.95 ? 2 : ms < 99.5 ? 1 : 0) + " ms";
+}
+
+std::string thousands(std::size_t n) {
+  std::string text = std::to_string(n);
+  for (auto at = static_cast<std::ptrdiff_t>(text.size()) - 3; at > 0; at -= 3)
+    text.insert(static_cast<std::size_t>(at), ",");
+  return text;
+}
+
+template <class Format>
+std::string or_dash(const std::optional<double>& value, Format format) {
+  return value ? format(*value) : "–";
+}
+
+const Row* find(const Measured& all, const std::string& peer, std::size_t models) {
+  for (const Row& row : all.rows)
+    if (row.peer == peer && row.models == models) return &row;
+  return nullptr;
+}
+
+std::vector<std::size_t> sizes_of(const Measured& all) {
+  std::vector<std::size_t> sizes;
+  for (const Row& row : all.rows)
+    if (sizes.empty() || sizes.back() != row.models) sizes.push_back(row.models);
+  return sizes;
+}
+
+Bar at_most(const std::string& what, double bar, const std::string& unit, const std::optional<double>& measured,
+            int digits) {
+  if (!measured) return {what, "≤ " + number(bar, digits) + unit, "not measured", {}};
+  return {what, "≤ " + number(bar, digits) + unit, number(*measured, digits) + unit, *measured <= bar};
+}
+
+// Least gain over the judged measurements.
+double least_gain(const Errors& theirs, const Errors& ours) {
+  double least = theirs[0] / ours[0];
+  for (std::size_t k = 1; k < ours.size(); ++k) least = std::min(least, theirs[k] / ours[k]);
+  return least;
+}
+
+// Every measurement at least as well as ours.
+bool as_accurate(const Row& theirs, const Row& ours) {
+  for (std::size_t k = 0; k < ours.error.size(); ++k)
+    if (theirs.error[k] > ours.error[k]) return false;
+  return true;
+}
+
+void compare_with_peers(const Measured& all, std::size_t models, std::vector<Bar>& bars) {
+  const Row* ours = find(all, "im2fit", models);
+  if (ours == nullptr) return;
+  const std::string at = " at " + thousands(models);
+  std::string slower_than_us = "no peer is as accurate";
+  bool met = true;
+  const Row* fastest = nullptr;
+  for (const Row& row : all.rows) {
+    if (row.models != models || !row.p50_us || row.peer.starts_with("im2fit")) continue;
+    if (fastest == nullptr || *row.p50_us < *fastest->p50_us) fastest = &row;
+    if (!as_accurate(row, *ours)) continue;
+    slower_than_us = row.peer + " is, and takes " + duration(*row.p50_us);
+    met = met && *row.p50_us > *ours->p50_us && *row.p99_us > *ours->p99_us;
+  }
+  if (fastest == nullptr) return;
+  bars.push_back({"faster than every peer of equal or less error" + at, "all", slower_than_us, met});
+  bars.push_back({"the fastest peer of any error" + at + ", over ours, p50", "–",
+                  number(*fastest->p50_us / *ours->p50_us, 1) + "x (" + fastest->peer + ")", std::nullopt});
+}
+
+Json errors_json(const Errors& errors) {
+  Json out;
+  for (std::size_t k = 0; k < errors.size(); ++k)
+    out[std::string(kMeasurementTable[measurement_index(kJudged[k])].id)] = errors[k];
+  return out;
+}
+
+void put(Json& json, const char* name, const std::optional<double>& value) {
+  if (value) json[name] = *value;
+}
+
+Json row_json(const Row& row) {
+  Json out = {{"peer", row.peer},
+              {"note", row.note},
+              {"models", row.models},
+              {"densified", row.densified},
+              {"asked", row.asked}};
+  put(out, "build_s", row.build_s);
+  put(out, "bytes_a_model", row.bytes_a_model);
+  put(out, "p50_us", row.p50_us);
+  put(out, "p99_us", row.p99_us);
+  put(out, "recall_own_space", row.recall_own);
+  put(out, "recall_raw_space", row.recall_raw);
+  out["error_mm"] = errors_json(row.error);
+  if (row.error_of_nearest) out["error_of_nearest_mm"] = errors_json(*row.error_of_nearest);
+  return out;
+}
+
+std::string error_cells(const Errors& errors) {
+  std::string text;
+  for (const double e : errors) text += " " + number(e, 1) + " |";
+  return text;
+}
+
+std::string size_line(const Measured& all, std::size_t models) {
+  for (const Row& row : all.rows) {
+    if (row.models != models) continue;
+    if (row.densified == 0) return thousands(models) + " models, all rendered";
+    return thousands(models) + " models: " + thousands(models - row.densified) + " rendered, " +
+           thousands(row.densified) + " **densified** (mixed from them)";
+  }
+  return "";
+}
+
+std::string table_of(const Measured& all, std::size_t models) {
+  std::string text =
+      "\n**" + size_line(all, models) + "**\n\n" +
+      "| method | build s | B/model | p50 | p99 | asked | recall own / raw | stature | chest | waist | "
+      "hip mm |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
+  const auto share = [](double v) { return number(v, 3); };
+  for (const Row& row : all.rows) {
+    if (row.models != models) continue;
+    text += "| " + row.peer + (row.note.empty() ? "" : " (" + row.note + ")") + " | " +
+            or_dash(row.build_s, [](double s) { return number(s, 1); }) + " | " +
+            or_dash(row.bytes_a_model, [](double b) { return number(b, b < 100 ? 1 : 0); }) + " | " +
+            or_dash(row.p50_us, duration) + " | " + or_dash(row.p99_us, duration) + " | " +
+            std::to_string(row.asked) + " | " + or_dash(row.recall_own, share) + " / " +
+            or_dash(row.recall_raw, share) + " |" + error_cells(row.error) + "\n";
+    if (row.error_of_nearest && row.peer == "im2fit")
+      text +=
+          "| – its nearest model, without the regression | | | | | | |" + error_cells(*row.error_of_nearest) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<Bar> bars_of(const Measured& all) {
+  std::vector<Bar> bars;
+  const Row* small = find(all, "im2fit", kSmall);
+  const Row* large = find(all, "im2fit", kLarge);
+  const auto field = [](const Row* row, std::optional<double> Row::*f) { return row ? row->*f : std::nullopt; };
+  bars.push_back(at_most("query at 50,000, p50", 20, " µs", field(small, &Row::p50_us), 1));
+  bars.push_back(at_most("query at 5,000,000, p99", 1000, " µs", field(large, &Row::p99_us), 0));
+  std::optional<double> growth50, growth99;
+  if (small && large) {
+    growth50 = *large->p50_us / *small->p50_us;
+    growth99 = *large->p99_us / *small->p99_us;
+  }
+  bars.push_back(at_most("growth of p50 from 50,000 to 5,000,000", 10, "x", growth50, 1));
+  bars.push_back(at_most("growth of p99 from 50,000 to 5,000,000", 10, "x", growth99, 1));
+  bars.push_back(at_most("bytes a model at 5,000,000", 24, "", field(large, &Row::bytes_a_model), 2));
+  for (const std::size_t models : sizes_of(all)) {
+    const Row* ours = find(all, "im2fit", models);
+    const Row* raw = find(all, "brute force, 501 float", models);
+    if (ours == nullptr) continue;
+    const std::string at = " at " + thousands(models);
+    // Exact is 1.000x: the answers are the same to the bit.
+    const double same = ours->recall_own.value_or(0);
+    bars.push_back({"answers the same as by exhaustive search" + at, "error ≤ 1.02x",
+                    number(100 * same, 2) + " % to the bit", same == 1.0});
+    if (raw == nullptr) continue;
+    const double gain = least_gain(raw->error, ours->error);
+    bars.push_back(
+        {"error of raw nearest over ours" + at + ", least of four", "≥ 2.5x", number(gain, 2) + "x", gain >= 2.5});
+    compare_with_peers(all, models, bars);
+  }
+  return bars;
+}
+
+std::string json_of(const Measured& all) {
+  Json out = {{"origin", all.origin},
+              {"processor", all.processor},
+              {"rendered_models", all.models_real},
+              {"queries", all.queries},
+              {"feature_values", all.feature_size},
+              {"seconds", all.seconds},
+              {"memory_peak_gb", all.memory_peak_gb}};
+  for (const Row& row : all.rows) out["rows"].push_back(row_json(row));
+  for (const Bar& bar : bars_of(all)) {
+    Json b = {{"what", bar.what}, {"bar", bar.bar}, {"measured", bar.measured}};
+    if (bar.met) b["met"] = *bar.met;
+    out["bars"].push_back(b);
+  }
+  return out.dump(1) + "\n";
+}
+
+std::string markdown_of(const Measured& all, const std::string& plot_file) {
+  std::string text =
+      "<!-- SPDX-License-Identifier: Apache-2.0 -->\n<!-- Written by index_peers. -->\n# The index and its "
+      "peers\n\n" +
+      all.processor + ", processor time of one thread. " + all.origin + ": " + thousands(all.models_real) +
+      " rendered models, " + thousands(all.queries) + " held-out people who ask; features of " +
+      thousands(all.feature_size) + " values, of which peers take the paper's 501. Peak memory " +
+      number(all.memory_peak_gb, 1) + " GB, " + number(all.seconds / 60, 1) +
+      " minutes in all. What the words mean and how to rerun: [docs/index-peers.md](../../docs/index-peers.md).\n\n";
+  text += "| what | bar | measured | met |\n|---|---:|---:|---|\n";
+  for (const Bar& bar : bars_of(all))
+    text += "| " + bar.what + " | " + bar.bar + " | " + bar.measured + " | " +
+            (bar.met ? *bar.met ? "yes" : "**no**" : "–") + " |\n";
+  text += "\n![query time against models](" + plot_file + ")\n";
+  for (const std::size_t models : sizes_of(all)) text += table_of(all, models);
+  return text;
+}
+
+}  // namespace im2fit::bench
