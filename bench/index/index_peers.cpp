@@ -57,30 +57,46 @@ void tell_row(const Row& row) {
   tell(text);
 }
 
+void measure_peer(const PeerKind& kind, const People& people, const Exam& exam, std::vector<Row>& rows) {
+  const auto peer = kind.make(people);
+  tell("  " + peer->name() + ": building");
+  const double build_s = peer->build(exam.models);
+  for (std::size_t way = 0; way < peer->way_count(); ++way) {
+    peer->use_way(way);
+    Row row = measure(*peer, exam);
+    row.kind = kind.id;
+    row.build_s = build_s;
+    tell_row(row);
+    rows.push_back(row);
+  }
+}
+
+bool wanted(const Options& options, const PeerKind& kind, std::size_t size) {
+  const auto& chosen = options.peers;
+  if (!chosen.empty() && std::find(chosen.begin(), chosen.end(), kind.id) == chosen.end()) return false;
+  return size >= kind.from && size <= (options.full ? kind.to_full : kind.to);
+}
+
 void measure_size(const Options& options, const People& people, std::size_t size, std::vector<Row>& rows) {
-  const Models models(people.models, size, index::BuildOptions{}.seed);
+  const std::uint64_t seed = index::BuildOptions{}.seed;
+  const std::size_t width = people.models.front().feature.size();
+  const Models models(people.models, size, seed);
   tell(std::to_string(models.size()) + " models, " + std::to_string(models.densified_count()) +
        " of them densified: exact answers");
   const Exam exam = make_exam(models, people.queries, options.seconds);
+  bool brute_force_timed = false;
   for (const PeerKind& kind : all_peers()) {
-    const auto& chosen = options.peers;
-    if (!chosen.empty() && std::find(chosen.begin(), chosen.end(), kind.id) == chosen.end()) continue;
-    if (size < kind.from || size > (options.full ? kind.to_full : kind.to)) {
-      if (kind.id == "brute") rows.push_back(raw_nearest_row(exam));
-      continue;
-    }
-    const auto peer = kind.make(people);
-    tell("  " + peer->name() + ": building");
-    const double build_s = peer->build(models);
-    for (std::size_t way = 0; way < peer->way_count(); ++way) {
-      peer->use_way(way);
-      Row row = measure(*peer, exam);
-      row.kind = kind.id;
-      row.build_s = build_s;
-      tell_row(row);
-      rows.push_back(row);
-    }
+    if (!wanted(options, kind, size)) continue;
+    measure_peer(kind, people, exam, rows);
+    brute_force_timed = brute_force_timed || kind.id == "brute";
   }
+  if (!brute_force_timed) rows.push_back(unasked_row(exam, 1));
+  rows.push_back(unasked_row(exam, kAveraged));
+  if (width == kRawSize) return;
+  const Models whole(people.models, size, seed, width);
+  const Exam with_all = make_exam(whole, people.queries, options.seconds / 2);
+  rows.push_back(unasked_row(with_all, 1));
+  rows.push_back(unasked_row(with_all, kAveraged));
 }
 
 Status write(const Options& options, const Measured& all) {
@@ -118,7 +134,7 @@ int judge(const Measured& all) {
 
 int run(Options options) {
   if (options.self_check) {
-    if (options.sizes == Options().sizes) options.sizes = {1'000, 10'000};
+    if (options.sizes == Options().sizes) options.sizes = {1'000, 4'000};
     options.seconds = 0.5;
     options.queries = 100;
   }

@@ -69,7 +69,7 @@ Exam make_exam(const Models& models, const std::vector<index::Sample>& queries, 
   const Budget budget(2 * seconds);
   for (const auto& raw : exam.raw) {
     if (exam.raw_nearest.size() >= kAskedMin && !budget.left()) break;
-    exam.raw_nearest.push_back(exact.nearest(raw));
+    exam.raw_nearest.push_back(exact.nearest(raw, kAveraged));
   }
   return exam;
 }
@@ -105,7 +105,7 @@ Row measure(Peer& peer, const Exam& exam) {
     const MeasurementValues& truth = exam.queries[q].truth;
     add_errors(error, r.values ? *r.values : exam.models.truth(r.model), truth);
     if (r.nearest_values) add_errors(error_of_nearest, *r.nearest_values, truth);
-    if (q < judged && r.model == exam.raw_nearest[q]) ++right;
+    if (q < judged && r.model == exam.raw_nearest[q].front()) ++right;
   }
   row.error = mean(error, replies.size());
   if (!replies.empty() && replies.front().nearest_values) {
@@ -118,17 +118,24 @@ Row measure(Peer& peer, const Exam& exam) {
   return row;
 }
 
-Row raw_nearest_row(const Exam& exam) {
+Row unasked_row(const Exam& exam, std::size_t averaged) {
   Row row;
-  row.kind = "brute";
-  row.peer = "brute force, 501 float";
-  row.note = "does not fit in memory: not timed";
+  row.peer = "brute force, " + std::to_string(exam.models.width()) + " float";
+  if (averaged > 1) row.peer += ", mean of " + std::to_string(averaged);
+  row.kind = "unasked";
+  row.note = "error only";
   row.models = exam.models.size();
   row.densified = exam.models.densified_count();
   row.asked = exam.raw_nearest.size();
-  row.recall_own = row.recall_raw = 1;
-  for (std::size_t q = 0; q < exam.raw_nearest.size(); ++q)
-    add_errors(row.error, exam.models.truth(exam.raw_nearest[q]), exam.queries[q].truth);
+  for (std::size_t q = 0; q < exam.raw_nearest.size(); ++q) {
+    const std::size_t count = std::min(averaged, exam.raw_nearest[q].size());
+    MeasurementValues sum{};
+    for (std::size_t k = 0; k < count; ++k) {
+      const MeasurementValues values = exam.models.truth(exam.raw_nearest[q][k]);
+      for (std::size_t m = 0; m < kMeasurementCount; ++m) sum[m] += values[m] / static_cast<float>(count);
+    }
+    add_errors(row.error, sum, exam.queries[q].truth);
+  }
   row.error = mean(row.error, row.asked);
   return row;
 }

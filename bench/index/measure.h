@@ -29,11 +29,13 @@ struct Row {
   std::optional<Errors> error_of_nearest;  // of ours, before the regression
 };
 
+inline constexpr std::size_t kAveraged = 32;  // as many as our own regression asks, give or take
+
 // Who asks, and what is right at one size.
 struct Exam {
   const Models& models;
-  std::vector<std::vector<float>> raw;     // of every query
-  std::vector<std::uint32_t> raw_nearest;  // of the first so many, as time allowed
+  std::vector<std::vector<float>> raw;                  // of every query
+  std::vector<std::vector<std::uint32_t>> raw_nearest;  // kAveraged of the first so many, as time allowed
   const std::vector<index::Sample>& queries;
   double seconds;  // to spend on asking, for each row; a hundred queries are asked in any case
 };
@@ -41,7 +43,7 @@ Exam make_exam(const Models& models, const std::vector<index::Sample>& queries, 
 
 // Every query once, in turn, until time is up.
 Row measure(Peer& peer, const Exam& exam);
-// The nearest by raw features where no peer could hold them: errors only.
-Row raw_nearest_row(const Exam& exam);
+// Errors only, of what brute force would answer. `averaged`: the mean of so many nearest, up to kAveraged.
+Row unasked_row(const Exam& exam, std::size_t averaged);
 
 }  // namespace im2fit::bench

@@ -20,14 +20,16 @@ inline constexpr std::size_t kRawSize = 501;  // the paper's feature: 4 lengths,
 // build_index makes for the same seed. A feature that was not measured counts as its sex's mean.
 class Models {
  public:
-  Models(std::span<const index::Sample> real, std::size_t size, std::uint64_t seed);
+  // Features are cut after `width` values.
+  Models(std::span<const index::Sample> real, std::size_t size, std::uint64_t seed, std::size_t width = kRawSize);
 
   std::size_t size() const { return size_; }
+  std::size_t width() const { return width_; }
   std::size_t real_count() const { return real_.size(); }
   std::size_t densified_count() const { return size_ - real_.size(); }
   std::span<const index::Sample> real() const { return real_; }
 
-  void feature(std::size_t model, float* out) const;  // kRawSize values
+  void feature(std::size_t model, float* out) const;  // width() values
   MeasurementValues truth(std::size_t model) const;
   // Of somebody who asks: what was not measured counts as the mean of all.
   std::vector<float> query(std::span<const float> feature) const;
@@ -43,10 +45,10 @@ class Models {
     std::uint32_t first = 0, second = 0;
     float first_share = 1, second_share = 0;
   };
-  std::span<const float> deviation(std::size_t real) const { return {&deviations_[real * kRawSize], kRawSize}; }
+  std::span<const float> deviation(std::size_t real) const { return {&deviations_[real * width_], width_}; }
 
   std::span<const index::Sample> real_;
-  std::size_t size_;
+  std::size_t size_, width_;
   std::array<std::vector<float>, 2> mean_;  // of a sex
   std::vector<float> mean_of_all_;
   std::array<MeasurementValues, 2> truth_mean_{};
@@ -60,7 +62,8 @@ class Models {
 class ExactNearest {
  public:
   explicit ExactNearest(const Models& models);
-  std::uint32_t nearest(std::span<const float> query) const;
+  // Nearest first; min(count, models).
+  std::vector<std::uint32_t> nearest(std::span<const float> query, std::size_t count) const;
 
  private:
   const Models& models_;

@@ -18,7 +18,7 @@ std::vector<PeerKind> all_peers() {
       {"nanoflann", 0, kMinutes, kMemory, [](const People&) { return make_nanoflann_raw(); }},
       {"pca", 0, kAll, kAll, [](const People&) { return make_nanoflann_pca(); }},
 #ifdef IM2FIT_PEERS_FAISS
-      {"ivfpq", 10'000, kAll, kAll, [](const People&) { return make_faiss_ivf_pq(); }},
+      {"ivfpq", 4'000, kAll, kAll, [](const People&) { return make_faiss_ivf_pq(); }},
       {"hnsw", 0, kMinutes, kMemory, [](const People&) { return make_faiss_hnsw(); }},
 #endif
 #ifdef IM2FIT_PEERS_HNSWLIB
