@@ -291,11 +291,12 @@ Status ShardSet::expect(const SubjectRange& wanted) const {
                                          "; run im2fit-lab dataset again with the same words, all shards"};
 }
 
-Status ShardSet::read(const std::function<void(const index::Sample&)>& sink) const {
+Status ShardSet::read(const std::function<bool(const index::Sample&)>& take) const {
   for (const ShardAbout& shard : shards_) {
     const auto chunk = read_shard(shard.path, shard.run, shard.range);
     if (!chunk) return chunk.error();
-    for (const index::Sample& s : chunk->samples) sink(s);
+    for (const index::Sample& s : chunk->samples)
+      if (!take(s)) return Ok{};
   }
   return Ok{};
 }

@@ -94,7 +94,7 @@ class ShardSet {
   // An error that names what is missing or too much, unless these are just the subjects there are.
   Status expect(const SubjectRange& wanted) const;
   // In the order of subjects. Errors: a damaged shard; what came before has been given to `sink`.
-  Status read(const std::function<void(const index::Sample&)>& sink) const;
+  Status read(const std::function<bool(const index::Sample&)>& take) const;
 
  private:
   std::vector<ShardAbout> shards_;

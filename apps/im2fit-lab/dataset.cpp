@@ -36,7 +36,7 @@ Result<int> run_dataset(const DatasetCommand& options) {
 Result<int> run_check(const std::vector<std::string>& folders) {
   const auto set = check_samples(folders);
   if (!set) return set.error();
-  const auto report = read_samples(folders, [](const index::Sample&) {});
+  const auto report = read_samples(folders, [](const index::Sample&) { return true; });
   if (!report) return report.error();
   fmt::print("whole: {} samples of {} synthetic people in {} shards\n{}", report->samples, report->subjects,
              set->shards().size(), set->run().text());

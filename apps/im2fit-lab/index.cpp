@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "apps/common/data_files.h"
 #include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/index_looks.h"
@@ -20,14 +21,33 @@ struct IndexCommand {
   SampleOptions samples = default_samples();
   int dimensions = 0;
   std::size_t densify_to = 0;
+  std::vector<std::string> from;
   std::string out = default_index_path();
 };
+
+// Where the samples are: given, or made now.
+Result<std::vector<std::string>> sample_folders(const IndexCommand& options, const SampleOptions& samples) {
+  if (!options.from.empty()) return options.from;
+  const auto report = make_samples(samples, [](const index::Sample&) {});
+  if (!report) return report.error();
+  fmt::print("{}", summary_of(*report));
+  return std::vector<std::string>{samples.work_dir};
+}
 
 Result<int> run_build(const IndexCommand& options) {
   if (const auto made = make_directory(std::filesystem::absolute(options.out).parent_path().string()); !made)
     return made.error();
   SampleOptions samples = options.samples;
   if (samples.work_dir.empty()) samples.work_dir = options.out + ".samples";
+  const auto folders = sample_folders(options, samples);
+  if (!folders) return folders.error();
+  if (!options.from.empty()) {
+    const auto noted = noted_samples(folders->front());
+    if (!noted) return noted.error();
+    samples.subjects = noted->subjects;
+    samples.captures = noted->captures;
+    samples.seed = noted->seed;
+  }
   index::BuildOptions build;
   build.dimensions = options.dimensions;
   build.seed = samples.seed;
@@ -36,25 +56,22 @@ Result<int> run_build(const IndexCommand& options) {
                                  samples.captures, samples.seed);
   if (options.densify_to > 0) build.provenance += fmt::format(" --densify {}", options.densify_to);
   build.densify_to = options.densify_to;
-  Progress progress("entries", 0);
-  build.progress = [&](const std::string& stage, std::size_t done) { progress.update(done, stage); };
   build.population_version = body::kPopulationVersion;
   build.population_seed = samples.seed;
-  const auto report = make_samples(samples, [](const index::Sample&) {});
-  if (!report) return report.error();
+  Progress progress("entries", 0);
+  build.progress = [&](const std::string& stage, std::size_t done) { progress.update(done, stage); };
   const auto bytes = index::build_index(build, [&](const std::function<bool(const index::Sample&)>& take) -> Status {
-    bool going = true;
-    const auto read = make_samples(samples, [&](const index::Sample& s) { going = going && take(s); });
+    const auto read = read_samples(*folders, take);
     if (!read) return read.error();
     return Ok{};
   });
   if (!bytes) return bytes.error();
   if (const auto written = write_file_atomically(options.out, *bytes); !written) return written.error();
-  fmt::print(
-      "{}{}: {:.1f} MB, {:.1f} bytes a model\n", summary_of(*report), options.out,
-      static_cast<double>(bytes->size()) / 1e6,
-      static_cast<double>(bytes->size()) /
-          static_cast<double>(std::max<std::size_t>(options.densify_to, static_cast<std::size_t>(report->samples))));
+  const auto index = load_index(options.out);
+  if (!index) return index.error();
+  fmt::print("{}: {} entries of {} people, {:.1f} MB, {:.1f} bytes an entry\n", options.out, index->size(),
+             index->info().subject_count, static_cast<double>(bytes->size()) / 1e6,
+             static_cast<double>(bytes->size()) / static_cast<double>(index->size()));
   return kExitOk;
 }
 
@@ -70,6 +87,10 @@ void add_index(CLI::App& app, Command& chosen) {
   add_sample_options(*sub, options->samples);
   sub->add_option("--samples", options->samples.work_dir, "Folder of shards to use or make (default: OUT.samples)")
       ->type_name("DIR");
+  sub->add_option("--from", options->from,
+                  "Folders of shards of one run, made elsewhere: nothing is made, all of them are read as one")
+      ->type_name("DIR")
+      ->excludes("--samples");
   sub->add_option("--dimensions", options->dimensions, "Of the projected space; 0: chosen by held-out error")
       ->check(CLI::Range(0, 16))
       ->capture_default_str();

@@ -130,7 +130,7 @@ Result<synth::ShardSet> check_samples(const std::vector<std::string>& folders) {
 }
 
 Result<synth::DatasetReport> read_samples(const std::vector<std::string>& folders,
-                                          const std::function<void(const index::Sample&)>& sink) {
+                                          const std::function<bool(const index::Sample&)>& take) {
   const auto set = check_samples(folders);
   if (!set) return set.error();
   synth::DatasetReport report;
@@ -139,8 +139,8 @@ Result<synth::DatasetReport> read_samples(const std::vector<std::string>& folder
   Progress progress("samples", static_cast<std::uint64_t>(report.samples));
   std::uint64_t done = 0;
   const auto read = set->read([&](const index::Sample& sample) {
-    sink(sample);
     progress.update(++done);
+    return take(sample);
   });
   if (!read) return read.error();
   return report;

@@ -38,7 +38,7 @@ Result<synth::DatasetReport> make_samples(const SampleOptions& options,
 // is made: shards that are damaged, of other runs, doubled or missing are errors that say which. How many subjects
 // there must be stands in the folders' notes.
 Result<synth::DatasetReport> read_samples(const std::vector<std::string>& folders,
-                                          const std::function<void(const index::Sample&)>& sink);
+                                          const std::function<bool(const index::Sample&)>& take);
 // The same without reading more than the shards' heads.
 Result<synth::ShardSet> check_samples(const std::vector<std::string>& folders);
 
