@@ -25,13 +25,16 @@ struct IndexCommand {
   std::string out = default_index_path();
 };
 
-// Where the samples are: given, or made now.
-Result<std::vector<std::string>> sample_folders(const IndexCommand& options, const SampleOptions& samples) {
-  if (!options.from.empty()) return options.from;
-  const auto report = make_samples(samples, [](const index::Sample&) {});
-  if (!report) return report.error();
-  fmt::print("{}", summary_of(*report));
-  return std::vector<std::string>{samples.work_dir};
+// All samples, in order: of folders made elsewhere, or made now (and read again from the shards of just this run).
+Status each_sample(const IndexCommand& options, const SampleOptions& samples,
+                   const std::function<bool(const index::Sample&)>& take) {
+  if (!options.from.empty()) {
+    const auto read = read_samples(options.from, take);
+    return read ? Status(Ok{}) : Status(read.error());
+  }
+  bool going = true;
+  const auto made = make_samples(samples, [&](const index::Sample& sample) { going = going && take(sample); });
+  return made ? Status(Ok{}) : Status(made.error());
 }
 
 Result<int> run_build(const IndexCommand& options) {
@@ -39,10 +42,12 @@ Result<int> run_build(const IndexCommand& options) {
     return made.error();
   SampleOptions samples = options.samples;
   if (samples.work_dir.empty()) samples.work_dir = options.out + ".samples";
-  const auto folders = sample_folders(options, samples);
-  if (!folders) return folders.error();
-  if (!options.from.empty()) {
-    const auto noted = noted_samples(folders->front());
+  if (options.from.empty()) {
+    const auto report = make_samples(samples, [](const index::Sample&) {});
+    if (!report) return report.error();
+    fmt::print("{}", summary_of(*report));
+  } else {
+    const auto noted = noted_samples(options.from.front());
     if (!noted) return noted.error();
     samples.subjects = noted->subjects;
     samples.captures = noted->captures;
@@ -60,10 +65,8 @@ Result<int> run_build(const IndexCommand& options) {
   build.population_seed = samples.seed;
   Progress progress("entries", 0);
   build.progress = [&](const std::string& stage, std::size_t done) { progress.update(done, stage); };
-  const auto bytes = index::build_index(build, [&](const std::function<bool(const index::Sample&)>& take) -> Status {
-    const auto read = read_samples(*folders, take);
-    if (!read) return read.error();
-    return Ok{};
+  const auto bytes = index::build_index(build, [&](const std::function<bool(const index::Sample&)>& take) {
+    return each_sample(options, samples, take);
   });
   if (!bytes) return bytes.error();
   if (const auto written = write_file_atomically(options.out, *bytes); !written) return written.error();
