@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Eighty thousand damaged body files: each is refused, or gives meshes of finite numbers.
+#include "tests/fuzz/damage.h"
+
 #include <gtest/gtest.h>
 
 #include "body/makehuman/makehuman.h"
 #include "fake_makehuman.h"
 #include "tests/fuzz/body_use.h"
-#include "tests/fuzz/damage.h"
 
 namespace im2fit::fuzz {
 namespace {
