@@ -74,6 +74,20 @@ Exam make_exam(const Models& models, const std::vector<index::Sample>& queries, 
   return exam;
 }
 
+Times timed(std::size_t count, double seconds, const std::function<void(std::size_t)>& ask,
+            const std::function<bool(std::size_t)>& judge) {
+  std::vector<double> us;
+  us.reserve(count);
+  const Budget budget(seconds);
+  for (std::size_t q = 0; q < count && (q < kAskedMin || budget.left()); ++q) {
+    const double start = cpu_us();
+    ask(q);
+    us.push_back(cpu_us() - start);
+    if (!judge(q)) break;
+  }
+  return {percentile(us, 0.5), percentile(us, 0.99)};
+}
+
 Row measure(Peer& peer, const Exam& exam) {
   Row row;
   row.peer = peer.name();
@@ -82,20 +96,20 @@ Row measure(Peer& peer, const Exam& exam) {
   row.densified = exam.models.densified_count();
   row.bytes_a_model = peer.bytes() / static_cast<double>(row.models);
   std::vector<Reply> replies;
-  std::vector<double> us;
   replies.reserve(exam.queries.size());
-  us.reserve(exam.queries.size());
-  const Budget budget(exam.seconds);
-  for (std::size_t q = 0; q < exam.queries.size() && (q < kAskedMin || budget.left()); ++q) {
-    const Question question{exam.queries[q].feature, exam.raw[q]};
-    const double start = cpu_us();
-    Reply reply = peer.ask(question);
-    us.push_back(cpu_us() - start);
-    replies.push_back(reply);
-  }
+  Reply reply;
+  const Times times = timed(
+      exam.queries.size(), exam.seconds,
+      [&](std::size_t q) {
+        reply = peer.ask({exam.queries[q].feature, exam.raw[q]});
+      },
+      [&](std::size_t) {
+        replies.push_back(reply);
+        return true;
+      });
   row.asked = replies.size();
-  row.p50_us = percentile(us, 0.5);
-  row.p99_us = percentile(us, 0.99);
+  row.p50_us = times.p50_us;
+  row.p99_us = times.p99_us;
 
   Errors error{}, error_of_nearest{};
   std::size_t right = 0;

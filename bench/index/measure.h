@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,14 @@ struct Exam {
   double seconds;  // to spend on asking, for each row; a hundred queries are asked in any case
 };
 Exam make_exam(const Models& models, const std::vector<index::Sample>& queries, double seconds);
+
+struct Times {
+  double p50_us = 0, p99_us = 0;
+};
+// `ask` is timed for query 0, 1, .. `count`-1 until time is up, at least for a hundred; `judge` is not timed, and
+// ends it by saying false.
+Times timed(std::size_t count, double seconds, const std::function<void(std::size_t)>& ask,
+            const std::function<bool(std::size_t)>& judge);
 
 // Every query once, in turn, until time is up.
 Row measure(Peer& peer, const Exam& exam);

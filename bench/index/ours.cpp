@@ -26,7 +26,7 @@ class Ours : public Peer {
     index::BuildOptions options;
     options.groups = groups_;
     if (models.densified_count() > 0) options.densify_to = models.size();
-    const auto bytes = index::build_index(options, [&](const std::function<bool(const index::Sample&)>& take) {
+    auto bytes = index::build_index(options, [&](const std::function<bool(const index::Sample&)>& take) {
       for (const index::Sample& sample : models.real()) {
         if (!raw_only_) {
           if (!take(sample)) break;
@@ -39,8 +39,8 @@ class Ours : public Peer {
       return Status(Ok{});
     });
     if (!bytes) throw std::runtime_error(bytes.error().message);
-    bytes_ = static_cast<double>(bytes->size());
-    auto index = index::Index::parse(std::vector<std::byte>(*bytes), "the new index");
+    file_ = std::move(*bytes);
+    auto index = index::Index::parse(file_, "the new index");
     if (!index) throw std::runtime_error(index.error().message);
     index_.emplace(std::move(*index));
     scratch_.emplace(index_->make_scratch());
@@ -50,7 +50,8 @@ class Ours : public Peer {
   }
   Reply ask(const Question& question) override { return query(question, exhaustive_); }
   std::optional<Reply> ask_exhaustively(const Question& question) override { return query(question, true); }
-  double bytes() const override { return bytes_; }
+  double bytes() const override { return static_cast<double>(file_.size()); }
+  std::span<const std::byte> file() const override { return file_; }
 
  private:
   Reply query(const Question& question, bool exhaustive) {
@@ -65,7 +66,7 @@ class Ours : public Peer {
 
   std::vector<index::FeatureGroup> groups_;
   bool raw_only_, exhaustive_ = false;
-  double bytes_ = 0;
+  std::vector<std::byte> file_;
   std::string note_;
   std::optional<index::Index> index_;
   std::optional<decltype(index_->make_scratch())> scratch_;

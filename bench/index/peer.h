@@ -39,6 +39,8 @@ class Peer {
   virtual double build(const Models& models) = 0;
   virtual Reply ask(const Question& question) = 0;
   virtual double bytes() const = 0;  // of what must be held to answer
+  // Of ours, the index' file.
+  virtual std::span<const std::byte> file() const { return {}; }
   // The nearest in the peer's own space by looking at every model. Where there is none, the raw features are its
   // space.
   virtual std::optional<Reply> ask_exhaustively(const Question&) { return std::nullopt; }

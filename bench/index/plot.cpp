@@ -60,7 +60,7 @@ std::string bars() {
        {std::tuple{5e4, 20.0, "p50 bar, 20 µs"}, std::tuple{5e6, 1000.0, "p99 bar, 1 ms"}})
     svg +=
         format("<path d=\"M%.1f %.1fh36\" stroke=\"#d55e00\" stroke-width=\"3\"/>\n", x_of(models) - 18, y_of(us)) +
-        text_at(x_of(models) - 24, y_of(us) - 5, "end", words, "#d55e00");
+        text_at(x_of(models) + 18, y_of(us) + 16, "end", words, "#d55e00");
   return svg;
 }
 

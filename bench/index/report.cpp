@@ -113,7 +113,7 @@ Json row_json(const Row& row) {
   put(out, "p99_us", row.p99_us);
   put(out, "recall_own_space", row.recall_own);
   put(out, "recall_raw_space", row.recall_raw);
-  out["error_mm"] = errors_json(row.error);
+  if (row.kind != "search") out["error_mm"] = errors_json(row.error);
   if (row.error_of_nearest) out["error_of_nearest_mm"] = errors_json(*row.error_of_nearest);
   return out;
 }
@@ -122,6 +122,39 @@ std::string error_cells(const Errors& errors) {
   std::string text;
   for (const double e : errors) text += " " + number(e, 1) + " |";
   return text;
+}
+
+std::string search_table_of(const Measured& all) {
+  std::string text =
+      "\n## The search alone\nThe same neighbours in our projected space, found by others over the same places. "
+      "Exact "
+      "ones give the same answer as ours.\n\n| models | who (what) | build s | B/model | p50 | p99 | asked | "
+      "neighbours found |\n|---:|---|---:|---:|---:|---:|---:|---:|\n";
+  for (const Row& row : all.searches)
+    text += "| " + thousands(row.models) + " | " + row.peer + " (" + row.note + ") | " +
+            or_dash(row.build_s, [](double s) { return number(s, 1); }) + " | " +
+            or_dash(row.bytes_a_model, [](double b) { return number(b, 1); }) + " | " +
+            or_dash(row.p50_us, duration) + " | " + or_dash(row.p99_us, duration) + " | " +
+            std::to_string(row.asked) + " | " + or_dash(row.recall_own, [](double v) { return number(v, 4); }) +
+            " |\n";
+  return text;
+}
+
+// The fastest that finds what ours finds: a peer of equal error, were our regression put behind it.
+void compare_searches(const Measured& all, std::size_t models, std::vector<Bar>& bars) {
+  const Row* ours = nullptr;
+  const Row* best = nullptr;
+  for (const Row& row : all.searches) {
+    if (row.models != models) continue;
+    if (row.peer == "im2fit, int8") ours = &row;
+    if (!row.peer.starts_with("im2fit") && (best == nullptr || *row.p50_us < *best->p50_us)) best = &row;
+  }
+  if (ours == nullptr || best == nullptr) return;
+  const double gain = *best->p50_us / *ours->p50_us;
+  bars.push_back(
+      {"the search alone at " + thousands(models) + ": fastest peer over ours, p50", "> 1x",
+       number(gain, 2) + "x (" + best->peer + ", finds " + number(100 * best->recall_own.value_or(0), 1) + " %)",
+       gain > 1});
 }
 
 std::string size_line(const Measured& all, std::size_t models) {
@@ -186,6 +219,7 @@ std::vector<Bar> bars_of(const Measured& all) {
     bars.push_back(
         {"error of raw nearest over ours" + at + ", least of four", "≥ 2.5x", number(gain, 2) + "x", gain >= 2.5});
     compare_with_peers(all, models, bars);
+    compare_searches(all, models, bars);
   }
   return bars;
 }
@@ -199,6 +233,7 @@ std::string json_of(const Measured& all) {
               {"seconds", all.seconds},
               {"memory_peak_gb", all.memory_peak_gb}};
   for (const Row& row : all.rows) out["rows"].push_back(row_json(row));
+  for (const Row& row : all.searches) out["searches"].push_back(row_json(row));
   for (const Bar& bar : bars_of(all)) {
     Json b = {{"what", bar.what}, {"bar", bar.bar}, {"measured", bar.measured}};
     if (bar.met) b["met"] = *bar.met;
@@ -222,6 +257,7 @@ std::string markdown_of(const Measured& all, const std::string& plot_file) {
             (bar.met ? *bar.met ? "yes" : "**no**" : "–") + " |\n";
   text += "\n![query time against models](" + plot_file + ")\n";
   for (const std::size_t models : sizes_of(all)) text += table_of(all, models);
+  if (!all.searches.empty()) text += search_table_of(all);
   return text;
 }
 

@@ -15,6 +15,7 @@ struct Measured {
   std::size_t models_real = 0, queries = 0, feature_size = 0;
   double seconds = 0, memory_peak_gb = 0;
   std::vector<Row> rows;
+  std::vector<Row> searches;  // without errors
 };
 
 struct Bar {
