@@ -73,8 +73,8 @@ class CaptureRig {
 
 // How people stand before cameras when an index is trained: distances, mountings, rooms, poses, frames, devices.
 struct CaptureVariety {
-  int frames_min = 3;  // accepted frames, drawn between (log-uniform)
-  int frames_max = 10;
+  int frames_min = 3;  // accepted frames: mostly the least, each two more a third as often, up to the most
+  int frames_max = 9;
   double wide_share = 0.1;        // of captures at 640x480; the others at 320x240
   double landscape_share = 0.35;  // of mountings; the others portrait
   bool plain = false;             // no furniture: relaxed pose, empty room
