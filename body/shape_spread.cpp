@@ -11,7 +11,7 @@ namespace {
 // Spreads chosen so that what stature and mass leave unexplained comes near ANSUR II (men/women, mm: chest 32/43,
 // waist 45/49, hip 26/29, neck 15/12, thigh 22/22, crotch height 23/23).
 constexpr ModifierSpread kSpreads[] = {
-    {"measure/measure-waist-circ", 0.36F, 0.36F, -0.10F, 0.25F},
+    {"measure/measure-waist-circ", 0.36F, 0.36F, 0.00F, 0.55F},
     {"measure/measure-bust-circ", 0.12F, 0.12F, 0.00F, -0.05F},
     {"measure/measure-underbust-circ", 0.15F, 0.15F},
     {"measure/measure-hips-circ", 0.08F, 0.08F, -0.15F, -0.15F},

@@ -19,7 +19,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr int kAttempts = 3;                  // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 6;  // raise when the way to a feature changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 7;  // raise when the way to a feature changes: shards are then made again
 constexpr double kReportSeconds = 0.25;
 
 using Clock = std::chrono::steady_clock;

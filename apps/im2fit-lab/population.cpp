@@ -11,6 +11,7 @@
 #include "apps/common/text_table.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/parallel.h"
+#include "apps/im2fit-lab/population_check.h"
 #include "base/file.h"
 
 namespace im2fit::apps {
@@ -21,6 +22,8 @@ struct PopulationOptions {
   std::string preset = "training";
   std::uint64_t seed = 1;
   std::string out;
+  std::string ansur;
+  std::string plot;
   std::string body = default_body_path();
   int threads = default_threads();
   bool json = false;
@@ -92,7 +95,19 @@ Result<int> run_population(const PopulationOptions& options) {
   if (!options.out.empty())
     if (const auto written = write_file_atomically(options.out, csv_of(subjects)); !written) return written.error();
   print_summary(subjects, options.json);
-  return kExitOk;
+  if (options.ansur.empty()) return kExitOk;
+  const auto comparison = compare_population(subjects, options.ansur);
+  if (!comparison) return comparison.error();
+  fmt::print("{}{}", options.json ? "" : "\n", options.json ? "" : text_of(*comparison));
+  if (!options.plot.empty()) {
+    const auto picture = plot_of(*comparison);
+    if (!picture) return picture.error();
+    if (const auto written = write_file_atomically(options.plot, *picture); !written) return written.error();
+  }
+  if (comparison->broken.empty()) return kExitOk;
+  return Error{ErrorCode::invalid_argument,
+               fmt::format("population: {} of its figures are beyond tolerance, the first: {}",
+                           comparison->broken.size(), comparison->broken.front())};
 }
 
 }  // namespace
@@ -102,7 +117,8 @@ void add_population(CLI::App& app, Command& chosen) {
   auto* sub = add_command<PopulationOptions>(app, chosen, "population",
                                              "Draw synthetic people; truth as CSV, means and spreads as a table",
                                              "  im2fit-lab population --subjects 500 --out people.csv\n"
-                                             "  im2fit-lab population --preset paper --subjects 200",
+                                             "  im2fit-lab population --preset paper --subjects 200\n"
+                                             "  im2fit-lab population --subjects 4000 --ansur DIR --plot people.png",
                                              options, run_population);
   sub->add_option("--subjects", options->subjects, "How many")->check(CLI::Range(1, 1000000))->capture_default_str();
   sub->add_option("--preset", options->preset, "Which population")
@@ -110,6 +126,11 @@ void add_population(CLI::App& app, Command& chosen) {
       ->capture_default_str();
   sub->add_option("--seed", options->seed, "Seed")->capture_default_str();
   sub->add_option("--out", options->out, "CSV file to write")->type_name("FILE");
+  auto* ansur = sub->add_option("--ansur", options->ansur,
+                                "Compare with real people: folder of ANSUR_II_{FEMALE,MALE}_Public.csv; exit 1 when "
+                                "a tolerance is broken");
+  ansur->type_name("DIR");
+  sub->add_option("--plot", options->plot, "PNG of that comparison")->type_name("FILE")->needs(ansur);
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
   sub->add_option("--threads", options->threads, "Threads")->check(CLI::Range(1, 256))->capture_default_str();
   sub->add_flag("--json", options->json, "Summary as JSON");

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// The comparison with ANSUR II, against soldiers made of the program's own people: alike, and with one girth changed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "data_paths.h"
+#include "depth_folder.h"
+#include "measure_run.h"
+#include "run_program.h"
+#include "written_files.h"
+
+namespace im2fit {
+namespace {
+
+using Words = std::vector<std::string>;
+
+// A row a person, by the names of people.csv.
+std::vector<std::map<std::string, std::string>> rows_of(const std::string& csv) {
+  std::vector<std::map<std::string, std::string>> rows;
+  std::vector<std::string> names;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    if (names.empty()) {
+      names = cells;
+      continue;
+    }
+    auto& values = rows.emplace_back();
+    for (std::size_t i = 0; i < names.size() && i < cells.size(); ++i) values[names[i]] = cells[i];
+  }
+  return rows;
+}
+
+void write_soldiers(const test::TestFolder& folder, const std::string& people, double waist_factor) {
+  std::ofstream files[2] = {std::ofstream(folder.path("ANSUR_II_MALE_Public.csv")),
+                            std::ofstream(folder.path("ANSUR_II_FEMALE_Public.csv"))};
+  for (auto& file : files)
+    file << "subjectid,waistcircumference,Weightkg,stature,buttockcircumference,chestcircumference,Branch\r\n";
+  for (const auto& row : rows_of(people))
+    files[row.at("woman") == "1" ? 1 : 0]
+        << row.at("subject") << ',' << waist_factor * std::stod(row.at("waist_girth_mm")) << ','
+        << 10 * std::stod(row.at("weight_kg")) << ',' << row.at("stature_mm") << ',' << row.at("hip_girth_mm") << ','
+        << row.at("chest_girth_mm") << ",x\r\n";
+}
+
+TEST(Population, IsComparedWithRealPeople) {
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  const Words draw = {test::kLab, "population", "--subjects", "600", "--body", test::body_path()};
+  const auto with = [&](const Words& more) {
+    Words words = draw;
+    words.insert(words.end(), more.begin(), more.end());
+    return test::run_program(words);
+  };
+  ASSERT_EQ(with({"--out", folder.path("people.csv")}).exit_code, 0);
+  const std::string people = test::read_text(folder.path("people.csv"));
+
+  write_soldiers(folder, people, 1);
+  const test::Run alike = with({"--ansur", folder.path(), "--plot", folder.path("plot.png")});
+  EXPECT_EQ(alike.exit_code, 0) << alike.err;
+  EXPECT_THAT(alike.out, testing::HasSubstr("all within tolerance"));
+  EXPECT_TRUE(test::is_whole_png(folder.path("plot.png")));
+
+  write_soldiers(folder, people, 1.06);
+  const test::Run wide = with({"--ansur", folder.path()});
+  EXPECT_EQ(wide.exit_code, 1);
+  EXPECT_THAT(wide.err, testing::HasSubstr("women's waist, mean"));
+
+  std::ofstream(folder.path("ANSUR_II_FEMALE_Public.csv")) << "subjectid,stature\n1,1600\n";
+  const test::Run damaged = with({"--ansur", folder.path()});
+  EXPECT_EQ(damaged.exit_code, 1);
+  EXPECT_THAT(damaged.err, testing::HasSubstr("no column 'weightkg'"));
+}
+
+}  // namespace
+}  // namespace im2fit
