@@ -24,7 +24,7 @@ struct Options {
   std::vector<std::size_t> sizes = {1'000, 10'000, 50'000, 500'000, 5'000'000};
   std::vector<std::string> peers;
   std::size_t queries = 1000;
-  double seconds = 8;
+  double seconds = 5;
   bool full = false, self_check = false;
 };
 
