@@ -93,7 +93,8 @@ class ShardSet {
   SubjectRange range() const;
   // An error that names what is missing or too much, unless these are just the subjects there are.
   Status expect(const SubjectRange& wanted) const;
-  // In the order of subjects. Errors: a damaged shard; what came before has been given to `sink`.
+  // In the order of subjects. Errors: a damaged shard; what came before has been given to `take`, which may end the
+  // reading by false.
   Status read(const std::function<bool(const index::Sample&)>& take) const;
 
  private:

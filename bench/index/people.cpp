@@ -3,12 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <map>
 
-#include "base/container.h"
-#include "base/file.h"
 #include "base/rng.h"
 #include "synth/dataset_shard.h"
 #include "synth/features.h"
@@ -21,61 +16,30 @@ void deal(People& people, index::Sample sample) {
   to.push_back(std::move(sample));
 }
 
-// The key a shard was made with: whoever asks for a folder wants what lies in it.
-Result<std::uint64_t> key_of(const std::string& path) {
-  auto file = MappedFile::open(path);
-  if (!file) return file.error();
-  const auto container = ContainerReader::parse(file->bytes(), "I2DS", 1, path, false);
-  if (!container) return container.error();
-  const auto meta = container->section("meta");
-  if (!meta) return meta.error();
-  std::uint64_t key = 0;
-  if (meta->size() < sizeof key) return Error{ErrorCode::corrupt, path + ": its meta section is too short"};
-  std::memcpy(&key, meta->data(), sizeof key);
-  return key;
-}
-
-Result<std::map<std::uint64_t, synth::Chunk>> read_chunks(const std::string& folder) {
-  std::map<std::uint64_t, synth::Chunk> by_subject;
-  std::error_code failed;
-  for (const auto& file : std::filesystem::directory_iterator(folder, failed)) {
-    if (file.path().extension() != ".i2d") continue;
-    const std::string path = file.path().string();
-    const auto key = key_of(path);
-    if (!key) return key.error();
-    auto chunk = synth::read_shard(path, *key);
-    if (!chunk) return chunk.error();
-    if (chunk->samples.empty()) continue;
-    const std::uint64_t first = chunk->samples.front().subject;
-    if (!by_subject.emplace(first, std::move(*chunk)).second)
-      return Error{ErrorCode::invalid_argument, folder + ": shards of more than one run; name a folder of one run"};
-  }
-  if (failed || by_subject.empty())
-    return Error{ErrorCode::not_found,
-                 folder + ": no shards (*.i2d) there; make some: im2fit-lab dataset --out " + folder};
-  return by_subject;
-}
-
 }  // namespace
 
 Result<People> read_people(const std::string& folder, std::size_t most) {
-  auto chunks = read_chunks(folder);
-  if (!chunks) return chunks.error();
+  const std::string folders[] = {folder};
+  const auto shards = synth::ShardSet::find(folders);
+  if (!shards) return shards.error();
   People people;
   people.groups = synth::feature_groups();
   std::size_t feature_size = 0;
   for (const auto& group : people.groups) feature_size += group.count;
-  for (auto& [first, chunk] : *chunks) {
-    for (index::Sample& sample : chunk.samples) {
-      if (sample.feature.size() != feature_size)
-        return Error{ErrorCode::invalid_argument, folder + ": features of " + std::to_string(sample.feature.size()) +
-                                                      " values, expected " + std::to_string(feature_size) +
-                                                      "; make the dataset again"};
-      if (!sample.calibrate_only && people.models.size() + people.queries.size() < most)
-        deal(people, std::move(sample));
+  std::size_t odd_size = 0;
+  const Status read = shards->read([&](const index::Sample& sample) {
+    if (sample.feature.size() != feature_size) {
+      odd_size = sample.feature.size();
+      return false;
     }
-    chunk.samples.clear();
-  }
+    if (!sample.calibrate_only) deal(people, sample);
+    return people.models.size() + people.queries.size() < most;
+  });
+  if (!read) return read.error();
+  if (odd_size > 0)
+    return Error{ErrorCode::invalid_argument, folder + ": features of " + std::to_string(odd_size) +
+                                                  " values, expected " + std::to_string(feature_size) +
+                                                  "; make the dataset again"};
   people.origin = "im2fit-lab dataset";
   return people;
 }

@@ -28,6 +28,7 @@ constexpr float kHeadlessTallMm = 300.0F;
 constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person
 constexpr float kHeadlessAreaMax = 1.4F;
 constexpr float kDoubtfulHiddenMaxS = 0.3F;
+constexpr float kUnprovenMm = 600.0F;
 constexpr int kShapeFramesMax = 12;
 constexpr float kShapelessOdds = -3.0F;
 constexpr float kAreaKeep = 0.999F;  // per frame
@@ -166,8 +167,10 @@ void UserTracker::match() {
         // Who was seen a frame ago comes before who is hidden.
         const float doubt = cost(tracks_[at(t)], sightings_[at(s)]);
         const float late = tracks_[at(t)].hidden_s > 0 ? 100.0F : 0.0F;
-        if (doubt < 0 || doubt + late >= best) continue;
-        best = doubt + late;
+        // What never had a person's shape may be a part of who is hidden: that one comes first.
+        const float unproven = tracks_[at(t)].evidence == 0 ? kUnprovenMm : 0.0F;
+        if (doubt < 0 || doubt + late + unproven >= best) continue;
+        best = doubt + late + unproven;
         best_track = t;
         best_sighting = s;
       }
