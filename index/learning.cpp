@@ -158,7 +158,7 @@ void TargetSpace::keep(const std::vector<std::ptrdiff_t>& targets) {
 int FoldDealer::fold_of(std::uint64_t subject) {
   if (dealt_ > 0 && subject == last_) return fold_;
   const std::uint64_t round = dealt_ / order_.size();
-  const std::size_t place = dealt_ % order_.size();
+  const auto place = static_cast<std::size_t>(dealt_ % order_.size());
   if (place == 0) {
     std::iota(order_.begin(), order_.end(), 0);
     Rng rng = Rng::for_item(seed_, 0x1dec5, round);
