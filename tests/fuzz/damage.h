@@ -35,10 +35,11 @@ inline void mend_checksums(Bytes& bytes) {
     const std::size_t entry = kHeader + i * kEntry;
     const std::uint64_t offset = word_at(bytes, entry + 16, 8), length = word_at(bytes, entry + 24, 8);
     if (offset > bytes.size() || length > bytes.size() - offset) continue;
-    const std::uint32_t crc = crc32c(std::span(bytes).subspan(offset, length));
+    const std::uint32_t crc =
+        crc32c(std::span(bytes).subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length)));
     std::memcpy(bytes.data() + entry + 32, &crc, sizeof crc);
   }
-  const std::uint32_t crc = crc32c(std::span(bytes).subspan(kHeader, count * kEntry));
+  const std::uint32_t crc = crc32c(std::span(bytes).subspan(kHeader, static_cast<std::size_t>(count) * kEntry));
   std::memcpy(bytes.data() + 24, &crc, sizeof crc);
 }
 
@@ -51,7 +52,7 @@ inline Bytes damaged(const Bytes& good, Rng& rng) {
   const int accidents = 1 + rng.index(4);
   for (int i = 0; i < accidents && bytes.size() > 8; ++i) {
     const std::size_t range = rng.index(2) == 0 && bytes.size() > 4096 ? 4096 : bytes.size();
-    const std::size_t at = rng.next() % (range - 8);
+    const auto at = static_cast<std::size_t>(rng.next() % (range - 8));
     switch (rng.index(5)) {
       case 0:
         bytes[at] ^= std::byte{static_cast<unsigned char>(1U << rng.index(8))};

@@ -107,7 +107,7 @@ TEST(IndexFile, PeopleAndTruthsComeBack) {
     EXPECT_EQ(person.version, 7U);
     EXPECT_EQ(person.seed, 77U);
     ASSERT_LT(person.number, 400U);
-    ++seen[person.number];
+    ++seen[static_cast<std::size_t>(person.number)];
     const Sample sample = world.sample(person.number, 0);
     const MeasurementValues values = index->measurements_of(entry);
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
@@ -269,7 +269,7 @@ TEST(IndexBuild, RefusesWhatCannotBeLearnedFrom) {
   many.dimensions = 17;
   EXPECT_NE(message(thirty, many).find("dimensions is 17"), std::string::npos);
   BuildOptions crowded;
-  crowded.densify_to = std::size_t{1} << 40;
+  crowded.densify_to = std::size_t{kEntryMax} + 1;
   EXPECT_NE(message(thirty, crowded).find("densify_to"), std::string::npos);
 
   thirty[29].subject = std::uint64_t{1} << 32;
