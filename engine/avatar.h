@@ -20,7 +20,8 @@ struct AnsweredBody {
   bool in_reach = true;  // false: stature or weight is beyond the body model, params hold the nearest
 };
 
-// Errors: the index was built of another population or with another body file; as body_of_params.
+// `model`: of the body file the index was built with; another one draws other people unnoticed. Errors: the index was
+// built of another version of the population; as body_of_params.
 Result<AnsweredBody> body_of_answer(const body::BodyModel& model, const index::Index& index,
                                     const index::Answer& answer, const JointSet& measured_joints,
                                     const FloorPlane& floor);

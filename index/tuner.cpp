@@ -314,7 +314,7 @@ void Tuner::choose_correction() {
   const auto n = static_cast<double>(plain.rows());
   const double whole = plain.leftCols(kTargetMin).sum() / n;
   double best = 0;
-  // On 20,000 rendered people 128 neighbours gain another 0.6 % and 512 another 1.4 % (linear), for three and eight
+  // On 20,000 rendered people 128 neighbours gain another 0.6 % and 512 another 1.4 % (linear); 128 take three
   // times a query's time.
   for (const Candidate c : {Candidate{LocalMethod::mean, kNeighbours}, {LocalMethod::linear, kNeighbours}}) {
     if (c.neighbours > available) continue;
