@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// body::Params as the row of floats an index entry stores:
+// body::Params as the row of floats a dataset sample stores:
 //   gender, age_years, muscle, weight, height, proportions, cup, firmness, race[3], then one value per local modifier
 //   in BodyModel::modifier_names() order.
 #pragma once
 
 #include <cstddef>
-#include <span>
 #include <vector>
 
-#include "base/status.h"
 #include "body/model.h"
 
 namespace im2fit::body {
@@ -21,9 +19,5 @@ constexpr std::size_t params_vector_size(std::size_t modifier_count) {
 
 // Modifiers missing in `params` are zeros, those beyond `modifier_count` are left out.
 std::vector<float> pack_params(const Params& params, std::size_t modifier_count);
-
-// An error when the size does not fit or a value is not finite. Values are brought into their ranges (stored rows
-// are quantised and may lie a step outside); race is scaled to sum to 1.
-Result<Params> unpack_params(std::span<const float> values, std::size_t modifier_count);
 
 }  // namespace im2fit::body

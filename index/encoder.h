@@ -36,7 +36,6 @@ struct Entries {
   const Encoder& encoder;
   std::vector<std::int8_t> codes;       // dimensions each
   std::vector<std::uint8_t> residuals;  // residual_bytes each
-  std::size_t size() const { return codes.size() / static_cast<std::size_t>(encoder.dimensions); }
   void add(const Position& regressed, const Position& truth);
 };
 
