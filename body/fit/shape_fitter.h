@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shape and pose of a body to fused depth pictures: Gauss-Newton on point-to-plane distances of the skin, distances
+// of the outline from the mask's edge, the joints and the floor, with the population as prior. One shape behind all
+// views, a pose of its own in each (a person who turns round stands differently).
+//
+// Only + - * / and sqrt in written order: the same bits on every machine. No allocation after construction.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+
+#include "body/fit/shape_space.h"
+#include "kernels/core/camera.h"
+#include "kernels/core/joints.h"
+#include "kernels/segment/segment.h"
+
+namespace im2fit::body {
+
+inline constexpr std::size_t kFitViewMax = 2;
+inline constexpr std::size_t kShapeMax = 64;
+
+struct FitView {
+  ImageView<const std::uint16_t> depth_q4;  // 1/16 mm, 0 = none
+  MaskView mask;
+  Intrinsics intrinsics;
+  JointSet joints;  // camera axes
+  FloorPlane floor;
+};
+
+struct ShapeFit {
+  bool valid = false;
+  std::array<float, kShapeMax> shape{};  // coefficients; the first shape_count are set
+  float surface_mm = 0;                  // mean absolute distances at the end
+  float rim_mm = 0;
+  int surface_rows = 0, rim_rows = 0;
+};
+
+class ShapeFitter {
+ public:
+  // The space must outlive the fitter.
+  explicit ShapeFitter(const ShapeSpace& space);
+  ~ShapeFitter();
+  // One to kFitViewMax views. The result stands until the next call.
+  const ShapeFit& run(std::span<const FitView> views);
+
+ private:
+  class Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace im2fit::body

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// How bodies differ, as a few numbers: points of the skin and the bones as linear functions of shape coefficients,
+// the principal components of a population (synth/shape_space_builder). What a fit to a depth picture searches.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "body/model.h"
+#include "kernels/skin/skin.h"
+
+namespace im2fit::body {
+
+// A point of the skin is the middle of a quad; its diagonals give the normal.
+inline constexpr std::size_t kPointValues = 9;                                           // middle, two diagonals
+inline constexpr std::size_t kBoneValues = static_cast<std::size_t>(kSegmentCount) * 6;  // heads, then tails
+
+// Rest pose, mesh axes, mm. A value is mean + sum of coefficient x basis; coefficients have unit variance.
+struct ShapeSpace {
+  std::size_t shape_count = 0;
+  std::size_t point_count = 0;
+  std::vector<float> point_mean;   // point x kPointValues
+  std::vector<float> point_basis;  // point x kPointValues x shape
+  std::vector<SkinRecord> skin;    // of each point
+  std::vector<float> bone_mean;    // kBoneValues
+  std::vector<float> bone_basis;   // kBoneValues x shape
+};
+
+}  // namespace im2fit::body
