@@ -13,13 +13,30 @@ double squared(double x) {
   return x * x;
 }
 
+float female_probability(std::span<const float> table, double score) {
+  const double last = static_cast<double>(kSexTableSize - 1);
+  const double place = std::clamp((score + kSexScoreMax) / (2 * kSexScoreMax) * last, 0.0, last);
+  const auto cell = std::min(static_cast<std::size_t>(place), kSexTableSize - 2);
+  const double part = place - static_cast<double>(cell);
+  const auto low = static_cast<double>(table[cell]);
+  const auto high = static_cast<double>(table[cell + 1]);
+  return static_cast<float>(low + part * (high - low));
+}
+
 }  // namespace
 
 Answerer::Answerer(const Contents& contents)
-    : contents_(contents), regressor_(contents.ridge, contents.ridge_bias, contents.meta.feature_size) {}
+    : contents_(contents), regressor_(contents.ridge, contents.ridge_bias, contents.meta.feature_size) {
+  for (const Refinement kind : {Refinement::fitted, Refinement::turned})
+    if (const auto& c = contents.refinements[static_cast<std::size_t>(kind)])
+      refiners_[static_cast<std::size_t>(kind)].emplace(kind, *c, contents.meta.feature_size);
+}
 
 Answerer::Workspace::Workspace(const Answerer& answerer)
-    : standardised(answerer.regressor_.padded_size()), search(answerer.contents_.tree) {}
+    : standardised(answerer.regressor_.padded_size()), search(answerer.contents_.tree) {
+  for (std::size_t i = 0; i < kRefinementCount; ++i)
+    if (answerer.refiners_[i]) refining[i].emplace(*answerer.refiners_[i]);
+}
 
 Targets Answerer::regressed(std::span<const float> feature, Workspace& work) const {
   if (feature.size() == contents_.meta.feature_size)
@@ -57,10 +74,32 @@ Answerer::Corrected Answerer::corrected(const Targets& regressed, const QueryOpt
   return out;
 }
 
-Answer Answerer::answer(const Targets& regressed, const QueryOptions& options, Workspace& work) const {
-  const Corrected corrected = this->corrected(regressed, options, work);
+Answer Answerer::answer(const Seen& seen, const QueryOptions& options, Workspace& work) const {
+  Corrected corrected = this->corrected(regressed(seen.front, work), options, work);
+  const MetaRecord& meta = contents_.meta;
+  Uncertainty uncertainty{meta.frame_model,
+                          meta.frame_noise,
+                          meta.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
+                          contents_.interval,
+                          contents_.spread_floor,
+                          contents_.sex_table};
   Answer out;
-  fill_estimates(corrected.value, corrected.spread, options.frame_count, out);
+  for (const Refinement kind : {Refinement::turned, Refinement::fitted}) {
+    const auto i = static_cast<std::size_t>(kind);
+    if (!refiners_[i] || !refiners_[i]->applies(seen)) continue;
+    refiners_[i]->apply(seen, *work.refining[i], corrected.value);
+    corrected.spread = {};  // of the regression's residuals, not of these
+    const RefinementContents& c = refiners_[i]->contents();
+    uncertainty = {c.record.frame_model,
+                   c.record.frame_noise,
+                   c.record.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
+                   c.interval,
+                   c.spread_floor,
+                   c.sex_table};
+    out.from = kind == Refinement::turned ? AnsweredFrom::front_and_back : AnsweredFrom::fitted_front;
+    break;
+  }
+  fill_estimates(corrected.value, corrected.spread, uncertainty, options.frame_count, out);
   fill_nearest(corrected, out);
   return out;
 }
@@ -84,32 +123,23 @@ void Answerer::fill_nearest(const Corrected& corrected, Answer& out) const {
   out.nearest_values = contents_.measurements_of_entry(out.nearest);
 }
 
-void Answerer::fill_estimates(const Targets& targets, const Targets& spread, int frame_count, Answer& out) const {
+void Answerer::fill_estimates(const Targets& targets, const Targets& spread, const Uncertainty& uncertainty,
+                              int frame_count, Answer& out) const {
   const Contents& c = contents_;
   const double frames = static_cast<double>(std::max(frame_count, 1));
-  const double frame_factor = std::sqrt(c.meta.frame_model + c.meta.frame_noise / frames);
-  const bool local = c.meta.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread);
+  const double frame_factor = std::sqrt(uncertainty.frame_model + uncertainty.frame_noise / frames);
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     const double unit = static_cast<double>(c.target_scale[m]);
     const double value = static_cast<double>(c.target_mean[m]) + unit * targets[m];
-    const double floor = static_cast<double>(c.spread_floor[m]);
-    const double width = unit * frame_factor * (local ? 0.5 * (floor + spread[m]) : floor);
+    const double floor = static_cast<double>(uncertainty.spread_floor[m]);
+    const double width = unit * frame_factor * (uncertainty.local ? 0.5 * (floor + spread[m]) : floor);
     out.measurements[m] = {static_cast<float>(value),
-                           static_cast<float>(value + width * static_cast<double>(c.interval[2 * m])),
-                           static_cast<float>(value + width * static_cast<double>(c.interval[2 * m + 1]))};
+                           static_cast<float>(value + width * static_cast<double>(uncertainty.interval[2 * m])),
+                           static_cast<float>(value + width * static_cast<double>(uncertainty.interval[2 * m + 1]))};
   }
-  out.female = female_probability(static_cast<double>(c.target_mean[kSexTarget]) +
-                                  static_cast<double>(c.target_scale[kSexTarget]) * targets[kSexTarget]);
-}
-
-float Answerer::female_probability(double score) const {
-  const double last = static_cast<double>(kSexTableSize - 1);
-  const double place = std::clamp((score + kSexScoreMax) / (2 * kSexScoreMax) * last, 0.0, last);
-  const auto cell = std::min(static_cast<std::size_t>(place), kSexTableSize - 2);
-  const double part = place - static_cast<double>(cell);
-  const auto low = static_cast<double>(contents_.sex_table[cell]);
-  const auto high = static_cast<double>(contents_.sex_table[cell + 1]);
-  return static_cast<float>(low + part * (high - low));
+  out.female = female_probability(uncertainty.sex_table,
+                                  static_cast<double>(c.target_mean[kSexTarget]) +
+                                      static_cast<double>(c.target_scale[kSexTarget]) * targets[kSexTarget]);
 }
 
 }  // namespace im2fit::index

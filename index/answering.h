@@ -2,6 +2,8 @@
 // From regressed targets to an answer: quadratic and local correction, intervals, sex, nearest entry.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <span>
 
 #include "index/format.h"
@@ -18,10 +20,12 @@ class Answerer {
     explicit Workspace(const Answerer& answerer);
     std::vector<std::int16_t> standardised;
     CodeSearch search;
+    std::array<std::optional<Refiner::Work>, kRefinementCount> refining;
   };
   // A feature of the wrong size counts as not measured.
   Targets regressed(std::span<const float> feature, Workspace& work) const;
-  Answer answer(const Targets& regressed, const QueryOptions& options, Workspace& work) const;
+  // The best answer that what is seen allows: turned, fitted, or of the front's feature alone.
+  Answer answer(const Seen& seen, const QueryOptions& options, Workspace& work) const;
 
   // Regressed targets with both corrections. Standardised units.
   struct Corrected {
@@ -35,11 +39,18 @@ class Answerer {
  private:
   Position place_of(const Targets& targets) const;
   void fill_nearest(const Corrected& corrected, Answer& out) const;
-  void fill_estimates(const Targets& targets, const Targets& spread, int frame_count, Answer& out) const;
-  float female_probability(double score) const;
+  // How far answers are off, as the file says it of one way of answering.
+  struct Uncertainty {
+    double frame_model, frame_noise;
+    bool local;
+    std::span<const float> interval, spread_floor, sex_table;
+  };
+  void fill_estimates(const Targets& targets, const Targets& spread, const Uncertainty& uncertainty, int frame_count,
+                      Answer& out) const;
 
   Contents contents_;
   Regressor regressor_;
+  std::array<std::optional<Refiner>, kRefinementCount> refiners_;
 };
 
 }  // namespace im2fit::index

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "base/container.h"
 #include "index/answering.h"
@@ -12,6 +13,7 @@
 #include "index/encoder.h"
 #include "index/format.h"
 #include "index/learning.h"
+#include "index/refinement_builder.h"
 #include "index/ridge.h"
 #include "index/tuner.h"
 
@@ -72,7 +74,7 @@ class Builder {
   std::vector<FeatureGroup> groups_;
   std::vector<Sample> chosen_;     // to learn scales from; emptied then
   std::vector<Sample> strangers_;  // calibrate_only
-  std::size_t feature_size_ = 0, body_size_ = 0;
+  std::size_t feature_size_ = 0, body_size_ = 0, fit_size_ = 0;
   std::size_t sample_count_ = 0, subject_count_ = 0;
   int fold_count_ = 2;
 
@@ -85,6 +87,7 @@ class Builder {
   RidgeFit fit_;
   Eigen::MatrixXd regressed_;
   std::optional<Tuner> tuner_;
+  RefinementBuilder refinements_;
   std::optional<Entries> entries_;
   std::vector<std::uint32_t> person_;
   // Of the real entries, only when they are to be mixed.
@@ -102,6 +105,11 @@ Status Builder::check_sample(const Sample& sample, std::size_t number) const {
   if (!std::all_of(sample.truth.begin(), sample.truth.end(), finite) ||
       !std::all_of(sample.body.begin(), sample.body.end(), finite))
     return invalid(which + " has a truth or body parameter that is not finite");
+  const bool all = !sample.fit.empty() && sample.fit.size() == sample.fit_both.size() &&
+                   sample.fit.size() >= kFitQualities && sample.fit.size() <= kFitMax &&
+                   sample.back.size() == feature_size_ && (fit_size_ == 0 || sample.fit.size() == fit_size_);
+  const bool none = sample.fit.empty() && sample.fit_both.empty() && sample.back.empty();
+  if (!all && !none) return invalid(which + " has a fit or a back of another size than expected");
   if (sample.subject > 0xFFFFFFFFU) return invalid(which + " has a subject number of 2^32 or more");
   return Ok{};
 }
@@ -115,6 +123,7 @@ Status Builder::read_chosen() {
       feature_size_ = sample.feature.size();
       body_size_ = sample.body.size();
     }
+    if (fit_size_ == 0) fit_size_ = sample.fit.size();
     bad = check_sample(sample, number++);
     if (bad && !sample.calibrate_only) chosen_.push_back(sample);
     return static_cast<bool>(bad) && chosen_.size() < options_.chosen_on;
@@ -162,6 +171,8 @@ Status Builder::read_moments() {
   Status read = source_([&](const Sample& sample) {
     bad = check_sample(sample, number++);
     if (!bad) return false;
+    if (fit_size_ == 0) fit_size_ = sample.fit.size();
+    refinements_.add(sample);
     if (sample.calibrate_only) {
       if (strangers_.size() < kStrangersMax) strangers_.push_back(sample);
       return true;
@@ -407,6 +418,7 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
   out.add_array("code", view(tree.blocks));
   out.add_array("residual", view(in_order(entries_->residuals, tree.dimension_count, tree.order)));
   out.add_array("person", view(person));
+  refinements_.write(out);
   return out.finish();
 }
 
@@ -445,11 +457,14 @@ Result<std::vector<std::byte>> Builder::run() {
   densify();
   const PackedTree tree = pack_tree(entries_->codes, tuner_->encoder.dimensions, tuner_->encoder.steps);
   IntervalModel intervals = calibrate_intervals(tuner_->held_out);
-  std::vector<std::byte> file = write(tree, intervals);
-  if (strangers_.size() < kStrangersMin) return file;
+  const std::vector<std::byte> file = write(tree, intervals);
   const std::vector<HeldOut> strangers = answer_strangers(file);
-  if (strangers.empty()) return invalid("the new index cannot be read back");
-  intervals = calibrate_intervals(strangers);
+  if (strangers.size() != strangers_.size()) return invalid("the new index cannot be read back");
+  if (strangers.size() >= kStrangersMin) intervals = calibrate_intervals(strangers);
+  RefinementBuilder::PlainAnswers plain;
+  for (const std::vector<HeldOut>* answered : {&std::as_const(tuner_->held_out), &strangers})
+    for (const HeldOut& row : *answered) plain[row.subject] = row.answer;
+  refinements_.learn(*targets_, plain, options_.seed);
   return write(tree, intervals);
 }
 

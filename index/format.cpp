@@ -105,21 +105,59 @@ CodeTree take_tree(SectionReader& in, const MetaRecord& m) {
   return tree;
 }
 
+void check_sex_table(SectionReader& in, std::span<const float> table, const char* name) {
+  float last = 0;
+  for (const float p : table) {
+    in.require(p >= last && p <= 1, name, "is not a rising table of probabilities");
+    last = p;
+  }
+}
+
+void check_intervals(SectionReader& in, std::span<const float> interval, std::span<const float> spread,
+                     const char* name) {
+  for (std::size_t m = 0; m < kMeasurementCount && !in.failed(); ++m) {
+    in.require(interval[2 * m] <= interval[2 * m + 1], name, "is turned round");
+    in.require(spread[m] >= 0, name, "has a negative spread");
+  }
+}
+
+RefinementContents take_refinement(SectionReader& in, Refinement kind, const MetaRecord& m) {
+  const auto name = [&](const char* part) { return section_of(kind, part); };
+  RefinementContents c;
+  c.record = in.record<RefinementRecord>(name("about").c_str());
+  in.require(within(c.record.fit_size, kFitQualities, kFitMax), name("about").c_str(), "says an impossible fit");
+  in.require(c.record.interval_kind <= 1, name("about").c_str(), "names an unknown method");
+  for (const float share : c.record.share) in.require(within(share, 0, 1), name("about").c_str(), "mixes impossibly");
+  in.require(within(c.record.frame_model, 0, 1e9) && within(c.record.frame_noise, 0, 1e9) &&
+                 c.record.frame_model + c.record.frame_noise > 1e-9,
+             name("about").c_str(), "says an impossible noise model");
+  if (in.failed()) return c;
+  const std::size_t size = refined_size(kind, m.feature_size, c.record.fit_size);
+  c.mean = in.take<float>(name("mean").c_str(), size);
+  c.scale = in.take<float>(name("scale").c_str(), size);
+  c.weights = in.take<std::int16_t>(name("weights").c_str(), kTargetMin * size);
+  c.unit = in.take<float>(name("unit").c_str(), kTargetMin);
+  c.bias = in.take<float>(name("bias").c_str(), kTargetMin);
+  c.interval = in.take<float>(name("interval").c_str(), 2 * kMeasurementCount);
+  c.spread_floor = in.take<float>(name("spread").c_str(), kMeasurementCount);
+  c.sex_table = in.take<float>(name("sex").c_str(), kSexTableSize);
+  if (in.failed()) return c;
+  for (const float s : c.scale) in.require(s == 0 || s >= 1e-30F, name("scale").c_str(), "holds an impossible scale");
+  for (const std::int16_t w : c.weights)
+    in.require(w != -32768, name("weights").c_str(), "holds a weight out of range");
+  check_intervals(in, c.interval, c.spread_floor, name("interval").c_str());
+  check_sex_table(in, c.sex_table, name("sex").c_str());
+  return c;
+}
+
 void check_values(SectionReader& in, const Contents& c) {
   // Below that (kernels/standardise) no feature varies.
   for (const float s : c.feature_scale)
     in.require(s == 0 || s >= 1e-30F, "feature.scale", "holds an impossible scale");
   for (const float s : c.target_scale) in.require(s >= 0, "target.scale", "holds a negative scale");
   for (const float s : c.residual_scale) in.require(s >= 0, "residual.scale", "holds a negative scale");
-  for (std::size_t m = 0; m < kMeasurementCount && !in.failed(); ++m) {
-    in.require(c.interval[2 * m] <= c.interval[2 * m + 1], "interval", "is turned round");
-    in.require(c.spread_floor[m] >= 0, "spread.floor", "holds a negative spread");
-  }
-  float last = 0;
-  for (const float p : c.sex_table) {
-    in.require(p >= last && p <= 1, "sex.table", "is not a rising table of probabilities");
-    last = p;
-  }
+  check_intervals(in, c.interval, c.spread_floor, "interval");
+  check_sex_table(in, c.sex_table, "sex.table");
   for (const GroupRecord& g : c.groups) {
     in.require(g.first <= c.meta.feature_size && g.count <= c.meta.feature_size - g.first, "groups",
                "names features that do not exist");
@@ -204,6 +242,9 @@ Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::str
   c.sex_table = in.take<float>("sex.table", kSexTableSize);
   if (in.failed()) return in.error();
   check_values(in, c);
+  for (const Refinement kind : {Refinement::fitted, Refinement::turned})
+    if (container->section(section_of(kind, "about")))
+      c.refinements[static_cast<std::size_t>(kind)] = take_refinement(in, kind, m);
   const auto provenance = container->section("provenance");
   if (!provenance) return provenance.error();
   in.require(provenance->size() <= kProvenanceMax, "provenance", "is too long");

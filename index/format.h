@@ -3,19 +3,22 @@
 // without reading out of bounds, dividing by zero or recursing deeply.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "base/status.h"
 #include "index/code_tree.h"
+#include "index/refinement.h"
 #include "index/regression.h"
 
 namespace im2fit::index {
 
 inline constexpr char kMagic[] = "I2FX";
-inline constexpr std::uint32_t kVersion = 2;
+inline constexpr std::uint32_t kVersion = 3;
 inline constexpr std::uint32_t kFeatureMax = 16384;
 inline constexpr std::uint32_t kEntryMax = 1U << 24;
 inline constexpr std::uint32_t kGroupMax = 16;
@@ -94,6 +97,7 @@ struct Contents {
   std::span<const float> interval;         // kMeasurementCount x {low, high} in units of the spread
   std::span<const float> spread_floor;     // kMeasurementCount, standardised units
   std::span<const float> sex_table;        // kSexTableSize probabilities, rising
+  std::array<std::optional<RefinementContents>, kRefinementCount> refinements;
 
   LocalData local_data() const;
   Surface surface() const;

@@ -41,6 +41,9 @@ Info make_info(const Contents& c) {
   info.answer_mae = c.report.answer_mae;
   info.coverage = c.report.coverage;
   info.sex_accuracy = c.report.sex_accuracy;
+  for (std::size_t i = 0; i < kRefinementCount; ++i)
+    if (const auto& r = c.refinements[i])
+      info.refined[i] = {r->record.sample_count, r->record.mae, r->record.coverage};
   return info;
 }
 
@@ -121,8 +124,17 @@ std::unique_ptr<Index::Scratch, void (*)(Index::Scratch*)> Index::make_scratch()
 }
 
 Answer Index::query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const {
-  const Answerer& answerer = *data_->answerer;
-  return answerer.answer(answerer.regressed(feature, scratch.work), options, scratch.work);
+  return query(Seen{feature, {}, {}, {}}, options, scratch);
+}
+
+Answer Index::query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const {
+  return data_->answerer->answer(seen, options, scratch.work);
+}
+
+std::size_t Index::fit_size() const {
+  for (const auto& refinement : data_->contents.refinements)
+    if (refinement) return refinement->record.fit_size;
+  return 0;
 }
 
 Person Index::person_of(std::uint32_t entry) const {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/status.h"
+#include "index/refinement.h"
 #include "kernels/core/measurement.h"
 
 namespace im2fit::index {
@@ -22,9 +23,13 @@ struct Estimate {
   float high = 0;
 };
 
+// What an answer rests on.
+enum class AnsweredFrom { front, fitted_front, front_and_back };
+
 struct Answer {
   std::array<Estimate, kMeasurementCount> measurements;
-  float female = 0.5F;         // probability
+  float female = 0.5F;  // probability
+  AnsweredFrom from = AnsweredFrom::front;
   std::uint32_t nearest = 0;   // entry: of the neighbours, the one whose true body is closest to the estimate
   float nearest_distance = 0;  // in the projected space, whose unit is one standard deviation of the error
   // For the evaluation: the nearest entry's own measurements, without the regression that follows.
@@ -69,6 +74,13 @@ struct Info {
   MeasurementValues answer_mae{};   // what query() answers
   MeasurementValues coverage{};     // share of subjects inside the 95 % interval, 0..1
   float sex_accuracy = 0;           // 0..1
+  // Of index/refinement.h's answers; sample count 0: none.
+  struct Refined {
+    std::uint32_t sample_count = 0;
+    MeasurementValues mae{};
+    MeasurementValues coverage{};
+  };
+  std::array<Refined, kRefinementCount> refined;
 };
 
 class Index {
@@ -90,6 +102,10 @@ class Index {
   // No allocation. NaN in the feature means "not measured" and is imputed by the training mean; a feature of
   // another size than feature_size() is read as if all of it were NaN.
   Answer query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
+  // The same from all that is seen: refined (index/refinement.h) where the index has learned how and the sizes fit.
+  Answer query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const;
+  // Values of a fit that refinements ask for; 0: the index has none.
+  std::size_t fit_size() const;
   // Whose body an entry is. `entry` < size(), as below.
   Person person_of(std::uint32_t entry) const;
   // Truth of an entry to within the rounding of its codes: a seventh of the regression's error, and what the

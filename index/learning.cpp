@@ -25,24 +25,33 @@ std::vector<const Sample*> one_of_each_subject(const std::vector<Sample>& sample
   return out;
 }
 
+std::vector<const std::vector<float>*> features_of(const std::vector<Sample>& samples) {
+  std::vector<const std::vector<float>*> out;
+  out.reserve(samples.size());
+  for (const Sample& s : samples) out.push_back(&s.feature);
+  return out;
+}
+
 }  // namespace
 
-FeatureScale::FeatureScale(const std::vector<Sample>& samples) {
-  const std::size_t size = samples.front().feature.size();
+FeatureScale::FeatureScale(const std::vector<Sample>& samples) : FeatureScale(features_of(samples)) {}
+
+FeatureScale::FeatureScale(const std::vector<const std::vector<float>*>& rows) {
+  const std::size_t size = rows.front()->size();
   std::vector<double> count(size), sum(size), square(size);
-  for (const Sample& s : samples)
+  for (const std::vector<float>* row : rows)
     for (std::size_t i = 0; i < size; ++i)
-      if (std::isfinite(s.feature[i])) {
+      if (std::isfinite((*row)[i])) {
         count[i] += 1;
-        sum[i] += static_cast<double>(s.feature[i]);
+        sum[i] += static_cast<double>((*row)[i]);
       }
   mean.assign(size, 0);
   for (std::size_t i = 0; i < size; ++i)
     if (count[i] > 0) mean[i] = static_cast<float>(std::clamp(sum[i] / count[i], -1e9, 1e9));
-  for (const Sample& s : samples)
+  for (const std::vector<float>* row : rows)
     for (std::size_t i = 0; i < size; ++i)
-      if (std::isfinite(s.feature[i])) {
-        const double d = static_cast<double>(s.feature[i]) - static_cast<double>(mean[i]);
+      if (std::isfinite((*row)[i])) {
+        const double d = static_cast<double>((*row)[i]) - static_cast<double>(mean[i]);
         square[i] += d * d;
       }
   scale.assign(size, 0);
@@ -77,10 +86,10 @@ TargetSpace::TargetSpace(const std::vector<Sample>& samples) {
   learn_latents(subjects);
 }
 
-Eigen::VectorXd TargetSpace::measured(const Sample& sample) const {
+Eigen::VectorXd TargetSpace::measured(const MeasurementValues& truth, bool woman) const {
   Eigen::VectorXd y(kTargetMin);
   for (std::size_t t = 0; t < kTargetMin; ++t) {
-    const double value = t < kMeasurementCount ? static_cast<double>(sample.truth[t]) : (sample.woman ? 1.0 : -1.0);
+    const double value = t < kMeasurementCount ? static_cast<double>(truth[t]) : (woman ? 1.0 : -1.0);
     y(static_cast<std::ptrdiff_t>(t)) = scale_[t] > 0 ? (value - mean_[t]) / scale_[t] : 0.0;
   }
   return y;

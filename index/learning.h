@@ -16,6 +16,8 @@ struct FeatureScale {
   std::vector<float> mean, scale;  // scale 0: a feature that never varies
   // What was not measured counts as the mean.
   explicit FeatureScale(const std::vector<Sample>& samples);
+  // Of other values than samples' features.
+  explicit FeatureScale(const std::vector<const std::vector<float>*>& rows);
   // As a query does it (kernels/standardise): multiples of 1/4096.
   void standardise(std::span<const float> feature, std::span<float> out);
 
@@ -32,13 +34,15 @@ class TargetSpace {
   Eigen::VectorXd operator()(const Sample& sample) const;
   // Only these targets from now on.
   void keep(const std::vector<std::ptrdiff_t>& targets);
+  // Measurements and sex alone, standardised.
+  Eigen::VectorXd measured(const MeasurementValues& truth, bool woman) const;
   double mean(std::size_t target) const { return mean_[target]; }
   double scale(std::size_t target) const { return scale_[target]; }
   const std::vector<double>& means() const { return mean_; }
   const std::vector<double>& scales() const { return scale_; }
 
  private:
-  Eigen::VectorXd measured(const Sample& sample) const;  // without latents
+  Eigen::VectorXd measured(const Sample& sample) const { return measured(sample.truth, sample.woman); }
   Eigen::VectorXd deviation(const Sample& sample) const;
   void learn_latents(const std::vector<const Sample*>& subjects);
   std::vector<double> mean_, scale_;

@@ -21,9 +21,15 @@ struct Sample {
   bool woman = false;
   std::vector<float> body;  // parameters of the mesh, the same size in every sample: shape beyond the measurements
   int frame_count = 1;      // frames fused behind the feature
-  // Not learned from and no entry: only the intervals are fitted to such subjects, so that they also hold for people
-  // unlike the index' own. Used when there are at least 200 of them.
+  // No entry, and the regression behind the entries does not learn from it: the intervals are fitted to such
+  // subjects, so that they also hold for people unlike the index' own. Used when there are at least 200 of them.
   bool calibrate_only = false;
+  // More that was seen of some subjects, for index/refinement.h; else empty. The same sizes in every sample that has
+  // them.
+  std::vector<float> fit;       // shape fitted to the front: coefficients, then how far it is off
+  std::vector<float> back;      // the feature of a view from behind
+  std::vector<float> fit_both;  // shape fitted to front and back
+  bool refines() const { return !fit.empty(); }
 };
 
 // Features that share one regularisation. Groups cover the feature in order.

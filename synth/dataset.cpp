@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "body/params_vector.h"
+#include "index/refinement.h"
 #include "synth/dataset_shard.h"
 #include "synth/stopwatch.h"
 #include "synth/strangers.h"
@@ -19,7 +20,8 @@ namespace im2fit::synth {
 namespace {
 
 constexpr int kAttempts = 3;                  // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 7;  // raise when the way to a feature changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 8;  // raise when the way to a feature changes: shards are then made again
+constexpr int kBackCaptures = 4096;           // numbers of captures from behind begin here
 constexpr double kReportSeconds = 0.25;
 
 using Clock = std::chrono::steady_clock;
@@ -36,7 +38,7 @@ Status check(const DatasetOptions& o) {
     return invalid("subject_count is " + std::to_string(o.subject_count) + ", expected 1 to 1000000000");
   if (o.captures_per_subject < 1 || o.captures_per_subject > 64)
     return invalid("captures_per_subject is " + std::to_string(o.captures_per_subject) + ", expected 1 to 64");
-  if (o.stranger_every < 0) return invalid("stranger_every must not be negative");
+  if (o.stranger_every < 0 || o.turn_every < 0) return invalid("stranger_every and turn_every must not be negative");
   if (o.chunk_size < 1 || o.thread_count < 1) return invalid("chunk_size and thread_count must be at least 1");
   if (o.part_count < 1 || o.part < 0 || o.part >= o.part_count)
     return invalid("part " + std::to_string(o.part) + " of " + std::to_string(o.part_count) +
@@ -56,19 +58,49 @@ struct SubjectResult {
   std::array<std::int64_t, kGuidanceCount> refused{};
 };
 
+// From behind, before the same camera; another room, place and noise are as good.
+CaptureOptions from_behind(const CaptureOptions& front, const DatasetOptions& o, std::uint64_t number, int capture) {
+  CaptureOptions back = draw_capture(o.variety, o.seed, number, kBackCaptures + capture);
+  back.intrinsics = front.intrinsics;
+  back.scene.rotate_deg = front.scene.rotate_deg;
+  back.scene.pose = front.scene.pose;
+  back.scene.back_view = true;
+  return back;
+}
+
+// The view from behind and the fits into the sample, unless the captures fail.
+void turn_round(CaptureRig& rig, const Subject& subject, const CaptureOptions& front, const DatasetOptions& o,
+                std::uint64_t number, int capture, index::Sample& sample) {
+  rig.keep_front();
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const Capture& back = rig.run(subject, from_behind(front, o, number, capture * kAttempts + attempt));
+    if (!back.valid) continue;
+    CaptureRig::Fits fits = rig.fit_both();
+    if (fits.front.empty()) return;
+    sample.back.assign(back.feature.begin(), back.feature.end());
+    sample.fit = std::move(fits.front);
+    sample.fit_both = std::move(fits.both);
+    sample.frame_count = std::min(sample.frame_count, back.frame_count);
+    return;
+  }
+}
+
 SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const DatasetOptions& o,
                            std::uint64_t number) {
   SubjectResult result;
   Stopwatch watch;
   const bool stranger = o.family == Family::training && o.stranger_every > 0 &&
                         number % static_cast<std::uint64_t>(o.stranger_every) == 5;
+  const bool turns = model.shape_space().point_count > 0 && o.turn_every > 0 &&
+                     (stranger || number / 2 % static_cast<std::uint64_t>(o.turn_every) == 0);
   const Subject subject =
       stranger ? draw_stranger(model, o.seed, number) : draw_subject(model, o.family, o.seed, number);
   rig.cost.draw += watch.lap();
   for (int c = 0; c < o.captures_per_subject; ++c) {
     bool done = false;
     for (int attempt = 0; attempt < kAttempts && !done; ++attempt) {
-      const Capture& capture = rig.run(subject, draw_capture(o.variety, o.seed, number, c * kAttempts + attempt));
+      const CaptureOptions options = draw_capture(o.variety, o.seed, number, c * kAttempts + attempt);
+      const Capture& capture = rig.run(subject, options);
       result.frames_seen += capture.frames_seen;
       for (std::size_t g = 0; g < kGuidanceCount; ++g) result.refused[g] += capture.refused[g];
       if (!capture.valid) {
@@ -83,6 +115,7 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
       s.body = body::pack_params(subject.params, model.modifier_names().size());
       s.frame_count = capture.frame_count;
       s.calibrate_only = stranger;
+      if (turns) turn_round(rig, subject, options, o, number, c, s);
       fit_to_shard(s);  // made now or read again, it is the same
       done = true;
     }
@@ -221,6 +254,9 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.landscape_share = o.variety.landscape_share;
   run.plain = o.variety.plain ? 1 : 0;
   run.stranger_every = static_cast<std::uint32_t>(o.stranger_every);
+  const std::size_t shapes = model.shape_space().point_count > 0 ? model.shape_space().shape_count : 0;
+  run.turn_every = shapes > 0 ? static_cast<std::uint32_t>(o.turn_every) : 0;
+  run.fit_size = shapes > 0 ? static_cast<std::uint32_t>(shapes + index::kFitQualities) : 0;
   run.feature_size = static_cast<std::uint32_t>(kFeatureSize);
   run.body_size = static_cast<std::uint32_t>(body::params_vector_size(model.modifier_names().size()));
   return run;

@@ -25,7 +25,10 @@ struct DatasetOptions {
   // Every n-th subject is a stranger (synth/strangers.h) whose samples only calibrate intervals; 0: none. Training
   // family only.
   int stranger_every = 13;  // odd: both sexes
-  int thread_count = 2;     // does not change the result
+  // Of every n-th pair of a man and a woman, and of every stranger, the sample also has the view from behind and the
+  // fitted shapes; 0: of nobody. Needs a body file with a shape space.
+  int turn_every = 2;
+  int thread_count = 2;  // does not change the result
   // Resuming: finished chunks are kept in `work_dir` ("" = none) as shards and used again when they were made with
   // the same options (thread_count aside) and the same `input_key`, e.g. a checksum of the body and tracker files.
   std::string work_dir;

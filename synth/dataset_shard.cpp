@@ -16,7 +16,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr char kMagic[] = "I2DS";
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 constexpr char kEnding[] = ".i2d";
 
 struct Head {
@@ -29,12 +29,13 @@ static_assert(std::is_trivially_copyable_v<Head> && std::has_unique_object_repre
 struct Row {
   std::uint64_t subject = 0;
   std::int32_t frame_count = 0;
-  std::uint16_t flags = 0;        // 1 woman, 2 calibrate_only
+  std::uint16_t flags = 0;        // 1 woman, 2 calibrate_only, 4 turned
   std::uint16_t body_values = 0;  // other than zero
 };
 static_assert(sizeof(Row) == 16);
 constexpr std::uint16_t kWoman = 1;
 constexpr std::uint16_t kCalibrateOnly = 2;
+constexpr std::uint16_t kTurned = 4;  // has a view from behind and fits, in the order of rows
 
 template <class Visit>
 void visit_fields(const RunKey& r, const Visit& visit) {
@@ -51,6 +52,8 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("stranger_every", std::uint64_t{r.stranger_every});
   visit("feature_size", std::uint64_t{r.feature_size});
   visit("body_size", std::uint64_t{r.body_size});
+  visit("turn_every", std::uint64_t{r.turn_every});
+  visit("fit_size", std::uint64_t{r.fit_size});
 }
 
 std::string text_of(const std::string& name, std::uint64_t value) {
@@ -122,12 +125,13 @@ std::string RunKey::difference(const RunKey& other) const {
 }
 
 void fit_to_shard(index::Sample& sample) {
-  for (std::size_t i = 0; i < sample.feature.size(); ++i) {
-    const int exponent = feature_exponent(i);
-    float& value = sample.feature[i];
-    const float rounded = std::ldexp(float_of(half_of(std::ldexp(value, -exponent))), exponent);
-    if (std::isfinite(rounded) || !std::isfinite(value)) value = rounded;  // else write_shard() says so
-  }
+  for (std::vector<float>* feature : {&sample.feature, &sample.back})
+    for (std::size_t i = 0; i < feature->size(); ++i) {
+      const int exponent = feature_exponent(i);
+      float& value = (*feature)[i];
+      const float rounded = std::ldexp(float_of(half_of(std::ldexp(value, -exponent))), exponent);
+      if (std::isfinite(rounded) || !std::isfinite(value)) value = rounded;  // else write_shard() says so
+    }
 }
 
 int feature_exponent(std::size_t feature) {
@@ -148,14 +152,18 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
   for (std::size_t i = 0; i < run.feature_size; ++i)
     exponents.push_back(static_cast<std::int8_t>(feature_exponent(i)));
   std::vector<Row> rows;
-  std::vector<std::uint16_t> features, body_columns;
-  std::vector<float> body_values, truths;
+  std::vector<std::uint16_t> features, backs, body_columns;
+  std::vector<float> body_values, truths, fits;
   features.reserve(chunk.samples.size() * run.feature_size);
   for (const index::Sample& s : chunk.samples) {
     if (s.feature.size() != run.feature_size || s.body.size() != run.body_size)
       return wrong(path, "a sample is not of the run's sizes");
     Row row{s.subject, s.frame_count, 0, 0};
-    row.flags = static_cast<std::uint16_t>((s.woman ? kWoman : 0) | (s.calibrate_only ? kCalibrateOnly : 0));
+    row.flags = static_cast<std::uint16_t>((s.woman ? kWoman : 0) | (s.calibrate_only ? kCalibrateOnly : 0) |
+                                           (s.refines() ? kTurned : 0));
+    if (s.refines() &&
+        (s.fit.size() != run.fit_size || s.fit_both.size() != run.fit_size || s.back.size() != run.feature_size))
+      return wrong(path, "a sample's view from behind is not of the run's sizes");
     for (std::size_t i = 0; i < s.body.size(); ++i) {
       if (std::bit_cast<std::uint32_t>(s.body[i]) == 0) continue;
       body_columns.push_back(static_cast<std::uint16_t>(i));
@@ -163,12 +171,16 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
       ++row.body_values;
     }
     rows.push_back(row);
-    for (std::size_t i = 0; i < s.feature.size(); ++i) {
-      features.push_back(half_of(std::ldexp(s.feature[i], -exponents[i])));
-      if (std::isfinite(s.feature[i]) && !std::isfinite(float_of(features.back())))
-        return wrong(path, "feature " + std::to_string(i) + " is " + std::to_string(s.feature[i]) +
-                               ", beyond half precision; give it a feature_exponent");
-    }
+    for (const auto& [feature, halves] : {std::pair(&s.feature, &features), std::pair(&s.back, &backs)})
+      for (std::size_t i = 0; i < feature->size(); ++i) {
+        const float value = (*feature)[i];
+        halves->push_back(half_of(std::ldexp(value, -exponents[i])));
+        if (std::isfinite(value) && !std::isfinite(float_of(halves->back())))
+          return wrong(path, "feature " + std::to_string(i) + " is " + std::to_string(value) +
+                                 ", beyond half precision; give it a feature_exponent");
+      }
+    fits.insert(fits.end(), s.fit.begin(), s.fit.end());
+    fits.insert(fits.end(), s.fit_both.begin(), s.fit_both.end());
     truths.insert(truths.end(), s.truth.begin(), s.truth.end());
   }
   const std::string about = "im2fit dataset shard\n" + words(range) + "\n" + run.text();
@@ -179,6 +191,8 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
   out.add_array("exponents", std::span<const std::int8_t>(exponents));
   out.add_array("features", std::span<const std::uint16_t>(features));
   out.add_array("truths", std::span<const float>(truths));
+  out.add_array("backs", std::span<const std::uint16_t>(backs));
+  out.add_array("fits", std::span<const float>(fits));
   out.add_array("body_columns", std::span<const std::uint16_t>(body_columns));
   out.add_array("body_values", std::span<const float>(body_values));
   return write_file_atomically(path, out.finish());
@@ -200,6 +214,12 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
   if (!exponents) return exponents.error();
   const auto truths = sections.array<float>("truths", n * kMeasurementCount);
   if (!truths) return truths.error();
+  const auto turned = static_cast<std::size_t>(
+      std::count_if(rows->begin(), rows->end(), [](const Row& row) { return (row.flags & kTurned) != 0; }));
+  const auto backs = sections.array<std::uint16_t>("backs", turned * run.feature_size);
+  if (!backs) return backs.error();
+  const auto fits = sections.array<float>("fits", turned * 2 * run.fit_size);
+  if (!fits) return fits.error();
   const auto columns = sections.array<std::uint16_t>("body_columns");
   if (!columns) return columns.error();
   const auto values = sections.array<float>("body_values", columns->size());
@@ -209,7 +229,12 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
   chunk.counts = shard->head.counts;
   if (n != static_cast<std::size_t>(std::max(0, chunk.counts.samples)))
     return damaged(path, "not as many rows as said");
-  std::size_t at = 0;
+  std::size_t at = 0, turn = 0;
+  const auto read_feature = [&](std::span<const std::uint16_t> all, std::size_t which, std::vector<float>& out) {
+    const auto halves = all.subspan(which * run.feature_size, run.feature_size);
+    out.reserve(halves.size());
+    for (std::size_t f = 0; f < halves.size(); ++f) out.push_back(std::ldexp(float_of(halves[f]), (*exponents)[f]));
+  };
   for (std::size_t i = 0; i < n; ++i) {
     const Row& row = (*rows)[i];
     if (row.subject < range.first || row.subject >= range.end()) return damaged(path, "a subject out of its range");
@@ -219,10 +244,13 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
     s.frame_count = row.frame_count;
     s.woman = (row.flags & kWoman) != 0;
     s.calibrate_only = (row.flags & kCalibrateOnly) != 0;
-    s.feature.reserve(run.feature_size);
-    const auto halves = features->subspan(i * run.feature_size, run.feature_size);
-    for (std::size_t f = 0; f < halves.size(); ++f)
-      s.feature.push_back(std::ldexp(float_of(halves[f]), (*exponents)[f]));
+    read_feature(*features, i, s.feature);
+    if ((row.flags & kTurned) != 0) {
+      read_feature(*backs, turn, s.back);
+      const auto both = fits->subspan(2 * turn++ * run.fit_size, std::size_t{2} * run.fit_size);
+      s.fit.assign(both.begin(), both.begin() + static_cast<std::ptrdiff_t>(run.fit_size));
+      s.fit_both.assign(both.begin() + static_cast<std::ptrdiff_t>(run.fit_size), both.end());
+    }
     std::copy_n(truths->begin() + static_cast<std::ptrdiff_t>(i * kMeasurementCount), kMeasurementCount,
                 s.truth.begin());
     s.body.assign(run.body_size, 0.0F);

@@ -31,6 +31,8 @@ struct RunKey {
   std::uint32_t stranger_every = 0;
   std::uint32_t feature_size = 0;
   std::uint32_t body_size = 0;
+  std::uint32_t turn_every = 0;
+  std::uint32_t fit_size = 0;  // values of a fitted shape; 0: nobody has one
 
   bool operator==(const RunKey&) const = default;
   std::uint64_t hash() const;

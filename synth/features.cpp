@@ -24,6 +24,7 @@ CaptureCost& CaptureCost::operator+=(const CaptureCost& o) {
   sense += o.sense;
   fuse += o.fuse;
   describe += o.describe;
+  fit += o.fit;
   return *this;
 }
 
@@ -42,8 +43,17 @@ struct CaptureRig::Station {
   std::vector<std::uint8_t> mask;
 };
 
+// Copies: the rig's next run overwrites what it has gathered.
+struct CaptureRig::Kept {
+  std::vector<std::uint16_t> depth;
+  std::vector<std::uint8_t> mask;
+  body::FitView view;
+};
+
 CaptureRig::CaptureRig(const body::BodyModel& model, const JointModel& joint_model)
-    : model_(model), joint_model_(joint_model) {}
+    : model_(model), joint_model_(joint_model), front_(std::make_unique<Kept>()), back_(std::make_unique<Kept>()) {
+  if (model.shape_space().point_count > 0) fitter_ = std::make_unique<body::ShapeFitter>(model.shape_space());
+}
 CaptureRig::~CaptureRig() = default;
 
 CaptureRig::Station& CaptureRig::station(int width, int height) {
@@ -70,6 +80,7 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
   const Intrinsics upright = hal::rotate_upright(options.intrinsics, options.scene.rotate_deg);
   Station& at = station(upright.width, upright.height);
   last_ = &at;
+  upright_ = upright;
   at.sensor.reset();
   at.fuser.reset();
   capture_ = {};
@@ -101,6 +112,7 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
   cost.describe += watch.lap();
   capture_.valid = description.valid;
   capture_.joints = description.joints;
+  capture_.floor = description.floor;
   capture_.paper = description.paper;
   capture_.feature = description.feature;
   return capture_;
@@ -108,6 +120,35 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
 
 const Fuser* CaptureRig::gathered() const {
   return last_ == nullptr ? nullptr : &last_->fuser;
+}
+
+void CaptureRig::keep(Kept& kept) const {
+  const auto depth = last_->fuser.depth_q4();
+  const auto mask = last_->fuser.mask();
+  kept.depth.assign(depth.pixels, depth.pixels + static_cast<std::ptrdiff_t>(depth.height) * depth.stride);
+  kept.mask.assign(mask.pixels, mask.pixels + static_cast<std::ptrdiff_t>(mask.height) * mask.stride);
+  kept.view.depth_q4 = {kept.depth.data(), depth.width, depth.height, depth.stride};
+  kept.view.mask = {kept.mask.data(), mask.width, mask.height, mask.stride};
+  kept.view.intrinsics = upright_;
+  kept.view.joints = capture_.joints;
+  kept.view.floor = capture_.floor;
+}
+
+void CaptureRig::keep_front() {
+  keep(*front_);
+}
+
+CaptureRig::Fits CaptureRig::fit_both() {
+  Fits fits;
+  if (!fitter_) return fits;
+  Stopwatch watch;
+  keep(*back_);
+  const std::array<body::FitView, 2> views = {front_->view, back_->view};
+  fits.front = body::fit_values(fitter_->run(std::span(views).first(1)), model_.shape_space());
+  fits.both = body::fit_values(fitter_->run(views), model_.shape_space());
+  cost.fit += watch.lap();
+  if (fits.front.empty() || fits.both.empty()) return {};
+  return fits;
 }
 
 CaptureOptions draw_capture(const CaptureVariety& variety, std::uint64_t seed, std::uint64_t subject, int capture) {

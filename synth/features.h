@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "body/fit/shape_fitter.h"
 #include "body/model.h"
 #include "index/sample.h"
 #include "kernels/observe/observe.h"
@@ -30,6 +31,7 @@ struct Capture {
   int frames_seen = 0;
   std::array<int, kGuidanceCount> refused{};  // frames, by guidance code
   JointSet joints;
+  FloorPlane floor;
   PaperMeasurements paper;
   Feature feature{};
 };
@@ -43,8 +45,9 @@ struct CaptureCost {
   double sense = 0;   // segmentation and joints
   double fuse = 0;
   double describe = 0;  // FPFH and profile
+  double fit = 0;       // shape, of one view and of two
   CaptureCost& operator+=(const CaptureCost& o);
-  double sum() const { return draw + scene + render + sense + fuse + describe; }
+  double sum() const { return draw + scene + render + sense + fuse + describe + fit; }
 };
 
 // Not shareable between threads; the models must outlive it.
@@ -56,10 +59,20 @@ class CaptureRig {
   const Capture& run(const Subject& subject, const CaptureOptions& options);
   // What the last run gathered, for other descriptors of the same frames; null before the first run.
   const Fuser* gathered() const;
+  // The last run was valid and of the front: keeps it, to be seen together with a run from behind.
+  void keep_front();
+  // After keep_front() and a valid run of the back: shapes fitted to the front and to both, as index::Sample has
+  // them. Empty when the body file has no shape space or a fit failed.
+  struct Fits {
+    std::vector<float> front, both;
+  };
+  Fits fit_both();
   CaptureCost cost;
 
  private:
   struct Station;  // sensor, fuser and buffers of one upright size
+  struct Kept;     // a fused view
+  void keep(Kept& kept) const;
   Station& station(int width, int height);
   VirtualScene& stage(const Subject& subject, const CaptureOptions& options);
   const body::BodyModel& model_;
@@ -69,6 +82,9 @@ class CaptureRig {
   std::vector<VirtualScene> scenes_;  // one of each picture size, staged anew for every capture
   std::vector<std::uint16_t> delivered_;
   Capture capture_;
+  Intrinsics upright_;  // of the last run
+  std::unique_ptr<Kept> front_, back_;
+  std::unique_ptr<body::ShapeFitter> fitter_;
 };
 
 // How people stand before cameras when an index is trained: distances, mountings, rooms, poses, frames, devices.

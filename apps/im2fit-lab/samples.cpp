@@ -172,9 +172,9 @@ std::string summary_of(const synth::DatasetReport& report) {
   if (made > 0)
     text += fmt::format(
         "processor ms a person: {:.2f} = body {:.2f}, scene {:.2f}, frames {:.2f}, sense {:.2f}, fuse {:.2f}, "
-        "describe {:.2f}\n",
+        "describe {:.2f}, fit {:.2f}\n",
         1e3 * cost.sum() / made, 1e3 * cost.draw / made, 1e3 * cost.scene / made, 1e3 * cost.render / made,
-        1e3 * cost.sense / made, 1e3 * cost.fuse / made, 1e3 * cost.describe / made);
+        1e3 * cost.sense / made, 1e3 * cost.fuse / made, 1e3 * cost.describe / made, 1e3 * cost.fit / made);
   std::string refused;
   for (std::size_t g = 0; g < kGuidanceCount; ++g)
     if (report.refused[g] > 0) refused += fmt::format(" {} {}", kGuidanceNames[g], report.refused[g]);

@@ -538,6 +538,14 @@ void ShapeFitter::Work::run(std::span<const FitView> views) {
   result.valid = result.surface_rows >= 100 && std::isfinite(result.shape[0]);
 }
 
+std::vector<float> fit_values(const ShapeFit& fit, const ShapeSpace& space) {
+  if (!fit.valid) return {};
+  std::vector<float> values(fit.shape.begin(), fit.shape.begin() + static_cast<std::ptrdiff_t>(space.shape_count));
+  values.push_back(fit.surface_mm);
+  values.push_back(fit.rim_mm);
+  return values;
+}
+
 ShapeFitter::ShapeFitter(const ShapeSpace& space) : work_(std::make_unique<Work>(space)) {}
 ShapeFitter::~ShapeFitter() = default;
 

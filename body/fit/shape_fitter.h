@@ -36,6 +36,9 @@ struct ShapeFit {
   int surface_rows = 0, rim_rows = 0;
 };
 
+// As index::Sample and queries take a fit: the coefficients, then surface_mm and rim_mm. Empty when it is not valid.
+std::vector<float> fit_values(const ShapeFit& fit, const ShapeSpace& space);
+
 class ShapeFitter {
  public:
   // The space must outlive the fitter.

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "index/refinement.h"
+
+#include <algorithm>
+
+#include "kernels/standardise/standardise.h"
+
+namespace im2fit::index {
+namespace {
+
+// Whole weights times their unit: the regressor's own rounding gives the same integers back.
+Regressor regressor_of(const RefinementContents& c) {
+  const std::size_t size = c.mean.size();
+  std::vector<float> weights(c.weights.size());
+  for (std::size_t t = 0; t < kTargetMin; ++t)
+    for (std::size_t i = 0; i < size; ++i)
+      weights[t * size + i] = static_cast<float>(c.weights[t * size + i]) * c.unit[t];
+  return Regressor(weights, c.bias, size);
+}
+
+}  // namespace
+
+std::string section_of(Refinement kind, const char* name) {
+  return std::string(kind == Refinement::fitted ? "fitted." : "turned.") + name;
+}
+
+void refined_values(Refinement kind, const Seen& seen, std::span<float> out) {
+  auto at = std::copy(seen.front.begin(), seen.front.end(), out.begin());
+  if (kind == Refinement::turned) at = std::copy(seen.back.begin(), seen.back.end(), at);
+  const std::span<const float> fit = kind == Refinement::turned ? seen.fit_both : seen.fit;
+  at = std::copy(fit.begin(), fit.end(), at);
+  const std::size_t shapes = fit.size() < kFitQualities ? 0 : fit.size() - kFitQualities;
+  const std::size_t squared = std::min(shapes, kSquaredMax);
+  for (std::size_t i = 0; i < squared; ++i)
+    for (std::size_t j = i; j < squared; ++j) *at++ = fit[i] * fit[j];
+}
+
+Refiner::Refiner(Refinement kind, const RefinementContents& contents, std::size_t feature_size)
+    : kind_(kind), contents_(contents), feature_size_(feature_size), regressor_(regressor_of(contents)) {}
+
+Refiner::Work::Work(const Refiner& refiner)
+    : values(refiner.contents_.mean.size()), standardised(refiner.regressor_.padded_size()) {}
+
+bool Refiner::applies(const Seen& seen) const {
+  const bool turned = kind_ == Refinement::turned;
+  return seen.front.size() == feature_size_ && (!turned || seen.back.size() == feature_size_) &&
+         (turned ? seen.fit_both : seen.fit).size() == contents_.record.fit_size;
+}
+
+void Refiner::apply(const Seen& seen, Work& work, Targets& targets) const {
+  refined_values(kind_, seen, work.values);
+  im2fit::standardise(work.values.data(), contents_.mean.data(), contents_.scale.data(),
+                      static_cast<int>(work.values.size()), work.standardised.data());
+  const Targets refined = regressor_(work.standardised);
+  for (std::size_t t = 0; t < kTargetMin; ++t)
+    targets[t] += static_cast<double>(contents_.record.share[t]) * (refined[t] - targets[t]);
+}
+
+}  // namespace im2fit::index

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// A second answer, from more than the feature of the front: from a shape fitted to the depth (body/fit), and from a
+// view from behind. One linear map each, learned on the samples that have all of it, from
+//   feature of the front | feature of the back | fit | products of the fit's strongest coefficients
+// to measurements and sex. The products stand for girths growing with width times depth. The answer is a mixture of
+// this and the plain one, in shares learned on people neither has learned from: the plain one knows more people.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "index/regression.h"
+
+namespace im2fit::index {
+
+enum class Refinement { fitted, turned };  // the front with its fit; front and back with theirs
+inline constexpr std::size_t kRefinementCount = 2;
+inline constexpr std::size_t kSquaredMax = 16;   // coefficients whose products count
+inline constexpr std::size_t kFitMax = 256;      // values of a fit
+inline constexpr std::size_t kFitQualities = 2;  // values of a fit that are no coefficients: its last
+
+constexpr std::size_t squared_count(std::size_t fit_size) {
+  const std::size_t shapes = fit_size < kFitQualities ? 0 : fit_size - kFitQualities;
+  const std::size_t n = shapes < kSquaredMax ? shapes : kSquaredMax;
+  return n * (n + 1) / 2;
+}
+constexpr std::size_t refined_size(Refinement kind, std::size_t feature_size, std::size_t fit_size) {
+  return feature_size * (kind == Refinement::turned ? 2 : 1) + fit_size + squared_count(fit_size);
+}
+
+// What is known of a person. `back` and the fits may be empty.
+struct Seen {
+  std::span<const float> front;
+  std::span<const float> fit;
+  std::span<const float> back;
+  std::span<const float> fit_both;
+};
+// Puts the values in order. out: refined_size().
+void refined_values(Refinement kind, const Seen& seen, std::span<float> out);
+
+// Name of a section of the file: "fitted.mean".
+std::string section_of(Refinement kind, const char* name);
+
+// Of the file; fixed layout.
+struct RefinementRecord {
+  std::uint32_t fit_size = 0;
+  std::uint32_t sample_count = 0;  // learned from
+  std::uint32_t interval_kind = 0;
+  std::uint32_t penalty_millionths = 0;  // of the ridge, of the values' variance
+  double frame_model = 1;
+  double frame_noise = 0;
+  std::array<float, kTargetMin> share{};  // of the refined in the answer, 0..1; the rest is the plain one's
+  MeasurementValues mae{};                // of answers to people it was not learned from
+  MeasurementValues coverage{};           // of the 95 % intervals
+};
+static_assert(sizeof(RefinementRecord) == 32 + 4 * kTargetMin + 8 * kMeasurementCount);
+
+// Views into the file.
+struct RefinementContents {
+  RefinementRecord record;
+  std::span<const float> mean, scale;     // of the values
+  std::span<const std::int16_t> weights;  // kTargetMin x values
+  std::span<const float> unit, bias;      // kTargetMin: standardised target per weight and value; constant
+  std::span<const float> interval;        // kMeasurementCount x {low, high} in units of the spread
+  std::span<const float> spread_floor;    // kMeasurementCount, standardised
+  std::span<const float> sex_table;       // kSexTableSize
+};
+
+// Applies one. Its bytes must outlive it. Shareable between threads; `work` is not.
+class Refiner {
+ public:
+  Refiner(Refinement kind, const RefinementContents& contents, std::size_t feature_size);
+  struct Work {
+    explicit Work(const Refiner& refiner);
+    std::vector<float> values;
+    std::vector<std::int16_t> standardised;
+  };
+  // Whether all that it asks for is there, in the right sizes.
+  bool applies(const Seen& seen) const;
+  // Mixes what it says into the plain answer: standardised measurements and sex, the first kTargetMin of `targets`.
+  // No allocation.
+  void apply(const Seen& seen, Work& work, Targets& targets) const;
+  const RefinementContents& contents() const { return contents_; }
+
+ private:
+  Refinement kind_;
+  RefinementContents contents_;
+  std::size_t feature_size_;
+  Regressor regressor_;
+};
+
+}  // namespace im2fit::index

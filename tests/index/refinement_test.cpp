@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Refined answers in a world where it is known what each view adds.
+#include "index/refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "tests/index/synthetic_people.h"
+
+namespace im2fit::index {
+namespace {
+
+using testing::kFreshSubjects;
+using testing::options_for;
+using testing::World;
+
+constexpr std::size_t kWaist = measurement_index(Measurement::waist_girth);
+constexpr double kBendMm = 25;  // of the waist, by a product of two shapes
+
+// The fit shows the shape with an error of 0.12 standard deviations, the fit of both views with one of 0.04.
+Sample turned(const World& world, std::uint64_t subject) {
+  Sample s = world.sample(subject, 0, 3);
+  const Eigen::VectorXd shape = world.shape_of(subject);
+  s.truth[kWaist] += static_cast<float>(kBendMm * shape(1) * shape(2));
+  s.back = world.sample(subject, 1, 3).feature;
+  Rng rng = Rng::for_item(99, 5, subject);
+  for (const auto& [fit, sd] : {std::pair(&s.fit, 0.12), std::pair(&s.fit_both, 0.04)}) {
+    for (int i = 0; i < world.shapes; ++i) fit->push_back(static_cast<float>(shape(i) + rng.normal(0, sd)));
+    fit->push_back(static_cast<float>(3 + rng.uniform()));
+    fit->push_back(static_cast<float>(4 + rng.uniform()));
+  }
+  return s;
+}
+
+std::vector<Sample> people(const World& world, bool with_turned) {
+  std::vector<Sample> samples;
+  for (std::uint64_t i = 0; i < 3000; ++i) {
+    samples.push_back(turned(world, i));
+    if (with_turned && i % 2 == 0) continue;
+    samples.back().fit.clear();
+    samples.back().fit_both.clear();
+    samples.back().back.clear();
+  }
+  return samples;
+}
+
+const Index& index_with(bool refinements) {
+  const auto make = [](bool with_turned) {
+    const World world;
+    const auto samples = people(world, with_turned);
+    return std::move(*Index::parse(*build_index(options_for(world), source_of(samples)), "refined"));
+  };
+  static const Index with = make(true), without = make(false);
+  return refinements ? with : without;
+}
+
+Seen seen_of(const Sample& s) {
+  return {s.feature, s.fit, s.back, s.fit_both};
+}
+
+TEST(Refinement, EachViewAddsWhatItShows) {
+  const World world;
+  const Index& index = index_with(true);
+  EXPECT_EQ(index.fit_size(), static_cast<std::size_t>(world.shapes) + kFitQualities);
+  EXPECT_EQ(index.info().refined[0].sample_count, 1500U);
+  auto scratch = index.make_scratch();
+  double front = 0, fitted = 0, both = 0, spread = 0;
+  const int count = 400;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const Sample s = turned(world, kFreshSubjects + i);
+    const auto error = [&](const Seen& seen, AnsweredFrom from) {
+      const Answer a = index.query(seen, {}, *scratch);
+      EXPECT_EQ(a.from, from);
+      return std::abs(static_cast<double>(a.measurements[kWaist].value - s.truth[kWaist])) / count;
+    };
+    front += error({s.feature, {}, {}, {}}, AnsweredFrom::front);
+    fitted += error({s.feature, s.fit, {}, {}}, AnsweredFrom::fitted_front);
+    both += error(seen_of(s), AnsweredFrom::front_and_back);
+    spread += std::abs(static_cast<double>(s.truth[kWaist]) - 1000) / count;
+  }
+  EXPECT_LT(fitted, 0.97 * front);
+  EXPECT_LT(both, 0.8 * fitted);
+  EXPECT_LT(front, 0.2 * spread);
+}
+
+TEST(Refinement, IntervalsOfEachHoldTheTruthAsOftenAsTheySay) {
+  const World world;
+  const Index& index = index_with(true);
+  auto scratch = index.make_scratch();
+  int fitted = 0, both = 0;
+  const int count = 1000;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const Sample s = turned(world, kFreshSubjects + 5000 + i);
+    QueryOptions options;
+    options.frame_count = s.frame_count;
+    const auto inside = [&](const Seen& seen) {
+      const Answer a = index.query(seen, options, *scratch);
+      int hits = 0;
+      for (std::size_t m = 0; m < kMeasurementCount; ++m)
+        hits += s.truth[m] >= a.measurements[m].low && s.truth[m] <= a.measurements[m].high ? 1 : 0;
+      return hits;
+    };
+    fitted += inside({s.feature, s.fit, {}, {}});
+    both += inside(seen_of(s));
+  }
+  for (const int hits : {fitted, both}) {
+    EXPECT_GT(hits, 0.93 * count * kMeasurementCount);
+    EXPECT_LT(hits, 0.97 * count * kMeasurementCount);
+  }
+}
+
+TEST(Refinement, TheFrontsAnswerIsNotTouched) {
+  const World world;
+  auto with = index_with(true).make_scratch(), without = index_with(false).make_scratch();
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    const Sample s = turned(world, kFreshSubjects + i);
+    const Answer a = index_with(true).query(s.feature, {}, *with);
+    const Answer b = index_with(false).query(seen_of(s), {}, *without);  // never learned to refine
+    EXPECT_EQ(b.from, AnsweredFrom::front);
+    EXPECT_EQ(std::memcmp(a.measurements.data(), b.measurements.data(), sizeof a.measurements), 0);
+    EXPECT_EQ(a.nearest, b.nearest);
+  }
+}
+
+TEST(Refinement, OtherSizesThanLearnedAreNotUsed) {
+  const World world;
+  const Index& index = index_with(true);
+  auto scratch = index.make_scratch();
+  Sample s = turned(world, kFreshSubjects);
+  s.back.pop_back();
+  EXPECT_EQ(index.query(seen_of(s), {}, *scratch).from, AnsweredFrom::fitted_front);
+  s.fit.push_back(0);
+  EXPECT_EQ(index.query(seen_of(s), {}, *scratch).from, AnsweredFrom::front);
+}
+
+TEST(Refinement, BuildingRefusesHalfOfATurnedSample) {
+  const World world;
+  auto samples = people(world, true);
+  samples[10].back.pop_back();
+  const auto built = build_index(options_for(world), source_of(samples));
+  ASSERT_FALSE(built);
+  EXPECT_NE(built.error().message.find("sample 10"), std::string::npos) << built.error().message;
+}
+
+}  // namespace
+}  // namespace im2fit::index
