@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "base/container.h"
+#include "body/fit/shape_space_file.h"
 #include "body/model_data.h"
 
 namespace im2fit::body {
@@ -153,7 +154,11 @@ Status read_sections(std::span<const std::byte> bytes, const std::string& what, 
     return Error{ErrorCode::corrupt, what + ": section 'modifier_names' has " +
                                          std::to_string(d.modifier_names.size()) + " lines, 'modifiers' has " +
                                          std::to_string(d.modifiers.size()) + " records"};
-  return Validator(d, what).check();
+  if (const Status valid = Validator(d, what).check(); !valid) return valid.error();
+  auto space = read_shape_space(*reader, what);
+  if (!space) return space.error();
+  d.shape_space = std::move(*space);
+  return Ok{};
 }
 
 void derive(BodyModel::Data& d) {
@@ -276,6 +281,10 @@ Result<BodyModel> BodyModel::parse(std::vector<std::byte> bytes, const std::stri
   if (!status) return status.error();
   derive(*model.data_);
   return model;
+}
+
+const ShapeSpace& BodyModel::shape_space() const {
+  return data_->shape_space;
 }
 
 int BodyModel::vertex_count() const {

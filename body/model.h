@@ -57,6 +57,8 @@ struct Params {
   std::vector<float> modifiers;  // in BodyModel::modifier_names() order; shorter means zeros
 };
 
+struct ShapeSpace;  // body/fit/shape_space.h
+
 class BodyModel {
  public:
   static Result<BodyModel> load(const std::string& path);  // .i2b, mapped
@@ -79,6 +81,10 @@ class BodyModel {
   void morph(const Params& params, std::span<Vec3f> out) const;
   // The same bits for the body's vertices and something for the helpers': what stature and volume ask for.
   void morph_body(const Params& params, std::span<Vec3f> out) const;
+
+  // What fits to depth pictures search; point_count 0 when the file has none: im2fit-lab fetch adds it,
+  // im2fit-pack-body alone does not.
+  const ShapeSpace& shape_space() const;
 
   struct Data;
   const Data& data() const { return *data_; }

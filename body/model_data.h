@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "body/fit/shape_space.h"
 #include "body/model.h"
 #include "kernels/blend/blend.h"
 #include "kernels/skin/skin.h"
@@ -19,7 +20,7 @@
 namespace im2fit::body {
 
 inline constexpr std::string_view kBodyMagic = "I2BD";
-inline constexpr std::uint32_t kBodyVersion = 1;
+inline constexpr std::uint32_t kBodyVersion = 2;
 inline constexpr int kBodyVertexCount = 13380;  // MakeHuman's base mesh; helpers follow
 inline constexpr std::size_t kTargetCountMax = 1024;
 inline constexpr std::size_t kModifierCountMax = 1024;
@@ -111,6 +112,7 @@ struct BodyModel::Data {
   std::span<const std::int32_t> list_vertices;
   std::span<const std::int32_t> landmarks;
 
+  ShapeSpace shape_space;
   std::vector<std::string> modifier_names;
   std::vector<std::array<std::int32_t, 3>> triangles;
   std::vector<std::uint32_t> body_run_count;  // of each target: its runs from the first on that reach the body

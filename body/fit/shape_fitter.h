@@ -18,7 +18,6 @@
 namespace im2fit::body {
 
 inline constexpr std::size_t kFitViewMax = 2;
-inline constexpr std::size_t kShapeMax = 64;
 
 struct FitView {
   ImageView<const std::uint16_t> depth_q4;  // 1/16 mm, 0 = none

@@ -3,7 +3,6 @@
 // the principal components of a population (synth/shape_space_builder). What a fit to a depth picture searches.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -12,11 +11,16 @@
 
 namespace im2fit::body {
 
+inline constexpr std::size_t kShapeMax = 64;
+inline constexpr std::size_t kShapePointMin = 100, kShapePointMax = 10000;
+
 // A point of the skin is the middle of a quad; its diagonals give the normal.
 inline constexpr std::size_t kPointValues = 9;                                           // middle, two diagonals
 inline constexpr std::size_t kBoneValues = static_cast<std::size_t>(kSegmentCount) * 6;  // heads, then tails
 
 // Rest pose, mesh axes, mm. A value is mean + sum of coefficient x basis; coefficients have unit variance.
+// Of a body file (body/fit/shape_space_file.h): 1 to kShapeMax shapes, kShapePointMin to kShapePointMax points, all
+// values finite, weights that sum to 1. point_count 0: the file has none.
 struct ShapeSpace {
   std::size_t shape_count = 0;
   std::size_t point_count = 0;

@@ -4,20 +4,14 @@
 
 #include <gtest/gtest.h>
 
-#include "body/makehuman/makehuman.h"
-#include "fake_makehuman.h"
+#include "fake_shape_space.h"
 #include "tests/fuzz/body_use.h"
 
 namespace im2fit::fuzz {
 namespace {
 
 const Bytes& sound_body() {
-  static const Bytes bytes = [] {
-    const body::TemporaryFolder folder;
-    body::FakeMakeHuman().write_upstream(folder.path());
-    auto packed = body::pack_makehuman(folder.path());
-    return packed ? std::move(*packed) : Bytes{};
-  }();
+  static const Bytes bytes = body::fake_body_file();
   return bytes;
 }
 
@@ -38,6 +32,9 @@ TEST(DamagedBody, AccidentsAreNoticedOrHarmless) {
     if (!found) continue;
     const std::vector<Vec3f> mesh = mesh_of(*found);
     ASSERT_EQ(std::memcmp(mesh.data(), truth.data(), truth.size() * sizeof(Vec3f)), 0) << "accident " << i;
+    ASSERT_EQ(found->shape_space().point_mean, model->shape_space().point_mean) << "accident " << i;
+    ASSERT_EQ(found->shape_space().point_basis, model->shape_space().point_basis) << "accident " << i;
+    ASSERT_EQ(found->shape_space().bone_basis, model->shape_space().bone_basis) << "accident " << i;
   }
 }
 

@@ -11,12 +11,11 @@
 
 #include "base/container.h"
 #include "base/rng.h"
-#include "body/makehuman/makehuman.h"
 #include "body/measure.h"
 #include "body/model_data.h"
 #include "body/skeleton.h"
 #include "body_pack.h"
-#include "fake_makehuman.h"
+#include "fake_shape_space.h"
 
 namespace {
 std::size_t allocation_count = 0;
@@ -190,13 +189,7 @@ TEST(RealBody, MorphAndSkinDoNotAllocate) {
 class BodyFile : public testing::Test {
  protected:
   static const std::vector<std::byte>& good() {
-    static const std::vector<std::byte> bytes = [] {
-      const TemporaryFolder folder;
-      const FakeMakeHuman fake;
-      fake.write_upstream(folder.path());
-      auto packed = pack_makehuman(folder.path());
-      return packed ? *packed : std::vector<std::byte>();
-    }();
+    static const std::vector<std::byte> bytes = fake_body_file();
     return bytes;
   }
   static std::string error_of(std::vector<std::byte> bytes) {
@@ -268,7 +261,67 @@ TEST_F(BodyFile, IndicesOutOfRangeAreRefusedEvenWithARightChecksum) {
   expect_named("lists", [](auto& b) { put(b, 4, std::uint32_t{0}); });
   expect_named("lists", [](auto& b) { put(b, 0, std::uint32_t{1 << 30}); });
   expect_named("landmarks", [](auto& b) { put(b, 0, std::int32_t{kBodyVertexCount}); });
+  expect_named("shape_about", [](auto& b) { put(b, 0, std::uint32_t{99}); });
+  expect_named("shape_about", [](auto& b) { put(b, 0, std::uint32_t{10001}); });
+  expect_named("shape_about", [](auto& b) { put(b, 4, std::uint32_t{0}); });
+  expect_named("shape_about", [](auto& b) { put(b, 4, std::uint32_t{65}); });
+  expect_named("shape_about", [](auto& b) { b.clear(); });
+  expect_named("shape_scales", [](auto& b) { put(b, 4, std::numeric_limits<float>::quiet_NaN()); });
+  expect_named("shape_scales", [](auto& b) { put(b, 0, -0.01F); });
+  expect_named("shape_scales", [](auto& b) { put(b, 8, 3.0F); });
+  expect_named("shape_points", [](auto& b) { b.resize(b.size() - 2); });
+  expect_named("shape_skin", [](auto& b) { put(b, 0, std::uint8_t{19}); });
+  expect_named("shape_skin", [](auto& b) { put(b, 4, 0.5F); });
+  expect_named("shape_skin", [](auto& b) { b.resize(b.size() + 20); });
+  expect_named("shape_bones", [](auto& b) { put(b, 4, std::numeric_limits<float>::infinity()); });
   expect_named("modifier_names", [](auto& b) { b.push_back(std::byte{'\n'}); });
+}
+
+TEST_F(BodyFile, ShapeSpaceIsReadWithinHalfAStep) {
+  const ShapeSpace wanted = fake_shape_space();
+  const auto model = BodyModel::parse(good(), "good");
+  ASSERT_TRUE(model);
+  const ShapeSpace& found = model->shape_space();
+  ASSERT_EQ(found.point_count, wanted.point_count);
+  ASSERT_EQ(found.shape_count, wanted.shape_count);
+  ASSERT_EQ(found.point_mean.size(), wanted.point_mean.size());
+  ASSERT_EQ(found.point_basis.size(), wanted.point_basis.size());
+  // Half a step of 32767 to the largest value, which the random space keeps below 900 and 40 mm.
+  for (std::size_t i = 0; i < wanted.point_mean.size(); ++i)
+    ASSERT_NEAR(found.point_mean[i], wanted.point_mean[i], 0.5F * 901 / 32767) << i;
+  for (std::size_t i = 0; i < wanted.point_basis.size(); ++i)
+    ASSERT_NEAR(found.point_basis[i], wanted.point_basis[i], 0.5F * 41 / 32767) << i;
+  EXPECT_EQ(found.bone_mean, wanted.bone_mean);
+  EXPECT_EQ(found.bone_basis, wanted.bone_basis);
+  ASSERT_EQ(found.skin.size(), wanted.skin.size());
+  EXPECT_EQ(std::memcmp(found.skin.data(), wanted.skin.data(), wanted.skin.size() * sizeof(SkinRecord)), 0);
+}
+
+TEST_F(BodyFile, WithoutAShapeSpaceLoadsWithAnEmptyOne) {
+  const auto reader = ContainerReader::parse(good(), kBodyMagic, kBodyVersion, "good");
+  ContainerWriter writer(kBodyMagic, kBodyVersion);
+  for (const auto& [key, entry] : reader->entries()) {
+    const auto section = *reader->section(key);
+    if (!key.starts_with("shape_")) writer.add(key, {section.begin(), section.end()});
+  }
+  const auto model = BodyModel::parse(writer.finish(), "plain");
+  ASSERT_TRUE(model);
+  EXPECT_EQ(model->shape_space().point_count, 0U);
+  EXPECT_EQ(model->shape_space().shape_count, 0U);
+}
+
+TEST_F(BodyFile, AShapeSpaceThatIsNoneIsNotWritten) {
+  ShapeSpace space = fake_shape_space();
+  space.point_basis.pop_back();
+  EXPECT_FALSE(with_shape_space(good(), space));
+  space = fake_shape_space();
+  space.point_mean[7] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(with_shape_space(good(), space));
+  space = fake_shape_space();
+  space.skin[5].weight = {0.5F, 0.2F, 0, 0};
+  const auto refused = with_shape_space(good(), space);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("shape_skin"), std::string::npos);
 }
 
 }  // namespace

@@ -6,11 +6,29 @@
 #include <optional>
 #include <vector>
 
+#include "body/fit/shape_space.h"
 #include "body/measure.h"
 #include "body/model.h"
 #include "body/skeleton.h"
 
 namespace im2fit::fuzz {
+
+// The largest person of a shape space: whether all that a fit would look at is finite.
+inline bool use_space(const body::ShapeSpace& space) {
+  bool sane = true;
+  const auto sum = [&](const std::vector<float>& mean, const std::vector<float>& basis) {
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      float value = mean[i];
+      for (std::size_t k = 0; k < space.shape_count; ++k) value += 5 * std::fabs(basis[i * space.shape_count + k]);
+      sane &= std::isfinite(value);
+    }
+  };
+  sum(space.point_mean, space.point_basis);
+  sum(space.bone_mean, space.bone_basis);
+  for (const SkinRecord& s : space.skin)
+    for (std::size_t i = 0; i < 4; ++i) sane &= s.segment[i] < body::kSegmentCount && s.weight[i] >= 0;
+  return sane;
+}
 
 // Nothing when the file is refused; else whether every vertex of a few bodies is finite.
 inline std::optional<bool> use_body(std::vector<std::byte> bytes) {
@@ -29,7 +47,7 @@ inline std::optional<bool> use_body(std::vector<std::byte> bytes) {
     body::skin(*model, mesh, rest, body::psi_pose(rest), posed);
     (void)body::joints_of(*model, posed);
   }
-  return sane;
+  return sane && use_space(model->shape_space());
 }
 
 }  // namespace im2fit::fuzz

@@ -4,19 +4,15 @@
 #include <filesystem>
 
 #include "base/file.h"
-#include "body/makehuman/makehuman.h"
-#include "tests/body/fake_makehuman.h"
+#include "tests/body/fake_shape_space.h"
 #include "tests/fuzz/index_use.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::fputs("write_seeds: expected a directory\n", stderr), 2;
   const std::string root = argv[1];
-  im2fit::body::FakeMakeHuman fake;
-  const im2fit::body::TemporaryFolder folder;
-  fake.write_upstream(folder.path());
-  auto body = im2fit::body::pack_makehuman(folder.path());
-  if (!body) return std::fprintf(stderr, "write_seeds: %s\n", body.error().message.c_str()), 1;
-  for (const auto& [name, bytes] : {std::pair("index", im2fit::fuzz::small_index()), {"body", *body}}) {
+  const auto body = im2fit::body::fake_body_file();
+  if (body.empty()) return std::fputs("write_seeds: no body file\n", stderr), 1;
+  for (const auto& [name, bytes] : {std::pair("index", im2fit::fuzz::small_index()), {"body", body}}) {
     std::filesystem::create_directories(root + "/" + name);
     if (const auto s = im2fit::write_file_atomically(root + "/" + name + "/sound", bytes); !s)
       return std::fprintf(stderr, "write_seeds: %s\n", s.error().message.c_str()), 1;
