@@ -464,7 +464,7 @@ Result<std::vector<std::byte>> Builder::run() {
   RefinementBuilder::PlainAnswers plain;
   for (const std::vector<HeldOut>* answered : {&std::as_const(tuner_->held_out), &strangers})
     for (const HeldOut& row : *answered) plain[row.subject] = row.answer;
-  refinements_.learn(*targets_, plain, options_.seed);
+  refinements_.learn(*targets_, plain, options_.seed, options_.shape_key);
   return write(tree, intervals);
 }
 

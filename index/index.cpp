@@ -137,6 +137,12 @@ std::size_t Index::fit_size() const {
   return 0;
 }
 
+std::uint32_t Index::shape_key() const {
+  for (const auto& refinement : data_->contents.refinements)
+    if (refinement) return refinement->record.shape_key;
+  return 0;
+}
+
 Person Index::person_of(std::uint32_t entry) const {
   const Contents& c = data_->contents;
   return {c.meta.population_version, c.meta.population_seed, c.person[entry]};

@@ -104,8 +104,9 @@ class Index {
   Answer query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
   // The same from all that is seen: refined (index/refinement.h) where the index has learned how and the sizes fit.
   Answer query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const;
-  // Values of a fit that refinements ask for; 0: the index has none.
+  // Values of a fit that refinements ask for, and the key of the shape space it must be of; 0: the index has none.
   std::size_t fit_size() const;
+  std::uint32_t shape_key() const;
   // Whose body an entry is. `entry` < size(), as below.
   Person person_of(std::uint32_t entry) const;
   // Truth of an entry to within the rounding of its codes: a seventh of the regression's error, and what the

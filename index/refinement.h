@@ -50,13 +50,15 @@ struct RefinementRecord {
   std::uint32_t sample_count = 0;  // learned from
   std::uint32_t interval_kind = 0;
   std::uint32_t penalty_millionths = 0;  // of the ridge, of the values' variance
+  std::uint32_t shape_key = 0;           // of the shape space that fits must be of
+  std::uint32_t reserved = 0;
   double frame_model = 1;
   double frame_noise = 0;
   std::array<float, kTargetMin> share{};  // of the refined in the answer, 0..1; the rest is the plain one's
   MeasurementValues mae{};                // of answers to people it was not learned from
   MeasurementValues coverage{};           // of the 95 % intervals
 };
-static_assert(sizeof(RefinementRecord) == 32 + 4 * kTargetMin + 8 * kMeasurementCount);
+static_assert(sizeof(RefinementRecord) == 40 + 4 * kTargetMin + 8 * kMeasurementCount);
 
 // Views into the file.
 struct RefinementContents {

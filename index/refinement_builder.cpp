@@ -90,10 +90,12 @@ void RefinementBuilder::add(const Sample& sample) {
   }
 }
 
-void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed) {
+void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed,
+                              std::uint32_t shape_key) {
   if (rows_.size() < kSampleMin) return;
   for (const Refinement kind : {Refinement::fitted, Refinement::turned}) {
     learned_[static_cast<std::size_t>(kind)] = learn_one(kind, targets, plain, seed);
+    learned_[static_cast<std::size_t>(kind)]->record.shape_key = shape_key;
     for (Row& row : rows_) std::vector<float>().swap(row.values[static_cast<std::size_t>(kind)]);
   }
 }

@@ -26,7 +26,7 @@ class RefinementBuilder {
   // The index' plain answers, standardised, to subjects that had no part in them.
   using PlainAnswers = std::map<std::uint64_t, Targets>;
   // `targets`: as the index standardises them. Does nothing with fewer than kSampleMin samples.
-  void learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed);
+  void learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed, std::uint32_t shape_key);
   // Sections "fitted.*" and "turned.*"; none when nothing was learned.
   void write(ContainerWriter& out) const;
 

@@ -256,6 +256,7 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.stranger_every = static_cast<std::uint32_t>(o.stranger_every);
   const std::size_t shapes = model.shape_space().point_count > 0 ? model.shape_space().shape_count : 0;
   run.turn_every = shapes > 0 ? static_cast<std::uint32_t>(o.turn_every) : 0;
+  run.shape_key = shapes > 0 ? model.shape_space().key : 0;
   run.fit_size = shapes > 0 ? static_cast<std::uint32_t>(shapes + index::kFitQualities) : 0;
   run.feature_size = static_cast<std::uint32_t>(kFeatureSize);
   run.body_size = static_cast<std::uint32_t>(body::params_vector_size(model.modifier_names().size()));
@@ -295,6 +296,7 @@ Result<DatasetReport> make_dataset(const body::BodyModel& model, const JointMode
     for (const index::Sample& s : chunk->samples) sink(s);
   }
   report.cost = rigs.cost();
+  report.shape_key = run.shape_key;
   report.seconds = seconds_since(start);
   return report;
 }

@@ -57,7 +57,8 @@ struct DatasetReport {
   std::int64_t frames_seen = 0;
   std::array<std::int64_t, kGuidanceCount> refused{};  // frames by guidance code
   double seconds = 0;
-  CaptureCost cost;  // summed over threads
+  CaptureCost cost;             // summed over threads
+  std::uint32_t shape_key = 0;  // of the run
 
   void add(const ChunkCounts& counts, const SubjectRange& range);
 };

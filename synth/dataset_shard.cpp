@@ -54,6 +54,7 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("body_size", std::uint64_t{r.body_size});
   visit("turn_every", std::uint64_t{r.turn_every});
   visit("fit_size", std::uint64_t{r.fit_size});
+  visit("shape_key", std::uint64_t{r.shape_key});
 }
 
 std::string text_of(const std::string& name, std::uint64_t value) {

@@ -144,8 +144,13 @@ CaptureRig::Fits CaptureRig::fit_both() {
   Stopwatch watch;
   keep(*back_);
   const std::array<body::FitView, 2> views = {front_->view, back_->view};
-  fits.front = body::fit_values(fitter_->run(std::span(views).first(1)), model_.shape_space());
-  fits.both = body::fit_values(fitter_->run(views), model_.shape_space());
+  std::array<float, body::kShapeMax + 2> values;
+  const auto fit = [&](std::span<const body::FitView> seen) {
+    const auto filled = body::fit_values(fitter_->run(seen), model_.shape_space(), values);
+    return std::vector<float>(filled.begin(), filled.end());
+  };
+  fits.front = fit(std::span(views).first(1));
+  fits.both = fit(views);
   cost.fit += watch.lap();
   if (fits.front.empty() || fits.both.empty()) return {};
   return fits;

@@ -40,20 +40,24 @@ Status each_sample(const IndexCommand& options, const SampleOptions& samples,
 Result<int> run_build(const IndexCommand& options) {
   if (const auto made = make_directory(std::filesystem::absolute(options.out).parent_path().string()); !made)
     return made.error();
+  index::BuildOptions build;
   SampleOptions samples = options.samples;
   if (samples.work_dir.empty()) samples.work_dir = options.out + ".samples";
   if (options.from.empty()) {
     const auto report = make_samples(samples, [](const index::Sample&) {});
     if (!report) return report.error();
     fmt::print("{}", summary_of(*report));
+    build.shape_key = report->shape_key;
   } else {
     const auto noted = noted_samples(options.from.front());
     if (!noted) return noted.error();
     samples.subjects = noted->subjects;
     samples.captures = noted->captures;
     samples.seed = noted->seed;
+    const auto set = check_samples(options.from);
+    if (!set) return set.error();
+    build.shape_key = set->run().shape_key;
   }
-  index::BuildOptions build;
   build.dimensions = options.dimensions;
   build.seed = samples.seed;
   build.groups = synth::feature_groups();

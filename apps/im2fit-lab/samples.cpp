@@ -136,6 +136,7 @@ Result<synth::DatasetReport> read_samples(const std::vector<std::string>& folder
   synth::DatasetReport report;
   for (const synth::ShardAbout& shard : set->shards()) report.add(shard.counts, shard.range);
   report.subjects_reused = report.subjects_drawn;
+  report.shape_key = set->run().shape_key;
   Progress progress("samples", static_cast<std::uint64_t>(report.samples));
   std::uint64_t done = 0;
   const auto read = set->read([&](const index::Sample& sample) {

@@ -538,12 +538,12 @@ void ShapeFitter::Work::run(std::span<const FitView> views) {
   result.valid = result.surface_rows >= 100 && std::isfinite(result.shape[0]);
 }
 
-std::vector<float> fit_values(const ShapeFit& fit, const ShapeSpace& space) {
+std::span<const float> fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out) {
   if (!fit.valid) return {};
-  std::vector<float> values(fit.shape.begin(), fit.shape.begin() + static_cast<std::ptrdiff_t>(space.shape_count));
-  values.push_back(fit.surface_mm);
-  values.push_back(fit.rim_mm);
-  return values;
+  std::copy_n(fit.shape.begin(), space.shape_count, out.begin());
+  out[space.shape_count] = fit.surface_mm;
+  out[space.shape_count + 1] = fit.rim_mm;
+  return out.first(space.shape_count + 2);
 }
 
 ShapeFitter::ShapeFitter(const ShapeSpace& space) : work_(std::make_unique<Work>(space)) {}

@@ -35,8 +35,9 @@ struct ShapeFit {
   int surface_rows = 0, rim_rows = 0;
 };
 
-// As index::Sample and queries take a fit: the coefficients, then surface_mm and rim_mm. Empty when it is not valid.
-std::vector<float> fit_values(const ShapeFit& fit, const ShapeSpace& space);
+// As index::Sample and queries take a fit: the coefficients, then surface_mm and rim_mm. The part of `out` that was
+// filled: shape_count + 2 values; none when the fit is not valid. out: at least as many.
+std::span<const float> fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out);
 
 class ShapeFitter {
  public:

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "body/model.h"
@@ -29,6 +30,7 @@ struct ShapeSpace {
   std::vector<SkinRecord> skin;    // of each point
   std::vector<float> bone_mean;    // kBoneValues
   std::vector<float> bone_basis;   // kBoneValues x shape
+  std::uint32_t key = 0;           // of the file's sections: coefficients of another space mean something else
 };
 
 }  // namespace im2fit::body

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "base/crc32c.h"
 #include "body/model_data.h"
 
 namespace im2fit::body {
@@ -141,6 +142,10 @@ Result<ShapeSpace> read_shape_space(const ContainerReader& reader, const std::st
   const AboutRecord& about = sections->about[0];
   ShapeSpace space = empty_space(about.point_count, about.shape_count);
   space.skin.assign(sections->skin.begin(), sections->skin.end());
+  std::vector<std::uint32_t> sums;
+  for (const auto& [name, entry] : reader.entries())
+    if (name.starts_with(kSectionPrefix)) sums.push_back(entry.crc);
+  space.key = crc32c(std::as_bytes(std::span(sums)));
   const std::size_t point_values = space.point_count * kPointValues;
   for (std::size_t p = 0; p <= space.shape_count; ++p) {
     const Plane plane(p, space.shape_count);
