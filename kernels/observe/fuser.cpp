@@ -132,6 +132,10 @@ int Fuser::frame_count() const {
   return work_->fusion.frame_count();
 }
 
+const Intrinsics& Fuser::intrinsics() const {
+  return work_->intrinsics;
+}
+
 const Fuser::Description& Fuser::describe() {
   Workspace& w = *work_;
   Description& d = w.description;

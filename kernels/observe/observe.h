@@ -78,6 +78,8 @@ class Fuser {
   // fit what is gathered.
   GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting);
   int frame_count() const;
+  // Of the frames gathered.
+  const Intrinsics& intrinsics() const;
 
   struct Description {
     bool valid = false;

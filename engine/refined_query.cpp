@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/refined_query.h"
+
+#include <algorithm>
+
+namespace im2fit {
+namespace {
+
+body::FitView view_of(const RefinedQuery::Side& side) {
+  return {side.fuser.depth_q4(), side.fuser.mask(), side.fuser.intrinsics(), side.description.joints,
+          side.description.floor};
+}
+
+}  // namespace
+
+RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* space)
+    : index_(index), space_(space), scratch_(index.make_scratch()) {
+  if (space != nullptr && space->point_count > 0 && index.fit_size() > 0 && index.shape_key() == space->key)
+    fitter_ = std::make_unique<body::ShapeFitter>(*space);
+}
+
+std::span<const float> RefinedQuery::fit(std::span<const body::FitView> views, Values& values) {
+  return body::fit_values(fitter_->run(views), *space_, values);
+}
+
+index::Answer RefinedQuery::ask(const Side& front, const std::optional<Side>& back) {
+  index::QueryOptions options;
+  options.frame_count = front.fuser.frame_count();
+  index::Seen seen{front.description.feature, {}, {}, {}};
+  if (fitter_ == nullptr) return index_.query(seen, options, *scratch_);
+  if (!back) {
+    const std::array<body::FitView, 1> views = {view_of(front)};
+    seen.fit = fit(views, front_values_);
+    return index_.query(seen, options, *scratch_);
+  }
+  const std::array<body::FitView, 2> views = {view_of(front), view_of(*back)};
+  seen.fit = fit(std::span(views).first(1), front_values_);
+  seen.back = back->description.feature;
+  seen.fit_both = fit(views, both_values_);
+  if (!seen.fit_both.empty()) options.frame_count = std::min(options.frame_count, back->fuser.frame_count());
+  return index_.query(seen, options, *scratch_);
+}
+
+}  // namespace im2fit

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The index asked with all that was seen of a person: features of the sides, and the shapes fitted to them.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "body/fit/shape_fitter.h"
+#include "index/index.h"
+#include "kernels/observe/observe.h"
+
+namespace im2fit {
+
+// One caller at a time. No allocation after construction.
+class RefinedQuery {
+ public:
+  // `space`: of the body file; null, or another than the index was made with: the front's feature answers alone.
+  // Index and space must outlive this.
+  RefinedQuery(const index::Index& index, const body::ShapeSpace* space);
+
+  // A side that was gathered and described.
+  struct Side {
+    const Fuser& fuser;
+    const Fuser::Description& description;
+  };
+  // Some tens of milliseconds with a shape space, for each side.
+  index::Answer ask(const Side& front, const std::optional<Side>& back);
+  bool refines() const { return fitter_ != nullptr; }
+
+ private:
+  using Values = std::array<float, body::kShapeMax + 2>;
+  std::span<const float> fit(std::span<const body::FitView> views, Values& values);
+
+  const index::Index& index_;
+  const body::ShapeSpace* space_;
+  std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
+  std::unique_ptr<body::ShapeFitter> fitter_;
+  Values front_values_{}, both_values_{};
+};
+
+}  // namespace im2fit
