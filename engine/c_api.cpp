@@ -27,11 +27,18 @@ static_assert(IM2FIT_WEIGHT == static_cast<int>(im2fit::Measurement::weight));
 static_assert(IM2FIT_HIP_GIRTH == static_cast<int>(im2fit::Measurement::hip_girth));
 static_assert(IM2FIT_STATE_MEASURED == static_cast<int>(im2fit::SessionState::measured));
 static_assert(IM2FIT_STATE_LOST == static_cast<int>(im2fit::SessionState::lost));
+static_assert(IM2FIT_STATE_TURNING == static_cast<int>(im2fit::SessionState::turning));
+static_assert(IM2FIT_VIEWS_FRONT_AND_BACK == static_cast<int>(im2fit::AnswerViews::front_and_back));
 static_assert(IM2FIT_USER_COUNT_MAX == im2fit::kUserCountMax);
 static_assert(IM2FIT_VIEW_UNKNOWN == static_cast<int>(im2fit::ViewSide::unknown));
 static_assert(IM2FIT_VIEW_SIDE == static_cast<int>(im2fit::ViewSide::side));
 static_assert(IM2FIT_GUIDANCE_MOVING == static_cast<int>(im2fit::Guidance::moving));
 static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guidance::calibration_pose));
+static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::turn_round));
+// The struct of the header before ended with user_id and its padding, which may hold anything: `turn` lies past it.
+constexpr std::size_t kSettingsAlign = alignof(im2fit_settings);
+static_assert(offsetof(im2fit_settings, turn) >=
+              (offsetof(im2fit_settings, reserved) + kSettingsAlign - 1) / kSettingsAlign * kSettingsAlign);
 
 #define IM2FIT_TEXT_OF(x) #x
 #define IM2FIT_TEXT(x) IM2FIT_TEXT_OF(x)
@@ -120,6 +127,9 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   for (std::size_t i = 0; i < im2fit::kJointCount; ++i)
     out.joints[i] = to_c(joints.position_mm[i], joints.confidence[i]);
   out.measured = r.measured ? 1 : 0;
+  out.front_measured = r.front_measured ? 1 : 0;
+  out.views = static_cast<std::int32_t>(r.views);
+  out.frames_back = static_cast<std::uint32_t>(r.frames_back);
   out.female = r.answer.female;
   for (std::size_t i = 0; i < im2fit::kMeasurementCount; ++i) {
     const im2fit::index::Estimate& e = r.answer.measurements[i];
@@ -381,8 +391,8 @@ int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capac
 }
 
 const char* im2fit_state_name(int state) {
-  constexpr std::array<std::string_view, 6> kNames = {"SEARCHING", "USER_FOUND", "CALIBRATING",
-                                                      "TRACKING",  "MEASURED",   "LOST"};
+  constexpr std::array<std::string_view, 7> kNames = {"SEARCHING", "USER_FOUND", "CALIBRATING", "TRACKING",
+                                                      "MEASURED",  "LOST",       "TURNING"};
   return name_at(kNames, state);
 }
 

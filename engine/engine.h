@@ -21,7 +21,13 @@
 
 namespace im2fit {
 
-enum class SessionState : int { searching, user_found, calibrating, tracking, measured, lost };
+enum class SessionState : int { searching, user_found, calibrating, tracking, measured, lost, turning };
+
+// Whether the person is asked to turn round once the front is gathered, so that both sides are measured.
+enum class Turn : int { none, asked };
+
+// What an answer rests on.
+enum class AnswerViews : int { none, front, front_and_back };
 
 struct FrameSeen;
 // Called on the thread of FIT (push()'s with single_thread) after each frame processed; what it is given is valid
@@ -31,9 +37,10 @@ using FrameWatch = std::function<void(const FrameSeen&)>;
 struct EngineSettings {
   int width = 640, height = 480;  // of upright frames
   Intrinsics intrinsics;
-  int frames_wanted = 30;        // accepted frames until MEASURED
-  int frames_min = 5;            // fewest a measurement may rest on when the stream ends
+  int frames_wanted = 30;        // accepted frames until MEASURED; of each side with Turn::asked
+  int frames_min = 5;            // fewest a measurement, and each of its sides, may rest on when the stream ends
   bool calibration_psi = false;  // ask for the Psi pose first, as the paper does
+  Turn turn = Turn::none;        // asked: TURNING follows the front, see engine/session.h
   int user = 0;                  // measure the user of this id only; 0: whoever stands right first
   bool live = false;             // live: drop the oldest frame when behind; else wait (replay never drops)
   bool single_thread = false;    // both halves on the caller's thread in push(): same bits
@@ -51,6 +58,7 @@ struct EngineResult {
   std::array<std::uint32_t, kGuidanceCount> guidance_frames{};  // frames that carried each code, in bit order
   std::uint64_t frames_seen = 0;                                // processed
   std::uint64_t frames_used = 0;                                // gathered behind the answer (or so far)
+  std::uint64_t frames_back = 0;                                // of frames_used: those of the back
   std::uint64_t frames_dropped = 0;         // given up unread because the engine was behind (live only)
   std::uint64_t sequence_gaps = 0;          // sequence numbers skipped
   std::uint64_t sequence_repeats = 0;       // frames whose sequence number did not grow
@@ -65,9 +73,12 @@ struct EngineResult {
   JointSet display_joints;         // the same, steadied for the eye (JointFilter)
   FloorPlane floor;
   bool measured = false;
-  index::Answer answer;       // valid when measured
-  MeasurementValues paper{};  // NaN where not measured
-  JointSet measured_joints;   // robust mean behind the answer
+  // From TURNING on: answer, paper and measured_joints hold what the front alone says, preliminary until `measured`.
+  bool front_measured = false;
+  AnswerViews views = AnswerViews::none;  // of the answer
+  index::Answer answer;                   // valid when measured or front_measured
+  MeasurementValues paper{};              // NaN where not measured
+  JointSet measured_joints;               // robust mean behind the answer: the front's
 };
 
 struct FrameSeen {
@@ -95,12 +106,13 @@ class Engine {
   virtual void reset() = 0;  // a new person; after finish() or between frames. Waits for frames under way
   // The next person, after MEASURED: frames are looked at again, the answer stands until who was measured has left
   // the picture (kAbsentFramesMax frames), then a new session begins by itself. The floor and the ids are kept.
-  // Before MEASURED: the same as reset(), but for floor and ids. From the producer thread; waits as reset() does.
+  // Before MEASURED: the same as reset(), but for floor and ids; a preliminary answer goes with it. From the producer
+  // thread; waits as reset() does.
   virtual void next_person() = 0;
   // From the next frame on the user of this id and nobody else, 0: whoever stands right first. Another than before
   // begins anew, as next_person() before MEASURED does. From the producer thread; waits as reset() does.
   virtual void select_user(int user) = 0;
-  // For overlays, after finish(): the fused picture. Empty views when there is none.
+  // For overlays, after finish(): the fused picture of the front. Empty views when there is none.
   virtual ImageView<const std::uint16_t> fused_depth_q4() const = 0;
   virtual MaskView fused_mask() const = 0;
 };

@@ -11,6 +11,7 @@ SessionRules rules_of(const EngineSettings& settings) {
   rules.frames_wanted = settings.frames_wanted;
   rules.frames_min = settings.frames_min;
   rules.calibration_psi = settings.calibration_psi;
+  rules.turn = settings.turn == Turn::asked;
   return rules;
 }
 
@@ -81,16 +82,31 @@ void FitHalf::process(const FrameSlot& slot) {
 
   const SessionStep step = on_sighting(rules_, session_, view);
   session_ = step.next;
-  if (step.forget) stages_.reset_fit();
+  if (step.forget) forget();
 
   ++result_.frames_seen;
   take_counts(slot.counts);
   result_.guidance = step.guidance;
   const bool enough = step.use_frame && gather(slot);
   take_guidance(result_.guidance);
-  if (enough) measure();
+  if (step.measure) {
+    end_turning(!step.drop_back, false);
+  } else if (enough) {
+    measure(false);
+  }
   result_.state = session_.state;
-  result_.frames_used = static_cast<std::uint64_t>(stages_.frame_count());
+  count_gathered();
+}
+
+// While turning: of the back; the front is kept.
+void FitHalf::forget() {
+  if (session_.state == SessionState::turning) {
+    stages_.drop_back();
+    stages_.turn();
+    return;
+  }
+  stages_.reset_fit();
+  front_frames_ = 0;
 }
 
 bool FitHalf::gather(const FrameSlot& slot) {
@@ -98,39 +114,71 @@ bool FitHalf::gather(const FrameSlot& slot) {
   result_.guidance |= refusal;
   const OfferStep offer = after_offer(rules_, session_, refusal != 0, stages_.frame_count());
   session_ = offer.next;
-  if (offer.forget) stages_.reset_fit();
+  if (offer.forget) forget();
   return offer.measure;
 }
 
-void FitHalf::measure() {
+void FitHalf::end_turning(bool with_back, bool ended) {
+  if (!with_back) {
+    stages_.drop_back();
+    front_frames_ = 0;
+  }
+  measure(ended);
+}
+
+void FitHalf::measure(bool ended) {
   MeasuredPerson person;
-  const bool succeeded = stages_.measure(person);
-  const MeasuringStep step = after_measuring(rules_, session_, succeeded);
+  bool succeeded = stages_.measure(person);
+  if (!succeeded && front_frames_ > 0) {  // the back cannot be described; the front could
+    stages_.drop_back();
+    front_frames_ = 0;
+    succeeded = stages_.measure(person);
+  }
+  const MeasuringStep step = after_measuring(rules_, session_, succeeded, ended);
   session_ = step.next;
-  if (step.forget) stages_.reset_fit();
+  if (step.forget) forget();
+  result_.measured = succeeded && !step.turn;
+  result_.front_measured = succeeded && (step.turn || result_.front_measured);
   if (!succeeded) {
+    result_.views = AnswerViews::none;
     result_.guidance = static_cast<GuidanceSet>(Guidance::too_noisy);
     take_guidance(result_.guidance);
     return;
   }
-  result_.guidance = 0;  // nothing more is needed
-  result_.measured = true;
+  result_.views = front_frames_ > 0 ? AnswerViews::front_and_back : AnswerViews::front;
   result_.answer = person.answer;
   result_.paper = person.paper;
   result_.measured_joints = person.joints;
   if (person.floor.known) result_.floor = person.floor;
+  result_.guidance = 0;  // nothing more is needed
+  if (!step.turn) return;
+  front_frames_ = stages_.frame_count();
+  stages_.turn();
+  result_.guidance = static_cast<GuidanceSet>(Guidance::turn_round);
+  take_guidance(result_.guidance);
+}
+
+void FitHalf::count_gathered() {
+  const int gathered = stages_.frame_count();
+  result_.frames_used = static_cast<std::uint64_t>(front_frames_ + gathered);
+  result_.frames_back = front_frames_ > 0 ? static_cast<std::uint64_t>(gathered) : 0;
 }
 
 void FitHalf::end(const ArrivalCounts& counts) {
   if (session_.state == SessionState::measured) return;
   take_counts(counts);
-  if (measure_at_end(rules_, session_, stages_.frame_count())) measure();
+  const bool enough = measure_at_end(rules_, session_, stages_.frame_count());
+  if (session_.state == SessionState::turning)
+    end_turning(enough, true);
+  else if (enough)
+    measure(true);
   result_.state = session_.state;
-  result_.frames_used = static_cast<std::uint64_t>(stages_.frame_count());
+  count_gathered();
 }
 
 void FitHalf::reset() {
   stages_.reset_fit();
+  front_frames_ = 0;
   session_ = {};
   result_ = empty_result();
   chain_.reset();

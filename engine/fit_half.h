@@ -32,7 +32,10 @@ class FitHalf {
   void show(const FrameSlot& slot);
   void wait_for_leaving(const FrameSlot& slot);
   bool gather(const FrameSlot& slot);  // true: enough to measure
-  void measure();
+  void measure(bool ended);
+  void end_turning(bool with_back, bool ended);
+  void forget();
+  void count_gathered();
   void take_counts(const ArrivalCounts& counts);
   void take_guidance(GuidanceSet guidance);
 
@@ -44,6 +47,7 @@ class FitHalf {
   ChainFilter chain_;
   JointFilter steady_;
   MotionFilter motion_;
+  int front_frames_ = 0;  // gathered before TURNING; 0 when the front is being gathered
   bool leaving_ = false;
   int leaving_absent_frames_ = 0;
 };

@@ -31,18 +31,25 @@ class FrameStages {
 
   // Half FIT. `add` returns guidance of its own instead of adding.
   virtual GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting) = 0;
-  virtual int frame_count() const = 0;
-  // The expensive step, once a session. False when what is gathered cannot be described.
+  virtual int frame_count() const = 0;  // of the side being gathered: the front until turn(), then the back
+  // The expensive step, once a session; with a turn asked, once for the front and once for both. False when what is
+  // gathered cannot be described.
   virtual bool measure(MeasuredPerson& person) = 0;
-  virtual void reset_fit() = 0;
+  // What is gathered is the front: keep it, gather the back from now on; measure() means both. Not called unless
+  // EngineSettings::turn asks for it.
+  virtual void turn() = 0;
+  // Forgets the back: measure() and frame_count() mean the front alone again, until turn() begins the back anew.
+  virtual void drop_back() = 0;
+  virtual void reset_fit() = 0;  // forgets both sides
+  // The front's.
   virtual ImageView<const std::uint16_t> fused_depth_q4() const = 0;
   virtual MaskView fused_mask() const = 0;
 };
 
 Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages);
 
-// Sensor, Fuser and Index. The model and index must outlive the stages.
+// Sensor, Fuser and Index. The model and index must outlive the stages. `turn`: as the engine's settings.
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
-                                                            const index::Index& index);
+                                                            const index::Index& index, Turn turn = Turn::none);
 
 }  // namespace im2fit

@@ -136,6 +136,8 @@ std::string_view name_of(SessionState state) {
       return "TRACKING";
     case SessionState::measured:
       return "MEASURED";
+    case SessionState::turning:
+      return "TURNING";
     case SessionState::lost:
       break;
   }
@@ -154,6 +156,18 @@ std::string_view name_of(ViewSide view) {
       break;
   }
   return "unknown";
+}
+
+std::string_view name_of(AnswerViews views) {
+  switch (views) {
+    case AnswerViews::front:
+      return "front";
+    case AnswerViews::front_and_back:
+      return "front+back";
+    case AnswerViews::none:
+      break;
+  }
+  return "none";
 }
 
 std::string_view name_of(hal::IntrinsicsOrigin origin) {
@@ -191,6 +205,7 @@ std::string result_json(const ResultReport& report) {
   json["guidance"] = guidance_json(reported_guidance(r));
   json["frames"] = {{"seen", r.frames_seen}, {"used", r.frames_used}, {"dropped", r.frames_dropped}};
   json["source"] = source_json(report.source);
+  if (r.measured) json["views"] = std::string(name_of(r.views));
   json["measurements"] = measurements_json(r);
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured && report.size) json["size"] = size_json(*report.size);

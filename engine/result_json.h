@@ -17,7 +17,8 @@ inline constexpr std::string_view kResultSchema = "im2fit.result/1";
 
 // "SEARCHING" and so on; "device" and so on.
 std::string_view name_of(SessionState state);
-std::string_view name_of(ViewSide view);  // "front", "back", "side", "unknown"
+std::string_view name_of(ViewSide view);      // "front", "back", "side", "unknown"
+std::string_view name_of(AnswerViews views);  // "none", "front", "front+back"
 std::string_view name_of(hal::IntrinsicsOrigin origin);
 
 // Values that differ from run to run; all under "timing", which is absent without them.

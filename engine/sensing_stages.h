@@ -2,6 +2,8 @@
 // Sensor and Fuser as stages of the pipeline: all that is needed but the measurement itself.
 #pragma once
 
+#include <optional>
+
 #include "engine/frame_stages.h"
 #include "kernels/observe/observe.h"
 
@@ -9,9 +11,11 @@ namespace im2fit {
 
 class SensingStages : public FrameStages {
  public:
-  // The model must outlive the stages.
-  SensingStages(int width, int height, const JointModel& joint_model)
-      : sensor_(width, height, joint_model), fuser_(width, height) {}
+  // The model must outlive the stages. `turn`: as the engine's settings; memory for the back only when asked.
+  SensingStages(int width, int height, const JointModel& joint_model, Turn turn = Turn::none)
+      : sensor_(width, height, joint_model), front_(width, height) {
+    if (turn == Turn::asked) back_.emplace(width, height);
+  }
 
   void before_sense(float seconds, int user) override {
     seconds_ = seconds;
@@ -23,20 +27,33 @@ class SensingStages : public FrameStages {
   void reset_sense() override { sensor_.reset(); }
 
   GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting) override {
-    return fuser_.add(depth, mask, intrinsics, sighting);
+    return gathering().add(depth, mask, intrinsics, sighting);
   }
-  int frame_count() const override { return fuser_.frame_count(); }
+  int frame_count() const override { return turned_ ? back_->frame_count() : front_.frame_count(); }
   bool measure(MeasuredPerson& /*person*/) override { return false; }
-  void reset_fit() override { fuser_.reset(); }
-  ImageView<const std::uint16_t> fused_depth_q4() const override { return fuser_.depth_q4(); }
-  MaskView fused_mask() const override { return fuser_.mask(); }
+  void turn() override {
+    turned_ = back_.has_value();
+    if (turned_) back_->reset();
+  }
+  void drop_back() override { turned_ = false; }
+  void reset_fit() override {
+    turned_ = false;
+    front_.reset();
+  }
+  ImageView<const std::uint16_t> fused_depth_q4() const override { return front_.depth_q4(); }
+  MaskView fused_mask() const override { return front_.mask(); }
 
  protected:
-  Fuser& fuser() { return fuser_; }
+  Fuser& front() { return front_; }
+  Fuser* back() { return turned_ ? &*back_ : nullptr; }  // null: the front alone is gathered
 
  private:
+  Fuser& gathering() { return turned_ ? *back_ : front_; }
+
   Sensor sensor_;
-  Fuser fuser_;
+  Fuser front_;
+  std::optional<Fuser> back_;
+  bool turned_ = false;
   float seconds_ = kFramePeriodS;
 };
 

@@ -16,7 +16,11 @@ SessionStep on_absence(const SessionRules& rules, SessionStep step) {
   if (!has(step.guidance, Guidance::too_near)) step.guidance |= bit(Guidance::no_person);
   if (next.state == SessionState::searching || next.state == SessionState::lost) return step;
   next.psi_frames = 0;
-  if (++next.absent_frames > rules.absent_frames_max) next.state = SessionState::lost;
+  if (++next.absent_frames <= rules.absent_frames_max) return step;
+  if (next.state == SessionState::turning)
+    step.measure = step.drop_back = true;
+  else
+    next.state = SessionState::lost;
   return step;
 }
 
@@ -49,14 +53,38 @@ SessionStep on_calibrating(const SessionRules& rules, SessionStep step, const Se
   return step;
 }
 
-}  // namespace
+// What the back needs. Until it is seen the person is on the way: neither movement nor the side is held against it.
+SessionStep on_turning(const SessionRules& rules, SessionStep step, const SessionView& view, bool guessed) {
+  Session& next = step.next;
+  const bool back = view.view == ViewSide::back;
+  const bool front = view.view == ViewSide::front && !guessed;
+  if (back && !guessed) next.turned = true;
+  if (front) next.turned = false;
+  if (!next.turned && !back) step.guidance |= bit(Guidance::turn_round);
+  if (next.turned && is_moving(rules, view)) step.guidance |= bit(Guidance::moving);
+  // A back seen for a moment before a front was no back, or was moving.
+  const bool doubted = front || has(step.guidance, Guidance::moving);
+  if (doubted && view.frames_gathered > 0 && view.frames_gathered <= rules.unsettled_frames_max) step.forget = true;
+  step.use_frame = back && step.guidance == 0;
+  return step;
+}
 
-SessionStep on_sighting(const SessionRules& rules, const Session& session, const SessionView& view) {
+// Every frame of TURNING counts, also those without the person.
+void bound_turning(const SessionRules& rules, SessionStep& step, const SessionView& view) {
+  if (++step.next.turning_frames - view.frames_gathered <= rules.turn_wait_frames_max || step.measure) return;
+  step.use_frame = false;
+  step.forget = false;
+  step.measure = true;
+  step.drop_back = view.frames_gathered < rules.frames_min;
+}
+
+SessionStep sighted(const SessionRules& rules, const Session& session, const SessionView& view) {
   SessionStep step;
   step.next = session;
   step.guidance = view.guidance;
   if (session.state == SessionState::measured) return step;
-  const bool begun = session.state == SessionState::calibrating || session.state == SessionState::tracking;
+  const bool begun = session.state == SessionState::calibrating || session.state == SessionState::tracking ||
+                     session.state == SessionState::turning;
   if (!view.found) return on_absence(rules, step);
   if (begun && view.user != session.user) {
     step.guidance = 0;  // the other's
@@ -74,12 +102,13 @@ SessionStep on_sighting(const SessionRules& rules, const Session& session, const
     begin_attempt(next, view.user);
   }
   next.user = view.user;
+  // Which way somebody bent faces, or whose head is outside the picture, is a guess.
+  const bool guessed = has(view.guidance, Guidance::not_upright) || has(view.guidance, Guidance::head_cut);
+  if (next.state == SessionState::turning) return on_turning(rules, step, view, guessed);
   if (is_moving(rules, view)) {
     step.guidance |= bit(Guidance::moving);
     if (view.frames_gathered > 0 && view.frames_gathered <= rules.unsettled_frames_max) step.forget = true;
   }
-  // Which way somebody bent faces, or whose head is outside the picture, is a guess.
-  const bool guessed = has(view.guidance, Guidance::not_upright) || has(view.guidance, Guidance::head_cut);
   if (view.view == ViewSide::back && !guessed) step.guidance |= bit(Guidance::not_frontal);
   if (next.state == SessionState::user_found && step.guidance == 0)
     next.state = rules.calibration_psi ? SessionState::calibrating : SessionState::tracking;
@@ -88,6 +117,14 @@ SessionStep on_sighting(const SessionRules& rules, const Session& session, const
   if (next.state == SessionState::tracking && rules.calibration_psi && view.psi)
     step.guidance |= bit(Guidance::moving);
   step.use_frame = next.state == SessionState::tracking && step.guidance == 0;
+  return step;
+}
+
+}  // namespace
+
+SessionStep on_sighting(const SessionRules& rules, const Session& session, const SessionView& view) {
+  SessionStep step = sighted(rules, session, view);
+  if (session.state == SessionState::turning) bound_turning(rules, step, view);
   return step;
 }
 
@@ -105,6 +142,8 @@ OfferStep after_offer(const SessionRules& rules, const Session& session, bool re
   step.next.rejected_frames = 0;
   if (frames_gathered >= rules.frames_min) {
     step.measure = true;
+  } else if (session.state == SessionState::turning) {
+    step.forget = true;  // TURNING has a bound of its own
   } else if (step.next.attempts < rules.attempts_max) {
     ++step.next.attempts;
     step.forget = true;
@@ -112,14 +151,19 @@ OfferStep after_offer(const SessionRules& rules, const Session& session, bool re
   return step;
 }
 
-MeasuringStep after_measuring(const SessionRules& rules, const Session& session, bool succeeded) {
+MeasuringStep after_measuring(const SessionRules& rules, const Session& session, bool succeeded, bool ended) {
   MeasuringStep step;
   step.next = session;
   if (succeeded) {
-    step.next.state = SessionState::measured;
+    step.turn = rules.turn && !ended && session.state == SessionState::tracking;
+    step.next.state = step.turn ? SessionState::turning : SessionState::measured;
+    step.next.rejected_frames = 0;
+    step.next.turning_frames = 0;
+    step.next.turned = false;
     return step;
   }
   step.forget = true;
+  if (session.state == SessionState::turning) step.next.state = SessionState::tracking;
   if (step.next.attempts < rules.attempts_max)
     ++step.next.attempts;
   else

@@ -2,9 +2,13 @@
 // The session as a pure function: what state follows, and what to do with the frame, given the state, what was
 // sighted and the counts. No clock, no I/O, no memory besides Session: time is counted in frames.
 //
-//   SEARCHING -> USER_FOUND -> [CALIBRATING ->] TRACKING -> MEASURED
+//   SEARCHING -> USER_FOUND -> [CALIBRATING ->] TRACKING -> [TURNING ->] MEASURED
 //   LOST from USER_FOUND, CALIBRATING and TRACKING; back to USER_FOUND when somebody is found again, at most
 //   attempts_max times. MEASURED ends the session.
+//
+// TURNING: the front is measured, the person is asked to turn round, and the back is gathered. It ends in MEASURED
+// whatever the person does: with both sides when frames_wanted frames of the back are gathered, or frames_min of them
+// by the end of the stream or of turn_wait_frames_max; with the front alone when there are fewer, or the person left.
 //
 // From CALIBRATING on the session belongs to one user: while another is sighted, that user is absent.
 #pragma once
@@ -19,10 +23,12 @@ struct SessionRules {
   int frames_wanted = 30;
   int frames_min = 5;
   bool calibration_psi = false;
+  bool turn = false;
   int absent_frames_max = kAbsentFramesMax;
-  int psi_frames = 5;             // in a row
-  int psi_wait_frames_max = 300;  // ten seconds to take the pose
-  int rejected_frames_max = 30;   // in a row: the person stands still, but no longer as gathered
+  int psi_frames = 5;              // in a row
+  int psi_wait_frames_max = 300;   // ten seconds to take the pose
+  int turn_wait_frames_max = 450;  // fifteen seconds in TURNING without a frame gathered
+  int rejected_frames_max = 30;    // in a row: the person stands still, but no longer as gathered
   int unsettled_frames_max = MotionFilter::kFrameCount;  // gathered before movement shows: part of that movement
   // Of people told to stand still, seen at 320x240, the middle sways by up to 20 mm/s and the tracker's hands tremble
   // by 180.
@@ -39,7 +45,9 @@ struct Session {
   int psi_wait_frames = 0;  // in CALIBRATING
   int rejected_frames = 0;  // in a row
   int attempts = 0;
-  int user = 0;  // whose session it is; 0 before USER_FOUND
+  int turning_frames = 0;  // in TURNING
+  bool turned = false;     // in TURNING: the back has been seen, and no front since
+  int user = 0;            // whose session it is; 0 before USER_FOUND
 };
 
 // The part of a Sighting the session looks at.
@@ -50,14 +58,16 @@ struct SessionView {
   int user = 0;
   ViewSide view = ViewSide::unknown;
   Motion motion = {};
-  int frames_gathered = 0;  // before this frame
+  int frames_gathered = 0;  // before this frame; in TURNING: of the back
 };
 
 struct SessionStep {
   Session next;
   GuidanceSet guidance = 0;  // the sighting's and the session's own
-  bool forget = false;       // drop what is gathered, before using this frame
+  bool forget = false;       // drop what is gathered (in TURNING: of the back), before using this frame
   bool use_frame = false;    // offer the frame to the fuser, then call after_offer
+  bool measure = false;      // TURNING is over: call after_measuring
+  bool drop_back = false;    // before measuring: the front alone
 };
 SessionStep on_sighting(const SessionRules& rules, const Session& session, const SessionView& view);
 
@@ -71,12 +81,13 @@ OfferStep after_offer(const SessionRules& rules, const Session& session, bool re
 
 struct MeasuringStep {
   Session next;
-  bool forget = false;
+  bool forget = false;  // all of it
+  bool turn = false;    // what was measured is the front: keep it, gather the back
 };
-// `succeeded`: what was gathered could be described.
-MeasuringStep after_measuring(const SessionRules& rules, const Session& session, bool succeeded);
+// `succeeded`: what was gathered could be described. `ended`: the stream is over, nobody can turn round any more.
+MeasuringStep after_measuring(const SessionRules& rules, const Session& session, bool succeeded, bool ended = false);
 
-// At the end of the stream: is what is gathered enough?
+// At the end of the stream: is what is gathered enough? In TURNING: of the back, to be measured with the front.
 bool measure_at_end(const SessionRules& rules, const Session& session, int frames_gathered);
 
 // The calibration pose of the paper: both hands above the elbows, both upper arms level within 30 degrees, forearms

@@ -18,11 +18,13 @@ using body::Segment;
 
 enum Stream : std::uint64_t { kPoseStream = 0x5C02, kSwayStream = 0x5C04, kDressStream = 0x5C05 };
 
-constexpr float kBriskMmPerS = 1300;  // full swing of legs and arms
-constexpr float kStrideMm = 1350;     // two steps of a brisk walk
-constexpr int kTurnFrames = 10;       // into the path's direction and out of it
-constexpr int kStepFrames = 8;        // into the walk and out of it
-constexpr float kSunkMm = 10;         // into the seat
+constexpr float kBriskMmPerS = 1300;   // full swing of legs and arms
+constexpr float kStrideMm = 1350;      // two steps of a brisk walk
+constexpr int kTurnFrames = 10;        // into the path's direction and out of it
+constexpr int kStepFrames = 8;         // into the walk and out of it
+constexpr float kTurnSteps = 2;        // strides in a turn on the spot
+constexpr float kTurnStepping = 0.3F;  // their strength
+constexpr float kSunkMm = 10;          // into the seat
 
 std::vector<std::uint8_t> hair_labels(const body::BodyModel& model, std::span<const Vec3f> rest,
                                       const body::Skeleton& skeleton, std::size_t who) {
@@ -53,6 +55,14 @@ float share_of_way(std::uint64_t index, const FloorPath& path) {
   if (path.frame_count <= 0) return 0;
   const auto i = static_cast<float>(static_cast<std::int64_t>(index) - path.frame_first);
   return std::clamp(i / static_cast<float>(path.frame_count), 0.0F, 1.0F);
+}
+
+// 0 before the turn, 1 after it; slow at both ends.
+float share_of_turn(std::uint64_t index, const AboutTurn& turn) {
+  if (turn.frame_count <= 0) return 0;
+  const auto i = static_cast<float>(static_cast<std::int64_t>(index) - turn.frame_first);
+  const float t = std::clamp(i / static_cast<float>(turn.frame_count), 0.0F, 1.0F);
+  return t * t * (3 - 2 * t);
 }
 
 float length_of(const FloorPath& path) {
@@ -200,6 +210,8 @@ void ScenePerson::find_seat(Vec3f origin) {
 
 ScenePerson::Gait ScenePerson::gait(std::uint64_t index) const {
   const FloorPath& path = plan_.path;
+  const float turned = share_of_turn(index, plan_.turn);
+  if (turned > 0 && turned < 1) return {kTurnSteps * turned, kTurnStepping * 4 * turned * (1 - turned)};
   if (path.frame_count <= 0 || plan_.pose == StandingPose::seated) return {};
   const float length = length_of(path);
   const float speed = length / static_cast<float>(path.frame_count) * static_cast<float>(kFramesPerSecond);
@@ -220,7 +232,9 @@ void ScenePerson::choose_frame(std::uint64_t index) {
 }
 
 Rigid ScenePerson::placed(std::uint64_t index) const {
-  const Rigid sway = plan_.sway ? sway_.at(index) : Rigid{};
+  Rigid sway = plan_.sway ? sway_.at(index) : Rigid{};
+  const float turned = share_of_turn(index, plan_.turn);
+  if (turned > 0) sway = Rigid{body::rotation_about(kAxisY, -180.0F * turned), {}} * sway;
   const FloorPath& path = plan_.path;
   if (path.frame_count <= 0 && path.from_x_mm == 0 && path.from_z_mm == 0) return sway;
   const float t = share_of_way(index, path);

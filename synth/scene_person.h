@@ -28,6 +28,12 @@ struct FloorPath {
   int frame_count = 0;  // 0: stands at `from` for ever
 };
 
+// Turns round on the spot by 180 degrees, stepping, towards the person's right; stands so for ever after.
+struct AboutTurn {
+  int frame_first = 0;
+  int frame_count = 0;  // 0: never
+};
+
 struct PersonPlan {
   StandingPose pose = StandingPose::relaxed;
   Clothing clothing = Clothing::none;
@@ -36,6 +42,7 @@ struct PersonPlan {
   bool back_view = false;
   bool sway = true;
   FloorPath path;
+  AboutTurn turn;
 };
 
 // Slow sway about the ankles and a little turning: sums of three incommensurate waves, 0.1..0.6 Hz, so that any
@@ -64,8 +71,8 @@ class ScenePerson {
   // at the origin of the floor before any sway or path).
   void choose_frame(std::uint64_t index);
 
-  Rigid placed(std::uint64_t index) const;  // sway and path: person axes to world
-  bool moves() const { return plan_.sway || plan_.path.frame_count > 0; }
+  Rigid placed(std::uint64_t index) const;  // sway, turn and path: person axes to world
+  bool moves() const { return plan_.sway || plan_.path.frame_count > 0 || plan_.turn.frame_count > 0; }
   const std::vector<Vec3f>& body() const { return body_; }  // naked; person axes: the world's but for placed()
   const JointSet& joints() const { return joints_; }
   // What is drawn, person axes.

@@ -14,6 +14,10 @@ synth::SceneOptions furnished_room() {
   return scene;
 }
 
+synth::AboutTurn turn_after(int frames) {
+  return frames > 0 ? synth::AboutTurn{frames, kTurnFrames} : synth::AboutTurn{};
+}
+
 synth::SensorOptions sensor_of(bool noise) {
   return {noise, noise, noise, noise};
 }
@@ -65,10 +69,11 @@ Truth SyntheticPerson::truth(int frame_count) const {
 }
 
 Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string& body_path, int rotate_deg,
-                                      int width, int height) {
+                                      int width, int height, synth::AboutTurn turn) {
   PersonOptions options;
   options.scene = furnished_room();
   options.scene.rotate_deg = rotate_deg;
+  options.scene.turn = turn;
   options.width = width;
   options.height = height;
   if (!seed.empty()) {

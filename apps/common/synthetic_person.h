@@ -24,6 +24,10 @@ struct PersonOptions {
   synth::SceneOptions scene;
 };
 
+// A person who stands still for so many frames turns round in the next kTurnFrames and shows the back; 0: never.
+inline constexpr int kTurnFrames = 45;
+synth::AboutTurn turn_after(int frames);
+
 // A furnished room seen by a camera in portrait mount.
 synth::SceneOptions furnished_room();
 synth::SensorOptions sensor_of(bool noise);
@@ -51,6 +55,6 @@ struct SyntheticInput {
   Truth truth;
 };
 Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string& body_path, int rotate_deg,
-                                      int width, int height);
+                                      int width, int height, synth::AboutTurn turn);
 
 }  // namespace im2fit::apps

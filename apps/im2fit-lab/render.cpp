@@ -21,6 +21,7 @@ struct RenderOptions {
   std::string pose = "relaxed";
   std::string size = "640x480";
   int frames = 30;
+  int turn_after = 0;  // 0: never
   bool paper_files = false;
   bool truth_only = false;
   std::string body = default_body_path();
@@ -82,6 +83,7 @@ Result<int> run_render(const RenderOptions& options) {
   PersonOptions wanted = options.person;
   wanted.family = *family;
   wanted.scene.pose = *pose;
+  wanted.scene.turn = turn_after(options.turn_after);
   wanted.noise = options.condition == "noise";
   if (!wanted.noise) wanted.scene.furniture_count = 0;
   if (options.size == "320x240") wanted.width = 320, wanted.height = 240;
@@ -108,7 +110,8 @@ void add_render(CLI::App& app, Command& chosen) {
   auto* sub = add_command<RenderOptions>(
       app, chosen, "render", "Depth folder of a synthetic person, with truth.json",
       "  im2fit-lab render --out person7 --seed 7\n"
-      "  im2fit-lab render --out bare --condition bare --pose psi --rotate 0 --paper-files",
+      "  im2fit-lab render --out bare --condition bare --pose psi --rotate 0 --paper-files\n"
+      "  im2fit-lab render --out both --seed 7 --frames 150 --turn-after 40",
       options, run_render);
   auto& person = options->person;
   sub->add_option("--out", options->out, "Folder to make (a file with --truth-only)")->required()->type_name("DIR");
@@ -137,6 +140,9 @@ void add_render(CLI::App& app, Command& chosen) {
       ->check(CLI::IsMember({"640x480", "320x240"}))
       ->capture_default_str();
   sub->add_flag("--back", person.scene.back_view, "Seen from behind");
+  sub->add_option("--turn-after", options->turn_after, "The person turns round after so many frames; 0: never")
+      ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
   sub->add_flag("--paper-files", options->paper_files, "Also sample.obj, .skel, .bvh and .txt as the paper has them");
   sub->add_flag("--truth-only", options->truth_only, "Write only the truth, into the file --out");
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();

@@ -10,7 +10,9 @@ namespace {
 Result<int> run_measure(const SessionOptions& options) {
   Progress progress("reading frames", 0);
   const auto outcome = run_session(options, [&](std::uint64_t frame_count, const EngineResult& result) {
-    progress.update(frame_count, fmt::format("{} good", result.frames_used));
+    const std::string good = fmt::format("{} good", result.frames_used);
+    const bool turn = has(result.guidance, Guidance::turn_round);
+    progress.update(frame_count, turn ? good + "; please turn round" : good);
   });
   if (!outcome) return outcome.error();
   return report_session(*outcome, options);
@@ -23,7 +25,7 @@ void add_measure(CLI::App& app, Command& chosen) {
   auto* sub =
       add_command<SessionOptions>(app, chosen, "measure", "Measure the person in a recording or before a camera",
                                   "  im2fit measure person.oni --out me\n  im2fit measure FOLDER --json\n  im2fit "
-                                  "measure synthetic:7 --out seven",
+                                  "measure synthetic:7 --turn --out seven",
                                   options, run_measure);
   add_session_options(*sub, *options);
 }

@@ -42,6 +42,8 @@ std::string state_words(const EngineResult& result, int frames_wanted) {
   if (result.user != 0) words += fmt::format("  user {}  {}", result.user, name_of(result.view));
   if (result.state == SessionState::tracking)
     words += fmt::format("  {} of {} good frames", result.frames_used, frames_wanted);
+  if (result.state == SessionState::turning)
+    words += fmt::format("  {} of {} good frames of the back", result.frames_back, frames_wanted);
   return words;
 }
 
@@ -81,10 +83,10 @@ void Onlooker::show_picture(const FrameSeen& frame) {
   const SightingInput input = picture_of(frame, intrinsics_);
   const int height = view_->picture_height(intrinsics_.width, intrinsics_.height, kLineCount);
   const bool measured = frame.result.state == SessionState::measured;
-  view_->show(draw_sighting(input, height, false), {state_words(frame.result, frames_wanted_),
-                                                    measured ? "measured: please step out of the picture"
-                                                             : "needed: " + guidance_words(frame.result.guidance),
-                                                    last_word_});
+  std::string needed = "needed: " + guidance_words(frame.result.guidance);
+  if (has(frame.result.guidance, Guidance::turn_round)) needed = "please turn round; " + needed;
+  if (measured) needed = "measured: please step out of the picture";
+  view_->show(draw_sighting(input, height, false), {state_words(frame.result, frames_wanted_), needed, last_word_});
 }
 
 }  // namespace im2fit::apps

@@ -133,7 +133,10 @@ std::string result_table(const SessionOutcome& outcome) {
       text += fmt::format("{} {} {:.0f} %", i == 0 ? ":" : ",", entries[i].size, 100 * entries[i].probability);
     text += ")\n";
   }
-  text += fmt::format("{} frames seen, {} used\n", result.frames_seen, result.frames_used);
+  text += fmt::format("{} frames seen, {} used", result.frames_seen, result.frames_used);
+  if (result.views == AnswerViews::front_and_back)
+    text += fmt::format(", {} of them of the back", result.frames_back);
+  text += '\n';
   return text;
 }
 

@@ -26,11 +26,15 @@ EngineSettings settings_of(const SessionOptions& options, const hal::SourceInfo&
   settings.frames_wanted = options.frames;
   settings.frames_min = std::min(settings.frames_min, options.frames);
   settings.calibration_psi = options.calibration == "psi";
+  settings.turn = options.turn ? Turn::asked : Turn::none;
   settings.user = options.user;
   settings.live = options.live && info.live;
   settings.single_thread = options.threads == 1;
   return settings;
 }
+
+// The synthetic person cannot hear TURN_ROUND, but turns when the front has long been gathered.
+constexpr int kTurnSpareFrames = 60;
 
 double now_ms() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -44,12 +48,15 @@ void add_session_options(CLI::App& sub, SessionOptions& options) {
       ->type_name("DIR");
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
   sub.add_option("--index", options.index, "Index file")->type_name("FILE")->capture_default_str();
-  sub.add_option("--frames", options.frames, "Good frames behind a measurement")
+  sub.add_option("--frames", options.frames, "Good frames behind a measurement; with --turn, of each side")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   sub.add_option("--calibration", options.calibration, "Pose asked for first: none, or psi as in the paper")
       ->check(CLI::IsMember({"none", "psi"}))
       ->capture_default_str();
+  sub.add_flag("--turn", options.turn,
+               "Front, then back: asks the person to turn round (TURN_ROUND) and measures with both; with the front "
+               "alone if the person does not within 15 s or leaves");
   sub.add_option("--size-chart", options.size_charts, "Size chart file(s), see docs/result.md (default: EN 13402-3)")
       ->type_name("CSV");
   sub.add_option("--truth", options.input.truth_path, "truth.json of a rendered person, to print errors")
@@ -74,7 +81,9 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   if (!charts) return charts.error();
   if (!options.out.empty())
     if (const auto made = make_directory(options.out); !made) return made.error();
-  auto input = open_input(options.input);
+  InputOptions opening = options.input;
+  opening.turn_after_frames = options.turn ? options.frames + kTurnSpareFrames : 0;
+  auto input = open_input(opening);
   if (!input) return input.error();
 
   EngineSettings settings = settings_of(options, input->source->info());

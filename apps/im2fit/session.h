@@ -21,6 +21,7 @@ struct SessionOptions {
   std::string out;  // "": no files
   int frames = 30;
   std::string calibration = "none";
+  bool turn = false;                     // front, then back
   std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
   int threads = 2;
   bool json = false;

@@ -205,6 +205,8 @@ static void structs_may_grow(void) {
   CHECK(im2fit_poll(handle, &small, offsetof(im2fit_result, frames_seen)) == IM2FIT_OK);
   CHECK(small.state == IM2FIT_STATE_SEARCHING);
   CHECK(small.frames_seen == 0x5555555555555555ULL);
+  CHECK(im2fit_poll(handle, &small, offsetof(im2fit_result, front_measured)) == IM2FIT_OK);
+  CHECK(small.frames_seen == 0 && small.front_measured == 0x55555555);
   CHECK(im2fit_poll(handle, NULL, 8) == IM2FIT_ERROR_INVALID_ARGUMENT);
   im2fit_close(handle);
 }
@@ -221,6 +223,7 @@ static void settings_of_the_first_header_still_open(void) {
   newer.settings.tracker_path = "/nonexistent.i2t";
   newer.settings.index_path = "/nonexistent.i2f";
   newer.settings.user_id = -77;
+  newer.settings.turn = 1;
   newer.settings.struct_size = offsetof(im2fit_settings, user_id);
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_NOT_FOUND); /* past the size: the file is missing */
   newer.settings.struct_size = offsetof(im2fit_settings, log_user);
@@ -317,6 +320,31 @@ static void only_the_user_asked_for(void) {
   CHECK(open_with_fake_stages(&settings) == NULL);
 }
 
+/* Front, then back: the preliminary answer, the guidance, and both sides in the end. */
+static void front_then_back(int single_thread) {
+  im2fit_settings settings = small_settings();
+  settings.single_thread = single_thread;
+  settings.turn = 1;
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  im2fit_result r;
+  size_t count = 0;
+  push_person(handle, 1, 4, IM2FIT_VIEW_FRONT, 0, 12);
+  CHECK(im2fit_select_user(handle, 0) == IM2FIT_OK); /* no change, but waits for the frames under way */
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.state == IM2FIT_STATE_TURNING && strcmp(im2fit_state_name(r.state), "TURNING") == 0);
+  CHECK(r.guidance == IM2FIT_GUIDANCE_TURN_ROUND && strcmp(im2fit_guidance_name(13), "TURN_ROUND") == 0);
+  CHECK(r.measured == 0 && r.front_measured == 1 && r.views == IM2FIT_VIEWS_FRONT);
+  CHECK(r.measurements[IM2FIT_STATURE].value == 3100.0F);
+  CHECK(im2fit_sizes(handle, NULL, 0, &count, NULL) == IM2FIT_ERROR_NOT_MEASURED);
+  push_person(handle, 1, 4, IM2FIT_VIEW_BACK, 0, 10);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.state == IM2FIT_STATE_MEASURED && r.measured == 1 && r.guidance == 0);
+  CHECK(r.views == IM2FIT_VIEWS_FRONT_AND_BACK && r.frames_used == 20 && r.frames_back == 10);
+  CHECK(r.measurements[IM2FIT_STATURE].value == 3131.0F); /* the stages add a hundredth of the back's sum */
+  im2fit_close(handle);
+}
+
 int main(void) {
   measures_a_person(0);
   measures_a_person(1);
@@ -327,5 +355,7 @@ int main(void) {
   one_person_after_the_other(0);
   one_person_after_the_other(1);
   only_the_user_asked_for();
+  front_then_back(0);
+  front_then_back(1);
   return check_failures == 0 ? 0 : 1;
 }

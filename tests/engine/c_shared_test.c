@@ -17,8 +17,10 @@ static void names_and_version(void) {
   CHECK(strcmp(im2fit_status_name(-13), "unknown") == 0);
   CHECK(strcmp(im2fit_status_name(1), "unknown") == 0);
   CHECK(strcmp(im2fit_state_name(IM2FIT_STATE_LOST), "LOST") == 0);
-  CHECK(im2fit_state_name(6) == NULL && im2fit_state_name(-1) == NULL);
+  CHECK(im2fit_state_name(7) == NULL && im2fit_state_name(-1) == NULL);
   CHECK(strcmp(im2fit_guidance_name(3), "FEET_CUT") == 0);
+  CHECK(strcmp(im2fit_state_name(IM2FIT_STATE_TURNING), "TURNING") == 0);
+  CHECK(strcmp(im2fit_guidance_name(13), "TURN_ROUND") == 0);
   CHECK(im2fit_guidance_name(IM2FIT_GUIDANCE_COUNT) == NULL);
   CHECK(strcmp(im2fit_measurement_name(IM2FIT_CHEST_GIRTH), "chest_girth") == 0);
   CHECK(strcmp(im2fit_measurement_name(IM2FIT_INSIDE_LEG), "inside_leg") == 0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stages that read what they "see" from the first pixels of a frame, so that a test writes the whole story of a
-// session as frames. The answer is an exact function of the frames gathered, worked out again by the tests.
+// session as frames. The answer is an exact function of the frames gathered, worked out again by the tests. With both
+// sides it is the front's value plus a hundredth of the back's.
 #pragma once
 
 #include <atomic>
@@ -65,6 +66,7 @@ class FakeStages final : public FrameStages {
     std::atomic<int> sense_delay_us{0};
     std::atomic<int> fit_delay_us{0};
     std::atomic<bool> describable{true};
+    std::atomic<bool> back_describable{true};
   };
   explicit FakeStages(Control& control) : control_(control) {}
 
@@ -99,17 +101,19 @@ class FakeStages final : public FrameStages {
   GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics&, const Sighting& sighting) override {
     pause(control_.fit_delay_us);
     if (depth.at(2, 0) != 0) return static_cast<GuidanceSet>(Guidance::moving);
-    ++frame_count_;
-    sum_ += depth.at(5, 5) * static_cast<double>(frame_count_) + mask.at(5, 5);
-    joints_ = sighting.joints;
+    Side& side = turned_ ? back_ : front_;
+    ++side.frame_count;
+    side.sum += depth.at(5, 5) * static_cast<double>(side.frame_count) + mask.at(5, 5);
+    if (!turned_) joints_ = sighting.joints;
     return 0;
   }
-  int frame_count() const override { return frame_count_; }
+  int frame_count() const override { return turned_ ? back_.frame_count : front_.frame_count; }
   bool measure(MeasuredPerson& person) override {
     ++control_.measure_calls;
-    if (!control_.describable) return false;
+    if (!control_.describable || (turned_ && !control_.back_describable)) return false;
+    const double sum = front_.sum + (turned_ ? back_.sum / 100 : 0);
     for (std::size_t i = 0; i < kMeasurementCount; ++i) {
-      const float value = static_cast<float>(sum_) + static_cast<float>(i);
+      const float value = static_cast<float>(sum) + static_cast<float>(i);
       person.answer.measurements[i] = {value, value - 10, value + 10};
       person.paper[i] = value + 0.5F;
     }
@@ -120,9 +124,14 @@ class FakeStages final : public FrameStages {
     person.floor = {true, {0, -1, 0}, 900};
     return true;
   }
+  void turn() override {
+    turned_ = true;
+    back_ = {};
+  }
+  void drop_back() override { turned_ = false; }
   void reset_fit() override {
-    frame_count_ = 0;
-    sum_ = 0;
+    turned_ = false;
+    front_ = {};
   }
   ImageView<const std::uint16_t> fused_depth_q4() const override { return {&fused_, 1, 1}; }
   MaskView fused_mask() const override { return {&fused_mask_, 1, 1}; }
@@ -134,8 +143,12 @@ class FakeStages final : public FrameStages {
   Control& control_;
   int sense_state_ = 0;
   int user_ = 0;
-  int frame_count_ = 0;
-  double sum_ = 0;
+  struct Side {
+    int frame_count = 0;
+    double sum = 0;
+  };
+  Side front_, back_;
+  bool turned_ = false;
   JointSet joints_;
   std::uint16_t fused_ = 16;
   std::uint8_t fused_mask_ = 255;

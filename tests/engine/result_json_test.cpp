@@ -27,6 +27,7 @@ ResultReport measured_report() {
   EngineResult& r = report.result;
   r.state = SessionState::measured;
   r.measured = true;
+  r.views = AnswerViews::front;
   r.frames_seen = 60;
   r.frames_used = 30;
   r.guidance_frames[3] = 50;
@@ -52,6 +53,11 @@ ResultReport measured_report() {
   report.body = params;
   report.modifier_names = kModifiers;
   return report;
+}
+
+bool has_code(const json& result, const char* code) {
+  const json& codes = result["guidance"];
+  return std::find(codes.begin(), codes.end(), code) != codes.end();
 }
 
 TEST(ResultJson, AMeasuredResultMeetsTheSchema) {
@@ -92,12 +98,32 @@ TEST(ResultJson, SaysWhatTheResultSays) {
   EXPECT_FALSE(v.contains("timing"));
 }
 
+TEST(ResultJson, NamesTheSidesBehindTheAnswer) {
+  ResultReport report = measured_report();
+  EXPECT_EQ(json::parse(result_json(report))["views"], "front");
+  report.result.views = AnswerViews::front_and_back;
+  const json both = json::parse(result_json(report));
+  EXPECT_EQ(both["views"], "front+back");
+  EXPECT_THAT(test::SchemaCheck(schema()).run(both), testing::IsEmpty());
+
+  report.result.measured = false;
+  report.result.front_measured = true;
+  report.result.state = SessionState::turning;
+  report.result.guidance = static_cast<GuidanceSet>(Guidance::turn_round);
+  const json turning = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(turning), testing::IsEmpty());
+  EXPECT_EQ(turning["state"], "TURNING");
+  EXPECT_TRUE(has_code(turning, "TURN_ROUND"));
+  EXPECT_FALSE(turning.contains("views")) << "a preliminary answer is not reported";
+  EXPECT_TRUE(turning["measurements"].empty());
+}
+
 TEST(ResultJson, KeysComeInTheOrderOfTheDesign) {
   const auto v = nlohmann::ordered_json::parse(result_json(measured_report()));
   std::vector<std::string> keys;
   for (const auto& [key, unused] : v.items()) keys.push_back(key);
-  EXPECT_THAT(keys, testing::ElementsAre("schema", "state", "guidance", "frames", "source", "measurements", "sex",
-                                         "size", "joints", "body", "paper"));
+  EXPECT_THAT(keys, testing::ElementsAre("schema", "state", "guidance", "frames", "source", "views", "measurements",
+                                         "sex", "size", "joints", "body", "paper"));
 }
 
 TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {

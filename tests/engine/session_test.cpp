@@ -311,6 +311,163 @@ TEST(Session, TheEndOfTheStreamMeasuresWhatIsEnough) {
   EXPECT_FALSE(measure_at_end(rules(false), at(State::measured), 9));
 }
 
+constexpr GuidanceSet kTurnRound = static_cast<GuidanceSet>(Guidance::turn_round);
+constexpr GuidanceSet kNotFrontal = static_cast<GuidanceSet>(Guidance::not_frontal);
+
+SessionRules turn_rules() {
+  SessionRules r = rules(false);
+  r.turn = true;
+  r.turn_wait_frames_max = 20;
+  r.unsettled_frames_max = 5;
+  return r;
+}
+Session in_turning(bool turned, int turning_frames = 0, int absent = 0) {
+  Session s = at(State::turning, absent);
+  s.turned = turned;
+  s.turning_frames = turning_frames;
+  return s;
+}
+SessionView from(ViewSide side, GuidanceSet guidance = 0, int gathered = 0, float body_mm_s = 0) {
+  SessionView view = kGood;
+  view.view = side;
+  view.guidance = guidance;
+  view.frames_gathered = gathered;
+  view.motion.body_mm_s = body_mm_s;
+  return view;
+}
+
+TEST(Turning, FollowsTheFrontWhenAsked) {
+  EXPECT_EQ(after_measuring(rules(false), at(State::tracking), true).next.state, State::measured);
+  Session session = at(State::tracking);
+  session.rejected_frames = 2;
+  session.turning_frames = 9;
+  session.turned = true;
+  const MeasuringStep step = after_measuring(turn_rules(), session, true);
+  EXPECT_EQ(step.next.state, State::turning);
+  EXPECT_TRUE(step.turn);
+  EXPECT_FALSE(step.forget);
+  EXPECT_EQ(step.next.rejected_frames, 0);
+  EXPECT_EQ(step.next.turning_frames, 0);
+  EXPECT_FALSE(step.next.turned);
+  const MeasuringStep last = after_measuring(turn_rules(), session, true, true);
+  EXPECT_EQ(last.next.state, State::measured) << "at the end of the stream nobody turns any more";
+  EXPECT_FALSE(last.turn);
+  EXPECT_EQ(after_measuring(turn_rules(), at(State::turning), true).next.state, State::measured);
+  EXPECT_EQ(after_measuring(turn_rules(), at(State::turning), false).next.state, State::tracking) << "all anew";
+  EXPECT_EQ(after_measuring(turn_rules(), at(State::turning, 0, 0, 0, 2), false).next.state, State::lost);
+}
+
+TEST(Turning, SaysWhatTheBackNeeds) {
+  struct Case {
+    const char* name;
+    bool turned;
+    SessionView view;
+    GuidanceSet guidance;
+    bool use_frame, forget, turned_after;
+  };
+  const GuidanceSet bent = static_cast<GuidanceSet>(Guidance::not_upright);
+  const Case cases[] = {
+      {"still facing", false, from(ViewSide::front), kTurnRound, false, false, false},
+      {"facing, too near", false, from(ViewSide::front, kNear), kTurnRound | kNear, false, false, false},
+      {"moves, being asked to", false, from(ViewSide::front, 0, 0, 400), kTurnRound, false, false, false},
+      {"half way", false, from(ViewSide::side, kNotFrontal), kTurnRound | kNotFrontal, false, false, false},
+      {"no telling", false, from(ViewSide::unknown, kNotFrontal), kTurnRound | kNotFrontal, false, false, false},
+      {"the back", false, from(ViewSide::back), 0, true, false, true},
+      {"the back, too near", false, from(ViewSide::back, kNear), kNear, false, false, true},
+      {"the back of who bends is a guess", false, from(ViewSide::back, bent), bent, false, false, false},
+      {"the back, moving", false, from(ViewSide::back, 0, 0, 61), kMoving, false, false, true},
+      {"the back, moving after the first frames", true, from(ViewSide::back, 0, 5, 61), kMoving, false, true, true},
+      {"the back, moving later", true, from(ViewSide::back, 0, 6, 61), kMoving, false, false, true},
+      {"turned too far", true, from(ViewSide::side, kNotFrontal, 5), kNotFrontal, false, false, true},
+      {"it was no back", true, from(ViewSide::front, 0, 5), kTurnRound, false, true, false},
+      {"turned to the front again", true, from(ViewSide::front, 0, 6), kTurnRound, false, false, false},
+      {"the front of who bends is a guess", true, from(ViewSide::front, bent, 5), bent, false, false, true},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    const SessionStep step = on_sighting(turn_rules(), in_turning(c.turned), c.view);
+    EXPECT_EQ(step.next.state, State::turning);
+    EXPECT_EQ(step.guidance, c.guidance);
+    EXPECT_EQ(step.use_frame, c.use_frame);
+    EXPECT_EQ(step.forget, c.forget);
+    EXPECT_EQ(step.next.turned, c.turned_after);
+    EXPECT_EQ(step.next.turning_frames, 1);
+    EXPECT_FALSE(step.measure);
+  }
+}
+
+TEST(Turning, WhoLeavesIsMeasuredFromTheFront) {
+  SessionView other = from(ViewSide::front, kNear, 9);
+  other.user = 4;
+  for (SessionView gone : {kAbsent, other}) {
+    gone.frames_gathered = 9;
+    SessionStep step = on_sighting(turn_rules(), in_turning(true, 0, 1), gone);
+    EXPECT_FALSE(step.measure) << "a flicker";
+    EXPECT_EQ(step.guidance, kNobody);
+    step = on_sighting(turn_rules(), in_turning(true, 0, 2), gone);
+    EXPECT_TRUE(step.measure);
+    EXPECT_TRUE(step.drop_back);
+    EXPECT_FALSE(step.use_frame);
+    EXPECT_EQ(step.next.state, State::turning) << "MEASURED comes with the measurement";
+  }
+  EXPECT_EQ(on_sighting(turn_rules(), in_turning(false, 0, 2), from(ViewSide::front)).next.absent_frames, 0);
+}
+
+TEST(Turning, IsBoundedWhateverThePersonDoes) {
+  struct Case {
+    const char* name;
+    SessionView view;
+    int frames_before;
+    bool measure, drop_back;
+  };
+  SessionView absent = kAbsent;
+  const Case cases[] = {
+      {"not yet", from(ViewSide::front), 19, false, false},
+      {"never turns", from(ViewSide::front), 20, true, true},
+      {"comes and goes", absent, 20, true, true},
+      {"what is gathered is no waiting", from(ViewSide::back, 0, 2), 21, false, false},
+      {"too little of the back", from(ViewSide::back, 0, 2), 22, true, true},
+      {"enough of the back", from(ViewSide::side, kNotFrontal, 3), 23, true, false},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    const SessionStep step = on_sighting(turn_rules(), in_turning(true, c.frames_before), c.view);
+    EXPECT_EQ(step.measure, c.measure);
+    EXPECT_EQ(step.drop_back, c.drop_back);
+    if (c.measure) {
+      EXPECT_FALSE(step.use_frame);
+      EXPECT_FALSE(step.forget);
+    }
+  }
+}
+
+TEST(Turning, ABackThatShiftsIsGatheredAnewWithoutAnotherAttempt) {
+  Session session = in_turning(true);
+  session.rejected_frames = 3;
+  OfferStep step = after_offer(turn_rules(), session, true, 2);
+  EXPECT_TRUE(step.forget);
+  EXPECT_FALSE(step.measure);
+  EXPECT_EQ(step.next.attempts, 0);
+  EXPECT_EQ(step.next.state, State::turning);
+  step = after_offer(turn_rules(), session, true, 3);
+  EXPECT_TRUE(step.measure) << "enough of it";
+  EXPECT_TRUE(after_offer(turn_rules(), session, false, 10).measure);
+  EXPECT_TRUE(measure_at_end(turn_rules(), session, 3));
+  EXPECT_FALSE(measure_at_end(turn_rules(), session, 2));
+}
+
+TEST(Turning, IsAskedForInNoOtherState) {
+  for (const Transition& t : kTransitions)
+    for (const ViewSide side : {ViewSide::front, ViewSide::back, ViewSide::side, ViewSide::unknown}) {
+      SCOPED_TRACE(t.name);
+      SessionRules r = turn_rules();
+      r.calibration_psi = t.calibration;
+      SessionView view = t.view;
+      view.view = side;
+      EXPECT_FALSE(has(on_sighting(r, t.from, view).guidance, Guidance::turn_round));
+    }
+}
+
 TEST(PsiPose, NeedsHandsUpAndUpperArmsLevel) {
   const Vec3f up{0, -1, 0};
   EXPECT_TRUE(is_psi_pose(test::standing_joints(true), up));

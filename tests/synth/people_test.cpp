@@ -159,6 +159,37 @@ TEST_F(People, WalksAlongItsPath) {
   EXPECT_GT(dot(cross(ahead, across), floor.up), 0.8F);
 }
 
+// Half a turn about the upright line through the hips: r becomes 2 (u.r) u - r.
+TEST_F(People, TurnsRoundOnTheSpot) {
+  SceneOptions options = landscape();
+  options.yaw_deg = 0;
+  options.turn = {10, 40};
+  options.camera_height_mm = 1000;
+  options.distance_mm = 3000;
+  VirtualScene scene = make(options, exact_sensor(), 6);
+  const FloorPlane floor = scene.floor();
+  const JointSet facing = scene.joints(0);
+  const Vec3f middle = (facing[Joint::LH] + facing[Joint::RH]) * 0.5F;
+  for (const std::uint64_t frame : {10U, 50U, 500U}) {
+    const JointSet found = scene.joints(frame);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const Vec3f r = facing.position_mm[j] - middle;
+      const Vec3f expected = frame == 10 ? r : floor.up * (2 * dot(floor.up, r)) - r;
+      EXPECT_LT(norm(found.position_mm[j] - middle - expected), 0.1F) << kJointNames[j] << " in " << frame;
+    }
+  }
+  const JointSet half = scene.joints(30);
+  const Vec3f ahead = cross(normalized(half[Joint::LH] - half[Joint::RH]), floor.up);
+  EXPECT_LT(ahead.x, -0.9F) << "towards the person's right, the picture's left";
+  for (std::uint64_t frame = 0; frame <= 60; frame += 5) {
+    float lowest = 1e9F;
+    for (const Vec3f& p : scene.person_surface(frame).vertices)
+      lowest = std::min(lowest, dot(floor.up, p) + floor.camera_height_mm);
+    EXPECT_NEAR(lowest, 0, 0.5) << frame;
+  }
+  EXPECT_NE(take(scene, 0).masks, take(scene, 30).masks);
+}
+
 TEST_F(People, FramesOfAWalkDoNotDependOnTheOrder) {
   SceneOptions options = landscape();
   options.walk = {-500, 0, 500, 0, 0, 40};

@@ -96,7 +96,7 @@ typedef struct im2fit_settings {
   int32_t width; /* pixels of upright frames, 1..2048 */
   int32_t height;
   float fx, fy, cx, cy;    /* pixels; the depth camera's own, not the colour camera's. Centre of pixel 0 is 0 */
-  int32_t frames_wanted;   /* 30: accepted frames until MEASURED, 1..1000 */
+  int32_t frames_wanted;   /* 30: accepted frames until MEASURED, 1..1000; of each side with `turn` */
   int32_t frames_min;      /* 5: fewest that im2fit_finish measures with, 1..frames_wanted */
   int32_t calibration_psi; /* 0: none. 1: ask for raised arms first */
   int32_t live;            /* 0: im2fit_push waits when behind. 1: drops the oldest frame and counts it */
@@ -104,7 +104,9 @@ typedef struct im2fit_settings {
   int32_t pool_frames;     /* 8: frames held, 3..64, three bytes a pixel each */
   im2fit_log_fn log;       /* NULL: none */
   void* log_user;
-  int32_t user_id; /* 0: whoever stands right first. Else only the person with this im2fit_result.user_id */
+  int32_t user_id;  /* 0: whoever stands right first. Else only the person with this im2fit_result.user_id */
+  int32_t reserved; /* 0; where 64-bit callers of the header before have padding */
+  int32_t turn;     /* 0: the front is measured. 1: then the person is asked to turn round, and the back as well */
 } im2fit_settings;
 
 /* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_settings) as the caller sees it.
@@ -176,7 +178,10 @@ enum {
   IM2FIT_STATE_CALIBRATING,   /* waiting for the calibration pose */
   IM2FIT_STATE_TRACKING,      /* gathering frames */
   IM2FIT_STATE_MEASURED,      /* the answer stands until im2fit_reset; further frames are ignored */
-  IM2FIT_STATE_LOST           /* gone; begins again when found, a limited number of times until im2fit_reset */
+  IM2FIT_STATE_LOST,          /* gone; begins again when found, a limited number of times until im2fit_reset */
+  /* settings.turn: the front is measured (im2fit_result.front_measured), the back is being gathered. MEASURED
+   * follows: with both sides; or with the front alone when the person leaves or does not turn within 450 frames. */
+  IM2FIT_STATE_TURNING
 };
 
 /* What is needed of the person or the scene: bits of im2fit_result.guidance. */
@@ -193,9 +198,10 @@ enum {
   IM2FIT_GUIDANCE_SEVERAL_PEOPLE = 1 << 9,
   IM2FIT_GUIDANCE_TOO_NOISY = 1 << 10,
   IM2FIT_GUIDANCE_SIDE_CUT = 1 << 11,
-  IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12 /* raise the arms: upper arms level, hands up */
+  IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12, /* raise the arms: upper arms level, hands up */
+  IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13        /* show the back; to be said before whatever else is needed */
 };
-#define IM2FIT_GUIDANCE_COUNT 13
+#define IM2FIT_GUIDANCE_COUNT 14
 
 /* Which side of the person the camera sees. */
 enum {
@@ -203,6 +209,13 @@ enum {
   IM2FIT_VIEW_FRONT,
   IM2FIT_VIEW_BACK,
   IM2FIT_VIEW_SIDE /* turned too far for either */
+};
+
+/* What an answer rests on. */
+enum {
+  IM2FIT_VIEWS_NONE = 0, /* no answer */
+  IM2FIT_VIEWS_FRONT,
+  IM2FIT_VIEWS_FRONT_AND_BACK
 };
 
 /* Of the naked body, relaxed standing; girths round the convex hull of the section (docs/result.md). */
@@ -256,7 +269,7 @@ typedef struct im2fit_result {
   uint64_t sequence_repeats;
   uint64_t time_reversals;
   im2fit_joint joints[IM2FIT_JOINT_COUNT];
-  int32_t measured; /* 1: what follows is valid */
+  int32_t measured; /* 1: what follows is valid; with front_measured it is, too, but preliminary */
   float female;     /* probability */
   im2fit_estimate measurements[IM2FIT_MEASUREMENT_COUNT];
   float paper[IM2FIT_MEASUREMENT_COUNT]; /* the published method's own, NaN where it has none */
@@ -271,6 +284,9 @@ typedef struct im2fit_result {
   im2fit_joint display_joints[IM2FIT_JOINT_COUNT];
   int32_t user_count; /* everybody in view, nearest first */
   im2fit_user users[IM2FIT_USER_COUNT_MAX];
+  int32_t front_measured; /* 1: from TURNING on; until `measured` the values are what the front alone says */
+  int32_t views;          /* IM2FIT_VIEWS_..., of the answer */
+  uint32_t frames_back;   /* of frames_used: those of the back */
 } im2fit_result;
 
 /* A consistent copy of the latest state; never waits for the threads at work. `struct_size` is sizeof *result: a
@@ -296,7 +312,7 @@ IM2FIT_API int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t v
 /* ---- Names, as in result.json; NULL when out of range ---------------------------------------------------------- */
 
 IM2FIT_API const char* im2fit_state_name(int state);    /* "TRACKING" */
-IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..12: "TOO_NEAR" is bit 1 */
+IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..13: "TOO_NEAR" is bit 1 */
 IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
 IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */

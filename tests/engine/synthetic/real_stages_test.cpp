@@ -31,6 +31,9 @@ std::string data_file(const char* variable, const char* name) {
 }
 
 constexpr int kFrameCount = 24;
+constexpr int kTurnFirst = 20;  // of the other clip: a turn of 45 frames, then the back
+constexpr int kTurnFrames = 45;
+constexpr int kTurnClipFrames = 110;
 constexpr int kSensorWidth = 320;
 constexpr int kSensorHeight = 240;
 constexpr int kRotateDeg = 90;
@@ -69,7 +72,7 @@ class RealStages : public testing::Test {
     ASSERT_TRUE(model) << model.error().message;
     auto bytes = read_file(tracker_path);
     ASSERT_TRUE(bytes);
-    data_ = new Data{std::move(*model), std::move(*bytes), {}, {}, {}, {}};
+    data_ = new Data{std::move(*model), std::move(*bytes), {}, {}, {}, {}, {}};
     auto tracker = JointModel::parse(data_->tracker_bytes, tracker_path);
     ASSERT_TRUE(tracker) << tracker.error().message;
     data_->tracker.emplace(std::move(*tracker));
@@ -87,40 +90,47 @@ class RealStages : public testing::Test {
   }
 
   static void render() {
+    render({}, kFrameCount, data_->frames);
+    render({kTurnFirst, kTurnFrames}, kTurnClipFrames, data_->turn_frames);
+  }
+  static void render(synth::AboutTurn turn, int frame_count, std::vector<std::vector<std::uint16_t>>& frames) {
     const Intrinsics sensor = synth::kinect_intrinsics(kSensorWidth, kSensorHeight);
     const synth::Subject subject = synth::draw_subject(data_->model, synth::Family::training, 5, 2);
     synth::SceneOptions options;
     options.rotate_deg = kRotateDeg;
+    options.turn = turn;
     synth::VirtualScene scene(data_->model, subject, options, {}, sensor, 5);
     std::vector<std::uint16_t> landscape(static_cast<std::size_t>(kSensorWidth) * kSensorHeight);
     const DepthImage in(landscape.data(), kSensorWidth, kSensorHeight);
-    for (std::uint64_t i = 0; i < kFrameCount; ++i) {
-      scene.render(i, in);
-      data_->frames.emplace_back(landscape.size());
-      hal::rotate_upright(in, kRotateDeg, {data_->frames.back().data(), kSensorHeight, kSensorWidth});
+    for (int i = 0; i < frame_count; ++i) {
+      scene.render(static_cast<std::uint64_t>(i), in);
+      frames.emplace_back(landscape.size());
+      hal::rotate_upright(in, kRotateDeg, {frames.back().data(), kSensorHeight, kSensorWidth});
     }
     data_->intrinsics = synth::upright_intrinsics(sensor, kRotateDeg);
   }
 
-  static std::unique_ptr<Engine> make_engine(bool single_thread) {
+  static std::unique_ptr<Engine> make_engine(bool single_thread, Turn turn = Turn::none, FrameWatch watch = nullptr) {
     EngineSettings settings;
     settings.width = data_->intrinsics.width;
     settings.height = data_->intrinsics.height;
     settings.intrinsics = data_->intrinsics;
     settings.frames_wanted = 12;
     settings.single_thread = single_thread;
+    settings.turn = turn;
+    settings.watch = std::move(watch);
     auto engine = Engine::create(settings, *data_->tracker, *data_->index);
     EXPECT_TRUE(engine) << engine.error().message;
     return std::move(*engine);
   }
 
-  static Status push(Engine& engine, std::uint64_t i) {
+  static Status push(Engine& engine, std::uint64_t i, const std::vector<std::uint16_t>& frame) {
     hal::FrameInfo info;
     info.sequence = i;
     info.host_ns = static_cast<std::int64_t>(i + 1) * 33333333;
-    return engine.push({data_->frames[i % kFrameCount].data(), data_->intrinsics.width, data_->intrinsics.height},
-                       info);
+    return engine.push({frame.data(), data_->intrinsics.width, data_->intrinsics.height}, info);
   }
+  static Status push(Engine& engine, std::uint64_t i) { return push(engine, i, data_->frames[i % kFrameCount]); }
 
   struct Data {
     body::BodyModel model;
@@ -128,6 +138,7 @@ class RealStages : public testing::Test {
     std::optional<JointModel> tracker;
     std::optional<index::Index> index;
     std::vector<std::vector<std::uint16_t>> frames;
+    std::vector<std::vector<std::uint16_t>> turn_frames;
     Intrinsics intrinsics;
   };
   static inline Data* data_ = nullptr;
@@ -171,6 +182,101 @@ TEST_F(RealStages, NothingAllocatesOver300Frames) {
   EXPECT_EQ(allocations, 0);
   EXPECT_TRUE(pushed);
   EXPECT_TRUE(engine->result().measured);
+}
+
+// What a session said, frame by frame.
+struct Story {
+  std::vector<SessionState> states;  // without repeats
+  std::vector<EngineResult> frames;
+  FrameWatch watch() {
+    return [this](const FrameSeen& frame) {
+      frames.push_back(frame.result);
+      if (states.empty() || states.back() != frame.result.state) states.push_back(frame.result.state);
+    };
+  }
+};
+
+std::string values_of(const EngineResult& r) {
+  ResultReport report;
+  report.result = r;
+  report.result.measured = true;
+  const std::string text = result_json(report);
+  return text.substr(text.find("\"measurements\""));
+}
+
+TEST_F(RealStages, APersonWhoTurnsRoundIsMeasuredFromBothSides) {
+  std::string texts[2];
+  for (const bool single_thread : {true, false}) {
+    Story story;
+    auto engine = make_engine(single_thread, Turn::asked, story.watch());
+    for (std::uint64_t i = 0; i < kTurnClipFrames; ++i) ASSERT_TRUE(push(*engine, i, data_->turn_frames[i]));
+    engine->finish();
+    const EngineResult r = engine->result();
+    ASSERT_TRUE(r.measured) << "guidance bits " << r.guidance_seen;
+    EXPECT_EQ(r.views, AnswerViews::front_and_back);
+    EXPECT_EQ(r.frames_used, 24U);
+    EXPECT_EQ(r.frames_back, 12U);
+    EXPECT_GT(r.frames_seen, static_cast<std::uint64_t>(kTurnFirst + kTurnFrames / 2)) << "after the half turn";
+    ASSERT_GE(story.states.size(), 3U);
+    const std::vector<SessionState> last(story.states.end() - 3, story.states.end());
+    EXPECT_EQ(last,
+              (std::vector<SessionState>{SessionState::tracking, SessionState::turning, SessionState::measured}));
+    bool asked = false;
+    for (const EngineResult& frame : story.frames) {
+      const bool now = has(frame.guidance, Guidance::turn_round);
+      asked = asked || now;
+      EXPECT_FALSE(now && frame.state != SessionState::turning) << frame.frames_seen;
+      EXPECT_FALSE(now && frame.frames_seen > kTurnFirst + kTurnFrames) << frame.frames_seen;
+      if (frame.state == SessionState::turning) EXPECT_EQ(frame.user, r.user) << "one id through the turn";
+    }
+    EXPECT_TRUE(asked);
+    EXPECT_EQ(engine->fused_mask().width, data_->intrinsics.width);
+    ResultReport report;
+    report.result = r;
+    texts[single_thread ? 1 : 0] = result_json(report);
+  }
+  EXPECT_EQ(texts[0], texts[1]);
+}
+
+TEST_F(RealStages, WhoLeavesInsteadOfTurningGetsTheFrontsOwnAnswer) {
+  Story story;
+  auto engine = make_engine(true, Turn::asked, story.watch());
+  auto plain = make_engine(true);
+  const std::vector<std::uint16_t> nobody(data_->frames[0].size(), 0);
+  std::uint64_t n = 0;
+  while (engine->result().state != SessionState::turning && n < kTurnFirst) {
+    ASSERT_TRUE(push(*plain, n, data_->turn_frames[n]));
+    ASSERT_TRUE(push(*engine, n, data_->turn_frames[n]));
+    ++n;
+  }
+  ASSERT_EQ(engine->result().state, SessionState::turning);
+  const EngineResult preliminary = engine->result();
+  EXPECT_TRUE(preliminary.front_measured);
+  for (int i = 0; i < 40 && !engine->result().measured; ++i) ASSERT_TRUE(push(*engine, n++, nobody));
+  const EngineResult r = engine->result();
+  ASSERT_TRUE(r.measured) << "before the end of the stream";
+  EXPECT_EQ(r.views, AnswerViews::front);
+  EXPECT_EQ(r.frames_used, 12U);
+  EXPECT_EQ(r.frames_back, 0U);
+  EXPECT_EQ(values_of(r), values_of(preliminary));
+  ASSERT_TRUE(plain->result().measured);
+  EXPECT_EQ(values_of(r), values_of(plain->result())) << "as if no turn had been asked for";
+}
+
+TEST_F(RealStages, NothingAllocatesInATurn) {
+  auto engine = make_engine(false, Turn::asked);
+  test::arm_allocation_count();
+  bool pushed = true;
+  for (int person = 0; person < 2; ++person) {
+    for (std::uint64_t i = 0; i < kTurnClipFrames; ++i)
+      pushed = static_cast<bool>(push(*engine, i, data_->turn_frames[i])) && pushed;
+    engine->finish();
+    if (person == 0) engine->reset();
+  }
+  const long allocations = test::disarm_allocation_count();
+  EXPECT_EQ(allocations, 0);
+  EXPECT_TRUE(pushed);
+  EXPECT_EQ(engine->result().views, AnswerViews::front_and_back);
 }
 
 }  // namespace

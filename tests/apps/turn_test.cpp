@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rendered person who turns round, measured by the programs with and without --turn.
+#include <algorithm>
+#include <sstream>
+
+#include "measure_run.h"
+
+namespace im2fit {
+namespace {
+
+constexpr int kTurnAfter = 30;
+constexpr const char* kFrames = "120";  // 45 of them the turn
+
+class TurnRound : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    if (!test::have_data()) return;
+    folder_ = new test::TestFolder;
+    const test::Run run = test::run_program({test::kLab, "render", "--out", clip(), "--seed", "7", "--subject", "1",
+                                             "--size", "320x240", "--frames", kFrames, "--turn-after",
+                                             std::to_string(kTurnAfter), "--body", test::body_path()});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+  void SetUp() override {
+    if (folder_ == nullptr) GTEST_SKIP() << "no body, tracker or index file";
+  }
+  static std::string clip() { return folder_->path("clip"); }
+  static nlohmann::json measured(const std::vector<std::string>& words) {
+    const std::string out = folder_->path("out");
+    const test::Run run = test::measure(clip(), out, words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    test::expect_honest(run, out);
+    return nlohmann::json::parse(test::read_text(out + "/result.json"), nullptr, false);
+  }
+  static inline test::TestFolder* folder_ = nullptr;
+};
+
+TEST_F(TurnRound, IsMeasuredFromBothSidesWhenAskedFor) {
+  const auto both = measured({"--turn", "--frames", "12"});
+  EXPECT_EQ(both["state"], "MEASURED");
+  EXPECT_EQ(both["views"], "front+back");
+  EXPECT_EQ(both["frames"]["used"], 24);
+  EXPECT_EQ(both["guidance"], nlohmann::json::array());
+  const auto front = measured({"--frames", "12"});
+  EXPECT_EQ(front["views"], "front");
+  EXPECT_EQ(front["frames"]["used"], 12);
+  EXPECT_LT(front["frames"]["seen"], kTurnAfter);
+}
+
+TEST_F(TurnRound, LiveAsksForItAndTellsTheStates) {
+  const test::Run run = test::run_program({test::kProgram, "live", clip(), "--turn", "--json", "--count", "1",
+                                           "--frames", "12", "--body", test::body_path(), "--tracker",
+                                           test::tracker_path(), "--index", test::index_path()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  std::vector<std::string> states;
+  bool asked = false;
+  std::istringstream lines(run.out);
+  for (std::string line; std::getline(lines, line);) {
+    const auto event = nlohmann::json::parse(line, nullptr, false);
+    ASSERT_TRUE(event.is_object()) << line;
+    if (event["event"] == "measured") EXPECT_EQ(event["result"]["views"], "front+back");
+    if (event["event"] != "state") continue;
+    if (states.empty() || states.back() != event["state"]) states.push_back(event["state"]);
+    const auto& codes = event["guidance"];
+    const bool now = std::find(codes.begin(), codes.end(), "TURN_ROUND") != codes.end();
+    EXPECT_FALSE(now && event["state"] != "TURNING") << line;
+    asked = asked || now;
+  }
+  EXPECT_TRUE(asked);
+  ASSERT_GE(states.size(), 2U);
+  EXPECT_EQ(states.back(), "MEASURED");
+  EXPECT_EQ(states[states.size() - 2], "TURNING");
+}
+
+}  // namespace
+}  // namespace im2fit
