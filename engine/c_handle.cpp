@@ -98,8 +98,10 @@ Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& sett
   if (stages == nullptr) {
     if (auto loaded = load_models(settings, *handle); !loaded) return loaded.error();
   }
-  auto engine = stages == nullptr ? Engine::create(engine_settings(settings), *handle->tracker, *handle->index)
-                                  : create_engine(engine_settings(settings), std::move(stages));
+  EngineSettings engine_words = engine_settings(settings);
+  if (handle->body) engine_words.shape_space = &handle->body->shape_space();
+  auto engine = stages == nullptr ? Engine::create(engine_words, *handle->tracker, *handle->index)
+                                  : create_engine(engine_words, std::move(stages));
   if (!engine) return engine.error();
   handle->engine = std::move(*engine);
   return handle;

@@ -48,8 +48,10 @@ class FrameStages {
 
 Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages);
 
-// Sensor, Fuser and Index. The model and index must outlive the stages. `turn`: as the engine's settings.
+// Sensor, Fuser and Index. Model, index and space must outlive the stages. `turn`, `shape_space`: as the engine's
+// settings.
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
-                                                            const index::Index& index, Turn turn = Turn::none);
+                                                            const index::Index& index, Turn turn = Turn::none,
+                                                            const body::ShapeSpace* shape_space = nullptr);
 
 }  // namespace im2fit

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "engine/refined_query.h"
 #include "engine/sensing_stages.h"
 
 namespace im2fit {
@@ -9,56 +11,40 @@ namespace {
 
 class ProductionStages final : public SensingStages {
  public:
-  ProductionStages(int width, int height, const JointModel& joint_model, const index::Index& index, Turn turn)
-      : SensingStages(width, height, joint_model, turn), index_(index), scratch_(index.make_scratch()) {}
+  ProductionStages(int width, int height, const JointModel& joint_model, const index::Index& index, Turn turn,
+                   const body::ShapeSpace* shape_space)
+      : SensingStages(width, height, joint_model, turn), query_(index, shape_space) {}
 
   bool measure(MeasuredPerson& person) override {
-    const View front_view{front().describe(), front().frame_count()};
-    if (!front_view.description.valid) return false;
-    if (back() == nullptr) {
-      person = measure_views(front_view, nullptr);
-      return true;
+    const Fuser::Description& described = front().describe();
+    if (!described.valid) return false;
+    std::optional<RefinedQuery::Side> behind;
+    if (back() != nullptr) {
+      behind.emplace(RefinedQuery::Side{*back(), back()->describe()});
+      if (!behind->description.valid) return false;
     }
-    const View back_view{back()->describe(), back()->frame_count()};
-    if (!back_view.description.valid) return false;
-    person = measure_views(front_view, &back_view);
+    person.answer = query_.ask({front(), described}, behind);
+    person.paper = to_values(described.paper);
+    person.joints = described.joints;
+    person.floor = described.floor;
     return true;
   }
 
  private:
-  // One side of the person, as fused and described.
-  struct View {
-    const Fuser::Description& description;
-    int frame_count = 0;
-  };
-
-  // The answer from the front, and from the back where `back` is not null. The index knows fronts only: it is asked
-  // about the front, and the back changes nothing yet.
-  MeasuredPerson measure_views(const View& front, [[maybe_unused]] const View* back) {
-    const Fuser::Description& described = front.description;
-    MeasuredPerson person;
-    index::QueryOptions options;
-    options.frame_count = front.frame_count;
-    person.answer = index_.query(described.feature, options, *scratch_);
-    person.paper = to_values(described.paper);
-    person.joints = described.joints;
-    person.floor = described.floor;
-    return person;
-  }
-
-  const index::Index& index_;
-  std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
+  RefinedQuery query_;
 };
 
 }  // namespace
 
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
-                                                            const index::Index& index, Turn turn) {
+                                                            const index::Index& index, Turn turn,
+                                                            const body::ShapeSpace* shape_space) {
   if (index.feature_size() != kFeatureSize)
     return Error{ErrorCode::unsupported, "the index was built for features of " +
                                              std::to_string(index.feature_size()) + " values, this program makes " +
                                              std::to_string(kFeatureSize) + ": build the index again"};
-  return std::unique_ptr<FrameStages>(std::make_unique<ProductionStages>(width, height, joint_model, index, turn));
+  return std::unique_ptr<FrameStages>(
+      std::make_unique<ProductionStages>(width, height, joint_model, index, turn, shape_space));
 }
 
 Result<std::unique_ptr<Engine>> Engine::create(const EngineSettings& settings, const JointModel& joint_model,
@@ -68,7 +54,8 @@ Result<std::unique_ptr<Engine>> Engine::create(const EngineSettings& settings, c
     return Error{ErrorCode::invalid_argument, "engine frames of " + std::to_string(settings.width) + "x" +
                                                   std::to_string(settings.height) + ": sides are 1 to " +
                                                   std::to_string(kImageSideMax)};
-  auto stages = make_production_stages(settings.width, settings.height, joint_model, index, settings.turn);
+  auto stages = make_production_stages(settings.width, settings.height, joint_model, index, settings.turn,
+                                       settings.shape_space);
   if (!stages) return stages.error();
   return create_engine(settings, std::move(*stages));
 }

@@ -19,8 +19,8 @@ RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* sp
     fitter_ = std::make_unique<body::ShapeFitter>(*space);
 }
 
-std::span<const float> RefinedQuery::fit(std::span<const body::FitView> views, Values& values) {
-  return body::fit_values(fitter_->run(views), *space_, values);
+std::span<const float> RefinedQuery::fit(std::span<const body::FitView> views) {
+  return body::fit_values(fitter_->run(views), *space_, values_);
 }
 
 index::Answer RefinedQuery::ask(const Side& front, const std::optional<Side>& back) {
@@ -28,16 +28,17 @@ index::Answer RefinedQuery::ask(const Side& front, const std::optional<Side>& ba
   options.frame_count = front.fuser.frame_count();
   index::Seen seen{front.description.feature, {}, {}, {}};
   if (fitter_ == nullptr) return index_.query(seen, options, *scratch_);
-  if (!back) {
-    const std::array<body::FitView, 1> views = {view_of(front)};
-    seen.fit = fit(views, front_values_);
-    return index_.query(seen, options, *scratch_);
+  if (back) {
+    const std::array<body::FitView, 2> views = {view_of(front), view_of(*back)};
+    seen.fit_both = fit(views);
   }
-  const std::array<body::FitView, 2> views = {view_of(front), view_of(*back)};
-  seen.fit = fit(std::span(views).first(1), front_values_);
-  seen.back = back->description.feature;
-  seen.fit_both = fit(views, both_values_);
-  if (!seen.fit_both.empty()) options.frame_count = std::min(options.frame_count, back->fuser.frame_count());
+  if (seen.fit_both.empty()) {
+    const std::array<body::FitView, 1> views = {view_of(front)};
+    seen.fit = fit(views);
+  } else {
+    seen.back = back->description.feature;
+    options.frame_count = std::min(options.frame_count, back->fuser.frame_count());
+  }
   return index_.query(seen, options, *scratch_);
 }
 

@@ -29,14 +29,13 @@ class RefinedQuery {
   bool refines() const { return fitter_ != nullptr; }
 
  private:
-  using Values = std::array<float, body::kShapeMax + 2>;
-  std::span<const float> fit(std::span<const body::FitView> views, Values& values);
+  std::span<const float> fit(std::span<const body::FitView> views);
 
   const index::Index& index_;
   const body::ShapeSpace* space_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
-  Values front_values_{}, both_values_{};
+  std::array<float, body::kShapeMax + 2> values_{};
 };
 
 }  // namespace im2fit

@@ -88,6 +88,7 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
 
   EngineSettings settings = settings_of(options, input->source->info());
   settings.watch = std::move(engine_watch);
+  settings.shape_space = &model->shape_space();
   auto engine = Engine::create(settings, tracker->model(), *index);
   if (!engine) return engine.error();
   SessionOutcome outcome{std::move(tracker), std::move(index),   std::move(*model), std::move(*charts),

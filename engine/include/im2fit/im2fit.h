@@ -90,7 +90,7 @@ typedef struct im2fit_settings {
   size_t struct_size;         /* written by im2fit_settings_init */
   const char* tracker_path;   /* .i2t, required */
   const char* index_path;     /* .i2f, required */
-  const char* body_path;      /* .i2b, or NULL: no im2fit_body_mesh */
+  const char* body_path;      /* .i2b, or NULL: no im2fit_body_mesh, and features alone answer (no shape is fitted) */
   const char* men_chart_path; /* .csv size charts (docs/result.md); both or neither. NULL: EN 13402-3, built in */
   const char* women_chart_path;
   int32_t width; /* pixels of upright frames, 1..2048 */
