@@ -15,5 +15,6 @@ void add_render(CLI::App& app, Command& chosen);
 void add_import_raw(CLI::App& app, Command& chosen);
 void add_eval(CLI::App& app, Command& chosen);
 void add_descriptors(CLI::App& app, Command& chosen);
+void add_ellipse(CLI::App& app, Command& chosen);
 
 }  // namespace im2fit::apps

@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "apps/im2fit-lab/evaluation.h"
+#include "apps/im2fit-lab/evaluation/evaluation.h"
 #include "apps/im2fit-lab/parallel.h"
 #include "body/params_vector.h"
 #include "hal/source.h"

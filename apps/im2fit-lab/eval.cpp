@@ -6,9 +6,8 @@
 #include "apps/common/data_files.h"
 #include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
-#include "apps/im2fit-lab/eval_report.h"
 #include "apps/im2fit-lab/eval_tracker.h"
-#include "apps/im2fit-lab/evaluation.h"
+#include "apps/im2fit-lab/evaluation/full_report.h"
 #include "apps/im2fit-lab/parallel.h"
 #include "apps/im2fit-lab/samples.h"
 #include "base/file.h"
@@ -19,17 +18,31 @@ namespace {
 struct EvalCommand {
   EvaluationOptions evaluation;
   std::string condition = "noise";
+  std::vector<std::string> conditions;
+  bool all = false;
   std::string body = default_body_path();
   std::string joint_model = default_tracker_path();
   std::string index = default_index_path();
   std::string samples;
-  std::string json_path;
+  bool no_raw = false;
+  std::string json_path, html_path, csv_path, people_path, figures_path;
+  bool runtime = false;
+  std::vector<std::string> runtime_indexes;
+  std::string runtime_peers;
+  int icp_people = 0;
+  std::string icp_peers;
   bool json = false;
   TrackerEvalWords tracker;
+
+  bool full() const {
+    return all || !conditions.empty() || !html_path.empty() || !figures_path.empty() || runtime ||
+           !runtime_indexes.empty() || !runtime_peers.empty() || icp_people > 0 || !icp_peers.empty();
+  }
 };
 
 // The samples behind the index, for the paper's way of answering. Absent shards leave that column empty.
 Result<std::optional<index::RawNearest>> load_raw(const EvalCommand& options) {
+  if (options.no_raw) return std::optional<index::RawNearest>{};
   const std::string work_dir = options.samples.empty() ? options.index + ".samples" : options.samples;
   auto noted = noted_samples(work_dir);
   if (!noted) {
@@ -46,7 +59,64 @@ Result<std::optional<index::RawNearest>> load_raw(const EvalCommand& options) {
   return raw;
 }
 
+Result<std::vector<Condition>> wanted_conditions(const EvalCommand& options) {
+  std::vector<std::string> names = {options.condition};
+  if (!options.conditions.empty()) names = options.conditions;
+  if (options.all) names = all_conditions();
+  std::vector<Condition> conditions;
+  for (const std::string& name : names) {
+    auto condition = condition_of(name, options.evaluation);
+    if (!condition) return condition.error();
+    conditions.push_back(std::move(*condition));
+  }
+  return conditions;
+}
+
+Status add_machine_figures(const EvalCommand& options, const SessionModels& models, FullReport& report) {
+  const EvaluationOptions& seen = report.runs.front().condition.options;
+  if (options.runtime || !options.runtime_indexes.empty()) {
+    auto rows = measure_runtime(models, options.index, options.runtime_indexes, seen);
+    if (!rows) return rows.error();
+    report.runtime = std::move(*rows);
+  }
+  if (!options.runtime_peers.empty()) {
+    auto peers = read_index_peers(options.runtime_peers);
+    if (!peers) return peers.error();
+    report.peers = std::move(*peers);
+  }
+  if (!options.icp_peers.empty()) {
+    auto curves = read_icp_curves(options.icp_peers);
+    if (!curves) return curves.error();
+    report.icp = std::move(*curves);
+  } else if (options.icp_people > 0) {
+    const auto cases = icp_cases(models, seen, options.icp_people);
+    if (!cases) return cases.error();
+    report.icp = icp_curves(models.body, *cases);
+  }
+  return Ok{};
+}
+
+Status write_outputs(const EvalCommand& options, const FullReport& report) {
+  const std::pair<const std::string&, std::string> files[] = {
+      {options.json_path, options.full() ? json_of(report) : json_of(report.runs.front().report)},
+      {options.csv_path, csv_of(report.runs)},
+      {options.people_path, options.people_path.empty() ? "" : people_csv_of(report.runs)},
+      {options.html_path, options.html_path.empty() ? "" : html_of(report)}};
+  for (const auto& [path, text] : files)
+    if (!path.empty())
+      if (auto written = write_file_atomically(path, text); !written) return written;
+  if (options.figures_path.empty()) return Ok{};
+  if (auto made = make_directory(options.figures_path); !made) return made;
+  for (const Figure& figure : figures_of(report))
+    if (auto written = write_file_atomically(options.figures_path + "/" + figure.id + ".svg", figure.picture.file());
+        !written)
+      return written;
+  return Ok{};
+}
+
 Result<int> run_eval(const EvalCommand& options) {
+  const auto conditions = wanted_conditions(options);
+  if (!conditions) return conditions.error();
   const auto model = load_body(options.body);
   if (!model) return model.error();
   const auto tracker = Tracker::load(options.joint_model);
@@ -59,16 +129,75 @@ Result<int> run_eval(const EvalCommand& options) {
   if (!index) return index.error();
   const auto raw = load_raw(options);
   if (!raw) return raw.error();
-  EvaluationOptions evaluation = options.evaluation;
-  evaluation.noise = options.condition == "noise";
-  const auto outcomes = evaluate(*model, tracker->model(), *index, raw->has_value() ? &**raw : nullptr, evaluation);
-  if (!outcomes) return outcomes.error();
-  const Report report = report_of(*outcomes, options.condition);
-  if (!options.json_path.empty())
-    if (const auto written = write_file_atomically(options.json_path, json_of(report)); !written)
-      return written.error();
-  fmt::print("{}", options.json ? json_of(report) : text_of(report));
+
+  FullReport report;
+  report.provenance =
+      fmt::format("seed {}, {} people a condition, index of {} models in {} dimensions: {}", options.evaluation.seed,
+                  options.evaluation.subjects, index->size(), index->dimensions(), index->info().provenance);
+  for (const Condition& condition : *conditions) {
+    auto outcomes = evaluate(*model, tracker->model(), *index, raw->has_value() ? &**raw : nullptr, condition.options,
+                             condition.name);
+    if (!outcomes) return outcomes.error();
+    ConditionRun run{condition, std::move(*outcomes), {}};
+    run.report = report_of(run.outcomes, condition.name, condition.what);
+    if (!options.json) fmt::print("{}{}", report.runs.empty() ? "" : "\n", text_of(run.report));
+    report.runs.push_back(std::move(run));
+  }
+  const SessionModels models{*model, tracker->model(), *index};
+  if (const auto added = add_machine_figures(options, models, report); !added) return added.error();
+  if (const auto written = write_outputs(options, report); !written) return written.error();
+  if (options.json) fmt::print("{}", options.full() ? json_of(report) : json_of(report.runs.front().report));
+  if (!options.json && report.runs.size() > 1) fmt::print("\n{}", text_of(report.runs));
   return kExitOk;
+}
+
+// Everything that has no meaning beside --tracker.
+std::vector<CLI::Option*> add_measuring_options(CLI::App& sub, EvalCommand& o) {
+  auto* condition =
+      sub.add_option("--condition", o.condition, "One condition, a word or several joined by +: " + condition_help())
+          ->check([](const std::string& name) {
+            const auto known = condition_of(name, {});
+            return known ? "" : known.error().message;
+          })
+          ->capture_default_str();
+  auto* conditions = sub.add_option("--conditions", o.conditions, "Several, separated by commas")
+                         ->delimiter(',')
+                         ->check([](const std::string& name) {
+                           const auto known = condition_of(name, {});
+                           return known ? "" : known.error().message;
+                         })
+                         ->excludes(condition);
+  auto* all =
+      sub.add_flag("--all", o.all, "Every condition, one at a time")->excludes(condition)->excludes(conditions);
+  auto* frames = sub.add_option("--frames", o.evaluation.frames, "Accepted frames behind a measurement")
+                     ->check(CLI::Range(1, 1000))
+                     ->capture_default_str();
+  auto* twice = sub.add_flag("--twice", o.evaluation.twice,
+                             "Show everybody a second time in a new pose, room and noise: repeatability (TEM)");
+  auto* samples =
+      sub.add_option("--samples", o.samples, "Samples behind the index (default: INDEX.samples)")->type_name("DIR");
+  auto* no_raw = sub.add_flag("--no-raw", o.no_raw, "Leave out the paper's nearest neighbour: twice as fast");
+  auto* index = sub.add_option("--index", o.index, "Index file")->type_name("FILE")->capture_default_str();
+  auto* html = sub.add_option("--html", o.html_path, "Write the report as a page with figures")->type_name("FILE");
+  auto* csv =
+      sub.add_option("--csv", o.csv_path, "Write every figure: a row a condition and measurement")->type_name("FILE");
+  auto* people =
+      sub.add_option("--people", o.people_path, "Write what everybody measured, as CSV")->type_name("FILE");
+  auto* figures = sub.add_option("--figures", o.figures_path, "Write each figure as SVG")->type_name("DIR");
+  auto* runtime = sub.add_flag("--runtime", o.runtime, "Time answers of the index: the paper's runtime figure");
+  auto* indexes =
+      sub.add_option("--runtime-index", o.runtime_indexes, "The same with further indexes")->type_name("FILE");
+  auto* runtime_peers =
+      sub.add_option("--runtime-peers", o.runtime_peers, "Beside them: bench/results/index-peers.json")
+          ->type_name("FILE");
+  auto* icp = sub.add_option("--icp", o.icp_people, "Register so many people's depth with their body by ICP")
+                  ->check(CLI::Range(1, 100));
+  auto* icp_peers =
+      sub.add_option("--icp-peers", o.icp_peers, "Instead: what bench/peers/icp_peers wrote, ours beside PCL")
+          ->type_name("FILE")
+          ->excludes(icp);
+  return {condition, conditions, all,     frames,  twice,   samples,       no_raw, index,    html,
+          csv,       people,     figures, runtime, indexes, runtime_peers, icp,    icp_peers};
 }
 
 }  // namespace
@@ -81,6 +210,8 @@ void add_eval(CLI::App& app, Command& chosen) {
       app, chosen, "eval", "Measure held-out synthetic people and compare with the truth; or judge the tracker",
       "  im2fit-lab eval --subjects 200 --condition noise\n"
       "  im2fit-lab eval --subjects 40 --condition bare --out eval.json\n"
+      "  im2fit-lab eval --all --twice --html eval.html --runtime --icp 4\n"
+      "  im2fit-lab eval --conditions noise,clothed,clothed+320 --csv eval.csv\n"
       "  im2fit-lab eval --tracker --out tracker.json --pictures sheets\n"
       "  im2fit-lab eval --tracker --only joints,segmentation --scenes full --subjects 50\n"
       "  im2fit-lab eval --tracker --only guidance --scenes TOO_NEAR,OK --joint-model my.i2t",
@@ -88,25 +219,15 @@ void add_eval(CLI::App& app, Command& chosen) {
   sub->add_option("--subjects", evaluation.subjects, "Held-out people")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  auto* condition = sub->add_option("--condition", options->condition,
-                                    "noise: a Kinect in a furnished room; bare: a perfect sensor")
-                        ->check(CLI::IsMember({"noise", "bare"}))
-                        ->capture_default_str();
-  auto* frames = sub->add_option("--frames", evaluation.frames, "Accepted frames behind a measurement")
-                     ->check(CLI::Range(5, 1000))
-                     ->capture_default_str();
   sub->add_option("--seed", evaluation.seed, "Seed of people and rooms")->capture_default_str();
   sub->add_option("--threads", evaluation.threads, "Threads; the result does not depend on them")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  auto* samples = sub->add_option("--samples", options->samples, "Samples behind the index (default: INDEX.samples)")
-                      ->type_name("DIR");
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
   sub->add_option("--joint-model", options->joint_model, "Tracker file")->type_name("FILE")->capture_default_str();
-  auto* index = sub->add_option("--index", options->index, "Index file")->type_name("FILE")->capture_default_str();
   sub->add_option("--out", options->json_path, "Also write the report as JSON")->type_name("FILE");
   sub->add_flag("--json", options->json, "Print the report as JSON");
-  add_tracker_words(*sub, options->tracker, {condition, frames, samples, index});
+  add_tracker_words(*sub, options->tracker, add_measuring_options(*sub, *options));
 }
 
 }  // namespace im2fit::apps

@@ -3,13 +3,10 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <optional>
 
 #include "apps/common/text_table.h"
-#include "base/file.h"
+#include "apps/im2fit-lab/evaluation/ansur.h"
 
 namespace im2fit::apps {
 namespace {
@@ -20,16 +17,6 @@ struct Nhanes {
 };
 constexpr Nhanes kNhanesWomen{1618, 70, 76, 20};
 constexpr Nhanes kNhanesMen{1759, 75, 88.8, 20};
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(line.substr(0, comma));
-    if (comma == line.npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
 
 // Stature and the logarithm of weight as two normals that go together.
 struct StatureAndWeight {
@@ -112,47 +99,15 @@ PeopleMoments moments_of(const std::vector<ComparedRow>& rows, const std::vector
 }
 
 Result<std::vector<ComparedRow>> read_ansur(const std::string& folder, bool woman) {
-  const std::string path = folder + (woman ? "/ANSUR_II_FEMALE_Public.csv" : "/ANSUR_II_MALE_Public.csv");
-  const auto bytes = read_file(path);
-  if (!bytes) return bytes.error();
-  std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  const auto line = [&] {
-    const std::size_t end = text.find('\n');
-    std::string_view row = text.substr(0, end);
-    text.remove_prefix(end == text.npos ? text.size() : end + 1);
-    if (!row.empty() && row.back() == '\r') row.remove_suffix(1);
-    return row;
-  };
-  std::string_view head = line();
-  if (head.substr(0, 3) == "\xEF\xBB\xBF") head.remove_prefix(3);
-  const auto names = cells_of(head);
-  std::array<std::size_t, kComparedCount> columns{};
-  for (std::size_t c = 0; c < kComparedCount; ++c) {
-    const auto it = std::find_if(names.begin(), names.end(), [&](std::string_view name) {
-      return name.size() == kCompared[c].ansur.size() &&
-             std::equal(name.begin(), name.end(), kCompared[c].ansur.begin(),
-                        [](char x, char y) { return (x >= 'A' && x <= 'Z' ? x + 32 : x) == y; });
-    });
-    if (it == names.end())
-      return Error{ErrorCode::corrupt, path + ": no column '" + std::string(kCompared[c].ansur) + "'"};
-    columns[c] = static_cast<std::size_t>(it - names.begin());
-  }
+  std::array<std::string_view, kComparedCount> columns;
+  for (std::size_t c = 0; c < kComparedCount; ++c) columns[c] = kCompared[c].ansur;
+  const auto people = read_ansur_columns(folder, woman, columns);
+  if (!people) return people.error();
   std::vector<ComparedRow> rows;
-  while (!text.empty()) {
-    const auto cells = cells_of(line());
-    if (cells.size() < names.size()) continue;
-    ComparedRow row{};
-    for (std::size_t c = 0; c < kComparedCount; ++c) {
-      const std::string_view cell = cells[columns[c]];
-      const auto parsed = std::from_chars(cell.data(), cell.data() + cell.size(), row[c]);
-      if (parsed.ec != std::errc() || !(row[c] > 0))
-        return Error{ErrorCode::corrupt, fmt::format("{}: person {}: {} is '{}', expected a number", path,
-                                                     rows.size() + 1, kCompared[c].ansur, cell)};
-      row[c] *= kCompared[c].ansur_unit;
-    }
-    rows.push_back(row);
+  for (const std::vector<double>& person : *people) {
+    ComparedRow& row = rows.emplace_back();
+    for (std::size_t c = 0; c < kComparedCount; ++c) row[c] = person[c] * kCompared[c].ansur_unit;
   }
-  if (rows.size() < 100) return Error{ErrorCode::corrupt, fmt::format("{}: only {} people", path, rows.size())};
   return rows;
 }
 

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// A person before a camera before the engine, until it has measured or the person has stood there long enough.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "apps/im2fit-lab/evaluation/evaluation.h"
+#include "engine/engine.h"
+
+namespace im2fit::apps {
+
+struct SessionModels {
+  const body::BodyModel& body;
+  const JointModel& joints;
+  const index::Index& index;
+};
+
+// Called after each frame with a person found: joints of the engine, and the truth.
+using JointWatch = std::function<void(const JointSet& found, const JointSet& truth)>;
+
+// The engine as it stands after the session, finished. `watch` may be empty.
+Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const HeldOutPerson& person, Views views,
+                                            const JointWatch& watch);
+
+}  // namespace im2fit::apps
