@@ -119,6 +119,10 @@ std::string conditions_table(const std::vector<ConditionRun>& runs) {
     html += fmt::format("<tr><td><b>{}</b><br><span class=\"quiet\">{}</span></td><td>{} of {}</td>",
                         escaped_for_xml(r.condition), escaped_for_xml(r.what), r.measured, r.subjects);
     for (const MeasurementReport& m : r.measurements) html += mae_cell(m.of(Way::ours));
+    if (r.measured == 0) {
+      html += cell("–") + cell("–") + cell("–") + cell("–") + "</tr>\n";
+      continue;
+    }
     html += cell(fmt::format("{:.1f} %", 100 * mean_coverage(r))) +
             cell(fmt::format("{:.1f} %", 100 * r.sex_accuracy)) +
             cell(fmt::format("{:.1f} %", 100 * r.size_accuracy)) + cell(fmt::format("{:.1f} mm", r.joint_error_mm)) +
@@ -184,12 +188,13 @@ std::string html_of(const FullReport& report) {
       "against a tape. Condition of the figures: <b>{}</b>, {}.</p>\n<p class=\"quiet\">{}</p>\n",
       first.subjects, escaped_for_xml(first.condition), escaped_for_xml(first.what),
       escaped_for_xml(report.provenance));
-  html += cards_of(first) + "<nav>";
+  if (first.measured > 0) html += cards_of(first);
+  html += "<nav>";
   for (const Figure& figure : figures) html += fmt::format("<a href=\"#{}\">{}</a>", figure.id, figure.id);
   html += "<a href=\"#tables\">tables</a></nav>\n";
   for (const Figure& figure : figures)
     html += section(figure.id, figure.heading, "<p>" + figure.words + "</p>\n" + figure.picture.embedded());
-  html += section("tables", "Every measurement, " + first.condition, table_of(first));
+  html += section("tables", "Every measurement, " + first.condition, first.measured > 0 ? table_of(first) : "");
   html += section("table-conditions", "Mean absolute error by condition",
                   conditions_table(report.runs) + refusals_of(report.runs));
   return html + "</main></body></html>\n";

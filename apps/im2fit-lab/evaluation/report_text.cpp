@@ -25,9 +25,7 @@ std::string refusals(const Report& report) {
   return text;
 }
 
-}  // namespace
-
-std::string text_of(const Report& report) {
+std::string table_of(const Report& report) {
   std::vector<std::string> header = {"synthetic, " + report.condition,
                                      "bias",
                                      "MAE",
@@ -59,11 +57,18 @@ std::string text_of(const Report& report) {
     if (report.has_repeats()) row.push_back(number(r.repeatability.tem, 1));
     table.add(row);
   }
-  std::string text = table.text();
+  return table.text();
+}
+
+}  // namespace
+
+std::string text_of(const Report& report) {
+  std::string text = report.measured > 0 ? table_of(report) : "synthetic, " + report.condition + "\n";
   const double measured = report.subjects > 0 ? 100.0 * report.measured / report.subjects : 0;
   text += fmt::format("\nmeasured     {} of {} held-out synthetic people ({:.1f} %)\n", report.measured,
                       report.subjects, measured);
   if (report.measured < report.subjects) text += "not, having been told" + refusals(report) + "\n";
+  if (report.measured == 0) return text;
   text += fmt::format(
       "sex          {:.1f} % right{}\n", 100 * report.sex_accuracy,
       report.has_raw() ? fmt::format(" (raw nearest neighbour {:.1f} %)", 100 * report.raw_sex_accuracy) : "");

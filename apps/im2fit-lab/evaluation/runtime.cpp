@@ -32,7 +32,8 @@ std::vector<Asker> askers(const SessionModels& models, const EvaluationOptions& 
   std::vector<Asker> people;
   synth::CaptureRig rig(models.body, models.joints);
   for (int i = 0; i < kTriedMost && people.size() < kPeople; ++i) {
-    const HeldOutPerson person = draw_person(models.body, options, static_cast<std::uint64_t>(i));
+    HeldOutPerson person = draw_person(models.body, options, static_cast<std::uint64_t>(i));
+    person.capture.frame_count = std::max(person.capture.frame_count, synth::kCaptureFramesMin);
     const double before = rig.cost.describe;
     const synth::Capture& capture = rig.run(person.subject, person.capture);
     if (capture.valid)

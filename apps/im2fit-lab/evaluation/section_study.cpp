@@ -22,6 +22,30 @@ constexpr std::array<std::string_view, 11> kColumns = {
     "stature",    "weightkg",           "chestbreadth", "chestdepth",   "chestcircumference",  "waistbreadth",
     "waistdepth", "waistcircumference", "hipbreadth",   "buttockdepth", "buttockcircumference"};
 
+// A quarter of the unit superellipse, for people share its powers.
+class Superellipse {
+ public:
+  explicit Superellipse(double exponent) {
+    for (std::size_t i = 0; i <= kSides; ++i) {
+      const double angle = std::numbers::pi / 2 * static_cast<double>(i) / kSides;
+      x_[i] = i == kSides ? 0 : std::pow(std::cos(angle), 2 / exponent);
+      y_[i] = std::pow(std::sin(angle), 2 / exponent);
+    }
+  }
+  double girth_mm(double breadth_mm, double depth_mm) const {
+    double length = 0;
+    for (std::size_t i = 1; i <= kSides; ++i) {
+      const double dx = breadth_mm / 2 * (x_[i] - x_[i - 1]), dy = depth_mm / 2 * (y_[i] - y_[i - 1]);
+      length += std::sqrt(dx * dx + dy * dy);
+    }
+    return 4 * length;
+  }
+
+ private:
+  static constexpr std::size_t kSides = 256;
+  std::array<double, kSides + 1> x_{}, y_{};
+};
+
 using Features = std::function<Eigen::VectorXd(const SectionPerson&, std::size_t girth)>;
 using Guess = std::function<double(const SectionPerson&)>;
 using People = std::vector<const SectionPerson*>;
@@ -75,10 +99,10 @@ double fitted_exponent(const People& people, std::size_t g) {
   constexpr double kGolden = 0.6180339887498949, kLeast = 1.2, kMost = 20;
   const std::size_t step = std::max<std::size_t>(1, people.size() / 400);  // enough for one number
   const auto cost = [&](double exponent) {
+    const Superellipse shape(exponent);
     double sum = 0;
     for (std::size_t i = 0; i < people.size(); i += step) {
-      const double error =
-          superellipse_girth_mm(people[i]->breadth_mm[g], people[i]->depth_mm[g], exponent) - people[i]->girth_mm[g];
+      const double error = shape.girth_mm(people[i]->breadth_mm[g], people[i]->depth_mm[g]) - people[i]->girth_mm[g];
       sum += error * error;
     }
     return sum;
@@ -100,8 +124,8 @@ Guess fitted(SectionWay way, const People& people, const People& synthetic, std:
       return [factor, g](const auto& p) { return factor * ellipse_girth_mm(p.breadth_mm[g], p.depth_mm[g]); };
     }
     case SectionWay::superellipse: {
-      const double exponent = fitted_exponent(people, g);
-      return [exponent, g](const auto& p) { return superellipse_girth_mm(p.breadth_mm[g], p.depth_mm[g], exponent); };
+      const Superellipse shape(fitted_exponent(people, g));
+      return [shape, g](const auto& p) { return shape.girth_mm(p.breadth_mm[g], p.depth_mm[g]); };
     }
     case SectionWay::quadratic:
       return linear_fit(people, g, quadratic_features);
@@ -191,18 +215,7 @@ double ellipse_girth_mm(double breadth_mm, double depth_mm) {
 }
 
 double superellipse_girth_mm(double breadth_mm, double depth_mm, double exponent) {
-  constexpr int kCorners = 256;
-  const double a = breadth_mm / 2, b = depth_mm / 2;
-  double length = 0, x = a, y = 0;
-  for (int i = 1; i <= kCorners; ++i) {
-    const double angle = std::numbers::pi / 2 * i / kCorners;
-    const double next_x = i == kCorners ? 0 : a * std::pow(std::cos(angle), 2 / exponent);
-    const double next_y = b * std::pow(std::sin(angle), 2 / exponent);
-    length += std::hypot(next_x - x, next_y - y);
-    x = next_x;
-    y = next_y;
-  }
-  return 4 * length;
+  return Superellipse(exponent).girth_mm(breadth_mm, depth_mm);
 }
 
 Result<SectionPeople> read_section_people(const std::string& ansur_folder) {
