@@ -44,12 +44,15 @@ void draw_measurement(Svg& svg, const Frame& frame, const std::vector<ConditionR
 
 // Covered by nominal share, a line a measurement.
 void draw_levels(Svg& svg, const Frame& frame, const ConditionRun& run) {
-  const Panel panel(svg, frame, {40, 100, "interval asked for, %", false, 6}, {40, 100, "truth inside, %", false, 6});
+  constexpr double kLeast = 20;
+  const Panel panel(svg, frame, {40, 100, "interval asked for, %", false, 6},
+                    {kLeast, 100, "truth inside, %", false, 8});
   svg.line(panel.at(40, 40), panel.at(100, 100), {kInk, 1, "5 4"});
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     std::vector<SvgPoint> points;
     for (std::size_t i = 0; i < kLevels.size(); ++i)
-      points.push_back(panel.at(100 * kLevels[i].share, std::max(40.0, 100 * run.report.measurements[m].covered[i])));
+      points.push_back(
+          panel.at(100 * kLevels[i].share, std::max(kLeast, 100 * run.report.measurements[m].covered[i])));
     const bool girth = kMeasurementTable[m].id.ends_with("girth");
     const char* colour = girth ? kRed : m == measurement_index(Measurement::weight) ? kGreen : kBlue;
     svg.polyline(points, {colour, 1.3});

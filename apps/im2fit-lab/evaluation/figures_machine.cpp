@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "apps/im2fit-lab/evaluation/figures.h"
 #include "apps/im2fit-lab/evaluation/paper_says.h"
@@ -79,26 +78,29 @@ Figure runtime_figure(const std::vector<RuntimeRow>& rows, const std::vector<Pee
       "runtime", "Time to an answer",
       "The paper's runtime figure. Measurements only: features of the fused frames and the query; naked and clothed: "
       "also the body brought to the answer, posed, and written as .glb. Processor time of one thread on the machine "
-      "that made this page; frames before fusion are not in it (docs/README.md has those). Dashed lines come from "
+      "that made this page; frames before fusion are not in it (bench/results has those). Dashed lines come from "
       "the "
       "benchmark of the index, if its file was given. The paper's figures are of a Xeon E5507 of 2009.",
       std::move(svg)};
 }
 
 Figure icp_figure(const std::vector<IcpCurve>& curves) {
-  double most = 20;
+  double most = 1.2 * kPaperIcpMm, least = 2;
   std::size_t iterations = 2;
-  std::map<std::string, std::vector<const IcpCurve*>> by_method;
+  std::vector<std::pair<std::string, std::vector<const IcpCurve*>>> by_method;  // as they come, ours first
   for (const IcpCurve& c : curves) {
     if (c.error_mm.empty()) continue;
-    by_method[c.method].push_back(&c);
+    auto same = std::find_if(by_method.begin(), by_method.end(), [&](const auto& m) { return m.first == c.method; });
+    if (same == by_method.end()) same = by_method.insert(same, {c.method, {}});
+    same->second.push_back(&c);
     most = std::max(most, 1.1 * *std::max_element(c.error_mm.begin(), c.error_mm.end()));
+    least = std::min(least, std::max(0.01, 0.8 * *std::min_element(c.error_mm.begin(), c.error_mm.end())));
     iterations = std::max(iterations, c.error_mm.size());
   }
   Svg svg(930, 400, "Mean registration error by ICP iteration");
   const auto last = static_cast<double>(iterations - 1);
   const Panel panel(svg, {60, 24, 620, 310}, {0, last, "iteration", false, static_cast<int>(iterations)},
-                    {0, std::max(most, 1.1 * kPaperIcpMm), "mean distance to the body, mm", false, 6});
+                    {least, most, "mean distance to the body, mm", true, 6});
   svg.line(panel.at(kPaperIcpIterations, kPaperIcpMm), panel.at(last, kPaperIcpMm), {kRed, 1.6, "6 4"});
   svg.text({panel.x(last), panel.y(kPaperIcpMm) - 6}, "paper, 4 real people: below 90 mm after 6 iterations",
            {Lettering::Anchor::end, 12, kRed});

@@ -36,8 +36,7 @@ void draw_agreement(Svg& svg, const Frame& frame, const ConditionRun& run, std::
     svg.disc(panel.at((value + truth) / 2, value - truth), 2, o.woman ? kPink : kSky, 0.85,
              fmt::format("{}: measured {:.1f}, true {:.1f}", o.woman ? "woman" : "man", value, truth));
   }
-  svg.text({frame.x + frame.width, frame.y - 8},
-           fmt::format("{:+.1f}, limits {:+.1f} to {:+.1f}", a.bias, a.low, a.high),
+  svg.text({frame.x + frame.width, frame.y - 8}, fmt::format("{:+.1f} ({:+.1f} to {:+.1f})", a.bias, a.low, a.high),
            {Lettering::Anchor::end, 11, kGrey});
 }
 

@@ -108,9 +108,12 @@ double fitted_exponent(const People& people, std::size_t g) {
     return sum;
   };
   double low = kLeast, high = kMost;
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 24; ++i) {  // to 2e-4
     const double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
-    (cost(a) < cost(b) ? high : low) = cost(a) < cost(b) ? b : a;
+    if (cost(a) < cost(b))
+      high = b;
+    else
+      low = a;
   }
   return (low + high) / 2;
 }
