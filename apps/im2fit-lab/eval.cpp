@@ -143,7 +143,7 @@ Result<int> run_eval(const EvalCommand& options) {
     if (!options.json) fmt::print("{}{}", report.runs.empty() ? "" : "\n", text_of(run.report));
     report.runs.push_back(std::move(run));
   }
-  const SessionModels models{*model, tracker->model(), *index};
+  const SessionModels models{*model, tracker->model(), *index, &model->shape_space()};
   if (const auto added = add_machine_figures(options, models, report); !added) return added.error();
   if (const auto written = write_outputs(options, report); !written) return written.error();
   if (options.json) fmt::print("{}", options.full() ? json_of(report) : json_of(report.runs.front().report));

@@ -20,7 +20,7 @@ struct Word {
 // Near is where Kinect's field just holds a tall person in portrait mount, far where guidance says TOO_FAR.
 constexpr float kNearMm = 1900, kFarMm = 3600;
 
-constexpr std::array<Word, 15> kWords = {{
+constexpr std::array<Word, 16> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"clothed", "in clothes, shoes and hair", true, [](EvaluationOptions& o) { o.clothed = true; }},
@@ -36,7 +36,8 @@ constexpr std::array<Word, 15> kWords = {{
     {"yaw0", "facing the camera", true, [](EvaluationOptions& o) { o.yaw_deg = 0; }},
     {"yaw10", "turned 10 degrees to a side", true, [](EvaluationOptions& o) { o.yaw_deg = 10; }},
     {"back", "seen from behind", false, [](EvaluationOptions& o) { o.views = Views::back; }},
-    {"both", "front, then back", false, [](EvaluationOptions& o) { o.views = Views::both; }},
+    {"both", "front, then back", true, [](EvaluationOptions& o) { o.views = Views::both; }},
+    {"features", "features answer alone, no shape is fitted", true, [](EvaluationOptions& o) { o.fit = false; }},
 }};
 
 }  // namespace

@@ -102,7 +102,7 @@ HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions&
 Result<std::vector<Outcome>> evaluate(const body::BodyModel& model, const JointModel& joint_model,
                                       const index::Index& index, const index::RawNearest* raw,
                                       const EvaluationOptions& options, const std::string& what) {
-  const SessionModels models{model, joint_model, index};
+  const SessionModels models{model, joint_model, index, options.fit ? &model.shape_space() : nullptr};
   const auto count = static_cast<std::uint64_t>(options.subjects);
   std::vector<Outcome> outcomes(count);
   std::mutex mutex;

@@ -15,7 +15,7 @@
 
 namespace im2fit::apps {
 
-// Which sides of the person the camera is shown. `both`: front first, then, still unmeasured or not, the back.
+// Which sides of the person the camera is shown. `both`: front first, then, once asked to turn, the back.
 enum class Views { front, back, both };
 
 struct EvaluationOptions {
@@ -28,6 +28,7 @@ struct EvaluationOptions {
   float distance_mm = 0;  // of the camera, grown until the whole person fits; 0: drawn
   float yaw_deg = -1;     // of the person, to either side by turns; below 0: drawn
   Views views = Views::front;
+  bool fit = true;     // false: features answer alone, no shape is fitted
   bool twice = false;  // shown again in a new pose, room and noise
   int threads = 1;     // does not change the result
 };

@@ -44,6 +44,8 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   settings.frames_wanted = capture.frame_count;
   settings.frames_min = std::min(settings.frames_min, settings.frames_wanted);
   settings.single_thread = true;
+  settings.shape_space = models.shape_space;
+  if (views == Views::both) settings.turn = Turn::asked;
   auto engine = Engine::create(settings, models.joints, models.index);
   if (!engine) return engine.error();
 
@@ -64,6 +66,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
       if (auto pushed = (*engine)->push(camera.take(scene, frame), info); !pushed) return pushed.error();
       const EngineResult now = (*engine)->result();
       if (now.has_joints && watch) watch(now.joints, scene.joints(frame));
+      if (!back && now.state == SessionState::turning) break;  // the turn itself is not shown
     }
   }
   (*engine)->finish();

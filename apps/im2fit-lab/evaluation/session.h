@@ -14,6 +14,7 @@ struct SessionModels {
   const body::BodyModel& body;
   const JointModel& joints;
   const index::Index& index;
+  const body::ShapeSpace* shape_space = nullptr;  // null: features answer alone
 };
 
 // Called after each frame with a person found: joints of the engine, and the truth.
