@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shape and pose of a body to fused depth pictures: Gauss-Newton on point-to-plane distances of the skin, distances
-// of the outline from the mask's edge, the joints and the floor, with the population as prior. One shape behind all
-// views, a pose of its own in each (a person who turns round stands differently).
+// Shape and pose of a body to fused depth pictures: Gauss-Newton on point-to-plane distances of the skin (Chen and
+// Medioni 1991), distances of the outline from the mask's edge, the joints and the floor, with the population as
+// prior. One shape behind all views, a pose of its own in each (a person who turns round stands differently).
+// Equations and weights: docs/fit.md.
 //
 // Only + - * / and sqrt in written order: the same bits on every machine. No allocation after construction.
 #pragma once
@@ -19,16 +20,18 @@ namespace im2fit::body {
 
 inline constexpr std::size_t kFitViewMax = 2;
 
+// Upright pictures of the intrinsics' size; what they point to must stand until run() returns.
 struct FitView {
   ImageView<const std::uint16_t> depth_q4;  // 1/16 mm, 0 = none
   MaskView mask;
   Intrinsics intrinsics;
-  JointSet joints;  // camera axes
+  JointSet joints;  // camera axes; confidence is not looked at
   FloorPlane floor;
 };
 
 struct ShapeFit {
-  bool valid = false;
+  bool valid =
+      false;  // false: too little seen, or a view that is no view (docs/fit.md); numbers are finite all the same
   std::array<float, kShapeMax> shape{};  // coefficients; the first shape_count are set
   float surface_mm = 0;                  // mean absolute distances at the end
   float rim_mm = 0;
@@ -39,13 +42,17 @@ struct ShapeFit {
 // filled: shape_count + 2 values; none when the fit is not valid. out: at least as many.
 std::span<const float> fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out);
 
+// Not shareable between threads.
 class ShapeFitter {
  public:
-  // The space must outlive the fitter.
+  // The space must outlive the fitter and have points.
   explicit ShapeFitter(const ShapeSpace& space);
   ~ShapeFitter();
-  // One to kFitViewMax views. The result stands until the next call.
+  // One to kFitViewMax views; more are not looked at. The result stands until the next call.
   const ShapeFit& run(std::span<const FitView> views);
+  // Of the last valid fit, while its views stand: where the space's points lie in a view, camera axes, mm.
+  // `out` has point_count places.
+  void points_in_view(std::size_t view, std::span<Vec3f> out);
 
  private:
   class Work;

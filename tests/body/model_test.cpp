@@ -9,6 +9,7 @@
 #include <map>
 #include <new>
 
+#include "allocations.h"
 #include "base/container.h"
 #include "base/rng.h"
 #include "body/measure.h"
@@ -19,6 +20,10 @@
 
 namespace {
 std::size_t allocation_count = 0;
+}
+
+std::size_t im2fit::body::allocations_so_far() {
+  return allocation_count;
 }
 
 // Not inlined: GCC would warn of malloc and delete meeting in one function.

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "body/fit/normal_equations.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace im2fit::body {
+
+NormalEquations::NormalEquations(std::size_t block_size, std::size_t block_max, std::size_t shared_size)
+    : block_size_(block_size),
+      shared_size_(shared_size),
+      row_stride_(block_size + shared_size),
+      matrix_((block_size * block_max + shared_size) * (block_size * block_max + shared_size)),
+      right_(block_size * block_max + shared_size),
+      step_(right_.size()),
+      rows_(kRowGroup * row_stride_),
+      sums_(row_stride_ * row_stride_),
+      right_sums_(row_stride_) {
+  assert(block_size % 3 == 0 && block_size <= 3 * kTripleMax);
+}
+
+void NormalEquations::clear(std::size_t block_count) {
+  blocks_ = block_count;
+  assert(size() <= right_.size());
+  std::fill_n(matrix_.begin(), size() * size(), 0.0);
+  std::fill_n(right_.begin(), size(), 0.0);
+}
+
+void NormalEquations::add_prior(std::size_t unknown, double weight, double residual) {
+  matrix_[unknown * size() + unknown] += weight;
+  right_[unknown] += weight * residual;
+}
+
+void NormalEquations::begin_rows(std::size_t block, const RowColumns& columns) {
+  block_ = block;
+  columns_ = columns;
+  width_ = 3 * columns.triple_count + shared_size_;
+  row_count_ = 0;
+  any_ = false;
+  for (std::size_t i = 0; i < width_; ++i)
+    std::fill_n(sums_.begin() + static_cast<std::ptrdiff_t>(i * row_stride_ + i), width_ - i, 0.0F);
+  std::fill_n(right_sums_.begin(), width_, 0.0);
+}
+
+void NormalEquations::add_row(float residual, float weight) {
+  residual_[row_count_] = residual;
+  weight_[row_count_] = weight;
+  if (++row_count_ == kRowGroup) sum_group();
+}
+
+void NormalEquations::end_rows() {
+  if (row_count_ > 0) {
+    for (std::size_t r = row_count_; r < kRowGroup; ++r) {
+      std::fill_n(rows_.begin() + static_cast<std::ptrdiff_t>(r * row_stride_), width_, 0.0F);
+      residual_[r] = weight_[r] = 0;
+    }
+    sum_group();
+  }
+  if (any_) scatter();
+}
+
+// sums += J' W J of the eight rows: for each i one pass over the columns from i on, which is what vectorises.
+void NormalEquations::sum_group() {
+  const std::size_t width = width_;
+  const float* j0 = rows_.data();
+  const float *j1 = j0 + row_stride_, *j2 = j1 + row_stride_, *j3 = j2 + row_stride_, *j4 = j3 + row_stride_,
+              *j5 = j4 + row_stride_, *j6 = j5 + row_stride_, *j7 = j6 + row_stride_;
+  for (std::size_t i = 0; i < width; ++i) {
+    const float w0 = weight_[0] * j0[i], w1 = weight_[1] * j1[i], w2 = weight_[2] * j2[i], w3 = weight_[3] * j3[i],
+                w4 = weight_[4] * j4[i], w5 = weight_[5] * j5[i], w6 = weight_[6] * j6[i], w7 = weight_[7] * j7[i];
+    float* __restrict sum = sums_.data() + i * row_stride_;
+    for (std::size_t c = i; c < width; ++c)
+      sum[c] += ((w0 * j0[c] + w1 * j1[c]) + (w2 * j2[c] + w3 * j3[c])) +
+                ((w4 * j4[c] + w5 * j5[c]) + (w6 * j6[c] + w7 * j7[c]));
+  }
+  for (std::size_t r = 0; r < kRowGroup; ++r) {
+    const double weighted = static_cast<double>(weight_[r]) * static_cast<double>(residual_[r]);
+    const float* row = rows_.data() + r * row_stride_;
+    for (std::size_t c = 0; c < width; ++c) right_sums_[c] += weighted * static_cast<double>(row[c]);
+  }
+  row_count_ = 0;
+  any_ = true;
+}
+
+void NormalEquations::scatter() {
+  const std::size_t n = size(), triples = columns_.triple_count;
+  const auto place = [&](std::size_t t) { return block_at(block_) + 3 * std::size_t{columns_.triple[t]}; };
+  const auto add = [](double* to, const float* from, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) to[i] += static_cast<double>(from[i]);
+  };
+  for (std::size_t t = 0; t < triples; ++t)
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t i = 3 * t + a;
+      const float* sum = sums_.data() + i * row_stride_;
+      double* row = matrix_.data() + (place(t) + a) * n;
+      add(row + place(t) + a, sum + i, 3 - a);
+      for (std::size_t u = t + 1; u < triples; ++u) add(row + place(u), sum + 3 * u, 3);
+      add(row + shared_at(), sum + 3 * triples, shared_size_);
+      right_[place(t) + a] += right_sums_[i];
+    }
+  for (std::size_t s = 0; s < shared_size_; ++s) {
+    const std::size_t i = 3 * triples + s;
+    add(matrix_.data() + (shared_at() + s) * n + shared_at() + s, sums_.data() + i * row_stride_ + i,
+        shared_size_ - s);
+    right_[shared_at() + s] += right_sums_[i];
+  }
+}
+
+// Takes the pivot's row from those below it: rows of its own block up to `end`, then the shared ones.
+void NormalEquations::eliminate(std::size_t pivot, std::size_t end) {
+  const std::size_t n = size(), shared = shared_at();
+  const double* p = matrix_.data() + pivot * n;
+  const auto take = [&](std::size_t i, std::size_t from, std::size_t to) {
+    double* __restrict row = matrix_.data() + i * n;
+    const double f = p[i];
+    for (std::size_t c = from; c < to; ++c) row[c] -= f * p[c];
+  };
+  for (std::size_t i = pivot + 1; i < end; ++i) {
+    take(i, i, end);
+    if (pivot < shared) take(i, shared, n);
+  }
+  if (pivot < shared)
+    for (std::size_t i = shared; i < n; ++i) take(i, i, n);
+}
+
+// U' U = matrix, U in its place; then U' y = right, U d = y.
+bool NormalEquations::solve() {
+  const std::size_t n = size(), shared = shared_at();
+  const auto end_of = [&](std::size_t i) { return i < shared ? (i / block_size_ + 1) * block_size_ : n; };
+  for (std::size_t i = 0; i < n; ++i) {
+    double* row = matrix_.data() + i * n;
+    if (!(row[i] > 0)) return false;
+    const double root = std::sqrt(row[i]);
+    for (std::size_t c = i; c < end_of(i); ++c) row[c] /= root;
+    if (i < shared)
+      for (std::size_t c = shared; c < n; ++c) row[c] /= root;
+    eliminate(i, end_of(i));
+  }
+  std::copy_n(right_.begin(), n, step_.begin());
+  for (std::size_t i = 0; i < n; ++i) {
+    const double* row = matrix_.data() + i * n;
+    step_[i] /= row[i];
+    for (std::size_t c = i + 1; c < end_of(i); ++c) step_[c] -= row[c] * step_[i];
+    if (i < shared)
+      for (std::size_t c = shared; c < n; ++c) step_[c] -= row[c] * step_[i];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    const double* row = matrix_.data() + i * n;
+    double sum = step_[i];
+    for (std::size_t c = i + 1; c < end_of(i); ++c) sum -= row[c] * step_[c];
+    if (i < shared)
+      for (std::size_t c = shared; c < n; ++c) sum -= row[c] * step_[c];
+    step_[i] = sum / row[i];
+    if (!std::isfinite(step_[i])) return false;
+  }
+  return true;
+}
+
+}  // namespace im2fit::body

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "body/fit/posed_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace im2fit::body {
+namespace {
+
+constexpr std::size_t kSegments = static_cast<std::size_t>(kSegmentCount);
+
+constexpr std::size_t at(Segment s) {
+  return static_cast<std::size_t>(s);
+}
+
+// Of each segment: those that hang on it, itself included.
+const std::array<SegmentSet, kSegments>& hanging() {
+  static const auto sets = [] {
+    std::array<SegmentSet, kSegments> out{};
+    for (std::size_t s = 0; s < kSegments; ++s)
+      for (int d = static_cast<int>(s); d >= 0; d = kSegmentParent[static_cast<std::size_t>(d)])
+        out[static_cast<std::size_t>(d)] |= SegmentSet{1} << s;
+    return out;
+  }();
+  return sets;
+}
+
+// The rotation by about |w| about w, for small w: a normalised quaternion.
+Mat3f small_rotation(Vec3f w) {
+  const float q = 1 / std::sqrt(1 + 0.25F * dot(w, w));
+  const float x = 0.5F * q * w.x, y = 0.5F * q * w.y, z = 0.5F * q * w.z;
+  return {{1 - 2 * (y * y + z * z), 2 * (x * y - q * z), 2 * (x * z + q * y), 2 * (x * y + q * z),
+           1 - 2 * (x * x + z * z), 2 * (y * z - q * x), 2 * (x * z - q * y), 2 * (y * z + q * x),
+           1 - 2 * (x * x + y * y)}};
+}
+
+Vec3f transposed_times(const Mat3f& a, Vec3f v) {
+  return {a.m[0] * v.x + a.m[3] * v.y + a.m[6] * v.z, a.m[1] * v.x + a.m[4] * v.y + a.m[7] * v.z,
+          a.m[2] * v.x + a.m[5] * v.y + a.m[8] * v.z};
+}
+
+void put(std::span<float> row, std::size_t at, Vec3f v) {
+  row[at] = v.x;
+  row[at + 1] = v.y;
+  row[at + 2] = v.z;
+}
+
+// out = or += n . (three rows of `count` slopes)
+void set_products(Vec3f n, const float* rows, std::size_t count, float* __restrict out) {
+  const float *x = rows, *y = rows + count, *z = rows + 2 * count;
+  for (std::size_t k = 0; k < count; ++k) out[k] = n.x * x[k] + n.y * y[k] + n.z * z[k];
+}
+void add_products(Vec3f n, const float* rows, std::size_t count, float* __restrict out) {
+  const float *x = rows, *y = rows + count, *z = rows + 2 * count;
+  for (std::size_t k = 0; k < count; ++k) out[k] += n.x * x[k] + n.y * y[k] + n.z * z[k];
+}
+
+// out = mean + basis c, four partial sums to a value so that it vectorises.
+void apply(std::span<const float> mean, const float* basis, std::span<const float> c, float* out) {
+  const std::size_t count = c.size();
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    const float* row = basis + i * count;
+    std::array<float, 4> sum = {mean[i], 0, 0, 0};
+    std::size_t k = 0;
+    for (; k + 4 <= count; k += 4)
+      for (std::size_t l = 0; l < 4; ++l) sum[l] += row[k + l] * c[k + l];
+    for (; k < count; ++k) sum[0] += row[k] * c[k];
+    out[i] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+}
+
+}  // namespace
+
+void move_pose(Pose& pose, std::span<const float, kPoseValues> step) {
+  std::array<Mat3f, kSegments> own, turned;
+  for (std::size_t t = 0; t < kTurning.size(); ++t)
+    own[at(kTurning[t])] = small_rotation({step[3 + 3 * t], step[4 + 3 * t], step[5 + 3 * t]});
+  for (std::size_t s = 0; s < kSegments; ++s)
+    turned[s] = kSegmentParent[s] < 0 ? own[s] : turned[static_cast<std::size_t>(kSegmentParent[s])] * own[s];
+  for (std::size_t s = 0; s < kSegments; ++s) pose.rotation[s] = turned[s] * pose.rotation[s];
+  pose.translation_mm = pose.translation_mm + Vec3f{step[0], step[1], step[2]};
+}
+
+SegmentSet segments_of(const SkinRecord& skin) {
+  SegmentSet segments = 0;
+  for (std::size_t i = 0; i < 4 && skin.weight[i] > 0; ++i) segments |= SegmentSet{1} << skin.segment[i];
+  return segments;
+}
+
+RowColumns columns_of(SegmentSet segments) {
+  RowColumns columns;
+  columns.triple[columns.triple_count++] = 0;
+  for (std::size_t t = 0; t < kTurning.size(); ++t)
+    if ((hanging()[at(kTurning[t])] & segments) != 0)
+      columns.triple[columns.triple_count++] = static_cast<std::uint8_t>(t + 1);
+  return columns;
+}
+
+RestShape::RestShape(const ShapeSpace& space)
+    : space_(space), points_(space.point_count * kPointValues), bones_(kBoneValues) {}
+
+void RestShape::set_bones(std::span<const float> coefficients) {
+  apply(space_.bone_mean, space_.bone_basis.data(), coefficients, bones_.data());
+  const auto bone = [&](std::size_t i) { return Vec3f{bones_[3 * i], bones_[3 * i + 1], bones_[3 * i + 2]}; };
+  for (std::size_t s = 0; s < kSegments; ++s) {
+    skeleton_.head[s] = bone(s);
+    skeleton_.tail[s] = bone(kSegments + s);
+  }
+}
+
+void RestShape::set_points(std::span<const float> coefficients) {
+  apply(space_.point_mean, space_.point_basis.data(), coefficients, points_.data());
+}
+
+PosedShape::PosedShape(const ShapeSpace& space, const RestShape& rest)
+    : space_(space),
+      rest_(rest),
+      head_moves_(kSegments * 3 * space.shape_count),
+      offset_moves_(kSegments * 3 * space.shape_count) {}
+
+void PosedShape::set(const Pose& pose) {
+  pose_ = pose;
+  const Skeleton& rest = rest_.skeleton();
+  posed_ = pose_skeleton(rest, pose);
+  for (std::size_t s = 0; s < kSegments; ++s) offset_[s] = posed_.head[s] - pose.rotation[s] * rest.head[s];
+  set_offset_moves();
+}
+
+// A posed head moves as its parent's and as the way between the two rest heads, turned with the parent.
+void PosedShape::set_offset_moves() {
+  const std::size_t count = space_.shape_count;
+  const auto rest = [&](std::size_t s, std::size_t axis) {
+    return space_.bone_basis.data() + (3 * s + axis) * count;
+  };
+  for (std::size_t s = 0; s < kSegments; ++s)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      float* __restrict head = head_moves_.data() + (3 * s + axis) * count;
+      if (kSegmentParent[s] < 0) {
+        std::copy_n(rest(s, axis), count, head);
+      } else {
+        const auto p = static_cast<std::size_t>(kSegmentParent[s]);
+        const float* m = pose_.rotation[p].m.data() + 3 * axis;
+        const float* parent = head_moves_.data() + (3 * p + axis) * count;
+        for (std::size_t k = 0; k < count; ++k)
+          head[k] = parent[k] + m[0] * (rest(s, 0)[k] - rest(p, 0)[k]) + m[1] * (rest(s, 1)[k] - rest(p, 1)[k]) +
+                    m[2] * (rest(s, 2)[k] - rest(p, 2)[k]);
+      }
+      const float* m = pose_.rotation[s].m.data() + 3 * axis;
+      float* __restrict move = offset_moves_.data() + (3 * s + axis) * count;
+      for (std::size_t k = 0; k < count; ++k)
+        move[k] = head[k] - (m[0] * rest(s, 0)[k] + m[1] * rest(s, 1)[k] + m[2] * rest(s, 2)[k]);
+    }
+}
+
+void PosedShape::find(std::size_t index, Point& point) const {
+  const SkinRecord& skin = space_.skin[index];
+  const Vec3f rest = rest_.middle(index);
+  point.index = index;
+  point.turn.m = {};
+  point.position = {};
+  for (std::size_t i = 0; i < 4 && skin.weight[i] > 0; ++i) {
+    const std::size_t s = skin.segment[i];
+    const float w = skin.weight[i];
+    const Mat3f& r = pose_.rotation[s];
+    for (std::size_t c = 0; c < 9; ++c) point.turn.m[c] += w * r.m[c];
+    point.part[i] = (r * rest + offset_[s]) * w;
+    point.position = point.position + point.part[i];
+  }
+  point.normal = normalized(point.turn * rest_.normal(index));
+}
+
+void PosedShape::point_row(const Point& point, Vec3f n, const RowColumns& columns, std::span<float> row) const {
+  const SkinRecord& skin = space_.skin[point.index];
+  put(row, 0, n);
+  for (std::size_t t = 1; t < columns.triple_count; ++t) {
+    const std::size_t turning = at(kTurning[columns.triple[t] - 1U]);
+    const SegmentSet moved = hanging()[turning];
+    float weight = 0;
+    Vec3f part;
+    for (std::size_t i = 0; i < 4 && skin.weight[i] > 0; ++i)
+      if ((moved >> skin.segment[i] & 1U) != 0) {
+        weight += skin.weight[i];
+        part = part + point.part[i];
+      }
+    put(row, 3 * t, cross(part - posed_.head[turning] * weight, n));
+  }
+  const std::size_t count = space_.shape_count;
+  float* shape = row.data() + 3 * columns.triple_count;
+  set_products(transposed_times(point.turn, n), space_.point_basis.data() + point.index * kPointValues * count, count,
+               shape);
+  for (std::size_t i = 0; i < 4 && skin.weight[i] > 0; ++i)
+    add_products(n * skin.weight[i], moves_of(skin.segment[i]), count, shape);
+}
+
+void PosedShape::bone_row(Segment segment, bool tail, Vec3f n, const RowColumns& columns,
+                          std::span<float> row) const {
+  const std::size_t s = at(segment), count = space_.shape_count;
+  const Vec3f p = tail ? posed_.tail[s] : posed_.head[s];
+  put(row, 0, n);
+  for (std::size_t t = 1; t < columns.triple_count; ++t)
+    put(row, 3 * t, cross(p - posed_.head[at(kTurning[columns.triple[t] - 1U])], n));
+  float* shape = row.data() + 3 * columns.triple_count;
+  set_products(transposed_times(pose_.rotation[s], n),
+               space_.bone_basis.data() + 3 * (s + (tail ? kSegments : 0)) * count, count, shape);
+  add_products(n, moves_of(s), count, shape);
+}
+
+}  // namespace im2fit::body

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one view says about a point of a body: where it lies in the picture, how far the surface seen there is, how
+// far the outline. Two frames of axes: the camera's, and the levelled frame of the person (mm, y up from the floor, z
+// towards the camera, its origin between the hips as the tracker saw them).
+#pragma once
+
+#include "body/fit/shape_fitter.h"
+#include "body/skeleton.h"
+
+namespace im2fit::body {
+
+class Sight {
+ public:
+  // Whether there is anything to fit to: pictures of the intrinsics' size, joints and floor of finite numbers. The
+  // view must outlive the sight.
+  bool look(const FitView& view);
+
+  const JointSet& joints() const { return joints_; }  // levelled
+  Vec3f camera() const { return shift_; }             // where it stands, levelled
+  bool floor_known() const { return view_->floor.known; }
+  Vec3f to_camera(Vec3f levelled) const;
+  Vec3f direction_to_camera(Vec3f levelled) const;
+  Vec3f direction_from_camera(Vec3f camera) const;
+
+  // The point of the picture straight over p (camera axes), levelled axes. False outside the mask and within 2 px of
+  // its edge, without depth, and where the surface is `gate_mm` or more before or behind p.
+  bool surface_over(Vec3f p, float gate_mm, Vec3f& seen) const;
+
+  // How far the mask's edge lies from p along the picture of p's normal (unit, camera axes): positive when p must
+  // move along the normal. False when there is no edge within reach_mm, when the surface inside it is not p's own
+  // (another limb's, more than 120 mm before or behind), or when the normal looks at the camera.
+  bool outline_beside(Vec3f p, Vec3f normal, float reach_mm, float& distance_mm) const;
+
+ private:
+  bool inside(int u, int v) const {
+    return u >= 0 && v >= 0 && u < view_->mask.width && v < view_->mask.height && view_->mask.at(u, v) != 0;
+  }
+  float depth_mm(int u, int v) const { return static_cast<float>(view_->depth_q4.at(u, v)) * (1.0F / 16); }
+
+  const FitView* view_ = nullptr;
+  Mat3f level_, unlevel_;
+  Vec3f shift_;
+  JointSet joints_;
+};
+
+}  // namespace im2fit::body
