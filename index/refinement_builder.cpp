@@ -71,7 +71,20 @@ Fit solve(const Sums& s, double penalty) {
   return fit;
 }
 
+void answer_rows(const Fit& fit, const RowMatrixF& z, const std::vector<std::ptrdiff_t>& rows,
+                 Eigen::MatrixXd& answer) {
+  const Eigen::MatrixXd part = (z(rows, Eigen::all).cast<double>() * fit.weights).rowwise() + fit.bias.transpose();
+  for (std::size_t i = 0; i < rows.size(); ++i) answer.row(rows[i]) = part.row(static_cast<std::ptrdiff_t>(i));
+}
+
 }  // namespace
+
+std::vector<std::ptrdiff_t> RefinementBuilder::all_strangers() const {
+  std::vector<std::ptrdiff_t> out;
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (rows_[i].stranger) out.push_back(static_cast<std::ptrdiff_t>(i));
+  return out;
+}
 
 void RefinementBuilder::add(const Sample& sample) {
   if (!sample.refines() || rows_.size() >= kSampleMax) return;
@@ -133,11 +146,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const T
     for (std::size_t f = 0; f < kFolds; ++f) {
       Sums rest = all;
       rest.add(folds[f], -1);
-      const Fit fit = solve(rest, tried);
-      const Eigen::MatrixXd part =
-          (z(members[f], Eigen::all).cast<double>() * fit.weights).rowwise() + fit.bias.transpose();
-      for (std::size_t i = 0; i < members[f].size(); ++i)
-        answer.row(members[f][i]) = part.row(static_cast<std::ptrdiff_t>(i));
+      answer_rows(solve(rest, tried), z, members[f], answer);
     }
     const double error = (answer - y).cwiseAbs().sum();
     if (error >= best) break;  // past the valley
@@ -162,7 +171,8 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const T
           std::clamp<long>(std::lround(fit.weights(i, t) / static_cast<double>(out.unit.back())), -32767, 32767)));
   }
 
-  // Judged on strangers where there are enough: they are unlike what either answer has learned.
+  // Judged on strangers where there are enough, by a regression that has learned from none: the people it will meet
+  // are strangers to it as well.
   std::vector<std::ptrdiff_t> judged, strange;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const Row& row = rows_[static_cast<std::size_t>(i)];
@@ -170,7 +180,15 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const T
     judged.push_back(i);
     if (row.stranger) strange.push_back(i);
   }
-  if (strange.size() >= kStrangersMin) judged = strange;
+  if (strange.size() >= kStrangersMin) {
+    judged = strange;
+    Sums rest = all;
+    const auto [zs, ys] = rows_of(all_strangers());
+    Sums strangers(z.cols(), kTargetMin);
+    strangers.add(zs, ys);
+    rest.add(strangers, -1);
+    if (rest.count >= kSampleMin) answer_rows(solve(rest, penalty), z, judged, best_answer);
+  }
   if (judged.empty()) return {};
   for (std::size_t t = 0; t < kTargetMin; ++t) {
     double change_square = 1e-12, change_right = 0;

@@ -45,6 +45,7 @@ class RefinementBuilder {
     std::vector<std::int16_t> weights;
     std::vector<float> unit, bias, interval, spread_floor, sex_table;
   };
+  std::vector<std::ptrdiff_t> all_strangers() const;
   Learned learn_one(Refinement kind, const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed) const;
 
   std::vector<Row> rows_;

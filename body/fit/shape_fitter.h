@@ -30,8 +30,8 @@ struct FitView {
 };
 
 struct ShapeFit {
-  bool valid =
-      false;  // false: too little seen, or a view that is no view (docs/fit.md); numbers are finite all the same
+  // False: too little was seen, or a view is no view (docs/fit.md); numbers are finite all the same.
+  bool valid = false;
   std::array<float, kShapeMax> shape{};  // coefficients; the first shape_count are set
   float surface_mm = 0;                  // mean absolute distances at the end
   float rim_mm = 0;
