@@ -141,6 +141,8 @@ void FitHalf::measure(bool ended) {
   result_.front_measured = succeeded && (step.turn || result_.front_measured);
   if (!succeeded) {
     result_.views = AnswerViews::none;
+    result_.answer = {};
+    result_.paper.fill(std::numeric_limits<float>::quiet_NaN());
     result_.guidance = static_cast<GuidanceSet>(Guidance::too_noisy);
     take_guidance(result_.guidance);
     return;

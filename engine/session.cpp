@@ -73,9 +73,9 @@ SessionStep on_turning(const SessionRules& rules, SessionStep step, const Sessio
 void bound_turning(const SessionRules& rules, SessionStep& step, const SessionView& view) {
   if (++step.next.turning_frames - view.frames_gathered <= rules.turn_wait_frames_max || step.measure) return;
   step.use_frame = false;
-  step.forget = false;
   step.measure = true;
-  step.drop_back = view.frames_gathered < rules.frames_min;
+  step.drop_back = step.forget || view.frames_gathered < rules.frames_min;
+  step.forget = false;
 }
 
 SessionStep sighted(const SessionRules& rules, const Session& session, const SessionView& view) {

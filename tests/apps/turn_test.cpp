@@ -62,7 +62,9 @@ TEST_F(TurnRound, LiveAsksForItAndTellsTheStates) {
   for (std::string line; std::getline(lines, line);) {
     const auto event = nlohmann::json::parse(line, nullptr, false);
     ASSERT_TRUE(event.is_object()) << line;
-    if (event["event"] == "measured") EXPECT_EQ(event["result"]["views"], "front+back");
+    if (event["event"] == "measured") {
+      EXPECT_EQ(event["result"]["views"], "front+back");
+    }
     if (event["event"] != "state") continue;
     if (states.empty() || states.back() != event["state"]) states.push_back(event["state"]);
     const auto& codes = event["guidance"];

@@ -333,7 +333,7 @@ TEST_P(BothWays, WhoDoesNotTurnOrLeavesIsMeasuredFromTheFront) {
   const Case cases[] = {
       {"leaves", {.found = false}, 60, kAbsentFramesMax + 1},
       {"another takes the place", {.value = 3000, .user = 9, .view = ViewSide::back}, 60, kAbsentFramesMax + 1},
-      {"stays as he is", {.value = 3000}, 500, 451},
+      {"does not turn", {.value = 3000}, 500, 451},
       {"never stands right", {.guidance = kNear, .value = 3000, .view = ViewSide::back}, 500, 451},
       {"the stream ends", {.value = 3000}, 3, 3},
   };
@@ -385,6 +385,23 @@ TEST_P(BothWays, ABackThatCannotBeDescribedIsLeftOut) {
   EXPECT_EQ(r.views, AnswerViews::front);
   EXPECT_EQ(r.answer.measurements[0].value, kFront);
   EXPECT_EQ(r.frames_used, 10U);
+}
+
+TEST_P(BothWays, WhatCannotBeDescribedAnyMoreTakesThePreliminaryAnswerWithIt) {
+  Rig rig(turning(GetParam()));
+  for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
+  for (int i = 0; i < 9; ++i) rig.push({.value = 3000, .view = ViewSide::back});
+  rig.engine->select_user(0);  // waits
+  rig.control.describable = false;
+  rig.push({.value = 3000, .view = ViewSide::back});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_EQ(r.state, SessionState::tracking);
+  EXPECT_FALSE(r.measured || r.front_measured);
+  EXPECT_EQ(r.views, AnswerViews::none);
+  EXPECT_EQ(r.frames_used, 0U);
+  EXPECT_TRUE(std::isnan(r.paper[0]));
+  EXPECT_EQ(r.guidance, static_cast<GuidanceSet>(Guidance::too_noisy));
 }
 
 TEST_P(BothWays, AFrontTakenForABackIsNotGathered) {

@@ -427,6 +427,7 @@ TEST(Turning, IsBoundedWhateverThePersonDoes) {
       {"comes and goes", absent, 20, true, true},
       {"what is gathered is no waiting", from(ViewSide::back, 0, 2), 21, false, false},
       {"too little of the back", from(ViewSide::back, 0, 2), 22, true, true},
+      {"a back just doubted", from(ViewSide::back, 0, 4, 61), 24, true, true},
       {"enough of the back", from(ViewSide::side, kNotFrontal, 3), 23, true, false},
   };
   for (const Case& c : cases) {

