@@ -60,11 +60,15 @@ class Sensor {
   JointTracker tracker_;
   std::array<int, kUserCountMax> accepted_{};  // ids whose joints once looked like a person's; 0: free
   int selected_user_ = 0;                      // by select()
-  int like_user_ = 0;                          // not yet accepted
-  int like_frames_ = 0;                        // like somebody for so many frames in a row
-  int odds_frames_ = 0;                        // looked at so often
-  float odds_sum_ = 0;                         // of the log-odds that it is somebody
-  int previous_user_ = 0;                      // of the last frame; 0: nobody
+  struct Candidate {                           // not yet accepted
+    int id = 0;
+    int frames = 0;      // looked at
+    float odds_sum = 0;  // of the log-odds that it is somebody
+  };
+  Candidate& candidate(int id);
+  bool looked_at_enough() const;
+  std::array<Candidate, kUserCountMax> candidates_{};  // those looked at last come first
+  int previous_user_ = 0;                              // of the last frame; 0: nobody
 };
 
 // Second half (thread FIT): gather frames, then describe.

@@ -8,18 +8,24 @@ namespace im2fit {
 
 namespace {
 
-// JointTracker::likeness. Of 250 people in full conditions none has less than 0.73 in the first frame, of 245 seen
-// from anywhere 2 have less than 0.7; furniture taken for people has 0.6 to 0.8, mostly below 0.7 and trembling. With
-// 0.78 for sure, 10 of 10,000 empty frames have somebody instead of 28, but one free pose in thirty is not seen.
-constexpr float kLikenessSure = 0.72F;  // somebody at once
-constexpr float kLikenessMin = 0.67F;   // somebody after kLikeFrames in a row
-constexpr int kLikeFrames = 6;
+// JointTracker::likeness. Of 250 people in full conditions none has less than 0.73 in the first frame, of 30 who
+// stand too far none; of 73 things in 345 rooms the mean over frames is 0.63 (the table's least) to 0.71.
+constexpr float kLikenessSure = 0.72F;  // somebody at once, where the segmenter says so as well
+constexpr float kLikenessSureShapeless = 0.76F;
 // With the shape's log-odds (Segmenter::shape_odds; weighed together, see there).
 constexpr float kOddsOfLikeness = 22.0F;
 constexpr float kLikenessEven = 0.65F;
-constexpr float kOddsMin = 0.3F;          // in the mean, of who is not sure at once
-constexpr float kOddsDoubtfulMin = 0.8F;  // ... and whose shape alone does not tell either
+constexpr float kLikenessRare = 0.73F;  // what is above counts more: nothing of furniture
+constexpr float kOddsOfRareLikeness = 30.0F;
+// In the mean over so many frames: of who is not sure at once,
 constexpr int kOddsFrames = 6;
+constexpr float kOddsMin = 0.3F;
+constexpr float kOddsDoubtfulMin = 0.8F;   // ... and whose shape alone does not tell either,
+constexpr float kOddsShapelessMin = 1.1F;  // ... or is not known.
+constexpr int kLongFrames = 12;            // The same things are there in every frame, noise is not:
+constexpr float kOddsLongMin = 0.1F;       // a mean over fewer errs by as much.
+constexpr int kHopelessFrames = 4;         // Others are looked at, after.
+constexpr float kHopelessOdds = -2.0F;
 constexpr float kLostShareMax = 0.30F;  // of the person's pixels
 
 }  // namespace
@@ -42,9 +48,10 @@ Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage 
   if (!accepted(sighting.person.id)) {
     const auto listed = std::find_if(sighting.users.begin(), sighting.users.end(),
                                      [&](const User& user) { return user.id == sighting.person.id; });
-    const bool somebody =
-        looks_like_somebody(sighting.person.id, listed != sighting.users.end() && listed->confirmed);
-    segmenter_.doubt(sighting.person.id, !somebody);
+    const bool confirmed = listed != sighting.users.end() && listed->confirmed;
+    const bool somebody = looks_like_somebody(sighting.person.id, confirmed);
+    // Who is doubtful to begin with is in nobody's way: looked at until others should be.
+    if (somebody || confirmed || looked_at_enough()) segmenter_.doubt(sighting.person.id, !somebody);
     if (!somebody) return nobody(sighting, mask);
     accept(sighting.person.id);
   }
@@ -69,21 +76,35 @@ bool Sensor::accepted(int id) const {
   return id == selected_user_ || std::find(accepted_.begin(), accepted_.end(), id) != accepted_.end();
 }
 
+Sensor::Candidate& Sensor::candidate(int id) {
+  auto found = std::find_if(candidates_.begin(), candidates_.end(), [id](const Candidate& c) { return c.id == id; });
+  if (found == candidates_.end()) *--found = {id, 0, 0};
+  std::rotate(candidates_.begin(), found, found + 1);
+  return candidates_.front();
+}
+
 bool Sensor::looks_like_somebody(int id, bool confirmed) {
-  if (id != like_user_) {
-    like_frames_ = odds_frames_ = 0;
-    odds_sum_ = 0;
-  }
-  like_user_ = id;
+  Candidate& c = candidate(id);
   const float likeness = tracker_.likeness();
-  const float odds = segmenter_.shape_odds(id) + kOddsOfLikeness * (likeness - kLikenessEven);
-  like_frames_ = likeness < kLikenessMin ? 0 : like_frames_ + 1;
-  odds_sum_ += odds;
-  ++odds_frames_;
-  const float odds_min = confirmed ? kOddsMin : kOddsDoubtfulMin;
-  const bool told = odds_frames_ >= kOddsFrames && odds_sum_ >= odds_min * static_cast<float>(odds_frames_);
-  const bool like = likeness >= kLikenessSure || like_frames_ >= kLikeFrames;
-  return told || (confirmed && like && odds >= 0);
+  const float shape = segmenter_.shape_odds(id);
+  const float odds = shape + kOddsOfLikeness * (likeness - kLikenessEven) +
+                     kOddsOfRareLikeness * std::max(0.0F, likeness - kLikenessRare);
+  c.odds_sum += odds;
+  ++c.frames;
+  const auto told_over = [&](int frames, float odds_mean) {
+    return c.frames >= frames && c.odds_sum >= odds_mean * static_cast<float>(c.frames);
+  };
+  const float sure = shape == 0 ? kLikenessSureShapeless : kLikenessSure;
+  if (confirmed && likeness >= sure && odds >= 0) return true;
+  if (shape == 0) return told_over(kOddsFrames, kOddsShapelessMin);
+  return told_over(kOddsFrames, confirmed ? kOddsMin : kOddsDoubtfulMin) || told_over(kLongFrames, kOddsLongMin);
+}
+
+// Of the candidate looked at last.
+bool Sensor::looked_at_enough() const {
+  const Candidate& c = candidates_.front();
+  return c.frames > kLongFrames ||
+         (c.frames >= kHopelessFrames && c.odds_sum < kHopelessOdds * static_cast<float>(c.frames));
 }
 
 void Sensor::accept(int id) {
@@ -107,7 +128,8 @@ Sighting Sensor::nobody(const Sighting& doubted, MaskImage mask) {
 void Sensor::reset() {
   segmenter_.reset();
   accepted_ = {};
-  previous_user_ = selected_user_ = like_user_ = 0;
+  candidates_ = {};
+  previous_user_ = selected_user_ = 0;
 }
 
 }  // namespace im2fit

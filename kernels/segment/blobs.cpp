@@ -160,6 +160,7 @@ void BlobFinder::run(const Grid& grid, const FloorPlane& floor, std::span<const 
   join_trunks(grid, floor);
   expect_heads(grid, floor, expected);
   split_between_heads(grid);
+  join_halves(grid, floor);
   judge(grid, floor);
 }
 

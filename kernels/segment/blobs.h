@@ -91,6 +91,8 @@ class BlobFinder {
   void find_heads(const Grid& grid, int blob, const FloorPlane& floor);
   bool head_at(const Grid& grid, int blob, int c, int r, Head& out) const;
   void join_trunks(const Grid& grid, const FloorPlane& floor);
+  int blob_over(const Grid& grid, int blob) const;
+  void join_halves(const Grid& grid, const FloorPlane& floor);
   bool on_pole(const Grid& grid, int blob, const FloorPlane& floor) const;
   bool floats(const Grid& grid, int blob, const FloorPlane& floor) const;
   void judge(const Grid& grid, const FloorPlane& floor);

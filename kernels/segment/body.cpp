@@ -29,6 +29,8 @@ constexpr float kWholeLeglessTopMinMm = 1150.0F;
 constexpr float kWholeWideMinMm = 240.0F;
 constexpr float kWholeLowMaxMm = 420.0F;
 constexpr float kWholeNearMm = 1100.0F;
+constexpr float kSlenderWideMm = 370.0F;  // in profile: rounder at the sides than from before
+constexpr float kSlenderRoundMax = 1.5F;  // of log-odds, for being so
 constexpr float kOddsMax = 9.0F;
 
 std::size_t at(int i) {
@@ -155,12 +157,14 @@ float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) c
   const bool legs = has_legs(grid, b);
   const Roundness round = roundness(grid, b, blob.r_max);
   if (!legs && (top < kWholeLeglessTopMinMm || fill < 0.3F)) return kShapeUnknown;
-  if (round.share < 0.04F) return kShapeUnknown;
+  if (round.share < 0.02F) return kShapeUnknown;
   const auto above = [](float value, float limit) { return std::max(0.0F, value - limit); };
   const auto below = [](float value, float limit) { return std::max(0.0F, limit - value); };
   float odds = -2.0F + 0.16F * std::clamp(round.score, -5.0F, 40.0F) - 0.0018F * wide;
   odds += on_pole(grid, b, floor) ? -2.6F : legs ? 3.0F : 0.0F;
-  odds -= 0.14F * above(round.sides_mm, 38.0F) + 0.27F * below(round.sides_mm, 14.0F);
+  const float too_round = 0.14F * above(round.sides_mm, 38.0F);
+  odds -= wide < kSlenderWideMm ? std::min(too_round, kSlenderRoundMax) : too_round;
+  odds -= 0.27F * below(round.sides_mm, 14.0F);
   odds -= 13.0F * below(round.share, 0.1F) + 12.0F * above(round.share, 0.45F);
   odds -= 0.01F * below(top, 1150.0F) + 0.011F * above(top, 1900.0F);
   odds -= 0.036F * above(blob.relief_mm, 110.0F);

@@ -18,7 +18,7 @@ constexpr float kHeadRoundMin = 6.0F;      // of the whole or, where furniture h
 constexpr float kShapeRoundMin = 14.0F;    // of 274 people without a head 99 % are above
 constexpr float kCutRoundMin = 8.0F;       // of trunks cut off above: coats against the border are below 6
 constexpr float kShapeFarMm = 4000.0F;     // beyond, a disparity step is as deep as a leg is round
-constexpr float kDoubtfulOddsMin = -1.0F;  // joints add 2 at most to those of furniture
+constexpr float kDoubtfulOddsMin = -5.0F;  // bent people in gowns have -3; the joints tell
 constexpr float kTrunkBulgeMinMm = 5.0F;
 constexpr float kTrunkBulgeMaxMm = 110.0F;
 

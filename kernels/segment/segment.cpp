@@ -88,7 +88,8 @@ int Segmenter::Workspace::choose() const {
     const Vec3f c = user.centroid_mm;
     float cost = c.z + 0.8F * std::fabs(c.x) + (user.has_head ? 0.0F : kHeadlessMm);
     if (user.id == last_id) cost -= kStayMm;
-    if (doubtful || is_doubted(user.id)) cost += kDoubtedMm;
+    if (doubtful) cost += kDoubtedMm;
+    if (is_doubted(user.id)) cost += kDoubtedMm;
     if (cost < best_cost) {
       best_cost = cost;
       best = static_cast<int>(i);

@@ -16,6 +16,7 @@ constexpr int kSeenMax = 32;                 // beyond doubt
 constexpr float kGateMm = 350.0F;            // a head's jump when a raised arm is taken for it
 constexpr float kGateGrowthMmPerS = 600.0F;  // who is hidden may stop or turn
 constexpr float kGateMaxMm = 1400.0F;
+constexpr float kOverHeadMm = 150.0F;
 constexpr float kTopGateMm = 250.0F;  // two people of unlike height are not one
 constexpr float kPlaceGain = 0.6F;    // of an alpha-beta filter; heads are seen to a cell, 20 mm
 constexpr float kSpeedGain = 0.12F;
@@ -28,6 +29,7 @@ constexpr float kHeadlessTallMm = 300.0F;
 constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person
 constexpr float kHeadlessAreaMax = 1.4F;
 constexpr float kDoubtfulHiddenMaxS = 0.3F;
+constexpr float kBesideMm = 1000.0F;
 constexpr float kUnprovenMm = 600.0F;
 constexpr int kShapeFramesMax = 12;
 constexpr float kShapelessOdds = -3.0F;
@@ -64,6 +66,10 @@ UserTracker::Sighting UserTracker::sight(const Blob& blob, int index, const Floo
   s.place_mm = blob.has_head ? along_floor(blob.head_mm, floor) : s.centroid_mm;
   s.top_mm = blob.height_max_mm;
   s.has_head = blob.has_head;
+  if (blob.has_head && floor.known) {  // a coat stand beside the head, or a raised hand, is no stature
+    const float head_mm = dot(floor.up, blob.head_mm) + floor.camera_height_mm;
+    if (s.top_mm > head_mm + kOverHeadMm) s.top_mm = head_mm;
+  }
   s.has_top = blob.has_head && floor.known;
   return s;
 }
@@ -136,9 +142,17 @@ void UserTracker::list_doubtful(const BlobFinder& found, const FloorPlane& floor
       nearest = away;
       s.track = t;
     }
+    if (s.track < 0 && beside_somebody(s.place_mm)) continue;
     if (s.track >= 0) tracks_[at(s.track)].sighting = sighting_count_;
     sightings_[at(sighting_count_++)] = s;
   }
+}
+
+// What shows up there is a part of them, seen past somebody else, sooner than one more person.
+bool UserTracker::beside_somebody(Vec3f place_mm) const {
+  return std::any_of(tracks_.begin(), tracks_.begin() + track_count_, [&](const Track& track) {
+    return track.confirmed && distance_to(place_mm, track.seen_mm, track.expected_mm) < kBesideMm;
+  });
 }
 
 // Millimetres of doubt that the track is what is sighted; negative: it is not.

@@ -65,6 +65,7 @@ class UserTracker {
   void match();
   void find_headless(const BlobFinder& found, const FloorPlane& floor);
   void list_doubtful(const BlobFinder& found, const FloorPlane& floor);
+  bool beside_somebody(Vec3f place_mm) const;
   bool taken(int blob) const;
   static float cost(const Track& track, const Sighting& sighting);
   static void note_shape(Track& track, const Blob* blob);  // null: not seen

@@ -17,6 +17,7 @@ namespace im2fit {
 namespace {
 
 using room_test::add;
+using room_test::Capsule;
 using room_test::look;
 using room_test::person_at;
 using room_test::Scene;
@@ -128,7 +129,7 @@ TEST_F(Likeness, ADoubtedUserIsPassedOverForAnother) {
 }
 
 // In profile: no shoulders on either side of the head, one leg before the other, an arm along the trunk.
-std::vector<room_test::Capsule> profile_at(float z) {
+std::vector<Capsule> profile_at(float z) {
   const auto at = [&](float dx, float y, float dz = 0) { return Vec3f{dx, y, z + dz}; };
   return {{at(0, 1600), at(15, 1650), 95, 1},
           {at(-10, 1430), at(-10, 1580), 62, 1},
@@ -161,6 +162,42 @@ TEST_F(Likeness, WhoseShapeDoesNotTellIsFoundByTheJointsInSixFrames) {
   EXPECT_GE(first, 5) << "six frames tell more than one";
   EXPECT_LE(first, 7);
   for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(show(torn, s).person.found);
+}
+
+// A hand before the hip, or a hem, hides where the legs join the trunk: they are a surface of their own.
+TEST_F(Likeness, WhoseLegsArePartedFromTheTrunkIsFoundWhole) {
+  const Model agreed(0), apart(100);
+  Scene s = room();
+  add(s, profile_at(2500));
+  for (Capsule& part : s.capsules)
+    if (part.a.y <= 910) part.a.z += 160, part.b.z += 160;  // 90 mm is one surface at that distance
+  Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
+  int first = -1;
+  for (int frame = 0; frame < 16; ++frame) {
+    const Sighting seen = show(sure, s);
+    if (seen.person.found && first < 0) first = frame;
+    EXPECT_EQ(seen.person.found, first >= 0) << frame;
+    if (!seen.person.found) continue;
+    const auto picture = look(s, 0, 1);
+    double both = 0, either = 0;
+    for (std::size_t i = 0; i < mask_.size(); ++i) {
+      both += mask_[i] != 0 && picture.owner[i] == 1 ? 1 : 0;
+      either += mask_[i] != 0 || picture.owner[i] == 1 ? 1 : 0;
+    }
+    EXPECT_GT(both / either, 0.85) << frame;
+  }
+  EXPECT_GE(first, 5);
+  EXPECT_LE(first, 12);
+  for (int frame = 0; frame < 30; ++frame) EXPECT_FALSE(show(torn, s).person.found);
+}
+
+TEST_F(Likeness, AThingOnABoxIsNoBodyInHalves) {
+  const Model agreed(0);
+  Scene s = room();
+  add(s, {{{0, 1150, 2600}, {0, 1500, 2600}, 130, 1}});  // as round as a trunk
+  s.boxes.push_back({{-160, 0, 2560}, {160, 1000, 2900}});
+  Sensor sure(s.width, s.height, *agreed.model);
+  for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(show(sure, s).person.found) << frame;
 }
 
 TEST_F(Likeness, APersonsShapeIsLikelierThanFurnitures) {

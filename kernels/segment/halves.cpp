@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bodies in halves: in profile a hand, a hem or a hip hides a step in depth between trunk and legs, or between head
+// and trunk, and nothing of it has a person's size alone.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "kernels/segment/blobs.h"
+
+namespace im2fit::segment {
+namespace {
+
+constexpr float kLowMaxMm = 250.0F;  // the lower half stands on the floor
+constexpr float kLowerTallMinMm = 500.0F;
+constexpr float kTopMinMm = 1100.0F;  // of both, above the floor
+constexpr float kTopMaxMm = 2200.0F;
+constexpr float kOverMm = 200.0F;        // what the upper half reaches beyond the lower
+constexpr float kPartAreaMinM2 = 0.03F;  // a head's
+constexpr float kPartAreaMaxM2 = 0.6F;
+constexpr float kPartWideMaxMm = 700.0F;
+constexpr float kAsideMm = 200.0F;  // of the middles
+constexpr float kBehindMm = 450.0F;
+constexpr int kStepMaxMm = 600;  // where they meet: a hand before the hip
+constexpr int kMeetRows = 4;     // between them, of noise
+constexpr int kMeetCellsMin = 4;
+constexpr float kRoundMin = 11.0F;
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+}  // namespace
+
+// What begins under something, over two fifths of its width and more, at about its depth: -1 where there is no such
+// thing.
+int BlobFinder::blob_over(const Grid& grid, int b) const {
+  const Blob& blob = blobs_[at(b)];
+  const auto label = static_cast<std::uint16_t>(b + 1);
+  std::array<std::int16_t, kBlobCountMax> met{};
+  int columns = 0;
+  for (int c = blob.c_min; c <= blob.c_max; ++c) {
+    int r = blob.r_min;
+    while (r <= blob.r_max && labels_[at(grid.index(c, r))] != label) ++r;
+    if (r > blob.r_max) continue;
+    ++columns;
+    const int z = grid.depth[at(grid.index(c, r))];
+    for (int d = 1; d <= kMeetRows && r - d >= 0; ++d) {
+      const auto above = at(grid.index(c, r - d));
+      if (labels_[above] == 0) continue;
+      if (std::abs(grid.depth[above] - z) < kStepMaxMm) ++met[at(labels_[above] - 1)];
+      break;
+    }
+  }
+  const auto most = std::max_element(met.begin(), met.begin() + blob_count_);
+  const bool meets = *most >= kMeetCellsMin && *most * 5 > columns * 2;
+  return meets ? static_cast<int>(most - met.begin()) : -1;
+}
+
+// Both as round as parts of bodies are, one over the other.
+void BlobFinder::join_halves(const Grid& grid, const FloorPlane& floor) {
+  if (!floor.known) return;
+  const auto mm = [&](const Blob& blob) {
+    return static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
+  };
+  const auto part = [&](const Blob& blob) {
+    return blob.area_m2 > kPartAreaMinM2 && blob.area_m2 < kPartAreaMaxM2 &&
+           static_cast<float>(blob.c_max - blob.c_min + 1) * mm(blob) < kPartWideMaxMm;
+  };
+  const auto heads_of = [&](int b, bool seen) {
+    return std::count_if(heads_.begin(), heads_.begin() + head_count_,
+                         [=](const Head& h) { return h.blob == b && h.seen == seen; });
+  };
+  bool joined = false;
+  for (int b = 0; b < blob_count_; ++b) {
+    const Blob& lower = blobs_[at(b)];
+    const bool stands = lower.height_min_mm < kLowMaxMm && lower.height_max_mm < kTopMaxMm - kOverMm &&
+                        lower.height_max_mm - lower.height_min_mm > kLowerTallMinMm;
+    if (!stands || !part(lower) || heads_of(b, true) > 0) continue;
+    const int o = blob_over(grid, b);
+    if (o < 0 || heads_of(o, true) > 0 || heads_of(b, false) + heads_of(o, false) > 1) continue;
+    const Blob& upper = blobs_[at(o)];
+    const Vec3f off = upper.centroid_mm - lower.centroid_mm;
+    const bool fits = part(upper) && upper.height_max_mm > std::max(kTopMinMm, lower.height_max_mm + kOverMm) &&
+                      upper.height_max_mm < kTopMaxMm && std::fabs(off.x) < kAsideMm && std::fabs(off.z) < kBehindMm;
+    if (!fits) continue;
+    if (roundness(grid, b, lower.r_max).score < kRoundMin || roundness(grid, o, upper.r_max).score < kRoundMin)
+      continue;
+    for (std::uint16_t& cell : labels_)
+      if (cell == static_cast<std::uint16_t>(b + 1)) cell = static_cast<std::uint16_t>(o + 1);
+    joined = true;
+  }
+  if (joined) describe(grid);
+}
+
+}  // namespace im2fit::segment
