@@ -18,7 +18,7 @@ namespace im2fit::index {
 
 class RefinementBuilder {
  public:
-  static constexpr std::size_t kSampleMin = 300;    // fewer teach too little
+  static constexpr std::size_t kSampleMin = 150;    // fewer teach too little
   static constexpr std::size_t kSampleMax = 16384;  // held in memory: 10 kB each
   // Keeps what it needs of a sample that refines.
   void add(const Sample& sample);

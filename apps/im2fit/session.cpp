@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/im2fit/session.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 
@@ -89,6 +91,11 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   EngineSettings settings = settings_of(options, input->source->info());
   settings.watch = std::move(engine_watch);
   settings.shape_space = &model->shape_space();
+  if (index->fit_size() == 0 || index->shape_key() != model->shape_space().key)
+    fmt::print(stderr,
+               "{}: not made with the shapes of {}: features answer alone, less well; build the index again with "
+               "im2fit-lab index\n",
+               options.index, options.input.body);
   auto engine = Engine::create(settings, tracker->model(), *index);
   if (!engine) return engine.error();
   SessionOutcome outcome{std::move(tracker), std::move(index),   std::move(*model), std::move(*charts),
