@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "body/fit/shape_space.h"
+
 namespace im2fit::apps {
 namespace {
 
