@@ -170,6 +170,18 @@ std::string_view name_of(AnswerViews views) {
   return "none";
 }
 
+std::string_view name_of(index::AnsweredFrom from) {
+  switch (from) {
+    case index::AnsweredFrom::fitted_front:
+      return "front fit";
+    case index::AnsweredFrom::front_and_back:
+      return "front+back fit";
+    case index::AnsweredFrom::front:
+      break;
+  }
+  return "features";
+}
+
 std::string_view name_of(hal::IntrinsicsOrigin origin) {
   switch (origin) {
     case hal::IntrinsicsOrigin::device:
@@ -206,6 +218,7 @@ std::string result_json(const ResultReport& report) {
   json["frames"] = {{"seen", r.frames_seen}, {"used", r.frames_used}, {"dropped", r.frames_dropped}};
   json["source"] = source_json(report.source);
   if (r.measured) json["views"] = std::string(name_of(r.views));
+  if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));
   json["measurements"] = measurements_json(r);
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured && report.size) json["size"] = size_json(*report.size);

@@ -13,7 +13,7 @@
 namespace im2fit::index {
 namespace {
 
-constexpr int kFolds = 5;
+constexpr int kFolds = 3;
 constexpr double kPenalties[] = {0.003, 0.01, 0.03, 0.1, 0.3};  // in variances of a value
 constexpr std::size_t kStrangersMin = 200;                      // to calibrate on, as for the plain answer
 

@@ -43,10 +43,12 @@ TEST_F(TurnRound, IsMeasuredFromBothSidesWhenAskedFor) {
   const auto both = measured({"--turn", "--frames", "12"});
   EXPECT_EQ(both["state"], "MEASURED");
   EXPECT_EQ(both["views"], "front+back");
+  EXPECT_EQ(both["estimator"], "front+back fit");
   EXPECT_EQ(both["frames"]["used"], 24);
   EXPECT_EQ(both["guidance"], nlohmann::json::array());
   const auto front = measured({"--frames", "12"});
   EXPECT_EQ(front["views"], "front");
+  EXPECT_EQ(front["estimator"], "front fit");
   EXPECT_EQ(front["frames"]["used"], 12);
   EXPECT_LT(front["frames"]["seen"], kTurnAfter);
 }

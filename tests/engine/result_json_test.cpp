@@ -122,8 +122,8 @@ TEST(ResultJson, KeysComeInTheOrderOfTheDesign) {
   const auto v = nlohmann::ordered_json::parse(result_json(measured_report()));
   std::vector<std::string> keys;
   for (const auto& [key, unused] : v.items()) keys.push_back(key);
-  EXPECT_THAT(keys, testing::ElementsAre("schema", "state", "guidance", "frames", "source", "views", "measurements",
-                                         "sex", "size", "joints", "body", "paper"));
+  EXPECT_THAT(keys, testing::ElementsAre("schema", "state", "guidance", "frames", "source", "views", "estimator",
+                                         "measurements", "sex", "size", "joints", "body", "paper"));
 }
 
 TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {
