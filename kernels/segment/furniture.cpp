@@ -9,8 +9,8 @@ namespace im2fit::segment {
 namespace {
 
 constexpr float kLedgeLowMm = 130.0F;   // above the floor: shoes are lower
-constexpr float kLedgeHighMm = 700.0F;  // hands hang above
-constexpr float kLedgeShare = 0.45F;    // of the height of who stands
+constexpr float kLedgeHighMm = 800.0F;  // hands hang above, and are no ledge
+constexpr float kLedgeShare = 0.5F;     // of the height of who stands
 constexpr float kSeatedShare = 0.33F;   // of who sits: the thighs are higher
 constexpr float kSeatShare = 0.36F;     // their seats are lower, between the thighs
 constexpr float kSeatedMaxMm = 1450.0F;
@@ -31,6 +31,8 @@ constexpr float kBehindMm = 150.0F;  // trunks are 230 deep: their sides end hal
 constexpr float kBendsMm = 60.0F;
 constexpr float kDistanceBinMm = 10.0F;
 constexpr int kDistanceBins = 1000;
+constexpr float kPostMm = 50.0F;
+constexpr float kPostLowMm = 200.0F;  // above the floor: ankles are as thin
 constexpr float kFlatBaseMm = 50.0F;  // calves bulge by 25 mm over twice that, boxes by nothing
 
 std::size_t at(int i) {
@@ -70,7 +72,8 @@ void FurnitureCutter::find_tops(const Grid& grid, float limit_mm, std::span<cons
       last = r;
       if (!low || r == 0 || clear < kClearMm) continue;
       const float above = static_cast<float>(grid.depth[i - at(grid.width)]);
-      if (above > 0 && above < z - depth_step_mm(z)) continue;  // hidden by something nearer
+      // Hidden by something nearer, which is not furniture.
+      if (above > 0 && above < z - depth_step_mm(z) && cut_[i - at(grid.width)] == 0) continue;
       top_[at(c)] = r;
       break;
     }
@@ -230,12 +233,33 @@ void FurnitureCutter::cut_row(const Grid& grid, int row, float limit_mm, std::sp
     const int middle = (first + last) / 2;
     const float bulge = 0.5F * (z(first) + z(last)) - z(middle);
     const bool flat = last - first + 1 >= kFlatCellsMin && std::fabs(bulge) < 5.0F + 0.4F * quantum_mm(z(middle));
-    const bool between = behind_left > 0 && behind_right > 0;
+    const bool shin = last - first + 1 >= kFlatCellsMin && bulge > 10.0F + 0.4F * quantum_mm(z(middle));
+    const bool between = behind_left > 0 && behind_right > 0 && !shin;
     const bool beside = behind_left + behind_right == 1 && flat;
     if (between || beside)
       for (int c = first; c <= last; ++c) cut_[cell(c)] = 1;
     behind_left = -behind_right;
     first = last + 1;
+  }
+}
+
+// Legs of chairs, in a row: thinner than shins. A hole of one cell parts nothing.
+void FurnitureCutter::cut_posts(const Grid& grid, int row, float limit_mm, std::span<std::uint8_t> chosen) {
+  const auto mine = [&](int c) { return c >= 0 && c < grid.width && chosen[at(grid.index(c, row))] != 0; };
+  const auto z = [&](int c) { return static_cast<float>(grid.depth[at(grid.index(c, row))]); };
+  const auto goes_on = [&](int c, int next) {
+    return mine(next) && std::fabs(z(next) - z(c)) < kPartMm + quantum_mm(z(c));
+  };
+  for (int first = 0; first < grid.width; ++first) {
+    if (!mine(first)) continue;
+    int last = first;
+    while (goes_on(last, last + 1) || goes_on(last, last + 2)) last += goes_on(last, last + 1) ? 1 : 2;
+    const float height = grid.height_mm[at(grid.index(first, row))];
+    const float wide = static_cast<float>(last - first + 1) * cell_mm(grid, z(first));
+    if (wide < kPostMm && height > kPostLowMm && height < limit_mm)
+      for (int c = first; c <= last; ++c)
+        if (mine(c)) cut_[at(grid.index(c, row))] = 1;
+    first = last;
   }
 }
 
@@ -260,7 +284,10 @@ void FurnitureCutter::cut_below_and_above(const Grid& grid, Vec3f ahead, int c, 
 }
 
 void FurnitureCutter::cut_seat(const Grid& grid, Vec3f ahead, float limit_mm, std::span<std::uint8_t> chosen) {
-  for (int r = 0; r < grid.height; ++r) cut_row(grid, r, limit_mm, chosen);
+  for (int r = 0; r < grid.height; ++r) {
+    cut_row(grid, r, limit_mm, chosen);
+    cut_posts(grid, r, limit_mm, chosen);
+  }
   for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = static_cast<std::uint8_t>(chosen[i] & (cut_[i] ^ 1));
   for (int r = 0; r < grid.height; ++r)
     for (int c = 0; c < grid.width; ++c)
@@ -343,6 +370,22 @@ void FurnitureCutter::drop_loose(const Grid& grid, float limit_mm, std::span<std
   }
 }
 
+bool FurnitureCutter::cut_ledges(const Grid& grid, Vec3f ahead, float limit_mm, std::span<std::uint8_t> chosen) {
+  bool any = false;
+  find_tops(grid, limit_mm, chosen);
+  for (int c = 0; c < grid.width; ++c) {
+    const Ledge ledge = next_ledge(grid, c);
+    if (ledge.c_last < ledge.c_first) continue;
+    follow_down(grid, ahead, ledge, chosen);
+    if (!flat(grid, ledge)) continue;
+    take(grid, ahead, ledge, chosen);
+    take_beside(grid, ahead, ledge, chosen);
+    any = true;
+    c = ledge.c_last;
+  }
+  return any;
+}
+
 void FurnitureCutter::run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> chosen) {
   std::fill(cut_.begin(), cut_.end(), std::uint8_t{0});
   if (!floor.known) return;
@@ -356,17 +399,8 @@ void FurnitureCutter::run(const Grid& grid, const FloorPlane& floor, std::span<s
     cut_seat(grid, ahead, kSeatShare * tall_mm, chosen);
     cut_behind(grid, ahead, tall_mm, chosen);
   }
-  find_tops(grid, limit_mm, chosen);
-  for (int c = 0; c < grid.width; ++c) {
-    const Ledge ledge = next_ledge(grid, c);
-    if (ledge.c_last < ledge.c_first) continue;
-    follow_down(grid, ahead, ledge, chosen);
-    if (!flat(grid, ledge)) continue;
-    take(grid, ahead, ledge, chosen);
-    take_beside(grid, ahead, ledge, chosen);
-    any = true;
-    c = ledge.c_last;
-  }
+  // Twice: what was taken may have stood before more of it.
+  for (int pass = 0; pass < 2 && cut_ledges(grid, ahead, limit_mm, chosen); ++pass) any = true;
   if (any) drop_loose(grid, limit_mm, chosen);
 }
 

@@ -30,6 +30,8 @@ class FurnitureCutter {
   Ledge next_ledge(const Grid& grid, int c) const;
   void follow_down(const Grid& grid, Vec3f ahead, const Ledge& ledge, std::span<const std::uint8_t> chosen);
   bool flat(const Grid& grid, const Ledge& ledge) const;
+  bool cut_ledges(const Grid& grid, Vec3f ahead, float limit_mm, std::span<std::uint8_t> chosen);
+  void cut_posts(const Grid& grid, int row, float limit_mm, std::span<std::uint8_t> chosen);
   void cut_seat(const Grid& grid, Vec3f ahead, float limit_mm, std::span<std::uint8_t> chosen);
   float distance_between(const Grid& grid, Vec3f ahead, float low_mm, float high_mm,
                          std::span<const std::uint8_t> chosen);

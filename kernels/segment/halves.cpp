@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies in halves: in profile a hand, a hem or a hip hides a step in depth between trunk and legs, or between head
-// and trunk, and nothing of it has a person's size alone.
+// Bodies in halves: a hand, a hem, a belly bent over hides where the trunk joins the legs, or the head the trunk, and
+// neither part has a person's size alone.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,11 +18,13 @@ constexpr float kTopMaxMm = 2200.0F;
 constexpr float kOverMm = 200.0F;        // what the upper half reaches beyond the lower
 constexpr float kPartAreaMinM2 = 0.03F;  // a head's
 constexpr float kPartAreaMaxM2 = 0.6F;
-constexpr float kPartWideMaxMm = 700.0F;
-constexpr float kAsideMm = 200.0F;  // of the middles
-constexpr float kBehindMm = 450.0F;
-constexpr int kStepMaxMm = 600;  // where they meet: a hand before the hip
-constexpr int kMeetRows = 4;     // between them, of noise
+constexpr float kLowerWideMaxMm = 700.0F;
+constexpr float kUpperWideMaxMm = 1300.0F;  // with arms held out
+constexpr float kAsideMm = 280.0F;          // of the middles
+constexpr float kBehindMm = 550.0F;         // a trunk bent forwards is that far before its legs
+constexpr float kBehindHeadMm = 250.0F;     // where a head is seen: another's legs may be behind
+constexpr int kStepMaxMm = 600;             // where they meet: a hand before the hip
+constexpr int kMeetRows = 4;                // between them, of noise
 constexpr int kMeetCellsMin = 4;
 constexpr float kRoundMin = 11.0F;
 
@@ -63,9 +65,9 @@ void BlobFinder::join_halves(const Grid& grid, const FloorPlane& floor) {
   const auto mm = [&](const Blob& blob) {
     return static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
   };
-  const auto part = [&](const Blob& blob) {
+  const auto part = [&](const Blob& blob, float wide_max_mm) {
     return blob.area_m2 > kPartAreaMinM2 && blob.area_m2 < kPartAreaMaxM2 &&
-           static_cast<float>(blob.c_max - blob.c_min + 1) * mm(blob) < kPartWideMaxMm;
+           static_cast<float>(blob.c_max - blob.c_min + 1) * mm(blob) < wide_max_mm;
   };
   const auto heads_of = [&](int b, bool seen) {
     return std::count_if(heads_.begin(), heads_.begin() + head_count_,
@@ -76,13 +78,15 @@ void BlobFinder::join_halves(const Grid& grid, const FloorPlane& floor) {
     const Blob& lower = blobs_[at(b)];
     const bool stands = lower.height_min_mm < kLowMaxMm && lower.height_max_mm < kTopMaxMm - kOverMm &&
                         lower.height_max_mm - lower.height_min_mm > kLowerTallMinMm;
-    if (!stands || !part(lower) || heads_of(b, true) > 0) continue;
+    if (!stands || !part(lower, kLowerWideMaxMm) || heads_of(b, true) > 0) continue;
     const int o = blob_over(grid, b);
-    if (o < 0 || heads_of(o, true) > 0 || heads_of(b, false) + heads_of(o, false) > 1) continue;
+    if (o < 0 || heads_of(o, true) > 1 || heads_of(b, false) + heads_of(o, false) > 1) continue;
     const Blob& upper = blobs_[at(o)];
     const Vec3f off = upper.centroid_mm - lower.centroid_mm;
-    const bool fits = part(upper) && upper.height_max_mm > std::max(kTopMinMm, lower.height_max_mm + kOverMm) &&
-                      upper.height_max_mm < kTopMaxMm && std::fabs(off.x) < kAsideMm && std::fabs(off.z) < kBehindMm;
+    const bool fits = part(upper, kUpperWideMaxMm) &&
+                      upper.height_max_mm > std::max(kTopMinMm, lower.height_max_mm + kOverMm) &&
+                      upper.height_max_mm < kTopMaxMm && std::fabs(off.x) < kAsideMm &&
+                      std::fabs(off.z) < (heads_of(o, true) > 0 ? kBehindHeadMm : kBehindMm);
     if (!fits) continue;
     if (roundness(grid, b, lower.r_max).score < kRoundMin || roundness(grid, o, upper.r_max).score < kRoundMin)
       continue;

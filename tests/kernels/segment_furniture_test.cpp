@@ -141,6 +141,28 @@ TEST(SegmentFurniture, TheChairIsNotWhoSitsOnIt) {
   EXPECT_GT(s.overlap, 0.94);
 }
 
+// As far as the shins and beside them, so that they are one surface.
+TEST(SegmentFurniture, LegsOfChairsAreThinnerThanShins) {
+  std::vector<Box> boxes;
+  for (const float x : {-265.0F, 265.0F}) {
+    boxes.push_back({{x - 15, 0, 2250}, {x + 15, 600, 2280}});
+    boxes.push_back({{x - 15, 570, 2250}, {x + 15, 600, 2700}});  // under the forearm
+  }
+  const Shares s = first_look(room_with(seated_at(0, 2700), boxes));
+  ASSERT_TRUE(s.found);
+  EXPECT_LT(s.furniture, 0.03);
+  EXPECT_GT(s.overlap, 0.94) << "the shins stay";
+}
+
+// The head hides where the trunk begins: that is an edge as well, once the head is gone.
+TEST(SegmentFurniture, ABoxBehindAnotherBoxAtTheLegIsNotThePerson) {
+  const Shares s = first_look(
+      room_with(person_at(0, 2600), {{{165, 180, 2560}, {400, 520, 3000}}, {{215, 500, 2390}, {350, 740, 2561}}}));
+  ASSERT_TRUE(s.found);
+  EXPECT_LT(s.furniture, 0.03);
+  EXPECT_GT(s.overlap, 0.94);
+}
+
 // In profile, a leg behind the other, forearms crossed before and above the head: neither head nor legs to be told.
 std::vector<Capsule> hidden_head_at(float x, float z) {
   const auto at = [&](float dx, float y, float dz = 0) { return Vec3f{x + dx, y, z + dz}; };

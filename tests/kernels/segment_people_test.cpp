@@ -121,6 +121,24 @@ TEST_F(SegmentPeople, WhoReturnsSoonIsTheSameAndWhoReturnsLateIsNot) {
   EXPECT_NE(person.id, id);
 }
 
+// The stand reaches over the head and becomes one surface with the person: no other person for that.
+TEST_F(SegmentPeople, WhoReturnsBesideACoatStandIsTheSame) {
+  Scene empty = small_room();
+  add(empty, {{{560, 0, 2800}, {560, 2150, 2800}, 30, 9}});
+  Scene before = empty, after = empty;
+  add(before, person_at(-400, 2800));
+  add(after, person_at(205, 2800));
+  int id = 0;
+  for (int i = 0; i < 4; ++i) id = run(before).id;
+  ASSERT_GE(id, 1);
+  for (int i = 0; i < 10; ++i) run(empty, 0.1F);
+  for (int i = 0; i < 4; ++i) {
+    const Person person = run(after);
+    ASSERT_TRUE(person.found) << i;
+    EXPECT_EQ(person.id, id) << i;
+  }
+}
+
 TEST_F(SegmentPeople, ResetForgetsPeopleButNotTheirNumbers) {
   Scene s = small_room();
   add(s, person_at(0, 2800));
