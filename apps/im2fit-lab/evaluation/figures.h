@@ -8,7 +8,7 @@
 #include "apps/im2fit-lab/evaluation/icp_study.h"
 #include "apps/im2fit-lab/evaluation/report.h"
 #include "apps/im2fit-lab/evaluation/runtime.h"
-#include "apps/im2fit-lab/evaluation/svg_plot.h"
+#include "apps/common/svg_plot.h"
 
 namespace im2fit::apps {
 

@@ -40,34 +40,23 @@ std::vector<Series> series_of(const std::vector<RuntimeRow>& rows, const std::ve
   return all;
 }
 
-// Names at the lines' ends, apart enough to be read.
-void name_ends(Svg& svg, const Panel& panel, const std::vector<Series>& all, double x, double top) {
-  std::vector<std::pair<double, const Series*>> ends;
-  for (const Series& s : all) ends.push_back({panel.y(s.values.back().second), &s});
-  std::sort(ends.begin(), ends.end());
-  double below = top;
-  for (auto& [y, s] : ends) {
-    below = y = std::max(y, below + 16);
-    svg.line(panel.at(s->values.back().first, s->values.back().second), {x - 4, y}, {s->colour, 0.6, "1 3"});
-    svg.text({x, y + 4}, s->words, {Lettering::Anchor::start, 12, s->colour});
-  }
-}
-
 }  // namespace
 
 Figure runtime_figure(const std::vector<RuntimeRow>& rows, const std::vector<PeerLine>& peers) {
   const std::vector<Series> all = series_of(rows, peers);
   Svg svg(930, 420, "Runtime against the number of models");
   const Panel panel(svg, {70, 24, 600, 330}, {100, 1e7, "models", true, 5}, {1e-3, 2e3, "ms, one thread", true, 5});
+  std::vector<LineEnd> ends;
   for (const Series& s : all) {
     std::vector<SvgPoint> points;
     for (const auto& [models, ms] : s.values) points.push_back(panel.at(models, ms));
     svg.polyline(points, {s.colour, 2, s.dash});
+    ends.push_back({points.back(), s.words, s.colour});
     for (std::size_t i = 0; i < points.size(); ++i)
       svg.disc(points[i], 3, s.colour, 1,
                fmt::format("{}: {} models, {:.3g} ms", s.words, tick_label(s.values[i].first), s.values[i].second));
   }
-  name_ends(svg, panel, all, 690, 24);
+  name_line_ends(svg, ends, 690, 24, 354);
   for (const auto& [models, ms, words] :
        {std::tuple{kPaperModels, kPaperQueryMs, "paper: 50,000 models, 800 ms"},
         std::tuple{kPaperModelsMost, kPaperQueryMostMs, "paper: 5,000,000 models, < 500 ms"}}) {

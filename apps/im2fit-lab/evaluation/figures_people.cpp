@@ -31,6 +31,21 @@ std::string person_words(const Outcome& o) {
                      o.answer.measurements[kStature].value - o.truth[kStature]);
 }
 
+// Tukey's box upright about the pixel column `x_px`, values by the panel's y.
+void draw_box(Svg& svg, const Panel& panel, double x_px, double width_px, const BoxStatistics& box,
+              const char* colour, std::string_view hover) {
+  if (box.count == 0) return;
+  const double half = width_px / 2;
+  svg.line({x_px, panel.y(box.low)}, {x_px, panel.y(box.quartile_1)}, {colour, 1.2});
+  svg.line({x_px, panel.y(box.quartile_3)}, {x_px, panel.y(box.high)}, {colour, 1.2});
+  for (const double end : {box.low, box.high})
+    svg.line({x_px - half / 2, panel.y(end)}, {x_px + half / 2, panel.y(end)}, {colour, 1.2});
+  const double top = panel.y(box.quartile_3);
+  svg.rectangle({x_px - half, top}, width_px, panel.y(box.quartile_1) - top, colour, 0.35, hover);
+  svg.line({x_px - half, panel.y(box.median)}, {x_px + half, panel.y(box.median)}, {colour, 2.4});
+  for (const double value : box.outliers) svg.disc({x_px, panel.y(value)}, 1.8, colour, 0.7);
+}
+
 // Bars of shares, one under the other.
 struct Bar {
   std::string words;

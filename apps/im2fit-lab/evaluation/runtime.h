@@ -19,7 +19,8 @@ struct RuntimeRow {
 };
 
 // The index of `models`, then those of `files`, asked by the same few people, in the order of their sizes. `options`:
-// who they are and how they are seen. Errors: files that are no index, of another feature or of other people.
+// who they are and how they are seen. Errors: files that are no index, or of another feature. Indexes of people this
+// program cannot draw (bench/index' own) have no bodies.
 Result<std::vector<RuntimeRow>> measure_runtime(const SessionModels& models, const std::string& name,
                                                 const std::vector<std::string>& files,
                                                 const EvaluationOptions& options);

@@ -10,7 +10,7 @@
 
 #include "apps/im2fit-lab/evaluation/ansur.h"
 #include "apps/im2fit-lab/evaluation/error_statistics.h"
-#include "apps/im2fit-lab/evaluation/svg_plot.h"
+#include "apps/common/svg_plot.h"
 #include "body/model.h"
 
 namespace im2fit::apps {

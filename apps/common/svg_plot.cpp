@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/im2fit-lab/evaluation/svg_plot.h"
+#include "apps/common/svg_plot.h"
 
 #include <fmt/core.h>
 
@@ -167,26 +167,27 @@ Panel::Panel(Svg& svg, const Frame& frame, const Axis& across, const Axis& up)
     svg.text({frame.x - 40, frame.y + frame.height / 2}, up.name, {Lettering::Anchor::middle, 12, kInk, false, true});
 }
 
-void draw_box(Svg& svg, const Panel& panel, double x_px, double width_px, const BoxStatistics& box,
-              const char* colour, std::string_view hover) {
-  if (box.count == 0) return;
-  const double half = width_px / 2;
-  svg.line({x_px, panel.y(box.low)}, {x_px, panel.y(box.quartile_1)}, {colour, 1.2});
-  svg.line({x_px, panel.y(box.quartile_3)}, {x_px, panel.y(box.high)}, {colour, 1.2});
-  for (const double end : {box.low, box.high})
-    svg.line({x_px - half / 2, panel.y(end)}, {x_px + half / 2, panel.y(end)}, {colour, 1.2});
-  const double top = panel.y(box.quartile_3);
-  svg.rectangle({x_px - half, top}, width_px, panel.y(box.quartile_1) - top, colour, 0.35, hover);
-  svg.line({x_px - half, panel.y(box.median)}, {x_px + half, panel.y(box.median)}, {colour, 2.4});
-  for (const double value : box.outliers) svg.disc({x_px, panel.y(value)}, 1.8, colour, 0.7);
-}
-
 void draw_legend(Svg& svg, SvgPoint at, const std::vector<LegendEntry>& entries) {
   double x = at.first;
   for (const LegendEntry& entry : entries) {
     svg.rectangle({x, at.second - 9}, 11, 11, entry.colour);
     svg.text({x + 16, at.second + 1}, entry.words);
     x += 34 + kWordPx * static_cast<double>(entry.words.size());
+  }
+}
+
+void name_line_ends(Svg& svg, std::vector<LineEnd> ends, double x_px, double top_px, double bottom_px) {
+  constexpr double kStepPx = 16;
+  std::sort(ends.begin(), ends.end(), [](const LineEnd& a, const LineEnd& b) { return a.end.second < b.end.second; });
+  std::vector<double> places;
+  double below = top_px - kStepPx;
+  for (const LineEnd& line : ends) places.push_back(below = std::max(line.end.second, below + kStepPx));
+  // Those pushed beyond the bottom come back up, and push in turn.
+  double above = bottom_px + kStepPx;
+  for (std::size_t i = ends.size(); i-- > 0;) {
+    above = places[i] = std::min(places[i], above - kStepPx);
+    svg.line(ends[i].end, {x_px - 4, places[i]}, {ends[i].colour, 0.6, "1 3"});
+    svg.text({x_px, places[i] + 4}, ends[i].words, {Lettering::Anchor::start, 12, ends[i].colour});
   }
 }
 

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of figures as SVG: shapes, axes, boxes. A file of its own, or a part of a page.
+// Pictures of figures as SVG: shapes, axes, legends. A file of its own, or a part of a page.
 #pragma once
 
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
-
-#include "apps/im2fit-lab/evaluation/error_statistics.h"
 
 namespace im2fit::apps {
 
@@ -85,15 +83,19 @@ class Panel {
   Scale x_, y_;
 };
 
-// Tukey's box upright about the pixel column `x`, values by the panel's y.
-void draw_box(Svg& svg, const Panel& panel, double x_px, double width_px, const BoxStatistics& box,
-              const char* colour, std::string_view hover);
-
 struct LegendEntry {
   std::string words;
   const char* colour;
 };
 // Side by side from `at`; entries after each other as wide as their words.
 void draw_legend(Svg& svg, SvgPoint at, const std::vector<LegendEntry>& entries);
+
+// A name right of where each line ends, apart enough to be read, tied to it by a dotted line.
+struct LineEnd {
+  SvgPoint end;
+  std::string words;
+  const char* colour;
+};
+void name_line_ends(Svg& svg, std::vector<LineEnd> ends, double x_px, double top_px, double bottom_px);
 
 }  // namespace im2fit::apps
