@@ -21,6 +21,16 @@ std::string closing(std::string_view name, std::string_view hover) {
   return fmt::format("><title>{}</title></{}>\n", escaped_for_xml(hover), name);
 }
 
+std::vector<std::pair<double, std::string>> ticks_of(const Axis& axis) {
+  if (!axis.named_ticks.empty()) return axis.named_ticks;
+  std::vector<std::pair<double, std::string>> ticks;
+  if (axis.ticks <= 0) return ticks;
+  for (const double tick :
+       axis.logarithmic ? round_log_ticks(axis.low, axis.high) : round_ticks(axis.low, axis.high, axis.ticks))
+    ticks.emplace_back(tick, tick_label(tick));
+  return ticks;
+}
+
 }  // namespace
 
 std::string escaped_for_xml(std::string_view text) {
@@ -148,17 +158,13 @@ Panel::Panel(Svg& svg, const Frame& frame, const Axis& across, const Axis& up)
     : x_{across.low, across.high, frame.x, frame.x + frame.width, across.logarithmic},
       y_{up.low, up.high, frame.y + frame.height, frame.y, up.logarithmic} {
   const double bottom = frame.y + frame.height;
-  const auto ticks_of = [](const Axis& axis) {
-    if (axis.ticks <= 0) return std::vector<double>{};
-    return axis.logarithmic ? round_log_ticks(axis.low, axis.high) : round_ticks(axis.low, axis.high, axis.ticks);
-  };
-  for (const double tick : ticks_of(across)) {
+  for (const auto& [tick, label] : ticks_of(across)) {
     svg.line({x(tick), frame.y}, {x(tick), bottom}, {kFaint});
-    svg.text({x(tick), bottom + 15}, tick_label(tick), {Lettering::Anchor::middle, 11, kGrey});
+    svg.text({x(tick), bottom + 15}, label, {Lettering::Anchor::middle, 11, kGrey});
   }
-  for (const double tick : ticks_of(up)) {
+  for (const auto& [tick, label] : ticks_of(up)) {
     svg.line({frame.x, y(tick)}, {frame.x + frame.width, y(tick)}, {kFaint});
-    svg.text({frame.x - 6, y(tick) + 4}, tick_label(tick), {Lettering::Anchor::end, 11, kGrey});
+    svg.text({frame.x - 6, y(tick) + 4}, label, {Lettering::Anchor::end, 11, kGrey});
   }
   svg.line({frame.x, bottom}, {frame.x + frame.width, bottom}, {kGrey});
   if (!across.name.empty())

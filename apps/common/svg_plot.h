@@ -69,7 +69,8 @@ struct Axis {
   double low = 0, high = 1;
   std::string name;
   bool logarithmic = false;
-  int ticks = 5;  // about so many; 0: neither grid nor labels
+  int ticks = 5;                                                 // about so many; 0: neither grid nor labels
+  std::vector<std::pair<double, std::string>> named_ticks = {};  // instead of round ones
 };
 // A frame with a grid, tick labels and names of axes; y grows upwards.
 class Panel {

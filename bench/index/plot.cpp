@@ -19,6 +19,17 @@ using apps::SvgPoint;
 constexpr std::array<const char*, 10> kColours = {"#d55e00", "#e69f00", "#a0522d", "#000000", "#7f7f7f",
                                                   "#0072b2", "#56b4e9", "#009e73", "#cc79a7", "#6a3d9a"};
 
+const apps::Axis kModels = {
+    800,  6.5e6, "models in the index",
+    true, 5,     {{1e3, "1,000"}, {1e4, "10,000"}, {5e4, "50,000"}, {5e5, "500,000"}, {5e6, "5,000,000"}}};
+const apps::Axis kTime = {
+    1e-3,
+    1e3,
+    "",
+    true,
+    6,
+    {{1e-3, "1 µs"}, {1e-2, "10 µs"}, {1e-1, "100 µs"}, {1, "1 ms"}, {10, "10 ms"}, {100, "100 ms"}, {1e3, "1 s"}}};
+
 std::vector<SvgPoint> points_of(const Panel& panel, const std::vector<const Row*>& rows,
                                 std::optional<double> Row::*time) {
   std::vector<SvgPoint> points;
@@ -50,8 +61,7 @@ std::string plot_of(const Measured& all) {
   constexpr double kLeft = 76, kTop = 44, kWidth = 560, kHeight = 440;
   Svg svg(980, kTop + kHeight + 60, "Query time against models");
   svg.text({kLeft, kTop - 16}, "time of one query, one thread: p50 drawn through, p99 dashed");
-  const Panel panel(svg, {kLeft, kTop, kWidth, kHeight}, {800, 6.5e6, "models in the index", true, 5},
-                    {1e-3, 1e3, "ms", true, 6});
+  const Panel panel(svg, {kLeft, kTop, kWidth, kHeight}, kModels, kTime);
   draw_bars(svg, panel);
   std::vector<apps::LineEnd> ends;
   for (std::size_t p = 0; p < peers.size(); ++p) {

@@ -116,11 +116,15 @@ Figure calibration_figure(const std::vector<ConditionRun>& runs) {
   const double high = std::max(280.0, 24.0 * static_cast<double>(runs.size()));
   Svg svg(930, high + 84, "Calibration of intervals");
   draw_levels(svg, {56, 34, 330, high}, runs.front());
+  const int people = runs.front().report.measured;
   draw_coverage(svg, {520, 34, 390, high}, runs);
   return {"calibration", "Do the intervals keep their word?",
-          "Left, the first condition: the stated interval is one of 95 %; other shares read it as a normal's, as the "
-          "probability of a size does. On the dashed line they hold what they say, below it they promise too much. "
-          "Right: the stated 95 % by condition, a dot a measurement, the black mark their mean, green the goal.",
+          fmt::format(
+              "Left, the first condition: the stated interval is one of 95 %; other shares read it as a normal's, as "
+              "the probability of a size does. On the dashed line they hold what they say, below it they promise "
+              "too much. Right: the stated 95 % by condition, a dot a measurement, the black mark their mean, green "
+              "the goal. Of {0} people a true 95 % shows as 95 ± {1:.1f} %.",
+              people, people > 0 ? 196 * std::sqrt(0.95 * 0.05 / people) : 100.0),
           std::move(svg)};
 }
 

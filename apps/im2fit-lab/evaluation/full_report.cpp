@@ -28,7 +28,7 @@ svg{width:100%;height:auto;display:block}
 .wide{overflow-x:auto}
 table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}
 th,td{padding:5px 7px;text-align:right;white-space:nowrap;border-bottom:1px solid #e4e7eb}
-th{font-weight:600;color:#5d6570}
+th{font-weight:600;color:#5d6570;white-space:normal;vertical-align:bottom}
 td:first-child,th:first-child{text-align:left}
 .in{color:#00795a}.over{color:#b84a00}
 nav a{color:#0072b2;text-decoration:none;margin-right:14px;font-size:14px}
@@ -211,8 +211,8 @@ std::string json_of(const FullReport& report) {
                                {"query_p50_ms", row.query_p50_ms},
                                {"query_p99_ms", row.query_p99_ms},
                                {"measurements_ms", row.measurements_ms},
-                               {"naked_ms", row.naked_ms},
-                               {"clothed_ms", row.clothed_ms}});
+                               {"naked_ms", row.naked_ms > 0 ? Json(row.naked_ms) : Json()},
+                               {"clothed_ms", row.clothed_ms > 0 ? Json(row.clothed_ms) : Json()}});
   for (const IcpCurve& c : report.icp)
     json["icp"].push_back({{"method", c.method}, {"who", c.who}, {"error_mm", c.error_mm}});
   return json.dump(1) + "\n";
