@@ -91,6 +91,15 @@ Result<int> inspect(const LookOptions& options) {
     errors.add({measurement_label(i), number(info.answer_mae[i], 1), number(info.ridge_mae[i], 1),
                 number(info.nearest_mae[i], 1), number(info.prior_mae[i], 1), number(100 * info.coverage[i], 1)});
   fmt::print("{}\n{}\n{}", sections.text(), groups.text(), errors.text());
+  const auto& fitted = info.refined[static_cast<std::size_t>(index::Refinement::fitted)];
+  const auto& turned = info.refined[static_cast<std::size_t>(index::Refinement::turned)];
+  if (fitted.sample_count == 0 || turned.sample_count == 0) return kExitOk;
+  TextTable refined(
+      {"on strangers, with a fitted shape", "front", "in interval %", "front and back", "in interval %"});
+  for (std::size_t i = 0; i < kMeasurementCount; ++i)
+    refined.add({measurement_label(i), number(fitted.mae[i], 1), number(100 * fitted.coverage[i], 1),
+                 number(turned.mae[i], 1), number(100 * turned.coverage[i], 1)});
+  fmt::print("\n{}", refined.text());
   return kExitOk;
 }
 
