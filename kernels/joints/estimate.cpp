@@ -4,13 +4,14 @@
 #include <algorithm>
 
 #include "kernels/core/skeleton.h"
+#include "kernels/joints/forest.h"
 
 namespace im2fit::joints {
 namespace {
 
 constexpr std::size_t kStartCount = 3;
 constexpr std::size_t kRunCount = 2 * kStartCount;
-static_assert(kRunCount <= kCascadeRunsMax);
+static_assert(kRunCount <= kCascadeRunsMax && kRunCount <= kForestRunsMax);
 
 // What the mirror image's joints are in the view itself.
 Shape mirrored(const Shape& shape) {
@@ -31,11 +32,12 @@ float middle(std::array<float, kRunCount> values) {
 
 Estimate estimate(const JointModel::Data& model, const View& view, const View& mirror_image) {
   const std::array<ForestView, kStartCount> starts = {model.forest, model.forest.half(0), model.forest.half(1)};
+  std::array<ForestRun, kRunCount> jumps{};
+  for (std::size_t i = 0; i < kRunCount; ++i)
+    jumps[i] = {starts[i % kStartCount], i < kStartCount ? &view : &mirror_image, {}};
+  run_forests(jumps);
   std::array<CascadeRun, kRunCount> runs{};
-  for (std::size_t i = 0; i < kRunCount; ++i) {
-    runs[i].view = i < kStartCount ? &view : &mirror_image;
-    run_forest(starts[i % kStartCount], *runs[i].view, runs[i].shape);
-  }
+  for (std::size_t i = 0; i < kRunCount; ++i) runs[i] = {jumps[i].view, jumps[i].shape};
   run_cascade(model, runs);
   std::array<Shape, kRunCount> seen{};
   for (std::size_t i = 0; i < kRunCount; ++i) seen[i] = i < kStartCount ? runs[i].shape : mirrored(runs[i].shape);

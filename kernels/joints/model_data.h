@@ -10,6 +10,7 @@
 
 #include "kernels/core/camera.h"
 #include "kernels/core/skeleton.h"
+#include "kernels/joints/anchors/anchors.h"
 #include "kernels/joints/tracker.h"
 #include "kernels/joints/trees/trees.h"
 #include "kernels/joints/view.h"
@@ -42,17 +43,6 @@ struct JumpNode {
   std::uint16_t left = 0;
 };
 static_assert(sizeof(JumpNode) == 12);
-
-// One shape-indexed pixel: a place on the line from one joint to another, and an offset from there, mm. Between
-// joints of a limb it follows the limb whatever way that points (Burgos-Artizzu et al. 2013, section 3.1).
-struct Anchor {
-  std::int16_t dx = 0;
-  std::int16_t dy = 0;
-  std::uint8_t joint = 0;
-  std::uint8_t towards = 0;
-  std::int16_t share_q8 = 0;  // 0 at `joint`, 256 at `towards`
-};
-static_assert(sizeof(Anchor) == 8);
 
 using Basis = std::array<float, static_cast<std::size_t>(kLeafSize* kShapeSize)>;  // mm a unit, by coefficient
 
@@ -92,10 +82,10 @@ inline int jump_feature(const View& view, Vec3f p, const JumpNode& n) {
   return probe(view, p.x + static_cast<float>(n.a), p.y + static_cast<float>(n.b), z, inverse_z) -
          probe(view, p.x + static_cast<float>(n.c), p.y + static_cast<float>(n.d), z, inverse_z);
 }
-const JumpNode& find_leaf(std::span<const JumpNode> tree, const View& view, Vec3f p);
 
-// Depth under each anchor relative to the torso's, within +-600.
-void read_anchors(std::span<const Anchor> anchors, const View& view, const Shape& shape, std::int16_t* out);
+// Depth under each anchor relative to the torso's, within +-600; `step` places apart.
+void read_anchors(std::span<const Anchor> anchors, const View& view, const Shape& shape, std::int16_t* out,
+                  std::ptrdiff_t step = 1);
 inline int find_leaf(const Split* splits, const std::int16_t* pixels) {
   int i = 0;
   while (i < kSplitCount) i = 2 * i + 1 + (pixels[splits[i].a] - pixels[splits[i].b] > splits[i].threshold ? 1 : 0);
@@ -121,9 +111,7 @@ struct ForestView {
     return {tree_count / 2, jump_count, tree_start, nodes, bone, which, 2};
   }
 };
-void run_forest(const ForestView& forest, const View& view, Shape& shape);
-// One joint from `start`.
-Vec3f run_jumps(const ForestView& forest, int joint, const View& view, Vec3f start);
+void run_forest(const ForestView& forest, const View& view, Shape& shape);  // forest.h: several side by side
 Vec3f jump_start(const ForestView& forest, int joint, const View& view, const Shape& shape);
 
 }  // namespace im2fit::joints
@@ -152,7 +140,7 @@ struct CascadeRun {
   const View* view = nullptr;
   Shape shape{};  // the start, then the answer
 };
-inline constexpr std::size_t kCascadeRunsMax = 6;
+inline constexpr std::size_t kCascadeRunsMax = kRunLanes;
 void run_cascade(const JointModel::Data& model, std::span<CascadeRun> runs);  // kCascadeRunsMax at most
 }  // namespace joints
 

@@ -12,14 +12,7 @@
 namespace im2fit {
 namespace joints {
 
-constexpr std::size_t kTreesAtOnce = 32;
 constexpr float kPlaceMaxMm = 1e6F;
-
-const JumpNode& find_leaf(std::span<const JumpNode> tree, const View& view, Vec3f p) {
-  const JumpNode* n = tree.data();
-  while (n->left != 0) n = tree.data() + n->left + (jump_feature(view, p, *n) > n->threshold ? 1 : 0);
-  return *n;
-}
 
 Vec3f jump_start(const ForestView& forest, int joint, const View& view, const Shape& shape) {
   const auto j = static_cast<std::size_t>(joint);
@@ -30,49 +23,19 @@ Vec3f jump_start(const ForestView& forest, int joint, const View& view, const Sh
                       0.5F;
 }
 
-// The mean of the later half of the jumps: single trees hop between two leaves about the joint.
-Vec3f run_jumps(const ForestView& forest, int joint, const View& view, Vec3f p) {
-  const float tree_share = 1.0F / static_cast<float>(forest.tree_count);
-  Vec3f sum;
-  int sum_count = 0;
-  for (std::uint32_t step = 0; step < forest.jump_count; ++step) {
-    Vec3f jump;
-    for (std::uint32_t t = 0; t < forest.tree_count; ++t) {
-      const JumpNode& leaf = find_leaf(forest.tree(joint, t), view, p);
-      jump = jump + Vec3f{static_cast<float>(leaf.a), static_cast<float>(leaf.b), static_cast<float>(leaf.c)};
-    }
-    p = p + jump * tree_share;
-    p.z = safe_depth(p.z);
-    if (step < forest.jump_count / 2) continue;
-    sum = sum + p;
-    ++sum_count;
+void read_anchors(std::span<const Anchor> anchors, const View& view, const Shape& shape, std::int16_t* out,
+                  std::ptrdiff_t step) {
+  AnchorJoints joints;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const Vec3f p = joint_of(shape, static_cast<int>(j));
+    joints.x[j] = p.x;
+    joints.y[j] = p.y;
+    joints.inverse_z[j] = 1.0F / safe_depth(p.z);
   }
-  return sum * (1.0F / static_cast<float>(sum_count));
-}
-
-void run_forest(const ForestView& forest, const View& view, Shape& shape) {
-  for (const Joint name : kJointOrder) {
-    const int j = static_cast<int>(name);
-    const Vec3f start = jump_start(forest, j, view, shape);
-    set_joint(shape, j, run_jumps(forest, j, view, start));
-  }
-}
-
-void read_anchors(std::span<const Anchor> anchors, const View& view, const Shape& shape, std::int16_t* out) {
-  std::array<float, kJointCount> inverse_z{};
-  for (int j = 0; j < static_cast<int>(kJointCount); ++j)
-    inverse_z[static_cast<std::size_t>(j)] = 1.0F / safe_depth(joint_of(shape, j).z);
   const int reference = static_cast<int>(joint_of(shape, static_cast<int>(Joint::TO)).z);
-  for (std::size_t i = 0; i < anchors.size(); ++i) {
-    const Anchor& a = anchors[i];
-    const Vec3f from = joint_of(shape, a.joint);
-    const float share = static_cast<float>(a.share_q8) * (1.0F / 256.0F);
-    const Vec3f p = from + (joint_of(shape, a.towards) - from) * share;
-    const float s = inverse_z[a.joint] + (inverse_z[a.towards] - inverse_z[a.joint]) * share;
-    const int d = view.at_ray((p.x + static_cast<float>(a.dx)) * s, (p.y + static_cast<float>(a.dy)) * s);
-    const int q = d == 0 ? 600 : d - reference;
-    out[i] = static_cast<std::int16_t>(q > 600 ? 600 : (q < -600 ? -600 : q));
-  }
+  const AnchorBox box = {view.depth.data(), view.width, view.height, view.u_first, view.v_first,
+                         view.fx,           view.fy,    view.cx,     view.cy,      reference};
+  anchor_depths(anchors.data(), static_cast<int>(anchors.size()), joints, box, out, step);
 }
 
 void add_sums(const Basis& basis, const std::int32_t* sum, Shape& shape) {
@@ -86,27 +49,21 @@ void add_sums(const Basis& basis, const std::int32_t* sum, Shape& shape) {
 }
 
 void run_cascade(const JointModel::Data& model, std::span<CascadeRun> runs) {
-  struct Progress {
-    std::array<std::int16_t, kPixelCountMax> pixels;
-    std::array<std::int32_t, static_cast<std::size_t>(kLeafSize)> sum;
-  };
-  std::array<Progress, kCascadeRunsMax> progress;
+  constexpr auto kLanes = static_cast<std::size_t>(kRunLanes);
+  alignas(2 * kLanes) std::array<std::int16_t, kPixelCountMax * kLanes> pixels;  // the runs' values side by side
+  std::array<std::array<std::int32_t, static_cast<std::size_t>(kLeafSize)>, kCascadeRunsMax> sums;
   const std::size_t pixel_count = model.meta.pixel_count;
   const std::size_t tree_count = model.meta.level_tree_count;
+  std::fill_n(pixels.begin(), pixel_count * kLanes, std::int16_t{0});
   for (std::size_t level = 0; level < model.meta.level_count; ++level) {
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-      read_anchors(model.anchors.subspan(level * pixel_count, pixel_count), *runs[r].view, runs[r].shape,
-                   progress[r].pixels.data());
-      progress[r].sum = {};
-    }
-    // A few trees for every run, then the next few: the model comes from memory once, whatever the number of runs.
-    for (std::size_t tree = level * tree_count; tree < (level + 1) * tree_count; tree += kTreesAtOnce) {
-      const std::size_t count = std::min(kTreesAtOnce, (level + 1) * tree_count - tree);
-      for (std::size_t r = 0; r < runs.size(); ++r)
-        sum_leaves(model.splits.data() + tree * kSplitCount, model.leaves.data() + tree * kLeafCount * kLeafSize,
-                   static_cast<int>(count), progress[r].pixels.data(), progress[r].sum.data());
-    }
-    for (std::size_t r = 0; r < runs.size(); ++r) add_sums(model.basis[level], progress[r].sum.data(), runs[r].shape);
+    const auto anchors = model.anchors.subspan(level * pixel_count, pixel_count);
+    for (std::size_t r = 0; r < runs.size(); ++r)
+      read_anchors(anchors, *runs[r].view, runs[r].shape, pixels.data() + r, kRunLanes);
+    sums = {};
+    const std::size_t tree = level * tree_count;
+    sum_leaves(model.splits.data() + tree * kSplitCount, model.leaves.data() + tree * kLeafCount * kLeafSize,
+               static_cast<int>(tree_count), pixels.data(), static_cast<int>(runs.size()), sums[0].data());
+    for (std::size_t r = 0; r < runs.size(); ++r) add_sums(model.basis[level], sums[r].data(), runs[r].shape);
   }
 }
 

@@ -23,10 +23,12 @@ struct View {
   int pixel_count = 0;
   std::vector<std::uint16_t> depth;  // mm, 0 outside the mask
 
+  // Of the box. The offset keeps the truncation a floor for rays left of and above the picture.
+  int column_of(float rx) const { return static_cast<int>(fx * rx + cx + 8192.5F) - 8192 - u_first; }
+  int row_of(float ry) const { return static_cast<int>(fy * ry + cy + 8192.5F) - 8192 - v_first; }
   int at_ray(float rx, float ry) const {
-    // The offset keeps the truncation a floor for rays left of and above the picture.
-    const int u = static_cast<int>(fx * rx + cx + 8192.5F) - 8192 - u_first;
-    const int v = static_cast<int>(fy * ry + cy + 8192.5F) - 8192 - v_first;
+    const int u = column_of(rx);
+    const int v = row_of(ry);
     if (static_cast<unsigned>(u) >= static_cast<unsigned>(width) ||
         static_cast<unsigned>(v) >= static_cast<unsigned>(height))
       return 0;

@@ -25,11 +25,14 @@ struct Split {  // pixel a - pixel b > threshold goes right
 };
 static_assert(sizeof(Split) == 6);
 
-// sum[i] += the i-th coefficient of every tree's leaf. splits: 31 a tree, breadth first; leaves: 32 x 32 a tree; sum:
-// 32 values. Exact: up to 2^24 trees fit int32, whatever the leaves hold. Every split's a and b must be a place in
-// `pixels`. No allocation, thread-safe.
+inline constexpr int kRunLanes = 8;  // runs side by side at most
+
+// For each of `run_count` <= kRunLanes runs: sum[run * 32 + i] += the i-th coefficient of every tree's leaf. splits:
+// 31 a tree, breadth first; leaves: 32 x 32 a tree; pixels: kRunLanes values a pixel, one of each run, within
+// +-16383; those of runs beyond run_count are read and forgotten. Exact: up to 2^24 trees fit int32, whatever the
+// leaves hold. Every split's a and b must be a pixel's place. No allocation, thread-safe.
 using SumLeavesFunction = void(const Split* splits, const std::int8_t* leaves, int tree_count,
-                               const std::int16_t* pixels, std::int32_t* sum);
+                               const std::int16_t* pixels, int run_count, std::int32_t* sum);
 SumLeavesFunction sum_leaves_ref, sum_leaves_portable, sum_leaves_neon, sum_leaves_avx2, sum_leaves;
 
 inline constexpr KernelVariant<SumLeavesFunction> kSumLeavesKernels[] = {

@@ -17,17 +17,21 @@ inline void add_eight(std::int32_t* out, __m128i v) {
 }  // namespace
 
 void sum_leaves_avx2(const Split* splits, const std::int8_t* leaves, int tree_count, const std::int16_t* pixels,
-                     std::int32_t* sum) {
-  for_each_batch(splits, leaves, tree_count, pixels, [sum](const std::int8_t* const* found, int count) {
-    __m256i low = _mm256_setzero_si256(), high = low;  // a batch fits 16 bits
-    for (int t = 0; t < count; ++t) {
-      low = _mm256_add_epi16(low, sixteen(found[t]));
-      high = _mm256_add_epi16(high, sixteen(found[t] + 16));
+                     int run_count, std::int32_t* sum) {
+  for_each_batch(splits, leaves, tree_count, pixels, run_count, [&](const LeafBatch& batch) {
+    for (int r = 0; r < run_count; ++r) {
+      __m256i low = _mm256_setzero_si256(), high = low;  // a batch fits 16 bits
+      for (int t = 0; t < batch.count; ++t) {
+        const std::int8_t* leaf = batch.leaf(t, r);
+        low = _mm256_add_epi16(low, sixteen(leaf));
+        high = _mm256_add_epi16(high, sixteen(leaf + 16));
+      }
+      std::int32_t* to = sum + r * kLeafSize;
+      add_eight(to, _mm256_castsi256_si128(low));
+      add_eight(to + 8, _mm256_extracti128_si256(low, 1));
+      add_eight(to + 16, _mm256_castsi256_si128(high));
+      add_eight(to + 24, _mm256_extracti128_si256(high, 1));
     }
-    add_eight(sum, _mm256_castsi256_si128(low));
-    add_eight(sum + 8, _mm256_extracti128_si256(low, 1));
-    add_eight(sum + 16, _mm256_castsi256_si128(high));
-    add_eight(sum + 24, _mm256_extracti128_si256(high, 1));
   });
 }
 

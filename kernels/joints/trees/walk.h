@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The walk every tier shares: a chain of dependent loads, five deep. Vectors do not help (a gather costs what its
-// loads cost), company does: four trees are walked side by side so that their chains overlap.
+// The walk every tier shares. Down one path it would be a chain of dependent loads, five deep, that vectors do not
+// help. All runs stand before the same tree, though: every split is answered for all of them at once, and the answers
+// are merged from the leaves up. That is six times the comparisons, in vectors of eight, and no chain.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "kernels/joints/trees/trees.h"
 
@@ -14,58 +16,64 @@ namespace {
 constexpr int kBatch = 16;  // trees whose leaves are on their way from memory before the first is added
 constexpr int kLeafValues = kLeafCount * kLeafSize;
 
+using Lanes = std::int16_t __attribute__((vector_size(2 * kRunLanes)));
+
+inline Lanes lanes_of(const std::int16_t* p) {
+  Lanes out;
+  std::memcpy(&out, p, sizeof out);
+  return out;
+}
+
+// By run, the leaf's place among those under `kNode`, the root of a tree of `kDepth`.
+template <int kNode, int kDepth>
+inline Lanes leaf_under(const Split* tree, const std::int16_t* pixels) {
+  const Split& s = tree[kNode];
+  const Lanes limit = Lanes{} + s.threshold;
+  const Lanes right = lanes_of(pixels + s.a * kRunLanes) - lanes_of(pixels + s.b * kRunLanes) > limit;  // 0 or -1
+  constexpr std::int16_t kHere = 1 << (kDepth - 1);
+  if constexpr (kDepth == 1) {
+    return right & kHere;
+  } else {
+    const Lanes a = leaf_under<2 * kNode + 1, kDepth - 1>(tree, pixels);
+    const Lanes b = leaf_under<2 * kNode + 2, kDepth - 1>(tree, pixels);
+    return (right & kHere) | (b & right) | (a & ~right);
+  }
+}
+
+// Some trees' leaves: of run r and tree t at leaves + t * kLeafValues + at[t][r].
+struct LeafBatch {
+  const std::int8_t* leaves = nullptr;
+  int count = 0;
+  std::int16_t at[kBatch][kRunLanes];
+  const std::int8_t* leaf(int tree, int run) const {
+    return leaves + std::ptrdiff_t{tree} * kLeafValues + at[tree][run];
+  }
+};
+
 // A model is larger than the caches of a tablet: a leaf's 32 bytes are asked for as soon as they are known.
-inline const std::int8_t* asked_for(const std::int8_t* leaf) {
-  __builtin_prefetch(leaf);
-  return leaf;
-}
-
-inline int next_node(const Split* tree, const std::int16_t* pixels, int node) {
-  const Split& s = tree[node];
-  return 2 * node + 1 + (pixels[s.a] - pixels[s.b] > s.threshold ? 1 : 0);
-}
-
-// Leaves of `count` <= kBatch trees.
-inline void find_leaves(const Split* splits, const std::int8_t* leaves, int count, const std::int16_t* pixels,
-                        const std::int8_t** found) {
-  int t = 0;
-  for (; t + 4 <= count; t += 4) {
-    const Split* tree = splits + std::ptrdiff_t{t} * kSplitCount;
-    int a = 0, b = 0, c = 0, d = 0;
-    for (int depth = 0; depth < kSplitDepth; ++depth) {
-      a = next_node(tree, pixels, a);
-      b = next_node(tree + kSplitCount, pixels, b);
-      c = next_node(tree + 2 * kSplitCount, pixels, c);
-      d = next_node(tree + 3 * kSplitCount, pixels, d);
-    }
-    const std::int8_t* leaf = leaves + std::ptrdiff_t{t} * kLeafValues - kSplitCount * kLeafSize;
-    found[t] = asked_for(leaf + a * kLeafSize);
-    found[t + 1] = asked_for(leaf + kLeafValues + b * kLeafSize);
-    found[t + 2] = asked_for(leaf + 2 * kLeafValues + c * kLeafSize);
-    found[t + 3] = asked_for(leaf + 3 * kLeafValues + d * kLeafSize);
-  }
-  for (; t < count; ++t) {
-    int a = 0;
-    for (int depth = 0; depth < kSplitDepth; ++depth)
-      a = next_node(splits + std::ptrdiff_t{t} * kSplitCount, pixels, a);
-    found[t] = asked_for(leaves + std::ptrdiff_t{t} * kLeafValues + (a - kSplitCount) * kLeafSize);
+inline void find_leaves(const Split* splits, const std::int16_t* pixels, int run_count, LeafBatch& batch) {
+  for (int t = 0; t < batch.count; ++t) {
+    const Lanes at = leaf_under<0, kSplitDepth>(splits + std::ptrdiff_t{t} * kSplitCount, pixels) *
+                     static_cast<std::int16_t>(kLeafSize);
+    std::memcpy(batch.at[t], &at, sizeof at);
+    for (int r = 0; r < run_count; ++r) __builtin_prefetch(batch.leaf(t, r));
   }
 }
 
-// Calls add(leaves, count) for every batch, one batch behind the walk.
+// Calls add(batch) for every batch, one batch behind the walk.
 template <class Add>
 inline void for_each_batch(const Split* splits, const std::int8_t* leaves, int tree_count, const std::int16_t* pixels,
-                           Add add) {
-  const std::int8_t* found[2][kBatch];
-  int before = 0, turn = 0;
+                           int run_count, Add add) {
+  LeafBatch batches[2];
+  int turn = 0;
   for (int t = 0; t < tree_count; t += kBatch, turn ^= 1) {
-    const int count = tree_count - t < kBatch ? tree_count - t : kBatch;
-    find_leaves(splits + std::ptrdiff_t{t} * kSplitCount, leaves + std::ptrdiff_t{t} * kLeafValues, count, pixels,
-                found[turn]);
-    add(found[turn ^ 1], before);
-    before = count;
+    LeafBatch& batch = batches[turn];
+    batch.leaves = leaves + std::ptrdiff_t{t} * kLeafValues;
+    batch.count = tree_count - t < kBatch ? tree_count - t : kBatch;
+    find_leaves(splits + std::ptrdiff_t{t} * kSplitCount, pixels, run_count, batch);
+    add(batches[turn ^ 1]);
   }
-  add(found[turn ^ 1], before);
+  add(batches[turn ^ 1]);
 }
 
 }  // namespace

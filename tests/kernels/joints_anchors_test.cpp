@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/joints/anchors/anchors.h"
+#include "tests/kernels/checkasm.h"
+
+namespace im2fit::joints {
+namespace {
+
+using checkasm::Buffer;
+
+// A camera of f = 100 px before a picture of 8 x 4 pixels at 1 m, whose pixel (u, v) lies (10 u, 10 v) mm from the
+// optical axis.
+TEST(AnchorDepths, RefReadsThePixelUnderThePlace) {
+  std::uint16_t depth[8 * 4];
+  for (int i = 0; i < 8 * 4; ++i) depth[i] = static_cast<std::uint16_t>(1000 + i);
+  depth[2] = 0;
+  depth[9] = 4000;
+  depth[10] = 100;
+  const AnchorBox box = {depth, 8, 4, 0, 0, 100, 100, 0, 0, 1000};
+  AnchorJoints joints;
+  joints.x[1] = 80;  // joint 0 at the pixel (0, 0), 1 at (8, 0), beside the picture, twice as near
+  joints.inverse_z[0] = 0.001F;
+  joints.inverse_z[1] = 0.002F;
+  const Anchor anchors[] = {{0, 0, 0, 0, 0},     // (0, 0)
+                            {30, 20, 0, 0, 0},   // (3, 2)
+                            {0, 0, 0, 1, 64},    // a quarter of the way, 20 mm at 1/z = 0.00125: pixel 2.5, so 3
+                            {4, -4, 0, 0, 0},    // still (0, 0)
+                            {0, 0, 0, 1, 256},   // (16, 0)
+                            {-6, 0, 0, 0, 0},    // (-1, 0)
+                            {20, 0, 0, 0, 0},    // nobody
+                            {10, 10, 0, 0, 0},   // far behind
+                            {20, 10, 0, 0, 0}};  // far before
+  constexpr std::int16_t kExpected[] = {0, 19, 3, 0, 600, 600, 600, 600, -600};
+  std::int16_t out[2 * std::size(anchors)] = {};
+  anchor_depths_ref(anchors, static_cast<int>(std::size(anchors)), joints, box, out, 2);
+  for (std::size_t i = 0; i < std::size(anchors); ++i) {
+    EXPECT_EQ(out[2 * i], kExpected[i]) << i;
+    EXPECT_EQ(out[2 * i + 1], 0) << i;
+  }
+}
+
+TEST(AnchorDepths, EveryTierReadsTheSame) {
+  checkasm::Trial trial;
+  for (int count : checkasm::odd_sizes(70)) {
+    const int width = 1 + trial.rng().index(40), height = 1 + trial.rng().index(40);
+    const auto step = static_cast<std::ptrdiff_t>(1 + trial.rng().index(8));
+    IM2FIT_CHECK_PARAMETERS(trial, count << " anchors, " << width << "x" << height << ", step " << step);
+    const auto some = [&](double low, double high) { return static_cast<float>(trial.rng().uniform(low, high)); };
+    Buffer<std::uint16_t> depth(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), trial.next_end());
+    for (std::uint16_t& z : depth.span())
+      z = trial.rng().index(3) == 0 ? std::uint16_t{0} : trial.biased<std::uint16_t>(0, 10000);
+    Buffer<Anchor> anchors(static_cast<std::size_t>(count), trial.next_end());
+    for (Anchor& a : anchors.span())
+      a = {trial.biased<std::int16_t>(-400, 400), trial.biased<std::int16_t>(-400, 400),
+           static_cast<std::uint8_t>(trial.rng().index(kAnchorLanes)),
+           static_cast<std::uint8_t>(trial.rng().index(kAnchorLanes)), trial.biased<std::int16_t>(0, 256)};
+    AnchorJoints joints;
+    for (int j = 0; j < kAnchorLanes; ++j) {
+      joints.x[j] = some(-300, 300);
+      joints.y[j] = some(-300, 300);
+      joints.inverse_z[j] = 1 / some(200, 4000);
+    }
+    const AnchorBox box = {
+        depth.data(),  width,         height,        trial.rng().index(20), trial.rng().index(20),
+        some(50, 400), some(50, 400), some(-20, 60), some(-20, 60),         trial.rng().index(4000)};
+    const std::size_t places = static_cast<std::size_t>(count) * static_cast<std::size_t>(step);
+    Buffer<std::int16_t> want(places, trial.next_end()), got(places, trial.next_end());
+    const auto run = [&](auto* function, Buffer<std::int16_t>& out) {
+      for (std::int16_t& value : out.span()) value = 7;
+      function(anchors.data(), count, joints, box, out.data(), step);
+    };
+    run(anchor_depths_ref, want);
+    run(anchor_depths_portable, got);
+    checkasm::expect_same_bits(want, got);
+    checkasm::each_simd(kAnchorDepthsKernels, [&](const auto& variant) {
+      run(variant.function, got);
+      checkasm::expect_same_bits(want, got);
+    });
+  }
+}
+
+}  // namespace
+}  // namespace im2fit::joints
