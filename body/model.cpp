@@ -250,10 +250,16 @@ void weigh_targets(const BodyModel::Data& d, const Params& p, TargetWeights& wei
   add_modifiers(d, p, weights);
 }
 
-void add_runs(const BodyModel::Data& d, std::uint32_t first_run, std::uint32_t run_count, float weight, float* out) {
+float scale_of(float weight) {
   const float scale = weight * kDeltaUnitMm;
-  if (std::fabs(scale) < kBlendScaleMin) return;
-  blend(d.runs.data() + first_run, static_cast<int>(run_count), d.deltas.data(), scale, out);
+  return weight != 0 && !(std::fabs(scale) < kBlendScaleMin) ? scale : 0;
+}
+
+void add_target(const BodyModel::Data& d, std::size_t target, std::uint32_t run_count,
+                std::span<const BlendInto> into) {
+  if (into.empty()) return;
+  blend(d.runs.data() + d.targets[target].first_run, static_cast<int>(run_count), d.deltas.data(), into.data(),
+        static_cast<int>(into.size()));
 }
 
 }  // namespace
@@ -316,19 +322,39 @@ void BodyModel::morph(const Params& params, std::span<Vec3f> out) const {
   weigh_targets(d, params, weights);
   static_assert(sizeof(Vec3f) == 3 * sizeof(float));
   std::memcpy(out.data(), d.base.data(), d.base.size_bytes());
-  for (std::size_t t = 0; t < d.targets.size(); ++t)
-    if (weights[t] != 0) add_runs(d, d.targets[t].first_run, d.targets[t].run_count, weights[t], &out[0].x);
+  for (std::size_t t = 0; t < d.targets.size(); ++t) {
+    const BlendInto into = {scale_of(weights[t]), &out[0].x};
+    if (into.scale != 0) add_target(d, t, d.targets[t].run_count, {&into, 1});
+  }
 }
 
-// A run may cross from the body into the helpers, which therefore need places that hold numbers.
-void BodyModel::morph_body(const Params& params, std::span<Vec3f> out) const {
+// A run may cross from the body into the helpers, which therefore need places that hold numbers. The first targets,
+// MakeHuman's macros, often move all bodies alike: they move one, and the others begin as its copies.
+void BodyModel::morph_bodies(std::span<const MorphJob> jobs) const {
   const Data& d = *data_;
-  assert(out.size() == d.base.size());
-  TargetWeights weights;
-  weigh_targets(d, params, weights);
-  std::memcpy(out.data(), d.base.data(), d.base.size_bytes());
-  for (std::size_t t = 0; t < d.targets.size(); ++t)
-    if (weights[t] != 0) add_runs(d, d.targets[t].first_run, d.body_run_count[t], weights[t], &out[0].x);
+  assert(!jobs.empty() && jobs.size() <= kMorphJobsMax);
+  std::array<TargetWeights, kMorphJobsMax> weights;
+  for (std::size_t i = 0; i < jobs.size(); ++i) weigh_targets(d, *jobs[i].params, weights[i]);
+  const auto alike = [&](std::size_t t) {
+    for (std::size_t i = 1; i < jobs.size(); ++i)
+      if (!(weights[i][t] == weights[0][t])) return false;
+    return true;
+  };
+  std::memcpy(jobs[0].out.data(), d.base.data(), d.base.size_bytes());
+  std::size_t t = 0;
+  for (; t < d.targets.size() && alike(t); ++t) {
+    const BlendInto into = {scale_of(weights[0][t]), &jobs[0].out[0].x};
+    if (into.scale != 0) add_target(d, t, d.body_run_count[t], {&into, 1});
+  }
+  for (std::size_t i = 1; i < jobs.size(); ++i)
+    std::memcpy(jobs[i].out.data(), jobs[0].out.data(), d.base.size_bytes());
+  for (; t < d.targets.size(); ++t) {
+    std::array<BlendInto, kMorphJobsMax> into;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < jobs.size(); ++i)
+      if (const float scale = scale_of(weights[i][t]); scale != 0) into[count++] = {scale, &jobs[i].out[0].x};
+    add_target(d, t, d.body_run_count[t], std::span(into).first(count));
+  }
 }
 
 Vec3f mean_of_list(const BodyModel::Data& data, std::size_t list, std::span<const Vec3f> vertices) {

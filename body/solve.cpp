@@ -43,14 +43,11 @@ struct Response {
 class Solver {
  public:
   Solver(const BodyModel& model, const Params& params)
-      : model_(model),
-        original_(params),
-        trial_(params),
-        body_count_(static_cast<std::size_t>(model.body_vertex_count())) {
+      : model_(model), original_(params), body_count_(static_cast<std::size_t>(model.body_vertex_count())) {
     for (std::size_t i = 0; i < std::size(kFatness); ++i)
       fatness_index_[i] = model.modifier_index(kFatness[i].modifier);
-    trial_.modifiers.resize(model.modifier_names().size());
-    original_.modifiers.resize(trial_.modifiers.size());
+    original_.modifiers.resize(model.modifier_names().size());
+    trials_.fill(original_);
     const auto count = static_cast<std::size_t>(model.vertex_count());
     for (Mesh* m : {&here_, &by_height_, &by_build_}) m->resize(count);
   }
@@ -67,15 +64,16 @@ class Solver {
     return false;
   }
 
-  const Params& at(Sliders s) {
-    trial_.height = s.height;
-    trial_.weight = limited(s.build, 0, 1);
-    const float fatness = s.build - trial_.weight;
-    trial_.modifiers = original_.modifiers;
+  const Params& at(Sliders s, std::size_t trial = 0) {
+    Params& p = trials_[trial];
+    p.height = s.height;
+    p.weight = limited(s.build, 0, 1);
+    const float fatness = s.build - p.weight;
+    p.modifiers = original_.modifiers;
     for (std::size_t i = 0; i < std::size(kFatness); ++i)
       if (fatness_index_[i] >= 0)
-        trial_.modifiers[static_cast<std::size_t>(fatness_index_[i])] += fatness * kFatness[i].share;
-    return trial_;
+        p.modifiers[static_cast<std::size_t>(fatness_index_[i])] += fatness * kFatness[i].share;
+    return p;
   }
 
  private:
@@ -84,7 +82,7 @@ class Solver {
   static int build_piece(float b) { return b < 0 ? 0 : b < 0.5F ? 1 : b <= 1 ? 2 : 3; }
   static bool beyond_slider(int piece) { return piece == 0 || piece == 3; }
 
-  // False: the goals are met, and response_ is not made.
+  // False: the goals are met.
   bool respond(Sliders s, double stature_goal, double volume_goal) {
     const int height = height_piece(s.height), build = build_piece(s.build);
     // Beyond the slider a modifier of the set may change sign on the way, so there nothing is kept.
@@ -92,27 +90,19 @@ class Solver {
     if (height == height_piece_ && keep_build) {
       advance(s.height - last_.height, s.build - last_.build);
     } else {
-      model_.morph_body(at(s), here_);
-      if (height != height_piece_) {
-        const float other = other_point(s.height);
-        difference({other, s.build}, other - s.height, by_height_);
-      }
-      if (!keep_build) {
-        const float other = beyond_slider(build) ? other_fatness(s.build) : other_point(s.build);
-        difference({s.height, other}, other - s.build, by_build_);
-      }
+      morph_again(s, height != height_piece_, !keep_build, build);
     }
     height_piece_ = height;
     build_piece_ = build;
     last_ = s;
     find_extremes();
     response_.more_stature = stature_goal - tall(here_);
-    response_.more_volume = volume_goal - volume_l();
-    if (std::fabs(response_.more_stature) < kStatureToleranceMm &&
-        std::fabs(response_.more_volume) < kVolumeToleranceL)
-      return false;
-    derive();
-    return true;
+    integrate();
+    response_.more_volume = volume_goal - volume_l_;
+    response_.stature_by_height = tall(by_height_);
+    response_.stature_by_build = tall(by_build_);
+    return !(std::fabs(response_.more_stature) < kStatureToleranceMm &&
+             std::fabs(response_.more_volume) < kVolumeToleranceL);
   }
 
   void advance(float height, float build) {
@@ -122,10 +112,21 @@ class Solver {
     for (std::size_t i = 0; i < 3 * body_count_; ++i) here[i] = here[i] + by_height[i] * height + by_build[i] * build;
   }
 
-  // Movement of each vertex per unit of the slider that differs by `step` at `there`.
-  void difference(Sliders there, float step, Mesh& out) {
-    model_.morph_body(at(there), out);
-    float* value = &out[0].x;
+  // here_ and, where asked for, by_height_ and by_build_: movement of each vertex per unit of a slider.
+  void morph_again(Sliders s, bool by_height, bool by_build, int build) {
+    const float other_height = other_point(s.height);
+    const float other_build = beyond_slider(build) ? other_fatness(s.build) : other_point(s.build);
+    std::array<BodyModel::MorphJob, BodyModel::kMorphJobsMax> jobs = {{{&at(s, 0), here_}, {}, {}}};
+    std::size_t count = 1;
+    if (by_height) jobs[count++] = {&at({other_height, s.build}, 1), by_height_};
+    if (by_build) jobs[count++] = {&at({s.height, other_build}, 2), by_build_};
+    model_.morph_bodies(std::span(jobs).first(count));
+    if (by_height) difference(other_height - s.height, by_height_);
+    if (by_build) difference(other_build - s.build, by_build_);
+  }
+
+  void difference(float step, Mesh& there) {
+    float* value = &there[0].x;
     const float* here = &here_[0].x;
     for (std::size_t i = 0; i < 3 * body_count_; ++i) value[i] = (value[i] - here[i]) * (1 / step);
   }
@@ -146,29 +147,30 @@ class Solver {
   }
   double tall(const Mesh& m) const { return static_cast<double>(m[high_].y) - m[low_].y; }
 
-  double volume_l() const {
-    double volume = 0;
-    for (const auto& t : model_.body_triangles()) {
-      const Vec3f& a = here_[static_cast<std::size_t>(t[0])];
-      const Vec3f& b = here_[static_cast<std::size_t>(t[1])];
-      const Vec3f& c = here_[static_cast<std::size_t>(t[2])];
-      volume += static_cast<double>(dot(cross(b - a, c - a), a + b + c));
+  // Volume, and its first variation along both sliders: a closed mesh's volume is a sixth of (edge x edge) . corner,
+  // which is the same for a triangle's three corners, and the variation a sixth of (edge x edge) . (sum of the
+  // corners' movements). A quad is its triangles 0 1 2 and 0 2 3, as body_triangles() has them.
+  void integrate() {
+    double volume = 0, by_height = 0, by_build = 0;
+    struct Corner {
+      const Vec3f &here, &by_height, &by_build;
+    };
+    const auto add = [&](const Corner& a, const Corner& b, const Corner& c) {
+      const Vec3f n = cross(b.here - a.here, c.here - a.here);
+      volume += static_cast<double>(dot(n, a.here + b.here + c.here));
+      by_height += static_cast<double>(dot(n, a.by_height + b.by_height + c.by_height));
+      by_build += static_cast<double>(dot(n, a.by_build + b.by_build + c.by_build));
+    };
+    for (const auto& q : model_.body_quads()) {
+      const auto corner = [&](std::size_t i) {
+        const auto v = static_cast<std::size_t>(q[i]);
+        return Corner{here_[v], by_height_[v], by_build_[v]};
+      };
+      const Corner a = corner(0), b = corner(1), c = corner(2), d = corner(3);
+      add(a, b, c);
+      add(a, c, d);
     }
-    return volume / 18e6;  // (edge x edge) . corner is the same for the three corners
-  }
-
-  // First variation of a closed mesh's volume: a sixth of (edge x edge) . (sum of the corners' movements).
-  void derive() {
-    double by_height = 0, by_build = 0;
-    for (const auto& t : model_.body_triangles()) {
-      const auto a = static_cast<std::size_t>(t[0]), b = static_cast<std::size_t>(t[1]),
-                 c = static_cast<std::size_t>(t[2]);
-      const Vec3f n = cross(here_[b] - here_[a], here_[c] - here_[a]);
-      by_height += static_cast<double>(dot(n, by_height_[a] + by_height_[b] + by_height_[c]));
-      by_build += static_cast<double>(dot(n, by_build_[a] + by_build_[b] + by_build_[c]));
-    }
-    response_.stature_by_height = tall(by_height_);
-    response_.stature_by_build = tall(by_build_);
+    volume_l_ = volume / 18e6;
     response_.volume_by_height = by_height / 6e6;
     response_.volume_by_build = by_build / 6e6;
   }
@@ -200,7 +202,7 @@ class Solver {
 
   const BodyModel& model_;
   Params original_;
-  Params trial_;
+  std::array<Params, BodyModel::kMorphJobsMax> trials_;
   std::array<int, std::size(kFatness)> fatness_index_{};
   Sliders last_{};
   int height_piece_ = -1;
@@ -208,6 +210,7 @@ class Solver {
   std::size_t body_count_;
   Mesh here_, by_height_, by_build_;  // of the helpers nothing is asked
   std::size_t low_ = 0, high_ = 0;    // vertices of here_: the soles' and the crown's
+  double volume_l_ = 0;
   Response response_{};
 };
 

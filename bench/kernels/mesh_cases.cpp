@@ -42,9 +42,10 @@ void add_blend_cases(Cases& cases) {
   const Floor floor = {values / 8 / 2500, "a store of 8 values a cycle"};
   add_variants(cases, "blend/100_targets", kBlendKernels, values, "value", floor, true, [&](auto* function) {
     return [data, function] {
-      for (std::size_t t = 0; t < kTargets; ++t)
-        function(data->runs.data() + t * kRuns, kRuns, data->deltas.data(), t % 2 == 0 ? 0.01F : -0.01F,
-                 data->vertices.data());
+      for (std::size_t t = 0; t < kTargets; ++t) {
+        const BlendInto into = {t % 2 == 0 ? 0.01F : -0.01F, data->vertices.data()};
+        function(data->runs.data() + t * kRuns, kRuns, data->deltas.data(), &into, 1);
+      }
       keep(data->vertices[0]);
     };
   });

@@ -19,12 +19,21 @@ static_assert(sizeof(BlendRun) == 8);
 // so that ARMv7, whose vectors take those for zero, gives the same bits.
 inline constexpr float kBlendScaleMin = 0x1p-96F;
 
-// vertex[i] += scale * delta[i], x, y and z of each vertex of each run: float32, the product rounded, then the sum.
-// Why no fixed point: a body is solved for by moving its sliders until stature and weight fit to a thousandth of a
-// millimetre, and a weight rounded to 16 bits would make stairs of 0.01 mm. |scale| >= kBlendScaleMin. Portable is
-// within 2 roundings of ref: (|scale delta| + |result|) 2^-24. No allocation, thread-safe for distinct vertices.
-using BlendFunction = void(const BlendRun* runs, int run_count, const std::int16_t* deltas, float scale,
-                           float* vertices);
+// A mesh that the target moves by its own weight: x, y and z of each vertex.
+struct BlendInto {
+  float scale;
+  float* vertices;
+};
+inline constexpr int kBlendIntoMax = 3;
+
+// vertex[i] += scale * delta[i], x, y and z of each vertex of each run, in each of the `into_count` meshes (none of
+// them twice): float32, the product rounded, then the sum. Several meshes at once, since the deltas come from far: a
+// body has 3 MB of them at work. Why no fixed point: a body is solved for by moving its sliders until stature and
+// weight fit to a thousandth of a millimetre, and a weight rounded to 16 bits would make stairs of 0.01 mm. |scale|
+// >= kBlendScaleMin. Portable is within 2 roundings of ref: (|scale delta| + |result|) 2^-24. No allocation,
+// thread-safe for distinct vertices.
+using BlendFunction = void(const BlendRun* runs, int run_count, const std::int16_t* deltas, const BlendInto* into,
+                           int into_count);
 BlendFunction blend_ref, blend_portable, blend_neon, blend_avx2, blend;
 
 inline constexpr KernelVariant<BlendFunction> kBlendKernels[] = {

@@ -21,14 +21,13 @@ inline void move_eight(float* value, int16x8_t delta, float scale) {
 constexpr std::int16_t kKept[16] = {0, 0, 0, 0, 0, 0, 0, 0, -1, -1, -1, -1, -1, -1, -1, -1};
 constexpr std::int16_t kLastTwo[4] = {0, 0, -1, -1};
 
-}  // namespace
-
 // The rest of a run is done with the vector that ends where the run ends; lanes that were done before get a delta of
 // 0. That changes no bit: x + 0 scale is x, and of the zeros -0 arises only where scale is negative and 0 scale is
 // -0.
-void blend_neon(const BlendRun* runs, int run_count, const std::int16_t* deltas, float scale, float* vertices) {
+void blend_one(const BlendRun* runs, int run_count, const std::int16_t* deltas, const BlendInto& into) {
+  const float scale = into.scale;
   for (const BlendRun* run = runs; run != runs + run_count; ++run) {
-    float* value = vertices + std::ptrdiff_t{run->first_vertex} * 3;
+    float* value = into.vertices + std::ptrdiff_t{run->first_vertex} * 3;
     const std::int16_t* delta = deltas + static_cast<std::ptrdiff_t>(run->first_delta) * 3;
     const int count = run->vertex_count * 3;
     if (count >= 8) {
@@ -49,6 +48,14 @@ void blend_neon(const BlendRun* runs, int run_count, const std::int16_t* deltas,
       for (int i = 0; i < 3; ++i) value[i] += scale * static_cast<float>(delta[i]);
     }
   }
+}
+
+}  // namespace
+
+// One mesh after the other: their deltas are the same, but a tablet's cores read ahead well enough.
+void blend_neon(const BlendRun* runs, int run_count, const std::int16_t* deltas, const BlendInto* into,
+                int into_count) {
+  for (int m = 0; m < into_count; ++m) blend_one(runs, run_count, deltas, into[m]);
 }
 
 }  // namespace im2fit

@@ -5,18 +5,22 @@
 
 namespace im2fit {
 
-void blend_portable(const BlendRun* runs, int run_count, const std::int16_t* deltas, float scale, float* vertices) {
+void blend_portable(const BlendRun* runs, int run_count, const std::int16_t* deltas, const BlendInto* into,
+                    int into_count) {
   for (const BlendRun* run = runs; run != runs + run_count; ++run) {
-    float* __restrict value = vertices + std::size_t{run->first_vertex} * 3;
     const std::int16_t* __restrict delta = deltas + std::size_t{run->first_delta} * 3;
     const std::size_t count = std::size_t{run->vertex_count} * 3;
-    for (std::size_t i = 0; i < count; ++i) value[i] += scale * static_cast<float>(delta[i]);
+    for (int m = 0; m < into_count; ++m) {
+      float* __restrict value = into[m].vertices + std::size_t{run->first_vertex} * 3;
+      const float scale = into[m].scale;
+      for (std::size_t i = 0; i < count; ++i) value[i] += scale * static_cast<float>(delta[i]);
+    }
   }
 }
 
-void blend(const BlendRun* runs, int run_count, const std::int16_t* deltas, float scale, float* vertices) {
+void blend(const BlendRun* runs, int run_count, const std::int16_t* deltas, const BlendInto* into, int into_count) {
   IM2FIT_CHOSEN_ONCE best = fastest(kBlendKernels);
-  best(runs, run_count, deltas, scale, vertices);
+  best(runs, run_count, deltas, into, into_count);
 }
 
 }  // namespace im2fit

@@ -5,12 +5,15 @@
 
 namespace im2fit {
 
-void blend_ref(const BlendRun* runs, int run_count, const std::int16_t* deltas, float scale, float* vertices) {
-  for (const BlendRun* run = runs; run != runs + run_count; ++run) {
-    for (std::size_t i = 0; i < 3U * run->vertex_count; ++i) {
-      float& value = vertices[std::size_t{run->first_vertex} * 3 + i];
-      const double delta = deltas[std::size_t{run->first_delta} * 3 + i];
-      value = static_cast<float>(double{value} + double{scale} * delta);
+void blend_ref(const BlendRun* runs, int run_count, const std::int16_t* deltas, const BlendInto* into,
+               int into_count) {
+  for (int m = 0; m < into_count; ++m) {
+    for (const BlendRun* run = runs; run != runs + run_count; ++run) {
+      for (std::size_t i = 0; i < 3U * run->vertex_count; ++i) {
+        float& value = into[m].vertices[std::size_t{run->first_vertex} * 3 + i];
+        const double delta = deltas[std::size_t{run->first_delta} * 3 + i];
+        value = static_cast<float>(double{value} + double{into[m].scale} * delta);
+      }
     }
   }
 }

@@ -15,9 +15,13 @@ TEST(Blend, RefMovesTheVerticesOfTheRuns) {
   const BlendRun runs[] = {{1, 0, 1}, {0, 2, 1}};
   const std::int16_t deltas[] = {1, 2, 3, -10, 20, 30};
   float v[9] = {100, 100, 100, 7, 7, 7, 0, 0, 0};
-  blend_ref(runs, 2, deltas, 0.5F, v);
+  float w[9] = {};
+  const BlendInto into[] = {{0.5F, v}, {-1, w}};
+  blend_ref(runs, 2, deltas, into, 2);
   const float expected[9] = {95, 110, 115, 7, 7, 7, 0.5F, 1, 1.5F};
+  const float other[9] = {10, -20, -30, 0, 0, 0, -1, -2, -3};
   for (int i = 0; i < 9; ++i) EXPECT_EQ(v[i], expected[i]) << i;
+  for (int i = 0; i < 9; ++i) EXPECT_EQ(w[i], other[i]) << i;
 }
 
 TEST(Blend, EveryTierGivesTheSameVertices) {
@@ -45,15 +49,33 @@ TEST(Blend, EveryTierGivesTheSameVertices) {
       const auto restart = [&](auto& v) { std::copy_n(start.data(), start.size(), v.data()); };
       const auto count = static_cast<int>(runs.size());
       restart(truth);
-      blend_ref(runs.data(), count, delta.data(), scale, truth.data());
+      const BlendInto into_truth = {scale, truth.data()}, into_want = {scale, want.data()};
+      blend_ref(runs.data(), count, delta.data(), &into_truth, 1);
       restart(want);
-      blend_portable(runs.data(), count, delta.data(), scale, want.data());
+      blend_portable(runs.data(), count, delta.data(), &into_want, 1);
       for (std::size_t i = 0; i < want.size(); ++i)
         ASSERT_LE(std::fabs(want[i] - truth[i]), (32768 * std::fabs(scale) + std::fabs(want[i])) * 0x1p-23F);
       checkasm::each_simd(kBlendKernels, [&](const auto& variant) {
         restart(got);
-        variant.function(runs.data(), count, delta.data(), scale, got.data());
+        const BlendInto into = {scale, got.data()};
+        variant.function(runs.data(), count, delta.data(), &into, 1);
         checkasm::expect_same_bits(want, got);
+        // Among others, with another weight each.
+        for (int meshes = 2; meshes <= kBlendIntoMax; ++meshes) {
+          for (int place = 0; place < meshes; ++place) {
+            Buffer<float> others[kBlendIntoMax] = {Buffer<float>(start.size()), Buffer<float>(start.size()),
+                                                   Buffer<float>(start.size())};
+            BlendInto several[kBlendIntoMax];
+            for (int m = 0; m < meshes; ++m) {
+              restart(others[m]);
+              several[m] = {scale * static_cast<float>(m + 2), others[m].data()};
+            }
+            restart(got);
+            several[place] = into;
+            variant.function(runs.data(), count, delta.data(), several, meshes);
+            checkasm::expect_same_bits(want, got);
+          }
+        }
       });
     }
   }
