@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <numbers>
 
 namespace im2fit::synth {
@@ -54,6 +55,26 @@ double graze_factor(SensorKind kind, double z_mm) {
   const double z = z_mm / 1000;
   return kind == SensorKind::time_of_flight ? z * std::sqrt(z) : 1 / std::sqrt(z);
 }
+// Whether of the next kTogether pixels none is at an edge and none hair.
+constexpr int kTogether = 8;
+bool plain(const std::uint8_t* edges, const std::uint8_t* labels) {
+  std::uint64_t edge = 0, label = 0;
+  std::memcpy(&edge, edges, kTogether);
+  std::memcpy(&label, labels, kTogether);
+  static_assert(kHair == 0x81);  // a byte's highest bit and its lowest, seven lower
+  return edge == 0 && (label & (label << 7) & 0x8080808080808080ULL) == 0;
+}
+
+// people[u] = the label's mask_value where there is depth; without branches, for the vectoriser.
+void mark_people(const std::uint8_t* __restrict labels, const std::uint16_t* __restrict depth, int count,
+                 std::uint8_t* __restrict people) {
+  for (int u = 0; u < count; ++u) {
+    const auto person = static_cast<std::uint8_t>(255 - ((labels[u] & 0x7F) >> 1));
+    const auto seen = static_cast<std::uint8_t>(depth[u] != 0 && labels[u] >= kPerson ? 255 : 0);
+    people[u] = static_cast<std::uint8_t>(person & seen);
+  }
+}
+
 std::uint16_t chance_of(double p) {
   return static_cast<std::uint16_t>(std::clamp(p, 0.0, 1.0) * 65535);
 }
@@ -301,7 +322,7 @@ std::size_t DepthSensor::displaced(const CleanView& view, int u, int v, std::uin
   const float du = normal_of_bits(bits) * sigma;
   const float dv = normal_of_bits(Rng(bits).next()) * sigma;
   const auto shift = [](float d) {
-    return std::clamp(static_cast<int>(d + (d < 0 ? -0.5F : 0.5F)), -kEdgeReachPx, kEdgeReachPx);
+    return std::clamp(static_cast<int>(d + std::copysign(0.5F, d)), -kEdgeReachPx, kEdgeReachPx);
   };
   return view.at(std::clamp(u + shift(du), 0, k_.width - 1), std::clamp(v + shift(dv), 0, k_.height - 1));
 }
@@ -387,23 +408,26 @@ void DepthSensor::expose_steps(const CleanView& view, const RowOfFrame& where, s
   const std::size_t first = view.at(where.u0, where.v);
   const float own = options_.noise ? std::sqrt(1 - kPatchShare) : 0.0F;
   const float shared = options_.noise ? std::sqrt(kPatchShare) : 0.0F;
-  RawRow row{where.row + kRowStep * static_cast<std::uint64_t>(where.u0),
-             &exact_[first],
-             &sigma_[first],
-             &lost_[first],
-             &patch_[static_cast<std::size_t>(where.u0)],
-             own,
-             shared};
+  const RawRow row{where.row + kRowStep * static_cast<std::uint64_t>(where.u0),
+                   &exact_[first],
+                   &sigma_[first],
+                   &lost_[first],
+                   &patch_[static_cast<std::size_t>(where.u0)],
+                   own,
+                   shared};
   raw_row_(row, where.u1 - where.u0, step_row_.data());
   for (int u = where.u0; u < where.u1; ++u)
     pixels[u] = tables_.mm[static_cast<std::size_t>(step_row_[static_cast<std::size_t>(u - where.u0)])];
   const std::uint8_t* labels = &view.label[view.at(0, where.v)];
   std::uint8_t* people = person != nullptr ? person + view.at(0, where.v) : nullptr;
-  if (people != nullptr)
-    for (int u = where.u0; u < where.u1; ++u) people[u] = pixels[u] != 0 ? mask_value(labels[u]) : std::uint8_t{0};
+  if (people != nullptr) mark_people(labels + where.u0, pixels + where.u0, where.u1 - where.u0, people + where.u0);
 
   const std::uint8_t* edges = &edge_[view.at(0, where.v)];
   for (int u = where.u0; u < where.u1; ++u) {
+    if (u + kTogether <= where.u1 && plain(edges + u, labels + u)) {
+      u += kTogether - 1;
+      continue;
+    }
     const bool edge = options_.noise && edges[u] != 0;
     if (!edge && !is_hair(labels[u])) continue;
     std::size_t from = view.at(u, where.v);
@@ -411,14 +435,8 @@ void DepthSensor::expose_steps(const CleanView& view, const RowOfFrame& where, s
     if (edge) {
       const std::uint64_t bits = draw(where.row, u);
       from = displaced(view, u, where.v, bits ^ kRowStep);
-      row = {where.row + kRowStep * static_cast<std::uint64_t>(u),
-             &exact_[from],
-             &sigma_[from],
-             &lost_[from],
-             &patch_[static_cast<std::size_t>(u)],
-             own,
-             shared};
-      raw_row_(row, 1, &step);
+      step =
+          raw_step({bits, exact_[from], sigma_[from], lost_[from], patch_[static_cast<std::size_t>(u)], own, shared});
     }
     const std::uint8_t label = view.label[from];
     if (options_.holes && is_hair(label) && hair_lost(where.seed, where.frame, u, where.v)) step = kRawCount;

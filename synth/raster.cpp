@@ -68,22 +68,48 @@ void copy_box(const CleanView& from, const PixelBox& box, CleanView& to) {
   }
 }
 
+namespace {
+
+// Inverse depth of a plane along a row of pixels, and at its last pixel.
+struct PlaneRow {
+  float start = 0, step = 0, end = 0, distance_mm = 0;
+};
+
+// Behind the camera all along the row, or behind another plane: both are lines, whose ends tell.
+bool hidden(const PlaneRow& row, std::span<const PlaneRow> rows) {
+  const auto behind = [&](const PlaneRow& other) {
+    // Several times what rounding takes off along the row.
+    const float slack =
+        1e-6F * (std::fabs(row.start) + std::fabs(row.end) + std::fabs(other.start) + std::fabs(other.end));
+    return row.start + slack < other.start && row.end + slack < other.end;
+  };
+  return behind({}) || std::any_of(rows.begin(), rows.end(), behind);
+}
+
+}  // namespace
+
 void draw_room(std::span<const Plane> planes, const Intrinsics& k, const PixelBox& box, CleanView& view) {
   if (box.empty()) return;
   const int count = box.u1 - box.u0;
   std::vector<float> distance(static_cast<std::size_t>(count));
+  std::vector<PlaneRow> rows;
   for (int v = box.v0; v < box.v1; ++v) {
     const std::size_t at = view.at(box.u0, v);
     float* q = &view.inverse_depth[at];
     std::fill_n(q, count, 0.0F);
     std::fill(distance.begin(), distance.end(), 0.0F);
     const float y = (static_cast<float>(v) - k.cy) / k.fy;
+    rows.clear();
     for (const Plane& plane : planes) {
       // 1/z = n.r / d with the ray r = ((u - cx)/fx, y, 1); the nearest plane has the largest.
       const float step = plane.normal.x / (k.fx * plane.distance_mm);
       const float start =
           (plane.normal.y * y + plane.normal.z) / plane.distance_mm + step * (static_cast<float>(box.u0) - k.cx);
-      const float d = plane.distance_mm;
+      rows.push_back({start, step, start + step * static_cast<float>(count - 1), plane.distance_mm});
+    }
+    for (const PlaneRow& row : rows) {
+      if (hidden(row, rows)) continue;
+      const float start = row.start, step = row.step, d = row.distance_mm;
       for (int i = 0; i < count; ++i) {
         const float candidate = start + step * static_cast<float>(i);
         const bool nearer = candidate > q[i];

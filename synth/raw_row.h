@@ -24,6 +24,24 @@ inline float normal_of_bits(std::uint64_t r) {
   return (static_cast<float>(sum) - 131070.0F) * (1.7320508F / 65536.0F);
 }
 
+inline constexpr int kRawCount = 2048;  // steps of the sensor's 11 bits
+
+// A single pixel, from its draw's bits: as the rows below.
+struct RawPixel {
+  std::uint64_t bits;
+  float exact, sigma;
+  std::int32_t lost;
+  float patch, white_share, patch_share;
+};
+inline std::int32_t raw_step(const RawPixel& p) {
+  const float raw = p.exact + p.sigma * (p.white_share * normal_of_bits(p.bits) + p.patch_share * p.patch);
+  const float up = raw + 0.5F;
+  const float last = static_cast<float>(kRawCount - 1);
+  // Nearer than the sensor can express (raw < -0.5) is as lost as farther.
+  const bool delivered = (chance_of_bits(p.bits) >= p.lost) & (raw >= -0.5F);
+  return delivered ? static_cast<std::int32_t>(up < last ? up : last) : kRawCount;
+}
+
 // What is known of a row before noise, from its first pixel on; and the row of noise that patches share.
 struct RawRow {
   std::uint64_t seed;        // of the first pixel's draw
@@ -35,7 +53,6 @@ struct RawRow {
   float patch_share;
 };
 
-inline constexpr int kRawCount = 2048;  // steps of the sensor's 11 bits
 // out[i]: the step delivered, 0 .. kRawCount - 1, or kRawCount for no data.
 using RawRowFunction = void(const RawRow& row, int count, std::int32_t* out);
 RawRowFunction raw_row_portable, raw_row_avx2;  // the latter where IM2FIT_HAVE_AVX2
