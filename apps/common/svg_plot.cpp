@@ -131,17 +131,22 @@ std::vector<double> round_ticks(double low, double high, int wanted) {
       break;
     }
   std::vector<double> ticks;
-  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) ticks.push_back(k * step);
+  const auto first = static_cast<long>(std::ceil(low / step - 1e-9));
+  const auto last = static_cast<long>(std::floor(high / step + 1e-9));
+  for (long k = first; k <= last; ++k) ticks.push_back(static_cast<double>(k) * step);
   return ticks;
 }
 
 std::vector<double> round_log_ticks(double low, double high) {
   std::vector<double> ticks;
   const bool only_tens = high / low > 300;
-  for (double power = std::pow(10, std::floor(std::log10(low))); power <= high * 1.001; power *= 10)
+  const int first = static_cast<int>(std::floor(std::log10(low))),
+            last = static_cast<int>(std::ceil(std::log10(high)));
+  for (int decade = first; decade <= last; ++decade)
     for (const double nice : {1.0, 2.0, 5.0}) {
       if (only_tens && nice > 1) continue;
-      if (nice * power >= low * 0.999 && nice * power <= high * 1.001) ticks.push_back(nice * power);
+      const double tick = nice * std::pow(10, decade);
+      if (tick >= low * 0.999 && tick <= high * 1.001) ticks.push_back(tick);
     }
   return ticks;
 }
@@ -186,6 +191,7 @@ void name_line_ends(Svg& svg, std::vector<LineEnd> ends, double x_px, double top
   constexpr double kStepPx = 16;
   std::sort(ends.begin(), ends.end(), [](const LineEnd& a, const LineEnd& b) { return a.end.second < b.end.second; });
   std::vector<double> places;
+  places.reserve(ends.size());
   double below = top_px - kStepPx;
   for (const LineEnd& line : ends) places.push_back(below = std::max(line.end.second, below + kStepPx));
   // Those pushed beyond the bottom come back up, and push in turn.
