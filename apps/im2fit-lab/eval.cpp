@@ -19,20 +19,16 @@ struct EvalCommand {
   EvaluationOptions evaluation;
   std::string condition = "noise";
   std::vector<std::string> conditions;
-  bool all = false;
   std::string body = default_body_path();
   std::string joint_model = default_tracker_path();
   std::string index = default_index_path();
   std::string samples;
-  bool no_raw = false;
   std::string json_path, html_path, csv_path, people_path, figures_path;
-  bool runtime = false;
   std::vector<std::string> runtime_indexes;
-  std::string runtime_peers;
-  int icp_people = 0;
-  std::string icp_peers;
-  bool json = false;
+  std::string runtime_peers, icp_peers;
   TrackerEvalWords tracker;
+  int icp_people = 0;
+  bool all = false, no_raw = false, runtime = false, json = false;
 
   bool full() const {
     return all || !conditions.empty() || !html_path.empty() || !figures_path.empty() || runtime ||

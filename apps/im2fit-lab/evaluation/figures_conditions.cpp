@@ -91,7 +91,7 @@ void draw_coverage(Svg& svg, const Frame& frame, const std::vector<ConditionRun>
 }  // namespace
 
 Figure conditions_figure(const std::vector<ConditionRun>& runs) {
-  constexpr int kColumns = 3;
+  constexpr std::size_t kColumns = 3;
   const double high = 17 * static_cast<double>(runs.size()), step_y = high + 58;
   const double left = 110, wide = 240, step_x = 272;
   Svg svg(930, 44 + step_y * std::ceil(static_cast<double>(kMeasurementCount) / kColumns),
@@ -101,8 +101,10 @@ Figure conditions_figure(const std::vector<ConditionRun>& runs) {
     legend.push_back({std::string(kWays[way].words), kWayColours[way]});
   draw_legend(svg, {left, 14}, legend);
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
-    const double column = static_cast<double>(m % kColumns), row = static_cast<double>(m / kColumns);
-    draw_measurement(svg, {left + step_x * column, 52 + step_y * row, wide, high}, runs, m, m % kColumns == 0);
+    const std::size_t column = m % kColumns, row = m / kColumns;
+    draw_measurement(
+        svg, {left + step_x * static_cast<double>(column), 52 + step_y * static_cast<double>(row), wide, high}, runs,
+        m, m % kColumns == 0);
   }
   return {
       "conditions", "Mean absolute error by condition",

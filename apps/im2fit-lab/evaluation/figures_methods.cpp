@@ -43,13 +43,15 @@ void draw_agreement(Svg& svg, const Frame& frame, const ConditionRun& run, std::
 }  // namespace
 
 Figure agreement_figure(const ConditionRun& run) {
-  constexpr int kColumns = 3;
+  constexpr std::size_t kColumns = 3;
   constexpr double kWide = 270, kHigh = 120, kStepX = 310, kStepY = 178;
   Svg svg(930, 40 + kStepY * std::ceil(static_cast<double>(kMeasurementCount) / kColumns), "Bland-Altman plots");
   draw_legend(svg, {38, 14}, {{"women", kPink}, {"men", kSky}, {"bias and limits of agreement", kBlue}});
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
-    const double column = static_cast<double>(m % kColumns), row = static_cast<double>(m / kColumns);
-    draw_agreement(svg, {38 + kStepX * column, 54 + kStepY * row, kWide, kHigh}, run, m);
+    const std::size_t column = m % kColumns, row = m / kColumns;
+    draw_agreement(svg,
+                   {38 + kStepX * static_cast<double>(column), 54 + kStepY * static_cast<double>(row), kWide, kHigh},
+                   run, m);
   }
   return {
       "bland-altman", "Where we and the truth disagree",
