@@ -118,7 +118,9 @@ Figure height_error_figure(const ConditionRun& run) {
     svg.line(panel.at(low, sign * kPaperStatureMaeMm), panel.at(high, sign * kPaperStatureMaeMm), {kRed, 1.2, "6 4"});
   svg.text({panel.x(high) - 4, panel.y(kPaperStatureMaeMm) - 6}, "mean error of the paper, 83 real people: 18.7 mm",
            {Lettering::Anchor::end, 12, kRed});
-  for (double from = low; from < high; from += kBin) {
+  const int bins = static_cast<int>(std::lround((high - low) / kBin));
+  for (int bin = 0; bin < bins; ++bin) {
+    const double from = low + kBin * bin;
     std::vector<double> here;
     for (const Outcome& o : run.outcomes) {
       const double stature = o.truth[kStature];
