@@ -138,11 +138,9 @@ bool BlobFinder::round_body(const Grid& grid, int b, const FloorPlane& floor) co
 }
 
 // A logistic regression on 1,100 furnished rooms without people and 1,180 people (calm, free, turned by 40 to 80
-// degrees, bent by 28 to 50, seated; whole in the picture, some of them from anywhere), whose joints' likeness adds
-// 22 (likeness - 0.65). Of those it was fitted on the sum of both is above 0.3, over three frames, in all but 5 % of
-// the people turned, 2 % of those bent and 3 % of the others, and in none of the rooms. Of 100 turned and 100 bent it
-// was not fitted on, 7 and 4 were not found, and somebody was in one of 500 rooms. Said of what is whole, on the
-// floor and of a person's size.
+// degrees, bent by 28 to 50, seated; whole in the picture, some of them from anywhere), weighed with their joints'
+// likeness (kernels/observe/sensor.cpp). What is slender was let be rounder later, after a look at people in profile.
+// Said of what is whole, on the floor and of a person's size. How well: docs/tracker-evaluation.md.
 float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) const {
   const Blob& blob = blobs_[at(b)];
   const float mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
