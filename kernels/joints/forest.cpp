@@ -110,9 +110,9 @@ void run_forests(std::span<ForestRun> runs) {
         if (step >= jump_count / 2) places[r].later_sum = places[r].later_sum + p;
       }
     }
-    const auto later_count = static_cast<float>(jump_count - jump_count / 2);
+    const std::uint32_t later_count = jump_count - jump_count / 2;
     for (std::size_t r = 0; r < runs.size(); ++r)
-      set_joint(runs[r].shape, joint, places[r].later_sum * (1.0F / later_count));
+      set_joint(runs[r].shape, joint, places[r].later_sum * (1.0F / static_cast<float>(later_count)));
   }
 }
 

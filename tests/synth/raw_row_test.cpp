@@ -49,6 +49,11 @@ TEST(RawRow, EveryVariantIsThePixelsArithmetic) {
       for (int i = 0; i < count; ++i)
         ASSERT_EQ(out[static_cast<std::size_t>(i)], pixel(row, i)) << "trial " << trial << " pixel " << i;
     }
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::uint64_t bits = Rng(row.seed + kRowStep * i).next();
+      const RawPixel alone{bits, exact[i], sigma[i], lost[i], patch[i], row.white_share, row.patch_share};
+      ASSERT_EQ(raw_step(alone), pixel(row, static_cast<int>(i))) << "trial " << trial << " pixel " << i;
+    }
   }
 }
 
