@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "apps/common/svg_plot.h"
 #include "apps/im2fit-lab/evaluation/icp_study.h"
 #include "apps/im2fit-lab/evaluation/report.h"
 #include "apps/im2fit-lab/evaluation/runtime.h"
-#include "apps/common/svg_plot.h"
 
 namespace im2fit::apps {
 

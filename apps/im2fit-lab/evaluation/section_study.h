@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/common/svg_plot.h"
 #include "apps/im2fit-lab/evaluation/ansur.h"
 #include "apps/im2fit-lab/evaluation/error_statistics.h"
-#include "apps/common/svg_plot.h"
 #include "body/model.h"
 
 namespace im2fit::apps {
