@@ -116,7 +116,7 @@ ShapeFitter::Work::Work(const ShapeSpace& space)
     const auto same = std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) {
       return g.columns.triple_count == columns.triple_count && g.columns.triple == columns.triple;
     });
-    Group& group = same == groups_.end() ? groups_.emplace_back(columns, std::vector<std::uint32_t>()) : *same;
+    Group& group = same == groups_.end() ? groups_.emplace_back(Group{columns, {}}) : *same;
     group.points.push_back(i);
   }
 }
