@@ -6,14 +6,11 @@
 #include <vector>
 
 #include "body/measure.h"
+#include "body/person_axes.h"
 #include "body/population.h"
 
 namespace im2fit {
 namespace {
-
-Vec3f half_turn(Vec3f v) {
-  return {v.x, -v.y, -v.z};
-}
 
 // Heavy bodies come into reach as muscle falls (body/measure.h), so muscle is given up before the weight is.
 bool solve(const body::BodyModel& model, body::Params& params, double stature_mm, double weight_kg) {
@@ -32,15 +29,7 @@ bool solve(const body::BodyModel& model, body::Params& params, double stature_mm
 }  // namespace
 
 JointSet to_mesh_axes(const JointSet& camera_joints, const FloorPlane& floor) {
-  body::Mat3f level;
-  if (floor.known) level = body::rotation_between(half_turn(floor.up), {0, 1, 0});
-  JointSet joints = camera_joints;
-  for (Vec3f& p : joints.position_mm) p = level * half_turn(p);
-  Vec3f shift = (joints[Joint::LH] + joints[Joint::RH]) * -0.5F;
-  // Levelled, the camera is the origin and stands camera_height above the floor.
-  if (floor.known) shift.y = floor.camera_height_mm;
-  for (Vec3f& p : joints.position_mm) p = p + shift;
-  return joints;
+  return body::PersonAxes(camera_joints, floor).to_mesh(camera_joints);
 }
 
 Result<AnsweredBody> body_of_params(const body::BodyModel& model, const body::Params& params, double stature_mm,

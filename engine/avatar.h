@@ -30,8 +30,7 @@ Result<AnsweredBody> body_of_answer(const body::BodyModel& model, const index::I
 Result<AnsweredBody> body_of_params(const body::BodyModel& model, const body::Params& params, double stature_mm,
                                     double weight_kg, const JointSet& measured_joints, const FloorPlane& floor);
 
-// Camera axes (x right, y down, z forward) to mesh axes (x the person's left, y up, z out of the face) for a person
-// who faces the camera: a half turn about x, then the floor's up, where known, to +y; see AnsweredBody::pose.
+// To the axes of meshes (body/person_axes.h); see AnsweredBody::pose.
 JointSet to_mesh_axes(const JointSet& camera_joints, const FloorPlane& floor);
 
 }  // namespace im2fit

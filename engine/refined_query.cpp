@@ -6,6 +6,9 @@
 namespace im2fit {
 namespace {
 
+// What a fit ends with, as its maker and the index see it.
+static_assert(body::kFitQualityCount == index::kFitQualities);
+
 body::FitView view_of(const RefinedQuery::Side& side) {
   return {side.fuser.depth_q4(), side.fuser.mask(), side.fuser.intrinsics(), side.description.joints,
           side.description.floor};

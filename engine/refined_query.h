@@ -35,7 +35,7 @@ class RefinedQuery {
   const body::ShapeSpace* space_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
-  std::array<float, body::kShapeMax + 2> values_{};
+  std::array<float, body::kShapeMax + body::kFitQualityCount> values_{};
 };
 
 }  // namespace im2fit

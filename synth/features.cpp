@@ -144,7 +144,7 @@ CaptureRig::Fits CaptureRig::fit_both() {
   Stopwatch watch;
   keep(*back_);
   const std::array<body::FitView, 2> views = {front_->view, back_->view};
-  std::array<float, body::kShapeMax + 2> values;
+  std::array<float, body::kShapeMax + body::kFitQualityCount> values;
   const auto fit = [&](std::span<const body::FitView> seen) {
     const auto filled = body::fit_values(fitter_->run(seen), model_.shape_space(), values);
     return std::vector<float>(filled.begin(), filled.end());

@@ -184,9 +184,9 @@ void ShapeFitter::Work::add_point(const View& view, const Group& group, bool ear
     add({0, 1, 0}, -p.y, 1 / (kSoleSdMm * kSoleSdMm * kCorrelated));
     return;
   }
-  const float facing = dot(normal, normalized(sight.camera() - p));
+  const float facing = dot(normal, normalized(sight.axes().camera() - p));
   if (facing > kFacingMin) {
-    const Vec3f camera = sight.to_camera(p);
+    const Vec3f camera = sight.axes().to_camera(p);
     Vec3f seen;
     if (!sight.surface_over(camera, early ? kGateEarlyMm : kGateMm, seen)) return;
     const float residual = dot(normal, seen - p);
@@ -196,11 +196,11 @@ void ShapeFitter::Work::add_point(const View& view, const Group& group, bool ear
     ++result.surface_rows;
     surface_sum_ += static_cast<double>(std::fabs(residual));
   } else if (std::fabs(facing) < kRimFacingMax) {
-    const Vec3f flat = sight.direction_to_camera(normal);
+    const Vec3f flat = sight.axes().direction_to_camera(normal);
     float residual = 0;
-    if (!sight.outline_beside(sight.to_camera(p), flat, early ? kReachEarlyMm : kReachMm, residual)) return;
+    if (!sight.outline_beside(sight.axes().to_camera(p), flat, early ? kReachEarlyMm : kReachMm, residual)) return;
     const float length = std::sqrt(flat.x * flat.x + flat.y * flat.y);
-    add(sight.direction_from_camera({flat.x / length, flat.y / length, 0}), residual,
+    add(sight.axes().direction_to_mesh({flat.x / length, flat.y / length, 0}), residual,
         robust(1 / (kRimSdMm * kRimSdMm * kCorrelated), residual, kRimOutlierMm));
     ++result.rim_rows;
     rim_sum_ += static_cast<double>(std::fabs(residual));
@@ -260,16 +260,17 @@ void ShapeFitter::Work::points_in_view(std::size_t v, std::span<Vec3f> out) {
   views_[v].shape.set(views_[v].pose);
   for (std::size_t i = 0; i < space_.point_count; ++i) {
     views_[v].shape.find(i, point_);
-    out[i] = views_[v].sight.to_camera(point_.position);
+    out[i] = views_[v].sight.axes().to_camera(point_.position);
   }
 }
 
 std::span<const float> fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out) {
   if (!fit.valid) return {};
+  static_assert(kFitQualityCount == 2);
   std::copy_n(fit.shape.begin(), space.shape_count, out.begin());
   out[space.shape_count] = fit.surface_mm;
   out[space.shape_count + 1] = fit.rim_mm;
-  return out.first(space.shape_count + 2);
+  return out.first(space.shape_count + kFitQualityCount);
 }
 
 ShapeFitter::ShapeFitter(const ShapeSpace& space) : work_(std::make_unique<Work>(space)) {}

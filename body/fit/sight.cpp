@@ -13,11 +13,6 @@ constexpr float kSameLimbMm = 120;  // between a point and the surface inside it
 constexpr float kOutlineStepMax = 1000;
 constexpr float kNormalFlatMin = 0.5F;  // of a unit normal's part in the picture's plane
 
-// Camera axes (y down, z away) to mesh axes (y up, z towards the camera), and back.
-Vec3f half_turn(Vec3f v) {
-  return {v.x, -v.y, -v.z};
-}
-
 bool bounded(Vec3f v, float limit) {
   return std::fabs(v.x) < limit && std::fabs(v.y) < limit && std::fabs(v.z) < limit;  // false for not-a-number
 }
@@ -36,31 +31,12 @@ bool Sight::look(const FitView& view) {
     return false;
   for (const Vec3f& p : view.joints.position_mm)
     if (!bounded(p, kFarMm)) return false;
-  level_ = {};
-  shift_ = {};
-  if (view.floor.known) {
-    if (!bounded(view.floor.up, 2) || !(norm(view.floor.up) > 0.5F) ||
-        !(std::fabs(view.floor.camera_height_mm) < kFarMm))
-      return false;
-    level_ = rotation_between(half_turn(view.floor.up), {0, 1, 0});
-  }
-  unlevel_ = transpose(level_);
-  joints_ = view.joints;
-  for (Vec3f& p : joints_.position_mm) p = level_ * half_turn(p);
-  shift_ = (joints_[Joint::LH] + joints_[Joint::RH]) * -0.5F;
-  if (view.floor.known) shift_.y = view.floor.camera_height_mm;
-  for (Vec3f& p : joints_.position_mm) p = p + shift_;
+  if (view.floor.known && (!bounded(view.floor.up, 2) || !(norm(view.floor.up) > 0.5F) ||
+                           !(std::fabs(view.floor.camera_height_mm) < kFarMm)))
+    return false;
+  axes_ = PersonAxes(view.joints, view.floor);
+  joints_ = axes_.to_mesh(view.joints);
   return true;
-}
-
-Vec3f Sight::to_camera(Vec3f levelled) const {
-  return half_turn(unlevel_ * (levelled - shift_));
-}
-Vec3f Sight::direction_to_camera(Vec3f levelled) const {
-  return half_turn(unlevel_ * levelled);
-}
-Vec3f Sight::direction_from_camera(Vec3f camera) const {
-  return level_ * half_turn(camera);
 }
 
 bool Sight::surface_over(Vec3f p, float gate_mm, Vec3f& seen) const {
@@ -77,7 +53,7 @@ bool Sight::surface_over(Vec3f p, float gate_mm, Vec3f& seen) const {
     return false;
   const float z = depth_mm(iu, iv);
   if (!(z > 0) || !(std::fabs(z - p.z) < gate_mm)) return false;
-  seen = level_ * half_turn(unproject(k, static_cast<float>(iu), static_cast<float>(iv), z)) + shift_;
+  seen = axes_.to_mesh(unproject(k, static_cast<float>(iu), static_cast<float>(iv), z));
   return true;
 }
 

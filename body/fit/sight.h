@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What one view says about a point of a body: where it lies in the picture, how far the surface seen there is, how
-// far the outline. Two frames of axes: the camera's, and the levelled frame of the person (mm, y up from the floor, z
-// towards the camera, its origin between the hips as the tracker saw them).
+// far the outline. In the camera's axes and the person's levelled ones (body/person_axes.h).
 #pragma once
 
 #include "body/fit/shape_fitter.h"
-#include "body/skeleton.h"
+#include "body/person_axes.h"
 
 namespace im2fit::body {
 
@@ -16,11 +15,8 @@ class Sight {
   bool look(const FitView& view);
 
   const JointSet& joints() const { return joints_; }  // levelled
-  Vec3f camera() const { return shift_; }             // where it stands, levelled
+  const PersonAxes& axes() const { return axes_; }
   bool floor_known() const { return view_->floor.known; }
-  Vec3f to_camera(Vec3f levelled) const;
-  Vec3f direction_to_camera(Vec3f levelled) const;
-  Vec3f direction_from_camera(Vec3f camera) const;
 
   // The point of the picture straight over p (camera axes), levelled axes. False outside the mask and within 2 px of
   // its edge, without depth, and where the surface is `gate_mm` or more before or behind p.
@@ -38,8 +34,7 @@ class Sight {
   float depth_mm(int u, int v) const { return static_cast<float>(view_->depth_q4.at(u, v)) * (1.0F / 16); }
 
   const FitView* view_ = nullptr;
-  Mat3f level_, unlevel_;
-  Vec3f shift_;
+  PersonAxes axes_;
   JointSet joints_;
 };
 

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/file.h"
+#include "body/person_axes.h"
 #include "engine/avatar.h"
 
 namespace im2fit::apps {
@@ -19,25 +20,7 @@ Eigen::Vector3d vec_of(Vec3f v) {
   return {double{v.x}, double{v.y}, double{v.z}};
 }
 
-// to_mesh_axes is a rigid motion that follows from the hips and the floor: four points beside the hips tell it.
-Eigen::Isometry3d camera_to_mesh(const JointSet& measured, const FloorPlane& floor) {
-  constexpr float kArm = 1000;
-  JointSet probe = measured;
-  probe[Joint::HE] = {0, 0, 0};
-  probe[Joint::NE] = {kArm, 0, 0};
-  probe[Joint::TO] = {0, kArm, 0};
-  probe[Joint::LS] = {0, 0, kArm};
-  const JointSet moved = to_mesh_axes(probe, floor);
-  const Eigen::Vector3d origin = vec_of(moved[Joint::HE]);
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  motion.translation() = origin;
-  motion.linear().col(0) = (vec_of(moved[Joint::NE]) - origin) / kArm;
-  motion.linear().col(1) = (vec_of(moved[Joint::TO]) - origin) / kArm;
-  motion.linear().col(2) = (vec_of(moved[Joint::LS]) - origin) / kArm;
-  return motion;
-}
-
-Cloud fused_cloud(const Engine& engine, const Intrinsics& upright, const Eigen::Isometry3d& to_mesh) {
+Cloud fused_cloud(const Engine& engine, const Intrinsics& upright, const body::PersonAxes& axes) {
   const auto depth = engine.fused_depth_q4();
   const MaskView mask = engine.fused_mask();
   Cloud all;
@@ -45,7 +28,7 @@ Cloud fused_cloud(const Engine& engine, const Intrinsics& upright, const Eigen::
     for (int u = 0; u < depth.width; ++u) {
       if (mask.at(u, v) == 0 || depth.at(u, v) == 0) continue;
       const float z_mm = static_cast<float>(depth.at(u, v)) / 16;
-      all.push_back(to_mesh * vec_of(unproject(upright, static_cast<float>(u), static_cast<float>(v), z_mm)));
+      all.push_back(vec_of(axes.to_mesh(unproject(upright, static_cast<float>(u), static_cast<float>(v), z_mm))));
     }
   const std::size_t step = std::max<std::size_t>(1, (all.size() + kIcpPointsMost - 1) / kIcpPointsMost);
   Cloud thinned;
@@ -70,7 +53,7 @@ Result<std::optional<IcpCase>> icp_case(const SessionModels& models, const HeldO
   out.vertices.resize(rest.size());
   body::skin(models.body, rest, body::rest_skeleton(models.body, rest), body->pose, out.vertices);
   const Intrinsics upright = hal::rotate_upright(person.capture.intrinsics, person.capture.scene.rotate_deg);
-  out.cloud = fused_cloud(**engine, upright, camera_to_mesh(result.measured_joints, result.floor));
+  out.cloud = fused_cloud(**engine, upright, body::PersonAxes(result.measured_joints, result.floor));
   return std::optional<IcpCase>{std::move(out)};
 }
 

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "body/person_axes.h"
+
+namespace im2fit::body {
+
+PersonAxes::PersonAxes(const JointSet& camera_joints, const FloorPlane& floor) {
+  if (floor.known) level_ = rotation_between(half_turn(floor.up), {0, 1, 0});
+  unlevel_ = transpose(level_);
+  shift_ = (direction_to_mesh(camera_joints[Joint::LH]) + direction_to_mesh(camera_joints[Joint::RH])) * -0.5F;
+  // Levelled, the camera is the origin and stands camera_height above the floor.
+  if (floor.known) shift_.y = floor.camera_height_mm;
+}
+
+JointSet PersonAxes::to_mesh(const JointSet& camera_joints) const {
+  JointSet joints = camera_joints;
+  for (Vec3f& p : joints.position_mm) p = to_mesh(p);
+  return joints;
+}
+
+}  // namespace im2fit::body

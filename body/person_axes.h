@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Between a camera's axes (x right, y down, z forward) and those of meshes (x the left of who faces the camera, y up,
+// z towards the camera): a half turn about x, then the floor's up, where known, to +y. The origin lies between the
+// hips; where the floor is known, on it. mm. + - * / and sqrt only: the same bits everywhere.
+#pragma once
+
+#include "body/skeleton.h"
+#include "kernels/core/joints.h"
+#include "kernels/segment/segment.h"
+
+namespace im2fit::body {
+
+class PersonAxes {
+ public:
+  PersonAxes() = default;
+  PersonAxes(const JointSet& camera_joints, const FloorPlane& floor);
+
+  Vec3f to_mesh(Vec3f camera) const { return direction_to_mesh(camera) + shift_; }
+  Vec3f direction_to_mesh(Vec3f camera) const { return level_ * half_turn(camera); }
+  Vec3f to_camera(Vec3f mesh) const { return direction_to_camera(mesh - shift_); }
+  Vec3f direction_to_camera(Vec3f mesh) const { return half_turn(unlevel_ * mesh); }
+  Vec3f camera() const { return shift_; }  // where it stands
+  JointSet to_mesh(const JointSet& camera_joints) const;
+
+ private:
+  static Vec3f half_turn(Vec3f v) { return {v.x, -v.y, -v.z}; }
+  Mat3f level_, unlevel_;
+  Vec3f shift_;
+};
+
+}  // namespace im2fit::body
