@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// An engine on fake stages, fed shot by shot.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "engine/engine.h"
+#include "fake_stages.h"
+
+namespace im2fit::test {
+
+struct Rig {
+  explicit Rig(const EngineSettings& settings) {
+    auto made = create_engine(settings, std::make_unique<FakeStages>(control));
+    EXPECT_TRUE(made) << made.error().message;
+    engine = std::move(*made);
+  }
+  void push(const Shot& shot) {
+    hal::FrameInfo info;
+    info.sequence = next;
+    info.host_ns = static_cast<std::int64_t>(++next) * 33333333;
+    const Status status = engine->push(FramePixels(shot).view(), info);
+    EXPECT_TRUE(status);
+  }
+  FakeStages::Control control;
+  std::unique_ptr<Engine> engine;
+  std::uint64_t next = 0;
+};
+
+inline EngineSettings with(bool single) {
+  EngineSettings settings = small_settings();
+  settings.single_thread = single;
+  return settings;
+}
+
+}  // namespace im2fit::test

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "pipeline_rig.h"
+
+namespace im2fit {
+namespace {
+
+using test::FramePixels;
+using test::Rig;
+using test::Shot;
+using test::small_settings;
+using test::with;
+
+// run() against sources that end, fail, stutter and go silent.
+class StorySource final : public hal::Source {
+ public:
+  explicit StorySource(std::vector<std::string> story) : story_(std::move(story)) {
+    info_.uri = "story";
+    info_.intrinsics = small_settings().intrinsics;
+  }
+  const hal::SourceInfo& info() const override { return info_; }
+  Status start() override {
+    started = true;
+    return Ok{};
+  }
+  Result<hal::FrameInfo> next(DepthImage depth, int) override {
+    const std::string word = at_ < story_.size() ? story_[at_++] : "end";
+    if (word == "end") return Error{ErrorCode::end_of_stream, "end"};
+    if (word == "timeout") return Error{ErrorCode::timeout, "timeout"};
+    if (word == "corrupt") return Error{ErrorCode::corrupt, "corrupt"};
+    if (word == "gone") return Error{ErrorCode::no_device, "unplugged"};
+    copy_in(FramePixels(Shot{}), depth);
+    ++delivered;
+    return hal::FrameInfo{.sequence = delivered, .host_ns = static_cast<std::int64_t>(delivered)};
+  }
+  void stop() override { stopped = true; }
+  hal::SourceStats stats() const override { return {}; }
+  bool started = false;
+  bool stopped = false;
+  std::uint64_t delivered = 0;
+
+ private:
+  static void copy_in(const FramePixels& frame, DepthImage depth) {
+    std::memcpy(depth.pixels, frame.pixels.data(), frame.pixels.size() * 2);
+  }
+  std::vector<std::string> story_;
+  std::size_t at_ = 0;
+  hal::SourceInfo info_;
+};
+
+TEST(Run, PullsToTheEndAndFinishes) {
+  Rig rig(with(false));
+  StorySource source({"frame", "corrupt", "timeout", "frame", "frame", "frame"});
+  EXPECT_TRUE(run(*rig.engine, source, false));
+  EXPECT_TRUE(source.stopped);
+  EXPECT_EQ(rig.engine->result().frames_seen, 4U);
+  EXPECT_TRUE(rig.engine->result().measured);
+}
+
+TEST(Run, StopsWhenMeasured) {
+  Rig rig(with(true));
+  StorySource source(std::vector<std::string>(50, "frame"));
+  EXPECT_TRUE(run(*rig.engine, source, true));
+  EXPECT_EQ(source.delivered, 10U);
+  EXPECT_TRUE(source.stopped);
+}
+
+TEST(Run, ReportsALostCameraAfterMeasuringWhatCameBefore) {
+  Rig rig(with(false));
+  StorySource source({"frame", "frame", "frame", "gone", "frame"});
+  const Status status = run(*rig.engine, source, false);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::no_device);
+  EXPECT_TRUE(rig.engine->result().measured);
+}
+
+TEST(Run, GivesUpOnASilentCamera) {
+  Rig rig(with(false));
+  StorySource source(std::vector<std::string>(100, "timeout"));
+  const Status status = run(*rig.engine, source, false);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::timeout);
+  EXPECT_THAT(status.error().message, testing::HasSubstr("story"));
+}
+
+}  // namespace
+}  // namespace im2fit

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pipeline with a person who is asked to turn round, on one thread and on two.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine/user_lock.h"
+#include "pipeline_rig.h"
+
+namespace im2fit {
+namespace {
+
+using test::Rig;
+using test::Shot;
+using test::with;
+
+constexpr GuidanceSet kNear = static_cast<GuidanceSet>(Guidance::too_near);
+
+class TurnBothWays : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Threads, TurnBothWays, testing::Values(false, true),
+                         [](const auto& info) { return info.param ? "one" : "two"; });
+
+EngineSettings turning(bool single) {
+  EngineSettings settings = with(single);
+  settings.turn = Turn::asked;
+  return settings;
+}
+constexpr GuidanceSet kNotFrontal = static_cast<GuidanceSet>(Guidance::not_frontal);
+constexpr std::size_t kTurnRoundBit = 13;
+constexpr float kFront = 2000.0F * 55 + 2550;  // of ten frames of 2000 mm, and of the back's hundredth
+constexpr float kBoth = kFront + (3000.0F * 55 + 2550) / 100;
+
+TEST_P(TurnBothWays, FrontThenBackIsMeasuredWithBoth) {
+  EngineSettings settings = turning(GetParam());
+  std::vector<SessionState> states;
+  std::vector<EngineResult> seen;
+  settings.watch = [&](const FrameSeen& frame) {
+    seen.push_back(frame.result);
+    if (states.empty() || states.back() != frame.result.state) states.push_back(frame.result.state);
+  };
+  Rig rig(settings);
+  rig.push({.guidance = kNear});
+  for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
+  for (int i = 0; i < 4; ++i) rig.push({.value = 2500});  // has not understood yet
+  for (int i = 0; i < 3; ++i) rig.push({.guidance = kNotFrontal, .value = 2500, .view = ViewSide::side});
+  for (int i = 0; i < 25; ++i) rig.push({.value = 3000, .view = ViewSide::back});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_THAT(states, testing::ElementsAre(SessionState::user_found, SessionState::tracking, SessionState::turning,
+                                           SessionState::measured));
+  EXPECT_TRUE(r.measured);
+  EXPECT_EQ(r.views, AnswerViews::front_and_back);
+  EXPECT_EQ(r.frames_seen, 1U + 10 + 4 + 3 + 10);
+  EXPECT_EQ(r.frames_used, 20U);
+  EXPECT_EQ(r.frames_back, 10U);
+  EXPECT_EQ(r.guidance, 0U);
+  EXPECT_EQ(r.guidance_frames[kTurnRoundBit], 1U + 4 + 3) << "from the last frame of the front on";
+  EXPECT_EQ(r.answer.measurements[0].value, kBoth);
+  EXPECT_EQ(r.measured_joints[Joint::HE].z, 2000.0F) << "the front's";
+  EXPECT_EQ(rig.control.measure_calls, 2);
+
+  ASSERT_EQ(seen.size(), 28U);
+  EXPECT_FALSE(seen[9].front_measured);
+  EXPECT_EQ(seen[9].views, AnswerViews::none);
+  for (std::size_t i = 10; i < 27; ++i) {
+    SCOPED_TRACE(i);
+    EXPECT_EQ(seen[i].state, SessionState::turning);
+    EXPECT_TRUE(seen[i].front_measured);
+    EXPECT_FALSE(seen[i].measured);
+    EXPECT_EQ(seen[i].views, AnswerViews::front);
+    EXPECT_EQ(seen[i].answer.measurements[0].value, kFront) << "preliminary";
+    EXPECT_EQ(has(seen[i].guidance, Guidance::turn_round), i < 18);
+    EXPECT_EQ(seen[i].frames_used, 10U + (i < 18 ? 0 : i - 17));
+  }
+}
+
+TEST_P(TurnBothWays, WhoDoesNotTurnOrLeavesIsMeasuredFromTheFront) {
+  struct Case {
+    const char* name;
+    Shot shot;
+    int frames;          // shown
+    std::uint64_t seen;  // until MEASURED, after the front
+  };
+  const Case cases[] = {
+      {"leaves", {.found = false}, 60, kAbsentFramesMax + 1},
+      {"another takes the place", {.value = 3000, .user = 9, .view = ViewSide::back}, 60, kAbsentFramesMax + 1},
+      {"does not turn", {.value = 3000}, 500, 451},
+      {"never stands right", {.guidance = kNear, .value = 3000, .view = ViewSide::back}, 500, 451},
+      {"the stream ends", {.value = 3000}, 3, 3},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    Rig rig(turning(GetParam()));
+    for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
+    for (int i = 0; i < c.frames; ++i) rig.push(c.shot);
+    rig.engine->finish();
+    const EngineResult r = rig.engine->result();
+    EXPECT_EQ(r.state, SessionState::measured);
+    EXPECT_TRUE(r.measured);
+    EXPECT_EQ(r.views, AnswerViews::front);
+    EXPECT_EQ(r.answer.measurements[0].value, kFront);
+    EXPECT_EQ(r.frames_used, 10U);
+    EXPECT_EQ(r.frames_back, 0U);
+    EXPECT_EQ(r.frames_seen, 10U + c.seen);
+    EXPECT_EQ(r.guidance, 0U);
+  }
+}
+
+TEST_P(TurnBothWays, TheEndOfTheStreamTakesTheBackFromTheFewestFramesOn) {
+  for (const int frames : {2, 3, 9}) {
+    Rig rig(turning(GetParam()));
+    for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
+    for (int i = 0; i < frames; ++i) rig.push({.value = 3000, .view = ViewSide::back});
+    rig.engine->finish();
+    const EngineResult r = rig.engine->result();
+    EXPECT_TRUE(r.measured) << frames;
+    EXPECT_EQ(r.views, frames >= 3 ? AnswerViews::front_and_back : AnswerViews::front) << frames;
+    EXPECT_EQ(r.frames_used, frames >= 3 ? 10U + static_cast<unsigned>(frames) : 10U);
+  }
+  Rig rig(turning(GetParam()));
+  for (int i = 0; i < 5; ++i) rig.push({.value = 2000});
+  rig.engine->finish();
+  EXPECT_TRUE(rig.engine->result().measured) << "the front of a stream that ends before it";
+  EXPECT_EQ(rig.engine->result().views, AnswerViews::front);
+  EXPECT_EQ(rig.engine->result().frames_used, 5U);
+}
+
+TEST_P(TurnBothWays, ABackThatCannotBeDescribedIsLeftOut) {
+  Rig rig(turning(GetParam()));
+  rig.control.back_describable = false;
+  for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
+  for (int i = 0; i < 10; ++i) rig.push({.value = 3000, .view = ViewSide::back});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_TRUE(r.measured);
+  EXPECT_EQ(r.views, AnswerViews::front);
+  EXPECT_EQ(r.answer.measurements[0].value, kFront);
+  EXPECT_EQ(r.frames_used, 10U);
+}
+
+TEST_P(TurnBothWays, WhatCannotBeDescribedAnyMoreTakesThePreliminaryAnswerWithIt) {
+  Rig rig(turning(GetParam()));
+  for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
+  for (int i = 0; i < 9; ++i) rig.push({.value = 3000, .view = ViewSide::back});
+  rig.engine->select_user(0);  // waits
+  rig.control.describable = false;
+  rig.push({.value = 3000, .view = ViewSide::back});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_EQ(r.state, SessionState::tracking);
+  EXPECT_FALSE(r.measured || r.front_measured);
+  EXPECT_EQ(r.views, AnswerViews::none);
+  EXPECT_EQ(r.frames_used, 0U);
+  EXPECT_TRUE(std::isnan(r.paper[0]));
+  EXPECT_EQ(r.guidance, static_cast<GuidanceSet>(Guidance::too_noisy));
+}
+
+TEST_P(TurnBothWays, AFrontTakenForABackIsNotGathered) {
+  Rig rig(turning(GetParam()));
+  for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
+  for (int i = 0; i < 3; ++i) {
+    rig.push({.value = 3500, .view = ViewSide::back});
+    rig.push({.value = 3500});
+  }
+  for (int i = 0; i < 10; ++i) rig.push({.value = 3000, .view = ViewSide::back});
+  rig.engine->finish();
+  EXPECT_EQ(rig.engine->result().answer.measurements[0].value, kBoth);
+  EXPECT_EQ(rig.engine->result().frames_back, 10U);
+}
+
+TEST_P(TurnBothWays, ATurnUnderWayIsForgottenWithThePerson) {
+  for (const bool reset : {true, false}) {
+    Rig rig(turning(GetParam()));
+    for (int i = 0; i < 10; ++i) rig.push({.value = 3500});
+    for (int i = 0; i < 5; ++i) rig.push({.value = 3500, .view = ViewSide::back});
+    if (reset)
+      rig.engine->reset();
+    else
+      rig.engine->next_person();
+    EngineResult r = rig.engine->result();
+    EXPECT_EQ(r.state, SessionState::searching);
+    EXPECT_FALSE(r.front_measured);
+    EXPECT_EQ(r.views, AnswerViews::none);
+    EXPECT_EQ(r.frames_used, 0U);
+    for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
+    for (int i = 0; i < 10; ++i) rig.push({.value = 3000, .view = ViewSide::back});
+    rig.engine->finish();
+    r = rig.engine->result();
+    EXPECT_EQ(r.views, AnswerViews::front_and_back);
+    EXPECT_EQ(r.answer.measurements[0].value, kBoth);
+  }
+}
+
+TEST_P(TurnBothWays, WithoutATurnAskedABackIsRefusedAsBefore) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 9; ++i) rig.push({.value = 2000});
+  for (int i = 0; i < 5; ++i) rig.push({.value = 3000, .view = ViewSide::back});
+  rig.push({.value = 2000});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_TRUE(r.measured);
+  EXPECT_FALSE(r.front_measured);
+  EXPECT_EQ(r.views, AnswerViews::front);
+  EXPECT_EQ(r.guidance_frames[6], 5U);
+  EXPECT_EQ(r.guidance_frames[kTurnRoundBit], 0U);
+  EXPECT_EQ(r.answer.measurements[0].value, kFront);
+  EXPECT_EQ(rig.control.measure_calls, 1);
+}
+
+}  // namespace
+}  // namespace im2fit
