@@ -54,8 +54,9 @@ Result<AnsweredBody> body_of_params(const body::BodyModel& model, const body::Pa
 Result<AnsweredBody> body_of_answer(const body::BodyModel& model, const index::Index& index,
                                     const index::Answer& answer, const JointSet& measured_joints,
                                     const FloorPlane& floor) {
-  const index::Person person = index.person_of(answer.nearest);
-  const auto params = body::params_of_person(model, person.version, person.seed, person.number);
+  const auto person = index.person_of(answer.nearest);
+  if (!person) return person.error();
+  const auto params = body::params_of_person(model, person->version, person->seed, person->number);
   if (!params) return params.error();
   const auto value = [&](Measurement m) {
     return static_cast<double>(answer.measurements[measurement_index(m)].value);

@@ -250,7 +250,8 @@ int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, 
 int im2fit_finish(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
     h.engine->finish();
-    return static_cast<int>(IM2FIT_OK);
+    const auto sound = h.engine->fault();
+    return sound ? static_cast<int>(IM2FIT_OK) : fail(&h, sound.error());
   });
 }
 

@@ -98,6 +98,7 @@ class PipelineEngine final : public Engine {
                                                     std::to_string(depth.height) + ", the engine was made for " +
                                                     std::to_string(settings_.width) + "x" +
                                                     std::to_string(settings_.height)};
+    if (auto sound = fault(); !sound) return sound;
     arrival_.count(info, counts_);
     std::uint32_t index = 0;
     if (!acquire(index)) return Ok{};
@@ -122,7 +123,13 @@ class PipelineEngine final : public Engine {
     finished_ = true;
     drain();
     fit_.end(counts_);
+    fault_.store(fit_.fault(), std::memory_order_relaxed);
     snapshot_.publish(fit_.result());
+  }
+
+  Status fault() const override {
+    if (const Error* found = fault_.load(std::memory_order_acquire)) return *found;
+    return Ok{};
   }
 
   EngineResult result() const override { return snapshot_.read(); }
@@ -161,6 +168,7 @@ class PipelineEngine final : public Engine {
  private:
   void begin_again() {
     over_.store(false, std::memory_order_relaxed);
+    fault_.store(nullptr, std::memory_order_relaxed);
     counts_ = {};
     arrival_.reset();
     finished_ = false;
@@ -210,6 +218,7 @@ class PipelineEngine final : public Engine {
   void fit(FrameSlot& slot) {
     if (!slot.sensed || fit_.over()) return;
     fit_.process(slot);
+    if (fit_.fault() != nullptr) fault_.store(fit_.fault(), std::memory_order_release);
     if (fit_.over()) over_.store(true, std::memory_order_relaxed);
     snapshot_.publish(fit_.result());
     if (!settings_.watch) return;
@@ -268,6 +277,8 @@ class PipelineEngine final : public Engine {
 
   std::atomic<std::uint64_t> processed_{0};
   std::atomic<bool> over_{false};  // FIT to SENSE: the session is over, frames need no reading
+  // FIT to the producer: its fault, which stands still while the session is over.
+  std::atomic<const Error*> fault_{nullptr};
   std::atomic<bool> stop_{false};
   Event producer_event_;
   Event sense_event_;

@@ -100,10 +100,13 @@ class Engine {
   virtual ~Engine() = default;
   // push, finish and reset: from one producer thread.
   // Copies the frame into the pool; blocks when full unless live. Live: gives up the oldest frame not yet begun (the
-  // new one when all are begun). Errors: another size than the settings', after finish().
+  // new one when all are begun). Errors: another size than the settings', after finish(), fault().
   virtual Status push(DepthView depth, const hal::FrameInfo& info) = 0;
   // No more frames: waits until both halves are idle and measures with what there is. Again: does nothing.
   virtual void finish() = 0;
+  // What keeps the engine from measuring: the index was found damaged where it was asked. Nothing is measured then
+  // until reset(), next_person() or select_user(), which may ask it elsewhere. From the producer thread.
+  virtual Status fault() const = 0;
   // Any thread, any time, never blocks the pipeline.
   virtual EngineResult result() const = 0;
   virtual void reset() = 0;  // a new person; after finish() or between frames. Waits for frames under way
@@ -121,8 +124,8 @@ class Engine {
 };
 
 // Starts `source`, pulls from it until its end, its loss or `measured`, stops it and finishes the engine. Damaged
-// frames are left out. Errors: the source's (after finishing with what came before); timeout when a source stays
-// silent for kSilenceMs. The end of a stream is Ok, measured or not.
+// frames are left out. Errors: the source's (after finishing with what came before); the engine's fault(); timeout
+// when a source stays silent for kSilenceMs. The end of a stream is Ok, measured or not.
 inline constexpr int kSilenceMs = 5000;
 Status run(Engine& engine, hal::Source& source, bool stop_when_measured);
 // The same, until `go_on`, called on this thread after every frame pushed, says false; it may call the engine.

@@ -129,10 +129,14 @@ void FitHalf::end_turning(bool with_back, bool ended) {
 void FitHalf::measure(bool ended) {
   MeasuredPerson person;
   bool succeeded = stages_.measure(person);
-  if (!succeeded && front_frames_ > 0) {  // the back cannot be described; the front could
+  if (!succeeded && stages_.fault() == nullptr && front_frames_ > 0) {  // the back cannot be described; the front could
     stages_.drop_back();
     front_frames_ = 0;
     succeeded = stages_.measure(person);
+  }
+  if (const Error* fault = stages_.fault(); !succeeded && fault != nullptr) {
+    fault_ = *fault;
+    return;
   }
   const MeasuringStep step = after_measuring(rules_, session_, succeeded, ended);
   session_ = step.next;
@@ -167,7 +171,7 @@ void FitHalf::count_gathered() {
 }
 
 void FitHalf::end(const ArrivalCounts& counts) {
-  if (session_.state == SessionState::measured) return;
+  if (fault_ || session_.state == SessionState::measured) return;
   take_counts(counts);
   const bool enough = measure_at_end(rules_, session_, stages_.frame_count());
   if (session_.state == SessionState::turning)
@@ -186,6 +190,7 @@ void FitHalf::reset() {
   chain_.reset();
   steady_.reset();
   motion_.reset();
+  fault_.reset();
   leaving_ = false;
   leaving_absent_frames_ = 0;
 }

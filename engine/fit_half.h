@@ -2,6 +2,8 @@
 // What FIT does with a frame that was sensed: session step, gathering, and the measurement once a session.
 #pragma once
 
+#include <optional>
+
 #include "engine/engine.h"
 #include "engine/frame_pool.h"
 #include "engine/frame_stages.h"
@@ -24,8 +26,11 @@ class FitHalf {
   void next_person();
   // Begins anew at once.
   void begin_next();
-  // The session is over: MEASURED; frames change nothing any more, but for who waits for the person to leave.
-  bool over() const { return session_.state == SessionState::measured && !leaving_; }
+  // The session is over: MEASURED, or a file was found damaged; frames change nothing any more, but for who waits for
+  // the person to leave.
+  bool over() const { return fault_ || (session_.state == SessionState::measured && !leaving_); }
+  // What was found damaged in measuring; null: nothing. Until the session begins anew.
+  const Error* fault() const { return fault_ ? &*fault_ : nullptr; }
   const EngineResult& result() const { return result_; }
 
  private:
@@ -48,6 +53,7 @@ class FitHalf {
   JointFilter steady_;
   MotionFilter motion_;
   int front_frames_ = 0;  // gathered before TURNING; 0 when the front is being gathered
+  std::optional<Error> fault_;
   bool leaving_ = false;
   int leaving_absent_frames_ = 0;
 };

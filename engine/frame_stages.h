@@ -35,6 +35,8 @@ class FrameStages {
   // The expensive step, once a session; with a turn asked, once for the front and once for both. False when what is
   // gathered cannot be described.
   virtual bool measure(MeasuredPerson& person) = 0;
+  // Why the last measure() failed, when it is not for what is gathered: a file is damaged. Else null.
+  virtual const Error* fault() const { return nullptr; }
   // What is gathered is the front: keep it, gather the back from now on; measure() means both. Not called unless
   // EngineSettings::turn asks for it.
   virtual void turn() = 0;

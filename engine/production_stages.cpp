@@ -16,6 +16,7 @@ class ProductionStages final : public SensingStages {
       : SensingStages(width, height, joint_model, turn), query_(index, shape_space) {}
 
   bool measure(MeasuredPerson& person) override {
+    fault_.reset();
     const Fuser::Description& described = front().describe();
     if (!described.valid) return false;
     std::optional<RefinedQuery::Side> behind;
@@ -23,15 +24,23 @@ class ProductionStages final : public SensingStages {
       behind.emplace(RefinedQuery::Side{*back(), back()->describe()});
       if (!behind->description.valid) return false;
     }
-    person.answer = query_.ask({front(), described}, behind);
+    auto answer = query_.ask({front(), described}, behind);
+    if (!answer) {
+      fault_ = answer.error();
+      return false;
+    }
+    person.answer = *answer;
     person.paper = to_values(described.paper);
     person.joints = described.joints;
     person.floor = described.floor;
     return true;
   }
 
+  const Error* fault() const override { return fault_ ? &*fault_ : nullptr; }
+
  private:
   RefinedQuery query_;
+  std::optional<Error> fault_;
 };
 
 }  // namespace

@@ -26,7 +26,7 @@ std::span<const float> RefinedQuery::fit(std::span<const body::FitView> views) {
   return body::fit_values(fitter_->run(views), *space_, values_);
 }
 
-index::Answer RefinedQuery::ask(const Side& front, const std::optional<Side>& back) {
+Result<index::Answer> RefinedQuery::ask(const Side& front, const std::optional<Side>& back) {
   index::QueryOptions options;
   options.frame_count = front.fuser.frame_count();
   index::Seen seen{front.description.feature, {}, {}, {}};

@@ -25,7 +25,8 @@ class RefinedQuery {
     const Fuser::Description& description;
   };
   // Some tens of milliseconds with a shape space, for each side.
-  index::Answer ask(const Side& front, const std::optional<Side>& back);
+  // Errors: the index is damaged where it was asked.
+  Result<index::Answer> ask(const Side& front, const std::optional<Side>& back);
   bool refines() const { return fitter_ != nullptr; }
 
  private:

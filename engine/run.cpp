@@ -43,7 +43,7 @@ Status run(Engine& engine, hal::Source& source, const std::function<bool()>& go_
   Status status = pull(engine, source, go_on);
   source.stop();
   engine.finish();
-  return status;
+  return status ? engine.fault() : status;
 }
 
 }  // namespace im2fit

@@ -52,8 +52,8 @@ Position Answerer::place_of(const Targets& targets) const {
                  static_cast<int>(contents_.meta.dimensions));
 }
 
-Answerer::Corrected Answerer::corrected(const Targets& regressed, const QueryOptions& options,
-                                        Workspace& work) const {
+Result<Answerer::Corrected> Answerer::corrected(const Targets& regressed, const QueryOptions& options,
+                                                Workspace& work) const {
   const Contents& c = contents_;
   const int targets = static_cast<int>(c.meta.target_count);
   const Position place = place_of(regressed);
@@ -65,6 +65,9 @@ Answerer::Corrected Answerer::corrected(const Targets& regressed, const QueryOpt
   const int wanted = options.neighbour_count > 0 ? options.neighbour_count : static_cast<int>(c.meta.neighbour_count);
   const auto count = static_cast<std::size_t>(std::min(wanted, kNeighbourMax));
   out.neighbours = options.exhaustive ? work.search.exhaustive(grid, count) : work.search.nearest(grid, count);
+  if (!work.search.intact()) return work.search.damage();
+  for (const Neighbour& n : out.neighbours)
+    if (auto sound = c.check_residual(n.index); !sound) return sound.error();
   const LocalAnswer local = local_regression(
       c.local_data(), grid, out.neighbours,
       {static_cast<LocalMethod>(c.meta.local_method), c.meta.intercept_penalty, c.meta.slope_penalty});
@@ -74,8 +77,10 @@ Answerer::Corrected Answerer::corrected(const Targets& regressed, const QueryOpt
   return out;
 }
 
-Answer Answerer::answer(const Seen& seen, const QueryOptions& options, Workspace& work) const {
-  Corrected corrected = this->corrected(regressed(seen.front, work), options, work);
+Result<Answer> Answerer::answer(const Seen& seen, const QueryOptions& options, Workspace& work) const {
+  auto found = this->corrected(regressed(seen.front, work), options, work);
+  if (!found) return found.error();
+  Corrected& corrected = *found;
   const MetaRecord& meta = contents_.meta;
   Uncertainty uncertainty{meta.frame_model,
                           meta.frame_noise,

@@ -24,8 +24,9 @@ class Answerer {
   };
   // A feature of the wrong size counts as not measured.
   Targets regressed(std::span<const float> feature, Workspace& work) const;
-  // The best answer that what is seen allows: turned, fitted, or of the front's feature alone.
-  Answer answer(const Seen& seen, const QueryOptions& options, Workspace& work) const;
+  // The best answer that what is seen allows: turned, fitted, or of the front's feature alone. Errors: what was asked
+  // of the file is damaged.
+  Result<Answer> answer(const Seen& seen, const QueryOptions& options, Workspace& work) const;
 
   // Regressed targets with both corrections. Standardised units.
   struct Corrected {
@@ -34,7 +35,7 @@ class Answerer {
     Position shift{};                       // of the place, by the surface
     std::span<const Neighbour> neighbours;  // that were asked; until the workspace's next search
   };
-  Corrected corrected(const Targets& regressed, const QueryOptions& options, Workspace& work) const;
+  Result<Corrected> corrected(const Targets& regressed, const QueryOptions& options, Workspace& work) const;
 
  private:
   Position place_of(const Targets& targets) const;

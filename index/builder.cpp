@@ -415,9 +415,9 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
   out.add_array("group.box", view(tree.group_boxes));
   out.add_array("leaf.box", view(tree.leaf_boxes));
   out.add_array("leaf", view(tree.leaf_first));
-  out.add_array("code", view(tree.blocks));
-  out.add_array("residual", view(in_order(entries_->residuals, tree.dimension_count, tree.order)));
-  out.add_array("person", view(person));
+  out.add_array("code", view(tree.blocks), Checked::by_page);
+  out.add_array("residual", view(in_order(entries_->residuals, tree.dimension_count, tree.order)), Checked::by_page);
+  out.add_array("person", view(person), Checked::by_page);
   refinements_.write(out);
   return out.finish();
 }
@@ -434,8 +434,9 @@ std::vector<HeldOut> Builder::answer_strangers(std::span<const std::byte> file) 
     row.subject = static_cast<std::uint32_t>(s.subject);
     row.frame_count = s.frame_count;
     const auto corrected = answerer.corrected(answerer.regressed(s.feature, work), {}, work);
-    row.answer = corrected.value;
-    row.spread = corrected.spread;
+    if (!corrected) return out;
+    row.answer = corrected->value;
+    row.spread = corrected->spread;
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
       row.truth[m] =
           targets_->scale(m) > 0 ? (static_cast<double>(s.truth[m]) - targets_->mean(m)) / targets_->scale(m) : 0;

@@ -75,6 +75,7 @@ void CodeSearch::begin(std::size_t count) {
   count_ = std::clamp<std::size_t>(count, 1, std::min(count_max_, tree_.point_count));
   found_count_ = 0;
   reach_ = std::numeric_limits<std::int32_t>::max();
+  damaged_ = {};
   work_ = {};
 }
 
@@ -104,6 +105,12 @@ void CodeSearch::scan(std::size_t first, std::size_t last, const CodeQuery& quer
     // Leaves do not begin with a block: the points before and behind are passed over.
     const std::size_t block = first / kCodeBlock, base = block * kCodeBlock;
     const std::size_t end = std::min(last, base + kChunk);
+    const ByteRange read{block * block_bytes, blocks_of(end - base, kCodeBlock) * block_bytes};
+    if (!tree_.pages.intact(read.first, read.count)) {
+      damaged_ = read;
+      reach_ = -1;  // ends the search: nothing is as near as that
+      return;
+    }
     std::int32_t distance[kChunk], least[kChunk / kCodeBlock];
     code_distance(tree_.blocks.data() + block * block_bytes, static_cast<int>(blocks_of(end - base, kCodeBlock)),
                   query, distance, least);

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "base/container.h"
 #include "kernels/code_bounds/code_bounds.h"
 #include "kernels/code_distance/code_distance.h"
 
@@ -27,6 +28,10 @@ static_assert(kGroupLeaves % kBoxBlock == 0);
 
 using Coordinates = std::array<std::int32_t, kDimensionMax>;
 
+struct ByteRange {
+  std::size_t first = 0, count = 0;
+};
+
 struct Neighbour {
   std::int32_t distance = 0;  // squared, as kernels/code_distance defines it
   std::uint32_t index = 0;
@@ -39,6 +44,7 @@ struct CodeTree {
   int dimension_count = 0;
   Coordinates steps{};                        // 0..kStepMax; 0 from dimension_count on
   std::span<const std::int8_t> blocks;        // of 16 points, each of pair_count() pairs (kernels/code_distance)
+  PagedBytes pages;                           // of a file: `blocks`, to be checked before they are read
   std::span<const std::uint32_t> leaf_first;  // per leaf its first point; then point_count
   std::span<const std::int16_t> leaf_boxes;   // blocks of 16 boxes (kernels/code_bounds), in units of the grid
   std::span<const std::int16_t> group_boxes;  // the same, of kGroupLeaves leaves each
@@ -49,6 +55,11 @@ struct CodeTree {
   int code(std::uint32_t point, std::size_t dimension) const {
     return blocks[((point / kCodeBlock) * pair_count() + dimension / 2) * 2 * kCodeBlock + point % kCodeBlock * 2 +
                   dimension % 2];
+  }
+  // Where in `blocks` those of a point's codes lie, and others' with them.
+  ByteRange block_of(std::uint32_t point) const {
+    const std::size_t size = pair_count() * 2 * kCodeBlock;
+    return {point / kCodeBlock * size, size};
   }
 };
 
@@ -78,6 +89,9 @@ class CodeSearch {
   std::span<Neighbour> nearest(const Coordinates& query, std::size_t count);
   // The same by looking at every point: the truth, and faster for few points.
   std::span<Neighbour> exhaustive(const Coordinates& query, std::size_t count);
+  // Whether the last search read codes as they were written; else what it gave is not to be used.
+  bool intact() const { return damaged_.count == 0; }
+  Error damage() const { return tree_.pages.damage(damaged_.first, damaged_.count); }
   // Of the last search: how much of the file it read.
   struct Work {
     std::size_t groups = 0, leaves = 0, points = 0;
@@ -101,6 +115,7 @@ class CodeSearch {
   std::size_t count_ = 0;
   std::size_t found_count_ = 0;
   std::int32_t reach_ = 0;  // points farther than this are none of the nearest
+  ByteRange damaged_;       // of the codes; count 0: none
   Work work_;
 };
 

@@ -30,6 +30,22 @@ class SectionReader {
     }
     return *values;
   }
+  // To be checked as it is read.
+  template <class T>
+  std::span<const T> take_paged(const char* name, std::size_t count, PagedBytes& pages) {
+    if (error_) return {};
+    auto found = container_.paged(name);
+    if (!found) {
+      fail(found.error());
+      return {};
+    }
+    pages = *found;
+    const auto bytes = pages.bytes();
+    require(bytes.size() == count * sizeof(T), name,
+            "has " + std::to_string(bytes.size()) + " bytes, expected " + std::to_string(count * sizeof(T)));
+    if (error_) return {};
+    return {reinterpret_cast<const T*>(bytes.data()), count};
+  }
   template <class T>
   T record(const char* name) {
     T out{};
@@ -84,7 +100,8 @@ CodeTree take_tree(SectionReader& in, const MetaRecord& m) {
   tree.point_count = m.entry_count;
   tree.dimension_count = static_cast<int>(m.dimensions);
   const auto steps = in.take<std::int32_t>("code.step", kDimensionMax);
-  tree.blocks = in.take<std::int8_t>("code", code_block_bytes(tree.point_count, tree.dimension_count));
+  tree.blocks =
+      in.take_paged<std::int8_t>("code", code_block_bytes(tree.point_count, tree.dimension_count), tree.pages);
   tree.leaf_first = in.take<std::uint32_t>("leaf", std::size_t{m.leaf_count} + 1);
   tree.leaf_boxes = in.take<std::int16_t>("leaf.box", box_values(m.leaf_count, tree.dimension_count));
   if (in.failed()) return tree;
@@ -176,6 +193,28 @@ Surface Contents::surface() const {
           static_cast<int>(meta.target_count), static_cast<int>(meta.dimensions)};
 }
 
+namespace {
+
+Status check_range(const PagedBytes& pages, ByteRange range) {
+  if (pages.intact(range.first, range.count)) return Ok{};
+  return pages.damage(range.first, range.count);
+}
+
+}  // namespace
+
+Status Contents::check_code(std::uint32_t entry) const {
+  return check_range(tree.pages, tree.block_of(entry));
+}
+
+Status Contents::check_residual(std::uint32_t entry) const {
+  const std::size_t size = residual_bytes(static_cast<int>(meta.dimensions));
+  return check_range(residual_pages, {entry * size, size});
+}
+
+Status Contents::check_person(std::uint32_t entry) const {
+  return check_range(person_pages, {entry * sizeof(std::uint32_t), sizeof(std::uint32_t)});
+}
+
 Position Contents::code_place(std::uint32_t entry) const {
   Position out{};
   for (std::size_t d = 0; d < meta.dimensions; ++d) out[d] = meta.grid_unit * (tree.code(entry, d) * tree.steps[d]);
@@ -232,11 +271,12 @@ Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::str
   c.inverse_spread = in.take<float>("code.spread", m.dimensions);
   c.quadratic = in.take<float>("quadratic", targets * terms);
   c.tree = take_tree(in, m);
-  c.residual = in.take<std::uint8_t>("residual", entries * residual_bytes(static_cast<int>(m.dimensions)));
+  c.residual = in.take_paged<std::uint8_t>("residual", entries * residual_bytes(static_cast<int>(m.dimensions)),
+                                           c.residual_pages);
   c.residual_scale = in.take<float>("residual.scale", m.dimensions);
   c.error_map = in.take<float>("error.map", targets * m.dimensions);
   c.place_map = in.take<float>("place.map", targets * m.dimensions);
-  c.person = in.take<std::uint32_t>("person", entries);
+  c.person = in.take_paged<std::uint32_t>("person", entries, c.person_pages);
   c.interval = in.take<float>("interval", 2 * kMeasurementCount);
   c.spread_floor = in.take<float>("spread.floor", kMeasurementCount);
   c.sex_table = in.take<float>("sex.table", kSexTableSize);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections of a .i2f (docs/formats-index.md) and their validation: what parse_contents accepts can be queried
-// without reading out of bounds, dividing by zero or recursing deeply.
+// without reading out of bounds, dividing by zero or recursing deeply. What there is of each entry (`code`, `residual`,
+// `person`) is held to its checksums when it is read, not when the file is opened: whatever stands there is in range.
 #pragma once
 
 #include <array>
@@ -18,7 +19,7 @@
 namespace im2fit::index {
 
 inline constexpr char kMagic[] = "I2FX";
-inline constexpr std::uint32_t kVersion = 3;
+inline constexpr std::uint32_t kVersion = 4;
 inline constexpr std::uint32_t kFeatureMax = 16384;
 inline constexpr std::uint32_t kEntryMax = 1U << 24;
 inline constexpr std::uint32_t kGroupMax = 16;
@@ -73,7 +74,7 @@ struct ReportRecord {
 };
 static_assert(sizeof(ReportRecord) == 4 * (5 * 11 + 2 + 16));
 
-// Views into the file.
+// Views into the file. Of what there is of each entry: to be asked whether it is intact before it is read.
 struct Contents {
   MetaRecord meta;
   ReportRecord report;
@@ -90,10 +91,12 @@ struct Contents {
   std::span<const float> quadratic;        // target_count x quadratic_term_count
   CodeTree tree;                           // entries, where the regression puts them
   std::span<const std::uint8_t> residual;  // entry_count x residual_bytes: truth less regression, there
+  PagedBytes residual_pages;
   std::span<const float> residual_scale;   // dimensions: projected space per residual step
   std::span<const float> error_map;        // target_count x dimensions: targets' error per projected error
   std::span<const float> place_map;        // target_count x dimensions: targets at a projected place
   std::span<const std::uint32_t> person;   // entry_count: number in the population
+  PagedBytes person_pages;
   std::span<const float> interval;         // kMeasurementCount x {low, high} in units of the spread
   std::span<const float> spread_floor;     // kMeasurementCount, standardised units
   std::span<const float> sex_table;        // kSexTableSize probabilities, rising
@@ -101,6 +104,10 @@ struct Contents {
 
   LocalData local_data() const;
   Surface surface() const;
+  // Errors: of the codes, residuals or persons of these, what is damaged.
+  Status check_code(std::uint32_t entry) const;
+  Status check_residual(std::uint32_t entry) const;
+  Status check_person(std::uint32_t entry) const;
   // Where an entry's code stands, and what the regression got wrong there: with the surface's shift at that place
   // they add up to the truth.
   Position code_place(std::uint32_t entry) const;

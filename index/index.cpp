@@ -123,11 +123,11 @@ std::unique_ptr<Index::Scratch, void (*)(Index::Scratch*)> Index::make_scratch()
   return {new Scratch(*data_->answerer), [](Scratch* s) { delete s; }};
 }
 
-Answer Index::query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const {
+Result<Answer> Index::query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const {
   return query(Seen{feature, {}, {}, {}}, options, scratch);
 }
 
-Answer Index::query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const {
+Result<Answer> Index::query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const {
   return data_->answerer->answer(seen, options, scratch.work);
 }
 
@@ -143,12 +143,15 @@ std::uint32_t Index::shape_key() const {
   return 0;
 }
 
-Person Index::person_of(std::uint32_t entry) const {
+Result<Person> Index::person_of(std::uint32_t entry) const {
   const Contents& c = data_->contents;
-  return {c.meta.population_version, c.meta.population_seed, c.person[entry]};
+  if (auto sound = c.check_person(entry); !sound) return sound.error();
+  return Person{c.meta.population_version, c.meta.population_seed, c.person[entry]};
 }
 
-MeasurementValues Index::measurements_of(std::uint32_t entry) const {
+Result<MeasurementValues> Index::measurements_of(std::uint32_t entry) const {
+  for (const auto& sound : {data_->contents.check_code(entry), data_->contents.check_residual(entry)})
+    if (!sound) return sound.error();
   return data_->contents.measurements_of_entry(entry);
 }
 
@@ -162,6 +165,8 @@ Status Index::verify(int trials) const {
     return Error{ErrorCode::corrupt, data_->what + ": " + why + "; build the index again"};
   };
   const CodeTree& tree = c.tree;
+  for (const PagedBytes* pages : {&tree.pages, &c.residual_pages, &c.person_pages})
+    if (auto sound = pages->check_all(); !sound) return sound;
   const auto edges = [&](std::span<const std::int16_t> boxes, std::size_t box, std::size_t d) {
     const std::int16_t* edge =
         boxes.data() + (box / kBoxBlock * c.meta.dimensions + d) * 2 * kBoxBlock + box % kBoxBlock;
@@ -202,6 +207,11 @@ Index::Work Index::work_of(const Scratch& scratch) const {
   return {work.leaves, work.points,
           pages(c.tree.group_count() * box_bytes) + work.groups * pages(kGroupLeaves * (box_bytes + 4)) +
               work.leaves * pages(leaf_bytes) + 2 * neighbours};
+}
+
+std::size_t Index::pages_seen() const {
+  const Contents& c = data_->contents;
+  return c.tree.pages.pages_seen() + c.residual_pages.pages_seen() + c.person_pages.pages_seen();
 }
 
 }  // namespace im2fit::index

@@ -100,27 +100,29 @@ class Index {
   class Scratch;
   std::unique_ptr<Scratch, void (*)(Scratch*)> make_scratch() const;
   // No allocation. NaN in the feature means "not measured" and is imputed by the training mean; a feature of
-  // another size than feature_size() is read as if all of it were NaN.
-  Answer query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
+  // another size than feature_size() is read as if all of it were NaN. Errors: the part of the file that was asked
+  // for is damaged (parts are held to their checksums when they are first asked for).
+  Result<Answer> query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
   // The same from all that is seen: refined (index/refinement.h) where the index has learned how and the sizes fit.
-  Answer query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const;
+  Result<Answer> query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const;
   // Values of a fit that refinements ask for, and the key of the shape space it must be of; 0: the index has none.
   std::size_t fit_size() const;
   std::uint32_t shape_key() const;
-  // Whose body an entry is. `entry` < size(), as below.
-  Person person_of(std::uint32_t entry) const;
+  // Whose body an entry is. `entry` < size(), as below. Errors: as of query().
+  Result<Person> person_of(std::uint32_t entry) const;
   // Truth of an entry to within the rounding of its codes: a seventh of the regression's error, and what the
   // projected space leaves out.
-  MeasurementValues measurements_of(std::uint32_t entry) const;
+  Result<MeasurementValues> measurements_of(std::uint32_t entry) const;
   // Sizes and names of the file's sections, in the order of the file.
   struct Section {
     std::string name;
     std::uint64_t size = 0;
   };
   std::vector<Section> sections() const;
-  // What opening a file does not look at: that every entry lies in its leaf's box and every leaf in its group's, and
-  // that the search finds what an exhaustive one finds, at `trials` entries. An error says what is wrong where.
-  // Opening has already held every section to its CRC and the records to their ranges.
+  // What opening a file does not look at: the checksums of what there is of each entry, that every entry lies in its
+  // leaf's box and every leaf in its group's, and that the search finds what an exhaustive one finds, at `trials`
+  // entries. An error says what is wrong where. Opening has already held the other sections to their CRC and the
+  // records to their ranges.
   Status verify(int trials) const;
   // How much of the file the scratch's last query read.
   struct Work {
@@ -128,6 +130,8 @@ class Index {
     std::size_t pages = 0;  // of 4096 bytes, at most
   };
   Work work_of(const Scratch& scratch) const;
+  // Pages of 4096 bytes of what there is of each entry that were read, and found intact, since the file was opened.
+  std::size_t pages_seen() const;
 
   struct Data;
 

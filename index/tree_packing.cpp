@@ -132,7 +132,7 @@ PackedTree pack_tree(std::span<const std::int8_t> codes, int dimension_count, co
 }
 
 CodeTree PackedTree::view() const {
-  return {order.size(), dimension_count, steps, blocks, leaf_first, leaf_boxes, group_boxes};
+  return {order.size(), dimension_count, steps, blocks, {}, leaf_first, leaf_boxes, group_boxes};
 }
 
 }  // namespace im2fit::index

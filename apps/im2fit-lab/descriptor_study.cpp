@@ -131,10 +131,11 @@ Result<std::vector<MeasurementValues>> errors_of(std::size_t way, const std::vec
     const index::Sample asked = described(row, way);
     index::QueryOptions query;
     query.frame_count = asked.frame_count;
-    const index::Answer answer = index->query(asked.feature, query, *scratch);
+    const auto answer = index->query(asked.feature, query, *scratch);
+    if (!answer) return answer.error();
     MeasurementValues& error = errors.emplace_back();
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
-      error[m] = std::fabs(answer.measurements[m].value - asked.truth[m]);
+      error[m] = std::fabs(answer->measurements[m].value - asked.truth[m]);
   }
   return errors;
 }

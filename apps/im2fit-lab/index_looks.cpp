@@ -139,7 +139,7 @@ Result<std::vector<float>> feature_of(std::string line, const std::string& where
   return out;
 }
 
-Json answered(const index::Index& index, const index::Answer& a) {
+Json answered(const index::Answer& a, const index::Person& person) {
   Json json;
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {
     const index::Estimate& e = a.measurements[i];
@@ -149,7 +149,7 @@ Json answered(const index::Index& index, const index::Answer& a) {
   json["female"] = a.female;
   json["entry"] = a.nearest;
   json["distance"] = a.nearest_distance;
-  json["person"] = index.person_of(a.nearest).number;
+  json["person"] = person.number;
   return json;
 }
 
@@ -170,10 +170,14 @@ Result<int> query(const LookOptions& options) {
     if (feature->size() != index->feature_size())
       return Error{ErrorCode::invalid_argument, fmt::format("{}: {} values, the index asks for {}", where,
                                                             feature->size(), index->feature_size())};
-    const index::Answer a = index->query(*feature, options.query, *scratch);
+    const auto answer = index->query(*feature, options.query, *scratch);
+    if (!answer) return answer.error();
+    const index::Answer& a = *answer;
+    const auto person = index->person_of(a.nearest);
+    if (!person) return person.error();
     ++answers;
     if (options.json) {
-      fmt::print("{}\n", answered(*index, a).dump());
+      fmt::print("{}\n", answered(a, *person).dump());
       continue;
     }
     TextTable table({where, "value", "from", "to"});
@@ -181,7 +185,7 @@ Result<int> query(const LookOptions& options) {
       table.add({measurement_label(i), number(a.measurements[i].value, 1), number(a.measurements[i].low, 1),
                  number(a.measurements[i].high, 1)});
     fmt::print("{}woman {:.3f}; nearest entry {} (person {}), {:.2f} away\n", table.text(), a.female, a.nearest,
-               index->person_of(a.nearest).number, a.nearest_distance);
+               person->number, a.nearest_distance);
   }
   if (answers == 0)
     return Error{ErrorCode::invalid_argument,

@@ -112,6 +112,7 @@ Status conclude(SessionOutcome& outcome) {
   outcome.body.reset();
   ResultReport& report = outcome.report;
   report = {};
+  if (auto sound = outcome.engine->fault(); !sound) return sound;
   report.result = outcome.engine->result();
   report.source = outcome.input.source->info();
   if (!report.result.measured) return Ok{};

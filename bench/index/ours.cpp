@@ -58,7 +58,9 @@ class Ours : public Peer {
     index::QueryOptions options;
     options.exhaustive = exhaustive;
     const auto feature = raw_only_ ? question.feature.first(kRawSize) : question.feature;
-    const index::Answer answer = index_->query(feature, options, **scratch_);
+    auto asked = index_->query(feature, options, **scratch_);
+    if (!asked) throw std::runtime_error(asked.error().message);
+    const index::Answer& answer = *asked;
     MeasurementValues values{};
     for (std::size_t m = 0; m < kMeasurementCount; ++m) values[m] = answer.measurements[m].value;
     return {answer.nearest, values, answer.nearest_values};

@@ -23,10 +23,10 @@ TEST(IndexPeople, DrawnAgainMeasureAsTheIndexSays) {
   std::array<double, kMeasurementCount> off{};
   for (std::uint32_t i = 0; i < kPeople; ++i) {
     const auto entry = static_cast<std::uint32_t>(index->size() * i / kPeople);
-    const index::Person person = index->person_of(entry);
+    const index::Person person = *index->person_of(entry);
     const auto params = body::params_of_person(*model, person.version, person.seed, person.number);
     ASSERT_TRUE(params) << params.error().message;
-    const MeasurementValues drawn = body::measure_person(*model, *params), said = index->measurements_of(entry);
+    const MeasurementValues drawn = body::measure_person(*model, *params), said = *index->measurements_of(entry);
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
       off[m] += std::abs(static_cast<double>(drawn[m] - said[m])) / kPeople;
   }

@@ -3,6 +3,7 @@
 // container's code.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -23,6 +24,17 @@ inline std::uint64_t word_at(const Bytes& bytes, std::size_t at, std::size_t siz
   return value;
 }
 
+// A section's CRC-32Cs, one for its share of each page of the file (docs/formats.md).
+inline std::vector<std::uint32_t> page_checksums(const Bytes& bytes, std::size_t offset, std::size_t length) {
+  std::vector<std::uint32_t> sums;
+  for (std::size_t at = offset; at < offset + length;) {
+    const std::size_t end = std::min((at / 4096 + 1) * 4096, offset + length);
+    sums.push_back(crc32c(std::span(bytes).subspan(at, end - at)));
+    at = end;
+  }
+  return sums;
+}
+
 // Makes all checksums right again, as an attacker would, so that what lies behind them is reached. What reaches past
 // the end is left alone.
 inline void mend_checksums(Bytes& bytes) {
@@ -35,8 +47,15 @@ inline void mend_checksums(Bytes& bytes) {
     const std::size_t entry = kHeader + i * kEntry;
     const std::uint64_t offset = word_at(bytes, entry + 16, 8), length = word_at(bytes, entry + 24, 8);
     if (offset > bytes.size() || length > bytes.size() - offset) continue;
-    const std::uint32_t crc =
-        crc32c(std::span(bytes).subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length)));
+    const auto first = static_cast<std::size_t>(offset), size_of = static_cast<std::size_t>(length);
+    std::uint32_t crc = crc32c(std::span(bytes).subspan(first, size_of));
+    if (word_at(bytes, entry + 36, 4) != 0) {
+      const auto sums = page_checksums(bytes, first, size_of);
+      const std::size_t list = (first + size_of + 63) / 64 * 64;
+      if (list > bytes.size() || 4 * sums.size() > bytes.size() - list) continue;
+      if (!sums.empty()) std::memcpy(bytes.data() + list, sums.data(), 4 * sums.size());
+      crc = crc32c(std::as_bytes(std::span(sums)));
+    }
     std::memcpy(bytes.data() + entry + 32, &crc, sizeof crc);
   }
   const std::uint32_t crc = crc32c(std::span(bytes).subspan(kHeader, static_cast<std::size_t>(count) * kEntry));

@@ -33,11 +33,13 @@ inline std::vector<std::byte> small_index() {
   return bytes ? std::move(*bytes) : std::vector<std::byte>{};
 }
 
-// The answers to a few features; nothing when the file is refused. `sane`: every number is finite and every interval
-// the right way round, which a file that was accepted must keep to.
+// The answers to a few features; nothing when the file is refused, or was found damaged where it was asked. `sane`:
+// every number is finite and every interval the right way round, which a file that was accepted must keep to.
+// `verified`: what looking at all of it says.
 struct Answers {
   std::vector<index::Answer> answers;
   bool sane = true;
+  bool verified = false;
 };
 inline std::optional<Answers> use_index(std::vector<std::byte> bytes) {
   const auto index = index::Index::parse(std::move(bytes), "fuzzed.i2f");
@@ -52,17 +54,22 @@ inline std::optional<Answers> use_index(std::vector<std::byte> bytes) {
   for (std::size_t i = 0; i < features[0].size(); ++i) features[0][i] += static_cast<float>(i % 5) - 2;
   for (const auto& feature : features) {
     for (const bool exhaustive : {false, true}) {
-      const index::Answer a =
+      const auto answer =
           index->query(feature, {.neighbour_count = 0, .frame_count = 3, .exhaustive = exhaustive}, *scratch);
+      if (!answer) return std::nullopt;
+      const index::Answer& a = *answer;
       for (const index::Estimate& e : a.measurements)
         out.sane &= std::isfinite(e.value) && std::isfinite(e.low) && std::isfinite(e.high) && e.low <= e.high;
       out.sane &= a.female >= 0 && a.female <= 1 && a.nearest < index->size();
-      for (const float v : index->measurements_of(a.nearest)) out.sane &= std::isfinite(v);
+      const auto values = index->measurements_of(a.nearest);
+      if (!values) return std::nullopt;
+      for (const float v : *values) out.sane &= std::isfinite(v);
       (void)index->person_of(a.nearest);
       out.answers.push_back(a);
     }
   }
   (void)index->sections();
+  out.verified = static_cast<bool>(index->verify(2));
   return out;
 }
 

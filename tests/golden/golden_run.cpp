@@ -111,7 +111,7 @@ void add_answer(Lines& lines, const index::Index& index, std::span<const float> 
   const auto scratch = index.make_scratch();
   index::QueryOptions options;
   options.frame_count = frame_count;
-  const index::Answer answer = index.query(feature, options, *scratch);
+  const index::Answer answer = *index.query(feature, options, *scratch);
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {
     const index::Estimate& e = answer.measurements[i];
     lines.add("answer %s %.9g interval %.9g %.9g", std::string(kMeasurementTable[i].id).c_str(), exact(e.value),
@@ -120,7 +120,7 @@ void add_answer(Lines& lines, const index::Index& index, std::span<const float> 
   lines.add("answer female %.9g", exact(answer.female));
   lines.add("answer entry %u distance %.9g", static_cast<unsigned>(answer.nearest), exact(answer.nearest_distance));
   lines.add_checksum("answer entry values", checksum(answer.nearest_values));
-  lines.add("answer person %llu", static_cast<unsigned long long>(index.person_of(answer.nearest).number));
+  lines.add("answer person %llu", static_cast<unsigned long long>(index.person_of(answer.nearest)->number));
 }
 
 EngineSettings settings_of(const Intrinsics& intrinsics, bool single_thread) {

@@ -43,7 +43,7 @@ TEST(IndexAccuracy, ComesCloseToTheBestPossibleAnswerAndLeavesRawNearestFarBehin
   const int count = 300;
   for (std::uint64_t i = 0; i < count; ++i) {
     const Sample q = world.sample(kFreshSubjects + i, 0);
-    const Answer a = index.query(q.feature, {}, *scratch);
+    const Answer a = *index.query(q.feature, {}, *scratch);
     ours += mean_error(values_of(a), q.truth) / count;
     entry += mean_error(a.nearest_values, q.truth) / count;
     best += mean_error(world.best_answer(q), q.truth) / count;
@@ -64,7 +64,7 @@ TEST(IndexAccuracy, IntervalsHoldTheTruthAsOftenAsTheySay) {
   const int count = 1500;
   for (std::uint64_t i = 0; i < count; ++i) {
     const Sample q = world.sample(kFreshSubjects + 5000 + i, 3);
-    const Answer a = index.query(q.feature, {}, *scratch);
+    const Answer a = *index.query(q.feature, {}, *scratch);
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
       ASSERT_LE(a.measurements[m].low, a.measurements[m].value);
       ASSERT_GE(a.measurements[m].high, a.measurements[m].value);
@@ -86,15 +86,15 @@ TEST(IndexAccuracy, FewerFramesWidenTheIntervalWhereFramesWereSeenToMatter) {
   for (std::uint64_t i = 0; i < count; ++i) {
     for (const int frames : {2, 14}) {
       const Sample q = world.sample(kFreshSubjects + i, static_cast<std::uint64_t>(frames), frames);
-      const Answer a = index->query(q.feature, {.frame_count = frames}, *scratch);
+      const Answer a = *index->query(q.feature, {.frame_count = frames}, *scratch);
       for (std::size_t m = 0; m < kMeasurementCount; ++m)
         (frames == 2 ? covered_few : covered_many) +=
             q.truth[m] >= a.measurements[m].low && q.truth[m] <= a.measurements[m].high ? 1 : 0;
     }
   }
   const Sample q = world.sample(kFreshSubjects, 0);
-  const Answer one = index->query(q.feature, {.frame_count = 1}, *scratch);
-  const Answer many = index->query(q.feature, {.frame_count = 30}, *scratch);
+  const Answer one = *index->query(q.feature, {.frame_count = 1}, *scratch);
+  const Answer many = *index->query(q.feature, {.frame_count = 30}, *scratch);
   EXPECT_GT(one.measurements[0].high - one.measurements[0].low,
             1.1F * (many.measurements[0].high - many.measurements[0].low));
   const double total = count * static_cast<double>(kMeasurementCount);
@@ -127,8 +127,8 @@ TEST(IndexAccuracy, StrangersWidenTheIntervalsAndNothingElse) {
   int inside = 0;
   for (std::uint64_t i = 0; i < 300; ++i) {
     const Sample q = stranger(2 * kFreshSubjects + i);
-    const Answer x = a->query(q.feature, {}, *scratch);
-    const Answer y = b->query(q.feature, {}, *scratch);
+    const Answer x = *a->query(q.feature, {}, *scratch);
+    const Answer y = *b->query(q.feature, {}, *scratch);
     EXPECT_EQ(x.nearest, y.nearest);
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
       EXPECT_EQ(x.measurements[m].value, y.measurements[m].value);
@@ -155,7 +155,7 @@ TEST(IndexAccuracy, CorrectsWhatALinearMapCannot) {
   const int count = 400;
   for (std::uint64_t i = 0; i < count; ++i) {
     const Sample q = world.sample(kFreshSubjects + i, 0);
-    fresh += mean_error(values_of(index->query(q.feature, {}, *scratch)), q.truth) / count;
+    fresh += mean_error(values_of(*index->query(q.feature, {}, *scratch)), q.truth) / count;
   }
   EXPECT_NEAR(fresh, answer / kMeasurementCount, 0.1 * fresh);
 }
@@ -188,9 +188,9 @@ TEST(IndexAccuracy, MissingFeaturesCostLittle) {
   double whole = 0, holes = 0;
   for (std::uint64_t i = 0; i < 200; ++i) {
     Sample q = world.sample(kFreshSubjects + i, 0);
-    whole += mean_error(values_of(index.query(q.feature, {}, *scratch)), q.truth);
+    whole += mean_error(values_of(*index.query(q.feature, {}, *scratch)), q.truth);
     q.feature[static_cast<std::size_t>(i) % q.feature.size()] = std::numeric_limits<float>::quiet_NaN();
-    holes += mean_error(values_of(index.query(q.feature, {}, *scratch)), q.truth);
+    holes += mean_error(values_of(*index.query(q.feature, {}, *scratch)), q.truth);
   }
   EXPECT_LT(holes, 1.5 * whole);
 }

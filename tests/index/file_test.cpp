@@ -53,7 +53,8 @@ std::vector<std::byte> with_section(const std::string& name, const std::vector<s
   for (const auto& [key, entry] : reader->entries()) {
     if (key == name && drop) continue;
     const auto bytes = *reader->section(key);
-    writer.add(key, key == name ? content : std::vector<std::byte>(bytes.begin(), bytes.end()));
+    writer.add(key, key == name ? content : std::vector<std::byte>(bytes.begin(), bytes.end()),
+               entry.by_page ? Checked::by_page : Checked::whole);
   }
   return writer.finish();
 }
@@ -89,8 +90,8 @@ TEST(IndexFile, OpensWhatItWrote) {
   auto b = parsed->make_scratch();
   for (std::uint64_t s = 0; s < 50; ++s) {
     const Sample q = world.sample(testing::kFreshSubjects + s, 0);
-    const Answer x = mapped->query(q.feature, {}, *a);
-    const Answer y = parsed->query(q.feature, {}, *b);
+    const Answer x = *mapped->query(q.feature, {}, *a);
+    const Answer y = *parsed->query(q.feature, {}, *b);
     EXPECT_EQ(std::memcmp(&x, &y, sizeof x), 0);
   }
 }
@@ -103,13 +104,13 @@ TEST(IndexFile, PeopleAndTruthsComeBack) {
   std::vector<int> seen(400);
   double off = 0, error = 0;
   for (std::uint32_t entry = 0; entry < index->size(); ++entry) {
-    const Person person = index->person_of(entry);
+    const Person person = *index->person_of(entry);
     EXPECT_EQ(person.version, 7U);
     EXPECT_EQ(person.seed, 77U);
     ASSERT_LT(person.number, 400U);
     ++seen[static_cast<std::size_t>(person.number)];
     const Sample sample = world.sample(person.number, 0);
-    const MeasurementValues values = index->measurements_of(entry);
+    const MeasurementValues values = *index->measurements_of(entry);
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
       off += std::abs(static_cast<double>(values[m] - sample.truth[m]));
       error += static_cast<double>(index->info().ridge_mae[m]);
@@ -125,7 +126,10 @@ TEST(IndexFile, QueriesDoNotAllocate) {
   auto scratch = index->make_scratch();
   const Sample q = World(0.1).sample(testing::kFreshSubjects, 0);
   const std::size_t before = allocation_count;
-  for (const int k : {0, 1, 32, 100000}) (void)index->query(q.feature, {.neighbour_count = k}, *scratch);
+  int answers = 0;
+  for (const int k : {0, 1, 32, 100000})
+    answers += index->query(q.feature, {.neighbour_count = k}, *scratch) ? 1 : 0;
+  EXPECT_EQ(answers, 4);
   EXPECT_EQ(allocation_count, before);
 }
 
@@ -138,7 +142,7 @@ TEST(IndexFile, AnswersAnyFeatureWithNumbers) {
   for (const std::vector<float>& feature :
        {std::vector<float>(120, kNaN), std::vector<float>(120, kInf), std::vector<float>(120, -kInf),
         std::vector<float>(120, 3e38F), std::vector<float>(3, 0.0F), std::vector<float>()}) {
-    const Answer a = index->query(feature, {.neighbour_count = -5, .frame_count = -5}, *scratch);
+    const Answer a = *index->query(feature, {.neighbour_count = -5, .frame_count = -5}, *scratch);
     for (const Estimate& e : a.measurements) {
       EXPECT_TRUE(std::isfinite(e.value) && std::isfinite(e.low) && std::isfinite(e.high));
       EXPECT_LE(e.low, e.high);
@@ -227,9 +231,10 @@ TEST(IndexFile, DamagedForeignAndTruncatedFilesAreRefused) {
       auto a = index->make_scratch();
       auto b = whole->make_scratch();
       const Sample q = World(0.1).sample(testing::kFreshSubjects, 0);
-      const Answer x = index->query(q.feature, {}, *a);
-      const Answer y = whole->query(q.feature, {}, *b);
-      EXPECT_EQ(std::memcmp(&x, &y, sizeof x), 0) << "byte " << at;
+      const auto x = index->query(q.feature, {}, *a);
+      if (!x) continue;  // noticed where it was read
+      const Answer y = *whole->query(q.feature, {}, *b);
+      EXPECT_EQ(std::memcmp(&*x, &y, sizeof y), 0) << "byte " << at;
     }
   }
   ContainerWriter body("I2BD", 1);
@@ -239,6 +244,89 @@ TEST(IndexFile, DamagedForeignAndTruncatedFilesAreRefused) {
   auto absent = Index::open("/nonexistent/people.i2f");
   ASSERT_FALSE(absent);
   EXPECT_NE(absent.error().message.find("/nonexistent/people.i2f"), std::string::npos);
+}
+
+// What there is of each entry is checked when it is read. One byte of each of its pages is flipped in turn.
+TEST(IndexFile, DamageIsNoticedWhereItIsRead) {
+  const auto good = build(World(0.1), 3000, 2);
+  const auto whole = Index::parse(good, "good");
+  ASSERT_TRUE(whole);
+  const auto truth = whole->make_scratch();
+  const World world(0.1);
+  const auto entries = ContainerReader::parse(good, kMagic, kVersion, "good")->entries();
+  for (const char* section : {"code", "residual", "person"}) {
+    const auto offset = static_cast<std::size_t>(entries.at(section).offset);
+    const auto size = static_cast<std::size_t>(entries.at(section).size);
+    int refused = 0, answered = 0, unnamed = 0, named = 0;
+    for (std::size_t at = 5; at < size; at += 4096) {
+      auto bad = good;
+      bad[offset + at] ^= std::byte{0x10};
+      const auto index = Index::parse(bad, "people.i2f");
+      ASSERT_TRUE(index) << index.error().message;
+      auto scratch = index->make_scratch();
+      const auto expect_named = [&](const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::corrupt);
+        EXPECT_NE(error.message.find("people.i2f: section '" + std::string(section) + "'"), std::string::npos)
+            << error.message;
+      };
+      for (std::uint64_t s = 0; s < 10; ++s) {
+        const Sample q = world.sample(testing::kFreshSubjects + s, 0);
+        const auto x = index->query(q.feature, {}, *scratch);
+        refused += x ? 0 : 1;
+        answered += x ? 1 : 0;
+        if (!x) {
+          expect_named(x.error());
+          continue;
+        }
+        const Answer y = *whole->query(q.feature, {}, *truth);
+        ASSERT_EQ(std::memcmp(&*x, &y, sizeof y), 0) << section << " byte " << at;
+      }
+      for (std::uint32_t entry = 0; entry < index->size(); entry += 50) {
+        const auto person = index->person_of(entry);
+        const auto values = index->measurements_of(entry);
+        if (!person) expect_named(person.error());
+        if (!values) expect_named(values.error());
+        unnamed += person && values ? 0 : 1;
+        named += person && values ? 1 : 0;
+        if (person) {
+          EXPECT_EQ(person->number, whole->person_of(entry)->number);
+        }
+        if (values) {
+          EXPECT_EQ(*values, *whole->measurements_of(entry));
+        }
+      }
+      const auto found = index->verify(1);
+      ASSERT_FALSE(found) << section << " byte " << at;
+      expect_named(found.error());
+      const auto all = index->query(world.sample(testing::kFreshSubjects, 0).feature, {.exhaustive = true}, *scratch);
+      if (std::string(section) == "code") {
+        EXPECT_FALSE(all) << "looks at every code";
+      }
+    }
+    EXPECT_GT(answered, 0) << section;
+    EXPECT_GT(named, 0) << section;
+    EXPECT_GT(unnamed, 0) << section;
+    if (std::string(section) == "person")
+      EXPECT_EQ(refused, 0) << "answers name nobody";
+    else
+      EXPECT_GT(refused, 0) << section;
+  }
+}
+
+TEST(IndexFile, OpeningReadsNothingOfTheEntriesAndQueriesFewPages) {
+  const auto index = Index::parse(build(World(0.1), 3000, 2), "memory");
+  ASSERT_TRUE(index);
+  EXPECT_EQ(index->pages_seen(), 0U);
+  auto scratch = index->make_scratch();
+  const Sample q = World(0.1).sample(testing::kFreshSubjects, 0);
+  ASSERT_TRUE(index->query(q.feature, {.neighbour_count = 4}, *scratch));
+  const std::size_t once = index->pages_seen();
+  EXPECT_GT(once, 1U);
+  EXPECT_LE(once, index->work_of(*scratch).pages);
+  ASSERT_TRUE(index->query(q.feature, {.neighbour_count = 4}, *scratch));
+  EXPECT_EQ(index->pages_seen(), once);
+  ASSERT_TRUE(index->verify(1));
+  EXPECT_GT(index->pages_seen(), once);
 }
 
 TEST(IndexBuild, RefusesWhatCannotBeLearnedFrom) {
@@ -300,7 +388,7 @@ TEST(IndexBuild, SurvivesConstants) {
     const auto index = Index::parse(std::move(*bytes), "constant");
     ASSERT_TRUE(index) << index.error().message;
     auto scratch = index->make_scratch();
-    const Answer a = index->query(world.sample(3, 9).feature, {}, *scratch);
+    const Answer a = *index->query(world.sample(3, 9).feature, {}, *scratch);
     double mean = 0;
     for (std::uint64_t s = 0; s < 60; ++s)
       mean += static_cast<double>(world.sample(same_people ? 0 : s, 0).truth[0]) / 60;

@@ -71,7 +71,7 @@ TEST(Refinement, EachViewAddsWhatItShows) {
   for (std::uint64_t i = 0; i < count; ++i) {
     const Sample s = turned(world, kFreshSubjects + i);
     const auto error = [&](const Seen& seen, AnsweredFrom from) {
-      const Answer a = index.query(seen, {}, *scratch);
+      const Answer a = *index.query(seen, {}, *scratch);
       EXPECT_EQ(a.from, from);
       return std::abs(static_cast<double>(a.measurements[kWaist].value - s.truth[kWaist])) / count;
     };
@@ -96,7 +96,7 @@ TEST(Refinement, IntervalsOfEachHoldTheTruthAsOftenAsTheySay) {
     QueryOptions options;
     options.frame_count = s.frame_count;
     const auto inside = [&](const Seen& seen) {
-      const Answer a = index.query(seen, options, *scratch);
+      const Answer a = *index.query(seen, options, *scratch);
       int hits = 0;
       for (std::size_t m = 0; m < kMeasurementCount; ++m)
         hits += s.truth[m] >= a.measurements[m].low && s.truth[m] <= a.measurements[m].high ? 1 : 0;
@@ -116,8 +116,8 @@ TEST(Refinement, TheFrontsAnswerIsNotTouched) {
   auto with = index_with(true).make_scratch(), without = index_with(false).make_scratch();
   for (std::uint64_t i = 0; i < 50; ++i) {
     const Sample s = turned(world, kFreshSubjects + i);
-    const Answer a = index_with(true).query(s.feature, {}, *with);
-    const Answer b = index_with(false).query(seen_of(s), {}, *without);  // never learned to refine
+    const Answer a = *index_with(true).query(s.feature, {}, *with);
+    const Answer b = *index_with(false).query(seen_of(s), {}, *without);  // never learned to refine
     EXPECT_EQ(b.from, AnsweredFrom::front);
     EXPECT_EQ(std::memcmp(a.measurements.data(), b.measurements.data(), sizeof a.measurements), 0);
     EXPECT_EQ(a.nearest, b.nearest);
@@ -130,9 +130,9 @@ TEST(Refinement, OtherSizesThanLearnedAreNotUsed) {
   auto scratch = index.make_scratch();
   Sample s = turned(world, kFreshSubjects);
   s.back.pop_back();
-  EXPECT_EQ(index.query(seen_of(s), {}, *scratch).from, AnsweredFrom::fitted_front);
+  EXPECT_EQ(index.query(seen_of(s), {}, *scratch)->from, AnsweredFrom::fitted_front);
   s.fit.push_back(0);
-  EXPECT_EQ(index.query(seen_of(s), {}, *scratch).from, AnsweredFrom::front);
+  EXPECT_EQ(index.query(seen_of(s), {}, *scratch)->from, AnsweredFrom::front);
 }
 
 TEST(Refinement, BuildingRefusesHalfOfATurnedSample) {

@@ -48,7 +48,7 @@ double median_of(std::vector<double> values) {
   return quantile(values, 0.5);
 }
 
-void time_queries(const index::Index& index, const std::vector<Asker>& people, RuntimeRow& row) {
+Status time_queries(const index::Index& index, const std::vector<Asker>& people, RuntimeRow& row) {
   const auto scratch = index.make_scratch();
   std::vector<double> spent_ms;
   double sum_s = 0;
@@ -57,15 +57,17 @@ void time_queries(const index::Index& index, const std::vector<Asker>& people, R
     index::QueryOptions options;
     options.frame_count = asker.frames;
     synth::Stopwatch watch;
-    index.query(asker.feature, options, *scratch);
+    const auto answer = index.query(asker.feature, options, *scratch);
     const double seconds = watch.lap();
+    if (!answer) return answer.error();
     sum_s += seconds;
     if (i >= people.size()) spent_ms.push_back(1e3 * seconds);  // the first round wakes the file's pages
   }
   std::sort(spent_ms.begin(), spent_ms.end());
-  if (spent_ms.empty()) return;
+  if (spent_ms.empty()) return Ok{};
   row.query_p50_ms = quantile(spent_ms, 0.5);
   row.query_p99_ms = quantile(spent_ms, 0.99);
+  return Ok{};
 }
 
 // From an answer to a body in a file.
@@ -76,11 +78,12 @@ Status time_bodies(const SessionModels& models, const index::Index& index, const
       (std::filesystem::temp_directory_path() / ("im2fit-eval-" + std::to_string(::getpid()) + ".glb")).string();
   std::vector<double> naked_ms, clothed_ms;
   for (const Asker& asker : people) {
-    const index::Answer answer = index.query(asker.feature, {}, *scratch);
+    const auto answer = index.query(asker.feature, {}, *scratch);
+    if (!answer) return answer.error();
     std::array<double, 2> spent_ms{};
     for (const bool garment : {false, true}) {
       synth::Stopwatch watch;
-      const auto body = body_of_answer(models.body, index, answer, asker.joints, FloorPlane{});
+      const auto body = body_of_answer(models.body, index, *answer, asker.joints, FloorPlane{});
       if (!body) return body.error();
       const auto written = body::write_glb({&models.body, body->params, body->pose, garment}, path);
       spent_ms[garment ? 1 : 0] = 1e3 * watch.lap();
@@ -106,7 +109,7 @@ Result<RuntimeRow> runtime_of(const SessionModels& models, const index::Index& i
     return Error{ErrorCode::unsupported, file + ": made for " + std::to_string(index.feature_size()) +
                                              " features, these programs compute " +
                                              std::to_string(people[0].feature.size())};
-  time_queries(index, people, row);
+  if (auto asked = time_queries(index, people, row); !asked) return asked.error();
   std::vector<double> describe_ms;
   for (const Asker& asker : people) describe_ms.push_back(asker.describe_ms);
   row.measurements_ms = median_of(describe_ms) + row.query_p50_ms;

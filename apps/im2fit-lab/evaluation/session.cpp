@@ -70,6 +70,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
     }
   }
   (*engine)->finish();
+  if (auto sound = (*engine)->fault(); !sound) return sound.error();
   return std::move(*engine);
 }
 

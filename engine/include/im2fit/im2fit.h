@@ -123,11 +123,12 @@ IM2FIT_API void im2fit_close(im2fit_handle* handle);
 
 /* Copies one upright depth frame: 16-bit millimetres, 0 where there is no data, `stride` values from row to row
  * (0: width). `sequence` and `time_ns` (monotonic) are the camera's, for counting gaps; 0 when it has none.
- * Errors: INVALID_ARGUMENT for another size than the settings', or after im2fit_finish. */
+ * Errors: INVALID_ARGUMENT for another size than the settings', or after im2fit_finish; CORRUPT as im2fit_finish. */
 IM2FIT_API int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height,
                            size_t stride, uint64_t sequence, int64_t time_ns);
 
-/* No more frames: waits for those under way and measures with what there is. Fine to call twice. */
+/* No more frames: waits for those under way and measures with what there is. Fine to call twice. CORRUPT: the index
+ * is damaged where it was asked (a large one is checked where it is read, not when it is opened). */
 IM2FIT_API int im2fit_finish(im2fit_handle* handle);
 
 /* A new person: forgets everything seen. After im2fit_finish or between frames. */
