@@ -35,10 +35,14 @@ static_assert(IM2FIT_VIEW_SIDE == static_cast<int>(im2fit::ViewSide::side));
 static_assert(IM2FIT_GUIDANCE_MOVING == static_cast<int>(im2fit::Guidance::moving));
 static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guidance::calibration_pose));
 static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::turn_round));
-// The struct of the header before ended with user_id and its padding, which may hold anything: `turn` lies past it.
-constexpr std::size_t kSettingsAlign = alignof(im2fit_settings);
-static_assert(offsetof(im2fit_settings, turn) >=
-              (offsetof(im2fit_settings, reserved) + kSettingsAlign - 1) / kSettingsAlign * kSettingsAlign);
+// Structs of headers before ended with user_id, and with turn, and padding, which may hold anything: what came later
+// lies past it.
+constexpr std::size_t padded(std::size_t size) {
+  return (size + alignof(im2fit_settings) - 1) / alignof(im2fit_settings) * alignof(im2fit_settings);
+}
+static_assert(offsetof(im2fit_settings, turn) >= padded(offsetof(im2fit_settings, reserved)));
+static_assert(offsetof(im2fit_settings, clothed) >= padded(offsetof(im2fit_settings, reserved_2)));
+static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, reserved_3) + sizeof(int32_t));
 
 #define IM2FIT_TEXT_OF(x) #x
 #define IM2FIT_TEXT(x) IM2FIT_TEXT_OF(x)

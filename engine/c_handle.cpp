@@ -20,6 +20,7 @@ EngineSettings engine_settings(const im2fit_settings& s) {
   settings.user = s.user_id;
   settings.calibration_psi = s.calibration_psi != 0;
   settings.turn = s.turn != 0 ? Turn::asked : Turn::none;
+  settings.clothed = s.clothed != 0;
   settings.live = s.live != 0;
   settings.single_thread = s.single_thread != 0;
   settings.pool_frames = s.pool_frames;

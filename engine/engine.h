@@ -41,6 +41,9 @@ struct EngineSettings {
   int frames_min = 5;            // fewest a measurement, and each of its sides, may rest on when the stream ends
   bool calibration_psi = false;  // ask for the Psi pose first, as the paper does
   Turn turn = Turn::none;        // asked: TURNING follows the front, see engine/session.h
+  // The person wears more than close-fitting clothes: body measurements are estimated through them, less well, by an
+  // index that has learned such people. Needs `shape_space`.
+  bool clothed = false;
   // Of the body file the index was made with (body::BodyModel::shape_space()), which must outlive the engine: the
   // shape is fitted to what was gathered, and refines the answer. Null, empty or another: the features answer alone.
   const body::ShapeSpace* shape_space = nullptr;

@@ -50,10 +50,15 @@ class FrameStages {
 
 Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages);
 
-// Sensor, Fuser and Index. Model, index and space must outlive the stages. `turn`, `shape_space`: as the engine's
-// settings.
+// As the engine's settings.
+struct MeasuringOptions {
+  Turn turn = Turn::none;
+  bool clothed = false;
+  const body::ShapeSpace* shape_space = nullptr;
+};
+// Sensor, Fuser and Index. Model, index and space must outlive the stages.
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
-                                                            const index::Index& index, Turn turn = Turn::none,
-                                                            const body::ShapeSpace* shape_space = nullptr);
+                                                            const index::Index& index,
+                                                            const MeasuringOptions& options = {});
 
 }  // namespace im2fit

@@ -11,9 +11,10 @@ namespace {
 
 class ProductionStages final : public SensingStages {
  public:
-  ProductionStages(int width, int height, const JointModel& joint_model, const index::Index& index, Turn turn,
-                   const body::ShapeSpace* shape_space)
-      : SensingStages(width, height, joint_model, turn), query_(index, shape_space) {}
+  ProductionStages(int width, int height, const JointModel& joint_model, const index::Index& index,
+                   const MeasuringOptions& options)
+      : SensingStages(width, height, joint_model, options.turn),
+        query_(index, options.shape_space, options.clothed) {}
 
   bool measure(MeasuredPerson& person) override {
     fault_.reset();
@@ -46,14 +47,20 @@ class ProductionStages final : public SensingStages {
 }  // namespace
 
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
-                                                            const index::Index& index, Turn turn,
-                                                            const body::ShapeSpace* shape_space) {
+                                                            const index::Index& index,
+                                                            const MeasuringOptions& options) {
   if (index.feature_size() != kFeatureSize)
     return Error{ErrorCode::unsupported, "the index was built for features of " +
                                              std::to_string(index.feature_size()) + " values, this program makes " +
                                              std::to_string(kFeatureSize) + ": build the index again"};
-  return std::unique_ptr<FrameStages>(
-      std::make_unique<ProductionStages>(width, height, joint_model, index, turn, shape_space));
+  if (options.clothed && !index.knows_clothed())
+    return Error{ErrorCode::unsupported,
+                 "the index knows nobody in clothes: measure without them, or build it again with im2fit-lab index"};
+  if (options.clothed && !RefinedQuery::fits(index, options.shape_space))
+    return Error{
+        ErrorCode::unsupported,
+        "people in clothes are measured by a fitted shape, which needs the body file the index was made with"};
+  return std::unique_ptr<FrameStages>(std::make_unique<ProductionStages>(width, height, joint_model, index, options));
 }
 
 Result<std::unique_ptr<Engine>> Engine::create(const EngineSettings& settings, const JointModel& joint_model,
@@ -63,8 +70,8 @@ Result<std::unique_ptr<Engine>> Engine::create(const EngineSettings& settings, c
     return Error{ErrorCode::invalid_argument, "engine frames of " + std::to_string(settings.width) + "x" +
                                                   std::to_string(settings.height) + ": sides are 1 to " +
                                                   std::to_string(kImageSideMax)};
-  auto stages = make_production_stages(settings.width, settings.height, joint_model, index, settings.turn,
-                                       settings.shape_space);
+  auto stages = make_production_stages(settings.width, settings.height, joint_model, index,
+                                       {settings.turn, settings.clothed, settings.shape_space});
   if (!stages) return stages.error();
   return create_engine(settings, std::move(*stages));
 }

@@ -16,8 +16,11 @@ namespace im2fit {
 class RefinedQuery {
  public:
   // `space`: of the body file; null, or another than the index was made with: the front's feature answers alone.
-  // Index and space must outlive this.
-  RefinedQuery(const index::Index& index, const body::ShapeSpace* space);
+  // `clothed`: the person is in clothes; needs an index that knows such people, and its space. Index and space must
+  // outlive this.
+  RefinedQuery(const index::Index& index, const body::ShapeSpace* space, bool clothed);
+  // Whether shapes can be fitted for this index.
+  static bool fits(const index::Index& index, const body::ShapeSpace* space);
 
   // A side that was gathered and described.
   struct Side {
@@ -31,9 +34,11 @@ class RefinedQuery {
 
  private:
   std::span<const float> fit(std::span<const body::FitView> views);
+  std::span<const float> unknown_fit();
 
   const index::Index& index_;
   const body::ShapeSpace* space_;
+  const bool clothed_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
   std::array<float, body::kShapeMax + body::kFitQualityCount> values_{};

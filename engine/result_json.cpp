@@ -219,6 +219,7 @@ std::string result_json(const ResultReport& report) {
   json["source"] = source_json(report.source);
   if (r.measured) json["views"] = std::string(name_of(r.views));
   if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));
+  if (r.measured) json["clothed"] = r.answer.clothed;
   json["measurements"] = measurements_json(r);
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured && report.size) json["size"] = size_json(*report.size);

@@ -27,7 +27,7 @@ float female_probability(std::span<const float> table, double score) {
 
 Answerer::Answerer(const Contents& contents)
     : contents_(contents), regressor_(contents.ridge, contents.ridge_bias, contents.meta.feature_size) {
-  for (const Refinement kind : {Refinement::fitted, Refinement::turned})
+  for (const Refinement kind : kRefinements)
     if (const auto& c = contents.refinements[static_cast<std::size_t>(kind)])
       refiners_[static_cast<std::size_t>(kind)].emplace(kind, *c, contents.meta.feature_size);
 }
@@ -77,10 +77,27 @@ Result<Answerer::Corrected> Answerer::corrected(const Targets& regressed, const 
   return out;
 }
 
+const Refiner* Answerer::refiner_for(const Seen& seen) const {
+  for (const Refinement kind :
+       {Refinement::turned, Refinement::fitted, Refinement::clothed_turned, Refinement::clothed})
+    if (const auto& refiner = refiners_[static_cast<std::size_t>(kind)]; refiner && refiner->applies(seen))
+      return &*refiner;
+  return nullptr;
+}
+
 Result<Answer> Answerer::answer(const Seen& seen, const QueryOptions& options, Workspace& work) const {
-  auto found = this->corrected(regressed(seen.front, work), options, work);
+  const Refiner* refiner = refiner_for(seen);
+  Refiner::Work* refining = refiner ? &*work.refining[static_cast<std::size_t>(refiner->kind())] : nullptr;
+  // Whoever is in clothes is looked for where the refined answer puts him, without the beyond of measurements.
+  Targets asked{};
+  if (seen.clothed && refiner)
+    refiner->apply(seen, *refining, asked);
+  else
+    asked = regressed(seen.front, work);
+  auto found = this->corrected(asked, options, work);
   if (!found) return found.error();
   Corrected& corrected = *found;
+  if (seen.clothed && refiner) corrected.value = asked;
   const MetaRecord& meta = contents_.meta;
   Uncertainty uncertainty{meta.frame_model,
                           meta.frame_noise,
@@ -89,20 +106,18 @@ Result<Answer> Answerer::answer(const Seen& seen, const QueryOptions& options, W
                           contents_.spread_floor,
                           contents_.sex_table};
   Answer out;
-  for (const Refinement kind : {Refinement::turned, Refinement::fitted}) {
-    const auto i = static_cast<std::size_t>(kind);
-    if (!refiners_[i] || !refiners_[i]->applies(seen)) continue;
-    refiners_[i]->apply(seen, *work.refining[i], corrected.value);
+  if (refiner != nullptr) {
+    if (!seen.clothed) refiner->apply(seen, *refining, corrected.value);
     corrected.spread = {};  // of the regression's residuals, not of these
-    const RefinementContents& c = refiners_[i]->contents();
+    const RefinementContents& c = refiner->contents();
     uncertainty = {c.record.frame_model,
                    c.record.frame_noise,
                    c.record.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
                    c.interval,
                    c.spread_floor,
                    c.sex_table};
-    out.from = kind == Refinement::turned ? AnsweredFrom::front_and_back : AnsweredFrom::fitted_front;
-    break;
+    out.from = sees_back(refiner->kind()) ? AnsweredFrom::front_and_back : AnsweredFrom::fitted_front;
+    out.clothed = seen.clothed;
   }
   fill_estimates(corrected.value, corrected.spread, uncertainty, options.frame_count, out);
   fill_nearest(corrected, out);

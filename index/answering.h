@@ -24,8 +24,8 @@ class Answerer {
   };
   // A feature of the wrong size counts as not measured.
   Targets regressed(std::span<const float> feature, Workspace& work) const;
-  // The best answer that what is seen allows: turned, fitted, or of the front's feature alone. Errors: what was asked
-  // of the file is damaged.
+  // The best answer that what is seen allows: turned, fitted, or of the front's feature alone; to people in clothes
+  // by what was learned of such, where the index has learned it. Errors: what was asked of the file is damaged.
   Result<Answer> answer(const Seen& seen, const QueryOptions& options, Workspace& work) const;
 
   // Regressed targets with both corrections. Standardised units.
@@ -38,6 +38,7 @@ class Answerer {
   Result<Corrected> corrected(const Targets& regressed, const QueryOptions& options, Workspace& work) const;
 
  private:
+  const Refiner* refiner_for(const Seen& seen) const;
   Position place_of(const Targets& targets) const;
   void fill_nearest(const Corrected& corrected, Answer& out) const;
   // How far answers are off, as the file says it of one way of answering.

@@ -125,7 +125,7 @@ Status Builder::read_chosen() {
     }
     if (fit_size_ == 0) fit_size_ = sample.fit.size();
     bad = check_sample(sample, number++);
-    if (bad && !sample.calibrate_only) chosen_.push_back(sample);
+    if (bad && sample.is_entry()) chosen_.push_back(sample);
     return static_cast<bool>(bad) && chosen_.size() < options_.chosen_on;
   });
   if (!read) return read;
@@ -173,8 +173,8 @@ Status Builder::read_moments() {
     if (!bad) return false;
     if (fit_size_ == 0) fit_size_ = sample.fit.size();
     refinements_.add(sample);
-    if (sample.calibrate_only) {
-      if (strangers_.size() < kStrangersMax) strangers_.push_back(sample);
+    if (!sample.is_entry()) {
+      if (!sample.clothed && strangers_.size() < kStrangersMax) strangers_.push_back(sample);
       return true;
     }
     if (sample_count_ == kEntryMax) {
@@ -263,7 +263,7 @@ Status Builder::read_entries() {
     truth.clear();
   };
   Status read = source_([&](const Sample& sample) {
-    if (sample.calibrate_only) return true;
+    if (!sample.is_entry()) return true;
     features_->standardise(sample.feature, z);
     block.row(static_cast<std::ptrdiff_t>(fold.size())) =
         Eigen::Map<const Eigen::RowVectorXf>(z.data(), static_cast<std::ptrdiff_t>(z.size()));

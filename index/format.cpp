@@ -282,7 +282,7 @@ Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::str
   c.sex_table = in.take<float>("sex.table", kSexTableSize);
   if (in.failed()) return in.error();
   check_values(in, c);
-  for (const Refinement kind : {Refinement::fitted, Refinement::turned})
+  for (const Refinement kind : kRefinements)
     if (container->section(section_of(kind, "about")))
       c.refinements[static_cast<std::size_t>(kind)] = take_refinement(in, kind, m);
   const auto provenance = container->section("provenance");

@@ -137,6 +137,12 @@ std::size_t Index::fit_size() const {
   return 0;
 }
 
+bool Index::knows_clothed() const {
+  const auto& known = data_->contents.refinements;
+  return known[static_cast<std::size_t>(Refinement::clothed)] &&
+         known[static_cast<std::size_t>(Refinement::clothed_turned)];
+}
+
 std::uint32_t Index::shape_key() const {
   for (const auto& refinement : data_->contents.refinements)
     if (refinement) return refinement->record.shape_key;

@@ -30,6 +30,7 @@ struct Answer {
   std::array<Estimate, kMeasurementCount> measurements;
   float female = 0.5F;  // probability
   AnsweredFrom from = AnsweredFrom::front;
+  bool clothed = false;        // by what was learned of people in clothes
   std::uint32_t nearest = 0;   // entry: of the neighbours, the one whose true body is closest to the estimate
   float nearest_distance = 0;  // in the projected space, whose unit is one standard deviation of the error
   // For the evaluation: the nearest entry's own measurements, without the regression that follows.
@@ -107,6 +108,8 @@ class Index {
   Result<Answer> query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const;
   // Values of a fit that refinements ask for, and the key of the shape space it must be of; 0: the index has none.
   std::size_t fit_size() const;
+  // Whether it has learned to answer people in clothes, from the front and from both sides.
+  bool knows_clothed() const;
   std::uint32_t shape_key() const;
   // Whose body an entry is. `entry` < size(), as below. Errors: as of query().
   Result<Person> person_of(std::uint32_t entry) const;

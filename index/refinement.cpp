@@ -21,13 +21,14 @@ Regressor regressor_of(const RefinementContents& c) {
 }  // namespace
 
 std::string section_of(Refinement kind, const char* name) {
-  return std::string(kind == Refinement::fitted ? "fitted." : "turned.") + name;
+  constexpr std::array<const char*, kRefinementCount> kPrefix = {"fitted.", "turned.", "cloth1.", "cloth2."};
+  return kPrefix[static_cast<std::size_t>(kind)] + std::string(name);
 }
 
 void refined_values(Refinement kind, const Seen& seen, std::span<float> out) {
   auto at = std::copy(seen.front.begin(), seen.front.end(), out.begin());
-  if (kind == Refinement::turned) at = std::copy(seen.back.begin(), seen.back.end(), at);
-  const std::span<const float> fit = kind == Refinement::turned ? seen.fit_both : seen.fit;
+  if (sees_back(kind)) at = std::copy(seen.back.begin(), seen.back.end(), at);
+  const std::span<const float> fit = sees_back(kind) ? seen.fit_both : seen.fit;
   at = std::copy(fit.begin(), fit.end(), at);
   const std::size_t shapes = fit.size() < kFitQualities ? 0 : fit.size() - kFitQualities;
   const std::size_t squared = std::min(shapes, kSquaredMax);
@@ -42,9 +43,10 @@ Refiner::Work::Work(const Refiner& refiner)
     : values(refiner.contents_.mean.size()), standardised(refiner.regressor_.padded_size()) {}
 
 bool Refiner::applies(const Seen& seen) const {
-  const bool turned = kind_ == Refinement::turned;
-  return seen.front.size() == feature_size_ && (!turned || seen.back.size() == feature_size_) &&
-         (turned ? seen.fit_both : seen.fit).size() == contents_.record.fit_size;
+  const bool back = sees_back(kind_);
+  return seen.clothed == is_of_clothed(kind_) && seen.front.size() == feature_size_ &&
+         (!back || seen.back.size() == feature_size_) &&
+         (back ? seen.fit_both : seen.fit).size() == contents_.record.fit_size;
 }
 
 void Refiner::apply(const Seen& seen, Work& work, Targets& targets) const {

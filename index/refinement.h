@@ -4,6 +4,7 @@
 //   feature of the front | feature of the back | fit | products of the fit's strongest coefficients
 // to measurements and sex. The products stand for girths growing with width times depth. The answer is a mixture of
 // this and the plain one, in shares learned on people neither has learned from: the plain one knows more people.
+// Of people in clothes the plain one knows nothing: their answer is the refined one alone.
 #pragma once
 
 #include <array>
@@ -16,8 +17,17 @@
 
 namespace im2fit::index {
 
-enum class Refinement { fitted, turned };  // the front with its fit; front and back with theirs
-inline constexpr std::size_t kRefinementCount = 2;
+// The front with its fit; front and back with theirs; the same of people in clothes.
+enum class Refinement { fitted, turned, clothed, clothed_turned };
+inline constexpr std::size_t kRefinementCount = 4;
+inline constexpr std::array kRefinements = {Refinement::fitted, Refinement::turned, Refinement::clothed,
+                                            Refinement::clothed_turned};
+constexpr bool sees_back(Refinement kind) {
+  return kind == Refinement::turned || kind == Refinement::clothed_turned;
+}
+constexpr bool is_of_clothed(Refinement kind) {
+  return kind == Refinement::clothed || kind == Refinement::clothed_turned;
+}
 inline constexpr std::size_t kSquaredMax = 16;   // coefficients whose products count
 inline constexpr std::size_t kFitMax = 256;      // values of a fit
 inline constexpr std::size_t kFitQualities = 2;  // values of a fit that are no coefficients: its last
@@ -28,7 +38,7 @@ constexpr std::size_t squared_count(std::size_t fit_size) {
   return n * (n + 1) / 2;
 }
 constexpr std::size_t refined_size(Refinement kind, std::size_t feature_size, std::size_t fit_size) {
-  return feature_size * (kind == Refinement::turned ? 2 : 1) + fit_size + squared_count(fit_size);
+  return feature_size * (sees_back(kind) ? 2 : 1) + fit_size + squared_count(fit_size);
 }
 
 // What is known of a person. `back` and the fits may be empty.
@@ -37,11 +47,13 @@ struct Seen {
   std::span<const float> fit;
   std::span<const float> back;
   std::span<const float> fit_both;
+  bool clothed = false;
 };
 // Puts the values in order. out: refined_size().
 void refined_values(Refinement kind, const Seen& seen, std::span<float> out);
 
-// Name of a section of the file: "fitted.mean".
+// Name of a section of the file: "fitted.mean", of people in clothes "cloth1.mean" and, from both sides,
+// "cloth2.mean".
 std::string section_of(Refinement kind, const char* name);
 
 // Of the file; fixed layout.
@@ -86,6 +98,7 @@ class Refiner {
   // No allocation.
   void apply(const Seen& seen, Work& work, Targets& targets) const;
   const RefinementContents& contents() const { return contents_; }
+  Refinement kind() const { return kind_; }
 
  private:
   Refinement kind_;

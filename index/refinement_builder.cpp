@@ -54,50 +54,88 @@ struct Sums {
   }
 };
 
-struct Fit {
-  Eigen::MatrixXd weights;  // value x target
-  Eigen::VectorXd bias;
-};
-
-Fit solve(const Sums& s, double penalty) {
+LinearFit solve(const Sums& s, double penalty) {
   const Eigen::VectorXd z = s.z / s.count, y = s.y / s.count;
   Eigen::MatrixXd a = s.gram / s.count;
   a.selfadjointView<Eigen::Lower>().rankUpdate(z, -1.0);
   a.diagonal().array() += penalty;
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> factor(a);
-  Fit fit;
+  LinearFit fit;
   fit.weights = factor.solve(s.cross / s.count - z * y.transpose());
   fit.bias = y - fit.weights.transpose() * z;
   return fit;
 }
 
-void answer_rows(const Fit& fit, const RowMatrixF& z, const std::vector<std::ptrdiff_t>& rows,
-                 Eigen::MatrixXd& answer) {
-  const Eigen::MatrixXd part = (z(rows, Eigen::all).cast<double>() * fit.weights).rowwise() + fit.bias.transpose();
-  for (std::size_t i = 0; i < rows.size(); ++i) answer.row(rows[i]) = part.row(static_cast<std::ptrdiff_t>(i));
+// The rows of one kind as a query sees them, and the sums behind their regressions.
+struct Table {
+  FeatureScale scale;
+  RowMatrixF z;
+  Eigen::MatrixXd y;                                        // standardised targets
+  std::array<std::vector<std::ptrdiff_t>, kFolds> of_fold;  // rows
+  std::vector<Sums> folds;
+  Sums all;
+
+  Table(const std::vector<const std::vector<float>*>& values, Eigen::MatrixXd targets,
+        const std::vector<int>& fold_of_row)
+      : scale(values), z(standardised_rows(scale, values)), y(std::move(targets)), all(z.cols(), kTargetMin) {
+    for (std::size_t i = 0; i < fold_of_row.size(); ++i)
+      of_fold[static_cast<std::size_t>(fold_of_row[i])].push_back(static_cast<std::ptrdiff_t>(i));
+    for (const auto& rows : of_fold) {
+      folds.push_back(sums_of(rows));
+      all.add(folds.back(), 1);
+    }
+  }
+  Sums sums_of(const std::vector<std::ptrdiff_t>& rows) const {
+    Sums sums(z.cols(), kTargetMin);
+    if (!rows.empty()) sums.add(z(rows, Eigen::all), y(rows, Eigen::all));
+    return sums;
+  }
+  Sums without(const Sums& some) const {
+    Sums rest = all;
+    rest.add(some, -1);
+    return rest;
+  }
+  void answer(const LinearFit& fit, const std::vector<std::ptrdiff_t>& rows, Eigen::MatrixXd& out) const {
+    const Eigen::MatrixXd part = (z(rows, Eigen::all).cast<double>() * fit.weights).rowwise() + fit.bias.transpose();
+    for (std::size_t i = 0; i < rows.size(); ++i) out.row(rows[i]) = part.row(static_cast<std::ptrdiff_t>(i));
+  }
+};
+
+// The penalty that answers people of other folds best, and those answers.
+struct CrossFit {
+  double penalty = kPenalties[0];
+  Eigen::MatrixXd answer;
+};
+CrossFit choose_penalty(const Table& table) {
+  CrossFit best;
+  double least = 1e300;
+  for (const double tried : kPenalties) {
+    Eigen::MatrixXd answer(table.z.rows(), kTargetMin);
+    for (std::size_t f = 0; f < kFolds; ++f)
+      table.answer(solve(table.without(table.folds[f]), tried), table.of_fold[f], answer);
+    const double error = (answer - table.y).cwiseAbs().sum();
+    if (error >= least) break;  // past the valley
+    least = error;
+    best = {tried, std::move(answer)};
+  }
+  return best;
 }
 
 }  // namespace
 
-std::vector<std::ptrdiff_t> RefinementBuilder::all_strangers() const {
-  std::vector<std::ptrdiff_t> out;
-  for (std::size_t i = 0; i < rows_.size(); ++i)
-    if (rows_[i].stranger) out.push_back(static_cast<std::ptrdiff_t>(i));
-  return out;
-}
-
 void RefinementBuilder::add(const Sample& sample) {
-  if (!sample.refines() || rows_.size() >= kSampleMax) return;
-  if (rows_.empty()) fit_size_ = sample.fit.size();
-  Row& row = rows_.emplace_back();
+  Rows& rows = rows_[sample.clothed ? 1 : 0];
+  if (!sample.refines() || rows.size() >= kSampleMax) return;
+  if (fit_size_ == 0) fit_size_ = sample.fit.size();
+  Row& row = rows.emplace_back();
   row.subject = sample.subject;
   row.frame_count = std::max(sample.frame_count, 1);
   row.stranger = sample.calibrate_only;
   row.woman = sample.woman;
   row.truth = sample.truth;
-  const Seen seen{sample.feature, sample.fit, sample.back, sample.fit_both};
+  const Seen seen{sample.feature, sample.fit, sample.back, sample.fit_both, sample.clothed};
   for (const Refinement kind : {Refinement::fitted, Refinement::turned}) {
-    auto& values = row.values[static_cast<std::size_t>(kind)];
+    auto& values = row.values[sees_back(kind) ? 1 : 0];
     values.resize(refined_size(kind, sample.feature.size(), fit_size_));
     refined_values(kind, seen, values);
   }
@@ -105,134 +143,118 @@ void RefinementBuilder::add(const Sample& sample) {
 
 void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed,
                               std::uint32_t shape_key) {
-  if (rows_.size() < kSampleMin) return;
-  for (const Refinement kind : {Refinement::fitted, Refinement::turned}) {
-    learned_[static_cast<std::size_t>(kind)] = learn_one(kind, targets, plain, seed);
-    learned_[static_cast<std::size_t>(kind)]->record.shape_key = shape_key;
-    for (Row& row : rows_) std::vector<float>().swap(row.values[static_cast<std::size_t>(kind)]);
+  for (const Refinement kind : kRefinements) {
+    Rows& rows = rows_[is_of_clothed(kind) ? 1 : 0];
+    if (rows.size() < kSampleMin) continue;
+    auto& learned = learned_[static_cast<std::size_t>(kind)];
+    learned = learn_one(kind, rows, targets, plain, seed);
+    learned->record.fit_size = static_cast<std::uint32_t>(fit_size_);
+    learned->record.shape_key = shape_key;
+    for (Row& row : rows) std::vector<float>().swap(row.values[sees_back(kind) ? 1 : 0]);
   }
 }
 
-RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const TargetSpace& targets,
-                                                        const PlainAnswers& plain, std::uint64_t seed) const {
-  const auto count = static_cast<std::ptrdiff_t>(rows_.size());
+RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const Rows& people,
+                                                        const TargetSpace& targets, const PlainAnswers& plain,
+                                                        std::uint64_t seed) {
+  const auto count = static_cast<std::ptrdiff_t>(people.size());
   std::vector<const std::vector<float>*> values;
-  for (const Row& row : rows_) values.push_back(&row.values[static_cast<std::size_t>(kind)]);
-  FeatureScale scale(values);
-  const RowMatrixF z = standardised_rows(scale, values);
+  std::vector<int> fold_of_row;
   Eigen::MatrixXd y(count, kTargetMin);
-  std::array<std::vector<std::ptrdiff_t>, kFolds> members;
   FoldDealer dealer(seed, kFolds);
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const Row& row = rows_[static_cast<std::size_t>(i)];
-    y.row(i) = targets.measured(row.truth, row.woman).transpose();
-    members[static_cast<std::size_t>(dealer.fold_of(row.subject))].push_back(i);
+  for (const Row& row : people) {
+    y.row(static_cast<std::ptrdiff_t>(values.size())) = targets.measured(row.truth, row.woman).transpose();
+    values.push_back(&row.values[sees_back(kind) ? 1 : 0]);
+    fold_of_row.push_back(dealer.fold_of(row.subject));
   }
-  Sums all(z.cols(), kTargetMin);
-  std::vector<Sums> folds;
-  const auto rows_of = [&](const std::vector<std::ptrdiff_t>& chosen) {
-    return std::pair<RowMatrixF, Eigen::MatrixXd>(z(chosen, Eigen::all), y(chosen, Eigen::all));
-  };
-  for (const auto& chosen : members) {
-    const auto [zs, ys] = rows_of(chosen);
-    folds.emplace_back(z.cols(), kTargetMin).add(zs, ys);
-    all.add(folds.back(), 1);
-  }
-
-  Eigen::MatrixXd best_answer;
-  double best = 1e300, penalty = kPenalties[0];
-  for (const double tried : kPenalties) {
-    Eigen::MatrixXd answer(count, kTargetMin);
-    for (std::size_t f = 0; f < kFolds; ++f) {
-      Sums rest = all;
-      rest.add(folds[f], -1);
-      answer_rows(solve(rest, tried), z, members[f], answer);
-    }
-    const double error = (answer - y).cwiseAbs().sum();
-    if (error >= best) break;  // past the valley
-    best = error;
-    penalty = tried;
-    best_answer = std::move(answer);
-  }
+  const Table table(values, std::move(y), fold_of_row);
+  CrossFit cross = choose_penalty(table);
 
   Learned out;
-  out.record.fit_size = static_cast<std::uint32_t>(fit_size_);
   out.record.sample_count = static_cast<std::uint32_t>(count);
-  out.record.penalty_millionths = static_cast<std::uint32_t>(std::lround(penalty * 1e6));
-  out.mean = scale.mean;
-  out.scale = scale.scale;
-  const Fit fit = solve(all, penalty);
-  for (std::ptrdiff_t t = 0; t < kTargetMin; ++t) {
-    const double unit = std::max(fit.weights.col(t).cwiseAbs().maxCoeff(), 1e-12) / 32767;
-    out.unit.push_back(static_cast<float>(unit));
-    out.bias.push_back(static_cast<float>(fit.bias(t)));
-    for (std::ptrdiff_t i = 0; i < fit.weights.rows(); ++i)
-      out.weights.push_back(static_cast<std::int16_t>(
-          std::clamp<long>(std::lround(fit.weights(i, t) / static_cast<double>(out.unit.back())), -32767, 32767)));
-  }
+  out.record.penalty_millionths = static_cast<std::uint32_t>(std::lround(cross.penalty * 1e6));
+  out.mean = table.scale.mean;
+  out.scale = table.scale.scale;
+  out.round(solve(table.all, cross.penalty));
 
   // Judged on strangers where there are enough, by a regression that has learned from none: the people it will meet
   // are strangers to it as well.
-  std::vector<std::ptrdiff_t> judged, strange;
+  std::vector<std::ptrdiff_t> judged, all_strangers, strangers;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const Row& row = rows_[static_cast<std::size_t>(i)];
-    if (!plain.contains(row.subject)) continue;
+    const Row& row = people[static_cast<std::size_t>(i)];
+    if (row.stranger) all_strangers.push_back(i);
+    if (!is_of_clothed(kind) && !plain.contains(row.subject)) continue;
     judged.push_back(i);
-    if (row.stranger) strange.push_back(i);
+    if (row.stranger) strangers.push_back(i);
   }
-  if (strange.size() >= kStrangersMin) {
-    judged = strange;
-    Sums rest = all;
-    const auto [zs, ys] = rows_of(all_strangers());
-    Sums strangers(z.cols(), kTargetMin);
-    strangers.add(zs, ys);
-    rest.add(strangers, -1);
-    if (rest.count >= kSampleMin) answer_rows(solve(rest, penalty), z, judged, best_answer);
+  if (strangers.size() >= kStrangersMin) {
+    judged = strangers;
+    const Sums rest = table.without(table.sums_of(all_strangers));
+    if (rest.count >= kSampleMin) table.answer(solve(rest, cross.penalty), judged, cross.answer);
   }
-  if (judged.empty()) return {};
-  for (std::size_t t = 0; t < kTargetMin; ++t) {
-    double change_square = 1e-12, change_right = 0;
-    for (const std::ptrdiff_t i : judged) {
-      const double before = plain.at(rows_[static_cast<std::size_t>(i)].subject)[t];
-      const auto column = static_cast<std::ptrdiff_t>(t);
-      const double change = best_answer(i, column) - before;
-      change_square += change * change;
-      change_right += change * (y(i, column) - before);
-    }
-    out.record.share[t] = static_cast<float>(std::clamp(change_right / change_square, 0.0, 1.0));
+  if (!judged.empty()) out.judge(kind, people, judged, targets, plain, table.y, cross.answer);
+  return out;
+}
+
+void RefinementBuilder::Learned::round(const LinearFit& fit) {
+  for (std::ptrdiff_t t = 0; t < kTargetMin; ++t) {
+    unit.push_back(static_cast<float>(std::max(fit.weights.col(t).cwiseAbs().maxCoeff(), 1e-12) / 32767));
+    bias.push_back(static_cast<float>(fit.bias(t)));
+    for (std::ptrdiff_t i = 0; i < fit.weights.rows(); ++i)
+      weights.push_back(static_cast<std::int16_t>(
+          std::clamp<long>(std::lround(fit.weights(i, t) / static_cast<double>(unit.back())), -32767, 32767)));
   }
+}
+
+void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
+                                       const TargetSpace& targets, const PlainAnswers& plain,
+                                       const Eigen::MatrixXd& truth, const Eigen::MatrixXd& refined) {
+  // Of people in clothes there is no plain answer to mix with.
+  const bool mixed = !is_of_clothed(kind);
   std::vector<HeldOut> held_out;
   for (const std::ptrdiff_t i : judged) {
-    const Row& row = rows_[static_cast<std::size_t>(i)];
-    HeldOut h;
+    const Row& row = people[static_cast<std::size_t>(i)];
+    HeldOut& h = held_out.emplace_back();
     h.subject = static_cast<std::uint32_t>(row.subject);
     h.frame_count = row.frame_count;
     for (std::size_t t = 0; t < kTargetMin; ++t) {
       const auto column = static_cast<std::ptrdiff_t>(t);
-      const double before = plain.at(row.subject)[t];
-      h.truth[t] = y(i, column);
-      h.answer[t] = before + static_cast<double>(out.record.share[t]) * (best_answer(i, column) - before);
-      if (t < kMeasurementCount)
-        out.record.mae[t] += static_cast<float>(targets.scale(t) * std::abs(h.truth[t] - h.answer[t]) /
-                                                static_cast<double>(judged.size()));
+      h.truth[t] = truth(i, column);
+      h.answer[t] = mixed ? plain.at(row.subject)[t] : refined(i, column);
     }
-    held_out.push_back(h);
+  }
+  for (std::size_t t = 0; t < kTargetMin; ++t) {
+    const auto change = [&](std::size_t i) {
+      return refined(judged[i], static_cast<std::ptrdiff_t>(t)) - held_out[i].answer[t];
+    };
+    double change_square = 1e-12, change_right = 0;
+    for (std::size_t i = 0; i < held_out.size(); ++i) {
+      change_square += change(i) * change(i);
+      change_right += change(i) * (held_out[i].truth[t] - held_out[i].answer[t]);
+    }
+    record.share[t] = mixed ? static_cast<float>(std::clamp(change_right / change_square, 0.0, 1.0)) : 1.0F;
+    for (std::size_t i = 0; i < held_out.size(); ++i) {
+      HeldOut& h = held_out[i];
+      h.answer[t] += static_cast<double>(record.share[t]) * change(i);
+      if (t < kMeasurementCount)
+        record.mae[t] += static_cast<float>(targets.scale(t) * std::abs(h.truth[t] - h.answer[t]) /
+                                            static_cast<double>(held_out.size()));
+    }
   }
   const IntervalModel intervals = calibrate_intervals(held_out);
-  out.record.interval_kind = static_cast<std::uint32_t>(intervals.kind);
-  out.record.frame_model = intervals.frame_model;
-  out.record.frame_noise = intervals.frame_noise;
-  out.record.coverage = intervals.coverage;
-  out.interval.assign(intervals.quantiles.begin(), intervals.quantiles.end());
-  out.spread_floor.assign(intervals.spread_floor.begin(), intervals.spread_floor.end());
-  out.sex_table = calibrate_sex(held_out, targets.mean(kSexTarget), targets.scale(kSexTarget));
-  return out;
+  record.interval_kind = static_cast<std::uint32_t>(intervals.kind);
+  record.frame_model = intervals.frame_model;
+  record.frame_noise = intervals.frame_noise;
+  record.coverage = intervals.coverage;
+  interval.assign(intervals.quantiles.begin(), intervals.quantiles.end());
+  spread_floor.assign(intervals.spread_floor.begin(), intervals.spread_floor.end());
+  sex_table = calibrate_sex(held_out, targets.mean(kSexTarget), targets.scale(kSexTarget));
 }
 
 void RefinementBuilder::write(ContainerWriter& out) const {
-  for (const Refinement kind : {Refinement::fitted, Refinement::turned}) {
+  for (const Refinement kind : kRefinements) {
     const auto& learned = learned_[static_cast<std::size_t>(kind)];
-    if (!learned || learned->mean.empty()) continue;
+    if (!learned || learned->sex_table.empty()) continue;  // nobody to judge it on
     const auto add = [&](const char* name, const auto& values) {
       using Value = typename std::decay_t<decltype(values)>::value_type;
       out.add_array(section_of(kind, name), std::span<const Value>(values));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workstation side: learns both refinements from the samples that have a fit and a view from behind.
+// Workstation side: learns the refinements from the samples that have a fit and a view from behind.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -16,18 +17,23 @@
 
 namespace im2fit::index {
 
+struct LinearFit {
+  Eigen::MatrixXd weights;  // value x target
+  Eigen::VectorXd bias;
+};
+
 class RefinementBuilder {
  public:
-  static constexpr std::size_t kSampleMin = 150;    // fewer teach too little
-  static constexpr std::size_t kSampleMax = 16384;  // held in memory: 10 kB each
+  static constexpr std::size_t kSampleMin = 150;  // fewer teach too little
+  // Held in memory, of people undressed and in clothes: 14 kB each, and as much again while they are learned from.
+  static constexpr std::size_t kSampleMax = 16384;
   // Keeps what it needs of a sample that refines.
   void add(const Sample& sample);
-  std::size_t sample_count() const { return rows_.size(); }
   // The index' plain answers, standardised, to subjects that had no part in them.
   using PlainAnswers = std::map<std::uint64_t, Targets>;
-  // `targets`: as the index standardises them. Does nothing with fewer than kSampleMin samples.
+  // `targets`: as the index standardises them. A kind of people with fewer than kSampleMin samples is left out.
   void learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed, std::uint32_t shape_key);
-  // Sections "fitted.*" and "turned.*"; none when nothing was learned.
+  // Sections of every kind that was learned.
   void write(ContainerWriter& out) const;
 
  private:
@@ -37,18 +43,24 @@ class RefinementBuilder {
     bool stranger = false;
     bool woman = false;
     MeasurementValues truth{};
-    std::array<std::vector<float>, kRefinementCount> values;
+    std::array<std::vector<float>, 2> values;  // of the front, and of both sides
   };
+  using Rows = std::vector<Row>;
   struct Learned {
     RefinementRecord record;
     std::vector<float> mean, scale;
     std::vector<std::int16_t> weights;
     std::vector<float> unit, bias, interval, spread_floor, sex_table;
+    void round(const LinearFit& fit);
+    // Shares and intervals, from what was said of `judged`, rows that had no part in it.
+    void judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
+               const TargetSpace& targets, const PlainAnswers& plain, const Eigen::MatrixXd& truth,
+               const Eigen::MatrixXd& refined);
   };
-  std::vector<std::ptrdiff_t> all_strangers() const;
-  Learned learn_one(Refinement kind, const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed) const;
+  static Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
+                           std::uint64_t seed);
 
-  std::vector<Row> rows_;
+  std::array<Rows, 2> rows_;  // of people undressed, and in clothes
   std::size_t fit_size_ = 0;
   std::array<std::optional<Learned>, kRefinementCount> learned_;
 };

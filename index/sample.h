@@ -24,12 +24,15 @@ struct Sample {
   // No entry, and the regression behind the entries does not learn from it: the intervals are fitted to such
   // subjects, so that they also hold for people unlike the index' own. Used when there are at least 200 of them.
   bool calibrate_only = false;
+  // Seen in clothes: no entry; answers to people in clothes are learned from it, and nothing else.
+  bool clothed = false;
   // More that was seen of some subjects, for index/refinement.h; else empty. The same sizes in every sample that has
   // them.
   std::vector<float> fit;       // shape fitted to the front: coefficients, then how far it is off
   std::vector<float> back;      // the feature of a view from behind
   std::vector<float> fit_both;  // shape fitted to front and back
   bool refines() const { return !fit.empty(); }
+  bool is_entry() const { return !calibrate_only && !clothed; }
 };
 
 // Features that share one regularisation. Groups cover the feature in order.

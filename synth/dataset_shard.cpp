@@ -29,13 +29,14 @@ static_assert(std::is_trivially_copyable_v<Head> && std::has_unique_object_repre
 struct Row {
   std::uint64_t subject = 0;
   std::int32_t frame_count = 0;
-  std::uint16_t flags = 0;        // 1 woman, 2 calibrate_only, 4 turned
+  std::uint16_t flags = 0;        // 1 woman, 2 calibrate_only, 4 turned, 8 clothed
   std::uint16_t body_values = 0;  // other than zero
 };
 static_assert(sizeof(Row) == 16);
 constexpr std::uint16_t kWoman = 1;
 constexpr std::uint16_t kCalibrateOnly = 2;
 constexpr std::uint16_t kTurned = 4;  // has a view from behind and fits, in the order of rows
+constexpr std::uint16_t kClothed = 8;
 
 template <class Visit>
 void visit_fields(const RunKey& r, const Visit& visit) {
@@ -161,7 +162,7 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
       return wrong(path, "a sample is not of the run's sizes");
     Row row{s.subject, s.frame_count, 0, 0};
     row.flags = static_cast<std::uint16_t>((s.woman ? kWoman : 0) | (s.calibrate_only ? kCalibrateOnly : 0) |
-                                           (s.refines() ? kTurned : 0));
+                                           (s.refines() ? kTurned : 0) | (s.clothed ? kClothed : 0));
     if (s.refines() &&
         (s.fit.size() != run.fit_size || s.fit_both.size() != run.fit_size || s.back.size() != run.feature_size))
       return wrong(path, "a sample's view from behind is not of the run's sizes");
@@ -245,6 +246,7 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
     s.frame_count = row.frame_count;
     s.woman = (row.flags & kWoman) != 0;
     s.calibrate_only = (row.flags & kCalibrateOnly) != 0;
+    s.clothed = (row.flags & kClothed) != 0;
     read_feature(*features, i, s.feature);
     if ((row.flags & kTurned) != 0) {
       read_feature(*backs, turn, s.back);

@@ -57,6 +57,17 @@ Json inspected(const index::Index& index) {
   return json;
 }
 
+void show_refined(const index::Info& info, const char* heading, index::Refinement front, index::Refinement both) {
+  const auto& one = info.refined[static_cast<std::size_t>(front)];
+  const auto& two = info.refined[static_cast<std::size_t>(both)];
+  if (one.sample_count == 0 || two.sample_count == 0) return;
+  TextTable table({heading, "front", "in interval %", "front and back", "in interval %"});
+  for (std::size_t i = 0; i < kMeasurementCount; ++i)
+    table.add({measurement_label(i), number(one.mae[i], 1), number(100 * one.coverage[i], 1), number(two.mae[i], 1),
+               number(100 * two.coverage[i], 1)});
+  fmt::print("\n{}", table.text());
+}
+
 Result<int> inspect(const LookOptions& options) {
   const auto index = load_index(options.path);
   if (!index) return index.error();
@@ -91,15 +102,8 @@ Result<int> inspect(const LookOptions& options) {
     errors.add({measurement_label(i), number(info.answer_mae[i], 1), number(info.ridge_mae[i], 1),
                 number(info.nearest_mae[i], 1), number(info.prior_mae[i], 1), number(100 * info.coverage[i], 1)});
   fmt::print("{}\n{}\n{}", sections.text(), groups.text(), errors.text());
-  const auto& fitted = info.refined[static_cast<std::size_t>(index::Refinement::fitted)];
-  const auto& turned = info.refined[static_cast<std::size_t>(index::Refinement::turned)];
-  if (fitted.sample_count == 0 || turned.sample_count == 0) return kExitOk;
-  TextTable refined(
-      {"on strangers, with a fitted shape", "front", "in interval %", "front and back", "in interval %"});
-  for (std::size_t i = 0; i < kMeasurementCount; ++i)
-    refined.add({measurement_label(i), number(fitted.mae[i], 1), number(100 * fitted.coverage[i], 1),
-                 number(turned.mae[i], 1), number(100 * turned.coverage[i], 1)});
-  fmt::print("\n{}", refined.text());
+  show_refined(info, "on strangers, with a fitted shape", index::Refinement::fitted, index::Refinement::turned);
+  show_refined(info, "the same, in clothes", index::Refinement::clothed, index::Refinement::clothed_turned);
   return kExitOk;
 }
 

@@ -31,6 +31,7 @@ EngineSettings settings_of(const SessionOptions& options, const hal::SourceInfo&
   settings.frames_min = std::min(settings.frames_min, options.frames);
   settings.calibration_psi = options.calibration == "psi";
   settings.turn = options.turn ? Turn::asked : Turn::none;
+  settings.clothed = options.clothed;
   settings.user = options.user;
   settings.live = options.live && info.live;
   settings.single_thread = options.threads == 1;
@@ -61,6 +62,10 @@ void add_session_options(CLI::App& sub, SessionOptions& options) {
   sub.add_flag("--turn", options.turn,
                "Front, then back: asks the person to turn round (TURN_ROUND) and measures with both; with the front "
                "alone if the person does not within 15 s or leaves");
+  sub.add_flag(
+      "--clothed", options.clothed,
+      "The person is dressed: measures the body underneath, with wider intervals. Without this, underwear or "
+      "close-fitting sportswear is expected");
   sub.add_option("--size-chart", options.size_charts, "Size chart file(s), see docs/result.md (default: EN 13402-3)")
       ->type_name("CSV");
   sub.add_option("--truth", options.input.truth_path, "truth.json of a rendered person, to print errors")

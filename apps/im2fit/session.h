@@ -22,6 +22,7 @@ struct SessionOptions {
   int frames = 30;
   std::string calibration = "none";
   bool turn = false;                     // front, then back
+  bool clothed = false;                  // dressed for the street
   std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
   int threads = 2;
   bool json = false;

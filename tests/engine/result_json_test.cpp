@@ -123,7 +123,7 @@ TEST(ResultJson, KeysComeInTheOrderOfTheDesign) {
   std::vector<std::string> keys;
   for (const auto& [key, unused] : v.items()) keys.push_back(key);
   EXPECT_THAT(keys, testing::ElementsAre("schema", "state", "guidance", "frames", "source", "views", "estimator",
-                                         "measurements", "sex", "size", "joints", "body", "paper"));
+                                         "clothed", "measurements", "sex", "size", "joints", "body", "paper"));
 }
 
 TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {

@@ -45,6 +45,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   settings.frames_min = std::min(settings.frames_min, settings.frames_wanted);
   settings.single_thread = true;
   settings.shape_space = models.shape_space;
+  settings.clothed = capture.scene.clothing != synth::Clothing::none && models.shape_space != nullptr;
   if (views == Views::both) settings.turn = Turn::asked;
   auto engine = Engine::create(settings, models.joints, models.index);
   if (!engine) return engine.error();
