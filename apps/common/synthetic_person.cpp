@@ -18,6 +18,11 @@ synth::AboutTurn turn_after(int frames) {
   return frames > 0 ? synth::AboutTurn{frames, kTurnFrames} : synth::AboutTurn{};
 }
 
+void dress(synth::SceneOptions& scene) {
+  scene.clothing = synth::Clothing::normal;
+  scene.hair = true;
+}
+
 synth::SensorOptions sensor_of(bool noise) {
   return {noise, noise, noise, noise};
 }
@@ -69,11 +74,12 @@ Truth SyntheticPerson::truth(int frame_count) const {
 }
 
 Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string& body_path, int rotate_deg,
-                                      int width, int height, synth::AboutTurn turn) {
+                                      int width, int height, const SyntheticActing& acting) {
   PersonOptions options;
   options.scene = furnished_room();
   options.scene.rotate_deg = rotate_deg;
-  options.scene.turn = turn;
+  options.scene.turn = acting.turn;
+  if (acting.clothed) dress(options.scene);
   options.width = width;
   options.height = height;
   if (!seed.empty()) {

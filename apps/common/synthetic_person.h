@@ -49,12 +49,20 @@ class SyntheticPerson {
   synth::VirtualScene scene_;
 };
 
+// Everyday clothes, shoes and hair.
+void dress(synth::SceneOptions& scene);
+
+// What the person of `synthetic` does.
+struct SyntheticActing {
+  synth::AboutTurn turn;
+  bool clothed = false;
+};
 // `synthetic[:SEED]` as an endless source; loads the body itself. `rotate_deg` is the camera's mount.
 struct SyntheticInput {
   std::unique_ptr<hal::Source> source;
   Truth truth;
 };
 Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string& body_path, int rotate_deg,
-                                      int width, int height, synth::AboutTurn turn);
+                                      int width, int height, const SyntheticActing& acting);
 
 }  // namespace im2fit::apps

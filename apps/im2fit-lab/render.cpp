@@ -22,6 +22,7 @@ struct RenderOptions {
   std::string size = "640x480";
   int frames = 30;
   int turn_after = 0;  // 0: never
+  bool clothed = false;
   bool paper_files = false;
   bool truth_only = false;
   std::string body = default_body_path();
@@ -84,6 +85,7 @@ Result<int> run_render(const RenderOptions& options) {
   wanted.family = *family;
   wanted.scene.pose = *pose;
   wanted.scene.turn = turn_after(options.turn_after);
+  if (options.clothed) dress(wanted.scene);
   wanted.noise = options.condition == "noise";
   if (!wanted.noise) wanted.scene.furniture_count = 0;
   if (options.size == "320x240") wanted.width = 320, wanted.height = 240;
@@ -143,6 +145,7 @@ void add_render(CLI::App& app, Command& chosen) {
   sub->add_option("--turn-after", options->turn_after, "The person turns round after so many frames; 0: never")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
+  sub->add_flag("--clothed", options->clothed, "In clothes, shoes and hair; the truth stays the body's");
   sub->add_flag("--paper-files", options->paper_files, "Also sample.obj, .skel, .bvh and .txt as the paper has them");
   sub->add_flag("--truth-only", options->truth_only, "Write only the truth, into the file --out");
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();

@@ -42,7 +42,7 @@ Result<Input> open_input(const InputOptions& options) {
   opening.synthetic = [&](const std::string& seed,
                           const hal::OpenOptions& o) -> Result<std::unique_ptr<hal::Source>> {
     auto synthetic = open_synthetic(seed, options.body, o.rotate_deg.value_or(90), o.width, o.height,
-                                    turn_after(options.turn_after_frames));
+                                    {turn_after(options.turn_after_frames), options.clothed});
     if (!synthetic) return synthetic.error();
     input.truth = synthetic->truth;
     return std::move(synthetic->source);

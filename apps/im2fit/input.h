@@ -21,6 +21,7 @@ struct InputOptions {
   std::string camera_yaml;
   std::string body = default_body_path();  // of the synthetic person, too
   int turn_after_frames = 0;               // of the synthetic person; 0: never
+  bool clothed = false;                    // the synthetic person
   std::string truth_path;                  // "": truth.json in the folder, NAME.truth.json beside NAME.oni
 };
 void add_input_options(CLI::App& sub, InputOptions& options);

@@ -92,6 +92,7 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
     if (const auto made = make_directory(options.out); !made) return made.error();
   InputOptions opening = options.input;
   opening.turn_after_frames = options.turn ? options.frames + kTurnSpareFrames : 0;
+  opening.clothed = options.clothed;
   auto input = open_input(opening);
   if (!input) return input.error();
 
