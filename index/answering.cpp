@@ -26,7 +26,7 @@ float female_probability(std::span<const float> table, double score) {
 }  // namespace
 
 Answerer::Answerer(const Contents& contents)
-    : contents_(contents), regressor_(contents.ridge, contents.ridge_bias, contents.meta.feature_size) {
+    : contents_(contents), regressor_(contents.ridge, contents.ridge_unit, contents.ridge_bias) {
   for (const Refinement kind : kRefinements)
     if (const auto& c = contents.refinements[static_cast<std::size_t>(kind)])
       refiners_[static_cast<std::size_t>(kind)].emplace(kind, *c, contents.meta.feature_size);

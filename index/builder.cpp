@@ -386,9 +386,12 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
   const std::vector<float> mean(targets_->means().begin(), targets_->means().end());
   const std::vector<float> scale(targets_->scales().begin(), targets_->scales().end());
   const ReportRecord report = make_report(intervals);
-  std::vector<std::uint32_t> person;
-  person.reserve(tree.order.size());
-  for (const std::uint32_t row : tree.order) person.push_back(person_[row]);
+  const bool small_numbers = *std::max_element(person_.begin(), person_.end()) < 1U << 24;
+  std::vector<std::uint8_t> person;
+  person.reserve(tree.order.size() * 4);
+  for (const std::uint32_t row : tree.order)
+    for (int byte = 0; byte < (small_numbers ? 3 : 4); ++byte)
+      person.push_back(static_cast<std::uint8_t>(person_[row] >> 8 * byte));
 
   ContainerWriter out(kMagic, kVersion);
   out.add_array("meta", std::span<const MetaRecord>(&meta, 1));
@@ -397,7 +400,9 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
   out.add_array("provenance", std::span<const char>(options_.provenance));
   out.add_array("feature.mean", view(features_->mean));
   out.add_array("feature.scale", view(features_->scale));
-  out.add_array("ridge", std::span<const float>(fit_.weights.data(), targets * feature_size_));
+  const RoundedWeights ridge = round_weights({fit_.weights.data(), targets * feature_size_}, feature_size_);
+  out.add_array("ridge", view(ridge.weights));
+  out.add_array("ridge.unit", view(ridge.unit));
   out.add_array("ridge.bias", std::span<const float>(fit_.bias.data(), targets));
   out.add_array("target.mean", view(mean));
   out.add_array("target.scale", view(scale));

@@ -138,6 +138,10 @@ void check_intervals(SectionReader& in, std::span<const float> interval, std::sp
   }
 }
 
+void check_weights(SectionReader& in, std::span<const std::int16_t> weights, const char* name) {
+  for (const std::int16_t w : weights) in.require(w != -32768, name, "holds a weight out of range");
+}
+
 RefinementContents take_refinement(SectionReader& in, Refinement kind, const MetaRecord& m) {
   const auto name = [&](const char* part) { return section_of(kind, part); };
   RefinementContents c;
@@ -150,8 +154,8 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
              name("about").c_str(), "says an impossible noise model");
   if (in.failed()) return c;
   const std::size_t size = refined_size(kind, m.feature_size, c.record.fit_size);
-  c.mean = in.take<float>(name("mean").c_str(), size);
-  c.scale = in.take<float>(name("scale").c_str(), size);
+  c.mean = in.take<std::uint16_t>(name("mean").c_str(), size);
+  c.scale = in.take<std::uint16_t>(name("scale").c_str(), size);
   c.weights = in.take<std::int16_t>(name("weights").c_str(), kTargetMin * size);
   c.unit = in.take<float>(name("unit").c_str(), kTargetMin);
   c.bias = in.take<float>(name("bias").c_str(), kTargetMin);
@@ -159,9 +163,12 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
   c.spread_floor = in.take<float>(name("spread").c_str(), kMeasurementCount);
   c.sex_table = in.take<float>(name("sex").c_str(), kSexTableSize);
   if (in.failed()) return c;
-  for (const float s : c.scale) in.require(s == 0 || s >= 1e-30F, name("scale").c_str(), "holds an impossible scale");
-  for (const std::int16_t w : c.weights)
-    in.require(w != -32768, name("weights").c_str(), "holds a weight out of range");
+  for (const std::uint16_t m : c.mean)
+    in.require(std::abs(float_of_upper(m)) <= 1e9F, name("mean").c_str(), "holds a mean out of range");
+  for (const std::uint16_t s : c.scale)
+    in.require(s == 0 || (float_of_upper(s) >= 1e-30F && float_of_upper(s) <= 1e9F), name("scale").c_str(),
+               "holds an impossible scale");
+  check_weights(in, c.weights, name("weights").c_str());
   check_intervals(in, c.interval, c.spread_floor, name("interval").c_str());
   check_sex_table(in, c.sex_table, name("sex").c_str());
   return c;
@@ -173,6 +180,7 @@ void check_values(SectionReader& in, const Contents& c) {
     in.require(s == 0 || s >= 1e-30F, "feature.scale", "holds an impossible scale");
   for (const float s : c.target_scale) in.require(s >= 0, "target.scale", "holds a negative scale");
   for (const float s : c.residual_scale) in.require(s >= 0, "residual.scale", "holds a negative scale");
+  check_weights(in, c.ridge, "ridge");
   check_intervals(in, c.interval, c.spread_floor, "interval");
   check_sex_table(in, c.sex_table, "sex.table");
   for (const GroupRecord& g : c.groups) {
@@ -212,7 +220,13 @@ Status Contents::check_residual(std::uint32_t entry) const {
 }
 
 Status Contents::check_person(std::uint32_t entry) const {
-  return check_range(person_pages, {entry * sizeof(std::uint32_t), sizeof(std::uint32_t)});
+  return check_range(person_pages, {entry * person_bytes, person_bytes});
+}
+
+std::uint32_t Contents::person_of(std::uint32_t entry) const {
+  std::uint32_t number = 0;
+  for (std::size_t i = person_bytes; i-- > 0;) number = number << 8 | person[entry * person_bytes + i];
+  return number;
 }
 
 Position Contents::code_place(std::uint32_t entry) const {
@@ -263,7 +277,8 @@ Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::str
   c.groups = in.take<GroupRecord>("groups", m.group_count);
   c.feature_mean = in.take<float>("feature.mean", features);
   c.feature_scale = in.take<float>("feature.scale", features);
-  c.ridge = in.take<float>("ridge", targets * features);
+  c.ridge = in.take<std::int16_t>("ridge", targets * features);
+  c.ridge_unit = in.take<float>("ridge.unit", targets);
   c.ridge_bias = in.take<float>("ridge.bias", targets);
   c.target_mean = in.take<float>("target.mean", targets);
   c.target_scale = in.take<float>("target.scale", targets);
@@ -276,7 +291,9 @@ Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::str
   c.residual_scale = in.take<float>("residual.scale", m.dimensions);
   c.error_map = in.take<float>("error.map", targets * m.dimensions);
   c.place_map = in.take<float>("place.map", targets * m.dimensions);
-  c.person = in.take_paged<std::uint32_t>("person", entries, c.person_pages);
+  if (const auto numbers = container->paged("person"); numbers && numbers->bytes().size() == 3 * entries)
+    c.person_bytes = 3;
+  c.person = in.take_paged<std::uint8_t>("person", c.person_bytes * entries, c.person_pages);
   c.interval = in.take<float>("interval", 2 * kMeasurementCount);
   c.spread_floor = in.take<float>("spread.floor", kMeasurementCount);
   c.sex_table = in.take<float>("sex.table", kSexTableSize);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections of a .i2f (docs/formats-index.md) and their validation: what parse_contents accepts can be queried
-// without reading out of bounds, dividing by zero or recursing deeply. What there is of each entry (`code`, `residual`,
-// `person`) is held to its checksums when it is read, not when the file is opened: whatever stands there is in range.
+// without reading out of bounds, dividing by zero or recursing deeply. What there is of each entry (`code`,
+// `residual`, `person`) is held to its checksums when it is read, not when the file is opened: whatever stands there
+// is in range.
 #pragma once
 
 #include <array>
@@ -82,7 +83,8 @@ struct Contents {
   std::span<const char> provenance;
   std::span<const float> feature_mean;     // feature_size
   std::span<const float> feature_scale;    // feature_size
-  std::span<const float> ridge;            // target_count x feature_size
+  std::span<const std::int16_t> ridge;     // target_count x feature_size
+  std::span<const float> ridge_unit;       // target_count: standardised target per weight and feature
   std::span<const float> ridge_bias;       // target_count
   std::span<const float> target_mean;      // target_count
   std::span<const float> target_scale;     // target_count: units per standardised unit
@@ -92,14 +94,15 @@ struct Contents {
   CodeTree tree;                           // entries, where the regression puts them
   std::span<const std::uint8_t> residual;  // entry_count x residual_bytes: truth less regression, there
   PagedBytes residual_pages;
-  std::span<const float> residual_scale;   // dimensions: projected space per residual step
-  std::span<const float> error_map;        // target_count x dimensions: targets' error per projected error
-  std::span<const float> place_map;        // target_count x dimensions: targets at a projected place
-  std::span<const std::uint32_t> person;   // entry_count: number in the population
+  std::span<const float> residual_scale;  // dimensions: projected space per residual step
+  std::span<const float> error_map;       // target_count x dimensions: targets' error per projected error
+  std::span<const float> place_map;       // target_count x dimensions: targets at a projected place
+  std::span<const std::uint8_t> person;   // entry_count x person_bytes: number in the population, low byte first
+  std::size_t person_bytes = 4;           // 3 or 4
   PagedBytes person_pages;
-  std::span<const float> interval;         // kMeasurementCount x {low, high} in units of the spread
-  std::span<const float> spread_floor;     // kMeasurementCount, standardised units
-  std::span<const float> sex_table;        // kSexTableSize probabilities, rising
+  std::span<const float> interval;      // kMeasurementCount x {low, high} in units of the spread
+  std::span<const float> spread_floor;  // kMeasurementCount, standardised units
+  std::span<const float> sex_table;     // kSexTableSize probabilities, rising
   std::array<std::optional<RefinementContents>, kRefinementCount> refinements;
 
   LocalData local_data() const;
@@ -108,6 +111,7 @@ struct Contents {
   Status check_code(std::uint32_t entry) const;
   Status check_residual(std::uint32_t entry) const;
   Status check_person(std::uint32_t entry) const;
+  std::uint32_t person_of(std::uint32_t entry) const;
   // Where an entry's code stands, and what the regression got wrong there: with the surface's shift at that place
   // they add up to the truth.
   Position code_place(std::uint32_t entry) const;

@@ -152,7 +152,7 @@ std::uint32_t Index::shape_key() const {
 Result<Person> Index::person_of(std::uint32_t entry) const {
   const Contents& c = data_->contents;
   if (auto sound = c.check_person(entry); !sound) return sound.error();
-  return Person{c.meta.population_version, c.meta.population_seed, c.person[entry]};
+  return Person{c.meta.population_version, c.meta.population_seed, c.person_of(entry)};
 }
 
 Result<MeasurementValues> Index::measurements_of(std::uint32_t entry) const {

@@ -8,14 +8,10 @@
 namespace im2fit::index {
 namespace {
 
-// Whole weights times their unit: the regressor's own rounding gives the same integers back.
-Regressor regressor_of(const RefinementContents& c) {
-  const std::size_t size = c.mean.size();
-  std::vector<float> weights(c.weights.size());
-  for (std::size_t t = 0; t < kTargetMin; ++t)
-    for (std::size_t i = 0; i < size; ++i)
-      weights[t * size + i] = static_cast<float>(c.weights[t * size + i]) * c.unit[t];
-  return Regressor(weights, c.bias, size);
+std::vector<float> floats_of(std::span<const std::uint16_t> uppers) {
+  std::vector<float> out;
+  for (const std::uint16_t upper : uppers) out.push_back(float_of_upper(upper));
+  return out;
 }
 
 }  // namespace
@@ -37,7 +33,12 @@ void refined_values(Refinement kind, const Seen& seen, std::span<float> out) {
 }
 
 Refiner::Refiner(Refinement kind, const RefinementContents& contents, std::size_t feature_size)
-    : kind_(kind), contents_(contents), feature_size_(feature_size), regressor_(regressor_of(contents)) {}
+    : kind_(kind),
+      contents_(contents),
+      feature_size_(feature_size),
+      mean_(floats_of(contents.mean)),
+      scale_(floats_of(contents.scale)),
+      regressor_(contents.weights, contents.unit, contents.bias) {}
 
 Refiner::Work::Work(const Refiner& refiner)
     : values(refiner.contents_.mean.size()), standardised(refiner.regressor_.padded_size()) {}
@@ -51,8 +52,8 @@ bool Refiner::applies(const Seen& seen) const {
 
 void Refiner::apply(const Seen& seen, Work& work, Targets& targets) const {
   refined_values(kind_, seen, work.values);
-  im2fit::standardise(work.values.data(), contents_.mean.data(), contents_.scale.data(),
-                      static_cast<int>(work.values.size()), work.standardised.data());
+  im2fit::standardise(work.values.data(), mean_.data(), scale_.data(), static_cast<int>(work.values.size()),
+                      work.standardised.data());
   const Targets refined = regressor_(work.standardised);
   for (std::size_t t = 0; t < kTargetMin; ++t)
     targets[t] += static_cast<double>(contents_.record.share[t]) * (refined[t] - targets[t]);

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -72,15 +73,24 @@ struct RefinementRecord {
 };
 static_assert(sizeof(RefinementRecord) == 40 + 4 * kTargetMin + 8 * kMeasurementCount);
 
+// The nearest float whose lower half is zero, and its upper half: three digits, enough to standardise by.
+constexpr std::uint16_t upper_of_float(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return static_cast<std::uint16_t>((bits + 0x7FFFU + (bits >> 16 & 1U)) >> 16);
+}
+constexpr float float_of_upper(std::uint16_t upper) {
+  return std::bit_cast<float>(std::uint32_t{upper} << 16);
+}
+
 // Views into the file.
 struct RefinementContents {
   RefinementRecord record;
-  std::span<const float> mean, scale;     // of the values
-  std::span<const std::int16_t> weights;  // kTargetMin x values
-  std::span<const float> unit, bias;      // kTargetMin: standardised target per weight and value; constant
-  std::span<const float> interval;        // kMeasurementCount x {low, high} in units of the spread
-  std::span<const float> spread_floor;    // kMeasurementCount, standardised
-  std::span<const float> sex_table;       // kSexTableSize
+  std::span<const std::uint16_t> mean, scale;  // of the values: upper halves of floats
+  std::span<const std::int16_t> weights;       // kTargetMin x values
+  std::span<const float> unit, bias;           // kTargetMin: standardised target per weight and value; constant
+  std::span<const float> interval;             // kMeasurementCount x {low, high} in units of the spread
+  std::span<const float> spread_floor;         // kMeasurementCount, standardised
+  std::span<const float> sex_table;            // kSexTableSize
 };
 
 // Applies one. Its bytes must outlive it. Shareable between threads; `work` is not.
@@ -104,6 +114,7 @@ class Refiner {
   Refinement kind_;
   RefinementContents contents_;
   std::size_t feature_size_;
+  std::vector<float> mean_, scale_;
   Regressor regressor_;
 };
 

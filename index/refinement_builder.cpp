@@ -66,6 +66,14 @@ LinearFit solve(const Sums& s, double penalty) {
   return fit;
 }
 
+// Means and scales as the file keeps them.
+FeatureScale file_scale(const std::vector<const std::vector<float>*>& values) {
+  FeatureScale scale(values);
+  for (auto* part : {&scale.mean, &scale.scale})
+    for (float& v : *part) v = float_of_upper(upper_of_float(v));
+  return scale;
+}
+
 // The rows of one kind as a query sees them, and the sums behind their regressions.
 struct Table {
   FeatureScale scale;
@@ -77,7 +85,10 @@ struct Table {
 
   Table(const std::vector<const std::vector<float>*>& values, Eigen::MatrixXd targets,
         const std::vector<int>& fold_of_row)
-      : scale(values), z(standardised_rows(scale, values)), y(std::move(targets)), all(z.cols(), kTargetMin) {
+      : scale(file_scale(values)),
+        z(standardised_rows(scale, values)),
+        y(std::move(targets)),
+        all(z.cols(), kTargetMin) {
     for (std::size_t i = 0; i < fold_of_row.size(); ++i)
       of_fold[static_cast<std::size_t>(fold_of_row[i])].push_back(static_cast<std::ptrdiff_t>(i));
     for (const auto& rows : of_fold) {
@@ -173,8 +184,8 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   Learned out;
   out.record.sample_count = static_cast<std::uint32_t>(count);
   out.record.penalty_millionths = static_cast<std::uint32_t>(std::lround(cross.penalty * 1e6));
-  out.mean = table.scale.mean;
-  out.scale = table.scale.scale;
+  for (const float m : table.scale.mean) out.mean.push_back(upper_of_float(m));
+  for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
   out.round(solve(table.all, cross.penalty));
 
   // Judged on strangers where there are enough, by a regression that has learned from none: the people it will meet
@@ -197,13 +208,10 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
 }
 
 void RefinementBuilder::Learned::round(const LinearFit& fit) {
-  for (std::ptrdiff_t t = 0; t < kTargetMin; ++t) {
-    unit.push_back(static_cast<float>(std::max(fit.weights.col(t).cwiseAbs().maxCoeff(), 1e-12) / 32767));
-    bias.push_back(static_cast<float>(fit.bias(t)));
-    for (std::ptrdiff_t i = 0; i < fit.weights.rows(); ++i)
-      weights.push_back(static_cast<std::int16_t>(
-          std::clamp<long>(std::lround(fit.weights(i, t) / static_cast<double>(unit.back())), -32767, 32767)));
-  }
+  const RowMatrixF rows = fit.weights.transpose().cast<float>();
+  weights =
+      round_weights({rows.data(), static_cast<std::size_t>(rows.size())}, static_cast<std::size_t>(rows.cols()));
+  for (std::ptrdiff_t t = 0; t < kTargetMin; ++t) bias.push_back(static_cast<float>(fit.bias(t)));
 }
 
 void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
@@ -262,8 +270,8 @@ void RefinementBuilder::write(ContainerWriter& out) const {
     out.add_array(section_of(kind, "about"), std::span<const RefinementRecord>(&learned->record, 1));
     add("mean", learned->mean);
     add("scale", learned->scale);
-    add("weights", learned->weights);
-    add("unit", learned->unit);
+    add("weights", learned->weights.weights);
+    add("unit", learned->weights.unit);
     add("bias", learned->bias);
     add("interval", learned->interval);
     add("spread", learned->spread_floor);

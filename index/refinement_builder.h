@@ -48,9 +48,9 @@ class RefinementBuilder {
   using Rows = std::vector<Row>;
   struct Learned {
     RefinementRecord record;
-    std::vector<float> mean, scale;
-    std::vector<std::int16_t> weights;
-    std::vector<float> unit, bias, interval, spread_floor, sex_table;
+    std::vector<std::uint16_t> mean, scale;
+    RoundedWeights weights;
+    std::vector<float> bias, interval, spread_floor, sex_table;
     void round(const LinearFit& fit);
     // Shares and intervals, from what was said of `judged`, rows that had no part in it.
     void judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,

@@ -44,21 +44,33 @@ std::array<double, kOrderMax> first_of_inverse(Gram& a, std::size_t order) {
 
 }  // namespace
 
-Regressor::Regressor(std::span<const float> weights, std::span<const float> bias, std::size_t feature_size)
-    : stride_(static_cast<std::size_t>(projected_stride(static_cast<int>(feature_size)))),
-      weights_(stride_ * bias.size()),
-      bias_(bias.begin(), bias.end()) {
+RoundedWeights round_weights(std::span<const float> weights, std::size_t feature_size) {
   constexpr double kWeightMax = 32767;
-  for (std::size_t t = 0; t < bias.size(); ++t) {
-    const auto row = weights.subspan(t * feature_size, feature_size);
+  RoundedWeights out;
+  for (std::size_t first = 0; first < weights.size(); first += feature_size) {
+    const auto row = weights.subspan(first, feature_size);
     double largest = 0;
     for (const float w : row) largest = std::max(largest, std::abs(static_cast<double>(w)));
-    const double unit = largest > 0 ? largest / kWeightMax : 1;
-    for (std::size_t i = 0; i < feature_size; ++i) {
-      const double raw = static_cast<double>(row[i]) / unit;
-      weights_[t * stride_ + i] = static_cast<std::int16_t>(raw < 0 ? raw - 0.5 : raw + 0.5);
+    out.unit.push_back(largest > 0 ? static_cast<float>(largest / kWeightMax) : 1.0F);
+    const auto unit = static_cast<double>(out.unit.back());
+    for (const float w : row) {
+      const double raw = unit > 0 ? static_cast<double>(w) / unit : 0;
+      out.weights.push_back(
+          static_cast<std::int16_t>(std::clamp(raw < 0 ? raw - 0.5 : raw + 0.5, -kWeightMax, kWeightMax)));
     }
-    unit_.push_back(unit * StandardFeature::from_raw(1).real());
+  }
+  return out;
+}
+
+Regressor::Regressor(std::span<const std::int16_t> weights, std::span<const float> unit, std::span<const float> bias)
+    : bias_(bias.begin(), bias.end()) {
+  const std::size_t feature_size = bias.empty() ? 0 : weights.size() / bias.size();
+  stride_ = static_cast<std::size_t>(projected_stride(static_cast<int>(feature_size)));
+  weights_.resize(stride_ * bias.size());
+  for (std::size_t t = 0; t < bias.size(); ++t) {
+    std::copy_n(weights.begin() + static_cast<std::ptrdiff_t>(t * feature_size), feature_size,
+                weights_.begin() + static_cast<std::ptrdiff_t>(t * stride_));
+    unit_.push_back(static_cast<double>(unit[t]) * StandardFeature::from_raw(1).real());
   }
 }
 

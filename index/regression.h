@@ -28,13 +28,20 @@ inline constexpr int kQuadraticTermMax = quadratic_term_count(kQuadraticDimensio
 using Targets = std::array<double, kTargetMax>;
 using Position = std::array<double, kDimensionMax>;  // in the projected space
 
-// A linear map from standardised features to targets, its weights rounded to 16 bits per target when it is made: a
-// target changes by less than 2^-16 of its largest weight times the sum of |feature|, 3e-5 of a standard deviation in
-// practice (docs/formats-index.md).
+// Weights rounded to 16 bits, whole multiples of a 32767th of their target's largest: a target changes by less than
+// 2^-16 of its largest weight times the sum of |feature|, 3e-5 of a standard deviation in practice
+// (docs/formats-index.md).
+struct RoundedWeights {
+  std::vector<std::int16_t> weights;  // per target a row of features
+  std::vector<float> unit;            // per target: what a weight of 1 stands for
+};
+RoundedWeights round_weights(std::span<const float> weights, std::size_t feature_size);
+
+// A linear map from standardised features to targets.
 class Regressor {
  public:
-  // weights: per target a row of features.
-  Regressor(std::span<const float> weights, std::span<const float> bias, std::size_t feature_size);
+  // weights: per target a row of features, none -32768; unit, bias: per target.
+  Regressor(std::span<const std::int16_t> weights, std::span<const float> unit, std::span<const float> bias);
   std::size_t padded_size() const { return stride_; }
   // standardised: padded_size() values from kernels/standardise, zeros behind the feature's own.
   Targets operator()(std::span<const std::int16_t> standardised) const;

@@ -197,8 +197,9 @@ TEST(IndexFile, HostileValuesBehindCorrectChecksumsAreRefused) {
       {"meta", patched("meta", 48, 0.0)},                  // grid unit
       {"meta", patched("meta", 48, std::numeric_limits<double>::quiet_NaN())},
       {"meta", patched("meta", 64, -1.0)},  // slope penalty
-      {"ridge", patched("ridge", 400, kNaN)},
-      {"ridge", patched("ridge", 400, 1e30F)},
+      {"ridge", patched("ridge", 400, std::int16_t{-32768})},
+      {"ridge.unit", patched("ridge.unit", 8, kNaN)},
+      {"ridge.unit", patched("ridge.unit", 8, 1e30F)},
       {"feature.scale", patched("feature.scale", 8, -1.0F)},
       {"target.scale", patched("target.scale", 8, -1.0F)},
       {"code.step", patched("code.step", 0, 1 << 30)},

@@ -24,7 +24,8 @@ TEST(Regressor, StaysCloseToTheSumInDouble) {
     const double size = t == 3 ? 0 : std::pow(10.0, static_cast<double>(t) - 6);
     for (std::size_t i = 0; i < kFeatures; ++i) weights.push_back(static_cast<float>(size * rng.normal(0, 1)));
   }
-  const Regressor regressor(weights, bias, kFeatures);
+  const RoundedWeights rounded = round_weights(weights, kFeatures);
+  const Regressor regressor(rounded.weights, rounded.unit, bias);
   std::vector<std::int16_t> feature(regressor.padded_size());
   double reach = 0;
   for (std::size_t i = 0; i < kFeatures; ++i) {
