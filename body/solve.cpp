@@ -140,9 +140,11 @@ class Solver {
 
   void find_extremes() {
     low_ = high_ = 0;
+    float lowest = here_[0].y, highest = lowest;
     for (std::size_t i = 0; i < body_count_; ++i) {
-      if (here_[i].y < here_[low_].y) low_ = i;
-      if (here_[i].y > here_[high_].y) high_ = i;
+      const float y = here_[i].y;
+      if (y < lowest) lowest = y, low_ = i;
+      if (y > highest) highest = y, high_ = i;
     }
   }
   double tall(const Mesh& m) const { return static_cast<double>(m[high_].y) - m[low_].y; }

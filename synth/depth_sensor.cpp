@@ -8,6 +8,8 @@
 #include <cstring>
 #include <numbers>
 
+#include "synth/clones.h"
+
 namespace im2fit::synth {
 namespace {
 
@@ -75,6 +77,11 @@ void mark_people(const std::uint8_t* __restrict labels, const std::uint16_t* __r
   }
 }
 
+// Of a displacement.
+inline int whole_pixels(float d) {
+  return std::clamp(static_cast<int>(d + std::copysign(0.5F, d)), -kEdgeReachPx, kEdgeReachPx);
+}
+
 std::uint16_t chance_of(double p) {
   return static_cast<std::uint16_t>(std::clamp(p, 0.0, 1.0) * 65535);
 }
@@ -133,6 +140,10 @@ DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
     sigma_.resize(source_.size());
     lost_.resize(source_.size());
     step_row_.resize(static_cast<std::size_t>(k.width));
+    beside_.u.resize(step_row_.size());
+    beside_.from.resize(step_row_.size());
+    beside_.bits.resize(step_row_.size());
+    beside_.sigma.resize(step_row_.size());
   }
   Tables& t = tables_;
   for (int raw = 0; raw < kRawCount; ++raw) {
@@ -179,26 +190,36 @@ void DepthSensor::change(const SensorOptions& options) {
   scale_depth(options.depth_scale);
 }
 
-void DepthSensor::shadow_row(const CleanView& view, int v) {
-  const std::size_t row = view.at(0, v);
-  const float* q = &view.inverse_depth[row];
-  float* out = &source_[row];
+IM2FIT_CLONES void DepthSensor::shadow_rows(const CleanView& view, int v0, int v1) {
+  const std::size_t first = view.at(0, v0), width = static_cast<std::size_t>(k_.width);
+  const float* in = &view.inverse_depth[first];
+  float* out = &source_[first];
   if (!options_.shadow) {
-    std::copy_n(q, k_.width, out);
+    std::copy_n(in, width * static_cast<std::size_t>(v1 - v0), out);
     return;
   }
   // Column in the projector's picture: u - f b / z. Seen from the right, columns must fall; one that does not is
-  // behind something the projector meets first. Half a pixel of grace for surfaces seen edge-on.
+  // behind something the projector meets first. Half a pixel of grace for surfaces seen edge-on. Along a row each
+  // pixel waits for the one before it, so rows go side by side.
   const float disparity = k_.fx * kProjectorBaselineMm;
-  float lowest = 1e30F;
-  for (int u = k_.width - 1; u >= 0; --u) {
-    const float column = static_cast<float>(u) - disparity * q[u];
-    out[u] = column > lowest + 0.5F ? 0 : q[u];
-    lowest = q[u] > 0 ? std::min(lowest, column) : lowest;
-  }
+  const auto several = [&]<std::size_t kRows>(std::array<float, kRows> lowest) {
+    for (std::size_t u = width; u-- > 0;)
+      for (std::size_t r = 0; r < kRows; ++r) {
+        const float q = in[r * width + u];
+        const float column = static_cast<float>(u) - disparity * q;
+        out[r * width + u] = column > lowest[r] + 0.5F ? 0 : q;
+        lowest[r] = q > 0 ? std::min(lowest[r], column) : lowest[r];
+      }
+    in += kRows * width;
+    out += kRows * width;
+  };
+  int v = v0;
+  constexpr float kFar = 1e30F;
+  for (; v + 4 <= v1; v += 4) several(std::array{kFar, kFar, kFar, kFar});
+  for (; v < v1; ++v) several(std::array{kFar});
 }
 
-void DepthSensor::edge_rows(const CleanView& view, int v0, int v1) {
+IM2FIT_CLONES void DepthSensor::edge_rows(const CleanView& view, int v0, int v1) {
   const int w = k_.width;
   const int first = std::max(0, v0 - kEdgeReachPx);
   const int last = std::min(k_.height, v1 + kEdgeReachPx);
@@ -260,14 +281,14 @@ void DepthSensor::prepare(const CleanView& view, const PixelBox& box) {
   // Displaced samples come from up to kEdgeReachPx rows away.
   const int v0 = std::max(0, box.v0 - kEdgeReachPx);
   const int v1 = std::min(k_.height, box.v1 + kEdgeReachPx);
-  for (int v = v0; v < v1; ++v) shadow_row(view, v);
+  shadow_rows(view, v0, v1);
   if (options_.noise && options_.kind == SensorKind::time_of_flight) bias_rows(view, v0, v1);
   if (options_.noise) edge_rows(view, box.v0, box.v1);
   if (in_steps()) expect_rows(view, v0, v1);
 }
 
 // All of deliver() that no noise changes, so that frames of a scene that stands still share it.
-void DepthSensor::expect_rows(const CleanView& view, int v0, int v1) {
+IM2FIT_CLONES void DepthSensor::expect_rows(const CleanView& view, int v0, int v1) {
   const std::size_t end = view.at(0, v1);
   for (std::size_t at = view.at(0, v0); at < end; ++at) {
     const float q = source_[at];
@@ -281,13 +302,14 @@ void DepthSensor::expect_rows(const CleanView& view, int v0, int v1) {
   }
 }
 
-void DepthSensor::lattice_row(std::uint64_t seed, std::uint64_t frame, int cell, std::vector<float>& out) {
+IM2FIT_CLONES void DepthSensor::lattice_row(std::uint64_t seed, std::uint64_t frame, int cell,
+                                            std::vector<float>& out) {
   const std::uint64_t row = row_seed(seed, kLattice, frame, cell);
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = normal_of_bits(draw(row, static_cast<int>(i)));
 }
 
 // Rows of a frame from top to bottom: those of one cell share the lattice's two rows.
-void DepthSensor::patch_row(std::uint64_t seed, std::uint64_t frame, int v) {
+IM2FIT_CLONES void DepthSensor::patch_row(std::uint64_t seed, std::uint64_t frame, int v) {
   const int cell = v / patch_px_;
   if (cell != lattice_cell_) {
     if (cell == lattice_cell_ + 1 && lattice_cell_ >= 0)
@@ -319,12 +341,9 @@ void DepthSensor::patch_row(std::uint64_t seed, std::uint64_t frame, int v) {
 // Whose value a pixel beside a step delivers.
 std::size_t DepthSensor::displaced(const CleanView& view, int u, int v, std::uint64_t bits) const {
   const float sigma = tables_.lateral_px[view.cosine[view.at(u, v)]];
-  const float du = normal_of_bits(bits) * sigma;
-  const float dv = normal_of_bits(Rng(bits).next()) * sigma;
-  const auto shift = [](float d) {
-    return std::clamp(static_cast<int>(d + std::copysign(0.5F, d)), -kEdgeReachPx, kEdgeReachPx);
-  };
-  return view.at(std::clamp(u + shift(du), 0, k_.width - 1), std::clamp(v + shift(dv), 0, k_.height - 1));
+  const int du = whole_pixels(normal_of_bits(bits) * sigma);
+  const int dv = whole_pixels(normal_of_bits(Rng(bits).next()) * sigma);
+  return view.at(std::clamp(u + du, 0, k_.width - 1), std::clamp(v + dv, 0, k_.height - 1));
 }
 
 // A pixel beside a step sees its neighbour's surface, too.
@@ -403,8 +422,8 @@ void DepthSensor::expose(const CleanView& view, const PixelBox& box, std::uint64
   if (options_.holes) punch_blobs(box, seed, frame, out, person);
 }
 
-void DepthSensor::expose_steps(const CleanView& view, const RowOfFrame& where, std::uint16_t* pixels,
-                               std::uint8_t* person) {
+IM2FIT_CLONES void DepthSensor::expose_steps(const CleanView& view, const RowOfFrame& where, std::uint16_t* pixels,
+                                             std::uint8_t* person) {
   const std::size_t first = view.at(where.u0, where.v);
   const float own = options_.noise ? std::sqrt(1 - kPatchShare) : 0.0F;
   const float shared = options_.noise ? std::sqrt(kPatchShare) : 0.0F;
@@ -423,25 +442,47 @@ void DepthSensor::expose_steps(const CleanView& view, const RowOfFrame& where, s
   if (people != nullptr) mark_people(labels + where.u0, pixels + where.u0, where.u1 - where.u0, people + where.u0);
 
   const std::uint8_t* edges = &edge_[view.at(0, where.v)];
+  beside_.count = 0;
   for (int u = where.u0; u < where.u1; ++u) {
     if (u + kTogether <= where.u1 && plain(edges + u, labels + u)) {
       u += kTogether - 1;
       continue;
     }
-    const bool edge = options_.noise && edges[u] != 0;
-    if (!edge && !is_hair(labels[u])) continue;
-    std::size_t from = view.at(u, where.v);
-    std::int32_t step = step_row_[static_cast<std::size_t>(u - where.u0)];
-    if (edge) {
-      const std::uint64_t bits = draw(where.row, u);
-      from = displaced(view, u, where.v, bits ^ kRowStep);
-      step =
-          raw_step({bits, exact_[from], sigma_[from], lost_[from], patch_[static_cast<std::size_t>(u)], own, shared});
-    }
+    if (options_.noise && edges[u] != 0)
+      beside_.u[beside_.count++] = u;
+    else if (options_.holes && is_hair(labels[u]) && hair_lost(where.seed, where.frame, u, where.v))
+      pixels[u] = 0;
+    if (people != nullptr && pixels[u] == 0) people[u] = 0;
+  }
+  displace(view, where);
+  for (std::size_t i = 0; i < beside_.count; ++i) {
+    const auto u = static_cast<std::size_t>(beside_.u[i]);
+    const auto from = static_cast<std::size_t>(beside_.from[i]);
+    std::int32_t step = raw_step({beside_.bits[i], exact_[from], sigma_[from], lost_[from], patch_[u], own, shared});
     const std::uint8_t label = view.label[from];
-    if (options_.holes && is_hair(label) && hair_lost(where.seed, where.frame, u, where.v)) step = kRawCount;
+    if (options_.holes && is_hair(label) && hair_lost(where.seed, where.frame, beside_.u[i], where.v))
+      step = kRawCount;
     pixels[u] = tables_.mm[static_cast<std::size_t>(step)];
     if (people != nullptr) people[u] = pixels[u] != 0 ? mask_value(label) : std::uint8_t{0};
+  }
+}
+
+// Whose value each of the pixels beside a step delivers: displaced() of them all, in passes for the vectoriser.
+IM2FIT_CLONES void DepthSensor::displace(const CleanView& view, const RowOfFrame& where) {
+  const auto count = static_cast<int>(beside_.count);
+  const std::int32_t* u = beside_.u.data();
+  std::uint64_t* __restrict bits = beside_.bits.data();
+  float* __restrict sigma = beside_.sigma.data();
+  std::int32_t* __restrict from = beside_.from.data();
+  const std::uint8_t* cosine = &view.cosine[view.at(0, where.v)];
+  for (int i = 0; i < count; ++i) sigma[i] = tables_.lateral_px[cosine[u[i]]];
+  for (int i = 0; i < count; ++i) bits[i] = draw(where.row, u[i]);
+  const int width = k_.width, height = k_.height, v = where.v;
+  for (int i = 0; i < count; ++i) {
+    const std::uint64_t first = bits[i] ^ kRowStep;
+    const int du = whole_pixels(normal_of_bits(first) * sigma[i]);
+    const int dv = whole_pixels(normal_of_bits(Rng(first).next()) * sigma[i]);
+    from[i] = std::clamp(v + dv, 0, height - 1) * width + std::clamp(u[i] + du, 0, width - 1);
   }
 }
 

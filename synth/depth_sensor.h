@@ -95,7 +95,7 @@ class DepthSensor {
     std::uint8_t cosine = 0;
     std::uint8_t label = 0;
   };
-  void shadow_row(const CleanView& view, int v);
+  void shadow_rows(const CleanView& view, int v0, int v1);
   void edge_rows(const CleanView& view, int v0, int v1);
   void bias_rows(const CleanView& view, int v0, int v1);
   void scale_depth(float depth_scale);
@@ -110,6 +110,7 @@ class DepthSensor {
   void patch_row(std::uint64_t seed, std::uint64_t frame, int v);
   void expose_steps(const CleanView& view, const RowOfFrame& where, std::uint16_t* pixels, std::uint8_t* person);
   void expose_smooth(const CleanView& view, const RowOfFrame& where, std::uint16_t* pixels, std::uint8_t* person);
+  void displace(const CleanView& view, const RowOfFrame& where);
   std::size_t displaced(const CleanView& view, int u, int v, std::uint64_t bits) const;
   Sample flying(const CleanView& view, int u, int v, std::uint64_t bits) const;
   std::uint16_t deliver(const Sample& sample, float noise, std::uint32_t chance) const;
@@ -131,6 +132,14 @@ class DepthSensor {
   // In steps: what noise does not change, by pixel.
   std::vector<float> exact_, sigma_;
   std::vector<std::int32_t> lost_, step_row_;
+  // A row's pixels beside a depth step.
+  struct Beside {
+    std::size_t count = 0;
+    std::vector<std::int32_t> u, from;  // column; the pixel whose value it delivers
+    std::vector<std::uint64_t> bits;    // its draw
+    std::vector<float> sigma;           // of its displacement, px
+  };
+  Beside beside_;
   RawRowFunction* raw_row_ = fastest_raw_row();
 };
 

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "synth/clones.h"
+
 namespace im2fit::synth {
 namespace {
 
@@ -88,7 +90,8 @@ bool hidden(const PlaneRow& row, std::span<const PlaneRow> rows) {
 
 }  // namespace
 
-void draw_room(std::span<const Plane> planes, const Intrinsics& k, const PixelBox& box, CleanView& view) {
+IM2FIT_CLONES void draw_room(std::span<const Plane> planes, const Intrinsics& k, const PixelBox& box,
+                             CleanView& view) {
   if (box.empty()) return;
   const int count = box.u1 - box.u0;
   std::vector<float> distance(static_cast<std::size_t>(count));
@@ -153,6 +156,9 @@ void MeshRaster::fill(std::span<const Vec3f> vertices, const Triangle& triangle,
   const std::int64_t v0 = std::max<std::int64_t>(ceil_to_pixel(y_low), target.clip.v0);
   const std::int64_t v1 = std::min<std::int64_t>(floor_to_pixel(y_high), target.clip.v1 - 1);
   if (u0 > u1 || v0 > v1) return;
+  PixelBox& box = target.touched;
+  box =
+      bounding(box, {static_cast<int>(u0), static_cast<int>(v0), static_cast<int>(u1) + 1, static_cast<int>(v1) + 1});
 
   struct Edge {
     std::int64_t value, per_u, per_v;
@@ -167,6 +173,8 @@ void MeshRaster::fill(std::span<const Vec3f> vertices, const Triangle& triangle,
   Edge ab = edge(*a, *b);
   Edge bc = edge(*b, *c);
   Edge ca = edge(*c, *a);
+  // Most of a body's triangles are smaller than a pixel and miss its centre.
+  if (u0 == u1 && v0 == v1 && (ab.value | bc.value | ca.value) < 0) return;
 
   const float inverse_area = static_cast<float>(kSubpixels) / static_cast<float>(area);
   const float qb = b->inverse_z - a->inverse_z;
@@ -209,14 +217,11 @@ void MeshRaster::fill(std::span<const Vec3f> vertices, const Triangle& triangle,
     bc.value += bc.per_v;
     ca.value += ca.per_v;
   }
-  PixelBox& box = target.touched;
-  box =
-      bounding(box, {static_cast<int>(u0), static_cast<int>(v0), static_cast<int>(u1) + 1, static_cast<int>(v1) + 1});
 }
 
-PixelBox MeshRaster::draw(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
-                          std::span<const std::uint8_t> labels, bool closed, const Intrinsics& k,
-                          const PixelBox& clip, CleanView& view) {
+IM2FIT_CLONES PixelBox MeshRaster::draw(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                                        std::span<const std::uint8_t> labels, bool closed, const Intrinsics& k,
+                                        const PixelBox& clip, CleanView& view) {
   projected_.resize(vertices.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const Vec3f p = vertices[i];

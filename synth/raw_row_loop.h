@@ -12,7 +12,7 @@ namespace {
 constexpr int kBlock = 64;
 
 // Rng(state).next()
-std::uint64_t mixed(std::uint64_t state) {
+inline __attribute__((always_inline)) std::uint64_t mixed(std::uint64_t state) {
   std::uint64_t z = state + kRowStep;
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
   z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
@@ -20,7 +20,7 @@ std::uint64_t mixed(std::uint64_t state) {
 }
 
 // In passes over short blocks: each is what the vectoriser makes something of.
-void raw_row_loop(const RawRow& row, int count, std::int32_t* out) {
+inline __attribute__((always_inline)) void raw_row_loop(const RawRow& row, int count, std::int32_t* out) {
   std::uint64_t bits[kBlock];
   std::int32_t sum[kBlock], chance[kBlock];
   for (int first = 0; first < count; first += kBlock) {

@@ -60,25 +60,9 @@ void NormalEquations::end_rows() {
   if (any_) scatter();
 }
 
-// sums += J' W J of the eight rows: for each i one pass over the columns from i on, which is what vectorises.
 void NormalEquations::sum_group() {
-  const std::size_t width = width_;
-  const float* j0 = rows_.data();
-  const float *j1 = j0 + row_stride_, *j2 = j1 + row_stride_, *j3 = j2 + row_stride_, *j4 = j3 + row_stride_,
-              *j5 = j4 + row_stride_, *j6 = j5 + row_stride_, *j7 = j6 + row_stride_;
-  for (std::size_t i = 0; i < width; ++i) {
-    const float w0 = weight_[0] * j0[i], w1 = weight_[1] * j1[i], w2 = weight_[2] * j2[i], w3 = weight_[3] * j3[i],
-                w4 = weight_[4] * j4[i], w5 = weight_[5] * j5[i], w6 = weight_[6] * j6[i], w7 = weight_[7] * j7[i];
-    float* __restrict sum = sums_.data() + i * row_stride_;
-    for (std::size_t c = i; c < width; ++c)
-      sum[c] += ((w0 * j0[c] + w1 * j1[c]) + (w2 * j2[c] + w3 * j3[c])) +
-                ((w4 * j4[c] + w5 * j5[c]) + (w6 * j6[c] + w7 * j7[c]));
-  }
-  for (std::size_t r = 0; r < kRowGroup; ++r) {
-    const double weighted = static_cast<double>(weight_[r]) * static_cast<double>(residual_[r]);
-    const float* row = rows_.data() + r * row_stride_;
-    for (std::size_t c = 0; c < width; ++c) right_sums_[c] += weighted * static_cast<double>(row[c]);
-  }
+  loops_.sum_rows({rows_.data(), row_stride_, width_, weight_.data(), residual_.data()}, sums_.data(),
+                  right_sums_.data());
   row_count_ = 0;
   any_ = true;
 }

@@ -18,6 +18,8 @@
 #include <span>
 #include <vector>
 
+#include "body/fit/rows.h"
+
 namespace im2fit::body {
 
 // Which unknowns some rows have slopes for: triples of their block, in rising order, then all shared ones.
@@ -58,11 +60,11 @@ class NormalEquations {
   std::span<const double> right_side() const { return {right_.data(), size()}; }
 
  private:
-  static constexpr std::size_t kRowGroup = 8;
   void sum_group();
   void scatter();
   void eliminate(std::size_t pivot, std::size_t end);
 
+  const FitLoops& loops_ = fit_loops();
   std::size_t block_size_, shared_size_, row_stride_;
   std::size_t blocks_ = 0;
   std::vector<double> matrix_;  // upper triangle, row-major

@@ -45,14 +45,12 @@ void put(std::span<float> row, std::size_t at, Vec3f v) {
   row[at + 2] = v.z;
 }
 
-// out = or += n . (three rows of `count` slopes)
-void set_products(Vec3f n, const float* rows, std::size_t count, float* __restrict out) {
-  const float *x = rows, *y = rows + count, *z = rows + 2 * count;
-  for (std::size_t k = 0; k < count; ++k) out[k] = n.x * x[k] + n.y * y[k] + n.z * z[k];
-}
-void add_products(Vec3f n, const float* rows, std::size_t count, float* __restrict out) {
-  const float *x = rows, *y = rows + count, *z = rows + 2 * count;
-  for (std::size_t k = 0; k < count; ++k) out[k] += n.x * x[k] + n.y * y[k] + n.z * z[k];
+void put_part(SlopeParts& parts, const float* rows, Vec3f n) {
+  const std::size_t p = parts.parts++;
+  parts.rows[p] = rows;
+  parts.along[p][0] = n.x;
+  parts.along[p][1] = n.y;
+  parts.along[p][2] = n.z;
 }
 
 // out = mean + basis c, four partial sums to a value so that it vectorises.
@@ -185,11 +183,11 @@ void PosedShape::point_row(const Point& point, Vec3f n, const RowColumns& column
     put(row, 3 * t, cross(part - posed_.head[turning] * weight, n));
   }
   const std::size_t count = space_.shape_count;
-  float* shape = row.data() + 3 * columns.triple_count;
-  set_products(transposed_times(point.turn, n), space_.point_basis.data() + point.index * kPointValues * count, count,
-               shape);
+  SlopeParts parts{{}, {}, 0, count};
+  put_part(parts, space_.point_basis.data() + point.index * kPointValues * count, transposed_times(point.turn, n));
   for (std::size_t i = 0; i < 4 && skin.weight[i] > 0; ++i)
-    add_products(n * skin.weight[i], moves_of(skin.segment[i]), count, shape);
+    put_part(parts, moves_of(skin.segment[i]), n * skin.weight[i]);
+  loops_.add_slopes(parts, row.data() + 3 * columns.triple_count);
 }
 
 void PosedShape::bone_row(Segment segment, bool tail, Vec3f n, const RowColumns& columns,
@@ -199,10 +197,11 @@ void PosedShape::bone_row(Segment segment, bool tail, Vec3f n, const RowColumns&
   put(row, 0, n);
   for (std::size_t t = 1; t < columns.triple_count; ++t)
     put(row, 3 * t, cross(p - posed_.head[at(kTurning[columns.triple[t] - 1U])], n));
-  float* shape = row.data() + 3 * columns.triple_count;
-  set_products(transposed_times(pose_.rotation[s], n),
-               space_.bone_basis.data() + 3 * (s + (tail ? kSegments : 0)) * count, count, shape);
-  add_products(n, moves_of(s), count, shape);
+  SlopeParts parts{{}, {}, 0, count};
+  put_part(parts, space_.bone_basis.data() + 3 * (s + (tail ? kSegments : 0)) * count,
+           transposed_times(pose_.rotation[s], n));
+  put_part(parts, moves_of(s), n);
+  loops_.add_slopes(parts, row.data() + 3 * columns.triple_count);
 }
 
 }  // namespace im2fit::body

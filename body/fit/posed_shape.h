@@ -90,6 +90,7 @@ class PosedShape {
   void set_offset_moves();
   const float* moves_of(std::size_t segment) const { return offset_moves_.data() + segment * 3 * space_.shape_count; }
 
+  const FitLoops& loops_ = fit_loops();
   const ShapeSpace& space_;
   const RestShape& rest_;
   Pose pose_;

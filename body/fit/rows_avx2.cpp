@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "body/fit/rows_loop.h"
+
+namespace im2fit::body {
+
+const FitLoops kFitLoopsAvx2 = {sum_rows_loop, add_slopes_loop};
+
+}  // namespace im2fit::body

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "body/fit/rows_loop.h"
+
+namespace im2fit::body {
+
+const FitLoops kFitLoopsPortable = {sum_rows_loop, add_slopes_loop};
+
+const FitLoops& fit_loops() {
+#if IM2FIT_HAVE_AVX2
+  if (tier_available(Tier::avx2)) return kFitLoopsAvx2;
+#endif
+  return kFitLoopsPortable;
+}
+
+}  // namespace im2fit::body
