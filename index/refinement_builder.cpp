@@ -140,7 +140,9 @@ void RefinementBuilder::add(const Sample& sample) {
   if (fit_size_ == 0) fit_size_ = sample.fit.size();
   Row& row = rows.emplace_back();
   row.subject = sample.subject;
-  row.frame_count = std::max(sample.frame_count, 1);
+  // As the device counts them: with both sides seen, the fewer of the two.
+  row.frame_count = {std::max(sample.frame_count, 1),
+                     std::max(std::min(sample.frame_count, sample.back_frame_count), 1)};
   row.stranger = sample.calibrate_only;
   row.woman = sample.woman;
   row.truth = sample.truth;
@@ -224,7 +226,7 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     const Row& row = people[static_cast<std::size_t>(i)];
     HeldOut& h = held_out.emplace_back();
     h.subject = static_cast<std::uint32_t>(row.subject);
-    h.frame_count = row.frame_count;
+    h.frame_count = row.frame_count[static_cast<std::size_t>(kind)];
     for (std::size_t t = 0; t < kTargetMin; ++t) {
       const auto column = static_cast<std::ptrdiff_t>(t);
       h.truth[t] = truth(i, column);

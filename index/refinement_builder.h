@@ -39,7 +39,7 @@ class RefinementBuilder {
  private:
   struct Row {
     std::uint64_t subject = 0;
-    int frame_count = 1;
+    std::array<int, kRefinementCount> frame_count{};
     bool stranger = false;
     bool woman = false;
     MeasurementValues truth{};

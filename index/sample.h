@@ -31,6 +31,7 @@ struct Sample {
   std::vector<float> fit;       // shape fitted to the front: coefficients, then how far it is off
   std::vector<float> back;      // the feature of a view from behind
   std::vector<float> fit_both;  // shape fitted to front and back
+  int back_frame_count = 0;     // frames fused behind `back`
   bool refines() const { return !fit.empty(); }
   bool is_entry() const { return !calibrate_only && !clothed; }
 };

@@ -20,7 +20,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr int kAttempts = 3;                  // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 8;  // raise when the way to a feature changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 9;  // raise when the way to a feature changes: shards are then made again
 constexpr int kBackCaptures = 4096;           // numbers of captures from behind begin here
 constexpr double kReportSeconds = 0.25;
 
@@ -58,6 +58,11 @@ struct SubjectResult {
   std::array<std::int64_t, kGuidanceCount> refused{};
 };
 
+struct Person {
+  Subject subject;
+  std::vector<Vec3f> rest;  // mesh
+};
+
 // From behind, before the same camera; another room, place and noise are as good.
 CaptureOptions from_behind(const CaptureOptions& front, const DatasetOptions& o, std::uint64_t number, int capture) {
   CaptureOptions back = draw_capture(o.variety, o.seed, number, kBackCaptures + capture);
@@ -69,18 +74,19 @@ CaptureOptions from_behind(const CaptureOptions& front, const DatasetOptions& o,
 }
 
 // The view from behind and the fits into the sample, unless the captures fail.
-void turn_round(CaptureRig& rig, const Subject& subject, const CaptureOptions& front, const DatasetOptions& o,
+void turn_round(CaptureRig& rig, const Person& person, const CaptureOptions& front, const DatasetOptions& o,
                 std::uint64_t number, int capture, index::Sample& sample) {
   rig.keep_front();
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const Capture& back = rig.run(subject, from_behind(front, o, number, capture * kAttempts + attempt));
+    const Capture& back =
+        rig.run(person.subject, from_behind(front, o, number, capture * kAttempts + attempt), person.rest);
     if (!back.valid) continue;
     CaptureRig::Fits fits = rig.fit_both();
     if (fits.front.empty()) return;
     sample.back.assign(back.feature.begin(), back.feature.end());
     sample.fit = std::move(fits.front);
     sample.fit_both = std::move(fits.both);
-    sample.frame_count = std::min(sample.frame_count, back.frame_count);
+    sample.back_frame_count = back.frame_count;
     return;
   }
 }
@@ -91,16 +97,18 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
   Stopwatch watch;
   const bool stranger = o.family == Family::training && o.stranger_every > 0 &&
                         number % static_cast<std::uint64_t>(o.stranger_every) == 5;
-  const bool turns = model.shape_space().point_count > 0 && o.turn_every > 0 &&
+  const bool turns = model.shape_space().point_count > 0 && o.turn_every > 0 && number < o.turn_below &&
                      (stranger || number / 2 % static_cast<std::uint64_t>(o.turn_every) == 0);
-  const Subject subject =
-      stranger ? draw_stranger(model, o.seed, number) : draw_subject(model, o.family, o.seed, number);
+  Person person;
+  person.subject = stranger ? draw_stranger(model, o.seed, number, person.rest)
+                            : draw_subject(model, o.family, o.seed, number, person.rest);
+  const Subject& subject = person.subject;
   rig.cost.draw += watch.lap();
   for (int c = 0; c < o.captures_per_subject; ++c) {
     bool done = false;
     for (int attempt = 0; attempt < kAttempts && !done; ++attempt) {
       const CaptureOptions options = draw_capture(o.variety, o.seed, number, c * kAttempts + attempt);
-      const Capture& capture = rig.run(subject, options);
+      const Capture& capture = rig.run(subject, options, person.rest);
       result.frames_seen += capture.frames_seen;
       for (std::size_t g = 0; g < kGuidanceCount; ++g) result.refused[g] += capture.refused[g];
       if (!capture.valid) {
@@ -115,7 +123,7 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
       s.body = body::pack_params(subject.params, model.modifier_names().size());
       s.frame_count = capture.frame_count;
       s.calibrate_only = stranger;
-      if (turns) turn_round(rig, subject, options, o, number, c, s);
+      if (turns) turn_round(rig, person, options, o, number, c, s);
       fit_to_shard(s);  // made now or read again, it is the same
       done = true;
     }
@@ -256,6 +264,7 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.stranger_every = static_cast<std::uint32_t>(o.stranger_every);
   const std::size_t shapes = model.shape_space().point_count > 0 ? model.shape_space().shape_count : 0;
   run.turn_every = shapes > 0 ? static_cast<std::uint32_t>(o.turn_every) : 0;
+  run.turn_below = run.turn_every > 0 ? o.turn_below : 0;
   run.shape_key = shapes > 0 ? model.shape_space().key : 0;
   run.fit_size = shapes > 0 ? static_cast<std::uint32_t>(shapes + index::kFitQualities) : 0;
   run.feature_size = static_cast<std::uint32_t>(kFeatureSize);

@@ -26,8 +26,10 @@ struct DatasetOptions {
   // family only.
   int stranger_every = 13;  // odd: both sexes
   // Of every n-th pair of a man and a woman, and of every stranger, the sample also has the view from behind and the
-  // fitted shapes; 0: of nobody. Needs a body file with a shape space.
+  // fitted shapes; 0: of nobody. Needs a body file with a shape space. Only subjects numbered below `turn_below`:
+  // what is learned from these needs thousands of people, not millions, and a rule by number lets a run grow.
   int turn_every = 2;
+  std::uint32_t turn_below = 16384;
   int thread_count = 2;  // does not change the result
   // Resuming: finished chunks are kept in `work_dir` ("" = none) as shards and used again when they were made with
   // the same options (thread_count aside) and the same `input_key`, e.g. a checksum of the body and tracker files.

@@ -16,7 +16,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr char kMagic[] = "I2DS";
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 constexpr char kEnding[] = ".i2d";
 
 struct Head {
@@ -28,9 +28,10 @@ static_assert(std::is_trivially_copyable_v<Head> && std::has_unique_object_repre
 
 struct Row {
   std::uint64_t subject = 0;
-  std::int32_t frame_count = 0;
-  std::uint16_t flags = 0;        // 1 woman, 2 calibrate_only, 4 turned, 8 clothed
-  std::uint16_t body_values = 0;  // other than zero
+  std::uint16_t frame_count = 0;
+  std::uint16_t back_frame_count = 0;  // 0 unless turned
+  std::uint16_t flags = 0;             // 1 woman, 2 calibrate_only, 4 turned, 8 clothed
+  std::uint16_t body_values = 0;       // other than zero
 };
 static_assert(sizeof(Row) == 16);
 constexpr std::uint16_t kWoman = 1;
@@ -56,6 +57,7 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("turn_every", std::uint64_t{r.turn_every});
   visit("fit_size", std::uint64_t{r.fit_size});
   visit("shape_key", std::uint64_t{r.shape_key});
+  visit("turn_below", std::uint64_t{r.turn_below});
 }
 
 std::string text_of(const std::string& name, std::uint64_t value) {
@@ -160,7 +162,8 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
   for (const index::Sample& s : chunk.samples) {
     if (s.feature.size() != run.feature_size || s.body.size() != run.body_size)
       return wrong(path, "a sample is not of the run's sizes");
-    Row row{s.subject, s.frame_count, 0, 0};
+    Row row{s.subject, static_cast<std::uint16_t>(s.frame_count), static_cast<std::uint16_t>(s.back_frame_count), 0,
+            0};
     row.flags = static_cast<std::uint16_t>((s.woman ? kWoman : 0) | (s.calibrate_only ? kCalibrateOnly : 0) |
                                            (s.refines() ? kTurned : 0) | (s.clothed ? kClothed : 0));
     if (s.refines() &&
@@ -244,6 +247,7 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
     index::Sample s;
     s.subject = row.subject;
     s.frame_count = row.frame_count;
+    s.back_frame_count = row.back_frame_count;
     s.woman = (row.flags & kWoman) != 0;
     s.calibrate_only = (row.flags & kCalibrateOnly) != 0;
     s.clothed = (row.flags & kClothed) != 0;

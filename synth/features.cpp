@@ -14,6 +14,8 @@ namespace {
 constexpr std::uint64_t kCaptureStream = 0xCA97;
 constexpr double kMoreFramesShare = 1.0 / 3;
 constexpr int kPatience = 4;  // frames beyond 1.5 times those wanted before a capture is given up
+// Frames rendered, then sensed, in turns: renderer and tracker each need more than a core's own cache.
+constexpr int kTogether = 3;
 
 }  // namespace
 
@@ -34,12 +36,13 @@ struct CaptureRig::Station {
         height(h),
         sensor(w, h, model),
         fuser(w, h),
-        depth(static_cast<std::size_t>(w) * h),
+        depth(static_cast<std::size_t>(kTogether) * w * h),
         mask(static_cast<std::size_t>(w) * h) {}
   int width, height;
   Sensor sensor;
   Fuser fuser;
-  std::vector<std::uint16_t> depth;
+  DepthImage frame(int i) { return {depth.data() + static_cast<std::ptrdiff_t>(i) * width * height, width, height}; }
+  std::vector<std::uint16_t> depth;  // kTogether frames
   std::vector<std::uint8_t> mask;
 };
 
@@ -62,20 +65,20 @@ CaptureRig::Station& CaptureRig::station(int width, int height) {
   return *stations_.emplace_back(std::make_unique<Station>(width, height, joint_model_));
 }
 
-VirtualScene& CaptureRig::stage(const Subject& subject, const CaptureOptions& options) {
+VirtualScene& CaptureRig::stage(const Subject& subject, const CaptureOptions& options, std::span<const Vec3f> rest) {
   const Intrinsics& k = options.intrinsics;
   for (VirtualScene& scene : scenes_) {
     const Intrinsics& its = scene.intrinsics();
     if (its.width != k.width || its.height != k.height || its.fx != k.fx || its.fy != k.fy || its.cx != k.cx ||
         its.cy != k.cy)
       continue;
-    scene.restage(subject, options.scene, options.sensor, options.seed);
+    scene.restage(subject, options.scene, options.sensor, options.seed, rest);
     return scene;
   }
   return scenes_.emplace_back(model_, subject, options.scene, options.sensor, k, options.seed);
 }
 
-const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& options) {
+const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& options, std::span<const Vec3f> rest) {
   Stopwatch watch;
   const Intrinsics upright = hal::rotate_upright(options.intrinsics, options.scene.rotate_deg);
   Station& at = station(upright.width, upright.height);
@@ -84,18 +87,25 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
   at.sensor.reset();
   at.fuser.reset();
   capture_ = {};
-  VirtualScene& scene = stage(subject, options);
+  VirtualScene& scene = stage(subject, options, rest);
   delivered_.resize(static_cast<std::size_t>(options.intrinsics.width) * options.intrinsics.height);
   const DepthImage delivered(delivered_.data(), options.intrinsics.width, options.intrinsics.height);
-  const DepthImage depth(at.depth.data(), at.width, at.height);
   const MaskImage mask(at.mask.data(), at.width, at.height);
   cost.scene += watch.lap();
 
   const int frames_max = options.frame_count + options.frame_count / 2 + kPatience;
+  int first = 0, rendered = 0;  // of the frames at hand; those rendered so far
   for (int i = 0; i < frames_max && at.fuser.frame_count() < options.frame_count; ++i) {
-    scene.render(static_cast<std::uint64_t>(i), delivered);
-    hal::rotate_upright(delivered, options.scene.rotate_deg, depth);
-    cost.render += watch.lap();
+    if (i == rendered) {
+      first = i;
+      rendered += std::min({kTogether, options.frame_count - at.fuser.frame_count(), frames_max - i});
+      for (int f = first; f < rendered; ++f) {
+        scene.render(static_cast<std::uint64_t>(f), delivered);
+        hal::rotate_upright(delivered, options.scene.rotate_deg, at.frame(f - first));
+      }
+      cost.render += watch.lap();
+    }
+    const DepthImage depth = at.frame(i - first);
     const Sighting sighting = at.sensor.sense(depth, upright, mask);
     cost.sense += watch.lap();
     GuidanceSet guidance = sighting.guidance;

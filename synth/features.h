@@ -55,8 +55,9 @@ class CaptureRig {
  public:
   CaptureRig(const body::BodyModel& model, const JointModel& joint_model);
   ~CaptureRig();
-  // Depends on the subject and the options only. The result is valid until the next call.
-  const Capture& run(const Subject& subject, const CaptureOptions& options);
+  // Depends on the subject and the options only. The result is valid until the next call. `rest`: the subject's rest
+  // mesh (morph_subject) where the caller has it.
+  const Capture& run(const Subject& subject, const CaptureOptions& options, std::span<const Vec3f> rest = {});
   // What the last run gathered, for other descriptors of the same frames; null before the first run.
   const Fuser* gathered() const;
   // The last run was valid and of the front: keeps it, to be seen together with a run from behind.
@@ -74,7 +75,7 @@ class CaptureRig {
   struct Kept;     // a fused view
   void keep(Kept& kept) const;
   Station& station(int width, int height);
-  VirtualScene& stage(const Subject& subject, const CaptureOptions& options);
+  VirtualScene& stage(const Subject& subject, const CaptureOptions& options, std::span<const Vec3f> rest);
   const body::BodyModel& model_;
   const JointModel& joint_model_;
   std::vector<std::unique_ptr<Station>> stations_;

@@ -25,13 +25,19 @@ void draw_offsets(const body::BodyModel& model, Subject& subject, std::span<cons
 }  // namespace
 
 Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index) {
+  std::vector<Vec3f> rest;
+  return draw_subject(model, family, seed, index, rest);
+}
+
+Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index,
+                     std::vector<Vec3f>& rest) {
   body::Drawn drawn = body::draw_person(model, family, seed, index);
   Subject subject;
   subject.seed = drawn.seed;
   subject.family = family;
   subject.woman = drawn.woman;
   subject.params = std::move(drawn.params);
-  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
+  rest.resize(static_cast<std::size_t>(model.vertex_count()));
   model.morph(subject.params, rest);
   draw_offsets(model, subject, rest);
   for (std::size_t i = 0; i < subject.rest_offset_mm.size(); ++i) rest[i] = rest[i] + subject.rest_offset_mm[i];

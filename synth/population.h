@@ -27,6 +27,9 @@ struct Subject {
 
 // Deterministic: depends on the model, family, seed and index only. Even indices are men, odd ones women.
 Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index);
+// The same; `rest` becomes what morph_subject() would make of it, which is at hand here.
+Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index,
+                     std::vector<Vec3f>& rest);
 
 // Whom a camera shows that is given a seed and nothing else: a woman for odd seeds, a man for even ones.
 constexpr std::uint64_t subject_of_seed(std::uint64_t seed) {

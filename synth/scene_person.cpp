@@ -97,13 +97,16 @@ Rigid Sway::at(std::uint64_t frame) const {
 
 ScenePerson::ScenePerson(const body::BodyModel& model) : model_(model), sway_(0) {}
 
-void ScenePerson::stage(const Subject& subject, const PersonPlan& plan, std::uint64_t seed, std::size_t who,
-                        Tailor* tailor) {
+void ScenePerson::stage(const Subject& subject, std::span<const Vec3f> rest, const PersonPlan& plan,
+                        std::uint64_t seed, std::size_t who, Tailor* tailor) {
   plan_ = plan;
   sway_ = Sway(seed);
   Rng rng = Rng::for_item(seed, kPoseStream, 0);
   rest_.resize(static_cast<std::size_t>(model_.vertex_count()));
-  morph_subject(model_, subject, rest_);
+  if (rest.size() == rest_.size())
+    std::copy(rest.begin(), rest.end(), rest_.begin());
+  else
+    morph_subject(model_, subject, rest_);
   skeleton_ = body::rest_skeleton(model_, rest_);
   const float stature_m = subject.truth[measurement_index(Measurement::stature)] / 1000;
   const float mass_kg = subject.truth[measurement_index(Measurement::weight)];

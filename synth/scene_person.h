@@ -66,7 +66,9 @@ class ScenePerson {
   explicit ScenePerson(const body::BodyModel& model);
 
   // `tailor` may be null when nothing is worn. `seed`: of this person in this scene; `who`: number in the labels.
-  void stage(const Subject& subject, const PersonPlan& plan, std::uint64_t seed, std::size_t who, Tailor* tailor);
+  // `rest`: the subject's rest mesh where the caller has it, else empty.
+  void stage(const Subject& subject, std::span<const Vec3f> rest, const PersonPlan& plan, std::uint64_t seed,
+             std::size_t who, Tailor* tailor);
   // Poses and dresses for the frame; everything below is of the frame chosen last (after stage: a standing person
   // at the origin of the floor before any sway or path).
   void choose_frame(std::uint64_t index);

@@ -44,7 +44,13 @@ bool is_shape(std::string_view name) {
 }  // namespace
 
 Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index) {
-  Subject subject = draw_subject(model, Family::training, seed ^ kStrangerStream, index);
+  std::vector<Vec3f> rest;
+  return draw_stranger(model, seed, index, rest);
+}
+
+Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
+                      std::vector<Vec3f>& rest) {
+  Subject subject = draw_subject(model, Family::training, seed ^ kStrangerStream, index, rest);
   Rng rng = Rng::for_item(subject.seed, kStrangerStream, index);
   const auto names = model.modifier_names();
   subject.params.modifiers.resize(names.size(), 0.0F);
@@ -52,7 +58,6 @@ Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uin
     const double value = std::clamp(rng.normal(0, kModifierSd), -2.2 * kModifierSd, 2.2 * kModifierSd);
     if (!used(names[i]) && is_shape(names[i])) subject.params.modifiers[i] += static_cast<float>(value);
   }
-  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
   model.morph(subject.params, rest);
   subject.rest_offset_mm.resize(static_cast<std::size_t>(model.body_vertex_count()));
   add_bumps(model, rest, kBumpCount, static_cast<float>(rng.uniform(kBumpMinMm, kBumpMaxMm)), rng,

@@ -12,5 +12,8 @@ namespace im2fit::synth {
 
 // Deterministic: depends on the model, seed and index only. `family` says training; truth is measured on the mesh.
 Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index);
+// The same; `rest` becomes what morph_subject() would make of it.
+Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
+                      std::vector<Vec3f>& rest);
 
 }  // namespace im2fit::synth

@@ -32,7 +32,7 @@ struct VirtualScene::Impl {
         sensor(sensor_options, k),
         mask(view.label.size()) {}
 
-  void stage(const Subject& subject);
+  void stage(const Subject& subject, std::span<const Vec3f> rest);
   void stage_others();
   const Subject& subject_of(const Bystander& other);
   Tailor* tailor_for(Clothing clothing, bool hair);
@@ -74,14 +74,14 @@ struct VirtualScene::Impl {
   std::vector<std::uint8_t> mask;
 };
 
-void VirtualScene::Impl::stage(const Subject& subject) {
+void VirtualScene::Impl::stage(const Subject& subject, std::span<const Vec3f> rest) {
   room_done = person_box = people_box = {};
   view_ready = false;
   people_count = 1 + std::min(scene.others.size(), kBystandersMax);
   while (people.size() < people_count) people.emplace_back(model);
   PersonPlan plan{scene.pose, scene.clothing, scene.hair, {}, scene.back_view, scene.sway, scene.walk, scene.turn};
   if (scene.yaw_deg <= kDrawnDeg) plan.yaw_deg = scene.yaw_deg;
-  people[0].stage(subject, plan, seed, 0, tailor_for(scene.clothing, scene.hair));
+  people[0].stage(subject, rest, plan, seed, 0, tailor_for(scene.clothing, scene.hair));
   camera = place_camera(scene, people[0].surface(), intrinsics, seed);
   stage_others();
   furnish();
@@ -109,7 +109,7 @@ void VirtualScene::Impl::stage_others() {
     PersonPlan plan{other.pose, other.clothing, other.hair, {}, false, scene.sway, other.path, {}};
     if (other.yaw_deg <= kDrawnDeg) plan.yaw_deg = other.yaw_deg;
     const std::uint64_t own_seed = Rng::for_item(seed, kOthersStream, who).next();
-    people[who].stage(subject_of(other), plan, own_seed, who, tailor_for(other.clothing, other.hair));
+    people[who].stage(subject_of(other), {}, plan, own_seed, who, tailor_for(other.clothing, other.hair));
   }
 }
 
@@ -257,7 +257,7 @@ PixelBox VirtualScene::Impl::draw_person(std::size_t who, std::uint64_t index, c
 VirtualScene::VirtualScene(const body::BodyModel& model, const Subject& subject, const SceneOptions& scene,
                            const SensorOptions& sensor, const Intrinsics& intrinsics, std::uint64_t seed)
     : impl_(std::make_unique<Impl>(model, scene, sensor, intrinsics, seed)) {
-  impl_->stage(subject);
+  impl_->stage(subject, {});
 }
 VirtualScene::~VirtualScene() = default;
 VirtualScene::VirtualScene(VirtualScene&&) noexcept = default;
@@ -265,14 +265,16 @@ VirtualScene::VirtualScene(VirtualScene&&) noexcept = default;
 void VirtualScene::restage(const Subject& subject, const SceneOptions& scene, std::uint64_t seed) {
   impl_->scene = scene;
   impl_->seed = seed;
-  impl_->stage(subject);
+  impl_->stage(subject, {});
 }
 
 void VirtualScene::restage(const Subject& subject, const SceneOptions& scene, const SensorOptions& sensor,
-                           std::uint64_t seed) {
+                           std::uint64_t seed, std::span<const Vec3f> rest) {
   impl_->sensor.change(sensor);
   impl_->box_margin_px = sensor.box_margin_px;
-  restage(subject, scene, seed);
+  impl_->scene = scene;
+  impl_->seed = seed;
+  impl_->stage(subject, rest);
 }
 
 void VirtualScene::render(std::uint64_t index, DepthImage out) {

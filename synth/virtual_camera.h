@@ -92,8 +92,10 @@ class VirtualScene {
   // The same camera before another person and room, as if newly made, without its allocations: for those who render
   // thousands.
   void restage(const Subject& subject, const SceneOptions& scene, std::uint64_t seed);
-  // The same with another sensor of the same picture size.
-  void restage(const Subject& subject, const SceneOptions& scene, const SensorOptions& sensor, std::uint64_t seed);
+  // The same with another sensor of the same picture size. `rest`: what morph_subject() makes of the subject, where
+  // the caller has it.
+  void restage(const Subject& subject, const SceneOptions& scene, const SensorOptions& sensor, std::uint64_t seed,
+               std::span<const Vec3f> rest = {});
 
   // Frame `index`: depends on the scene's seed and the index only. Depth as the sensor delivers it: `intrinsics`
   // size, before any --rotate. Frame times are index/30 s.

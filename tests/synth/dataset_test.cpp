@@ -41,8 +41,8 @@ class TemporaryFolder {
 // NaN features are equal when their bits are.
 bool same(const index::Sample& a, const index::Sample& b) {
   return a.subject == b.subject && a.woman == b.woman && a.calibrate_only == b.calibrate_only &&
-         a.frame_count == b.frame_count && a.truth == b.truth && a.body == b.body &&
-         a.feature.size() == b.feature.size() &&
+         a.frame_count == b.frame_count && a.back_frame_count == b.back_frame_count && a.truth == b.truth &&
+         a.body == b.body && a.feature.size() == b.feature.size() &&
          std::memcmp(a.feature.data(), b.feature.data(), a.feature.size() * sizeof(float)) == 0;
 }
 bool same(const std::vector<index::Sample>& a, const std::vector<index::Sample>& b) {
@@ -74,6 +74,7 @@ Chunk small_chunk() {
     s.woman = i == 1;
     s.calibrate_only = i == 2;
     s.frame_count = 4 + static_cast<int>(i);
+    s.back_frame_count = i == 2 ? 3 : 0;
     chunk.samples.push_back(s);
   }
   chunk.counts.subjects = chunk.counts.samples = 3;
@@ -446,6 +447,26 @@ TEST_F(Dataset, FeaturesSeeTheBody) {
     EXPECT_LT(missing, static_cast<std::ptrdiff_t>(kFeatureSize) / 4);
     EXPECT_GT(s.truth[measurement_index(Measurement::stature)], 1300);
     EXPECT_LT(s.truth[measurement_index(Measurement::stature)], 2200);
+  }
+}
+
+TEST_F(Dataset, LowNumbersTurnRoundAndKeepTheirFrontsFrames) {
+  if (model().shape_space().point_count == 0) GTEST_SKIP() << "the body file has no shape space";
+  DatasetOptions o = small();
+  o.subject_count = 8;
+  o.turn_below = 5;
+  const auto turned = make(o);
+  o.turn_below = 0;
+  const auto plain = make(o);
+  ASSERT_EQ(turned.size(), plain.size());
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    const std::uint64_t number = turned[i].subject;
+    // Every second pair; 5, a stranger, is not low enough.
+    EXPECT_EQ(turned[i].refines(), number < 5 && number / 2 % 2 == 0) << number;
+    EXPECT_EQ(turned[i].back_frame_count >= kCaptureFramesMin, turned[i].refines()) << number;
+    EXPECT_EQ(turned[i].frame_count, plain[i].frame_count) << number;
+    EXPECT_FALSE(plain[i].refines());
+    EXPECT_EQ(plain[i].back_frame_count, 0);
   }
 }
 
