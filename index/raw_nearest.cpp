@@ -7,7 +7,7 @@
 namespace im2fit::index {
 
 bool RawNearest::add(const Sample& sample) {
-  if (sample.calibrate_only || sample.feature.size() < feature_size_) return false;
+  if (!sample.is_entry() || sample.feature.size() < feature_size_) return false;
   features_.insert(features_.end(), sample.feature.begin(),
                    sample.feature.begin() + static_cast<std::ptrdiff_t>(feature_size_));
   truth_.push_back(sample.truth);

@@ -226,7 +226,7 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     const Row& row = people[static_cast<std::size_t>(i)];
     HeldOut& h = held_out.emplace_back();
     h.subject = static_cast<std::uint32_t>(row.subject);
-    h.frame_count = row.frame_count[static_cast<std::size_t>(kind)];
+    h.frame_count = row.frame_count[sees_back(kind) ? 1 : 0];
     for (std::size_t t = 0; t < kTargetMin; ++t) {
       const auto column = static_cast<std::ptrdiff_t>(t);
       h.truth[t] = truth(i, column);

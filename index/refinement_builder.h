@@ -39,7 +39,7 @@ class RefinementBuilder {
  private:
   struct Row {
     std::uint64_t subject = 0;
-    std::array<int, kRefinementCount> frame_count{};
+    std::array<int, 2> frame_count{};  // of the front, and of the side with fewer
     bool stranger = false;
     bool woman = false;
     MeasurementValues truth{};

@@ -22,6 +22,8 @@ namespace {
 constexpr int kAttempts = 3;                  // scenes drawn for one capture before it is given up
 constexpr std::uint64_t kDatasetVersion = 9;  // raise when the way to a feature changes: shards are then made again
 constexpr int kBackCaptures = 4096;           // numbers of captures from behind begin here
+constexpr int kClothedCaptures = 8192;        // and of those in clothes
+constexpr std::uint64_t kOutfitStream = 0x0F17;
 constexpr double kReportSeconds = 0.25;
 
 using Clock = std::chrono::steady_clock;
@@ -38,7 +40,8 @@ Status check(const DatasetOptions& o) {
     return invalid("subject_count is " + std::to_string(o.subject_count) + ", expected 1 to 1000000000");
   if (o.captures_per_subject < 1 || o.captures_per_subject > 64)
     return invalid("captures_per_subject is " + std::to_string(o.captures_per_subject) + ", expected 1 to 64");
-  if (o.stranger_every < 0 || o.turn_every < 0) return invalid("stranger_every and turn_every must not be negative");
+  if (o.stranger_every < 0 || o.turn_every < 0 || o.clothed_every < 0)
+    return invalid("stranger_every, turn_every and clothed_every must not be negative");
   if (o.chunk_size < 1 || o.thread_count < 1) return invalid("chunk_size and thread_count must be at least 1");
   if (o.part_count < 1 || o.part < 0 || o.part >= o.part_count)
     return invalid("part " + std::to_string(o.part) + " of " + std::to_string(o.part_count) +
@@ -69,6 +72,9 @@ CaptureOptions from_behind(const CaptureOptions& front, const DatasetOptions& o,
   back.intrinsics = front.intrinsics;
   back.scene.rotate_deg = front.scene.rotate_deg;
   back.scene.pose = front.scene.pose;
+  back.scene.clothing = front.scene.clothing;
+  back.scene.hair = front.scene.hair;
+  back.scene.outfit_seed = front.scene.outfit_seed;
   back.scene.back_view = true;
   return back;
 }
@@ -91,44 +97,84 @@ void turn_round(CaptureRig& rig, const Person& person, const CaptureOptions& fro
   }
 }
 
+// Everyday clothes, shoes and hair, as they come.
+void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t number) {
+  constexpr Clothing kWorn[] = {Clothing::tight, Clothing::normal, Clothing::loose};
+  Rng rng = Rng::for_item(seed, kOutfitStream, number);
+  scene.clothing = kWorn[rng.index(3)];
+  scene.hair = true;
+  scene.outfit_seed = rng.next() | 1U;
+}
+
+// Which views of a person are taken.
+struct Views {
+  bool stranger = false;
+  bool turns = false;    // the view from behind, too
+  bool clothed = false;  // both again, in clothes
+};
+Views views_of(const body::BodyModel& model, const DatasetOptions& o, std::uint64_t number) {
+  Views views;
+  views.stranger = o.family == Family::training && o.stranger_every > 0 &&
+                   number % static_cast<std::uint64_t>(o.stranger_every) == 5;
+  if (model.shape_space().point_count == 0 || number >= o.turn_below) return views;
+  const auto nth = [&](int every, std::uint64_t which) {
+    return every > 0 && (views.stranger || number / 2 % static_cast<std::uint64_t>(every) == which);
+  };
+  views.turns = nth(o.turn_every, 0);
+  views.clothed = nth(o.clothed_every, o.clothed_every == 1 ? 0 : 1);
+  return views;
+}
+
+index::Sample sample_of(const body::BodyModel& model, const Subject& subject, std::uint64_t number,
+                        const Capture& capture) {
+  index::Sample s;
+  s.subject = number;
+  s.feature.assign(capture.feature.begin(), capture.feature.end());
+  s.truth = subject.truth;
+  s.woman = subject.woman;
+  s.body = body::pack_params(subject.params, model.modifier_names().size());
+  s.frame_count = capture.frame_count;
+  return s;
+}
+
 SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const DatasetOptions& o,
                            std::uint64_t number) {
   SubjectResult result;
   Stopwatch watch;
-  const bool stranger = o.family == Family::training && o.stranger_every > 0 &&
-                        number % static_cast<std::uint64_t>(o.stranger_every) == 5;
-  const bool turns = model.shape_space().point_count > 0 && o.turn_every > 0 && number < o.turn_below &&
-                     (stranger || number / 2 % static_cast<std::uint64_t>(o.turn_every) == 0);
+  const Views views = views_of(model, o, number);
   Person person;
-  person.subject = stranger ? draw_stranger(model, o.seed, number, person.rest)
-                            : draw_subject(model, o.family, o.seed, number, person.rest);
-  const Subject& subject = person.subject;
+  person.subject = views.stranger ? draw_stranger(model, o.seed, number, person.rest)
+                                  : draw_subject(model, o.family, o.seed, number, person.rest);
   rig.cost.draw += watch.lap();
-  for (int c = 0; c < o.captures_per_subject; ++c) {
-    bool done = false;
-    for (int attempt = 0; attempt < kAttempts && !done; ++attempt) {
-      const CaptureOptions options = draw_capture(o.variety, o.seed, number, c * kAttempts + attempt);
-      const Capture& capture = rig.run(subject, options, person.rest);
-      result.frames_seen += capture.frames_seen;
-      for (std::size_t g = 0; g < kGuidanceCount; ++g) result.refused[g] += capture.refused[g];
-      if (!capture.valid) {
-        ++result.failed;
-        continue;
-      }
-      index::Sample& s = result.samples.emplace_back();
-      s.subject = number;
-      s.feature.assign(capture.feature.begin(), capture.feature.end());
-      s.truth = subject.truth;
-      s.woman = subject.woman;
-      s.body = body::pack_params(subject.params, model.modifier_names().size());
-      s.frame_count = capture.frame_count;
-      s.calibrate_only = stranger;
-      if (turns) turn_round(rig, person, options, o, number, c, s);
-      fit_to_shard(s);  // made now or read again, it is the same
-      done = true;
+  // The front before scenes drawn until one gives enough frames.
+  const auto shoot = [&](int capture, bool clothed, CaptureOptions& options) -> const Capture* {
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      const int drawn = capture * kAttempts + attempt + (clothed ? kClothedCaptures : 0);
+      options = draw_capture(o.variety, o.seed, number, drawn);
+      if (clothed) dress(options.scene, o.seed, number);
+      const Capture& taken = rig.run(person.subject, options, person.rest);
+      result.frames_seen += taken.frames_seen;
+      for (std::size_t g = 0; g < kGuidanceCount; ++g) result.refused[g] += taken.refused[g];
+      if (taken.valid) return &taken;
+      ++result.failed;
     }
-    if (!done) ++result.missing;
-  }
+    ++result.missing;
+    return nullptr;
+  };
+  for (int c = 0; c < o.captures_per_subject; ++c)
+    for (const bool clothed : {false, true}) {
+      if (clothed && !views.clothed) continue;
+      CaptureOptions options;
+      const Capture* capture = shoot(c, clothed, options);
+      if (capture == nullptr) continue;
+      index::Sample s = sample_of(model, person.subject, number, *capture);
+      s.calibrate_only = views.stranger;
+      s.clothed = clothed;
+      if (clothed || views.turns)
+        turn_round(rig, person, options, o, number, c + (clothed ? kClothedCaptures : 0), s);
+      fit_to_shard(s);  // made now or read again, it is the same
+      if (!clothed || s.refines()) result.samples.push_back(std::move(s));
+    }
   return result;
 }
 
@@ -264,7 +310,8 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.stranger_every = static_cast<std::uint32_t>(o.stranger_every);
   const std::size_t shapes = model.shape_space().point_count > 0 ? model.shape_space().shape_count : 0;
   run.turn_every = shapes > 0 ? static_cast<std::uint32_t>(o.turn_every) : 0;
-  run.turn_below = run.turn_every > 0 ? o.turn_below : 0;
+  run.clothed_every = shapes > 0 ? static_cast<std::uint32_t>(o.clothed_every) : 0;
+  run.turn_below = run.turn_every > 0 || run.clothed_every > 0 ? o.turn_below : 0;
   run.shape_key = shapes > 0 ? model.shape_space().key : 0;
   run.fit_size = shapes > 0 ? static_cast<std::uint32_t>(shapes + index::kFitQualities) : 0;
   run.feature_size = static_cast<std::uint32_t>(kFeatureSize);

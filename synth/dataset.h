@@ -29,6 +29,9 @@ struct DatasetOptions {
   // fitted shapes; 0: of nobody. Needs a body file with a shape space. Only subjects numbered below `turn_below`:
   // what is learned from these needs thousands of people, not millions, and a rule by number lets a run grow.
   int turn_every = 2;
+  // Of every n-th pair, counted from the second, and of every stranger there is another sample in clothes, with the
+  // view from behind and the fitted shapes; 0: of nobody. The same people as above only.
+  int clothed_every = 4;
   std::uint32_t turn_below = 16384;
   int thread_count = 2;  // does not change the result
   // Resuming: finished chunks are kept in `work_dir` ("" = none) as shards and used again when they were made with

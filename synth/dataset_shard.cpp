@@ -58,6 +58,7 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("fit_size", std::uint64_t{r.fit_size});
   visit("shape_key", std::uint64_t{r.shape_key});
   visit("turn_below", std::uint64_t{r.turn_below});
+  visit("clothed_every", std::uint64_t{r.clothed_every});
 }
 
 std::string text_of(const std::string& name, std::uint64_t value) {

@@ -18,7 +18,7 @@ void draw_offsets(const body::BodyModel& model, Subject& subject, std::span<cons
   subject.rest_offset_mm.resize(static_cast<std::size_t>(model.body_vertex_count()));
   const bool held_out = subject.family == Family::held_out;
   const auto amplitude = static_cast<float>(held_out ? rng.uniform(2, 6) : rng.uniform(0.5, 3));
-  add_bumps(model, rest, held_out ? 10 : 6, amplitude, rng, subject.rest_offset_mm);
+  add_bumps(model, rest, {.count = held_out ? 10 : 6}, amplitude, rng, subject.rest_offset_mm);
   if (held_out) add_asymmetry(model, rest, static_cast<float>(rng.uniform(2, 6)), rng, subject.rest_offset_mm);
 }
 

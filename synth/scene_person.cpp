@@ -132,7 +132,7 @@ void ScenePerson::dress(bool woman, std::uint64_t seed, std::size_t who, Tailor*
     labels_ = hair_labels(model_, rest_, skeleton_, who);
     return;
   }
-  Rng rng = Rng::for_item(seed, kDressStream, 0);
+  Rng rng = Rng::for_item(plan_.outfit_seed != 0 ? plan_.outfit_seed : seed, kDressStream, 0);
   tailor->dress(rest_, skeleton_, woman, plan_.clothing, plan_.hair, rng, outfit_);
   // Drawn vertices: body, then the skirt's, then the shoes'.
   const auto body_count = static_cast<std::int32_t>(model_.body_vertex_count());

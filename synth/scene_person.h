@@ -38,7 +38,8 @@ struct PersonPlan {
   StandingPose pose = StandingPose::relaxed;
   Clothing clothing = Clothing::none;
   bool hair = false;
-  std::optional<float> yaw_deg;  // none: drawn by pose class; on a path: along it
+  std::uint64_t outfit_seed = 0;  // 0: the person's in this scene
+  std::optional<float> yaw_deg;   // none: drawn by pose class; on a path: along it
   bool back_view = false;
   bool sway = true;
   FloorPath path;

@@ -39,16 +39,18 @@ Height height_of(const body::BodyModel& model, std::span<const Vec3f> rest) {
 
 }  // namespace
 
-void add_bumps(const body::BodyModel& model, std::span<const Vec3f> rest, int count, float amplitude_mm, Rng& rng,
-               std::span<Vec3f> offset_mm) {
+void add_bumps(const body::BodyModel& model, std::span<const Vec3f> rest, const Bumps& bumps, float amplitude_mm,
+               Rng& rng, std::span<Vec3f> offset_mm) {
   const std::vector<Vec3f> normals = vertex_normals(model, rest);
   const Height height = height_of(model, rest);
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < bumps.count; ++i) {
     Vec3f centre = rest[0];
     do {
       centre = rest[static_cast<std::size_t>(rng.index(model.body_vertex_count()))];
-    } while (height.share(centre.y) < 0.28F || height.share(centre.y) > 0.86F);
-    const float reach = static_cast<float>(rng.uniform(120, 320));
+    } while (height.share(centre.y) < bumps.low || height.share(centre.y) > bumps.high ||
+             std::abs(centre.x) > bumps.aside_mm);
+    const float reach = static_cast<float>(
+        rng.uniform(static_cast<double>(bumps.reach_least_mm), static_cast<double>(bumps.reach_most_mm)));
     const float size = static_cast<float>(rng.uniform(-1, 1)) * amplitude_mm;
     for (std::size_t v = 0; v < normals.size(); ++v) {
       const Vec3f d = rest[v] - centre;

@@ -32,7 +32,7 @@ Result<People> read_people(const std::string& folder, std::size_t most) {
       odd_size = sample.feature.size();
       return false;
     }
-    if (!sample.calibrate_only) deal(people, sample);
+    if (sample.is_entry()) deal(people, sample);
     return people.models.size() + people.queries.size() < most;
   });
   if (!read) return read.error();
