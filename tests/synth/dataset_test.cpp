@@ -41,8 +41,8 @@ class TemporaryFolder {
 // NaN features are equal when their bits are.
 bool same(const index::Sample& a, const index::Sample& b) {
   return a.subject == b.subject && a.woman == b.woman && a.calibrate_only == b.calibrate_only &&
-         a.frame_count == b.frame_count && a.back_frame_count == b.back_frame_count && a.truth == b.truth &&
-         a.body == b.body && a.feature.size() == b.feature.size() &&
+         a.clothed == b.clothed && a.frame_count == b.frame_count && a.back_frame_count == b.back_frame_count &&
+         a.truth == b.truth && a.body == b.body && a.feature.size() == b.feature.size() &&
          std::memcmp(a.feature.data(), b.feature.data(), a.feature.size() * sizeof(float)) == 0;
 }
 bool same(const std::vector<index::Sample>& a, const std::vector<index::Sample>& b) {
@@ -73,6 +73,7 @@ Chunk small_chunk() {
     s.truth[3] = 400 + static_cast<float>(i);
     s.woman = i == 1;
     s.calibrate_only = i == 2;
+    s.clothed = i == 0;
     s.frame_count = 4 + static_cast<int>(i);
     s.back_frame_count = i == 2 ? 3 : 0;
     chunk.samples.push_back(s);
@@ -340,12 +341,37 @@ TEST_F(Dataset, DoesNotDependOnThreadsOrOnChunks) {
   o.thread_count = 1;
   const auto one = make(o);
   ASSERT_FALSE(one.empty());
-  for (std::size_t i = 1; i < one.size(); ++i) EXPECT_GT(one[i].subject, one[i - 1].subject);
+  for (std::size_t i = 1; i < one.size(); ++i) EXPECT_GE(one[i].subject, one[i - 1].subject);
   o.thread_count = 2;
   o.chunk_size = 3;
   EXPECT_TRUE(same(one, make(o)));
   o.seed = 2;
   EXPECT_FALSE(same(one, make(o)));
+}
+
+TEST_F(Dataset, TheSecondPairOfFourIsSeenInClothesToo) {
+  DatasetOptions o = small();
+  const auto bare = [&] {
+    o.clothed_every = 0;
+    return make(o);
+  }();
+  o.clothed_every = 4;
+  std::vector<index::Sample> rest;
+  std::vector<std::uint64_t> clothed;
+  for (const index::Sample& s : make(o)) {
+    if (!s.clothed) {
+      rest.push_back(s);
+      continue;
+    }
+    clothed.push_back(s.subject);
+    ASSERT_FALSE(rest.empty());
+    EXPECT_EQ(rest.back().subject, s.subject) << "the bare sample goes before";
+    EXPECT_EQ(rest.back().truth, s.truth) << "what is true is the body's";
+    EXPECT_TRUE(s.refines());
+    EXPECT_NE(std::memcmp(rest.back().feature.data(), s.feature.data(), s.feature.size() * sizeof(float)), 0);
+  }
+  EXPECT_EQ(clothed, (std::vector<std::uint64_t>{2, 3}));
+  EXPECT_TRUE(same(rest, bare));
 }
 
 TEST_F(Dataset, ResumesFromShardsAndMakesDamagedOnesAgain) {
