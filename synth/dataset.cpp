@@ -143,7 +143,7 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
   Stopwatch watch;
   const Views views = views_of(model, o, number);
   Person person;
-  person.subject = views.stranger ? draw_stranger(model, o.seed, number, person.rest)
+  person.subject = views.stranger ? draw_stranger(model, o.seed, number, kStrangeTrunk, person.rest)
                                   : draw_subject(model, o.family, o.seed, number, person.rest);
   rig.cost.draw += watch.lap();
   // The front before scenes drawn until one gives enough frames.

@@ -14,13 +14,6 @@ namespace im2fit::synth {
 namespace {
 
 constexpr std::uint64_t kStrangerStream = 0x57A6;
-constexpr double kModifierSd = 0.15;
-// Trunks differ where a camera in front does not see it, limbs hardly. People measured by tape differ from any model
-// by a girth error of 13..17 mm even when breadths and depths are known (facts: ANSUR II bound).
-constexpr Bumps kBumps = {
-    .count = 8, .reach_least_mm = 200, .reach_most_mm = 400, .low = 0.45F, .high = 0.8F, .aside_mm = 170};
-constexpr float kBumpMinMm = 8;
-constexpr float kBumpMaxMm = 28;
 
 // Spread of a modifier in either family; "l-" and "r-" variants belong to the pair's row.
 bool used(std::string_view name) {
@@ -44,25 +37,28 @@ bool is_shape(std::string_view name) {
 
 }  // namespace
 
-Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index) {
+Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
+                      const Strangeness& strangeness) {
   std::vector<Vec3f> rest;
-  return draw_stranger(model, seed, index, rest);
+  return draw_stranger(model, seed, index, strangeness, rest);
 }
 
 Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
-                      std::vector<Vec3f>& rest) {
+                      const Strangeness& strangeness, std::vector<Vec3f>& rest) {
   Subject subject = draw_subject(model, Family::training, seed ^ kStrangerStream, index, rest);
   Rng rng = Rng::for_item(subject.seed, kStrangerStream, index);
   const auto names = model.modifier_names();
   subject.params.modifiers.resize(names.size(), 0.0F);
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const double value = std::clamp(rng.normal(0, kModifierSd), -2.2 * kModifierSd, 2.2 * kModifierSd);
+    const double sd = strangeness.modifier_sd;
+    const double value = std::clamp(rng.normal(0, sd), -2.2 * sd, 2.2 * sd);
     if (!used(names[i]) && is_shape(names[i])) subject.params.modifiers[i] += static_cast<float>(value);
   }
   model.morph(subject.params, rest);
   subject.rest_offset_mm.resize(static_cast<std::size_t>(model.body_vertex_count()));
-  add_bumps(model, rest, kBumps, static_cast<float>(rng.uniform(kBumpMinMm, kBumpMaxMm)), rng,
-            subject.rest_offset_mm);
+  const double amplitude_mm =
+      rng.uniform(static_cast<double>(strangeness.bump_least_mm), static_cast<double>(strangeness.bump_most_mm));
+  add_bumps(model, rest, strangeness.bumps, static_cast<float>(amplitude_mm), rng, subject.rest_offset_mm);
   morph_subject(model, subject, rest);
   subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);
   return subject;
