@@ -386,11 +386,12 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
   const std::vector<float> mean(targets_->means().begin(), targets_->means().end());
   const std::vector<float> scale(targets_->scales().begin(), targets_->scales().end());
   const ReportRecord report = make_report(intervals);
-  const bool small_numbers = *std::max_element(person_.begin(), person_.end()) < 1U << 24;
+  const std::uint32_t last = *std::max_element(person_.begin(), person_.end());
+  const int person_bytes = last < 1U << 16 ? 2 : last < 1U << 24 ? 3 : 4;
   std::vector<std::uint8_t> person;
-  person.reserve(tree.order.size() * 4);
+  person.reserve(tree.order.size() * static_cast<std::size_t>(person_bytes));
   for (const std::uint32_t row : tree.order)
-    for (int byte = 0; byte < (small_numbers ? 3 : 4); ++byte)
+    for (int byte = 0; byte < person_bytes; ++byte)
       person.push_back(static_cast<std::uint8_t>(person_[row] >> 8 * byte));
 
   ContainerWriter out(kMagic, kVersion);

@@ -291,8 +291,9 @@ Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::str
   c.residual_scale = in.take<float>("residual.scale", m.dimensions);
   c.error_map = in.take<float>("error.map", targets * m.dimensions);
   c.place_map = in.take<float>("place.map", targets * m.dimensions);
-  if (const auto numbers = container->paged("person"); numbers && numbers->bytes().size() == 3 * entries)
-    c.person_bytes = 3;
+  if (const auto numbers = container->paged("person"))
+    for (const std::size_t bytes : {2, 3})
+      if (numbers->bytes().size() == bytes * entries) c.person_bytes = bytes;
   c.person = in.take_paged<std::uint8_t>("person", c.person_bytes * entries, c.person_pages);
   c.interval = in.take<float>("interval", 2 * kMeasurementCount);
   c.spread_floor = in.take<float>("spread.floor", kMeasurementCount);
