@@ -98,7 +98,7 @@ struct Contents {
   std::span<const float> error_map;       // target_count x dimensions: targets' error per projected error
   std::span<const float> place_map;       // target_count x dimensions: targets at a projected place
   std::span<const std::uint8_t> person;   // entry_count x person_bytes: number in the population, low byte first
-  std::size_t person_bytes = 4;           // 3 or 4
+  std::size_t person_bytes = 4;           // 2, 3 or 4
   PagedBytes person_pages;
   std::span<const float> interval;      // kMeasurementCount x {low, high} in units of the spread
   std::span<const float> spread_floor;  // kMeasurementCount, standardised units
