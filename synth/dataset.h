@@ -31,7 +31,7 @@ struct DatasetOptions {
   int turn_every = 2;
   // Of every n-th pair, counted from the second, and of every stranger there is another sample in clothes, with the
   // view from behind and the fitted shapes; 0: of nobody. The same people as above only.
-  int clothed_every = 4;
+  int clothed_every = 2;
   std::uint32_t turn_below = 16384;
   int thread_count = 2;  // does not change the result
   // Resuming: finished chunks are kept in `work_dir` ("" = none) as shards and used again when they were made with
