@@ -192,23 +192,23 @@ std::span<const std::byte> PagedBytes::share(std::size_t page) const {
   return share_of(bytes_, lead_, page);
 }
 
-bool PagedBytes::check(std::size_t page) const {
+bool PagedBytes::check_page(std::size_t page) const {
   if (crc32c(share(page)) != state_->sums[page]) return false;
   seen_[page / 32].fetch_or(1U << page % 32, std::memory_order_relaxed);
   return true;
 }
 
-Error PagedBytes::damage(std::size_t first, std::size_t count) const {
+Error PagedBytes::damage(ByteRange range) const {
   return {ErrorCode::corrupt, state_->what + ": section '" + state_->name + "' damaged (CRC-32C) within bytes " +
-                                  std::to_string(first) + " to " + std::to_string(first + count - 1) +
-                                  "; copy or make the file again"};
+                                  std::to_string(range.first) + " to " +
+                                  std::to_string(range.first + range.count - 1) + "; copy or make the file again"};
 }
 
 Status PagedBytes::check_all() const {
   for (std::size_t page = 0; state_ != nullptr && page < state_->sums.size(); ++page) {
     const auto part = share(page);
-    const auto first = static_cast<std::size_t>(part.data() - bytes_.data());
-    if (!intact(first, part.size())) return damage(first, part.size());
+    if (auto sound = check({static_cast<std::size_t>(part.data() - bytes_.data()), part.size()}); !sound)
+      return sound;
   }
   return Ok{};
 }

@@ -58,6 +58,11 @@ class ContainerWriter {
   std::vector<Section> sections_;
 };
 
+// Of the bytes of a section.
+struct ByteRange {
+  std::size_t first = 0, count = 0;
+};
+
 // A section's bytes, each page of which is held to its checksum when it is first looked at. Copies share what they
 // have seen. Of bytes that were checked before, or are not to be, everything is intact.
 class PagedBytes {
@@ -65,26 +70,31 @@ class PagedBytes {
   static constexpr std::size_t kPage = 4096;  // of the file
   PagedBytes() = default;
   std::span<const std::byte> bytes() const { return bytes_; }
-  // Whether `count` bytes from `first`, inside bytes(), are as they were written. Any thread, lock-free, no
-  // allocation. A page's first time costs its CRC, every other a look at a bit. That bit stands for a function of
-  // bytes that do not change: who sees it late checks again, so that no order of memory is needed.
-  bool intact(std::size_t first, std::size_t count) const {
-    if (seen_ == nullptr || count == 0) return true;
-    const std::size_t last = (lead_ + first + count - 1) / kPage;
-    for (std::size_t page = (lead_ + first) / kPage; page <= last; ++page)
-      if ((seen_[page / 32].load(std::memory_order_relaxed) >> page % 32 & 1U) == 0 && !check(page)) return false;
+  // Whether these, inside bytes(), are as they were written. Any thread, lock-free, no allocation. A page's first
+  // time costs its CRC, every other a look at a bit. That bit stands for a function of bytes that do not change: who
+  // sees it late checks again, so that no order of memory is needed.
+  bool intact(ByteRange range) const {
+    if (seen_ == nullptr || range.count == 0) return true;
+    const std::size_t last = (lead_ + range.first + range.count - 1) / kPage;
+    for (std::size_t page = (lead_ + range.first) / kPage; page <= last; ++page)
+      if ((seen_[page / 32].load(std::memory_order_relaxed) >> page % 32 & 1U) == 0 && !check_page(page))
+        return false;
     return true;
   }
   // Of bytes that are not intact: which they are, and of which file.
-  Error damage(std::size_t first, std::size_t count) const;
-  // All of it.
+  Error damage(ByteRange range) const;
+  Status check(ByteRange range) const {
+    if (intact(range)) return Ok{};
+    return damage(range);
+  }
+  // All of it; the error names the page.
   Status check_all() const;
   std::size_t pages_seen() const;  // found intact so far
 
  private:
   friend class ContainerReader;
   struct State;
-  bool check(std::size_t page) const;
+  bool check_page(std::size_t page) const;
   std::span<const std::byte> share(std::size_t page) const;
 
   std::span<const std::byte> bytes_;

@@ -129,7 +129,8 @@ void FitHalf::end_turning(bool with_back, bool ended) {
 void FitHalf::measure(bool ended) {
   MeasuredPerson person;
   bool succeeded = stages_.measure(person);
-  if (!succeeded && stages_.fault() == nullptr && front_frames_ > 0) {  // the back cannot be described; the front could
+  if (!succeeded && stages_.fault() == nullptr &&
+      front_frames_ > 0) {  // the back cannot be described; the front could
     stages_.drop_back();
     front_frames_ = 0;
     succeeded = stages_.measure(person);

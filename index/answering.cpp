@@ -66,8 +66,11 @@ Result<Answerer::Corrected> Answerer::corrected(const Targets& regressed, const 
   const auto count = static_cast<std::size_t>(std::min(wanted, kNeighbourMax));
   out.neighbours = options.exhaustive ? work.search.exhaustive(grid, count) : work.search.nearest(grid, count);
   if (!work.search.intact()) return work.search.damage();
-  for (const Neighbour& n : out.neighbours)
-    if (auto sound = c.check_residual(n.index); !sound) return sound.error();
+  for (const Neighbour& n : out.neighbours) {
+    const ByteRange range = c.residual_of(n.index);
+    if (!c.residual_pages.intact(range)) return c.residual_pages.damage(range);
+    __builtin_prefetch(c.residual.data() + range.first);
+  }
   const LocalAnswer local = local_regression(
       c.local_data(), grid, out.neighbours,
       {static_cast<LocalMethod>(c.meta.local_method), c.meta.intercept_penalty, c.meta.slope_penalty});

@@ -106,7 +106,7 @@ void CodeSearch::scan(std::size_t first, std::size_t last, const CodeQuery& quer
     const std::size_t block = first / kCodeBlock, base = block * kCodeBlock;
     const std::size_t end = std::min(last, base + kChunk);
     const ByteRange read{block * block_bytes, blocks_of(end - base, kCodeBlock) * block_bytes};
-    if (!tree_.pages.intact(read.first, read.count)) {
+    if (!tree_.pages.intact(read)) {
       damaged_ = read;
       reach_ = -1;  // ends the search: nothing is as near as that
       return;

@@ -28,10 +28,6 @@ static_assert(kGroupLeaves % kBoxBlock == 0);
 
 using Coordinates = std::array<std::int32_t, kDimensionMax>;
 
-struct ByteRange {
-  std::size_t first = 0, count = 0;
-};
-
 struct Neighbour {
   std::int32_t distance = 0;  // squared, as kernels/code_distance defines it
   std::uint32_t index = 0;
@@ -91,7 +87,7 @@ class CodeSearch {
   std::span<Neighbour> exhaustive(const Coordinates& query, std::size_t count);
   // Whether the last search read codes as they were written; else what it gave is not to be used.
   bool intact() const { return damaged_.count == 0; }
-  Error damage() const { return tree_.pages.damage(damaged_.first, damaged_.count); }
+  Error damage() const { return tree_.pages.damage(damaged_); }
   // Of the last search: how much of the file it read.
   struct Work {
     std::size_t groups = 0, leaves = 0, points = 0;

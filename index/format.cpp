@@ -41,9 +41,10 @@ class SectionReader {
     }
     pages = *found;
     const auto bytes = pages.bytes();
-    require(bytes.size() == count * sizeof(T), name,
-            "has " + std::to_string(bytes.size()) + " bytes, expected " + std::to_string(count * sizeof(T)));
-    if (error_) return {};
+    if (bytes.size() != count * sizeof(T)) {
+      fail(name, "has " + std::to_string(bytes.size()) + " bytes, expected " + std::to_string(count * sizeof(T)));
+      return {};
+    }
     return {reinterpret_cast<const T*>(bytes.data()), count};
   }
   template <class T>
@@ -53,7 +54,8 @@ class SectionReader {
     if (!error_) std::memcpy(static_cast<void*>(&out), bytes.data(), sizeof(T));
     return out;
   }
-  void require(bool holds, const char* name, const std::string& why) {
+  // `why` becomes a string in failing only: millions of values are looked at.
+  void require(bool holds, const char* name, const char* why) {
     if (!holds) fail(name, why);
   }
   bool failed() const { return error_; }
@@ -116,9 +118,11 @@ CodeTree take_tree(SectionReader& in, const MetaRecord& m) {
              "does not cover the entries");
   for (std::size_t l = 0; l < m.leaf_count; ++l)
     in.require(tree.leaf_first[l] < tree.leaf_first[l + 1], "leaf", "is not rising");
-  for (const auto boxes : {tree.leaf_boxes, tree.group_boxes})
-    for (const std::int16_t edge : boxes)
-      in.require(edge >= -kCoordinateMax && edge <= kCoordinateMax, "leaf.box", "holds an edge out of range");
+  for (const auto boxes : {tree.leaf_boxes, tree.group_boxes}) {
+    bool in_range = true;
+    for (const std::int16_t edge : boxes) in_range &= edge >= -kCoordinateMax && edge <= kCoordinateMax;
+    in.require(in_range, "leaf.box", "holds an edge out of range");
+  }
   return tree;
 }
 
@@ -139,7 +143,8 @@ void check_intervals(SectionReader& in, std::span<const float> interval, std::sp
 }
 
 void check_weights(SectionReader& in, std::span<const std::int16_t> weights, const char* name) {
-  for (const std::int16_t w : weights) in.require(w != -32768, name, "holds a weight out of range");
+  in.require(std::find(weights.begin(), weights.end(), std::int16_t{-32768}) == weights.end(), name,
+             "holds a weight out of range");
 }
 
 RefinementContents take_refinement(SectionReader& in, Refinement kind, const MetaRecord& m) {
@@ -163,11 +168,11 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
   c.spread_floor = in.take<float>(name("spread").c_str(), kMeasurementCount);
   c.sex_table = in.take<float>(name("sex").c_str(), kSexTableSize);
   if (in.failed()) return c;
-  for (const std::uint16_t m : c.mean)
-    in.require(std::abs(float_of_upper(m)) <= 1e9F, name("mean").c_str(), "holds a mean out of range");
-  for (const std::uint16_t s : c.scale)
-    in.require(s == 0 || (float_of_upper(s) >= 1e-30F && float_of_upper(s) <= 1e9F), name("scale").c_str(),
-               "holds an impossible scale");
+  in.require(std::all_of(c.mean.begin(), c.mean.end(), [](auto m) { return std::abs(float_of_upper(m)) <= 1e9F; }),
+             name("mean").c_str(), "holds a mean out of range");
+  in.require(std::all_of(c.scale.begin(), c.scale.end(),
+                         [](auto s) { return s == 0 || (float_of_upper(s) >= 1e-30F && float_of_upper(s) <= 1e9F); }),
+             name("scale").c_str(), "holds an impossible scale");
   check_weights(in, c.weights, name("weights").c_str());
   check_intervals(in, c.interval, c.spread_floor, name("interval").c_str());
   check_sex_table(in, c.sex_table, name("sex").c_str());
@@ -199,28 +204,6 @@ LocalData Contents::local_data() const {
 Surface Contents::surface() const {
   return {projection, inverse_spread, meta.quadratic != 0 ? quadratic : std::span<const float>{},
           static_cast<int>(meta.target_count), static_cast<int>(meta.dimensions)};
-}
-
-namespace {
-
-Status check_range(const PagedBytes& pages, ByteRange range) {
-  if (pages.intact(range.first, range.count)) return Ok{};
-  return pages.damage(range.first, range.count);
-}
-
-}  // namespace
-
-Status Contents::check_code(std::uint32_t entry) const {
-  return check_range(tree.pages, tree.block_of(entry));
-}
-
-Status Contents::check_residual(std::uint32_t entry) const {
-  const std::size_t size = residual_bytes(static_cast<int>(meta.dimensions));
-  return check_range(residual_pages, {entry * size, size});
-}
-
-Status Contents::check_person(std::uint32_t entry) const {
-  return check_range(person_pages, {entry * person_bytes, person_bytes});
 }
 
 std::uint32_t Contents::person_of(std::uint32_t entry) const {

@@ -107,10 +107,12 @@ struct Contents {
 
   LocalData local_data() const;
   Surface surface() const;
-  // Errors: of the codes, residuals or persons of these, what is damaged.
-  Status check_code(std::uint32_t entry) const;
-  Status check_residual(std::uint32_t entry) const;
-  Status check_person(std::uint32_t entry) const;
+  // Where in its section an entry's residuals and person lie.
+  ByteRange residual_of(std::uint32_t entry) const {
+    const std::size_t size = residual_bytes(static_cast<int>(meta.dimensions));
+    return {entry * size, size};
+  }
+  ByteRange number_of(std::uint32_t entry) const { return {entry * person_bytes, person_bytes}; }
   std::uint32_t person_of(std::uint32_t entry) const;
   // Where an entry's code stands, and what the regression got wrong there: with the surface's shift at that place
   // they add up to the truth.

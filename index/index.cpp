@@ -151,14 +151,15 @@ std::uint32_t Index::shape_key() const {
 
 Result<Person> Index::person_of(std::uint32_t entry) const {
   const Contents& c = data_->contents;
-  if (auto sound = c.check_person(entry); !sound) return sound.error();
+  if (auto sound = c.person_pages.check(c.number_of(entry)); !sound) return sound.error();
   return Person{c.meta.population_version, c.meta.population_seed, c.person_of(entry)};
 }
 
 Result<MeasurementValues> Index::measurements_of(std::uint32_t entry) const {
-  for (const auto& sound : {data_->contents.check_code(entry), data_->contents.check_residual(entry)})
-    if (!sound) return sound.error();
-  return data_->contents.measurements_of_entry(entry);
+  const Contents& c = data_->contents;
+  if (auto sound = c.tree.pages.check(c.tree.block_of(entry)); !sound) return sound.error();
+  if (auto sound = c.residual_pages.check(c.residual_of(entry)); !sound) return sound.error();
+  return c.measurements_of_entry(entry);
 }
 
 std::vector<Index::Section> Index::sections() const {

@@ -98,13 +98,13 @@ TEST(PagedSection, GivesBackWhatWasPutIn) {
   ASSERT_TRUE(pages);
   EXPECT_TRUE(std::equal(p.large.begin(), p.large.end(), pages->bytes().begin(), pages->bytes().end()));
   EXPECT_EQ(pages->pages_seen(), 0U);
-  EXPECT_TRUE(pages->intact(p.large.size() - 1, 1));
+  EXPECT_TRUE(pages->intact({p.large.size() - 1, 1}));
   EXPECT_EQ(pages->pages_seen(), 1U);
   const PagedBytes copy = *pages;
-  EXPECT_TRUE(copy.intact(0, p.large.size()));
+  EXPECT_TRUE(copy.intact({0, p.large.size()}));
   const std::size_t begin = p.begin_of("large");
   EXPECT_EQ(pages->pages_seen(), (begin + p.large.size() - 1) / 4096 - begin / 4096 + 1) << "copies share";
-  EXPECT_TRUE(reader->paged("none")->intact(0, 0));
+  EXPECT_TRUE(reader->paged("none")->intact({0, 0}));
   EXPECT_TRUE(reader->section("large"));
   EXPECT_EQ(reader->section("small")->size(), p.small.size());
   EXPECT_FALSE(reader->paged("absent"));
@@ -122,8 +122,8 @@ TEST(PagedSection, EveryFlippedByteIsFoundWhereItIsRead) {
     EXPECT_FALSE(reader->section("large"));
     const auto pages = reader->paged("large");
     for (std::size_t read = 0; read < p.large.size(); read += 97)
-      ASSERT_EQ(pages->intact(read, 1), (begin + read) / 4096 != (begin + at) / 4096) << at << ", read " << read;
-    EXPECT_FALSE(pages->intact(0, p.large.size()));
+      ASSERT_EQ(pages->intact({read, 1}), (begin + read) / 4096 != (begin + at) / 4096) << at << ", read " << read;
+    EXPECT_FALSE(pages->intact({0, p.large.size()}));
     const auto all = pages->check_all();
     ASSERT_FALSE(all);
     EXPECT_EQ(all.error().code, ErrorCode::corrupt);
@@ -179,7 +179,7 @@ TEST(PagedSection, ThreadsAgree) {
         for (std::size_t i = 0; i < p.large.size(); i += 7) {
           const std::size_t read = (i + t * 2000) % p.large.size();
           const std::size_t begin = p.begin_of("large");
-          if (pages->intact(read, 1) != ((begin + read) / 4096 != (begin + 4500) / 4096)) ++wrong;
+          if (pages->intact({read, 1}) != ((begin + read) / 4096 != (begin + 4500) / 4096)) ++wrong;
           i += 500;
         }
       });

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -67,6 +68,7 @@ class FakeStages final : public FrameStages {
     std::atomic<int> fit_delay_us{0};
     std::atomic<bool> describable{true};
     std::atomic<bool> back_describable{true};
+    std::atomic<bool> damaged{false};  // the index, where the person measured would ask it
   };
   explicit FakeStages(Control& control) : control_(control) {}
 
@@ -110,6 +112,11 @@ class FakeStages final : public FrameStages {
   int frame_count() const override { return turned_ ? back_.frame_count : front_.frame_count; }
   bool measure(MeasuredPerson& person) override {
     ++control_.measure_calls;
+    fault_.reset();
+    if (control_.damaged) {
+      fault_ = Error{ErrorCode::corrupt, "people.i2f: section 'code' damaged"};
+      return false;
+    }
     if (!control_.describable || (turned_ && !control_.back_describable)) return false;
     const double sum = front_.sum + (turned_ ? back_.sum / 100 : 0);
     for (std::size_t i = 0; i < kMeasurementCount; ++i) {
@@ -124,6 +131,7 @@ class FakeStages final : public FrameStages {
     person.floor = {true, {0, -1, 0}, 900};
     return true;
   }
+  const Error* fault() const override { return fault_ ? &*fault_ : nullptr; }
   void turn() override {
     turned_ = true;
     back_ = {};
@@ -149,6 +157,7 @@ class FakeStages final : public FrameStages {
   };
   Side front_, back_;
   bool turned_ = false;
+  std::optional<Error> fault_;
   JointSet joints_;
   std::uint16_t fused_ = 16;
   std::uint8_t fused_mask_ = 255;

@@ -29,6 +29,49 @@ class BothWays : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Threads, BothWays, testing::Values(false, true),
                          [](const auto& info) { return info.param ? "one" : "two"; });
 
+// A damaged index is asked once; then every push says so, until somebody else is measured.
+TEST_P(BothWays, ADamagedIndexEndsTheSessionWithItsError) {
+  Rig rig(with(GetParam()));
+  const auto told = [&](const Status& status) {
+    return !status && status.error().code == ErrorCode::corrupt &&
+           status.error().message.find("people.i2f") != std::string::npos;
+  };
+  const FramePixels frame(Shot{});
+  std::uint64_t sequence = 1000;
+  const auto push = [&] {
+    hal::FrameInfo info;
+    info.sequence = ++sequence;
+    return rig.engine->push(frame.view(), info);
+  };
+  rig.control.damaged = true;
+  for (int i = 0; i < 25; ++i) (void)push();
+  rig.engine->finish();
+  EXPECT_TRUE(told(rig.engine->fault()));
+  EXPECT_FALSE(rig.engine->result().measured);
+  EXPECT_EQ(rig.control.measure_calls, 1);
+  rig.engine->reset();
+  EXPECT_TRUE(rig.engine->fault());
+
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(push());
+  rig.engine->finish();  // enough to measure with
+  EXPECT_TRUE(told(rig.engine->fault()));
+  EXPECT_EQ(rig.control.measure_calls, 2);
+  rig.engine->reset();
+
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(push());
+  Status last = Ok{};
+  for (int i = 0; i < 10000 && last; ++i) last = push();
+  EXPECT_TRUE(told(last));
+
+  rig.control.damaged = false;
+  rig.engine->next_person();
+  EXPECT_TRUE(rig.engine->fault());
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(push());
+  rig.engine->finish();
+  EXPECT_TRUE(rig.engine->fault());
+  EXPECT_TRUE(rig.engine->result().measured);
+}
+
 TEST_P(BothWays, MeasuresAfterTheWantedFramesAndOnlyOnce) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 4; ++i) rig.push({.found = false});

@@ -127,8 +127,7 @@ TEST(IndexFile, QueriesDoNotAllocate) {
   const Sample q = World(0.1).sample(testing::kFreshSubjects, 0);
   const std::size_t before = allocation_count;
   int answers = 0;
-  for (const int k : {0, 1, 32, 100000})
-    answers += index->query(q.feature, {.neighbour_count = k}, *scratch) ? 1 : 0;
+  for (const int k : {0, 1, 32, 100000}) answers += index->query(q.feature, {.neighbour_count = k}, *scratch) ? 1 : 0;
   EXPECT_EQ(answers, 4);
   EXPECT_EQ(allocation_count, before);
 }
