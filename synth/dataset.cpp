@@ -114,8 +114,7 @@ struct Views {
 };
 Views views_of(const body::BodyModel& model, const DatasetOptions& o, std::uint64_t number) {
   Views views;
-  views.stranger = o.family == Family::training && o.stranger_every > 0 &&
-                   number % static_cast<std::uint64_t>(o.stranger_every) == 5;
+  views.stranger = o.family == Family::training && is_stranger(number, o.stranger_every, o.stranger_below);
   if (model.shape_space().point_count == 0 || number >= o.turn_below) return views;
   const auto nth = [&](int every, std::uint64_t which) {
     return every > 0 && (views.stranger || number / 2 % static_cast<std::uint64_t>(every) == which);
@@ -295,6 +294,19 @@ void DatasetReport::add(const ChunkCounts& counts, const SubjectRange& range) {
   for (std::size_t g = 0; g < kGuidanceCount; ++g) refused[g] += counts.refused[g];
 }
 
+bool is_stranger(std::uint64_t number, int stranger_every, std::uint32_t stranger_below) {
+  constexpr std::uint64_t kPlace = 5;
+  return stranger_every > 0 && number < stranger_below &&
+         number % static_cast<std::uint64_t>(stranger_every) == kPlace;
+}
+
+int subjects_with(int models, int stranger_every, std::uint32_t stranger_below) {
+  int subjects = 0, found = 0;
+  for (; found < models && static_cast<std::uint32_t>(subjects) < stranger_below; ++subjects)
+    found += is_stranger(static_cast<std::uint64_t>(subjects), stranger_every, stranger_below) ? 0 : 1;
+  return subjects + models - found;
+}
+
 RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   RunKey run;
   run.dataset_version = kDatasetVersion;
@@ -308,6 +320,7 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.landscape_share = o.variety.landscape_share;
   run.plain = o.variety.plain ? 1 : 0;
   run.stranger_every = static_cast<std::uint32_t>(o.stranger_every);
+  run.stranger_below = o.stranger_every > 0 ? o.stranger_below : 0;
   const std::size_t shapes = model.shape_space().point_count > 0 ? model.shape_space().shape_count : 0;
   run.turn_every = shapes > 0 ? static_cast<std::uint32_t>(o.turn_every) : 0;
   run.clothed_every = shapes > 0 ? static_cast<std::uint32_t>(o.clothed_every) : 0;

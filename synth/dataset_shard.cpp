@@ -59,6 +59,7 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("shape_key", std::uint64_t{r.shape_key});
   visit("turn_below", std::uint64_t{r.turn_below});
   visit("clothed_every", std::uint64_t{r.clothed_every});
+  visit("stranger_below", std::uint64_t{r.stranger_below});
 }
 
 std::string text_of(const std::string& name, std::uint64_t value) {

@@ -39,14 +39,6 @@ void keep_memory() {
 #endif
 }
 
-// How many people must be drawn so that `models` of them become entries: strangers only calibrate intervals.
-int people_drawn(int models, int stranger_every) {
-  const auto strangers = [stranger_every](int people) { return (people + stranger_every - 6) / stranger_every; };
-  int people = models;
-  while (people - strangers(people) < models) ++people;
-  return people;
-}
-
 int chunk_of(const SampleOptions& options, int otherwise) {
   if (options.chunk > 0) return options.chunk;
   const auto noted = noted_samples(options.work_dir);
@@ -65,8 +57,9 @@ SampleOptions default_samples() {
 }
 
 void add_sample_options(CLI::App& sub, SampleOptions& options) {
-  sub.add_option("--subjects", options.subjects,
-                 "Models: synthetic people in the index (one in 13 more is drawn to fit intervals on)")
+  sub.add_option(
+         "--subjects", options.subjects,
+         "Models: synthetic people in the index (of the first 32,768 drawn, one in 13 serves to fit intervals on)")
       ->check(CLI::Range(1, 900'000'000))
       ->capture_default_str();
   sub.add_option("--captures", options.captures, "Captures of each: other pose, place and noise")
@@ -90,7 +83,7 @@ Result<synth::DatasetReport> make_samples(const SampleOptions& options,
   if (!key) return key.error();
   if (const auto made = make_directory(options.work_dir); !made) return made.error();
   synth::DatasetOptions dataset;
-  dataset.subject_count = people_drawn(options.subjects, dataset.stranger_every);
+  dataset.subject_count = synth::subjects_with(options.subjects, dataset.stranger_every, dataset.stranger_below);
   dataset.captures_per_subject = options.captures;
   dataset.seed = options.seed;
   dataset.thread_count = options.threads;
@@ -123,7 +116,8 @@ Result<synth::ShardSet> check_samples(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) {
     const auto note = noted_samples(folder);
     if (!note) return note.error();
-    const int people = people_drawn(note->subjects, static_cast<int>(set->run().stranger_every));
+    const synth::RunKey& run = set->run();
+    const int people = synth::subjects_with(note->subjects, static_cast<int>(run.stranger_every), run.stranger_below);
     if (const auto whole = set->expect({0, static_cast<std::uint64_t>(people)}); !whole) return whole.error();
   }
   return set;

@@ -293,6 +293,19 @@ TEST(FeatureGroups, CoverTheFeature) {
   EXPECT_EQ(covered, kFeatureSize);
 }
 
+TEST(Strangers, AreOneInThirteenOfTheFirst) {
+  for (const int models : {1, 5, 6, 12, 13, 100, 30'247, 30'248, 50'000}) {
+    int subjects = 0;
+    for (int found = 0; found < models; ++subjects) found += subjects < 32768 && subjects % 13 == 5 ? 0 : 1;
+    EXPECT_EQ(subjects_with(models, 13, 32768), subjects) << models;
+  }
+  EXPECT_EQ(subjects_with(50'000, 13, 32768), 52'521);
+  EXPECT_EQ(subjects_with(900'000'000, 13, 32768), 900'002'521);
+  EXPECT_EQ(subjects_with(70, 0, 32768), 70);
+  EXPECT_TRUE(is_stranger(32'765 - 32'765 % 13 - 8, 13, 32768));
+  EXPECT_FALSE(is_stranger(13 * 3000 + 5, 13, 32768));
+}
+
 class Dataset : public WithBody {
  protected:
   void SetUp() override {
