@@ -293,7 +293,7 @@ TEST(FeatureGroups, CoverTheFeature) {
   EXPECT_EQ(covered, kFeatureSize);
 }
 
-TEST(Strangers, AreOneInThirteenOfTheFirst) {
+TEST(DatasetPeople, OneInThirteenOfTheFirstIsAStranger) {
   for (const int models : {1, 5, 6, 12, 13, 100, 30'247, 30'248, 50'000}) {
     int subjects = 0;
     for (int found = 0; found < models; ++subjects) found += subjects < 32768 && subjects % 13 == 5 ? 0 : 1;
