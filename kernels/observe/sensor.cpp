@@ -23,8 +23,8 @@ constexpr float kOddsMin = 0.3F;
 constexpr float kOddsDoubtfulMin = 0.8F;   // ... and whose shape alone does not tell either,
 constexpr float kOddsShapelessMin = 1.1F;  // ... or is not known.
 constexpr int kLongFrames = 12;            // The same things are there in every frame, noise is not:
-constexpr float kOddsLongMin = 0.1F;       // a mean over fewer errs by as much.
-constexpr int kHopelessFrames = 4;         // Others are looked at, after.
+constexpr float kOddsLongMin = 0.1F;  // a mean over fewer errs by as much. Coats reach 0.5, but as doubtful ones.
+constexpr int kHopelessFrames = 4;    // Others are looked at, after.
 constexpr float kHopelessOdds = -2.0F;
 constexpr float kLostShareMax = 0.30F;  // of the person's pixels
 
@@ -97,7 +97,8 @@ bool Sensor::looks_like_somebody(int id, bool confirmed) {
   const float sure = shape == 0 ? kLikenessSureShapeless : kLikenessSure;
   if (confirmed && likeness >= sure && odds >= 0) return true;
   if (shape == 0) return told_over(kOddsFrames, kOddsShapelessMin);
-  return told_over(kOddsFrames, confirmed ? kOddsMin : kOddsDoubtfulMin) || told_over(kLongFrames, kOddsLongMin);
+  if (!confirmed) return told_over(kOddsFrames, kOddsDoubtfulMin);
+  return told_over(kOddsFrames, kOddsMin) || told_over(kLongFrames, kOddsLongMin);
 }
 
 // Of the candidate looked at last.

@@ -12,8 +12,10 @@ constexpr float kForearmMaxMm = 600.0F;      // with the hand
 constexpr float kForearmThickMinMm = 70.0F;  // table tops are thinner
 constexpr float kForearmAreaMaxM2 = 0.08F;
 constexpr float kHandHeightMinMm = 400.0F;  // above the floor: below it stand boxes and chairs
-constexpr float kHandGapMaxMm = 280.0F;     // held towards the camera, the forearm is hidden
-constexpr float kPointingMm = 250.0F;       // a hand this far before the body may hide its whole arm
+constexpr float kFlatAreaMinM2 = 0.02F;     // a palm is smaller
+constexpr float kFlatReliefMaxMm = 5.0F;
+constexpr float kHandGapMaxMm = 280.0F;  // held towards the camera, the forearm is hidden
+constexpr float kPointingMm = 250.0F;    // a hand this far before the body may hide its whole arm
 constexpr float kPointingGapMaxMm = 450.0F;
 constexpr float kHandMaxMm = 320.0F;
 constexpr float kElbowGapMaxMm = 100.0F;
@@ -78,6 +80,12 @@ void FragmentJoiner::list_candidates(const Grid& grid, std::span<const Blob> lis
     if (kind_[b] == Kind::no && (!floor_known || other.height_min_mm > kEnclosedMinMm)) kind_[b] = Kind::enclosed;
     const float reach = static_cast<float>(std::max(other.c_max - other.c_min, other.r_max - other.r_min)) * cell;
     const bool off_floor = !floor_known || other.height_min_mm > kHandHeightMinMm;
+    // Boxes on stools are as large, but flat.
+    const bool flat = other.area_m2 > kFlatAreaMinM2 && other.relief_mm < kFlatReliefMaxMm + 0.3F * quantum_mm(z);
+    if (flat) {
+      kind_[b] = Kind::no;
+      continue;
+    }
     const float before = body.centroid_mm.z - z;
     const bool hand = reach < kForearmMaxMm + 80.0F && other.area_m2 < kForearmAreaMaxM2 && off_floor &&
                       other.height_max_mm - other.height_min_mm > kForearmThickMinMm;

@@ -14,25 +14,34 @@ constexpr float kLedgeShare = 0.5F;     // of the height of who stands
 constexpr float kSeatedShare = 0.33F;   // of who sits: the thighs are higher
 constexpr float kSeatShare = 0.36F;     // their seats are lower, between the thighs
 constexpr float kSeatedMaxMm = 1450.0F;
-constexpr float kClearMm = 80.0F;      // above a ledge: nothing of the person
-constexpr float kLevelStepMm = 28.0F;  // from column to column
-constexpr float kLevelMm = 50.0F;      // along a ledge
-constexpr float kLedgeMinMm = 110.0F;  // long
-constexpr float kTopFaceMm = 30.0F;    // in height
-constexpr int kFrontCells = 4;         // tell a front's distance
-constexpr int kEdgeCells = 2;          // about an edge, of either face
-constexpr float kBandMm = 60.0F;       // a front in the floor band, which noise lifts
+constexpr float kSeatedTallMm = 1600.0F;  // the tallest sit as high as others stand, ...
+constexpr float kSeatedAheadMm = 250.0F;  // ... with the shins that far before the trunk: a step is shorter
+constexpr float kClearMm = 80.0F;         // above a ledge: nothing of the person
+constexpr float kLevelStepMm = 28.0F;     // from column to column
+constexpr float kLevelMm = 50.0F;         // along a ledge
+constexpr float kLedgeMinMm = 110.0F;     // long
+constexpr float kTopFaceMm = 30.0F;       // in height
+constexpr int kFrontCells = 4;            // tell a front's distance
+constexpr int kEdgeCells = 2;             // about an edge, of either face
+constexpr float kBandMm = 60.0F;          // a front in the floor band, which noise lifts
 constexpr float kBesideMm = 200.0F;
 constexpr float kPartMm = 22.0F;  // and a disparity step: apart in depth
 constexpr int kFlatCellsMin = 4;
 constexpr float kTrunkLow = 0.55F;  // of a seated person's height
 constexpr float kTrunkHigh = 0.8F;
-constexpr float kBehindMm = 150.0F;  // trunks are 230 deep: their sides end half way
+constexpr float kBehindMm = 150.0F;     // trunks are 230 deep: their sides end half way
+constexpr float kArmBehindMm = 150.0F;  // beyond that
+constexpr float kArmStepMm = 8.0F;      // and half a disparity step: of a surface that goes on
 constexpr float kBendsMm = 60.0F;
 constexpr float kDistanceBinMm = 10.0F;
 constexpr int kDistanceBins = 1000;
 constexpr float kPostMm = 50.0F;
 constexpr float kPostLowMm = 200.0F;  // above the floor: ankles are as thin
+constexpr float kPostTallMm = 60.0F;  // ankles seen that thin are shorter
+constexpr std::int32_t kThin = -1;
+constexpr float kShinThickMinMm = 70.0F;  // of its area over its height
+constexpr float kShinThickMaxMm = 125.0F;
+constexpr float kShinTallMinMm = 120.0F;
 constexpr float kFlatBaseMm = 50.0F;  // calves bulge by 25 mm over twice that, boxes by nothing
 
 std::size_t at(int i) {
@@ -244,7 +253,7 @@ void FurnitureCutter::cut_row(const Grid& grid, int row, float limit_mm, std::sp
 }
 
 // Legs of chairs, in a row: thinner than shins. A hole of one cell parts nothing.
-void FurnitureCutter::cut_posts(const Grid& grid, int row, float limit_mm, std::span<std::uint8_t> chosen) {
+void FurnitureCutter::find_posts(const Grid& grid, int row, float limit_mm, std::span<const std::uint8_t> chosen) {
   const auto mine = [&](int c) { return c >= 0 && c < grid.width && chosen[at(grid.index(c, row))] != 0; };
   const auto z = [&](int c) { return static_cast<float>(grid.depth[at(grid.index(c, row))]); };
   const auto goes_on = [&](int c, int next) {
@@ -258,8 +267,38 @@ void FurnitureCutter::cut_posts(const Grid& grid, int row, float limit_mm, std::
     const float wide = static_cast<float>(last - first + 1) * cell_mm(grid, z(first));
     if (wide < kPostMm && height > kPostLowMm && height < limit_mm)
       for (int c = first; c <= last; ++c)
-        if (mine(c)) cut_[at(grid.index(c, row))] = 1;
+        if (mine(c)) island_[at(grid.index(c, row))] = kThin;
     first = last;
+  }
+}
+
+// Those that stay so thin for longer than an ankle.
+void FurnitureCutter::cut_posts(const Grid& grid, float limit_mm, std::span<const std::uint8_t> chosen) {
+  std::fill(island_.begin(), island_.end(), 0);
+  for (int r = 0; r < grid.height; ++r) find_posts(grid, r, limit_mm, chosen);
+  const auto thin = [&](int c, int r) {
+    for (int beside = std::max(0, c - 1); beside <= std::min(grid.width - 1, c + 1); ++beside)
+      if (island_[at(grid.index(beside, r))] == kThin) return true;
+    return false;
+  };
+  for (int c = 0; c < grid.width; ++c) {
+    for (int first = 0; first < grid.height; ++first) {
+      if (!thin(c, first)) continue;
+      int last = first;
+      while (last + 1 < grid.height && thin(c, last + 1)) ++last;
+      int count = 0;
+      float mm = 0;
+      for (int r = first; r <= last; ++r) {
+        const auto i = at(grid.index(c, r));
+        if (island_[i] != kThin) continue;
+        ++count;
+        mm = cell_mm(grid, static_cast<float>(grid.depth[i]));
+      }
+      if (count > 0 && static_cast<float>(last - first + 1) * mm > kPostTallMm)
+        for (int r = first; r <= last; ++r)
+          if (island_[at(grid.index(c, r))] == kThin) cut_[at(grid.index(c, r))] = 1;
+      first = last + 1;
+    }
   }
 }
 
@@ -284,10 +323,8 @@ void FurnitureCutter::cut_below_and_above(const Grid& grid, Vec3f ahead, int c, 
 }
 
 void FurnitureCutter::cut_seat(const Grid& grid, Vec3f ahead, float limit_mm, std::span<std::uint8_t> chosen) {
-  for (int r = 0; r < grid.height; ++r) {
-    cut_row(grid, r, limit_mm, chosen);
-    cut_posts(grid, r, limit_mm, chosen);
-  }
+  for (int r = 0; r < grid.height; ++r) cut_row(grid, r, limit_mm, chosen);
+  cut_posts(grid, limit_mm, chosen);
   for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = static_cast<std::uint8_t>(chosen[i] & (cut_[i] ^ 1));
   for (int r = 0; r < grid.height; ++r)
     for (int c = 0; c < grid.width; ++c)
@@ -313,29 +350,55 @@ float FurnitureCutter::distance_between(const Grid& grid, Vec3f ahead, float low
   return kDistanceBinMm * static_cast<float>(median);
 }
 
-// Not tall either, but with the shins behind the trunk: who sits has them before it.
-bool FurnitureCutter::bends(const Grid& grid, Vec3f ahead, float tall_mm, std::span<const std::uint8_t> chosen) {
-  return distance_between(grid, ahead, kLedgeLowMm, kSeatShare * tall_mm, chosen) >
-         distance_between(grid, ahead, kTrunkLow * tall_mm, kTrunkHigh * tall_mm, chosen) + kBendsMm;
+// Who sits has them there; who bends is not tall either, but has them behind.
+float FurnitureCutter::shins_before_trunk_mm(const Grid& grid, Vec3f ahead, float tall_mm,
+                                             std::span<const std::uint8_t> chosen) {
+  return distance_between(grid, ahead, kTrunkLow * tall_mm, kTrunkHigh * tall_mm, chosen) -
+         distance_between(grid, ahead, kLedgeLowMm, kSeatShare * tall_mm, chosen);
 }
 
-// The backrest and the legs under it: further away than the sides of the trunk.
+// The backrest and the legs under it: further away than the sides of the trunk. Arms and hands beside it are as far,
+// but the surface goes on to them without a step.
 void FurnitureCutter::cut_behind(const Grid& grid, Vec3f ahead, float tall_mm, std::span<std::uint8_t> chosen) {
   const float limit = distance_between(grid, ahead, kTrunkLow * tall_mm, kTrunkHigh * tall_mm, chosen) + kBehindMm;
-  for (int r = 0; r < grid.height; ++r) {
-    for (int c = 0; c < grid.width; ++c) {
-      const auto i = at(grid.index(c, r));
-      if (chosen[i] == 0 || grid.height_mm[i] > kTrunkHigh * tall_mm) continue;
-      const Vec3f p = grid.point(c, r);
-      if (dot(ahead, p) < limit + quantum_mm(p.z)) continue;
-      chosen[i] = 0;
-      cut_[i] = 1;
+  const auto beyond = [&](int cell) {
+    const Vec3f p = grid.point(cell);
+    return dot(ahead, p) - limit - quantum_mm(p.z);
+  };
+  const auto suspect = [&](int cell) {
+    return chosen[at(cell)] != 0 && grid.height_mm[at(cell)] < kTrunkHigh * tall_mm && beyond(cell) >= 0;
+  };
+  std::fill(island_.begin(), island_.end(), 0);
+  const int cells = grid.width * grid.height;
+  int size = 0;
+  for (int cell = 0; cell < cells; ++cell) {
+    if (chosen[at(cell)] == 0 || suspect(cell) || grid.height_mm[at(cell)] < kTrunkLow * tall_mm) continue;
+    stack_[at(size++)] = cell;
+    island_[at(cell)] = 1;
+  }
+  for (int done = 0; done < size; ++done) {
+    const int cell = stack_[at(done)];
+    const float z = static_cast<float>(grid.depth[at(cell)]);
+    const int c = cell % grid.width;
+    for (const int step : {-1, 1, -grid.width, grid.width}) {
+      const int other = cell + step;
+      if (other < 0 || other >= cells || (step == -1 && c == 0) || (step == 1 && c + 1 == grid.width)) continue;
+      if (island_[at(other)] != 0 || !suspect(other) || beyond(other) > kArmBehindMm) continue;
+      if (std::fabs(static_cast<float>(grid.depth[at(other)]) - z) > kArmStepMm + 0.5F * quantum_mm(z)) continue;
+      island_[at(other)] = 1;
+      stack_[at(size++)] = other;
     }
+  }
+  for (int cell = 0; cell < cells; ++cell) {
+    if (island_[at(cell)] != 0 || !suspect(cell)) continue;
+    chosen[at(cell)] = 0;
+    cut_[at(cell)] = 1;
   }
 }
 
-// What hung on the person by what was taken: islands beside it, all of them low.
-void FurnitureCutter::drop_loose(const Grid& grid, float limit_mm, std::span<std::uint8_t> chosen) {
+// What hung on the person by what was taken: islands beside it, all of them low. Not a seated person's shin, parted
+// from the thigh by a hem.
+void FurnitureCutter::drop_loose(const Grid& grid, float limit_mm, bool seated, std::span<std::uint8_t> chosen) {
   std::fill(island_.begin(), island_.end(), 0);
   const int cells = grid.width * grid.height;
   for (int start = 0; start < cells; ++start) {
@@ -345,9 +408,16 @@ void FurnitureCutter::drop_loose(const Grid& grid, float limit_mm, std::span<std
     island_[at(start)] = start + 1;
     bool low = true;
     bool beside = false;
+    float lowest = 1e9F;
+    float highest = 0;
+    float area_mm2 = 0;
     for (int done = 0; done < size; ++done) {
       const int cell = stack_[at(done)];
       low = low && grid.height_mm[at(cell)] < limit_mm;
+      lowest = std::min(lowest, grid.height_mm[at(cell)]);
+      highest = std::max(highest, grid.height_mm[at(cell)]);
+      const float mm = cell_mm(grid, static_cast<float>(grid.depth[at(cell)]));
+      area_mm2 += mm * mm;
       const int c = cell % grid.width;
       const int r = cell / grid.width;
       for (int rr = std::max(0, r - 1); rr <= std::min(grid.height - 1, r + 1); ++rr) {
@@ -362,7 +432,10 @@ void FurnitureCutter::drop_loose(const Grid& grid, float limit_mm, std::span<std
         }
       }
     }
-    if (!low || !beside) continue;
+    const float tall = highest - lowest;
+    const bool shin = seated && lowest < kLedgeLowMm && tall > kShinTallMinMm && area_mm2 > kShinThickMinMm * tall &&
+                      area_mm2 < kShinThickMaxMm * tall;
+    if (!low || !beside || shin) continue;
     for (int i = 0; i < size; ++i) {
       chosen[at(stack_[at(i)])] = 0;
       cut_[at(stack_[at(i)])] = 1;
@@ -394,14 +467,16 @@ void FurnitureCutter::run(const Grid& grid, const FloorPlane& floor, std::span<s
     tall_mm = std::max(tall_mm, chosen[i] != 0 ? grid.height_mm[i] : 0.0F);
   const float limit_mm = std::min(kLedgeHighMm, (tall_mm > kSeatedMaxMm ? kLedgeShare : kSeatedShare) * tall_mm);
   const Vec3f ahead = Vec3f{0, 0, 1} - floor.up * floor.up.z;
-  bool any = tall_mm < kSeatedMaxMm && !bends(grid, ahead, tall_mm, chosen);
-  if (any) {
+  const bool seated = tall_mm < kSeatedTallMm && shins_before_trunk_mm(grid, ahead, tall_mm, chosen) >
+                                                     (tall_mm < kSeatedMaxMm ? -kBendsMm : kSeatedAheadMm);
+  if (seated) {
     cut_seat(grid, ahead, kSeatShare * tall_mm, chosen);
     cut_behind(grid, ahead, tall_mm, chosen);
   }
   // Twice: what was taken may have stood before more of it.
+  bool any = seated;
   for (int pass = 0; pass < 2 && cut_ledges(grid, ahead, limit_mm, chosen); ++pass) any = true;
-  if (any) drop_loose(grid, limit_mm, chosen);
+  if (any) drop_loose(grid, limit_mm, seated, chosen);
 }
 
 }  // namespace im2fit::segment

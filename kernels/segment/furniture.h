@@ -31,17 +31,18 @@ class FurnitureCutter {
   void follow_down(const Grid& grid, Vec3f ahead, const Ledge& ledge, std::span<const std::uint8_t> chosen);
   bool flat(const Grid& grid, const Ledge& ledge) const;
   bool cut_ledges(const Grid& grid, Vec3f ahead, float limit_mm, std::span<std::uint8_t> chosen);
-  void cut_posts(const Grid& grid, int row, float limit_mm, std::span<std::uint8_t> chosen);
+  void find_posts(const Grid& grid, int row, float limit_mm, std::span<const std::uint8_t> chosen);
+  void cut_posts(const Grid& grid, float limit_mm, std::span<const std::uint8_t> chosen);
   void cut_seat(const Grid& grid, Vec3f ahead, float limit_mm, std::span<std::uint8_t> chosen);
   float distance_between(const Grid& grid, Vec3f ahead, float low_mm, float high_mm,
                          std::span<const std::uint8_t> chosen);
-  bool bends(const Grid& grid, Vec3f ahead, float tall_mm, std::span<const std::uint8_t> chosen);
+  float shins_before_trunk_mm(const Grid& grid, Vec3f ahead, float tall_mm, std::span<const std::uint8_t> chosen);
   void cut_behind(const Grid& grid, Vec3f ahead, float tall_mm, std::span<std::uint8_t> chosen);
   void cut_row(const Grid& grid, int row, float limit_mm, std::span<std::uint8_t> chosen);
   void cut_below_and_above(const Grid& grid, Vec3f ahead, int c, int r, std::span<std::uint8_t> chosen);
   void take(const Grid& grid, Vec3f ahead, const Ledge& ledge, std::span<std::uint8_t> chosen);
   void take_beside(const Grid& grid, Vec3f ahead, const Ledge& ledge, std::span<std::uint8_t> chosen);
-  void drop_loose(const Grid& grid, float limit_mm, std::span<std::uint8_t> chosen);
+  void drop_loose(const Grid& grid, float limit_mm, bool seated, std::span<std::uint8_t> chosen);
 
   std::vector<std::uint8_t> cut_;
   std::vector<std::int32_t> top_, bottom_;  // rows, per column; -1: none
