@@ -141,6 +141,39 @@ TEST(SegmentFurniture, TheChairIsNotWhoSitsOnIt) {
   EXPECT_GT(s.overlap, 0.94);
 }
 
+// A fifth larger all over: 1.51 m tall as he sits, as others are who stand.
+TEST(SegmentFurniture, TheTallestSitAsWell) {
+  std::vector<Capsule> person = seated_at(0, 0);
+  for (Capsule& c : person) {
+    for (Vec3f* end : {&c.a, &c.b}) *end = *end * 1.2F + Vec3f{0, 0, 2700};
+    c.radius *= 1.2F;
+  }
+  std::vector<Box> chair = chair_at(0, 0);
+  for (Box& b : chair)
+    for (Vec3f* end : {&b.low, &b.high}) *end = *end * 1.2F + Vec3f{0, 0, 2700};
+  const Shares s = first_look(room_with(person, chair));
+  ASSERT_TRUE(s.found);
+  EXPECT_LT(s.furniture, 0.03);
+  EXPECT_GT(s.overlap, 0.94);
+}
+
+// One ankle is 40 mm wide, as legs of chairs are, for 30 mm.
+TEST(SegmentFurniture, FeetBelowThinAnklesStay) {
+  std::vector<Capsule> person = seated_at(0, 2700);
+  for (Capsule& c : person) {
+    if (c.radius != 52) continue;  // shins
+    const float x = c.a.x;
+    c.b = {x, 300, c.a.z};
+    person.push_back({{x, 270, c.a.z}, {x, 240, c.a.z}, 20, 1});
+    person.push_back({{x, 200, c.a.z}, {x, 60, c.a.z}, 48, 1});
+    break;
+  }
+  const Shares s = first_look(room_with(person, chair_at(0, 2700)));
+  ASSERT_TRUE(s.found);
+  EXPECT_LT(s.furniture, 0.03);
+  EXPECT_GT(s.overlap, 0.95);
+}
+
 // As far as the shins and beside them, so that they are one surface.
 TEST(SegmentFurniture, LegsOfChairsAreThinnerThanShins) {
   std::vector<Box> boxes;
