@@ -494,6 +494,7 @@ TEST_F(Dataset, LowNumbersTurnRoundAndKeepTheirFrontsFrames) {
   DatasetOptions o = small();
   o.subject_count = 8;
   o.turn_below = 5;
+  o.clothed_every = 0;
   const auto turned = make(o);
   o.turn_below = 0;
   const auto plain = make(o);
