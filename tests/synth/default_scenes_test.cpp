@@ -20,19 +20,19 @@ std::uint64_t fnv1a(std::uint64_t hash, const void* bytes, std::size_t count) {
 }
 constexpr std::uint64_t kStart = 0xCBF29CE484222325ULL;
 
-// Depth, mask and joints of two frames, made by the tree before clothes and company existed. The mesh says whether
-// this body pack and C library are the ones they were made with.
+// Depth, mask and joints of two frames, made again whenever people are drawn otherwise (last: hips that follow body
+// mass). The mesh says whether this body pack and C library are the ones they were made with.
 struct Before {
   std::uint64_t mesh, frames;
 };
-constexpr std::array<Before, 8> kBefore = {{{0x0141da41189c2d00ULL, 0x7147520e250755a3ULL},
-                                            {0x37135b62092a439cULL, 0xe37a369aa6ba155eULL},
-                                            {0x3a3b53031d0ae74bULL, 0xb05d52012c17aff9ULL},
-                                            {0x8761dc0db6bbdd5dULL, 0x0f4f8b7c81551bc2ULL},
-                                            {0x24a6da6ffbd85a32ULL, 0xb0c9da929d756d6cULL},
-                                            {0x57db3fd58bf6fb7aULL, 0xf2c87322b72e6387ULL},
-                                            {0xf4bab59cb81a0072ULL, 0xbe7c54c5dc677c5aULL},
-                                            {0xfc1e7a891290ee4aULL, 0x71f392c71068e9cfULL}}};
+constexpr std::array<Before, 8> kBefore = {{{0x871e9f747d4b68c0ULL, 0xe9ab400ad35b5cdeULL},
+                                            {0xb215e62e58ce7b81ULL, 0x430a2f0e1c8e6ed5ULL},
+                                            {0x9675119a6f5e28b2ULL, 0x6a58a4190777e2aaULL},
+                                            {0x944d23b615932908ULL, 0xb778f714386e3db6ULL},
+                                            {0x7a79dd5ebd354928ULL, 0xc6915d2bce7a8b88ULL},
+                                            {0x62305610294c9223ULL, 0x1f2c3bbd1388a070ULL},
+                                            {0x547831117aca40deULL, 0xf79cc199ec06e538ULL},
+                                            {0x758382274e2deda3ULL, 0x52ca1d95cc9bc472ULL}}};
 
 TEST_F(DefaultScenes, AreTheSameBytesAsBefore) {
 #ifndef __x86_64__
