@@ -34,6 +34,7 @@ class Ours : public Peer {
         }
         index::Sample part = sample;
         part.feature.resize(kRawSize);
+        for (auto* further : {&part.fit, &part.back, &part.fit_both}) further->clear();
         if (!take(part)) break;
       }
       return Status(Ok{});
