@@ -57,7 +57,7 @@ struct Sums {
 LinearFit solve(const Sums& s, double penalty) {
   const Eigen::VectorXd z = s.z / s.count, y = s.y / s.count;
   Eigen::MatrixXd a = s.gram / s.count;
-  a.selfadjointView<Eigen::Lower>().rankUpdate(z, -1.0);
+  a.triangularView<Eigen::Lower>() -= z * z.transpose();
   a.diagonal().array() += penalty;
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> factor(a);
   LinearFit fit;
