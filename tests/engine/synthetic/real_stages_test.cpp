@@ -144,6 +144,15 @@ class RealStages : public testing::Test {
   static inline Data* data_ = nullptr;
 };
 
+TEST_F(RealStages, ClothesNeedAnIndexThatKnowsThem) {
+  EngineSettings settings;
+  settings.clothed = true;
+  const auto engine = Engine::create(settings, *data_->tracker, *data_->index);
+  ASSERT_FALSE(engine);
+  EXPECT_EQ(engine.error().code, ErrorCode::unsupported);
+  EXPECT_NE(engine.error().message.find("nobody in clothes"), std::string::npos) << engine.error().message;
+}
+
 TEST_F(RealStages, MeasureWithTheSameBytesOnOneAndTwoThreadsAndTwice) {
   std::string texts[3];
   for (int run = 0; run < 3; ++run) {
