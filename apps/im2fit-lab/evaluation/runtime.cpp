@@ -111,6 +111,7 @@ Result<RuntimeRow> runtime_of(const SessionModels& models, const index::Index& i
                                              std::to_string(people[0].feature.size())};
   if (auto asked = time_queries(index, people, row); !asked) return asked.error();
   std::vector<double> describe_ms;
+  describe_ms.reserve(people.size());
   for (const Asker& asker : people) describe_ms.push_back(asker.describe_ms);
   row.measurements_ms = median_of(describe_ms) + row.query_p50_ms;
   // Indexes made to measure speed name nobody who could be drawn.
