@@ -2,37 +2,14 @@
 // A rendered person in clothes, measured with and without a word about them.
 #include <cmath>
 
-#include "measure_run.h"
+#include "measured_clip.h"
 
 namespace im2fit {
 namespace {
 
-class InClothes : public testing::Test {
+class InClothes : public test::MeasuredClip {
  protected:
-  static void SetUpTestSuite() {
-    if (!test::have_data()) return;
-    folder_ = new test::TestFolder;
-    const test::Run run =
-        test::run_program({test::kLab, "render", "--out", clip(), "--seed", "7", "--subject", "1", "--size",
-                           "320x240", "--frames", "20", "--clothed", "--body", test::body_path()});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-  }
-  static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
-  }
-  void SetUp() override {
-    if (folder_ == nullptr) GTEST_SKIP() << "no body, tracker or index file";
-  }
-  static std::string clip() { return folder_->path("clip"); }
-  static nlohmann::json measured(const std::vector<std::string>& words) {
-    const std::string out = folder_->path("out");
-    const test::Run run = test::measure(clip(), out, words);
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    test::expect_honest(run, out);
-    return nlohmann::json::parse(test::read_text(out + "/result.json"), nullptr, false);
-  }
-  static inline test::TestFolder* folder_ = nullptr;
+  static void SetUpTestSuite() { render({"--frames", "20", "--clothed"}); }
 };
 
 TEST_F(InClothes, TheBodyUnderneathIsMeasuredWhenTold) {
