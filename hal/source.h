@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/status.h"
 #include "kernels/core/camera.h"
+#include "kernels/core/vec3.h"
 
 namespace im2fit::hal {
 
@@ -52,6 +54,9 @@ class Source {
   virtual Result<FrameInfo> next(DepthImage depth, int timeout_ms) = 0;
   virtual void stop() = 0;
   virtual SourceStats stats() const = 0;
+  // Which way is down, a unit vector in the axes of the frames delivered (x right, y down, z forward), from a camera
+  // with an accelerometer at rest. None: it has none, or is being moved.
+  virtual std::optional<Vec3f> down() const { return std::nullopt; }
 };
 
 // The upright picture of a camera that was turned when it was mounted. With W x H the size of `in`:
