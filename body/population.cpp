@@ -126,6 +126,21 @@ void put_on_grid(Params& p) {
   for (float& modifier : p.modifiers) modifier = gridded(modifier);
 }
 
+std::uint64_t seed_of_person(Family family, std::uint64_t seed, std::uint64_t number) {
+  return Rng::for_item(seed, kFamilyTag[static_cast<std::size_t>(family)], number).next();
+}
+
+bool is_woman(std::uint64_t number) {
+  return (number & 1) != 0;
+}
+
+Status check_version(std::uint32_t version) {
+  if (version == kPopulationVersion) return Ok{};
+  return Error{ErrorCode::unsupported, "the index' people are of version " + std::to_string(version) +
+                                           " of the population, this program draws version " +
+                                           std::to_string(kPopulationVersion) + "; build the index again"};
+}
+
 }  // namespace
 
 std::span<const AgeGroup> age_groups(bool woman) {
@@ -161,8 +176,8 @@ Build draw_build(Family family, bool woman, std::uint64_t person_seed) {
 
 Drawn draw_person(const BodyModel& model, Family family, std::uint64_t seed, std::uint64_t number) {
   Drawn drawn;
-  drawn.seed = Rng::for_item(seed, kFamilyTag[static_cast<std::size_t>(family)], number).next();
-  drawn.woman = (number & 1) != 0;
+  drawn.seed = seed_of_person(family, seed, number);
+  drawn.woman = is_woman(number);
   const Build build = draw_build(family, drawn.woman, drawn.seed);
   const double stature_mm = std::round(build.stature_mm * 256) / 256,
                weight_kg = std::round(build.weight_kg * 4096) / 4096;
@@ -178,11 +193,14 @@ Drawn draw_person(const BodyModel& model, Family family, std::uint64_t seed, std
 
 Result<Params> params_of_person(const BodyModel& model, std::uint32_t version, std::uint64_t seed,
                                 std::uint64_t number) {
-  if (version != kPopulationVersion)
-    return Error{ErrorCode::unsupported, "the index' people are of version " + std::to_string(version) +
-                                             " of the population, this program draws version " +
-                                             std::to_string(kPopulationVersion) + "; build the index again"};
+  if (auto ok = check_version(version); !ok) return ok.error();
   return draw_person(model, Family::training, seed, number).params;
+}
+
+Result<float> age_of_person(std::uint32_t version, std::uint64_t seed, std::uint64_t number) {
+  if (auto ok = check_version(version); !ok) return ok.error();
+  const std::uint64_t own = seed_of_person(Family::training, seed, number);
+  return gridded(static_cast<float>(draw_build(Family::training, is_woman(number), own).age_years));
 }
 
 }  // namespace im2fit::body

@@ -50,5 +50,7 @@ inline constexpr std::uint32_t kPopulationVersion = 1;
 // A person of the training family as an index names it. Error: the version is not this one. A few milliseconds.
 Result<Params> params_of_person(const BodyModel& model, std::uint32_t version, std::uint64_t seed,
                                 std::uint64_t number);
+// The same person's age alone, years. Less than a microsecond.
+Result<float> age_of_person(std::uint32_t version, std::uint64_t seed, std::uint64_t number);
 
 }  // namespace im2fit::body

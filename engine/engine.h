@@ -12,6 +12,7 @@
 
 #include "base/status.h"
 #include "body/model.h"
+#include "engine/age.h"
 #include "hal/source.h"
 #include "index/index.h"
 #include "kernels/core/guidance.h"
@@ -83,6 +84,7 @@ struct EngineResult {
   bool front_measured = false;
   AnswerViews views = AnswerViews::none;  // of the answer
   index::Answer answer;                   // valid when measured or front_measured
+  AgeAnswer age;                          // as the answer
   MeasurementValues paper{};              // NaN where not measured
   JointSet measured_joints;               // robust mean behind the answer: the front's
 };

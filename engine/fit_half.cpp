@@ -147,6 +147,7 @@ void FitHalf::measure(bool ended) {
   if (!succeeded) {
     result_.views = AnswerViews::none;
     result_.answer = {};
+    result_.age = {};
     result_.paper.fill(std::numeric_limits<float>::quiet_NaN());
     result_.guidance = static_cast<GuidanceSet>(Guidance::too_noisy);
     take_guidance(result_.guidance);
@@ -154,6 +155,7 @@ void FitHalf::measure(bool ended) {
   }
   result_.views = front_frames_ > 0 ? AnswerViews::front_and_back : AnswerViews::front;
   result_.answer = person.answer;
+  result_.age = person.age;
   result_.paper = person.paper;
   result_.measured_joints = person.joints;
   if (person.floor.known) result_.floor = person.floor;

@@ -13,6 +13,7 @@ namespace im2fit {
 // What a session ends with.
 struct MeasuredPerson {
   index::Answer answer;
+  AgeAnswer age;
   MeasurementValues paper{};
   JointSet joints;
   FloorPlane floor;

@@ -30,7 +30,8 @@ class ProductionStages final : public SensingStages {
       fault_ = answer.error();
       return false;
     }
-    person.answer = *answer;
+    person.answer = answer->answer;
+    person.age = answer->age;
     person.paper = to_values(described.paper);
     person.joints = described.joints;
     person.floor = described.floor;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "body/population.h"
+
 namespace im2fit {
 namespace {
 
@@ -36,11 +38,35 @@ std::span<const float> RefinedQuery::unknown_fit() {
   return values;
 }
 
-Result<index::Answer> RefinedQuery::ask(const Side& front, const std::optional<Side>& back) {
+// In a small index many would hardly be alike.
+Result<AgeAnswer> RefinedQuery::age_of(const index::Seen& seen) {
+  constexpr std::size_t kAlikeMin = 32, kShareOfIndex = 40;
+  const std::size_t wanted = std::clamp(index_.size() / kShareOfIndex, kAlikeMin, kAlikeMax);
+  const auto found = index_.alike(seen, std::span(alike_).first(wanted), *scratch_);
+  if (!found) return found.error();
+  for (std::size_t i = 0; i < *found; ++i) {
+    const auto person = index_.person_of(alike_[i]);
+    if (!person) return person.error();
+    const auto age = body::age_of_person(person->version, person->seed, person->number);
+    if (!age) return age.error();
+    ages_[i] = *age;
+  }
+  return age_among(std::span(ages_).first(*found));
+}
+
+Result<RefinedQuery::Asked> RefinedQuery::asked(const index::Seen& seen, const index::QueryOptions& options) {
+  const auto answer = index_.query(seen, options, *scratch_);
+  if (!answer) return answer.error();
+  const auto age = age_of(seen);
+  if (!age) return age.error();
+  return Asked{*answer, *age};
+}
+
+Result<RefinedQuery::Asked> RefinedQuery::ask(const Side& front, const std::optional<Side>& back) {
   index::QueryOptions options;
   options.frame_count = front.fuser.frame_count();
   index::Seen seen{front.description.feature, {}, {}, {}, clothed_};
-  if (fitter_ == nullptr) return index_.query(seen, options, *scratch_);
+  if (fitter_ == nullptr) return asked(seen, options);
   if (back) {
     const std::array<body::FitView, 2> views = {view_of(front), view_of(*back)};
     seen.fit_both = fit(views);
@@ -54,7 +80,7 @@ Result<index::Answer> RefinedQuery::ask(const Side& front, const std::optional<S
     seen.back = back->description.feature;
     options.frame_count = std::min(options.frame_count, back->fuser.frame_count());
   }
-  return index_.query(seen, options, *scratch_);
+  return asked(seen, options);
 }
 
 }  // namespace im2fit

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "body/fit/shape_fitter.h"
+#include "engine/age.h"
 #include "index/index.h"
 #include "kernels/observe/observe.h"
 
@@ -27,14 +28,20 @@ class RefinedQuery {
     const Fuser& fuser;
     const Fuser::Description& description;
   };
+  struct Asked {
+    index::Answer answer;
+    AgeAnswer age;
+  };
   // Some tens of milliseconds with a shape space, for each side.
-  // Errors: the index is damaged where it was asked.
-  Result<index::Answer> ask(const Side& front, const std::optional<Side>& back);
+  // Errors: the index is damaged where it was asked, or of people this program cannot draw.
+  Result<Asked> ask(const Side& front, const std::optional<Side>& back);
   bool refines() const { return fitter_ != nullptr; }
 
  private:
   std::span<const float> fit(std::span<const body::FitView> views);
   std::span<const float> unknown_fit();
+  Result<AgeAnswer> age_of(const index::Seen& seen);
+  Result<Asked> asked(const index::Seen& seen, const index::QueryOptions& options);
 
   const index::Index& index_;
   const body::ShapeSpace* space_;
@@ -42,6 +49,9 @@ class RefinedQuery {
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
   std::array<float, body::kShapeMax + body::kFitQualityCount> values_{};
+  static constexpr std::size_t kAlikeMax = 256;
+  std::array<std::uint32_t, kAlikeMax> alike_{};
+  std::array<float, kAlikeMax> ages_{};
 };
 
 }  // namespace im2fit

@@ -65,6 +65,16 @@ Json measurements_json(const EngineResult& result) {
   return all;
 }
 
+Json age_json(const AgeAnswer& age) {
+  Json bands = Json::object();
+  for (std::size_t i = 0; i < kAgeBandCount; ++i)
+    bands[std::string(kAgeBandNames[i])] = rounded(age.bands[i], kTenThousandths);
+  return {{"value", rounded(age.years.value, kTenths)},
+          {"unit", "years"},
+          {"interval", Json::array({rounded(age.years.low, kTenths), rounded(age.years.high, kTenths)})},
+          {"bands", bands}};
+}
+
 Json size_json(const SizeAnswer& size) {
   Json probabilities = Json::object();
   for (const SizeAnswer::Entry& entry : size.entries)
@@ -222,6 +232,7 @@ std::string result_json(const ResultReport& report) {
   if (r.measured) json["clothed"] = r.answer.clothed;
   json["measurements"] = measurements_json(r);
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
+  if (r.measured) json["age"] = age_json(r.age);
   if (r.measured && report.size) json["size"] = size_json(*report.size);
   json["joints"] = joints_json(r);
   if (r.measured) json["body"] = body_json(report);

@@ -52,16 +52,19 @@ Position Answerer::place_of(const Targets& targets) const {
                  static_cast<int>(contents_.meta.dimensions));
 }
 
+Coordinates Answerer::grid_of(const Targets& targets) const {
+  return to_grid(place_of(targets), static_cast<int>(contents_.meta.dimensions), contents_.meta.grid_unit);
+}
+
 Result<Answerer::Corrected> Answerer::corrected(const Targets& regressed, const QueryOptions& options,
                                                 Workspace& work) const {
   const Contents& c = contents_;
   const int targets = static_cast<int>(c.meta.target_count);
-  const Position place = place_of(regressed);
   const Surface surface = c.surface();
-  const Targets bend = surface.targets_at(place);
+  const Targets bend = surface.targets_at(place_of(regressed));
   Corrected out;
   out.shift = surface.shift_of(bend);
-  const Coordinates grid = to_grid(place, static_cast<int>(c.meta.dimensions), c.meta.grid_unit);
+  const Coordinates grid = grid_of(regressed);
   const int wanted = options.neighbour_count > 0 ? options.neighbour_count : static_cast<int>(c.meta.neighbour_count);
   const auto count = static_cast<std::size_t>(std::min(wanted, kNeighbourMax));
   out.neighbours = options.exhaustive ? work.search.exhaustive(grid, count) : work.search.nearest(grid, count);
@@ -88,15 +91,25 @@ const Refiner* Answerer::refiner_for(const Seen& seen) const {
   return nullptr;
 }
 
+// Whoever is in clothes is looked for where the refined answer puts him, without the beyond of measurements.
+Targets Answerer::asked_of(const Seen& seen, const Refiner* refiner, Workspace& work) const {
+  if (!seen.clothed || refiner == nullptr) return regressed(seen.front, work);
+  Targets asked{};
+  refiner->apply(seen, *work.refining[static_cast<std::size_t>(refiner->kind())], asked);
+  return asked;
+}
+
+Result<std::span<const Neighbour>> Answerer::alike(const Seen& seen, std::size_t count, Workspace& work) const {
+  const Coordinates grid = grid_of(asked_of(seen, refiner_for(seen), work));
+  const std::span<const Neighbour> found = work.search.nearest(grid, std::min<std::size_t>(count, kNeighbourMax));
+  if (!work.search.intact()) return work.search.damage();
+  return found;
+}
+
 Result<Answer> Answerer::answer(const Seen& seen, const QueryOptions& options, Workspace& work) const {
   const Refiner* refiner = refiner_for(seen);
   Refiner::Work* refining = refiner ? &*work.refining[static_cast<std::size_t>(refiner->kind())] : nullptr;
-  // Whoever is in clothes is looked for where the refined answer puts him, without the beyond of measurements.
-  Targets asked{};
-  if (seen.clothed && refiner)
-    refiner->apply(seen, *refining, asked);
-  else
-    asked = regressed(seen.front, work);
+  const Targets asked = asked_of(seen, refiner, work);
   auto found = this->corrected(asked, options, work);
   if (!found) return found.error();
   Corrected& corrected = *found;

@@ -28,6 +28,9 @@ class Answerer {
   // by what was learned of such, where the index has learned it. Errors: what was asked of the file is damaged.
   Result<Answer> answer(const Seen& seen, const QueryOptions& options, Workspace& work) const;
 
+  // The nearest of all entries, `count` or kNeighbourMax of them.
+  Result<std::span<const Neighbour>> alike(const Seen& seen, std::size_t count, Workspace& work) const;
+
   // Regressed targets with both corrections. Standardised units.
   struct Corrected {
     Targets value{};
@@ -39,6 +42,8 @@ class Answerer {
 
  private:
   const Refiner* refiner_for(const Seen& seen) const;
+  Targets asked_of(const Seen& seen, const Refiner* refiner, Workspace& work) const;
+  Coordinates grid_of(const Targets& targets) const;
   Position place_of(const Targets& targets) const;
   void fill_nearest(const Corrected& corrected, Answer& out) const;
   // How far answers are off, as the file says it of one way of answering.

@@ -131,6 +131,13 @@ Result<Answer> Index::query(const Seen& seen, const QueryOptions& options, Scrat
   return data_->answerer->answer(seen, options, scratch.work);
 }
 
+Result<std::size_t> Index::alike(const Seen& seen, std::span<std::uint32_t> entries, Scratch& scratch) const {
+  const auto found = data_->answerer->alike(seen, entries.size(), scratch.work);
+  if (!found) return found.error();
+  std::transform(found->begin(), found->end(), entries.begin(), [](const Neighbour& n) { return n.index; });
+  return found->size();
+}
+
 std::size_t Index::fit_size() const {
   for (const auto& refinement : data_->contents.refinements)
     if (refinement) return refinement->record.fit_size;

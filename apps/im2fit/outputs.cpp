@@ -124,6 +124,8 @@ std::string result_table(const SessionOutcome& outcome) {
   std::string text = table.text();
   text += fmt::format("\nsex   female with probability {:.2f}{}\n", result.answer.female,
                       truth ? (truth->woman ? " (truth: woman)" : " (truth: man)") : "");
+  const index::Estimate& age = result.age.years;
+  text += fmt::format("age   {:.0f} years, {:.0f} to {:.0f}\n", age.value, age.low, age.high);
   if (outcome.report.size) {
     auto entries = outcome.report.size->entries;
     std::sort(entries.begin(), entries.end(),

@@ -47,6 +47,14 @@ TEST(Population, NumbersAndSeedsAreDifferentPeople) {
   EXPECT_EQ(seen.size(), 12U);
 }
 
+TEST(Population, AgeAloneIsThePersons) {
+  IM2FIT_NEEDS_BODY();
+  for (std::uint64_t number = 0; number < 8; ++number)
+    EXPECT_EQ(*age_of_person(kPopulationVersion, 3, number),
+              params_of_person(*real_body(), kPopulationVersion, 3, number)->age_years);
+  EXPECT_FALSE(age_of_person(kPopulationVersion + 1, 3, 0));
+}
+
 // Sliders but stature's and weight's stand on a grid of 2^-16, so that a logarithm's last bit cannot show.
 TEST(Population, SlidersStandOnTheirGrid) {
   IM2FIT_NEEDS_BODY();

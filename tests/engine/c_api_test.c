@@ -80,6 +80,8 @@ static void measures_a_person(int single_thread) {
   CHECK(result.measurements[IM2FIT_WEIGHT].high == 3120.0F);
   CHECK(result.paper[IM2FIT_STATURE] == 3100.5F);
   CHECK(result.female == 0.25F);
+  CHECK(result.age.value == 40 && result.age.low == 20 && result.age.high == 70);
+  CHECK(result.age_bands[1] == 0.5F && result.age_bands[3] == 0.125F);
   CHECK(result.index_entry == 7);
   CHECK(result.joints[0].z == 10.0F);
 

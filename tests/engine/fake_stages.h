@@ -125,6 +125,7 @@ class FakeStages final : public FrameStages {
       person.paper[i] = value + 0.5F;
     }
     person.answer.female = 0.25F;
+    person.age = {{40, 20, 70}, {0.125F, 0.5F, 0.25F, 0.125F}};
     person.answer.nearest = 7;
     person.answer.nearest_distance = 1.5F;
     person.joints = joints_;

@@ -38,6 +38,7 @@ ResultReport measured_report() {
   }
   r.answer.measurements[measurement_index(Measurement::weight)] = {71.236F, 65.0F, 77.119F};
   r.answer.female = 0.03F;
+  r.age = {{41.04F, 19.96F, 71.5F}, {0.125F, 0.5F, 0.25F, 0.125F}};
   r.answer.nearest = 1234;
   r.answer.nearest_distance = 1.25F;
   r.measured_joints = test::standing_joints(false);
@@ -85,6 +86,9 @@ TEST(ResultJson, SaysWhatTheResultSays) {
   EXPECT_EQ(v["measurements"]["weight"]["interval"], json::array({65.0, 77.12}));
   EXPECT_EQ(v["measurements"]["weight"]["unit"], "kg");
   EXPECT_EQ(v["sex"]["female"], 0.03);
+  EXPECT_EQ(v["age"]["value"], 41.0);
+  EXPECT_EQ(v["age"]["interval"], json::array({20.0, 71.5}));
+  EXPECT_EQ(v["age"]["bands"]["25-45"], 0.5);
   EXPECT_EQ(v["size"]["chart"], "EN 13402-3");
   EXPECT_EQ(v["size"]["best"], "M");
   EXPECT_EQ(v["joints"].size(), kJointCount);
@@ -123,7 +127,7 @@ TEST(ResultJson, KeysComeInTheOrderOfTheDesign) {
   std::vector<std::string> keys;
   for (const auto& [key, unused] : v.items()) keys.push_back(key);
   EXPECT_THAT(keys, testing::ElementsAre("schema", "state", "guidance", "frames", "source", "views", "estimator",
-                                         "clothed", "measurements", "sex", "size", "joints", "body", "paper"));
+                                         "clothed", "measurements", "sex", "age", "size", "joints", "body", "paper"));
 }
 
 TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {

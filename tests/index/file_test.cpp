@@ -5,11 +5,14 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <limits>
 #include <new>
+#include <set>
 
 #include "base/container.h"
 #include "base/crc32c.h"
@@ -393,6 +396,27 @@ TEST(IndexBuild, SurvivesConstants) {
     for (std::uint64_t s = 0; s < 60; ++s)
       mean += static_cast<double>(world.sample(same_people ? 0 : s, 0).truth[0]) / 60;
     EXPECT_NEAR(a.measurements[0].value, mean, 1.0);
+  }
+}
+
+// The query's own neighbours are among them, and few begin as many do.
+TEST(IndexFile, AlikeAreTheNearestEntriesNearestFirst) {
+  const World world(0.1);
+  const auto index = Index::parse(good_file(), "good");
+  ASSERT_TRUE(index);
+  const auto scratch = index->make_scratch();
+  std::array<std::uint32_t, 40> many{};
+  std::array<std::uint32_t, 7> few{};
+  ASSERT_LE(index->info().neighbour_count, 40);
+  for (std::uint64_t s = 0; s < 20; ++s) {
+    const Sample sample = world.sample(s, 0);
+    const Seen seen{sample.feature, {}, {}, {}};
+    ASSERT_EQ(*index->alike(seen, few, *scratch), few.size());
+    ASSERT_EQ(*index->alike(seen, many, *scratch), many.size());
+    EXPECT_TRUE(std::equal(few.begin(), few.end(), many.begin()));
+    EXPECT_EQ(std::set<std::uint32_t>(many.begin(), many.end()).size(), many.size());
+    const Answer answer = *index->query(seen, {}, *scratch);
+    EXPECT_NE(std::find(many.begin(), many.end(), answer.nearest), many.end());
   }
 }
 

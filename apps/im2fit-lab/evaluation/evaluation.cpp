@@ -37,6 +37,7 @@ void add_joint_errors(const JointSet& found, const JointSet& truth, Outcome& out
 Status measure_once(const SessionModels& models, const HeldOutPerson& person, Views views, Outcome& outcome) {
   outcome.woman = person.subject.woman;
   outcome.truth = person.subject.truth;
+  outcome.true_age_years = person.subject.params.age_years;
   const auto engine = run_session(models, person, views, [&](const JointSet& found, const JointSet& truth) {
     add_joint_errors(found, truth, outcome);
   });
@@ -46,6 +47,7 @@ Status measure_once(const SessionModels& models, const HeldOutPerson& person, Vi
   outcome.guidance_seen = result.guidance_seen;
   outcome.frames_seen = result.frames_seen;
   outcome.answer = result.answer;
+  outcome.age = result.age;
   outcome.paper = result.paper;
   return Ok{};
 }

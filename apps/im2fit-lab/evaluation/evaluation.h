@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "body/model.h"
+#include "engine/age.h"
 #include "engine/engine.h"
 #include "index/index.h"
 #include "index/raw_nearest.h"
@@ -48,7 +49,9 @@ struct Outcome {
   GuidanceSet guidance_seen = 0;
   std::uint64_t frames_seen = 0;
   MeasurementValues truth{};
+  float true_age_years = 0;
   index::Answer answer;
+  AgeAnswer age;
   MeasurementValues paper{};  // NaN where not measured
   bool has_raw = false;
   index::RawNearest::Match raw;

@@ -102,6 +102,23 @@ int size_steps_off(const Outcome& o) {
   return std::clamp(off, -kSizeStepMost, kSizeStepMost);
 }
 
+void add_ages(const std::vector<const Outcome*>& measured, Report& report) {
+  if (measured.empty()) return;
+  for (const Outcome* o : measured) {
+    const double error = std::fabs(static_cast<double>(o->age.years.value) - static_cast<double>(o->true_age_years));
+    report.age_error_years += error / static_cast<double>(measured.size());
+    const auto likeliest = std::max_element(o->age.bands.begin(), o->age.bands.end());
+    report.age_band_expected += static_cast<double>(*likeliest) / static_cast<double>(measured.size());
+  }
+  report.age_coverage = share_of(measured, [](const Outcome* o) {
+    return o->age.years.low <= o->true_age_years && o->true_age_years <= o->age.years.high;
+  });
+  report.age_band_accuracy = share_of(measured, [](const Outcome* o) {
+    const auto likeliest = std::max_element(o->age.bands.begin(), o->age.bands.end()) - o->age.bands.begin();
+    return static_cast<std::size_t>(likeliest) == age_band_of(o->true_age_years);
+  });
+}
+
 }  // namespace
 
 double value_of(const Outcome& outcome, Way way, std::size_t measurement) {
@@ -136,6 +153,7 @@ Report report_of(const std::vector<Outcome>& outcomes, const std::string& condit
   for (std::size_t m = 0; m < kMeasurementCount; ++m) report.measurements[m] = measurement_report(measured, m);
   report.sex_accuracy = share_of(measured, [](const Outcome* o) { return (o->answer.female > 0.5F) == o->woman; });
   report.raw_sex_accuracy = share_of(with_raw, [](const Outcome* o) { return o->raw.woman == o->woman; });
+  add_ages(measured, report);
   report.size_accuracy = share_of(measured, [](const Outcome* o) { return size_rank(*o) == 0; });
   report.size_top_two = share_of(measured, [](const Outcome* o) { return size_rank(*o) <= 1; });
   for (const Outcome* o : measured) ++report.size_steps[static_cast<std::size_t>(size_steps_off(*o) + kSizeStepMost)];

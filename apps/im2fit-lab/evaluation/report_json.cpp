@@ -66,6 +66,10 @@ Json json_value_of(const Report& report) {
     json["measurements"][std::string(kMeasurementTable[m].id)] = measurement_json(report.measurements[m], m);
   json["sex_accuracy"] = report.sex_accuracy;
   if (report.has_raw()) json["raw_nearest_sex_accuracy"] = report.raw_sex_accuracy;
+  json["age"] = {{"mean_error_years", report.age_error_years},
+                 {"coverage", report.age_coverage},
+                 {"group_right", report.age_band_accuracy},
+                 {"group_right_promised", report.age_band_expected}};
   json["size"] = {{"outright", report.size_accuracy}, {"among_two", report.size_top_two}};
   json["joints"] = {{"mean_error_mm", report.joint_error_mm}, {"within_100_mm", report.joints_within_100mm}};
   return json;

@@ -72,6 +72,11 @@ std::string text_of(const Report& report) {
   text += fmt::format(
       "sex          {:.1f} % right{}\n", 100 * report.sex_accuracy,
       report.has_raw() ? fmt::format(" (raw nearest neighbour {:.1f} %)", 100 * report.raw_sex_accuracy) : "");
+  text += fmt::format(
+      "age          {:.1f} years mean error, {:.1f} % in the 95 % interval; group {:.1f} % right, {:.1f} % "
+      "promised\n",
+      report.age_error_years, 100 * report.age_coverage, 100 * report.age_band_accuracy,
+      100 * report.age_band_expected);
   text += fmt::format("letter size  {:.1f} % outright, {:.1f} % among the two most probable\n",
                       100 * report.size_accuracy, 100 * report.size_top_two);
   text += fmt::format("joints       {:.1f} mm mean error, {:.1f} % within 100 mm\n", report.joint_error_mm,
@@ -97,6 +102,7 @@ std::string text_of(const std::vector<ConditionRun>& runs) {
     return number(100 * sum / kMeasurementCount, 1);
   });
   row("sex right %", [](const Report& r) { return number(100 * r.sex_accuracy, 1); });
+  row("age years", [](const Report& r) { return number(r.age_error_years, 1); });
   row("size outright %", [](const Report& r) { return number(100 * r.size_accuracy, 1); });
   row("joints mm", [](const Report& r) { return number(r.joint_error_mm, 1); });
   row("measured", [](const Report& r) { return fmt::format("{}/{}", r.measured, r.subjects); });

@@ -243,7 +243,7 @@ enum {
 #define IM2FIT_JOINT_COUNT 15
 
 typedef struct im2fit_estimate {
-  float value; /* mm, kg for the weight */
+  float value; /* mm, kg for the weight, years for the age */
   float low;   /* 95 % interval */
   float high;
 } im2fit_estimate;
@@ -260,6 +260,7 @@ typedef struct im2fit_user {
   float x, y, z; /* the middle of what is seen */
 } im2fit_user;
 #define IM2FIT_USER_COUNT_MAX 8
+#define IM2FIT_AGE_BAND_COUNT 4
 
 typedef struct im2fit_result {
   int32_t state;          /* IM2FIT_STATE_... */
@@ -291,6 +292,8 @@ typedef struct im2fit_result {
   int32_t front_measured; /* 1: from TURNING on; until `measured` the values are what the front alone says */
   int32_t views;          /* IM2FIT_VIEWS_..., of the answer */
   uint32_t frames_back;   /* of frames_used: those of the back */
+  im2fit_estimate age;    /* years: median and 95 % of the people in the index who look alike */
+  float age_bands[IM2FIT_AGE_BAND_COUNT]; /* probabilities of 18-25, 25-45, 45-65, 65-75 years */
 } im2fit_result;
 
 /* A consistent copy of the latest state; never waits for the threads at work. `struct_size` is sizeof *result: a

@@ -163,6 +163,11 @@ TEST_F(RealStages, MeasureWithTheSameBytesOnOneAndTwoThreadsAndTwice) {
     report.result = engine->result();
     ASSERT_TRUE(report.result.measured) << "guidance bits " << report.result.guidance_seen;
     EXPECT_EQ(engine->fused_mask().width, data_->intrinsics.width);
+    const AgeAnswer& age = report.result.age;
+    EXPECT_GE(age.years.low, 18);
+    EXPECT_LT(age.years.low, age.years.value);
+    EXPECT_LT(age.years.value, age.years.high);
+    EXPECT_LE(age.years.high, 75);
     report.source.intrinsics = data_->intrinsics;
     const auto& a = report.result.answer;
     report.size = size_probabilities(builtin_size_system(),

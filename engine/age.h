@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// How old somebody is, by the ages of the people in the index who look alike.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "index/index.h"
+
+namespace im2fit {
+
+// The paper's age groups (its Table 1), whose adults the population has.
+inline constexpr std::size_t kAgeBandCount = 4;
+inline constexpr std::array<std::string_view, kAgeBandCount> kAgeBandNames = {"18-25", "25-45", "45-65", "65-75"};
+
+std::size_t age_band_of(float years);  // those younger and older than the groups belong to the first and last
+
+struct AgeAnswer {
+  index::Estimate years;                     // the median of those alike, and what 95 % of them are within
+  std::array<float, kAgeBandCount> bands{};  // probabilities; they sum to 1
+};
+
+// `ages`: years, in any order, which changes. Empty: everything is 0.
+AgeAnswer age_among(std::span<float> ages);
+
+}  // namespace im2fit

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/age.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "body/population.h"
+
+namespace im2fit {
+namespace {
+
+TEST(Age, HundredPeopleOfOneToAHundredYears) {
+  std::vector<float> ages;
+  for (int i = 0; i < 101; ++i) ages.push_back(static_cast<float>(i * 37 % 101));  // every age once, shuffled
+  const AgeAnswer age = age_among(ages);
+  EXPECT_FLOAT_EQ(age.years.value, 50);
+  EXPECT_FLOAT_EQ(age.years.low, 2.5F);
+  EXPECT_FLOAT_EQ(age.years.high, 97.5F);
+  EXPECT_NEAR(age.bands[0], 25.0 / 101, 1e-5);
+  EXPECT_NEAR(age.bands[1], 20.0 / 101, 1e-5);
+  EXPECT_NEAR(age.bands[2], 20.0 / 101, 1e-5);
+  EXPECT_NEAR(age.bands[3], 36.0 / 101, 1e-5);
+}
+
+TEST(Age, OneAndNobody) {
+  std::vector<float> one = {30};
+  const AgeAnswer age = age_among(one);
+  EXPECT_EQ(age.years.low, 30);
+  EXPECT_EQ(age.years.high, 30);
+  EXPECT_EQ(age.bands[1], 1);
+  EXPECT_EQ(age_among({}).years.value, 0);
+}
+
+// The groups are those people are drawn from.
+TEST(Age, GroupsAreThePopulations) {
+  for (const bool woman : {false, true}) {
+    const auto groups = body::age_groups(woman);
+    ASSERT_EQ(groups.size(), kAgeBandCount);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      EXPECT_EQ(std::string(kAgeBandNames[g]), std::to_string(static_cast<int>(groups[g].age_low)) + "-" +
+                                                   std::to_string(static_cast<int>(groups[g].age_high)));
+      EXPECT_EQ(age_band_of(static_cast<float>(groups[g].age_low + 0.5)), g);
+      EXPECT_EQ(age_band_of(static_cast<float>(groups[g].age_high - 0.5)), g);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace im2fit
