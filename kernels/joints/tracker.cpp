@@ -7,6 +7,7 @@
 
 #include "kernels/joints/estimate.h"
 #include "kernels/joints/model_data.h"
+#include "kernels/joints/settle.h"
 #include "kernels/joints/side.h"
 
 namespace im2fit {
@@ -79,6 +80,10 @@ float chance_in(const joints::ConfidenceBin& bin) {
   return static_cast<float>(bin.chance) * (1.0F / 65535.0F);
 }
 
+bool hand(std::size_t joint) {
+  return joint == joint_index(Joint::LA) || joint == joint_index(Joint::RA);
+}
+
 // Chance by doubt.
 float chance_of(const JointModel::Data& model, int joint, float doubt_mm) {
   const auto bins = model.bins.subspan(static_cast<std::size_t>(joint * joints::kConfidenceBinCount),
@@ -145,7 +150,7 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
       chance *= kOffImageShare;
     else if (view.at_ray(p.x * inverse_z, p.y * inverse_z) == 0)
       chance *= kOffMaskShare;
-    out.position_mm[j] = p;
+    out.position_mm[j] = hand(j) ? joints::settled(p, view, depth, intrinsics) : p;
     out.confidence[j] = chance;
   }
   work_->likeness = inside_count > 0 ? sum / (static_cast<float>(inside_count) * work_->usual_chance) : 0.0F;
