@@ -56,6 +56,7 @@ ArmAngles draw_arm(StandingPose pose, Rng& rng, float spread_min_deg) {
       return {90 + gauss(rng, 8), gauss(rng, 6), 88 + gauss(rng, 9), 90 + gauss(rng, 9), gauss(rng, 8)};
     case StandingPose::crossed:
     case StandingPose::seated:
+    case StandingPose::bowed:
       return draw_arm(StandingPose::relaxed, rng, spread_min_deg);
     case StandingPose::free:
       break;
@@ -76,7 +77,7 @@ std::array<Vec3f, 2> arm_directions(const ArmAngles& a, float side) {
 class Builder {
  public:
   Builder(const body::Skeleton& rest, StandingPose pose, Rng& rng, const TrunkShape* shape)
-      : rest_(rest), pose_(pose), rng_(rng), shape_(shape) {}
+      : rest_(rest), pose_(pose), free_arms_(pose == StandingPose::free), rng_(rng), shape_(shape) {}
 
   body::Pose build(float spread_min_deg) {
     trunk();
@@ -119,6 +120,10 @@ class Builder {
       rotation(Segment::head) = rotation(Segment::neck) * jitter(5, 8, 3);
       return;
     }
+    if (pose_ == StandingPose::bowed) {
+      bow();
+      return;
+    }
     rotation(Segment::pelvis) = free() ? jitter(4, 0, 3) : jitter(1.5, 0, 1.0);
     rotation(Segment::abdomen) = rotation(Segment::pelvis) * (free() ? jitter(5, 5, 4) : jitter(1.5, 1.2, 1.0));
     rotation(Segment::chest) = rotation(Segment::abdomen) * (free() ? jitter(4, 5, 3) : jitter(1.5, 1.2, 1.0));
@@ -126,15 +131,29 @@ class Builder {
     rotation(Segment::head) = rotation(Segment::neck) * (free() ? jitter(6, 12, 4) : jitter(3, 4, 2));
   }
 
+  // The hips bend most; the spine does the rest.
+  void bow() {
+    const float bend = draw(rng_, 24, 56);
+    const float toward = draw(rng_, -110, 110) * std::numbers::pi_v<float> / 180;  // 0: forwards
+    const Vec3f axis{std::cos(toward), 0, -std::sin(toward)};
+    rotation(Segment::pelvis) = about(axis, 0.6F * bend) * jitter(2, 2, 2);
+    rotation(Segment::abdomen) = about(axis, 0.22F * bend) * rotation(Segment::pelvis) * jitter(2, 3, 2);
+    rotation(Segment::chest) = about(axis, 0.18F * bend) * rotation(Segment::abdomen) * jitter(2, 3, 2);
+    rotation(Segment::neck) = rotation(Segment::chest) * jitter(6, 6, 4);
+    rotation(Segment::head) = rotation(Segment::neck) * jitter(10, 12, 5);
+    free_arms_ = rng_.index(2) == 0;
+  }
+
   void arms(float spread_min_deg) {
+    const StandingPose kind = free_arms_ ? StandingPose::free : pose_;
     // People lift both arms about alike: half of the calm classes' difference is shared.
-    const ArmAngles both = draw_arm(pose_, rng_, spread_min_deg);
+    const ArmAngles both = draw_arm(kind, rng_, spread_min_deg);
     for (const float side : {1.0F, -1.0F}) {
       const Segment shoulder = side > 0 ? Segment::left_shoulder : Segment::right_shoulder;
-      ArmAngles own = draw_arm(pose_, rng_, spread_min_deg);
-      for (int tries = 0; free() && tries < 8 && in_trunk(own, side); ++tries)
-        own = draw_arm(pose_, rng_, spread_min_deg);
-      if (!free())
+      ArmAngles own = draw_arm(kind, rng_, spread_min_deg);
+      for (int tries = 0; free_arms_ && tries < 8 && in_trunk(own, side); ++tries)
+        own = draw_arm(kind, rng_, spread_min_deg);
+      if (!free_arms_)
         own = {(own.abduction + both.abduction) / 2, (own.flexion + both.flexion) / 2, (own.elbow + both.elbow) / 2,
                (own.elbow_turn + both.elbow_turn) / 2, own.twist};
       arm(shoulder, own, side);
@@ -166,13 +185,13 @@ class Builder {
     const Mat3f& chest = rotation(Segment::chest);
     // The shoulder blade rises with the arm: up to 14 degrees for a level arm.
     const float lift = std::clamp((angles.abduction - 45) / 45, 0.0F, 1.3F) * 12;
-    rotation(shoulder) = chest * about(kZ, side * (lift + gauss(rng_, free() ? 3 : 1.5)));
+    rotation(shoulder) = chest * about(kZ, side * (lift + gauss(rng_, free_arms_ ? 3 : 1.5)));
     const auto directions = arm_directions(angles, side);
     const Vec3f upper_direction = chest * directions[0];
     point(upper, rotation(shoulder), upper_direction);
     rotation(upper) = about(upper_direction, side * angles.twist) * rotation(upper);
     point(lower, rotation(upper), chest * directions[1]);
-    rotation(hand) = rotation(lower) * (free() ? jitter(12, 8, 12) : jitter(5, 3, 5));
+    rotation(hand) = rotation(lower) * (free_arms_ ? jitter(12, 8, 12) : jitter(5, 3, 5));
   }
 
   void leg(Segment upper, float side) {
@@ -380,6 +399,7 @@ class Builder {
 
   const body::Skeleton& rest_;
   StandingPose pose_;
+  bool free_arms_;
   Rng& rng_;
   const TrunkShape* shape_;
   body::Pose result_;
@@ -397,6 +417,7 @@ float draw_yaw_deg(StandingPose pose, Rng& rng) {
     case StandingPose::free:
       return gauss(rng, 20);
     case StandingPose::crossed:
+    case StandingPose::bowed:
       return gauss(rng, 10);
     case StandingPose::seated:
       return gauss(rng, 12);

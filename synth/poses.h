@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How people stand: four classes of poses with natural jitter.
+// How people stand: classes of poses with natural jitter.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,7 @@ enum class StandingPose {
   free,     // arms anywhere before the body and beside it, legs in stride, trunk bent and turned
   crossed,  // calm; one or both hands on belly, chest or hips, or folded arms
   seated,   // thighs level within 12 degrees, shanks upright, hands on the thighs, in the lap or beside
+  bowed,    // trunk bent from the hips by 24..56 degrees, forwards or to a side; arms relaxed or as when free
 };
 
 // The pose before the person's turn towards the camera (draw_yaw_deg). Elbows and hands of free poses keep out of
@@ -27,7 +28,7 @@ body::Pose draw_pose(const body::Skeleton& rest, StandingPose pose, Rng& rng, fl
                      const TrunkShape* trunk = nullptr);
 // The pose in mid-stride: `phase` turns per two steps, `strength` 0 (standing) .. 1 (brisk walk).
 body::Pose striding(const body::Pose& standing, float phase, float strength);
-// Turn about the vertical, + to the person's left: sd 4.5 degrees, free 20, crossed 10, seated 12.
+// Turn about the vertical, + to the person's left: sd 4.5 degrees, free 20, crossed and bowed 10, seated 12.
 float draw_yaw_deg(StandingPose pose, Rng& rng);
 // By body mass index, kg/m^2.
 float arm_spread_deg(float body_mass_index);

@@ -25,15 +25,17 @@ enum class PoseClass : std::uint8_t {
   free,     // arms anywhere, trunk bent, legs in stride; yaw sd 20
   crossed,  // one or both forearms across the trunk, hands on the hips; yaw sd 10
   seated,   // on a chair or stool; yaw sd 12
-  turned,   // calm or free, yaw 20..60 to either side
+  turned,   // calm or free, yaw 20..turned_max_deg to either side
+  bowed,    // trunk bent from the hips by 24..56 degrees; yaw sd 10
 };
-inline constexpr std::size_t kPoseClassCount = 6;
-inline constexpr std::array<std::string_view, kPoseClassCount> kPoseClassNames = {"calm",    "psi",    "free",
-                                                                                  "crossed", "seated", "turned"};
+inline constexpr std::size_t kPoseClassCount = 7;
+inline constexpr std::array<std::string_view, kPoseClassCount> kPoseClassNames = {
+    "calm", "psi", "free", "crossed", "seated", "turned", "bowed"};
 
 // Weights are relative, shares are of 1.
 struct TrackerMix {
-  std::array<double, kPoseClassCount> pose_weight = {1, 1, 1, 1, 1, 1};
+  std::array<double, kPoseClassCount> pose_weight = {1, 1, 1, 1, 1, 1, 1};
+  float turned_max_deg = 60;
   double clothed_share = 0;  // of these: a fifth tight, half normal, the rest loose
   double hair_share = 0;     // hair with volume
   double back_share = 0;     // seen from behind; seated people never

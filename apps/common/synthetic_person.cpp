@@ -51,7 +51,8 @@ Result<synth::StandingPose> pose_of(const std::string& word) {
   if (word == "a_pose") return synth::StandingPose::a_pose;
   if (word == "psi") return synth::StandingPose::psi;
   if (word == "free") return synth::StandingPose::free;
-  return Error{ErrorCode::invalid_argument, "no pose '" + word + "'; use relaxed, a_pose, psi or free"};
+  if (word == "bowed") return synth::StandingPose::bowed;
+  return Error{ErrorCode::invalid_argument, "no pose '" + word + "'; use relaxed, a_pose, psi, free or bowed"};
 }
 
 SyntheticPerson::SyntheticPerson(const body::BodyModel& model, const PersonOptions& options)

@@ -33,7 +33,7 @@ synth::SceneOptions furnished_room();
 synth::SensorOptions sensor_of(bool noise);
 Result<synth::Family> family_of(const std::string& word);  // paper | training | held_out
 std::string name_of(synth::Family family);
-Result<synth::StandingPose> pose_of(const std::string& word);  // relaxed | a_pose | psi | free
+Result<synth::StandingPose> pose_of(const std::string& word);  // relaxed | a_pose | psi | free | bowed
 
 class SyntheticPerson {
  public:

@@ -130,7 +130,7 @@ void add_render(CLI::App& app, Command& chosen) {
       ->check(CLI::IsMember({"noise", "bare"}))
       ->capture_default_str();
   sub->add_option("--pose", options->pose, "How the person stands")
-      ->check(CLI::IsMember({"relaxed", "a_pose", "psi", "free"}))
+      ->check(CLI::IsMember({"relaxed", "a_pose", "psi", "free", "bowed"}))
       ->capture_default_str();
   sub->add_option("--distance", person.scene.distance_mm, "Camera to person, mm; 0: so that the whole person fits")
       ->check(CLI::Range(0, 8000))

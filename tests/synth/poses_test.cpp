@@ -90,8 +90,29 @@ TEST_F(Poses, FreePosesAreWide) {
   EXPECT_GT(forward, 400);
 }
 
+// The trunk's lean by its joints: shoulders over hips. Feet stay below the hips.
+TEST_F(Poses, BowedTrunksLeanAndLegsStand) {
+  int forwards = 0, aside = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Rng rng(seed);
+    const JointSet j = joints(draw_pose(skeleton_, StandingPose::bowed, rng));
+    const Vec3f hips = (j[Joint::LH] + j[Joint::RH]) * 0.5F;
+    const Vec3f way = normalized((j[Joint::LS] + j[Joint::RS]) * 0.5F - hips);
+    const float lean_deg = std::acos(way.y) * 57.29578F;
+    EXPECT_GT(lean_deg, 12) << seed;
+    EXPECT_LT(lean_deg, 62) << seed;
+    (way.z > std::fabs(way.x) ? forwards : aside) += 1;
+    for (const Joint foot : {Joint::LF, Joint::RF}) {
+      EXPECT_NEAR(j[foot].z, hips.z, 200) << seed;
+      EXPECT_LT(j[foot].y, hips.y - 600) << seed;
+    }
+  }
+  EXPECT_GT(forwards, 15);
+  EXPECT_GT(aside, 15);
+}
+
 TEST_F(Poses, SameSeedSamePose) {
-  for (const StandingPose pose : {StandingPose::relaxed, StandingPose::free}) {
+  for (const StandingPose pose : {StandingPose::relaxed, StandingPose::free, StandingPose::bowed}) {
     Rng a(4), b(4), c(5);
     const JointSet ja = joints(draw_pose(skeleton_, pose, a)), jb = joints(draw_pose(skeleton_, pose, b)),
                    jc = joints(draw_pose(skeleton_, pose, c));

@@ -39,9 +39,10 @@ TEST(TrackerScenes, SharesAreTheMixtures) {
     EXPECT_FALSE(t.back_view && t.pose_class == PoseClass::seated);
     EXPECT_EQ(t.pose_class == PoseClass::seated, t.scene.pose == StandingPose::seated);
     EXPECT_EQ(t.pose_class == PoseClass::crossed, t.scene.pose == StandingPose::crossed);
+    EXPECT_EQ(t.pose_class == PoseClass::bowed, t.scene.pose == StandingPose::bowed);
     if (t.pose_class == PoseClass::turned) {
       EXPECT_GE(std::fabs(t.scene.yaw_deg), 20);
-      EXPECT_LE(std::fabs(t.scene.yaw_deg), 60);
+      EXPECT_LE(std::fabs(t.scene.yaw_deg), mix.turned_max_deg);
     }
   }
   double weights = 0;
