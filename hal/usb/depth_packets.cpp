@@ -38,6 +38,7 @@ void DepthPackets::begin(std::uint32_t ticks) {
   place_ = 0;
   crossed_ = 0;
   taken_ = 0;
+  ticks_ = 0;
   first_ticks_ = ticks;
 }
 

@@ -61,6 +61,8 @@ KinectSource::~KinectSource() {
 
 Status KinectSource::start() {
   if (started_) return Ok{};
+  // A program that was killed leaves the camera streaming: its last frame is not ours.
+  if (auto ok = commands_.stop_depth(); !ok) return ok.error();
   receiver_.reset();
   delivered_ = damaged_ = 0;
   UsbStreamSettings settings;

@@ -160,6 +160,17 @@ TEST(UsbDepthPackets, ALossThatFitsInEveryOtherWayIsSeenByTheClock) {
   EXPECT_TRUE(reader.holds(129));
 }
 
+// 32 bits wrap every 71.6 s, and may meet 0 exactly.
+TEST(UsbDepthPackets, TimeZeroIsATimeToo) {
+  Wire wire;
+  wire.ticks0 = 0U - 2'000'000;
+  Reader reader;
+  for (const std::uint32_t ticks : {0U - 2'000'000, 0U, 2'000'000U}) {
+    EXPECT_EQ(reader.read_some(wire, kPackets), Outcome::frame);
+    EXPECT_EQ(reader.packets.ticks(), ticks);
+  }
+}
+
 TEST(UsbDepthPackets, TwiceOrTooLateAreLeftAlone) {
   Wire wire;
   Reader reader;

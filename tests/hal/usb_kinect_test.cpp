@@ -368,6 +368,23 @@ TEST(UsbKinect, StopsAndStartsAgain) {
   EXPECT_FALSE(rig.bus.port("1-1.2").claimed);
 }
 
+// The program before us was killed in the middle of a frame: the camera still sends.
+TEST(UsbKinect, StartsCleanlyOnACameraLeftStreaming) {
+  Rig rig;
+  for (int round = 0; round < 3; ++round) {
+    expect_ok(rig.open());
+    expect_ok(rig.source->start());
+    rig.run(kFrame_us + 11'000);
+    const auto got = rig.source->next(rig.out.image(), 0);
+    ASSERT_TRUE(got) << got.error().message;
+    EXPECT_TRUE(rig.is_frame(0));
+    rig.bus.unplug("1-1.1");  // in software nothing loses its power
+    rig.bus.plug("1-1.1", rig.camera);
+    rig.source.reset();
+    EXPECT_TRUE(rig.camera.streaming());
+  }
+}
+
 // A start-up that fails says which command, and leaves nothing streaming.
 TEST(UsbKinect, SaysWhatWentWrongAtTheStart) {
   {
