@@ -2,6 +2,7 @@
 #include "tests/devices/kinect_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
@@ -84,6 +85,31 @@ void pack(const std::vector<std::uint16_t>& raw, Bytes& packed) {
 }
 
 }  // namespace
+
+std::uint16_t mm_of_shift(const KinectSettings& s, std::uint16_t raw) {
+  if (raw >= 2047) return 0;
+  const double m = ((raw - 4.0 * s.constant_shift) / 4.0 - 0.375) * static_cast<double>(s.pixel_cm);
+  const double emitter = static_cast<double>(s.emitter_cm), reference = static_cast<double>(s.reference_cm);
+  const double z = 10.0 * (m * reference / (emitter - m) + reference);
+  return z > 0 && z < 10'000.5 ? static_cast<std::uint16_t>(std::floor(z + 0.5)) : std::uint16_t{0};
+}
+
+std::uint16_t shift_of_mm(const KinectSettings& s, std::uint16_t mm) {
+  if (mm == 0) return 2047;
+  const double emitter = static_cast<double>(s.emitter_cm), reference = static_cast<double>(s.reference_cm);
+  const double m = emitter - 10.0 * emitter * reference / mm;
+  const double raw = 4.0 * (m / static_cast<double>(s.pixel_cm) + 0.375) + 4.0 * s.constant_shift;
+  const int guess = static_cast<int>(std::clamp(raw, 0.0, 2046.0));
+  int best = guess;
+  for (int near = std::max(0, guess - 1); near <= std::min(2046, guess + 2); ++near) {
+    const auto off = [&](int shift) {
+      const int z = mm_of_shift(s, static_cast<std::uint16_t>(shift));
+      return z == 0 ? 100'000 : std::abs(z - mm);
+    };
+    if (off(near) < off(best)) best = near;
+  }
+  return static_cast<std::uint16_t>(best);
+}
 
 KinectCameraModel::KinectCameraModel(const KinectSettings& settings, KinectPicture picture)
     : settings_(settings),

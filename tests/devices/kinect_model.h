@@ -50,6 +50,12 @@ struct KinectSettings {
 // of the stream.
 using KinectPicture = std::function<void(std::uint64_t number, std::span<std::uint16_t> raw)>;
 
+// What distance a raw shift means to this camera, by the published formula, in millimetres to the nearest one; 0:
+// none, or beyond 10 m. And the shift whose distance is nearest to `mm`; 2047 for 0. For pictures made from
+// distances, and for what must come out of them.
+std::uint16_t mm_of_shift(const KinectSettings& settings, std::uint16_t raw);
+std::uint16_t shift_of_mm(const KinectSettings& settings, std::uint16_t mm);
+
 class KinectCameraModel final : public UsbDevice {
  public:
   KinectCameraModel(const KinectSettings& settings, KinectPicture picture);

@@ -39,15 +39,11 @@ void picture(std::uint64_t number, std::span<std::uint16_t> raw) {
   for (std::size_t i = 0; i < raw.size(); ++i) raw[i] = raw_at(number, i);
 }
 
-// The published formula, rounded to the nearest millimetre.
-std::vector<std::uint16_t> millimetres(const KinectSettings& s) {
-  std::vector<std::uint16_t> table(2048, 0);
-  for (int raw = 0; raw < 2047; ++raw) {
-    const double m = ((raw - 4.0 * s.constant_shift) / 4.0 - 0.375) * static_cast<double>(s.pixel_cm);
-    const double z = 10.0 * (m * static_cast<double>(s.reference_cm) / (static_cast<double>(s.emitter_cm) - m) +
-                             static_cast<double>(s.reference_cm));
-    if (z > 0 && z < 10'000.5) table[static_cast<std::size_t>(raw)] = static_cast<std::uint16_t>(std::floor(z + 0.5));
-  }
+// What the camera means, in millimetres.
+std::vector<std::uint16_t> millimetres(const KinectSettings& settings) {
+  std::vector<std::uint16_t> table(2048);
+  for (int raw = 0; raw < 2048; ++raw)
+    table[static_cast<std::size_t>(raw)] = devices::mm_of_shift(settings, static_cast<std::uint16_t>(raw));
   return table;
 }
 
@@ -111,6 +107,23 @@ TEST(UsbKinect, DeliversEveryFrameToTheLastPixel) {
   EXPECT_EQ(stats.gaps + stats.repeats + stats.damaged, 0U);
   rig.source->stop();
   EXPECT_EQ(rig.camera.register_value(0x06), 0) << "the camera is left streaming";
+}
+
+// The model's own arithmetic, by which all else is judged, against values computed by hand.
+TEST(UsbKinect, TheModelKnowsItsDistances) {
+  const KinectSettings settings;
+  EXPECT_EQ(devices::mm_of_shift(settings, 0), 317);
+  EXPECT_EQ(devices::mm_of_shift(settings, 803), 1206);
+  EXPECT_EQ(devices::mm_of_shift(settings, 1000), 3864);
+  EXPECT_EQ(devices::mm_of_shift(settings, 1084), 0);
+  EXPECT_EQ(devices::mm_of_shift(settings, 2047), 0);
+  EXPECT_EQ(devices::shift_of_mm(settings, 0), 2047);
+  EXPECT_EQ(devices::shift_of_mm(settings, 1207), 803);
+  for (int raw = 0; raw <= 1054; ++raw) {  // 1055 is beyond 10 m
+    const std::uint16_t mm = devices::mm_of_shift(settings, static_cast<std::uint16_t>(raw));
+    ASSERT_GT(mm, 0);
+    EXPECT_EQ(devices::mm_of_shift(settings, devices::shift_of_mm(settings, mm)), mm) << raw;
+  }
 }
 
 TEST(UsbKinect, SaysWhoseItsIntrinsicsAre) {

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -31,11 +30,9 @@ void picture(std::uint64_t number, std::span<std::uint16_t> raw) {
 }
 
 std::vector<std::uint16_t> millimetres() {
-  std::vector<std::uint16_t> table(2048, 0);
-  for (int raw = 0; raw < 2047; ++raw) {
-    const double m = ((raw - 800.0) / 4.0 - 0.375) * 0.1042, z = 10.0 * (m * 120.0 / (7.5 - m) + 120.0);
-    if (z > 0 && z < 10'000.5) table[static_cast<std::size_t>(raw)] = static_cast<std::uint16_t>(std::floor(z + 0.5));
-  }
+  std::vector<std::uint16_t> table(2048);
+  for (int raw = 0; raw < 2048; ++raw)
+    table[static_cast<std::size_t>(raw)] = devices::mm_of_shift({}, static_cast<std::uint16_t>(raw));
   return table;
 }
 
