@@ -23,14 +23,12 @@ void FrameExchange::reset() {
 }
 
 // The oldest entry leaves the queue; its buffer is free.
-int FrameExchange::pop_locked() {
+void FrameExchange::pop_locked() {
   const Entry& oldest = queue_[first_];
-  const int buffer = oldest.buffer;
   ++(oldest.damaged ? dropped_damaged_ : dropped_);
+  if (oldest.buffer >= 0) free_[static_cast<std::size_t>(oldest.buffer)] = true;
   first_ = (first_ + 1) % kQueue;
   --count_;
-  if (buffer >= 0) free_[static_cast<std::size_t>(buffer)] = true;
-  return buffer;
 }
 
 void FrameExchange::push_locked(const Entry& entry) {

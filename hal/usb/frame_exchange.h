@@ -50,7 +50,7 @@ class FrameExchange {
   static constexpr int kBuffers = 4;  // one is filled, one is read, two wait
   static constexpr std::size_t kQueue = 8;
 
-  int pop_locked();
+  void pop_locked();
   void push_locked(const Entry& entry);
 
   std::array<std::vector<std::uint8_t>, kBuffers> buffers_;

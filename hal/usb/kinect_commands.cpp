@@ -2,6 +2,7 @@
 #include "hal/usb/kinect_commands.h"
 
 #include <array>
+#include <cassert>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -54,6 +55,7 @@ Error KinectCommands::error(ErrorCode code, Opcode opcode, const std::string& wh
 }
 
 Result<std::vector<std::uint8_t>> KinectCommands::command(Opcode opcode, std::span<const std::uint16_t> words) {
+  assert(words.size() <= kWordsMax);
   std::array<std::uint8_t, kCommandHeaderBytes + 2 * kWordsMax> out{};
   const std::uint16_t tag = tag_++;
   out[0] = kCommandMagic[0];
@@ -61,7 +63,7 @@ Result<std::vector<std::uint8_t>> KinectCommands::command(Opcode opcode, std::sp
   put16(&out[2], static_cast<std::uint16_t>(words.size()));
   put16(&out[4], static_cast<std::uint16_t>(opcode));
   put16(&out[6], tag);
-  for (std::size_t i = 0; i < words.size() && i < kWordsMax; ++i) put16(&out[kCommandHeaderBytes + 2 * i], words[i]);
+  for (std::size_t i = 0; i < words.size(); ++i) put16(&out[kCommandHeaderBytes + 2 * i], words[i]);
   const auto sent = transport_.control_out(
       {kRequestOut, 0, 0, 0}, std::span(out).first(kCommandHeaderBytes + 2 * words.size()), kTransfer_ms);
   if (!sent) return error(sent.error().code, opcode, "cannot be sent: " + sent.error().message);
