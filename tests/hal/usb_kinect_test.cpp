@@ -25,6 +25,7 @@ constexpr int kWidth = 640;
 constexpr int kHeight = 480;
 constexpr std::int64_t kFrame_us = 33'500;  // a little more than one
 
+// IM2FIT_USB_FRAMES=100000 is the long run, of some minutes.
 int frames_to_test() {
   const char* text = std::getenv("IM2FIT_USB_FRAMES");
   return text != nullptr ? std::atoi(text) : 200;
@@ -91,7 +92,7 @@ TEST(UsbKinect, DeliversEveryFrameToTheLastPixel) {
   std::int64_t last_us = -1;
   const int frames = frames_to_test();
   for (int n = 0; n < frames; ++n) {
-    rig.run(n == 0 ? kFrame_us : 100'000 / 3 + (n % 3 == 0 ? 1 : 0));
+    rig.run(n == 0 ? kFrame_us : 100'000 / 3 + (n % 3 == 0 ? 1 : 0));  // exactly 30 a second
     const auto got = rig.source->next(rig.out.image(), 0);
     ASSERT_TRUE(got) << "frame " << n << ": " << got.error().message;
     EXPECT_EQ(got->sequence, static_cast<std::uint64_t>(n));

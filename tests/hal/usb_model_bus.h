@@ -22,6 +22,7 @@ struct ModelPort {
   devices::UsbDevice* device = nullptr;  // null: unplugged
   int generation = 0;                    // an opened device stays gone when another is plugged in
   std::int64_t now_us = 0;
+  std::int64_t until_us = 0;  // what is less than a microframe is not lost from one run() to the next
   bool claimed = false;
   int interface_setting = 0;
   UsbPacketSink* sink = nullptr;
@@ -114,7 +115,7 @@ class ModelBus final : public UsbBus {
   // Microframe by microframe, a packet each.
   void run(const std::string& name, std::int64_t us) {
     ModelPort& port = *ports_.at(name);
-    for (const std::int64_t end = port.now_us + us; port.now_us < end;) {
+    for (port.until_us += us; port.now_us + 125 <= port.until_us;) {
       const std::lock_guard lock(port.mutex);
       port.now_us += 125;
       if (port.device == nullptr || port.sink == nullptr) continue;
@@ -124,7 +125,10 @@ class ModelBus final : public UsbBus {
   }
 
   // The host is busy elsewhere: time goes by and nobody fetches.
-  void idle(const std::string& name, std::int64_t us) { ports_.at(name)->now_us += us; }
+  void idle(const std::string& name, std::int64_t us) {
+    ports_.at(name)->now_us += us;
+    ports_.at(name)->until_us += us;
+  }
   const ModelPort& port(const std::string& name) const { return *ports_.at(name); }
 
   Result<std::vector<UsbDeviceEntry>> list(std::uint16_t vendor) override {

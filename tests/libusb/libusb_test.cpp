@@ -50,7 +50,10 @@ class Libusb : public testing::Test {
   }
   void TearDown() override {
     EXPECT_TRUE(fake::debts().none()) << "contexts, handles, claims, transfers or lists are left";
-    EXPECT_EQ(threads_now(), threads_);
+    // A joined thread may be seen for a moment more, under an emulator above all.
+    for (int i = 0; i < 200 && threads_now() > threads_; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_LE(threads_now(), threads_);
   }
   static std::unique_ptr<KinectSource> opened(const std::string& device) {
     auto source = open_usb_camera(device, {});
