@@ -11,6 +11,9 @@
 #include "hal/openni2/oni_source.h"
 #include "hal/openni2/openni2_source.h"
 #endif
+#if IM2FIT_HAVE_USB
+#include "hal/usb/libusb_cameras.h"
+#endif
 
 namespace im2fit::hal {
 namespace {
@@ -36,7 +39,7 @@ Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenO
   return std::unique_ptr<Source>(std::move(*source));
 }
 
-#if IM2FIT_HAVE_OPENNI2
+#if IM2FIT_HAVE_OPENNI2 || IM2FIT_HAVE_USB
 Result<std::optional<CameraFile>> calibration(const std::string& path, bool must_exist) {
   std::error_code code;
   if (path.empty() || (!must_exist && !std::filesystem::exists(path, code))) return std::optional<CameraFile>{};
@@ -45,6 +48,40 @@ Result<std::optional<CameraFile>> calibration(const std::string& path, bool must
   return std::optional<CameraFile>{*file};
 }
 
+#endif
+
+#if IM2FIT_HAVE_USB
+Result<std::unique_ptr<Source>> open_usb(const std::string& device, const OpenOptions& options) {
+  const auto file = calibration(options.camera_yaml_path, true);
+  if (!file) return file.error();
+  KinectOptions wanted;
+  if (*file) {
+    wanted.calibration = **file;
+    wanted.rotate_deg = (*file)->rotate_deg.value_or(0);
+  }
+  wanted.rotate_deg = options.rotate_deg.value_or(wanted.rotate_deg);
+  auto source = open_usb_camera(device, wanted);
+  if (!source) return source.error();
+  return std::unique_ptr<Source>(std::move(*source));
+}
+Result<std::vector<DeviceEntry>> list_usb() {
+  const auto found = list_usb_cameras();
+  if (!found) return found.error();
+  std::vector<DeviceEntry> devices;
+  for (const auto& camera : *found) devices.push_back({"usb:" + camera.id, camera.name});
+  return devices;
+}
+#else
+Result<std::unique_ptr<Source>> open_usb(const std::string&, const OpenOptions&) {
+  return Error{ErrorCode::unsupported,
+               "usb needs libusb, which is not in this build; install libusb-1.0-0-dev and build with IM2FIT_USB=ON"};
+}
+Result<std::vector<DeviceEntry>> list_usb() {
+  return std::vector<DeviceEntry>{};
+}
+#endif
+
+#if IM2FIT_HAVE_OPENNI2
 Result<std::unique_ptr<Source>> open_camera(const std::string& device, const OpenOptions& options) {
   const auto file = calibration(options.camera_yaml_path, true);
   if (!file) return file.error();
@@ -59,6 +96,14 @@ Result<std::unique_ptr<Source>> open_camera(const std::string& device, const Ope
   auto source = OpenNi2Source::open(device, wanted);
   if (!source) return source.error();
   return std::unique_ptr<Source>(std::move(*source));
+}
+
+Result<std::vector<DeviceEntry>> list_openni2() {
+  auto found = list_openni2_devices();
+  if (!found) return found.error();
+  std::vector<DeviceEntry> devices;
+  for (const auto& device : *found) devices.push_back({"openni2:" + device.uri, device.name});
+  return devices;
 }
 
 // The format has no checksum: a changed byte gives wrong depths and no error. Our own recordings are known by theirs.
@@ -100,6 +145,9 @@ Result<std::unique_ptr<Source>> open_camera(const std::string&, const OpenOption
 Result<std::unique_ptr<Source>> open_recording(const std::string& path, const OpenOptions&) {
   return no_openni2(path);
 }
+Result<std::vector<DeviceEntry>> list_openni2() {
+  return std::vector<DeviceEntry>{};
+}
 #endif
 
 }  // namespace
@@ -113,33 +161,42 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
     return Error{ErrorCode::unsupported, uri + ": this program has no synthetic camera; use a camera or a recording"};
   }
   if (const auto device = after_scheme(uri, "openni2")) return open_camera(*device, options);
-  for (const char* scheme : {"usb", "v4l2"}) {
+  if (const auto device = after_scheme(uri, "usb")) return open_usb(*device, options);
+  for (const char* scheme : {"v4l2"}) {
     if (after_scheme(uri, scheme))
       return Error{ErrorCode::unsupported, uri + ": " + scheme +
-                                               " cameras are not in this build; use openni2, a .oni "
+                                               " cameras are not in this build; use openni2, usb, a .oni "
                                                "recording or a depth folder"};
   }
   std::error_code code;
   const auto status = std::filesystem::status(uri, code);
   if (std::filesystem::is_directory(status)) return open_folder(uri, options);
   if (!std::filesystem::exists(status))
-    return Error{ErrorCode::not_found, uri +
-                                           " does not exist; expected openni2[:URI], synthetic[:SEED], a .oni file "
-                                           "or a depth folder"};
+    return Error{ErrorCode::not_found,
+                 uri +
+                     " does not exist; expected openni2[:URI], usb[:SERIAL], synthetic[:SEED], a .oni file "
+                     "or a depth folder"};
   if (is_oni(uri)) return open_recording(uri, options);
   return Error{ErrorCode::unsupported,
                uri + " is neither a folder nor a .oni file; expected a depth folder or an OpenNI2 recording"};
 }
 
-#if IM2FIT_HAVE_OPENNI2
 Result<std::vector<DeviceEntry>> list_devices() {
-  auto found = list_openni2_devices();
-  if (!found) return found.error();
   std::vector<DeviceEntry> devices;
-  for (const auto& device : *found) devices.push_back({"openni2:" + device.uri, device.name});
+  std::optional<Error> failed;
+  // One library that does not start must not hide the cameras of another.
+  for (const auto& list : {list_openni2, list_usb}) {
+    const auto found = list();
+    if (found)
+      devices.insert(devices.end(), found->begin(), found->end());
+    else if (!failed)
+      failed = found.error();
+  }
+  if (devices.empty() && failed) return *failed;
   return devices;
 }
 
+#if IM2FIT_HAVE_OPENNI2
 Status begin_oni_recording(Source& source, const std::string& path) {
   auto* camera = dynamic_cast<OpenNi2Source*>(&source);
   if (camera == nullptr)
@@ -156,9 +213,6 @@ Result<OniRecording> end_oni_recording(Source& source) {
   return OniRecording{summary->path, summary->camera_yaml_path, summary->frames_seen, summary->pixels_beyond_range};
 }
 #else
-Result<std::vector<DeviceEntry>> list_devices() {
-  return std::vector<DeviceEntry>{};
-}
 Status begin_oni_recording(Source&, const std::string& path) {
   return no_openni2(path);
 }
