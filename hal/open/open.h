@@ -23,7 +23,8 @@ struct OpenOptions {
   std::function<Result<std::unique_ptr<Source>>(const std::string& seed, const OpenOptions& options)> synthetic;
 };
 
-// `uri`: openni2[:URI] | PATH.oni | DEPTH_FOLDER | synthetic[:seed]. usb and v4l2 are refused as not in this build.
+// `uri`: openni2[:URI] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | DEPTH_FOLDER | synthetic[:seed]. usb is
+// refused as not in this build.
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
 
 struct DeviceEntry {
