@@ -64,4 +64,17 @@ Intrinsics rotate_upright(const Intrinsics& in, int rotate_deg) {
   }
 }
 
+Vec3f rotate_upright(Vec3f in, int rotate_deg) {
+  switch (rotate_deg) {
+    case 90:
+      return {-in.y, in.x, in.z};
+    case 180:
+      return {-in.x, -in.y, in.z};
+    case 270:
+      return {in.y, -in.x, in.z};
+    default:
+      return in;
+  }
+}
+
 }  // namespace im2fit::hal

@@ -66,6 +66,7 @@ class Source {
 // `rotate_deg` is 0, 90, 180 or 270 (is_rotation()), `out` has the upright size and does not overlap `in`.
 void rotate_upright(DepthView in, int rotate_deg, DepthImage out);
 Intrinsics rotate_upright(const Intrinsics& in, int rotate_deg);
+Vec3f rotate_upright(Vec3f in, int rotate_deg);  // a direction in the camera's axes
 bool is_rotation(int rotate_deg);
 // `what` names the file or device in the error.
 Status check_intrinsics(const Intrinsics& k, const std::string& what);  // finite, positive, plausible, size 1..2048

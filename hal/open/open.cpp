@@ -14,6 +14,9 @@
 #if IM2FIT_HAVE_V4L2
 #include "hal/v4l2/v4l2_source.h"
 #endif
+#if IM2FIT_HAVE_USB
+#include "hal/usb/libusb_cameras.h"
+#endif
 
 namespace im2fit::hal {
 namespace {
@@ -47,6 +50,37 @@ Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenO
   return std::optional<CameraFile>{*file};
 }
 
+#if IM2FIT_HAVE_USB
+Result<std::unique_ptr<Source>> open_usb(const std::string& device, const OpenOptions& options) {
+  const auto file = calibration(options.camera_yaml_path, true);
+  if (!file) return file.error();
+  KinectOptions wanted;
+  if (*file) {
+    wanted.calibration = **file;
+    wanted.rotate_deg = (*file)->rotate_deg.value_or(0);
+  }
+  wanted.rotate_deg = options.rotate_deg.value_or(wanted.rotate_deg);
+  auto source = open_usb_camera(device, wanted);
+  if (!source) return source.error();
+  return std::unique_ptr<Source>(std::move(*source));
+}
+Result<std::vector<DeviceEntry>> list_usb() {
+  const auto found = list_usb_cameras();
+  if (!found) return found.error();
+  std::vector<DeviceEntry> devices;
+  for (const auto& camera : *found) devices.push_back({"usb:" + camera.id, camera.name});
+  return devices;
+}
+#else
+Result<std::unique_ptr<Source>> open_usb(const std::string&, const OpenOptions&) {
+  return Error{ErrorCode::unsupported,
+               "usb needs libusb, which is not in this build; install libusb-1.0-0-dev and build with IM2FIT_USB=ON"};
+}
+Result<std::vector<DeviceEntry>> list_usb() {
+  return std::vector<DeviceEntry>{};
+}
+#endif
+
 #if IM2FIT_HAVE_OPENNI2
 Result<std::unique_ptr<Source>> open_camera(const std::string& device, const OpenOptions& options) {
   const auto file = calibration(options.camera_yaml_path, true);
@@ -62,6 +96,14 @@ Result<std::unique_ptr<Source>> open_camera(const std::string& device, const Ope
   auto source = OpenNi2Source::open(device, wanted);
   if (!source) return source.error();
   return std::unique_ptr<Source>(std::move(*source));
+}
+
+Result<std::vector<DeviceEntry>> list_openni2() {
+  auto found = list_openni2_devices();
+  if (!found) return found.error();
+  std::vector<DeviceEntry> devices;
+  for (const auto& device : *found) devices.push_back({"openni2:" + device.uri, device.name});
+  return devices;
 }
 
 // The format has no checksum: a changed byte gives wrong depths and no error. Our own recordings are known by theirs.
@@ -103,6 +145,9 @@ Result<std::unique_ptr<Source>> open_camera(const std::string&, const OpenOption
 Result<std::unique_ptr<Source>> open_recording(const std::string& path, const OpenOptions&) {
   return no_openni2(path);
 }
+Result<std::vector<DeviceEntry>> list_openni2() {
+  return std::vector<DeviceEntry>{};
+}
 #endif
 
 #if IM2FIT_HAVE_V4L2
@@ -123,8 +168,10 @@ Result<std::unique_ptr<Source>> open_v4l2(const std::string& device, const OpenO
   if (!source) return source.error();
   return std::unique_ptr<Source>(std::move(*source));
 }
-void list_v4l2(std::vector<DeviceEntry>& devices) {
+Result<std::vector<DeviceEntry>> list_v4l2() {
+  std::vector<DeviceEntry> devices;
   for (const auto& device : list_v4l2_devices()) devices.push_back({"v4l2:" + device.path, device.name});
+  return devices;
 }
 #else
 Result<std::unique_ptr<Source>> open_v4l2(const std::string& device, const OpenOptions&) {
@@ -132,7 +179,9 @@ Result<std::unique_ptr<Source>> open_v4l2(const std::string& device, const OpenO
                                            ": V4L2 cameras are not in this build; use openni2, a .oni "
                                            "recording or a depth folder"};
 }
-void list_v4l2(std::vector<DeviceEntry>&) {}
+Result<std::vector<DeviceEntry>> list_v4l2() {
+  return std::vector<DeviceEntry>{};
+}
 #endif
 
 }  // namespace
@@ -147,35 +196,37 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   }
   if (const auto device = after_scheme(uri, "openni2")) return open_camera(*device, options);
   if (const auto device = after_scheme(uri, "v4l2")) return open_v4l2(*device, options);
-  for (const char* scheme : {"usb"}) {
-    if (after_scheme(uri, scheme))
-      return Error{ErrorCode::unsupported, uri + ": " + scheme +
-                                               " cameras are not in this build; use openni2, a .oni "
-                                               "recording or a depth folder"};
-  }
+  if (const auto device = after_scheme(uri, "usb")) return open_usb(*device, options);
   std::error_code code;
   const auto status = std::filesystem::status(uri, code);
   if (std::filesystem::is_directory(status)) return open_folder(uri, options);
   if (!std::filesystem::exists(status))
-    return Error{ErrorCode::not_found,
-                 uri +
-                     " does not exist; expected openni2[:URI], v4l2:/dev/videoN, synthetic[:SEED], a .oni file "
-                     "or a depth folder"};
+    return Error{
+        ErrorCode::not_found,
+        uri +
+            " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], synthetic[:SEED], a .oni file "
+            "or a depth folder"};
   if (is_oni(uri)) return open_recording(uri, options);
   return Error{ErrorCode::unsupported,
                uri + " is neither a folder nor a .oni file; expected a depth folder or an OpenNI2 recording"};
 }
 
-#if IM2FIT_HAVE_OPENNI2
 Result<std::vector<DeviceEntry>> list_devices() {
-  auto found = list_openni2_devices();
-  if (!found) return found.error();
   std::vector<DeviceEntry> devices;
-  for (const auto& device : *found) devices.push_back({"openni2:" + device.uri, device.name});
-  list_v4l2(devices);
+  std::optional<Error> failed;
+  // One library that does not start must not hide the cameras of another.
+  for (const auto& list : {list_openni2, list_usb, list_v4l2}) {
+    const auto found = list();
+    if (found)
+      devices.insert(devices.end(), found->begin(), found->end());
+    else if (!failed)
+      failed = found.error();
+  }
+  if (devices.empty() && failed) return *failed;
   return devices;
 }
 
+#if IM2FIT_HAVE_OPENNI2
 Status begin_oni_recording(Source& source, const std::string& path) {
   auto* camera = dynamic_cast<OpenNi2Source*>(&source);
   if (camera == nullptr)
@@ -192,11 +243,6 @@ Result<OniRecording> end_oni_recording(Source& source) {
   return OniRecording{summary->path, summary->camera_yaml_path, summary->frames_seen, summary->pixels_beyond_range};
 }
 #else
-Result<std::vector<DeviceEntry>> list_devices() {
-  std::vector<DeviceEntry> devices;
-  list_v4l2(devices);
-  return devices;
-}
 Status begin_oni_recording(Source&, const std::string& path) {
   return no_openni2(path);
 }

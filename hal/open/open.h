@@ -23,15 +23,16 @@ struct OpenOptions {
   std::function<Result<std::unique_ptr<Source>>(const std::string& seed, const OpenOptions& options)> synthetic;
 };
 
-// `uri`: openni2[:URI] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | DEPTH_FOLDER | synthetic[:seed]. usb is
-// refused as not in this build.
+// `uri`: openni2[:URI] | usb[:SERIAL] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | DEPTH_FOLDER |
+// synthetic[:seed].
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
 
 struct DeviceEntry {
   std::string uri;   // what open_source takes, for example openni2:1d27/0600@1/4
   std::string name;  // vendor and model
 };
-// Cameras now connected. An empty list is no error; a runtime that cannot be started is.
+// Cameras now connected. An empty list is no error; a runtime that cannot be started is, when there is no camera by
+// any other way.
 Result<std::vector<DeviceEntry>> list_devices();
 
 struct OniRecording {
