@@ -59,6 +59,7 @@ std::vector<V4l2Device> list_v4l2_devices() {
 Result<std::string> find_v4l2_node(const std::string& path, const std::string& serial) {
   const auto devices = list_v4l2_devices();
   std::string there;
+  // The first: one camera may have several depth nodes, and twins may share a number.
   for (const V4l2Device& device : devices) {
     if ((path.empty() || device.path == path) && (serial.empty() || device.serial == serial)) return device.path;
     there += (there.empty() ? "" : ", ") + device.path + (device.serial.empty() ? "" : " (" + device.serial + ")");

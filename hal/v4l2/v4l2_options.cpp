@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 
 namespace im2fit::hal {
@@ -46,6 +47,26 @@ std::string unescaped(std::string_view text) {
     }
   }
   return plain;
+}
+
+std::string escaped(const std::string& text) {
+  constexpr const char* kDigits = "0123456789ABCDEF";
+  std::string safe;
+  for (const char c : text) {
+    if (c > ' ' && c < 0x7F && c != '%' && c != '&' && c != '?') {
+      safe += c;
+    } else {
+      safe += '%';
+      safe += kDigits[c >> 4 & 0xF];
+      safe += kDigits[c & 0xF];
+    }
+  }
+  return safe;
+}
+
+const char* name_of(V4l2Format format) {
+  if (format == V4l2Format::z16) return "Z16";
+  return format == V4l2Format::inzi ? "INZI" : "Y16";
 }
 
 Status apply(std::string_view key, std::string_view value, V4l2Options& options) {
@@ -105,6 +126,28 @@ Result<V4l2Options> parse_v4l2_uri(const std::string& text, const V4l2Options& d
     if (auto ok = apply(pair.substr(0, equals), value, options); !ok) return ok.error();
   }
   return options;
+}
+
+std::string v4l2_uri(const V4l2Options& options) {
+  const V4l2Options plain;
+  std::string keys;
+  const auto add = [&](const char* key, const std::string& value) {
+    keys += (keys.empty() ? "?" : "&") + std::string(key) + "=" + value;
+  };
+  if (!options.serial.empty()) add("serial", escaped(options.serial));
+  if (options.format) add("format", name_of(*options.format));
+  if (options.unit_um) add("unit_um", std::to_string(*options.unit_um));
+  if (!options.unit_control.empty()) add("unit_control", escaped(options.unit_control));
+  if (options.hfov_deg && !options.calibration) {
+    const long thousandths = std::lround(static_cast<double>(*options.hfov_deg) * 1000);
+    std::string decimals = "." + std::to_string(1000 + thousandths % 1000).substr(1);
+    while (decimals.back() == '0') decimals.pop_back();
+    add("hfov", std::to_string(thousandths / 1000) + (decimals == "." ? "" : decimals));
+  }
+  if (options.width != plain.width || options.height != plain.height)
+    add("size", std::to_string(options.width) + "x" + std::to_string(options.height));
+  if (options.fps != plain.fps) add("fps", std::to_string(options.fps));
+  return "v4l2:" + (options.serial.empty() ? options.path : std::string()) + keys;
 }
 
 }  // namespace im2fit::hal

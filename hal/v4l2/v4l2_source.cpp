@@ -42,6 +42,16 @@ Result<Calibration> find_calibration(const V4l2Options& options, const DepthLayo
   return Calibration{*k, {}, {}, IntrinsicsOrigin::field_of_view};
 }
 
+// The driver's time of the frame where it is CLOCK_MONOTONIC's and can be one: within a century of starting.
+std::optional<std::int64_t> stamp_ns(const v4l2_buffer& buffer) {
+  if ((buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) return std::nullopt;
+  const auto seconds = std::int64_t{buffer.timestamp.tv_sec};
+  const auto micros = std::int64_t{buffer.timestamp.tv_usec};
+  if (seconds < 0 || seconds > 3'000'000'000 || micros < 0 || micros >= 1'000'000) return std::nullopt;
+  const std::int64_t ns = seconds * 1'000'000'000 + micros * 1000;
+  return ns > 0 ? std::optional<std::int64_t>(ns) : std::nullopt;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<V4l2Source>> V4l2Source::open(const V4l2Options& options) {
@@ -55,7 +65,11 @@ Result<std::unique_ptr<V4l2Source>> V4l2Source::open(const V4l2Options& options)
   if (!device) return device.error();
   auto source = open(std::move(*device), named.path, named);
   if (!source) return source.error();
-  (*source)->info_.serial = v4l2_serial(named.path);
+  // Nodes are numbered anew when the camera comes back; its number stays, where no twin has the same.
+  named.serial = (*source)->info_.serial = v4l2_serial(named.path);
+  const auto found = named.serial.empty() ? Result<std::string>(std::string()) : find_v4l2_node("", named.serial);
+  if (!found || *found != named.path) named.serial.clear();
+  (*source)->info_.uri = v4l2_uri(named);
   return source;
 }
 
@@ -82,7 +96,10 @@ Result<std::unique_ptr<V4l2Source>> V4l2Source::open(std::unique_ptr<VideoDevice
   source->mode_ = *mode;
   source->path_ = std::move(*upright);
   SourceInfo& info = source->info_;
-  info.uri = "v4l2:" + name;
+  V4l2Options words = options;
+  words.path = name;
+  words.serial.clear();
+  info.uri = v4l2_uri(words);
   info.name = camera->name;
   info.intrinsics = source->path_.upright();
   info.intrinsics_origin = calibration->origin;
@@ -208,10 +225,7 @@ Result<V4l2Source::Filled> V4l2Source::take_filled(int timeout_ms) {
     filled.used_bytes = std::min<std::size_t>(buffer.bytesused, buffers_[buffer.index].size_bytes);
     filled.faulty = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0;
     filled.info.sequence = whole_sequence(buffer.sequence);
-    const bool monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
-    const std::int64_t stamp_ns =
-        std::int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + std::int64_t{buffer.timestamp.tv_usec} * 1000;
-    filled.info.host_ns = monotonic && stamp_ns > 0 ? stamp_ns : monotonic_ns();
+    filled.info.host_ns = stamp_ns(buffer).value_or(monotonic_ns());
     return filled;
   }
   return Error{ErrorCode::io, info_.name + " announces frames it does not have"};

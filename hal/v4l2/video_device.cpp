@@ -61,11 +61,12 @@ class KernelDevice final : public VideoDevice {
 Result<std::unique_ptr<VideoDevice>> open_video_device(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (descriptor >= 0) return adopt_video_device(descriptor);
-  const std::string reason = path + ": " + std::strerror(errno);
-  if (errno == ENOENT)
+  const int error = errno;
+  const std::string reason = "v4l2:" + path + ": " + std::strerror(error);
+  if (error == ENOENT)
     return Error{ErrorCode::not_found, reason + "; is the camera plugged in? `im2fit devices` lists what is"};
-  if (errno == ENODEV || errno == ENXIO) return Error{ErrorCode::no_device, reason + "; plug the camera in again"};
-  if (errno == EACCES || errno == EPERM)
+  if (error == ENODEV || error == ENXIO) return Error{ErrorCode::no_device, reason + "; plug the camera in again"};
+  if (error == EACCES || error == EPERM)
     return Error{ErrorCode::io, reason + "; the user must be in the group that owns it (video)"};
   return Error{ErrorCode::io, reason + "; is it a V4L2 camera, and free?"};
 }

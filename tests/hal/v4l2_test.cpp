@@ -64,7 +64,7 @@ TEST(V4l2, DeliversTheBuffersPixelsTimeAndNumber) {
   FakeVideo fake = small_camera();
   auto source = open(fake, with_angle());
   ASSERT_TRUE(source) << source.error().message;
-  EXPECT_EQ((*source)->info().uri, "v4l2:/dev/video7");
+  EXPECT_EQ((*source)->info().uri, "v4l2:/dev/video7?hfov=60&size=4x3");
   EXPECT_EQ((*source)->info().name, "Fake depth");
   EXPECT_TRUE((*source)->info().live);
   ASSERT_TRUE((*source)->start());
@@ -97,6 +97,15 @@ TEST(V4l2, StampsOfAnotherClockAreNotTaken) {
   const auto info = (*source)->next(got.image(), 100);
   ASSERT_TRUE(info);
   EXPECT_GE(info->host_ns, before_ns);
+  // Nor what no clock shows: before the start, nothing at all, centuries on.
+  for (const std::int64_t absurd_us : {std::int64_t{-5'000'000}, std::int64_t{0}, std::int64_t{1} << 62}) {
+    fake.events.push_back(frame(bytes_of(counting(4, 3)), 1));
+    fake.events.back().time_us = absurd_us;
+    const auto late = (*source)->next(got.image(), 100);
+    ASSERT_TRUE(late);
+    EXPECT_GE(late->host_ns, before_ns);
+    EXPECT_LT(late->host_ns, before_ns + 60'000'000'000);
+  }
 }
 
 TEST(V4l2, LinesMayBePadded) {
@@ -452,6 +461,22 @@ TEST(V4l2, ReadsTheUri) {
     ASSERT_FALSE(refused) << bad;
     EXPECT_EQ(refused.error().code, ErrorCode::invalid_argument);
   }
+}
+
+// A camera that comes back is opened by these words: in another unit or format it would lie.
+TEST(V4l2, TheUriOpensTheSameAgain) {
+  const std::string words[] = {"/dev/video3", "/dev/video3?format=Y16&unit_um=125&hfov=57.25&size=848x480&fps=15",
+                               "?serial=A%201%26%3F%25&format=INZI&unit_control=Depth%20Units&hfov=58.007", ""};
+  for (const std::string& text : words) {
+    const auto options = parse_v4l2_uri(text, {});
+    ASSERT_TRUE(options);
+    EXPECT_EQ(v4l2_uri(*options), "v4l2:" + text);
+  }
+  V4l2Options by_number = with_angle();
+  by_number.serial = "7";
+  EXPECT_EQ(v4l2_uri(by_number), "v4l2:?serial=7&hfov=60&size=4x3") << "the number finds it on any node";
+  by_number.calibration = Calibration{};
+  EXPECT_EQ(v4l2_uri(by_number), "v4l2:?serial=7&size=4x3");
 }
 
 TEST(V4l2, WhatIsNoCameraIsRefusedInPlainWords) {
