@@ -4,11 +4,13 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <thread>
 
 #include "hal/folder/depth_folder.h"
+#include "tests/devices/kinect_model.h"
 #include "tests/devices/usbip_host.h"
 #include "tests/devices/uvc_model.h"
 #include "tests/devices/words.h"
@@ -17,8 +19,10 @@ namespace im2fit::devices {
 namespace {
 
 constexpr const char* kUsage =
-    "usage: im2fit-usb-emulator uvc DEPTH_FOLDER [--key number]...\n"
-    "  --fps 30 --iso 0 --number 1      the stream; the number ends the serial\n"
+    "usage: im2fit-usb-emulator uvc|kinect DEPTH_FOLDER [--key number]...\n"
+    "       im2fit-usb-emulator shifts DEPTH_FOLDER OUT   the folder as a Kinect can carry it: plugs in nothing\n"
+    "  --fps 30 --iso 0                 of the uvc camera's stream\n"
+    "  --number 1                       ends the serial\n"
     "  --loss-ppm 0 --damage-ppm 0 --seed 1\n"
     "  --for-ms 0                       end after so long (0: on SIGTERM)\n"
     "  --times 0 --unplug-after-ms 1500 --replug-after-ms 500\n"
@@ -29,6 +33,13 @@ struct Clip {
   int height = 0;
   std::vector<std::vector<std::uint16_t>> frames;
 };
+
+// The raw value of every distance, of the camera all Kinects here are.
+std::vector<std::uint16_t> shifts_of_mm() {
+  std::vector<std::uint16_t> shifts(65536);
+  for (std::size_t mm = 0; mm < shifts.size(); ++mm) shifts[mm] = shift_of_mm({}, static_cast<std::uint16_t>(mm));
+  return shifts;
+}
 
 // As the camera sees them: not turned upright.
 Result<Clip> load_clip(const std::string& path) {
@@ -60,7 +71,48 @@ Result<std::unique_ptr<UsbDevice>> make_device(const std::string& kind, Clip cli
     settings.seed = static_cast<std::uint64_t>(words["seed"]);
     return std::unique_ptr<UsbDevice>(new UvcModel(settings, std::move(clip.frames)));
   }
+  if (kind == "kinect") {
+    if (clip.width != 640 || clip.height != 480)
+      return Error{ErrorCode::invalid_argument, "a Kinect's pictures have 640x480 pixels"};
+    KinectSettings settings;
+    settings.serial = "A0000000000000" + std::to_string(words["number"]) + "A";
+    settings.faults.lost_ppm = words.whole("loss-ppm");
+    settings.faults.truncated_ppm = words.whole("damage-ppm");
+    settings.faults.seed = static_cast<std::uint64_t>(words["seed"]);
+    const auto shifts = shifts_of_mm();
+    for (auto& frame : clip.frames)
+      for (auto& pixel : frame) pixel = shifts[pixel];
+    const auto picture = [frames = std::move(clip.frames)](std::uint64_t number, std::span<std::uint16_t> raw) {
+      const auto& frame = frames[static_cast<std::size_t>(number % frames.size())];
+      std::copy(frame.begin(), frame.end(), raw.begin());
+    };
+    return std::unique_ptr<UsbDevice>(new KinectCameraModel(settings, picture));
+  }
   return Error{ErrorCode::invalid_argument, "no device '" + kind + "'\n" + kUsage};
+}
+
+// Every depth becomes the nearest one a Kinect has a raw value for.
+Status write_shifts(const std::string& from, const std::string& to) {
+  auto folder = hal::FolderSource::open(from);
+  if (!folder) return folder.error();
+  const int rotate_deg = (*folder)->info().rotate_deg;
+  folder = hal::FolderSource::open(from, {0, ""});
+  if (!folder) return folder.error();
+  const Intrinsics& k = (*folder)->info().intrinsics;
+  hal::FolderWriter::Options options;
+  options.rotate_deg = rotate_deg;
+  auto writer = hal::FolderWriter::create(to, k, options);
+  if (!writer) return writer.error();
+  if (auto ok = (*folder)->start(); !ok) return ok;
+  const auto shifts = shifts_of_mm();
+  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
+  for (;;) {
+    const auto frame = (*folder)->next({pixels.data(), k.width, k.height}, 0);
+    if (!frame && frame.error().code == ErrorCode::end_of_stream) return (*writer)->finish();
+    if (!frame) return frame.error();
+    for (auto& pixel : pixels) pixel = mm_of_shift({}, shifts[pixel]);
+    if (auto ok = (*writer)->write({pixels.data(), k.width, k.height}, *frame); !ok) return ok;
+  }
 }
 
 // Sleeps; true when the program is to end.
@@ -104,6 +156,8 @@ Result<bool> plug_in(UsbDevice& device, long long duration_ms) {
 }
 
 Status play(const Words& words) {
+  if (words.words().size() == 3 && words.words()[0] == "shifts")
+    return write_shifts(words.words()[1], words.words()[2]);
   if (words.words().size() != 2) return Error{ErrorCode::invalid_argument, kUsage};
   auto clip = load_clip(words.words()[1]);
   if (!clip) return clip.error();

@@ -168,7 +168,7 @@ Bytes UvcModel::read_packet(std::uint8_t endpoint, std::size_t size_max, std::in
   Bytes packet(kHeader + count);
   packet[0] = kHeader;
   packet[1] = flags;
-  const auto& frame = frames_[index_ % frames_.size()];
+  const auto& frame = frames_[static_cast<std::size_t>(index_ % frames_.size())];
   std::memcpy(packet.data() + kHeader, reinterpret_cast<const std::uint8_t*>(frame.data()) + sent_, count);
   sent_ += count;
   if (sent_ == frame_bytes()) {
