@@ -19,7 +19,8 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: im2fit-camera-check SOURCE DEPTH_FOLDER [--frames 60] [--rounds 0] [--patience-ms 5000]\n"
-    "  opens SOURCE with the folder's calibration; --rounds N: the camera is unplugged N times meanwhile, open it "
+    "  a camera is opened with the folder's calibration; --rounds N: the camera is unplugged N times meanwhile, open "
+    "it "
     "again";
 
 std::int64_t now_ms() {
@@ -122,10 +123,18 @@ Status take(hal::Source& source, const Clip& clip, const Wanted& wanted, bool to
   int previous = -1;
   bool first = true;
   Status ended = Ok{};
+  const int frames_max = figures.delivered + 20 * wanted.frames;
   for (std::int64_t heard_ms = now_ms(); to_the_loss || figures.delivered < wanted.frames;) {
     const auto frame = source.next({pixels.data(), k.width, k.height}, 250);
+    if (figures.delivered > frames_max) {
+      ended = Error{ErrorCode::invalid_argument, "the loss waited for did not come"};
+      break;
+    }
     if (frame) {
-      if (first) std::printf("first at_ms=%lld\n", static_cast<long long>(now_ms()));
+      if (first) {
+        std::printf("first at_ms=%lld\n", static_cast<long long>(now_ms()));
+        std::fflush(stdout);
+      }
       first = false;
       heard_ms = now_ms();
       count(clip, pixels, *frame, previous, figures);
@@ -149,7 +158,7 @@ Status check(const Wanted& wanted, Figures& figures) {
   const auto clip = Clip::load(wanted.folder);
   if (!clip) return clip.error();
   hal::OpenOptions options;
-  options.camera_yaml_path = wanted.folder + "/camera.yaml";
+  if (wanted.uri.find(':') != std::string::npos) options.camera_yaml_path = wanted.folder + "/camera.yaml";
   std::int64_t heard_ms = now_ms();
   for (;;) {
     auto source = hal::open_source(wanted.uri, options);
@@ -160,6 +169,7 @@ Status check(const Wanted& wanted, Figures& figures) {
       std::printf("lost at_ms=%lld: %s\n", static_cast<long long>(now_ms()), ended.error().message.c_str());
       // The first rounds fill pools and tables.
       if (figures.rounds == 3) say_state("early");
+      if (figures.rounds == wanted.rounds) say_state("last");
       heard_ms = now_ms();
     } else if (source && ended.error().code != ErrorCode::no_device) {
       return ended;
