@@ -11,6 +11,9 @@
 #include "hal/openni2/oni_source.h"
 #include "hal/openni2/openni2_source.h"
 #endif
+#if IM2FIT_HAVE_V4L2
+#include "hal/v4l2/v4l2_source.h"
+#endif
 #if IM2FIT_HAVE_USB
 #include "hal/usb/libusb_cameras.h"
 #endif
@@ -39,16 +42,13 @@ Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenO
   return std::unique_ptr<Source>(std::move(*source));
 }
 
-#if IM2FIT_HAVE_OPENNI2 || IM2FIT_HAVE_USB
-Result<std::optional<CameraFile>> calibration(const std::string& path, bool must_exist) {
+[[maybe_unused]] Result<std::optional<CameraFile>> calibration(const std::string& path, bool must_exist) {
   std::error_code code;
   if (path.empty() || (!must_exist && !std::filesystem::exists(path, code))) return std::optional<CameraFile>{};
   auto file = load_camera_yaml(path);
   if (!file) return file.error();
   return std::optional<CameraFile>{*file};
 }
-
-#endif
 
 #if IM2FIT_HAVE_USB
 Result<std::unique_ptr<Source>> open_usb(const std::string& device, const OpenOptions& options) {
@@ -150,6 +150,40 @@ Result<std::vector<DeviceEntry>> list_openni2() {
 }
 #endif
 
+#if IM2FIT_HAVE_V4L2
+Result<std::unique_ptr<Source>> open_v4l2(const std::string& device, const OpenOptions& options) {
+  const auto file = calibration(options.camera_yaml_path, true);
+  if (!file) return file.error();
+  V4l2Options defaults;
+  defaults.width = options.width;
+  defaults.height = options.height;
+  if (*file) {
+    defaults.calibration = **file;
+    defaults.rotate_deg = (*file)->rotate_deg.value_or(0);
+  }
+  defaults.rotate_deg = options.rotate_deg.value_or(defaults.rotate_deg);
+  const auto wanted = parse_v4l2_uri(device, defaults);
+  if (!wanted) return wanted.error();
+  auto source = V4l2Source::open(*wanted);
+  if (!source) return source.error();
+  return std::unique_ptr<Source>(std::move(*source));
+}
+Result<std::vector<DeviceEntry>> list_v4l2() {
+  std::vector<DeviceEntry> devices;
+  for (const auto& device : list_v4l2_devices()) devices.push_back({"v4l2:" + device.path, device.name});
+  return devices;
+}
+#else
+Result<std::unique_ptr<Source>> open_v4l2(const std::string& device, const OpenOptions&) {
+  return Error{ErrorCode::unsupported, "v4l2:" + device +
+                                           ": V4L2 cameras are not in this build; use openni2, a .oni "
+                                           "recording or a depth folder"};
+}
+Result<std::vector<DeviceEntry>> list_v4l2() {
+  return std::vector<DeviceEntry>{};
+}
+#endif
+
 }  // namespace
 
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options) {
@@ -161,21 +195,17 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
     return Error{ErrorCode::unsupported, uri + ": this program has no synthetic camera; use a camera or a recording"};
   }
   if (const auto device = after_scheme(uri, "openni2")) return open_camera(*device, options);
+  if (const auto device = after_scheme(uri, "v4l2")) return open_v4l2(*device, options);
   if (const auto device = after_scheme(uri, "usb")) return open_usb(*device, options);
-  for (const char* scheme : {"v4l2"}) {
-    if (after_scheme(uri, scheme))
-      return Error{ErrorCode::unsupported, uri + ": " + scheme +
-                                               " cameras are not in this build; use openni2, usb, a .oni "
-                                               "recording or a depth folder"};
-  }
   std::error_code code;
   const auto status = std::filesystem::status(uri, code);
   if (std::filesystem::is_directory(status)) return open_folder(uri, options);
   if (!std::filesystem::exists(status))
-    return Error{ErrorCode::not_found,
-                 uri +
-                     " does not exist; expected openni2[:URI], usb[:SERIAL], synthetic[:SEED], a .oni file "
-                     "or a depth folder"};
+    return Error{
+        ErrorCode::not_found,
+        uri +
+            " does not exist; expected openni2[:URI], usb[:SERIAL], v4l2[:NODE], synthetic[:SEED], a .oni file "
+            "or a depth folder"};
   if (is_oni(uri)) return open_recording(uri, options);
   return Error{ErrorCode::unsupported,
                uri + " is neither a folder nor a .oni file; expected a depth folder or an OpenNI2 recording"};
@@ -185,7 +215,7 @@ Result<std::vector<DeviceEntry>> list_devices() {
   std::vector<DeviceEntry> devices;
   std::optional<Error> failed;
   // One library that does not start must not hide the cameras of another.
-  for (const auto& list : {list_openni2, list_usb}) {
+  for (const auto& list : {list_openni2, list_usb, list_v4l2}) {
     const auto found = list();
     if (found)
       devices.insert(devices.end(), found->begin(), found->end());

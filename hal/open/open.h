@@ -23,8 +23,8 @@ struct OpenOptions {
   std::function<Result<std::unique_ptr<Source>>(const std::string& seed, const OpenOptions& options)> synthetic;
 };
 
-// `uri`: openni2[:URI] | usb[:SERIAL] | PATH.oni | DEPTH_FOLDER | synthetic[:seed]. v4l2 is refused as not in this
-// build.
+// `uri`: openni2[:URI] | usb[:SERIAL] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | DEPTH_FOLDER |
+// synthetic[:seed].
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
 
 struct DeviceEntry {
