@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/reconnecting_source.h"
 #include "hal/source.h"
 
 namespace im2fit::hal {
@@ -25,6 +26,11 @@ struct OpenOptions {
 
 // `uri`: openni2[:URI] | PATH.oni | DEPTH_FOLDER | synthetic[:seed]. usb and v4l2 are refused as not in this build.
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
+
+// The same; a camera may then be unplugged and come back (ReconnectingSource, docs/cameras.md). What is no live
+// camera is returned as it is.
+Result<std::unique_ptr<Source>> open_reconnecting(const std::string& uri, const OpenOptions& options,
+                                                  const ReconnectOptions& reconnect);
 
 struct DeviceEntry {
   std::string uri;   // what open_source takes, for example openni2:1d27/0600@1/4
