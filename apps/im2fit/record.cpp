@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include "apps/common/input.h"
 #include "apps/im2fit/commands.h"
-#include "apps/im2fit/input.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/open/open.h"
 

@@ -152,16 +152,18 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
 Result<std::unique_ptr<Source>> open_reconnecting(const std::string& uri, const OpenOptions& options,
                                                   const ReconnectOptions& reconnect) {
   ReconnectingSource::Opener opener;
+  OpenOptions kept = options;
+  kept.synthetic = nullptr;  // no camera needs it, and it may not live as long
 #if IM2FIT_HAVE_OPENNI2
-  if (const auto device = after_scheme(uri, "openni2")) opener = camera_opener(*device, options);
+  if (const auto device = after_scheme(uri, "openni2")) opener = camera_opener(*device, kept);
 #endif
   for (const char* scheme : {"usb", "v4l2"}) {
     if (!after_scheme(uri, scheme)) continue;
     // By what it called itself when it was there, else by the caller's word: the first camera of its kind.
-    opener = [uri, options](const SourceInfo* lost) {
-      if (lost == nullptr || lost->uri == uri) return open_source(uri, options);
-      auto known = open_source(lost->uri, options);
-      return known ? std::move(known) : open_source(uri, options);
+    opener = [uri, kept](const SourceInfo* lost) {
+      if (lost == nullptr || lost->uri == uri) return open_source(uri, kept);
+      auto known = open_source(lost->uri, kept);
+      return known ? std::move(known) : open_source(uri, kept);
     };
   }
   if (!opener) return open_source(uri, options);
