@@ -68,7 +68,7 @@ Result<std::unique_ptr<Source>> open_camera(const std::string& device, const Ope
   return std::unique_ptr<Source>(std::move(*source));
 }
 
-ReconnectingSource::Opener camera_opener(const std::string& device, const OpenOptions& options) {
+ReconnectingSource::Opener openni2_opener(const std::string& device, const OpenOptions& options) {
   return [device, options,
           finder = std::make_shared<OpenNi2Finder>()](const SourceInfo* lost) -> Result<std::unique_ptr<Source>> {
     const auto wanted = camera_options(options);
@@ -149,23 +149,27 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
                uri + " is neither a folder nor a .oni file; expected a depth folder or an OpenNI2 recording"};
 }
 
-Result<std::unique_ptr<Source>> open_reconnecting(const std::string& uri, const OpenOptions& options,
-                                                  const ReconnectOptions& reconnect) {
-  ReconnectingSource::Opener opener;
+ReconnectingSource::Opener camera_opener(const std::string& uri, const OpenOptions& options) {
   OpenOptions kept = options;
   kept.synthetic = nullptr;  // no camera needs it, and it may not live as long
 #if IM2FIT_HAVE_OPENNI2
-  if (const auto device = after_scheme(uri, "openni2")) opener = camera_opener(*device, kept);
+  if (const auto device = after_scheme(uri, "openni2")) return openni2_opener(*device, kept);
 #endif
-  for (const char* scheme : {"usb", "v4l2"}) {
+  for (const char* scheme : {"openni2", "usb", "v4l2"}) {
     if (!after_scheme(uri, scheme)) continue;
     // By what it called itself when it was there, else by the caller's word: the first camera of its kind.
-    opener = [uri, kept](const SourceInfo* lost) {
+    return [uri, kept](const SourceInfo* lost) {
       if (lost == nullptr || lost->uri == uri) return open_source(uri, kept);
       auto known = open_source(lost->uri, kept);
       return known ? std::move(known) : open_source(uri, kept);
     };
   }
+  return nullptr;
+}
+
+Result<std::unique_ptr<Source>> open_reconnecting(const std::string& uri, const OpenOptions& options,
+                                                  const ReconnectOptions& reconnect) {
+  auto opener = camera_opener(uri, options);
   if (!opener) return open_source(uri, options);
   auto source = ReconnectingSource::open(std::move(opener), reconnect);
   if (!source) return source.error();

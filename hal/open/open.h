@@ -27,7 +27,10 @@ struct OpenOptions {
 // `uri`: openni2[:URI] | PATH.oni | DEPTH_FOLDER | synthetic[:seed]. usb and v4l2 are refused as not in this build.
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
 
-// The same; a camera may then be unplugged and come back (ReconnectingSource, docs/cameras.md). What is no live
+// Opens the live camera `uri` again and again, without leaking what its library leaks at each beginning. Empty when
+// `uri` is no live camera.
+ReconnectingSource::Opener camera_opener(const std::string& uri, const OpenOptions& options);
+// The same as open_source; a camera may then be unplugged and come back (ReconnectingSource, docs/cameras.md). What is no live
 // camera is returned as it is.
 Result<std::unique_ptr<Source>> open_reconnecting(const std::string& uri, const OpenOptions& options,
                                                   const ReconnectOptions& reconnect);
