@@ -146,6 +146,7 @@ class PipelineEngine final : public Engine {
   void next_person() override {
     drain();
     if (!fit_.over()) lock_.reset();
+    clock_.reset();  // frames were not looked at meanwhile: that is no silence
     fit_.next_person();
     begin_again();
   }
@@ -210,6 +211,12 @@ class PipelineEngine final : public Engine {
     slot.sensed = !over_.load(std::memory_order_relaxed);
     if (!slot.sensed) return;
     slot.seconds = clock_.step(slot.info.host_ns);
+    slot.after_silence = slot.seconds > kSilenceSecondsMax;
+    if (slot.after_silence) {
+      stages_->reset_sense();
+      lock_.reset();
+      slot.seconds = kFramePeriodS;
+    }
     stages_->before_sense(slot.seconds, lock_.selected());
     slot.sighting = stages_->sense(slot.depth, settings_.intrinsics, slot.mask);
     lock_.saw(slot.sighting);

@@ -24,6 +24,11 @@ namespace im2fit {
 
 enum class SessionState : int { searching, user_found, calibrating, tracking, measured, lost, turning };
 
+// A longer gap between two frames by the source's clock (a camera that was unplugged) is another moment: what was
+// being gathered is dropped and the session is LOST, ids and floor are found anew. TURNING ends with the front alone,
+// and who was measured before counts as having left.
+inline constexpr float kSilenceSecondsMax = 2.0F;
+
 // Whether the person is asked to turn round once the front is gathered, so that both sides are measured.
 enum class Turn : int { none, asked };
 
@@ -130,7 +135,7 @@ class Engine {
 
 // Starts `source`, pulls from it until its end, its loss or `measured`, stops it and finishes the engine. Damaged
 // frames are left out. Errors: the source's (after finishing with what came before); the engine's fault(); timeout
-// when a source stays silent for kSilenceMs. The end of a stream is Ok, measured or not.
+// when a source that is not lost() stays silent for kSilenceMs. The end of a stream is Ok, measured or not.
 inline constexpr int kSilenceMs = 5000;
 Status run(Engine& engine, hal::Source& source, bool stop_when_measured);
 // The same, until `go_on`, called on this thread after every frame pushed, says false; it may call the engine.

@@ -62,7 +62,28 @@ void FitHalf::begin_next() {
   result_.session = session;
 }
 
+// A silence: nobody knows who is seen after it.
+void FitHalf::end_moment() {
+  chain_.reset();
+  steady_.reset();
+  motion_.reset();
+  result_.floor = {};
+  if (leaving_) {
+    begin_next();
+  } else if (session_.state == SessionState::turning) {
+    end_turning(false, false);
+    result_.state = session_.state;
+    count_gathered();
+  } else if (session_.state != SessionState::searching) {
+    stages_.reset_fit();
+    session_ = {};
+    session_.state = SessionState::lost;
+  }
+}
+
 void FitHalf::process(const FrameSlot& slot) {
+  if (slot.after_silence) end_moment();
+  if (over()) return;
   show(slot);
   if (leaving_) {
     wait_for_leaving(slot);

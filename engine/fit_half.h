@@ -34,6 +34,7 @@ class FitHalf {
   const EngineResult& result() const { return result_; }
 
  private:
+  void end_moment();
   void show(const FrameSlot& slot);
   void wait_for_leaving(const FrameSlot& slot);
   bool gather(const FrameSlot& slot);  // true: enough to measure

@@ -27,7 +27,8 @@ struct FrameSlot {
   MaskImage mask;
   hal::FrameInfo info;
   ArrivalCounts counts;
-  float seconds = 0;  // since the frame sensed before
+  float seconds = 0;           // since the frame sensed before
+  bool after_silence = false;  // more than kSilenceSecondsMax: whoever is seen now may be anybody
   Sighting sighting;
   bool sensed = false;  // false: passed through unread because the session is over
 };

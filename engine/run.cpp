@@ -20,7 +20,7 @@ Status pull(Engine& engine, hal::Source& source, const std::function<bool()>& go
       if (code == ErrorCode::end_of_stream) return Ok{};
       if (code == ErrorCode::corrupt) continue;
       if (code != ErrorCode::timeout) return info.error();
-      silent_ms += kWaitMs;
+      silent_ms = source.lost() ? 0 : silent_ms + kWaitMs;
       if (silent_ms >= kSilenceMs)
         return Error{ErrorCode::timeout, source.info().uri + ": no frame for " + std::to_string(kSilenceMs / 1000) +
                                              " s; is the camera still connected?"};

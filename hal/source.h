@@ -57,6 +57,8 @@ class Source {
   // Which way is down, a unit vector in the axes of the frames delivered (x right, y down, z forward), from a camera
   // with an accelerometer at rest. None: it has none, or is being moved.
   virtual std::optional<Vec3f> down() const { return std::nullopt; }
+  // The camera is away and may come back (ReconnectingSource): next() gives timeout meanwhile, however long it takes.
+  virtual bool lost() const { return false; }
 };
 
 // The upright picture of a camera that was turned when it was mounted. With W x H the size of `in`:

@@ -4,17 +4,16 @@
 
 #include <charconv>
 #include <chrono>
-#include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
+#include "apps/common/events.h"
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/onlooker.h"
 #include "apps/im2fit/session.h"
 
 namespace im2fit::apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct LiveOptions {
   SessionOptions session;
@@ -35,32 +34,10 @@ std::optional<int> user_of(const std::string& word) {
   return id;
 }
 
-Json codes_json(GuidanceSet guidance) {
-  Json codes = Json::array();
-  for (std::size_t i = 0; i < kGuidanceCount; ++i)
-    if ((guidance >> i & 1U) != 0) codes.push_back(std::string(kGuidanceNames[i]));
-  return codes;
-}
-
 // One line on stdout, at once: who reads it may be a program that waits.
 Status print_event(const Json& event) {
-  fmt::print("{}\n", event.dump(-1, ' ', false, Json::error_handler_t::replace));
+  fmt::print("{}", line_of(event));
   return flush_output();
-}
-
-Json result_of(const SessionOutcome& outcome) {
-  return Json::parse(result_json(outcome.report));
-}
-
-// "1743 mm, 72.1 kg, size M"
-std::string summary(const SessionOutcome& outcome) {
-  const auto& values = outcome.report.result.answer.measurements;
-  std::string words =
-      fmt::format("{:.0f} mm, {:.1f} kg, chest {:.0f} mm", values[measurement_index(Measurement::stature)].value,
-                  values[measurement_index(Measurement::weight)].value,
-                  values[measurement_index(Measurement::chest_girth)].value);
-  if (outcome.report.size) words += ", size " + outcome.report.size->best;
-  return words;
 }
 
 class LiveRun {
@@ -98,10 +75,11 @@ class LiveRun {
     if (onlooker_.error()) return *onlooker_.error();
     if (result.session != session_) {
       session_ = result.session;
-      reported_ = false;
-      if (auto said = say_left(); !said) return said;
+      const bool left = std::exchange(reported_, false);
+      if (auto said = left ? say_left() : Ok{}; !said) return said;
     }
     if (auto said = say_state(result); !said) return said;
+    if (is_stuck(result)) outcome_.engine->next_person();
     if (!result.measured || reported_) return Ok{};
     reported_ = true;
     ++persons_;
@@ -112,26 +90,19 @@ class LiveRun {
   }
 
   Status say_state(const EngineResult& result) {
-    if (said_ && result.state == state_ && result.guidance == guidance_ && result.user == user_) return Ok{};
+    const ShownState state = shown_state(result);
+    if (said_ && state == state_) return Ok{};
     said_ = true;
-    state_ = result.state;
-    guidance_ = result.guidance;
-    user_ = result.user;
-    if (options_.session.json)
-      return print_event({{"event", "state"},
-                          {"frame", frames_},
-                          {"state", std::string(name_of(state_))},
-                          {"guidance", codes_json(guidance_)},
-                          {"user", user_},
-                          {"view", std::string(name_of(result.view))},
-                          {"frames_used", result.frames_used}});
+    state_ = state;
+    if (options_.session.json) return print_event(state_event(frames_, result));
     if (!options_.onlooker.view)
-      fmt::print(stderr, "{}  needed: {}\n", state_words(result, options_.session.frames), guidance_words(guidance_));
+      fmt::print(stderr, "{}  needed: {}\n", state_words(result, options_.session.frames),
+                 guidance_words(result.guidance));
     return Ok{};
   }
 
   Status say_left() {
-    if (options_.session.json) return print_event({{"event", "left"}, {"frame", frames_}, {"person", persons_}});
+    if (options_.session.json) return print_event(left_event(frames_, persons_));
     if (!options_.onlooker.view) fmt::print(stderr, "person {} has left\n", persons_);
     return Ok{};
   }
@@ -149,11 +120,10 @@ class LiveRun {
       if (auto made = make_directory(out); !made) return made;
       if (auto written = write_outputs(outcome_, out); !written) return written;
     }
-    onlooker_.say(fmt::format("person {}: {}", persons_, summary(outcome_)));
+    onlooker_.say(fmt::format("person {}: {}", persons_, summary(outcome_.report)));
     if (options_.session.json) {
-      Json event = {{"event", "measured"}, {"frame", frames_}, {"person", persons_}};
+      Json event = measured_event(frames_, persons_, outcome_.report);
       if (!out.empty()) event["out"] = out;
-      event["result"] = result_of(outcome_);
       return print_event(event);
     }
     std::string table = fmt::format("person {}\n{}", persons_, result_table(outcome_));
@@ -176,7 +146,7 @@ class LiveRun {
     if (!options_.session.out.empty())
       if (auto written = write_outputs(outcome_, options_.session.out); !written) return written.error();
     Json event = {{"event", "end"}, {"frame", frames_}, {"persons", 0}};
-    event["result"] = result_of(outcome_);
+    event["result"] = Json::parse(result_json(outcome_.report));
     if (auto printed = print_event(event); !printed) return printed.error();
     return kExitNoMeasurement;
   }
@@ -185,14 +155,12 @@ class LiveRun {
   SessionOutcome& outcome_;
   Onlooker& onlooker_;
   std::chrono::steady_clock::time_point started_;
-  int frames_ = 0;
+  std::uint64_t frames_ = 0;
   int persons_ = 0;
   std::uint32_t session_ = 0;
   bool reported_ = false;
   bool said_ = false;
-  SessionState state_ = SessionState::searching;
-  GuidanceSet guidance_ = 0;
-  int user_ = 0;
+  ShownState state_;
   std::string tables_;
   std::optional<Error> error_;
 };
@@ -204,7 +172,16 @@ Result<int> run_live_shown(const LiveOptions& options, std::string& tables) {
   FrameWatch watch;
   const bool watched = options.onlooker.view || !options.onlooker.overlay.empty();
   if (watched) watch = [&](const FrameSeen& frame) { onlooker->see(frame); };
-  auto outcome = open_session(options.session, std::move(watch), nullptr);
+  SessionOptions session = options.session;
+  if (session.json)
+    session.input.camera_changed = [](const hal::ReconnectStats& stats, const hal::SourceInfo& source) {
+      (void)print_event(camera_event(stats, source));  // a closed pipe is noticed with the next event
+    };
+  else if (options.onlooker.view)
+    session.input.camera_changed = [&](const hal::ReconnectStats& stats, const hal::SourceInfo& source) {
+      onlooker->say(camera_words(stats, source));
+    };
+  auto outcome = open_session(session, std::move(watch), nullptr);
   if (!outcome) return outcome.error();
   onlooker =
       std::make_unique<Onlooker>(options.onlooker, outcome->input.source->info().intrinsics, options.session.frames);
@@ -232,6 +209,7 @@ Result<int> run_live(const LiveOptions& asked) {
 void add_live(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<LiveOptions>();
   options->session.live = true;
+  options->session.input.reconnect_s = -1;
   auto* sub = add_command<LiveOptions>(
       app, chosen, "live", "Guide and measure one person after the other before a camera, until Ctrl-C",
       "  im2fit live openni2 --rotate 90 --view\n  im2fit live openni2 --count 1 --out me\n  im2fit live FOLDER "
@@ -242,7 +220,7 @@ void add_live(CLI::App& app, Command& chosen) {
       "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png: with --count 1 "
       "in it, else in person-001 and so on");
   sub->get_option("--json")->description(
-      "Print events on stdout, one JSON object a line: state, measured, left, end");
+      "Print events on stdout, one JSON object a line: state, measured, left, camera, end");
   sub->remove_option(sub->get_option("--timing"));
   sub->add_option("--count", options->count, "End after so many people; 0: at Ctrl-C or the source's end")
       ->check(CLI::Range(0, 1'000'000))

@@ -22,6 +22,7 @@ Result<int> run_measure(const SessionOptions& options) {
 
 void add_measure(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<SessionOptions>();
+  options->input.reconnect_s = 10;
   auto* sub =
       add_command<SessionOptions>(app, chosen, "measure", "Measure the person in a recording or before a camera",
                                   "  im2fit measure person.oni --out me\n  im2fit measure FOLDER --json\n  im2fit "

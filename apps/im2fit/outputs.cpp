@@ -24,7 +24,7 @@ std::string upper(std::string text) {
 std::vector<SectionLine> section_lines(const SessionOutcome& outcome) {
   std::vector<SectionLine> lines;
   if (!outcome.body) return lines;
-  const body::BodyModel& model = outcome.body_model;
+  const body::BodyModel& model = outcome.data.body_model;
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
   std::vector<Vec3f> relaxed(rest.size());
   model.morph(outcome.body->params, rest);
@@ -77,19 +77,9 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
 
 }  // namespace
 
-std::string guidance_words(GuidanceSet guidance) {
-  std::string words;
-  for (std::size_t i = 0; i < kGuidanceCount; ++i) {
-    if ((guidance >> i & 1U) == 0) continue;
-    if (!words.empty()) words += ", ";
-    words += kGuidanceNames[i];
-  }
-  return words.empty() ? "none" : words;
-}
-
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory) {
   if (outcome.body) {
-    const body::Avatar avatar{&outcome.body_model, outcome.body->params, outcome.body->pose, true};
+    const body::Avatar avatar{&outcome.data.body_model, outcome.body->params, outcome.body->pose, true};
     using Writer = Status (*)(const body::Avatar&, const std::string&);
     constexpr std::pair<Writer, const char*> kFiles[] = {
         {body::write_glb, "/avatar.glb"}, {body::write_obj, "/avatar.obj"}, {body::write_bvh, "/avatar.bvh"}};

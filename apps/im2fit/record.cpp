@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <csignal>
+
+#include "apps/common/events.h"
+#include "apps/common/input.h"
 #include "apps/im2fit/commands.h"
-#include "apps/im2fit/input.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/open/open.h"
 
@@ -13,6 +16,7 @@ struct RecordOptions {
   InputOptions input;
   std::string out;
   int frames = 60;
+  bool json = false;
 };
 
 constexpr int kWaitMs = 250;
@@ -37,27 +41,58 @@ Status pull(hal::Source& source, const std::function<Status(DepthView, const hal
     if (frame.error().code == ErrorCode::end_of_stream) return Ok{};
     if (frame.error().code == ErrorCode::corrupt) continue;
     if (frame.error().code != ErrorCode::timeout) return frame.error();
-    silent_ms += kWaitMs;
+    silent_ms = source.lost() ? 0 : silent_ms + kWaitMs;
     if (silent_ms >= kPatienceMs)
       return Error{ErrorCode::timeout, fmt::format("{}: no frame for {} s; is the camera still connected?",
                                                    source.info().uri, kPatienceMs / 1000)};
   }
 }
 
-Result<int> record_oni(hal::Source& camera, FrameTap& tap, const std::string& path) {
+// "12 frames", and what is not among them: a recording has everything, or says what it lacks.
+std::string counts(std::uint64_t frames, const hal::SourceStats& stats, std::uint64_t losses) {
+  std::string words = fmt::format("{} frames", frames);
+  if (stats.gaps > 0) words += fmt::format(", {} missing", stats.gaps);
+  if (stats.damaged > 0) words += fmt::format(", {} damaged and left out", stats.damaged);
+  if (losses > 0) words += fmt::format(", the camera was away {} times", losses);
+  return words;
+}
+
+struct Recorded {
+  std::uint64_t frames = 0;
+  std::string beside;  // another file that belongs to it; "": none
+};
+
+Status report(const RecordOptions& options, const Recorded& recorded, const hal::SourceStats& stats,
+              std::uint64_t losses) {
+  if (!options.json) {
+    fmt::print("{}: {}{}\n", options.out, counts(recorded.frames, stats, losses),
+               recorded.beside.empty() ? "" : ", calibration in " + recorded.beside);
+    return flush_output();
+  }
+  const Json summary = {{"path", options.out},   {"frames", recorded.frames},
+                        {"missing", stats.gaps}, {"damaged", stats.damaged},
+                        {"losses", losses},      {"complete", stats.gaps == 0 && stats.damaged == 0 && losses == 0}};
+  fmt::print("{}", line_of(summary));
+  return flush_output();
+}
+
+Error with_kept(Error error, const std::string& path, std::uint64_t frames) {
+  if (frames > 0) error.message += fmt::format("; {} holds the {} frames before", path, frames);
+  return error;
+}
+
+Result<Recorded> record_oni(hal::Source& camera, FrameTap& tap, const std::string& path) {
   if (const auto begun = hal::begin_oni_recording(camera, path); !begun) return begun.error();
   if (const auto started = tap.start(); !started) return started.error();
   const auto pulled = pull(tap, [](DepthView, const hal::FrameInfo&) -> Status { return Ok{}; });
   const auto recording = hal::end_oni_recording(camera);
   tap.stop();
-  if (!pulled) return pulled.error();
-  if (!recording) return recording.error();
-  fmt::print("{}: {} frames, calibration in {}\n", recording->path, recording->frames_seen,
-             recording->camera_yaml_path);
-  return kExitOk;
+  if (!recording) return pulled ? recording.error() : pulled.error();
+  if (!pulled) return with_kept(pulled.error(), path, recording->frames_seen);
+  return Recorded{recording->frames_seen, recording->camera_yaml_path};
 }
 
-Result<int> record_folder(FrameTap& tap, const std::string& path) {
+Result<Recorded> record_folder(FrameTap& tap, const std::string& path) {
   hal::FolderWriter::Options writing;
   writing.camera_name = tap.info().name;
   writing.origin = tap.info().intrinsics_origin;
@@ -68,26 +103,38 @@ Result<int> record_folder(FrameTap& tap, const std::string& path) {
       pull(tap, [&](DepthView depth, const hal::FrameInfo& info) { return (*writer)->write(depth, info); });
   tap.stop();
   const auto finished = (*writer)->finish();
-  if (!pulled) return pulled.error();
-  if (!finished) return finished.error();
-  fmt::print("{}: {} frames\n", path, (*writer)->frame_count());
-  return kExitOk;
+  const auto frames = static_cast<std::uint64_t>((*writer)->frame_count());
+  if (!pulled) return with_kept(pulled.error(), path, frames);
+  if (!finished) return with_kept(finished.error(), path, frames);
+  return Recorded{frames, ""};
 }
 
-Result<int> run_record(const RecordOptions& options) {
+Result<int> run_record(const RecordOptions& asked) {
+  RecordOptions options = asked;
+  std::uint64_t losses = 0;
+  options.input.camera_changed = [&](const hal::ReconnectStats& stats, const hal::SourceInfo& source) {
+    losses = stats.lost;
+    print_error(camera_words(stats, source));
+  };
+  // The runtime's recorder is bound to a camera it has opened itself: with it a loss is the end.
+  if (is_oni(options.out)) options.input.reconnect_s = 0;
   auto input = open_input(options.input);
   if (!input) return input.error();
   catch_interrupt();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file over the size limit is an error of write(), as on a full disk
   const auto frames = static_cast<std::uint64_t>(options.frames);
   Progress progress("recording", frames);
   FrameTap tap(*input->source, frames, [&](std::uint64_t done) { progress.update(done); });
-  auto code = is_oni(options.out) ? record_oni(*input->source, tap, options.out) : record_folder(tap, options.out);
-  if (code && input->truth) {
+  const auto recorded =
+      is_oni(options.out) ? record_oni(*input->source, tap, options.out) : record_folder(tap, options.out);
+  if (!recorded) return recorded.error();
+  if (input->truth) {
     const std::string path = is_oni(options.out) ? options.out.substr(0, options.out.size() - 4) + ".truth.json"
                                                  : options.out + "/truth.json";
     if (const auto written = write_truth(*input->truth, path); !written) return written.error();
   }
-  return code;
+  if (auto reported = report(options, *recorded, tap.stats(), losses); !reported) return reported.error();
+  return kExitOk;
 }
 
 }  // namespace
@@ -99,6 +146,13 @@ void add_record(CLI::App& app, Command& chosen) {
       "  im2fit record openni2 --out person.oni --frames 90\n  im2fit record synthetic:7 --out person7", options,
       run_record);
   add_input_options(*sub, options->input);
+  options->input.reconnect_s = 10;
+  add_reconnect_option(*sub, options->input);
+  sub->get_option("--reconnect")
+      ->description(
+          "Seconds to wait for a camera that was unplugged; 0: end with an error, -1: for ever. Into a .oni: always "
+          "0");
+  sub->add_flag("--json", options->json, "Print what was recorded, and what is missing, as one line of JSON");
   sub->add_option("--out", options->out, "PATH.oni (OpenNI2 cameras) or a folder to make")
       ->required()
       ->type_name("PATH");

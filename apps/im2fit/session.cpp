@@ -6,37 +6,8 @@
 #include <algorithm>
 #include <chrono>
 
-#include "body/fit/shape_space.h"
-
 namespace im2fit::apps {
 namespace {
-
-Result<SizeSystem> load_charts(const std::vector<std::string>& paths) {
-  if (paths.empty()) return builtin_size_system();
-  std::vector<SizeChart> charts;
-  for (const std::string& path : paths) {
-    auto chart = load_size_chart(path);
-    if (!chart) return chart.error();
-    charts.push_back(std::move(*chart));
-  }
-  return make_size_system(std::move(charts));
-}
-
-EngineSettings settings_of(const SessionOptions& options, const hal::SourceInfo& info) {
-  EngineSettings settings;
-  settings.intrinsics = info.intrinsics;
-  settings.width = info.intrinsics.width;
-  settings.height = info.intrinsics.height;
-  settings.frames_wanted = options.frames;
-  settings.frames_min = std::min(settings.frames_min, options.frames);
-  settings.calibration_psi = options.calibration == "psi";
-  settings.turn = options.turn ? Turn::asked : Turn::none;
-  settings.clothed = options.clothed;
-  settings.user = options.user;
-  settings.live = options.live && info.live;
-  settings.single_thread = options.threads == 1;
-  return settings;
-}
 
 // The synthetic person cannot hear TURN_ROUND, but turns when the front has long been gathered.
 constexpr int kTurnSpareFrames = 60;
@@ -49,6 +20,7 @@ double now_ms() {
 
 void add_session_options(CLI::App& sub, SessionOptions& options) {
   add_input_options(sub, options.input);
+  add_reconnect_option(sub, options.input);
   sub.add_option("--out", options.out, "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png")
       ->type_name("DIR");
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
@@ -78,16 +50,8 @@ void add_session_options(CLI::App& sub, SessionOptions& options) {
 }
 
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch) {
-  auto loaded_tracker = Tracker::load(options.tracker);
-  if (!loaded_tracker) return loaded_tracker.error();
-  auto tracker = std::make_unique<Tracker>(std::move(*loaded_tracker));
-  auto loaded_index = load_index(options.index);
-  if (!loaded_index) return loaded_index.error();
-  auto index = std::make_unique<index::Index>(std::move(*loaded_index));
-  auto model = load_body(options.input.body);
-  if (!model) return model.error();
-  auto charts = load_charts(options.size_charts);
-  if (!charts) return charts.error();
+  auto data = load_measuring_data(options, options.input.body);
+  if (!data) return data.error();
   if (!options.out.empty())
     if (const auto made = make_directory(options.out); !made) return made.error();
   InputOptions opening = options.input;
@@ -95,20 +59,10 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   opening.clothed = options.clothed;
   auto input = open_input(opening);
   if (!input) return input.error();
-
-  EngineSettings settings = settings_of(options, input->source->info());
-  settings.watch = std::move(engine_watch);
-  settings.shape_space = &model->shape_space();
-  if (index->fit_size() == 0 || index->shape_key() != model->shape_space().key)
-    fmt::print(stderr,
-               "{}: not made with the shapes of {}: features answer alone, less well; build the index again with "
-               "im2fit-lab index\n",
-               options.index, options.input.body);
-  auto engine = Engine::create(settings, tracker->model(), *index);
+  if (!data->warning.empty()) fmt::print(stderr, "{}\n", data->warning);
+  auto engine = make_engine(options, *data, input->source->info(), std::move(engine_watch));
   if (!engine) return engine.error();
-  SessionOutcome outcome{std::move(tracker), std::move(index),   std::move(*model), std::move(*charts),
-                         std::move(*input),  std::move(*engine), nullptr,           {},
-                         std::nullopt};
+  SessionOutcome outcome{std::move(*data), std::move(*input), std::move(*engine), nullptr, {}, std::nullopt};
   outcome.tap = std::make_unique<FrameTap>(*outcome.input.source, 0, std::move(watch));
   catch_interrupt();
   return outcome;
@@ -116,21 +70,11 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
 
 Status conclude(SessionOutcome& outcome) {
   outcome.body.reset();
-  ResultReport& report = outcome.report;
-  report = {};
-  if (auto sound = outcome.engine->fault(); !sound) return sound;
-  report.result = outcome.engine->result();
-  report.source = outcome.input.source->info();
-  if (!report.result.measured) return Ok{};
-  const index::Answer& answer = report.result.answer;
-  report.size = size_probabilities(outcome.charts, answer.measurements[measurement_index(Measurement::chest_girth)],
-                                   answer.female);
-  auto body =
-      body_of_answer(outcome.body_model, *outcome.index, answer, report.result.measured_joints, report.result.floor);
-  if (!body) return body.error();
-  outcome.body = std::move(*body);
-  report.body = outcome.body->params;
-  report.modifier_names = outcome.body_model.modifier_names();
+  outcome.report = {};
+  auto answered = answer_of(*outcome.engine, outcome.data, outcome.input.source->info());
+  if (!answered) return answered.error();
+  outcome.report = std::move(answered->report);
+  outcome.body = std::move(answered->body);
   return Ok{};
 }
 

@@ -5,30 +5,16 @@
 #include <optional>
 #include <string>
 
-#include "apps/common/data_files.h"
-#include "apps/im2fit/input.h"
-#include "engine/avatar.h"
-#include "engine/engine.h"
-#include "engine/result_json.h"
-#include "engine/size_chart.h"
+#include "apps/common/input.h"
+#include "apps/common/measuring.h"
 
 namespace im2fit::apps {
 
-struct SessionOptions {
+struct SessionOptions : MeasuringOptions {
   InputOptions input;
-  std::string tracker = default_tracker_path();
-  std::string index = default_index_path();
   std::string out;  // "": no files
-  int frames = 30;
-  std::string calibration = "none";
-  bool turn = false;                     // front, then back
-  bool clothed = false;                  // dressed for the street
-  std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
-  int threads = 2;
   bool json = false;
   bool timing = false;
-  int user = 0;  // 0: the nearest
-  bool live = false;
 };
 void add_session_options(CLI::App& sub, SessionOptions& options);
 
@@ -37,10 +23,7 @@ using SessionWatch = std::function<void(std::uint64_t frame_count, const EngineR
 
 // What a session ends with; owns all the report views into.
 struct SessionOutcome {
-  std::unique_ptr<Tracker> tracker;  // this and the index stay where they are: the engine refers to them
-  std::unique_ptr<index::Index> index;
-  body::BodyModel body_model;
-  SizeSystem charts;
+  MeasuringData data;
   Input input;
   std::unique_ptr<Engine> engine;
   std::unique_ptr<FrameTap> tap;
@@ -62,7 +45,5 @@ Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& 
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory);
 // For people: value, interval, the paper's, and truth where it is known.
 std::string result_table(const SessionOutcome& outcome);
-// Guidance codes in words of the enum, "ARMS_CLOSE, MOVING"; "none" for none.
-std::string guidance_words(GuidanceSet guidance);
 
 }  // namespace im2fit::apps

@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -165,6 +166,10 @@ class Driver final : public oni::driver::DriverBase {
   OniStatus tryDevice(const char* uri) override {
     const std::string text = uri;
     if (text.rfind(kScheme, 0) != 0 || text.size() >= ONI_MAX_STR) return ONI_STATUS_ERROR;
+    {
+      const std::lock_guard lock(unplugged_->mutex);
+      if (unplugged_->gone.count(text) != 0) return ONI_STATUS_ERROR;
+    }
     announce(text);
     return ONI_STATUS_OK;
   }
@@ -183,6 +188,7 @@ class Driver final : public oni::driver::DriverBase {
   void shutdown() override {
     std::unique_lock lock(unplugged_->mutex);
     unplugged_->quit = true;
+    unplugged_->idle.notify_all();
     const bool idle =
         unplugged_->idle.wait_for(lock, std::chrono::milliseconds(500), [&] { return unplugged_->calls == 0; });
     lock.unlock();
@@ -190,15 +196,23 @@ class Driver final : public oni::driver::DriverBase {
     unplug_threads_.clear();
   }
 
-  // As when the cable is pulled. Returns at once: the runtime may be waiting for the calling thread.
-  void unplug(const std::string& uri) {
+  // As when the cable is pulled, and with `replug_ms` put back so much later: as with USB devices the URI is another
+  // then. Returns at once: the runtime may be waiting for the calling thread.
+  void unplug(const std::string& uri, int replug_ms) {
     const std::lock_guard lock(unplugged_->mutex);
     if (unplugged_->quit) return;
     ++unplugged_->calls;
-    unplug_threads_.emplace_back([this, uri, state = unplugged_] {
+    if (replug_ms >= 0) unplugged_->gone.insert(uri);
+    unplug_threads_.emplace_back([this, uri, replug_ms, state = unplugged_] {
       const OniDeviceInfo info = describe(uri);
       deviceDisconnected(&info);
-      const std::lock_guard done(state->mutex);
+      std::unique_lock done(state->mutex);
+      if (replug_ms >= 0 &&
+          !state->idle.wait_for(done, std::chrono::milliseconds(replug_ms), [&] { return state->quit; })) {
+        done.unlock();
+        announce(plugged_in_again(uri));
+        done.lock();
+      }
       --state->calls;
       state->idle.notify_all();
     });
@@ -208,6 +222,7 @@ class Driver final : public oni::driver::DriverBase {
   struct Unplugged {
     std::mutex mutex;
     std::condition_variable idle;
+    std::set<std::string> gone;  // URIs that will not be there again
     int calls = 0;
     bool quit = false;
   };
@@ -258,7 +273,7 @@ void Stream::run() {
     }
     const auto age = std::chrono::steady_clock::now() - begin;
     if (settings_.unplug_ms >= 0 && age >= std::chrono::milliseconds(settings_.unplug_ms)) {
-      driver_.unplug(uri_);
+      driver_.unplug(uri_, settings_.replug_ms);
       return;
     }
     send(index);

@@ -70,17 +70,21 @@ Status set(Settings& settings, const std::string& key, const std::string& value)
   if (key == "noise") return set_whole(settings.noise, key, value, 0, 1);
   if (key == "back") return set_whole(settings.back_view, key, value, 0, 1);
   if (key == "unplug_ms") return set_whole(settings.unplug_ms, key, value, 0, 1'000'000'000);
-  return off("key", key, "seed, body, folder, family, pose, size, fps, rotate, furniture, noise, back or unplug_ms");
+  if (key == "replug_ms") return set_whole(settings.replug_ms, key, value, 0, 1'000'000'000);
+  if (key == "plug") return set_whole(settings.plug, key, value, 0, 1'000'000'000);
+  return off("key", key,
+             "seed, body, folder, family, pose, size, fps, rotate, furniture, noise, back, unplug_ms, replug_ms or "
+             "plug");
 }
 
 constexpr std::pair<const char*, const char*> kEnvironment[] = {
-    {"seed", "IM2FIT_VIRTUAL_SEED"},          {"body", "IM2FIT_BODY"},
-    {"body", "IM2FIT_VIRTUAL_BODY"},          {"folder", "IM2FIT_VIRTUAL_FOLDER"},
-    {"family", "IM2FIT_VIRTUAL_FAMILY"},      {"pose", "IM2FIT_VIRTUAL_POSE"},
-    {"size", "IM2FIT_VIRTUAL_SIZE"},          {"fps", "IM2FIT_VIRTUAL_FPS"},
-    {"rotate", "IM2FIT_VIRTUAL_ROTATE"},      {"furniture", "IM2FIT_VIRTUAL_FURNITURE"},
-    {"noise", "IM2FIT_VIRTUAL_NOISE"},        {"back", "IM2FIT_VIRTUAL_BACK"},
-    {"unplug_ms", "IM2FIT_VIRTUAL_UNPLUG_MS"}};
+    {"seed", "IM2FIT_VIRTUAL_SEED"},           {"body", "IM2FIT_BODY"},
+    {"body", "IM2FIT_VIRTUAL_BODY"},           {"folder", "IM2FIT_VIRTUAL_FOLDER"},
+    {"family", "IM2FIT_VIRTUAL_FAMILY"},       {"pose", "IM2FIT_VIRTUAL_POSE"},
+    {"size", "IM2FIT_VIRTUAL_SIZE"},           {"fps", "IM2FIT_VIRTUAL_FPS"},
+    {"rotate", "IM2FIT_VIRTUAL_ROTATE"},       {"furniture", "IM2FIT_VIRTUAL_FURNITURE"},
+    {"noise", "IM2FIT_VIRTUAL_NOISE"},         {"back", "IM2FIT_VIRTUAL_BACK"},
+    {"unplug_ms", "IM2FIT_VIRTUAL_UNPLUG_MS"}, {"replug_ms", "IM2FIT_VIRTUAL_REPLUG_MS"}};
 
 std::string default_body_path() {
   std::string cache = environment("XDG_CACHE_HOME");
@@ -94,6 +98,15 @@ std::string announced_uri() {
   const std::string seed = environment("IM2FIT_VIRTUAL_SEED");
   if (seed.empty() && environment("IM2FIT_VIRTUAL_FOLDER").empty()) return "";
   return kScheme + (seed.empty() ? std::string("0") : seed);
+}
+
+std::string plugged_in_again(const std::string& uri) {
+  const auto settings = settings_of(uri);
+  const auto at = uri.rfind("plug=");
+  const bool numbered = at != std::string::npos && (uri[at - 1] == '?' || uri[at - 1] == '&');
+  const std::string number = "plug=" + std::to_string(settings ? settings->plug + 1 : 1);
+  if (numbered) return uri.substr(0, at) + number;  // the last key: it was put there here
+  return uri + (uri.find('?') == std::string::npos ? "?" : "&") + number;
 }
 
 Result<Settings> settings_of(const std::string& uri) {

@@ -26,11 +26,15 @@ struct Settings {
   int noise = 1;            // noise=0|1: 0 is a perfect sensor IM2FIT_VIRTUAL_NOISE
   int back_view = 0;        // back=0|1                       IM2FIT_VIRTUAL_BACK
   int unplug_ms = -1;       // unplug_ms=: pulled out so long after the stream starts; IM2FIT_VIRTUAL_UNPLUG_MS
+  int replug_ms = -1;       // replug_ms=: put back so long after that, under another URI; IM2FIT_VIRTUAL_REPLUG_MS
+  int plug = 0;             // plug=: how often it was put back: nothing but another URI
 };
 
 // The URI the driver announces of itself: only when the environment asks for a virtual camera, so that a real camera
 // stays the default device. "" when it does not.
 std::string announced_uri();
+// The URI of the same device when it was unplugged and plugged in again.
+std::string plugged_in_again(const std::string& uri);
 // Error: invalid_argument naming the key.
 Result<Settings> settings_of(const std::string& uri);
 

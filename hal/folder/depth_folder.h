@@ -59,14 +59,19 @@ class FolderWriter {
     int rotate_deg = 0;  // for camera.yaml: what a reader must undo; 0 for pictures that are upright already
     IntrinsicsOrigin origin = IntrinsicsOrigin::calibration_file;
   };
-  // Makes the folder and writes camera.yaml. Refuses a folder that already holds frames.
+  // Makes the folder and writes camera.yaml. Refuses a folder that already holds frames. Whatever ends the program
+  // afterwards, the folder is a recording up to the last frame written: a frame appears whole, after its row of
+  // timestamps.csv.
   static Result<std::unique_ptr<FolderWriter>> create(const std::string& path, const Intrinsics& intrinsics,
                                                       const Options& options);
   ~FolderWriter();  // finishes; call finish() to learn of errors
+  FolderWriter(const FolderWriter&) = delete;
+  FolderWriter& operator=(const FolderWriter&) = delete;
 
   // Files are numbered by info.sequence from 0, so that gaps stay visible. A frame that fails leaves no file behind.
+  // Times that do not grow are no times: device_us, or the whole timestamps.csv, is given up.
   Status write(DepthView frame, const FrameInfo& info);
-  Status finish();  // writes timestamps.csv
+  Status finish();  // timestamps.csv to the disk
   int frame_count() const { return static_cast<int>(rows_.size()); }
 
  private:
@@ -78,8 +83,17 @@ class FolderWriter {
     std::uint64_t number = 0;
     FrameInfo info;
   };
+  Status note_times(const Row& row);
+  Status rewrite_times();
+  std::string line_of(const Row& row) const;
+  Status append(const std::string& line);
+  void take_back_times();
+
   std::vector<Row> rows_;
-  bool finished_ = false;
+  bool host_times_ = true;
+  bool device_times_ = true;
+  int times_fd_ = -1;
+  std::int64_t times_bytes_ = 0;  // of timestamps.csv, with the rows of rows_
 };
 
 }  // namespace im2fit::hal

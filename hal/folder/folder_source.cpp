@@ -105,11 +105,14 @@ Result<std::map<std::int64_t, Times>> parse_times(const std::string& path) {
     return Error{ErrorCode::corrupt,
                  path + " line 1: expected column names frame and host_ns or device_us; correct or delete the file"};
   std::map<std::int64_t, Times> times;
+  // A recorder that was stopped short may have left a piece of a row at the end; its frame was not yet written.
+  const bool whole = bytes->empty() || bytes->back() == std::byte{'\n'};
   std::array<std::int64_t, 3> last = {-1, INT64_MIN, INT64_MIN};
   for (int number = 2; std::getline(text, line); ++number) {
     const auto cells = split(line);
     if (cells.empty() || (cells.size() == 1 && cells[0].empty())) continue;
     std::array<std::int64_t, 3> values = {-1, -1, -1};
+    if (!whole && text.eof() && cells.size() < 2) break;
     for (std::size_t column = 0; column < values.size(); ++column) {
       if (columns.at[column] == SIZE_MAX) continue;
       const std::string where = path + " line " + std::to_string(number) + ": " + Columns::kNames[column];

@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <cinttypes>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "base/file.h"
 #include "hal/folder/depth_folder.h"
@@ -49,41 +56,89 @@ Status FolderWriter::write(DepthView frame, const FrameInfo& info) {
     return Error{ErrorCode::invalid_argument,
                  path_ + ": frame to write is " + std::to_string(frame.width) + "x" + std::to_string(frame.height) +
                      ", expected " + std::to_string(intrinsics_.width) + "x" + std::to_string(intrinsics_.height)};
-  std::uint64_t number = 0;
+  Row row{0, info};
   if (!rows_.empty()) {
     const Row& last = rows_.back();
     // A device whose counter restarts is numbered on; its own gaps stay.
-    number = last.number + (info.sequence > last.info.sequence ? info.sequence - last.info.sequence : 1);
+    row.number = last.number + (info.sequence > last.info.sequence ? info.sequence - last.info.sequence : 1);
   }
   auto bytes = encode_depth(frame, options_.format);
   if (!bytes) return bytes.error();
-  const std::string path = path_ + "/" + frame_name(number, options_.format);
-  if (auto ok = write_file_atomically(path, *bytes); !ok) return with_advice(ok.error());
-  rows_.push_back({number, info});
-  finished_ = false;
+  // The row first: one without its frame is not missed, a frame without its row is.
+  if (auto ok = note_times(row); !ok) return with_advice(ok.error());
+  const std::string path = path_ + "/" + frame_name(row.number, options_.format);
+  if (auto ok = write_file_atomically(path, *bytes); !ok) {
+    take_back_times();
+    return with_advice(ok.error());
+  }
+  rows_.push_back(row);
+  struct stat about {};
+  if (times_fd_ >= 0 && ::fstat(times_fd_, &about) == 0) times_bytes_ = about.st_size;
   return Ok{};
 }
 
-Status FolderWriter::finish() {
-  if (finished_ || rows_.empty()) return Ok{};
-  finished_ = true;
-  bool device_time = true;
-  for (std::size_t i = 0; i < rows_.size(); ++i)
-    device_time = device_time && rows_[i].info.device_us >= 0 &&
-                  (i == 0 || rows_[i].info.device_us > rows_[i - 1].info.device_us);
-  std::string text = device_time ? "frame,host_ns,device_us\n" : "frame,host_ns\n";
-  std::int64_t last_ns = INT64_MIN;
-  for (const Row& row : rows_) {
-    if (row.info.host_ns <= last_ns) return Ok{};  // times that do not grow are no times: 30 fps is assumed instead
-    last_ns = row.info.host_ns;
-    char line[80];
-    std::snprintf(line, sizeof line, "%06" PRIu64 ",%" PRId64, row.number, row.info.host_ns);
-    text += line;
-    if (device_time) text += "," + std::to_string(row.info.device_us);
-    text += "\n";
+Status FolderWriter::note_times(const Row& row) {
+  if (!host_times_) return Ok{};
+  if (rows_.empty()) {
+    device_times_ = row.info.device_us >= 0;
+  } else if (row.info.host_ns <= rows_.back().info.host_ns) {
+    host_times_ = false;  // 30 fps is assumed instead
+    if (times_fd_ >= 0) ::close(std::exchange(times_fd_, -1));
+    ::unlink((path_ + "/timestamps.csv").c_str());
+    return Ok{};
+  } else if (device_times_ && row.info.device_us <= rows_.back().info.device_us) {
+    device_times_ = false;
+    if (times_fd_ >= 0) ::close(std::exchange(times_fd_, -1));
   }
-  if (auto ok = write_file_atomically(path_ + "/timestamps.csv", text); !ok) return with_advice(ok.error());
+  if (times_fd_ < 0)
+    if (auto ok = rewrite_times(); !ok) return ok;
+  return append(line_of(row));
+}
+
+// The header and the rows so far, then open for more.
+Status FolderWriter::rewrite_times() {
+  const std::string path = path_ + "/timestamps.csv";
+  std::string text = device_times_ ? "frame,host_ns,device_us\n" : "frame,host_ns\n";
+  for (const Row& row : rows_) text += line_of(row);
+  if (auto ok = write_file_atomically(path, text); !ok) return ok;
+  times_fd_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (times_fd_ < 0) return Error{ErrorCode::io, "cannot write " + path + ": " + std::strerror(errno)};
+  times_bytes_ = static_cast<std::int64_t>(text.size());
   return Ok{};
+}
+
+std::string FolderWriter::line_of(const Row& row) const {
+  char line[80];
+  std::snprintf(line, sizeof line, "%06" PRIu64 ",%" PRId64, row.number, row.info.host_ns);
+  return line + (device_times_ ? "," + std::to_string(row.info.device_us) : std::string()) + "\n";
+}
+
+Status FolderWriter::append(const std::string& line) {
+  const ssize_t count = ::write(times_fd_, line.data(), line.size());
+  if (count == static_cast<ssize_t>(line.size())) return Ok{};
+  const int code = count < 0 ? errno : ENOSPC;
+  take_back_times();
+  return Error{ErrorCode::io, "cannot write " + path_ + "/timestamps.csv: " + std::strerror(code)};
+}
+
+void FolderWriter::take_back_times() {
+  if (times_fd_ < 0) return;
+  if (rows_.empty()) {
+    ::close(std::exchange(times_fd_, -1));
+    ::unlink((path_ + "/timestamps.csv").c_str());
+    return;
+  }
+  [[maybe_unused]] const int cut = ::ftruncate(times_fd_, static_cast<off_t>(times_bytes_));
+}
+
+Status FolderWriter::finish() {
+  if (times_fd_ < 0) return Ok{};
+  const int fd = std::exchange(times_fd_, -1);
+  const bool synced = ::fsync(fd) == 0;
+  const int code = errno;
+  if (::close(fd) == 0 && synced) return Ok{};
+  return with_advice(
+      Error{ErrorCode::io, "cannot write " + path_ + "/timestamps.csv: " + std::strerror(synced ? errno : code)});
 }
 
 }  // namespace im2fit::hal

@@ -8,6 +8,7 @@
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
 #if IM2FIT_HAVE_OPENNI2
+#include "hal/openni2/finder.h"
 #include "hal/openni2/oni_source.h"
 #include "hal/openni2/openni2_source.h"
 #endif
@@ -82,7 +83,7 @@ Result<std::vector<DeviceEntry>> list_usb() {
 #endif
 
 #if IM2FIT_HAVE_OPENNI2
-Result<std::unique_ptr<Source>> open_camera(const std::string& device, const OpenOptions& options) {
+Result<OpenNi2Options> camera_options(const OpenOptions& options) {
   const auto file = calibration(options.camera_yaml_path, true);
   if (!file) return file.error();
   OpenNi2Options wanted;
@@ -93,7 +94,13 @@ Result<std::unique_ptr<Source>> open_camera(const std::string& device, const Ope
     wanted.rotate_deg = (*file)->rotate_deg.value_or(0);
   }
   wanted.rotate_deg = options.rotate_deg.value_or(wanted.rotate_deg);
-  auto source = OpenNi2Source::open(device, wanted);
+  return wanted;
+}
+
+Result<std::unique_ptr<Source>> open_camera(const std::string& device, const OpenOptions& options) {
+  const auto wanted = camera_options(options);
+  if (!wanted) return wanted.error();
+  auto source = OpenNi2Source::open(device, *wanted);
   if (!source) return source.error();
   return std::unique_ptr<Source>(std::move(*source));
 }
@@ -104,6 +111,17 @@ Result<std::vector<DeviceEntry>> list_openni2() {
   std::vector<DeviceEntry> devices;
   for (const auto& device : *found) devices.push_back({"openni2:" + device.uri, device.name});
   return devices;
+}
+
+ReconnectingSource::Opener openni2_opener(const std::string& device, const OpenOptions& options) {
+  return [device, options,
+          finder = std::make_shared<OpenNi2Finder>()](const SourceInfo* lost) -> Result<std::unique_ptr<Source>> {
+    const auto wanted = camera_options(options);
+    if (!wanted) return wanted.error();
+    auto source = lost == nullptr ? finder->open(device, *wanted) : finder->find(*lost, *wanted);
+    if (!source) return source.error();
+    return std::unique_ptr<Source>(std::move(*source));
+  };
 }
 
 // The format has no checksum: a changed byte gives wrong depths and no error. Our own recordings are known by theirs.
@@ -209,6 +227,33 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   if (is_oni(uri)) return open_recording(uri, options);
   return Error{ErrorCode::unsupported,
                uri + " is neither a folder nor a .oni file; expected a depth folder or an OpenNI2 recording"};
+}
+
+ReconnectingSource::Opener camera_opener(const std::string& uri, const OpenOptions& options) {
+  OpenOptions kept = options;
+  kept.synthetic = nullptr;  // no camera needs it, and it may not live as long
+#if IM2FIT_HAVE_OPENNI2
+  if (const auto device = after_scheme(uri, "openni2")) return openni2_opener(*device, kept);
+#endif
+  for (const char* scheme : {"openni2", "usb", "v4l2"}) {
+    if (!after_scheme(uri, scheme)) continue;
+    // By what it called itself when it was there, else by the caller's word: the first camera of its kind.
+    return [uri, kept](const SourceInfo* lost) {
+      if (lost == nullptr || lost->uri == uri) return open_source(uri, kept);
+      auto known = open_source(lost->uri, kept);
+      return known ? std::move(known) : open_source(uri, kept);
+    };
+  }
+  return nullptr;
+}
+
+Result<std::unique_ptr<Source>> open_reconnecting(const std::string& uri, const OpenOptions& options,
+                                                  const ReconnectOptions& reconnect) {
+  auto opener = camera_opener(uri, options);
+  if (!opener) return open_source(uri, options);
+  auto source = ReconnectingSource::open(std::move(opener), reconnect);
+  if (!source) return source.error();
+  return std::unique_ptr<Source>(std::move(*source));
 }
 
 Result<std::vector<DeviceEntry>> list_devices() {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/reconnecting_source.h"
 #include "hal/source.h"
 
 namespace im2fit::hal {
@@ -26,6 +27,14 @@ struct OpenOptions {
 // `uri`: openni2[:URI] | usb[:SERIAL] | v4l2[:/dev/videoN][?key=value&...] | PATH.oni | DEPTH_FOLDER |
 // synthetic[:seed].
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
+
+// Opens the live camera `uri` again and again, without leaking what its library leaks at each beginning. Empty when
+// `uri` is no live camera.
+ReconnectingSource::Opener camera_opener(const std::string& uri, const OpenOptions& options);
+// The same as open_source; a camera may then be unplugged and come back (ReconnectingSource, docs/cameras.md). What is no live
+// camera is returned as it is.
+Result<std::unique_ptr<Source>> open_reconnecting(const std::string& uri, const OpenOptions& options,
+                                                  const ReconnectOptions& reconnect);
 
 struct DeviceEntry {
   std::string uri;   // what open_source takes, for example openni2:1d27/0600@1/4

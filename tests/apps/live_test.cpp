@@ -4,47 +4,18 @@
 #include <sstream>
 
 #include "measure_run.h"
-#include "synth/population.h"
-#include "synth/virtual_camera.h"
+#include "two_people.h"
 
 namespace im2fit {
 namespace {
-
-using test::Picture;
-
-constexpr int kWidth = 320;
-constexpr int kHeight = 240;
-constexpr int kFramesEach = 9;
-constexpr int kFramesEmpty = 30;  // a loss is 16, and up to 8 pass unread after a measurement
-
-void append_person(const body::BodyModel& model, std::uint64_t person, std::vector<Picture>& out) {
-  synth::SceneOptions options;
-  options.rotate_deg = 90;
-  options.yaw_deg = 0;
-  const synth::Subject subject = synth::draw_subject(model, synth::Family::training, 5, person);
-  synth::VirtualScene scene(model, subject, options, synth::exact_sensor(), synth::kinect_intrinsics(kWidth, kHeight),
-                            5);
-  for (std::uint64_t i = 0; i < kFramesEach; ++i) {
-    out.emplace_back(kWidth, kHeight, 0);
-    scene.render(i, {out.back().mm.data(), kWidth, kHeight});
-  }
-}
 
 // Nobody, two people apart, made once.
 class Live : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     if (!test::have_data()) return;
-    const auto model = body::BodyModel::load(test::body_path());
-    ASSERT_TRUE(model) << model.error().message;
-    std::vector<Picture> pictures;
-    append_person(*model, 1, pictures);
-    for (int i = 0; i < kFramesEmpty; ++i) pictures.emplace_back(kWidth, kHeight, 0);
-    append_person(*model, 2, pictures);
     folder_ = new test::TestFolder;
-    test::CameraText camera;
-    camera.rotate_deg = 90;
-    test::write_depth_folder(folder_->path("two"), pictures, camera);
+    test::write_two_people(folder_->path("two"));
   }
   static void TearDownTestSuite() {
     delete folder_;

@@ -226,6 +226,67 @@ TEST_P(BothWays, TheNextPersonIsAwaitedOutsideThePicture) {
   EXPECT_EQ(r.answer.measurements[0].value, 1500.0F * 55 + 2550);
 }
 
+// The camera was away: whoever stands there after it is not taken for who stood there before.
+TEST_P(BothWays, ASilenceOfSecondsEndsWhatWasGathered) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 9; ++i) rig.push(Shot{.value = 2000});
+  rig.next += 62;  // 2.07 s at 30 Hz
+  for (int i = 0; i < 9; ++i) rig.push(Shot{.value = 1000});
+  rig.engine->finish();
+  EXPECT_TRUE(rig.engine->result().measured);
+  EXPECT_EQ(rig.engine->result().frames_used, 9U);
+  EXPECT_EQ(rig.engine->result().answer.measurements[0].value, 45 * 1000 + 9 * 255) << "of the second alone";
+}
+
+TEST_P(BothWays, AShortSilenceEndsNothing) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 9; ++i) rig.push(Shot{});
+  rig.next += 58;  // 1.97 s
+  rig.push(Shot{});
+  rig.engine->finish();
+  EXPECT_EQ(rig.engine->result().frames_used, 10U);
+}
+
+TEST_P(BothWays, AfterASilenceNobodyWhoWasThereFindsTheSessionLost) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 5; ++i) rig.push(Shot{});
+  rig.next += 100;
+  rig.push(Shot{.found = false});
+  rig.engine->finish();
+  EXPECT_EQ(rig.engine->result().state, SessionState::lost);
+  EXPECT_FALSE(rig.engine->result().measured);
+}
+
+TEST_P(BothWays, SilencesAreNoAttempts) {
+  Rig rig(with(GetParam()));
+  for (int loss = 0; loss < 30; ++loss) {
+    for (int i = 0; i < 4; ++i) rig.push(Shot{});
+    rig.next += 100;
+  }
+  for (int i = 0; i < 10; ++i) rig.push(Shot{});
+  rig.engine->finish();
+  EXPECT_TRUE(rig.engine->result().measured);
+}
+
+TEST_P(BothWays, WhoWasMeasuredBeforeASilenceHasLeft) {
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 10; ++i) rig.push(Shot{});
+  rig.engine->finish();
+  ASSERT_TRUE(rig.engine->result().measured);
+  rig.engine->next_person();
+  rig.next += 200;  // what passes while the answer is written is no silence
+  for (int i = 0; i < 10; ++i) rig.push(Shot{});
+  rig.engine->finish();
+  EXPECT_EQ(rig.engine->result().session, 0U);
+  rig.engine->next_person();
+  rig.push(Shot{});
+  rig.next += 200;
+  for (int i = 0; i < 10; ++i) rig.push(Shot{.value = 3000});
+  rig.engine->finish();
+  EXPECT_EQ(rig.engine->result().session, 1U);
+  EXPECT_TRUE(rig.engine->result().measured);
+}
+
 TEST_P(BothWays, WhoeverWaitsBesideIsMeasuredWhenTheFirstLeaves) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 12; ++i) rig.push({.user = 1});

@@ -30,6 +30,8 @@ class StorySource final : public hal::Source {
   Result<hal::FrameInfo> next(DepthImage depth, int) override {
     const std::string word = at_ < story_.size() ? story_[at_++] : "end";
     if (word == "end") return Error{ErrorCode::end_of_stream, "end"};
+    if (word == "away") return is_lost = true, Error{ErrorCode::timeout, "away"};
+    is_lost = false;
     if (word == "timeout") return Error{ErrorCode::timeout, "timeout"};
     if (word == "corrupt") return Error{ErrorCode::corrupt, "corrupt"};
     if (word == "gone") return Error{ErrorCode::no_device, "unplugged"};
@@ -39,6 +41,8 @@ class StorySource final : public hal::Source {
   }
   void stop() override { stopped = true; }
   hal::SourceStats stats() const override { return {}; }
+  bool lost() const override { return is_lost; }
+  bool is_lost = false;
   bool started = false;
   bool stopped = false;
   std::uint64_t delivered = 0;
@@ -85,6 +89,15 @@ TEST(Run, GivesUpOnASilentCamera) {
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code, ErrorCode::timeout);
   EXPECT_THAT(status.error().message, testing::HasSubstr("story"));
+}
+
+TEST(Run, WaitsForACameraThatIsAway) {
+  Rig rig(with(false));
+  std::vector<std::string> story(100, "away");
+  story.insert(story.end(), 10, "frame");
+  StorySource source(story);
+  EXPECT_TRUE(run(*rig.engine, source, true));
+  EXPECT_EQ(source.delivered, 10U);
 }
 
 }  // namespace

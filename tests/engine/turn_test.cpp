@@ -190,6 +190,18 @@ TEST_P(TurnBothWays, ATurnUnderWayIsForgottenWithThePerson) {
   }
 }
 
+TEST_P(TurnBothWays, ASilenceEndsTheTurnWithTheFront) {
+  Rig rig(turning(GetParam()));
+  for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
+  for (int i = 0; i < 9; ++i) rig.push({.value = 3000, .view = ViewSide::back});
+  rig.next += 200;
+  for (int i = 0; i < 9; ++i) rig.push({.value = 3500, .view = ViewSide::back});
+  rig.engine->finish();
+  EXPECT_TRUE(rig.engine->result().measured);
+  EXPECT_EQ(rig.engine->result().views, AnswerViews::front);
+  EXPECT_EQ(rig.engine->result().frames_used, 10U);
+}
+
 TEST_P(TurnBothWays, WithoutATurnAskedABackIsRefusedAsBefore) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 9; ++i) rig.push({.value = 2000});

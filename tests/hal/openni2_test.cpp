@@ -2,6 +2,8 @@
 // Through the real OpenNI2 runtime: our virtual device shows folders of known pictures.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "hal/intrinsics.h"
 #include "hal/open/open.h"
 #include "hal/openni2/openni2_source.h"
@@ -108,6 +110,41 @@ TEST(OpenNi2, PullingTheCableIsReportedAsNoDevice) {
   EXPECT_EQ(code, ErrorCode::no_device);
   EXPECT_GT((*source)->stats().delivered, 0U);
   EXPECT_EQ((*source)->next(out.image(), 10).error().code, ErrorCode::no_device) << "it stays lost";
+}
+
+// As a USB camera does, it comes back under another URI; its serial tells that it is the same.
+TEST(OpenNi2, PluggedInAgainItGoesOnTwentyTimes) {
+  NEED_VIRTUAL_DEVICE();
+  const TestFolder folder;
+  make_known_folder(folder.path("known"));
+  std::vector<std::int64_t> away_ms;
+  ReconnectOptions patient;
+  patient.changed = [&](const ReconnectStats& stats) {
+    if (stats.presence == Presence::present) away_ms.push_back(stats.lost_ns / 1'000'000);
+  };
+  auto source = open_reconnecting(
+      "openni2:" + virtual_uri(folder.path("known"), "&fps=100&unplug_ms=150&replug_ms=100"), {}, patient);
+  ASSERT_TRUE(source) << source.error().message;
+  const std::string serial = (*source)->info().serial;
+  ASSERT_TRUE((*source)->start());
+  Picture out(kWidth, kHeight);
+  std::uint64_t last = 0;
+  int files = 0;
+  int frames = 0;
+  while (away_ms.size() < 20) {
+    const auto frame = (*source)->next(out.image(), 5000);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_GT(frame->sequence, last);
+    last = frame->sequence;
+    ++frames;
+    EXPECT_EQ(out.pixels, known((out.pixels.front() - 1) % kPictures).pixels);
+    if (away_ms.size() == 2) files = open_files();
+  }
+  EXPECT_LE(open_files(), files);
+  EXPECT_EQ((*source)->info().serial, serial);
+  EXPECT_GE((*source)->stats().gaps, 20U);
+  RecordProperty("frames", frames);
+  RecordProperty("longest_away_ms", static_cast<int>(*std::max_element(away_ms.begin(), away_ms.end())));
 }
 
 TEST(OpenNi2, OpeningAndClosingManyTimesLeaksNoFile) {

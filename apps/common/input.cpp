@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/im2fit/input.h"
+#include "apps/common/input.h"
 
 #include <atomic>
 #include <csignal>
 #include <filesystem>
 
+#include "apps/common/events.h"
 #include "hal/open/open.h"
 #if IM2FIT_HAVE_SYNTH
 #include "apps/common/synthetic_person.h"
@@ -22,6 +23,22 @@ std::string truth_path_of(const InputOptions& options) {
   return (source / "truth.json").string();
 }
 
+Result<std::unique_ptr<hal::Source>> open_patiently(const InputOptions& options, const hal::OpenOptions& opening) {
+  if (options.reconnect_s == 0) return hal::open_source(options.source, opening);
+  hal::ReconnectOptions reconnect;
+  reconnect.give_up_ms = options.reconnect_s < 0 ? -1 : 1000 * options.reconnect_s;
+  auto about = std::make_shared<hal::SourceInfo>();
+  reconnect.changed = [about, tell = options.camera_changed](const hal::ReconnectStats& stats) {
+    if (tell)
+      tell(stats, *about);
+    else if (stats.presence != hal::Presence::given_up)  // that is an error of its own
+      print_error(camera_words(stats, *about));
+  };
+  auto source = hal::open_reconnecting(options.source, opening, reconnect);
+  if (source) *about = (*source)->info();
+  return source;
+}
+
 }  // namespace
 
 void add_input_options(CLI::App& sub, InputOptions& options) {
@@ -31,6 +48,13 @@ void add_input_options(CLI::App& sub, InputOptions& options) {
   sub.add_option("--camera", options.camera_yaml, "Calibration (ROS/OpenCV YAML) that overrides the source's own")
       ->type_name("YAML");
   sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
+}
+
+void add_reconnect_option(CLI::App& sub, InputOptions& options) {
+  sub.add_option("--reconnect", options.reconnect_s,
+                 "Seconds to wait for a camera that was unplugged; 0: end with an error, -1: for ever")
+      ->check(CLI::Range(-1, 2'000'000))
+      ->capture_default_str();
 }
 
 Result<Input> open_input(const InputOptions& options) {
@@ -48,7 +72,7 @@ Result<Input> open_input(const InputOptions& options) {
     return std::move(synthetic->source);
   };
 #endif
-  auto source = hal::open_source(options.source, opening);
+  auto source = open_patiently(options, opening);
   if (!source) return source.error();
   input.source = std::move(*source);
   if (input.truth) return input;
@@ -59,7 +83,7 @@ Result<Input> open_input(const InputOptions& options) {
 }
 
 void catch_interrupt() {
-  std::signal(SIGINT, [](int) { interrupt_seen = true; });
+  for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int) { interrupt_seen = true; });
 }
 bool interrupted() {
   return interrupt_seen;

@@ -11,6 +11,7 @@
 #include "apps/common/paths.h"
 #include "apps/common/program.h"
 #include "apps/common/truth_file.h"
+#include "hal/reconnecting_source.h"
 #include "hal/source.h"
 
 namespace im2fit::apps {
@@ -23,8 +24,13 @@ struct InputOptions {
   int turn_after_frames = 0;               // of the synthetic person; 0: never
   bool clothed = false;                    // the synthetic person
   std::string truth_path;                  // "": truth.json in the folder, NAME.truth.json beside NAME.oni
+  int reconnect_s = 0;                     // a camera that went away is waited for so long; -1: for ever
+  // Told when the camera went away or came back; unset: a line on stderr.
+  std::function<void(const hal::ReconnectStats&, const hal::SourceInfo&)> camera_changed;
 };
 void add_input_options(CLI::App& sub, InputOptions& options);
+// --reconnect; the default is options.reconnect_s.
+void add_reconnect_option(CLI::App& sub, InputOptions& options);
 
 struct Input {
   std::unique_ptr<hal::Source> source;
@@ -32,7 +38,7 @@ struct Input {
 };
 Result<Input> open_input(const InputOptions& options);
 
-// True once the person at the keyboard pressed Ctrl-C (after catch_interrupt).
+// True once the person at the keyboard pressed Ctrl-C, or SIGTERM came (after catch_interrupt).
 void catch_interrupt();
 bool interrupted();
 
@@ -46,6 +52,8 @@ class FrameTap final : public hal::Source {
   Status start() override { return source_.start(); }
   Result<hal::FrameInfo> next(DepthImage depth, int timeout_ms) override;
   void stop() override { source_.stop(); }
+  bool lost() const override { return source_.lost(); }
+  std::optional<Vec3f> down() const override { return source_.down(); }
   hal::SourceStats stats() const override { return source_.stats(); }
   DepthView last_frame() const;  // empty before the first
   const std::optional<Error>& first_damage() const { return first_damage_; }

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/common/events.h"
+
+#include <fmt/core.h>
+
+namespace im2fit::apps {
+namespace {
+
+Json codes_json(GuidanceSet guidance) {
+  Json codes = Json::array();
+  for (std::size_t i = 0; i < kGuidanceCount; ++i)
+    if ((guidance >> i & 1U) != 0) codes.push_back(std::string(kGuidanceNames[i]));
+  return codes;
+}
+
+std::string camera_name(const hal::SourceInfo& source) {
+  return source.name + (source.serial.empty() ? "" : " (serial " + source.serial + ")");
+}
+
+}  // namespace
+
+ShownState shown_state(const EngineResult& result) {
+  return {result.state, result.guidance, result.user};
+}
+
+Json state_event(std::uint64_t frame, const EngineResult& result) {
+  return {{"event", "state"},
+          {"frame", frame},
+          {"state", std::string(im2fit::name_of(result.state))},
+          {"guidance", codes_json(result.guidance)},
+          {"user", result.user},
+          {"view", std::string(im2fit::name_of(result.view))},
+          {"frames_used", result.frames_used}};
+}
+
+Json left_event(std::uint64_t frame, int person) {
+  return {{"event", "left"}, {"frame", frame}, {"person", person}};
+}
+
+Json measured_event(std::uint64_t frame, int person, const ResultReport& report) {
+  Json event = {{"event", "measured"}, {"frame", frame}, {"person", person}};
+  event["result"] = Json::parse(result_json(report));
+  return event;
+}
+
+std::string name_of(hal::Presence presence) {
+  switch (presence) {
+    case hal::Presence::present:
+      return "PRESENT";
+    case hal::Presence::lost:
+      return "LOST";
+    case hal::Presence::given_up:
+      return "GIVEN_UP";
+  }
+  return "";
+}
+
+Json camera_event(const hal::ReconnectStats& stats, const hal::SourceInfo& source) {
+  Json event = {{"event", "camera"},   {"state", name_of(stats.presence)},
+                {"name", source.name}, {"serial", source.serial},
+                {"lost", stats.lost},  {"recovered", stats.recovered}};
+  if (stats.presence != hal::Presence::present) event["reason"] = stats.last_error;
+  return event;
+}
+
+std::string camera_words(const hal::ReconnectStats& stats, const hal::SourceInfo& source) {
+  const std::string name = camera_name(source);
+  if (stats.presence == hal::Presence::present)
+    return fmt::format("{} is back after {:.1f} s", name, static_cast<double>(stats.lost_ns) * 1e-9);
+  if (stats.presence == hal::Presence::given_up) return fmt::format("{} did not come back", name);
+  return fmt::format("{} is away, waiting for it: {}", name, stats.last_error);
+}
+
+std::string line_of(const Json& event) {
+  return event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace im2fit::apps

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a program that measures needs besides a source: files made once, an engine, and the report of what it found.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/common/data_files.h"
+#include "apps/common/paths.h"
+#include "engine/avatar.h"
+#include "engine/engine.h"
+#include "engine/result_json.h"
+#include "engine/size_chart.h"
+
+namespace im2fit::apps {
+
+struct MeasuringOptions {
+  std::string tracker = default_tracker_path();
+  std::string index = default_index_path();
+  int frames = 30;
+  std::string calibration = "none";      // or "psi"
+  bool turn = false;                     // front, then back
+  bool clothed = false;                  // dressed for the street
+  std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
+  int threads = 2;
+  int user = 0;  // 0: the nearest
+  bool live = false;
+};
+
+// An engine refers to tracker and index, which stay where they are.
+struct MeasuringData {
+  std::unique_ptr<Tracker> tracker;
+  std::unique_ptr<index::Index> index;
+  body::BodyModel body_model;
+  SizeSystem charts;
+  std::string warning;  // "": the files belong together
+};
+Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const std::string& body);
+
+// `data` must outlive the engine. `watch` sees every frame processed, on the engine's thread.
+Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, const MeasuringData& data,
+                                            const hal::SourceInfo& source, FrameWatch watch);
+
+// What the engine says now. The report views into `data`.
+struct Answered {
+  ResultReport report;
+  std::optional<AnsweredBody> body;  // when measured
+};
+Result<Answered> answer_of(const Engine& engine, const MeasuringData& data, const hal::SourceInfo& source);
+
+// Every beginning of the session is used up by people who came and went: only a new session measures whoever is here.
+bool is_stuck(const EngineResult& result);
+
+// "1743 mm, 72.1 kg, chest 980 mm, size M"
+std::string summary(const ResultReport& report);
+// Guidance codes in words of the enum, "ARMS_CLOSE, MOVING"; "none" for none.
+std::string guidance_words(GuidanceSet guidance);
+
+}  // namespace im2fit::apps

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fitd/daemon.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+#include <utility>
+
+#include "apps/common/input.h"
+#include "apps/im2fitd/log.h"
+#include "base/file.h"
+#include "hal/frame_path.h"
+#include "hal/open/open.h"
+
+namespace im2fit::daemon {
+namespace {
+
+constexpr int kWaitMs = 100;  // how late a client or a signal may be seen
+constexpr int kFarewellMs = 500;
+constexpr int kRetryFirstMs = 100;
+constexpr int kRetryMaxMs = 1000;
+
+hal::OpenOptions opening_of(const Config& config) {
+  hal::OpenOptions opening;
+  if (config.rotate_deg >= 0) opening.rotate_deg = config.rotate_deg;
+  opening.camera_yaml_path = config.camera_yaml;
+  return opening;
+}
+
+// A camera that is not there, in use or not yet allowed may be soon; wrong words never are.
+bool may_pass(const Error& error) {
+  return error.code == ErrorCode::no_device || error.code == ErrorCode::io || error.code == ErrorCode::timeout;
+}
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets it
+  return value != nullptr ? value : "";
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Daemon>> Daemon::create(const Config& config, const std::string& config_path,
+                                               Notifier& notifier) {
+  auto data = apps::load_measuring_data(config.measuring, config.body);
+  if (!data) return data.error();
+  if (!data->warning.empty()) log(Level::warning, data->warning);
+  std::unique_ptr<Daemon> made(new Daemon(config, config_path, notifier, std::move(*data)));
+  // systemd may name several, with colons between.
+  const std::string given = environment("STATE_DIRECTORY");
+  made->state_directory_ = config.state_directory.empty() ? given.substr(0, given.find(':')) : config.state_directory;
+  if (!made->state_directory_.empty())
+    if (auto there = make_directory(made->state_directory_); !there) return there.error();
+  PublisherOptions publishing{config.socket_path, config.socket_mode, config.socket_group, config.clients_max,
+                              config.client_buffer_bytes};
+  auto publisher = Publisher::open(publishing);
+  if (!publisher) return publisher.error();
+  made->publisher_ = std::move(*publisher);
+  return made;
+}
+
+bool Daemon::told_to_end() {
+  if (Wishes::stop) return true;
+  if (!Wishes::reload.exchange(false)) return false;
+  auto config = load_config(config_path_);
+  if (!config) {
+    log(Level::error, config.error().message + "; going on as before");
+    return false;
+  }
+  log(Level::notice, config_path_ + " is read again");
+  reloaded_ = std::move(*config);
+  return true;
+}
+
+Result<std::optional<Config>> Daemon::run() {
+  say({{"event", "camera"}, {"state", "WAITING"}});
+  notifier_.send("READY=1\nSTATUS=opening " + config_.source);
+  log(Level::info, "listening at " + config_.socket_path + ", source " + config_.source);
+  auto source = open_source();
+  if (!source) return source.error();
+  Status done = *source == nullptr ? Ok{} : measure_people(**source);
+  engine_.reset();
+  say({{"event", "end"}, {"frame", frames_}, {"persons", persons_}});
+  publisher_->flush(kFarewellMs);
+  if (!done) return done.error();
+  return std::move(reloaded_);
+}
+
+// Null: told to end meanwhile.
+Result<std::unique_ptr<hal::Source>> Daemon::open_source() {
+  std::unique_ptr<hal::Source> source;
+  if (const auto opener = hal::camera_opener(config_.source, opening_of(config_))) {
+    auto camera = wait_for_camera(opener);
+    if (!camera) return camera.error();
+    source = std::move(*camera);
+  } else {
+    apps::InputOptions input;
+    input.source = config_.source;
+    input.rotate_deg = config_.rotate_deg;
+    input.camera_yaml = config_.camera_yaml;
+    input.body = config_.body;
+    auto opened = apps::open_input(input);
+    if (!opened) return opened.error();
+    source = std::move(opened->source);
+  }
+  if (source == nullptr) return source;
+  camera_ = source->info();
+  camera_changed({});
+  return source;
+}
+
+Result<std::unique_ptr<hal::Source>> Daemon::wait_for_camera(const hal::ReconnectingSource::Opener& opener) {
+  hal::ReconnectOptions reconnect;
+  reconnect.changed = [this](const hal::ReconnectStats& stats) { camera_changed(stats); };
+  std::string said;
+  for (int pause_ms = kRetryFirstMs;; pause_ms = std::min(2 * pause_ms, kRetryMaxMs)) {
+    auto source = hal::ReconnectingSource::open(opener, reconnect);
+    if (source) return std::unique_ptr<hal::Source>(std::move(*source));
+    if (!may_pass(source.error())) return source.error();
+    if (said != source.error().message) {
+      said = source.error().message;
+      log(Level::warning, "waiting for the camera: " + said);
+      status("waiting for the camera: " + said);
+      say({{"event", "camera"}, {"state", "WAITING"}, {"reason", said}});
+    }
+    for (int slept_ms = 0; slept_ms < pause_ms; slept_ms += kWaitMs) {
+      if (told_to_end()) return std::unique_ptr<hal::Source>();
+      feed_watchdog(true);
+      publisher_->serve(greeting());
+      std::this_thread::sleep_for(std::chrono::milliseconds(kWaitMs));
+    }
+  }
+}
+
+void Daemon::camera_changed(const hal::ReconnectStats& stats) {
+  const bool first = stats.presence == hal::Presence::present && stats.lost == 0;
+  const std::string words = first ? "measuring before " + camera_.name : apps::camera_words(stats, camera_);
+  log(stats.presence == hal::Presence::present ? Level::notice : Level::warning, words);
+  status(words);
+  say(apps::camera_event(stats, camera_));
+}
+
+Status Daemon::measure_people(hal::Source& source) {
+  auto engine = apps::make_engine(config_.measuring, data_, camera_,
+                                  [this](const FrameSeen&) { processed_.fetch_add(1, std::memory_order_relaxed); });
+  if (!engine) return engine.error();
+  engine_ = std::move(*engine);
+  if (auto started = source.start(); !started) return started;
+  const Intrinsics& k = camera_.intrinsics;
+  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
+  const DepthImage depth(pixels.data(), k.width, k.height);
+  Status status = Ok{};
+  bool ended = false;
+  while (status && !ended && !told_to_end()) {
+    publisher_->serve(greeting());
+    const auto info = source.next(depth, kWaitMs);
+    feed_watchdog(source.lost());
+    if (info) {
+      ++frames_;
+      status = engine_->push(depth, *info);
+      if (status) status = look(source);
+    } else if (info.error().code == ErrorCode::end_of_stream) {
+      ended = true;
+    } else if (info.error().code != ErrorCode::timeout && info.error().code != ErrorCode::corrupt) {
+      status = info.error();
+    }
+  }
+  source.stop();
+  if (!status || !ended) return status;
+  engine_->finish();
+  return look(source);
+}
+
+Status Daemon::look(const hal::Source& source) {
+  const EngineResult result = engine_->result();
+  if (result.session != session_) {
+    session_ = result.session;
+    if (std::exchange(reported_, false)) say(apps::left_event(frames_, persons_));
+  }
+  if (const auto shown = apps::shown_state(result); shown != shown_) {
+    shown_ = shown;
+    say(apps::state_event(frames_, result));
+  }
+  if (apps::is_stuck(result)) engine_->next_person();
+  if (!result.measured || reported_) return engine_->fault();
+  return report_person(source);
+}
+
+Status Daemon::report_person(const hal::Source& source) {
+  reported_ = true;
+  ++persons_;
+  engine_->finish();
+  const auto answered = apps::answer_of(*engine_, data_, source.info());
+  if (!answered) return answered.error();
+  log(Level::info,
+      fmt::format("person {} is measured, from {} frames", persons_, answered->report.result.frames_used));
+  say(apps::measured_event(frames_, persons_, answered->report));
+  keep(result_json(answered->report));
+  engine_->next_person();
+  return Ok{};
+}
+
+// A full disk is no reason to stop measuring.
+void Daemon::keep(const std::string& result) {
+  if (state_directory_.empty()) return;
+  const auto written = write_file_atomically(state_directory_ + "/last-result.json", result);
+  if (!written && !keeping_fails_) log(Level::error, written.error().message + "; results are only told");
+  keeping_fails_ = !written;
+}
+
+// Fed by frames that came out of the engine: one that hangs, or a camera that is there and silent, is not fed. To
+// wait for a camera is work too.
+void Daemon::feed_watchdog(bool waiting) {
+  const std::uint64_t processed = processed_.load(std::memory_order_relaxed);
+  if (!waiting && processed == processed_when_fed_) return;
+  processed_when_fed_ = processed;
+  notifier_.feed_watchdog(hal::monotonic_ns());
+}
+
+std::string Daemon::greeting() const {
+  std::string lines = apps::line_of(
+      {{"event", "hello"}, {"protocol", "im2fitd/1"}, {"version", IM2FIT_VERSION}, {"persons", persons_}});
+  for (const apps::Json* event : {&camera_event_, &state_event_})
+    if (!event->is_null()) lines += apps::line_of(*event);
+  return lines;
+}
+
+void Daemon::say(const apps::Json& event) {
+  if (event["event"] == "camera") camera_event_ = event;
+  if (event["event"] == "state") state_event_ = event;
+  publisher_->publish(apps::line_of(event));
+}
+
+}  // namespace im2fit::daemon

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <exception>
+
+#include "apps/im2fitd/config.h"
+#include "apps/im2fitd/daemon.h"
+#include "apps/im2fitd/log.h"
+#include "apps/im2fitd/notify.h"
+
+namespace im2fit::daemon {
+namespace {
+
+struct Words {
+  std::string config = "/etc/im2fit/im2fitd.yaml";
+  bool check = false;
+};
+
+void catch_signals() {
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGHUP, [](int) { Wishes::reload = true; });
+  for (const int number : {SIGTERM, SIGINT}) std::signal(number, [](int) { Wishes::stop = true; });
+}
+
+Status serve(const Words& words) {
+  auto config = load_config(words.config);
+  if (!config) return config.error();
+  if (words.check) return Ok{};
+  catch_signals();
+  Notifier notifier;
+  for (;;) {
+    auto daemon = Daemon::create(*config, words.config, notifier);
+    if (!daemon) return daemon.error();
+    auto next = (*daemon)->run();
+    if (!next) return next.error();
+    if (!*next) break;
+    config = std::move(**next);
+  }
+  notifier.send("STOPPING=1\nSTATUS=stopped");
+  log(Level::info, "stopped");
+  return Ok{};
+}
+
+}  // namespace
+}  // namespace im2fit::daemon
+
+int main(int argc, char** argv) {
+  using namespace im2fit::daemon;
+  CLI::App app{"Measures one person after the other before a camera and tells a local socket.", "im2fitd"};
+  app.footer(
+      "Made for systemd: see im2fitd.service and docs/daemon.md. Exit codes: 0 stopped, 1 failed, 2 wrong use.");
+  Words words;
+  app.add_option("--config", words.config, "Configuration")->type_name("YAML")->capture_default_str();
+  app.add_flag("--check", words.check, "Look at the configuration only");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {
+    return app.exit(asked);
+  } catch (const CLI::ParseError& error) {
+    log(Level::error, std::string(error.what()) + " (see im2fitd --help)");
+    return 2;
+  }
+  try {
+    const auto done = serve(words);
+    if (done) return 0;
+    log(Level::error, done.error().message);
+  } catch (const std::exception& error) {  // libraries for JSON and text throw
+    log(Level::error, error.what());
+  }
+  return 1;
+}

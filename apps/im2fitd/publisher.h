@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// The local socket: whoever connects is told every event, one line each. Nobody is ever waited for.
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <string>
+
+#include "base/status.h"
+
+namespace im2fit::daemon {
+
+struct PublisherOptions {
+  std::string path = {};
+  unsigned mode = 0660;
+  std::string group = {};  // "": the process's
+  int clients_max = 16;
+  std::size_t client_buffer_bytes = 256 * 1024;  // a client with more than this unread is dropped
+};
+
+// One thread.
+class Publisher {
+ public:
+  // Errors: invalid_argument (path too long, no such group), io (also: another daemon listens there).
+  static Result<std::unique_ptr<Publisher>> open(const PublisherOptions& options);
+  ~Publisher();  // closes the clients and removes the socket
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
+
+  // Takes in who waits outside, telling each `greeting` first; sends what is left; sees who has gone.
+  void serve(const std::string& greeting);
+  void publish(const std::string& line);
+  // Waits at most so long for clients to take what is left; for the end of the program.
+  void flush(int timeout_ms);
+
+  std::size_t clients() const { return clients_.size(); }
+  std::uint64_t dropped() const { return dropped_; }  // for being slow
+
+ private:
+  struct Client {
+    int fd = -1;
+    std::uint64_t number = 0;
+    std::string waiting;  // not yet taken by the system
+  };
+  explicit Publisher(PublisherOptions options) : options_(std::move(options)) {}
+  bool send(Client& client);  // false: gone or too slow, and closed
+  bool still_there(const Client& client) const;
+
+  PublisherOptions options_;
+  int fd_ = -1;
+  bool bound_ = false;
+  std::list<Client> clients_;
+  std::uint64_t accepted_ = 0;
+  std::uint64_t dropped_ = 0;
+};
+
+}  // namespace im2fit::daemon

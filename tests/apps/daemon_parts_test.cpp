@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// im2fitd's configuration and socket, each alone.
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include "apps/im2fitd/config.h"
+#include "apps/im2fitd/publisher.h"
+#include "daemon_run.h"
+#include "depth_folder.h"
+
+namespace im2fit::daemon {
+namespace {
+
+using test::Client;
+
+class DaemonConfig : public testing::Test {
+ protected:
+  Result<Config> load(const std::string& text) {
+    test::write_text(folder_.path("c.yaml"), text);
+    return load_config(folder_.path("c.yaml"));
+  }
+  test::TestFolder folder_;
+};
+
+TEST_F(DaemonConfig, TheFileThatIsInstalledSaysTheDefaults) {
+  const auto shipped = load_config(IM2FIT_DAEMON_YAML);
+  ASSERT_TRUE(shipped) << shipped.error().message;
+  const Config d;
+  EXPECT_EQ(shipped->source, d.source);
+  EXPECT_EQ(shipped->rotate_deg, d.rotate_deg);
+  EXPECT_EQ(shipped->camera_yaml, d.camera_yaml);
+  EXPECT_EQ(shipped->body, d.body);
+  EXPECT_EQ(shipped->measuring.frames, d.measuring.frames);
+  EXPECT_EQ(shipped->measuring.calibration, d.measuring.calibration);
+  EXPECT_EQ(shipped->measuring.turn, d.measuring.turn);
+  EXPECT_EQ(shipped->measuring.clothed, d.measuring.clothed);
+  EXPECT_EQ(shipped->measuring.threads, d.measuring.threads);
+  EXPECT_EQ(shipped->measuring.size_charts, d.measuring.size_charts);
+  EXPECT_EQ(shipped->socket_path, d.socket_path);
+  EXPECT_EQ(shipped->socket_mode, d.socket_mode);
+  EXPECT_EQ(shipped->socket_group, d.socket_group);
+  EXPECT_EQ(shipped->clients_max, d.clients_max);
+  EXPECT_EQ(shipped->client_buffer_bytes, d.client_buffer_bytes);
+  EXPECT_EQ(shipped->state_directory, d.state_directory);
+  EXPECT_TRUE(shipped->measuring.live);
+}
+
+TEST_F(DaemonConfig, EveryKeyIsTaken) {
+  const auto c = load(
+      "source: v4l2:/dev/video0\nrotate: 270\ncamera: c.yaml\nbody: b\ntracker: t\nindex: i\n"
+      "measure: {frames: 7, calibration: psi, turn: true, clothed: yes, threads: 1, size_charts: [a.csv, b.csv]}\n"
+      "socket:\n  path: /x\n  mode: \"0666\"\n  group: video\n  clients: 3\n  client_buffer_kib: 17\n"
+      "state_directory: /s\n");
+  ASSERT_TRUE(c) << c.error().message;
+  EXPECT_EQ(c->source, "v4l2:/dev/video0");
+  EXPECT_EQ(c->rotate_deg, 270);
+  EXPECT_EQ(c->camera_yaml, "c.yaml");
+  EXPECT_EQ(c->body + c->measuring.tracker + c->measuring.index, "bti");
+  EXPECT_EQ(c->measuring.frames, 7);
+  EXPECT_EQ(c->measuring.calibration, "psi");
+  EXPECT_TRUE(c->measuring.turn && c->measuring.clothed);
+  EXPECT_EQ(c->measuring.threads, 1);
+  EXPECT_EQ(c->measuring.size_charts, (std::vector<std::string>{"a.csv", "b.csv"}));
+  EXPECT_EQ(c->socket_path, "/x");
+  EXPECT_EQ(c->socket_mode, 0666U);
+  EXPECT_EQ(c->socket_group, "video");
+  EXPECT_EQ(c->clients_max, 3);
+  EXPECT_EQ(c->client_buffer_bytes, 17U * 1024);
+  EXPECT_EQ(c->state_directory, "/s");
+}
+
+TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
+  const std::pair<const char*, const char*> kWrong[] = {
+      {"source: a\ncolour: red\n", "line 2: unknown key \"colour\""},
+      {"measure:\n  frames: 5\n  fames: 6\n", "line 3: unknown key \"measure.fames\""},
+      {"source: a\nsource: b\n", "line 2: \"source\" is there twice"},
+      {"measure: {frames: 0}\n", "line 1: measure.frames is \"0\", expected a whole number from 1 to 1000"},
+      {"measure:\n  frames: many\n", "line 2: measure.frames is \"many\""},
+      {"measure:\n  frames: 5.5\n", "line 2: measure.frames"},
+      {"\n\nrotate: 45\n", "line 3: rotate is \"45\", expected 0, 90, 180 or 270"},
+      {"rotate: [0]\n", "line 1: rotate"},
+      {"measure: {turn: perhaps}\n", "measure.turn is \"perhaps\", expected true or false"},
+      {"measure: {calibration: tpose}\n", "expected one of none, psi"},
+      {"measure: 5\n", "line 1: measure holds no"},
+      {"measure: {size_charts: a.csv}\n", "measure.size_charts is no list"},
+      {"socket: {mode: 999}\n", "socket.mode is \"999\", expected three octal digits"},
+      {"socket: {path: ''}\n", "socket.path is empty, expected a text"},
+      {"source:\n", "line 1: source is empty"},
+      {"source: [\n", "line 2"},
+      {"- a\n- b\n", "line 1: the file holds no"},
+      {"", "line 1: the file holds no"},
+      {"just text", "line 1: the file holds no"},
+      {"source: {a: b}\n", "line 1: source is no single value, expected a text"},
+      {"? [a]\n: b\n", "unknown key"},
+      {"measure:\n  turn: 5\n  frames: 0\n", "line 2: measure.turn is \"5\", expected true or false"},
+  };
+  for (const auto& [text, expected] : kWrong) {
+    const auto c = load(text);
+    ASSERT_FALSE(c) << text;
+    EXPECT_THAT(c.error().message, testing::HasSubstr(expected)) << text;
+    EXPECT_THAT(c.error().message, testing::HasSubstr("c.yaml")) << text;
+    EXPECT_EQ(c.error().message.find('\n'), std::string::npos);
+  }
+  EXPECT_EQ(load_config(folder_.path("absent.yaml")).error().code, ErrorCode::not_found);
+}
+
+TEST_F(DaemonConfig, TheProgramChecksIt) {
+  test::write_text(folder_.path("good.yaml"), "source: openni2\n");
+  test::write_text(folder_.path("bad.yaml"), "source: openni2\nx: 1\n");
+  EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--check", "--config", folder_.path("good.yaml")}).exit_code,
+            0);
+  const auto bad = test::run_program({IM2FIT_DAEMON_PROGRAM, "--check", "--config", folder_.path("bad.yaml")});
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_EQ(bad.err.rfind("<3>", 0), 0U) << bad.err;
+  EXPECT_EQ(bad.err.find('\n'), bad.err.size() - 1);
+  EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--nonsense"}).exit_code, 2);
+  EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--help"}).exit_code, 0);
+}
+
+class DaemonSocket : public testing::Test {
+ protected:
+  void open(PublisherOptions options = {}) {
+    options.path = folder_.path("s");
+    auto made = Publisher::open(options);
+    ASSERT_TRUE(made) << made.error().message;
+    publisher_ = std::move(*made);
+  }
+  static constexpr const char* kHello = "{\"event\":\"hello\"}\n";
+  test::TestFolder folder_;
+  std::unique_ptr<Publisher> publisher_;
+};
+
+TEST_F(DaemonSocket, AClientThatDoesNotReadIsDroppedAndTheOthersAreServed) {
+  open({.client_buffer_bytes = 32 * 1024});
+  Client slow(folder_.path("s"));
+  Client quick(folder_.path("s"));
+  publisher_->serve(kHello);
+  EXPECT_EQ(publisher_->clients(), 2U);
+  const std::string line = "{\"n\":\"" + std::string(4000, 'x') + "\"}\n";
+  int sent = 0;
+  EXPECT_EQ(quick.next()["event"], "hello");
+  for (; sent < 2000 && publisher_->clients() == 2; ++sent) {
+    publisher_->publish(line);
+    ASSERT_EQ(quick.next()["n"].get<std::string>().size(), 4000U);
+  }
+  EXPECT_EQ(publisher_->clients(), 1U);
+  EXPECT_EQ(publisher_->dropped(), 1U);
+  publisher_->publish(line);
+  EXPECT_EQ(quick.next()["n"].get<std::string>().size(), 4000U);
+  // What the slow one was told is whole lines up to where it was cut off.
+  EXPECT_EQ(slow.next()["event"], "hello");
+}
+
+TEST_F(DaemonSocket, ClientsComeAndGoAndAreCounted) {
+  open({.clients_max = 2});
+  {
+    Client a(folder_.path("s"));
+    Client b(folder_.path("s"));
+    Client c(folder_.path("s"));
+    publisher_->serve(kHello);
+    EXPECT_EQ(publisher_->clients(), 2U);
+    EXPECT_EQ(a.next()["event"], "hello");
+    EXPECT_TRUE(c.next().is_null()) << "one too many";
+    // Nothing a client says matters; one that has said its last may still read.
+    ASSERT_EQ(::write(a.fd(), "GET / HTTP/1.1\n", 15), 15);
+    ::shutdown(a.fd(), SHUT_WR);
+    publisher_->serve(kHello);
+    publisher_->publish("{\"event\":\"x\"}\n");
+    EXPECT_EQ(a.next()["event"], "x");
+    EXPECT_EQ(publisher_->clients(), 2U);
+  }
+  publisher_->serve(kHello);
+  EXPECT_EQ(publisher_->clients(), 0U);
+  Client d(folder_.path("s"));
+  publisher_->serve(kHello);
+  EXPECT_EQ(d.next()["event"], "hello");
+}
+
+TEST_F(DaemonSocket, ModeAndPlaceAreChecked) {
+  open({.mode = 0640});
+  struct stat about {};
+  ASSERT_EQ(::stat(folder_.path("s").c_str(), &about), 0);
+  EXPECT_EQ(about.st_mode & 0777U, 0640U);
+  publisher_.reset();
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("s")));
+  const auto refused = [](PublisherOptions options, const std::string& why) {
+    const auto made = Publisher::open(options);
+    ASSERT_FALSE(made);
+    EXPECT_THAT(made.error().message, testing::HasSubstr(why));
+  };
+  refused({.path = folder_.path("no/such/folder")}, "No such file");
+  refused({.path = folder_.path(std::string(108, 'a'))}, "expected 1 to 107");
+  refused({.path = folder_.path("s"), .group = "no-such-group"}, "no group \"no-such-group\"");
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("s")));
+  test::write_text(folder_.path("file"), "mine");
+  refused({.path = folder_.path("file")}, "no socket");
+  EXPECT_EQ(test::read_text(folder_.path("file")), "mine");
+}
+
+}  // namespace
+}  // namespace im2fit::daemon
