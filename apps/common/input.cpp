@@ -42,7 +42,9 @@ Result<std::unique_ptr<hal::Source>> open_patiently(const InputOptions& options,
 }  // namespace
 
 void add_input_options(CLI::App& sub, InputOptions& options) {
-  sub.add_option("SOURCE", options.source, "openni2[:URI] | synthetic[:SEED] | PATH.oni | DEPTH_FOLDER")->required();
+  sub.add_option("SOURCE", options.source,
+                 "openni2[:URI] | usb[:SERIAL] | v4l2:/dev/videoN | synthetic[:SEED] | PATH.oni | DEPTH_FOLDER")
+      ->required();
   sub.add_option("--rotate", options.rotate_deg, "How the camera is mounted, degrees (default: as recorded)")
       ->check(CLI::IsMember({0, 90, 180, 270}));
   sub.add_option("--camera", options.camera_yaml, "Calibration (ROS/OpenCV YAML) that overrides the source's own")

@@ -5,7 +5,8 @@ int main(int argc, char** argv) {
   using namespace im2fit::apps;
   CLI::App app{"One depth camera sees a person; this answers with measurements, a size and a body.", "im2fit"};
   app.footer(
-      "SOURCE is openni2[:URI], synthetic[:SEED], a .oni recording or a depth folder.\n"
+      "SOURCE is openni2[:URI], usb[:SERIAL], v4l2:/dev/videoN, synthetic[:SEED], a .oni recording or a depth "
+      "folder.\n"
       "Exit codes: 0 done, 1 failed, 2 wrong use, 3 the stream gave no measurement.");
   Command chosen;
   for (auto* add : {add_devices, add_measure, add_live, add_record}) add(app, chosen);
