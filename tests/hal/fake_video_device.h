@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <deque>
 #include <map>
@@ -119,8 +120,8 @@ class FakeVideoDevice final : public VideoDevice {
 
  private:
   int capabilities(v4l2_capability& out) const {
-    std::strcpy(reinterpret_cast<char*>(out.card), "Fake depth");
-    std::strcpy(reinterpret_cast<char*>(out.bus_info), "fake-1");
+    std::snprintf(reinterpret_cast<char*>(out.card), sizeof out.card, "Fake depth");
+    std::snprintf(reinterpret_cast<char*>(out.bus_info), sizeof out.bus_info, "fake-1");
     out.capabilities = fake_.capabilities | V4L2_CAP_DEVICE_CAPS;
     out.device_caps = fake_.capabilities;
     return 0;
