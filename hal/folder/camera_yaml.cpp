@@ -20,6 +20,13 @@ Error lacks(const std::string& path, const std::string& key, const std::string& 
                                            "; write it as ROS or OpenCV calibration does (docs/cameras.md)"};
 }
 
+// Errors may quote the file, which may hold anything.
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  return text;
+}
+
 // OpenCV begins with "%YAML:1.0", which is not the directive YAML knows, and tags matrices with its own type.
 std::string without_directive(std::string text) {
   if (text.rfind("%YAML", 0) == 0) text.erase(0, text.find('\n'));
@@ -101,11 +108,16 @@ Result<CameraFile> load_camera_yaml(const std::string& path) {
   if (!bytes) return bytes.error();
   if (bytes->size() > kFileBytesMax)
     return Error{ErrorCode::corrupt, path + " is larger than 1 MiB; expected a camera calibration in YAML"};
-  const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  return parse_camera_yaml(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), path);
+}
+
+Result<CameraFile> parse_camera_yaml(const std::string& text, const std::string& path) {
   try {
-    return interpret(YAML::Load(without_directive(text)), path);
+    auto file = interpret(YAML::Load(without_directive(text)), path);
+    if (!file) return Error{file.error().code, one_line(file.error().message)};
+    return file;
   } catch (const YAML::Exception& e) {
-    return Error{ErrorCode::corrupt, path + " line " + std::to_string(e.mark.line + 1) + ": " + e.msg +
+    return Error{ErrorCode::corrupt, path + " line " + std::to_string(e.mark.line + 1) + ": " + one_line(e.msg) +
                                          "; expected a camera calibration in YAML (docs/cameras.md)"};
   }
 }

@@ -78,6 +78,12 @@ Result<ChildProcess> ChildProcess::fork(const std::function<int(int)>& body) {
   return child;
 }
 
+ChildProcess ChildProcess::reading(int fd) {
+  ChildProcess child;
+  child.fd_ = fd;
+  return child;
+}
+
 ChildProcess::ChildProcess(ChildProcess&& other) noexcept
     : pid_(std::exchange(other.pid_, -1)), fd_(std::exchange(other.fd_, -1)) {}
 

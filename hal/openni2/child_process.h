@@ -23,6 +23,9 @@ class ChildProcess {
   // Forks and runs `body`(pipe), whose result is the exit code.
   static Result<ChildProcess> fork(const std::function<int(int pipe)>& body);
 
+  // No process: reads what stands in `fd`, which it closes. For tests of who reads.
+  static ChildProcess reading(int fd);
+
   ChildProcess() = default;
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&& other) noexcept;

@@ -75,8 +75,9 @@ Status OniSource::launch() {
   book_.reset();
   message_.resize(std::max(message_.size(), sizeof(oni::Header) + kSmallPayload));
   const std::string reader = find_reader(options_.reader_path);
-  auto child = reader.empty() ? ChildProcess::fork([path = path_text_](int pipe) { return serve_oni(path, pipe); })
-                              : ChildProcess::spawn(reader, {path_text_, std::to_string(ChildProcess::kPipeFd)});
+  auto child = options_.reader  ? options_.reader()
+               : reader.empty() ? ChildProcess::fork([path = path_text_](int pipe) { return serve_oni(path, pipe); })
+                                : ChildProcess::spawn(reader, {path_text_, std::to_string(ChildProcess::kPipeFd)});
   if (!child) return child.error();
   child_ = std::move(*child);
   const auto header = receive(options_.stall_ms + 1);

@@ -3,6 +3,7 @@
 // silently wrong pixels (facts of libopenni2 2.2.0.33). The first two become one clear error here.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,7 +19,8 @@ struct OniOptions {
   int rotate_deg = 0;
   int stall_ms = 5000;                     // a child silent for so long is ended
   std::optional<Calibration> calibration;  // wins over the recorded field of view; its rotate_deg is not looked at
-  std::string reader_path;                 // im2fit-oni-reader; "": IM2FIT_ONI_READER, else beside the program
+  std::function<Result<ChildProcess>()> reader;  // instead of a process of ours: for tests
+  std::string reader_path;                       // im2fit-oni-reader; "": IM2FIT_ONI_READER, else beside the program
 };
 
 class OniSource final : public Source {

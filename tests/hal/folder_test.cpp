@@ -417,5 +417,16 @@ TEST(OpenSource, TheSyntheticFactoryGetsTheSeedAndTheOptions) {
   EXPECT_EQ(seed, "");
 }
 
+TEST(CameraYaml, AnErrorThatQuotesTheFileIsStillOneLine) {
+  const auto file = parse_camera_yaml(
+      "image_width: 4\nimage_height: 3\ncamera_matrix: {data: [3, 0, 1, 0, 3, 1, 0, 0, 1]}\n"
+      "distortion_coefficients: [1, 0, 0, 0]\ndistortion_model: \"fish\\neye\"\n",
+      "camera.yaml");
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().code, ErrorCode::unsupported);
+  EXPECT_FALSE(contains(file.error().message, "\n"));
+  EXPECT_TRUE(contains(file.error().message, "fish eye"));
+}
+
 }  // namespace
 }  // namespace im2fit::hal

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sound input for the fuzzers of cameras to start from: write_camera_seeds DIRECTORY makes camera_yaml/ and
+// oni_protocol/.
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+#include "base/file.h"
+#include "hal/intrinsics.h"
+#include "hal/openni2/oni_protocol.h"
+
+namespace {
+
+template <class T>
+void append(std::string& out, const T& value) {
+  out.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+// A recording of two frames of 4 x 3 pixels.
+std::string two_frames(bool complete) {
+  namespace oni = im2fit::hal::oni;
+  std::string out;
+  oni::Hello hello;
+  hello.width = 4;
+  hello.height = 3;
+  hello.fps = 30;
+  hello.frame_count = complete ? 2 : -1;
+  hello.horizontal_rad = 1.0F;
+  hello.vertical_rad = 0.8F;
+  append(out, oni::Header{oni::kMagic, oni::Kind::hello, sizeof hello, 0});
+  append(out, hello);
+  for (std::uint32_t i = 1; i <= 2; ++i) {
+    append(out, oni::Header{oni::kMagic, oni::Kind::frame, sizeof(oni::Frame) + 24, 0});
+    append(out, oni::Frame{i, i * 33333});
+    out.append(24, static_cast<char>(i));
+  }
+  append(out, oni::Header{oni::kMagic, oni::Kind::end, sizeof(oni::End), 0});
+  append(out, oni::End{complete ? 1U : 0U});
+  return out;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return std::fputs("write_camera_seeds: expected a directory\n", stderr), 2;
+  using namespace im2fit;
+  const std::string root = argv[1];
+  hal::Calibration plain;
+  plain.intrinsics = {32, 24, 30.5F, 30.25F, 15.5F, 11.5F};
+  plain.rotate_deg = 90;
+  hal::Calibration bent = plain;
+  bent.distortion.coefficients = {0.1, -0.05, 0.001, 0.002, 0.01};
+  const std::pair<const char*, std::string> kSeeds[] = {
+      {"camera_yaml/plain", hal::camera_yaml_text(plain, "camera")},
+      {"camera_yaml/bent", hal::camera_yaml_text(bent, "camera") + "im2fit_oni_crc32c: \"0123abcd\"\n"},
+      {"oni_protocol/whole", two_frames(true)},
+      {"oni_protocol/unclosed", two_frames(false)}};
+  for (const auto& [name, text] : kSeeds) {
+    std::filesystem::create_directories(std::filesystem::path(root + "/" + name).parent_path());
+    if (const auto s = write_file_atomically(root + "/" + name, text); !s)
+      return std::fprintf(stderr, "write_camera_seeds: %s\n", s.error().message.c_str()), 1;
+  }
+  return 0;
+}
