@@ -101,8 +101,8 @@ class RealFrames : public testing::TestWithParam<RealFrame> {
     const auto model = JointModel::parse(**model_bytes_, "tracker");
     ASSERT_TRUE(model) << model.error().message;
     Sensor sensor(kWidth, kHeight, *model);
-    // A still is a clip that stands still: who has no clear head is believed after three frames.
-    for (int i = 0; i < 4; ++i)
+    // A still is a clip that stands still: who has no clear head is believed after six frames.
+    for (int i = 0; i < 8; ++i)
       seen_.sighting =
           sensor.sense({seen_.depth.data(), kWidth, kHeight}, kKinect, {seen_.mask.data(), kWidth, kHeight});
   }

@@ -387,8 +387,7 @@ TEST(OpenSource, WordsThatAreNoSourceAreRefusedClearly) {
     std::string uri;
     ErrorCode code;
     const char* names;
-  } cases[] = {{"v4l2:/dev/video0", ErrorCode::unsupported, "not in this build"},
-               {"synthetic:7", ErrorCode::unsupported, "no synthetic camera"},
+  } cases[] = {{"synthetic:7", ErrorCode::unsupported, "no synthetic camera"},
                {folder.path("absent.oni"), ErrorCode::not_found, "does not exist"},
                {"", ErrorCode::not_found, "does not exist"},
                {folder.path("notes.txt"), ErrorCode::unsupported, "neither a folder nor a .oni"}};
