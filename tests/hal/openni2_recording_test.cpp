@@ -166,6 +166,8 @@ TEST_F(Recorded, AForkOfTheProgramPlaysTheSameFrames) {
 #if defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the thread sanitizer does not follow a fork of a program with threads";
 #endif
+  if (std::getenv("IM2FIT_EMULATED") != nullptr)
+    GTEST_SKIP() << "the emulator does not follow a fork of a program with threads";
   auto child = ChildProcess::fork([](int pipe) { return serve_oni(oni(), pipe); });
   ASSERT_TRUE(child) << child.error().message;
   const auto take = [&](void* to, std::size_t size) {
