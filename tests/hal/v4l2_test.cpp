@@ -115,7 +115,7 @@ TEST(V4l2, LinesMayBePadded) {
   ASSERT_TRUE(source && (*source)->start());
   const Picture sent = counting(4, 3);
   auto bytes = bytes_of(sent, 6);
-  bytes.resize(bytes.size() - 6);  // the last line's padding may be missing
+  bytes.erase(bytes.end() - 6, bytes.end());  // the last line's padding may be missing
   fake.events.push_back(frame(bytes));
   Picture got(4, 3);
   ASSERT_TRUE((*source)->next(got.image(), 100));
