@@ -106,10 +106,9 @@ class Index {
   Result<Answer> query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
   // The same from all that is seen: refined (index/refinement.h) where the index has learned how and the sizes fit.
   Result<Answer> query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const;
-  // Entries whose features resemble these most, nearest first, into `entries`: as many as fit, kAlikeMax at most;
+  // Entries whose features resemble these most, nearest first, into `entries`: as many as fit, 512 at most;
   // returns how many. What is known of them holds for the one seen with the share of them it holds for. Errors: as of
   // query().
-  static constexpr std::size_t kAlikeMax = 512;
   Result<std::size_t> alike(const Seen& seen, std::span<std::uint32_t> entries, Scratch& scratch) const;
   // Values of a fit that refinements ask for, and the key of the shape space it must be of; 0: the index has none.
   std::size_t fit_size() const;

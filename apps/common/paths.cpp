@@ -4,12 +4,13 @@
 #include <cstdlib>
 
 namespace im2fit::apps {
-namespace {
 
 std::string environment(const char* name) {
-  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): read before threads start
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets it
   return value != nullptr ? value : "";
 }
+
+namespace {
 
 std::string data_path(const char* variable, const char* file) {
   const std::string given = environment(variable);

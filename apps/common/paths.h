@@ -6,6 +6,7 @@
 
 namespace im2fit::apps {
 
+std::string environment(const char* name);  // "" when it is not set
 std::string cache_directory();
 std::string default_body_path();     // IM2FIT_BODY, else body.i2b
 std::string default_tracker_path();  // IM2FIT_TRACKER, else tracker.i2t

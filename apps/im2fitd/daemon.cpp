@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <thread>
 #include <utility>
 
 #include "apps/common/input.h"
+#include "apps/common/paths.h"
 #include "apps/im2fitd/log.h"
 #include "base/file.h"
 #include "hal/frame_path.h"
@@ -35,11 +35,6 @@ bool may_pass(const Error& error) {
   return error.code == ErrorCode::no_device || error.code == ErrorCode::io || error.code == ErrorCode::timeout;
 }
 
-std::string environment(const char* name) {
-  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets it
-  return value != nullptr ? value : "";
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Daemon>> Daemon::create(const Config& config, const std::string& config_path,
@@ -49,7 +44,7 @@ Result<std::unique_ptr<Daemon>> Daemon::create(const Config& config, const std::
   if (!data->warning.empty()) log(Level::warning, data->warning);
   std::unique_ptr<Daemon> made(new Daemon(config, config_path, notifier, std::move(*data)));
   // systemd may name several, with colons between.
-  const std::string given = environment("STATE_DIRECTORY");
+  const std::string given = apps::environment("STATE_DIRECTORY");
   made->state_directory_ = config.state_directory.empty() ? given.substr(0, given.find(':')) : config.state_directory;
   if (!made->state_directory_.empty())
     if (auto there = make_directory(made->state_directory_); !there) return there.error();

@@ -51,16 +51,22 @@ Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenO
   return std::optional<CameraFile>{*file};
 }
 
+// Calibration and mounting of a camera or recording; the caller's word for the mounting wins over the file's.
+template <class Wanted>
+void take_calibration(const std::optional<CameraFile>& file, const OpenOptions& options, Wanted& wanted) {
+  if (file) {
+    wanted.calibration = *file;
+    wanted.rotate_deg = file->rotate_deg.value_or(0);
+  }
+  wanted.rotate_deg = options.rotate_deg.value_or(wanted.rotate_deg);
+}
+
 #if IM2FIT_HAVE_USB
 Result<std::unique_ptr<Source>> open_usb(const std::string& device, const OpenOptions& options) {
   const auto file = calibration(options.camera_yaml_path, true);
   if (!file) return file.error();
   KinectOptions wanted;
-  if (*file) {
-    wanted.calibration = **file;
-    wanted.rotate_deg = (*file)->rotate_deg.value_or(0);
-  }
-  wanted.rotate_deg = options.rotate_deg.value_or(wanted.rotate_deg);
+  take_calibration(*file, options, wanted);
   auto source = open_usb_camera(device, wanted);
   if (!source) return source.error();
   return std::unique_ptr<Source>(std::move(*source));
@@ -89,11 +95,7 @@ Result<OpenNi2Options> camera_options(const OpenOptions& options) {
   OpenNi2Options wanted;
   wanted.width = options.width;
   wanted.height = options.height;
-  if (*file) {
-    wanted.calibration = **file;
-    wanted.rotate_deg = (*file)->rotate_deg.value_or(0);
-  }
-  wanted.rotate_deg = options.rotate_deg.value_or(wanted.rotate_deg);
+  take_calibration(*file, options, wanted);
   return wanted;
 }
 
@@ -141,12 +143,9 @@ Result<std::unique_ptr<Source>> open_recording(const std::string& path, const Op
   if (!file) return file.error();
   OniOptions wanted;
   wanted.stall_ms = options.stall_ms;
-  if (*file) {
+  if (*file)
     if (auto ok = check_crc(path, **file); !ok) return ok.error();
-    wanted.calibration = **file;
-    wanted.rotate_deg = (*file)->rotate_deg.value_or(0);
-  }
-  wanted.rotate_deg = options.rotate_deg.value_or(wanted.rotate_deg);
+  take_calibration(*file, options, wanted);
   auto source = OniSource::open(path, wanted);
   if (!source) return source.error();
   return std::unique_ptr<Source>(std::move(*source));
@@ -175,11 +174,7 @@ Result<std::unique_ptr<Source>> open_v4l2(const std::string& device, const OpenO
   V4l2Options defaults;
   defaults.width = options.width;
   defaults.height = options.height;
-  if (*file) {
-    defaults.calibration = **file;
-    defaults.rotate_deg = (*file)->rotate_deg.value_or(0);
-  }
-  defaults.rotate_deg = options.rotate_deg.value_or(defaults.rotate_deg);
+  take_calibration(*file, options, defaults);
   const auto wanted = parse_v4l2_uri(device, defaults);
   if (!wanted) return wanted.error();
   auto source = V4l2Source::open(*wanted);

@@ -60,6 +60,7 @@ class LibusbBus final : public UsbBus {
       if (descriptor.idVendor == vendor) entries.push_back(entry_of(device, descriptor));
       return false;
     });
+    // "9" before "10".
     std::sort(entries.begin(), entries.end(), [](const UsbDeviceEntry& a, const UsbDeviceEntry& b) {
       return std::pair(a.port.size(), a.port) < std::pair(b.port.size(), b.port);
     });
