@@ -7,7 +7,12 @@ jobs=$(nproc)
 export CMAKE_BUILD_PARALLEL_LEVEL=$jobs
 # Paths relative to the checkout: another clone then finds what this one compiled.
 export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
-if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache; fi
+use_ccache() {
+  if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache; fi
+}
+use_ccache
+# deps GROUP...: installs packages. On a fresh machine ccache is among them, and the first build should fill it.
+deps() { "$root/scripts/deps" "$@" && use_ccache; }
 
 say() { printf '\n== %s\n' "$*" >&2; }
 die() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
