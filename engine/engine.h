@@ -104,7 +104,7 @@ struct FrameSeen {
 
 class Engine {
  public:
-  // The model and index must outlive the engine.
+  // The model and index must outlive the engine. Errors: settings out of range; an index made with another model.
   static Result<std::unique_ptr<Engine>> create(const EngineSettings& settings, const JointModel& joint_model,
                                                 const index::Index& index);
   virtual ~Engine() = default;

@@ -71,6 +71,11 @@ Result<std::unique_ptr<Engine>> Engine::create(const EngineSettings& settings, c
     return Error{ErrorCode::invalid_argument, "engine frames of " + std::to_string(settings.width) + "x" +
                                                   std::to_string(settings.height) + ": sides are 1 to " +
                                                   std::to_string(kImageSideMax)};
+  // Features lean on the joints: what was learned behind other joints answers millimetres off and does not know it.
+  if (index.info().tracker_key != 0 && index.info().tracker_key != joint_model.key())
+    return Error{ErrorCode::invalid_argument,
+                 "the index was made with another tracker than this one and would measure people wrong; take the two "
+                 "that were made together, or make the index again with this tracker (im2fit-lab index --tracker)"};
   auto stages = make_production_stages(settings.width, settings.height, joint_model, index,
                                        {settings.turn, settings.clothed, settings.shape_space});
   if (!stages) return stages.error();

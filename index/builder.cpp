@@ -383,6 +383,7 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
   meta.population_seed = options_.population_seed;
   meta.population_version = options_.population_version;
   meta.densified_count = static_cast<std::uint32_t>(person_.size() - sample_count_);
+  meta.tracker_key = options_.tracker_key;
   const std::vector<float> mean(targets_->means().begin(), targets_->means().end());
   const std::vector<float> scale(targets_->scales().begin(), targets_->scales().end());
   const ReportRecord report = make_report(intervals);

@@ -21,7 +21,8 @@ struct BuildOptions {
   std::vector<FeatureGroup> groups;      // empty: default_groups
   std::uint32_t population_version = 0;  // what the subjects' numbers mean (Person)
   std::uint64_t population_seed = 0;
-  std::uint32_t shape_key = 0;  // of the shape space behind the samples' fits (body/fit)
+  std::uint32_t shape_key = 0;    // of the shape space behind the samples' fits (body/fit)
+  std::uint32_t tracker_key = 0;  // of the joint model that saw the samples (JointModel::key); 0: unknown
   // Features of the first so many samples are held in memory: the choices are made on them (penalties, dimensions,
   // corrections, intervals). Every sample counts for the regression and becomes an entry.
   std::size_t chosen_on = 32768;

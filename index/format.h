@@ -20,7 +20,7 @@
 namespace im2fit::index {
 
 inline constexpr char kMagic[] = "I2FX";
-inline constexpr std::uint32_t kVersion = 4;
+inline constexpr std::uint32_t kVersion = 5;
 inline constexpr std::uint32_t kFeatureMax = 16384;
 inline constexpr std::uint32_t kEntryMax = 1U << 24;
 inline constexpr std::uint32_t kGroupMax = 16;
@@ -51,8 +51,10 @@ struct MetaRecord {
   std::uint64_t population_seed = 0;
   std::uint32_t population_version = 0;
   std::uint32_t densified_count = 0;  // of the entries
+  std::uint32_t tracker_key = 0;      // 0: unknown
+  std::uint32_t reserved = 0;
 };
-static_assert(sizeof(MetaRecord) == 104);
+static_assert(sizeof(MetaRecord) == 112);
 
 struct GroupRecord {
   char name[24] = {};

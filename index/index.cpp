@@ -28,6 +28,7 @@ Info make_info(const Contents& c) {
   info.subject_count = c.meta.subject_count;
   info.entry_count = c.meta.entry_count;
   info.densified_count = c.meta.densified_count;
+  info.tracker_key = c.meta.tracker_key;
   for (const GroupRecord& g : c.groups)
     info.groups.push_back(
         {std::string(g.name, strnlen(g.name, sizeof g.name)), g.first, g.count, g.weight, g.error_without});

@@ -295,7 +295,7 @@ void DatasetReport::add(const ChunkCounts& counts, const SubjectRange& range) {
 }
 
 bool is_stranger(std::uint64_t number, int stranger_every, std::uint32_t stranger_below) {
-  constexpr std::uint64_t kPlace = 5;
+  constexpr std::uint64_t kPlace = 2;
   return stranger_every > 0 && number < stranger_below &&
          number % static_cast<std::uint64_t>(stranger_every) == kPlace;
 }
@@ -366,6 +366,7 @@ Result<DatasetReport> make_dataset(const body::BodyModel& model, const JointMode
   }
   report.cost = rigs.cost();
   report.shape_key = run.shape_key;
+  report.input_key = run.input_key;
   report.seconds = seconds_since(start);
   return report;
 }

@@ -22,11 +22,11 @@ struct DatasetOptions {
   Family family = Family::training;
   std::uint64_t seed = 1;
   CaptureVariety variety;
-  // Every n-th subject is a stranger (synth/strangers.h) whose samples only calibrate intervals; 0: none. Training
-  // family only, and only subjects numbered below `stranger_below`: 2,521 of them tell a 95 % interval within half a
-  // percent.
-  int stranger_every = 13;  // odd: both sexes
-  std::uint32_t stranger_below = 32768;
+  // Every n-th subject is a stranger (synth/strangers.h): no model, but intervals are fitted on them, and refined
+  // answers learn from them, the better the more there are. Training family only, and only subjects numbered below
+  // `stranger_below`; 0: none.
+  int stranger_every = 3;  // odd: both sexes
+  std::uint32_t stranger_below = 16384;
   // Of every n-th pair of a man and a woman, and of every stranger, the sample also has the view from behind and the
   // fitted shapes; 0: of nobody. Needs a body file with a shape space. Only subjects numbered below `turn_below`:
   // what is learned from these needs thousands of people, not millions, and a rule by number lets a run grow.
@@ -66,6 +66,7 @@ struct DatasetReport {
   double seconds = 0;
   CaptureCost cost;             // summed over threads
   std::uint32_t shape_key = 0;  // of the run
+  std::uint64_t input_key = 0;
 
   void add(const ChunkCounts& counts, const SubjectRange& range);
 };

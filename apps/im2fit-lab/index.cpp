@@ -48,6 +48,7 @@ Result<int> run_build(const IndexCommand& options) {
     if (!report) return report.error();
     fmt::print("{}", summary_of(*report));
     build.shape_key = report->shape_key;
+    build.tracker_key = tracker_key_of(report->input_key);
   } else {
     const auto noted = noted_samples(options.from.front());
     if (!noted) return noted.error();
@@ -57,6 +58,7 @@ Result<int> run_build(const IndexCommand& options) {
     const auto set = check_samples(options.from);
     if (!set) return set.error();
     build.shape_key = set->run().shape_key;
+    build.tracker_key = tracker_key_of(set->run().input_key);
   }
   build.dimensions = options.dimensions;
   build.seed = samples.seed;

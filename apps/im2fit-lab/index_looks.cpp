@@ -43,6 +43,7 @@ Json inspected(const index::Index& index) {
                {"method", info.method},
                {"neighbours", info.neighbour_count},
                {"sex_accuracy", info.sex_accuracy},
+               {"tracker_key", fmt::format("{:08x}", info.tracker_key)},
                {"provenance", info.provenance}};
   for (const auto& s : index.sections()) json["sections"].push_back({{"name", s.name}, {"bytes", s.size}});
   for (const auto& g : info.groups)

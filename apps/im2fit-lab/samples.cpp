@@ -59,7 +59,7 @@ SampleOptions default_samples() {
 void add_sample_options(CLI::App& sub, SampleOptions& options) {
   sub.add_option(
          "--subjects", options.subjects,
-         "Models: synthetic people in the index (of the first 32,768 drawn, one in 13 serves to fit intervals on)")
+         "Models: synthetic people in the index (of the first 16,384 drawn, one in three only teaches answers and intervals)")
       ->check(CLI::Range(1, 900'000'000))
       ->capture_default_str();
   sub.add_option("--captures", options.captures, "Captures of each: other pose, place and noise")
@@ -108,6 +108,10 @@ Result<synth::DatasetReport> make_samples(const SampleOptions& options,
         progress->update(static_cast<std::uint64_t>(p.done));
       },
       sink);
+}
+
+std::uint32_t tracker_key_of(std::uint64_t input_key) {
+  return static_cast<std::uint32_t>(input_key);
 }
 
 Result<synth::ShardSet> check_samples(const std::vector<std::string>& folders) {

@@ -42,6 +42,9 @@ Result<synth::DatasetReport> read_samples(const std::vector<std::string>& folder
 // The same without reading more than the shards' heads.
 Result<synth::ShardSet> check_samples(const std::vector<std::string>& folders);
 
+// JointModel::key() of the tracker behind a run.
+std::uint32_t tracker_key_of(std::uint64_t input_key);
+
 // The samples an index was built from, as noted in `work_dir`; an error when there is no note.
 Result<SampleOptions> noted_samples(const std::string& work_dir);
 

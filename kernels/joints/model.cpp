@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/container.h"
+#include "base/crc32c.h"
 #include "kernels/joints/model_data.h"
 
 namespace im2fit {
@@ -78,6 +79,10 @@ std::string_view JointModel::provenance() const {
   return data_->provenance;
 }
 
+std::uint32_t JointModel::key() const {
+  return data_->key;
+}
+
 Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std::string& what) {
   auto reader = ContainerReader::parse(bytes, joints::kTrackerMagic, joints::kTrackerVersion, what);
   if (!reader) return reader.error();
@@ -120,6 +125,7 @@ Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std
   if (!provenance) return provenance.error();
   if (provenance->size() > joints::kProvenanceMax) return damaged(what, "provenance is longer than 64 KiB");
   d.provenance = {provenance->data(), provenance->size()};
+  d.key = crc32c(bytes);
   d.anchors = *anchors;
   d.splits = *splits;
   d.leaves = *leaves;

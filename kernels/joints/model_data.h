@@ -130,6 +130,7 @@ struct JointModel::Data {
   std::span<const joints::Split> side_splits;    // side trees * 31
   std::span<const std::int16_t> side_leaves;     // side trees * 32, 1/256 of log-odds
   std::string_view provenance;                   // text
+  std::uint32_t key = 0;                         // CRC-32C of the bytes
 };
 
 namespace joints {

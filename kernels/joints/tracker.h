@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -26,6 +27,7 @@ class JointModel {  // the contents of a .i2t file; immutable, shareable
   struct Data;
   const Data& data() const { return *data_; }
   std::string_view provenance() const;  // how it was trained; as long as the bytes live
+  std::uint32_t key() const;            // tells models apart: CRC-32C of the bytes
 
  private:
   JointModel();

@@ -293,17 +293,20 @@ TEST(FeatureGroups, CoverTheFeature) {
   EXPECT_EQ(covered, kFeatureSize);
 }
 
-TEST(DatasetPeople, OneInThirteenOfTheFirstIsAStranger) {
-  for (const int models : {1, 5, 6, 12, 13, 100, 30'247, 30'248, 50'000}) {
+TEST(DatasetPeople, OneInThreeOfTheFirstIsAStranger) {
+  const DatasetOptions usual;
+  EXPECT_EQ(usual.stranger_every, 3);
+  EXPECT_EQ(usual.stranger_below, 16384U);
+  for (const int models : {1, 2, 3, 12, 13, 100, 10'922, 10'923, 10'924, 50'000}) {
     int subjects = 0;
-    for (int found = 0; found < models; ++subjects) found += subjects < 32768 && subjects % 13 == 5 ? 0 : 1;
-    EXPECT_EQ(subjects_with(models, 13, 32768), subjects) << models;
+    for (int found = 0; found < models; ++subjects) found += subjects < 16384 && subjects % 3 == 2 ? 0 : 1;
+    EXPECT_EQ(subjects_with(models, 3, 16384), subjects) << models;
   }
-  EXPECT_EQ(subjects_with(50'000, 13, 32768), 52'521);
-  EXPECT_EQ(subjects_with(900'000'000, 13, 32768), 900'002'521);
-  EXPECT_EQ(subjects_with(70, 0, 32768), 70);
-  EXPECT_TRUE(is_stranger(32'765 - 32'765 % 13 - 8, 13, 32768));
-  EXPECT_FALSE(is_stranger(13 * 3000 + 5, 13, 32768));
+  EXPECT_EQ(subjects_with(50'000, 3, 16384), 55'461);
+  EXPECT_EQ(subjects_with(900'000'000, 3, 16384), 900'005'461);
+  EXPECT_EQ(subjects_with(70, 0, 16384), 70);
+  EXPECT_TRUE(is_stranger(16'382, 3, 16384));
+  EXPECT_FALSE(is_stranger(16'385, 3, 16384));
 }
 
 class Dataset : public WithBody {

@@ -38,8 +38,9 @@ constexpr int kSensorWidth = 320;
 constexpr int kSensorHeight = 240;
 constexpr int kRotateDeg = 90;
 
-Result<index::Index> random_index(std::size_t modifier_count) {
+Result<index::Index> random_index(std::size_t modifier_count, std::uint32_t tracker_key) {
   index::BuildOptions options;
+  options.tracker_key = tracker_key;
   options.dimensions = 4;
   options.population_version = body::kPopulationVersion;
   std::vector<index::Sample> samples;
@@ -76,7 +77,7 @@ class RealStages : public testing::Test {
     auto tracker = JointModel::parse(data_->tracker_bytes, tracker_path);
     ASSERT_TRUE(tracker) << tracker.error().message;
     data_->tracker.emplace(std::move(*tracker));
-    auto index = random_index(data_->model.modifier_names().size());
+    auto index = random_index(data_->model.modifier_names().size(), data_->tracker->key());
     ASSERT_TRUE(index) << index.error().message;
     data_->index.emplace(std::move(*index));
     render();
@@ -151,6 +152,23 @@ TEST_F(RealStages, ClothesNeedAnIndexThatKnowsThem) {
   ASSERT_FALSE(engine);
   EXPECT_EQ(engine.error().code, ErrorCode::unsupported);
   EXPECT_NE(engine.error().message.find("nobody in clothes"), std::string::npos) << engine.error().message;
+}
+
+TEST_F(RealStages, AnIndexOfAnotherTrackerIsRefused) {
+  const std::size_t modifiers = data_->model.modifier_names().size();
+  EngineSettings settings;
+  settings.width = data_->intrinsics.width;
+  settings.height = data_->intrinsics.height;
+  settings.intrinsics = data_->intrinsics;
+  const auto own = random_index(modifiers, data_->tracker->key());
+  ASSERT_TRUE(own) << own.error().message;
+  EXPECT_TRUE(Engine::create(settings, *data_->tracker, *own));
+  const auto other = random_index(modifiers, data_->tracker->key() ^ 1U);
+  ASSERT_TRUE(other) << other.error().message;
+  const auto engine = Engine::create(settings, *data_->tracker, *other);
+  ASSERT_FALSE(engine);
+  EXPECT_EQ(engine.error().code, ErrorCode::invalid_argument);
+  EXPECT_NE(engine.error().message.find("another tracker"), std::string::npos) << engine.error().message;
 }
 
 TEST_F(RealStages, MeasureWithTheSameBytesOnOneAndTwoThreadsAndTwice) {
