@@ -123,8 +123,8 @@ TEST(SegmentCompany, WhoIsNotConfirmedButShapedLikeAPersonDisturbs) {
   Scene furnished = s;
   furnished.boxes = {{{420, 0, 3100}, {880, 1010, 3400}}, {{520, 1010, 3150}, {780, 1300, 3350}}};
   EXPECT_FALSE(has(look_at(furnished, 1).person.guidance, Guidance::several_people));
-  add(s, astride_at(650, 2850, 380, 2));
-  const float x = 650, z = 2850;
+  add(s, astride_at(650, 2900, 380, 2));
+  const float x = 650, z = 2900;
   s.capsules.push_back({{x - 270, 1380, z - 120}, {x + 120, 1530, z - 190}, 60, 2});
   const Look seen = look_at(s, 1);
   EXPECT_TRUE(has(seen.person.guidance, Guidance::several_people));
