@@ -152,13 +152,13 @@ void BlobFinder::label(const Grid& grid) {
 }
 
 // Who touches one of a room's further walls is one surface with it: more than a person, and it reaches above all
-// heads or out of the picture.
+// heads or out of the picture. From less than that a wall's corner sets coats on chairs free to look like somebody.
 bool BlobFinder::close_further_walls(const Grid& grid, const FloorPlane& floor) {
   bool closed = false;
   for (int b = 0; b < blob_count_; ++b) {
     const Blob& blob = blobs_[at(b)];
     const bool high = (floor.known && blob.height_max_mm > kHeadHeightMaxMm) || blob.r_min <= 1;
-    if (!high || blob.area_m2 < kWallAreaMinM2) continue;
+    if (!high || blob.area_m2 < kPersonAreaMaxM2) continue;
     const auto own = static_cast<std::uint16_t>(b + 1);
     for (std::size_t i = 0; i < part_.size(); ++i) part_[i] = labels_[i] == own ? 1 : 0;
     if (!wall_.run(grid, floor, part_)) continue;

@@ -18,6 +18,7 @@ namespace im2fit::segment {
 inline constexpr int kBlobCountMax = 400;
 inline constexpr int kHeadCountMax = 8;
 inline constexpr float kShapeUnknown = -100.0F;
+inline constexpr float kPersonAreaMaxM2 = 2.2F;     // with all that hangs together with a head
 inline constexpr float kHeadHeightMaxMm = 2400.0F;  // above the floor
 inline constexpr float kFloatingMm = 450.0F;        // above the floor: what ends there ends in the air
 

@@ -14,6 +14,7 @@ constexpr int kOpenCountMin = 400;
 constexpr int kHypothesisCount = 60;
 constexpr int kScoredCount = 400;
 constexpr float kWidthMinMm = 1300.0F;
+constexpr float kAreaMinM2 = 1.2F;  // more than a person with both arms out
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -123,7 +124,7 @@ bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, P
     const FloorEquations equations = sums.equations();
     if (equations.weight < 100.0 || !equations.solve_plane(plane)) return false;
   }
-  return std::hypot(x_max - x_min, z_max - z_min) >= kWidthMinMm && area_m2 >= kWallAreaMinM2;
+  return std::hypot(x_max - x_min, z_max - z_min) >= kWidthMinMm && area_m2 >= kAreaMinM2;
 }
 
 bool WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open) {

@@ -11,8 +11,6 @@
 
 namespace im2fit::segment {
 
-inline constexpr float kWallAreaMinM2 = 1.2F;  // as seen: more than a person with both arms out
-
 class WallRemover {
  public:
   explicit WallRemover(const Grid& grid);

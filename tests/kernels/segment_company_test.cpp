@@ -67,7 +67,7 @@ Scene room_with_side_wall() {
 }
 
 TEST(SegmentCompany, WhoTouchesASideWallIsFound) {
-  for (const float z : {2600.0F, 3000.0F, 3400.0F}) {
+  for (const float z : {3200.0F, 3400.0F, 3600.0F}) {
     Scene s = room_with_side_wall();
     add(s, person_at(690, z));
     const Look seen = look_at(s, 1);
