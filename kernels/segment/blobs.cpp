@@ -26,6 +26,7 @@ std::size_t at(int i) {
 
 BlobFinder::BlobFinder(const Grid& grid)
     : open_(grid.depth.size()),
+      part_(grid.depth.size()),
       wall_(grid),
       components_(grid.width, grid.height),
       labels_(grid.depth.size()),
@@ -145,13 +146,36 @@ void BlobFinder::open_cells(const Grid& grid, const FloorPlane& floor) {
   }
 }
 
+void BlobFinder::label(const Grid& grid) {
+  blob_count_ = components_.run(grid.depth, open_, kSpeckCells, kBlobCountMax, labels_);
+  describe(grid);
+}
+
+// Who touches one of a room's further walls is one surface with it: more than a person, and it reaches above all
+// heads or out of the picture. From less than that a wall's corner sets coats on chairs free to look like somebody.
+bool BlobFinder::close_further_walls(const Grid& grid, const FloorPlane& floor) {
+  bool closed = false;
+  for (int b = 0; b < blob_count_; ++b) {
+    const Blob& blob = blobs_[at(b)];
+    const bool high = (floor.known && blob.height_max_mm > kHeadHeightMaxMm) || blob.r_min <= 1;
+    if (!high || blob.area_m2 < kPersonAreaMaxM2) continue;
+    const auto own = static_cast<std::uint16_t>(b + 1);
+    for (std::size_t i = 0; i < part_.size(); ++i) part_[i] = labels_[i] == own ? 1 : 0;
+    if (!wall_.run(grid, floor, part_)) continue;
+    for (std::size_t i = 0; i < open_.size(); ++i)
+      if (labels_[i] == own) open_[i] = part_[i];
+    closed = true;
+  }
+  return closed;
+}
+
 void BlobFinder::run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
                      std::span<const Vec3f> expected) {
   open_cells(grid, floor);
   for (std::size_t i = 0; i < open_.size(); ++i) open_[i] = static_cast<std::uint8_t>(open_[i] & (background[i] ^ 1));
   wall_.run(grid, floor, open_);
-  blob_count_ = components_.run(grid.depth, open_, kSpeckCells, kBlobCountMax, labels_);
-  describe(grid);
+  label(grid);
+  if (close_further_walls(grid, floor)) label(grid);
   head_count_ = 0;
   for (int b = 0; b < blob_count_; ++b) {
     const Blob& blob = blobs_[at(b)];

@@ -18,7 +18,9 @@ namespace im2fit::segment {
 inline constexpr int kBlobCountMax = 400;
 inline constexpr int kHeadCountMax = 8;
 inline constexpr float kShapeUnknown = -100.0F;
-inline constexpr float kFloatingMm = 450.0F;  // above the floor: what ends there ends in the air
+inline constexpr float kPersonAreaMaxM2 = 2.2F;     // with all that hangs together with a head
+inline constexpr float kHeadHeightMaxMm = 2400.0F;  // above the floor
+inline constexpr float kFloatingMm = 450.0F;        // above the floor: what ends there ends in the air
 
 struct Blob {
   int cell_count = 0;
@@ -84,6 +86,8 @@ class BlobFinder {
   class HeadProbe;
 
   void open_cells(const Grid& grid, const FloorPlane& floor);
+  void label(const Grid& grid);
+  bool close_further_walls(const Grid& grid, const FloorPlane& floor);
   void describe(const Grid& grid);
   void expect_heads(const Grid& grid, const FloorPlane& floor, std::span<const Vec3f> expected);
   int blob_under(const Grid& grid, Vec3f crown, Vec3f up) const;
@@ -107,6 +111,7 @@ class BlobFinder {
   static bool person_sized(const Grid& grid, const Blob& blob, const FloorPlane& floor);
 
   std::vector<std::uint8_t> open_;  // cells that may belong to a thing
+  std::vector<std::uint8_t> part_;  // of them, those of one blob
   WallRemover wall_;
   Components components_;
   std::vector<std::uint16_t> labels_;

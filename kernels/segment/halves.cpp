@@ -19,6 +19,7 @@ constexpr float kOverMm = 200.0F;        // what the upper half reaches beyond t
 constexpr float kPartAreaMinM2 = 0.03F;  // a head's
 constexpr float kPartAreaMaxM2 = 0.6F;
 constexpr float kLowerWideMaxMm = 700.0F;
+constexpr float kAstrideMaxMm = 1000.0F;    // of what is told to be legs
 constexpr float kUpperWideMaxMm = 1300.0F;  // with arms held out
 constexpr float kAsideMm = 280.0F;          // of the middles
 constexpr float kBehindMm = 550.0F;         // a trunk bent forwards is that far before its legs
@@ -34,17 +35,18 @@ std::size_t at(int i) {
 
 }  // namespace
 
-// What begins under something, over two fifths of its width and more, at about its depth: -1 where there is no such
-// thing.
+// What begins under something, over two fifths of its upper half's width and more, at about its depth: -1 where there
+// is no such thing. Feet astride reach beyond what is above them.
 int BlobFinder::blob_over(const Grid& grid, int b) const {
   const Blob& blob = blobs_[at(b)];
   const auto label = static_cast<std::uint16_t>(b + 1);
+  const int r_middle = (blob.r_min + blob.r_max) / 2;
   std::array<std::int16_t, kBlobCountMax> met{};
   int columns = 0;
   for (int c = blob.c_min; c <= blob.c_max; ++c) {
     int r = blob.r_min;
-    while (r <= blob.r_max && labels_[at(grid.index(c, r))] != label) ++r;
-    if (r > blob.r_max) continue;
+    while (r <= r_middle && labels_[at(grid.index(c, r))] != label) ++r;
+    if (r > r_middle) continue;
     ++columns;
     const int z = grid.depth[at(grid.index(c, r))];
     for (int d = 1; d <= kMeetRows && r - d >= 0; ++d) {
@@ -78,7 +80,8 @@ void BlobFinder::join_halves(const Grid& grid, const FloorPlane& floor) {
     const Blob& lower = blobs_[at(b)];
     const bool stands = lower.height_min_mm < kLowMaxMm && lower.height_max_mm < kTopMaxMm - kOverMm &&
                         lower.height_max_mm - lower.height_min_mm > kLowerTallMinMm;
-    if (!stands || !part(lower, kLowerWideMaxMm) || heads_of(b, true) > 0) continue;
+    if (!stands || !part(lower, has_legs(grid, b) ? kAstrideMaxMm : kLowerWideMaxMm) || heads_of(b, true) > 0)
+      continue;
     const int o = blob_over(grid, b);
     if (o < 0 || heads_of(o, true) > 1 || heads_of(b, false) + heads_of(o, false) > 1) continue;
     const Blob& upper = blobs_[at(o)];

@@ -8,8 +8,7 @@ namespace im2fit::segment {
 namespace {
 
 constexpr float kHeadHeightMinMm = 1100.0F;  // above the floor: a seated adult's
-constexpr float kHeadHeightMaxMm = 2400.0F;
-constexpr float kHeadReliefMinMm = 33.0F;  // heads recede by 50 to 65 mm to their outline, cupboard corners by 20
+constexpr float kHeadReliefMinMm = 33.0F;    // heads recede by 50 to 65 mm to their outline, cupboard corners by 20
 constexpr float kVagueMm = 4500.0F;
 constexpr float kNeckEndMm = 280.0F;  // below the crown
 constexpr float kNeckWidthMinMm = 90.0F;

@@ -84,7 +84,7 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
       const int b = heads_[at(h)].blob;
       Blob& blob = blobs_[at(b)];
       const float tall = blob.height_max_mm - blob.height_min_mm;
-      const bool sized = blob.area_m2 > 0.06F && blob.area_m2 < 2.2F && tall > 300.0F;
+      const bool sized = blob.area_m2 > 0.06F && blob.area_m2 < kPersonAreaMaxM2 && tall > 300.0F;
       const bool hangs = floor.known && blob.height_min_mm > kFloatingMm && blob.centroid_mm.z > kHangsFarMm;
       if (!sized || hangs || floats(grid, b, floor) || on_pole(grid, b, floor)) continue;
       const int middle = blob.r_min + (blob.r_max - blob.r_min) / 2;

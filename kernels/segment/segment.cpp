@@ -28,7 +28,10 @@ constexpr float kHeadlessMm = 700.0F;    // one without a head must be that much
 constexpr float kDoubtedMm = 20'000.0F;  // whoever else is there comes before furniture
 constexpr float kStayMm = 300.0F;        // advantage of who was chosen in the last frame
 constexpr float kFarBehindMm = 1500.0F;  // who is further behind the person measured disturbs nobody
-constexpr float kSecondsMin = 0.001F;    // two frames of one time stamp: a speed must not divide by it
+// Log-odds of a person's shape. Of 1,000 people with furniture about them none had anything above -0.7 within that
+// reach; of 7 people beside others who were not confirmed 5 were above.
+constexpr float kDisturbingOdds = 0.0F;
+constexpr float kSecondsMin = 0.001F;  // two frames of one time stamp: a speed must not divide by it
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -104,14 +107,15 @@ int Segmenter::Workspace::people_count() const {
   return count;
 }
 
-// By another person near enough to touch, hide or be taken for the one measured.
+// By another person near enough to touch, hide or be taken for the one measured. The joints of others are not looked
+// at: who is not confirmed has to be shaped like one.
 bool Segmenter::Workspace::disturbed(int chosen_user) const {
   const auto list = users.users();
   const float limit = list[at(chosen_user)].centroid_mm.z + kFarBehindMm;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const User& other = list[i];
-    if (static_cast<int>(i) != chosen_user && other.confirmed && other.centroid_mm.z < limit && !is_doubted(other.id))
-      return true;
+    if (static_cast<int>(i) == chosen_user || other.centroid_mm.z >= limit || is_doubted(other.id)) continue;
+    if (other.confirmed || (users.doubtful(i) && users.shape_odds(other.id) > kDisturbingOdds)) return true;
   }
   return false;
 }

@@ -100,6 +100,8 @@ void WallRemover::mark_on(const Grid& grid, std::span<const std::uint8_t> open, 
 bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane) {
   float x_min = 1e9F;
   float x_max = -1e9F;
+  float z_min = 1e9F;
+  float z_max = -1e9F;
   float area_m2 = 0;
   const float cell_area =
       static_cast<float>(grid.step * grid.step) / (grid.intrinsics.fx * grid.intrinsics.fy) * 1e-6F;
@@ -114,21 +116,24 @@ bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, P
         sums.add(grid.ray_x[at(c)], grid.ray_y[at(r)], 1.0F / p.z);
         x_min = std::min(x_min, p.x);
         x_max = std::max(x_max, p.x);
+        z_min = std::min(z_min, p.z);
+        z_max = std::max(z_max, p.z);
         area_m2 += cell_area * p.z * p.z;
       }
     }
     const FloorEquations equations = sums.equations();
     if (equations.weight < 100.0 || !equations.solve_plane(plane)) return false;
   }
-  return x_max - x_min >= kWidthMinMm && area_m2 >= kAreaMinM2;
+  return std::hypot(x_max - x_min, z_max - z_min) >= kWidthMinMm && area_m2 >= kAreaMinM2;
 }
 
-void WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open) {
+bool WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open) {
   int open_count = 0;
   for (const std::uint8_t o : open) open_count += o;
-  if (open_count < kOpenCountMin) return;
+  if (open_count < kOpenCountMin) return false;
   Plane plane{};
-  if (!search(grid, floor.known ? floor.up : Vec3f{0, -1, 0}, open, plane) || !refine(grid, open, plane)) return;
+  if (!search(grid, floor.known ? floor.up : Vec3f{0, -1, 0}, open, plane) || !refine(grid, open, plane))
+    return false;
   for (int r = 0; r < grid.height; ++r) {
     const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
     std::uint8_t* is_open = open.data() + grid.index(0, r);
@@ -140,6 +145,7 @@ void WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::
       is_open[c] = static_cast<std::uint8_t>(is_open[c] & !((nearness > kNearnessMin) & behind));
     }
   }
+  return true;
 }
 
 }  // namespace im2fit::segment

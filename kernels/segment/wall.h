@@ -14,8 +14,8 @@ namespace im2fit::segment {
 class WallRemover {
  public:
   explicit WallRemover(const Grid& grid);
-  // Closes the cells (`open` 1 to 0) of a wall and of what lies behind it.
-  void run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
+  // Closes the cells (`open` 1 to 0) of a wall and of what lies behind it; false: there is none.
+  bool run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
 
  private:
   using Plane = std::array<double, 3>;  // q of q.r = -1/z
