@@ -124,7 +124,9 @@ bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, P
     const FloorEquations equations = sums.equations();
     if (equations.weight < 100.0 || !equations.solve_plane(plane)) return false;
   }
-  return std::hypot(x_max - x_min, z_max - z_min) >= kWidthMinMm && area_m2 >= kAreaMinM2;
+  const float across = x_max - x_min;
+  const float along = z_max - z_min;
+  return across * across + along * along >= kWidthMinMm * kWidthMinMm && area_m2 >= kAreaMinM2;
 }
 
 bool WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open) {
