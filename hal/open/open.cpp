@@ -10,6 +10,7 @@
 #if IM2FIT_HAVE_OPENNI2
 #include "hal/openni2/finder.h"
 #include "hal/openni2/oni_source.h"
+#include "hal/openni2/oni_writer.h"
 #include "hal/openni2/openni2_source.h"
 #endif
 #if IM2FIT_HAVE_V4L2
@@ -265,30 +266,5 @@ Result<std::vector<DeviceEntry>> list_devices() {
   if (devices.empty() && failed) return *failed;
   return devices;
 }
-
-#if IM2FIT_HAVE_OPENNI2
-Status begin_oni_recording(Source& source, const std::string& path) {
-  auto* camera = dynamic_cast<OpenNi2Source*>(&source);
-  if (camera == nullptr)
-    return Error{ErrorCode::unsupported,
-                 source.info().name + ": only an OpenNI2 camera can be recorded to .oni; record to a folder instead"};
-  return camera->begin_recording(path);
-}
-
-Result<OniRecording> end_oni_recording(Source& source) {
-  auto* camera = dynamic_cast<OpenNi2Source*>(&source);
-  if (camera == nullptr) return Error{ErrorCode::invalid_argument, source.info().name + " is not being recorded"};
-  auto summary = camera->end_recording();
-  if (!summary) return summary.error();
-  return OniRecording{summary->path, summary->camera_yaml_path, summary->frames_seen, summary->pixels_beyond_range};
-}
-#else
-Status begin_oni_recording(Source&, const std::string& path) {
-  return no_openni2(path);
-}
-Result<OniRecording> end_oni_recording(Source&) {
-  return no_openni2("a recording");
-}
-#endif
 
 }  // namespace im2fit::hal
