@@ -3,8 +3,6 @@
 
 #include <filesystem>
 
-#include "base/crc32c.h"
-#include "base/file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
 #if IM2FIT_HAVE_OPENNI2
@@ -130,9 +128,9 @@ ReconnectingSource::Opener openni2_opener(const std::string& device, const OpenO
 // The format has no checksum: a changed byte gives wrong depths and no error. Our own recordings are known by theirs.
 Status check_crc(const std::string& path, const CameraFile& beside) {
   if (!beside.oni_crc32c) return Ok{};
-  const auto file = MappedFile::open(path);
-  if (!file) return file.error();
-  if (crc32c(file->bytes()) == *beside.oni_crc32c) return Ok{};
+  const auto crc = oni_crc32c(path);
+  if (!crc) return crc.error();
+  if (*crc == *beside.oni_crc32c) return Ok{};
   return Error{ErrorCode::corrupt, path +
                                        " is not as it was recorded (its checksum differs from the one in its .yaml); "
                                        "copy or record it again"};

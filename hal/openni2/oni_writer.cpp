@@ -59,6 +59,21 @@ std::string oni_sidecar_path(const std::string& oni_path) {
   return oni_path + ".yaml";
 }
 
+// In pieces: a recording may be larger than what a 32-bit machine can map.
+Result<std::uint32_t> oni_crc32c(const std::string& oni_path) {
+  const int fd = ::open(oni_path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return Error{ErrorCode::io, "cannot open " + oni_path + ": " + std::strerror(errno)};
+  std::vector<std::byte> piece(std::size_t{1} << 18);
+  std::uint32_t crc = 0;
+  ssize_t count = 0;
+  while ((count = ::read(fd, piece.data(), piece.size())) > 0 || (count < 0 && errno == EINTR))
+    if (count > 0) crc = crc32c(std::span(piece).first(static_cast<std::size_t>(count)), crc);
+  const int code = errno;
+  ::close(fd);
+  if (count < 0) return Error{ErrorCode::io, "cannot read " + oni_path + ": " + std::strerror(code)};
+  return crc;
+}
+
 Result<std::unique_ptr<OniWriter>> OniWriter::create(const std::string& path, const Intrinsics& intrinsics,
                                                      const Options& options) {
   if (auto ok = check_intrinsics(intrinsics, "frames to write to " + path); !ok) return ok.error();
@@ -219,9 +234,9 @@ Status OniWriter::write_tail() {
 }
 
 Status OniWriter::write_checksum() {
-  const auto file = MappedFile::open(part_);
-  if (!file) return file.error();
-  const std::string line = checksum_line(crc32c(file->bytes()));
+  const auto crc = oni_crc32c(part_);
+  if (!crc) return crc.error();
+  const std::string line = checksum_line(*crc);
   const std::string path = oni_sidecar_path(part_);
   const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (fd < 0) return failed("write", path, errno);

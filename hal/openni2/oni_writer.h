@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ namespace im2fit::hal {
 
 // Where the calibration of a recording lies: FILE.oni.yaml.
 std::string oni_sidecar_path(const std::string& oni_path);
+// Of the whole file, as that calibration tells it.
+Result<std::uint32_t> oni_crc32c(const std::string& oni_path);
 
 // The file is FILE.oni.part, with its calibration in FILE.oni.part.yaml, until finish() has made it whole. Whatever
 // ends the program before, it plays up to its last frame under the name FILE.oni.
