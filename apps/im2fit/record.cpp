@@ -7,7 +7,7 @@
 #include "apps/common/input.h"
 #include "apps/im2fit/commands.h"
 #include "hal/folder/depth_folder.h"
-#include "hal/open/open.h"
+#include "hal/openni2/oni_writer.h"
 
 namespace im2fit::apps {
 namespace {
@@ -81,15 +81,26 @@ Error with_kept(Error error, const std::string& path, std::uint64_t frames) {
   return error;
 }
 
-Result<Recorded> record_oni(hal::Source& camera, FrameTap& tap, const std::string& path) {
-  if (const auto begun = hal::begin_oni_recording(camera, path); !begun) return begun.error();
+// `kept` tells where the frames are once the writer has finished.
+template <class Writer, class Kept>
+Result<Recorded> record_with(Writer& writer, FrameTap& tap, const Kept& kept) {
   if (const auto started = tap.start(); !started) return started.error();
-  const auto pulled = pull(tap, [](DepthView, const hal::FrameInfo&) -> Status { return Ok{}; });
-  const auto recording = hal::end_oni_recording(camera);
+  const auto pulled =
+      pull(tap, [&](DepthView depth, const hal::FrameInfo& info) { return writer.write(depth, info); });
   tap.stop();
-  if (!recording) return pulled ? recording.error() : pulled.error();
-  if (!pulled) return with_kept(pulled.error(), path, recording->frames_seen);
-  return Recorded{recording->frames_seen, recording->camera_yaml_path};
+  const auto finished = writer.finish();
+  const auto frames = static_cast<std::uint64_t>(writer.frame_count());
+  if (!pulled) return with_kept(pulled.error(), kept(), frames);
+  if (!finished) return with_kept(finished.error(), kept(), frames);
+  return Recorded{frames, ""};
+}
+
+Result<Recorded> record_oni(FrameTap& tap, const std::string& path) {
+  auto writer = hal::OniWriter::create(path, tap.info().intrinsics, {tap.info().name, tap.info().intrinsics_origin});
+  if (!writer) return writer.error();
+  auto recorded = record_with(**writer, tap, [&] { return (*writer)->kept_path(); });
+  if (recorded) recorded->beside = hal::oni_sidecar_path(path);
+  return recorded;
 }
 
 Result<Recorded> record_folder(FrameTap& tap, const std::string& path) {
@@ -98,15 +109,7 @@ Result<Recorded> record_folder(FrameTap& tap, const std::string& path) {
   writing.origin = tap.info().intrinsics_origin;
   auto writer = hal::FolderWriter::create(path, tap.info().intrinsics, writing);
   if (!writer) return writer.error();
-  if (const auto started = tap.start(); !started) return started.error();
-  const auto pulled =
-      pull(tap, [&](DepthView depth, const hal::FrameInfo& info) { return (*writer)->write(depth, info); });
-  tap.stop();
-  const auto finished = (*writer)->finish();
-  const auto frames = static_cast<std::uint64_t>((*writer)->frame_count());
-  if (!pulled) return with_kept(pulled.error(), path, frames);
-  if (!finished) return with_kept(finished.error(), path, frames);
-  return Recorded{frames, ""};
+  return record_with(**writer, tap, [&] { return path; });
 }
 
 Result<int> run_record(const RecordOptions& asked) {
@@ -116,8 +119,6 @@ Result<int> run_record(const RecordOptions& asked) {
     losses = stats.lost;
     print_error(camera_words(stats, source));
   };
-  // The runtime's recorder is bound to a camera it has opened itself: with it a loss is the end.
-  if (is_oni(options.out)) options.input.reconnect_s = 0;
   auto input = open_input(options.input);
   if (!input) return input.error();
   catch_interrupt();
@@ -125,8 +126,7 @@ Result<int> run_record(const RecordOptions& asked) {
   const auto frames = static_cast<std::uint64_t>(options.frames);
   Progress progress("recording", frames);
   FrameTap tap(*input->source, frames, [&](std::uint64_t done) { progress.update(done); });
-  const auto recorded =
-      is_oni(options.out) ? record_oni(*input->source, tap, options.out) : record_folder(tap, options.out);
+  const auto recorded = is_oni(options.out) ? record_oni(tap, options.out) : record_folder(tap, options.out);
   if (!recorded) return recorded.error();
   if (input->truth) {
     const std::string path = is_oni(options.out) ? options.out.substr(0, options.out.size() - 4) + ".truth.json"
@@ -148,12 +148,8 @@ void add_record(CLI::App& app, Command& chosen) {
   add_input_options(*sub, options->input);
   options->input.reconnect_s = 10;
   add_reconnect_option(*sub, options->input);
-  sub->get_option("--reconnect")
-      ->description(
-          "Seconds to wait for a camera that was unplugged; 0: end with an error, -1: for ever. Into a .oni: always "
-          "0");
   sub->add_flag("--json", options->json, "Print what was recorded, and what is missing, as one line of JSON");
-  sub->add_option("--out", options->out, "PATH.oni (OpenNI2 cameras) or a folder to make")
+  sub->add_option("--out", options->out, "PATH.oni, for OpenNI2 programs too, or a folder to make")
       ->required()
       ->type_name("PATH");
   sub->add_option("--frames", options->frames, "Frames; 0: until the source ends or Ctrl-C")

@@ -3,13 +3,12 @@
 
 #include <filesystem>
 
-#include "base/crc32c.h"
-#include "base/file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
 #if IM2FIT_HAVE_OPENNI2
 #include "hal/openni2/finder.h"
 #include "hal/openni2/oni_source.h"
+#include "hal/openni2/oni_writer.h"
 #include "hal/openni2/openni2_source.h"
 #endif
 #if IM2FIT_HAVE_V4L2
@@ -129,9 +128,9 @@ ReconnectingSource::Opener openni2_opener(const std::string& device, const OpenO
 // The format has no checksum: a changed byte gives wrong depths and no error. Our own recordings are known by theirs.
 Status check_crc(const std::string& path, const CameraFile& beside) {
   if (!beside.oni_crc32c) return Ok{};
-  const auto file = MappedFile::open(path);
-  if (!file) return file.error();
-  if (crc32c(file->bytes()) == *beside.oni_crc32c) return Ok{};
+  const auto crc = oni_crc32c(path);
+  if (!crc) return crc.error();
+  if (*crc == *beside.oni_crc32c) return Ok{};
   return Error{ErrorCode::corrupt, path +
                                        " is not as it was recorded (its checksum differs from the one in its .yaml); "
                                        "copy or record it again"};
@@ -265,30 +264,5 @@ Result<std::vector<DeviceEntry>> list_devices() {
   if (devices.empty() && failed) return *failed;
   return devices;
 }
-
-#if IM2FIT_HAVE_OPENNI2
-Status begin_oni_recording(Source& source, const std::string& path) {
-  auto* camera = dynamic_cast<OpenNi2Source*>(&source);
-  if (camera == nullptr)
-    return Error{ErrorCode::unsupported,
-                 source.info().name + ": only an OpenNI2 camera can be recorded to .oni; record to a folder instead"};
-  return camera->begin_recording(path);
-}
-
-Result<OniRecording> end_oni_recording(Source& source) {
-  auto* camera = dynamic_cast<OpenNi2Source*>(&source);
-  if (camera == nullptr) return Error{ErrorCode::invalid_argument, source.info().name + " is not being recorded"};
-  auto summary = camera->end_recording();
-  if (!summary) return summary.error();
-  return OniRecording{summary->path, summary->camera_yaml_path, summary->frames_seen, summary->pixels_beyond_range};
-}
-#else
-Status begin_oni_recording(Source&, const std::string& path) {
-  return no_openni2(path);
-}
-Result<OniRecording> end_oni_recording(Source&) {
-  return no_openni2("a recording");
-}
-#endif
 
 }  // namespace im2fit::hal

@@ -44,15 +44,4 @@ struct DeviceEntry {
 // any other way.
 Result<std::vector<DeviceEntry>> list_devices();
 
-struct OniRecording {
-  std::string path;
-  std::string camera_yaml_path;           // the calibration written beside it
-  std::uint64_t frames_seen = 0;          // frames the reader took meanwhile; the file may hold a few more
-  std::uint64_t pixels_beyond_range = 0;  // depths OpenNI2's codec cannot keep exactly (32768 mm and more)
-};
-// Records an OpenNI2 camera with the runtime's own recorder while the caller goes on calling next(). Begin before
-// start() to keep the first frame. Errors: unsupported (no OpenNI2 camera), io.
-Status begin_oni_recording(Source& source, const std::string& path);
-Result<OniRecording> end_oni_recording(Source& source);
-
 }  // namespace im2fit::hal

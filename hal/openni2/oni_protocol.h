@@ -23,7 +23,7 @@ struct Hello {
   std::int32_t width = 0;
   std::int32_t height = 0;
   std::int32_t fps = 0;
-  std::int32_t frame_count = 0;  // -1: the recorder never closed the file
+  std::int32_t frame_count = 0;  // the largest frame number; -1: the file was never closed
   float horizontal_rad = 0;
   float vertical_rad = 0;
 };

@@ -123,7 +123,8 @@ int play(Player& player, int fd) {
   std::vector<std::byte> message(sizeof(oni::Frame) + pixels * sizeof(std::uint16_t));
   auto* depths = reinterpret_cast<std::uint16_t*>(message.data() + sizeof(oni::Frame));
   const bool counted = player.hello.frame_count >= 0;
-  for (int count = 0; !counted || count < player.hello.frame_count; ++count) {
+  // Frames are numbered up to the file's count, and numbers may be missing.
+  for (int count = 0, number = 0; !counted || std::max(count, number) < player.hello.frame_count; ++count) {
     // One wait asks for one frame. A second wait for the same frame would ask for another, which would overwrite it:
     // so there is no short timeout here.
     int index = -1;
@@ -149,6 +150,7 @@ int play(Player& player, int fd) {
       return fail(fd, "frame " + std::to_string(count) + " does not fit the picture size");
     const oni::Frame about{static_cast<std::uint32_t>(frame->frameIndex), frame->timestamp};
     std::memcpy(message.data(), &about, sizeof about);
+    number = frame->frameIndex;
     oniFrameRelease(frame);
     if (!send(fd, oni::Kind::frame, message.data(), message.size())) return 3;
   }

@@ -2,29 +2,19 @@
 #include "hal/openni2/openni2_source.h"
 
 #include <OniCAPI.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <cerrno>
-#include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <thread>
 
-#include "base/crc32c.h"
-#include "base/file.h"
 #include "hal/frame_path.h"
 #include "hal/intrinsics.h"
-#include "hal/openni2/oni_file.h"
 #include "hal/openni2/raw_frame.h"
 
 namespace im2fit::hal {
 namespace {
 
-constexpr int kWaitSlice_ms = 50;           // how late a lost device may be noticed
-constexpr std::uint16_t kLossless = 32768;  // the recorder's 16zT codec keeps smaller values exactly
+constexpr int kWaitSlice_ms = 50;  // how late a lost device may be noticed
 
 int unit_um(OniPixelFormat format) {
   if (format == ONI_PIXEL_FORMAT_DEPTH_1_MM) return 1000;
@@ -47,46 +37,21 @@ bool get(OniStreamHandle stream, int property, T& value) {
          size == static_cast<int>(sizeof value);
 }
 
-std::string part_path(const std::string& path) {
-  return path + ".part";
-}
-
-// The recorder begins in a thread of its own and says nothing when it is ready: it is once what it writes at the
-// beginning has stopped growing.
-void wait_until_settled(const std::string& path) {
-  std::uintmax_t last = 0;
-  for (int quiet = 0, i = 0; quiet < 4 && i < 200; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    std::error_code code;
-    const auto size = std::filesystem::file_size(path, code);
-    quiet = !code && size > 0 && size == last ? quiet + 1 : 0;
-    last = code ? 0 : size;
-  }
-}
-
 }  // namespace
-
-std::string oni_sidecar_path(const std::string& oni_path) {
-  return oni_path + ".yaml";
-}
 
 struct OpenNi2Source::Impl {
   std::shared_ptr<OpenNi2Runtime> runtime;
   OniCallbackHandle callbacks = nullptr;
   OniDeviceHandle device = nullptr;
   OniStreamHandle stream = nullptr;
-  OniRecorderHandle recorder = nullptr;
   OniDeviceInfo device_info{};
   OniVideoMode mode{};
   bool mirrored = false;
   bool started = false;
-  bool began_while_streaming = false;
   std::atomic<bool> lost{false};
   SourceInfo info;
-  Calibration calibration;
   UprightPath path;
   SequenceBook book;
-  RecordingSummary recording;
 
   ~Impl();
   Status open_device(const std::string& uri, const OpenNi2Options& options);
@@ -105,10 +70,6 @@ void OpenNi2Source::Impl::on_disconnected(const OniDeviceInfo* gone, void* cooki
 
 OpenNi2Source::Impl::~Impl() {
   if (callbacks != nullptr) oniUnregisterDeviceCallbacks(callbacks);
-  if (recorder != nullptr) {
-    oniRecorderDestroy(&recorder);
-    ::unlink(part_path(recording.path).c_str());  // never ended: nothing half-written stays
-  }
   if (stream != nullptr) {
     oniStreamStop(stream);
     oniStreamDestroy(stream);
@@ -218,8 +179,6 @@ Result<std::unique_ptr<OpenNi2Source>> OpenNi2Source::open(const std::string& ur
   auto upright = UprightPath::make(*camera, options.rotate_deg, "the calibration of " + impl->info.name);
   if (!upright) return upright.error();
   impl->path = std::move(*upright);
-  impl->calibration = *camera;
-  impl->calibration.rotate_deg = options.rotate_deg;
   impl->info.intrinsics_origin = camera->origin;
   impl->info.intrinsics = impl->path.upright();
   return std::unique_ptr<OpenNi2Source>(new OpenNi2Source(std::move(impl)));
@@ -272,12 +231,6 @@ Result<FrameInfo> OpenNi2Source::next(DepthImage depth, int timeout_ms) {
   const FrameInfo result{static_cast<std::uint64_t>(static_cast<std::uint32_t>(frame->frameIndex)), now_ns,
                          static_cast<std::int64_t>(frame->timestamp)};
   const bool good = copy_raw_frame(raw, d.path.camera_image());
-  if (good && d.recorder != nullptr) {
-    ++d.recording.frames_seen;
-    const auto* values = static_cast<const std::uint16_t*>(frame->data);
-    const std::size_t count = raw.size_bytes / 2;
-    for (std::size_t i = 0; i < count; ++i) d.recording.pixels_beyond_range += values[i] >= kLossless ? 1 : 0;
-  }
   oniFrameRelease(frame);
   if (!good) {
     d.book.damaged();
@@ -291,74 +244,6 @@ Result<FrameInfo> OpenNi2Source::next(DepthImage depth, int timeout_ms) {
 void OpenNi2Source::stop() {
   if (impl_->started) oniStreamStop(impl_->stream);
   impl_->started = false;
-}
-
-Status OpenNi2Source::begin_recording(const std::string& path) {
-  Impl& d = *impl_;
-  if (d.recorder != nullptr)
-    return Error{ErrorCode::invalid_argument, d.info.name + " is being recorded to " + d.recording.path + " already"};
-  const std::string part = part_path(path);
-  // The recorder gives no reason when it cannot write; the system does.
-  std::FILE* probe = std::fopen(part.c_str(), "wbe");
-  if (probe == nullptr)
-    return Error{ErrorCode::io,
-                 "cannot write " + path + ": " + std::strerror(errno) + "; choose a folder you may write to"};
-  std::fclose(probe);
-  if (oniCreateRecorder(part.c_str(), &d.recorder) != ONI_STATUS_OK ||
-      oniRecorderAttachStream(d.recorder, d.stream, FALSE) != ONI_STATUS_OK ||
-      oniRecorderStart(d.recorder) != ONI_STATUS_OK) {
-    Error error{ErrorCode::io, "cannot record " + d.info.name + " to " + path + " (" + openni2_complaint() + ")"};
-    if (d.recorder != nullptr) oniRecorderDestroy(&d.recorder);
-    d.recorder = nullptr;
-    ::unlink(part.c_str());
-    return error;
-  }
-  d.recording = {path, oni_sidecar_path(path), 0, 0};
-  d.began_while_streaming = d.started;
-  wait_until_settled(part);
-  return Ok{};
-}
-
-Result<OpenNi2Source::RecordingSummary> OpenNi2Source::end_recording() {
-  Impl& d = *impl_;
-  if (d.recorder == nullptr) return Error{ErrorCode::invalid_argument, d.info.name + " is not being recorded"};
-  oniRecorderStop(d.recorder);
-  oniRecorderDestroy(&d.recorder);
-  d.recorder = nullptr;
-  const std::string part = part_path(d.recording.path);
-  // The recorder says nothing of a full disk: the file is asked how many frames it holds. Frames on their way when
-  // recording began in mid-stream may be missing.
-  const auto contents = inspect_oni(part);
-  const std::uint64_t frames_missed = d.began_while_streaming ? 2 : 0;
-  if (!contents || !contents->closed || contents->frames + frames_missed < d.recording.frames_seen) {
-    Error error{ErrorCode::io, "the recording " + d.recording.path + " could not be written whole and was removed; " +
-                                   "is the disk full?"};
-    if (!contents) error.message += " (" + contents.error().message + ")";
-    ::unlink(part.c_str());
-    return error;
-  }
-  // The recorder leaves the file twice as long as it is, the rest zeros; the player does not need them.
-  if (::truncate(part.c_str(), static_cast<off_t>(contents->size_bytes)) != 0) {
-    Error error{ErrorCode::io, "cannot cut the recording " + part + " to its size: " + std::strerror(errno)};
-    ::unlink(part.c_str());
-    return error;
-  }
-  const auto whole = MappedFile::open(part);
-  if (!whole) return whole.error();
-  char crc[16];
-  std::snprintf(crc, sizeof crc, "%08x", crc32c(whole->bytes()));
-  const std::string yaml =
-      camera_yaml_text(d.calibration, d.info.name) + "im2fit_oni_crc32c: \"" + std::string(crc) + "\"\n";
-  if (auto ok = write_file_atomically(d.recording.camera_yaml_path, yaml); !ok) {
-    ::unlink(part.c_str());
-    return ok.error();
-  }
-  if (std::rename(part.c_str(), d.recording.path.c_str()) != 0) {
-    Error error{ErrorCode::io, "cannot rename the recording to " + d.recording.path + ": " + std::strerror(errno)};
-    ::unlink(part.c_str());
-    return error;
-  }
-  return d.recording;
 }
 
 }  // namespace im2fit::hal

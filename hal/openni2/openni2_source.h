@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera behind the OpenNI2 runtime, and the runtime's own recorder.
+// A camera behind the OpenNI2 runtime.
 #pragma once
 
 #include <memory>
@@ -22,9 +22,6 @@ struct OpenNi2Options {
                                            // rotate_deg is not looked at
 };
 
-// Where the calibration of a recording lies: FILE.oni.yaml.
-std::string oni_sidecar_path(const std::string& oni_path);
-
 class OpenNi2Source final : public Source {
  public:
   // `uri` "" takes the first device. Errors: no_device, unsupported (no depth mode we can use), io.
@@ -36,17 +33,6 @@ class OpenNi2Source final : public Source {
   Result<FrameInfo> next(DepthImage depth, int timeout_ms) override;
   void stop() override;
   SourceStats stats() const override;
-
-  struct RecordingSummary {
-    std::string path;
-    std::string camera_yaml_path;
-    std::uint64_t frames_seen = 0;          // by next(), since begin_recording()
-    std::uint64_t pixels_beyond_range = 0;  // raw values of 32768 and more: the recorder's codec garbles them
-  };
-  // Frames go to a temporary name beside `path`, which appears whole at end_recording(), with its calibration beside
-  // it.
-  Status begin_recording(const std::string& path);
-  Result<RecordingSummary> end_recording();
 
  private:
   struct Impl;

@@ -2,6 +2,7 @@
 // record, stopped short: by a kill, a full disk, a pulled cable. What was recorded until then must be readable.
 #include <sys/mount.h>
 
+#include <functional>
 #include <set>
 
 #include "daemon_run.h"
@@ -12,6 +13,9 @@ namespace {
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
+// Of a .oni, for pictures of one depth: 76800 pixels, 30 to a byte, and the record's own 46.
+[[maybe_unused]] constexpr std::uintmax_t kFrameBytesMax = 2700;
+[[maybe_unused]] constexpr std::uintmax_t kHeadBytesMax = 1200;
 
 class Record : public testing::Test {
  protected:
@@ -36,6 +40,11 @@ class Record : public testing::Test {
     const auto summary = nlohmann::json::parse(run.out, nullptr, false);
     return summary.is_object() ? summary["frames"].get<int>() : -1;
   }
+  static std::string matrix_of(const std::string& yaml) {
+    const std::string text = test::read_text(yaml);
+    const auto at = text.find("camera_matrix");
+    return at == std::string::npos ? "" : text.substr(at, text.find(']', at) - at);
+  }
   static int frame_files(const std::string& folder) {
     int count = 0;
     for (const auto& name : test::files_in(folder)) count += name.size() == 10 && name.substr(6) == ".png" ? 1 : 0;
@@ -59,6 +68,82 @@ TEST_F(Record, CountsWhatItHasAndWhatIsMissing) {
   const auto words = record(folder_.path("in"), folder_.path("again"), {"--frames", "0"});
   EXPECT_NE(words.out.find("28 frames, 2 missing, 1 damaged"), std::string::npos) << words.out;
 }
+
+#if IM2FIT_TEST_ONI
+// Whatever goes into a folder goes into a .oni: the same frames, numbers and words about them.
+TEST_F(Record, AnOniHoldsWhatAFolderDoes) {
+  std::filesystem::remove(folder_.path("in") + "/000007.pgm");
+  std::filesystem::resize_file(folder_.path("in") + "/000011.pgm", 50);
+  ASSERT_EQ(record(folder_.path("in"), folder_.path("first.oni"), {"--frames", "0"}).exit_code, 0);
+  for (const auto& source : {folder_.path("in"), folder_.path("first.oni")}) {
+    for (const std::string rotate : {"0", "90"}) {
+      const std::string oni = folder_.path("r.oni"), plain = folder_.path("r"), copy = folder_.path("r.copy");
+      std::filesystem::remove_all(plain);
+      std::filesystem::remove_all(copy);
+      const std::vector<std::string> words = {"--frames", "0", "--json", "--rotate", rotate};
+      const auto into_oni = record(source, oni, words);
+      const auto into_folder = record(source, plain, words);
+      ASSERT_EQ(into_oni.exit_code, 0) << into_oni.err;
+      ASSERT_EQ(into_folder.exit_code, 0) << into_folder.err;
+      auto said = nlohmann::json::parse(into_oni.out);
+      auto expected = nlohmann::json::parse(into_folder.out);
+      EXPECT_EQ(said["path"], oni);
+      said.erase("path");
+      expected.erase("path");
+      EXPECT_EQ(said, expected);
+      ASSERT_EQ(record(oni, copy, {"--frames", "0"}).exit_code, 0);
+      EXPECT_EQ(test::files_in(copy), test::files_in(plain));
+      EXPECT_EQ(frame_files(copy), 28);
+      for (const auto& name : test::files_in(plain)) {
+        if (name.size() == 10) {
+          EXPECT_EQ(test::read_text(copy + "/" + name), test::read_text(plain + "/" + name)) << name;
+        }
+      }
+      EXPECT_EQ(matrix_of(oni + ".yaml"), matrix_of(plain + "/camera.yaml"));
+    }
+  }
+}
+
+TEST_F(Record, AFullDiskLeavesAWholeOniOfTheFramesBefore) {
+  test::RunOptions options;
+  options.file_bytes_max = 60'000;  // a picture of one depth takes 2.6 kB
+  const std::string out = folder_.path("out.oni");
+  const auto run = record(folder_.path("in"), out, {"--frames", "0"}, options);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
+  EXPECT_NE(run.err.find("free some space"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(out + ".part"));
+  EXPECT_TRUE(std::filesystem::exists(out + ".yaml"));
+  const int frames = frames_read(out);
+  EXPECT_GT(frames, 10);
+  EXPECT_LT(frames, 30);
+  EXPECT_NE(run.err.find(out + " holds the " + std::to_string(frames) + " frames before"), std::string::npos)
+      << run.err;
+}
+
+TEST_F(Record, AFullFileSystemLeavesAWholeOniOfTheFramesBefore) {
+  const std::string disk = folder_.path("disk");
+  std::filesystem::create_directories(disk);
+  if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=64k") != 0) GTEST_SKIP() << "no right to mount a small disk";
+  const auto run = record(folder_.path("in"), disk + "/out.oni", {"--frames", "0"});
+  const int frames = std::filesystem::exists(disk + "/out.oni") ? frames_read(disk + "/out.oni") : 0;
+  const auto left = test::files_in(disk);
+  ::umount(disk.c_str());
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
+  EXPECT_NE(run.err.find("No space left"), std::string::npos) << run.err;
+  EXPECT_GT(frames, 0);
+  EXPECT_EQ(left.size(), 2U) << "the recording and its calibration";
+}
+
+TEST_F(Record, AnOniThatWasNeverClosedIsNotOverwritten) {
+  test::write_text(folder_.path("out.oni.part"), "what was saved of an earlier recording");
+  const auto run = record(folder_.path("in"), folder_.path("out.oni"));
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
+  EXPECT_EQ(test::read_text(folder_.path("out.oni.part")), "what was saved of an earlier recording");
+}
+#endif
 
 TEST_F(Record, AFullDiskIsOneErrorAndKeepsTheFramesBefore) {
   // Times of 100 frames exceed the limit that stands in for a full disk; a picture does not.
@@ -95,24 +180,28 @@ TEST_F(Record, AFullFileSystemIsOneErrorAndKeepsTheFramesBefore) {
 }
 
 #if IM2FIT_TEST_VIRTUAL
+// Records until `recorded` says so, then kills.
+void record_until_killed(std::string source, std::string out, const std::function<bool()>& recorded) {
+  std::string program = test::kProgram, verb = "record", flag = "--out", count = "--frames", all = "0";
+  std::vector<char*> argv = {program.data(), verb.data(),  source.data(), flag.data(),
+                             out.data(),     count.data(), all.data(),    nullptr};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    test::detail::become(argv, null, null, {});
+  }
+  const auto end = test::Clock::now() + test::kPatience;
+  while (test::Clock::now() < end && !recorded()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+}
+
 // Killed in mid-recording, again and again: whatever instant it was, the folder is a recording.
 TEST_F(Record, AKillLeavesARecordingUpToTheLastFrame) {
   for (const int after : {1, 4, 9}) {
     const std::string out = folder_.path("out" + std::to_string(after));
-    std::string program = test::kProgram, verb = "record", source = camera("&fps=60"), flag = "--out", to = out,
-                count = "--frames", all = "0";
-    std::vector<char*> argv = {program.data(), verb.data(),  source.data(), flag.data(),
-                               to.data(),      count.data(), all.data(),    nullptr};
-    const pid_t child = ::fork();
-    if (child == 0) {
-      const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-      test::detail::become(argv, null, null, {});
-    }
-    const auto end = test::Clock::now() + test::kPatience;
-    while (test::Clock::now() < end && (!std::filesystem::exists(out) || frame_files(out) < after))
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    ::kill(child, SIGKILL);
-    ::waitpid(child, nullptr, 0);
+    record_until_killed(camera("&fps=60"), out,
+                        [&] { return std::filesystem::exists(out) && frame_files(out) >= after; });
     const int files = frame_files(out);
     EXPECT_GE(files, after);
     EXPECT_EQ(frames_read(out), files);
@@ -120,47 +209,47 @@ TEST_F(Record, AKillLeavesARecordingUpToTheLastFrame) {
 }
 
 TEST_F(Record, APulledCableIsWaitedForAndCounted) {
-  const auto run =
-      record(camera("&fps=30&unplug_ms=600&replug_ms=200"), folder_.path("out"), {"--frames", "40", "--json"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto summary = nlohmann::json::parse(run.out);
-  EXPECT_EQ(summary["frames"], 40);
-  EXPECT_GE(summary["losses"].get<int>(), 1);
-  EXPECT_GE(summary["missing"].get<int>(), 1);
-  EXPECT_EQ(summary["complete"], false);
-  EXPECT_NE(run.err.find("is away"), std::string::npos) << run.err;
-  EXPECT_NE(run.err.find("is back"), std::string::npos) << run.err;
-  EXPECT_EQ(frames_read(folder_.path("out")), 40);
-  const auto strict =
-      record(camera("&fps=30&unplug_ms=600"), folder_.path("strict"), {"--frames", "0", "--reconnect", "0"});
-  EXPECT_EQ(strict.exit_code, 1);
-  EXPECT_TRUE(test::is_one_line_of(strict.err, "im2fit")) << strict.err;
-  EXPECT_NE(strict.err.find("frames before"), std::string::npos) << strict.err;
-  EXPECT_EQ(frames_read(folder_.path("strict")), frame_files(folder_.path("strict")));
+  for (const std::string kind : {"", ".oni"}) {
+    const std::string out = folder_.path("out" + kind);
+    const auto run = record(camera("&fps=30&unplug_ms=600&replug_ms=200"), out, {"--frames", "40", "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto summary = nlohmann::json::parse(run.out);
+    EXPECT_EQ(summary["frames"], 40);
+    EXPECT_GE(summary["losses"].get<int>(), 1);
+    EXPECT_GE(summary["missing"].get<int>(), 1);
+    EXPECT_EQ(summary["complete"], false);
+    EXPECT_NE(run.err.find("is away"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("is back"), std::string::npos) << run.err;
+    EXPECT_EQ(frames_read(out), 40);
+    const std::string strict_out = folder_.path("strict" + kind);
+    const auto strict = record(camera("&fps=30&unplug_ms=600"), strict_out, {"--frames", "0", "--reconnect", "0"});
+    EXPECT_EQ(strict.exit_code, 1);
+    EXPECT_TRUE(test::is_one_line_of(strict.err, "im2fit")) << strict.err;
+    EXPECT_NE(
+        strict.err.find(strict_out + " holds the " + std::to_string(frames_read(strict_out)) + " frames before"),
+        std::string::npos)
+        << strict.err;
+  }
 }
 
-// The runtime's recorder names the file once it is whole; a kill leaves it under its working name.
+// The file gets its name once it is whole; a kill leaves it and its calibration under their working names.
 TEST_F(Record, AKilledOniPlaysToItsLastFrame) {
-  const std::string out = folder_.path("killed.oni");
-  std::string program = test::kProgram, verb = "record", source = camera("&fps=60"), flag = "--out", to = out,
-              count = "--frames", all = "0";
-  std::vector<char*> argv = {program.data(), verb.data(),  source.data(), flag.data(),
-                             to.data(),      count.data(), all.data(),    nullptr};
-  const pid_t child = ::fork();
-  if (child == 0) {
-    const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-    test::detail::become(argv, null, null, {});
+  for (const std::uintmax_t bytes : {4'000U, 20'000U, 60'000U}) {
+    const std::string out = folder_.path("killed" + std::to_string(bytes) + ".oni");
+    record_until_killed(camera("&fps=60"), out, [&] {
+      std::error_code none;
+      const auto size = std::filesystem::file_size(out + ".part", none);
+      return !none && size > bytes;
+    });
+    EXPECT_FALSE(std::filesystem::exists(out));
+    ASSERT_TRUE(std::filesystem::exists(out + ".part"));
+    std::filesystem::rename(out + ".part", out);
+    std::filesystem::rename(out + ".part.yaml", out + ".yaml");
+    const auto frames = static_cast<std::uintmax_t>(frames_read(out));
+    EXPECT_GE(frames * kFrameBytesMax, bytes - kHeadBytesMax) << "nothing that was on the disk is lost";
+    const auto copied = test::read_text(folder_.path("copy" + std::to_string(copies_)) + "/camera.yaml");
+    EXPECT_NE(copied.find("field_of_view"), std::string::npos) << "the origin its calibration tells";
   }
-  std::error_code none;
-  const auto end = test::Clock::now() + test::kPatience;
-  while (test::Clock::now() < end && !(std::filesystem::file_size(out + ".part", none) > 20'000 && !none))
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  ::kill(child, SIGKILL);
-  ::waitpid(child, nullptr, 0);
-  ASSERT_TRUE(std::filesystem::exists(out + ".part"));
-  std::filesystem::rename(out + ".part", out);
-  EXPECT_GE(frames_read(out), 5);
 }
 #endif
 

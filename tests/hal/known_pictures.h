@@ -16,7 +16,7 @@ namespace im2fit::hal {
 
 inline constexpr int kWidth = 320;
 inline constexpr int kHeight = 240;
-inline constexpr int kLimit = 32768;  // values the recorder keeps exactly
+inline constexpr int kLimit = 32768;
 inline constexpr int kPictures = 30;
 
 inline Intrinsics centred(int width, int height) {
