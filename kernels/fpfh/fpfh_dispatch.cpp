@@ -13,8 +13,9 @@ FpfhWorkspace::FpfhWorkspace(int width, int height) {
   row_table.resize(static_cast<std::size_t>(width + 1) * static_cast<std::size_t>(height));
   has_normal.resize(count);
   needed.resize(count + kSlack);
-  counts = std::make_unique_for_overwrite<std::int32_t[]>(count * kFpfhSize);
-  count_bytes = std::make_unique_for_overwrite<std::uint8_t[]>((count + kSlack) * fpfh_detail::kCountBytes);
+  // Left as they come: nothing is read before it is written. (libc++ 14 has no make_unique_for_overwrite.)
+  counts.reset(new std::int32_t[count * kFpfhSize]);
+  count_bytes.reset(new std::uint8_t[(count + kSlack) * fpfh_detail::kCountBytes]);
   const auto rows = static_cast<std::size_t>(height);
   for (std::vector<float>* v : {&row_slope, &row_norm, &row_inverse_norm}) v->resize(rows);
   for (std::vector<std::int32_t>* v : {&columns_low, &columns_high}) v->resize(rows);

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <filesystem>
+
 #include "apps/im2fitd/config.h"
 #include "apps/im2fitd/publisher.h"
 #include "daemon_run.h"
@@ -115,6 +117,32 @@ TEST_F(DaemonConfig, TheProgramChecksIt) {
   EXPECT_EQ(bad.err.find('\n'), bad.err.size() - 1);
   EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--nonsense"}).exit_code, 2);
   EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--help"}).exit_code, 0);
+}
+
+// Exposure by systemd's own measure: 0 to 10, in tenths on its command line. The unit has 1.0.
+TEST_F(DaemonConfig, SystemdAcceptsTheUnitAndFindsLittleExposed) {
+  const std::string analyze = "/usr/bin/systemd-analyze";
+  if (!std::filesystem::exists(analyze)) GTEST_SKIP() << "no systemd-analyze here: apt-get install systemd";
+  // The unit names the program where it will be installed.
+  std::string unit = test::read_text(IM2FIT_DAEMON_UNIT);
+  const auto at = unit.find("ExecStart=") + 10;
+  unit.replace(at, unit.find(' ', at) - at, IM2FIT_DAEMON_PROGRAM);
+  const std::string path = folder_.path("im2fitd.service");
+  test::write_text(path, unit);
+  const auto verified = test::run_program({analyze, "--man=no", "verify", path});
+  EXPECT_EQ(verified.exit_code, 0) << verified.err;
+  EXPECT_EQ(verified.err, "");
+  const auto rated = test::run_program({analyze, "--no-pager", "--offline=true", "--threshold=10", "security", path});
+  EXPECT_EQ(rated.exit_code, 0) << rated.out;
+  // Both see what is wrong.
+  std::string open = unit;
+  for (const std::string line : {"PrivateNetwork=yes\n", "CapabilityBoundingSet=\n"})
+    open.erase(open.find(line), line.size());
+  test::write_text(path, open);
+  EXPECT_NE(
+      test::run_program({analyze, "--no-pager", "--offline=true", "--threshold=10", "security", path}).exit_code, 0);
+  test::write_text(path, unit + "[Service]\nWatchdogSec=soon\n");
+  EXPECT_NE(test::run_program({analyze, "--man=no", "verify", path}).err, "");
 }
 
 class DaemonSocket : public testing::Test {

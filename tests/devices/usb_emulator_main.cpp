@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <thread>
 
@@ -20,13 +21,16 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: im2fit-usb-emulator uvc|kinect DEPTH_FOLDER [--key number]...\n"
+    "       im2fit-usb-emulator motor [--key number]...   a Kinect's foot\n"
     "       im2fit-usb-emulator shifts DEPTH_FOLDER OUT   the folder as a Kinect can carry it: plugs in nothing\n"
+    "       im2fit-usb-emulator small DEPTH_FOLDER OUT    a quarter as wide and high: likewise\n"
     "  --fps 30 --iso 0                 of the uvc camera's stream\n"
     "  --number 1                       ends the serial\n"
+    "  --accel-x 0 --accel-y 819 --accel-z 0   what the foot's accelerometer feels: left, up, forward, 819 to a g\n"
     "  --loss-ppm 0 --damage-ppm 0 --seed 1\n"
     "  --for-ms 0                       end after so long (0: on SIGTERM)\n"
-    "  --times 0 --unplug-after-ms 1500 --replug-after-ms 500\n"
-    "                                   pull the cable and plug it in again so often";
+    "  --times 0 --unplug-after-ms 1500 --replug-after-ms 500 --first-after-ms 1500\n"
+    "                                   pull the cable and plug it in again so often; the first time later or sooner";
 
 struct Clip {
   int width = 0;
@@ -58,7 +62,13 @@ Result<Clip> load_clip(const std::string& path) {
   return clip;
 }
 
-Result<std::unique_ptr<UsbDevice>> make_device(const std::string& kind, Clip clip, const Words& words) {
+std::unique_ptr<UsbDevice> make_motor(const Words& words) {
+  auto motor = std::make_unique<KinectMotorModel>();
+  motor->set_acceleration(words.whole("accel-x"), words.whole("accel-y"), words.whole("accel-z"));
+  return motor;
+}
+
+Result<std::unique_ptr<UsbDevice>> make_camera(const std::string& kind, Clip clip, const Words& words) {
   if (kind == "uvc") {
     UvcSettings settings;
     settings.width = clip.width;
@@ -91,27 +101,40 @@ Result<std::unique_ptr<UsbDevice>> make_device(const std::string& kind, Clip cli
   return Error{ErrorCode::invalid_argument, "no device '" + kind + "'\n" + kUsage};
 }
 
-// Every depth becomes the nearest one a Kinect has a raw value for.
-Status write_shifts(const std::string& from, const std::string& to) {
+Result<std::unique_ptr<UsbDevice>> make_device(const Words& words) {
+  if (words.words() == std::vector<std::string>{"motor"}) return make_motor(words);
+  if (words.words().size() != 2) return Error{ErrorCode::invalid_argument, kUsage};
+  auto clip = load_clip(words.words()[1]);
+  if (!clip) return clip.error();
+  return make_camera(words.words()[0], std::move(*clip), words);
+}
+
+// Another folder of the same frames, each as `change` leaves it, every `step`th pixel of every `step`th line.
+Status rewrite(const std::string& from, const std::string& to, int step,
+               const std::function<std::uint16_t(std::uint16_t)>& change) {
   auto folder = hal::FolderSource::open(from);
   if (!folder) return folder.error();
-  const int rotate_deg = (*folder)->info().rotate_deg;
+  hal::FolderWriter::Options options;
+  options.rotate_deg = (*folder)->info().rotate_deg;
   folder = hal::FolderSource::open(from, {0, ""});
   if (!folder) return folder.error();
   const Intrinsics& k = (*folder)->info().intrinsics;
-  hal::FolderWriter::Options options;
-  options.rotate_deg = rotate_deg;
-  auto writer = hal::FolderWriter::create(to, k, options);
+  const auto per_step = 1.0F / static_cast<float>(step);
+  const Intrinsics small{k.width / step,  k.height / step, k.fx * per_step,
+                         k.fy * per_step, k.cx * per_step, k.cy * per_step};
+  auto writer = hal::FolderWriter::create(to, small, options);
   if (!writer) return writer.error();
   if (auto ok = (*folder)->start(); !ok) return ok;
-  const auto shifts = shifts_of_mm();
   std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
+  const DepthImage whole(pixels.data(), k.width, k.height);
   for (;;) {
-    const auto frame = (*folder)->next({pixels.data(), k.width, k.height}, 0);
+    const auto frame = (*folder)->next(whole, 0);
     if (!frame && frame.error().code == ErrorCode::end_of_stream) return (*writer)->finish();
     if (!frame) return frame.error();
-    for (auto& pixel : pixels) pixel = mm_of_shift({}, shifts[pixel]);
-    if (auto ok = (*writer)->write({pixels.data(), k.width, k.height}, *frame); !ok) return ok;
+    std::vector<std::uint16_t> kept;
+    for (int v = 0; v < small.height; ++v)
+      for (int u = 0; u < small.width; ++u) kept.push_back(change(whole.at(u * step, v * step)));
+    if (auto ok = (*writer)->write({kept.data(), small.width, small.height}, *frame); !ok) return ok;
   }
 }
 
@@ -156,15 +179,17 @@ Result<bool> plug_in(UsbDevice& device, long long duration_ms) {
 }
 
 Status play(const Words& words) {
-  if (words.words().size() == 3 && words.words()[0] == "shifts")
-    return write_shifts(words.words()[1], words.words()[2]);
-  if (words.words().size() != 2) return Error{ErrorCode::invalid_argument, kUsage};
-  auto clip = load_clip(words.words()[1]);
-  if (!clip) return clip.error();
-  auto device = make_device(words.words()[0], std::move(*clip), words);
+  if (words.words().size() == 3 && words.words()[0] == "shifts") {
+    // Every depth becomes the nearest one a Kinect has a raw value for.
+    return rewrite(words.words()[1], words.words()[2], 1,
+                   [shifts = shifts_of_mm()](std::uint16_t mm) { return mm_of_shift({}, shifts[mm]); });
+  }
+  if (words.words().size() == 3 && words.words()[0] == "small")
+    return rewrite(words.words()[1], words.words()[2], 4, [](std::uint16_t mm) { return mm; });
+  auto device = make_device(words);
   if (!device) return device.error();
   for (long long i = 0; i < words["times"]; ++i) {
-    const auto end = plug_in(**device, words["unplug-after-ms"]);
+    const auto end = plug_in(**device, words[i == 0 ? "first-after-ms" : "unplug-after-ms"]);
     if (!end) return end.error();
     if (*end || pause_ms(words["replug-after-ms"])) return Ok{};
   }
@@ -188,13 +213,17 @@ int main(int argc, char** argv) {
                     {{"fps", 30},
                      {"iso", 0},
                      {"number", 1},
+                     {"accel-x", 0},
+                     {"accel-y", 819},
+                     {"accel-z", 0},
                      {"loss-ppm", 0},
                      {"damage-ppm", 0},
                      {"seed", 1},
                      {"for-ms", 0},
                      {"times", 0},
                      {"unplug-after-ms", 1500},
-                     {"replug-after-ms", 500}},
+                     {"replug-after-ms", 500},
+                     {"first-after-ms", 1500}},
                     kUsage);
   if (const auto played = play(words); !played) {
     std::fprintf(stderr, "im2fit-usb-emulator: %s\n", played.error().message.c_str());

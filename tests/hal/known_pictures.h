@@ -2,7 +2,6 @@
 // Folders of known pictures, and our virtual OpenNI2 device that shows them.
 #pragma once
 
-#include <dirent.h>
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -11,11 +10,12 @@
 #include "hal/folder/depth_folder.h"
 #include "hal/openni2/openni2_source.h"
 #include "support.h"
+#include "tests/devices/process_state.h"
 
 namespace im2fit::hal {
 
-inline constexpr int kWidth = 320;
-inline constexpr int kHeight = 240;
+constexpr int kWidth = 320;  // other rigs have others
+constexpr int kHeight = 240;
 inline constexpr int kLimit = 32768;
 inline constexpr int kPictures = 30;
 
@@ -59,12 +59,6 @@ inline bool have_virtual_device() {
 #define NEED_VIRTUAL_DEVICE() \
   if (!have_virtual_device()) GTEST_SKIP() << "no virtual OpenNI2 device: build the target im2fit_virtual"
 
-inline int open_files() {
-  int count = 0;
-  DIR* folder = ::opendir("/proc/self/fd");
-  while (::readdir(folder) != nullptr) ++count;
-  ::closedir(folder);
-  return count;
-}
+using devices::open_files;
 
 }  // namespace im2fit::hal

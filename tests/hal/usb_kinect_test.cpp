@@ -4,21 +4,19 @@
 
 #include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "tests/hal/long_run.h"
 #include "tests/hal/usb_rig.h"
 
 namespace im2fit::hal {
 namespace {
 
-// IM2FIT_USB_FRAMES=100000 is the long run, of some minutes.
 int frames_to_test() {
-  const char* text = std::getenv("IM2FIT_USB_FRAMES");
-  return text != nullptr ? std::atoi(text) : 200;
+  return hal::frames_to_test("IM2FIT_USB_FRAMES");
 }
 
 TEST(UsbKinect, DeliversEveryFrameToTheLastPixel) {
@@ -28,20 +26,25 @@ TEST(UsbKinect, DeliversEveryFrameToTheLastPixel) {
   Rig rig(settings);
   expect_ok(rig.open());
   expect_ok(rig.source->start());
-  std::int64_t last_us = -1;
+  std::int64_t first_us = -1, last_us = -1;
   const int frames = frames_to_test();
+  Growth growth(frames);
   for (int n = 0; n < frames; ++n) {
+    growth.saw(n);
     rig.run(n == 0 ? kFrame_us : 100'000 / 3 + (n % 3 == 0 ? 1 : 0));  // exactly 30 a second
     const auto got = rig.source->next(rig.out.image(), 0);
     ASSERT_TRUE(got) << "frame " << n << ": " << got.error().message;
     EXPECT_EQ(got->sequence, static_cast<std::uint64_t>(n));
     ASSERT_TRUE(rig.is_frame(got->sequence)) << "frame " << n;
+    if (n == 0) first_us = got->device_us;
     if (n > 0) {
       EXPECT_NEAR(static_cast<double>(got->device_us - last_us), 33'333.3, 1.0);
     }
     last_us = got->device_us;
     EXPECT_GT(got->host_ns, 0);
   }
+  EXPECT_NEAR(static_cast<double>(last_us - first_us), (frames - 1) * 1e6 / 30, 1.0) << "time drifts";
+  growth.expect_none();
   const SourceStats stats = rig.source->stats();
   EXPECT_EQ(stats.delivered, static_cast<std::uint64_t>(frames));
   EXPECT_EQ(stats.gaps + stats.repeats + stats.damaged, 0U);

@@ -20,8 +20,8 @@ using devices::KinectCameraModel;
 using devices::KinectMotorModel;
 using devices::KinectSettings;
 
-inline constexpr int kWidth = 640;
-inline constexpr int kHeight = 480;
+constexpr int kWidth = 640;  // other rigs have others
+constexpr int kHeight = 480;
 inline constexpr std::int64_t kFrame_us = 33'500;  // a little more than one
 
 // Any value at any place, another in each frame.
