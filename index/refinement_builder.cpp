@@ -190,8 +190,10 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
   out.round(solve(table.all, cross.penalty));
 
-  // Judged on strangers where there are enough, by a regression that has learned from none: the people it will meet
-  // are strangers to it as well.
+  // Judged on strangers where there are enough. Shares: by a regression that has learned from other strangers, as the
+  // one in the file has. Intervals: by one that has learned from none; the people it will meet are strangers to it as
+  // well.
+  Eigen::MatrixXd unmet = cross.answer;
   std::vector<std::ptrdiff_t> judged, all_strangers, strangers;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const Row& row = people[static_cast<std::size_t>(i)];
@@ -203,9 +205,9 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   if (strangers.size() >= kStrangersMin) {
     judged = strangers;
     const Sums rest = table.without(table.sums_of(all_strangers));
-    if (rest.count >= kSampleMin) table.answer(solve(rest, cross.penalty), judged, cross.answer);
+    if (rest.count >= kSampleMin) table.answer(solve(rest, cross.penalty), judged, unmet);
   }
-  if (!judged.empty()) out.judge(kind, people, judged, targets, plain, table.y, cross.answer);
+  if (!judged.empty()) out.judge(kind, people, judged, targets, plain, {table.y, cross.answer, unmet});
   return out;
 }
 
@@ -217,8 +219,7 @@ void RefinementBuilder::Learned::round(const LinearFit& fit) {
 }
 
 void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
-                                       const TargetSpace& targets, const PlainAnswers& plain,
-                                       const Eigen::MatrixXd& truth, const Eigen::MatrixXd& refined) {
+                                       const TargetSpace& targets, const PlainAnswers& plain, const Said& said) {
   // Of people in clothes there is no plain answer to mix with.
   const bool mixed = !is_of_clothed(kind);
   std::vector<HeldOut> held_out;
@@ -229,23 +230,24 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     h.frame_count = row.frame_count[sees_back(kind) ? 1 : 0];
     for (std::size_t t = 0; t < kTargetMin; ++t) {
       const auto column = static_cast<std::ptrdiff_t>(t);
-      h.truth[t] = truth(i, column);
-      h.answer[t] = mixed ? plain.at(row.subject)[t] : refined(i, column);
+      h.truth[t] = said.truth(i, column);
+      h.answer[t] = mixed ? plain.at(row.subject)[t] : said.unmet(i, column);
     }
   }
   for (std::size_t t = 0; t < kTargetMin; ++t) {
-    const auto change = [&](std::size_t i) {
-      return refined(judged[i], static_cast<std::ptrdiff_t>(t)) - held_out[i].answer[t];
+    const auto at = [&](const Eigen::MatrixXd& values, std::size_t i) {
+      return values(judged[i], static_cast<std::ptrdiff_t>(t));
     };
     double change_square = 1e-12, change_right = 0;
-    for (std::size_t i = 0; i < held_out.size(); ++i) {
-      change_square += change(i) * change(i);
-      change_right += change(i) * (held_out[i].truth[t] - held_out[i].answer[t]);
+    for (std::size_t i = 0; mixed && i < held_out.size(); ++i) {
+      const double change = at(said.met, i) - held_out[i].answer[t];
+      change_square += change * change;
+      change_right += change * (held_out[i].truth[t] - held_out[i].answer[t]);
     }
     record.share[t] = mixed ? static_cast<float>(std::clamp(change_right / change_square, 0.0, 1.0)) : 1.0F;
     for (std::size_t i = 0; i < held_out.size(); ++i) {
       HeldOut& h = held_out[i];
-      h.answer[t] += static_cast<double>(record.share[t]) * change(i);
+      h.answer[t] += static_cast<double>(record.share[t]) * (at(said.unmet, i) - h.answer[t]);
       if (t < kMeasurementCount)
         record.mae[t] += static_cast<float>(targets.scale(t) * std::abs(h.truth[t] - h.answer[t]) /
                                             static_cast<double>(held_out.size()));

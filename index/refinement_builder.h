@@ -46,16 +46,20 @@ class RefinementBuilder {
     std::array<std::vector<float>, 2> values;  // of the front, and of both sides
   };
   using Rows = std::vector<Row>;
+  // Standardised, a row for each of the people: the truth; answers by a regression that has learned from people like
+  // them, and by one that has learned from nobody like them; neither from themselves.
+  struct Said {
+    const Eigen::MatrixXd &truth, &met, &unmet;
+  };
   struct Learned {
     RefinementRecord record;
     std::vector<std::uint16_t> mean, scale;
     RoundedWeights weights;
     std::vector<float> bias, interval, spread_floor, sex_table;
     void round(const LinearFit& fit);
-    // Shares and intervals, from what was said of `judged`, rows that had no part in it.
+    // Shares and intervals, from what was said of the rows `judged`.
     void judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
-               const TargetSpace& targets, const PlainAnswers& plain, const Eigen::MatrixXd& truth,
-               const Eigen::MatrixXd& refined);
+               const TargetSpace& targets, const PlainAnswers& plain, const Said& said);
   };
   static Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
                            std::uint64_t seed);
