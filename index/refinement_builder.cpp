@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -15,7 +16,15 @@ namespace {
 
 constexpr int kFolds = 3;
 constexpr double kPenalties[] = {0.003, 0.01, 0.03, 0.1, 0.3};  // in variances of a value
-constexpr std::size_t kStrangersMin = 200;                      // to calibrate on, as for the plain answer
+// Strangers differ in the trunk, more than people do at the neck or in stature: by a regression that has met none 98
+// to 100 % of truths are inside what should hold 95 (150 held-out people of seed 777).
+bool met_counts(std::size_t target) {
+  constexpr std::array kThese = {Measurement::stature, Measurement::shoulder_breadth, Measurement::neck_girth,
+                                 Measurement::shoulder_girth, Measurement::weight};
+  return std::any_of(kThese.begin(), kThese.end(), [&](Measurement m) { return measurement_index(m) == target; });
+}
+
+constexpr std::size_t kStrangersMin = 200;  // to calibrate on, as for the plain answer
 
 // Standardised as a query does it.
 RowMatrixF standardised_rows(FeatureScale& scale, const std::vector<const std::vector<float>*>& values) {
@@ -191,8 +200,8 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   out.round(solve(table.all, cross.penalty));
 
   // Judged on strangers where there are enough. Shares: by a regression that has learned from other strangers, as the
-  // one in the file has. Intervals: by one that has learned from none; the people it will meet are strangers to it as
-  // well.
+  // one in the file has. Intervals, mostly: by one that has learned from none; the people it will meet are strangers
+  // to it as well.
   Eigen::MatrixXd unmet = cross.answer;
   std::vector<std::ptrdiff_t> judged, all_strangers, strangers;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -231,13 +240,14 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     for (std::size_t t = 0; t < kTargetMin; ++t) {
       const auto column = static_cast<std::ptrdiff_t>(t);
       h.truth[t] = said.truth(i, column);
-      h.answer[t] = mixed ? plain.at(row.subject)[t] : said.unmet(i, column);
+      h.answer[t] = mixed ? plain.at(row.subject)[t] : (met_counts(t) ? said.met : said.unmet)(i, column);
     }
   }
   for (std::size_t t = 0; t < kTargetMin; ++t) {
     const auto at = [&](const Eigen::MatrixXd& values, std::size_t i) {
       return values(judged[i], static_cast<std::ptrdiff_t>(t));
     };
+    const Eigen::MatrixXd& spoken = met_counts(t) ? said.met : said.unmet;
     double change_square = 1e-12, change_right = 0;
     for (std::size_t i = 0; mixed && i < held_out.size(); ++i) {
       const double change = at(said.met, i) - held_out[i].answer[t];
@@ -247,7 +257,7 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     record.share[t] = mixed ? static_cast<float>(std::clamp(change_right / change_square, 0.0, 1.0)) : 1.0F;
     for (std::size_t i = 0; i < held_out.size(); ++i) {
       HeldOut& h = held_out[i];
-      h.answer[t] += static_cast<double>(record.share[t]) * (at(said.unmet, i) - h.answer[t]);
+      h.answer[t] += static_cast<double>(record.share[t]) * (at(spoken, i) - h.answer[t]);
       if (t < kMeasurementCount)
         record.mae[t] += static_cast<float>(targets.scale(t) * std::abs(h.truth[t] - h.answer[t]) /
                                             static_cast<double>(held_out.size()));
