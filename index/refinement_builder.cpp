@@ -16,11 +16,12 @@ namespace {
 
 constexpr int kFolds = 3;
 constexpr double kPenalties[] = {0.003, 0.01, 0.03, 0.1, 0.3};  // in variances of a value
-// Strangers differ in the trunk, more than people do at the neck or in stature: by a regression that has met none 98
-// to 100 % of truths are inside what should hold 95 (150 held-out people of seed 777).
+// Strangers differ in the trunk, more than people do elsewhere: by a regression that has met none 98 to 100 % of
+// truths are inside what should hold 95 (150 held-out people of seed 777). The neck's, too; but before a sensor
+// without noise it is off by more.
 bool met_counts(std::size_t target) {
-  constexpr std::array kThese = {Measurement::stature, Measurement::shoulder_breadth, Measurement::neck_girth,
-                                 Measurement::shoulder_girth, Measurement::weight};
+  constexpr std::array kThese = {Measurement::stature, Measurement::shoulder_breadth, Measurement::shoulder_girth,
+                                 Measurement::weight};
   return std::any_of(kThese.begin(), kThese.end(), [&](Measurement m) { return measurement_index(m) == target; });
 }
 
