@@ -25,7 +25,8 @@ class KernelDevice final : public VideoDevice {
 
   int request(unsigned long code, void* argument) override {
     for (;;) {
-      if (::ioctl(descriptor_, code, argument) == 0) return 0;
+      // A code has 32 bits, and not every C library takes more.
+      if (::ioctl(descriptor_, static_cast<unsigned>(code), argument) == 0) return 0;
       if (errno != EINTR) return errno;
     }
   }

@@ -90,7 +90,7 @@ float32x4_t times(float32x4_t v, const Constants& k) {
   return vmulq_lane_f32(v, kIndex % 4 < 2 ? vget_low_f32(of) : vget_high_f32(of), kIndex % 2);
 #endif
 }
-constexpr int kTie = 10, kParallel = 11;
+constexpr int kParallel = 11;
 
 struct Pairs {
   int32x4_t codes;
@@ -98,6 +98,8 @@ struct Pairs {
 };
 
 #ifdef __aarch64__
+
+constexpr int kTie = 10;
 
 // 11 (f + 1) / 2 as an integer in 0..10; NaN gives 0.
 int32x4_t clamped(float32x4_t f) {
