@@ -232,6 +232,7 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
                                        const TargetSpace& targets, const PlainAnswers& plain, const Said& said) {
   // Of people in clothes there is no plain answer to mix with.
   const bool mixed = !is_of_clothed(kind);
+  const auto spoken = [&](std::size_t t) -> const Eigen::MatrixXd& { return met_counts(t) ? said.met : said.unmet; };
   std::vector<HeldOut> held_out;
   for (const std::ptrdiff_t i : judged) {
     const Row& row = people[static_cast<std::size_t>(i)];
@@ -241,14 +242,13 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     for (std::size_t t = 0; t < kTargetMin; ++t) {
       const auto column = static_cast<std::ptrdiff_t>(t);
       h.truth[t] = said.truth(i, column);
-      h.answer[t] = mixed ? plain.at(row.subject)[t] : (met_counts(t) ? said.met : said.unmet)(i, column);
+      h.answer[t] = mixed ? plain.at(row.subject)[t] : spoken(t)(i, column);
     }
   }
   for (std::size_t t = 0; t < kTargetMin; ++t) {
     const auto at = [&](const Eigen::MatrixXd& values, std::size_t i) {
       return values(judged[i], static_cast<std::ptrdiff_t>(t));
     };
-    const Eigen::MatrixXd& spoken = met_counts(t) ? said.met : said.unmet;
     double change_square = 1e-12, change_right = 0;
     for (std::size_t i = 0; mixed && i < held_out.size(); ++i) {
       const double change = at(said.met, i) - held_out[i].answer[t];
@@ -258,7 +258,7 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     record.share[t] = mixed ? static_cast<float>(std::clamp(change_right / change_square, 0.0, 1.0)) : 1.0F;
     for (std::size_t i = 0; i < held_out.size(); ++i) {
       HeldOut& h = held_out[i];
-      h.answer[t] += static_cast<double>(record.share[t]) * (at(spoken, i) - h.answer[t]);
+      h.answer[t] += static_cast<double>(record.share[t]) * (at(spoken(t), i) - h.answer[t]);
       if (t < kMeasurementCount)
         record.mae[t] += static_cast<float>(targets.scale(t) * std::abs(h.truth[t] - h.answer[t]) /
                                             static_cast<double>(held_out.size()));
