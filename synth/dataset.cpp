@@ -295,9 +295,9 @@ void DatasetReport::add(const ChunkCounts& counts, const SubjectRange& range) {
 }
 
 bool is_stranger(std::uint64_t number, int stranger_every, std::uint32_t stranger_below) {
-  constexpr std::uint64_t kPlace = 2;
-  return stranger_every > 0 && number < stranger_below &&
-         number % static_cast<std::uint64_t>(stranger_every) == kPlace;
+  if (stranger_every <= 0 || number >= stranger_below) return false;
+  const auto every = static_cast<std::uint64_t>(stranger_every);
+  return number % every == every - 1;
 }
 
 int subjects_with(int models, int stranger_every, std::uint32_t stranger_below) {
