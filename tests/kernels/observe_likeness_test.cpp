@@ -18,11 +18,10 @@ namespace {
 
 using room_test::add;
 using room_test::Capsule;
+using room_test::kKinectNoise;
 using room_test::look;
 using room_test::person_at;
 using room_test::Scene;
-
-constexpr double kKinectNoise = 0.5;
 
 struct Model {
   // `leaf` mm and six: right in the view, left in its mirror image.

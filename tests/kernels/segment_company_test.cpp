@@ -13,12 +13,11 @@ namespace {
 
 using room_test::add;
 using room_test::Capsule;
+using room_test::kKinectNoise;
 using room_test::look;
 using room_test::person_at;
 using room_test::Picture;
 using room_test::Scene;
-
-constexpr double kKinectNoise = 0.5;
 
 struct Look {
   Person person;

@@ -14,12 +14,11 @@ namespace {
 
 using room_test::add;
 using room_test::Capsule;
+using room_test::kKinectNoise;
 using room_test::look;
 using room_test::person_at;
 using room_test::Picture;
 using room_test::Scene;
-
-constexpr double kKinectNoise = 0.5;
 
 Scene small_room(float wall_z = 4800) {
   Scene s;

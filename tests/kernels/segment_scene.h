@@ -24,6 +24,8 @@ struct Box {
   Vec3f low, high;
 };
 
+inline constexpr double kKinectNoise = 0.5;  // raw steps, for look()
+
 struct Scene {
   int width = 480, height = 640;  // portrait
   float focal = 575.8F;

@@ -12,12 +12,11 @@ namespace {
 
 using room_test::add;
 using room_test::Box;
+using room_test::kKinectNoise;
 using room_test::look;
 using room_test::person_at;
 using room_test::Picture;
 using room_test::Scene;
-
-constexpr double kKinectNoise = 0.5;
 
 GuidanceSet bit(Guidance g) {
   return static_cast<GuidanceSet>(g);

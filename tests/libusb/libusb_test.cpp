@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
@@ -10,6 +9,7 @@
 
 #include "hal/usb/libusb_cameras.h"
 #include "tests/devices/kinect_model.h"
+#include "tests/devices/process_state.h"
 #include "tests/libusb/fake_libusb.h"
 
 namespace im2fit::hal {
@@ -36,24 +36,19 @@ std::vector<std::uint16_t> millimetres() {
   return table;
 }
 
-long threads_now() {
-  const std::filesystem::directory_iterator tasks("/proc/self/task");
-  return std::distance(begin(tasks), end(tasks));
-}
-
 class Libusb : public testing::Test {
  protected:
   void SetUp() override {
     fake::reset();
     std::thread([] {}).join();  // the thread sanitizer keeps one of its own from the first on
-    threads_ = threads_now();
+    threads_ = devices::threads();
   }
   void TearDown() override {
     EXPECT_TRUE(fake::debts().none()) << "contexts, handles, claims, transfers or lists are left";
     // A joined thread may be seen for a moment more, under an emulator above all.
-    for (int i = 0; i < 200 && threads_now() > threads_; ++i)
+    for (int i = 0; i < 200 && devices::threads() > threads_; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_LE(threads_now(), threads_);
+    EXPECT_LE(devices::threads(), threads_);
   }
   static std::unique_ptr<KinectSource> opened(const std::string& device) {
     auto source = open_usb_camera(device, {});
@@ -81,7 +76,7 @@ class Libusb : public testing::Test {
   KinectMotorModel motor_;
   std::vector<std::uint16_t> depth_ = std::vector<std::uint16_t>(kPixels);
   std::vector<std::uint16_t> table_ = millimetres();
-  long threads_ = 0;
+  int threads_ = 0;
 };
 
 TEST_F(Libusb, StreamsAndGivesEverythingBack) {
