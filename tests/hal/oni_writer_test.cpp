@@ -40,7 +40,8 @@ std::uint64_t number(std::span<const std::byte> bytes, std::size_t at, std::size
 std::vector<Record> records_of(std::span<const std::byte> file) {
   std::vector<Record> records;
   for (std::size_t at = 24; at + 28 <= file.size();) {
-    const std::size_t fields = number(file, at + 12, 4), payload = number(file, at + 16, 4);
+    const auto fields = static_cast<std::size_t>(number(file, at + 12, 4));
+    const auto payload = static_cast<std::size_t>(number(file, at + 16, 4));
     if (number(file, at, 4) != 0x0052494E || fields < 28 || fields + payload > file.size() - at) break;
     records.push_back({static_cast<std::uint32_t>(number(file, at + 4, 4)),
                        static_cast<std::uint32_t>(number(file, at + 8, 4)), number(file, at + 20, 8), at,
