@@ -103,6 +103,9 @@ Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& sett
   if (handle->body) engine_words.shape_space = &handle->body->shape_space();
   auto engine = stages == nullptr ? Engine::create(engine_words, *handle->tracker, *handle->index)
                                   : create_engine(engine_words, std::move(stages));
+  if (!engine && handle->index)
+    return Error{engine.error().code,
+                 std::string(settings.index_path) + " with " + settings.tracker_path + ": " + engine.error().message};
   if (!engine) return engine.error();
   handle->engine = std::move(*engine);
   return handle;

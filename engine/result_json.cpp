@@ -26,13 +26,6 @@ double steps_of(const MeasurementInfo& info) {
   return info.unit == "kg" ? 100 : kTenths;
 }
 
-Json guidance_json(GuidanceSet set) {
-  Json codes = Json::array();
-  for (std::size_t i = 0; i < kGuidanceCount; ++i)
-    if ((set >> i & 1U) != 0) codes.push_back(std::string(kGuidanceNames[i]));
-  return codes;
-}
-
 Json source_json(const hal::SourceInfo& source) {
   const Intrinsics& k = source.intrinsics;
   return {{"uri", source.uri},
@@ -224,7 +217,7 @@ std::string result_json(const ResultReport& report) {
   Json json;
   json["schema"] = std::string(kResultSchema);
   json["state"] = std::string(name_of(r.state));
-  json["guidance"] = guidance_json(reported_guidance(r));
+  json["guidance"] = names_of(reported_guidance(r));
   json["frames"] = {{"seen", r.frames_seen}, {"used", r.frames_used}, {"dropped", r.frames_dropped}};
   json["source"] = source_json(report.source);
   if (r.measured) json["views"] = std::string(name_of(r.views));

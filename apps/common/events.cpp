@@ -6,13 +6,6 @@
 namespace im2fit::apps {
 namespace {
 
-Json codes_json(GuidanceSet guidance) {
-  Json codes = Json::array();
-  for (std::size_t i = 0; i < kGuidanceCount; ++i)
-    if ((guidance >> i & 1U) != 0) codes.push_back(std::string(kGuidanceNames[i]));
-  return codes;
-}
-
 std::string camera_name(const hal::SourceInfo& source) {
   return source.name + (source.serial.empty() ? "" : " (serial " + source.serial + ")");
 }
@@ -27,7 +20,7 @@ Json state_event(std::uint64_t frame, const EngineResult& result) {
   return {{"event", "state"},
           {"frame", frame},
           {"state", std::string(im2fit::name_of(result.state))},
-          {"guidance", codes_json(result.guidance)},
+          {"guidance", names_of(result.guidance)},
           {"user", result.user},
           {"view", std::string(im2fit::name_of(result.view))},
           {"frames_used", result.frames_used}};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/common/measuring.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -60,7 +60,11 @@ Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, con
   settings.single_thread = options.threads == 1;
   settings.watch = std::move(watch);
   settings.shape_space = &data.body_model.shape_space();
-  return Engine::create(settings, data.tracker->model(), *data.index);
+  auto engine = Engine::create(settings, data.tracker->model(), *data.index);
+  if (!engine)
+    return Error{engine.error().code,
+                 fmt::format("{} with {}: {}", options.index, options.tracker, engine.error().message)};
+  return engine;
 }
 
 Result<Answered> answer_of(const Engine& engine, const MeasuringData& data, const hal::SourceInfo& source) {
@@ -98,13 +102,7 @@ std::string summary(const ResultReport& report) {
 }
 
 std::string guidance_words(GuidanceSet guidance) {
-  std::string words;
-  for (std::size_t i = 0; i < kGuidanceCount; ++i) {
-    if ((guidance >> i & 1U) == 0) continue;
-    if (!words.empty()) words += ", ";
-    words += kGuidanceNames[i];
-  }
-  return words.empty() ? "none" : words;
+  return guidance == 0 ? "none" : fmt::format("{}", fmt::join(names_of(guidance), ", "));
 }
 
 }  // namespace im2fit::apps

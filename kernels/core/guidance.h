@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 namespace im2fit {
 
@@ -35,6 +36,13 @@ constexpr GuidanceSet operator|(Guidance a, Guidance b) {
 }
 constexpr bool has(GuidanceSet set, Guidance g) {
   return (set & static_cast<GuidanceSet>(g)) != 0;
+}
+// The codes of a set, in the order of their bits.
+inline std::vector<std::string_view> names_of(GuidanceSet set) {
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < kGuidanceCount; ++i)
+    if ((set >> i & 1U) != 0) names.push_back(kGuidanceNames[i]);
+  return names;
 }
 
 }  // namespace im2fit

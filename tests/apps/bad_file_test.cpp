@@ -84,6 +84,24 @@ TEST_P(DamagedDataFile, IsNamedInOneLine) {
 INSTANTIATE_TEST_SUITE_P(Table, DamagedDataFile, testing::ValuesIn(kDamages),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
+// Both are sound, but what one learned rests on joints the other does not find.
+TEST(IndexOfAnotherTracker, IsRefusedByName) {
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  const std::string tracker = folder.path("tiny.i2t");
+  const test::Run trained = test::run_program(
+      {test::kLab, "train", "--images", "40", "--level-trees", "1", "--body", test::body_path(), "--out", tracker});
+  ASSERT_EQ(trained.exit_code, 0) << trained.err;
+  const test::Run run =
+      test::run_program({test::kProgram, "measure", wall_folder(folder), "--out", folder.path("out"), "--body",
+                         test::body_path(), "--tracker", tracker, "--index", test::index_path()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
+  for (const std::string& said : {tracker, test::index_path(), std::string("another tracker")})
+    EXPECT_THAT(run.err, testing::HasSubstr(said));
+  EXPECT_THAT(test::files_in(folder.path("out")), testing::IsEmpty());
+}
+
 #if IM2FIT_TEST_ONI
 TEST(ForeignRecording, IsRefused) {
   IM2FIT_NEED_DATA();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/im2fit-lab/tracker/contact_sheet.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
@@ -119,9 +119,7 @@ Canvas draw_judged(const JudgedPicture& picture) {
 }
 
 SheetCell guidance_cell(const JudgedPicture& picture, const GuidanceOutcome& outcome) {
-  std::string raised;
-  for (std::size_t i = 0; i < kGuidanceCount; ++i)
-    if ((outcome.raised >> i & 1U) != 0) raised += (raised.empty() ? "" : " ") + std::string(kGuidanceNames[i]);
+  const std::string raised = fmt::format("{}", fmt::join(names_of(outcome.raised), " "));
   return {draw_judged(picture),
           wrapped({fmt::format("{} scene {}", outcome.kind, outcome.scene), outcome.right() ? "right" : "wrong",
                    "raised " + (raised.empty() ? "nothing" : raised)})};
