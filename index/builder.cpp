@@ -478,22 +478,6 @@ Result<std::vector<std::byte>> Builder::run() {
 
 }  // namespace
 
-std::vector<FeatureGroup> default_groups(std::size_t feature_size) {
-  const auto size = static_cast<std::uint32_t>(feature_size);
-  if (size < 501) return {{"all", size}};
-  std::vector<FeatureGroup> groups = {{"lengths", 4}, {"ratios", 2}, {"fpfh", 495}};
-  if (size > 501) groups.push_back({"profile", size - 501});
-  return groups;
-}
-
-SampleSource source_of(const std::vector<Sample>& samples) {
-  return [&samples](const std::function<bool(const Sample&)>& take) -> Status {
-    for (const Sample& sample : samples)
-      if (!take(sample)) break;
-    return Ok{};
-  };
-}
-
 Result<std::vector<std::byte>> build_index(const BuildOptions& options, const SampleSource& source) {
   return Builder(options, source).run();
 }

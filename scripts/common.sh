@@ -14,6 +14,12 @@ use_ccache
 # deps GROUP...: installs packages. On a fresh machine ccache is among them, and the first build should fill it.
 deps() { "$root/scripts/deps" "$@" && use_ccache; }
 
+# when_free COMMAND...: starts it in the background once fewer than $jobs are running there.
+when_free() {
+  while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n || true; done
+  "$@" &
+}
+
 say() { printf '\n== %s\n' "$*" >&2; }
 die() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
 
