@@ -30,6 +30,26 @@ std::vector<int> node_numbers() {
   return numbers;
 }
 
+struct Nodes {
+  std::vector<V4l2Device> depth;
+  std::string closed;  // why the first node that does not open does not
+};
+
+Nodes look() {
+  Nodes nodes;
+  for (const int number : node_numbers()) {
+    const std::string path = std::string("/dev/") + kPrefix + std::to_string(number);
+    const auto device = open_video_device(path);
+    if (!device) {
+      if (nodes.closed.empty()) nodes.closed = device.error().message;
+      continue;
+    }
+    const auto camera = describe_camera(**device, path);
+    if (camera && camera->is_depth()) nodes.depth.push_back({path, camera->name, v4l2_serial(path)});
+  }
+  return nodes;
+}
+
 }  // namespace
 
 std::string v4l2_serial(const std::string& path) {
@@ -45,29 +65,22 @@ std::string v4l2_serial(const std::string& path) {
 }
 
 std::vector<V4l2Device> list_v4l2_devices() {
-  std::vector<V4l2Device> found;
-  for (const int number : node_numbers()) {
-    const std::string path = std::string("/dev/") + kPrefix + std::to_string(number);
-    const auto device = open_video_device(path);
-    if (!device) continue;
-    const auto camera = describe_camera(**device, path);
-    if (camera && camera->is_depth()) found.push_back({path, camera->name, v4l2_serial(path)});
-  }
-  return found;
+  return look().depth;
 }
 
 Result<std::string> find_v4l2_node(const std::string& path, const std::string& serial) {
-  const auto devices = list_v4l2_devices();
+  const Nodes nodes = look();
   std::string there;
   // The first: one camera may have several depth nodes, and twins may share a number.
-  for (const V4l2Device& device : devices) {
+  for (const V4l2Device& device : nodes.depth) {
     if ((path.empty() || device.path == path) && (serial.empty() || device.serial == serial)) return device.path;
     there += (there.empty() ? "" : ", ") + device.path + (device.serial.empty() ? "" : " (" + device.serial + ")");
   }
   return Error{ErrorCode::no_device,
                "no V4L2 depth camera" + (serial.empty() ? std::string() : " with serial " + serial) +
                    (path.empty() ? std::string() : " at " + path) + "; there " +
-                   (there.empty() ? std::string("is none that offers Z16 or INZI") : "is " + there)};
+                   (there.empty() ? std::string("is none that offers Z16 or INZI") : "is " + there) +
+                   (nodes.closed.empty() ? "" : " (" + nodes.closed + ")")};
 }
 
 }  // namespace im2fit::hal

@@ -67,8 +67,8 @@ Result<std::unique_ptr<VideoDevice>> open_video_device(const std::string& path) 
   if (error == ENOENT)
     return Error{ErrorCode::not_found, reason + "; is the camera plugged in? `im2fit devices` lists what is"};
   if (error == ENODEV || error == ENXIO) return Error{ErrorCode::no_device, reason + "; plug the camera in again"};
-  if (error == EACCES || error == EPERM)
-    return Error{ErrorCode::io, reason + "; the user must be in the group that owns it (video)"};
+  if (error == EACCES) return Error{ErrorCode::io, reason + "; the user must be in the group that owns it (video)"};
+  if (error == EPERM) return Error{ErrorCode::io, reason + "; the service that runs this allows no such device"};
   return Error{ErrorCode::io, reason + "; is it a V4L2 camera, and free?"};
 }
 
