@@ -47,6 +47,20 @@ foreign_depends() {
   APT_CONFIG=$1/apt.conf apt-cache show "$2" | sed -n 's/^Depends: \([^ ,]*\).*/\1/p' | head -n 1
 }
 
+# foreign_libraries TRIPLE SYSROOT PROGRAM IMAGE: what it needs from the sysroot, into the image where its loader looks.
+foreign_libraries() {
+  local triple=$1 sysroot=$2 program=$3 image=$4 name file into
+  for name in $("$triple-objdump" -p "$program" | awk '$1 == "NEEDED" { print $2 }'); do
+    case $name in ld-linux*) into=$image/lib ;; *) into=$image/lib/$triple ;; esac
+    [ ! -e "$into/$name" ] || continue
+    file=$(find -L "$sysroot/lib" "$sysroot/usr/lib/$triple" -maxdepth 2 -name "$name" | head -n 1)
+    [ -n "$file" ] || { echo "$name, which $(basename "$program") needs, is not in $sysroot" >&2; return 1; }
+    mkdir -p "$into"
+    cp -L "$file" "$into/$name"
+    foreign_libraries "$triple" "$sysroot" "$file" "$image" || return 1
+  done
+}
+
 foreign_run() {
   local work=$1; shift
   APT_CONFIG=$work/apt.conf "$@" >"$work/log" 2>&1 || { tail -n 5 "$work/log" >&2; return 1; }
