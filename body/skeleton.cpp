@@ -91,11 +91,6 @@ Pose arms_pose(const Skeleton& rest, float clavicle_deg, Vec3f upper, Vec3f lowe
 
 }  // namespace
 
-Vec3f operator*(const Mat3f& a, Vec3f v) {
-  return {a.m[0] * v.x + a.m[1] * v.y + a.m[2] * v.z, a.m[3] * v.x + a.m[4] * v.y + a.m[5] * v.z,
-          a.m[6] * v.x + a.m[7] * v.y + a.m[8] * v.z};
-}
-
 Mat3f operator*(const Mat3f& a, const Mat3f& b) {
   Mat3f c;
   for (std::size_t i = 0; i < 3; ++i)

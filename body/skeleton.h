@@ -12,7 +12,10 @@ namespace im2fit::body {
 struct Mat3f {
   std::array<float, 9> m = {1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major
 };
-Vec3f operator*(const Mat3f& a, Vec3f v);
+inline Vec3f operator*(const Mat3f& a, Vec3f v) {
+  return {a.m[0] * v.x + a.m[1] * v.y + a.m[2] * v.z, a.m[3] * v.x + a.m[4] * v.y + a.m[5] * v.z,
+          a.m[6] * v.x + a.m[7] * v.y + a.m[8] * v.z};
+}
 Mat3f operator*(const Mat3f& a, const Mat3f& b);
 Mat3f transpose(const Mat3f& a);
 // Smallest rotation taking the direction `from` to `to` (sqrt only, no trigonometry: same bits everywhere).

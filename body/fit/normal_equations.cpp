@@ -10,12 +10,12 @@ namespace im2fit::body {
 NormalEquations::NormalEquations(std::size_t block_size, std::size_t block_max, std::size_t shared_size)
     : block_size_(block_size),
       shared_size_(shared_size),
-      row_stride_(block_size + shared_size),
+      row_stride_(whole_lanes(block_size + shared_size)),
       matrix_((block_size * block_max + shared_size) * (block_size * block_max + shared_size)),
       right_(block_size * block_max + shared_size),
       step_(right_.size()),
       rows_(kRowGroup * row_stride_),
-      sums_(row_stride_ * row_stride_),
+      sums_((block_size + shared_size) * row_stride_),
       right_sums_(row_stride_) {
   assert(block_size % 3 == 0 && block_size <= 3 * kTripleMax);
 }
@@ -23,7 +23,8 @@ NormalEquations::NormalEquations(std::size_t block_size, std::size_t block_max, 
 void NormalEquations::clear(std::size_t block_count) {
   blocks_ = block_count;
   assert(size() <= right_.size());
-  std::fill_n(matrix_.begin(), size() * size(), 0.0);
+  for (std::size_t i = 0, n = size(); i < n; ++i)
+    std::fill_n(matrix_.begin() + static_cast<std::ptrdiff_t>(i * n + i), n - i, 0.0);
   std::fill_n(right_.begin(), size(), 0.0);
 }
 
@@ -38,8 +39,11 @@ void NormalEquations::begin_rows(std::size_t block, const RowColumns& columns) {
   width_ = 3 * columns.triple_count + shared_size_;
   row_count_ = 0;
   any_ = false;
-  for (std::size_t i = 0; i < width_; ++i)
-    std::fill_n(sums_.begin() + static_cast<std::ptrdiff_t>(i * row_stride_ + i), width_ - i, 0.0F);
+  for (std::size_t i = 0; i < width_; ++i) {
+    const std::size_t first = i - i % kRowLanes;
+    std::fill_n(sums_.begin() + static_cast<std::ptrdiff_t>(i * row_stride_ + first), whole_lanes(width_) - first,
+                0.0F);
+  }
   std::fill_n(right_sums_.begin(), width_, 0.0);
 }
 
@@ -91,35 +95,20 @@ void NormalEquations::scatter() {
   }
 }
 
-// Takes the pivot's row from those below it: rows of its own block up to `end`, then the shared ones.
-void NormalEquations::eliminate(std::size_t pivot, std::size_t end) {
-  const std::size_t n = size(), shared = shared_at();
-  const double* p = matrix_.data() + pivot * n;
-  const auto take = [&](std::size_t i, std::size_t from, std::size_t to) {
-    double* __restrict row = matrix_.data() + i * n;
-    const double f = p[i];
-    for (std::size_t c = from; c < to; ++c) row[c] -= f * p[c];
-  };
-  for (std::size_t i = pivot + 1; i < end; ++i) {
-    take(i, i, end);
-    if (pivot < shared) take(i, shared, n);
-  }
-  if (pivot < shared)
-    for (std::size_t i = shared; i < n; ++i) take(i, i, n);
-}
-
-// U' U = matrix, U in its place; then U' y = right, U d = y.
+// U' U = matrix, U in its place, row by row; then U' y = right, U d = y.
 bool NormalEquations::solve() {
   const std::size_t n = size(), shared = shared_at();
   const auto end_of = [&](std::size_t i) { return i < shared ? (i / block_size_ + 1) * block_size_ : n; };
   for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t pivot = i < shared ? i / block_size_ * block_size_ : 0, end = end_of(i);
+    loops_.take_pivots({matrix_.data(), n, i, pivot, i, i, end});
+    if (i < shared) loops_.take_pivots({matrix_.data(), n, i, pivot, i, shared, n});
     double* row = matrix_.data() + i * n;
     if (!(row[i] > 0)) return false;
     const double root = std::sqrt(row[i]);
-    for (std::size_t c = i; c < end_of(i); ++c) row[c] /= root;
+    for (std::size_t c = i; c < end; ++c) row[c] /= root;
     if (i < shared)
       for (std::size_t c = shared; c < n; ++c) row[c] /= root;
-    eliminate(i, end_of(i));
   }
   std::copy_n(right_.begin(), n, step_.begin());
   for (std::size_t i = 0; i < n; ++i) {

@@ -62,7 +62,6 @@ class NormalEquations {
  private:
   void sum_group();
   void scatter();
-  void eliminate(std::size_t pivot, std::size_t end);
 
   const FitLoops& loops_ = fit_loops();
   std::size_t block_size_, shared_size_, row_stride_;
@@ -75,7 +74,7 @@ class NormalEquations {
   std::size_t width_ = 0, row_count_ = 0;
   std::vector<float> rows_;  // kRowGroup x row_stride_
   std::array<float, kRowGroup> weight_{}, residual_{};
-  std::vector<float> sums_;         // width_ x row_stride_, upper triangle
+  std::vector<float> sums_;         // width_ x row_stride_, upper triangle and what sum_rows adds to its vectors
   std::vector<double> right_sums_;  // width_
   bool any_ = false;
 };

@@ -34,9 +34,21 @@ Mat3f small_rotation(Vec3f w) {
            1 - 2 * (x * x + y * y)}};
 }
 
-Vec3f transposed_times(const Mat3f& a, Vec3f v) {
-  return {a.m[0] * v.x + a.m[3] * v.y + a.m[6] * v.z, a.m[1] * v.x + a.m[4] * v.y + a.m[7] * v.z,
-          a.m[2] * v.x + a.m[5] * v.y + a.m[8] * v.z};
+Vec3f vec3(Four v) {
+  return {v[0], v[1], v[2]};
+}
+
+Vec3f transposed_times(const std::array<Four, 3>& columns, Vec3f v) {
+  const auto along = [&](std::size_t c) { return dot(vec3(columns[c]), v); };
+  return {along(0), along(1), along(2)};
+}
+
+std::array<Four, 3> columns_of_matrix(const Mat3f& a) {
+  return {Four{a.m[0], a.m[3], a.m[6], 0}, Four{a.m[1], a.m[4], a.m[7], 0}, Four{a.m[2], a.m[5], a.m[8], 0}};
+}
+
+Four times(const std::array<Four, 3>& columns, Vec3f v) {
+  return columns[0] * v.x + columns[1] * v.y + columns[2] * v.z;
 }
 
 void put(std::span<float> row, std::size_t at, Vec3f v) {
@@ -51,20 +63,6 @@ void put_part(SlopeParts& parts, const float* rows, Vec3f n) {
   parts.along[p][0] = n.x;
   parts.along[p][1] = n.y;
   parts.along[p][2] = n.z;
-}
-
-// out = mean + basis c, four partial sums to a value so that it vectorises.
-void apply(std::span<const float> mean, const float* basis, std::span<const float> c, float* out) {
-  const std::size_t count = c.size();
-  for (std::size_t i = 0; i < mean.size(); ++i) {
-    const float* row = basis + i * count;
-    std::array<float, 4> sum = {mean[i], 0, 0, 0};
-    std::size_t k = 0;
-    for (; k + 4 <= count; k += 4)
-      for (std::size_t l = 0; l < 4; ++l) sum[l] += row[k + l] * c[k + l];
-    for (; k < count; ++k) sum[0] += row[k] * c[k];
-    out[i] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
-  }
 }
 
 }  // namespace
@@ -98,7 +96,9 @@ RestShape::RestShape(const ShapeSpace& space)
     : space_(space), points_(space.point_count * kPointValues), bones_(kBoneValues) {}
 
 void RestShape::set_bones(std::span<const float> coefficients) {
-  apply(space_.bone_mean, space_.bone_basis.data(), coefficients, bones_.data());
+  loops_.add_shapes(
+      {space_.bone_mean.data(), space_.bone_basis.data(), coefficients.data(), kBoneValues, coefficients.size()},
+      bones_.data());
   const auto bone = [&](std::size_t i) { return Vec3f{bones_[3 * i], bones_[3 * i + 1], bones_[3 * i + 2]}; };
   for (std::size_t s = 0; s < kSegments; ++s) {
     skeleton_.head[s] = bone(s);
@@ -107,7 +107,9 @@ void RestShape::set_bones(std::span<const float> coefficients) {
 }
 
 void RestShape::set_points(std::span<const float> coefficients) {
-  apply(space_.point_mean, space_.point_basis.data(), coefficients, points_.data());
+  loops_.add_shapes(
+      {space_.point_mean.data(), space_.point_basis.data(), coefficients.data(), points_.size(), coefficients.size()},
+      points_.data());
 }
 
 PosedShape::PosedShape(const ShapeSpace& space, const RestShape& rest)
@@ -120,7 +122,10 @@ void PosedShape::set(const Pose& pose) {
   pose_ = pose;
   const Skeleton& rest = rest_.skeleton();
   posed_ = pose_skeleton(rest, pose);
-  for (std::size_t s = 0; s < kSegments; ++s) offset_[s] = posed_.head[s] - pose.rotation[s] * rest.head[s];
+  for (std::size_t s = 0; s < kSegments; ++s) {
+    const Vec3f offset = posed_.head[s] - pose.rotation[s] * rest.head[s];
+    moves_[s] = {columns_of_matrix(pose.rotation[s]), Four{offset.x, offset.y, offset.z, 0}};
+  }
   set_offset_moves();
 }
 
@@ -153,40 +158,42 @@ void PosedShape::set_offset_moves() {
 void PosedShape::find(std::size_t index, Point& point) const {
   const SkinRecord& skin = space_.skin[index];
   const Vec3f rest = rest_.middle(index);
-  point.index = index;
-  point.turn.m = {};
-  point.position = {};
+  std::array<Four, 3> turn{};
+  Four position{};
   for (std::size_t i = 0; i < 4 && skin.weight[i] > 0; ++i) {
-    const std::size_t s = skin.segment[i];
+    const Move& move = moves_[skin.segment[i]];
     const float w = skin.weight[i];
-    const Mat3f& r = pose_.rotation[s];
-    for (std::size_t c = 0; c < 9; ++c) point.turn.m[c] += w * r.m[c];
-    point.part[i] = (r * rest + offset_[s]) * w;
-    point.position = point.position + point.part[i];
+    for (std::size_t c = 0; c < 3; ++c) turn[c] += w * move.column[c];
+    point.part[i] = (times(move.column, rest) + move.offset) * w;
+    position += point.part[i];
   }
-  point.normal = normalized(point.turn * rest_.normal(index));
+  point.index = index;
+  point.turn = turn;
+  point.position = vec3(position);
+  point.normal = normalized(vec3(times(turn, rest_.normal(index))));
 }
 
 void PosedShape::point_row(const Point& point, Vec3f n, const RowColumns& columns, std::span<float> row) const {
   const SkinRecord& skin = space_.skin[point.index];
+  std::size_t followed = 0;
+  while (followed < 4 && skin.weight[followed] > 0) ++followed;
   put(row, 0, n);
   for (std::size_t t = 1; t < columns.triple_count; ++t) {
     const std::size_t turning = at(kTurning[columns.triple[t] - 1U]);
     const SegmentSet moved = hanging()[turning];
     float weight = 0;
-    Vec3f part;
-    for (std::size_t i = 0; i < 4 && skin.weight[i] > 0; ++i)
-      if ((moved >> skin.segment[i] & 1U) != 0) {
+    Four part{};
+    for (std::size_t i = 0; i < followed; ++i)
+      if (followed == 1 || (moved >> skin.segment[i] & 1U) != 0) {  // each of its columns moves the only one
         weight += skin.weight[i];
-        part = part + point.part[i];
+        part += point.part[i];
       }
-    put(row, 3 * t, cross(part - posed_.head[turning] * weight, n));
+    put(row, 3 * t, cross(vec3(part) - posed_.head[turning] * weight, n));
   }
   const std::size_t count = space_.shape_count;
   SlopeParts parts{{}, {}, 0, count};
   put_part(parts, space_.point_basis.data() + point.index * kPointValues * count, transposed_times(point.turn, n));
-  for (std::size_t i = 0; i < 4 && skin.weight[i] > 0; ++i)
-    put_part(parts, moves_of(skin.segment[i]), n * skin.weight[i]);
+  for (std::size_t i = 0; i < followed; ++i) put_part(parts, moves_of(skin.segment[i]), n * skin.weight[i]);
   loops_.add_slopes(parts, row.data() + 3 * columns.triple_count);
 }
 
@@ -199,7 +206,7 @@ void PosedShape::bone_row(Segment segment, bool tail, Vec3f n, const RowColumns&
     put(row, 3 * t, cross(p - posed_.head[at(kTurning[columns.triple[t] - 1U])], n));
   SlopeParts parts{{}, {}, 0, count};
   put_part(parts, space_.bone_basis.data() + 3 * (s + (tail ? kSegments : 0)) * count,
-           transposed_times(pose_.rotation[s], n));
+           transposed_times(moves_[s].column, n));
   put_part(parts, moves_of(s), n);
   loops_.add_slopes(parts, row.data() + 3 * columns.triple_count);
 }

@@ -59,6 +59,7 @@ class RestShape {
 
  private:
   Vec3f at(std::size_t i) const { return {points_[i], points_[i + 1], points_[i + 2]}; }
+  const FitLoops& loops_ = fit_loops();
   const ShapeSpace& space_;
   std::vector<float> points_, bones_;
   Skeleton skeleton_;
@@ -73,15 +74,22 @@ class PosedShape {
 
   struct Point {
     std::size_t index = 0;
-    Mat3f turn;  // R above
+    std::array<Four, 3> turn{};  // columns of R above
     Vec3f position, normal;
-    std::array<Vec3f, 4> part{};  // w_s (R_s x + t_s)
+    std::array<Four, 4> part{};  // w_s (R_s x + t_s)
   };
   void find(std::size_t index, Point& point) const;
   Vec3f head(Segment s) const { return posed_.head[static_cast<std::size_t>(s)]; }
   Vec3f tail(Segment s) const { return posed_.tail[static_cast<std::size_t>(s)]; }
 
-  // Slopes of n . p: of the triples in `columns`, then of the coefficients.
+  // Asks for what point_row() reads of a point.
+  void prefetch_row(std::size_t index) const {
+    constexpr std::size_t kLine = 16;  // floats
+    const float* basis = space_.point_basis.data() + index * kPointValues * space_.shape_count;
+    for (std::size_t i = 0; i < 3 * space_.shape_count; i += kLine) __builtin_prefetch(basis + i);
+  }
+
+  // Slopes of n . p: of the triples in `columns` (columns_of() the point's segments), then of the coefficients.
   void point_row(const Point& point, Vec3f n, const RowColumns& columns, std::span<float> row) const;
   // Of a segment's head or tail; `columns` as of that segment.
   void bone_row(Segment segment, bool tail, Vec3f n, const RowColumns& columns, std::span<float> row) const;
@@ -95,9 +103,13 @@ class PosedShape {
   const RestShape& rest_;
   Pose pose_;
   PosedSkeleton posed_;
-  std::array<Vec3f, kSegmentCount> offset_;  // t_s
-  std::vector<float> head_moves_;            // segment x 3 x shape: of the posed head
-  std::vector<float> offset_moves_;          // segment x 3 x shape: dt_s/dc
+  struct Move {
+    std::array<Four, 3> column;  // of R_s
+    Four offset;                 // t_s
+  };
+  std::array<Move, kSegmentCount> moves_{};
+  std::vector<float> head_moves_;    // segment x 3 x shape: of the posed head
+  std::vector<float> offset_moves_;  // segment x 3 x shape: dt_s/dc
 };
 
 }  // namespace im2fit::body

@@ -3,7 +3,7 @@
 
 namespace im2fit::body {
 
-const FitLoops kFitLoopsPortable = {sum_rows_loop, add_slopes_loop};
+const FitLoops kFitLoopsPortable = {sum_rows_loop, add_slopes_loop, add_shapes_loop, take_pivots_loop};
 
 const FitLoops& fit_loops() {
 #if IM2FIT_HAVE_AVX2

@@ -83,6 +83,13 @@ class ShapeFitter::Work {
     Pose pose;
     std::array<float, kPoseValues> moved{};  // from where the joints put the pose
   };
+  // An equation to be added: how far the point is to move along `along`. Some wait together while what the slopes are
+  // made of comes from memory.
+  struct Pending {
+    PosedShape::Point point;
+    Vec3f along;
+    float residual = 0, weight = 0;
+  };
   // Points that the same triples of a pose move: their equations are added up together.
   struct Group {
     RowColumns columns;
@@ -94,7 +101,8 @@ class ShapeFitter::Work {
   void add_prior();
   void add_joints(std::size_t v);
   void add_points(std::size_t v, int iteration);
-  void add_point(const View& view, const Group& group, bool early);
+  bool equation_of(const View& view, bool early, Pending& pending);
+  void add_pending(const View& view, const RowColumns& columns);
   void take_step(std::size_t v);
   std::span<const float> shape() const { return {result.shape.data(), space_.shape_count}; }
 
@@ -104,7 +112,8 @@ class ShapeFitter::Work {
   std::vector<Group> groups_;
   std::vector<View> views_;
   std::size_t view_count_ = 0;
-  PosedShape::Point point_;
+  std::array<Pending, kRowGroup> pending_;
+  std::size_t pending_count_ = 0;
   double surface_sum_ = 0, rim_sum_ = 0;
 };
 
@@ -161,50 +170,68 @@ void ShapeFitter::Work::add_joints(std::size_t v) {
 }
 
 void ShapeFitter::Work::add_points(std::size_t v, int iteration) {
+  const View& view = views_[v];
   for (const Group& group : groups_) {
     equations_.begin_rows(v, group.columns);
     for (const std::uint32_t i : group.points) {
-      views_[v].shape.find(i, point_);
-      add_point(views_[v], group, iteration < kEarlyIterations);
+      Pending& next = pending_[pending_count_];
+      view.shape.find(i, next.point);
+      if (!equation_of(view, iteration < kEarlyIterations, next)) continue;
+      view.shape.prefetch_row(i);
+      if (++pending_count_ == pending_.size()) add_pending(view, group.columns);
     }
+    add_pending(view, group.columns);
     equations_.end_rows();
   }
 }
 
+void ShapeFitter::Work::add_pending(const View& view, const RowColumns& columns) {
+  for (const Pending& p : std::span(pending_).first(pending_count_)) {
+    view.shape.point_row(p.point, p.along, columns, equations_.next_row());
+    equations_.add_row(p.residual, p.weight);
+  }
+  pending_count_ = 0;
+}
+
 // At most one equation a point: a sole stands on the floor, a surface is where it is seen (point to plane, the plane
 // being the body's), an outline where the mask ends.
-void ShapeFitter::Work::add_point(const View& view, const Group& group, bool early) {
+bool ShapeFitter::Work::equation_of(const View& view, bool early, Pending& pending) {
   const Sight& sight = view.sight;
-  const Vec3f p = point_.position, normal = point_.normal;
-  const auto add = [&](Vec3f along, float residual, float weight) {
-    view.shape.point_row(point_, along, group.columns, equations_.next_row());
-    equations_.add_row(residual, weight);
-  };
-  if (sight.floor_known() && normal.y < kSoleDown && p.y < kSoleHeightMaxMm && is_foot(space_.skin[point_.index])) {
-    add({0, 1, 0}, -p.y, 1 / (kSoleSdMm * kSoleSdMm * kCorrelated));
-    return;
+  const Vec3f p = pending.point.position, normal = pending.point.normal;
+  if (sight.floor_known() && normal.y < kSoleDown && p.y < kSoleHeightMaxMm &&
+      is_foot(space_.skin[pending.point.index])) {
+    pending.along = {0, 1, 0};
+    pending.residual = -p.y;
+    pending.weight = 1 / (kSoleSdMm * kSoleSdMm * kCorrelated);
+    return true;
   }
   const float facing = dot(normal, normalized(sight.axes().camera() - p));
   if (facing > kFacingMin) {
     const Vec3f camera = sight.axes().to_camera(p);
     Vec3f seen;
-    if (!sight.surface_over(camera, early ? kGateEarlyMm : kGateMm, seen)) return;
+    if (!sight.surface_over(camera, early ? kGateEarlyMm : kGateMm, seen)) return false;
     const float residual = dot(normal, seen - p);
     const float far = camera.z / kSurfaceAtMm;
     const float sd = kSurfaceSdMm * far * far;
-    add(normal, residual, robust(1 / (sd * sd * kCorrelated), residual, kSurfaceOutlierSds * sd));
+    pending.along = normal;
+    pending.residual = residual;
+    pending.weight = robust(1 / (sd * sd * kCorrelated), residual, kSurfaceOutlierSds * sd);
     ++result.surface_rows;
     surface_sum_ += static_cast<double>(std::fabs(residual));
-  } else if (std::fabs(facing) < kRimFacingMax) {
-    const Vec3f flat = sight.axes().direction_to_camera(normal);
-    float residual = 0;
-    if (!sight.outline_beside(sight.axes().to_camera(p), flat, early ? kReachEarlyMm : kReachMm, residual)) return;
-    const float length = std::sqrt(flat.x * flat.x + flat.y * flat.y);
-    add(sight.axes().direction_to_mesh({flat.x / length, flat.y / length, 0}), residual,
-        robust(1 / (kRimSdMm * kRimSdMm * kCorrelated), residual, kRimOutlierMm));
-    ++result.rim_rows;
-    rim_sum_ += static_cast<double>(std::fabs(residual));
+    return true;
   }
+  if (!(std::fabs(facing) < kRimFacingMax)) return false;
+  const Vec3f flat = sight.axes().direction_to_camera(normal);
+  float residual = 0;
+  if (!sight.outline_beside(sight.axes().to_camera(p), flat, early ? kReachEarlyMm : kReachMm, residual))
+    return false;
+  const float length = std::sqrt(flat.x * flat.x + flat.y * flat.y);
+  pending.along = sight.axes().direction_to_mesh({flat.x / length, flat.y / length, 0});
+  pending.residual = residual;
+  pending.weight = robust(1 / (kRimSdMm * kRimSdMm * kCorrelated), residual, kRimOutlierMm);
+  ++result.rim_rows;
+  rim_sum_ += static_cast<double>(std::fabs(residual));
+  return true;
 }
 
 void ShapeFitter::Work::take_step(std::size_t v) {
@@ -258,9 +285,10 @@ void ShapeFitter::Work::points_in_view(std::size_t v, std::span<Vec3f> out) {
   rest_.set_bones(shape());
   rest_.set_points(shape());
   views_[v].shape.set(views_[v].pose);
+  PosedShape::Point point;
   for (std::size_t i = 0; i < space_.point_count; ++i) {
-    views_[v].shape.find(i, point_);
-    out[i] = views_[v].sight.axes().to_camera(point_.position);
+    views_[v].shape.find(i, point);
+    out[i] = views_[v].sight.axes().to_camera(point.position);
   }
 }
 
