@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <cstring>
 #include <string_view>
 
 #include "body/measure.h"
@@ -28,6 +29,24 @@ constexpr FatnessPart kFatness[] = {
 
 using Mesh = std::vector<Vec3f>;
 
+// A vertex and a fourth number of no meaning.
+using Four = float __attribute__((vector_size(4 * sizeof(float))));
+Four vertex(const Mesh& mesh, std::size_t v) {
+  Four out;
+  std::memcpy(&out, mesh.data() + v, sizeof out);
+  return out;
+}
+Four cross(Four a, Four b) {
+  return __builtin_shufflevector(a, a, 1, 2, 0, 3) * __builtin_shufflevector(b, b, 2, 0, 1, 3) -
+         __builtin_shufflevector(a, a, 2, 0, 1, 3) * __builtin_shufflevector(b, b, 1, 2, 0, 3);
+}
+// x + y + z of each of three.
+Four sums_of(Four a, Four b, Four c) {
+  const Four low = __builtin_shufflevector(a, b, 0, 4, 1, 5), high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+  return __builtin_shufflevector(low, c, 0, 1, 4, 4) + __builtin_shufflevector(low, c, 2, 3, 5, 5) +
+         __builtin_shufflevector(high, c, 0, 1, 6, 6);
+}
+
 struct Sliders {
   float height;
   float build;  // the weight slider 0..1; above it 1 + fatness, below it minus slimness
@@ -49,7 +68,7 @@ class Solver {
     original_.modifiers.resize(model.modifier_names().size());
     trials_.fill(original_);
     const auto count = static_cast<std::size_t>(model.vertex_count());
-    for (Mesh* m : {&here_, &by_height_, &by_build_}) m->resize(count);
+    for (Mesh* m : {&here_, &by_height_, &by_build_}) m->resize(count + 1);  // a vertex is read as four numbers
   }
 
   // Newton in both sliders; sliders that no longer move are against their stops. Along each the mesh is affine
@@ -155,18 +174,20 @@ class Solver {
   void integrate() {
     double volume = 0, by_height = 0, by_build = 0;
     struct Corner {
-      const Vec3f &here, &by_height, &by_build;
+      Four here, by_height, by_build;
     };
     const auto add = [&](const Corner& a, const Corner& b, const Corner& c) {
-      const Vec3f n = cross(b.here - a.here, c.here - a.here);
-      volume += static_cast<double>(dot(n, a.here + b.here + c.here));
-      by_height += static_cast<double>(dot(n, a.by_height + b.by_height + c.by_height));
-      by_build += static_cast<double>(dot(n, a.by_build + b.by_build + c.by_build));
+      const Four n = cross(b.here - a.here, c.here - a.here);
+      const Four sums = sums_of(n * (a.here + b.here + c.here), n * (a.by_height + b.by_height + c.by_height),
+                                n * (a.by_build + b.by_build + c.by_build));
+      volume += static_cast<double>(sums[0]);
+      by_height += static_cast<double>(sums[1]);
+      by_build += static_cast<double>(sums[2]);
     };
     for (const auto& q : model_.body_quads()) {
       const auto corner = [&](std::size_t i) {
         const auto v = static_cast<std::size_t>(q[i]);
-        return Corner{here_[v], by_height_[v], by_build_[v]};
+        return Corner{vertex(here_, v), vertex(by_height_, v), vertex(by_build_, v)};
       };
       const Corner a = corner(0), b = corner(1), c = corner(2), d = corner(3);
       add(a, b, c);
