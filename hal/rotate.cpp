@@ -10,17 +10,46 @@ namespace {
 
 // Pixels: a tile of rows and one of columns stay in the first-level cache, so a quarter turn costs about a copy.
 constexpr int kTile = 32;
+constexpr int kLanes = 8;
+using Lanes = std::uint16_t __attribute__((vector_size(kLanes * sizeof(std::uint16_t))));
 
-template <class Pick>
-void copy_tiled(DepthImage out, Pick pick) {
-  for (int v0 = 0; v0 < out.height; v0 += kTile) {
-    for (int u0 = 0; u0 < out.width; u0 += kTile) {
-      const int v1 = std::min(v0 + kTile, out.height);
-      const int u1 = std::min(u0 + kTile, out.width);
-      for (int v = v0; v < v1; ++v)
-        for (int u = u0; u < u1; ++u) out.at(u, v) = pick(u, v);
-    }
+// Columns of eight rows of pixels, `step` apart, become rows.
+void transpose(const std::uint16_t* rows, std::ptrdiff_t step, Lanes columns[kLanes]) {
+  Lanes r[kLanes], pairs[kLanes], fours[kLanes];
+  for (int i = 0; i < kLanes; ++i) std::memcpy(&r[i], rows + i * step, sizeof r[i]);
+  for (int i = 0; i < kLanes; i += 2) {
+    pairs[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 1, 9, 2, 10, 3, 11);
+    pairs[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 4, 12, 5, 13, 6, 14, 7, 15);
   }
+  for (int i = 0; i < kLanes; i += 4)
+    for (int half = 0; half < 2; ++half) {
+      const Lanes a = pairs[i + half], b = pairs[i + half + 2];
+      fours[i + 2 * half] = __builtin_shufflevector(a, b, 0, 1, 8, 9, 2, 3, 10, 11);
+      fours[i + 2 * half + 1] = __builtin_shufflevector(a, b, 4, 5, 12, 13, 6, 7, 14, 15);
+    }
+  for (int i = 0; i < kLanes / 2; ++i) {
+    columns[2 * i] = __builtin_shufflevector(fours[i], fours[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    columns[2 * i + 1] = __builtin_shufflevector(fours[i], fours[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+
+// By a quarter turn; 90 degrees: out(u, v) = in(v, in.height - 1 - u), 270: in(in.width - 1 - v, u).
+void turn(DepthView in, bool by_90, DepthImage out) {
+  const auto pick = [&](int u, int v) { return by_90 ? in.at(v, in.height - 1 - u) : in.at(in.width - 1 - v, u); };
+  const std::ptrdiff_t step = by_90 ? -std::ptrdiff_t{in.stride} : std::ptrdiff_t{in.stride};
+  const auto eight = [&](int u, int v) {
+    Lanes rows[kLanes];
+    transpose(by_90 ? in.row(in.height - 1 - u) + v : in.row(u) + in.width - v - kLanes, step, rows);
+    for (int i = 0; i < kLanes; ++i)
+      std::memcpy(out.row(v + i) + u, &rows[by_90 ? i : kLanes - 1 - i], sizeof rows[i]);
+  };
+  const int whole_width = out.width - out.width % kLanes, whole_height = out.height - out.height % kLanes;
+  for (int v0 = 0; v0 < whole_height; v0 += kTile)
+    for (int u0 = 0; u0 < whole_width; u0 += kTile)
+      for (int v = v0; v < std::min(v0 + kTile, whole_height); v += kLanes)
+        for (int u = u0; u < std::min(u0 + kTile, whole_width); u += kLanes) eight(u, v);
+  for (int v = 0; v < out.height; ++v)
+    for (int u = v < whole_height ? whole_width : 0; u < out.width; ++u) out.at(u, v) = pick(u, v);
 }
 
 }  // namespace
@@ -35,13 +64,14 @@ void rotate_upright(DepthView in, int rotate_deg, DepthImage out) {
   assert(out.width == (quarter ? in.height : in.width) && out.height == (quarter ? in.width : in.height));
   switch (rotate_deg) {
     case 90:
-      copy_tiled(out, [&](int u, int v) { return in.at(v, in.height - 1 - u); });
+    case 270:
+      turn(in, rotate_deg == 90, out);
       break;
     case 180:
-      copy_tiled(out, [&](int u, int v) { return in.at(in.width - 1 - u, in.height - 1 - v); });
-      break;
-    case 270:
-      copy_tiled(out, [&](int u, int v) { return in.at(in.width - 1 - v, u); });
+      for (int v = 0; v < in.height; ++v) {
+        const std::uint16_t* row = in.row(in.height - 1 - v);
+        std::reverse_copy(row, row + in.width, out.row(v));
+      }
       break;
     default:
       for (int v = 0; v < in.height; ++v)
