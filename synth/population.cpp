@@ -31,6 +31,13 @@ Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t 
 
 Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index,
                      std::vector<Vec3f>& rest) {
+  Subject subject = draw_unmeasured(model, family, seed, index, rest);
+  subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);
+  return subject;
+}
+
+Subject draw_unmeasured(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index,
+                        std::vector<Vec3f>& rest) {
   body::Drawn drawn = body::draw_person(model, family, seed, index);
   Subject subject;
   subject.seed = drawn.seed;
@@ -41,7 +48,6 @@ Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t 
   model.morph(subject.params, rest);
   draw_offsets(model, subject, rest);
   for (std::size_t i = 0; i < subject.rest_offset_mm.size(); ++i) rest[i] = rest[i] + subject.rest_offset_mm[i];
-  subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);
   return subject;
 }
 

@@ -31,6 +31,10 @@ Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t 
 Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index,
                      std::vector<Vec3f>& rest);
 
+// The same, not measured yet: `truth` is zero.
+Subject draw_unmeasured(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index,
+                        std::vector<Vec3f>& rest);
+
 // Whom a camera shows that is given a seed and nothing else: a woman for odd seeds, a man for even ones.
 constexpr std::uint64_t subject_of_seed(std::uint64_t seed) {
   return seed % 2;

@@ -103,10 +103,14 @@ void ScenePerson::stage(const Subject& subject, std::span<const Vec3f> rest, con
   sway_ = Sway(seed);
   Rng rng = Rng::for_item(seed, kPoseStream, 0);
   rest_.resize(static_cast<std::size_t>(model_.vertex_count()));
-  if (rest.size() == rest_.size())
-    std::copy(rest.begin(), rest.end(), rest_.begin());
-  else
-    morph_subject(model_, subject, rest_);
+  const auto same = [](Vec3f a, Vec3f b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
+  if (!std::equal(rest.begin(), rest.end(), rest_.begin(), rest_.end(), same)) {
+    outfit_of_.reset();
+    if (rest.size() == rest_.size())
+      std::copy(rest.begin(), rest.end(), rest_.begin());
+    else
+      morph_subject(model_, subject, rest_);
+  }
   skeleton_ = body::rest_skeleton(model_, rest_);
   const float stature_m = subject.truth[measurement_index(Measurement::stature)] / 1000;
   const float mass_kg = subject.truth[measurement_index(Measurement::weight)];
@@ -118,22 +122,31 @@ void ScenePerson::stage(const Subject& subject, std::span<const Vec3f> rest, con
   const float drawn_yaw = draw_yaw_deg(plan.pose, rng);
   yaw_deg_ = plan.yaw_deg.value_or(drawn_yaw) + (plan.back_view ? 180.0F : 0.0F);
   faces_path_ = !plan.yaw_deg && plan.path.frame_count > 0 && length_of(plan.path) > 0;
-  dress(subject.woman, seed, who, tailor);
+  Worn worn{tailor != nullptr && (plan.clothing != Clothing::none || plan.hair),
+            plan.clothing,
+            plan.hair,
+            subject.woman,
+            0,
+            who};
+  if (worn.dressed) worn.seed = plan.outfit_seed != 0 ? plan.outfit_seed : seed;
+  // Front and back show one person in one outfit.
+  if (outfit_of_ != worn) dress(worn, tailor);
+  outfit_of_ = worn;
   striding_ = false;
   seat_.reset();
   pose_as(pose_);
 }
 
-void ScenePerson::dress(bool woman, std::uint64_t seed, std::size_t who, Tailor* tailor) {
-  dressed_ = tailor != nullptr && (plan_.clothing != Clothing::none || plan_.hair);
+void ScenePerson::dress(const Worn& worn, Tailor* tailor) {
+  dressed_ = worn.dressed;
   open_.clear();
   skirt_.clear();
   if (!dressed_) {
-    labels_ = hair_labels(model_, rest_, skeleton_, who);
+    labels_ = hair_labels(model_, rest_, skeleton_, worn.who);
     return;
   }
-  Rng rng = Rng::for_item(plan_.outfit_seed != 0 ? plan_.outfit_seed : seed, kDressStream, 0);
-  tailor->dress(rest_, skeleton_, woman, plan_.clothing, plan_.hair, rng, outfit_);
+  Rng rng = Rng::for_item(worn.seed, kDressStream, 0);
+  tailor->dress(rest_, skeleton_, worn.woman, worn.clothing, worn.hair, rng, outfit_);
   // Drawn vertices: body, then the skirt's, then the shoes'.
   const auto body_count = static_cast<std::int32_t>(model_.body_vertex_count());
   std::vector<std::int32_t> place(rest_.size(), -1);
@@ -151,11 +164,11 @@ void ScenePerson::dress(bool woman, std::uint64_t seed, std::size_t who, Tailor*
   }
   triangles_.assign(model_.body_triangles().begin(), model_.body_triangles().end());
   labels_.clear();
-  for (const std::uint8_t hair : outfit_.hair) labels_.push_back(label_of(who, hair != 0));
+  for (const std::uint8_t hair : outfit_.hair) labels_.push_back(label_of(worn.who, hair != 0));
   const auto first = body_count + static_cast<std::int32_t>(skirt_.size());
   for (const Triangle& t : outfit_.shoe_body) {
     triangles_.push_back({t[0] + first, t[1] + first, t[2] + first});
-    labels_.push_back(label_of(who, false));
+    labels_.push_back(label_of(worn.who, false));
   }
 }
 
@@ -167,6 +180,7 @@ void ScenePerson::pose_as(const body::Pose& pose) {
   joints_ = body::joints_of(model_, posed_);
   body_.assign(posed_.begin(), posed_.begin() + static_cast<std::ptrdiff_t>(body_count));
   float lowest = 1e9F;
+  worn_.clear();
   if (dressed_) {
     body::skin(model_, outfit_.rest, skeleton_, pose, posed_);
     worn_.assign(posed_.begin(), posed_.begin() + static_cast<std::ptrdiff_t>(body_count));

@@ -86,7 +86,17 @@ class ScenePerson {
   const Seat* seat() const { return seat_ ? &*seat_ : nullptr; }
 
  private:
-  void dress(bool woman, std::uint64_t seed, std::size_t who, Tailor* tailor);
+  // What a rest mesh is dressed in.
+  struct Worn {
+    bool dressed = false;
+    Clothing clothing = Clothing::none;
+    bool hair = false;
+    bool woman = false;
+    std::uint64_t seed = 0;
+    std::size_t who = 0;
+    bool operator==(const Worn&) const = default;
+  };
+  void dress(const Worn& worn, Tailor* tailor);
   void pose_as(const body::Pose& pose);
   void find_seat(Vec3f origin);
   struct Gait {
@@ -100,6 +110,7 @@ class ScenePerson {
   body::Skeleton skeleton_;
   body::Pose pose_;  // standing
   std::vector<Vec3f> rest_;
+  std::optional<Worn> outfit_of_;  // with the rest mesh, what outfit_ and labels_ were made from
   Outfit outfit_;
   bool dressed_ = false;
   float yaw_deg_ = 0;  // baked into body_

@@ -45,7 +45,7 @@ Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uin
 
 Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
                       const Strangeness& strangeness, std::vector<Vec3f>& rest) {
-  Subject subject = draw_subject(model, Family::training, seed ^ kStrangerStream, index, rest);
+  Subject subject = draw_unmeasured(model, Family::training, seed ^ kStrangerStream, index, rest);
   Rng rng = Rng::for_item(subject.seed, kStrangerStream, index);
   const auto names = model.modifier_names();
   subject.params.modifiers.resize(names.size(), 0.0F);
@@ -59,7 +59,7 @@ Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uin
   const double amplitude_mm =
       rng.uniform(static_cast<double>(strangeness.bump_least_mm), static_cast<double>(strangeness.bump_most_mm));
   add_bumps(model, rest, strangeness.bumps, static_cast<float>(amplitude_mm), rng, subject.rest_offset_mm);
-  morph_subject(model, subject, rest);
+  for (std::size_t i = 0; i < subject.rest_offset_mm.size(); ++i) rest[i] = rest[i] + subject.rest_offset_mm[i];
   subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);
   return subject;
 }

@@ -229,6 +229,36 @@ TEST_F(People, RestagedIsAsNewWithEverythingOn) {
   }
 }
 
+// What one person wears is made once for front and back, and anew for somebody else or in something else.
+TEST_F(People, RestagedInTheSameClothesIsAsNew) {
+  std::vector<Vec3f> rest, others_rest;
+  const Subject one = draw_subject(model(), Family::training, 40, 2, rest);
+  const Subject other = draw_subject(model(), Family::training, 40, 3, others_rest);
+  SceneOptions front = landscape();
+  front.clothing = Clothing::loose;
+  front.hair = true;
+  front.outfit_seed = 77;
+  SceneOptions back = front, naked = front, bare_headed = front;
+  back.back_view = true;
+  naked.clothing = Clothing::none;
+  naked.hair = false;
+  bare_headed.hair = false;
+  VirtualScene used = make(front, kinect_sensor(), 1);
+  std::uint64_t seed = 1;
+  for (const SceneOptions& options : {front, back, naked, back, bare_headed, front})
+    for (const bool of_one : {true, false}) {
+      const Subject& subject = of_one ? one : other;
+      used.restage(subject, options, kinect_sensor(), ++seed, of_one ? rest : others_rest);
+      VirtualScene fresh(model(), subject, options, kinect_sensor(), used.intrinsics(), seed);
+      for (int again = 0; again < 2; ++again) {
+        const Shot a = take(used, 0), b = take(fresh, 0);
+        ASSERT_EQ(a.depth, b.depth);
+        ASSERT_EQ(a.masks, b.masks);
+        used.restage(subject, options, kinect_sensor(), seed, of_one ? rest : others_rest);
+      }
+    }
+}
+
 TEST_F(People, AnEmptyRoomHasNobodyInIt) {
   SceneOptions options = landscape();
   options.person = false;
