@@ -59,8 +59,15 @@ float hole_share(const Grid& grid, DepthView depth, std::span<const std::uint8_t
     return across && (is_person(c, r - 1) || is_person(c, r - 2)) && (is_person(c, r + 1) || is_person(c, r + 2));
   };
   for (int r = 0; r < grid.height; ++r) {
-    for (int first = 0, c = 0; c <= grid.width; ++c) {
-      if (c < grid.width && counts(c, r)) continue;
+    // Beside the row's outermost cells of the person none counts.
+    const std::uint8_t* row = chosen.data() + grid.index(0, r);
+    const std::uint8_t* leftmost = std::find_if(row, row + grid.width, [](std::uint8_t own) { return own != 0; });
+    if (leftmost == row + grid.width) continue;
+    int end = grid.width;
+    while (row[end - 1] == 0) --end;
+    const int begin = static_cast<int>(leftmost - row);
+    for (int first = begin, c = begin; c <= end; ++c) {
+      if (c < end && counts(c, r)) continue;
       if (c > first) lost += count_lost(grid, depth, r, first, c);
       total += (c - first) * grid.step * grid.step;
       first = c + 1;

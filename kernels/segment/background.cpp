@@ -88,26 +88,25 @@ void Background::look(const Grid& grid, const FloorPlane& floor) {
 
 void Background::learn(const Grid& grid, std::span<const Keepout> keepouts, std::span<const std::uint8_t> taken) {
   keep_out(grid, keepouts);
-  for (std::size_t i = 0; i < depth_.size(); ++i) {
-    const std::uint16_t z = grid.depth[i];
-    if (z == 0) continue;
-    if (taken[i] != 0) {
-      evidence_[i] = 0;
-      continue;
-    }
-    if (kept_out_[i] != 0) continue;
-    const int before = depth_[i];
+  const std::uint16_t* seen = grid.depth.data();
+  const std::uint8_t *is_taken = taken.data(), *kept_out = kept_out_.data();
+  std::uint16_t* __restrict depth = depth_.data();
+  std::uint8_t* __restrict evidence = evidence_.data();
+  // All ones or all zeros, chosen from with & and |: branches, even those between two values, stop the vectoriser.
+  const auto pick = [](int mask, int a, int b) { return (a & mask) | (b & ~mask); };
+  for (std::size_t i = 0, count = depth_.size(); i < count; ++i) {
+    const int z = seen[i], before = depth[i], evidence_before = evidence[i];
     const int off = z * 4 - before;
-    const int tolerance = 4 * tolerance_mm(z);
-    if (std::abs(off) <= tolerance) {
-      depth_[i] = static_cast<std::uint16_t>(before + off / 8);
-      evidence_[i] = static_cast<std::uint8_t>(std::min(evidence_[i] + 1, kEvidenceMax));
-    } else if (off > 0 || evidence_[i] == 0) {  // what stood there has gone
-      depth_[i] = static_cast<std::uint16_t>(z * 4);
-      evidence_[i] = 1;
-    } else {
-      --evidence_[i];
-    }
+    const int away = off < 0 ? -off : off;
+    const int same = -static_cast<int>(away <= 4 * tolerance_mm(seen[i]));
+    const int gone = -static_cast<int>((off > 0) | (evidence_before == 0));  // what stood there
+    const int own = -static_cast<int>((z != 0) & (is_taken[i] != 0));
+    const int learns = -static_cast<int>((z != 0) & (is_taken[i] == 0) & (kept_out[i] == 0));
+    const int more = evidence_before + static_cast<int>(evidence_before < kEvidenceMax);
+    const int learned = pick(same, more, pick(gone, 1, evidence_before - 1));
+    const int learned_z = pick(same, before + off / 8, pick(gone, z * 4, before));
+    depth[i] = static_cast<std::uint16_t>(pick(learns, learned_z, before));
+    evidence[i] = static_cast<std::uint8_t>(pick(learns, learned, evidence_before & ~own));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace im2fit::segment {
 namespace {
@@ -47,22 +48,34 @@ void BlobFinder::describe(const Grid& grid) {
   const float cell_area =
       static_cast<float>(grid.step * grid.step) / (grid.intrinsics.fx * grid.intrinsics.fy) * 1e-6F;
   for (int r = 0; r < grid.height; ++r) {
-    for (int c = 0; c < grid.width; ++c) {
-      const int cell = grid.index(c, r);
-      if (labels_[at(cell)] == 0) continue;
-      const int b = labels_[at(cell)] - 1;
-      Blob& blob = blobs_[at(b)];
-      const Vec3f p = grid.point(c, r);
-      ++blob.cell_count;
-      blob.area_m2 += cell_area * p.z * p.z;
+    const std::uint16_t* labels = labels_.data() + grid.index(0, r);
+    const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
+    const float* height = grid.height_mm.data() + grid.index(0, r);
+    const float ray_y = grid.ray_y[at(r)];
+    for (int c = 0; c < grid.width;) {
+      const std::uint16_t label = labels[c];
+      if (label == 0) {
+        ++c;
+        continue;
+      }
+      // A run of one label at a time, so that its sums stay in registers.
+      Blob blob = blobs_[at(label - 1)];
+      FloorEquations plane = planes_[at(label - 1)];
       blob.c_min = std::min(blob.c_min, c);
-      blob.c_max = std::max(blob.c_max, c);
       blob.r_min = std::min(blob.r_min, r);
       blob.r_max = std::max(blob.r_max, r);
-      blob.height_min_mm = std::min(blob.height_min_mm, grid.height_mm[at(cell)]);
-      blob.height_max_mm = std::max(blob.height_max_mm, grid.height_mm[at(cell)]);
-      blob.centroid_mm = blob.centroid_mm + p;
-      planes_[at(b)].add(grid.ray_x[at(c)], grid.ray_y[at(r)], 1.0F / p.z);
+      for (; c < grid.width && labels[c] == label; ++c) {
+        const float z = static_cast<float>(depth[c]), ray_x = grid.ray_x[at(c)];
+        ++blob.cell_count;
+        blob.area_m2 += cell_area * z * z;
+        blob.height_min_mm = std::min(blob.height_min_mm, height[c]);
+        blob.height_max_mm = std::max(blob.height_max_mm, height[c]);
+        blob.centroid_mm = blob.centroid_mm + Vec3f{ray_x * z, ray_y * z, z};
+        plane.add(ray_x, ray_y, 1.0F / z);
+      }
+      blob.c_max = std::max(blob.c_max, c - 1);
+      blobs_[at(label - 1)] = blob;
+      planes_[at(label - 1)] = plane;
     }
   }
   std::array<std::array<double, 3>, kBlobCountMax> q{};
@@ -73,14 +86,23 @@ void BlobFinder::describe(const Grid& grid) {
     if (!planes_[at(b)].solve_plane(q[at(b)])) q[at(b)] = {0, 0, -1.0 / static_cast<double>(blob.centroid_mm.z)};
   }
   for (int r = 0; r < grid.height; ++r) {
-    for (int c = 0; c < grid.width; ++c) {
-      const int cell = grid.index(c, r);
-      if (labels_[at(cell)] == 0) continue;
-      const int b = labels_[at(cell)] - 1;
-      const float z = static_cast<float>(grid.depth[at(cell)]);
-      const float fitted = plane_depth(q[at(b)], grid.ray_x[at(c)], grid.ray_y[at(r)]);
-      const float off = fitted > 0 ? std::clamp(z - fitted, -500.0F, 500.0F) : 500.0F;
-      blobs_[at(b)].relief_mm += off * off;
+    const std::uint16_t* labels = labels_.data() + grid.index(0, r);
+    const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
+    for (int c = 0; c < grid.width;) {
+      const std::uint16_t label = labels[c];
+      if (label == 0) {
+        ++c;
+        continue;
+      }
+      const PlaneRow plane(q[at(label - 1)], grid.ray_y[at(r)]);
+      float relief = blobs_[at(label - 1)].relief_mm;
+      for (; c < grid.width && labels[c] == label; ++c) {
+        const float nearness = plane.nearness(grid.ray_x[at(c)]);
+        const float off = static_cast<float>(depth[c]) - 1.0F / nearness;
+        const float bounded = nearness > kNearnessMin ? std::clamp(off, -500.0F, 500.0F) : 500.0F;
+        relief += bounded * bounded;
+      }
+      blobs_[at(label - 1)].relief_mm = relief;
     }
   }
   for (int b = 0; b < blob_count_; ++b) {
@@ -132,18 +154,20 @@ void BlobFinder::join_trunks(const Grid& grid, const FloorPlane& floor) {
   if (joined) describe(grid);
 }
 
-void BlobFinder::open_cells(const Grid& grid, const FloorPlane& floor) {
-  for (std::size_t i = 0; i < open_.size(); ++i) {
-    const std::uint16_t z = grid.depth[i];
-    open_[i] = z > 0 && z < kFarthestMm ? 1 : 0;
-  }
-  if (!floor.known) return;
-  for (std::size_t i = 0; i < open_.size(); ++i) {
-    const float height = grid.height_mm[i];
-    // The band is nowhere narrower nor wider than these: few cells need it.
-    if (!(height < kFloorBandMaxMm)) continue;
-    if (height < kFloorBandMm || height < floor_band_mm(floor, static_cast<float>(grid.depth[i]))) open_[i] = 0;
-  }
+void BlobFinder::open_cells(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background) {
+  const std::uint16_t* depth = grid.depth.data();
+  const float* height = grid.height_mm.data();
+  const std::uint8_t* shown = background.data();
+  std::uint8_t* __restrict open = open_.data();
+  // The band is nowhere narrower nor wider than these: few cells need it.
+  const float low = floor.known ? kFloorBandMm : -std::numeric_limits<float>::infinity();
+  const float high = floor.known ? kFloorBandMaxMm : low;
+  for (std::size_t i = 0, count = open_.size(); i < count; ++i)
+    open[i] =
+        static_cast<std::uint8_t>((depth[i] > 0) & (depth[i] < kFarthestMm) & !(height[i] < low) & (shown[i] ^ 1));
+  for (std::size_t i = 0, count = open_.size(); i < count; ++i)
+    if (height[i] < high && open[i] != 0 && height[i] < floor_band_mm(floor, static_cast<float>(depth[i])))
+      open[i] = 0;
 }
 
 void BlobFinder::label(const Grid& grid) {
@@ -171,8 +195,7 @@ bool BlobFinder::close_further_walls(const Grid& grid, const FloorPlane& floor) 
 
 void BlobFinder::run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
                      std::span<const Vec3f> expected) {
-  open_cells(grid, floor);
-  for (std::size_t i = 0; i < open_.size(); ++i) open_[i] = static_cast<std::uint8_t>(open_[i] & (background[i] ^ 1));
+  open_cells(grid, floor, background);
   wall_.run(grid, floor, open_);
   label(grid);
   if (close_further_walls(grid, floor)) label(grid);

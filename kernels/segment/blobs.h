@@ -85,7 +85,7 @@ class BlobFinder {
   };
   class HeadProbe;
 
-  void open_cells(const Grid& grid, const FloorPlane& floor);
+  void open_cells(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background);
   void label(const Grid& grid);
   bool close_further_walls(const Grid& grid, const FloorPlane& floor);
   void describe(const Grid& grid);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace im2fit::segment {
 namespace {
@@ -24,15 +23,6 @@ constexpr float kSupportLengthMm = 250.0F;
 constexpr float kGateMm = 12.0F;
 constexpr float kGateQuanta = 0.8F;
 constexpr float kJumpMm = 12.0F;  // the camera was moved
-
-constexpr std::size_t kTogether = 8;
-
-// Of kTogether flags.
-bool none(const std::uint8_t* flags) {
-  std::uint64_t all = 0;
-  std::memcpy(&all, flags, kTogether);
-  return all == 0;
-}
 
 // Whether the rays of a row of cells all look up from the floor: what they meet is far above it.
 bool looks_up(const Grid& grid, const FloorPlane& plane, int row) {

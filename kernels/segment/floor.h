@@ -22,12 +22,6 @@ struct PlaneRow {
 };
 inline constexpr float kNearnessMin = 1e-5F;
 
-// Depth at which a ray meets the plane; 0 when it does not.
-inline float plane_depth(const std::array<double, 3>& q, float rx, float ry) {
-  const float inverse = PlaneRow(q, ry).nearness(rx);
-  return inverse > kNearnessMin ? 1.0F / inverse : 0.0F;
-}
-
 // Upper triangle of the 3x3 normal matrix, right side, and the sum of weights.
 struct FloorEquations {
   std::array<double, 6> a{};

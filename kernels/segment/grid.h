@@ -2,7 +2,9 @@
 // The coarse picture segmentation thinks on: cells of step x step pixels, about 160 cells on the long side.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "kernels/core/camera.h"
@@ -19,6 +21,14 @@ inline float quantum_mm(float z_mm) {
 // Neighbours further apart in depth than this are different things.
 inline float depth_step_mm(float z_mm) {
   return 40.0F + 1.5F * quantum_mm(z_mm);
+}
+
+// Of kTogether flags or labels in a row, whether none is set: most of a picture is nothing's.
+inline constexpr std::size_t kTogether = 8;
+inline bool none(const std::uint8_t* flags) {
+  std::uint64_t all = 0;
+  std::memcpy(&all, flags, kTogether);
+  return all == 0;
 }
 
 struct Grid {

@@ -12,6 +12,7 @@ MaskRefiner::MaskRefiner(const Grid& grid)
     : stride_(grid.width + 2),
       person_(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(grid.height + 2), kNoSurface),
       other_(person_),
+      row_any_(static_cast<std::size_t>(grid.width)),
       list_(grid.depth.size()) {}
 
 void MaskRefiner::fill_planes(const Grid& grid, std::span<const std::uint8_t> chosen) {
@@ -38,11 +39,19 @@ int MaskRefiner::list_cells(const Grid& grid, std::span<const std::uint8_t> chos
     const std::uint8_t* here = chosen.data() + grid.index(0, r);
     const std::uint8_t* above = r > 0 ? here - grid.width : here;
     const std::uint8_t* below = r + 1 < grid.height ? here + grid.width : here;
-    for (int c = 0; c < grid.width; ++c) {
-      const int any =
-          here[c] | above[c] | below[c] | (c > 0 ? here[c - 1] : 0) | (c + 1 < grid.width ? here[c + 1] : 0);
+    std::uint8_t* __restrict any = row_any_.data();
+    const std::size_t last = row_any_.size() - 1;
+    any[0] = static_cast<std::uint8_t>(here[0] | above[0] | below[0] | (last > 0 ? here[1] : 0));
+    for (std::size_t c = 1; c < last; ++c)
+      any[c] = static_cast<std::uint8_t>(here[c] | above[c] | below[c] | here[c - 1] | here[c + 1]);
+    if (last > 0) any[last] = static_cast<std::uint8_t>(here[last] | above[last] | below[last] | here[last - 1]);
+    for (std::size_t c = 0; c <= last; ++c) {
+      if (c % kTogether == 0 && c + kTogether <= last + 1 && none(any + c)) {
+        c += kTogether - 1;
+        continue;
+      }
       list_[static_cast<std::size_t>(count)] = static_cast<std::uint32_t>(r) << 16 | static_cast<std::uint32_t>(c);
-      count += any != 0 ? 1 : 0;
+      count += any[c] != 0 ? 1 : 0;
     }
   }
   return count;

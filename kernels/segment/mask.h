@@ -22,6 +22,7 @@ class MaskRefiner {
 
   int stride_;                                 // of the planes, which have a cell more on every side
   std::vector<std::uint16_t> person_, other_;  // depths, kNoSurface elsewhere
+  std::vector<std::uint8_t> row_any_;          // of a row's cells: one of the person's is it or touches it
   std::vector<std::uint32_t> list_;
 };
 

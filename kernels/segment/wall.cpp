@@ -30,6 +30,7 @@ WallRemover::WallRemover(const Grid& grid) : on_(at(grid.width)) {
   const auto stride = static_cast<std::size_t>(vote_stride(grid.depth.size()));
   const std::size_t voters = (grid.depth.size() + stride - 1) / stride;
   for (std::vector<float>* v : {&ray_x_, &ray_y_, &z_mm_, &near_mm_, &far_mm_}) v->resize(voters);
+  for (std::vector<float>* v : {&row_on_.ray_x, &row_on_.z_mm, &row_on_.inverse_z}) v->resize(on_.size());
 }
 
 void WallRemover::collect_voters(const Grid& grid, std::span<const std::uint8_t> open) {
@@ -84,16 +85,32 @@ bool WallRemover::search(const Grid& grid, Vec3f up, std::span<const std::uint8_
   return best_support > 0;
 }
 
-void WallRemover::mark_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row) {
+void WallRemover::gather_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row) {
   const std::uint16_t* depth = grid.depth.data() + grid.index(0, row);
   const std::uint8_t* is_open = open.data() + grid.index(0, row);
+  const float* ray_x = grid.ray_x.data();
   const PlaneRow wall(plane, grid.ray_y[at(row)]);
-  for (std::size_t c = 0; c < on_.size(); ++c) {
+  std::uint8_t* __restrict on = on_.data();
+  const std::size_t width = on_.size();
+  for (std::size_t c = 0; c < width; ++c) {
     const float z = static_cast<float>(depth[c]);
-    const float nearness = wall.nearness(grid.ray_x[c]);
+    const float nearness = wall.nearness(ray_x[c]);
     const bool near = std::fabs(z - 1.0F / nearness) <= 20.0F + quantum_mm(z);
-    on_[c] = static_cast<std::uint8_t>((nearness > kNearnessMin) & near & (is_open[c] != 0));
+    on[c] = static_cast<std::uint8_t>((nearness > kNearnessMin) & near & (is_open[c] != 0));
   }
+  float *x = row_on_.ray_x.data(), *z = row_on_.z_mm.data(), *inverse = row_on_.inverse_z.data();
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < width; ++c) {
+    if (c % kTogether == 0 && c + kTogether <= width && none(on + c)) {
+      c += kTogether - 1;
+      continue;
+    }
+    x[count] = ray_x[c];
+    z[count] = static_cast<float>(depth[c]);
+    count += on[c];
+  }
+  for (std::size_t i = 0; i < count; ++i) inverse[i] = 1.0F / z[i];
+  row_on_.count = count;
 }
 
 // Fits the plane to all cells on it; false when they are too few or too small for a wall.
@@ -109,16 +126,16 @@ bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, P
     PointSums sums;
     area_m2 = 0;
     for (int r = 0; r < grid.height; ++r) {
-      mark_on(grid, open, plane, r);
-      for (int c = 0; c < grid.width; ++c) {
-        if (on_[at(c)] == 0) continue;
-        const Vec3f p = grid.point(c, r);
-        sums.add(grid.ray_x[at(c)], grid.ray_y[at(r)], 1.0F / p.z);
-        x_min = std::min(x_min, p.x);
-        x_max = std::max(x_max, p.x);
-        z_min = std::min(z_min, p.z);
-        z_max = std::max(z_max, p.z);
-        area_m2 += cell_area * p.z * p.z;
+      gather_on(grid, open, plane, r);
+      const float ray_y = grid.ray_y[at(r)];
+      for (std::size_t i = 0; i < row_on_.count; ++i) {
+        const float ray_x = row_on_.ray_x[i], z = row_on_.z_mm[i], x = ray_x * z;
+        sums.add(ray_x, ray_y, row_on_.inverse_z[i]);
+        x_min = std::min(x_min, x);
+        x_max = std::max(x_max, x);
+        z_min = std::min(z_min, z);
+        z_max = std::max(z_max, z);
+        area_m2 += cell_area * z * z;
       }
     }
     const FloorEquations equations = sums.equations();
@@ -138,11 +155,12 @@ bool WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::
     return false;
   for (int r = 0; r < grid.height; ++r) {
     const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
-    std::uint8_t* is_open = open.data() + grid.index(0, r);
+    std::uint8_t* __restrict is_open = open.data() + grid.index(0, r);
+    const float* ray_x = grid.ray_x.data();
     const PlaneRow wall(plane, grid.ray_y[at(r)]);
-    for (int c = 0; c < grid.width; ++c) {
+    for (int c = 0, width = grid.width; c < width; ++c) {
       const float z = static_cast<float>(depth[c]);
-      const float nearness = wall.nearness(grid.ray_x[at(c)]);
+      const float nearness = wall.nearness(ray_x[c]);
       const bool behind = z > 1.0F / nearness - 45.0F - 2.0F * quantum_mm(z);
       is_open[c] = static_cast<std::uint8_t>(is_open[c] & !((nearness > kNearnessMin) & behind));
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,12 +23,16 @@ class WallRemover {
 
   void collect_voters(const Grid& grid, std::span<const std::uint8_t> open);
   bool search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best);
-  void mark_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row);
+  void gather_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row);
   bool refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane);
 
   std::vector<float> ray_x_, ray_y_, z_mm_, near_mm_, far_mm_;  // of the open cells that vote
   int voter_count_ = 0;
   std::vector<std::uint8_t> on_;  // of a row: on the wall
+  struct RowCells {
+    std::vector<float> ray_x, z_mm, inverse_z;
+    std::size_t count = 0;
+  } row_on_;  // those, the first `count` of each
 };
 
 }  // namespace im2fit::segment
