@@ -3,6 +3,6 @@
 
 namespace im2fit::body {
 
-const FitLoops kFitLoopsAvx2 = {sum_rows_loop, add_slopes_loop, add_shapes_loop, take_pivots_loop};
+const FitLoops kFitLoopsAvx2 = {sum_rows_loop<Eight>, add_slopes_loop, add_shapes_loop, take_pivots_loop};
 
 }  // namespace im2fit::body

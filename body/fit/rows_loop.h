@@ -9,16 +9,19 @@
 namespace im2fit::body {
 namespace {
 
-using Lanes = float __attribute__((vector_size(kRowLanes * sizeof(float))));
+// What one instruction set's registers hold: wider vectors would go through memory.
+using Eight = float __attribute__((vector_size(8 * sizeof(float))));
 
-inline Lanes lanes_of(const float* p) {
-  Lanes out;
+template <class Vector>
+inline Vector vector_at(const float* p) {
+  Vector out;
   std::memcpy(&out, p, sizeof out);
   return out;
 }
 
 // A row of the matrix a pass, from the vector its diagonal lies in: eight weighted slopes stay in registers, eight
 // come from memory.
+template <class Vector>
 void sum_rows_loop(const RowGroup& group, float* sums, double* __restrict right) {
   const std::size_t stride = group.stride, width = group.width;
   const float* w = group.weight;
@@ -28,11 +31,13 @@ void sum_rows_loop(const RowGroup& group, float* sums, double* __restrict right)
     const float w0 = w[0] * j0[i], w1 = w[1] * j1[i], w2 = w[2] * j2[i], w3 = w[3] * j3[i], w4 = w[4] * j4[i],
                 w5 = w[5] * j5[i], w6 = w[6] * j6[i], w7 = w[7] * j7[i];
     float* sum = sums + i * stride;
-    for (std::size_t c = i - i % kRowLanes; c < width; c += kRowLanes) {
-      const Lanes more =
-          ((w0 * lanes_of(j0 + c) + w1 * lanes_of(j1 + c)) + (w2 * lanes_of(j2 + c) + w3 * lanes_of(j3 + c))) +
-          ((w4 * lanes_of(j4 + c) + w5 * lanes_of(j5 + c)) + (w6 * lanes_of(j6 + c) + w7 * lanes_of(j7 + c)));
-      const Lanes all = lanes_of(sum + c) + more;
+    constexpr std::size_t kLanes = sizeof(Vector) / sizeof(float);
+    static_assert(kRowLanes % kLanes == 0);
+    for (std::size_t c = i - i % kLanes; c < width; c += kLanes) {
+      const auto j = [c](const float* row) { return vector_at<Vector>(row + c); };
+      const Vector more = ((w0 * j(j0) + w1 * j(j1)) + (w2 * j(j2) + w3 * j(j3))) +
+                          ((w4 * j(j4) + w5 * j(j5)) + (w6 * j(j6) + w7 * j(j7)));
+      const Vector all = j(sum) + more;
       std::memcpy(sum + c, &all, sizeof all);
     }
   }
@@ -71,11 +76,7 @@ void add_slopes_loop(const SlopeParts& parts, float* __restrict out) {
 void add_shapes_loop(const ShapeRows& rows, float* __restrict out) {
   const std::size_t count = rows.shape_count, in_fours = count - count % 4;
   const float* c = rows.coefficients;
-  const auto four_of = [](const float* p) {
-    Four f;
-    std::memcpy(&f, p, sizeof f);
-    return f;
-  };
+  const auto four_of = [](const float* p) { return vector_at<Four>(p); };
   const auto rest = [&](Four& sum, const float* row) {
     for (std::size_t k = in_fours; k < count; ++k) sum[0] += row[k] * c[k];
   };
