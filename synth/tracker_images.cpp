@@ -2,15 +2,12 @@
 #include "synth/tracker_images.h"
 
 #include <algorithm>
-#include <memory>
 #include <mutex>
 
 #include "base/rng.h"
 #include "kernels/joints/side.h"
 #include "kernels/segment/segment.h"
 #include "synth/tracker_parallel.h"
-#include "synth/tracker_scenes.h"
-#include "synth/virtual_camera.h"
 
 namespace im2fit::synth {
 namespace {
@@ -47,27 +44,6 @@ void turn_upright(const std::vector<T>& in, int width, int height, int rotate_de
   }
 }
 
-UprightFrame render_frame(const body::BodyModel& model, const Subject& subject, Rng& rng,
-                          std::unique_ptr<VirtualScene>& scene, TrackerScene& last) {
-  const TrackerScene drawn = draw_tracker_scene(training_mix(), rng);
-  if (scene != nullptr && drawn.same_camera(last))
-    scene->restage(subject, drawn.scene, drawn.seed);
-  else
-    scene = std::make_unique<VirtualScene>(model, subject, drawn.scene, drawn.sensor, drawn.intrinsics, drawn.seed);
-  last = drawn;
-  const int width = drawn.intrinsics.width, height = drawn.intrinsics.height;
-  std::vector<std::uint16_t> depth(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  std::vector<std::uint8_t> mask(depth.size());
-  scene->render(0, DepthImage(depth.data(), width, height));
-  scene->person_mask(MaskImage(mask.data(), width, height));
-  UprightFrame frame;
-  frame.intrinsics = upright_intrinsics(drawn.intrinsics, drawn.rotate_deg);
-  turn_upright(depth, width, height, drawn.rotate_deg, frame.depth);
-  turn_upright(mask, width, height, drawn.rotate_deg, frame.truth_mask);
-  frame.joints = scene->joints(0);
-  return frame;
-}
-
 Person box_of(const std::vector<std::uint8_t>& mask, int width, int height) {
   Person person;
   person.u_min = width;
@@ -85,34 +61,16 @@ Person box_of(const std::vector<std::uint8_t>& mask, int width, int height) {
   return person;
 }
 
-// Half of the true mask at least: otherwise the segmenter took something else, which teaches nothing.
-bool overlaps(const std::vector<std::uint8_t>& mask, const std::vector<std::uint8_t>& truth) {
-  int both = 0;
-  int either = 0;
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    both += mask[i] != 0 && truth[i] != 0 ? 1 : 0;
-    either += mask[i] != 0 || truth[i] != 0 ? 1 : 0;
-  }
-  return both * 2 > either;
-}
-
-// Renders one picture after the other with the buffers of the one before.
-struct Studio {
-  const body::BodyModel& model;
-  std::unique_ptr<VirtualScene> scene;
-  TrackerScene last;
-};
-
 TrackerImage make_image(Studio& studio, const Subject& subject, std::uint64_t seed, std::uint64_t index) {
   Rng rng = Rng::for_item(seed, kImageStream, index);
-  const UprightFrame frame = render_frame(studio.model, subject, rng, studio.scene, studio.last);
+  const UprightFrame frame = studio.render(subject, draw_tracker_scene(training_mix(), rng));
   const Intrinsics& k = frame.intrinsics;
   std::vector<std::uint8_t> mask = frame.truth_mask;
   if (rng.uniform() >= kTruthMaskShare) {
     Segmenter segmenter(k.width, k.height);
     std::vector<std::uint8_t> own(mask.size());
     segmenter.run(DepthView(frame.depth.data(), k.width, k.height), k, MaskImage(own.data(), k.width, k.height));
-    if (overlaps(own, frame.truth_mask)) mask.swap(own);
+    if (overlap(own, frame.truth_mask)) mask.swap(own);
   }
   const Person person = box_of(mask, k.width, k.height);
   TrackerImage image;
@@ -127,6 +85,35 @@ TrackerImage make_image(Studio& studio, const Subject& subject, std::uint64_t se
 
 }  // namespace
 
+UprightFrame Studio::render(const Subject& subject, const TrackerScene& drawn) {
+  if (scene_ != nullptr && drawn.same_camera(last_))
+    scene_->restage(subject, drawn.scene, drawn.seed);
+  else
+    scene_ = std::make_unique<VirtualScene>(model_, subject, drawn.scene, drawn.sensor, drawn.intrinsics, drawn.seed);
+  last_ = drawn;
+  const int width = drawn.intrinsics.width, height = drawn.intrinsics.height;
+  std::vector<std::uint16_t> depth(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::vector<std::uint8_t> mask(depth.size());
+  scene_->render(0, DepthImage(depth.data(), width, height));
+  scene_->person_mask(MaskImage(mask.data(), width, height));
+  UprightFrame frame;
+  frame.intrinsics = upright_intrinsics(drawn.intrinsics, drawn.rotate_deg);
+  turn_upright(depth, width, height, drawn.rotate_deg, frame.depth);
+  turn_upright(mask, width, height, drawn.rotate_deg, frame.truth_mask);
+  frame.joints = scene_->joints(0);
+  return frame;
+}
+
+bool overlap(const std::vector<std::uint8_t>& mask, const std::vector<std::uint8_t>& truth) {
+  int both = 0;
+  int either = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    both += mask[i] != 0 && truth[i] != 0 ? 1 : 0;
+    either += mask[i] != 0 || truth[i] != 0 ? 1 : 0;
+  }
+  return both * 2 > either;
+}
+
 std::vector<TrackerImage> render_tracker_images(const body::BodyModel& model, int image_count, int images_per_subject,
                                                 std::uint64_t seed, int thread_count,
                                                 const std::function<void(double)>& progress) {
@@ -137,7 +124,7 @@ std::vector<TrackerImage> render_tracker_images(const body::BodyModel& model, in
   for_each_item(subject_count, thread_count, [&](int s) {
     const Subject subject = draw_subject(model, Family::training, seed, static_cast<std::uint64_t>(s));
     const int last = std::min(image_count, (s + 1) * images_per_subject);
-    Studio studio{model, nullptr, {}};
+    Studio studio(model);
     for (int i = s * images_per_subject; i < last; ++i)
       images[static_cast<std::size_t>(i)] = make_image(studio, subject, seed, static_cast<std::uint64_t>(i));
     const std::lock_guard lock(report);

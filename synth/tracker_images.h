@@ -5,12 +5,15 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "body/model.h"
 #include "kernels/core/joints.h"
 #include "kernels/joints/view.h"
 #include "synth/population.h"
+#include "synth/tracker_scenes.h"
+#include "synth/virtual_camera.h"
 
 namespace im2fit::synth {
 
@@ -27,6 +30,22 @@ struct UprightFrame {
   std::vector<std::uint8_t> truth_mask;
   JointSet joints;
 };
+
+// Renders one scene after the other with the buffers of the one before. Not shareable between threads; the model must
+// outlive it.
+class Studio {
+ public:
+  explicit Studio(const body::BodyModel& model) : model_(model) {}
+  UprightFrame render(const Subject& subject, const TrackerScene& drawn);
+
+ private:
+  const body::BodyModel& model_;
+  std::unique_ptr<VirtualScene> scene_;
+  TrackerScene last_;
+};
+
+// Half of either mask at least is both's: otherwise the segmenter took something else.
+bool overlap(const std::vector<std::uint8_t>& mask, const std::vector<std::uint8_t>& truth);
 
 // Scenes of training_mix() (synth/tracker_scenes.h) with subject image / images_per_subject. Masks: most from the
 // segmenter, some the truth.

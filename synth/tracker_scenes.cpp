@@ -146,6 +146,12 @@ TrackerMix bare_mix() {
   return mix;
 }
 
+TrackerMix somebody_mix() {
+  TrackerMix mix = training_mix();
+  mix.pose_weight = {0.2, 0.04, 0.25, 0.1, 0.08, 0.2, 0.13};
+  return mix;
+}
+
 void TrackerScene::settle(const VirtualScene& staged) {
   distance_mm = staged.distance_mm();
   camera_height_mm = staged.floor().camera_height_mm;
@@ -194,6 +200,26 @@ TrackerScene draw_tracker_scene(const TrackerMix& mix, Rng& rng, Family family) 
   t.kind = t.sensor.kind;
   t.rotate_deg = scene.rotate_deg;
   t.others = static_cast<int>(scene.others.size());
+  return t;
+}
+
+TrackerScene draw_empty_room(Rng& rng) {
+  TrackerScene t;
+  t.seed = rng.next();
+  t.sensor = chance(rng, 0.3) ? tof_sensor() : kinect_sensor();
+  t.intrinsics = chance(rng, 0.15) ? kinect_intrinsics(640, 480) : kinect_intrinsics(320, 240);
+  SceneOptions& scene = t.scene;
+  scene.person = scene.sway = false;
+  scene.rotate_deg = chance(rng, 0.5) ? 90 : 0;
+  scene.camera_height_mm = draw(rng, 500, 2200);
+  scene.pitch_limit_deg = kPitchMostDeg;
+  scene.wall = chance(rng, 0.85);
+  scene.furniture_count = rng.index(6);
+  scene.decoy_count = chance(rng, 0.85) ? 1 + rng.index(4) : 0;
+
+  t.furnished = true;
+  t.kind = t.sensor.kind;
+  t.rotate_deg = scene.rotate_deg;
   return t;
 }
 

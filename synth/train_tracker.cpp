@@ -15,6 +15,7 @@
 #include "synth/tracker_images.h"
 #include "synth/tracker_parallel.h"
 #include "synth/tracker_side.h"
+#include "synth/tracker_somebody.h"
 
 namespace im2fit::synth {
 namespace {
@@ -147,8 +148,8 @@ std::string describe(const TrainOptions& o) {
 }
 
 std::vector<std::byte> pack(const joints::Meta& meta, const Forest& forest, const Cascade& cascade,
-                            const SideTrees& side, std::span<const joints::ConfidenceBin> bins,
-                            const std::string& provenance) {
+                            const VoteTrees& side, const VoteTrees& somebody,
+                            std::span<const joints::ConfidenceBin> bins, const std::string& provenance) {
   ContainerWriter writer(joints::kTrackerMagic, joints::kTrackerVersion);
   writer.add_array<joints::Meta>("meta", std::span(&meta, 1));
   writer.add_array<std::uint32_t>("tree", forest.tree_start);
@@ -162,6 +163,9 @@ std::vector<std::byte> pack(const joints::Meta& meta, const Forest& forest, cons
   writer.add_array<joints::Anchor>("side anchor", side.anchors);
   writer.add_array<joints::Split>("side split", side.splits);
   writer.add_array<std::int16_t>("side leaf", side.leaves);
+  writer.add_array<joints::Anchor>("somebody anchor", somebody.anchors);
+  writer.add_array<joints::Split>("somebody split", somebody.splits);
+  writer.add_array<std::int16_t>("somebody leaf", somebody.leaves);
   writer.add_array<char>("provenance", provenance);
   return writer.finish();
 }
@@ -173,7 +177,7 @@ Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const
   if (Status ok = check(options); !ok) return ok.error();
   std::vector<TrackerImage> images =
       render_tracker_images(model, options.image_count, options.images_per_subject, options.seed,
-                            options.thread_count, Progress{progress, 0.0, 0.5, "rendering"});
+                            options.thread_count, Progress{progress, 0.0, 0.4, "rendering"});
   // Even, so that a picture and its mirror image are in the same half.
   const auto learnt_count =
       static_cast<std::size_t>(static_cast<double>(images.size()) * (1.0 - kCalibrationShare)) / 2 * 2;
@@ -183,15 +187,18 @@ Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const
   images.reserve(2 * learnt_count);
   for (std::size_t i = 0; i < learnt_count; ++i) images.push_back(mirrored(images[i]));
   const std::span<const TrackerImage> learnt(images);
-  const Forest forest = train_forest(learnt, options, Progress{progress, 0.5, 0.65, "jump forest"});
+  const Forest forest = train_forest(learnt, options, Progress{progress, 0.4, 0.53, "jump forest"});
   std::vector<CascadeStart> starts = make_starts(learnt, forest, options);
-  const Cascade cascade = train_cascade(learnt, starts, options, Progress{progress, 0.65, 0.99, "cascade"});
-  const SideTrees side = train_side(learnt, side_examples(starts, options.starts_per_image), options);
+  const Cascade cascade = train_cascade(learnt, starts, options, Progress{progress, 0.53, 0.8, "cascade"});
+  const VoteTrees side = train_side(learnt, side_examples(starts, options.starts_per_image), options);
 
-  const joints::Meta meta = {
-      static_cast<std::uint32_t>(options.tree_count),  static_cast<std::uint32_t>(options.jump_count),
-      static_cast<std::uint32_t>(options.level_count), static_cast<std::uint32_t>(options.level_tree_count),
-      static_cast<std::uint32_t>(options.pixel_count), static_cast<std::uint32_t>(side.tree_count())};
+  joints::Meta meta = {static_cast<std::uint32_t>(options.tree_count),
+                       static_cast<std::uint32_t>(options.jump_count),
+                       static_cast<std::uint32_t>(options.level_count),
+                       static_cast<std::uint32_t>(options.level_tree_count),
+                       static_cast<std::uint32_t>(options.pixel_count),
+                       static_cast<std::uint32_t>(side.tree_count()),
+                       0};
   JointModel::Data data;
   data.meta = meta;
   data.forest = forest.view();
@@ -200,8 +207,20 @@ Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const
   data.leaves = cascade.leaves;
   data.basis = cascade.basis;
   const std::vector<joints::ConfidenceBin> bins = calibrate(unseen, data);
+  images.clear();
+  images.shrink_to_fit();
+  // Votes for somebody are learnt on what the finished joint model says.
+  const std::vector<std::byte> voteless = pack(meta, forest, cascade, side, {}, bins, {});
+  const auto joint_model = JointModel::parse(voteless, "the model so far");
+  if (!joint_model) return joint_model.error();
+  const VoteTrees somebody = train_somebody(model, *joint_model, options, Progress{progress, 0.8, 0.99, "somebody"});
+  if (somebody.tree_count() == 0)
+    return Error{ErrorCode::invalid_argument,
+                 "tracker training: " + std::to_string(options.image_count) +
+                     " images do not show both people and things like them; ask for more"};
+  meta.somebody_tree_count = static_cast<std::uint32_t>(somebody.tree_count());
   if (progress) progress(1.0, "done");
-  return pack(meta, forest, cascade, side, bins, describe(options));
+  return pack(meta, forest, cascade, side, somebody, bins, describe(options));
 }
 
 }  // namespace im2fit::synth

@@ -13,6 +13,11 @@ constexpr std::size_t kStartCount = 3;
 constexpr std::size_t kRunCount = 2 * kStartCount;
 static_assert(kRunCount <= kCascadeRunsMax && kRunCount <= kForestRunsMax);
 
+float middle(std::array<float, kRunCount> values) {
+  std::sort(values.begin(), values.end());
+  return (values[kRunCount / 2 - 1] + values[kRunCount / 2]) * 0.5F;
+}
+
 // What the mirror image's joints are in the view itself.
 Shape mirrored(const Shape& shape) {
   Shape out{};
@@ -23,12 +28,14 @@ Shape mirrored(const Shape& shape) {
   return out;
 }
 
-float middle(std::array<float, kRunCount> values) {
-  std::sort(values.begin(), values.end());
-  return (values[kRunCount / 2 - 1] + values[kRunCount / 2]) * 0.5F;
-}
-
 }  // namespace
+
+Estimate mirrored(const Estimate& estimate) {
+  Estimate out;
+  out.shape = mirrored(estimate.shape);
+  for (std::size_t j = 0; j < kJointCount; ++j) out.doubt_mm[j] = estimate.doubt_mm[joint_index(kJointMirror[j])];
+  return out;
+}
 
 Estimate estimate(const JointModel::Data& model, const View& view, const View& mirror_image) {
   const std::array<ForestView, kStartCount> starts = {model.forest, model.forest.half(0), model.forest.half(1)};

@@ -25,6 +25,7 @@ Status check_meta(const joints::Meta& m, const std::string& what) {
   if (!within(m.level_count, 0, 32)) return damaged(what, "cascade levels are not 0..32");
   if (!within(m.level_tree_count, 1, 4096)) return damaged(what, "trees per cascade level are not 1..4096");
   if (!within(m.side_tree_count, 0, 1024)) return damaged(what, "trees for front or back are not 0..1024");
+  if (!within(m.somebody_tree_count, 0, 1024)) return damaged(what, "trees for somebody are not 0..1024");
   if (!within(m.pixel_count, 2, joints::kPixelCountMax)) return damaged(what, "anchors per level are not 2..1024");
   return Ok{};
 }
@@ -48,17 +49,31 @@ Status check_forest(const joints::ForestView& f, const std::string& what) {
 }
 
 Status check_trees(std::span<const joints::Anchor> anchors, std::span<const joints::Split> splits,
-                   std::uint32_t pixel_count, const std::string& what) {
+                   std::uint32_t value_count, const std::string& what) {
   for (const joints::Anchor& a : anchors)
     if (a.joint >= kJointCount || a.towards >= kJointCount)
       return damaged(what, "an anchor names joint " + std::to_string(std::max(a.joint, a.towards)) + " of 15");
   for (const joints::Anchor& a : anchors)
     if (a.share_q8 < 0 || a.share_q8 > 256) return damaged(what, "an anchor does not lie between its joints");
   for (const joints::Split& s : splits)
-    if (s.a >= pixel_count || s.b >= pixel_count)
+    if (s.a >= value_count || s.b >= value_count)
       return damaged(
-          what, "a split reads anchor " + std::to_string(std::max(s.a, s.b)) + " of " + std::to_string(pixel_count));
+          what, "a split reads value " + std::to_string(std::max(s.a, s.b)) + " of " + std::to_string(value_count));
   return Ok{};
+}
+
+// `clue_count`: values beside the anchors' that splits may read.
+Result<joints::Votes> read_votes(const ContainerReader& reader, const std::string& name, std::uint32_t tree_count,
+                                 std::uint32_t pixel_count, std::uint32_t clue_count, const std::string& what) {
+  auto anchors = reader.array<joints::Anchor>(name + " anchor", tree_count > 0 ? pixel_count : 0);
+  if (!anchors) return anchors.error();
+  auto splits =
+      reader.array<joints::Split>(name + " split", static_cast<std::size_t>(tree_count) * joints::kSplitCount);
+  if (!splits) return splits.error();
+  auto leaves = reader.array<std::int16_t>(name + " leaf", static_cast<std::size_t>(tree_count) * joints::kLeafCount);
+  if (!leaves) return leaves.error();
+  if (Status ok = check_trees(*anchors, *splits, pixel_count + clue_count, what); !ok) return ok.error();
+  return joints::Votes{*anchors, *splits, *leaves};
 }
 
 Status check_basis(const JointModel::Data& d, const std::string& what) {
@@ -114,13 +129,11 @@ Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std
   if (!basis) return basis.error();
   auto bins = reader->array<joints::ConfidenceBin>("confidence", kJointCount * joints::kConfidenceBinCount);
   if (!bins) return bins.error();
-  auto side_anchors =
-      reader->array<joints::Anchor>("side anchor", d.meta.side_tree_count > 0 ? d.meta.pixel_count : 0);
-  if (!side_anchors) return side_anchors.error();
-  auto side_splits = reader->array<joints::Split>("side split", d.meta.side_tree_count * joints::kSplitCount);
-  if (!side_splits) return side_splits.error();
-  auto side_leaves = reader->array<std::int16_t>("side leaf", d.meta.side_tree_count * joints::kLeafCount);
-  if (!side_leaves) return side_leaves.error();
+  auto side = read_votes(*reader, "side", d.meta.side_tree_count, d.meta.pixel_count, 0, what);
+  if (!side) return side.error();
+  auto somebody = read_votes(*reader, "somebody", d.meta.somebody_tree_count, d.meta.pixel_count,
+                             static_cast<std::uint32_t>(joints::kClueCount), what);
+  if (!somebody) return somebody.error();
   auto provenance = reader->array<char>("provenance");
   if (!provenance) return provenance.error();
   if (provenance->size() > joints::kProvenanceMax) return damaged(what, "provenance is longer than 64 KiB");
@@ -131,11 +144,9 @@ Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std
   d.leaves = *leaves;
   d.basis = *basis;
   d.bins = *bins;
-  d.side_anchors = *side_anchors;
-  d.side_splits = *side_splits;
-  d.side_leaves = *side_leaves;
+  d.side = *side;
+  d.somebody = *somebody;
   if (Status ok = check_trees(d.anchors, d.splits, d.meta.pixel_count, what); !ok) return ok.error();
-  if (Status ok = check_trees(d.side_anchors, d.side_splits, d.meta.pixel_count, what); !ok) return ok.error();
   if (Status ok = check_basis(d, what); !ok) return ok.error();
   return model;
 }

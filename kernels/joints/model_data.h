@@ -18,18 +18,20 @@
 namespace im2fit::joints {
 
 inline constexpr std::string_view kTrackerMagic = "I2TR";
-inline constexpr std::uint32_t kTrackerVersion = 3;
+inline constexpr std::uint32_t kTrackerVersion = 4;
 inline constexpr std::size_t kProvenanceMax = 65536;
 inline constexpr int kConfidenceBinCount = 12;
 inline constexpr int kPixelCountMax = 1024;
+inline constexpr int kClueCount = 48;  // beside the anchors' depths: somebody.h
 
 struct Meta {
   std::uint32_t forest_tree_count = 0;  // per joint
   std::uint32_t jump_count = 0;
   std::uint32_t level_count = 0;
   std::uint32_t level_tree_count = 0;
-  std::uint32_t pixel_count = 0;      // per level
-  std::uint32_t side_tree_count = 0;  // that tell front from back; 0: everybody faces the camera
+  std::uint32_t pixel_count = 0;          // per level
+  std::uint32_t side_tree_count = 0;      // that tell front from back; 0: everybody faces the camera
+  std::uint32_t somebody_tree_count = 0;  // that tell people from things; 0: likeness alone tells
 };
 
 // Inner node: depth difference of two probes against `threshold`; children at `left`, `left + 1` of the same tree.
@@ -92,6 +94,22 @@ inline int find_leaf(const Split* splits, const std::int16_t* pixels) {
   return i - kSplitCount;
 }
 
+// Boosted trees whose leaves are log-odds in 1/256. Splits read the anchors' depths and, in votes for somebody,
+// clues.
+inline constexpr int kVoteUnit = 256;
+struct Votes {
+  std::span<const Anchor> anchors;       // pixels
+  std::span<const Split> splits;         // trees * 31
+  std::span<const std::int16_t> leaves;  // trees * 32
+};
+inline int count_votes(const Votes& votes, const std::int16_t* values) {
+  int sum = 0;
+  for (std::size_t t = 0; t * kSplitCount < votes.splits.size(); ++t)
+    sum += votes.leaves[t * kLeafCount +
+                        static_cast<std::size_t>(find_leaf(votes.splits.data() + t * kSplitCount, values))];
+  return sum;
+}
+
 // All trees, or every second one: each half of the trees has learnt on a half of the pictures.
 struct ForestView {
   std::uint32_t tree_count = 0;  // per joint, of this view
@@ -121,16 +139,15 @@ namespace im2fit {
 struct JointModel::Data {
   joints::Meta meta;
   joints::ForestView forest;
-  std::span<const joints::Anchor> anchors;       // levels * pixels
-  std::span<const joints::Split> splits;         // levels * trees * 31
-  std::span<const std::int8_t> leaves;           // levels * trees * 32 * 32, units of the level's basis
-  std::span<const joints::Basis> basis;          // levels
-  std::span<const joints::ConfidenceBin> bins;   // joints * 12
-  std::span<const joints::Anchor> side_anchors;  // pixels
-  std::span<const joints::Split> side_splits;    // side trees * 31
-  std::span<const std::int16_t> side_leaves;     // side trees * 32, 1/256 of log-odds
-  std::string_view provenance;                   // text
-  std::uint32_t key = 0;                         // CRC-32C of the bytes
+  std::span<const joints::Anchor> anchors;      // levels * pixels
+  std::span<const joints::Split> splits;        // levels * trees * 31
+  std::span<const std::int8_t> leaves;          // levels * trees * 32 * 32, units of the level's basis
+  std::span<const joints::Basis> basis;         // levels
+  std::span<const joints::ConfidenceBin> bins;  // joints * 12
+  joints::Votes side;                           // of a back
+  joints::Votes somebody;
+  std::string_view provenance;  // text
+  std::uint32_t key = 0;        // CRC-32C of the bytes
 };
 
 namespace joints {

@@ -9,22 +9,16 @@
 namespace im2fit::joints {
 
 int side_score(const JointModel::Data& model, const View& view, const Shape& shape) {
-  const std::size_t tree_count = model.meta.side_tree_count;
   std::array<std::int16_t, kPixelCountMax> pixels;
-  read_anchors(model.side_anchors, view, shape, pixels.data());
-  int score = 0;
-  for (std::size_t t = 0; t < tree_count; ++t) {
-    const int leaf = find_leaf(model.side_splits.data() + t * kSplitCount, pixels.data());
-    score += model.side_leaves[t * kLeafCount + static_cast<std::size_t>(leaf)];
-  }
-  return score;
+  read_anchors(model.side.anchors, view, shape, pixels.data());
+  return count_votes(model.side, pixels.data());
 }
 
 // 1 / (1 + exp(-x)) by exp(y) = lim (1 + y/n)^n at n = 256: no libm, the same bits everywhere; 3 % off at |x| = 4.
 float chance_of_score(int score) {
-  constexpr int kScoreMax = 12 * kSideUnit;
+  constexpr int kScoreMax = 12 * kVoteUnit;
   const int bounded = score > kScoreMax ? kScoreMax : (score < -kScoreMax ? -kScoreMax : score);
-  float e = 1.0F - static_cast<float>(bounded) * (1.0F / static_cast<float>(kSideUnit * 256));
+  float e = 1.0F - static_cast<float>(bounded) * (1.0F / static_cast<float>(kVoteUnit * 256));
   for (int i = 0; i < 8; ++i) e *= e;
   return 1.0F / (1.0F + e);
 }

@@ -10,8 +10,6 @@
 
 namespace im2fit::joints {
 
-inline constexpr int kSideUnit = 256;  // of log-odds
-
 // Log-odds of the back being towards the camera, in 1/256; 0 when the model cannot tell (no trees).
 int side_score(const JointModel::Data& model, const View& view, const Shape& shape);
 // The chance that goes with it, 0..1.

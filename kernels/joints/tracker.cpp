@@ -9,6 +9,7 @@
 #include "kernels/joints/model_data.h"
 #include "kernels/joints/settle.h"
 #include "kernels/joints/side.h"
+#include "kernels/joints/somebody.h"
 
 namespace im2fit {
 namespace joints {
@@ -109,6 +110,8 @@ struct JointTracker::Workspace {
   joints::View mirror_image;
   float usual_chance = 1;  // mean over the trained for
   float likeness = 0;
+  joints::Estimate seen;
+  FloorPlane floor;
   int side_sum = 0;  // of scores, fading: four times their mean
 
   bool back() const { return side_sum > 0; }
@@ -131,7 +134,8 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
   if (!joints::thin(depth, mask, intrinsics, person, work_->view)) return out;
 
   joints::mirror(view, work_->mirror_image);
-  const joints::Estimate seen = joints::estimate(model, view, work_->mirror_image);
+  const joints::Estimate& seen = work_->seen = joints::estimate(model, view, work_->mirror_image);
+  work_->floor = person.floor;
   work_->see_side(seen.shape, !same_person);
 
   float sum = 0;
@@ -160,6 +164,22 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
 
 float JointTracker::likeness() const {
   return work_->likeness;
+}
+
+float JointTracker::somebody_odds(float shape_odds) const {
+  const joints::Votes& votes = work_->model->somebody;
+  joints::VoteValues values;
+  joints::read_values(votes.anchors, work_->view, work_->seen, {shape_odds, work_->likeness, work_->floor},
+                      values.data());
+  return static_cast<float>(joints::count_votes(votes, values.data())) * (1.0F / joints::kVoteUnit);
+}
+
+const joints::View& JointTracker::view() const {
+  return work_->view;
+}
+
+const joints::Estimate& JointTracker::estimate() const {
+  return work_->seen;
 }
 
 float JointTracker::back_chance() const {

@@ -17,6 +17,11 @@
 
 namespace im2fit {
 
+namespace joints {
+struct Estimate;
+struct View;
+}  // namespace joints
+
 class JointModel {  // the contents of a .i2t file; immutable, shareable
  public:
   // Views into `bytes`, which must outlive the model. `what` names the file in errors.
@@ -52,6 +57,11 @@ class JointTracker {
   // inside the picture count, beside the mask or not. Furniture has 0.5 to 0.7, since the model's runs disagree on
   // it.
   float likeness() const;
+  // After track(): log-odds that it is somebody and no thing. `shape_odds`: Segmenter::shape_odds. No allocation.
+  float somebody_odds(float shape_odds) const;
+  // After track(): what the joints were read from, and what the runs said, as if facing the camera; for training.
+  const joints::View& view() const;
+  const joints::Estimate& estimate() const;
 
  private:
   struct Workspace;

@@ -52,7 +52,7 @@ class Sensor {
  private:
   bool accepted(int id) const;
   void accept(int id);
-  bool looks_like_somebody(int id, bool confirmed, const JointSet& joints);
+  bool looks_like_somebody(int id, bool confirmed);
   Sighting nobody(const Sighting& doubted, MaskImage mask);
 
   HoleFiller holes_;

@@ -3,24 +3,20 @@
 
 #include "kernels/observe/gate.h"
 #include "kernels/observe/observe.h"
-#include "kernels/observe/somebody.h"
 
 namespace im2fit {
 
 namespace {
 
-// Set on 993 things taken for people in 5,000 rooms without any (100,000 frames), none of which passes, and on 2,059
-// people: of 1,099 bent or turned 13 are missed, of the others none.
-// JointTracker::likeness of somebody at once, where the segmenter says so too, with somebody_odds() of kOddsSure:
+// JointTracker::likeness and somebody_odds() of somebody at once, where the segmenter says so too:
 constexpr float kLikenessSure = 0.76F;
 constexpr float kLikenessSureShapeless = 0.82F;
-constexpr float kOddsSure = 1.0F;
-// somebody_odds() in the mean over so many frames: of who is not sure at once,
+constexpr float kOddsSure = -1.0F;
+// somebody_odds() in the mean over so many frames, of who is not sure at once:
 constexpr int kOddsFrames = 6;
-constexpr float kOddsMin = 0.3F;
-constexpr float kOddsShapelessMin = 2.7F;  // ... and whose shape is not known.
-constexpr int kLongFrames = 12;            // A doubtful one is looked at so long;
-constexpr int kHopelessFrames = 4;         // hopeless ones no longer than this. Others are looked at, after.
+constexpr float kOddsMin = 1.5F;
+constexpr int kLongFrames = 12;     // A doubtful one is looked at so long;
+constexpr int kHopelessFrames = 4;  // hopeless ones no longer than this. Others are looked at, after.
 constexpr float kHopelessOdds = -2.0F;
 constexpr float kLostShareMax = 0.30F;  // of the person's pixels
 
@@ -45,7 +41,7 @@ Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage 
     const auto listed = std::find_if(sighting.users.begin(), sighting.users.end(),
                                      [&](const User& user) { return user.id == sighting.person.id; });
     const bool confirmed = listed != sighting.users.end() && listed->confirmed;
-    const bool somebody = looks_like_somebody(sighting.person.id, confirmed, sighting.joints);
+    const bool somebody = looks_like_somebody(sighting.person.id, confirmed);
     // Who is doubtful to begin with is in nobody's way: looked at until others should be.
     if (somebody || confirmed || looked_at_enough()) segmenter_.doubt(sighting.person.id, !somebody);
     if (!somebody) return nobody(sighting, mask);
@@ -79,19 +75,15 @@ Sensor::Candidate& Sensor::candidate(int id) {
   return candidates_.front();
 }
 
-bool Sensor::looks_like_somebody(int id, bool confirmed, const JointSet& joints) {
+bool Sensor::looks_like_somebody(int id, bool confirmed) {
   Candidate& c = candidate(id);
-  const float likeness = tracker_.likeness();
   const float shape = segmenter_.shape_odds(id);
-  const float odds = somebody_odds(shape, likeness, joints);
+  const float odds = tracker_.somebody_odds(shape);
   c.odds_sum += odds;
   ++c.frames;
-  const auto told_over = [&](int frames, float odds_mean) {
-    return c.frames >= frames && c.odds_sum >= odds_mean * static_cast<float>(c.frames);
-  };
   const float sure = shape == 0 ? kLikenessSureShapeless : kLikenessSure;
-  if (confirmed && likeness >= sure && odds >= kOddsSure) return true;
-  return told_over(kOddsFrames, shape == 0 ? kOddsShapelessMin : kOddsMin);
+  if (confirmed && tracker_.likeness() >= sure && odds >= kOddsSure) return true;
+  return c.frames >= kOddsFrames && c.odds_sum >= kOddsMin * static_cast<float>(c.frames);
 }
 
 // Of the candidate looked at last.

@@ -208,6 +208,22 @@ TEST(JointView, ThinningKeepsMetricPositions) {
   EXPECT_EQ(view.at_ray(1e4F, -1e4F), 0);
 }
 
+TEST(JointModel, VotesMayReadTheLastClue) {
+  ModelRecords m = constant_model(1, 2, 3, 4);
+  m.somebody_split[30].a = 4 + joints::kClueCount - 1;
+  const auto bytes = m.bytes();
+  EXPECT_TRUE(JointModel::parse(bytes, "some.i2t"));
+}
+
+TEST(JointModel, AnOlderFileIsRefusedByItsVersion) {
+  const ModelRecords m = constant_model(1, 2, 3, 4);
+  const auto bytes = m.bytes(3);
+  const auto model = JointModel::parse(bytes, "some.i2t");
+  ASSERT_FALSE(model);
+  EXPECT_NE(model.error().message.find("version 3"), std::string::npos) << model.error().message;
+  EXPECT_NE(model.error().message.find("some.i2t"), std::string::npos);
+}
+
 TEST(JointModel, DamagedFilesAreRefusedByName) {
   const auto good = constant_model(1, 2, 3, 4);
   struct Damage {
@@ -244,6 +260,20 @@ TEST(JointModel, DamagedFilesAreRefusedByName) {
       {"basis", [](ModelRecords& m) { m.basis[50] = std::numeric_limits<float>::quiet_NaN(); }},
       {"basis too large", [](ModelRecords& m) { m.basis[51] = -1e9F; }},
       {"side trees", [](ModelRecords& m) { m.meta.side_trees = 1; }},
+      {"somebody trees", [](ModelRecords& m) { m.meta.somebody_trees = 2; }},
+      {"many somebody trees", [](ModelRecords& m) { m.meta.somebody_trees = 1025; }},
+      {"somebody anchor joint", [](ModelRecords& m) { m.somebody_anchor[3].towards = 15; }},
+      {"somebody anchor count", [](ModelRecords& m) { m.somebody_anchor.pop_back(); }},
+      {"somebody split", [](ModelRecords& m) { m.somebody_split[30].a = 4 + joints::kClueCount; }},
+      {"somebody split count", [](ModelRecords& m) { m.somebody_split.pop_back(); }},
+      {"somebody leaf count", [](ModelRecords& m) { m.somebody_leaf.pop_back(); }},
+      {"side split of a clue",
+       [](ModelRecords& m) {
+         m.meta.side_trees = 1;
+         m.side_anchor = m.somebody_anchor;
+         m.side_split = m.somebody_split;
+         m.side_leaf = m.somebody_leaf;
+       }},
       {"provenance", [](ModelRecords& m) { m.provenance.assign(70000, ' '); }},
       {"bins", [](ModelRecords& m) { m.bin.clear(); }},
   };
@@ -285,9 +315,16 @@ TEST(JointModel, AnyAcceptedValuesTrackWithoutHarm) {
       s = {static_cast<std::uint16_t>(rng.index(4)), static_cast<std::uint16_t>(rng.index(4)), any()};
     for (auto& l : m.leaf) l = static_cast<std::int8_t>(rng.next());
     for (auto& b : m.basis) b = static_cast<float>(rng.uniform(-100, 100));
+    m.somebody_anchor.assign(m.anchor.begin(), m.anchor.begin() + m.meta.pixels);
+    m.somebody_leaf.assign(32, 1);
+    for (auto& s : m.somebody_split)
+      s = {static_cast<std::uint16_t>(rng.index(4 + joints::kClueCount)),
+           static_cast<std::uint16_t>(rng.index(4 + joints::kClueCount)), any()};
     const auto bytes = m.bytes();
     const JointModel model = parse(bytes);
-    const JointSet j = Board().track(model);
+    JointTracker tracker(model);
+    const JointSet j = Board().track(tracker);
+    EXPECT_EQ(tracker.somebody_odds(static_cast<float>(any())), 1.0F / 256);
     for (const Vec3f& p : j.position_mm) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
   }
 }

@@ -3,13 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdlib>
 #include <optional>
 #include <string>
 
 #include "base/file.h"
+#include "kernels/joints/model_data.h"
 #include "kernels/joints/tracker.h"
 #include "kernels/segment/segment.h"
+#include "synth/tracker_sightings.h"
 #include "synth/virtual_camera.h"
 
 namespace im2fit::synth {
@@ -129,6 +133,28 @@ TEST(TrainTracker, CachedModelMeetsItsBarOnHeldOutPeople) {
   EXPECT_LT(error / count, 25);  // the small model of scripts/test has 18
   EXPECT_GT(near / count, 0.985);
   EXPECT_GT(worst_overlap, 0.93);
+}
+
+// People and rooms that the votes have not learnt from, by what was drawn; every fourth without floor and shape.
+TEST(TrainTracker, CachedModelTellsPeopleFromThings) {
+  const auto body = load_body();
+  const auto file = read_file(cached("IM2FIT_TRACKER", "tracker.i2t"));
+  if (!body || !file) GTEST_SKIP() << "no body pack or tracker; run im2fit-lab train";
+  const auto model = JointModel::parse(*file, "tracker.i2t");
+  ASSERT_TRUE(model) << model.error().message;
+  const joints::Votes& votes = model->data().somebody;
+  const VoteExamples seen = gather_sightings(*body, *model, votes.anchors, {70, 280, 4243, 2}, {});
+  std::array<int, 2> all{}, right{};  // things, people
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const int score =
+        joints::count_votes(votes, seen.values.data() + static_cast<std::ptrdiff_t>(i) * seen.value_count);
+    ++all[seen.yes[i]];
+    right[seen.yes[i]] += (score > 0) == (seen.yes[i] != 0) ? 1 : 0;
+  }
+  ASSERT_GT(all[0], 40);
+  ASSERT_GT(all[1], 120);
+  EXPECT_GT(right[0], 0.94 * all[0]);
+  EXPECT_GT(right[1], 0.94 * all[1]);
 }
 
 }  // namespace
