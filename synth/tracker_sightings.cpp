@@ -65,6 +65,7 @@ class Gatherer {
   void add(const UprightFrame& frame, const Person& person, float shape_odds, bool yes) {
     const MaskView mask(mask_.data(), frame.intrinsics.width, frame.intrinsics.height);
     tracker_.track(depth_of(frame), mask, frame.intrinsics, person, false);
+    if (tracker_.view().pixel_count == 0) return;
     joints::Witness witness = {shape_odds, tracker_.likeness(), person.floor};
     add_row(tracker_.view(), tracker_.estimate(), witness, yes);
     joints::mirror(tracker_.view(), mirror_image_);

@@ -76,6 +76,7 @@ namespace {
 constexpr int kSideFrames = 4;           // the newest frame's share in the side is one of these
 constexpr float kOffMaskShare = 0.7F;    // a joint beside the mask is less sure
 constexpr float kOffImageShare = 0.15F;  // one outside the picture is a guess
+constexpr float kNothingOdds = -8;       // of an empty mask: less than trees say of any thing
 
 float chance_in(const joints::ConfidenceBin& bin) {
   return static_cast<float>(bin.chance) * (1.0F / 65535.0F);
@@ -131,7 +132,10 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
   JointSet out;
   const JointModel::Data& model = *work_->model;
   const joints::View& view = work_->view;
-  if (!joints::thin(depth, mask, intrinsics, person, work_->view)) return out;
+  if (!joints::thin(depth, mask, intrinsics, person, work_->view)) {
+    work_->likeness = 0;
+    return out;
+  }
 
   joints::mirror(view, work_->mirror_image);
   const joints::Estimate& seen = work_->seen = joints::estimate(model, view, work_->mirror_image);
@@ -167,6 +171,7 @@ float JointTracker::likeness() const {
 }
 
 float JointTracker::somebody_odds(float shape_odds) const {
+  if (work_->view.pixel_count == 0) return kNothingOdds;  // `seen` is somebody else's
   const joints::Votes& votes = work_->model->somebody;
   joints::VoteValues values;
   joints::read_values(votes.anchors, work_->view, work_->seen, {shape_odds, work_->likeness, work_->floor},

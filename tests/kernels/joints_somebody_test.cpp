@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "kernels/joints/somebody.h"
@@ -47,6 +48,20 @@ TEST(JointSomebody, WithoutTreesNothingIsSaid) {
   Seen seen(records);
   Board().track(seen.tracker);
   EXPECT_EQ(seen.tracker.somebody_odds(3), 0.0F);
+}
+
+TEST(JointSomebody, AnEmptyMaskIsNobodyWhoeverWasSeenBefore) {
+  Seen seen(somebody_model({1, 0, 500}, 512, -256));
+  Board board;
+  board.track(seen.tracker);
+  ASSERT_GT(seen.tracker.somebody_odds(0), 0);
+  ASSERT_GT(seen.tracker.likeness(), 0);
+  std::fill(board.mask.begin(), board.mask.end(), std::uint8_t{0});
+  board.track(seen.tracker);
+  EXPECT_EQ(seen.tracker.somebody_odds(0), -8.0F);
+  EXPECT_EQ(seen.tracker.likeness(), 0.0F);
+  Board().track(seen.tracker);
+  EXPECT_EQ(seen.tracker.somebody_odds(0), 2.0F);
 }
 
 TEST(JointSomebody, DepthsTell) {
