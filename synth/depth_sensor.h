@@ -38,6 +38,7 @@ namespace im2fit::synth {
 
 inline constexpr float kKinectFocalPx = 575.8F;  // depth camera, 640 px wide (not 525: that is registered depth)
 inline constexpr float kProjectorBaselineMm = 75;
+inline constexpr float kMixedMm = 50;  // flying pixels further than this off their surface are nobody's
 inline constexpr double kRawStepPerMm = 0.1042 / 4 / 9000;  // of 1/z: pixel 0.1042 mm, zero plane 1200 mm, 7.5 cm
 
 enum class SensorKind : std::uint8_t { structured_light, time_of_flight };
@@ -76,7 +77,8 @@ class DepthSensor {
   // Shadow and edges of the view's rows box.v0 .. v1 (whole rows: a shadow's cause may lie outside the box).
   void prepare(const CleanView& view, const PixelBox& box);
   // One frame of the prepared view, pixels of `box` only: depends on seed, frame and the view, not on the box.
-  // `person` (same size, may be null): 255 - who where the delivered depth is a person's (label_of), else 0.
+  // `person` (same size, may be null): 255 - who where the pixel is a person's (label_of), 127 - who where it is but
+  // the depth delivered is a mixture, more than kMixedMm off the surface; else 0.
   void expose(const CleanView& view, const PixelBox& box, std::uint64_t seed, std::uint64_t frame, DepthImage out,
               std::uint8_t* person);
 
@@ -94,6 +96,7 @@ class DepthSensor {
     float inverse_depth = 0;
     std::uint8_t cosine = 0;
     std::uint8_t label = 0;
+    bool mixed = false;  // by more than kMixedMm
   };
   void shadow_rows(const CleanView& view, int v0, int v1);
   void edge_rows(const CleanView& view, int v0, int v1);

@@ -126,6 +126,7 @@ DepthSensor::Sample DepthSensor::flying(const CleanView& view, int u, int v, std
   const float own_z = 1 / own.inverse_depth, other_z = 1 / other.inverse_depth;
   Sample mixed = own;
   mixed.inverse_depth = 1 / (own_z + mix * (other_z - own_z));
+  mixed.mixed = std::fabs(mix * (other_z - own_z)) > kMixedMm;
   return mixed;
 }
 
@@ -267,7 +268,9 @@ void DepthSensor::expose_smooth(const CleanView& view, const RowOfFrame& where, 
       if (!lost) depth = deliver(sample, noise, chance);
     }
     pixels[u] = depth;
-    if (person != nullptr) person[at] = depth != 0 ? mask_value(sample.label) : std::uint8_t{0};
+    if (person == nullptr) continue;
+    const std::uint8_t whose = sample.mixed ? mixed_mask_value(sample.label) : mask_value(sample.label);
+    person[at] = depth != 0 ? whose : std::uint8_t{0};
   }
 }
 

@@ -40,6 +40,10 @@ constexpr bool is_hair(std::uint8_t label) {
 constexpr std::uint8_t mask_value(std::uint8_t label) {  // 255 - who for people, else 0
   return static_cast<std::uint8_t>(is_person(label) ? 255 - ((label & 0x7F) >> 1) : 0);
 }
+// Of a pixel that is a person's but whose depth lies between two surfaces: 127 - who for people, else 0.
+constexpr std::uint8_t mixed_mask_value(std::uint8_t label) {
+  return static_cast<std::uint8_t>(mask_value(label) & 0x7F);
+}
 
 // One buffer per quantity, row-major.
 struct CleanView {

@@ -351,9 +351,18 @@ VirtualScene::Surface VirtualScene::person_surface(std::uint64_t index, std::siz
 
 void VirtualScene::person_mask(MaskImage out, std::size_t who) const {
   const std::uint8_t wanted = mask_value(label_of(who, false));
+  const std::uint8_t mixed = mixed_mask_value(label_of(who, false));
   for (int v = 0; v < out.height; ++v) {
     const std::uint8_t* from = &impl_->mask[impl_->view.at(0, v)];
-    for (int u = 0; u < out.width; ++u) out.row(v)[u] = from[u] == wanted ? 255 : 0;
+    for (int u = 0; u < out.width; ++u) out.row(v)[u] = from[u] == wanted || from[u] == mixed ? 255 : 0;
+  }
+}
+
+void VirtualScene::mixed_mask(MaskImage out) const {
+  const std::uint8_t mixed = mixed_mask_value(label_of(0, false));
+  for (int v = 0; v < out.height; ++v) {
+    const std::uint8_t* from = &impl_->mask[impl_->view.at(0, v)];
+    for (int u = 0; u < out.width; ++u) out.row(v)[u] = from[u] == mixed ? 255 : 0;
   }
 }
 

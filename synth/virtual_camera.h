@@ -118,6 +118,9 @@ class VirtualScene {
   // Mask of the person, upright or not like render()'s output, of the frame rendered last: 255 where the delivered
   // depth is the person's (holes and shadow are 0). Masks of different people are disjoint.
   void person_mask(MaskImage out, std::size_t who = 0) const;
+  // Those pixels of the main person's mask whose delivered depth is a mixture with what lies behind or in front, more
+  // than kMixedMm off the person's surface (flying pixels; time of flight alone).
+  void mixed_mask(MaskImage out) const;
   // Box of the main person's clean silhouette in the frame rendered last, sensor pixels; empty before the first.
   PixelBox person_box() const;
   float distance_mm() const;  // as drawn or given

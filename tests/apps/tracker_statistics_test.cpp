@@ -2,6 +2,7 @@
 // The figures of `eval --tracker`, worked out by hand.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -116,6 +117,16 @@ TEST(Overlap, CountsPixelsWithDataOnly) {
   EXPECT_DOUBLE_EQ((Overlap{0, 0, 0}.iou()), 0);
 }
 
+TEST(Overlap, LeavesNobodysPixelsOut) {
+  std::vector<std::uint16_t> depth = {1, 1, 1, 1};
+  std::vector<std::uint8_t> ours = {255, 255, 0, 255}, truth = {255, 0, 255, 255}, nobodys = {0, 0, 255, 255};
+  const Overlap o = overlap_of(DepthView(depth.data(), 4, 1), MaskView(ours.data(), 4, 1),
+                               MaskView(truth.data(), 4, 1), MaskView(nobodys.data(), 4, 1));
+  EXPECT_EQ(o.both, 1U);
+  EXPECT_EQ(o.ours, 2U);
+  EXPECT_EQ(o.truth, 1U);
+}
+
 TEST(JudgeJoints, KnowsWhichTrueJointsAreInThePicture) {
   const Intrinsics k{64, 48, 100, 100, 31.5F, 23.5F};
   JointSet truth, found;
@@ -135,7 +146,7 @@ TrialOutcome trial(Condition condition, int width, const char* group, float erro
   outcome.trial = {condition, width, 0, 0};
   outcome.labels = {{kPoseGroup, group}};
   outcome.cold = outcome.settled = frame_of(error_mm);
-  outcome.iou_cold = outcome.iou_settled = 0.99;
+  outcome.iou_cold = outcome.iou_settled = {0.99, 0.95};
   return outcome;
 }
 
@@ -166,6 +177,10 @@ TEST(TrackerReport, HoldsFiguresAgainstTheBars) {
   EXPECT_NEAR(bar_of(report, "full: 320x240 worse by, %").figure, 20, 1e-6);
   EXPECT_FALSE(bar_of(report, "full: 320x240 worse by, %").met());
   EXPECT_TRUE(bar_of(report, "mask IoU, median").met());
+  const auto flying = std::find_if(report.masks.begin(), report.masks.end(),
+                                   [](const MaskRow& row) { return row.dimension == "flying pixels"; });
+  ASSERT_NE(flying, report.masks.end());
+  EXPECT_EQ(flying->settled.median, 0.95);
   EXPECT_NEAR(bar_of(report, "false users in 10,000 frames").figure, 250, 1e-9);
   EXPECT_EQ(bar_of(report, "identity switches in two-person clips").figure, 3);
   EXPECT_NEAR(bar_of(report, "guidance right, TOO_FAR, %").figure, 100.0 / 3, 1e-9);

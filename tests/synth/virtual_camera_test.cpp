@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <vector>
 
 #include "body_fixture.h"
@@ -253,6 +254,40 @@ TEST_F(VirtualCamera, SwayIsSmallAndCanBeOff) {
 }
 
 // Nothing stands before the person: a furnished room shows every pixel of the person an empty one shows.
+// Against the same scene without noise: a flying pixel is off its surface, any other person's pixel on it.
+TEST_F(VirtualCamera, MixedMaskHoldsThePersonsFlyingPixels) {
+  SceneOptions options;
+  options.sway = false;
+  options.wall_distance_mm = 1200;
+  VirtualScene exact = make(options, exact_sensor(), 5), tof = make(options, tof_sensor(), 5);
+  const Shot clean = take(exact, 3), seen = take(tof, 3);
+  std::vector<std::uint8_t> mixed(seen.mask.size());
+  tof.mixed_mask(MaskImage(mixed.data(), kWidth, kHeight));
+  constexpr int kNoiseMm = 45;  // five standard deviations, of grazing surfaces
+  int mixed_count = 0, on_surface = 0, off_surface = 0;
+  for (std::size_t i = 0; i < mixed.size(); ++i) {
+    if (seen.mask[i] == 0) {
+      ASSERT_EQ(mixed[i], 0);
+      continue;
+    }
+    ASSERT_EQ(clean.mask[i], 255);
+    const int off = std::abs(int{seen.depth[i]} - int{clean.depth[i]});
+    if (mixed[i] != 0) {
+      ++mixed_count;
+      EXPECT_GT(off, static_cast<int>(kMixedMm) - kNoiseMm);
+    } else {
+      (off <= static_cast<int>(kMixedMm) + kNoiseMm ? on_surface : off_surface) += 1;
+    }
+  }
+  EXPECT_GT(mixed_count, 100);
+  EXPECT_LE(off_surface * 500, on_surface) << "surfaces seen at a grazing angle alone";
+
+  VirtualScene kinect = make(options, kinect_sensor(), 5);
+  (void)take(kinect, 3);
+  kinect.mixed_mask(MaskImage(mixed.data(), kWidth, kHeight));
+  EXPECT_EQ(std::count(mixed.begin(), mixed.end(), 0), kWidth * kHeight) << "its pixels see one surface each";
+}
+
 TEST_F(VirtualCamera, FurnitureNeverHidesThePerson) {
   for (std::uint64_t i = 0; i < 20; ++i) {
     SceneOptions options;

@@ -142,7 +142,8 @@ SheetCell trial_cell(const JudgedPicture& picture, const TrialOutcome& outcome) 
   std::vector<std::string> words = {verdict,
                                     fmt::format("person {} scene {}", outcome.trial.subject, outcome.trial.scene),
                                     name_of(outcome.trial.condition)};
-  if (outcome.trial.condition != Condition::bare) words.push_back(fmt::format("IoU {:.2f}", outcome.iou_settled));
+  if (outcome.trial.condition != Condition::bare)
+    words.push_back(fmt::format("IoU {:.2f}", outcome.iou_settled.clear));
   for (const auto& [dimension, value] : outcome.labels)
     if (dimension != kPoseGroup)
       words.push_back(value == "none" || value == "some" ? dimension + " " + value : value);

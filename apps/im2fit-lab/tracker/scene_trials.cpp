@@ -52,10 +52,11 @@ Shot shot_of(const synth::TrackerScene& plan) {
   return {plan.scene, plan.sensor, plan.intrinsics, plan.seed};
 }
 
-JointFrame judge(UprightScene& scene, Observer& observer, double& iou) {
+JointFrame judge(UprightScene& scene, Observer& observer, Ious& iou) {
   Overlap overlap = overlap_of(scene.depth(), observer.mask(), scene.truth_mask());
-  if (!observer.found()) overlap.ours = overlap.both = 0;
-  iou = overlap.iou();
+  Overlap clear = overlap_of(scene.depth(), observer.mask(), scene.truth_mask(), scene.mixed_mask());
+  if (!observer.found()) overlap.ours = overlap.both = clear.ours = clear.both = 0;
+  iou = {clear.iou(), overlap.iou()};
   return judge_joints(observer.joints(), scene.truth(), scene.intrinsics(), overlap.finding());
 }
 

@@ -47,11 +47,17 @@ struct Trial {
   int scene = 0;  // of the subject
 };
 
+// Of our mask and the true one, 0..1.
+struct Ious {
+  double clear = 0;       // without flying pixels, whose depth is nobody's (synth::VirtualScene::mixed_mask)
+  double with_mixed = 0;  // which count as the person's
+};
+
 struct TrialOutcome {
   Trial trial;
   Labels labels;
-  JointFrame cold, settled;              // frame 0 and frame kSettledFrame
-  double iou_cold = 0, iou_settled = 0;  // of our own masks: not bare
+  JointFrame cold, settled;    // frame 0 and frame kSettledFrame
+  Ious iou_cold, iou_settled;  // of our own masks: not bare
 };
 
 // Scenes of one subject stand together, 640 before 320. Depends on the options except threads.

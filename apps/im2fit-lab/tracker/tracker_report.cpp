@@ -84,10 +84,13 @@ std::vector<MaskRow> mask_rows(const std::vector<TrialOutcome>& trials) {
     if (trial.trial.condition != Condition::full) continue;
     const auto add = [&](const std::string& dimension, const std::string& value) {
       MaskTally& tally = classes.of(dimension, value);
-      tally.cold.push_back(trial.iou_cold);
-      tally.settled.push_back(trial.iou_settled);
+      tally.cold.push_back(trial.iou_cold.clear);
+      tally.settled.push_back(trial.iou_settled.clear);
     };
     add("all", "");
+    MaskTally& with_mixed = classes.of("flying pixels", "counted");
+    with_mixed.cold.push_back(trial.iou_cold.with_mixed);
+    with_mixed.settled.push_back(trial.iou_settled.with_mixed);
     for (const auto& [dimension, value] : trial.labels) add(dimension, value);
   }
   std::vector<MaskRow> out;

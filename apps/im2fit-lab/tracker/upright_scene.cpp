@@ -23,7 +23,8 @@ UprightScene::UprightScene(const body::BodyModel& model, const synth::Subject& s
       depth_(delivered_.size()),
       delivered_mask_(delivered_.size()),
       mask_(delivered_.size()),
-      other_mask_(delivered_.size()) {}
+      other_mask_(delivered_.size()),
+      mixed_mask_(delivered_.size()) {}
 
 void UprightScene::show(std::uint64_t frame) {
   frame_ = frame;
@@ -31,17 +32,26 @@ void UprightScene::show(std::uint64_t frame) {
   const DepthImage delivered(delivered_.data(), k.width, k.height);
   scene_.render(frame, delivered);
   hal::rotate_upright(delivered, rotate_deg_, depth());
-  turn_mask(0, mask_);
+  scene_.person_mask(MaskImage(delivered_mask_.data(), k.width, k.height));
+  turn_mask(mask_);
 }
 
 MaskView UprightScene::other_mask(std::size_t who) {
-  turn_mask(who, other_mask_);
+  const Intrinsics& k = scene_.intrinsics();
+  scene_.person_mask(MaskImage(delivered_mask_.data(), k.width, k.height), who);
+  turn_mask(other_mask_);
   return {other_mask_.data(), upright_.width, upright_.height};
 }
 
-void UprightScene::turn_mask(std::size_t who, std::vector<std::uint8_t>& out) {
+MaskView UprightScene::mixed_mask() {
   const Intrinsics& k = scene_.intrinsics();
-  scene_.person_mask(MaskImage(delivered_mask_.data(), k.width, k.height), who);
+  scene_.mixed_mask(MaskImage(delivered_mask_.data(), k.width, k.height));
+  turn_mask(mixed_mask_);
+  return {mixed_mask_.data(), upright_.width, upright_.height};
+}
+
+void UprightScene::turn_mask(std::vector<std::uint8_t>& out) {
+  const Intrinsics& k = scene_.intrinsics();
   // Only depth pictures are turned elsewhere: the mask goes through as one.
   std::copy(delivered_mask_.begin(), delivered_mask_.end(), delivered_.begin());
   hal::rotate_upright(DepthImage(delivered_.data(), k.width, k.height), rotate_deg_,
@@ -67,6 +77,12 @@ Person person_of_mask(MaskView mask) {
   return person;
 }
 
+void Overlap::count(bool in_ours, bool in_truth) {
+  ours += in_ours ? 1 : 0;
+  truth += in_truth ? 1 : 0;
+  both += in_ours && in_truth ? 1 : 0;
+}
+
 double Overlap::iou() const {
   const std::uint64_t either = ours + truth - both;
   return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
@@ -80,14 +96,16 @@ Finding Overlap::finding() const {
 Overlap overlap_of(DepthView depth, MaskView ours, MaskView truth) {
   Overlap o;
   for (int v = 0; v < depth.height; ++v)
-    for (int u = 0; u < depth.width; ++u) {
-      if (depth.at(u, v) == 0) continue;
-      const bool in_ours = ours.at(u, v) != 0;
-      const bool in_truth = truth.at(u, v) != 0;
-      o.ours += in_ours ? 1 : 0;
-      o.truth += in_truth ? 1 : 0;
-      o.both += in_ours && in_truth ? 1 : 0;
-    }
+    for (int u = 0; u < depth.width; ++u)
+      if (depth.at(u, v) != 0) o.count(ours.at(u, v) != 0, truth.at(u, v) != 0);
+  return o;
+}
+
+Overlap overlap_of(DepthView depth, MaskView ours, MaskView truth, MaskView nobodys) {
+  Overlap o;
+  for (int v = 0; v < depth.height; ++v)
+    for (int u = 0; u < depth.width; ++u)
+      if (depth.at(u, v) != 0 && nobodys.at(u, v) == 0) o.count(ours.at(u, v) != 0, truth.at(u, v) != 0);
   return o;
 }
 

@@ -33,19 +33,21 @@ class UprightScene {
   // another is asked for.
   MaskView truth_mask() const { return {mask_.data(), upright_.width, upright_.height}; }
   MaskView other_mask(std::size_t who);
+  // Those of truth_mask() whose depth is a mixture with another surface (synth::VirtualScene::mixed_mask).
+  MaskView mixed_mask();
   JointSet truth(std::size_t who = 0) const { return scene_.joints(frame_, who); }
   FloorPlane floor() const { return scene_.floor(); }
   const synth::VirtualScene& staged() const { return scene_; }
 
  private:
-  void turn_mask(std::size_t who, std::vector<std::uint8_t>& out);
+  void turn_mask(std::vector<std::uint8_t>& out);  // of delivered_mask_
 
   int rotate_deg_;
   synth::VirtualScene scene_;
   Intrinsics upright_;
   std::uint64_t frame_ = 0;
   std::vector<std::uint16_t> delivered_, turned_, depth_;
-  std::vector<std::uint8_t> delivered_mask_, mask_, other_mask_;
+  std::vector<std::uint8_t> delivered_mask_, mask_, other_mask_, mixed_mask_;
 };
 
 // A frame as it was when judged.
@@ -63,11 +65,14 @@ Person person_of_mask(MaskView mask);
 // Pixels with data in both masks, in either, in each.
 struct Overlap {
   std::uint64_t both = 0, ours = 0, truth = 0;
+  void count(bool in_ours, bool in_truth);
   double iou() const;  // 0 for two empty masks
   // Whose mask ours is: the person's when more of it lies on the person than beside.
   Finding finding() const;
 };
 Overlap overlap_of(DepthView depth, MaskView ours, MaskView truth);
+// Without the pixels of `nobodys`.
+Overlap overlap_of(DepthView depth, MaskView ours, MaskView truth, MaskView nobodys);
 
 // Joints found against the true ones; `finding` and confidence are taken over.
 JointFrame judge_joints(const JointSet& found, const JointSet& truth, const Intrinsics& k, Finding finding);
