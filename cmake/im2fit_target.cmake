@@ -38,8 +38,9 @@ function(im2fit_library name)
 endfunction()
 
 # One GoogleTest program per tests/<room>: im2fit_test_room(ROOM DEPENDS im2fit_kernels ...), takes every *_test.cpp.
+# EMULATED_SHARDS N: under an emulator N ctest entries, ROOM_1 to ROOM_N, for rooms that take minutes there.
 function(im2fit_test_room room)
-  cmake_parse_arguments(arg "" "" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "" "EMULATED_SHARDS" "DEPENDS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
   if(NOT sources)
     return()
@@ -48,13 +49,23 @@ function(im2fit_test_room room)
   im2fit_target(${room}_tests)
   target_link_libraries(${room}_tests PRIVATE ${arg_DEPENDS} GTest::gtest_main GTest::gmock)
   # One ctest entry a room: starting a process for each case costs more than most cases.
-  add_test(NAME ${room} COMMAND ${room}_tests)
   # An emulator is ten to fifty times slower.
   if(CMAKE_CROSSCOMPILING)
     set(timeout_s 1500)
   else()
     set(timeout_s 600)
   endif()
-  set_tests_properties(${room} PROPERTIES TIMEOUT ${timeout_s}
-    SKIP_REGULAR_EXPRESSION "NOTHING_TO_TEST")
+  if(CMAKE_CROSSCOMPILING AND arg_EMULATED_SHARDS)
+    foreach(shard RANGE 1 ${arg_EMULATED_SHARDS})
+      math(EXPR index "${shard} - 1")
+      add_test(NAME ${room}_${shard} COMMAND ${room}_tests)
+      set_tests_properties(${room}_${shard} PROPERTIES
+        ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_EMULATED_SHARDS};GTEST_SHARD_INDEX=${index}")
+      list(APPEND tests ${room}_${shard})
+    endforeach()
+  else()
+    add_test(NAME ${room} COMMAND ${room}_tests)
+    set(tests ${room})
+  endif()
+  set_tests_properties(${tests} PROPERTIES TIMEOUT ${timeout_s} SKIP_REGULAR_EXPRESSION "NOTHING_TO_TEST")
 endfunction()
