@@ -61,6 +61,7 @@ void links_avx2(const LinkCells& cells, std::uint8_t* links) {
     }
     link_cells(cells, r, c, cells.width, links);
   }
+  _mm256_zeroupper();  // GCC 12 forgets it at -O2
 }
 
 }  // namespace im2fit

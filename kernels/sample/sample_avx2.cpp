@@ -126,6 +126,9 @@ void sample_avx2(DepthView depth, int step, std::uint16_t* out) {
     }
     out += width;
   }
+  // GCC 12 forgets this after a call of median(). With the upper halves in use, all SSE code that follows waits for
+  // registers it does not need: the search for the floor took two and a half times as long.
+  _mm256_zeroupper();
 }
 
 }  // namespace im2fit
