@@ -65,6 +65,7 @@ Result<RefinedQuery::Asked> RefinedQuery::asked(const index::Seen& seen, const i
 Result<RefinedQuery::Asked> RefinedQuery::ask(const Side& front, const std::optional<Side>& back) {
   index::QueryOptions options;
   options.frame_count = front.fuser.frame_count();
+  options.distance_mm = front.description.distance_mm;
   index::Seen seen{front.description.feature, {}, {}, {}, clothed_};
   if (fitter_ == nullptr) return asked(seen, options);
   if (back) {
@@ -79,6 +80,7 @@ Result<RefinedQuery::Asked> RefinedQuery::ask(const Side& front, const std::opti
   } else {
     seen.back = back->description.feature;
     options.frame_count = std::min(options.frame_count, back->fuser.frame_count());
+    options.distance_mm = std::max(options.distance_mm, back->description.distance_mm);
   }
   return asked(seen, options);
 }

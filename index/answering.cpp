@@ -115,27 +115,19 @@ Result<Answer> Answerer::answer(const Seen& seen, const QueryOptions& options, W
   Corrected& corrected = *found;
   if (seen.clothed && refiner) corrected.value = asked;
   const MetaRecord& meta = contents_.meta;
-  Uncertainty uncertainty{meta.frame_model,
-                          meta.frame_noise,
-                          meta.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
-                          contents_.interval,
-                          contents_.spread_floor,
-                          contents_.sex_table};
+  Uncertainty uncertainty{meta.noise, meta.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
+                          contents_.interval, contents_.spread_floor, contents_.sex_table};
   Answer out;
   if (refiner != nullptr) {
     if (!seen.clothed) refiner->apply(seen, *refining, corrected.value);
     corrected.spread = {};  // of the regression's residuals, not of these
     const RefinementContents& c = refiner->contents();
-    uncertainty = {c.record.frame_model,
-                   c.record.frame_noise,
-                   c.record.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
-                   c.interval,
-                   c.spread_floor,
-                   c.sex_table};
+    uncertainty = {c.record.noise, c.record.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
+                   c.interval, c.spread_floor, c.sex_table};
     out.from = sees_back(refiner->kind()) ? AnsweredFrom::front_and_back : AnsweredFrom::fitted_front;
     out.clothed = seen.clothed;
   }
-  fill_estimates(corrected.value, corrected.spread, uncertainty, options.frame_count, out);
+  fill_estimates(corrected.value, corrected.spread, uncertainty, options, out);
   fill_nearest(corrected, out);
   return out;
 }
@@ -160,15 +152,14 @@ void Answerer::fill_nearest(const Corrected& corrected, Answer& out) const {
 }
 
 void Answerer::fill_estimates(const Targets& targets, const Targets& spread, const Uncertainty& uncertainty,
-                              int frame_count, Answer& out) const {
+                              const QueryOptions& options, Answer& out) const {
   const Contents& c = contents_;
-  const double frames = static_cast<double>(std::max(frame_count, 1));
-  const double frame_factor = std::sqrt(uncertainty.frame_model + uncertainty.frame_noise / frames);
+  const double noise = uncertainty.noise.width(options.frame_count, options.distance_mm);
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     const double unit = static_cast<double>(c.target_scale[m]);
     const double value = static_cast<double>(c.target_mean[m]) + unit * targets[m];
     const double floor = static_cast<double>(uncertainty.spread_floor[m]);
-    const double width = unit * frame_factor * (uncertainty.local ? 0.5 * (floor + spread[m]) : floor);
+    const double width = unit * noise * (uncertainty.local ? 0.5 * (floor + spread[m]) : floor);
     out.measurements[m] = {static_cast<float>(value),
                            static_cast<float>(value + width * static_cast<double>(uncertainty.interval[2 * m])),
                            static_cast<float>(value + width * static_cast<double>(uncertainty.interval[2 * m + 1]))};

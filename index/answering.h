@@ -48,12 +48,12 @@ class Answerer {
   void fill_nearest(const Corrected& corrected, Answer& out) const;
   // How far answers are off, as the file says it of one way of answering.
   struct Uncertainty {
-    double frame_model, frame_noise;
+    NoiseModel noise;
     bool local;
     std::span<const float> interval, spread_floor, sex_table;
   };
-  void fill_estimates(const Targets& targets, const Targets& spread, const Uncertainty& uncertainty, int frame_count,
-                      Answer& out) const;
+  void fill_estimates(const Targets& targets, const Targets& spread, const Uncertainty& uncertainty,
+                      const QueryOptions& options, Answer& out) const;
 
   Contents contents_;
   Regressor regressor_;

@@ -193,6 +193,7 @@ Status Builder::read_moments() {
       rows_.targets.row(row) = y.transpose();
       rows_.subject.push_back(static_cast<std::uint32_t>(sample.subject));
       rows_.frame_count.push_back(std::max(sample.frame_count, 1));
+      rows_.distance_mm.push_back(sample.distance_mm);
       rows_.fold.push_back(fold);
     }
     tell("learning", ++sample_count_);
@@ -378,8 +379,7 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
   meta.leaf_count = static_cast<std::uint32_t>(tree.view().leaf_count());
   meta.group_count = static_cast<std::uint32_t>(groups_.size());
   meta.interval_kind = static_cast<std::uint32_t>(intervals.kind);
-  meta.frame_model = intervals.frame_model;
-  meta.frame_noise = intervals.frame_noise;
+  meta.noise = intervals.noise;
   meta.population_seed = options_.population_seed;
   meta.population_version = options_.population_version;
   meta.densified_count = static_cast<std::uint32_t>(person_.size() - sample_count_);
@@ -440,6 +440,7 @@ std::vector<HeldOut> Builder::answer_strangers(std::span<const std::byte> file) 
     HeldOut row;
     row.subject = static_cast<std::uint32_t>(s.subject);
     row.frame_count = s.frame_count;
+    row.distance_mm = s.distance_mm;
     const auto corrected = answerer.corrected(answerer.regressed(s.feature, work), {}, work);
     if (!corrected) return out;
     row.answer = corrected->value;

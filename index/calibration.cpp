@@ -2,6 +2,7 @@
 #include "index/calibration.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace im2fit::index {
@@ -13,7 +14,7 @@ constexpr double kSpreadMin = 1e-6;  // standardised: a measurement that never v
 double width_of(const IntervalModel& model, const HeldOut& row, std::size_t m) {
   const auto floor = static_cast<double>(model.spread_floor[m]);
   const double base = model.kind == IntervalKind::local_spread ? 0.5 * (floor + row.spread[m]) : floor;
-  return base * std::sqrt(model.frame_model + model.frame_noise / std::max(row.frame_count, 1));
+  return base * model.noise.width(row.frame_count, row.distance_mm);
 }
 
 double error_of(const HeldOut& row, std::size_t m) {
@@ -50,30 +51,39 @@ double interval_score(const IntervalModel& model, const std::vector<const HeldOu
   return sum;
 }
 
-// Least squares of squared errors against 1/frames, both parts kept at or above zero.
-void fit_frame_model(IntervalModel& model, const std::vector<HeldOut>& rows) {
-  double s = 0, sx = 0, sxx = 0, sy = 0, sxy = 0;
+// Least squares of squared errors against the terms of the noise, none of them below zero: the normal equations,
+// solved term by term. Where no term explains more than the mean does, the mean it is.
+NoiseModel fit_noise(const IntervalModel& model, const std::vector<HeldOut>& rows) {
+  constexpr int kRounds = 1000;
+  constexpr double kConstantMin = 0.01;  // of the mean: no width is zero
+  std::array<std::array<double, kNoiseTerms>, kNoiseTerms> gram{};
+  std::array<double, kNoiseTerms> cross{};
   for (const HeldOut& row : rows) {
-    const double x = 1.0 / std::max(row.frame_count, 1);
-    double y = 0;
+    const auto terms = noise_terms(row.frame_count, row.distance_mm);
+    double square = 0;
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
       const double e = error_of(row, m) / static_cast<double>(model.spread_floor[m]);
-      y += std::min(e * e, 16.0) / kMeasurementCount;  // a few wild answers must not decide
+      square += std::min(e * e, 16.0) / kMeasurementCount;  // a few wild answers must not decide
     }
-    s += 1, sx += x, sxx += x * x, sy += y, sxy += x * y;
+    for (std::size_t i = 0; i < kNoiseTerms; ++i) {
+      cross[i] += terms[i] * square;
+      for (std::size_t j = 0; j < kNoiseTerms; ++j) gram[i][j] += terms[i] * terms[j];
+    }
   }
-  const double determinant = s * sxx - sx * sx;
-  if (determinant < 1e-6 * s * s || sy <= 0) return;
-  double slope = (s * sxy - sx * sy) / determinant;
-  double constant = (sy - slope * sx) / s;
-  if (slope <= 0) return;
-  if (constant < 0) {
-    constant = 0;
-    slope = sxy / sxx;
-  }
-  const double mean = sy / s;
-  model.frame_model = constant / mean;
-  model.frame_noise = slope / mean;
+  const double mean = cross[0] / gram[0][0];
+  if (!(mean > 0)) return {};
+  NoiseModel noise;
+  auto& share = noise.share;
+  share[0] = mean;
+  for (int round = 0; round < kRounds; ++round)
+    for (std::size_t i = 0; i < kNoiseTerms; ++i) {
+      if (gram[i][i] <= 0) continue;
+      double rest = cross[i];
+      for (std::size_t j = 0; j < kNoiseTerms; ++j) rest -= j == i ? 0 : gram[i][j] * share[j];
+      share[i] = std::max(rest / gram[i][i], i == 0 ? kConstantMin * mean : 0.0);
+    }
+  for (double& s : share) s /= mean;
+  return noise;
 }
 
 }  // namespace
@@ -86,7 +96,7 @@ IntervalModel calibrate_intervals(const std::vector<HeldOut>& rows) {
     model.spread_floor[m] =
         static_cast<float>(std::max(std::sqrt(sum / static_cast<double>(rows.size())), kSpreadMin));
   }
-  fit_frame_model(model, rows);
+  model.noise = fit_noise(model, rows);
 
   std::vector<const HeldOut*> all, even, odd;
   for (const HeldOut& row : rows) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "index/format.h"
+#include "index/noise_model.h"
 
 namespace im2fit::index {
 
@@ -14,6 +15,7 @@ namespace im2fit::index {
 struct HeldOut {
   std::uint32_t subject = 0;
   int frame_count = 1;
+  int distance_mm = 0;
   Targets truth{};
   Targets answer{};
   Targets spread{};  // of the residuals nearby
@@ -21,16 +23,15 @@ struct HeldOut {
 
 struct IntervalModel {
   IntervalKind kind = IntervalKind::constant;
-  double frame_model = 1;
-  double frame_noise = 0;
+  NoiseModel noise;
   std::array<float, kMeasurementCount> spread_floor{};
   std::array<float, 2 * kMeasurementCount> quantiles{};
   MeasurementValues coverage{};  // calibrated on every second subject, counted on the others
 };
 
 // Split conformal prediction on signed errors over a width that may follow the local spread (normalised scores;
-// Lei et al. 2018) and the number of fused frames. The kind with the better interval score (Gneiting & Raftery
-// 2007) wins.
+// Lei et al. 2018), and the number of fused frames and the distance. The kind with the better interval score
+// (Gneiting & Raftery 2007) wins.
 IntervalModel calibrate_intervals(const std::vector<HeldOut>& rows);
 
 // Probability of a woman by regressed score (+1 woman, -1 man): logistic regression, tabulated for the device.

@@ -79,6 +79,11 @@ bool within(double value, double low, double high) {
   return value >= low && value <= high;
 }  // false for NaN
 
+bool possible(const NoiseModel& n) {
+  return std::all_of(n.share.begin(), n.share.end(), [](double s) { return within(s, 0, 1e9); }) &&
+         n.share[0] + n.share[1] > 1e-9;
+}
+
 void check_meta(SectionReader& in, const MetaRecord& m) {
   in.require(within(m.feature_size, 1, kFeatureMax), "meta", "says an impossible feature size");
   in.require(within(m.target_count, kTargetMin, kTargetMax), "meta", "says an impossible number of targets");
@@ -93,8 +98,7 @@ void check_meta(SectionReader& in, const MetaRecord& m) {
   in.require(within(m.grid_unit, 1e-9, 1e9), "meta", "says an impossible grid unit");
   in.require(within(m.intercept_penalty, 0, 1e9) && within(m.slope_penalty, 0, 1e9), "meta",
              "says an impossible penalty");
-  in.require(within(m.frame_model, 0, 1e9) && within(m.frame_noise, 0, 1e9) && m.frame_model + m.frame_noise > 1e-9,
-             "meta", "says an impossible noise model");
+  in.require(possible(m.noise), "meta", "says an impossible noise model");
 }
 
 CodeTree take_tree(SectionReader& in, const MetaRecord& m) {
@@ -154,9 +158,7 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
   in.require(within(c.record.fit_size, kFitQualities, kFitMax), name("about").c_str(), "says an impossible fit");
   in.require(c.record.interval_kind <= 1, name("about").c_str(), "names an unknown method");
   for (const float share : c.record.share) in.require(within(share, 0, 1), name("about").c_str(), "mixes impossibly");
-  in.require(within(c.record.frame_model, 0, 1e9) && within(c.record.frame_noise, 0, 1e9) &&
-                 c.record.frame_model + c.record.frame_noise > 1e-9,
-             name("about").c_str(), "says an impossible noise model");
+  in.require(possible(c.record.noise), name("about").c_str(), "says an impossible noise model");
   if (in.failed()) return c;
   const std::size_t size = refined_size(kind, m.feature_size, c.record.fit_size);
   c.mean = in.take<std::uint16_t>(name("mean").c_str(), size);

@@ -14,13 +14,14 @@
 
 #include "base/status.h"
 #include "index/code_tree.h"
+#include "index/noise_model.h"
 #include "index/refinement.h"
 #include "index/regression.h"
 
 namespace im2fit::index {
 
 inline constexpr char kMagic[] = "I2FX";
-inline constexpr std::uint32_t kVersion = 5;
+inline constexpr std::uint32_t kVersion = 6;
 inline constexpr std::uint32_t kFeatureMax = 16384;
 inline constexpr std::uint32_t kEntryMax = 1U << 24;
 inline constexpr std::uint32_t kGroupMax = 16;
@@ -46,15 +47,14 @@ struct MetaRecord {
   double grid_unit = 1;             // projected space per grid step
   double intercept_penalty = 0;
   double slope_penalty = 0;
-  double frame_model = 1;  // error variance(frames) = frame_model + frame_noise / frames, relative
-  double frame_noise = 0;
+  NoiseModel noise;
   std::uint64_t population_seed = 0;
   std::uint32_t population_version = 0;
   std::uint32_t densified_count = 0;  // of the entries
   std::uint32_t tracker_key = 0;      // 0: unknown
   std::uint32_t reserved = 0;
 };
-static_assert(sizeof(MetaRecord) == 112);
+static_assert(sizeof(MetaRecord) == 128);
 
 struct GroupRecord {
   char name[24] = {};

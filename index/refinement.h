@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "index/noise_model.h"
 #include "index/regression.h"
 
 namespace im2fit::index {
@@ -65,13 +66,12 @@ struct RefinementRecord {
   std::uint32_t penalty_millionths = 0;  // of the ridge, of the values' variance
   std::uint32_t shape_key = 0;           // of the shape space that fits must be of
   std::uint32_t reserved = 0;
-  double frame_model = 1;
-  double frame_noise = 0;
+  NoiseModel noise;
   std::array<float, kTargetMin> share{};  // of the refined in the answer, 0..1; the rest is the plain one's
   MeasurementValues mae{};                // of answers to people it was not learned from
   MeasurementValues coverage{};           // of the 95 % intervals
 };
-static_assert(sizeof(RefinementRecord) == 40 + 4 * kTargetMin + 8 * kMeasurementCount);
+static_assert(sizeof(RefinementRecord) == 56 + 4 * kTargetMin + 8 * kMeasurementCount);
 
 // The nearest float whose lower half is zero, and its upper half: three digits, enough to standardise by.
 constexpr std::uint16_t upper_of_float(float value) {

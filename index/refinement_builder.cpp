@@ -150,9 +150,10 @@ void RefinementBuilder::add(const Sample& sample) {
   if (fit_size_ == 0) fit_size_ = sample.fit.size();
   Row& row = rows.emplace_back();
   row.subject = sample.subject;
-  // As the device counts them: with both sides seen, the fewer of the two.
+  // As the device counts them: with both sides seen, the fewer of the two and the farther.
   row.frame_count = {std::max(sample.frame_count, 1),
                      std::max(std::min(sample.frame_count, sample.back_frame_count), 1)};
+  row.distance_mm = {sample.distance_mm, std::max(sample.distance_mm, sample.back_distance_mm)};
   row.stranger = sample.calibrate_only;
   row.woman = sample.woman;
   row.truth = sample.truth;
@@ -239,6 +240,7 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     HeldOut& h = held_out.emplace_back();
     h.subject = static_cast<std::uint32_t>(row.subject);
     h.frame_count = row.frame_count[sees_back(kind) ? 1 : 0];
+    h.distance_mm = row.distance_mm[sees_back(kind) ? 1 : 0];
     for (std::size_t t = 0; t < kTargetMin; ++t) {
       const auto column = static_cast<std::ptrdiff_t>(t);
       h.truth[t] = said.truth(i, column);
@@ -266,8 +268,7 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
   }
   const IntervalModel intervals = calibrate_intervals(held_out);
   record.interval_kind = static_cast<std::uint32_t>(intervals.kind);
-  record.frame_model = intervals.frame_model;
-  record.frame_noise = intervals.frame_noise;
+  record.noise = intervals.noise;
   record.coverage = intervals.coverage;
   interval.assign(intervals.quantiles.begin(), intervals.quantiles.end());
   spread_floor.assign(intervals.spread_floor.begin(), intervals.spread_floor.end());

@@ -39,7 +39,8 @@ class RefinementBuilder {
  private:
   struct Row {
     std::uint64_t subject = 0;
-    std::array<int, 2> frame_count{};  // of the front, and of the side with fewer
+    // Of the front, and of the side with fewer or that is farther.
+    std::array<int, 2> frame_count{}, distance_mm{};
     bool stranger = false;
     bool woman = false;
     MeasurementValues truth{};

@@ -20,6 +20,7 @@ struct TrainingRows {
   Eigen::MatrixXd targets;             // standardised
   std::vector<std::uint32_t> subject;  // 0 .. subject count - 1
   std::vector<int> frame_count;        // fused behind the capture
+  std::vector<int> distance_mm;        // camera to person
   std::vector<int> fold;               // of the subject: never two folds for one subject
   int fold_count = 0;
 };

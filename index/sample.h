@@ -21,6 +21,7 @@ struct Sample {
   bool woman = false;
   std::vector<float> body;  // parameters of the mesh, the same size in every sample: shape beyond the measurements
   int frame_count = 1;      // frames fused behind the feature
+  int distance_mm = 0;      // camera to person, as kernels/observe sees it; 0: not known
   // No entry, and the regression behind the entries does not learn from it: the intervals are fitted to such
   // subjects, so that they also hold for people unlike the index' own. Used when there are at least 200 of them.
   bool calibrate_only = false;
@@ -32,6 +33,7 @@ struct Sample {
   std::vector<float> back;      // the feature of a view from behind
   std::vector<float> fit_both;  // shape fitted to front and back
   int back_frame_count = 0;     // frames fused behind `back`
+  int back_distance_mm = 0;
   bool refines() const { return !fit.empty(); }
   bool is_entry() const { return !calibrate_only && !clothed; }
 };

@@ -346,6 +346,7 @@ void Tuner::answer_held_out() {
     HeldOut row;
     row.subject = rows_.subject[static_cast<std::size_t>(i)];
     row.frame_count = rows_.frame_count[static_cast<std::size_t>(i)];
+    row.distance_mm = rows_.distance_mm[static_cast<std::size_t>(i)];
     row.truth = row_of(rows_.targets, i);
     row.answer = row_of(regressed_, i);
     const Coordinates grid = grid_of(i);

@@ -19,10 +19,10 @@
 namespace im2fit::synth {
 namespace {
 
-constexpr int kAttempts = 3;                  // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 9;  // raise when the way to a feature changes: shards are then made again
-constexpr int kBackCaptures = 4096;           // numbers of captures from behind begin here
-constexpr int kClothedCaptures = 8192;        // and of those in clothes
+constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
+constexpr std::uint64_t kDatasetVersion = 10;  // raise when the way to a feature changes: shards are then made again
+constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
+constexpr int kClothedCaptures = 8192;         // and of those in clothes
 constexpr std::uint64_t kOutfitStream = 0x0F17;
 constexpr double kReportSeconds = 0.25;
 
@@ -71,6 +71,8 @@ CaptureOptions from_behind(const CaptureOptions& front, const DatasetOptions& o,
   CaptureOptions back = draw_capture(o.variety, o.seed, number, kBackCaptures + capture);
   back.intrinsics = front.intrinsics;
   back.scene.rotate_deg = front.scene.rotate_deg;
+  back.scene.distance_mm = front.scene.distance_mm;
+  back.scene.enlarge_to_fit = front.scene.enlarge_to_fit;
   back.scene.pose = front.scene.pose;
   back.scene.clothing = front.scene.clothing;
   back.scene.hair = front.scene.hair;
@@ -93,6 +95,7 @@ void turn_round(CaptureRig& rig, const Person& person, const CaptureOptions& fro
     sample.fit = std::move(fits.front);
     sample.fit_both = std::move(fits.both);
     sample.back_frame_count = back.frame_count;
+    sample.back_distance_mm = back.distance_mm;
     return;
   }
 }
@@ -133,6 +136,7 @@ index::Sample sample_of(const body::BodyModel& model, const Subject& subject, st
   s.woman = subject.woman;
   s.body = body::pack_params(subject.params, model.modifier_names().size());
   s.frame_count = capture.frame_count;
+  s.distance_mm = capture.distance_mm;
   return s;
 }
 
@@ -318,6 +322,7 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.frames_max = static_cast<std::uint32_t>(o.variety.frames_max);
   run.wide_share = o.variety.wide_share;
   run.landscape_share = o.variety.landscape_share;
+  run.anywhere_share = o.variety.anywhere_share;
   run.plain = o.variety.plain ? 1 : 0;
   run.stranger_every = static_cast<std::uint32_t>(o.stranger_every);
   run.stranger_below = o.stranger_every > 0 ? o.stranger_below : 0;

@@ -16,7 +16,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr char kMagic[] = "I2DS";
-constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersion = 5;
 constexpr char kEnding[] = ".i2d";
 
 struct Head {
@@ -32,8 +32,11 @@ struct Row {
   std::uint16_t back_frame_count = 0;  // 0 unless turned
   std::uint16_t flags = 0;             // 1 woman, 2 calibrate_only, 4 turned, 8 clothed
   std::uint16_t body_values = 0;       // other than zero
+  std::uint16_t distance_mm = 0;
+  std::uint16_t back_distance_mm = 0;  // 0 unless turned
+  std::uint32_t reserved = 0;
 };
-static_assert(sizeof(Row) == 16);
+static_assert(sizeof(Row) == 24);
 constexpr std::uint16_t kWoman = 1;
 constexpr std::uint16_t kCalibrateOnly = 2;
 constexpr std::uint16_t kTurned = 4;  // has a view from behind and fits, in the order of rows
@@ -50,6 +53,7 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("frames_max", std::uint64_t{r.frames_max});
   visit("wide_share", r.wide_share);
   visit("landscape_share", r.landscape_share);
+  visit("anywhere_share", r.anywhere_share);
   visit("plain", std::uint64_t{r.plain});
   visit("stranger_every", std::uint64_t{r.stranger_every});
   visit("feature_size", std::uint64_t{r.feature_size});
@@ -164,8 +168,12 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
   for (const index::Sample& s : chunk.samples) {
     if (s.feature.size() != run.feature_size || s.body.size() != run.body_size)
       return wrong(path, "a sample is not of the run's sizes");
-    Row row{s.subject, static_cast<std::uint16_t>(s.frame_count), static_cast<std::uint16_t>(s.back_frame_count), 0,
-            0};
+    Row row;
+    row.subject = s.subject;
+    row.frame_count = static_cast<std::uint16_t>(s.frame_count);
+    row.back_frame_count = static_cast<std::uint16_t>(s.back_frame_count);
+    row.distance_mm = static_cast<std::uint16_t>(s.distance_mm);
+    row.back_distance_mm = static_cast<std::uint16_t>(s.back_distance_mm);
     row.flags = static_cast<std::uint16_t>((s.woman ? kWoman : 0) | (s.calibrate_only ? kCalibrateOnly : 0) |
                                            (s.refines() ? kTurned : 0) | (s.clothed ? kClothed : 0));
     if (s.refines() &&
@@ -250,6 +258,8 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
     s.subject = row.subject;
     s.frame_count = row.frame_count;
     s.back_frame_count = row.back_frame_count;
+    s.distance_mm = row.distance_mm;
+    s.back_distance_mm = row.back_distance_mm;
     s.woman = (row.flags & kWoman) != 0;
     s.calibrate_only = (row.flags & kCalibrateOnly) != 0;
     s.clothed = (row.flags & kClothed) != 0;

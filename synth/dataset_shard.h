@@ -27,6 +27,7 @@ struct RunKey {
   std::uint32_t frames_max = 0;
   double wide_share = 0;
   double landscape_share = 0;
+  double anywhere_share = 0;
   std::uint32_t plain = 0;
   std::uint32_t stranger_every = 0;
   std::uint32_t feature_size = 0;

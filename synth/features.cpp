@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::uint64_t kCaptureStream = 0xCA97;
 constexpr double kMoreFramesShare = 1.0 / 3;
+constexpr double kNearestMm = 1800, kFarthestMm = 4000;  // people fit from about 1.9 m on; beyond 4 m it is TOO_FAR
 constexpr int kPatience = 4;  // frames beyond 1.5 times those wanted before a capture is given up
 // Frames rendered, then sensed, in turns: renderer and tracker each need more than a core's own cache.
 constexpr int kTogether = 3;
@@ -123,6 +124,7 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
   capture_.valid = description.valid;
   capture_.joints = description.joints;
   capture_.floor = description.floor;
+  capture_.distance_mm = description.distance_mm;
   capture_.paper = description.paper;
   capture_.feature = description.feature;
   return capture_;
@@ -188,6 +190,12 @@ CaptureOptions draw_capture(const CaptureVariety& variety, std::uint64_t seed, s
   // half of the thirty a device takes, above all at outlines (docs/dataset.md).
   out.frame_count = variety.frames_min;
   while (out.frame_count + 2 <= variety.frames_max && rng.uniform() < kMoreFramesShare) out.frame_count += 2;
+  const bool anywhere = rng.uniform() < variety.anywhere_share;
+  const double distance_mm = rng.uniform(kNearestMm, kFarthestMm);
+  if (anywhere) {
+    out.scene.distance_mm = static_cast<float>(distance_mm);
+    out.scene.enlarge_to_fit = true;
+  }
   return out;
 }
 

@@ -32,6 +32,7 @@ struct Capture {
   std::array<int, kGuidanceCount> refused{};  // frames, by guidance code
   JointSet joints;
   FloorPlane floor;
+  int distance_mm = 0;  // as the device sees it
   PaperMeasurements paper;
   Feature feature{};
 };
@@ -94,7 +95,10 @@ struct CaptureVariety {
   int frames_max = 9;
   double wide_share = 0.1;        // of captures at 640x480; the others at 320x240
   double landscape_share = 0.35;  // of mountings; the others portrait
-  bool plain = false;             // no furniture: relaxed pose, empty room
+  // Of distances: anywhere the device accepts a person who fits into the picture; the others where a person is best
+  // seen (camera_place.h).
+  double anywhere_share = 0.3;
+  bool plain = false;  // no furniture: relaxed pose, empty room
 };
 CaptureOptions draw_capture(const CaptureVariety& variety, std::uint64_t seed, std::uint64_t subject, int capture);
 

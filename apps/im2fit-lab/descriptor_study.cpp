@@ -73,6 +73,7 @@ bool capture(Bench& bench, const synth::Subject& subject, const synth::CaptureOp
   const Intrinsics upright = hal::rotate_upright(options.intrinsics, options.scene.rotate_deg);
   row.sample.feature.assign(got.feature.begin(), got.feature.end());
   row.sample.frame_count = got.frame_count;
+  row.sample.distance_mm = got.distance_mm;
   std::copy_n(got.feature.begin() + kFpfhFirst, kFpfhCount, row.descriptors[0].begin());
   for (std::size_t w = 1; w < kDescriptorWays.size(); ++w)
     bench.describer.run(kDescriptorWays[w], *bench.rig.gathered(), upright, got.joints, row.descriptors[w]);
@@ -131,6 +132,7 @@ Result<std::vector<MeasurementValues>> errors_of(std::size_t way, const std::vec
     const index::Sample asked = described(row, way);
     index::QueryOptions query;
     query.frame_count = asked.frame_count;
+    query.distance_mm = asked.distance_mm;
     const auto answer = index->query(asked.feature, query, *scratch);
     if (!answer) return answer.error();
     MeasurementValues& error = errors.emplace_back();

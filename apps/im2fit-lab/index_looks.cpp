@@ -226,6 +226,10 @@ void add_index_looks(CLI::App& index, Command& chosen) {
   asks->add_option("--frames", options->query.frame_count, "Frames fused behind the feature")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
+  asks->add_option("--distance", options->query.distance_mm, "From camera to person; 0: not known")
+      ->check(CLI::Range(0, 10000))
+      ->type_name("MM")
+      ->capture_default_str();
   asks->add_flag("--exhaustive", options->query.exhaustive, "Look at every entry: the same answer");
   asks->add_flag("--json", options->json, "A line of JSON a feature");
 }

@@ -24,6 +24,11 @@ float median(std::array<float, kFramesMax>& values, int count) {
   return *middle;
 }
 
+int whole_mm(float mm) {
+  constexpr float kMostMm = 65535;
+  return mm > 0 ? static_cast<int>(std::min(mm, kMostMm) + 0.5F) : 0;  // 0 also where it is no number
+}
+
 }  // namespace
 
 struct Fuser::Workspace {
@@ -144,6 +149,7 @@ const Fuser::Description& Fuser::describe() {
   w.fusion.finish();
   d.joints = w.median_joints();
   d.floor = w.mean_floor();
+  d.distance_mm = whole_mm(d.joints[Joint::TO].z);
   d.paper = measure_paper(w.fusion.depth_q4(), w.fusion.mask(), w.intrinsics, d.joints, w.paper);
 
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();

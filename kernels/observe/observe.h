@@ -89,6 +89,7 @@ class Fuser {
     bool valid = false;
     JointSet joints;  // robust mean over the frames
     FloorPlane floor;
+    int distance_mm = 0;  // of the trunk's middle, along the camera's axis; 65535 at most
     PaperMeasurements paper;
     Feature feature;
   };

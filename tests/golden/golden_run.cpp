@@ -107,10 +107,12 @@ void add_description(Lines& lines, const Fuser& fuser, const Fuser::Description&
   lines.add_checksum("feature", checksum(feature));
 }
 
-void add_answer(Lines& lines, const index::Index& index, std::span<const float> feature, int frame_count) {
+void add_answer(Lines& lines, const index::Index& index, std::span<const float> feature, int frame_count,
+                int distance_mm) {
   const auto scratch = index.make_scratch();
   index::QueryOptions options;
   options.frame_count = frame_count;
+  options.distance_mm = distance_mm;
   const index::Answer answer = *index.query(feature, options, *scratch);
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {
     const index::Estimate& e = answer.measurements[i];
@@ -187,7 +189,7 @@ Result<std::string> stages(const Data& data) {
   if (!description.valid) return Error{ErrorCode::invalid_argument, "no frame of the clip was accepted"};
   add_description(lines, fuser, description);
   add_cloud(lines, k, fuser.depth_q4());
-  add_answer(lines, data.index(), description.feature, fuser.frame_count());
+  add_answer(lines, data.index(), description.feature, fuser.frame_count(), description.distance_mm);
   return lines.text();
 }
 

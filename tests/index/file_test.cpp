@@ -198,7 +198,11 @@ TEST(IndexFile, HostileValuesBehindCorrectChecksumsAreRefused) {
       {"meta", patched("meta", 32, std::uint32_t{5000})},  // neighbours
       {"meta", patched("meta", 48, 0.0)},                  // grid unit
       {"meta", patched("meta", 48, std::numeric_limits<double>::quiet_NaN())},
-      {"meta", patched("meta", 64, -1.0)},  // slope penalty
+      {"meta", patched("meta", 64, -1.0)},                                      // slope penalty
+      {"meta", patched("meta", 72, std::numeric_limits<double>::quiet_NaN())},  // noise
+      {"meta", patched("meta", 80, -1.0)},
+      {"meta", patched("meta", 88, -1.0)},
+      {"meta", patched("meta", 96, 2e9)},
       {"ridge", patched("ridge", 400, std::int16_t{-32768})},
       {"ridge.unit", patched("ridge.unit", 8, kNaN)},
       {"ridge.unit", patched("ridge.unit", 8, 1e30F)},
@@ -240,6 +244,12 @@ TEST(IndexFile, DamagedForeignAndTruncatedFilesAreRefused) {
       EXPECT_EQ(std::memcmp(&*x, &y, sizeof y), 0) << "byte " << at;
     }
   }
+  auto earlier = good;  // what follows the header is as it was
+  earlier[4] = std::byte{kVersion - 1};
+  const auto old = Index::parse(earlier, "old.i2f");
+  ASSERT_FALSE(old);
+  for (const char* part : {"old.i2f", "version 5", "version 6"})
+    EXPECT_NE(old.error().message.find(part), std::string::npos) << old.error().message;
   ContainerWriter body("I2BD", 1);
   auto foreign = Index::parse(body.finish(), "body.i2b");
   ASSERT_FALSE(foreign);

@@ -42,7 +42,8 @@ class TemporaryFolder {
 bool same(const index::Sample& a, const index::Sample& b) {
   return a.subject == b.subject && a.woman == b.woman && a.calibrate_only == b.calibrate_only &&
          a.clothed == b.clothed && a.frame_count == b.frame_count && a.back_frame_count == b.back_frame_count &&
-         a.truth == b.truth && a.body == b.body && a.feature.size() == b.feature.size() &&
+         a.distance_mm == b.distance_mm && a.back_distance_mm == b.back_distance_mm && a.truth == b.truth &&
+         a.body == b.body && a.feature.size() == b.feature.size() &&
          std::memcmp(a.feature.data(), b.feature.data(), a.feature.size() * sizeof(float)) == 0;
 }
 bool same(const std::vector<index::Sample>& a, const std::vector<index::Sample>& b) {
@@ -76,6 +77,8 @@ Chunk small_chunk() {
     s.clothed = i == 0;
     s.frame_count = 4 + static_cast<int>(i);
     s.back_frame_count = i == 2 ? 3 : 0;
+    s.distance_mm = 2345 + 30000 * static_cast<int>(i);
+    s.back_distance_mm = i == 2 ? 3456 : 0;
     chunk.samples.push_back(s);
   }
   chunk.counts.subjects = chunk.counts.samples = 3;
@@ -269,7 +272,7 @@ TEST_F(Shards, ADamagedOneIsFoundWhenRead) {
 
 TEST(CaptureDraws, VaryAsAskedAndRepeat) {
   CaptureVariety variety;
-  int wide = 0, landscape = 0;
+  int wide = 0, landscape = 0, anywhere = 0, far = 0;
   for (std::uint64_t s = 0; s < 2000; ++s) {
     const CaptureOptions a = draw_capture(variety, 1, s, 0);
     const CaptureOptions b = draw_capture(variety, 1, s, 0);
@@ -282,7 +285,13 @@ TEST(CaptureDraws, VaryAsAskedAndRepeat) {
     EXPECT_NEAR(a.sensor.depth_scale, 1, 0.003001);
     wide += a.intrinsics.width == 640 ? 1 : 0;
     landscape += a.scene.rotate_deg == 0 ? 1 : 0;
+    anywhere += a.scene.distance_mm > 0 ? 1 : 0;
+    far += a.scene.distance_mm > 3300 ? 1 : 0;
+    EXPECT_EQ(a.scene.enlarge_to_fit, a.scene.distance_mm > 0);
+    EXPECT_LE(a.scene.distance_mm, 4000);  // TOO_FAR
   }
+  EXPECT_NEAR(anywhere / 2000.0, variety.anywhere_share, 0.04);
+  EXPECT_NEAR(far / 2000.0, variety.anywhere_share / 3, 0.03);
   EXPECT_NEAR(wide / 2000.0, variety.wide_share, 0.03);
   EXPECT_NEAR(landscape / 2000.0, variety.landscape_share, 0.04);
 }
@@ -388,6 +397,23 @@ TEST_F(Dataset, EverySecondPairIsSeenInClothesToo) {
   }
   EXPECT_EQ(clothed, (std::vector<std::uint64_t>{2, 3}));
   EXPECT_TRUE(same(rest, bare));
+}
+
+TEST_F(Dataset, KnowsHowFarAwayPeopleStoodByTheTrunk) {
+  DatasetOptions o = small();
+  o.variety.anywhere_share = 1;
+  constexpr std::size_t kMeanDepth = kPaperFeatureSize + ProfileLayout::kSceneValues;  // of the person's pixels
+  int least = 10000, most = 0;
+  for (const index::Sample& s : make(o)) {
+    EXPECT_NEAR(s.distance_mm, s.feature[kMeanDepth], 200);
+    if (s.refines()) {
+      EXPECT_NEAR(s.back_distance_mm, s.distance_mm, 250) << "at the same place";
+    }
+    EXPECT_EQ(s.back_distance_mm > 0, s.refines());
+    least = std::min(least, s.distance_mm);
+    most = std::max(most, s.distance_mm);
+  }
+  EXPECT_GT(most, least + 500);
 }
 
 TEST_F(Dataset, ResumesFromShardsAndMakesDamagedOnesAgain) {

@@ -17,7 +17,7 @@ struct Word {
   void (*change)(EvaluationOptions&);
 };
 
-// Near is where Kinect's field just holds a tall person in portrait mount, far where guidance says TOO_FAR.
+// Near is where Kinect's field just holds a tall person in portrait mount, far most of the way to TOO_FAR.
 constexpr float kNearMm = 1900, kFarMm = 3600;
 
 constexpr std::array<Word, 16> kWords = {{

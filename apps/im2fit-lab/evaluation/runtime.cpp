@@ -24,7 +24,7 @@ constexpr std::size_t kQueriesMost = 5000;
 struct Asker {
   Feature feature;
   JointSet joints;
-  int frames = 0;
+  int frames = 0, distance_mm = 0;
   double describe_ms = 0;
 };
 
@@ -37,7 +37,8 @@ std::vector<Asker> askers(const SessionModels& models, const EvaluationOptions& 
     const double before = rig.cost.describe;
     const synth::Capture& capture = rig.run(person.subject, person.capture);
     if (capture.valid)
-      people.push_back({capture.feature, capture.joints, capture.frame_count, 1e3 * (rig.cost.describe - before)});
+      people.push_back({capture.feature, capture.joints, capture.frame_count, capture.distance_mm,
+                        1e3 * (rig.cost.describe - before)});
   }
   return people;
 }
@@ -56,6 +57,7 @@ Status time_queries(const index::Index& index, const std::vector<Asker>& people,
     const Asker& asker = people[i % people.size()];
     index::QueryOptions options;
     options.frame_count = asker.frames;
+    options.distance_mm = asker.distance_mm;
     synth::Stopwatch watch;
     const auto answer = index.query(asker.feature, options, *scratch);
     const double seconds = watch.lap();

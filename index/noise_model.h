@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// How much further off answers are by how a person was seen: few frames and much distance make them worse.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace im2fit::index {
+
+// From here on errors grow with distance. Up to here a sensor's steps are small beside what shape leaves open.
+inline constexpr double kWellSeenMm = 2500;
+// Taken for a distance that is not known: the farthest at which people are measured.
+inline constexpr int kFarthestMm = 4000;
+
+// What the variance of an error grows with: nothing, one over the frames fused, the square of the distance beyond
+// kWellSeenMm in kWellSeenMm, and that over the frames. Fewer than one frame count as one, distances of 0 and less as
+// not known.
+inline constexpr std::size_t kNoiseTerms = 4;
+inline std::array<double, kNoiseTerms> noise_terms(int frame_count, int distance_mm) {
+  const double beyond = std::max((distance_mm > 0 ? distance_mm : kFarthestMm) / kWellSeenMm - 1, 0.0);
+  const double per_frame = 1.0 / std::max(frame_count, 1);
+  return {1, per_frame, beyond * beyond, beyond * beyond * per_frame};
+}
+
+// Of the file; fixed layout.
+struct NoiseModel {
+  // Variance for each of the terms, relative to its mean over those it was fitted to.
+  std::array<double, kNoiseTerms> share = {1};
+
+  // Standard deviation, relative as well.
+  double width(int frame_count, int distance_mm) const {
+    const auto terms = noise_terms(frame_count, distance_mm);
+    double variance = 0;
+    for (std::size_t i = 0; i < kNoiseTerms; ++i) variance += share[i] * terms[i];
+    return std::sqrt(variance);
+  }
+};
+
+}  // namespace im2fit::index
