@@ -97,7 +97,7 @@ struct CaptureVariety {
   double landscape_share = 0.35;  // of mountings; the others portrait
   // Of distances: anywhere the device accepts a person who fits into the picture; the others where a person is best
   // seen (camera_place.h).
-  double anywhere_share = 0.3;
+  double anywhere_share = 0.2;
   bool plain = false;  // no furniture: relaxed pose, empty room
 };
 CaptureOptions draw_capture(const CaptureVariety& variety, std::uint64_t seed, std::uint64_t subject, int capture);
