@@ -40,8 +40,8 @@ struct Answer {
 struct QueryOptions {
   int neighbour_count = 0;  // 0: what the builder found best; otherwise clamped to 1..512
   int frame_count = 1;      // frames fused behind the feature: widens the interval when few
-  int distance_mm =
-      0;  // camera to person, as kernels/observe sees it: widens the interval when far; 0: not known, as if 4 m
+  // Camera to person, as kernels/observe sees it: widens the interval when far; 0: not known, as if 4 m.
+  int distance_mm = 0;
   bool exhaustive = false;  // look at every entry: the same answer, for checking the search
 };
 
