@@ -2,13 +2,11 @@
 #include "apps/im2fit-lab/samples.h"
 
 #include <fmt/core.h>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/common/memory.h"
 #include "apps/common/paths.h"
 #include "apps/im2fit-lab/parallel.h"
 #include "base/crc32c.h"
@@ -28,15 +26,6 @@ Result<std::uint64_t> key_of_files(const std::string& body, const std::string& t
   const auto b = MappedFile::open(tracker);
   if (!b) return b.error();
   return static_cast<std::uint64_t>(crc32c(a->bytes())) << 32U | crc32c(b->bytes());
-}
-
-// Meshes and pictures come and go by the hundred kilobytes; handing them back to the system each time costs as many
-// page faults as a third of a scene.
-void keep_memory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);
-#endif
 }
 
 int chunk_of(const SampleOptions& options, int otherwise) {
@@ -99,7 +88,7 @@ Result<synth::DatasetReport> make_samples(const SampleOptions& options,
                                        {"chunk", dataset.chunk_size}};
   if (const auto written = write_file_atomically(note_path(options.work_dir), note.dump() + "\n"); !written)
     return written.error();
-  keep_memory();
+  keep_freed_memory();
   std::optional<Progress> progress;  // a part's total is known to the dataset
   return synth::make_dataset(
       *model, tracker->model(), dataset,

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "apps/common/data_files.h"
+#include "apps/common/memory.h"
 #include "apps/common/paths.h"
 #include "hal/source.h"
 #include "synth/features.h"
@@ -107,6 +108,7 @@ int run(int people, int threads) {
     fmt::print(stderr, "one_frame_samples: {}\n", (!body ? body.error() : tracker.error()).message);
     return 1;
   }
+  apps::keep_freed_memory();  // as im2fit-lab dataset
   std::vector<Maker> makers;
   for (int t = 0; t < threads; ++t) makers.emplace_back(*body, tracker->model());
   const auto start = std::chrono::steady_clock::now();
