@@ -115,8 +115,8 @@ class VirtualScene {
     std::vector<Triangle> triangles;
   };
   Surface person_surface(std::uint64_t index, std::size_t who = 0) const;
-  // Mask of the person, upright or not like render()'s output, of the frame rendered last: 255 where the delivered
-  // depth is the person's (holes and shadow are 0). Masks of different people are disjoint.
+  // Mask of the person, upright or not like render()'s output, of the frame rendered last: 255 where the pixel is
+  // the person's, flying ones too (holes and shadow are 0). Masks of different people are disjoint.
   void person_mask(MaskImage out, std::size_t who = 0) const;
   // Those pixels of the main person's mask whose delivered depth is a mixture with what lies behind or in front, more
   // than kMixedMm off the person's surface (flying pixels; time of flight alone).

@@ -253,7 +253,6 @@ TEST_F(VirtualCamera, SwayIsSmallAndCanBeOff) {
   EXPECT_EQ(still.joints(0)[Joint::HE].x, still.joints(200)[Joint::HE].x);
 }
 
-// Nothing stands before the person: a furnished room shows every pixel of the person an empty one shows.
 // Against the same scene without noise: a flying pixel is off its surface, any other person's pixel on it.
 TEST_F(VirtualCamera, MixedMaskHoldsThePersonsFlyingPixels) {
   SceneOptions options;
@@ -288,6 +287,7 @@ TEST_F(VirtualCamera, MixedMaskHoldsThePersonsFlyingPixels) {
   EXPECT_EQ(std::count(mixed.begin(), mixed.end(), 0), kWidth * kHeight) << "its pixels see one surface each";
 }
 
+// Nothing stands before the person: a furnished room shows every pixel of the person an empty one shows.
 TEST_F(VirtualCamera, FurnitureNeverHidesThePerson) {
   for (std::uint64_t i = 0; i < 20; ++i) {
     SceneOptions options;
