@@ -7,19 +7,19 @@
 #include <cmath>
 #include <cstddef>
 
+#include "kernels/core/guidance.h"
+
 namespace im2fit::index {
 
 // From here on errors grow with distance. Up to here a sensor's steps are small beside what shape leaves open.
 inline constexpr double kWellSeenMm = 2500;
-// Taken for a distance that is not known: the farthest at which people are measured.
-inline constexpr int kFarthestMm = 4000;
 
 // What the variance of an error grows with: nothing, one over the frames fused, the square of the distance beyond
-// kWellSeenMm in kWellSeenMm, and that over the frames. Fewer than one frame count as one, distances of 0 and less as
-// not known.
+// kWellSeenMm in kWellSeenMm, and that over the frames. Fewer than one frame count as one; a distance of 0 or less is
+// not known, and taken for the farthest at which people are measured.
 inline constexpr std::size_t kNoiseTerms = 4;
 inline std::array<double, kNoiseTerms> noise_terms(int frame_count, int distance_mm) {
-  const double beyond = std::max((distance_mm > 0 ? distance_mm : kFarthestMm) / kWellSeenMm - 1, 0.0);
+  const double beyond = std::max((distance_mm > 0 ? distance_mm : kTooFarMm) / kWellSeenMm - 1, 0.0);
   const double per_frame = 1.0 / std::max(frame_count, 1);
   return {1, per_frame, beyond * beyond, beyond * beyond * per_frame};
 }

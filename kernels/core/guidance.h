@@ -26,6 +26,7 @@ enum class Guidance : std::uint32_t {
   calibration_pose = 1U << 12,  // raise the arms: Psi
   turn_round = 1U << 13,        // show the back: the session's wish, never the sensor's
 };
+inline constexpr int kTooFarMm = 4000;  // people further away than this are too_far
 inline constexpr std::size_t kGuidanceCount = 14;
 inline constexpr std::array<std::string_view, kGuidanceCount> kGuidanceNames = {
     "NO_PERSON",   "TOO_NEAR", "TOO_FAR",        "FEET_CUT",  "HEAD_CUT", "ARMS_CLOSE",       "NOT_FRONTAL",

@@ -8,7 +8,6 @@ namespace im2fit::segment {
 namespace {
 
 constexpr float kNearMm = 1000.0F;
-constexpr float kFarMm = 4000.0F;
 constexpr float kHoleShareMax = 0.30F;
 constexpr float kFeetMissingMm = 220.0F;  // lowest visible part this far above the floor: the feet are hidden
 constexpr float kWholeBodyMinMm = 1250.0F;
@@ -217,7 +216,7 @@ GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, Mask
                    std::span<const std::uint8_t> chosen, bool disturbed) {
   GuidanceSet out = 0;
   if (person.centroid_mm.z < kNearMm) out |= bit(Guidance::too_near);
-  if (person.centroid_mm.z > kFarMm) out |= bit(Guidance::too_far);
+  if (person.centroid_mm.z > kTooFarMm) out |= bit(Guidance::too_far);
   if (person.cut_top) out |= bit(Guidance::head_cut);
   if (person.cut_left || person.cut_right) out |= bit(Guidance::side_cut);
   if (disturbed) out |= bit(Guidance::several_people);
