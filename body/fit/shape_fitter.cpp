@@ -13,9 +13,11 @@
 namespace im2fit::body {
 namespace {
 
-constexpr int kIterations = 8;
-constexpr int kJointIterations = 2;  // the first ones look at joints alone
-constexpr int kEarlyIterations = 4;  // up to this one, points look for their surface further away
+// Steps to the first view alone: some look at joints only, then points look for their surface further away, then
+// near.
+constexpr int kJointSteps = 2, kEarlySteps = 2, kNearSteps = 4;
+// Then to both views, from there: what the first one said of the body puts the second one's pose nearly right.
+constexpr int kEarlyStepsTogether = 1, kNearStepsTogether = 3;
 constexpr float kGateEarlyMm = 150, kGateMm = 80;
 constexpr float kReachEarlyMm = 90, kReachMm = 45;
 
@@ -74,9 +76,10 @@ class ShapeFitter::Work {
   explicit Work(const ShapeSpace& space);
   void run(std::span<const FitView> views);
   void points_in_view(std::size_t v, std::span<Vec3f> out);
-  ShapeFit result;
+  ShapeFit first, result;
 
  private:
+  enum class Look { joints, early, near };
   struct View {
     Sight sight;
     PosedShape shape;
@@ -96,11 +99,13 @@ class ShapeFitter::Work {
     std::vector<std::uint32_t> points;
   };
 
-  bool start(std::span<const FitView> views);
-  bool iterate(int iteration);
+  bool see(const FitView& view);
+  bool steps(Look look, int count);
+  bool step(Look look);
+  void note_quality();
   void add_prior();
   void add_joints(std::size_t v);
-  void add_points(std::size_t v, int iteration);
+  void add_points(std::size_t v, bool early);
   bool equation_of(const View& view, bool early, Pending& pending);
   void add_pending(const View& view, const RowColumns& columns);
   void take_step(std::size_t v);
@@ -130,16 +135,15 @@ ShapeFitter::Work::Work(const ShapeSpace& space)
   }
 }
 
-bool ShapeFitter::Work::start(std::span<const FitView> views) {
-  view_count_ = std::min(views.size(), kFitViewMax);
+// One view more, of the shape as known so far.
+bool ShapeFitter::Work::see(const FitView& seen) {
+  View& view = views_[view_count_];
+  if (!view.sight.look(seen)) return false;
   rest_.set_bones(shape());
-  for (std::size_t v = 0; v < view_count_; ++v) {
-    View& view = views_[v];
-    if (!view.sight.look(views[v])) return false;
-    view.pose = pose_from_joints(rest_.skeleton(), view.sight.joints());
-    view.moved = {};
-  }
-  return view_count_ > 0;
+  view.pose = pose_from_joints(rest_.skeleton(), view.sight.joints());
+  view.moved = {};
+  ++view_count_;
+  return true;
 }
 
 void ShapeFitter::Work::add_prior() {
@@ -169,14 +173,14 @@ void ShapeFitter::Work::add_joints(std::size_t v) {
   }
 }
 
-void ShapeFitter::Work::add_points(std::size_t v, int iteration) {
+void ShapeFitter::Work::add_points(std::size_t v, bool early) {
   const View& view = views_[v];
   for (const Group& group : groups_) {
     equations_.begin_rows(v, group.columns);
     for (const std::uint32_t i : group.points) {
       Pending& next = pending_[pending_count_];
       view.shape.find(i, next.point);
-      if (!equation_of(view, iteration < kEarlyIterations, next)) continue;
+      if (!equation_of(view, early, next)) continue;
       view.shape.prefetch_row(i);
       if (++pending_count_ == pending_.size()) add_pending(view, group.columns);
     }
@@ -245,9 +249,15 @@ void ShapeFitter::Work::take_step(std::size_t v) {
   move_pose(view.pose, step);
 }
 
+bool ShapeFitter::Work::steps(Look look, int count) {
+  for (int i = 0; i < count; ++i)
+    if (!step(look)) return false;
+  return true;
+}
+
 // One Gauss-Newton step.
-bool ShapeFitter::Work::iterate(int iteration) {
-  const bool with_points = iteration >= kJointIterations;
+bool ShapeFitter::Work::step(Look look) {
+  const bool with_points = look != Look::joints;
   rest_.set_bones(shape());
   if (with_points) rest_.set_points(shape());
   equations_.clear(view_count_);
@@ -257,7 +267,7 @@ bool ShapeFitter::Work::iterate(int iteration) {
   for (std::size_t v = 0; v < view_count_; ++v) {
     views_[v].shape.set(views_[v].pose);
     add_joints(v);
-    if (with_points) add_points(v, iteration);
+    if (with_points) add_points(v, look == Look::early);
   }
   if (!equations_.solve()) return false;
   for (std::size_t k = 0; k < space_.shape_count; ++k) {
@@ -268,17 +278,28 @@ bool ShapeFitter::Work::iterate(int iteration) {
   return true;
 }
 
-void ShapeFitter::Work::run(std::span<const FitView> views) {
-  result = {};
-  bool sound = start(views);
-  for (int i = 0; sound && i < kIterations; ++i) sound = iterate(i);
-  if (!sound) {
-    result = {};
-    return;
-  }
+void ShapeFitter::Work::note_quality() {
   result.surface_mm = static_cast<float>(surface_sum_ / std::max(result.surface_rows, 1));
   result.rim_mm = static_cast<float>(rim_sum_ / std::max(result.rim_rows, 1));
   result.valid = result.surface_rows >= kSurfaceRowsMin;
+}
+
+void ShapeFitter::Work::run(std::span<const FitView> views) {
+  first = result = {};
+  view_count_ = 0;
+  if (views.empty() || !see(views[0]) || !steps(Look::joints, kJointSteps) || !steps(Look::early, kEarlySteps) ||
+      !steps(Look::near, kNearSteps)) {
+    result = {};
+    return;
+  }
+  note_quality();
+  first = result;
+  if (views.size() == 1) return;
+  if (!see(views[1]) || !steps(Look::early, kEarlyStepsTogether) || !steps(Look::near, kNearStepsTogether)) {
+    result = {};
+    return;
+  }
+  note_quality();
 }
 
 void ShapeFitter::Work::points_in_view(std::size_t v, std::span<Vec3f> out) {
@@ -307,6 +328,10 @@ ShapeFitter::~ShapeFitter() = default;
 const ShapeFit& ShapeFitter::run(std::span<const FitView> views) {
   work_->run(views);
   return work_->result;
+}
+
+const ShapeFit& ShapeFitter::first_alone() const {
+  return work_->first;
 }
 
 void ShapeFitter::points_in_view(std::size_t view, std::span<Vec3f> out) {

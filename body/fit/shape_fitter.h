@@ -51,6 +51,8 @@ class ShapeFitter {
   ~ShapeFitter();
   // One to kFitViewMax views; more are not looked at. The result stands until the next call.
   const ShapeFit& run(std::span<const FitView> views);
+  // What the last run() made of its first view alone, as run() of that view would.
+  const ShapeFit& first_alone() const;
   // Of the last valid fit, while its views stand: where the space's points lie in a view, camera axes, mm.
   // `out` has point_count places.
   void points_in_view(std::size_t view, std::span<Vec3f> out);
