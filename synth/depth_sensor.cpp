@@ -83,7 +83,7 @@ double tof_sigma_mm(double z_mm, double cosine) {
 DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
     : options_(options),
       k_(k),
-      patch_px_(k.width > 400 ? 4 : 2),
+      patch_px_(k.width > 400 ? kPatchMaxPx : 2),
       pixel_scale_(k.fx / kKinectFocalPx),
       source_(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height)),
       edge_(source_.size()),

@@ -39,6 +39,7 @@ namespace im2fit::synth {
 inline constexpr float kKinectFocalPx = 575.8F;  // depth camera, 640 px wide (not 525: that is registered depth)
 inline constexpr float kProjectorBaselineMm = 75;
 inline constexpr float kMixedMm = 50;  // flying pixels further than this off their surface are nobody's
+inline constexpr int kPatchMaxPx = 4;  // side of a noise patch at 640 wide; 2 at 320
 inline constexpr double kRawStepPerMm = 0.1042 / 4 / 9000;  // of 1/z: pixel 0.1042 mm, zero plane 1200 mm, 7.5 cm
 
 enum class SensorKind : std::uint8_t { structured_light, time_of_flight };

@@ -55,6 +55,26 @@ inline int whole_pixels(float d) {
 
 }  // namespace
 
+namespace {
+
+// Between lattice points, kPx pixels apart.
+template <int kPx>
+inline __attribute__((always_inline)) void spread(const float* __restrict lattice, const float* near_weights,
+                                                  const float* far_weights, int width, float* __restrict out) {
+  float near[kPx], far[kPx];
+  for (int p = 0; p < kPx; ++p) {
+    near[p] = near_weights[p];
+    far[p] = far_weights[p];
+  }
+  const int cells = width / kPx;
+  for (int i = 0; i < cells; ++i)
+    for (int p = 0; p < kPx; ++p) out[kPx * i + p] = near[p] * lattice[i] + far[p] * lattice[i + 1];
+  for (int p = 0; cells * kPx + p < width; ++p)
+    out[kPx * cells + p] = near[p] * lattice[cells] + far[p] * lattice[cells + 1];
+}
+
+}  // namespace
+
 IM2FIT_CLONES void DepthSensor::lattice_row(std::uint64_t seed, std::uint64_t frame, int cell,
                                             std::vector<float>& out) {
   const std::uint64_t row = row_seed(seed, kLattice, frame, cell);
@@ -83,12 +103,13 @@ IM2FIT_CLONES void DepthSensor::patch_row(std::uint64_t seed, std::uint64_t fram
   weights(v % patch_px_, a, b);
   for (std::size_t i = 0; i < lattice_low_.size(); ++i)
     lattice_low_[i] = a * lattice_row_low_[i] + b * lattice_row_high_[i];
-  for (int phase = 0; phase < patch_px_; ++phase) {
-    weights(phase, a, b);
-    for (int i = 0, u = phase; u < k_.width; ++i, u += patch_px_)
-      patch_[static_cast<std::size_t>(u)] =
-          a * lattice_low_[static_cast<std::size_t>(i)] + b * lattice_low_[static_cast<std::size_t>(i) + 1];
-  }
+  std::array<float, kPatchMaxPx> near{}, far{};
+  for (int phase = 0; phase < patch_px_; ++phase)
+    weights(phase, near[static_cast<std::size_t>(phase)], far[static_cast<std::size_t>(phase)]);
+  if (patch_px_ == kPatchMaxPx)
+    spread<kPatchMaxPx>(lattice_low_.data(), near.data(), far.data(), k_.width, patch_.data());
+  else
+    spread<2>(lattice_low_.data(), near.data(), far.data(), k_.width, patch_.data());
 }
 
 // Whose value a pixel beside a step delivers.

@@ -6,6 +6,8 @@
 
 #include "base/rng.h"
 #include "hal/source.h"
+#include "kernels/core/guidance.h"
+#include "synth/median_frame.h"
 #include "synth/stopwatch.h"
 
 namespace im2fit::synth {
@@ -13,10 +15,32 @@ namespace {
 
 constexpr std::uint64_t kCaptureStream = 0xCA97;
 constexpr double kMoreFramesShare = 1.0 / 3;
-constexpr double kNearestMm = 1800, kFarthestMm = 4000;  // people fit from about 1.9 m on; beyond 4 m it is TOO_FAR
-constexpr int kPatience = 4;  // frames beyond 1.5 times those wanted before a capture is given up
-// Frames rendered, then sensed, in turns: renderer and tracker each need more than a core's own cache.
-constexpr int kTogether = 3;
+constexpr double kNearestMm = 1800;  // people fit from about 1.9 m on
+constexpr int kLooks = 4;            // before a capture is given up: who is doubtful at first may not be after some
+constexpr int kMarginShare = 20;     // of the picture's width: about the person's box, where frames differ
+
+template <class T>
+ImageView<T> part_of(ImageView<T> image, const PixelBox& box) {
+  return {image.row(box.v0) + box.u0, box.u1 - box.u0, box.v1 - box.v0, image.stride};
+}
+
+void copy(DepthView from, DepthImage to) {
+  for (int v = 0; v < from.height; ++v) std::copy_n(from.row(v), from.width, to.row(v));
+}
+
+// Where a box of the frame as delivered is in the upright picture (virtual_camera.h).
+PixelBox upright_box(const PixelBox& box, int width, int height, int rotate_deg) {
+  switch (rotate_deg) {
+    case 90:
+      return {height - box.v1, box.u0, height - box.v0, box.u1};
+    case 180:
+      return {width - box.u1, height - box.v1, width - box.u0, height - box.v0};
+    case 270:
+      return {box.v0, width - box.u1, box.v1, width - box.u0};
+    default:
+      return box;
+  }
+}
 
 }  // namespace
 
@@ -37,14 +61,21 @@ struct CaptureRig::Station {
         height(h),
         sensor(w, h, model),
         fuser(w, h),
-        depth(static_cast<std::size_t>(kTogether) * w * h),
-        mask(static_cast<std::size_t>(w) * h) {}
+        pixels(static_cast<std::size_t>(kImages) * w * h),
+        masks(static_cast<std::size_t>(kMasks) * w * h) {}
   int width, height;
   Sensor sensor;
   Fuser fuser;
-  DepthImage frame(int i) { return {depth.data() + static_cast<std::ptrdiff_t>(i) * width * height, width, height}; }
-  std::vector<std::uint16_t> depth;  // kTogether frames
-  std::vector<std::uint8_t> mask;
+  MedianFrame median_of;
+  enum Image { kFirst, kMedian, kFrame, kImages };
+  enum Mask { kMedianMask, kFrameMask, kMasks };
+  DepthImage image(Image i) { return {pixels.data() + std::ptrdiff_t{i} * width * height, width, height}; }
+  MaskImage mask(Mask i) { return {masks.data() + std::ptrdiff_t{i} * width * height, width, height}; }
+  std::vector<std::uint16_t> pixels;
+  std::vector<std::uint8_t> masks;
+  std::vector<std::uint16_t> part_pixels;  // of the frames after the first
+  std::vector<DepthView> parts;            // of every frame
+  PixelBox box;                            // of the parts
 };
 
 // Copies: the rig's next run overwrites what it has gathered.
@@ -79,6 +110,36 @@ VirtualScene& CaptureRig::stage(const Subject& subject, const CaptureOptions& op
   return scenes_.emplace_back(model_, subject, options.scene, options.sensor, k, options.seed);
 }
 
+// The frames of a capture differ by noise alone, so that one look at their median finds whom looks at each would
+// find; noise about the person is made for all of them, that of the room for the first.
+void CaptureRig::shoot(Station& at, VirtualScene& scene, const CaptureOptions& options) {
+  const Intrinsics& k = options.intrinsics;
+  delivered_.resize(static_cast<std::size_t>(k.width) * k.height);
+  const DepthImage delivered(delivered_.data(), k.width, k.height);
+  const int rotate_deg = options.scene.rotate_deg;
+  const DepthImage first = at.image(Station::kFirst);
+  scene.render(0, delivered);
+  hal::rotate_upright(delivered, rotate_deg, first);
+
+  const PixelBox frame = whole(k.width, k.height), person = scene.person_box();
+  const PixelBox box = person.empty() ? frame : intersect(frame, grown(person, k.width / kMarginShare));
+  const PixelBox upright = upright_box(box, k.width, k.height, rotate_deg);
+  const auto count = static_cast<std::size_t>(std::max(options.frame_count, 1));
+  const auto area = static_cast<std::size_t>(box.u1 - box.u0) * static_cast<std::size_t>(box.v1 - box.v0);
+  at.part_pixels.resize(std::max(at.part_pixels.size(), (count - 1) * area));
+  at.parts = {part_of(first, upright)};
+  for (std::size_t f = 1; f < count; ++f) {
+    scene.render_part(f, box, delivered);
+    const DepthImage part(&at.part_pixels[(f - 1) * area], upright.u1 - upright.u0, upright.v1 - upright.v0);
+    hal::rotate_upright(part_of(delivered, box), rotate_deg, part);
+    at.parts.push_back(part);
+  }
+  copy(first, at.image(Station::kMedian));
+  copy(first, at.image(Station::kFrame));
+  at.median_of.run(at.parts, part_of(at.image(Station::kMedian), upright));
+  at.box = upright;
+}
+
 const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& options, std::span<const Vec3f> rest) {
   Stopwatch watch;
   const Intrinsics upright = hal::rotate_upright(options.intrinsics, options.scene.rotate_deg);
@@ -89,34 +150,28 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
   at.fuser.reset();
   capture_ = {};
   VirtualScene& scene = stage(subject, options, rest);
-  delivered_.resize(static_cast<std::size_t>(options.intrinsics.width) * options.intrinsics.height);
-  const DepthImage delivered(delivered_.data(), options.intrinsics.width, options.intrinsics.height);
-  const MaskImage mask(at.mask.data(), at.width, at.height);
   cost.scene += watch.lap();
+  shoot(at, scene, options);
+  cost.render += watch.lap();
 
-  const int frames_max = options.frame_count + options.frame_count / 2 + kPatience;
-  int first = 0, rendered = 0;  // of the frames at hand; those rendered so far
-  for (int i = 0; i < frames_max && at.fuser.frame_count() < options.frame_count; ++i) {
-    if (i == rendered) {
-      first = i;
-      rendered += std::min({kTogether, options.frame_count - at.fuser.frame_count(), frames_max - i});
-      for (int f = first; f < rendered; ++f) {
-        scene.render(static_cast<std::uint64_t>(f), delivered);
-        hal::rotate_upright(delivered, options.scene.rotate_deg, at.frame(f - first));
-      }
-      cost.render += watch.lap();
-    }
-    const DepthImage depth = at.frame(i - first);
-    const Sighting sighting = at.sensor.sense(depth, upright, mask);
-    cost.sense += watch.lap();
-    GuidanceSet guidance = sighting.guidance;
-    if (guidance == 0) guidance = at.fuser.add(depth, mask, upright, sighting);
-    for (std::size_t g = 0; g < kGuidanceCount; ++g) capture_.refused[g] += static_cast<int>(guidance >> g & 1U);
-    cost.fuse += watch.lap();
+  const DepthImage median = at.image(Station::kMedian), frame = at.image(Station::kFrame);
+  const MaskImage mask = at.mask(Station::kMedianMask), frame_mask = at.mask(Station::kFrameMask);
+  Sighting sighting;
+  for (int look = 0; look < kLooks; ++look) {
+    sighting = at.sensor.sense(median, upright, mask);
+    for (std::size_t g = 0; g < kGuidanceCount; ++g)
+      capture_.refused[g] += static_cast<int>(sighting.guidance >> g & 1U);
     ++capture_.frames_seen;
-    // Nothing changes but noise: what refuses the first frames will refuse the rest.
-    if (i + 1 >= kPatience && at.fuser.frame_count() == 0) break;
+    if (sighting.guidance == 0) break;
   }
+  cost.sense += watch.lap();
+  if (sighting.guidance != 0) return capture_;
+  for (const DepthView part : at.parts) {
+    copy(part, part_of(frame, at.box));
+    mask_near(frame, median, mask, frame_mask);
+    at.fuser.add(frame, frame_mask, upright, sighting);
+  }
+  cost.fuse += watch.lap();
   capture_.frame_count = at.fuser.frame_count();
   if (capture_.frame_count < kCaptureFramesMin) return capture_;
   const Fuser::Description& description = at.fuser.describe();
@@ -157,12 +212,12 @@ CaptureRig::Fits CaptureRig::fit_both() {
   keep(*back_);
   const std::array<body::FitView, 2> views = {front_->view, back_->view};
   std::array<float, body::kShapeMax + body::kFitQualityCount> values;
-  const auto fit = [&](std::span<const body::FitView> seen) {
-    const auto filled = body::fit_values(fitter_->run(seen), model_.shape_space(), values);
+  const auto values_of = [&](const body::ShapeFit& fit) {
+    const auto filled = body::fit_values(fit, model_.shape_space(), values);
     return std::vector<float>(filled.begin(), filled.end());
   };
-  fits.front = fit(std::span(views).first(1));
-  fits.both = fit(views);
+  fits.both = values_of(fitter_->run(views));
+  fits.front = values_of(fitter_->first_alone());
   cost.fit += watch.lap();
   if (fits.front.empty() || fits.both.empty()) return {};
   return fits;
@@ -191,7 +246,7 @@ CaptureOptions draw_capture(const CaptureVariety& variety, std::uint64_t seed, s
   out.frame_count = variety.frames_min;
   while (out.frame_count + 2 <= variety.frames_max && rng.uniform() < kMoreFramesShare) out.frame_count += 2;
   const bool anywhere = rng.uniform() < variety.anywhere_share;
-  const double distance_mm = rng.uniform(kNearestMm, kFarthestMm);
+  const double distance_mm = rng.uniform(kNearestMm, kTooFarMm);
   if (anywhere) {
     out.scene.distance_mm = static_cast<float>(distance_mm);
     out.scene.enlarge_to_fit = true;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A rendered person through the device's own path: frames -> upright -> Sensor -> Fuser -> feature. Never a shortcut
-// from the mesh.
+// from the mesh. One thing is another: the person stands still while a capture is taken, so that the Sensor looks at
+// the median of the frames, once, and not at each.
 #pragma once
 
 #include <array>
@@ -16,7 +17,7 @@
 
 namespace im2fit::synth {
 
-// One person standing before one camera for a few frames.
+// One person standing still (SceneOptions::sway is not heard) before one camera for a few frames.
 struct CaptureOptions {
   SceneOptions scene;
   SensorOptions sensor;
@@ -26,9 +27,9 @@ struct CaptureOptions {
 };
 
 struct Capture {
-  bool valid = false;   // at least kCaptureFramesMin frames were accepted and described
-  int frame_count = 0;  // accepted
-  int frames_seen = 0;
+  bool valid = false;                         // at least kCaptureFramesMin frames were accepted and described
+  int frame_count = 0;                        // accepted
+  int frames_seen = 0;                        // looks at their median
   std::array<int, kGuidanceCount> refused{};  // frames, by guidance code
   JointSet joints;
   FloorPlane floor;
@@ -76,6 +77,7 @@ class CaptureRig {
   struct Kept;     // a fused view
   void keep(Kept& kept) const;
   Station& station(int width, int height);
+  void shoot(Station& at, VirtualScene& scene, const CaptureOptions& options);
   VirtualScene& stage(const Subject& subject, const CaptureOptions& options, std::span<const Vec3f> rest);
   const body::BodyModel& model_;
   const JointModel& joint_model_;
@@ -93,7 +95,7 @@ class CaptureRig {
 struct CaptureVariety {
   int frames_min = 3;  // accepted frames: mostly the least, each two more a third as often, up to the most
   int frames_max = 9;
-  double wide_share = 0.1;        // of captures at 640x480; the others at 320x240
+  double wide_share = 0.05;       // of captures at 640x480; the others at 320x240
   double landscape_share = 0.35;  // of mountings; the others portrait
   // Of distances: anywhere the device accepts a person who fits into the picture; the others where a person is best
   // seen (camera_place.h).

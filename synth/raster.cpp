@@ -90,6 +90,32 @@ bool hidden(const PlaneRow& row, std::span<const PlaneRow> rows) {
 
 }  // namespace
 
+namespace {
+
+struct RoomRow {
+  const float* inverse_depth;
+  const float* distance_mm;  // of the plane seen
+  float left, inverse_fx;    // of rays: x = (left + i) inverse_fx
+  float rest;                // 1 + y^2
+};
+// A store of bytes may change anything the compiler cannot tell apart, and std::min is a branch to it: both keep the
+// vectoriser away.
+inline __attribute__((always_inline)) void incidence_row(const RoomRow& row, int count,
+                                                         std::uint8_t* __restrict cosine,
+                                                         std::uint8_t* __restrict label) {
+  const float* __restrict q = row.inverse_depth;
+  const float* __restrict distance = row.distance_mm;
+  const float left = row.left, inverse_fx = row.inverse_fx, rest = row.rest;
+  for (int i = 0; i < count; ++i) {
+    const float x = (left + static_cast<float>(i)) * inverse_fx;
+    const float scaled = distance[i] * q[i] / std::sqrt(x * x + rest) * 255.0F + 0.5F;
+    cosine[i] = static_cast<std::uint8_t>(static_cast<int>(scaled < 255.0F ? scaled : 255.0F));
+  }
+  for (int i = 0; i < count; ++i) label[i] = q[i] > 0 ? kRoom : kNothing;
+}
+
+}  // namespace
+
 IM2FIT_CLONES void draw_room(std::span<const Plane> planes, const Intrinsics& k, const PixelBox& box,
                              CleanView& view) {
   if (box.empty()) return;
@@ -120,16 +146,8 @@ IM2FIT_CLONES void draw_room(std::span<const Plane> planes, const Intrinsics& k,
         distance[static_cast<std::size_t>(i)] = nearer ? d : distance[static_cast<std::size_t>(i)];
       }
     }
-    std::uint8_t* cosine = &view.cosine[at];
-    std::uint8_t* label = &view.label[at];
-    const float row_part = y * y + 1;
-    const float inverse_fx = 1 / k.fx;
-    for (int i = 0; i < count; ++i) {
-      const float x = (static_cast<float>(box.u0 + i) - k.cx) * inverse_fx;
-      const float c = distance[static_cast<std::size_t>(i)] * q[i] / std::sqrt(x * x + row_part);
-      cosine[i] = static_cast<std::uint8_t>(std::min(c * 255.0F + 0.5F, 255.0F));
-      label[i] = q[i] > 0 ? kRoom : kNothing;
-    }
+    incidence_row({q, distance.data(), static_cast<float>(box.u0) - k.cx, 1 / k.fx, y * y + 1}, count,
+                  &view.cosine[at], &view.label[at]);
   }
 }
 

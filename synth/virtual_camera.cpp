@@ -308,6 +308,10 @@ void VirtualScene::render(std::uint64_t index, DepthImage out) {
   s.sensor.expose(s.view, wanted, s.seed, index, out, s.mask.data());
 }
 
+void VirtualScene::render_part(std::uint64_t index, const PixelBox& box, DepthImage out) {
+  impl_->sensor.expose(impl_->view, box, impl_->seed, index, out, nullptr);
+}
+
 const Intrinsics& VirtualScene::intrinsics() const {
   return impl_->intrinsics;
 }

@@ -101,6 +101,9 @@ class VirtualScene {
   // Frame `index`: depends on the scene's seed and the index only. Depth as the sensor delivers it: `intrinsics`
   // size, before any --rotate. Frame times are index/30 s.
   void render(std::uint64_t index, DepthImage out);
+  // Frame `index` again with other noise than the one rendered last, the same but for that (SceneOptions::sway off,
+  // nobody walking): its pixels of `box` alone; others of `out` stay as they are.
+  void render_part(std::uint64_t index, const PixelBox& box, DepthImage out);
   const Intrinsics& intrinsics() const;
   // Truth in camera axes of the *upright* image, the one the program sees after undoing rotate_deg. `who`: 0 the main
   // person, 1.. SceneOptions::others in order; out of range: confidence 0.

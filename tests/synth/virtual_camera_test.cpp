@@ -236,6 +236,25 @@ TEST_F(VirtualCamera, BoxFramesAreCutFromWholeFrames) {
   }
 }
 
+TEST_F(VirtualCamera, PartsAreCutFromWholeFrames) {
+  SceneOptions options;
+  options.furniture_count = 2;
+  options.sway = false;
+  VirtualScene scene = make(options, kinect_sensor(), 4), other = make(options, kinect_sensor(), 4);
+  (void)take(scene, 0);
+  const PixelBox box = scene.person_box();
+  const Shot whole = take(other, 7);
+  Shot part;
+  part.depth.assign(whole.depth.size(), 12345);
+  scene.render_part(7, box, {part.depth.data(), 640, 480});
+  for (int v = 0; v < 480; ++v)
+    for (int u = 0; u < 640; ++u) {
+      const bool inside = u >= box.u0 && u < box.u1 && v >= box.v0 && v < box.v1;
+      const auto at = static_cast<std::size_t>(v * 640 + u);
+      ASSERT_EQ(part.depth[at], inside ? whole.depth[at] : 12345) << u << ", " << v;
+    }
+}
+
 TEST_F(VirtualCamera, SwayIsSmallAndCanBeOff) {
   SceneOptions options;
   VirtualScene scene = make(options, kinect_sensor(), 7);
