@@ -28,12 +28,12 @@ RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* sp
   if (fits(index, space)) fitter_ = std::make_unique<body::ShapeFitter>(*space);
 }
 
-std::span<const float> RefinedQuery::fit(std::span<const body::FitView> views) {
-  return body::fit_values(fitter_->run(views), *space_, values_);
+std::span<const float> RefinedQuery::values_of(const body::ShapeFit& fit, FitValues& values) const {
+  return body::fit_values(fit, *space_, values);
 }
 
 std::span<const float> RefinedQuery::unknown_fit() {
-  const std::span<float> values(values_.data(), index_.fit_size());
+  const std::span<float> values(front_.data(), index_.fit_size());
   std::fill(values.begin(), values.end(), std::numeric_limits<float>::quiet_NaN());
   return values;
 }
@@ -66,21 +66,23 @@ Result<RefinedQuery::Asked> RefinedQuery::ask(const Side& front, const std::opti
   index::QueryOptions options;
   options.frame_count = front.fuser.frame_count();
   options.distance_mm = front.description.distance_mm;
-  index::Seen seen{front.description.feature, {}, {}, {}, clothed_};
+  index::Seen seen{front.description.feature, {}, {}, {}, clothed_, options.frame_count};
   if (fitter_ == nullptr) return asked(seen, options);
   if (back) {
     const std::array<body::FitView, 2> views = {view_of(front), view_of(*back)};
-    seen.fit_both = fit(views);
-  }
-  if (seen.fit_both.empty()) {
-    const std::array<body::FitView, 1> views = {view_of(front)};
-    seen.fit = fit(views);
-    // Without a fit the others are answered by features alone; of people in clothes these say too little.
-    if (clothed_ && seen.fit.empty()) seen.fit = unknown_fit();
+    seen.fit_both = values_of(fitter_->run(views), both_);
+    seen.fit = values_of(fitter_->first_alone(), front_);
   } else {
+    const std::array<body::FitView, 1> views = {view_of(front)};
+    seen.fit = values_of(fitter_->run(views), front_);
+  }
+  if (!seen.fit_both.empty() && !seen.fit.empty()) {
     seen.back = back->description.feature;
-    options.frame_count = std::min(options.frame_count, back->fuser.frame_count());
+    seen.frame_count = options.frame_count = std::min(options.frame_count, back->fuser.frame_count());
     options.distance_mm = std::max(options.distance_mm, back->description.distance_mm);
+  } else if (clothed_ && seen.fit.empty()) {
+    // Without a fit the others are answered by features alone; of people in clothes these say too little.
+    seen.fit = unknown_fit();
   }
   return asked(seen, options);
 }

@@ -2,6 +2,7 @@
 #include "index/refinement.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "kernels/standardise/standardise.h"
 
@@ -24,12 +25,14 @@ std::string section_of(Refinement kind, const char* name) {
 void refined_values(Refinement kind, const Seen& seen, std::span<float> out) {
   auto at = std::copy(seen.front.begin(), seen.front.end(), out.begin());
   if (sees_back(kind)) at = std::copy(seen.back.begin(), seen.back.end(), at);
-  const std::span<const float> fit = sees_back(kind) ? seen.fit_both : seen.fit;
+  const std::size_t shapes = shape_count(seen.fit.size());
+  const std::span<const float> fit = (sees_back(kind) ? seen.fit_both : seen.fit).first(shapes);
   at = std::copy(fit.begin(), fit.end(), at);
-  const std::size_t shapes = fit.size() < kFitQualities ? 0 : fit.size() - kFitQualities;
+  if (sees_back(kind)) at = std::copy_n(seen.fit.begin(), shapes, at);
   const std::size_t squared = std::min(shapes, kSquaredMax);
   for (std::size_t i = 0; i < squared; ++i)
     for (std::size_t j = i; j < squared; ++j) *at++ = fit[i] * fit[j];
+  *at = seen.frame_count > 0 ? 1.0F / static_cast<float>(seen.frame_count) : std::numeric_limits<float>::quiet_NaN();
 }
 
 Refiner::Refiner(Refinement kind, const RefinementContents& contents, std::size_t feature_size)
@@ -46,8 +49,8 @@ Refiner::Work::Work(const Refiner& refiner)
 bool Refiner::applies(const Seen& seen) const {
   const bool back = sees_back(kind_);
   return seen.clothed == is_of_clothed(kind_) && seen.front.size() == feature_size_ &&
-         (!back || seen.back.size() == feature_size_) &&
-         (back ? seen.fit_both : seen.fit).size() == contents_.record.fit_size;
+         seen.fit.size() == contents_.record.fit_size &&
+         (!back || (seen.back.size() == feature_size_ && seen.fit_both.size() == contents_.record.fit_size));
 }
 
 void Refiner::apply(const Seen& seen, Work& work, Targets& targets) const {

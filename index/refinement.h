@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A second answer, from more than the feature of the front: from a shape fitted to the depth (body/fit), and from a
 // view from behind. One linear map each, learned on the samples that have all of it, from
-//   feature of the front | feature of the back | fit | products of the fit's strongest coefficients
-// to measurements and sex. The products stand for girths growing with width times depth. The answer is a mixture of
+//   feature of the front | feature of the back | coefficients of the fit | of the fit to the front, where there is a
+//   back | products of the fit's strongest coefficients | one over the frames
+// to measurements and sex. The products stand for girths growing with width times depth; the frames for what noise
+// adds to widths, above all of people in clothes. How far off a fit is has no part in it: with more frames or pixels
+// it falls, and would make the clothes of whoever is well seen look tight. The answer is a mixture of
 // this and the plain one, in shares learned on people neither has learned from: the plain one knows more people.
 // Of people in clothes the plain one knows nothing: their answer is the refined one alone.
 #pragma once
@@ -34,22 +37,28 @@ inline constexpr std::size_t kSquaredMax = 16;   // coefficients whose products 
 inline constexpr std::size_t kFitMax = 256;      // values of a fit
 inline constexpr std::size_t kFitQualities = 2;  // values of a fit that are no coefficients: its last
 
+constexpr std::size_t shape_count(std::size_t fit_size) {
+  return fit_size < kFitQualities ? 0 : fit_size - kFitQualities;
+}
 constexpr std::size_t squared_count(std::size_t fit_size) {
-  const std::size_t shapes = fit_size < kFitQualities ? 0 : fit_size - kFitQualities;
+  const std::size_t shapes = shape_count(fit_size);
   const std::size_t n = shapes < kSquaredMax ? shapes : kSquaredMax;
   return n * (n + 1) / 2;
 }
 constexpr std::size_t refined_size(Refinement kind, std::size_t feature_size, std::size_t fit_size) {
-  return feature_size * (sees_back(kind) ? 2 : 1) + fit_size + squared_count(fit_size);
+  const std::size_t views = sees_back(kind) ? 2 : 1;
+  return (feature_size + shape_count(fit_size)) * views + squared_count(fit_size) + 1;
 }
 
-// What is known of a person. `back` and the fits may be empty.
+// What is known of a person. `back` and the fits may be empty; `fit` is to the front alone, and with fit_both asked
+// for as well.
 struct Seen {
   std::span<const float> front;
   std::span<const float> fit;
   std::span<const float> back;
   std::span<const float> fit_both;
   bool clothed = false;
+  int frame_count = 0;  // fused, of the side with fewer; 0: not known
 };
 // Puts the values in order. out: refined_size().
 void refined_values(Refinement kind, const Seen& seen, std::span<float> out);

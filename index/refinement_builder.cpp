@@ -16,6 +16,11 @@ namespace {
 
 constexpr int kFolds = 3;
 constexpr double kPenalties[] = {0.003, 0.01, 0.03, 0.1, 0.3};  // in variances of a value
+// Times these: a fit's coefficients have been shrunk to the population once, by the fit; histograms of FPFH are many
+// and noisy; the frames stand for themselves (docs/formats-index.md).
+constexpr double kFitPenalty = 0.03, kHistogramPenalty = 3, kFramesPenalty = 0.1;
+// A row's variance where people stand beyond kWellSeenMm, in squares of that distance over this: what it counts by.
+constexpr double kFarVariance = 11;
 // Strangers differ in the trunk, more than people do elsewhere: by a regression that has met none 98 to 100 % of
 // truths are inside what should hold 95 (150 held-out people of seed 777). The neck's, too; but before a sensor
 // without noise it is off by more.
@@ -36,9 +41,31 @@ RowMatrixF standardised_rows(FeatureScale& scale, const std::vector<const std::v
   return out;
 }
 
-// Sums behind a ridge regression.
+// The penalty of each value in those of others, by where refined_values() puts it.
+Eigen::VectorXd penalty_shares(Refinement kind, std::size_t feature_size, std::size_t fit_size) {
+  Eigen::VectorXd shares =
+      Eigen::VectorXd::Ones(static_cast<std::ptrdiff_t>(refined_size(kind, feature_size, fit_size)));
+  std::ptrdiff_t at = 0;
+  const int views = sees_back(kind) ? 2 : 1;
+  for (int v = 0; v < views; ++v)
+    for (const FeatureGroup& group : default_groups(feature_size)) {
+      if (group.name == "fpfh") shares.segment(at, group.count).setConstant(kHistogramPenalty);
+      at += group.count;
+    }
+  shares.segment(at, views * static_cast<std::ptrdiff_t>(shape_count(fit_size))).setConstant(kFitPenalty);
+  shares.tail(1).setConstant(kFramesPenalty);
+  return shares;
+}
+
+double weight_at(int distance_mm) {
+  const double beyond = std::max(distance_mm / kWellSeenMm - 1, 0.0);
+  return 1 / (1 + kFarVariance * beyond * beyond);
+}
+
+// Sums behind a ridge regression, of weighted rows.
 struct Sums {
-  double count = 0;
+  std::ptrdiff_t count = 0;
+  double weight = 0;
   Eigen::MatrixXd gram, cross;  // lower triangle of z z^T; z y^T
   Eigen::VectorXd z, y;
   Sums(std::ptrdiff_t values, std::ptrdiff_t targets)
@@ -46,17 +73,21 @@ struct Sums {
         cross(Eigen::MatrixXd::Zero(values, targets)),
         z(Eigen::VectorXd::Zero(values)),
         y(Eigen::VectorXd::Zero(targets)) {}
-  void add(const RowMatrixF& rows, const Eigen::MatrixXd& targets) {
+  void add(const RowMatrixF& rows, const Eigen::MatrixXd& targets, const Eigen::VectorXd& weights) {
+    const RowMatrixF scaled = weights.cwiseSqrt().cast<float>().asDiagonal() * rows;
     Eigen::MatrixXf work = Eigen::MatrixXf::Zero(rows.cols(), rows.cols());
-    work.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+    work.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
     gram.triangularView<Eigen::Lower>() += work.cast<double>();
-    cross += rows.transpose().cast<double>() * targets;
-    z += rows.cast<double>().colwise().sum().transpose();
-    y += targets.colwise().sum().transpose();
-    count += static_cast<double>(rows.rows());
+    const Eigen::MatrixXd weighted = weights.asDiagonal() * targets;
+    cross += rows.transpose().cast<double>() * weighted;
+    z += rows.transpose().cast<double>() * weights;
+    y += weighted.colwise().sum().transpose();
+    weight += weights.sum();
+    count += rows.rows();
   }
-  void add(const Sums& other, double sign) {
+  void add(const Sums& other, int sign) {
     count += sign * other.count;
+    weight += sign * other.weight;
     gram += sign * other.gram;
     cross += sign * other.cross;
     z += sign * other.z;
@@ -64,14 +95,14 @@ struct Sums {
   }
 };
 
-LinearFit solve(const Sums& s, double penalty) {
-  const Eigen::VectorXd z = s.z / s.count, y = s.y / s.count;
-  Eigen::MatrixXd a = s.gram / s.count;
+LinearFit solve(const Sums& s, const Eigen::VectorXd& penalties) {
+  const Eigen::VectorXd z = s.z / s.weight, y = s.y / s.weight;
+  Eigen::MatrixXd a = s.gram / s.weight;
   a.triangularView<Eigen::Lower>() -= z * z.transpose();
-  a.diagonal().array() += penalty;
+  a.diagonal() += penalties;
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> factor(a);
   LinearFit fit;
-  fit.weights = factor.solve(s.cross / s.count - z * y.transpose());
+  fit.weights = factor.solve(s.cross / s.weight - z * y.transpose());
   fit.bias = y - fit.weights.transpose() * z;
   return fit;
 }
@@ -89,15 +120,17 @@ struct Table {
   FeatureScale scale;
   RowMatrixF z;
   Eigen::MatrixXd y;                                        // standardised targets
+  Eigen::VectorXd weight;                                   // of a row
   std::array<std::vector<std::ptrdiff_t>, kFolds> of_fold;  // rows
   std::vector<Sums> folds;
   Sums all;
 
-  Table(const std::vector<const std::vector<float>*>& values, Eigen::MatrixXd targets,
+  Table(const std::vector<const std::vector<float>*>& values, Eigen::MatrixXd targets, Eigen::VectorXd weights,
         const std::vector<int>& fold_of_row)
       : scale(file_scale(values)),
         z(standardised_rows(scale, values)),
         y(std::move(targets)),
+        weight(std::move(weights)),
         all(z.cols(), kTargetMin) {
     for (std::size_t i = 0; i < fold_of_row.size(); ++i)
       of_fold[static_cast<std::size_t>(fold_of_row[i])].push_back(static_cast<std::ptrdiff_t>(i));
@@ -108,7 +141,7 @@ struct Table {
   }
   Sums sums_of(const std::vector<std::ptrdiff_t>& rows) const {
     Sums sums(z.cols(), kTargetMin);
-    if (!rows.empty()) sums.add(z(rows, Eigen::all), y(rows, Eigen::all));
+    if (!rows.empty()) sums.add(z(rows, Eigen::all), y(rows, Eigen::all), weight(rows));
     return sums;
   }
   Sums without(const Sums& some) const {
@@ -127,13 +160,13 @@ struct CrossFit {
   double penalty = kPenalties[0];
   Eigen::MatrixXd answer;
 };
-CrossFit choose_penalty(const Table& table) {
+CrossFit choose_penalty(const Table& table, const Eigen::VectorXd& shares) {
   CrossFit best;
   double least = 1e300;
   for (const double tried : kPenalties) {
     Eigen::MatrixXd answer(table.z.rows(), kTargetMin);
     for (std::size_t f = 0; f < kFolds; ++f)
-      table.answer(solve(table.without(table.folds[f]), tried), table.of_fold[f], answer);
+      table.answer(solve(table.without(table.folds[f]), tried * shares), table.of_fold[f], answer);
     const double error = (answer - table.y).cwiseAbs().sum();
     if (error >= least) break;  // past the valley
     least = error;
@@ -147,7 +180,8 @@ CrossFit choose_penalty(const Table& table) {
 void RefinementBuilder::add(const Sample& sample) {
   Rows& rows = rows_[sample.clothed ? 1 : 0];
   if (!sample.refines() || rows.size() >= kSampleMax) return;
-  if (fit_size_ == 0) fit_size_ = sample.fit.size();
+  fit_size_ = sample.fit.size();
+  feature_size_ = sample.feature.size();
   Row& row = rows.emplace_back();
   row.subject = sample.subject;
   // As the device counts them: with both sides seen, the fewer of the two and the farther.
@@ -157,8 +191,9 @@ void RefinementBuilder::add(const Sample& sample) {
   row.stranger = sample.calibrate_only;
   row.woman = sample.woman;
   row.truth = sample.truth;
-  const Seen seen{sample.feature, sample.fit, sample.back, sample.fit_both, sample.clothed};
+  Seen seen{sample.feature, sample.fit, sample.back, sample.fit_both, sample.clothed, 0};
   for (const Refinement kind : {Refinement::fitted, Refinement::turned}) {
+    seen.frame_count = row.frame_count[sees_back(kind) ? 1 : 0];
     auto& values = row.values[sees_back(kind) ? 1 : 0];
     values.resize(refined_size(kind, sample.feature.size(), fit_size_));
     refined_values(kind, seen, values);
@@ -180,26 +215,30 @@ void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& pl
 
 RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const Rows& people,
                                                         const TargetSpace& targets, const PlainAnswers& plain,
-                                                        std::uint64_t seed) {
+                                                        std::uint64_t seed) const {
   const auto count = static_cast<std::ptrdiff_t>(people.size());
   std::vector<const std::vector<float>*> values;
   std::vector<int> fold_of_row;
   Eigen::MatrixXd y(count, kTargetMin);
+  Eigen::VectorXd weights(count);
   FoldDealer dealer(seed, kFolds);
   for (const Row& row : people) {
-    y.row(static_cast<std::ptrdiff_t>(values.size())) = targets.measured(row.truth, row.woman).transpose();
+    const auto at = static_cast<std::ptrdiff_t>(values.size());
+    y.row(at) = targets.measured(row.truth, row.woman).transpose();
+    weights(at) = weight_at(row.distance_mm[sees_back(kind) ? 1 : 0]);
     values.push_back(&row.values[sees_back(kind) ? 1 : 0]);
     fold_of_row.push_back(dealer.fold_of(row.subject));
   }
-  const Table table(values, std::move(y), fold_of_row);
-  CrossFit cross = choose_penalty(table);
+  const Table table(values, std::move(y), std::move(weights), fold_of_row);
+  const Eigen::VectorXd shares = penalty_shares(kind, feature_size_, fit_size_);
+  CrossFit cross = choose_penalty(table, shares);
 
   Learned out;
   out.record.sample_count = static_cast<std::uint32_t>(count);
   out.record.penalty_millionths = static_cast<std::uint32_t>(std::lround(cross.penalty * 1e6));
   for (const float m : table.scale.mean) out.mean.push_back(upper_of_float(m));
   for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
-  out.round(solve(table.all, cross.penalty));
+  out.round(solve(table.all, cross.penalty * shares));
 
   // Judged on strangers where there are enough. Shares: by a regression that has learned from other strangers, as the
   // one in the file has. Intervals, mostly: by one that has learned from none; the people it will meet are strangers
@@ -216,7 +255,8 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   if (strangers.size() >= kStrangersMin) {
     judged = strangers;
     const Sums rest = table.without(table.sums_of(all_strangers));
-    if (rest.count >= kSampleMin) table.answer(solve(rest, cross.penalty), judged, unmet);
+    if (rest.count >= static_cast<std::ptrdiff_t>(kSampleMin))
+      table.answer(solve(rest, cross.penalty * shares), judged, unmet);
   }
   if (!judged.empty()) out.judge(kind, people, judged, targets, plain, {table.y, cross.answer, unmet});
   return out;

@@ -62,11 +62,11 @@ class RefinementBuilder {
     void judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
                const TargetSpace& targets, const PlainAnswers& plain, const Said& said);
   };
-  static Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
-                           std::uint64_t seed);
+  Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
+                    std::uint64_t seed) const;
 
   std::array<Rows, 2> rows_;  // of people undressed, and in clothes
-  std::size_t fit_size_ = 0;
+  std::size_t feature_size_ = 0, fit_size_ = 0;
   std::array<std::optional<Learned>, kRefinementCount> learned_;
 };
 
