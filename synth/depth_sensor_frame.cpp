@@ -53,10 +53,6 @@ inline int whole_pixels(float d) {
   return std::clamp(static_cast<int>(d + std::copysign(0.5F, d)), -kEdgeReachPx, kEdgeReachPx);
 }
 
-}  // namespace
-
-namespace {
-
 // Between lattice points, kPx pixels apart.
 template <int kPx>
 inline __attribute__((always_inline)) void spread(const float* __restrict lattice, const float* near_weights,

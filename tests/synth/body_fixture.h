@@ -12,6 +12,15 @@
 
 namespace im2fit::synth {
 
+// What the environment variable says, else the file in the cache.
+inline std::string data_path(const char* variable, const char* file) {
+  if (const char* given = std::getenv(variable)) return given;
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  const char* home = std::getenv("HOME");
+  return (cache != nullptr ? std::string(cache) : std::string(home != nullptr ? home : ".") + "/.cache") +
+         "/im2fit/" + file;
+}
+
 class WithBody : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -28,13 +37,7 @@ class WithBody : public ::testing::Test {
     static std::unique_ptr<body::BodyModel> model;
     return model;
   }
-  static std::string path() {
-    if (const char* given = std::getenv("IM2FIT_BODY")) return given;
-    const char* cache = std::getenv("XDG_CACHE_HOME");
-    const char* home = std::getenv("HOME");
-    return (cache != nullptr ? std::string(cache) : std::string(home != nullptr ? home : ".") + "/.cache") +
-           "/im2fit/body.i2b";
-  }
+  static std::string path() { return data_path("IM2FIT_BODY", "body.i2b"); }
 };
 
 }  // namespace im2fit::synth

@@ -11,31 +11,27 @@ namespace im2fit::synth {
 namespace {
 
 // As the device goes about it: each frame is looked at.
-class FrameByFrame {
- public:
+struct FrameByFrame {
   FrameByFrame(const body::BodyModel& model, const JointModel& tracker, const Subject& subject,
                const CaptureOptions& options)
-      : k_(hal::rotate_upright(options.intrinsics, options.scene.rotate_deg)),
-        sensor(k_.width, k_.height, tracker),
-        fuser(k_.width, k_.height) {
+      : k(hal::rotate_upright(options.intrinsics, options.scene.rotate_deg)),
+        sensor(k.width, k.height, tracker),
+        fuser(k.width, k.height) {
     VirtualScene scene(model, subject, options.scene, options.sensor, options.intrinsics, options.seed);
-    const auto size = static_cast<std::size_t>(k_.width) * static_cast<std::size_t>(k_.height);
+    const auto size = static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height);
     std::vector<std::uint16_t> delivered(size), upright(size);
     std::vector<std::uint8_t> mask(size);
     const DepthImage in(delivered.data(), options.intrinsics.width, options.intrinsics.height);
-    const DepthImage out(upright.data(), k_.width, k_.height);
+    const DepthImage out(upright.data(), k.width, k.height);
     for (int i = 0; i < 4 * options.frame_count && fuser.frame_count() < options.frame_count; ++i) {
       scene.render(static_cast<std::uint64_t>(i), in);
       hal::rotate_upright(in, options.scene.rotate_deg, out);
-      const Sighting sighting = sensor.sense(out, k_, {mask.data(), k_.width, k_.height});
-      if (sighting.guidance == 0) fuser.add(out, {mask.data(), k_.width, k_.height}, k_, sighting);
+      const Sighting sighting = sensor.sense(out, k, {mask.data(), k.width, k.height});
+      if (sighting.guidance == 0) fuser.add(out, {mask.data(), k.width, k.height}, k, sighting);
     }
   }
 
- private:
-  Intrinsics k_;
-
- public:
+  Intrinsics k;
   Sensor sensor;
   Fuser fuser;
 };

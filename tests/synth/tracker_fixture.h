@@ -37,13 +37,7 @@ class WithTracker : public WithBody {
     static Loaded loaded;
     return loaded;
   }
-  static std::string path() {
-    if (const char* given = std::getenv("IM2FIT_TRACKER")) return given;
-    const char* cache = std::getenv("XDG_CACHE_HOME");
-    const char* home = std::getenv("HOME");
-    return (cache != nullptr ? std::string(cache) : std::string(home != nullptr ? home : ".") + "/.cache") +
-           "/im2fit/tracker.i2t";
-  }
+  static std::string path() { return data_path("IM2FIT_TRACKER", "tracker.i2t"); }
 };
 
 }  // namespace im2fit::synth
