@@ -328,31 +328,27 @@ void BodyModel::morph(const Params& params, std::span<Vec3f> out) const {
   }
 }
 
-// A run may cross from the body into the helpers, which therefore need places that hold numbers. The first targets,
-// MakeHuman's macros, often move all bodies alike: they move one, and the others begin as its copies.
-void BodyModel::morph_bodies(std::span<const MorphJob> jobs) const {
+// A run may cross from the body into the helpers, which therefore need places that hold numbers. The meshes that a
+// target moves are moved together: its deltas come from far.
+void BodyModel::move_bodies(std::span<const BodyMove> moves) const {
   const Data& d = *data_;
-  assert(!jobs.empty() && jobs.size() <= kMorphJobsMax);
-  std::array<TargetWeights, kMorphJobsMax> weights;
-  for (std::size_t i = 0; i < jobs.size(); ++i) weigh_targets(d, *jobs[i].params, weights[i]);
-  const auto alike = [&](std::size_t t) {
-    for (std::size_t i = 1; i < jobs.size(); ++i)
-      if (!(weights[i][t] == weights[0][t])) return false;
-    return true;
-  };
-  std::memcpy(jobs[0].out.data(), d.base.data(), d.base.size_bytes());
-  std::size_t t = 0;
-  for (; t < d.targets.size() && alike(t); ++t) {
-    const BlendInto into = {scale_of(weights[0][t]), &jobs[0].out[0].x};
-    if (into.scale != 0) add_target(d, t, d.body_run_count[t], {&into, 1});
+  assert(!moves.empty() && moves.size() <= kBodyMovesMax);
+  std::array<TargetWeights, kBodyMovesMax> weights;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    weigh_targets(d, *moves[i].to, weights[i]);
+    if (moves[i].from == nullptr) {
+      std::memcpy(moves[i].out.data(), d.base.data(), d.base.size_bytes());
+      continue;
+    }
+    TargetWeights before;
+    weigh_targets(d, *moves[i].from, before);
+    for (std::size_t t = 0; t < d.targets.size(); ++t) weights[i][t] = (weights[i][t] - before[t]) * moves[i].share;
   }
-  for (std::size_t i = 1; i < jobs.size(); ++i)
-    std::memcpy(jobs[i].out.data(), jobs[0].out.data(), d.base.size_bytes());
-  for (; t < d.targets.size(); ++t) {
-    std::array<BlendInto, kMorphJobsMax> into;
+  for (std::size_t t = 0; t < d.targets.size(); ++t) {
+    std::array<BlendInto, kBodyMovesMax> into;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < jobs.size(); ++i)
-      if (const float scale = scale_of(weights[i][t]); scale != 0) into[count++] = {scale, &jobs[i].out[0].x};
+    for (std::size_t i = 0; i < moves.size(); ++i)
+      if (const float scale = scale_of(weights[i][t]); scale != 0) into[count++] = {scale, &moves[i].out[0].x};
     add_target(d, t, d.body_run_count[t], std::span(into).first(count));
   }
 }

@@ -79,15 +79,17 @@ class BodyModel {
 
   // Rest-pose mesh of `params`; out has vertex_count() places. No allocation.
   void morph(const Params& params, std::span<Vec3f> out) const;
-  // The same bits for the body's vertices and something for the helpers': what stature and volume ask for. Several
-  // bodies at once, 1 to kMorphJobsMax, into as many meshes: they share what moves them alike and the deltas' way
-  // from memory.
-  struct MorphJob {
-    const Params* params;
+  // For solvers: the body's vertices, and something for the helpers', of several meshes at once. Without `from`, out
+  // becomes the mesh of `to`, the bits of morph(); else share times what `to` has more than `from` is added to it,
+  // which costs only what differs. 1 to kBodyMovesMax. No allocation.
+  struct BodyMove {
+    const Params* from;
+    const Params* to;
+    float share;
     std::span<Vec3f> out;
   };
-  static constexpr std::size_t kMorphJobsMax = 3;
-  void morph_bodies(std::span<const MorphJob> jobs) const;
+  static constexpr std::size_t kBodyMovesMax = 3;
+  void move_bodies(std::span<const BodyMove> moves) const;
 
   // What fits to depth pictures search; point_count 0 when the file has none: im2fit-lab fetch adds it,
   // im2fit-pack-body alone does not.

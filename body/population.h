@@ -46,7 +46,7 @@ struct Drawn {
 Drawn draw_person(const BodyModel& model, Family family, std::uint64_t seed, std::uint64_t number);
 
 // Raise when draw_person changes: an index of other people is then refused instead of misread.
-inline constexpr std::uint32_t kPopulationVersion = 1;
+inline constexpr std::uint32_t kPopulationVersion = 2;
 // A person of the training family as an index names it. Error: the version is not this one. A few milliseconds.
 Result<Params> params_of_person(const BodyModel& model, std::uint32_t version, std::uint64_t seed,
                                 std::uint64_t number);

@@ -10,6 +10,7 @@ namespace im2fit::body {
 namespace {
 
 constexpr int kStepCountMax = 24;
+constexpr int kFirstLikelyStep = 2;  // goals are mostly met at it, and derivatives would be for nothing
 constexpr double kStatureToleranceMm = 0.1;
 constexpr double kVolumeToleranceL = 0.01;
 constexpr float kFatnessMax = 1.6F;  // beyond it folds tear
@@ -75,7 +76,8 @@ class Solver {
   // between the slider's kinks, so the derivative at a point is the difference to any other point of its piece.
   bool solve(double stature_goal, double volume_goal, Sliders& s) {
     for (int step = 0; step < kStepCountMax; ++step) {
-      if (!respond(s, stature_goal, volume_goal)) return true;
+      go_to(s);
+      if (met(stature_goal, volume_goal, step)) return true;
       const Sliders n = next(s, response_);
       if (n.height == s.height && n.build == s.build) return false;
       s = n;
@@ -87,41 +89,44 @@ class Solver {
     Params& p = trials_[trial];
     p.height = s.height;
     p.weight = limited(s.build, 0, 1);
-    const float fatness = s.build - p.weight;
     p.modifiers = original_.modifiers;
     for (std::size_t i = 0; i < std::size(kFatness); ++i)
-      if (fatness_index_[i] >= 0)
-        p.modifiers[static_cast<std::size_t>(fatness_index_[i])] += fatness * kFatness[i].share;
+      if (fatness_index_[i] >= 0) p.modifiers[static_cast<std::size_t>(fatness_index_[i])] = modifier_at(s.build, i);
     return p;
   }
 
  private:
-  // The kinks of the two sliders; between them the mesh is affine.
+  // The kinks of the two sliders; between them the mesh is affine. Beyond the build's ends a modifier of the set has
+  // a kink where it changes sign and where it reaches its limit.
   static int height_piece(float h) { return h < 0.5F ? 0 : 1; }
-  static int build_piece(float b) { return b < 0 ? 0 : b < 0.5F ? 1 : b <= 1 ? 2 : 3; }
-  static bool beyond_slider(int piece) { return piece == 0 || piece == 3; }
+  int build_piece(float b) const {
+    if (!beyond_slider(b)) return b < 0.5F ? 0 : 1;
+    int piece = b < 0 ? 2 : 3;  // so that what follows is no piece of the slider itself
+    for (std::size_t i = 0; i < std::size(kFatness); ++i) {
+      if (fatness_index_[i] < 0) continue;
+      const float value = modifier_at(b, i);
+      piece = piece * 4 + (value < 0 ? 1 : 0) + (std::fabs(value) > kModifierLimit ? 2 : 0);
+    }
+    return piece;
+  }
+  static bool beyond_slider(float b) { return b < 0 || b > 1; }
+  float modifier_at(float build, std::size_t i) const {
+    const float fatness = build - limited(build, 0, 1);
+    return original_.modifiers[static_cast<std::size_t>(fatness_index_[i])] + fatness * kFatness[i].share;
+  }
 
-  // False: the goals are met.
-  bool respond(Sliders s, double stature_goal, double volume_goal) {
+  // The mesh there, and its derivatives where they are others than here.
+  void go_to(Sliders s) {
     const int height = height_piece(s.height), build = build_piece(s.build);
-    // Beyond the slider a modifier of the set may change sign on the way, so there nothing is kept.
-    const bool keep_build = build == build_piece_ && !beyond_slider(build);
-    if (height == height_piece_ && keep_build) {
+    if (height == height_piece_ && build == build_piece_) {
       advance(s.height - last_.height, s.build - last_.build);
     } else {
-      morph_again(s, height != height_piece_, !keep_build, build);
+      move(s, height != height_piece_, build != build_piece_);
     }
     height_piece_ = height;
     build_piece_ = build;
     last_ = s;
     find_extremes();
-    response_.more_stature = stature_goal - tall(here_);
-    integrate();
-    response_.more_volume = volume_goal - volume_l_;
-    response_.stature_by_height = tall(by_height_);
-    response_.stature_by_build = tall(by_build_);
-    return !(std::fabs(response_.more_stature) < kStatureToleranceMm &&
-             std::fabs(response_.more_volume) < kVolumeToleranceL);
   }
 
   void advance(float height, float build) {
@@ -132,29 +137,32 @@ class Solver {
   }
 
   // here_ and, where asked for, by_height_ and by_build_: movement of each vertex per unit of a slider.
-  void morph_again(Sliders s, bool by_height, bool by_build, int build) {
-    const float other_height = other_point(s.height);
-    const float other_build = beyond_slider(build) ? other_fatness(s.build) : other_point(s.build);
-    std::array<BodyModel::MorphJob, BodyModel::kMorphJobsMax> jobs = {{{&at(s, 0), here_}, {}, {}}};
-    std::size_t count = 1;
-    if (by_height) jobs[count++] = {&at({other_height, s.build}, 1), by_height_};
-    if (by_build) jobs[count++] = {&at({s.height, other_build}, 2), by_build_};
-    model_.morph_bodies(std::span(jobs).first(count));
-    if (by_height) difference(other_height - s.height, by_height_);
-    if (by_build) difference(other_build - s.build, by_build_);
-  }
-
-  void difference(float step, Mesh& there) {
-    float* value = &there[0].x;
-    const float* here = &here_[0].x;
-    for (std::size_t i = 0; i < 3 * body_count_; ++i) value[i] = (value[i] - here[i]) * (1 / step);
+  void move(Sliders s, bool by_height, bool by_build) {
+    std::array<BodyModel::BodyMove, BodyModel::kBodyMovesMax> moves;
+    std::size_t count = 0;
+    const Params& here = at(s, 0);
+    moves[count++] = {height_piece_ < 0 ? nullptr : &at(last_, 1), &here, 1, here_};
+    const auto slope = [&](Sliders other, float step, Mesh& out) {
+      std::fill(out.begin(), out.end(), Vec3f{});
+      moves[count] = {&here, &at(other, count + 1), 1 / step, out};
+      ++count;
+    };
+    if (by_height) slope({other_point(s.height), s.build}, other_point(s.height) - s.height, by_height_);
+    if (by_build) {
+      const float other = beyond_slider(s.build) ? other_fatness(s.build) : other_point(s.build);
+      slope({s.height, other}, other - s.build, by_build_);
+    }
+    model_.move_bodies(std::span(moves).first(count));
   }
 
   // A second point of the same piece of a slider, 0..0.5 or 0.5..1.
   static float other_point(float v) { return v < 0.25F || (v >= 0.5F && v < 0.75F) ? v + 0.25F : v - 0.25F; }
-  static float other_fatness(float v) {
-    const float outwards = v < 0 ? -0.05F : 0.05F;
-    return v > 1 + kFatnessMax / 2 || (v < -kSlimnessMax / 2 && v < 0) ? v - outwards : v + outwards;
+  float other_fatness(float v) const {
+    const int piece = build_piece(v);
+    for (const float step : {0.05F, 0.0125F, 0.003125F})
+      for (const float other : {v + step, v - step})
+        if (build_piece(other) == piece) return other;
+    return v + (v < 0 ? -0.05F : 0.05F);  // between two kinks that are closer: near enough
   }
 
   void find_extremes() {
@@ -168,26 +176,47 @@ class Solver {
   }
   double tall(const Mesh& m) const { return static_cast<double>(m[high_].y) - m[low_].y; }
 
+  // Whether the goals are met; unless they are, response_.
+  bool met(double stature_goal, double volume_goal, int step) {
+    response_.more_stature = stature_goal - tall(here_);
+    const bool tall_enough = std::fabs(response_.more_stature) < kStatureToleranceMm;
+    if (tall_enough && step >= kFirstLikelyStep) {
+      integrate<false>();
+      if (std::fabs(volume_goal - volume_l_) < kVolumeToleranceL) return true;
+    }
+    integrate<true>();
+    response_.more_volume = volume_goal - volume_l_;
+    response_.stature_by_height = tall(by_height_);
+    response_.stature_by_build = tall(by_build_);
+    return tall_enough && std::fabs(response_.more_volume) < kVolumeToleranceL;
+  }
+
   // Volume, and its first variation along both sliders: a closed mesh's volume is a sixth of (edge x edge) . corner,
   // which is the same for a triangle's three corners, and the variation a sixth of (edge x edge) . (sum of the
   // corners' movements). A quad is its triangles 0 1 2 and 0 2 3, as body_triangles() has them.
+  template <bool kVariations>
   void integrate() {
     double volume = 0, by_height = 0, by_build = 0;
     struct Corner {
       Four here, by_height, by_build;
     };
     const auto add = [&](const Corner& a, const Corner& b, const Corner& c) {
-      const Four n = cross(b.here - a.here, c.here - a.here);
-      const Four sums = sums_of(n * (a.here + b.here + c.here), n * (a.by_height + b.by_height + c.by_height),
-                                n * (a.by_build + b.by_build + c.by_build));
-      volume += static_cast<double>(sums[0]);
-      by_height += static_cast<double>(sums[1]);
-      by_build += static_cast<double>(sums[2]);
+      const Four n = cross(b.here - a.here, c.here - a.here), own = n * (a.here + b.here + c.here);
+      if constexpr (kVariations) {
+        const Four sums =
+            sums_of(own, n * (a.by_height + b.by_height + c.by_height), n * (a.by_build + b.by_build + c.by_build));
+        volume += static_cast<double>(sums[0]);
+        by_height += static_cast<double>(sums[1]);
+        by_build += static_cast<double>(sums[2]);
+      } else {
+        volume += static_cast<double>(sums_of(own, own, own)[0]);
+      }
     };
     for (const auto& q : model_.body_quads()) {
       const auto corner = [&](std::size_t i) {
         const auto v = static_cast<std::size_t>(q[i]);
-        return Corner{vertex(here_, v), vertex(by_height_, v), vertex(by_build_, v)};
+        if constexpr (kVariations) return Corner{vertex(here_, v), vertex(by_height_, v), vertex(by_build_, v)};
+        return Corner{vertex(here_, v), {}, {}};
       };
       const Corner a = corner(0), b = corner(1), c = corner(2), d = corner(3);
       add(a, b, c);
@@ -225,7 +254,7 @@ class Solver {
 
   const BodyModel& model_;
   Params original_;
-  std::array<Params, BodyModel::kMorphJobsMax> trials_;
+  std::array<Params, BodyModel::kBodyMovesMax + 1> trials_;
   std::array<int, std::size(kFatness)> fatness_index_{};
   Sliders last_{};
   int height_piece_ = -1;
@@ -244,12 +273,27 @@ double volume_of_weight(double stature_mm, double weight_kg) {
   return volume_l;
 }
 
+// Where a search begins: linear in what moves the sliders most, fitted to 2,000 people of the training family, of
+// whom it misses a height by 0.05 and a build by 0.18.
+Sliders likely_sliders(const Params& p, double stature_mm, double weight_kg) {
+  const double metres = stature_mm / 1000, mass_index = weight_kg / (metres * metres);
+  const auto within = [](double v, double low, double high) { return v > low ? (v < high ? v : high) : low; };
+  const double woman = 1 - within(static_cast<double>(p.gender), 0, 1);
+  const double mass = within(mass_index - 26, -10, 20), muscle = static_cast<double>(p.muscle) - 0.4;
+  const double race_sum = static_cast<double>(p.race[0] + p.race[1] + p.race[2]);
+  const double share = race_sum > 0 ? 1 / race_sum : 0;
+  const double height = 0.424 + 0.092 * woman + 1.015 * (metres - 1.7) +
+                        share * (0.114 * static_cast<double>(p.race[1]) - 0.07 * static_cast<double>(p.race[0]));
+  const double build = 0.957 + 0.44 * woman + 0.13 * mass + 1.57 * muscle + 0.17 * mass * muscle;
+  return {static_cast<float>(within(height, 0.05, 0.95)), static_cast<float>(within(build, -0.4, 2.4))};
+}
+
 }  // namespace
 
 bool solve_stature_and_weight(const BodyModel& model, Params& params, double stature_mm, double weight_kg) {
   if (!(stature_mm > 0 && stature_mm < 1e5 && weight_kg > 0 && weight_kg < 1e5)) return false;
   Solver solver(model, params);
-  Sliders sliders = {0.5F, 0.55F};
+  Sliders sliders = likely_sliders(params, stature_mm, weight_kg);
   const bool solved = solver.solve(stature_mm, volume_of_weight(stature_mm, weight_kg), sliders);
   params = solver.at(sliders);
   return solved;

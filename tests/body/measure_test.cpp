@@ -63,6 +63,40 @@ TEST(Solve, ThirtyPeopleGetTheirStatureAndWeight) {
   }
 }
 
+// Where the weight slider ends a set of modifiers goes on, each with a kink where it changes sign.
+TEST(Solve, ThinAndHeavyPeopleGetTheirsWhicheverWayTheirModifiersPoint) {
+  IM2FIT_NEEDS_BODY();
+  const BodyModel& model = *real_body();
+  int thin = 0, heavy = 0;
+  const auto solve = [&](float others, float buttocks, float muscle, double index) {
+    Params p;
+    p.gender = 1;
+    p.muscle = muscle;
+    p.modifiers.assign(model.modifier_names().size(), 0.0F);
+    const auto set = [&](const char* name, float v) {
+      p.modifiers[static_cast<std::size_t>(model.modifier_index(name))] = v;
+    };
+    for (const char* name :
+         {"torso/torso-scale-horiz", "torso/torso-scale-depth", "hip/hip-scale-horiz", "hip/hip-scale-depth",
+          "armslegs/upperleg-fat", "armslegs/upperarm-fat", "armslegs/lowerleg-fat", "stomach/stomach-pregnant"})
+      set(name, others);
+    set("buttocks/buttocks-volume", buttocks);
+    const double weight_kg = index * 1.76 * 1.76;
+    if (!solve_stature_and_weight(model, p, 1760, weight_kg)) return;
+    thin += p.weight == 0 ? 1 : 0;
+    heavy += p.weight == 1 ? 1 : 0;
+    const MeasurementValues got = measure_person(model, p);
+    ASSERT_NEAR(value(got, Measurement::stature), 1760, 0.5) << others << " " << buttocks << " " << index;
+    ASSERT_NEAR(value(got, Measurement::weight), weight_kg, 0.05) << others << " " << buttocks << " " << index;
+  };
+  for (const float muscle : {0.2F, 0.5F, 0.8F})
+    for (const float buttocks : {-0.3F, 0.3F})
+      for (const float others : {-0.4F, 0.0F, 0.4F})
+        for (double index = 17; index < 36; index += 0.4) solve(others, buttocks, muscle, index);
+  EXPECT_GT(thin, 20);
+  EXPECT_GT(heavy, 100);
+}
+
 TEST(Solve, WhatCannotBeReachedSaysSoAndGivesTheNearest) {
   IM2FIT_NEEDS_BODY();
   const BodyModel& model = *real_body();

@@ -174,6 +174,29 @@ TEST(RealBody, SlidersOutOfRangeOrNotANumberGiveAFiniteBody) {
   for (const Vec3f& v : morphed(model, p)) ASSERT_LT(norm(v), 5000.0F);
 }
 
+TEST(RealBody, MovesBetweenTwoPeopleAreTheDifferencesOfTheirMeshes) {
+  IM2FIT_NEEDS_BODY();
+  const BodyModel& model = *real_body();
+  Params a = person(1, 0.4F), b = person(1, 0.7F);
+  b.weight = 0.8F;
+  b.modifiers.assign(model.modifier_names().size(), 0.0F);
+  b.modifiers[3] = -0.5F;
+  const auto from = morphed(model, a), to = morphed(model, b);
+  // The mesh of one; from it half of the way, begun at zero; all of the way, begun at the other's mesh.
+  std::vector<Vec3f> mesh(from.size()), half(from.size()), whole = from;
+  const std::array<BodyModel::BodyMove, BodyModel::kBodyMovesMax> moves = {
+      {{nullptr, &b, 1, mesh}, {&a, &b, 0.5F, half}, {&a, &b, 1, whole}}};
+  model.move_bodies(moves);
+  float moved_mm = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(model.body_vertex_count()); ++i) {
+    ASSERT_TRUE(std::memcmp(&mesh[i], &to[i], sizeof(Vec3f)) == 0) << i;
+    ASSERT_LT(norm(half[i] - (to[i] - from[i]) * 0.5F), 2e-3F) << i;
+    ASSERT_LT(norm(whole[i] - to[i]), 2e-3F) << i;
+    moved_mm = std::max(moved_mm, norm(to[i] - from[i]));
+  }
+  EXPECT_GT(moved_mm, 100);
+}
+
 TEST(RealBody, MorphAndSkinDoNotAllocate) {
   IM2FIT_NEEDS_BODY();
   const BodyModel& model = *real_body();
