@@ -2,6 +2,7 @@
 #include "body/measure.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 
 #include "body/model_data.h"
@@ -44,27 +45,17 @@ class Standing {
       : model_(model), d_(model.data()), v_(vertices), gender_(gender) {
     assert(vertices.size() == static_cast<std::size_t>(model.vertex_count()));
     heights_along(body_of(model, vertices), {0, 1, 0}, heights_);
+    levels_[kChest] = {nipple_y(), true, {}};
+    levels_[kWaist] = {waist_y(), true, {}};
+    levels_[kHip] = {rearmost_buttock_y(), true, {}};
+    levels_[kShoulder] = {shoulder_y(), false, {}};
+    section_levels(d_.quads, d_.triangle_is_arm, v_, heights_, levels_);
   }
 
-  std::vector<Vec3f> chest() { return level(nipple_y(), true); }
-
-  std::vector<Vec3f> waist() {
-    const float woman = 1 - (gender_ > 0 ? (gender_ < 1 ? gender_ : 1) : 0);
-    const float share = kWaistShareMan + (kWaistShareWoman - kWaistShareMan) * woman;
-    const float navel = landmark(Landmark::navel).y;
-    return level(navel + share * (nipple_y() - navel), true);
-  }
-
-  std::vector<Vec3f> hip() { return level(rearmost_buttock_y(), true); }
-
-  std::vector<Vec3f> shoulder() {
-    float y = 0;
-    for (const Segment s : {Segment::left_upper_arm, Segment::right_upper_arm}) {
-      const float top = mean_of_list(d_, kHeadLists + at(s), v_).y;
-      const float elbow = mean_of_list(d_, kTailLists + at(s), v_).y;
-      y += 0.5F * (top + kShoulderGirthShare * (elbow - top));
-    }
-    return level(y, false);
+  enum Girth { kChest, kWaist, kHip, kShoulder, kGirths };
+  std::vector<Vec3f> girth(Girth girth) {
+    const Level& level = levels_[girth];
+    return convex_hull(level.points, level_plane(level.height));
   }
 
   // The smallest section perpendicular to the line from the neck's root to the skull's: a coarse walk along it, then
@@ -79,7 +70,7 @@ class Standing {
     const auto try_share = [&](float share) {
       const SectionPlane plane = plane_through(root + axis * share, axis);
       points_.clear();
-      section_points(neck_, {}, v_, neck_heights_, dot(plane.origin, plane.normal), points_);
+      neck_.cut(v_, neck_heights_, dot(plane.origin, plane.normal), points_);
       auto hull = convex_hull(points_, plane);
       if (hull.size() < 3) return;
       if (const double mm = perimeter_mm(hull); mm < best_mm) {
@@ -97,15 +88,24 @@ class Standing {
   Vec3f landmark(Landmark l) const { return v_[static_cast<std::size_t>(d_.landmark(l))]; }
 
  private:
-  std::vector<Vec3f> level(float y, bool without_arms) {
-    const SectionPlane plane = level_plane(y);
-    points_.clear();
-    const std::span<const std::uint8_t> arms = d_.triangle_is_arm;
-    section_points(d_.triangles, without_arms ? arms : arms.first(0), v_, heights_, y, points_);
-    return convex_hull(points_, plane);
+  float nipple_y() const { return 0.5F * (landmark(Landmark::left_nipple).y + landmark(Landmark::right_nipple).y); }
+
+  float waist_y() const {
+    const float woman = 1 - (gender_ > 0 ? (gender_ < 1 ? gender_ : 1) : 0);
+    const float share = kWaistShareMan + (kWaistShareWoman - kWaistShareMan) * woman;
+    const float navel = landmark(Landmark::navel).y;
+    return navel + share * (nipple_y() - navel);
   }
 
-  float nipple_y() const { return 0.5F * (landmark(Landmark::left_nipple).y + landmark(Landmark::right_nipple).y); }
+  float shoulder_y() const {
+    float y = 0;
+    for (const Segment s : {Segment::left_upper_arm, Segment::right_upper_arm}) {
+      const float top = mean_of_list(d_, kHeadLists + at(s), v_).y;
+      const float elbow = mean_of_list(d_, kTailLists + at(s), v_).y;
+      y += 0.5F * (top + kShoulderGirthShare * (elbow - top));
+    }
+    return y;
+  }
 
   float rearmost_buttock_y() const {
     const float low = landmark(Landmark::crotch).y - 60;
@@ -131,7 +131,7 @@ class Standing {
       if (height < low || height > high || d_.triangle_is_arm[t] != 0) continue;
       const Vec3f p = v_[first] - root;
       const float along = dot(p, n);
-      if (dot(p, p) - along * along < kNeckRadiusMaxMm * kNeckRadiusMaxMm) neck_.push_back(d_.triangles[t]);
+      if (dot(p, p) - along * along < kNeckRadiusMaxMm * kNeckRadiusMaxMm) neck_.add(d_.triangles[t], neck_heights_);
     }
   }
 
@@ -140,8 +140,9 @@ class Standing {
   std::span<const Vec3f> v_;
   float gender_;
   std::vector<float> heights_;
+  std::array<Level, kGirths> levels_;
   std::vector<Vec3f> points_;
-  std::vector<Triangle> neck_;
+  TriangleStack neck_;
   std::vector<float> neck_heights_;
 };
 
@@ -202,10 +203,10 @@ MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3
   std::vector<Vec3f> posed(rest_vertices.size());
   skin(model, rest_vertices, rest, pose, posed);
   Standing standing(model, posed, gender);
-  set(Measurement::chest_girth, perimeter_mm(standing.chest()));
-  set(Measurement::waist_girth, perimeter_mm(standing.waist()));
-  set(Measurement::hip_girth, perimeter_mm(standing.hip()));
-  set(Measurement::shoulder_girth, perimeter_mm(standing.shoulder()));
+  set(Measurement::chest_girth, perimeter_mm(standing.girth(Standing::kChest)));
+  set(Measurement::waist_girth, perimeter_mm(standing.girth(Standing::kWaist)));
+  set(Measurement::hip_girth, perimeter_mm(standing.girth(Standing::kHip)));
+  set(Measurement::shoulder_girth, perimeter_mm(standing.girth(Standing::kShoulder)));
   set(Measurement::neck_girth, perimeter_mm(standing.neck()));
   set(Measurement::inside_leg, standing.landmark(Landmark::crotch).y - extent_y(body_of(model, posed)).low);
 
@@ -234,10 +235,10 @@ std::vector<Section> girth_sections(const BodyModel& model, std::span<const Vec3
   Standing standing(model, relaxed_vertices, gender);
   std::vector<Section> sections;
   sections.push_back({Measurement::neck_girth, standing.neck()});
-  sections.push_back({Measurement::shoulder_girth, standing.shoulder()});
-  sections.push_back({Measurement::chest_girth, standing.chest()});
-  sections.push_back({Measurement::waist_girth, standing.waist()});
-  sections.push_back({Measurement::hip_girth, standing.hip()});
+  sections.push_back({Measurement::shoulder_girth, standing.girth(Standing::kShoulder)});
+  sections.push_back({Measurement::chest_girth, standing.girth(Standing::kChest)});
+  sections.push_back({Measurement::waist_girth, standing.girth(Standing::kWaist)});
+  sections.push_back({Measurement::hip_girth, standing.girth(Standing::kHip)});
   return sections;
 }
 

@@ -35,33 +35,72 @@ void heights_along(std::span<const Vec3f> vertices, Vec3f normal, std::vector<fl
   for (std::size_t i = 0; i < vertices.size(); ++i) heights[i] = dot(vertices[i], normal);
 }
 
-void section_points(std::span<const Triangle> triangles, std::span<const std::uint8_t> skip,
-                    std::span<const Vec3f> vertices, std::span<const float> heights, float level,
-                    std::vector<Vec3f>& out) {
-  std::vector<std::uint8_t> above(heights.size());
-  for (std::size_t i = 0; i < heights.size(); ++i) above[i] = heights[i] - level > 0 ? 1 : 0;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Triangle& corner = triangles[t];
-    const auto side = [&](std::size_t i) { return static_cast<int>(above[static_cast<std::size_t>(corner[i])]); };
-    // Sums, not branches: which side a corner lies on is a coin toss to the predictor.
-    if ((side(0) + side(1) + side(2)) % 3 == 0 || (!skip.empty() && skip[t] != 0)) continue;
-    const auto height = [&](std::size_t i) { return heights[static_cast<std::size_t>(corner[i])] - level; };
-    const std::array<float, 3> d = {height(0), height(1), height(2)};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t j = i == 2 ? 0 : i + 1;
-      if ((d[i] > 0) == (d[j] > 0)) continue;
-      const Vec3f a = vertices[static_cast<std::size_t>(corner[i])];
-      const Vec3f b = vertices[static_cast<std::size_t>(corner[j])];
-      out.push_back(a + (b - a) * (d[i] / (d[i] - d[j])));
-    }
+namespace {
+
+// Where a triangle's edges cross: nothing, or both ends. Of a closed mesh, where two triangles share each edge and
+// pass it in opposite directions, `downwards` alone are all.
+void cross_level(const Triangle& corner, std::span<const Vec3f> vertices, std::span<const float> heights, float level,
+                 bool downwards, std::vector<Vec3f>& out) {
+  const auto height = [&](std::size_t i) { return heights[static_cast<std::size_t>(corner[i])] - level; };
+  const std::array<float, 3> d = {height(0), height(1), height(2)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = i == 2 ? 0 : i + 1;
+    if ((d[i] > 0) == (d[j] > 0) || (downwards && !(d[i] > 0))) continue;
+    const Vec3f& a = vertices[static_cast<std::size_t>(corner[i])];
+    const Vec3f& b = vertices[static_cast<std::size_t>(corner[j])];
+    out.push_back(a + (b - a) * (d[i] / (d[i] - d[j])));
   }
 }
 
-void section_points(std::span<const Triangle> triangles, std::span<const std::uint8_t> skip,
-                    std::span<const Vec3f> vertices, const SectionPlane& plane, std::vector<Vec3f>& out) {
-  std::vector<float> heights;
-  heights_along(vertices, plane.normal, heights);
-  section_points(triangles, skip, vertices, heights, dot(plane.origin, plane.normal), out);
+}  // namespace
+
+void TriangleStack::clear() {
+  triangles_.clear();
+  low_.clear();
+  high_.clear();
+}
+
+void TriangleStack::add(const Triangle& triangle, std::span<const float> heights) {
+  const auto height = [&](std::size_t i) { return heights[static_cast<std::size_t>(triangle[i])]; };
+  triangles_.push_back(triangle);
+  low_.push_back(std::min({height(0), height(1), height(2)}));
+  high_.push_back(std::max({height(0), height(1), height(2)}));
+}
+
+void TriangleStack::cut(std::span<const Vec3f> vertices, std::span<const float> heights, float level,
+                        std::vector<Vec3f>& out) const {
+  for (std::size_t t = 0; t < triangles_.size(); ++t)
+    if ((low_[t] - level > 0) != (high_[t] - level > 0))
+      cross_level(triangles_[t], vertices, heights, level, true, out);
+}
+
+void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::span<const std::uint8_t> skip,
+                    std::span<const Vec3f> vertices, std::span<const float> heights, std::span<Level> levels) {
+  static_assert(kLevelsMax <= 8);
+  std::vector<std::uint8_t> above(heights.size());  // a bit a level
+  for (std::size_t l = 0; l < levels.size() && l < kLevelsMax; ++l) {
+    const float level = levels[l].height;
+    const auto bit = static_cast<std::uint8_t>(1U << l);
+    for (std::size_t i = 0; i < heights.size(); ++i)
+      above[i] = static_cast<std::uint8_t>(above[i] | (heights[i] - level > 0 ? bit : 0));
+  }
+  for (std::size_t q = 0; q < quads.size(); ++q) {
+    const auto& quad = quads[q];
+    const auto side = [&](std::size_t i) -> unsigned { return above[static_cast<std::size_t>(quad[i])]; };
+    const unsigned a = side(0), b = side(1), c = side(2), d = side(3);
+    const unsigned crossed = (a | b | c | d) & ~(a & b & c & d);
+    if (crossed == 0) continue;
+    for (std::size_t l = 0; l < levels.size() && l < kLevelsMax; ++l) {
+      if ((crossed >> l & 1U) == 0) continue;
+      Level& level = levels[l];
+      const auto cross = [&](std::size_t half, const Triangle& corner) {
+        if (!level.heeds_skip || skip[2 * q + half] == 0)
+          cross_level(corner, vertices, heights, level.height, !level.heeds_skip, level.points);
+      };
+      cross(0, {quad[0], quad[1], quad[2]});
+      cross(1, {quad[0], quad[2], quad[3]});
+    }
+  }
 }
 
 // Andrew's monotone chain.

@@ -24,15 +24,35 @@ SectionPlane level_plane(float y_mm);
 // Any u, v perpendicular to `normal` (not zero).
 SectionPlane plane_through(Vec3f origin, Vec3f normal);
 
-// Where the triangles with skip[i] == 0 (all, if `skip` is empty) cross the plane: both ends of each crossing.
-void section_points(std::span<const Triangle> triangles, std::span<const std::uint8_t> skip,
-                    std::span<const Vec3f> vertices, const SectionPlane& plane, std::vector<Vec3f>& out);
-
-// The same for many parallel planes: `heights` holds each vertex' coordinate along their normal.
+// Each vertex' coordinate along a normal.
 void heights_along(std::span<const Vec3f> vertices, Vec3f normal, std::vector<float>& heights);
-void section_points(std::span<const Triangle> triangles, std::span<const std::uint8_t> skip,
-                    std::span<const Vec3f> vertices, std::span<const float> heights, float level,
-                    std::vector<Vec3f>& out);
+
+// A surface to be cut at many levels along one normal: triangles with where each begins and ends along it.
+class TriangleStack {
+ public:
+  void clear();
+  void add(const Triangle& triangle, std::span<const float> heights);
+  // A point of each edge that crosses the level. Two triangles share an edge and pass it in opposite directions: the
+  // one that goes down counts.
+  void cut(std::span<const Vec3f> vertices, std::span<const float> heights, float level,
+           std::vector<Vec3f>& out) const;
+
+ private:
+  std::vector<Triangle> triangles_;
+  std::vector<float> low_, high_;
+};
+
+// The same of a mesh of quads at up to kLevelsMax levels in one pass. `skip` has two entries a quad, for its
+// triangles 0 1 2 and 0 2 3; a level that heeds them takes both triangles' points of an edge, since one may be left
+// out.
+inline constexpr std::size_t kLevelsMax = 8;
+struct Level {
+  float height = 0;
+  bool heeds_skip = false;
+  std::vector<Vec3f> points;  // added to
+};
+void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::span<const std::uint8_t> skip,
+                    std::span<const Vec3f> vertices, std::span<const float> heights, std::span<Level> levels);
 
 // Convex hull within the plane, counter-clockwise in (u, v), no point twice; fewer than three points: as they are.
 std::vector<Vec3f> convex_hull(std::span<const Vec3f> points, const SectionPlane& plane);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -13,7 +14,7 @@ namespace {
 
 struct Mesh {
   std::vector<Vec3f> vertices;
-  std::vector<Triangle> triangles;
+  std::vector<std::array<std::int32_t, 4>> quads;
 };
 
 // A tube along y from -1 to 1 m whose outline is radius(angle) times (a, b), mm.
@@ -28,16 +29,26 @@ Mesh tube(double a, double b, int sides, Radius radius) {
   }
   for (int i = 0; i < sides; ++i) {
     const int j = (i + 1) % sides;
-    m.triangles.push_back({2 * i, 2 * j, 2 * i + 1});
-    m.triangles.push_back({2 * j, 2 * j + 1, 2 * i + 1});
+    m.quads.push_back({2 * i, 2 * j, 2 * j + 1, 2 * i + 1});
   }
   return m;
 }
 
-double girth(const Mesh& m, const SectionPlane& plane, std::span<const std::uint8_t> skip = {}) {
+double girth(const Mesh& m, const SectionPlane& plane) {
+  std::vector<float> heights;
+  heights_along(m.vertices, plane.normal, heights);
+  TriangleStack stack;
+  for (const auto& q : m.quads) {
+    stack.add({q[0], q[1], q[2]}, heights);
+    stack.add({q[0], q[2], q[3]}, heights);
+  }
   std::vector<Vec3f> points;
-  section_points(m.triangles, skip, m.vertices, plane, points);
+  stack.cut(m.vertices, heights, dot(plane.origin, plane.normal), points);
   return perimeter_mm(convex_hull(points, plane));
+}
+
+double girth_at(const Level& level) {
+  return perimeter_mm(convex_hull(level.points, level_plane(level.height)));
 }
 
 // Ramanujan's second approximation; exact to 1e-9 at these shapes.
@@ -73,12 +84,35 @@ TEST(Section, SlantedPlaneCutsALongerEllipse) {
   EXPECT_NEAR(girth(tube(150, 150, 2000, kRound), plane), ellipse_perimeter(150 / std::cos(tilt), 150), 0.02);
 }
 
-TEST(Section, SkippedTrianglesDoNotCount) {
+TEST(Section, ManyLevelsAtOnceAreTheLevels) {
+  const Mesh cone = [] {
+    Mesh m = tube(150, 100, 400, kRound);
+    for (Vec3f& p : m.vertices)
+      if (p.y > 0) p = {0.5F * p.x, p.y, 0.5F * p.z};
+    return m;
+  }();
+  std::vector<float> heights;
+  heights_along(cone.vertices, {0, 1, 0}, heights);
+  std::vector<Level> levels(kLevelsMax);
+  for (std::size_t l = 0; l < levels.size(); ++l) levels[l].height = 120 * static_cast<float>(l) - 900;
+  section_levels(cone.quads, {}, cone.vertices, heights, levels);
+  for (const Level& level : levels) {
+    const double share = 1 - 0.25 * (static_cast<double>(level.height) + 1000) / 1000;
+    EXPECT_NEAR(girth_at(level), share * ellipse_perimeter(150, 100), 0.05) << level.height;
+    EXPECT_NEAR(girth_at(level), girth(cone, level_plane(level.height)), 1e-3) << level.height;
+  }
+}
+
+TEST(Section, SkippedTrianglesDoNotCountWhereTheyAreHeeded) {
   const Mesh m = tube(150, 100, 400, kRound);
   std::vector<std::uint8_t> skip;
-  for (const Triangle& t : m.triangles) skip.push_back(m.vertices[static_cast<std::size_t>(t[0])].x > 0 ? 1 : 0);
-  const double half = ellipse_perimeter(150, 100) / 2 + 200;
-  EXPECT_NEAR(girth(m, level_plane(0), skip), half, 3);
+  for (const auto& q : m.quads) skip.insert(skip.end(), 2, m.vertices[static_cast<std::size_t>(q[0])].x > 0 ? 1 : 0);
+  std::vector<float> heights;
+  heights_along(m.vertices, {0, 1, 0}, heights);
+  std::vector<Level> levels = {{0, true, {}}, {0, false, {}}};
+  section_levels(m.quads, skip, m.vertices, heights, levels);
+  EXPECT_NEAR(girth_at(levels[0]), ellipse_perimeter(150, 100) / 2 + 200, 3);
+  EXPECT_NEAR(girth_at(levels[1]), ellipse_perimeter(150, 100), 0.05);
 }
 
 // Cauchy: a convex curve's length is the integral of its width over half a turn.
