@@ -9,9 +9,6 @@
 namespace im2fit {
 namespace {
 
-// What a fit ends with, as its maker and the index see it.
-static_assert(body::kFitQualityCount == index::kFitQualities);
-
 body::FitView view_of(const RefinedQuery::Side& side) {
   return {side.fuser.depth_q4(), side.fuser.mask(), side.fuser.intrinsics(), side.description.joints,
           side.description.floor};
@@ -28,12 +25,12 @@ RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* sp
   if (fits(index, space)) fitter_ = std::make_unique<body::ShapeFitter>(*space);
 }
 
-std::span<const float> RefinedQuery::values_of(const body::ShapeFit& fit, FitValues& values) const {
-  return body::fit_values(fit, *space_, values);
+std::span<const float> RefinedQuery::values_of(const body::ShapeFit& fit) const {
+  return body::fit_values(fit, *space_);
 }
 
 std::span<const float> RefinedQuery::unknown_fit() {
-  const std::span<float> values(front_.data(), index_.fit_size());
+  const std::span<float> values(unknown_.data(), index_.fit_size());
   std::fill(values.begin(), values.end(), std::numeric_limits<float>::quiet_NaN());
   return values;
 }
@@ -70,11 +67,11 @@ Result<RefinedQuery::Asked> RefinedQuery::ask(const Side& front, const std::opti
   if (fitter_ == nullptr) return asked(seen, options);
   if (back) {
     const std::array<body::FitView, 2> views = {view_of(front), view_of(*back)};
-    seen.fit_both = values_of(fitter_->run(views), both_);
-    seen.fit = values_of(fitter_->first_alone(), front_);
+    seen.fit_both = values_of(fitter_->run(views));
+    seen.fit = values_of(fitter_->first_alone());
   } else {
     const std::array<body::FitView, 1> views = {view_of(front)};
-    seen.fit = values_of(fitter_->run(views), front_);
+    seen.fit = values_of(fitter_->run(views));
   }
   if (!seen.fit_both.empty() && !seen.fit.empty()) {
     seen.back = back->description.feature;

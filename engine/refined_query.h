@@ -38,8 +38,7 @@ class RefinedQuery {
   bool refines() const { return fitter_ != nullptr; }
 
  private:
-  using FitValues = std::array<float, body::kShapeMax + body::kFitQualityCount>;
-  std::span<const float> values_of(const body::ShapeFit& fit, FitValues& values) const;
+  std::span<const float> values_of(const body::ShapeFit& fit) const;
   std::span<const float> unknown_fit();
   Result<AgeAnswer> age_of(const index::Seen& seen);
   Result<Asked> asked(const index::Seen& seen, const index::QueryOptions& options);
@@ -49,7 +48,7 @@ class RefinedQuery {
   const bool clothed_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
-  FitValues front_{}, both_{};  // of fits
+  std::array<float, body::kShapeMax> unknown_{};  // what is said of a fit where there is none
   static constexpr std::size_t kAlikeMax = 256;
   std::array<std::uint32_t, kAlikeMax> alike_{};
   std::array<float, kAlikeMax> ages_{};

@@ -106,8 +106,8 @@ Status Builder::check_sample(const Sample& sample, std::size_t number) const {
       !std::all_of(sample.body.begin(), sample.body.end(), finite))
     return invalid(which + " has a truth or body parameter that is not finite");
   const bool all = !sample.fit.empty() && sample.fit.size() == sample.fit_both.size() &&
-                   sample.fit.size() >= kFitQualities && sample.fit.size() <= kFitMax &&
-                   sample.back.size() == feature_size_ && (fit_size_ == 0 || sample.fit.size() == fit_size_);
+                   sample.fit.size() <= kFitMax && sample.back.size() == feature_size_ &&
+                   (fit_size_ == 0 || sample.fit.size() == fit_size_);
   const bool none = sample.fit.empty() && sample.fit_both.empty() && sample.back.empty();
   if (!all && !none) return invalid(which + " has a fit or a back of another size than expected");
   if (sample.subject > 0xFFFFFFFFU) return invalid(which + " has a subject number of 2^32 or more");

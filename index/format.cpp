@@ -155,7 +155,7 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
   const auto name = [&](const char* part) { return section_of(kind, part); };
   RefinementContents c;
   c.record = in.record<RefinementRecord>(name("about").c_str());
-  in.require(within(c.record.fit_size, kFitQualities, kFitMax), name("about").c_str(), "says an impossible fit");
+  in.require(within(c.record.fit_size, 1, kFitMax), name("about").c_str(), "says an impossible fit");
   in.require(c.record.interval_kind <= 1, name("about").c_str(), "names an unknown method");
   for (const float share : c.record.share) in.require(within(share, 0, 1), name("about").c_str(), "mixes impossibly");
   in.require(possible(c.record.noise), name("about").c_str(), "says an impossible noise model");

@@ -25,11 +25,10 @@ std::string section_of(Refinement kind, const char* name) {
 void refined_values(Refinement kind, const Seen& seen, std::span<float> out) {
   auto at = std::copy(seen.front.begin(), seen.front.end(), out.begin());
   if (sees_back(kind)) at = std::copy(seen.back.begin(), seen.back.end(), at);
-  const std::size_t shapes = shape_count(seen.fit.size());
-  const std::span<const float> fit = (sees_back(kind) ? seen.fit_both : seen.fit).first(shapes);
+  const std::span<const float> fit = sees_back(kind) ? seen.fit_both : seen.fit;
   at = std::copy(fit.begin(), fit.end(), at);
-  if (sees_back(kind)) at = std::copy_n(seen.fit.begin(), shapes, at);
-  const std::size_t squared = std::min(shapes, kSquaredMax);
+  if (sees_back(kind)) at = std::copy(seen.fit.begin(), seen.fit.end(), at);
+  const std::size_t squared = std::min(fit.size(), kSquaredMax);
   for (std::size_t i = 0; i < squared; ++i)
     for (std::size_t j = i; j < squared; ++j) *at++ = fit[i] * fit[j];
   *at = seen.frame_count > 0 ? 1.0F / static_cast<float>(seen.frame_count) : std::numeric_limits<float>::quiet_NaN();

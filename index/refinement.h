@@ -33,21 +33,16 @@ constexpr bool sees_back(Refinement kind) {
 constexpr bool is_of_clothed(Refinement kind) {
   return kind == Refinement::clothed || kind == Refinement::clothed_turned;
 }
-inline constexpr std::size_t kSquaredMax = 16;   // coefficients whose products count
-inline constexpr std::size_t kFitMax = 256;      // values of a fit
-inline constexpr std::size_t kFitQualities = 2;  // values of a fit that are no coefficients: its last
+inline constexpr std::size_t kSquaredMax = 16;  // coefficients whose products count
+inline constexpr std::size_t kFitMax = 256;     // coefficients of a fit
 
-constexpr std::size_t shape_count(std::size_t fit_size) {
-  return fit_size < kFitQualities ? 0 : fit_size - kFitQualities;
-}
 constexpr std::size_t squared_count(std::size_t fit_size) {
-  const std::size_t shapes = shape_count(fit_size);
-  const std::size_t n = shapes < kSquaredMax ? shapes : kSquaredMax;
+  const std::size_t n = fit_size < kSquaredMax ? fit_size : kSquaredMax;
   return n * (n + 1) / 2;
 }
 constexpr std::size_t refined_size(Refinement kind, std::size_t feature_size, std::size_t fit_size) {
   const std::size_t views = sees_back(kind) ? 2 : 1;
-  return (feature_size + shape_count(fit_size)) * views + squared_count(fit_size) + 1;
+  return (feature_size + fit_size) * views + squared_count(fit_size) + 1;
 }
 
 // What is known of a person. `back` and the fits may be empty; `fit` is to the front alone, and with fit_both asked

@@ -29,7 +29,7 @@ struct Sample {
   bool clothed = false;
   // More that was seen of some subjects, for index/refinement.h; else empty. The same sizes in every sample that has
   // them.
-  std::vector<float> fit;       // shape fitted to the front: coefficients, then how far it is off
+  std::vector<float> fit;       // shape fitted to the front: coefficients
   std::vector<float> back;      // the feature of a view from behind
   std::vector<float> fit_both;  // shape fitted to front and back
   int back_frame_count = 0;     // frames fused behind `back`

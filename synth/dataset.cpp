@@ -20,7 +20,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 11;  // raise when the way to a feature changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 12;  // raise when the way to a feature changes: shards are then made again
 constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
 constexpr int kClothedCaptures = 8192;         // and of those in clothes
 constexpr std::uint64_t kOutfitStream = 0x0F17;
@@ -331,7 +331,7 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.clothed_every = shapes > 0 ? static_cast<std::uint32_t>(o.clothed_every) : 0;
   run.turn_below = run.turn_every > 0 || run.clothed_every > 0 ? o.turn_below : 0;
   run.shape_key = shapes > 0 ? model.shape_space().key : 0;
-  run.fit_size = shapes > 0 ? static_cast<std::uint32_t>(shapes + index::kFitQualities) : 0;
+  run.fit_size = shapes > 0 ? static_cast<std::uint32_t>(shapes) : 0;
   run.feature_size = static_cast<std::uint32_t>(kFeatureSize);
   run.body_size = static_cast<std::uint32_t>(body::params_vector_size(model.modifier_names().size()));
   return run;

@@ -67,15 +67,15 @@ struct CaptureRig::Station {
   Sensor sensor;
   Fuser fuser;
   MedianFrame median_of;
-  enum Image { kFirst, kMedian, kFrame, kImages };
+  enum Image { kMedian, kFrame, kImages };
   enum Mask { kMedianMask, kFrameMask, kMasks };
   DepthImage image(Image i) { return {pixels.data() + std::ptrdiff_t{i} * width * height, width, height}; }
   MaskImage mask(Mask i) { return {masks.data() + std::ptrdiff_t{i} * width * height, width, height}; }
   std::vector<std::uint16_t> pixels;
   std::vector<std::uint8_t> masks;
-  std::vector<std::uint16_t> part_pixels;  // of the frames after the first
-  std::vector<DepthView> parts;            // of every frame
-  PixelBox box;                            // of the parts
+  std::vector<std::uint16_t> part_pixels;
+  std::vector<DepthView> parts;  // of every frame
+  PixelBox box;                  // of the parts
 };
 
 // Copies: the rig's next run overwrites what it has gathered.
@@ -117,7 +117,7 @@ void CaptureRig::shoot(Station& at, VirtualScene& scene, const CaptureOptions& o
   delivered_.resize(static_cast<std::size_t>(k.width) * k.height);
   const DepthImage delivered(delivered_.data(), k.width, k.height);
   const int rotate_deg = options.scene.rotate_deg;
-  const DepthImage first = at.image(Station::kFirst);
+  const DepthImage first = at.image(Station::kMedian);  // and beyond the person's box it stays the first
   scene.render(0, delivered);
   hal::rotate_upright(delivered, rotate_deg, first);
 
@@ -126,15 +126,14 @@ void CaptureRig::shoot(Station& at, VirtualScene& scene, const CaptureOptions& o
   const PixelBox upright = upright_box(box, k.width, k.height, rotate_deg);
   const auto count = static_cast<std::size_t>(std::max(options.frame_count, 1));
   const auto area = static_cast<std::size_t>(box.u1 - box.u0) * static_cast<std::size_t>(box.v1 - box.v0);
-  at.part_pixels.resize(std::max(at.part_pixels.size(), (count - 1) * area));
-  at.parts = {part_of(first, upright)};
-  for (std::size_t f = 1; f < count; ++f) {
-    scene.render_part(f, box, delivered);
-    const DepthImage part(&at.part_pixels[(f - 1) * area], upright.u1 - upright.u0, upright.v1 - upright.v0);
+  at.part_pixels.resize(std::max(at.part_pixels.size(), count * area));
+  at.parts.clear();
+  for (std::size_t f = 0; f < count; ++f) {
+    if (f > 0) scene.render_part(f, box, delivered);
+    const DepthImage part(&at.part_pixels[f * area], upright.u1 - upright.u0, upright.v1 - upright.v0);
     hal::rotate_upright(part_of(delivered, box), rotate_deg, part);
     at.parts.push_back(part);
   }
-  copy(first, at.image(Station::kMedian));
   copy(first, at.image(Station::kFrame));
   at.median_of.run(at.parts, part_of(at.image(Station::kMedian), upright));
   at.box = upright;
@@ -211,10 +210,9 @@ CaptureRig::Fits CaptureRig::fit_both() {
   Stopwatch watch;
   keep(*back_);
   const std::array<body::FitView, 2> views = {front_->view, back_->view};
-  std::array<float, body::kShapeMax + body::kFitQualityCount> values;
   const auto values_of = [&](const body::ShapeFit& fit) {
-    const auto filled = body::fit_values(fit, model_.shape_space(), values);
-    return std::vector<float>(filled.begin(), filled.end());
+    const auto values = body::fit_values(fit, model_.shape_space());
+    return std::vector<float>(values.begin(), values.end());
   };
   fits.both = values_of(fitter_->run(views));
   fits.front = values_of(fitter_->first_alone());

@@ -15,9 +15,9 @@ namespace {
 
 // Steps to the first view alone: some look at joints only, then points look for their surface further away, then
 // near.
-constexpr int kJointSteps = 2, kEarlySteps = 2, kNearSteps = 4;
+constexpr int kJointSteps = 2, kEarlySteps = 1, kNearSteps = 3;
 // Then to both views, from there: what the first one said of the body puts the second one's pose nearly right.
-constexpr int kEarlyStepsTogether = 1, kNearStepsTogether = 3;
+constexpr int kEarlyStepsTogether = 1, kNearStepsTogether = 2;
 constexpr float kGateEarlyMm = 150, kGateMm = 80;
 constexpr float kReachEarlyMm = 90, kReachMm = 45;
 
@@ -313,13 +313,8 @@ void ShapeFitter::Work::points_in_view(std::size_t v, std::span<Vec3f> out) {
   }
 }
 
-std::span<const float> fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out) {
-  if (!fit.valid) return {};
-  static_assert(kFitQualityCount == 2);
-  std::copy_n(fit.shape.begin(), space.shape_count, out.begin());
-  out[space.shape_count] = fit.surface_mm;
-  out[space.shape_count + 1] = fit.rim_mm;
-  return out.first(space.shape_count + kFitQualityCount);
+std::span<const float> fit_values(const ShapeFit& fit, const ShapeSpace& space) {
+  return fit.valid ? std::span(fit.shape).first(space.shape_count) : std::span<const float>();
 }
 
 ShapeFitter::ShapeFitter(const ShapeSpace& space) : work_(std::make_unique<Work>(space)) {}

@@ -38,10 +38,9 @@ struct ShapeFit {
   int surface_rows = 0, rim_rows = 0;
 };
 
-inline constexpr std::size_t kFitQualityCount = 2;  // values of a fit beside its coefficients
-// As index::Sample and queries take a fit: the coefficients, then surface_mm and rim_mm. The part of `out` that was
-// filled: shape_count + kFitQualityCount values; none when the fit is not valid. out: at least as many.
-std::span<const float> fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out);
+// As index::Sample and queries take a fit: its coefficients, shape_count of them; none when it is not valid. The fit
+// must outlive them.
+std::span<const float> fit_values(const ShapeFit& fit, const ShapeSpace& space);
 
 // Not shareable between threads.
 class ShapeFitter {

@@ -424,9 +424,9 @@ TEST(ShapeFitter, SameBitsOnEveryMachine) {
   for (std::size_t j = 0; j < kJointCount; ++j) view.joints.position_mm[j] = bone(joints[j].first, joints[j].second);
   const std::array<FitView, 2> views = {view, view};
   const ShapeFit& fit = fitter.run(views);
-  EXPECT_GT(fit.surface_rows + fit.rim_rows, 30);
+  EXPECT_GT(fit.surface_rows + fit.rim_rows, 20);
   EXPECT_NE(fit.shape[0], 0);
-  EXPECT_EQ(crc32c(std::as_bytes(std::span(fit.shape))), 0x314C4635U);
+  EXPECT_EQ(crc32c(std::as_bytes(std::span(fit.shape))), 0x16C0F1DAU);
 }
 
 }  // namespace

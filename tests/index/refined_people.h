@@ -18,8 +18,6 @@ inline Sample turned(const World& world, std::uint64_t subject) {
   Rng rng = Rng::for_item(99, 5, subject);
   for (const auto& [fit, sd] : {std::pair(&s.fit, 0.12), std::pair(&s.fit_both, 0.04)}) {
     for (int i = 0; i < world.shapes; ++i) fit->push_back(static_cast<float>(shape(i) + rng.normal(0, sd)));
-    fit->push_back(static_cast<float>(3 + rng.uniform()));
-    fit->push_back(static_cast<float>(4 + rng.uniform()));
   }
   return s;
 }

@@ -47,7 +47,7 @@ Seen seen_of(const Sample& s) {
 TEST(Refinement, EachViewAddsWhatItShows) {
   const World world;
   const Index& index = index_with(true);
-  EXPECT_EQ(index.fit_size(), static_cast<std::size_t>(world.shapes) + kFitQualities);
+  EXPECT_EQ(index.fit_size(), static_cast<std::size_t>(world.shapes));
   EXPECT_EQ(index.info().refined[0].sample_count, 1500U);
   auto scratch = index.make_scratch();
   double front = 0, fitted = 0, both = 0, spread = 0;
