@@ -39,8 +39,8 @@ double graze_factor(SensorKind kind, double z_mm) {
   const double z = z_mm / 1000;
   return kind == SensorKind::time_of_flight ? z * std::sqrt(z) : 1 / std::sqrt(z);
 }
-std::uint16_t chance_of(double p) {
-  return static_cast<std::uint16_t>(std::clamp(p, 0.0, 1.0) * 65535);
+std::int32_t chance_of(double p) {
+  return static_cast<std::int32_t>(std::clamp(p, 0.0, 1.0) * 65535);
 }
 
 }  // namespace
@@ -246,16 +246,38 @@ void DepthSensor::prepare(const CleanView& view, const PixelBox& box) {
 
 // All of deliver() that no noise changes, so that frames of a scene that stands still share it.
 IM2FIT_CLONES void DepthSensor::expect_rows(const CleanView& view, int v0, int v1) {
-  const std::size_t end = view.at(0, v1);
-  for (std::size_t at = view.at(0, v0); at < end; ++at) {
-    const float q = source_[at];
-    const float exact = static_cast<float>(kRawAtInfinity) - q * kRawPerInverseMm;
-    const auto index = static_cast<std::size_t>(std::clamp(exact, 0.0F, static_cast<float>(kRawCount - 1)));
-    const std::uint8_t cosine = view.cosine[at];
-    exact_[at] = exact;
-    sigma_[at] = tables_.sigma_raw[index] + tables_.graze_raw[index] * tables_.graze[cosine];
-    const int lost = std::max(tables_.lost_by_cosine[cosine], tables_.lost_by_raw[index]);
-    lost_[at] = !(q > 0) ? kSurelyLost : options_.holes ? lost : 0;
+  const std::size_t first = view.at(0, v0);
+  const auto count = static_cast<int>(view.at(0, v1) - first);
+  const float* __restrict source = &source_[first];
+  const std::uint8_t* __restrict cosine = &view.cosine[first];
+  float* __restrict exact = &exact_[first];
+  float* __restrict sigma = &sigma_[first];
+  std::int32_t* __restrict lost = &lost_[first];
+  const float* __restrict sigma_raw = tables_.sigma_raw.data();
+  const float* __restrict graze_raw = tables_.graze_raw.data();
+  const float* __restrict graze = tables_.graze.data();
+  const std::int32_t* __restrict lost_by_raw = tables_.lost_by_raw.data();
+  const std::int32_t* __restrict lost_by_cosine = tables_.lost_by_cosine.data();
+  const std::int32_t heard = options_.holes ? -1 : 0;
+  // In passes over short blocks, with comparisons and not std::min: what the vectoriser makes something of.
+  constexpr int kBlock = 128;
+  constexpr auto kLast = static_cast<float>(kRawCount - 1);
+  std::int32_t index[kBlock], angle[kBlock];
+  for (int at = 0; at < count; at += kBlock) {
+    const int n = count - at < kBlock ? count - at : kBlock;
+    for (int i = 0; i < n; ++i) angle[i] = cosine[at + i];
+    for (int i = 0; i < n; ++i) {
+      const float raw = static_cast<float>(kRawAtInfinity) - source[at + i] * kRawPerInverseMm;
+      const float positive = raw > 0 ? raw : 0;
+      exact[at + i] = raw;
+      index[i] = static_cast<std::int32_t>(positive < kLast ? positive : kLast);
+    }
+    for (int i = 0; i < n; ++i) sigma[at + i] = sigma_raw[index[i]] + graze_raw[index[i]] * graze[angle[i]];
+    for (int i = 0; i < n; ++i) {
+      const std::int32_t by_cosine = lost_by_cosine[angle[i]], by_raw = lost_by_raw[index[i]];
+      const std::int32_t likely = (by_cosine > by_raw ? by_cosine : by_raw) & heard;
+      lost[at + i] = source[at + i] > 0 ? likely : kSurelyLost;
+    }
   }
 }
 

@@ -85,13 +85,13 @@ class DepthSensor {
 
  private:
   struct Tables {
-    std::vector<float> sigma_raw;            // by raw: axial spread head-on, raw units
-    std::vector<float> graze_raw;            // by raw: raw units per mm sqrt(m) of grazing noise
-    std::vector<float> graze;                // by cosine byte: 0.1 t^2/(pi/2 - t)^2
-    std::vector<float> lateral_px;           // by cosine byte
-    std::vector<std::uint16_t> mm;           // by raw, 0 out of range, and of kRawCount
-    std::vector<std::uint16_t> lost_by_raw;  // chance of no data, of 65536
-    std::vector<std::uint16_t> lost_by_cosine;
+    std::vector<float> sigma_raw;           // by raw: axial spread head-on, raw units
+    std::vector<float> graze_raw;           // by raw: raw units per mm sqrt(m) of grazing noise
+    std::vector<float> graze;               // by cosine byte: 0.1 t^2/(pi/2 - t)^2
+    std::vector<float> lateral_px;          // by cosine byte
+    std::vector<std::uint16_t> mm;          // by raw, 0 out of range, and of kRawCount
+    std::vector<std::int32_t> lost_by_raw;  // chance of no data, of 65536
+    std::vector<std::int32_t> lost_by_cosine;
   };
   struct Sample {
     float inverse_depth = 0;
@@ -117,7 +117,7 @@ class DepthSensor {
   void displace(const CleanView& view, const RowOfFrame& where);
   std::size_t displaced(const CleanView& view, int u, int v, std::uint64_t bits) const;
   Sample flying(const CleanView& view, int u, int v, std::uint64_t bits) const;
-  std::uint16_t deliver(const Sample& sample, float noise, std::uint32_t chance) const;
+  std::uint16_t deliver(const Sample& sample, float noise, std::int32_t chance) const;
   bool hair_lost(std::uint64_t seed, std::uint64_t frame, int u, int v) const;
   void punch_blobs(const PixelBox& box, std::uint64_t seed, std::uint64_t frame, DepthImage out,
                    std::uint8_t* person) const;

@@ -148,7 +148,7 @@ DepthSensor::Sample DepthSensor::flying(const CleanView& view, int u, int v, std
 }
 
 // Without steps.
-std::uint16_t DepthSensor::deliver(const Sample& s, float noise, std::uint32_t chance) const {
+std::uint16_t DepthSensor::deliver(const Sample& s, float noise, std::int32_t chance) const {
   const float exact = static_cast<float>(kRawAtInfinity) - s.inverse_depth * kRawPerInverseMm;
   const auto index = static_cast<std::size_t>(std::clamp(exact, 0.0F, static_cast<float>(kRawCount - 1)));
   if (options_.holes && (chance < tables_.lost_by_cosine[s.cosine] || chance < tables_.lost_by_raw[index])) return 0;
@@ -280,7 +280,7 @@ void DepthSensor::expose_smooth(const CleanView& view, const RowOfFrame& where, 
       const float noise = options_.noise
                               ? white_share * normal_of_bits(bits) + patch_share * patch_[static_cast<std::size_t>(u)]
                               : 0.0F;
-      const auto chance = static_cast<std::uint32_t>(chance_of_bits(bits));
+      const auto chance = static_cast<std::int32_t>(chance_of_bits(bits));
       const bool lost = options_.holes && is_hair(sample.label) && hair_lost(where.seed, where.frame, u, where.v);
       if (!lost) depth = deliver(sample, noise, chance);
     }

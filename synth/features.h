@@ -95,7 +95,7 @@ class CaptureRig {
 struct CaptureVariety {
   int frames_min = 3;  // accepted frames: mostly the least, each two more a third as often, up to the most
   int frames_max = 9;
-  double wide_share = 0.05;       // of captures at 640x480; the others at 320x240
+  double wide_share = 0.04;       // of captures at 640x480; the others at 320x240
   double landscape_share = 0.35;  // of mountings; the others portrait
   // Of distances: anywhere the device accepts a person who fits into the picture; the others where a person is best
   // seen (camera_place.h).

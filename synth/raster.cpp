@@ -16,11 +16,17 @@ constexpr std::int64_t kSubpixels = 1 << kSubpixelBits;
 // Vertices farther out than this are not drawn: 2^14 px * 2^8 keeps every product of two differences below 2^48.
 constexpr float kScreenMaxPx = 16384;
 
-std::int64_t floor_to_pixel(std::int64_t x) {
+std::int32_t floor_to_pixel(std::int32_t x) {
   return x >> kSubpixelBits;
 }
-std::int64_t ceil_to_pixel(std::int64_t x) {
-  return (x + kSubpixels - 1) >> kSubpixelBits;
+std::int32_t ceil_to_pixel(std::int32_t x) {
+  return (x + static_cast<std::int32_t>(kSubpixels) - 1) >> kSubpixelBits;
+}
+std::int32_t least(std::int32_t a, std::int32_t b, std::int32_t c) {
+  return std::min(std::min(a, b), c);
+}
+std::int32_t most(std::int32_t a, std::int32_t b, std::int32_t c) {
+  return std::max(std::max(a, b), c);
 }
 
 }  // namespace
@@ -151,6 +157,26 @@ IM2FIT_CLONES void draw_room(std::span<const Plane> planes, const Intrinsics& k,
   }
 }
 
+// Which column and row of pixels a vertex lies before, 16 bits each. On a pixel's column or row it gets a mark of its
+// own, so that it counts as apart from vertices beside it.
+std::uint32_t MeshRaster::cell_of(const Projected& p) {
+  const auto part = [](std::int32_t x) {
+    const auto cell = static_cast<std::uint32_t>(ceil_to_pixel(x)) & 0x7FFFU;
+    return (x & (kSubpixels - 1)) == 0 ? cell | 0x8000U : cell;
+  };
+  return part(p.x) << 16 | part(p.y);
+}
+
+// Most of a body's triangles are smaller than a pixel and have no pixel's centre in their box: all their corners
+// before one column, or before one row, and none on it.
+bool MeshRaster::between_centres(const Triangle& t) const {
+  const std::uint32_t a = cells_[static_cast<std::size_t>(t[0])];
+  const std::uint32_t apart =
+      (a ^ cells_[static_cast<std::size_t>(t[1])]) | (a ^ cells_[static_cast<std::size_t>(t[2])]);
+  const bool marked_column = (a & 0x80000000U) != 0, marked_row = (a & 0x8000U) != 0;
+  return ((apart >> 16) == 0 && !marked_column) || ((apart & 0xFFFFU) == 0 && !marked_row);
+}
+
 void MeshRaster::fill(std::span<const Vec3f> vertices, const Triangle& triangle, std::uint8_t label, bool closed,
                       Target& target) const {
   const Projected* a = &projected_[static_cast<std::size_t>(triangle[0])];
@@ -158,6 +184,13 @@ void MeshRaster::fill(std::span<const Vec3f> vertices, const Triangle& triangle,
   const Projected* c = &projected_[static_cast<std::size_t>(triangle[2])];
   constexpr std::int32_t kBad = std::numeric_limits<std::int32_t>::min();
   if (a->x == kBad || b->x == kBad || c->x == kBad) return;
+
+  const std::int32_t u0 = std::max(ceil_to_pixel(least(a->x, b->x, c->x)), target.clip.u0);
+  const std::int32_t u1 = std::min(floor_to_pixel(most(a->x, b->x, c->x)), target.clip.u1 - 1);
+  if (u0 > u1) return;
+  const std::int32_t v0 = std::max(ceil_to_pixel(least(a->y, b->y, c->y)), target.clip.v0);
+  const std::int32_t v1 = std::min(floor_to_pixel(most(a->y, b->y, c->y)), target.clip.v1 - 1);
+  if (v0 > v1) return;
 
   // Camera axes are right-handed with y down: an outward triangle facing the camera has negative area.
   std::int64_t area =
@@ -167,16 +200,8 @@ void MeshRaster::fill(std::span<const Vec3f> vertices, const Triangle& triangle,
     std::swap(b, c);
     area = -area;
   }
-  const auto [x_low, x_high] = std::minmax({a->x, b->x, c->x});
-  const auto [y_low, y_high] = std::minmax({a->y, b->y, c->y});
-  const std::int64_t u0 = std::max<std::int64_t>(ceil_to_pixel(x_low), target.clip.u0);
-  const std::int64_t u1 = std::min<std::int64_t>(floor_to_pixel(x_high), target.clip.u1 - 1);
-  const std::int64_t v0 = std::max<std::int64_t>(ceil_to_pixel(y_low), target.clip.v0);
-  const std::int64_t v1 = std::min<std::int64_t>(floor_to_pixel(y_high), target.clip.v1 - 1);
-  if (u0 > u1 || v0 > v1) return;
   PixelBox& box = target.touched;
-  box =
-      bounding(box, {static_cast<int>(u0), static_cast<int>(v0), static_cast<int>(u1) + 1, static_cast<int>(v1) + 1});
+  box = bounding(box, {u0, v0, u1 + 1, v1 + 1});
 
   struct Edge {
     std::int64_t value, per_u, per_v;
@@ -191,7 +216,7 @@ void MeshRaster::fill(std::span<const Vec3f> vertices, const Triangle& triangle,
   Edge ab = edge(*a, *b);
   Edge bc = edge(*b, *c);
   Edge ca = edge(*c, *a);
-  // Most of a body's triangles are smaller than a pixel and miss its centre.
+  // Of those whose box holds a centre, many miss it.
   if (u0 == u1 && v0 == v1 && (ab.value | bc.value | ca.value) < 0) return;
 
   const float inverse_area = static_cast<float>(kSubpixels) / static_cast<float>(area);
@@ -211,12 +236,12 @@ void MeshRaster::fill(std::span<const Vec3f> vertices, const Triangle& triangle,
 
   CleanView& view = target.view;
   const float du = static_cast<float>(u0) - static_cast<float>(a->x) / static_cast<float>(kSubpixels);
-  for (std::int64_t v = v0; v <= v1; ++v) {
+  for (std::int32_t v = v0; v <= v1; ++v) {
     const float dv = static_cast<float>(v) - static_cast<float>(a->y) / static_cast<float>(kSubpixels);
     const float q_row = a->inverse_z + q_per_v * dv + q_per_u * du;
-    const std::size_t row = view.at(static_cast<int>(u0), static_cast<int>(v));
+    const std::size_t row = view.at(u0, v);
     std::int64_t e0 = ab.value, e1 = bc.value, e2 = ca.value;
-    const int count = static_cast<int>(u1 - u0) + 1;
+    const int count = u1 - u0 + 1;
     for (int i = 0; i < count; ++i) {
       if ((e0 | e1 | e2) >= 0) {
         const float q = std::clamp(q_row + q_per_u * static_cast<float>(i), q_low, q_high);
@@ -253,8 +278,11 @@ IM2FIT_CLONES PixelBox MeshRaster::draw(std::span<const Vec3f> vertices, std::sp
                      static_cast<std::int32_t>(std::floor(v * static_cast<float>(kSubpixels) + 0.5F)), q};
   }
   Target target{view, clip, {}};
+  cells_.resize(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) cells_[i] = cell_of(projected_[i]);
   for (std::size_t t = 0; t < triangles.size(); ++t)
-    fill(vertices, triangles[t], labels.size() == 1 ? labels[0] : labels[t], closed, target);
+    if (!between_centres(triangles[t]))
+      fill(vertices, triangles[t], labels.size() == 1 ? labels[0] : labels[t], closed, target);
   return target.touched;
 }
 

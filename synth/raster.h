@@ -94,7 +94,10 @@ class MeshRaster {
   };
   void fill(std::span<const Vec3f> vertices, const Triangle& triangle, std::uint8_t label, bool closed,
             Target& target) const;
+  static std::uint32_t cell_of(const Projected& p);
+  bool between_centres(const Triangle& t) const;
   std::vector<Projected> projected_;
+  std::vector<std::uint32_t> cells_;  // a vertex
 };
 
 }  // namespace im2fit::synth

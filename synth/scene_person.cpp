@@ -32,13 +32,18 @@ std::vector<std::uint8_t> hair_labels(const body::BodyModel& model, std::span<co
   float crown = low.y;
   for (std::size_t i = 0; i < static_cast<std::size_t>(model.body_vertex_count()); ++i)
     crown = std::max(crown, rest[i].y);
-  std::vector<std::uint8_t> labels;
-  labels.reserve(model.body_triangles().size());
-  for (const Triangle& t : model.body_triangles()) {
-    const Vec3f centre = (rest[static_cast<std::size_t>(t[0])] + rest[static_cast<std::size_t>(t[1])] +
-                          rest[static_cast<std::size_t>(t[2])]) *
-                         (1.0F / 3);
-    labels.push_back(label_of(who, in_hair_region(skeleton, crown, centre)));
+  const auto triangles = model.body_triangles();
+  const auto quads = model.body_quads();
+  std::vector<std::uint8_t> labels(triangles.size(), label_of(who, false));
+  const auto at = [&](std::int32_t i) { return rest[static_cast<std::size_t>(i)]; };
+  for (std::size_t q = 0; q < quads.size(); ++q) {
+    const auto& quad = quads[q];
+    const auto below = [&](std::size_t i) { return rest[static_cast<std::size_t>(quad[i])].y < low.y; };
+    if (below(0) && below(1) && below(2) && below(3)) continue;  // no hair below the head's joint
+    for (const std::size_t t : {2 * q, 2 * q + 1}) {
+      const Vec3f centre = (at(triangles[t][0]) + at(triangles[t][1]) + at(triangles[t][2])) * (1.0F / 3);
+      if (in_hair_region(skeleton, crown, centre)) labels[t] = label_of(who, true);
+    }
   }
   return labels;
 }

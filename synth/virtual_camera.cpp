@@ -40,7 +40,7 @@ struct VirtualScene::Impl {
   Standing standing() const;
   bool shown(std::size_t who) const { return who > 0 || scene.person; }
   bool moves() const;
-  void draw_background(const PixelBox& box);
+  void draw_background(const PixelBox& box, CleanView& into);
   void ensure_background(const PixelBox& band);
   PixelBox draw_person(std::size_t who, std::uint64_t index, const PixelBox& clip);
   PixelBox silhouette_box(std::size_t who, std::uint64_t index);
@@ -198,10 +198,10 @@ void VirtualScene::Impl::furnish() {
   for (const Vec3f& p : room.furniture.vertices) furniture.push_back(to_sensor(p));
 }
 
-void VirtualScene::Impl::draw_background(const PixelBox& box) {
-  draw_room(planes, intrinsics, box, room_view);
+void VirtualScene::Impl::draw_background(const PixelBox& box, CleanView& into) {
+  draw_room(planes, intrinsics, box, into);
   static constexpr std::array<std::uint8_t, 1> kLabels = {kFurniture};
-  raster.draw(furniture, room.furniture.triangles, kLabels, true, intrinsics, box, room_view);
+  raster.draw(furniture, room.furniture.triangles, kLabels, true, intrinsics, box, into);
 }
 
 // Some rows more than asked for: the next frame's box will have moved a little.
@@ -210,7 +210,7 @@ void VirtualScene::Impl::ensure_background(const PixelBox& band) {
   constexpr int kSpareRows = 16;
   const PixelBox more = {0, band.v0 - kSpareRows, intrinsics.width, band.v1 + kSpareRows};
   room_done = bounding(room_done, intersect(whole(intrinsics.width, intrinsics.height), more));
-  draw_background(room_done);
+  draw_background(room_done, room_view);
 }
 
 PixelBox VirtualScene::Impl::silhouette_box(std::size_t who, std::uint64_t index) {
@@ -291,13 +291,17 @@ void VirtualScene::render(std::uint64_t index, DepthImage out) {
   // Rows of the box whole, and some above and below: the shadow looks along the row, the edges across it.
   const PixelBox band = intersect(frame, {0, wanted.v0 - 4, s.intrinsics.width, wanted.v1 + 4});
   if (!s.view_ready || s.moves() || boxed) {
-    s.ensure_background(band);
     PixelBox changed = band;
-    if (s.view_ready && !boxed) {
-      changed = intersect(frame, grown(bounding(s.people_box, s.everyones_box(index)), 2));
-      changed = intersect(frame, {0, changed.v0 - 4, s.intrinsics.width, changed.v1 + 4});
+    if (!boxed && !s.moves()) {  // it is drawn once
+      s.draw_background(band, s.view);
+    } else {
+      s.ensure_background(band);
+      if (s.view_ready && !boxed) {
+        changed = intersect(frame, grown(bounding(s.people_box, s.everyones_box(index)), 2));
+        changed = intersect(frame, {0, changed.v0 - 4, s.intrinsics.width, changed.v1 + 4});
+      }
+      copy_box(s.room_view, changed, s.view);
     }
-    copy_box(s.room_view, changed, s.view);
     s.person_box = s.shown(0) ? s.draw_person(0, index, band) : PixelBox{};
     s.people_box = s.person_box;
     for (std::size_t who = 1; who < s.people_count; ++who)

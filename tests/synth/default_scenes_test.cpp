@@ -25,14 +25,14 @@ constexpr std::uint64_t kStart = 0xCBF29CE484222325ULL;
 struct Before {
   std::uint64_t mesh, frames;
 };
-constexpr std::array<Before, 8> kBefore = {{{0x871e9f747d4b68c0ULL, 0xe9ab400ad35b5cdeULL},
-                                            {0xb215e62e58ce7b81ULL, 0x430a2f0e1c8e6ed5ULL},
-                                            {0x9675119a6f5e28b2ULL, 0x6a58a4190777e2aaULL},
-                                            {0x944d23b615932908ULL, 0xb778f714386e3db6ULL},
-                                            {0x7a79dd5ebd354928ULL, 0xc6915d2bce7a8b88ULL},
-                                            {0x62305610294c9223ULL, 0x1f2c3bbd1388a070ULL},
-                                            {0x547831117aca40deULL, 0xf79cc199ec06e538ULL},
-                                            {0x758382274e2deda3ULL, 0x52ca1d95cc9bc472ULL}}};
+constexpr std::array<Before, 8> kBefore = {{{0x17c2d27655fdebceULL, 0xfb0f500da5ad2898ULL},
+                                            {0x28c0b5baa14d34eeULL, 0xbc8e1fb09017293bULL},
+                                            {0xec16b659542a9407ULL, 0x3a745442f36ea790ULL},
+                                            {0x72912d77403095eeULL, 0x8d56b7eefa001222ULL},
+                                            {0x663ed96bfaa4a41bULL, 0xf73b8476e45b76c3ULL},
+                                            {0xce55fead4525504dULL, 0x543f1fb6d678329fULL},
+                                            {0x93cbff6c8326d930ULL, 0xd5f82a60fa6ff525ULL},
+                                            {0x90a0fa5f97c63ae0ULL, 0x325cacb17c24a688ULL}}};
 
 TEST_F(DefaultScenes, AreTheSameBytesAsBefore) {
 #ifndef __x86_64__
