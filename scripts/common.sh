@@ -64,7 +64,7 @@ prepare() {
 }
 
 # What tests need: numbers that are right in kind, made in a few minutes.
-small_subjects=1500 small_images=2500 small_trees=250
+small_subjects=1500 small_images=4000 small_trees=250
 prepare_small() { prepare "$1" "$cache/small" $small_subjects $small_images $small_trees; }
 
 # closing_line FILE...: "N passed, N failed" over the ctest outputs given.
