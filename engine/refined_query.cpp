@@ -17,7 +17,8 @@ body::FitView view_of(const RefinedQuery::Side& side) {
 }  // namespace
 
 bool RefinedQuery::fits(const index::Index& index, const body::ShapeSpace* space) {
-  return space != nullptr && space->point_count > 0 && index.fit_size() > 0 && index.shape_key() == space->key;
+  return space != nullptr && space->point_count > 0 && index.fit_size() == space->shape_count &&
+         index.shape_key() == space->key;
 }
 
 RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* space, bool clothed)
