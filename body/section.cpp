@@ -2,6 +2,7 @@
 #include "body/section.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 
 namespace im2fit::body {
@@ -77,8 +78,9 @@ void TriangleStack::cut(std::span<const Vec3f> vertices, std::span<const float> 
 void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::span<const std::uint8_t> skip,
                     std::span<const Vec3f> vertices, std::span<const float> heights, std::span<Level> levels) {
   static_assert(kLevelsMax <= 8);
+  assert(levels.size() <= kLevelsMax);
   std::vector<std::uint8_t> above(heights.size());  // a bit a level
-  for (std::size_t l = 0; l < levels.size() && l < kLevelsMax; ++l) {
+  for (std::size_t l = 0; l < levels.size(); ++l) {
     const float level = levels[l].height;
     const auto bit = static_cast<std::uint8_t>(1U << l);
     for (std::size_t i = 0; i < heights.size(); ++i)
@@ -90,7 +92,7 @@ void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::spa
     const unsigned a = side(0), b = side(1), c = side(2), d = side(3);
     const unsigned crossed = (a | b | c | d) & ~(a & b & c & d);
     if (crossed == 0) continue;
-    for (std::size_t l = 0; l < levels.size() && l < kLevelsMax; ++l) {
+    for (std::size_t l = 0; l < levels.size(); ++l) {
       if ((crossed >> l & 1U) == 0) continue;
       Level& level = levels[l];
       const auto cross = [&](std::size_t half, const Triangle& corner) {
