@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which index a fit may be asked of.
+#include "engine/refined_query.h"
+
+#include <gtest/gtest.h>
+
+#include "body/fit/shape_space.h"
+#include "index/builder.h"
+#include "tests/index/refined_people.h"
+
+namespace im2fit {
+namespace {
+
+constexpr std::uint32_t kKey = 4711;
+
+const index::Index& refined_index() {
+  static const index::Index index = [] {
+    const index::testing::World world;
+    std::vector<index::Sample> samples;
+    for (std::uint64_t i = 0; i < 600; ++i) samples.push_back(index::testing::turned(world, i));
+    index::BuildOptions options = index::testing::options_for(world);
+    options.shape_key = kKey;
+    return std::move(*index::Index::parse(*build_index(options, index::source_of(samples)), "refined"));
+  }();
+  return index;
+}
+
+body::ShapeSpace space_of(std::size_t shapes, std::uint32_t key = kKey, std::size_t points = body::kShapePointMin) {
+  body::ShapeSpace space;
+  space.shape_count = shapes;
+  space.point_count = points;
+  space.key = key;
+  return space;
+}
+
+// Whoever says yes to another size has a query read or write past the coefficients.
+TEST(RefinedQuery, FitsAreAskedOfAnIndexOfTheirSpaceAndSizeAlone) {
+  const std::size_t size = refined_index().fit_size();
+  ASSERT_GT(size, 1U);
+  const auto fits = [](const body::ShapeSpace& space) { return RefinedQuery::fits(refined_index(), &space); };
+  EXPECT_TRUE(fits(space_of(size)));
+  EXPECT_FALSE(fits(space_of(size - 1)));
+  EXPECT_FALSE(fits(space_of(size + 1)));
+  EXPECT_FALSE(fits(space_of(size, kKey + 1)));
+  EXPECT_FALSE(fits(space_of(size, kKey, 0)));
+  EXPECT_FALSE(RefinedQuery::fits(refined_index(), nullptr));
+}
+
+}  // namespace
+}  // namespace im2fit
