@@ -43,7 +43,8 @@ struct FeatureGroup {
   std::string name;  // up to 23 characters
   std::uint32_t count = 0;
 };
-// Lengths, ratios, FPFH and profile of kernels/observe for a feature of at least 501 values; else one group.
+// Lengths, ratios, FPFH, profile and, of a whole feature, the sensor's traits of kernels/observe for one of at least
+// 501 values; else one group.
 std::vector<FeatureGroup> default_groups(std::size_t feature_size);
 
 // Hands over all samples, the same in the same order each time it is called, until there are no more or `take` says

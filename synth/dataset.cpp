@@ -20,7 +20,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 12;  // raise when the way to a feature changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 13;  // raise when the way to a feature changes: shards are then made again
 constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
 constexpr int kClothedCaptures = 8192;         // and of those in clothes
 constexpr std::uint64_t kOutfitStream = 0x0F17;
@@ -70,6 +70,7 @@ struct Person {
 CaptureOptions from_behind(const CaptureOptions& front, const DatasetOptions& o, std::uint64_t number, int capture) {
   CaptureOptions back = draw_capture(o.variety, o.seed, number, kBackCaptures + capture);
   back.intrinsics = front.intrinsics;
+  back.sensor = front.sensor;
   back.scene.rotate_deg = front.scene.rotate_deg;
   back.scene.distance_mm = front.scene.distance_mm;
   back.scene.enlarge_to_fit = front.scene.enlarge_to_fit;
@@ -323,6 +324,7 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.wide_share = o.variety.wide_share;
   run.landscape_share = o.variety.landscape_share;
   run.anywhere_share = o.variety.anywhere_share;
+  run.other_sensor_share = o.variety.other_sensor_share;
   run.plain = o.variety.plain ? 1 : 0;
   run.stranger_every = static_cast<std::uint32_t>(o.stranger_every);
   run.stranger_below = o.stranger_every > 0 ? o.stranger_below : 0;

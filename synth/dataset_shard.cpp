@@ -54,6 +54,7 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("wide_share", r.wide_share);
   visit("landscape_share", r.landscape_share);
   visit("anywhere_share", r.anywhere_share);
+  visit("other_sensor_share", r.other_sensor_share);
   visit("plain", std::uint64_t{r.plain});
   visit("stranger_every", std::uint64_t{r.stranger_every});
   visit("feature_size", std::uint64_t{r.feature_size});

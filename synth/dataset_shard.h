@@ -28,6 +28,7 @@ struct RunKey {
   double wide_share = 0;
   double landscape_share = 0;
   double anywhere_share = 0;
+  double other_sensor_share = 0;
   std::uint32_t plain = 0;
   std::uint32_t stranger_every = 0;
   std::uint32_t feature_size = 0;

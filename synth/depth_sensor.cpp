@@ -92,27 +92,36 @@ DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
       lattice_row_low_(lattice_low_.size()),
       lattice_row_high_(lattice_low_.size()),
       patch_(static_cast<std::size_t>(k.width)) {
+  make_buffers();
+  make_tables();
+}
+
+void DepthSensor::make_buffers() {
   if (in_steps()) {
     exact_.resize(source_.size());
     sigma_.resize(source_.size());
     lost_.resize(source_.size());
-    step_row_.resize(static_cast<std::size_t>(k.width));
+    step_row_.resize(static_cast<std::size_t>(k_.width));
     beside_.u.resize(step_row_.size());
     beside_.from.resize(step_row_.size());
     beside_.bits.resize(step_row_.size());
     beside_.sigma.resize(step_row_.size());
   }
+}
+
+void DepthSensor::make_tables() {
+  tables_ = {};
   Tables& t = tables_;
   for (int raw = 0; raw < kRawCount; ++raw) {
     // Past the last finite step there is nothing to deliver; the tables keep the farthest's values.
     const double z_mm = raw_to_mm(std::min(raw, static_cast<int>(kRawAtInfinity)));
     const double step_mm = z_mm * z_mm * kRawStepPerMm;
-    const double sigma = head_on_sigma(options.kind, z_mm) / step_mm;
-    const double quantiser = options.quantise ? 1.0 / 12 : 0;
+    const double sigma = head_on_sigma(options_.kind, z_mm) / step_mm;
+    const double quantiser = options_.quantise ? 1.0 / 12 : 0;
     t.sigma_raw.push_back(static_cast<float>(std::sqrt(std::max(0.0, sigma * sigma - quantiser))));
-    t.graze_raw.push_back(static_cast<float>(graze_factor(options.kind, z_mm) / step_mm));
+    t.graze_raw.push_back(static_cast<float>(graze_factor(options_.kind, z_mm) / step_mm));
     const double far_loss =
-        options.kind == SensorKind::time_of_flight ? 0.1 * ramp(z_mm, 4500, 5500) : 0.3 * ramp(z_mm, 4000, 5500);
+        options_.kind == SensorKind::time_of_flight ? 0.1 * ramp(z_mm, 4500, 5500) : 0.3 * ramp(z_mm, 4000, 5500);
     t.lost_by_raw.push_back(chance_of(3e-4 + far_loss));
   }
   for (int c = 0; c < 256; ++c) {
@@ -121,7 +130,7 @@ DepthSensor::DepthSensor(const SensorOptions& options, const Intrinsics& k)
     t.lateral_px.push_back(static_cast<float>(0.8 + 0.035 * angle / (std::numbers::pi / 2 - angle)) * pixel_scale_);
     t.lost_by_cosine.push_back(chance_of(0.7 * std::pow(ramp(angle * 180 / std::numbers::pi, 70, 88), 2)));
   }
-  scale_depth(options.depth_scale);
+  scale_depth(options_.depth_scale);
 }
 
 void DepthSensor::scale_depth(float depth_scale) {
@@ -139,12 +148,14 @@ void DepthSensor::change(const SensorOptions& options) {
   SensorOptions alike = options;
   alike.depth_scale = options_.depth_scale;
   alike.box_margin_px = options_.box_margin_px;
-  if (!(alike == options_)) {
-    *this = DepthSensor(options, k_);
+  const bool same = alike == options_;
+  options_ = options;
+  if (same) {
+    scale_depth(options.depth_scale);
     return;
   }
-  options_ = options;
-  scale_depth(options.depth_scale);
+  make_buffers();
+  make_tables();
 }
 
 IM2FIT_CLONES void DepthSensor::shadow_rows(const CleanView& view, int v0, int v1) {

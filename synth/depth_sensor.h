@@ -102,6 +102,8 @@ class DepthSensor {
   void shadow_rows(const CleanView& view, int v0, int v1);
   void edge_rows(const CleanView& view, int v0, int v1);
   void bias_rows(const CleanView& view, int v0, int v1);
+  void make_buffers();
+  void make_tables();
   void scale_depth(float depth_scale);
   // A row of the frame under way: pixels u0 .. u1 of row v; `row` seeds its draws.
   struct RowOfFrame {

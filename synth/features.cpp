@@ -16,8 +16,10 @@ namespace {
 constexpr std::uint64_t kCaptureStream = 0xCA97;
 constexpr double kMoreFramesShare = 1.0 / 3;
 constexpr double kNearestMm = 1800;  // people fit from about 1.9 m on
-constexpr int kLooks = 4;            // before a capture is given up: who is doubtful at first may not be after some
-constexpr int kMarginShare = 20;     // of the picture's width: about the person's box, where frames differ
+// Of captures by another sensor than a Kinect: what their outlines lose goes by the pixel.
+constexpr double kOtherWideShare = 0.1;
+constexpr int kLooks = 4;         // before a capture is given up: who is doubtful at first may not be after some
+constexpr int kMarginShare = 20;  // of the picture's width: about the person's box, where frames differ
 
 template <class T>
 ImageView<T> part_of(ImageView<T> image, const PixelBox& box) {
@@ -249,6 +251,12 @@ CaptureOptions draw_capture(const CaptureVariety& variety, std::uint64_t seed, s
     out.scene.distance_mm = static_cast<float>(distance_mm);
     out.scene.enlarge_to_fit = true;
   }
+  if (rng.uniform() < variety.other_sensor_share) {
+    const float depth_scale = out.sensor.depth_scale;
+    out.sensor = rng.uniform() < 0.5 ? tof_sensor() : exact_sensor();
+    out.sensor.depth_scale = depth_scale;
+    if (rng.uniform() < kOtherWideShare) out.intrinsics = kinect_intrinsics(640, 480);
+  }
   return out;
 }
 
@@ -267,7 +275,8 @@ std::vector<index::FeatureGroup> feature_groups() {
           part("crown and soles", L::kCrown, L::kJoints),
           part("joints", L::kJoints, L::kBoneLengths),
           part("bones", L::kBoneLengths, L::kSceneValues),
-          part("scene", L::kSceneValues, L::kSize)};
+          part("scene", L::kSceneValues, L::kSize),
+          {"sensor", static_cast<std::uint32_t>(kSensorTraits)}};
 }
 
 }  // namespace im2fit::synth

@@ -95,12 +95,13 @@ class CaptureRig {
 struct CaptureVariety {
   int frames_min = 3;  // accepted frames: mostly the least, each two more a third as often, up to the most
   int frames_max = 9;
-  double wide_share = 0.04;       // of captures at 640x480; the others at 320x240
+  double wide_share = 0.03;       // of captures at 640x480; the others at 320x240
   double landscape_share = 0.35;  // of mountings; the others portrait
   // Of distances: anywhere the device accepts a person who fits into the picture; the others where a person is best
   // seen (camera_place.h).
   double anywhere_share = 0.2;
-  bool plain = false;  // no furniture: relaxed pose, empty room
+  double other_sensor_share = 0.1;  // of sensors: half time of flight, half without noise; the others a Kinect
+  bool plain = false;               // no furniture: relaxed pose, empty room
 };
 CaptureOptions draw_capture(const CaptureVariety& variety, std::uint64_t seed, std::uint64_t subject, int capture);
 

@@ -7,6 +7,7 @@
 #include "kernels/fpfh/fpfh.h"
 #include "kernels/fuse/decimate.h"
 #include "kernels/fuse/depth_fusion.h"
+#include "kernels/fuse/temporal_noise.h"
 #include "kernels/normals/normals.h"
 #include "kernels/observe/observe.h"
 
@@ -34,12 +35,14 @@ int whole_mm(float mm) {
 struct Fuser::Workspace {
   Workspace(int width, int height)
       : fusion(width, height),
+        noise(width, height),
         paper(width, height),
         fpfh(width / kStepMin, height / kStepMin),
         profile(width, height),
         grid(static_cast<std::size_t>(width / kStepMin) * static_cast<std::size_t>(height / kStepMin) * 6) {}
 
   DepthFusion fusion;
+  TemporalNoise noise;
   PaperWorkspace paper;
   FpfhWorkspace fpfh;
   ProfileWorkspace profile;
@@ -107,6 +110,7 @@ Fuser::Fuser(Fuser&&) noexcept = default;
 void Fuser::reset() {
   Workspace& w = *work_;
   w.fusion.reset();
+  w.noise.reset();
   w.joints_count = 0;
   w.up_sum = {};
   w.camera_height_sum = 0;
@@ -124,6 +128,7 @@ GuidanceSet Fuser::add(DepthView depth, MaskView mask, const Intrinsics& intrins
     return static_cast<GuidanceSet>(Guidance::moving);
   }
   w.fusion.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
+  w.noise.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   if (w.joints_count < kFramesMax) w.joints[static_cast<std::size_t>(w.joints_count++)] = sighting.joints;
   if (person.floor.known) {
     w.up_sum = w.up_sum + person.floor.up;
@@ -160,7 +165,9 @@ const Fuser::Description& Fuser::describe() {
   for (std::size_t i = 0; i < head.size(); ++i) feature[i] = p.valid ? head[i] : kNaN;
   w.fpfh_values(feature.subspan(head.size(), kPaperFeatureSize - head.size()));
   section_profile(w.fusion.depth_q4(), w.fusion.mask(), w.intrinsics, d.joints, d.floor, w.profile,
-                  feature.subspan(kPaperFeatureSize));
+                  feature.subspan(kPaperFeatureSize, kProfileSize));
+  const auto traits = sensor_traits(w.noise.sd_mm(), d.joints[Joint::TO].z, w.intrinsics.fx);
+  std::copy(traits.begin(), traits.end(), feature.end() - kSensorTraits);
   d.valid = true;
   return d;
 }

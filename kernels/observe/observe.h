@@ -15,16 +15,18 @@
 #include "kernels/observe/gate.h"
 #include "kernels/observe/hole_filler.h"
 #include "kernels/observe/joint_filter.h"
+#include "kernels/observe/sensor_traits.h"
 #include "kernels/paper/paper.h"
 #include "kernels/profile/profile.h"
 #include "kernels/segment/segment.h"
 
 namespace im2fit {
 
-// The paper's 501 dimensions (4 lengths, 2 ratios, 33 x 15 FPFH) first, then our section profile.
+// The paper's 501 dimensions (4 lengths, 2 ratios, 33 x 15 FPFH) first, then our section profile, then what kind
+// of sensor the frames are from.
 inline constexpr std::size_t kPaperFeatureSize = 4 + 2 + 33 * kJointCount;
 inline constexpr std::size_t kProfileSize = ProfileLayout::kSize;
-inline constexpr std::size_t kFeatureSize = kPaperFeatureSize + kProfileSize;
+inline constexpr std::size_t kFeatureSize = kPaperFeatureSize + kProfileSize + kSensorTraits;
 using Feature = std::array<float, kFeatureSize>;
 
 // First half (thread SENSE): who is there, and where the joints are.

@@ -103,7 +103,8 @@ void add_description(Lines& lines, const Fuser& fuser, const Fuser::Description&
       lines.add("paper %s %.9g", std::string(kMeasurementTable[i].id).c_str(), exact(paper[i]));
   const auto feature = std::span<const float>(d.feature);
   lines.add_checksum("feature fpfh", checksum(feature.subspan(6, kPaperFeatureSize - 6)));
-  lines.add_checksum("feature profile", checksum(feature.subspan(kPaperFeatureSize)));
+  lines.add_checksum("feature profile", checksum(feature.subspan(kPaperFeatureSize, kProfileSize)));
+  lines.add_checksum("feature sensor", checksum(feature.last(kSensorTraits)));
   lines.add_checksum("feature", checksum(feature));
 }
 

@@ -33,6 +33,24 @@ TEST(CaptureDraws, VaryAsAskedAndRepeat) {
   EXPECT_NEAR(landscape / 2000.0, variety.landscape_share, 0.04);
 }
 
+TEST(CaptureDraws, AFewSensorsAreNoKinect) {
+  const CaptureVariety variety;
+  constexpr int kDraws = 4000;
+  int tof = 0, exact = 0, wide = 0;
+  for (std::uint64_t s = 0; s < kDraws; ++s) {
+    const CaptureOptions drawn = draw_capture(variety, 5, s, 0);
+    SensorOptions sensor = drawn.sensor;
+    sensor.depth_scale = 1;
+    if (sensor == kinect_sensor()) continue;
+    EXPECT_TRUE(sensor == tof_sensor() || sensor == exact_sensor());
+    (sensor == tof_sensor() ? tof : exact) += 1;
+    wide += drawn.intrinsics.width == 640 ? 1 : 0;
+  }
+  EXPECT_NEAR(tof, kDraws * variety.other_sensor_share / 2, 50);
+  EXPECT_NEAR(exact, kDraws * variety.other_sensor_share / 2, 50);
+  EXPECT_GT(wide, 2 * variety.wide_share * (tof + exact));
+}
+
 TEST(FeatureGroups, CoverTheFeature) {
   std::size_t covered = 0;
   for (const auto& g : feature_groups()) covered += g.count;

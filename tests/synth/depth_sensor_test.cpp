@@ -77,6 +77,20 @@ TEST(DepthSensor, SpreadIsNguyensAlsoAfterQuantisation) {
   }
 }
 
+TEST(DepthSensor, ChangedItIsAsNew) {
+  const Intrinsics k = kinect_intrinsics(kWidth, kHeight);
+  const CleanView view = wall_at(2100, k, normalized({0.4F, 0.1F, 1}));
+  SensorOptions smooth = kinect_sensor();
+  smooth.quantise = false;
+  Frames changed(view, exact_sensor(), k);
+  for (const SensorOptions& options : {kinect_sensor(), smooth, tof_sensor(), exact_sensor(), kinect_sensor()}) {
+    changed.sensor.change(options);
+    changed.sensor.prepare(view, whole(k.width, k.height));
+    Frames fresh(view, options, k);
+    EXPECT_EQ(changed.take(3), fresh.take(3));
+  }
+}
+
 TEST(DepthSensor, GrazingSurfacesAreNoisier) {
   // 0.1/sqrt(z) t^2/(pi/2 - t)^2 mm at 80 degrees and 2 m: 0.1/1.414 * (1.396/0.1745)^2 = 4.53 mm on top.
   EXPECT_NEAR(axial_sigma_mm(2000, std::cos(80 * std::acos(-1.0) / 180)) - axial_sigma_mm(2000, 1), 4.53, 0.02);
