@@ -93,7 +93,7 @@ HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions&
   }
   // Even and odd people are men and women: every other one of each turns the other way.
   if (options.yaw_deg >= 0) scene.yaw_deg = index / 2 % 2 == 0 ? options.yaw_deg : -options.yaw_deg;
-  person.capture.sensor = sensor_of(options.noise);
+  person.capture.sensor = options.tof ? synth::tof_sensor() : sensor_of(options.noise);
   person.capture.intrinsics = synth::kinect_intrinsics(options.width, options.height);
   person.capture.frame_count = options.frames;
   const std::uint64_t stream = showing == 0 ? kSceneStream : kSecondSceneStream;

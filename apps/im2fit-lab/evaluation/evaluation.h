@@ -23,6 +23,7 @@ struct EvaluationOptions {
   int subjects = 200;
   std::uint64_t seed = 20'260'101;
   bool noise = true;     // false: a perfect sensor in an empty room
+  bool tof = false;      // a time-of-flight sensor in place of a Kinect
   bool clothed = false;  // tight, normal or loose clothes, shoes and hair; the truth stays the body's
   int frames = 30;       // accepted frames wanted; three times as many are shown at most
   int width = 640, height = 480;
