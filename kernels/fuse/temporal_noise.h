@@ -11,9 +11,10 @@
 namespace im2fit {
 
 // Mean absolute difference between a masked pixel's depth and the one it had when it was masked last, on every
-// kRowStep-th row: thousands of pixels of a person, and none of the frame's time. Differences beyond kOutlierMm are
-// another surface's, and a frame that is the one before over again says nothing once others were not. Integers until
-// the last division: the same bits on every machine. No allocation after construction; not shareable between threads.
+// kRowStep-th row: thousands of pixels of a person, and half a percent of the frame's time. Differences beyond
+// kOutlierMm are another surface's, and a frame that is the one before over again says nothing once others were not.
+// Integers until the last division: the same bits on every machine. No allocation after construction; not shareable
+// between threads.
 class TemporalNoise {
  public:
   static constexpr int kRowStep = 8;
