@@ -16,7 +16,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr char kMagic[] = "I2DS";
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
 constexpr char kEnding[] = ".i2d";
 
 struct Head {
