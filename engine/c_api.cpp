@@ -29,6 +29,8 @@ static_assert(IM2FIT_STATE_MEASURED == static_cast<int>(im2fit::SessionState::me
 static_assert(IM2FIT_STATE_LOST == static_cast<int>(im2fit::SessionState::lost));
 static_assert(IM2FIT_STATE_TURNING == static_cast<int>(im2fit::SessionState::turning));
 static_assert(IM2FIT_VIEWS_FRONT_AND_BACK == static_cast<int>(im2fit::AnswerViews::front_and_back));
+static_assert(IM2FIT_SENSOR_UNKNOWN == static_cast<int>(im2fit::SensorKind::unknown));
+static_assert(IM2FIT_SENSOR_TIME_OF_FLIGHT == static_cast<int>(im2fit::SensorKind::time_of_flight));
 static_assert(IM2FIT_USER_COUNT_MAX == im2fit::kUserCountMax);
 static_assert(IM2FIT_VIEW_UNKNOWN == static_cast<int>(im2fit::ViewSide::unknown));
 static_assert(IM2FIT_VIEW_SIDE == static_cast<int>(im2fit::ViewSide::side));
@@ -42,7 +44,7 @@ constexpr std::size_t padded(std::size_t size) {
 }
 static_assert(offsetof(im2fit_settings, turn) >= padded(offsetof(im2fit_settings, reserved)));
 static_assert(offsetof(im2fit_settings, clothed) >= padded(offsetof(im2fit_settings, reserved_2)));
-static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, reserved_3) + sizeof(int32_t));
+static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, sensor) + sizeof(int32_t));
 
 #define IM2FIT_TEXT_OF(x) #x
 #define IM2FIT_TEXT(x) IM2FIT_TEXT_OF(x)

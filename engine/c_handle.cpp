@@ -21,6 +21,7 @@ EngineSettings engine_settings(const im2fit_settings& s) {
   settings.calibration_psi = s.calibration_psi != 0;
   settings.turn = s.turn != 0 ? Turn::asked : Turn::none;
   settings.clothed = s.clothed != 0;
+  settings.sensor = static_cast<SensorKind>(s.sensor);
   settings.live = s.live != 0;
   settings.single_thread = s.single_thread != 0;
   settings.pool_frames = s.pool_frames;
@@ -85,6 +86,9 @@ int status_of(ErrorCode code) {
 
 Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& settings,
                                                      std::unique_ptr<FrameStages> stages) {
+  if (settings.sensor < IM2FIT_SENSOR_UNKNOWN || settings.sensor > IM2FIT_SENSOR_TIME_OF_FLIGHT)
+    return Error{ErrorCode::invalid_argument,
+                 "settings.sensor is " + std::to_string(settings.sensor) + ", expected one of IM2FIT_SENSOR_..."};
   auto handle = std::make_unique<im2fit_handle>();
   handle->log = settings.log;
   handle->log_user = settings.log_user;

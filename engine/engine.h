@@ -53,11 +53,12 @@ struct EngineSettings {
   // Of the body file the index was made with (body::BodyModel::shape_space()), which must outlive the engine: the
   // shape is fitted to what was gathered, and refines the answer. Null, empty or another: the features answer alone.
   const body::ShapeSpace* shape_space = nullptr;
-  int user = 0;                // measure the user of this id only; 0: whoever stands right first
-  bool live = false;           // live: drop the oldest frame when behind; else wait (replay never drops)
-  bool single_thread = false;  // both halves on the caller's thread in push(): same bits
-  int pool_frames = 8;         // 3..64 frames of 3 bytes a pixel
-  FrameWatch watch;            // none by default
+  SensorKind sensor = SensorKind::unknown;  // where it is known: a driver may smooth away what tells it
+  int user = 0;                             // measure the user of this id only; 0: whoever stands right first
+  bool live = false;                        // live: drop the oldest frame when behind; else wait (replay never drops)
+  bool single_thread = false;               // both halves on the caller's thread in push(): same bits
+  int pool_frames = 8;                      // 3..64 frames of 3 bytes a pixel
+  FrameWatch watch;                         // none by default
 };
 
 // Immutable snapshot; plain data, no allocation to copy. Everything stands still from MEASURED until reset(), so that

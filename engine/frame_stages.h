@@ -56,6 +56,7 @@ struct MeasuringOptions {
   Turn turn = Turn::none;
   bool clothed = false;
   const body::ShapeSpace* shape_space = nullptr;
+  SensorKind sensor = SensorKind::unknown;
 };
 // Sensor, Fuser and Index. Model, index and space must outlive the stages.
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,

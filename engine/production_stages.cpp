@@ -14,15 +14,16 @@ class ProductionStages final : public SensingStages {
   ProductionStages(int width, int height, const JointModel& joint_model, const index::Index& index,
                    const MeasuringOptions& options)
       : SensingStages(width, height, joint_model, options.turn),
+        sensor_(options.sensor),
         query_(index, options.shape_space, options.clothed) {}
 
   bool measure(MeasuredPerson& person) override {
     fault_.reset();
-    const Fuser::Description& described = front().describe();
+    const Fuser::Description& described = front().describe(sensor_);
     if (!described.valid) return false;
     std::optional<RefinedQuery::Side> behind;
     if (back() != nullptr) {
-      behind.emplace(RefinedQuery::Side{*back(), back()->describe()});
+      behind.emplace(RefinedQuery::Side{*back(), back()->describe(sensor_)});
       if (!behind->description.valid) return false;
     }
     auto answer = query_.ask({front(), described}, behind);
@@ -41,6 +42,7 @@ class ProductionStages final : public SensingStages {
   const Error* fault() const override { return fault_ ? &*fault_ : nullptr; }
 
  private:
+  const SensorKind sensor_;
   RefinedQuery query_;
   std::optional<Error> fault_;
 };
@@ -77,7 +79,7 @@ Result<std::unique_ptr<Engine>> Engine::create(const EngineSettings& settings, c
                  "the index was made with another tracker than this one and would measure people wrong; take the two "
                  "that were made together, or make the index again with this tracker (im2fit-lab index --tracker)"};
   auto stages = make_production_stages(settings.width, settings.height, joint_model, index,
-                                       {settings.turn, settings.clothed, settings.shape_space});
+                                       {settings.turn, settings.clothed, settings.shape_space, settings.sensor});
   if (!stages) return stages.error();
   return create_engine(settings, std::move(*stages));
 }

@@ -10,6 +10,7 @@
 
 #include "base/status.h"
 #include "kernels/core/camera.h"
+#include "kernels/core/sensor_kind.h"
 #include "kernels/core/vec3.h"
 
 namespace im2fit::hal {
@@ -23,8 +24,9 @@ struct SourceInfo {
   Intrinsics intrinsics;  // of the frames next() delivers: after rotation
   IntrinsicsOrigin intrinsics_origin = IntrinsicsOrigin::device;
   int rotate_deg = 0;
-  bool live = false;              // live sources may drop frames; the others never do
-  std::int64_t frame_count = -1;  // -1: not known or endless
+  SensorKind sensor = SensorKind::unknown;  // where the camera is known
+  bool live = false;                        // live sources may drop frames; the others never do
+  std::int64_t frame_count = -1;            // -1: not known or endless
 };
 
 // Pixels belong to the caller's pool: next() fills `depth`.

@@ -31,6 +31,7 @@
 
 #include "base/rng.h"
 #include "kernels/core/camera.h"
+#include "kernels/core/sensor_kind.h"
 #include "synth/raster.h"
 #include "synth/raw_row.h"
 
@@ -41,8 +42,6 @@ inline constexpr float kProjectorBaselineMm = 75;
 inline constexpr float kMixedMm = 50;  // flying pixels further than this off their surface are nobody's
 inline constexpr int kPatchMaxPx = 4;  // side of a noise patch at 640 wide; 2 at 320
 inline constexpr double kRawStepPerMm = 0.1042 / 4 / 9000;  // of 1/z: pixel 0.1042 mm, zero plane 1200 mm, 7.5 cm
-
-enum class SensorKind : std::uint8_t { structured_light, time_of_flight };
 
 struct SensorOptions {
   bool noise = true;     // axial and lateral; false: exact depth rounded to mm (or to the raw step, see quantise)

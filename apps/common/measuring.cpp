@@ -21,6 +21,13 @@ Result<SizeSystem> load_charts(const std::vector<std::string>& paths) {
   return make_size_system(std::move(charts));
 }
 
+// None: auto.
+std::optional<SensorKind> named_sensor(const std::string& name) {
+  for (const SensorKind kind : {SensorKind::structured_light, SensorKind::time_of_flight})
+    if (name == name_of(kind)) return kind;
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const std::string& body) {
@@ -55,6 +62,7 @@ Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, con
   settings.calibration_psi = options.calibration == "psi";
   settings.turn = options.turn ? Turn::asked : Turn::none;
   settings.clothed = options.clothed;
+  settings.sensor = named_sensor(options.sensor).value_or(source.sensor);
   settings.user = options.user;
   settings.live = options.live && source.live;
   settings.single_thread = options.threads == 1;

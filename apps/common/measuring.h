@@ -23,6 +23,7 @@ struct MeasuringOptions {
   std::string calibration = "none";      // or "psi"
   bool turn = false;                     // front, then back
   bool clothed = false;                  // dressed for the street
+  std::string sensor = "auto";           // or another of kSensorKindNames; auto: as the source says
   std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
   int threads = 2;
   int user = 0;  // 0: the nearest

@@ -97,6 +97,7 @@ Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string
   hal::SourceInfo info;
   info.uri = "synthetic:" + std::to_string(options.seed);
   info.name = "virtual Kinect";
+  info.sensor = synth::kinect_sensor().kind;
   info.rotate_deg = rotate_deg;
   auto source = hal::SyntheticSource::create(person->scene().intrinsics(), info,
                                              [model, person](std::uint64_t index, DepthImage out) {

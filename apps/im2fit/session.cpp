@@ -38,6 +38,12 @@ void add_session_options(CLI::App& sub, SessionOptions& options) {
       "--clothed", options.clothed,
       "The person is dressed: measures the body underneath, with wider intervals. Without this, underwear or "
       "close-fitting sportswear is expected");
+  sub.add_option(
+         "--sensor", options.sensor,
+         "How the camera senses depth; people's outlines depend on it. auto: as the camera's driver says, else "
+         "as the noise of the frames tells, which one that smooths over time hides")
+      ->check(CLI::IsMember(std::vector<std::string>(kSensorKindNames.begin(), kSensorKindNames.end())))
+      ->capture_default_str();
   sub.add_option("--size-chart", options.size_charts, "Size chart file(s), see docs/result.md (default: EN 13402-3)")
       ->type_name("CSV");
   sub.add_option("--truth", options.input.truth_path, "truth.json of a rendered person, to print errors")

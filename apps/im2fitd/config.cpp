@@ -138,6 +138,7 @@ Config interpret(const YAML::Node& root) {
                            {"calibration", one_of(m.calibration, {"none", "psi"})},
                            {"turn", truth(m.turn)},
                            {"clothed", truth(m.clothed)},
+                           {"sensor", one_of(m.sensor, {kSensorKindNames.begin(), kSensorKindNames.end()})},
                            {"threads", whole(m.threads, 1, 2)},
                            {"size_charts", texts(m.size_charts)}};
   const Readers socket = {{"path", text(config.socket_path, false)},

@@ -9,6 +9,7 @@
 
 #include "hal/frame_path.h"
 #include "hal/intrinsics.h"
+#include "hal/known_sensors.h"
 #include "hal/openni2/raw_frame.h"
 
 namespace im2fit::hal {
@@ -88,6 +89,7 @@ Status OpenNi2Source::Impl::open_device(const std::string& uri, const OpenNi2Opt
   oniDeviceGetInfo(device, &device_info);
   info.uri = std::string("openni2:") + device_info.uri;
   info.name = std::string(device_info.vendor) + " " + device_info.name;
+  info.sensor = sensor_of_usb(device_info.usbVendorId, device_info.usbProductId);
   info.live = true;
   info.rotate_deg = options.rotate_deg;
   char serial[128] = "";

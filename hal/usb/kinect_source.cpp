@@ -14,6 +14,7 @@ KinectSource::KinectSource(std::unique_ptr<UsbTransport> camera, std::unique_ptr
   info_.uri = identity.uri;
   info_.name = identity.name;
   info_.serial = identity.serial;
+  info_.sensor = SensorKind::structured_light;
   info_.live = true;
 }
 

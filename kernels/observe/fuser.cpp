@@ -146,7 +146,7 @@ const Intrinsics& Fuser::intrinsics() const {
   return work_->intrinsics;
 }
 
-const Fuser::Description& Fuser::describe() {
+const Fuser::Description& Fuser::describe(SensorKind kind) {
   Workspace& w = *work_;
   Description& d = w.description;
   d.valid = false;
@@ -166,7 +166,7 @@ const Fuser::Description& Fuser::describe() {
   w.fpfh_values(feature.subspan(head.size(), kPaperFeatureSize - head.size()));
   section_profile(w.fusion.depth_q4(), w.fusion.mask(), w.intrinsics, d.joints, d.floor, w.profile,
                   feature.subspan(kPaperFeatureSize, kProfileSize));
-  const auto traits = sensor_traits(w.noise.sd_mm(), d.joints[Joint::TO].z, w.intrinsics.fx);
+  const auto traits = sensor_traits(w.noise.sd_mm(), d.joints[Joint::TO].z, w.intrinsics.fx, kind);
   std::copy(traits.begin(), traits.end(), feature.end() - kSensorTraits);
   d.valid = true;
   return d;

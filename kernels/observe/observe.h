@@ -11,6 +11,7 @@
 #include "kernels/core/camera.h"
 #include "kernels/core/guidance.h"
 #include "kernels/core/joints.h"
+#include "kernels/core/sensor_kind.h"
 #include "kernels/joints/tracker.h"
 #include "kernels/observe/gate.h"
 #include "kernels/observe/hole_filler.h"
@@ -95,8 +96,8 @@ class Fuser {
     PaperMeasurements paper;
     Feature feature;
   };
-  // Features of what is gathered so far.
-  const Description& describe();
+  // Features of what is gathered so far, by a sensor of this kind.
+  const Description& describe(SensorKind kind = SensorKind::unknown);
   // The fused picture, for overlays: depth in 1/16 mm and mask.
   ImageView<const std::uint16_t> depth_q4() const;
   MaskView mask() const;

@@ -25,9 +25,21 @@ float ramp(float x, float low, float high) {
 
 }  // namespace
 
-std::array<float, kSensorTraits> sensor_traits(float noise_mm, float distance_mm, float focal_px) {
+// The least of what frames of this kind show of its published noise, mm.
+float least_noise_mm(SensorKind kind, float z) {
+  constexpr float kKinectWay = 0.5F, kTofShare = 0.8F;
+  const float tof = tof_noise_mm(z);
+  return kind == SensorKind::time_of_flight ? kTofShare * tof : tof + kKinectWay * (kinect_noise_mm(z) - tof);
+}
+
+std::array<float, kSensorTraits> sensor_traits(float noise_mm, float distance_mm, float focal_px, SensorKind kind) {
   const float pixel_mm = distance_mm / focal_px;
   const float z = std::max(distance_mm / 1000.0F, kNearestM);
+  if (kind != SensorKind::unknown) {
+    const float tof = kind == SensorKind::time_of_flight ? 1.0F : 0.0F;
+    const float least = least_noise_mm(kind, z);
+    return {noise_mm > least ? noise_mm : least, pixel_mm, 0, 0, tof, tof * pixel_mm};  // NaN is not above it
+  }
   const float silent = ramp(noise_mm, 2.0F, 1.0F);
   const float way = (noise_mm - tof_noise_mm(z)) / (kinect_noise_mm(z) - tof_noise_mm(z));
   const float tof = std::max(1.0F - silent - ramp(way, 0.15F, 0.45F), 0.0F);

@@ -36,6 +36,7 @@ TEST_F(DaemonConfig, TheFileThatIsInstalledSaysTheDefaults) {
   EXPECT_EQ(shipped->measuring.calibration, d.measuring.calibration);
   EXPECT_EQ(shipped->measuring.turn, d.measuring.turn);
   EXPECT_EQ(shipped->measuring.clothed, d.measuring.clothed);
+  EXPECT_EQ(shipped->measuring.sensor, d.measuring.sensor);
   EXPECT_EQ(shipped->measuring.threads, d.measuring.threads);
   EXPECT_EQ(shipped->measuring.size_charts, d.measuring.size_charts);
   EXPECT_EQ(shipped->socket_path, d.socket_path);
@@ -50,7 +51,8 @@ TEST_F(DaemonConfig, TheFileThatIsInstalledSaysTheDefaults) {
 TEST_F(DaemonConfig, EveryKeyIsTaken) {
   const auto c = load(
       "source: v4l2:/dev/video0\nrotate: 270\ncamera: c.yaml\nbody: b\ntracker: t\nindex: i\n"
-      "measure: {frames: 7, calibration: psi, turn: true, clothed: yes, threads: 1, size_charts: [a.csv, b.csv]}\n"
+      "measure: {frames: 7, calibration: psi, turn: true, clothed: yes, sensor: time-of-flight,\n"
+      " threads: 1, size_charts: [a.csv, b.csv]}\n"
       "socket:\n  path: /x\n  mode: \"0666\"\n  group: video\n  clients: 3\n  client_buffer_kib: 17\n"
       "state_directory: /s\n");
   ASSERT_TRUE(c) << c.error().message;
@@ -61,6 +63,7 @@ TEST_F(DaemonConfig, EveryKeyIsTaken) {
   EXPECT_EQ(c->measuring.frames, 7);
   EXPECT_EQ(c->measuring.calibration, "psi");
   EXPECT_TRUE(c->measuring.turn && c->measuring.clothed);
+  EXPECT_EQ(c->measuring.sensor, "time-of-flight");
   EXPECT_EQ(c->measuring.threads, 1);
   EXPECT_EQ(c->measuring.size_charts, (std::vector<std::string>{"a.csv", "b.csv"}));
   EXPECT_EQ(c->socket_path, "/x");
@@ -82,6 +85,7 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
       {"\n\nrotate: 45\n", "line 3: rotate is \"45\", expected 0, 90, 180 or 270"},
       {"rotate: [0]\n", "line 1: rotate"},
       {"measure: {turn: perhaps}\n", "measure.turn is \"perhaps\", expected true or false"},
+      {"measure: {sensor: lidar}\n", "expected one of auto, structured-light, time-of-flight"},
       {"measure: {calibration: tpose}\n", "expected one of none, psi"},
       {"measure: 5\n", "line 1: measure holds no"},
       {"measure: {size_charts: a.csv}\n", "measure.size_charts is no list"},

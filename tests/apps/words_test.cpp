@@ -39,6 +39,7 @@ TEST(Words, WrongOnesExitWithTwoAndOneLine) {
       {test::kProgram, {"measure", "x", "--frames", "many"}},
       {test::kProgram, {"measure", "x", "--frames", "99999999999999999999"}},
       {test::kProgram, {"measure", "x", "--calibration", "phi"}},
+      {test::kProgram, {"measure", "x", "--sensor", "lidar"}},
       {test::kProgram, {"measure", "x", "--threads", "3"}},
       {test::kProgram, {"live"}},
       {test::kProgram, {"live", "x", "--rotate", "91"}},

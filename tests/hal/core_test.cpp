@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "hal/intrinsics.h"
+#include "hal/known_sensors.h"
 #include "hal/push_source.h"
 #include "hal/synthetic_source.h"
 #include "support.h"
@@ -195,6 +196,14 @@ TEST(PushSource, LiveDropsTheOldestAndCountsIt) {
   EXPECT_EQ((*source)->next(out.image(), 100)->sequence, 3U);
   EXPECT_EQ(out.pixels, random_picture(16, 12, 3).pixels);
   EXPECT_EQ((*source)->next(out.image(), 100)->sequence, 4U);
+}
+
+TEST(KnownSensors, AreThoseThatProjectPatterns) {
+  EXPECT_EQ(sensor_of_usb(0x1D27, 0x0600), SensorKind::structured_light);
+  EXPECT_EQ(sensor_of_usb(0x045E, 0x02AE), SensorKind::structured_light);
+  EXPECT_EQ(sensor_of_usb(0x045E, 0x02BF), SensorKind::structured_light);
+  EXPECT_EQ(sensor_of_usb(0x045E, 0x02B0), SensorKind::unknown) << "the motor";
+  EXPECT_EQ(sensor_of_usb(0, 0), SensorKind::unknown);
 }
 
 TEST(SyntheticSource, DeliversTheGeneratorsFramesUprightUntilItEnds) {

@@ -78,6 +78,7 @@ TEST(UsbKinect, SaysWhoseItsIntrinsicsAre) {
   EXPECT_EQ(info.uri, "usb:A00364A13385040A");
   EXPECT_EQ(info.serial, "A00364A13385040A");
   EXPECT_TRUE(info.live);
+  EXPECT_EQ(info.sensor, SensorKind::structured_light);
   EXPECT_EQ(info.intrinsics_origin, IntrinsicsOrigin::device);
   EXPECT_NEAR(info.intrinsics.fx, 120.0 / (2 * 0.1052), 1e-3);
   EXPECT_EQ(info.intrinsics.fx, info.intrinsics.fy);

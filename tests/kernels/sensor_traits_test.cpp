@@ -69,5 +69,26 @@ TEST(SensorTraits, UnknownNoiseLeavesThemUnknown) {
   EXPECT_FLOAT_EQ(traits[kPixel], 2300 / kFocalPx);
 }
 
+// Worked by hand as above: half way from 3.587 to 8.059 mm at 2.3 m, and 0.8 of 3.587.
+TEST(SensorTraits, AKnownKindIsTakenAtItsWord) {
+  constexpr float kWidth = 2300 / kFocalPx;
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  for (const float noise_mm : {0.0F, 1.5F, 3.2F, 5.0F, kNaN}) {
+    const auto traits = sensor_traits(noise_mm, 2300, kFocalPx, SensorKind::structured_light);
+    EXPECT_NEAR(traits[kNoise], 5.823F, 1e-3F);
+    EXPECT_FLOAT_EQ(traits[kPixel], kWidth);
+    for (const Trait t : {kSilent, kSilentPixel, kTof, kTofPixel}) EXPECT_EQ(traits[t], 0) << t;
+  }
+  EXPECT_EQ(sensor_traits(9, 2300, kFocalPx, SensorKind::structured_light)[kNoise], 9);
+  for (const float noise_mm : {0.0F, 1.5F, kNaN}) {
+    const auto traits = sensor_traits(noise_mm, 2300, kFocalPx, SensorKind::time_of_flight);
+    EXPECT_NEAR(traits[kNoise], 2.870F, 1e-3F);
+    EXPECT_EQ(traits[kSilent], 0);
+    EXPECT_EQ(traits[kTof], 1);
+    EXPECT_FLOAT_EQ(traits[kTofPixel], kWidth);
+  }
+  EXPECT_EQ(sensor_traits(12, 2300, kFocalPx, SensorKind::time_of_flight)[kTof], 1);
+}
+
 }  // namespace
 }  // namespace im2fit

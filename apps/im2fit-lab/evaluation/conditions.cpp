@@ -20,10 +20,12 @@ struct Word {
 // Near is where Kinect's field just holds a tall person in portrait mount, far most of the way to TOO_FAR.
 constexpr float kNearMm = 1900, kFarMm = 3600;
 
-constexpr std::array<Word, 17> kWords = {{
+constexpr std::array<Word, 19> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},
+    {"smoothed", "a driver that smooths the depth over time", false, [](EvaluationOptions& o) { o.smoothed = true; }},
+    {"told", "the engine is told what kind of sensor it is", false, [](EvaluationOptions& o) { o.told = true; }},
     {"clothed", "in clothes, shoes and hair", true, [](EvaluationOptions& o) { o.clothed = true; }},
     {"frames1", "one frame", true, [](EvaluationOptions& o) { o.frames = 1; }},
     {"frames5", "5 frames", true, [](EvaluationOptions& o) { o.frames = 5; }},

@@ -83,7 +83,8 @@ Result<Outcome> outcome_of(const SessionModels& models, const index::RawNearest*
 
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing) {
-  HeldOutPerson person{synth::draw_subject(model, synth::Family::held_out, options.seed, index), {}};
+  HeldOutPerson person{
+      synth::draw_subject(model, synth::Family::held_out, options.seed, index), {}, options.smoothed, options.told};
   auto& scene = person.capture.scene;
   scene = options.noise ? furnished_room() : synth::SceneOptions{};
   if (options.clothed) dress(scene, options.seed, index);

@@ -22,10 +22,12 @@ enum class Views { front, back, both };
 struct EvaluationOptions {
   int subjects = 200;
   std::uint64_t seed = 20'260'101;
-  bool noise = true;     // false: a perfect sensor in an empty room
-  bool tof = false;      // a time-of-flight sensor in place of a Kinect
-  bool clothed = false;  // tight, normal or loose clothes, shoes and hair; the truth stays the body's
-  int frames = 30;       // accepted frames wanted; three times as many are shown at most
+  bool noise = true;      // false: a perfect sensor in an empty room
+  bool tof = false;       // a time-of-flight sensor in place of a Kinect
+  bool smoothed = false;  // by a driver, over time (smoothing.h)
+  bool told = false;      // the engine knows what kind of sensor it is
+  bool clothed = false;   // tight, normal or loose clothes, shoes and hair; the truth stays the body's
+  int frames = 30;        // accepted frames wanted; three times as many are shown at most
   int width = 640, height = 480;
   float distance_mm = 0;  // of the camera, grown until the whole person fits; 0: drawn
   float yaw_deg = -1;     // of the person, to either side by turns; below 0: drawn
@@ -39,6 +41,7 @@ struct EvaluationOptions {
 struct HeldOutPerson {
   synth::Subject subject;
   synth::CaptureOptions capture;
+  bool smoothed = false, told = false;
 };
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing = 0);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "apps/im2fit-lab/evaluation/smoothing.h"
+
 namespace im2fit::apps {
 namespace {
 
@@ -12,8 +14,9 @@ constexpr int kShownMin = 15;  // finding somebody takes some frames, however fe
 // Frames of one scene as the engine wants them.
 class Camera {
  public:
-  Camera(const Intrinsics& sensor, int rotate_deg)
+  Camera(const Intrinsics& sensor, int rotate_deg, bool smooths)
       : rotate_deg_(rotate_deg),
+        smooths_(smooths),
         upright_k_(hal::rotate_upright(sensor, rotate_deg)),
         delivered_(static_cast<std::size_t>(sensor.width) * static_cast<std::size_t>(sensor.height)),
         upright_(delivered_.size()),
@@ -21,12 +24,15 @@ class Camera {
         image_(upright_.data(), upright_k_.width, upright_k_.height) {}
   DepthView take(synth::VirtualScene& scene, std::uint64_t frame) {
     scene.render(frame, sensor_image_);
+    if (smooths_) smoothing_.run(sensor_image_);
     hal::rotate_upright(sensor_image_, rotate_deg_, image_);
     return image_;
   }
 
  private:
   int rotate_deg_;
+  bool smooths_;
+  TemporalSmoothing smoothing_;
   Intrinsics upright_k_;
   std::vector<std::uint16_t> delivered_, upright_;
   DepthImage sensor_image_, image_;
@@ -44,13 +50,14 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   settings.frames_wanted = capture.frame_count;
   settings.frames_min = std::min(settings.frames_min, settings.frames_wanted);
   settings.single_thread = true;
+  if (person.told) settings.sensor = capture.sensor.kind;
   settings.shape_space = models.shape_space;
   settings.clothed = capture.scene.clothing != synth::Clothing::none && models.shape_space != nullptr;
   if (views == Views::both) settings.turn = Turn::asked;
   auto engine = Engine::create(settings, models.joints, models.index);
   if (!engine) return engine.error();
 
-  Camera camera(capture.intrinsics, capture.scene.rotate_deg);
+  Camera camera(capture.intrinsics, capture.scene.rotate_deg, person.smoothed);
   std::vector<bool> sides;
   if (views != Views::back) sides.push_back(false);
   if (views != Views::front) sides.push_back(true);

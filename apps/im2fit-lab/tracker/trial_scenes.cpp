@@ -68,7 +68,7 @@ Labels labels_of(const synth::TrackerScene& plan, const Trial& trial) {
       {"resolution", trial.width == 640 ? "640x480" : "320x240"},
       {"view", plan.back_view ? "back" : "front"},
       {"distance", distance_class(plan.distance_mm)},
-      {"sensor", plan.kind == synth::SensorKind::structured_light ? "structured light" : "time of flight"},
+      {"sensor", plan.kind == SensorKind::structured_light ? "structured light" : "time of flight"},
       {"mounting", portrait ? "portrait" : "landscape"},
       {"clothing", clothing_name(plan.clothing)},
       {"furniture", plan.furnished ? "some" : "none"},

@@ -109,8 +109,15 @@ typedef struct im2fit_settings {
   int32_t turn;       /* 0: the front is measured. 1: then the person is asked to turn round, and the back as well */
   int32_t reserved_2; /* 0, as `reserved` */
   int32_t clothed;    /* 0: underwear or close-fitting sportswear. 1: dressed; needs body_path, intervals are wider */
-  int32_t reserved_3; /* 0 */
+  int32_t sensor;     /* IM2FIT_SENSOR_...: how the camera senses depth. 0: told from the frames */
 } im2fit_settings;
+
+/* How a camera senses depth, where the caller knows: people's outlines come out differently. */
+enum {
+  IM2FIT_SENSOR_UNKNOWN = 0, /* told by the noise of the frames; not enough where the driver smooths over time */
+  IM2FIT_SENSOR_STRUCTURED_LIGHT = 1, /* Kinect for Xbox 360, Xtion, Astra */
+  IM2FIT_SENSOR_TIME_OF_FLIGHT = 2    /* Kinect v2, Azure Kinect */
+};
 
 /* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_settings) as the caller sees it.
  */

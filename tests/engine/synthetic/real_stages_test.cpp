@@ -112,7 +112,8 @@ class RealStages : public testing::Test {
     data_->intrinsics = synth::upright_intrinsics(sensor, kRotateDeg);
   }
 
-  static std::unique_ptr<Engine> make_engine(bool single_thread, Turn turn = Turn::none, FrameWatch watch = nullptr) {
+  static std::unique_ptr<Engine> make_engine(bool single_thread, Turn turn = Turn::none, FrameWatch watch = nullptr,
+                                             SensorKind sensor = SensorKind::unknown) {
     EngineSettings settings;
     settings.width = data_->intrinsics.width;
     settings.height = data_->intrinsics.height;
@@ -121,6 +122,7 @@ class RealStages : public testing::Test {
     settings.single_thread = single_thread;
     settings.turn = turn;
     settings.watch = std::move(watch);
+    settings.sensor = sensor;
     auto engine = Engine::create(settings, *data_->tracker, *data_->index);
     EXPECT_TRUE(engine) << engine.error().message;
     return std::move(*engine);
@@ -168,6 +170,22 @@ TEST_F(RealStages, AnIndexOfAnotherTrackerIsRefused) {
   ASSERT_FALSE(engine);
   EXPECT_EQ(engine.error().code, ErrorCode::invalid_argument);
   EXPECT_NE(engine.error().message.find("another tracker"), std::string::npos) << engine.error().message;
+}
+
+TEST_F(RealStages, AKinectIsKnownToldOrNotAndTimeOfFlightIsBelieved) {
+  std::vector<MeasurementValues> told;
+  for (const SensorKind kind : {SensorKind::unknown, SensorKind::structured_light, SensorKind::time_of_flight}) {
+    auto engine = make_engine(true, Turn::none, nullptr, kind);
+    for (std::uint64_t i = 0; i < kFrameCount; ++i) ASSERT_TRUE(push(*engine, i));
+    engine->finish();
+    const EngineResult result = engine->result();
+    ASSERT_TRUE(result.measured);
+    MeasurementValues& values = told.emplace_back();
+    for (std::size_t m = 0; m < kMeasurementCount; ++m)
+      values[m] = static_cast<float>(result.answer.measurements[m].value);
+  }
+  EXPECT_EQ(told[0], told[1]);
+  EXPECT_NE(told[1], told[2]);
 }
 
 TEST_F(RealStages, MeasureWithTheSameBytesOnOneAndTwoThreadsAndTwice) {

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// A driver that smooths depth over time, as many do when they are asked to.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "kernels/core/camera.h"
+
+namespace im2fit::apps {
+
+// Exponential smoothing, pixel by pixel: each frame moves what is delivered by kShare of the way, and a step beyond
+// kOutlierMm, another surface, all of it. Pixels without data stay without, and begin anew.
+class TemporalSmoothing {
+ public:
+  static constexpr float kShare = 0.25F;
+  void reset() { smooth_mm_.clear(); }
+  // In place; frames of one size until reset().
+  void run(DepthImage frame);
+
+ private:
+  std::vector<float> smooth_mm_;
+};
+
+}  // namespace im2fit::apps
