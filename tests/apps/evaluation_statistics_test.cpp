@@ -81,6 +81,10 @@ TEST(Conditions, AreWordsThatChangeOneThingEach) {
   EXPECT_EQ(both->options.frames, 17);
   EXPECT_FALSE(condition_of("foggy", base));
   EXPECT_FALSE(condition_of("noise+", base));
+  const auto smoothed = condition_of("smoothed+told", base);
+  ASSERT_TRUE(smoothed);
+  EXPECT_TRUE(smoothed->options.smoothed && smoothed->options.told);
+  EXPECT_FALSE(plain->options.smoothed || plain->options.told);
   for (const std::string& name : all_conditions()) EXPECT_TRUE(condition_of(name, base)) << name;
 }
 
