@@ -20,7 +20,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 13;  // raise when the way to a feature changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 14;  // raise when the way to a feature changes: shards are then made again
 constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
 constexpr int kClothedCaptures = 8192;         // and of those in clothes
 constexpr std::uint64_t kOutfitStream = 0x0F17;

@@ -7,6 +7,7 @@
 #include "kernels/fpfh/fpfh.h"
 #include "kernels/fuse/decimate.h"
 #include "kernels/fuse/depth_fusion.h"
+#include "kernels/fuse/outline_losses.h"
 #include "kernels/fuse/temporal_noise.h"
 #include "kernels/normals/normals.h"
 #include "kernels/observe/observe.h"
@@ -43,6 +44,7 @@ struct Fuser::Workspace {
 
   DepthFusion fusion;
   TemporalNoise noise;
+  OutlineLosses outline;
   PaperWorkspace paper;
   FpfhWorkspace fpfh;
   ProfileWorkspace profile;
@@ -111,6 +113,7 @@ void Fuser::reset() {
   Workspace& w = *work_;
   w.fusion.reset();
   w.noise.reset();
+  w.outline.reset();
   w.joints_count = 0;
   w.up_sum = {};
   w.camera_height_sum = 0;
@@ -129,6 +132,7 @@ GuidanceSet Fuser::add(DepthView depth, MaskView mask, const Intrinsics& intrins
   }
   w.fusion.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   w.noise.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
+  w.outline.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   if (w.joints_count < kFramesMax) w.joints[static_cast<std::size_t>(w.joints_count++)] = sighting.joints;
   if (person.floor.known) {
     w.up_sum = w.up_sum + person.floor.up;
@@ -166,7 +170,8 @@ const Fuser::Description& Fuser::describe(SensorKind kind) {
   w.fpfh_values(feature.subspan(head.size(), kPaperFeatureSize - head.size()));
   section_profile(w.fusion.depth_q4(), w.fusion.mask(), w.intrinsics, d.joints, d.floor, w.profile,
                   feature.subspan(kPaperFeatureSize, kProfileSize));
-  const auto traits = sensor_traits(w.noise.sd_mm(), d.joints[Joint::TO].z, w.intrinsics.fx, kind);
+  const SensorSigns signs{w.noise.sd_mm(), w.outline.lost(), w.outline.one_sided()};
+  const auto traits = sensor_traits(signs, d.joints[Joint::TO].z, w.intrinsics.fx, kind);
   std::copy(traits.begin(), traits.end(), feature.end() - kSensorTraits);
   d.valid = true;
   return d;

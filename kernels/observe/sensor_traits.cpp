@@ -2,6 +2,8 @@
 #include "kernels/observe/sensor_traits.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace im2fit {
 namespace {
@@ -17,33 +19,64 @@ float kinect_noise_mm(float z) {
 float tof_noise_mm(float z) {
   return 2.0F + 0.3F * z * z;
 }
+// The least of it that frames show.
+float least_kinect_mm(float z) {
+  return 0.5F * (kinect_noise_mm(z) + tof_noise_mm(z));
+}
+float least_tof_mm(float z) {
+  return 0.8F * tof_noise_mm(z);
+}
 
 // 0 at `low`, 1 at `high`.
 float ramp(float x, float low, float high) {
   return std::clamp((x - low) / (high - low), 0.0F, 1.0F);
 }
 
-}  // namespace
+// Of each kind, 1 in all.
+struct Shares {
+  float kinect = 0, tof = 0, silent = 0;
+};
 
-// The least of what frames of this kind show of its published noise, mm.
-float least_noise_mm(SensorKind kind, float z) {
-  constexpr float kKinectWay = 0.5F, kTofShare = 0.8F;
-  const float tof = tof_noise_mm(z);
-  return kind == SensorKind::time_of_flight ? kTofShare * tof : tof + kKinectWay * (kinect_noise_mm(z) - tof);
+Shares told_by(const SensorSigns& signs, float z) {
+  const bool losses_known = !std::isnan(signs.lost);
+  const float loses = losses_known ? ramp(signs.lost, 0.03F, 0.08F) : 0.0F;
+  Shares s;
+  if (std::isnan(signs.noise_mm)) {
+    s.silent = 1;
+  } else {
+    const float way = (signs.noise_mm - tof_noise_mm(z)) / (kinect_noise_mm(z) - tof_noise_mm(z));
+    s.silent = ramp(signs.noise_mm, 2.0F, 1.0F);
+    s.tof = std::max(1.0F - s.silent - ramp(way, 0.15F, 0.45F), 0.0F);
+  }
+  s.tof += s.silent * loses;
+  s.silent -= s.silent * loses;
+  const float others = 1.0F - (losses_known ? ramp(signs.one_sided, 0.10F, 0.16F) : 0.0F);
+  s.tof *= others;
+  s.silent *= others;
+  s.kinect = 1.0F - s.tof - s.silent;
+  return s;
 }
 
-std::array<float, kSensorTraits> sensor_traits(float noise_mm, float distance_mm, float focal_px, SensorKind kind) {
+}  // namespace
+
+std::array<float, kSensorTraits> sensor_traits(const SensorSigns& signs, float distance_mm, float focal_px,
+                                               SensorKind kind) {
   const float pixel_mm = distance_mm / focal_px;
   const float z = std::max(distance_mm / 1000.0F, kNearestM);
-  if (kind != SensorKind::unknown) {
-    const float tof = kind == SensorKind::time_of_flight ? 1.0F : 0.0F;
-    const float least = least_noise_mm(kind, z);
-    return {noise_mm > least ? noise_mm : least, pixel_mm, 0, 0, tof, tof * pixel_mm};  // NaN is not above it
+  Shares s;
+  if (kind == SensorKind::structured_light) {
+    s.kinect = 1;
+  } else if (kind == SensorKind::time_of_flight) {
+    s.tof = 1;
+  } else if (std::isnan(signs.noise_mm) && std::isnan(signs.lost)) {
+    constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+    return {kUnknown, pixel_mm, kUnknown, kUnknown, kUnknown, kUnknown};
+  } else {
+    s = told_by(signs, z);
   }
-  const float silent = ramp(noise_mm, 2.0F, 1.0F);
-  const float way = (noise_mm - tof_noise_mm(z)) / (kinect_noise_mm(z) - tof_noise_mm(z));
-  const float tof = std::max(1.0F - silent - ramp(way, 0.15F, 0.45F), 0.0F);
-  return {noise_mm, pixel_mm, silent, silent * pixel_mm, tof, tof * pixel_mm};
+  const float least_mm = s.kinect * least_kinect_mm(z) + s.tof * least_tof_mm(z);
+  const float noise_mm = signs.noise_mm > least_mm ? signs.noise_mm : least_mm;  // not measured: the least
+  return {noise_mm, pixel_mm, s.silent, s.silent * pixel_mm, s.tof, s.tof * pixel_mm};
 }
 
 }  // namespace im2fit
