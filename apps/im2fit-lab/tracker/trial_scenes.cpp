@@ -63,17 +63,16 @@ synth::TrackerScene draw_trial_scene(const TrialOptions& options, const Trial& t
 
 Labels labels_of(const synth::TrackerScene& plan, const Trial& trial) {
   const bool portrait = plan.rotate_deg % 180 != 0;
-  Labels labels = {
-      {kPoseGroup, pose_group(plan.pose_class)},
-      {"resolution", trial.width == 640 ? "640x480" : "320x240"},
-      {"view", plan.back_view ? "back" : "front"},
-      {"distance", distance_class(plan.distance_mm)},
-      {"sensor", plan.kind == SensorKind::structured_light ? "structured light" : "time of flight"},
-      {"mounting", portrait ? "portrait" : "landscape"},
-      {"clothing", clothing_name(plan.clothing)},
-      {"furniture", plan.furnished ? "some" : "none"},
-      {"others", plan.others > 0 ? "some" : "none"},
-      {"whole", plan.whole ? "yes" : "cut off"}};
+  Labels labels = {{kPoseGroup, pose_group(plan.pose_class)},
+                   {"resolution", trial.width == 640 ? "640x480" : "320x240"},
+                   {"view", plan.back_view ? "back" : "front"},
+                   {"distance", distance_class(plan.distance_mm)},
+                   {"sensor", plan.kind == SensorKind::structured_light ? "structured light" : "time of flight"},
+                   {"mounting", portrait ? "portrait" : "landscape"},
+                   {"clothing", clothing_name(plan.clothing)},
+                   {"furniture", plan.furnished ? "some" : "none"},
+                   {"others", plan.others > 0 ? "some" : "none"},
+                   {"whole", plan.whole ? "yes" : "cut off"}};
   if (plan.pose_class == synth::PoseClass::psi) labels.emplace_back("calm", "psi");
   if (plan.pose_class == synth::PoseClass::calm) labels.emplace_back("calm", "relaxed or A");
   return labels;
