@@ -38,8 +38,7 @@ struct Shares {
 };
 
 Shares told_by(const SensorSigns& signs, float z) {
-  const bool losses_known = !std::isnan(signs.lost);
-  const float loses = losses_known ? ramp(signs.lost, 0.03F, 0.08F) : 0.0F;
+  const float loses = std::isnan(signs.lost) ? 0.0F : ramp(signs.lost, 0.03F, 0.08F);
   Shares s;
   if (std::isnan(signs.noise_mm)) {
     s.silent = 1;
@@ -50,7 +49,7 @@ Shares told_by(const SensorSigns& signs, float z) {
   }
   s.tof += s.silent * loses;
   s.silent -= s.silent * loses;
-  const float others = 1.0F - (losses_known ? ramp(signs.one_sided, 0.10F, 0.16F) : 0.0F);
+  const float others = 1.0F - ramp(signs.one_sided, 0.10F, 0.16F);
   s.tof *= others;
   s.silent *= others;
   s.kinect = 1.0F - s.tof - s.silent;

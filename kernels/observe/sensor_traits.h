@@ -17,7 +17,7 @@ inline constexpr std::size_t kSensorTraits = 6;
 struct SensorSigns {
   float noise_mm = 0;   // standard deviation of a frame's pixel (TemporalNoise); NaN: not measured
   float lost = 0;       // share of the pixels beside the outline (OutlineLosses); NaN: not measured
-  float one_sided = 0;  // of that share, more on one side than on the other
+  float one_sided = 0;  // of that share, more on one side than on the other; 0 where not measured
 };
 
 // `distance_mm` of the person, above 0; `focal_px` of the camera. In order:
@@ -32,7 +32,7 @@ struct SensorSigns {
 //   way, of which 0.45 are asked for and from 0.15 on some believed. Who loses pixels and shows no noise is the
 //   latter.
 // Before a wall a Kinect loses 0.12 to 0.45 of those pixels, one side 0.13 to 0.47 more; time of flight 0.10 to 0.25
-// and 0.09 at most; a sensor without noise 0.02 at most (100 people each at 640x480, im2fit-lab eval). Neither noise
+// and 0.09 at most; a sensor without noise 0.02 at most (100 people each of im2fit-lab eval at 640x480, printed by a study build). Neither noise
 // nor losses measured: NaN but for the width.
 std::array<float, kSensorTraits> sensor_traits(const SensorSigns& signs, float distance_mm, float focal_px,
                                                SensorKind kind = SensorKind::unknown);

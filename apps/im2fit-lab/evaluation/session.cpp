@@ -57,7 +57,6 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   auto engine = Engine::create(settings, models.joints, models.index);
   if (!engine) return engine.error();
 
-  Camera camera(capture.intrinsics, capture.scene.rotate_deg, person.smoothed);
   std::vector<bool> sides;
   if (views != Views::back) sides.push_back(false);
   if (views != Views::front) sides.push_back(true);
@@ -67,6 +66,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
     synth::SceneOptions options = capture.scene;
     options.back_view = back;
     synth::VirtualScene scene(models.body, person.subject, options, capture.sensor, capture.intrinsics, capture.seed);
+    Camera camera(capture.intrinsics, capture.scene.rotate_deg, person.smoothed);
     for (int i = 0; i < shown_a_side && !(*engine)->result().measured; ++i, ++frame) {
       hal::FrameInfo info;
       info.sequence = frame;

@@ -14,8 +14,7 @@ namespace im2fit::apps {
 class TemporalSmoothing {
  public:
   static constexpr float kShare = 0.25F;
-  void reset() { smooth_mm_.clear(); }
-  // In place; frames of one size until reset().
+  // In place; frames of one size.
   void run(DepthImage frame);
 
  private:
