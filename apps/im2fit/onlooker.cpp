@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "apps/common/overlay.h"
+#include "apps/common/sighting.h"
 #include "apps/im2fit/session.h"
 #include "base/file.h"
 
@@ -20,19 +20,6 @@ std::string upper(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return c == '_' ? ' ' : static_cast<char>(std::toupper(c)); });
   return text;
-}
-
-SightingInput picture_of(const FrameSeen& frame, const Intrinsics& intrinsics) {
-  SightingInput input;
-  input.intrinsics = intrinsics;
-  input.depth = frame.depth;
-  input.mask = frame.mask;
-  input.has_joints = frame.result.has_joints;
-  input.joints = frame.result.display_joints;
-  input.inferred = frame.result.joints_inferred;
-  input.users.assign(frame.users.begin(), frame.users.end());
-  input.measured_user = frame.result.user;
-  return input;
 }
 
 }  // namespace
@@ -64,7 +51,7 @@ void Onlooker::see(const FrameSeen& frame) {
 }
 
 void Onlooker::write_picture(const FrameSeen& frame) {
-  SightingInput input = picture_of(frame, intrinsics_);
+  SightingInput input = sighting_of(frame, intrinsics_);
   input.captions = {upper(state_words(frame.result, frames_wanted_))};
   if (frame.result.guidance != 0) input.captions.push_back(upper(guidance_words(frame.result.guidance)));
   const auto png = draw_sighting(input, kPictureHeightPx).png();
@@ -80,7 +67,7 @@ void Onlooker::write_picture(const FrameSeen& frame) {
 }
 
 void Onlooker::show_picture(const FrameSeen& frame) {
-  const SightingInput input = picture_of(frame, intrinsics_);
+  const SightingInput input = sighting_of(frame, intrinsics_);
   const int height = view_->picture_height(intrinsics_.width, intrinsics_.height, kLineCount);
   const bool measured = frame.result.state == SessionState::measured;
   std::string needed = "needed: " + guidance_words(frame.result.guidance);

@@ -3,7 +3,9 @@
 // of the posed avatar stands on y = 0. Errors: the avatar names no model; the file cannot be written.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "base/status.h"
 #include "body/model.h"
@@ -17,7 +19,9 @@ struct Avatar {
   Pose pose;             // how it stands in .obj and in the default pose of .glb
   bool garment = false;  // .glb: shirt and trousers as a second primitive
 };
-Status write_glb(const Avatar& avatar, const std::string& path);   // metres, +Y up, skinned, 19 joints
+// metres, +Y up, skinned, 19 joints; the file's bytes
+Result<std::vector<std::byte>> glb_of(const Avatar& avatar);
+Status write_glb(const Avatar& avatar, const std::string& path);
 Status write_obj(const Avatar& avatar, const std::string& path);   // metres, posed
 Status write_bvh(const Avatar& avatar, const std::string& path);   // centimetres, one frame: the pose
 Status write_skel(const Avatar& avatar, const std::string& path);  // the fifteen joints, mm

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "body/export/export.h"
 #include "body/export/figure.h"
+#include "body/export/rig.h"
 #include "body/model_data.h"
 
 namespace im2fit::body {
@@ -16,7 +17,6 @@ using Json = nlohmann::json;
 
 constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedByte = 5121;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
-constexpr float kMetres = 1e-3F;
 constexpr float kShirtPushMm = 6;  // cloth stands off the tights helper, which clings to the skin
 
 // The one binary buffer and the views and accessors into it.
@@ -49,23 +49,6 @@ class Buffer {
   Json views_ = Json::array();
   Json accessors_ = Json::array();
 };
-
-// Unit quaternion x, y, z, w of a rotation, from the largest of the four (no division by small numbers).
-std::array<float, 4> quaternion(const Mat3f& r) {
-  const auto& m = r.m;
-  const std::array<float, 4> squares = {1 + m[0] - m[4] - m[8], 1 - m[0] + m[4] - m[8], 1 - m[0] - m[4] + m[8],
-                                        1 + m[0] + m[4] + m[8]};
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < 4; ++i) best = squares[i] > squares[best] ? i : best;
-  std::array<float, 4> q{};
-  if (best == 0) q = {squares[0], m[1] + m[3], m[2] + m[6], m[7] - m[5]};
-  if (best == 1) q = {m[1] + m[3], squares[1], m[5] + m[7], m[2] - m[6]};
-  if (best == 2) q = {m[2] + m[6], m[5] + m[7], squares[2], m[3] - m[1]};
-  if (best == 3) q = {m[7] - m[5], m[2] - m[6], m[3] - m[1], squares[3]};
-  const float n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (float& c : q) c /= n;
-  return q;
-}
 
 // A set of vertices with the faces among them, numbered afresh.
 struct Part {
@@ -142,21 +125,23 @@ constexpr Extra kExtraNodes[] = {{"head_centre", "HE", Segment::head},
                                  {"left_hand_centre", "LA", Segment::left_hand},
                                  {"right_hand_centre", "RA", Segment::right_hand}};
 
+Json list_of(Vec3f v) {
+  return {v.x, v.y, v.z};
+}
 Json metres(Vec3f v) {
-  return {v.x * kMetres, v.y * kMetres, v.z * kMetres};
+  return list_of(v * kMetres);
 }
 
 // Nodes 0..18 are the segments in order, then the extra joints; the mesh's node comes last.
 Json joint_nodes(const Figure& f) {
   Json nodes = Json::array();
+  const RigPose rig = rig_pose(f.skeleton, f.pose);
   for (std::size_t s = 0; s < static_cast<std::size_t>(kSegmentCount); ++s) {
     const int parent = kSegmentParent[s];
-    const Vec3f head = f.skeleton.head[s];
-    const Vec3f offset =
-        parent < 0 ? head + f.pose.translation_mm : head - f.skeleton.head[static_cast<std::size_t>(parent)];
+    const Vec3f offset = f.skeleton.head[s] - f.skeleton.head[static_cast<std::size_t>(std::max(parent, 0))];
     Json node = {{"name", kSegmentNames[s]},
-                 {"translation", metres(offset)},
-                 {"rotation", quaternion(local_rotation(f.pose, s))}};
+                 {"translation", parent < 0 ? list_of(rig.root_m) : metres(offset)},
+                 {"rotation", rig.rotation[s]}};
     if (kOpenNiOfSegment[s] != nullptr) node["extras"] = {{"openni", kOpenNiOfSegment[s]}};
     nodes.push_back(node);
     if (parent >= 0) nodes[static_cast<std::size_t>(parent)]["children"].push_back(s);
@@ -190,7 +175,7 @@ void append_chunk(std::vector<std::byte>& out, const char* kind, std::span<const
 
 }  // namespace
 
-Status write_glb(const Avatar& avatar, const std::string& path) {
+Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
   const BodyModel::Data& d = avatar.model->data();
@@ -240,7 +225,12 @@ Status write_glb(const Avatar& avatar, const std::string& path) {
   const std::array<std::uint32_t, 3> header = {0x46546C67, 2, static_cast<std::uint32_t>(12 + chunks.size())};
   const auto head = std::as_bytes(std::span(header));
   chunks.insert(chunks.begin(), head.begin(), head.end());
-  return write_file_atomically(path, chunks);
+  return chunks;
+}
+
+Status write_glb(const Avatar& avatar, const std::string& path) {
+  const auto glb = glb_of(avatar);
+  return glb ? write_file_atomically(path, *glb) : glb.error();
 }
 
 }  // namespace im2fit::body

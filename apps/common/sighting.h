@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a frame the engine saw to the picture people watch.
+#pragma once
+
+#include "apps/common/overlay.h"
+#include "engine/engine.h"
+
+namespace im2fit::apps {
+
+// Views into the frame: valid as long as that is.
+SightingInput sighting_of(const FrameSeen& frame, const Intrinsics& intrinsics);
+
+}  // namespace im2fit::apps

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit/live_run.h"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <chrono>
+#include <memory>
+#include <thread>
+#include <utility>
+
+namespace im2fit::apps {
+namespace {
+
+// 0: the nearest.
+std::optional<int> user_of(const std::string& word) {
+  if (word == "nearest") return 0;
+  int id = 0;
+  const char* end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, id);
+  if (error != std::errc() || stop != end || id < 1) return std::nullopt;
+  return id;
+}
+
+constexpr auto kFramePeriod = std::chrono::microseconds(33333);
+
+// One line on stdout, at once: who reads it may be a program that waits.
+Status print_event(const Json& event) {
+  fmt::print("{}", line_of(event));
+  return flush_output();
+}
+
+class LiveRun {
+ public:
+  LiveRun(const LiveOptions& options, SessionOutcome& outcome, Onlooker& onlooker, LiveListener* listener)
+      : options_(options),
+        outcome_(outcome),
+        onlooker_(onlooker),
+        listener_(listener),
+        started_(std::chrono::steady_clock::now()) {}
+
+  // After every frame pushed; false ends the run.
+  bool go_on() {
+    ++frames_;
+    if (auto done = look(outcome_.engine->result()); !done) error_ = done.error();
+    if (error_ || (options_.count > 0 && persons_ >= options_.count)) return false;
+    // A recording is watched at the speed it was made.
+    if ((options_.onlooker.view || listener_ != nullptr) && !outcome_.input.source->info().live)
+      std::this_thread::sleep_until(started_ + kFramePeriod * frames_);
+    return true;
+  }
+
+  // After the run: whoever stood there last may be measured from fewer frames.
+  Result<int> conclude_run() {
+    if (error_) return *error_;
+    if (onlooker_.error()) return *onlooker_.error();
+    if (auto done = look(outcome_.engine->result()); !done) return done.error();
+    if (error_) return *error_;
+    if (persons_ == 0) return report_nobody();
+    if (auto told = tell({{"event", "end"}, {"frame", frames_}, {"persons", persons_}}); !told) return told.error();
+    return kExitOk;
+  }
+  const std::string& tables() const { return tables_; }
+
+ private:
+  Status tell(const Json& event) {
+    if (listener_ != nullptr) listener_->tell(event);
+    return options_.session.json ? print_event(event) : Ok{};
+  }
+
+  Status look(const EngineResult& result) {
+    if (onlooker_.error()) return *onlooker_.error();
+    if (result.session != session_) {
+      session_ = result.session;
+      const bool left = std::exchange(reported_, false);
+      if (auto said = left ? say_left() : Ok{}; !said) return said;
+    }
+    if (auto said = say_state(result); !said) return said;
+    if (is_stuck(result)) outcome_.engine->next_person();
+    if (!result.measured || reported_) return Ok{};
+    reported_ = true;
+    ++persons_;
+    outcome_.engine->finish();
+    if (auto done = report_person(); !done) return done;
+    outcome_.engine->next_person();
+    return Ok{};
+  }
+
+  Status say_state(const EngineResult& result) {
+    const ShownState state = shown_state(result);
+    if (said_ && state == state_) return Ok{};
+    said_ = true;
+    state_ = state;
+    if (auto told = tell(state_event(frames_, result)); !told) return told;
+    if (!options_.session.json && !options_.onlooker.view)
+      fmt::print(stderr, "{}  needed: {}\n", state_words(result, options_.session.frames),
+                 guidance_words(result.guidance));
+    return Ok{};
+  }
+
+  Status say_left() {
+    if (auto told = tell(left_event(frames_, persons_)); !told) return told;
+    if (!options_.session.json && !options_.onlooker.view) fmt::print(stderr, "person {} has left\n", persons_);
+    return Ok{};
+  }
+
+  // --out itself for the only person asked for, else a folder for each.
+  std::string folder() const {
+    if (options_.session.out.empty() || options_.count == 1) return options_.session.out;
+    return fmt::format("{}/person-{:03}", options_.session.out, persons_);
+  }
+
+  Status report_person() {
+    if (auto concluded = conclude(outcome_); !concluded) return concluded;
+    const std::string out = folder();
+    if (!out.empty()) {
+      if (auto made = make_directory(out); !made) return made;
+      if (auto written = write_outputs(outcome_, out); !written) return written;
+    }
+    onlooker_.say(fmt::format("person {}: {}", persons_, summary(outcome_.report)));
+    Json event = measured_event(frames_, persons_, outcome_.report);
+    if (!out.empty()) event["out"] = out;
+    if (listener_ != nullptr)
+      if (auto seen = listener_->measured(outcome_); !seen) return seen;
+    if (auto told = tell(event); !told) return told;
+    if (options_.session.json) return Ok{};
+    std::string table = fmt::format("person {}\n{}", persons_, result_table(outcome_));
+    if (!out.empty()) table += fmt::format("written to {}\n", out);
+    // The view has the terminal: tables follow it.
+    if (options_.onlooker.view) {
+      tables_ += table;
+      return Ok{};
+    }
+    fmt::print("{}", table);
+    return flush_output();
+  }
+
+  Result<int> report_nobody() {
+    if (auto concluded = conclude(outcome_); !concluded) return concluded.error();
+    const EngineResult& result = outcome_.report.result;
+    // Damaged frames among good ones are left out; nothing but damage is no stream.
+    if (result.frames_seen == 0 && outcome_.tap->first_damage()) return *outcome_.tap->first_damage();
+    if (options_.session.json && !options_.session.out.empty())
+      if (auto written = write_outputs(outcome_, options_.session.out); !written) return written.error();
+    Json event = {{"event", "end"}, {"frame", frames_}, {"persons", 0}};
+    event["result"] = Json::parse(result_json(outcome_.report));
+    if (auto told = tell(event); !told) return told.error();
+    return options_.session.json ? kExitNoMeasurement : report_session(outcome_, options_.session);
+  }
+
+  const LiveOptions& options_;
+  SessionOutcome& outcome_;
+  Onlooker& onlooker_;
+  LiveListener* listener_;
+  std::chrono::steady_clock::time_point started_;
+  std::uint64_t frames_ = 0;
+  int persons_ = 0;
+  std::uint32_t session_ = 0;
+  bool reported_ = false;
+  bool said_ = false;
+  ShownState state_;
+  std::string tables_;
+  std::optional<Error> error_;
+};
+
+Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, std::string& tables) {
+  std::unique_ptr<Onlooker> onlooker;
+  if (!options.onlooker.overlay.empty())
+    if (const auto made = make_directory(options.onlooker.overlay); !made) return made.error();
+  FrameWatch watch;
+  const bool watched = options.onlooker.view || !options.onlooker.overlay.empty();
+  if (watched || listener != nullptr)
+    watch = [&](const FrameSeen& frame) {
+      onlooker->see(frame);
+      if (listener != nullptr) listener->see(frame);
+    };
+  SessionOptions session = options.session;
+  session.input.camera_changed = [&](const hal::ReconnectStats& stats, const hal::SourceInfo& source) {
+    const Json event = camera_event(stats, source);
+    if (listener != nullptr) listener->tell(event);
+    if (session.json)
+      (void)print_event(event);  // a closed pipe is noticed with the next event
+    else if (options.onlooker.view)
+      onlooker->say(camera_words(stats, source));
+    else if (stats.presence != hal::Presence::given_up)  // that is an error of its own
+      print_error(camera_words(stats, source));
+  };
+  auto outcome = open_session(session, std::move(watch), nullptr);
+  if (!outcome) return outcome.error();
+  onlooker =
+      std::make_unique<Onlooker>(options.onlooker, outcome->input.source->info().intrinsics, options.session.frames);
+  if (listener != nullptr) listener->begin(*outcome);
+  LiveRun live(options, *outcome, *onlooker, listener);
+  const auto done = run(*outcome->engine, *outcome->tap, [&] { return live.go_on(); });
+  auto code = live.conclude_run();
+  tables = live.tables();
+  if (!done) return done.error();
+  if (code && !options.onlooker.overlay.empty() && !options.session.json)
+    tables += fmt::format("{} pictures in {}\n", onlooker->pictures(), options.onlooker.overlay);
+  return code;
+}
+
+}  // namespace
+
+Result<int> run_live(const LiveOptions& asked, LiveListener* listener) {
+  LiveOptions options = asked;
+  options.session.user = user_of(options.user).value_or(0);
+  std::string tables;
+  auto code = run_live_shown(options, listener, tables);
+  fmt::print("{}", tables);
+  return code;
+}
+
+void add_live_options(CLI::App& sub, LiveOptions& options) {
+  options.session.live = true;
+  options.session.input.reconnect_s = -1;
+  add_session_options(sub, options.session);
+  sub.get_option("--out")->description(
+      "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png: with --count 1 "
+      "in it, else in person-001 and so on");
+  sub.get_option("--json")->description(
+      "Print events on stdout, one JSON object a line: state, measured, left, camera, end");
+  sub.remove_option(sub.get_option("--timing"));
+  sub.add_option("--count", options.count, "End after so many people; 0: at Ctrl-C or the source's end")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  sub.add_option("--user", options.user, "Whom to measure: nearest, or one id only")
+      ->type_name("nearest|ID")
+      ->check([](const std::string& word) {
+        return user_of(word) ? std::string() : "use nearest, or the number live shows with a person";
+      })
+      ->capture_default_str();
+}
+
+}  // namespace im2fit::apps

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// One person after the other before a camera: what `live` and `serve` share.
+#pragma once
+
+#include <string>
+
+#include "apps/common/events.h"
+#include "apps/im2fit/onlooker.h"
+#include "apps/im2fit/session.h"
+
+namespace im2fit::apps {
+
+struct LiveOptions {
+  SessionOptions session;
+  OnlookerOptions onlooker;
+  int count = 0;  // 0: until Ctrl-C or the end
+  std::string user = "nearest";
+};
+void add_live_options(CLI::App& sub, LiveOptions& options);
+
+// Follows a run beside the terminal. A recording then runs at the speed it was made.
+class LiveListener {
+ public:
+  virtual ~LiveListener() = default;
+  virtual void begin(const SessionOutcome& session) = 0;       // before the first frame
+  virtual void see(const FrameSeen& frame) = 0;                // on the engine's thread
+  virtual void tell(const Json& event) = 0;                    // apps/common/events.h
+  virtual Status measured(const SessionOutcome& session) = 0;  // a person; before the event
+};
+
+// Until Ctrl-C, the source's end or `count`; the exit code. `listener` may be null.
+Result<int> run_live(const LiveOptions& options, LiveListener* listener);
+
+}  // namespace im2fit::apps

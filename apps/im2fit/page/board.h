@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page shows: the latest message of each kind, and files. Any thread may call anything.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+namespace im2fit::apps {
+
+struct PageFile {
+  std::string type;  // "image/png"
+  std::string bytes;
+};
+
+class Board {
+ public:
+  // In place of the last message of that kind: who reads slowly misses some, never the latest. One line of text.
+  void publish(const std::string& kind, std::string message);
+  // Messages younger than `seen`, oldest first, as server-sent events (WHATWG HTML, 9.2.6); waits for one. "" when
+  // none came in time or the board is closed. `seen` begins at 0.
+  std::string wait(std::uint64_t& seen, std::chrono::milliseconds patience);
+  void put(const std::string& path, PageFile file);
+  std::shared_ptr<const PageFile> file(const std::string& path) const;  // null: there is none
+  void close();                                                         // wakes who waits; nothing comes any more
+  bool closed() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable news_;
+  std::map<std::string, std::pair<std::uint64_t, std::string>> messages_;  // by kind: number, text
+  std::map<std::string, std::shared_ptr<const PageFile>> files_;
+  std::uint64_t published_ = 0;
+  bool closed_ = false;
+};
+
+}  // namespace im2fit::apps

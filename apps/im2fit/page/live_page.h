@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run in a browser: what the camera sees, what is needed, who was measured, and their body, which follows them.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "apps/common/events.h"
+#include "apps/im2fit/page/board.h"
+#include "apps/im2fit/page/page_server.h"
+#include "apps/im2fit/page/puppet.h"
+#include "engine/engine.h"
+
+namespace im2fit::apps {
+
+// `see` on the engine's thread, the rest on one other. Nothing is drawn while nobody watches.
+class LivePage {
+ public:
+  // Errors: as PageServer::open().
+  static Result<std::unique_ptr<LivePage>> open(const PageAddress& address);
+  const std::string& url() const { return server_->url(); }
+
+  // Before the first frame.
+  void begin(const Intrinsics& intrinsics, int frames_wanted);
+  void see(const FrameSeen& frame);
+  void tell(const Json& event);
+  // Before the event that tells it.
+  Status measured(const body::Avatar& avatar);
+
+ private:
+  LivePage() = default;
+  void draw(const FrameSeen& frame);
+  void move(const FrameSeen& frame);
+
+  Board board_;
+  Intrinsics intrinsics_;
+  std::mutex puppet_mutex_;
+  std::optional<Puppet> puppet_;
+  std::chrono::steady_clock::time_point drawn_{};
+  std::uint64_t pictures_ = 0;
+  std::unique_ptr<PageServer> server_;  // last: it refers to the board
+};
+
+}  // namespace im2fit::apps

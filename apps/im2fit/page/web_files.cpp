@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit/page/web_files.h"
+
+#include <algorithm>
+#include <array>
+
+// The assembler reads the file (GNU as, .incbin); CMake names the folders and rebuilds this when the files change.
+#define IM2FIT_EMBED(name, path)                                                            \
+  asm(".section .rodata\n" #name ":\n.incbin \"" path "\"\n" #name "_end:\n.byte 0\n.text\n"); \
+  extern "C" __attribute__((visibility("hidden"))) const char name[], name##_end[];
+
+IM2FIT_EMBED(im2fit_web_index, IM2FIT_WEB_DIR "/index.html")
+IM2FIT_EMBED(im2fit_web_style, IM2FIT_WEB_DIR "/page.css")
+IM2FIT_EMBED(im2fit_web_words, IM2FIT_WEB_DIR "/words.js")
+IM2FIT_EMBED(im2fit_web_stage, IM2FIT_WEB_DIR "/stage.js")
+IM2FIT_EMBED(im2fit_web_page, IM2FIT_WEB_DIR "/page.js")
+IM2FIT_EMBED(im2fit_web_three, IM2FIT_THREE_DIR "/build/three.min.js")
+IM2FIT_EMBED(im2fit_web_loader, IM2FIT_THREE_DIR "/examples/js/loaders/GLTFLoader.js")
+IM2FIT_EMBED(im2fit_web_orbit, IM2FIT_THREE_DIR "/examples/js/controls/OrbitControls.js")
+
+namespace im2fit::apps {
+namespace {
+
+constexpr const char* kScript = "text/javascript; charset=utf-8";
+
+}  // namespace
+
+const WebFile* web_file(std::string_view path) {
+  const auto between = [](const char* begin, const char* end) { return std::string_view(begin, end); };
+  static const std::array kFiles = {
+      WebFile{"/", "text/html; charset=utf-8", between(im2fit_web_index, im2fit_web_index_end)},
+      WebFile{"/page.css", "text/css; charset=utf-8", between(im2fit_web_style, im2fit_web_style_end)},
+      WebFile{"/words.js", kScript, between(im2fit_web_words, im2fit_web_words_end)},
+      WebFile{"/stage.js", kScript, between(im2fit_web_stage, im2fit_web_stage_end)},
+      WebFile{"/page.js", kScript, between(im2fit_web_page, im2fit_web_page_end)},
+      WebFile{"/three.js", kScript, between(im2fit_web_three, im2fit_web_three_end)},
+      WebFile{"/gltf-loader.js", kScript, between(im2fit_web_loader, im2fit_web_loader_end)},
+      WebFile{"/orbit-controls.js", kScript, between(im2fit_web_orbit, im2fit_web_orbit_end)}};
+  const auto* found = std::find_if(kFiles.begin(), kFiles.end(), [&](const WebFile& f) { return f.path == path; });
+  return found == kFiles.end() ? nullptr : found;
+}
+
+}  // namespace im2fit::apps

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page's own files and three.js, inside the program: a device has no folder to serve them from.
+#pragma once
+
+#include <string_view>
+
+namespace im2fit::apps {
+
+struct WebFile {
+  const char* path;  // "/page.js"; "/" is the page
+  const char* type;
+  std::string_view bytes;
+};
+const WebFile* web_file(std::string_view path);  // null: there is none
+
+}  // namespace im2fit::apps
