@@ -13,13 +13,9 @@
 #include <string>
 #include <thread>
 
-#include "run_program.h"
-#include "written_files.h"
+#include "background_run.h"
 
 namespace im2fit::test {
-
-using Clock = std::chrono::steady_clock;
-inline constexpr auto kPatience = std::chrono::seconds(40);
 
 inline sockaddr_un unix_address(const std::string& path) {
   sockaddr_un address{};
@@ -123,48 +119,19 @@ class Manager {
   int fd_ = -1;
 };
 
-// The daemon, killed at the latest with this.
-class DaemonRun {
+class DaemonRun : public BackgroundRun {
  public:
   DaemonRun(const std::string& config, std::vector<std::pair<std::string, std::string>> environment,
             std::string stderr_path)
-      : stderr_path_(std::move(stderr_path)) {
-    environment.emplace_back("IM2FIT_BODY", "");
-    std::string program = IM2FIT_DAEMON_PROGRAM, word = "--config", file = config;
-    std::vector<char*> argv = {program.data(), word.data(), file.data(), nullptr};
-    pid_ = ::fork();
-    if (pid_ != 0) return;
-    RunOptions options;
-    options.environment = std::move(environment);
-    const int err = ::open(stderr_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    detail::become(argv, err, err, options);
-  }
-  ~DaemonRun() {
-    if (pid_ <= 0) return;
-    ::kill(pid_, SIGKILL);
-    ::waitpid(pid_, nullptr, 0);
-  }
-  DaemonRun(const DaemonRun&) = delete;
-  DaemonRun& operator=(const DaemonRun&) = delete;
-  void signal(int number) const { ::kill(pid_, number); }
-  pid_t pid() const { return pid_; }
-  std::string said() const { return read_text(stderr_path_); }
-  // Its exit code; -1 when it was killed or does not end.
-  int wait() {
-    for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
-      int status = 0;
-      if (::waitpid(pid_, &status, WNOHANG) == pid_) {
-        pid_ = -1;
-        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return -1;
-  }
+      : BackgroundRun({IM2FIT_DAEMON_PROGRAM, "--config", config}, without_body(std::move(environment)),
+                      std::move(stderr_path)) {}
 
  private:
-  pid_t pid_ = -1;
-  std::string stderr_path_;
+  static std::vector<std::pair<std::string, std::string>> without_body(
+      std::vector<std::pair<std::string, std::string>> environment) {
+    environment.emplace_back("IM2FIT_BODY", "");
+    return environment;
+  }
 };
 
 }  // namespace im2fit::test

@@ -27,9 +27,8 @@ Json rounded(Vec3f v) {
 }
 
 bool all_finite(const JointSet& joints) {
-  return std::all_of(joints.position_mm.begin(), joints.position_mm.end(), [](const Vec3f& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-  });
+  return std::all_of(joints.position_mm.begin(), joints.position_mm.end(),
+                     [](const Vec3f& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); });
 }
 
 }  // namespace

@@ -110,8 +110,7 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
                                     (errno != 0 ? std::string(" (") + std::strerror(errno) + ")" : std::string()) +
                                     "; try another --port or --host"};
   const bool v6 = address.host.find(':') != std::string::npos;
-  parts.url =
-      "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(port) + "/";
+  parts.url = "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(port) + "/";
   parts.thread = std::thread([&server] { server.listen_after_bind(); });
   while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // else stop() would not
   return std::unique_ptr<PageServer>(new PageServer(std::move(made)));

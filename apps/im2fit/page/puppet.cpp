@@ -33,8 +33,7 @@ body::RigPose Puppet::follow(const JointSet& joints, const FloorPlane& floor) co
 std::array<Vec3f, kJointCount> standing_joints_m(const JointSet& joints, const FloorPlane& floor) {
   constexpr float kAnkleMm = 80;  // of a foot whose floor is not seen
   const JointSet standing = to_mesh_axes(joints, floor);
-  const float up_mm =
-      floor.known ? 0 : kAnkleMm - std::min(standing[Joint::LF].y, standing[Joint::RF].y);
+  const float up_mm = floor.known ? 0 : kAnkleMm - std::min(standing[Joint::LF].y, standing[Joint::RF].y);
   std::array<Vec3f, kJointCount> out;
   for (std::size_t j = 0; j < kJointCount; ++j)
     out[j] = (standing.position_mm[j] + Vec3f{0, up_mm, 0}) * body::kMetres;

@@ -5,7 +5,7 @@
 #include <array>
 
 // The assembler reads the file (GNU as, .incbin); CMake names the folders and rebuilds this when the files change.
-#define IM2FIT_EMBED(name, path)                                                            \
+#define IM2FIT_EMBED(name, path)                                                               \
   asm(".section .rodata\n" #name ":\n.incbin \"" path "\"\n" #name "_end:\n.byte 0\n.text\n"); \
   extern "C" __attribute__((visibility("hidden"))) const char name[], name##_end[];
 

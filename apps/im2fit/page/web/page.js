@@ -4,6 +4,10 @@
 
 const at = (id) => document.getElementById(id);
 const seen = {state: 'SEARCHING', guidance: ['NO_PERSON'], camera: null, wanted: 30, used: 0, back: 0, over: false};
+const failures = [];  // what went wrong here, for who looks into it
+for (const kind of ['error', 'unhandledrejection']) {
+  window.addEventListener(kind, (e) => failures.push(String(e.message || e.reason)));
+}
 let result = null;
 let inches = false;
 let segments = [];
@@ -39,7 +43,7 @@ function showResult() {
   at('values').tBodies[0].replaceChildren(...Object.entries(result.measurements).map(([id, m]) => {
     const row = document.createElement('tr');
     const [low, high] = m.interval.map((v) => written(v, m.unit, inches));
-    for (const text of [nameOf(id), written(m.value, m.unit, inches), `${low} to ${high}`]) {
+    for (const text of [nameOf(id, m.unit, inches), written(m.value, m.unit, inches), `${low} to ${high}`]) {
       row.insertCell().textContent = text;
     }
     return row;
@@ -80,13 +84,15 @@ const on = {
     at('answer').classList.remove('left');
     at('result').hidden = at('avatar').hidden = false;
     showResult();
-    if (stage) await stage.loadAvatar(`/avatar.glb?${event.person}`, segments);
-    document.body.dataset.person = event.person;  // all of them is on the page
+    if (!stage) return;
+    const shown = await stage.loadAvatar(`/avatar.glb?${event.person}`, segments);
+    if (shown) document.body.dataset.avatar = event.person;  // whose body stands on the stage
   },
   left(event) {
     at('who').textContent = `Person ${event.person}, who has left`;
     at('answer').classList.add('left');
     if (stage) stage.removeAvatar();
+    delete document.body.dataset.avatar;
   },
   camera(event) {
     seen.camera = event.state === 'PRESENT' ? null : 'The camera is away';

@@ -19,7 +19,7 @@ class Stage {
     this.orbit.maxDistance = 8;
     this.orbit.addEventListener('change', () => this.ask());
     this.orbit.update();
-    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a8f98, 0.75));
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a8f98, 0.6));
     const sun = new THREE.DirectionalLight(0xffffff, 0.7);
     sun.position.set(1.5, 3, 2.5);
     this.scene.add(sun);
@@ -29,6 +29,7 @@ class Stage {
     this.scene.add(grid);
     this.lines = null;
     this.avatar = null;
+    this.avatarsAsked = 0;
     this.nodes = [];
     this.wanted = null;
     this.asked = false;
@@ -41,7 +42,7 @@ class Stage {
     if (this.lines) this.scene.remove(this.lines);
     this.bones = bones;
     const geometry = new THREE.BufferGeometry();
-    geometry.addAttribute('position', new THREE.BufferAttribute(new Float32Array(bones.length * 6), 3));
+    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(bones.length * 6), 3));
     const colours = new Float32Array(bones.length * 6);
     bones.forEach(([, , like], i) => {
       const name = jointNames[like];
@@ -49,7 +50,7 @@ class Stage {
       const colour = new THREE.Color(of);
       for (const end of [0, 1]) colour.toArray(colours, i * 6 + end * 3);
     });
-    geometry.addAttribute('color', new THREE.BufferAttribute(colours, 3));
+    geometry.setAttribute('color', new THREE.BufferAttribute(colours, 3));
     // Seen through the body.
     const material = new THREE.LineBasicMaterial({vertexColors: THREE.VertexColors, depthTest: false,
                                                   transparent: true});
@@ -74,20 +75,26 @@ class Stage {
     this.ask();
   }
 
-  // Resolves when it is on the stage.
+  // Resolves to whether it is on the stage: not when another was asked for, or none, meanwhile.
   loadAvatar(url, segments) {
+    const asked = ++this.avatarsAsked;
     return new Promise((resolve, reject) => new THREE.GLTFLoader().load(url, (gltf) => {
+      if (asked !== this.avatarsAsked) {
+        resolve(false);
+        return;
+      }
       this.removeAvatar();
       this.avatar = gltf.scene;
       this.avatar.traverse((o) => { o.frustumCulled = false; });  // bones move it out of the box it was made in
       this.nodes = segments.map((name) => this.avatar.getObjectByName(name));
       this.scene.add(this.avatar);
       this.ask();
-      resolve();
+      resolve(true);
     }, undefined, reject));
   }
 
   removeAvatar() {
+    ++this.avatarsAsked;
     if (!this.avatar) return;
     this.scene.remove(this.avatar);
     this.avatar.traverse((o) => { if (o.geometry) o.geometry.dispose(); });

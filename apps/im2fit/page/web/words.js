@@ -32,11 +32,14 @@ const kNames = {
   neck_girth: 'neck', shoulder_girth: 'shoulders, round', chest_girth: 'chest', waist_girth: 'waist', hip_girth: 'hips',
   inside_leg: 'inside leg', weight: 'weight',
 };
-const nameOf = (id) => kNames[id] || id.replace(/_/g, ' ');
+function nameOf(id, unit, inches) {
+  const name = kNames[id] || id.replace(/_/g, ' ');
+  return unit === 'kg' ? `${name}, ${inches ? 'lb' : 'kg'}` : name;
+}
 
 // A value of result.json (mm or kg) as people write it.
 function written(value, unit, inches) {
   if (value === null) return '–';
-  if (unit === 'kg') return inches ? `${Math.round(value * 2.20462)} lb` : `${value.toFixed(1)} kg`;
+  if (unit === 'kg') return inches ? (value * 2.20462).toFixed(0) : value.toFixed(1);
   return inches ? (value / 25.4).toFixed(1) : (value / 10).toFixed(1);
 }

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chromium, driven over HTTP by ChromeDriver (W3C WebDriver). Every wait is bounded.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <httplib.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <string>
+
+#include "background_run.h"
+
+namespace im2fit::test {
+
+class Browser {
+ public:
+  static constexpr const char* kBrowser = "/usr/bin/chromium";
+  static constexpr const char* kDriver = "/usr/bin/chromedriver";
+  static bool installed() { return std::filesystem::exists(kBrowser) && std::filesystem::exists(kDriver); }
+
+  // `folder` holds its profile and what the driver says.
+  explicit Browser(const std::string& folder)
+      : driver_({kDriver, "--port=0"}, {}, folder + "/chromedriver.log"), profile_(folder + "/profile") {
+    const std::regex started("started successfully on port ([0-9]+)");
+    std::smatch found;
+    for (const auto end = Clock::now() + kPatience; Clock::now() < end && client_ == nullptr;) {
+      const std::string said = driver_.said();
+      if (std::regex_search(said, found, started))
+        client_ = std::make_unique<httplib::Client>("127.0.0.1", std::stoi(found[1]));
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    if (client_ == nullptr) return;
+    client_->set_read_timeout(60);
+    const nlohmann::json words = {"--headless=new",
+                                  "--no-sandbox",
+                                  "--disable-gpu",
+                                  "--use-gl=angle",
+                                  "--use-angle=swiftshader",
+                                  "--enable-unsafe-swiftshader",
+                                  "--disable-quic",
+                                  "--no-first-run",
+                                  "--disable-background-networking",
+                                  "--disable-component-update",
+                                  "--disable-sync",
+                                  "--window-size=1280,900",
+                                  "--user-data-dir=" + profile_};
+    const auto session =
+        ask("/session",
+            {{"capabilities",
+              {{"alwaysMatch",
+                {{"browserName", "chrome"}, {"goog:chromeOptions", {{"binary", kBrowser}, {"args", words}}}}}}}});
+    if (session.is_object()) session_ = "/session/" + session["sessionId"].get<std::string>();
+  }
+  ~Browser() {
+    if (!session_.empty()) client_->Delete(session_);
+  }
+  Browser(const Browser&) = delete;
+  Browser& operator=(const Browser&) = delete;
+  bool ready() const { return !session_.empty(); }
+  std::string said() const { return driver_.said(); }
+
+  void go(const std::string& url) { ask(session_ + "/url", {{"url", url}}); }
+  // What `return ...;` gives.
+  nlohmann::json run(const std::string& script) {
+    return ask(session_ + "/execute/sync", {{"script", script}, {"args", nlohmann::json::array()}});
+  }
+  // Until the script says true.
+  bool wait_for(const std::string& script) {
+    for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
+      if (run(script) == true) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
+  }
+
+ private:
+  // Of the answer its value; null for none.
+  nlohmann::json ask(const std::string& path, const nlohmann::json& body) {
+    const auto answer = client_->Post(path, body.dump(), "application/json");
+    EXPECT_TRUE(answer) << path;
+    if (!answer) return nullptr;
+    EXPECT_EQ(answer->status, 200) << path << " " << answer->body.substr(0, 500);
+    return nlohmann::json::parse(answer->body, nullptr, false).value("value", nlohmann::json());
+  }
+
+  BackgroundRun driver_;
+  std::string profile_;
+  std::unique_ptr<httplib::Client> client_;
+  std::string session_;
+};
+
+}  // namespace im2fit::test

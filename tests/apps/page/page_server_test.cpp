@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit/page/page_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+
+#include <chrono>
+#include <memory>
+#include <regex>
+#include <thread>
+#include <vector>
+
+namespace im2fit::apps {
+namespace {
+
+using testing::HasSubstr;
+
+class Served : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto server = PageServer::open({"127.0.0.1", 0}, board_);
+    ASSERT_TRUE(server) << server.error().message;
+    server_ = std::move(*server);
+  }
+  httplib::Client client() const {
+    httplib::Client c(server_->url().substr(0, server_->url().size() - 1));
+    c.set_read_timeout(20);
+    return c;
+  }
+  // Somebody who reads the stream until it ends or holds `enough`.
+  struct Watcher {
+    Watcher(httplib::Client c, std::string enough)
+        : thread([this, client = std::make_shared<httplib::Client>(std::move(c)), enough = std::move(enough)] {
+            ended = bool(client->Get("/events", [&](const char* data, std::size_t size) {
+              text.append(data, size);
+              return text.find(enough) == std::string::npos;
+            }));
+          }) {}
+    ~Watcher() { join(); }
+    void join() {
+      if (thread.joinable()) thread.join();
+    }
+    std::string text;
+    bool ended = false;  // by the server
+    std::thread thread;
+  };
+  bool watched_by(int count) const {
+    for (int i = 0; i < 2000 && server_->watchers() != count; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return server_->watchers() == count;
+  }
+  Board board_;
+  std::unique_ptr<PageServer> server_;
+};
+
+TEST_F(Served, ThePageAndAllItAsksForAreThere) {
+  const auto page = client().Get("/");
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->status, 200);
+  EXPECT_THAT(page->get_header_value("Content-Type"), HasSubstr("text/html"));
+  EXPECT_THAT(page->get_header_value("Content-Security-Policy"), HasSubstr("default-src 'self'"));
+  const std::regex asked(R"re((?:src|href)="(/[^"]+\.(?:js|css))")re");
+  int found = 0;
+  for (std::sregex_iterator at(page->body.begin(), page->body.end(), asked), end; at != end; ++at, ++found) {
+    const auto file = client().Get((*at)[1].str());
+    ASSERT_TRUE(file) << (*at)[1];
+    EXPECT_EQ(file->status, 200) << (*at)[1];
+    EXPECT_GT(file->body.size(), 500U) << (*at)[1];
+  }
+  EXPECT_EQ(found, 7);
+  // Nothing of another machine.
+  EXPECT_EQ(page->body.find("http"), std::string::npos);
+}
+
+TEST_F(Served, FilesOfTheBoardAppearWhenTheyAreThere) {
+  EXPECT_EQ(client().Get("/picture.png")->status, 404);
+  board_.put("/picture.png", {"image/png", std::string("\0binary", 7)});
+  const auto file = client().Get("/picture.png?3");
+  EXPECT_EQ(file->status, 200);
+  EXPECT_EQ(file->body, std::string("\0binary", 7));
+  EXPECT_EQ(file->get_header_value("Content-Type"), "image/png");
+  EXPECT_EQ(file->get_header_value("Cache-Control"), "no-store");
+  EXPECT_EQ(client().Get("/../etc/passwd")->status, 404);
+  EXPECT_EQ(client().Post("/picture.png", "x", "text/plain")->status, 404);
+}
+
+TEST_F(Served, OnlyNamesOfThisMachineAreAnswered) {
+  for (const char* host : {"localhost:1", "127.0.0.1", "[::1]:8017", "127.0.0.1:8017"})
+    EXPECT_EQ(client().Get("/", {{"Host", host}})->status, 200) << host;
+  for (const char* host : {"im2fit.example:8017", "localhost.example", "", "10.0.0.7"})
+    EXPECT_EQ(client().Get("/", {{"Host", host}})->status, 403) << host;
+}
+
+TEST_F(Served, TheStreamTellsWhatWasAndWhatComes) {
+  board_.publish("hello", R"({"event":"hello"})");
+  Watcher watcher(client(), "two");
+  ASSERT_TRUE(watched_by(1));
+  board_.publish("state", "two");
+  watcher.join();
+  EXPECT_EQ(watcher.text.rfind("data: {\"event\":\"hello\"}\n\n", 0), 0U) << watcher.text;
+}
+
+TEST_F(Served, NotMoreWatchThanThereAreThreadsFor) {
+  std::vector<std::unique_ptr<Watcher>> watchers;
+  for (int i = 0; i < PageServer::kWatchersMax; ++i) watchers.push_back(std::make_unique<Watcher>(client(), "never"));
+  ASSERT_TRUE(watched_by(PageServer::kWatchersMax));
+  EXPECT_EQ(client().Get("/events")->status, 503);
+  EXPECT_EQ(client().Get("/")->status, 200);
+  // The end does not wait for them to leave.
+  server_.reset();
+  for (auto& watcher : watchers) {
+    watcher->join();
+    EXPECT_TRUE(watcher->ended);
+  }
+}
+
+TEST_F(Served, APortInUseAndAnAddressThatIsNotOursAreErrors) {
+  const std::string port = server_->url().substr(server_->url().rfind(':') + 1);
+  Board other;
+  const auto again = PageServer::open({"127.0.0.1", std::stoi(port)}, other);
+  ASSERT_FALSE(again);
+  EXPECT_THAT(again.error().message, HasSubstr("--port"));
+  EXPECT_THAT(again.error().message, HasSubstr("in use"));
+  EXPECT_FALSE(PageServer::open({"192.0.2.1", 0}, other));  // RFC 5737: nobody's
+}
+
+}  // namespace
+}  // namespace im2fit::apps
