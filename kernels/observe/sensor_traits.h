@@ -32,8 +32,8 @@ struct SensorSigns {
 //   way, of which 0.45 are asked for and from 0.15 on some believed. Who loses pixels and shows no noise is the
 //   latter.
 // Before a wall a Kinect loses 0.12 to 0.45 of those pixels, one side 0.13 to 0.47 more; time of flight 0.10 to 0.25
-// and 0.09 at most; a sensor without noise 0.02 at most (100 people each of im2fit-lab eval at 640x480, printed by a study build). Neither noise
-// nor losses measured: NaN but for the width.
+// and 0.09 at most; a sensor without noise 0.02 at most (100 people each of im2fit-lab eval at 640x480, printed by a
+// study build). Neither noise nor losses measured: NaN but for the width.
 std::array<float, kSensorTraits> sensor_traits(const SensorSigns& signs, float distance_mm, float focal_px,
                                                SensorKind kind = SensorKind::unknown);
 

@@ -108,7 +108,7 @@ Status LivePage::measured(const body::Avatar& avatar) {
   board_.put("/avatar.glb",
              {"model/gltf-binary", std::string(reinterpret_cast<const char*>(glb->data()), glb->size())});
   const std::lock_guard lock(puppet_mutex_);
-  puppet_ = std::move(*puppet);
+  puppet_ = *puppet;
   return Ok{};
 }
 

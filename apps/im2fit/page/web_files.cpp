@@ -5,9 +5,11 @@
 #include <array>
 
 // The assembler reads the file (GNU as, .incbin); CMake names the folders and rebuilds this when the files change.
-#define IM2FIT_EMBED(name, path)                                                               \
-  asm(".section .rodata\n" #name ":\n.incbin \"" path "\"\n" #name "_end:\n.byte 0\n.text\n"); \
+// NOLINTBEGIN(bugprone-macro-parentheses): names that are declared
+#define IM2FIT_EMBED(name, path)                                                                         \
+  asm(".pushsection .rodata\n" #name ":\n.incbin \"" path "\"\n" #name "_end:\n.byte 0\n.popsection\n"); \
   extern "C" __attribute__((visibility("hidden"))) const char name[], name##_end[];
+// NOLINTEND(bugprone-macro-parentheses)
 
 IM2FIT_EMBED(im2fit_web_index, IM2FIT_WEB_DIR "/index.html")
 IM2FIT_EMBED(im2fit_web_style, IM2FIT_WEB_DIR "/page.css")

@@ -121,8 +121,8 @@ TEST_F(Serve, ABrowserShowsIt) {
   ASSERT_TRUE(browser.ready()) << browser.said();
   ASSERT_NO_FATAL_FAILURE(serve());
   browser.go(url_ + "/");
-  ASSERT_TRUE(browser.wait_for("return document.body.dataset.avatar === '2'"))
-      << browser.run("return [failures, {...document.body.dataset}, document.getElementById('stage-caption').textContent]");
+  ASSERT_TRUE(browser.wait_for("return document.body.dataset.avatar === '2'")) << browser.run(
+      "return [failures, {...document.body.dataset}, document.getElementById('stage-caption').textContent]");
   ASSERT_TRUE(browser.wait_for("return document.getElementById('wish').textContent === 'The recording is over'"));
   EXPECT_EQ(browser.run("return document.getElementById('who').textContent"), "Person 2");
   EXPECT_TRUE(browser.wait_for("return document.getElementById('picture').naturalHeight === 480"))
