@@ -14,13 +14,14 @@ namespace im2fit::index {
 // From here on errors grow with distance. Up to here a sensor's steps are small beside what shape leaves open.
 inline constexpr double kWellSeenMm = 2500;
 
-// What the variance of an error grows with: nothing, one over the frames fused, the square of the distance beyond
-// kWellSeenMm in kWellSeenMm, and that over the frames. Fewer than one frame count as one; a distance of 0 or less is
-// not known, and taken for the farthest at which people are measured.
+// What the variance of an error grows with: nothing, one over the frames fused and one more, the square of the
+// distance beyond kWellSeenMm in kWellSeenMm, and that over the same. One more, because the law is fitted to people
+// seen in 3 frames or more and has to hold for one as well (docs/formats-index.md). Fewer than one frame count as
+// one; a distance of 0 or less is not known, and taken for the farthest at which people are measured.
 inline constexpr std::size_t kNoiseTerms = 4;
 inline std::array<double, kNoiseTerms> noise_terms(int frame_count, int distance_mm) {
   const double beyond = std::max((distance_mm > 0 ? distance_mm : kTooFarMm) / kWellSeenMm - 1, 0.0);
-  const double per_frame = 1.0 / std::max(frame_count, 1);
+  const double per_frame = 1.0 / (std::max(frame_count, 1) + 1);
   return {1, per_frame, beyond * beyond, beyond * beyond * per_frame};
 }
 

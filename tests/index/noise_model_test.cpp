@@ -32,7 +32,7 @@ std::vector<HeldOut> people(std::uint64_t seed, int count) {
     row.frame_count = 3 + 2 * rng.index(4);
     row.distance_mm = static_cast<int>(rng.uniform(kBandEdgesMm.front(), kBandEdgesMm.back()));
     const double metres = std::max(0.0, row.distance_mm * 1e-3 - 2.5);
-    const double sd = std::sqrt(0.8 + 0.9 / row.frame_count + 1.16 * metres * metres);
+    const double sd = std::sqrt(0.8 + 1.3 / (row.frame_count + 1) + 1.16 * metres * metres);
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
       row.truth[m] = rng.normal(0, sd * (1 + 0.1 * static_cast<double>(m)));
       row.spread[m] = 1;
@@ -81,10 +81,13 @@ TEST(NoiseModel, WithoutTheDistanceTheyDoNot) {
 
 TEST(NoiseModel, FindsTheLawItWasDrawnBy) {
   const NoiseModel noise = calibrate_intervals(people(3, 20000)).noise;
-  const auto variance = [](double frames, double metres) { return 0.8 + 0.9 / frames + 1.16 * metres * metres; };
+  const auto variance = [](double frames, double metres) {
+    return 0.8 + 1.3 / (frames + 1) + 1.16 * metres * metres;
+  };
   const double at_best = noise.width(9, 2000);
   EXPECT_NEAR(noise.width(9, 4000) / at_best, std::sqrt(variance(9, 1.5) / variance(9, 0)), 0.1);
-  EXPECT_NEAR(noise.width(3, 2000) / at_best, std::sqrt(variance(3, 0) / variance(9, 0)), 0.06);
+  for (const int frames : {1, 3, 30})  // 1 and 30: as nobody was seen
+    EXPECT_NEAR(noise.width(frames, 2000) / at_best, std::sqrt(variance(frames, 0) / variance(9, 0)), 0.06) << frames;
   EXPECT_EQ(noise.width(3, 0), noise.width(3, 4000)) << "a distance that is not known is taken for the farthest";
 }
 
