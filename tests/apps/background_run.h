@@ -24,11 +24,15 @@ class BackgroundRun {
     std::vector<char*> argv;
     for (std::string& word : command) argv.push_back(word.data());
     argv.push_back(nullptr);
+    // Emptied before there are two of us: said() must not find what a run before this one has left there.
+    const int err = ::open(stderr_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     pid_ = ::fork();
-    if (pid_ != 0) return;
+    if (pid_ != 0) {
+      ::close(err);
+      return;
+    }
     RunOptions options;
     options.environment = std::move(environment);
-    const int err = ::open(stderr_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     detail::become(argv, err, err, options);
   }
   ~BackgroundRun() {
