@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A C program linked to libim2fit.so alone. Without arguments: versions, names and failures to open. With TRACKER
- * INDEX BODY paths that exist: a session on the real files with an empty room pushed. */
+/* A C program linked to libim2fit.so alone: versions, names and failures to open. Where IM2FIT_TRACKER, IM2FIT_INDEX
+ * and IM2FIT_BODY name files: a session on them with an empty room pushed. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -84,11 +84,11 @@ static void opening_fails_cleanly(void) {
   im2fit_close(NULL);
 }
 
-static void an_empty_room_has_nobody(char** paths) {
+static void an_empty_room_has_nobody(void) {
   im2fit_settings s = kinect_settings();
-  s.tracker_path = paths[0];
-  s.index_path = paths[1];
-  s.body_path = paths[2];
+  s.tracker_path = getenv("IM2FIT_TRACKER");
+  s.index_path = getenv("IM2FIT_INDEX");
+  s.body_path = getenv("IM2FIT_BODY");
   im2fit_handle* handle = NULL;
   const int opened = im2fit_open(&s, &handle);
   CHECK(opened == IM2FIT_OK);
@@ -112,18 +112,19 @@ static void an_empty_room_has_nobody(char** paths) {
   im2fit_close(handle);
 }
 
-static int readable(const char* path) {
-  FILE* file = fopen(path, "rb");
+static int names_a_file(const char* variable) {
+  const char* path = getenv(variable);
+  FILE* file = path != NULL ? fopen(path, "rb") : NULL;
   if (file != NULL) fclose(file);
   return file != NULL;
 }
 
-int main(int argc, char** argv) {
+int main(void) {
   names_and_version();
   opening_fails_cleanly();
-  if (argc == 4 && readable(argv[1]) && readable(argv[2]) && readable(argv[3]))
-    an_empty_room_has_nobody(argv + 1);
+  if (names_a_file("IM2FIT_TRACKER") && names_a_file("IM2FIT_INDEX") && names_a_file("IM2FIT_BODY"))
+    an_empty_room_has_nobody();
   else
-    puts("no tracker, index and body files: the session on real files is left out");
+    puts("IM2FIT_TRACKER, IM2FIT_INDEX, IM2FIT_BODY name no files: the session on real files is left out");
   return check_failures == 0 ? 0 : 1;
 }
