@@ -24,4 +24,25 @@ void add_bumps(const body::BodyModel& model, std::span<const Vec3f> rest, const 
 void add_asymmetry(const body::BodyModel& model, std::span<const Vec3f> rest, float amplitude_mm, Rng& rng,
                    std::span<Vec3f> offset_mm);
 
+// What makes people differ as people do, alike on both sides of x = 0: trunks, between knees and chin. Smooth, drawn
+// anew for each person; of no modifier.
+struct Mirrored {
+  // Along the normals, a bump or dent and its image.
+  int bumps = 0;
+  float bump_least_mm = 0, bump_most_mm = 0;  // of a person's, drawn evenly
+  float bump_reach_least_mm = 110, bump_reach_most_mm = 330;
+  double uneven_share = 0.2;  // of bumps whose image has a size of its own
+  // Up or down with all that lies within reach: where a navel is says little of the shape about it.
+  int slides = 0;
+  double slide_sd_mm = 0;
+  float slide_reach_least_mm = 120, slide_reach_most_mm = 250;
+  // Parts of the trunk moved forwards or back and stretched, smoothly less away from a centre on the trunk's axis.
+  int warps = 0;
+  double warp_sd_mm = 0;       // forwards; 0.4 of it upwards
+  double warp_stretch_sd = 0;  // of widths and depths
+  float warp_reach_least_mm = 180, warp_reach_most_mm = 420;
+};
+void add_mirrored(const body::BodyModel& model, std::span<const Vec3f> rest, const Mirrored& mirrored, Rng& rng,
+                  std::span<Vec3f> offset_mm);
+
 }  // namespace im2fit::synth

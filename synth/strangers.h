@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// People unlike the index' population, to fit its intervals on: a training subject changed by modifiers and bumps
-// that neither the training nor the held-out family uses. Not the held-out family, which is for the evaluation alone.
+// People unlike the index' population, to learn from and to fit intervals on: a training subject changed by modifiers
+// and smooth changes of shape that neither the training nor the held-out family uses. Not the held-out family, which
+// is for the evaluation alone.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +12,33 @@
 
 namespace im2fit::synth {
 
-// How they differ: modifiers that no family uses, and bumps.
+// How they differ: modifiers that no family uses, bumps, and what is alike on both sides.
 struct Strangeness {
   double modifier_sd;
   Bumps bumps;
   float bump_least_mm, bump_most_mm;  // of a person's bumps, drawn evenly
+  Mirrored mirrored;
 };
-// Intervals are fitted on these: trunks differ where a camera in front does not see it, limbs hardly. People measured
-// by tape differ from any model by a girth error of 13..17 mm even when breadths and depths are known (facts: ANSUR
-// II bound).
+// Refined answers learn from these and intervals are fitted on them: trunks differ where a camera in front does not
+// see it, limbs hardly. Left and right differ alike, mostly, and whole parts are wider, deeper or farther forward, as
+// people are: bumps alone, each on one side, teach less (docs/dataset.md). People measured by tape differ from any
+// model by a girth error of 13..17 mm even when breadths and depths are known (facts: ANSUR II bound).
 inline constexpr Strangeness kStrangeTrunk = {
     .modifier_sd = 0.15,
-    .bumps = {.count = 8, .reach_least_mm = 200, .reach_most_mm = 400, .low = 0.45F, .high = 0.8F, .aside_mm = 170},
-    .bump_least_mm = 8,
-    .bump_most_mm = 28};
-// The shape space knows these: different all over.
+    .bumps = {.count = 3, .reach_least_mm = 200, .reach_most_mm = 400, .low = 0.45F, .high = 0.8F, .aside_mm = 170},
+    .bump_least_mm = 3,
+    .bump_most_mm = 10,
+    .mirrored = {.bumps = 12,
+                 .bump_least_mm = 6,
+                 .bump_most_mm = 24,
+                 .slides = 4,
+                 .slide_sd_mm = 12,
+                 .warps = 5,
+                 .warp_sd_mm = 11,
+                 .warp_stretch_sd = 0.05}};
+// The shape space knows these as well: different all over.
 inline constexpr Strangeness kStrangeAllOver = {
-    .modifier_sd = 0.3, .bumps = {.count = 14}, .bump_least_mm = 5, .bump_most_mm = 17};
+    .modifier_sd = 0.3, .bumps = {.count = 14}, .bump_least_mm = 5, .bump_most_mm = 17, .mirrored = {}};
 
 // Deterministic: depends on the model, seed and index only. `family` says training; truth is measured on the mesh.
 Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,

@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <map>
+#include <vector>
+
 #include "body/shape_spread.h"
 #include "synth/shape_variation.h"
 #include "tests/synth/body_fixture.h"
@@ -35,6 +40,44 @@ TEST_F(Strangers, RepeatAndDifferFromTrainingAndFromHeldOut) {
   }
   EXPECT_GT(changed, 10);
   EXPECT_EQ(a.rest_offset_mm.size(), static_cast<std::size_t>(model().body_vertex_count()));
+}
+
+// What is alike on both sides is so to the vertex, on the mirror symmetric base mesh.
+TEST_F(Strangers, MirroredChangesAreTheSameOnBothSides) {
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model().vertex_count()));
+  model().morph({}, rest);
+  rest.resize(static_cast<std::size_t>(model().body_vertex_count()));
+  const auto key = [](Vec3f p, float side) {
+    return std::array{std::lround(side * p.x * 50), std::lround(p.y * 50), std::lround(p.z * 50)};
+  };
+  std::map<std::array<long, 3>, std::size_t> at;
+  for (std::size_t v = 0; v < rest.size(); ++v) at[key(rest[v], 1)] = v;
+  Mirrored mirrored = kStrangeTrunk.mirrored;
+  mirrored.uneven_share = 0;
+  std::vector<Vec3f> even(rest.size()), uneven(rest.size());
+  Rng rng(3), again(3);
+  add_mirrored(model(), rest, mirrored, rng, even);
+  mirrored.uneven_share = 1;
+  add_mirrored(model(), rest, mirrored, again, uneven);
+  const auto lopsided_mm = [&](const std::vector<Vec3f>& offset) {
+    double most = 0;
+    int pairs = 0;
+    for (std::size_t v = 0; v < rest.size(); ++v) {
+      const auto mirror = at.find(key(rest[v], -1));
+      if (mirror == at.end()) continue;
+      const Vec3f a = offset[v], b = offset[mirror->second];
+      most = std::max(most, static_cast<double>(norm(a - Vec3f{-b.x, b.y, b.z})));
+      ++pairs;
+    }
+    EXPECT_GT(pairs, 10000);
+    return most;
+  };
+  double most = 0;
+  for (const Vec3f& o : even) most = std::max(most, static_cast<double>(norm(o)));
+  EXPECT_GT(most, 10);
+  EXPECT_LT(most, 150);
+  EXPECT_LT(lopsided_mm(even), 0.2);
+  EXPECT_GT(lopsided_mm(uneven), 3);
 }
 
 TEST_F(Strangers, StayPeople) {
