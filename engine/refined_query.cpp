@@ -17,8 +17,9 @@ body::FitView view_of(const RefinedQuery::Side& side) {
 }  // namespace
 
 bool RefinedQuery::fits(const index::Index& index, const body::ShapeSpace* space) {
-  return space != nullptr && space->point_count > 0 && index.fit_size() == space->shape_count &&
-         index.shape_key() == space->key;
+  return space != nullptr && space->point_count > 0 && index.shape_key() == space->key &&
+         index.fit_layout() == index::FitLayout{static_cast<std::uint32_t>(space->shape_count),
+                                                static_cast<std::uint32_t>(body::patch_count(*space))};
 }
 
 RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* space, bool clothed)
@@ -26,12 +27,15 @@ RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* sp
   if (fits(index, space)) fitter_ = std::make_unique<body::ShapeFitter>(*space);
 }
 
-std::span<const float> RefinedQuery::values_of(const body::ShapeFit& fit) const {
-  return body::fit_values(fit, *space_);
+// None of a fit that is not valid.
+std::span<const float> RefinedQuery::values_of(const body::ShapeFit& fit, FitValues& out) const {
+  const auto values = std::span(out).first(fit.valid ? body::fit_value_count(*space_) : 0);
+  if (fit.valid) body::fit_values(fit, *space_, values);
+  return values;
 }
 
 std::span<const float> RefinedQuery::unknown_fit() {
-  const std::span<float> values(unknown_.data(), index_.fit_size());
+  const std::span<float> values(front_fit_.data(), index_.fit_layout().size());
   std::fill(values.begin(), values.end(), std::numeric_limits<float>::quiet_NaN());
   return values;
 }
@@ -68,11 +72,11 @@ Result<RefinedQuery::Asked> RefinedQuery::ask(const Side& front, const std::opti
   if (fitter_ == nullptr) return asked(seen, options);
   if (back) {
     const std::array<body::FitView, 2> views = {view_of(front), view_of(*back)};
-    seen.fit_both = values_of(fitter_->run(views));
-    seen.fit = values_of(fitter_->first_alone());
+    seen.fit_both = values_of(fitter_->run(views), both_fit_);
+    seen.fit = values_of(fitter_->first_alone(), front_fit_);
   } else {
     const std::array<body::FitView, 1> views = {view_of(front)};
-    seen.fit = values_of(fitter_->run(views));
+    seen.fit = values_of(fitter_->run(views), front_fit_);
   }
   if (!seen.fit_both.empty() && !seen.fit.empty()) {
     seen.back = back->description.feature;

@@ -38,7 +38,8 @@ class RefinedQuery {
   bool refines() const { return fitter_ != nullptr; }
 
  private:
-  std::span<const float> values_of(const body::ShapeFit& fit) const;
+  using FitValues = std::array<float, body::kFitValueMax>;
+  std::span<const float> values_of(const body::ShapeFit& fit, FitValues& out) const;
   std::span<const float> unknown_fit();
   Result<AgeAnswer> age_of(const index::Seen& seen);
   Result<Asked> asked(const index::Seen& seen, const index::QueryOptions& options);
@@ -48,7 +49,8 @@ class RefinedQuery {
   const bool clothed_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
-  std::array<float, body::kShapeMax> unknown_{};  // what is said of a fit where there is none
+  // Of a fit to the front, and to both sides; what is said of a fit where there is none.
+  FitValues front_fit_{}, both_fit_{};
   static constexpr std::size_t kAlikeMax = 256;
   std::array<std::uint32_t, kAlikeMax> alike_{};
   std::array<float, kAlikeMax> ages_{};

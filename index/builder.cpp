@@ -23,6 +23,7 @@ namespace {
 constexpr std::size_t kSubjectMin = 20;
 constexpr std::size_t kStrangersMin = 200;  // fewer say too little about 2.5 % quantiles
 constexpr std::size_t kStrangersMax = 8192;
+constexpr double kStrangerShare = 0.17;  // of those whom intervals are judged on
 constexpr std::ptrdiff_t kBlockRows = 512;
 constexpr double kLatentExplained = 0.1;  // a latent whose regression explains less than this is dropped
 
@@ -74,7 +75,8 @@ class Builder {
   std::vector<FeatureGroup> groups_;
   std::vector<Sample> chosen_;     // to learn scales from; emptied then
   std::vector<Sample> strangers_;  // calibrate_only
-  std::size_t feature_size_ = 0, body_size_ = 0, fit_size_ = 0;
+  std::size_t feature_size_ = 0, body_size_ = 0;
+  FitLayout fit_layout_;
   std::size_t sample_count_ = 0, subject_count_ = 0;
   int fold_count_ = 2;
 
@@ -107,7 +109,8 @@ Status Builder::check_sample(const Sample& sample, std::size_t number) const {
     return invalid(which + " has a truth or body parameter that is not finite");
   const bool all = !sample.fit.empty() && sample.fit.size() == sample.fit_both.size() &&
                    sample.fit.size() <= kFitMax && sample.back.size() == feature_size_ &&
-                   (fit_size_ == 0 || sample.fit.size() == fit_size_);
+                   sample.fit.size() > std::size_t{2} * sample.fit_patches &&
+                   (fit_layout_.size() == 0 || sample.fit_layout() == fit_layout_);
   const bool none = sample.fit.empty() && sample.fit_both.empty() && sample.back.empty();
   if (!all && !none) return invalid(which + " has a fit or a back of another size than expected");
   if (sample.subject > 0xFFFFFFFFU) return invalid(which + " has a subject number of 2^32 or more");
@@ -123,7 +126,7 @@ Status Builder::read_chosen() {
       feature_size_ = sample.feature.size();
       body_size_ = sample.body.size();
     }
-    if (fit_size_ == 0) fit_size_ = sample.fit.size();
+    if (fit_layout_.size() == 0 && sample.refines()) fit_layout_ = sample.fit_layout();
     bad = check_sample(sample, number++);
     if (bad && sample.is_entry()) chosen_.push_back(sample);
     return static_cast<bool>(bad) && chosen_.size() < options_.chosen_on;
@@ -171,7 +174,7 @@ Status Builder::read_moments() {
   Status read = source_([&](const Sample& sample) {
     bad = check_sample(sample, number++);
     if (!bad) return false;
-    if (fit_size_ == 0) fit_size_ = sample.fit.size();
+    if (fit_layout_.size() == 0 && sample.refines()) fit_layout_ = sample.fit_layout();
     refinements_.add(sample);
     if (!sample.is_entry()) {
       if (!sample.clothed && strangers_.size() < kStrangersMax) strangers_.push_back(sample);
@@ -469,7 +472,12 @@ Result<std::vector<std::byte>> Builder::run() {
   const std::vector<std::byte> file = write(tree, intervals);
   const std::vector<HeldOut> strangers = answer_strangers(file);
   if (strangers.size() != strangers_.size()) return invalid("the new index cannot be read back");
-  if (strangers.size() >= kStrangersMin) intervals = calibrate_intervals(strangers);
+  if (strangers.size() >= kStrangersMin) {
+    std::vector<HeldOut> judged = tuner_->held_out;
+    for (const std::size_t i : strangers_beside(judged.size(), strangers.size(), kStrangerShare))
+      judged.push_back(strangers[i]);
+    intervals = calibrate_intervals(judged);
+  }
   RefinementBuilder::PlainAnswers plain;
   for (const std::vector<HeldOut>* answered : {&std::as_const(tuner_->held_out), &strangers})
     for (const HeldOut& row : *answered) plain[row.subject] = row.answer;

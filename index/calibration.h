@@ -29,6 +29,10 @@ struct IntervalModel {
   MeasurementValues coverage{};  // calibrated on every second subject, counted on the others
 };
 
+// Which of so many strangers are to be judged beside the ordinary people for strangers to be `share` of all: evenly
+// spaced; all of them when there are too few. Strangers are stranger than who is measured, ordinary people less so.
+std::vector<std::size_t> strangers_beside(std::size_t ordinary, std::size_t strangers, double share);
+
 // Split conformal prediction on signed errors over a width that may follow the local spread (normalised scores;
 // Lei et al. 2018), and the number of fused frames and the distance. The kind with the better interval score
 // (Gneiting & Raftery 2007) wins.

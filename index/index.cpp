@@ -139,10 +139,10 @@ Result<std::size_t> Index::alike(const Seen& seen, std::span<std::uint32_t> entr
   return found->size();
 }
 
-std::size_t Index::fit_size() const {
+FitLayout Index::fit_layout() const {
   for (const auto& refinement : data_->contents.refinements)
-    if (refinement) return refinement->record.fit_size;
-  return 0;
+    if (refinement) return refinement->record.fit();
+  return {};
 }
 
 bool Index::knows_clothed() const {

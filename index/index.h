@@ -113,8 +113,8 @@ class Index {
   // returns how many. What is known of them holds for the one seen with the share of them it holds for. Errors: as of
   // query().
   Result<std::size_t> alike(const Seen& seen, std::span<std::uint32_t> entries, Scratch& scratch) const;
-  // Values of a fit that refinements ask for, and the key of the shape space it must be of; 0: the index has none.
-  std::size_t fit_size() const;
+  // The fit that refinements ask for, and the key of the shape space it must be of; 0: the index has none.
+  FitLayout fit_layout() const;
   // Whether it has learned to answer people in clothes, from the front and from both sides.
   bool knows_clothed() const;
   std::uint32_t shape_key() const;

@@ -22,15 +22,19 @@ std::string section_of(Refinement kind, const char* name) {
   return kPrefix[static_cast<std::size_t>(kind)] + std::string(name);
 }
 
-void refined_values(Refinement kind, const Seen& seen, std::span<float> out) {
+void refined_values(Refinement kind, const Seen& seen, const FitLayout& layout, std::span<float> out) {
+  const bool back = sees_back(kind);
   auto at = std::copy(seen.front.begin(), seen.front.end(), out.begin());
-  if (sees_back(kind)) at = std::copy(seen.back.begin(), seen.back.end(), at);
-  const std::span<const float> fit = sees_back(kind) ? seen.fit_both : seen.fit;
-  at = std::copy(fit.begin(), fit.end(), at);
-  if (sees_back(kind)) at = std::copy(seen.fit.begin(), seen.fit.end(), at);
-  const std::size_t squared = std::min(fit.size(), kSquaredMax);
+  if (back) at = std::copy(seen.back.begin(), seen.back.end(), at);
+  const std::span<const float> fit = back ? seen.fit_both : seen.fit;
+  const std::size_t shapes = layout.shapes;
+  at = std::copy_n(fit.begin(), shapes, at);
+  if (back) at = std::copy_n(seen.fit.begin(), shapes, at);
+  const std::size_t squared = std::min(shapes, kSquaredMax);
   for (std::size_t i = 0; i < squared; ++i)
     for (std::size_t j = i; j < squared; ++j) *at++ = fit[i] * fit[j];
+  const auto patches = fit.subspan(shapes, layout.patches * std::size_t{back ? 2U : 1U});
+  at = std::copy(patches.begin(), patches.end(), at);
   *at = seen.frame_count > 0 ? 1.0F / static_cast<float>(seen.frame_count) : std::numeric_limits<float>::quiet_NaN();
 }
 
@@ -53,7 +57,7 @@ bool Refiner::applies(const Seen& seen) const {
 }
 
 void Refiner::apply(const Seen& seen, Work& work, Targets& targets) const {
-  refined_values(kind_, seen, work.values);
+  refined_values(kind_, seen, contents_.record.fit(), work.values);
   im2fit::standardise(work.values.data(), mean_.data(), scale_.data(), static_cast<int>(work.values.size()),
                       work.standardised.data());
   const Targets refined = regressor_(work.standardised);

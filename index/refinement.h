@@ -2,10 +2,11 @@
 // A second answer, from more than the feature of the front: from a shape fitted to the depth (body/fit), and from a
 // view from behind. One linear map each, learned on the samples that have all of it, from
 //   feature of the front | feature of the back | coefficients of the fit | of the fit to the front, where there is a
-//   back | products of the fit's strongest coefficients | one over the frames
-// to measurements and sex. The products stand for girths growing with width times depth; the frames for what noise
-// adds to widths, above all of people in clothes. How far off a fit is has no part in it: with more frames or pixels
-// it falls, and would make the clothes of whoever is well seen look tight. The answer is a mixture of
+//   back | products of the fit's strongest coefficients | how far off patches of the skin are | one over the frames
+// to measurements and sex. The products stand for girths growing with width times depth; the patches for what nobody
+// among those behind the shape space was like; the frames for what noise adds to widths, above all of people in
+// clothes. How far off a fit is on the whole has no part in it: with more frames or pixels it falls, and would make
+// the clothes of whoever is well seen look tight. The answer is a mixture of
 // this and the plain one, in shares learned on people neither has learned from: the plain one knows more people.
 // Of people in clothes the plain one knows nothing: their answer is the refined one alone.
 #pragma once
@@ -19,6 +20,7 @@
 
 #include "index/noise_model.h"
 #include "index/regression.h"
+#include "index/sample.h"
 
 namespace im2fit::index {
 
@@ -34,15 +36,15 @@ constexpr bool is_of_clothed(Refinement kind) {
   return kind == Refinement::clothed || kind == Refinement::clothed_turned;
 }
 inline constexpr std::size_t kSquaredMax = 16;  // coefficients whose products count
-inline constexpr std::size_t kFitMax = 256;     // coefficients of a fit
+inline constexpr std::size_t kFitMax = 512;     // values of a fit
 
-constexpr std::size_t squared_count(std::size_t fit_size) {
-  const std::size_t n = fit_size < kSquaredMax ? fit_size : kSquaredMax;
+constexpr std::size_t squared_count(std::size_t shapes) {
+  const std::size_t n = shapes < kSquaredMax ? shapes : kSquaredMax;
   return n * (n + 1) / 2;
 }
-constexpr std::size_t refined_size(Refinement kind, std::size_t feature_size, std::size_t fit_size) {
+constexpr std::size_t refined_size(Refinement kind, std::size_t feature_size, const FitLayout& fit) {
   const std::size_t views = sees_back(kind) ? 2 : 1;
-  return (feature_size + fit_size) * views + squared_count(fit_size) + 1;
+  return (feature_size + fit.shapes + fit.patches) * views + squared_count(fit.shapes) + 1;
 }
 
 // What is known of a person. `back` and the fits may be empty; `fit` is to the front alone, and with fit_both asked
@@ -55,8 +57,8 @@ struct Seen {
   bool clothed = false;
   int frame_count = 0;  // fused, of the side with fewer; 0: not known
 };
-// Puts the values in order. out: refined_size().
-void refined_values(Refinement kind, const Seen& seen, std::span<float> out);
+// Puts the values in order. out: refined_size(); the fits are of `layout`.
+void refined_values(Refinement kind, const Seen& seen, const FitLayout& layout, std::span<float> out);
 
 // Name of a section of the file: "fitted.mean", of people in clothes "cloth1.mean" and, from both sides,
 // "cloth2.mean".
@@ -69,11 +71,12 @@ struct RefinementRecord {
   std::uint32_t interval_kind = 0;
   std::uint32_t penalty_millionths = 0;  // of the ridge, of the values' variance
   std::uint32_t shape_key = 0;           // of the shape space that fits must be of
-  std::uint32_t reserved = 0;
+  std::uint32_t fit_patches = 0;
   NoiseModel noise;
   std::array<float, kTargetMin> share{};  // of the refined in the answer, 0..1; the rest is the plain one's
   MeasurementValues mae{};                // of answers to people it was not learned from
   MeasurementValues coverage{};           // of the 95 % intervals
+  FitLayout fit() const { return {fit_size - 2 * fit_patches, fit_patches}; }
 };
 static_assert(sizeof(RefinementRecord) == 56 + 4 * kTargetMin + 8 * kMeasurementCount);
 

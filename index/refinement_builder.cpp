@@ -21,17 +21,10 @@ constexpr double kPenalties[] = {0.003, 0.01, 0.03, 0.1, 0.3};  // in variances 
 constexpr double kFitPenalty = 0.03, kHistogramPenalty = 3, kFramesPenalty = 0.1, kSensorPenalty = 0.1;
 // A row's variance where people stand beyond kWellSeenMm, in squares of that distance over this: what it counts by.
 constexpr double kFarVariance = 11;
-// Strangers differ in the trunk, more than people do elsewhere: by a regression that has met none 98 to 100 % of
-// truths are inside what should hold 95 (150 held-out people of seed 777; of the leg, 300). From both sides the leg's
-// intervals by one that has met some hold 83 %.
-bool met_counts(Refinement kind, std::size_t target) {
-  constexpr std::array kThese = {Measurement::stature, Measurement::shoulder_breadth, Measurement::neck_girth,
-                                 Measurement::shoulder_girth, Measurement::weight};
-  if (kind == Refinement::fitted && target == measurement_index(Measurement::leg_length)) return true;
-  return std::any_of(kThese.begin(), kThese.end(), [&](Measurement m) { return measurement_index(m) == target; });
-}
-
-constexpr std::size_t kStrangersMin = 200;  // to calibrate on, as for the plain answer
+// Of those whom intervals are judged on, strangers are this share, by kind (docs/formats-index.md): where more is
+// seen ordinary people's errors are the smaller beside those of others.
+constexpr std::array<double, kRefinementCount> kStrangerShare = {0.17, 0.4, 0.16, 0.22};
+constexpr std::size_t kStrangersMin = 200;  // to take shares from, as for the plain answer
 
 // Standardised as a query does it.
 RowMatrixF standardised_rows(FeatureScale& scale, const std::vector<const std::vector<float>*>& values) {
@@ -43,9 +36,8 @@ RowMatrixF standardised_rows(FeatureScale& scale, const std::vector<const std::v
 }
 
 // The penalty of each value in those of others, by where refined_values() puts it.
-Eigen::VectorXd penalty_shares(Refinement kind, std::size_t feature_size, std::size_t fit_size) {
-  Eigen::VectorXd shares =
-      Eigen::VectorXd::Ones(static_cast<std::ptrdiff_t>(refined_size(kind, feature_size, fit_size)));
+Eigen::VectorXd penalty_shares(Refinement kind, std::size_t feature_size, const FitLayout& fit) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Ones(static_cast<std::ptrdiff_t>(refined_size(kind, feature_size, fit)));
   std::ptrdiff_t at = 0;
   const int views = sees_back(kind) ? 2 : 1;
   for (int v = 0; v < views; ++v)
@@ -54,7 +46,7 @@ Eigen::VectorXd penalty_shares(Refinement kind, std::size_t feature_size, std::s
       if (group.name == "sensor") shares.segment(at, group.count).setConstant(kSensorPenalty);
       at += group.count;
     }
-  shares.segment(at, views * static_cast<std::ptrdiff_t>(fit_size)).setConstant(kFitPenalty);
+  shares.segment(at, views * static_cast<std::ptrdiff_t>(fit.shapes)).setConstant(kFitPenalty);
   shares.tail(1).setConstant(kFramesPenalty);
   return shares;
 }
@@ -182,7 +174,7 @@ CrossFit choose_penalty(const Table& table, const Eigen::VectorXd& shares) {
 void RefinementBuilder::add(const Sample& sample) {
   Rows& rows = rows_[sample.clothed ? 1 : 0];
   if (!sample.refines() || rows.size() >= kSampleMax) return;
-  fit_size_ = sample.fit.size();
+  fit_ = sample.fit_layout();
   feature_size_ = sample.feature.size();
   Row& row = rows.emplace_back();
   row.subject = sample.subject;
@@ -197,8 +189,8 @@ void RefinementBuilder::add(const Sample& sample) {
   for (const Refinement kind : {Refinement::fitted, Refinement::turned}) {
     seen.frame_count = row.frame_count[sees_back(kind) ? 1 : 0];
     auto& values = row.values[sees_back(kind) ? 1 : 0];
-    values.resize(refined_size(kind, sample.feature.size(), fit_size_));
-    refined_values(kind, seen, values);
+    values.resize(refined_size(kind, sample.feature.size(), fit_));
+    refined_values(kind, seen, fit_, values);
   }
 }
 
@@ -209,7 +201,8 @@ void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& pl
     if (rows.size() < kSampleMin) continue;
     auto& learned = learned_[static_cast<std::size_t>(kind)];
     learned = learn_one(kind, rows, targets, plain, seed);
-    learned->record.fit_size = static_cast<std::uint32_t>(fit_size_);
+    learned->record.fit_size = static_cast<std::uint32_t>(fit_.size());
+    learned->record.fit_patches = fit_.patches;
     learned->record.shape_key = shape_key;
     for (Row& row : rows) std::vector<float>().swap(row.values[sees_back(kind) ? 1 : 0]);
   }
@@ -232,7 +225,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
     fold_of_row.push_back(dealer.fold_of(row.subject));
   }
   const Table table(values, std::move(y), std::move(weights), fold_of_row);
-  const Eigen::VectorXd shares = penalty_shares(kind, feature_size_, fit_size_);
+  const Eigen::VectorXd shares = penalty_shares(kind, feature_size_, fit_);
   CrossFit cross = choose_penalty(table, shares);
 
   Learned out;
@@ -242,25 +235,24 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
   out.round(solve(table.all, cross.penalty * shares));
 
-  // Judged on strangers where there are enough. Shares: by a regression that has learned from other strangers, as the
-  // one in the file has. Intervals, mostly: by one that has learned from none; the people it will meet are strangers
-  // to it as well.
-  Eigen::MatrixXd unmet = cross.answer;
-  std::vector<std::ptrdiff_t> judged, all_strangers, strangers;
+  // By regressions that have learned from other people, strangers as well as ordinary ones, as the one in the file
+  // has.
+  std::vector<std::ptrdiff_t> ordinary, strangers;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const Row& row = people[static_cast<std::size_t>(i)];
-    if (row.stranger) all_strangers.push_back(i);
-    if (!is_of_clothed(kind) && !plain.contains(row.subject)) continue;
-    judged.push_back(i);
-    if (row.stranger) strangers.push_back(i);
+    if (is_of_clothed(kind) || plain.contains(row.subject)) (row.stranger ? strangers : ordinary).push_back(i);
   }
-  if (strangers.size() >= kStrangersMin) {
-    judged = strangers;
-    const Sums rest = table.without(table.sums_of(all_strangers));
-    if (rest.count >= static_cast<std::ptrdiff_t>(kSampleMin))
-      table.answer(solve(rest, cross.penalty * shares), judged, unmet);
+  const bool many = strangers.size() >= kStrangersMin;
+  std::vector<std::ptrdiff_t> judged = ordinary;
+  if (many) {
+    const double share = kStrangerShare[static_cast<std::size_t>(kind)];
+    for (const std::size_t i : strangers_beside(ordinary.size(), strangers.size(), share))
+      judged.push_back(strangers[i]);
+  } else {
+    judged.insert(judged.end(), strangers.begin(), strangers.end());
   }
-  if (!judged.empty()) out.judge(kind, people, judged, targets, plain, {table.y, cross.answer, unmet});
+  if (!judged.empty())
+    out.judge(kind, people, judged, many ? strangers : judged, targets, plain, table.y, cross.answer);
   return out;
 }
 
@@ -272,12 +264,22 @@ void RefinementBuilder::Learned::round(const LinearFit& fit) {
 }
 
 void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
-                                       const TargetSpace& targets, const PlainAnswers& plain, const Said& said) {
+                                       const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets,
+                                       const PlainAnswers& plain, const Eigen::MatrixXd& truth,
+                                       const Eigen::MatrixXd& said) {
   // Of people in clothes there is no plain answer to mix with.
-  const bool mixed = !is_of_clothed(kind);
-  const auto spoken = [&](std::size_t t) -> const Eigen::MatrixXd& {
-    return met_counts(kind, t) ? said.met : said.unmet;
-  };
+  record.share.fill(1.0F);
+  for (std::ptrdiff_t t = 0; !is_of_clothed(kind) && t < kTargetMin; ++t) {
+    double change_square = 1e-12, change_right = 0;
+    for (const std::ptrdiff_t i : unlike) {
+      const double before = plain.at(people[static_cast<std::size_t>(i)].subject)[static_cast<std::size_t>(t)];
+      const double change = said(i, t) - before;
+      change_square += change * change;
+      change_right += change * (truth(i, t) - before);
+    }
+    record.share[static_cast<std::size_t>(t)] =
+        static_cast<float>(std::clamp(change_right / change_square, 0.0, 1.0));
+  }
   std::vector<HeldOut> held_out;
   for (const std::ptrdiff_t i : judged) {
     const Row& row = people[static_cast<std::size_t>(i)];
@@ -287,27 +289,15 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     h.distance_mm = row.distance_mm[sees_back(kind) ? 1 : 0];
     for (std::size_t t = 0; t < kTargetMin; ++t) {
       const auto column = static_cast<std::ptrdiff_t>(t);
-      h.truth[t] = said.truth(i, column);
-      h.answer[t] = mixed ? plain.at(row.subject)[t] : spoken(t)(i, column);
-    }
-  }
-  for (std::size_t t = 0; t < kTargetMin; ++t) {
-    const auto at = [&](const Eigen::MatrixXd& values, std::size_t i) {
-      return values(judged[i], static_cast<std::ptrdiff_t>(t));
-    };
-    double change_square = 1e-12, change_right = 0;
-    for (std::size_t i = 0; mixed && i < held_out.size(); ++i) {
-      const double change = at(said.met, i) - held_out[i].answer[t];
-      change_square += change * change;
-      change_right += change * (held_out[i].truth[t] - held_out[i].answer[t]);
-    }
-    record.share[t] = mixed ? static_cast<float>(std::clamp(change_right / change_square, 0.0, 1.0)) : 1.0F;
-    for (std::size_t i = 0; i < held_out.size(); ++i) {
-      HeldOut& h = held_out[i];
-      h.answer[t] += static_cast<double>(record.share[t]) * (at(spoken(t), i) - h.answer[t]);
+      h.truth[t] = truth(i, column);
+      h.answer[t] = said(i, column);
+      if (!is_of_clothed(kind)) {
+        const double before = plain.at(row.subject)[t];
+        h.answer[t] = before + static_cast<double>(record.share[t]) * (h.answer[t] - before);
+      }
       if (t < kMeasurementCount)
         record.mae[t] += static_cast<float>(targets.scale(t) * std::abs(h.truth[t] - h.answer[t]) /
-                                            static_cast<double>(held_out.size()));
+                                            static_cast<double>(judged.size()));
     }
   }
   const IntervalModel intervals = calibrate_intervals(held_out);

@@ -25,7 +25,7 @@ struct LinearFit {
 class RefinementBuilder {
  public:
   static constexpr std::size_t kSampleMin = 150;  // fewer teach too little
-  // Held in memory, of people undressed and in clothes: 14 kB each, and as much again while they are learned from.
+  // Held in memory, of people undressed and in clothes: 18 kB each, and as much again while they are learned from.
   static constexpr std::size_t kSampleMax = 16384;
   // Keeps what it needs of a sample that refines.
   void add(const Sample& sample);
@@ -47,26 +47,24 @@ class RefinementBuilder {
     std::array<std::vector<float>, 2> values;  // of the front, and of both sides
   };
   using Rows = std::vector<Row>;
-  // Standardised, a row for each of the people: the truth; answers by a regression that has learned from people like
-  // them, and by one that has learned from nobody like them; neither from themselves.
-  struct Said {
-    const Eigen::MatrixXd &truth, &met, &unmet;
-  };
   struct Learned {
     RefinementRecord record;
     std::vector<std::uint16_t> mean, scale;
     RoundedWeights weights;
     std::vector<float> bias, interval, spread_floor, sex_table;
     void round(const LinearFit& fit);
-    // Shares and intervals, from what was said of the rows `judged`.
+    // Intervals from the rows `judged`, shares from those of people `unlike` whom the plain answer knows. `truth`,
+    // and what was `said` by a regression that has not learned from them: standardised, a row for each of the people.
     void judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
-               const TargetSpace& targets, const PlainAnswers& plain, const Said& said);
+               const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets, const PlainAnswers& plain,
+               const Eigen::MatrixXd& truth, const Eigen::MatrixXd& said);
   };
   Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
                     std::uint64_t seed) const;
 
   std::array<Rows, 2> rows_;  // of people undressed, and in clothes
-  std::size_t feature_size_ = 0, fit_size_ = 0;
+  std::size_t feature_size_ = 0;
+  FitLayout fit_;
   std::array<std::optional<Learned>, kRefinementCount> learned_;
 };
 

@@ -20,7 +20,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 14;  // raise when the way to a feature changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 15;  // raise when the way to a feature changes: shards are then made again
 constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
 constexpr int kClothedCaptures = 8192;         // and of those in clothes
 constexpr std::uint64_t kOutfitStream = 0x0F17;
@@ -95,6 +95,7 @@ void turn_round(CaptureRig& rig, const Person& person, const CaptureOptions& fro
     sample.back.assign(back.feature.begin(), back.feature.end());
     sample.fit = std::move(fits.front);
     sample.fit_both = std::move(fits.both);
+    sample.fit_patches = fits.patches;
     sample.back_frame_count = back.frame_count;
     sample.back_distance_mm = back.distance_mm;
     return;
@@ -333,7 +334,10 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.clothed_every = shapes > 0 ? static_cast<std::uint32_t>(o.clothed_every) : 0;
   run.turn_below = run.turn_every > 0 || run.clothed_every > 0 ? o.turn_below : 0;
   run.shape_key = shapes > 0 ? model.shape_space().key : 0;
-  run.fit_size = shapes > 0 ? static_cast<std::uint32_t>(shapes) : 0;
+  if (shapes > 0) {
+    run.fit_size = static_cast<std::uint32_t>(body::fit_value_count(model.shape_space()));
+    run.fit_patches = static_cast<std::uint32_t>(body::patch_count(model.shape_space()));
+  }
   run.feature_size = static_cast<std::uint32_t>(kFeatureSize);
   run.body_size = static_cast<std::uint32_t>(body::params_vector_size(model.modifier_names().size()));
   return run;

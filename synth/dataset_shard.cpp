@@ -16,7 +16,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr char kMagic[] = "I2DS";
-constexpr std::uint32_t kVersion = 6;
+constexpr std::uint32_t kVersion = 7;
 constexpr char kEnding[] = ".i2d";
 
 struct Head {
@@ -65,6 +65,7 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("turn_below", std::uint64_t{r.turn_below});
   visit("clothed_every", std::uint64_t{r.clothed_every});
   visit("stranger_below", std::uint64_t{r.stranger_below});
+  visit("fit_patches", std::uint64_t{r.fit_patches});
 }
 
 std::string text_of(const std::string& name, std::uint64_t value) {
@@ -264,6 +265,7 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
     s.woman = (row.flags & kWoman) != 0;
     s.calibrate_only = (row.flags & kCalibrateOnly) != 0;
     s.clothed = (row.flags & kClothed) != 0;
+    s.fit_patches = (row.flags & kTurned) != 0 ? run.fit_patches : 0;
     read_feature(*features, i, s.feature);
     if ((row.flags & kTurned) != 0) {
       read_feature(*backs, turn, s.back);

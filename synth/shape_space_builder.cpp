@@ -108,8 +108,10 @@ body::ShapeSpace build_shape_space(const body::BodyModel& model, const ShapeSpac
   Rows all(people, width + bones);
   for_each_item(options.people, options.threads, [&](int i) {
     const auto number = static_cast<std::uint64_t>(i);
-    const Subject subject = i % 4 < 2 ? draw_stranger(model, options.seed, number, kStrangeAllOver)
-                                      : draw_subject(model, Family::training, options.seed, number);
+    // Pairs of a man and a woman by turns.
+    const Subject subject = i % 6 < 2   ? draw_stranger(model, options.seed, number, kStrangeTrunk)
+                            : i % 6 < 4 ? draw_stranger(model, options.seed, number, kStrangeAllOver)
+                                        : draw_subject(model, Family::training, options.seed, number);
     std::vector<Vec3f> own(static_cast<std::size_t>(model.vertex_count()));
     morph_subject(model, subject, own);
     float* row = all.data() + i * (width + bones);

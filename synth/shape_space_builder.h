@@ -9,9 +9,11 @@
 namespace im2fit::synth {
 
 struct ShapeSpaceOptions {
-  int people = 1200;  // half of them strangers (synth/strangers.h): more kinds of difference than the index has
+  // A third of them strangers in the trunk, a third all over (synth/strangers.h): more kinds of difference than the
+  // index has.
+  int people = 1800;
   int points = 2400;
-  int shapes = 40;
+  int shapes = 64;
   std::uint64_t seed = 0x5A4E;
   int threads = 2;  // does not change the result
 };

@@ -42,7 +42,7 @@ Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const
   auto charts = load_charts(options.size_charts);
   if (!charts) return charts.error();
   std::string warning;
-  if (index->fit_size() == 0 || index->shape_key() != model->shape_space().key)
+  if (index->fit_layout().size() == 0 || index->shape_key() != model->shape_space().key)
     warning = fmt::format(
         "{}: not made with the shapes of {}: features answer alone, less well; build the index again with "
         "im2fit-lab index",

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -15,15 +16,16 @@ namespace {
 
 // Steps to the first view alone: some look at joints only, then points look for their surface further away, then
 // near.
-constexpr int kJointSteps = 2, kEarlySteps = 1, kNearSteps = 3;
+constexpr int kJointSteps = 2, kEarlySteps = 1, kNearSteps = 2;
 // Then to both views, from there: what the first one said of the body puts the second one's pose nearly right.
-constexpr int kEarlyStepsTogether = 1, kNearStepsTogether = 2;
+constexpr int kEarlyStepsTogether = 1, kNearStepsTogether = 1;
 constexpr float kGateEarlyMm = 150, kGateMm = 80;
 constexpr float kReachEarlyMm = 90, kReachMm = 45;
 
 // Standard deviations: what an equation weighs is 1 / sd^2 (docs/fit.md says where they come from).
 constexpr float kJointSdMm = 25;
-constexpr float kTurnSd = 0.2F;  // radians, from where the joints put a segment
+constexpr float kTurnSd = 0.2F;    // radians, from where the joints put a segment
+constexpr float kSpineSd = 0.04F;  // of a trunk that stands: from upright and straight
 constexpr float kShiftSdMm = 300;
 constexpr float kSurfaceSdMm = 6;  // at kSurfaceAtMm, growing with the square of the distance
 constexpr float kSurfaceAtMm = 2400;
@@ -42,6 +44,7 @@ constexpr float kSoleHeightMaxMm = 60;
 constexpr float kShapeLimit = 5;  // standard deviations
 constexpr float kShiftStepMaxMm = 200;
 constexpr float kTurnStepMax = 0.35F;
+constexpr float kOffLimitMm = 40;     // of a point's part in its patch
 constexpr int kSurfaceRowsMin = 100;  // fewer, and the prior speaks rather than the picture
 
 struct Attached {
@@ -57,6 +60,31 @@ constexpr Attached kJoints[] = {
     {Segment::left_lower_leg, false, Joint::LK}, {Segment::right_lower_leg, false, Joint::RK},
     {Segment::left_foot, false, Joint::LF},      {Segment::right_foot, false, Joint::RF},
     {Segment::neck, false, Joint::NE},           {Segment::chest, false, Joint::TO}};
+
+// The trunk's segments are the first to turn.
+constexpr std::size_t kSpineCount = 3;
+static_assert(kTurning[0] == Segment::pelvis && kTurning[1] == Segment::abdomen && kTurning[2] == Segment::chest);
+
+// The spread of a value of a pose's step, from where the pose began. What way somebody faces is the joints' guess.
+float pose_sd(std::size_t value, bool straight) {
+  constexpr std::size_t kFacing = 3 + 1;  // of the pelvis about the upright axis
+  if (value < 3) return kShiftSdMm;
+  return straight && value < 3 + 3 * kSpineCount && value != kFacing ? kSpineSd : kTurnSd;
+}
+
+// Upright trunk, facing where hips and shoulders say. Joints of the trunk err by 15 mm over lengths of 200, which is
+// more than somebody who was asked to stand bends; and what a trunk leans is taken from how thick it is. False, and
+// nothing done, when the joints do not say a direction.
+bool stand_straight(const JointSet& joints, Pose& pose) {
+  Vec3f left = normalized(joints[Joint::LH] - joints[Joint::RH]) + normalized(joints[Joint::LS] - joints[Joint::RS]);
+  left.y = 0;
+  if (!(norm(left) > 0.1F)) return false;
+  left = normalized(left);
+  Mat3f facing;
+  facing.m = {left.x, 0, -left.z, 0, 1, 0, left.z, 0, left.x};
+  for (std::size_t s = 0; s < kSpineCount; ++s) pose.rotation[static_cast<std::size_t>(kTurning[s])] = facing;
+  return true;
+}
 
 bool is_foot(const SkinRecord& skin) {
   const auto segment = static_cast<Segment>(skin.segment[0]);
@@ -80,11 +108,13 @@ class ShapeFitter::Work {
 
  private:
   enum class Look { joints, early, near };
+  enum class Equation { none, sole, surface, rim };
   struct View {
     Sight sight;
     PosedShape shape;
     Pose pose;
-    std::array<float, kPoseValues> moved{};  // from where the joints put the pose
+    std::array<float, kPoseValues> moved{};  // from where the pose began
+    bool straight = false;                   // it began with a straight trunk
   };
   // An equation to be added: how far the point is to move along `along`. Some wait together while what the slopes are
   // made of comes from memory.
@@ -102,11 +132,11 @@ class ShapeFitter::Work {
   bool see(const FitView& view);
   bool steps(Look look, int count);
   bool step(Look look);
-  void note_quality();
+  void look_back();
   void add_prior();
   void add_joints(std::size_t v);
   void add_points(std::size_t v, bool early);
-  bool equation_of(const View& view, bool early, Pending& pending);
+  Equation equation_of(const View& view, bool early, Pending& pending);
   void add_pending(const View& view, const RowColumns& columns);
   void take_step(std::size_t v);
   std::span<const float> shape() const { return {result.shape.data(), space_.shape_count}; }
@@ -115,6 +145,7 @@ class ShapeFitter::Work {
   RestShape rest_;
   NormalEquations equations_;
   std::vector<Group> groups_;
+  std::vector<std::uint16_t> patch_;  // of a point
   std::vector<View> views_;
   std::size_t view_count_ = 0;
   std::array<Pending, kRowGroup> pending_;
@@ -123,8 +154,11 @@ class ShapeFitter::Work {
 };
 
 ShapeFitter::Work::Work(const ShapeSpace& space)
-    : space_(space), rest_(space), equations_(kPoseValues, kFitViewMax, space.shape_count) {
-  for (std::size_t v = 0; v < kFitViewMax; ++v) views_.push_back({{}, PosedShape(space_, rest_), {}, {}});
+    : space_(space),
+      rest_(space),
+      equations_(kPoseValues, kFitViewMax, space.shape_count),
+      patch_(skin_patches(space)) {
+  for (std::size_t v = 0; v < kFitViewMax; ++v) views_.push_back({{}, PosedShape(space_, rest_), {}, {}, false});
   for (std::uint32_t i = 0; i < space.point_count; ++i) {
     const RowColumns columns = columns_of(segments_of(space.skin[i]));
     const auto same = std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) {
@@ -141,6 +175,8 @@ bool ShapeFitter::Work::see(const FitView& seen) {
   if (!view.sight.look(seen)) return false;
   rest_.set_bones(shape());
   view.pose = pose_from_joints(rest_.skeleton(), view.sight.joints());
+  // Without a floor upright is not known.
+  view.straight = view.sight.floor_known() && stand_straight(view.sight.joints(), view.pose);
   view.moved = {};
   ++view_count_;
   return true;
@@ -151,7 +187,7 @@ void ShapeFitter::Work::add_prior() {
     equations_.add_prior(equations_.shared_at() + k, 1, -static_cast<double>(result.shape[k]));
   for (std::size_t v = 0; v < view_count_; ++v)
     for (std::size_t i = 0; i < kPoseValues; ++i) {
-      const auto sd = static_cast<double>(i < 3 ? kShiftSdMm : kTurnSd);
+      const auto sd = static_cast<double>(pose_sd(i, views_[v].straight));
       equations_.add_prior(equations_.block_at(v) + i, 1 / (sd * sd), -static_cast<double>(views_[v].moved[i]));
     }
 }
@@ -180,7 +216,7 @@ void ShapeFitter::Work::add_points(std::size_t v, bool early) {
     for (const std::uint32_t i : group.points) {
       Pending& next = pending_[pending_count_];
       view.shape.find(i, next.point);
-      if (!equation_of(view, early, next)) continue;
+      if (equation_of(view, early, next) == Equation::none) continue;
       view.shape.prefetch_row(i);
       if (++pending_count_ == pending_.size()) add_pending(view, group.columns);
     }
@@ -199,7 +235,7 @@ void ShapeFitter::Work::add_pending(const View& view, const RowColumns& columns)
 
 // At most one equation a point: a sole stands on the floor, a surface is where it is seen (point to plane, the plane
 // being the body's), an outline where the mask ends.
-bool ShapeFitter::Work::equation_of(const View& view, bool early, Pending& pending) {
+ShapeFitter::Work::Equation ShapeFitter::Work::equation_of(const View& view, bool early, Pending& pending) {
   const Sight& sight = view.sight;
   const Vec3f p = pending.point.position, normal = pending.point.normal;
   if (sight.floor_known() && normal.y < kSoleDown && p.y < kSoleHeightMaxMm &&
@@ -207,13 +243,13 @@ bool ShapeFitter::Work::equation_of(const View& view, bool early, Pending& pendi
     pending.along = {0, 1, 0};
     pending.residual = -p.y;
     pending.weight = 1 / (kSoleSdMm * kSoleSdMm * kCorrelated);
-    return true;
+    return Equation::sole;
   }
   const float facing = dot(normal, normalized(sight.axes().camera() - p));
   if (facing > kFacingMin) {
     const Vec3f camera = sight.axes().to_camera(p);
     Vec3f seen;
-    if (!sight.surface_over(camera, early ? kGateEarlyMm : kGateMm, seen)) return false;
+    if (!sight.surface_over(camera, early ? kGateEarlyMm : kGateMm, seen)) return Equation::none;
     const float residual = dot(normal, seen - p);
     const float far = camera.z / kSurfaceAtMm;
     const float sd = kSurfaceSdMm * far * far;
@@ -222,20 +258,20 @@ bool ShapeFitter::Work::equation_of(const View& view, bool early, Pending& pendi
     pending.weight = robust(1 / (sd * sd * kCorrelated), residual, kSurfaceOutlierSds * sd);
     ++result.surface_rows;
     surface_sum_ += static_cast<double>(std::fabs(residual));
-    return true;
+    return Equation::surface;
   }
-  if (!(std::fabs(facing) < kRimFacingMax)) return false;
+  if (!(std::fabs(facing) < kRimFacingMax)) return Equation::none;
   const Vec3f flat = sight.axes().direction_to_camera(normal);
   float residual = 0;
   if (!sight.outline_beside(sight.axes().to_camera(p), flat, early ? kReachEarlyMm : kReachMm, residual))
-    return false;
+    return Equation::none;
   const float length = std::sqrt(flat.x * flat.x + flat.y * flat.y);
   pending.along = sight.axes().direction_to_mesh({flat.x / length, flat.y / length, 0});
   pending.residual = residual;
   pending.weight = robust(1 / (kRimSdMm * kRimSdMm * kCorrelated), residual, kRimOutlierMm);
   ++result.rim_rows;
   rim_sum_ += static_cast<double>(std::fabs(residual));
-  return true;
+  return Equation::rim;
 }
 
 void ShapeFitter::Work::take_step(std::size_t v) {
@@ -278,7 +314,27 @@ bool ShapeFitter::Work::step(Look look) {
   return true;
 }
 
-void ShapeFitter::Work::note_quality() {
+// At what the last step made of it.
+void ShapeFitter::Work::look_back() {
+  rest_.set_bones(shape());
+  rest_.set_points(shape());
+  result.surface_rows = result.rim_rows = 0;
+  surface_sum_ = rim_sum_ = 0;
+  for (auto& off : result.off_mm) off.fill(std::numeric_limits<float>::quiet_NaN());
+  Pending found;
+  for (std::size_t v = 0; v < view_count_; ++v) {
+    views_[v].shape.set(views_[v].pose);
+    std::array<float, kPatchMax> sum{};
+    std::array<int, kPatchMax> count{};
+    for (std::size_t i = 0; i < space_.point_count; ++i) {
+      views_[v].shape.find(i, found.point);
+      if (equation_of(views_[v], false, found) != Equation::surface) continue;
+      sum[patch_[i]] += std::clamp(found.residual, -kOffLimitMm, kOffLimitMm);
+      ++count[patch_[i]];
+    }
+    for (std::size_t p = 0; p < kPatchMax; ++p)
+      if (count[p] > 0) result.off_mm[v][p] = sum[p] / static_cast<float>(count[p]);
+  }
   result.surface_mm = static_cast<float>(surface_sum_ / std::max(result.surface_rows, 1));
   result.rim_mm = static_cast<float>(rim_sum_ / std::max(result.rim_rows, 1));
   result.valid = result.surface_rows >= kSurfaceRowsMin;
@@ -292,14 +348,14 @@ void ShapeFitter::Work::run(std::span<const FitView> views) {
     result = {};
     return;
   }
-  note_quality();
+  look_back();
   first = result;
   if (views.size() == 1) return;
   if (!see(views[1]) || !steps(Look::early, kEarlyStepsTogether) || !steps(Look::near, kNearStepsTogether)) {
     result = {};
     return;
   }
-  note_quality();
+  look_back();
 }
 
 void ShapeFitter::Work::points_in_view(std::size_t v, std::span<Vec3f> out) {
@@ -313,8 +369,9 @@ void ShapeFitter::Work::points_in_view(std::size_t v, std::span<Vec3f> out) {
   }
 }
 
-std::span<const float> fit_values(const ShapeFit& fit, const ShapeSpace& space) {
-  return fit.valid ? std::span(fit.shape).first(space.shape_count) : std::span<const float>();
+void fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out) {
+  auto at = std::copy_n(fit.shape.begin(), space.shape_count, out.begin());
+  for (const auto& off : fit.off_mm) at = std::copy_n(off.begin(), patch_count(space), at);
 }
 
 ShapeFitter::ShapeFitter(const ShapeSpace& space) : work_(std::make_unique<Work>(space)) {}

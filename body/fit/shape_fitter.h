@@ -12,6 +12,7 @@
 #include <span>
 
 #include "body/fit/shape_space.h"
+#include "body/fit/skin_patches.h"
 #include "kernels/core/camera.h"
 #include "kernels/core/joints.h"
 #include "kernels/segment/segment.h"
@@ -33,14 +34,21 @@ struct ShapeFit {
   // False: too little was seen, or a view is no view (docs/fit.md); numbers are finite all the same.
   bool valid = false;
   std::array<float, kShapeMax> shape{};  // coefficients; the first shape_count are set
-  float surface_mm = 0;                  // mean absolute distances at the end
+  // How far before the body's skin, along its normals, the surface seen lies, mm: mean of a patch's points, of each
+  // view. NaN where none of them is seen.
+  std::array<std::array<float, kPatchMax>, kFitViewMax> off_mm{};
+  float surface_mm = 0;  // mean absolute distances at the end
   float rim_mm = 0;
   int surface_rows = 0, rim_rows = 0;
 };
 
-// As index::Sample and queries take a fit: its coefficients, shape_count of them; none when it is not valid. The fit
-// must outlive them.
-std::span<const float> fit_values(const ShapeFit& fit, const ShapeSpace& space);
+// As index::Sample and queries take a fit: its coefficients, then off_mm of both views. `out` has
+// fit_value_count(space) places.
+inline constexpr std::size_t kFitValueMax = kShapeMax + kFitViewMax * kPatchMax;
+inline std::size_t fit_value_count(const ShapeSpace& space) {
+  return space.shape_count + kFitViewMax * patch_count(space);
+}
+void fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out);
 
 // Not shareable between threads.
 class ShapeFitter {

@@ -17,7 +17,8 @@ const index::Index& refined_index() {
   static const index::Index index = [] {
     const index::testing::World world;
     std::vector<index::Sample> samples;
-    for (std::uint64_t i = 0; i < 600; ++i) samples.push_back(index::testing::turned(world, i));
+    for (std::uint64_t i = 0; i < 600; ++i)
+      samples.push_back(index::testing::turned_with_patches(world, i, body::kShapePointMin));
     index::BuildOptions options = index::testing::options_for(world);
     options.shape_key = kKey;
     return std::move(*index::Index::parse(*build_index(options, index::source_of(samples)), "refined"));
@@ -33,16 +34,18 @@ body::ShapeSpace space_of(std::size_t shapes, std::uint32_t key = kKey, std::siz
   return space;
 }
 
-// Whoever says yes to another size has a query read or write past the coefficients.
+// Whoever says yes to another size has a query read or write past the values.
 TEST(RefinedQuery, FitsAreAskedOfAnIndexOfTheirSpaceAndSizeAlone) {
-  const std::size_t size = refined_index().fit_size();
+  const std::size_t size = refined_index().fit_layout().shapes;
   ASSERT_GT(size, 1U);
+  ASSERT_EQ(refined_index().fit_layout().patches, body::kShapePointMin);
   const auto fits = [](const body::ShapeSpace& space) { return RefinedQuery::fits(refined_index(), &space); };
   EXPECT_TRUE(fits(space_of(size)));
   EXPECT_FALSE(fits(space_of(size - 1)));
   EXPECT_FALSE(fits(space_of(size + 1)));
   EXPECT_FALSE(fits(space_of(size, kKey + 1)));
   EXPECT_FALSE(fits(space_of(size, kKey, 0)));
+  EXPECT_FALSE(fits(space_of(size, kKey, body::kShapePointMin + 1)));  // one patch more a view
   EXPECT_FALSE(RefinedQuery::fits(refined_index(), nullptr));
 }
 

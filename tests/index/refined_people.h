@@ -2,6 +2,8 @@
 // Synthetic people of whom a fit and a view from behind are known as well.
 #pragma once
 
+#include <limits>
+
 #include "tests/index/synthetic_people.h"
 
 namespace im2fit::index::testing {
@@ -19,6 +21,22 @@ inline Sample turned(const World& world, std::uint64_t subject) {
   for (const auto& [fit, sd] : {std::pair(&s.fit, 0.12), std::pair(&s.fit_both, 0.04)}) {
     for (int i = 0; i < world.shapes; ++i) fit->push_back(static_cast<float>(shape(i) + rng.normal(0, sd)));
   }
+  return s;
+}
+
+// A person whose waist is by a normal of 20 mm wider than shape and features say, which the fits' first patch of the
+// front shows to 1 mm. `patches` a view; those of the back are not seen from the front.
+inline Sample turned_with_patches(const World& world, std::uint64_t subject, std::uint32_t patches) {
+  Sample s = turned(world, subject);
+  Rng rng = Rng::for_item(99, 6, subject);
+  const double wider_mm = rng.normal(0, 20);
+  s.truth[kWaist] += static_cast<float>(wider_mm);
+  s.fit_patches = patches;
+  for (auto* fit : {&s.fit, &s.fit_both})
+    for (std::uint32_t i = 0; i < 2 * patches; ++i)
+      fit->push_back(i == 0                              ? static_cast<float>(wider_mm + rng.normal())
+                     : i < patches || fit == &s.fit_both ? static_cast<float>(rng.normal())
+                                                         : std::numeric_limits<float>::quiet_NaN());
   return s;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "index/calibration.h"
 #include "tests/index/refined_people.h"
 
 namespace im2fit::index {
@@ -47,7 +48,7 @@ Seen seen_of(const Sample& s) {
 TEST(Refinement, EachViewAddsWhatItShows) {
   const World world;
   const Index& index = index_with(true);
-  EXPECT_EQ(index.fit_size(), static_cast<std::size_t>(world.shapes));
+  EXPECT_EQ(index.fit_layout(), (FitLayout{static_cast<std::uint32_t>(world.shapes), 0}));
   EXPECT_EQ(index.info().refined[0].sample_count, 1500U);
   auto scratch = index.make_scratch();
   double front = 0, fitted = 0, both = 0, spread = 0;
@@ -117,6 +118,62 @@ TEST(Refinement, OtherSizesThanLearnedAreNotUsed) {
   EXPECT_EQ(index.query(seen_of(s), {}, *scratch)->from, AnsweredFrom::fitted_front);
   s.fit.push_back(0);
   EXPECT_EQ(index.query(seen_of(s), {}, *scratch)->from, AnsweredFrom::front);
+}
+
+TEST(Refinement, PatchesTellWhatShapesDoNot) {
+  constexpr std::uint32_t kPatches = 4;
+  const World world;
+  const auto build = [&](bool with_patches) {
+    std::vector<Sample> samples;
+    for (std::uint64_t i = 0; i < 1500; ++i) {
+      samples.push_back(testing::turned_with_patches(world, i, kPatches));
+      if (with_patches) continue;
+      for (auto* fit : {&samples.back().fit, &samples.back().fit_both})
+        fit->resize(static_cast<std::size_t>(world.shapes));
+      samples.back().fit_patches = 0;
+    }
+    return std::move(*Index::parse(*build_index(options_for(world), source_of(samples)), "patches"));
+  };
+  const Index with = build(true), without = build(false);
+  EXPECT_EQ(with.fit_layout(), (FitLayout{static_cast<std::uint32_t>(world.shapes), kPatches}));
+  auto scratch = with.make_scratch();
+  auto plain = without.make_scratch();
+  for (const bool back : {false, true}) {
+    double with_mm = 0, without_mm = 0;
+    const int count = 200;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      Sample s = testing::turned_with_patches(world, kFreshSubjects + i, kPatches);
+      const auto error = [&](const Index& index, Index::Scratch& work) {
+        const Seen seen = back ? seen_of(s) : Seen{s.feature, s.fit, {}, {}};
+        const Answer a = *index.query(seen, {}, work);
+        EXPECT_EQ(a.from, back ? AnsweredFrom::front_and_back : AnsweredFrom::fitted_front);
+        return std::abs(static_cast<double>(a.measurements[kWaist].value - s.truth[kWaist])) / count;
+      };
+      with_mm += error(with, *scratch);
+      for (auto* fit : {&s.fit, &s.fit_both}) fit->resize(static_cast<std::size_t>(world.shapes));
+      without_mm += error(without, *plain);
+    }
+    EXPECT_LT(with_mm, 0.8 * without_mm) << back;
+  }
+}
+
+TEST(Refinement, StrangersAreTheShareAskedFor) {
+  const auto which = strangers_beside(900, 5000, 0.1);
+  ASSERT_EQ(which.size(), 100U);
+  for (std::size_t i = 0; i < which.size(); ++i) EXPECT_EQ(which[i], 50 * i);
+  EXPECT_EQ(strangers_beside(900, 60, 0.1).size(), 60U);  // all there are
+  EXPECT_TRUE(strangers_beside(0, 60, 0.1).empty());
+  EXPECT_TRUE(strangers_beside(900, 0, 0.1).empty());
+}
+
+TEST(Refinement, BuildingRefusesFitsOfAnotherLayout) {
+  const World world;
+  std::vector<Sample> samples;
+  for (std::uint64_t i = 0; i < 20; ++i) samples.push_back(testing::turned_with_patches(world, i, 4));
+  samples[7].fit_patches = 3;  // the same number of values
+  EXPECT_NE(build_index(options_for(world), source_of(samples)).error().message.find("sample 7"), std::string::npos);
+  samples[7].fit_patches = 100;  // more than there are
+  EXPECT_NE(build_index(options_for(world), source_of(samples)).error().message.find("sample 7"), std::string::npos);
 }
 
 TEST(Refinement, BuildingRefusesHalfOfATurnedSample) {
