@@ -10,16 +10,11 @@
 #include "base/rng.h"
 #include "body/fit/posed_shape.h"
 #include "body/fit/shape_fitter.h"
-#include "body/fit/skin_patches.h"
 #include "body/model_data.h"
 #include "body_pack.h"
 #include "fake_shape_space.h"
+#include "needs_space.h"
 #include "seen_person.h"
-
-#define IM2FIT_NEEDS_SPACE()                       \
-  IM2FIT_NEEDS_BODY();                             \
-  if (real_body()->shape_space().point_count == 0) \
-  GTEST_SKIP() << body_pack_path() << " has no shape space: run im2fit-lab fetch"
 
 namespace im2fit::body {
 namespace {
@@ -236,84 +231,6 @@ TEST(ShapeFitter, PointsLieOnTheSkinInEveryView) {
     for (const double d : off) sum += std::fabs(d);
     EXPECT_LT(sum / static_cast<double>(off.size()), 4) << v;
   }
-}
-
-// A dent in the belly that no shape of the space has: the depth picture says so, and the patch over it. (Patches are
-// larger than the dent, and the shape gives in a little.)
-TEST(ShapeFitter, SaysWhichPatchesOfTheSkinAreOff) {
-  IM2FIT_NEEDS_SPACE();
-  const ShapeSpace& space = real_body()->shape_space();
-  ShapeFitter fitter(space);
-  SeenPerson person(*real_body(), kHeldOut, 515, 2);
-  const auto front = std::span(person.views).first(1);
-  const ShapeFit before = fitter.run(front);
-  ASSERT_TRUE(before.valid);
-  for (const float off : before.off_mm[1]) EXPECT_TRUE(std::isnan(off));
-  std::vector<Vec3f> points(space.point_count);
-  fitter.points_in_view(0, points);
-  // Where the belly's middle is seen: between hips and torso, nearest the camera there.
-  const auto patch = skin_patches(space);
-  const JointSet& joints = person.views[0].joints;
-  const float height = (joints[Joint::TO].y + joints[Joint::LH].y) / 2;
-  std::size_t navel = 0;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (std::fabs(points[i].y - height) < 40 && std::fabs(points[i].x) < 40 && points[i].z < points[navel].z)
-      navel = i;
-  constexpr float kDentMm = 25, kReachMm = 60;
-  const Intrinsics& k = person.views[0].intrinsics;
-  for (int v = 0; v < SeenPerson::kHeight; ++v)
-    for (int u = 0; u < SeenPerson::kWidth; ++u) {
-      const auto at = static_cast<std::size_t>(v * SeenPerson::kWidth + u);
-      const float z = static_cast<float>(person.depth_q4[0][at]) / 16;
-      const float x = (static_cast<float>(u) - k.cx) * z / k.fx - points[navel].x;
-      const float y = (static_cast<float>(v) - k.cy) * z / k.fy - points[navel].y;
-      if (z > 0 && x * x + y * y < kReachMm * kReachMm)
-        person.depth_q4[0][at] = static_cast<std::uint16_t>(person.depth_q4[0][at] + 16 * kDentMm);
-    }
-  const ShapeFit after = fitter.run(front);
-  ASSERT_TRUE(after.valid);
-  double elsewhere = 0;
-  float deepest = 0;
-  int seen = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3f away = points[i] - points[navel];
-    const float off = after.off_mm[0][patch[i]] - before.off_mm[0][patch[i]];
-    if (norm(away) < kReachMm) deepest = std::min(deepest, off);
-    if (norm(away) < 400 || !std::isfinite(off)) continue;
-    elsewhere += static_cast<double>(std::fabs(off));
-    ++seen;
-  }
-  ASSERT_GT(seen, 200);
-  EXPECT_LT(deepest, -kDentMm / 5);
-  EXPECT_LT(elsewhere / seen, 1);
-}
-
-TEST(SkinPatches, AreOfTheNearestCentreAndNoneIsEmpty) {
-  const ShapeSpace space = fake_shape_space();
-  const auto patch = skin_patches(space);
-  ASSERT_EQ(patch.size(), space.point_count);
-  std::vector<int> members(patch_count(space));
-  for (const std::uint16_t p : patch) {
-    ASSERT_LT(p, members.size());
-    ++members[p];
-  }
-  EXPECT_EQ(std::count(members.begin(), members.end(), 0), 0);
-
-  IM2FIT_NEEDS_SPACE();
-  const ShapeSpace& real = real_body()->shape_space();
-  const auto of = skin_patches(real);
-  members.assign(patch_count(real), 0);
-  Extent size;
-  std::vector<Extent> height(members.size());
-  for (std::size_t i = 0; i < of.size(); ++i) {
-    ++members[of[i]];
-    height[of[i]].add(real.point_mean[i * kPointValues + 1]);
-  }
-  for (std::size_t p = 0; p < members.size(); ++p) {
-    EXPECT_GT(members[p], 0) << p;
-    size.add(height[p].size());
-  }
-  EXPECT_LT(size.high, 250);  // mm: 160 patches of 1.8 square metres
 }
 
 // What no camera sees from the front. Its mean distance is the person's thickness, which curves tell rather than the
