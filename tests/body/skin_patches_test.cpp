@@ -65,7 +65,7 @@ TEST(SkinPatches, SayWhereAFitIsOff) {
   EXPECT_LT(elsewhere / seen, 1);
 }
 
-TEST(SkinPatches, AreOfTheNearestCentreAndNoneIsEmpty) {
+TEST(SkinPatches, CoverTheSkinEvenlyAndNoneIsEmpty) {
   const ShapeSpace space = fake_shape_space();
   const auto patch = skin_patches(space);
   ASSERT_EQ(patch.size(), space.point_count);
