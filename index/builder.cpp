@@ -177,7 +177,7 @@ Status Builder::read_moments() {
     if (fit_layout_.size() == 0 && sample.refines()) fit_layout_ = sample.fit_layout();
     refinements_.add(sample);
     if (!sample.is_entry()) {
-      if (!sample.clothed && strangers_.size() < kStrangersMax) strangers_.push_back(sample);
+      if (!sample.clothed && !sample.again && strangers_.size() < kStrangersMax) strangers_.push_back(sample);
       return true;
     }
     if (sample_count_ == kEntryMax) {

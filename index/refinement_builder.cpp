@@ -24,6 +24,9 @@ constexpr double kFarVariance = 11;
 // Of those whom intervals are judged on, strangers are this share, by kind (docs/formats-index.md): where more is
 // seen ordinary people's errors are the smaller beside those of others.
 constexpr std::array<double, kRefinementCount> kStrangerShare = {0.17, 0.4, 0.16, 0.22};
+// What differs between two looks at the same body counts by this much of its variance as a penalty: poses and noise
+// answer for less of what is said (errors in variables; docs/formats-index.md has what other values cost).
+constexpr double kSameBody = 0.25;
 constexpr std::size_t kStrangersMin = 200;  // to take shares from, as for the plain answer
 
 // Standardised as a query does it.
@@ -56,6 +59,13 @@ double weight_at(int distance_mm) {
   return 1 / (1 + kFarVariance * beyond * beyond);
 }
 
+// Adds the lower triangle of rows^T rows.
+void add_gram(const RowMatrixF& rows, Eigen::MatrixXd& gram) {
+  Eigen::MatrixXf work = Eigen::MatrixXf::Zero(rows.cols(), rows.cols());
+  work.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+  gram.triangularView<Eigen::Lower>() += work.cast<double>();
+}
+
 // Sums behind a ridge regression, of weighted rows.
 struct Sums {
   std::ptrdiff_t count = 0;
@@ -69,9 +79,7 @@ struct Sums {
         y(Eigen::VectorXd::Zero(targets)) {}
   void add(const RowMatrixF& rows, const Eigen::MatrixXd& targets, const Eigen::VectorXd& weights) {
     const RowMatrixF scaled = weights.cwiseSqrt().cast<float>().asDiagonal() * rows;
-    Eigen::MatrixXf work = Eigen::MatrixXf::Zero(rows.cols(), rows.cols());
-    work.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
-    gram.triangularView<Eigen::Lower>() += work.cast<double>();
+    add_gram(scaled, gram);
     const Eigen::MatrixXd weighted = weights.asDiagonal() * targets;
     cross += rows.transpose().cast<double>() * weighted;
     z += rows.transpose().cast<double>() * weights;
@@ -89,10 +97,12 @@ struct Sums {
   }
 };
 
-LinearFit solve(const Sums& s, const Eigen::VectorXd& penalties) {
+// `unlike`: lower triangle, what two looks at the same body differ by.
+LinearFit solve(const Sums& s, const Eigen::MatrixXd& unlike, const Eigen::VectorXd& penalties) {
   const Eigen::VectorXd z = s.z / s.weight, y = s.y / s.weight;
   Eigen::MatrixXd a = s.gram / s.weight;
   a.triangularView<Eigen::Lower>() -= z * z.transpose();
+  a.triangularView<Eigen::Lower>() += kSameBody * unlike;
   a.diagonal() += penalties;
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> factor(a);
   LinearFit fit;
@@ -118,6 +128,7 @@ struct Table {
   std::array<std::vector<std::ptrdiff_t>, kFolds> of_fold;  // rows
   std::vector<Sums> folds;
   Sums all;
+  Eigen::MatrixXd unlike;  // mean of d d^T, lower triangle; d between looks at the same body
 
   Table(const std::vector<const std::vector<float>*>& values, Eigen::MatrixXd targets, Eigen::VectorXd weights,
         const std::vector<int>& fold_of_row)
@@ -125,7 +136,8 @@ struct Table {
         z(standardised_rows(scale, values)),
         y(std::move(targets)),
         weight(std::move(weights)),
-        all(z.cols(), kTargetMin) {
+        all(z.cols(), kTargetMin),
+        unlike(Eigen::MatrixXd::Zero(z.cols(), z.cols())) {
     for (std::size_t i = 0; i < fold_of_row.size(); ++i)
       of_fold[static_cast<std::size_t>(fold_of_row[i])].push_back(static_cast<std::ptrdiff_t>(i));
     for (const auto& rows : of_fold) {
@@ -137,6 +149,20 @@ struct Table {
     Sums sums(z.cols(), kTargetMin);
     if (!rows.empty()) sums.add(z(rows, Eigen::all), y(rows, Eigen::all), weight(rows));
     return sums;
+  }
+  // `looks`: pairs of rows.
+  void learn_unlike(const std::vector<std::array<std::ptrdiff_t, 2>>& looks) {
+    if (looks.empty()) return;
+    RowMatrixF rows(static_cast<std::ptrdiff_t>(looks.size()), z.cols());
+    double sum = 0;
+    for (std::size_t i = 0; i < looks.size(); ++i) {
+      const auto [a, b] = looks[i];
+      const double counts = std::min(weight(a), weight(b));
+      rows.row(static_cast<std::ptrdiff_t>(i)) = (z.row(a) - z.row(b)) * static_cast<float>(std::sqrt(counts));
+      sum += counts;
+    }
+    add_gram(rows, unlike);
+    unlike /= sum;
   }
   Sums without(const Sums& some) const {
     Sums rest = all;
@@ -160,7 +186,7 @@ CrossFit choose_penalty(const Table& table, const Eigen::VectorXd& shares) {
   for (const double tried : kPenalties) {
     Eigen::MatrixXd answer(table.z.rows(), kTargetMin);
     for (std::size_t f = 0; f < kFolds; ++f)
-      table.answer(solve(table.without(table.folds[f]), tried * shares), table.of_fold[f], answer);
+      table.answer(solve(table.without(table.folds[f]), table.unlike, tried * shares), table.of_fold[f], answer);
     const double error = (answer - table.y).cwiseAbs().sum();
     if (error >= least) break;  // past the valley
     least = error;
@@ -214,6 +240,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   const auto count = static_cast<std::ptrdiff_t>(people.size());
   std::vector<const std::vector<float>*> values;
   std::vector<int> fold_of_row;
+  std::vector<std::array<std::ptrdiff_t, 2>> looks;  // at the same body, one after the other
   Eigen::MatrixXd y(count, kTargetMin);
   Eigen::VectorXd weights(count);
   FoldDealer dealer(seed, kFolds);
@@ -223,8 +250,10 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
     weights(at) = weight_at(row.distance_mm[sees_back(kind) ? 1 : 0]);
     values.push_back(&row.values[sees_back(kind) ? 1 : 0]);
     fold_of_row.push_back(dealer.fold_of(row.subject));
+    if (at > 0 && people[static_cast<std::size_t>(at - 1)].subject == row.subject) looks.push_back({at - 1, at});
   }
-  const Table table(values, std::move(y), std::move(weights), fold_of_row);
+  Table table(values, std::move(y), std::move(weights), fold_of_row);
+  table.learn_unlike(looks);
   const Eigen::VectorXd shares = penalty_shares(kind, feature_size_, fit_);
   CrossFit cross = choose_penalty(table, shares);
 
@@ -233,7 +262,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   out.record.penalty_millionths = static_cast<std::uint32_t>(std::lround(cross.penalty * 1e6));
   for (const float m : table.scale.mean) out.mean.push_back(upper_of_float(m));
   for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
-  out.round(solve(table.all, cross.penalty * shares));
+  out.round(solve(table.all, table.unlike, cross.penalty * shares));
 
   // By regressions that have learned from other people, strangers as well as ordinary ones, as the one in the file
   // has.

@@ -29,7 +29,7 @@ class RefinementBuilder {
   static constexpr std::size_t kSampleMax = 16384;
   // Keeps what it needs of a sample that refines.
   void add(const Sample& sample);
-  // The index' plain answers, standardised, to subjects that had no part in them.
+  // The index' plain answers, standardised, to the first look at subjects that had no part in them.
   using PlainAnswers = std::map<std::uint64_t, Targets>;
   // `targets`: as the index standardises them. A kind of people with fewer than kSampleMin samples is left out.
   void learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed, std::uint32_t shape_key);

@@ -13,8 +13,6 @@
 
 namespace im2fit::index {
 
-// One training subject seen once. Several samples may share a subject (different pose, noise, distance); they must
-// follow each other.
 // What a fit is told by (body/fit/shape_fitter.h): coefficients of the shape, then how far off each patch of the skin
 // is, of the front and of the back. NaN: not seen, or a fit to the front alone.
 struct FitLayout {
@@ -24,6 +22,8 @@ struct FitLayout {
   bool operator==(const FitLayout&) const = default;
 };
 
+// One training subject seen once. Several samples may share a subject (different pose, noise, distance); they must
+// follow each other.
 struct Sample {
   std::uint64_t subject = 0;  // its number in the population, below 2^32
   std::vector<float> feature;
@@ -37,6 +37,9 @@ struct Sample {
   bool calibrate_only = false;
   // Seen in clothes: no entry; answers to people in clothes are learned from it, and nothing else.
   bool clothed = false;
+  // Seen once more, as undressed or as dressed as in an earlier sample of the subject: no entry and nothing the plain
+  // answer learns from, but refined answers learn from it, and that it is the same body.
+  bool again = false;
   // More that was seen of some subjects, for index/refinement.h; else empty. The same sizes in every sample that has
   // them.
   std::vector<float> fit;         // shape fitted to the front, as FitLayout says
@@ -49,7 +52,7 @@ struct Sample {
   FitLayout fit_layout() const {
     return {static_cast<std::uint32_t>(fit.size() - std::min<std::size_t>(fit.size(), 2 * fit_patches)), fit_patches};
   }
-  bool is_entry() const { return !calibrate_only && !clothed; }
+  bool is_entry() const { return !calibrate_only && !clothed && !again; }
 };
 
 // Features that share one regularisation. Groups cover the feature in order.

@@ -20,11 +20,13 @@ namespace im2fit::synth {
 namespace {
 
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 15;  // raise when the way to a feature changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 16;  // raise when the way to a feature changes: shards are then made again
 constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
-constexpr int kClothedCaptures = 8192;         // and of those in clothes
-constexpr std::uint64_t kOutfitStream = 0x0F17;
+constexpr int kClothedCaptures = 8192;         // of those in clothes
+constexpr int kAgainCaptures = 16384;          // and of people seen again
+constexpr std::uint64_t kOutfitStream = 0x0F17, kOutfitAgainStream = 0x0F18;
 constexpr double kReportSeconds = 0.25;
+constexpr int kAgainFrames = 29;  // as a device, which takes 30; odd, docs/dataset.md
 
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point t) {
@@ -66,9 +68,32 @@ struct Person {
   std::vector<Vec3f> rest;  // mesh
 };
 
+// What is seen of a person.
+struct Look {
+  int capture = 0;  // below captures_per_subject
+  bool clothed = false;
+  bool again = false;
+};
+
+CaptureOptions draw_look(const DatasetOptions& o, std::uint64_t number, const Look& look, bool behind, int attempt) {
+  const int drawn = look.capture * kAttempts + attempt + (behind ? kBackCaptures : 0) +
+                    (look.clothed ? kClothedCaptures : 0) + (look.again ? kAgainCaptures : 0);
+  CaptureVariety variety = o.variety;
+  if (look.again) variety.frames_min = variety.frames_max = kAgainFrames;
+  return draw_capture(variety, o.seed, number, drawn);
+}
+
+// Everyday clothes, shoes and hair, as they come.
+void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t number, bool again) {
+  constexpr Clothing kWorn[] = {Clothing::tight, Clothing::normal, Clothing::loose};
+  Rng rng = Rng::for_item(seed, again ? kOutfitAgainStream : kOutfitStream, number);
+  scene.clothing = kWorn[rng.index(3)];
+  scene.hair = true;
+  scene.outfit_seed = rng.next() | 1U;
+}
+
 // From behind, before the same camera; another room, place and noise are as good.
-CaptureOptions from_behind(const CaptureOptions& front, const DatasetOptions& o, std::uint64_t number, int capture) {
-  CaptureOptions back = draw_capture(o.variety, o.seed, number, kBackCaptures + capture);
+CaptureOptions from_behind(const CaptureOptions& front, CaptureOptions back) {
   back.intrinsics = front.intrinsics;
   back.sensor = front.sensor;
   back.scene.rotate_deg = front.scene.rotate_deg;
@@ -84,11 +109,11 @@ CaptureOptions from_behind(const CaptureOptions& front, const DatasetOptions& o,
 
 // The view from behind and the fits into the sample, unless the captures fail.
 void turn_round(CaptureRig& rig, const Person& person, const CaptureOptions& front, const DatasetOptions& o,
-                std::uint64_t number, int capture, index::Sample& sample) {
+                std::uint64_t number, const Look& look, index::Sample& sample) {
   rig.keep_front();
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const Capture& back =
-        rig.run(person.subject, from_behind(front, o, number, capture * kAttempts + attempt), person.rest);
+        rig.run(person.subject, from_behind(front, draw_look(o, number, look, true, attempt)), person.rest);
     if (!back.valid) continue;
     CaptureRig::Fits fits = rig.fit_both();
     if (fits.front.empty()) return;
@@ -102,20 +127,12 @@ void turn_round(CaptureRig& rig, const Person& person, const CaptureOptions& fro
   }
 }
 
-// Everyday clothes, shoes and hair, as they come.
-void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t number) {
-  constexpr Clothing kWorn[] = {Clothing::tight, Clothing::normal, Clothing::loose};
-  Rng rng = Rng::for_item(seed, kOutfitStream, number);
-  scene.clothing = kWorn[rng.index(3)];
-  scene.hair = true;
-  scene.outfit_seed = rng.next() | 1U;
-}
-
 // Which views of a person are taken.
 struct Views {
   bool stranger = false;
   bool turns = false;    // the view from behind, too
-  bool clothed = false;  // both again, in clothes
+  bool clothed = false;  // both once more, in clothes
+  bool again = false;    // what turns or is clothed another time
 };
 Views views_of(const body::BodyModel& model, const DatasetOptions& o, std::uint64_t number) {
   Views views;
@@ -126,6 +143,7 @@ Views views_of(const body::BodyModel& model, const DatasetOptions& o, std::uint6
   };
   views.turns = nth(o.turn_every, 0);
   views.clothed = nth(o.clothed_every, o.clothed_every == 1 ? 0 : 1);
+  views.again = number < o.again_below;
   return views;
 }
 
@@ -152,11 +170,10 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
                                   : draw_subject(model, o.family, o.seed, number, person.rest);
   rig.cost.draw += watch.lap();
   // The front before scenes drawn until one gives enough frames.
-  const auto shoot = [&](int capture, bool clothed, CaptureOptions& options) -> const Capture* {
+  const auto shoot = [&](const Look& look, CaptureOptions& options) -> const Capture* {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      const int drawn = capture * kAttempts + attempt + (clothed ? kClothedCaptures : 0);
-      options = draw_capture(o.variety, o.seed, number, drawn);
-      if (clothed) dress(options.scene, o.seed, number);
+      options = draw_look(o, number, look, false, attempt);
+      if (look.clothed) dress(options.scene, o.seed, number, look.again);
       const Capture& taken = rig.run(person.subject, options, person.rest);
       result.frames_seen += taken.frames_seen;
       for (std::size_t g = 0; g < kGuidanceCount; ++g) result.refused[g] += taken.refused[g];
@@ -166,19 +183,23 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
     ++result.missing;
     return nullptr;
   };
+  const auto look_at = [&](const Look& look) {
+    CaptureOptions options;
+    const Capture* capture = shoot(look, options);
+    if (capture == nullptr) return;
+    index::Sample s = sample_of(model, person.subject, number, *capture);
+    s.calibrate_only = views.stranger;
+    s.clothed = look.clothed;
+    s.again = look.again;
+    if (look.clothed || views.turns) turn_round(rig, person, options, o, number, look, s);
+    fit_to_shard(s);  // made now or read again, it is the same
+    if (s.refines() || !(s.clothed || s.again)) result.samples.push_back(std::move(s));
+  };
   for (int c = 0; c < o.captures_per_subject; ++c)
-    for (const bool clothed : {false, true}) {
-      if (clothed && !views.clothed) continue;
-      CaptureOptions options;
-      const Capture* capture = shoot(c, clothed, options);
-      if (capture == nullptr) continue;
-      index::Sample s = sample_of(model, person.subject, number, *capture);
-      s.calibrate_only = views.stranger;
-      s.clothed = clothed;
-      if (clothed || views.turns)
-        turn_round(rig, person, options, o, number, c + (clothed ? kClothedCaptures : 0), s);
-      fit_to_shard(s);  // made now or read again, it is the same
-      if (!clothed || s.refines()) result.samples.push_back(std::move(s));
+    for (const bool again : {false, true}) {
+      if (again && !views.again) continue;
+      if (!again || views.turns) look_at({c, false, again});
+      if (views.clothed) look_at({c, true, again});
     }
   return result;
 }
@@ -333,6 +354,7 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.turn_every = shapes > 0 ? static_cast<std::uint32_t>(o.turn_every) : 0;
   run.clothed_every = shapes > 0 ? static_cast<std::uint32_t>(o.clothed_every) : 0;
   run.turn_below = run.turn_every > 0 || run.clothed_every > 0 ? o.turn_below : 0;
+  run.again_below = run.turn_below > 0 ? o.again_below : 0;
   run.shape_key = shapes > 0 ? model.shape_space().key : 0;
   if (shapes > 0) {
     run.fit_size = static_cast<std::uint32_t>(body::fit_value_count(model.shape_space()));

@@ -26,7 +26,7 @@ struct DatasetOptions {
   // answers learn from them, the better the more there are. Training family only, and only subjects numbered below
   // `stranger_below`; 0: none.
   int stranger_every = 3;  // odd: both sexes
-  std::uint32_t stranger_below = 16384;
+  std::uint32_t stranger_below = 14336;
   // Of every n-th pair of a man and a woman, and of every stranger, the sample also has the view from behind and the
   // fitted shapes; 0: of nobody. Needs a body file with a shape space. Only subjects numbered below `turn_below`:
   // what is learned from these needs thousands of people, not millions, and a rule by number lets a run grow.
@@ -34,7 +34,10 @@ struct DatasetOptions {
   // Of every n-th pair, counted from the second, and of every stranger there is another sample in clothes, with the
   // view from behind and the fitted shapes; 0: of nobody. The same people as above only.
   int clothed_every = 2;
-  std::uint32_t turn_below = 16384;
+  std::uint32_t turn_below = 14336;
+  // Whoever of these is numbered below is seen a second time, in another pose, place, room and outfit and in as many
+  // frames as a device takes: answers learn from it what is not of the body, intervals what frames take away.
+  std::uint32_t again_below = 2048;
   int thread_count = 2;  // does not change the result
   // Resuming: finished chunks are kept in `work_dir` ("" = none) as shards and used again when they were made with
   // the same options (thread_count aside) and the same `input_key`, e.g. a checksum of the body and tracker files.

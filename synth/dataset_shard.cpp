@@ -16,7 +16,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr char kMagic[] = "I2DS";
-constexpr std::uint32_t kVersion = 7;
+constexpr std::uint32_t kVersion = 8;
 constexpr char kEnding[] = ".i2d";
 
 struct Head {
@@ -30,7 +30,7 @@ struct Row {
   std::uint64_t subject = 0;
   std::uint16_t frame_count = 0;
   std::uint16_t back_frame_count = 0;  // 0 unless turned
-  std::uint16_t flags = 0;             // 1 woman, 2 calibrate_only, 4 turned, 8 clothed
+  std::uint16_t flags = 0;             // 1 woman, 2 calibrate_only, 4 turned, 8 clothed, 16 again
   std::uint16_t body_values = 0;       // other than zero
   std::uint16_t distance_mm = 0;
   std::uint16_t back_distance_mm = 0;  // 0 unless turned
@@ -41,6 +41,7 @@ constexpr std::uint16_t kWoman = 1;
 constexpr std::uint16_t kCalibrateOnly = 2;
 constexpr std::uint16_t kTurned = 4;  // has a view from behind and fits, in the order of rows
 constexpr std::uint16_t kClothed = 8;
+constexpr std::uint16_t kAgain = 16;
 
 template <class Visit>
 void visit_fields(const RunKey& r, const Visit& visit) {
@@ -66,6 +67,7 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("clothed_every", std::uint64_t{r.clothed_every});
   visit("stranger_below", std::uint64_t{r.stranger_below});
   visit("fit_patches", std::uint64_t{r.fit_patches});
+  visit("again_below", std::uint64_t{r.again_below});
 }
 
 std::string text_of(const std::string& name, std::uint64_t value) {
@@ -176,8 +178,9 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
     row.back_frame_count = static_cast<std::uint16_t>(s.back_frame_count);
     row.distance_mm = static_cast<std::uint16_t>(s.distance_mm);
     row.back_distance_mm = static_cast<std::uint16_t>(s.back_distance_mm);
-    row.flags = static_cast<std::uint16_t>((s.woman ? kWoman : 0) | (s.calibrate_only ? kCalibrateOnly : 0) |
-                                           (s.refines() ? kTurned : 0) | (s.clothed ? kClothed : 0));
+    row.flags =
+        static_cast<std::uint16_t>((s.woman ? kWoman : 0) | (s.calibrate_only ? kCalibrateOnly : 0) |
+                                   (s.refines() ? kTurned : 0) | (s.clothed ? kClothed : 0) | (s.again ? kAgain : 0));
     if (s.refines() &&
         (s.fit.size() != run.fit_size || s.fit_both.size() != run.fit_size || s.back.size() != run.feature_size))
       return wrong(path, "a sample's view from behind is not of the run's sizes");
@@ -265,6 +268,7 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
     s.woman = (row.flags & kWoman) != 0;
     s.calibrate_only = (row.flags & kCalibrateOnly) != 0;
     s.clothed = (row.flags & kClothed) != 0;
+    s.again = (row.flags & kAgain) != 0;
     s.fit_patches = (row.flags & kTurned) != 0 ? run.fit_patches : 0;
     read_feature(*features, i, s.feature);
     if ((row.flags & kTurned) != 0) {

@@ -40,7 +40,7 @@ struct RunKey {
   std::uint32_t clothed_every = 0;
   std::uint32_t stranger_below = 0;
   std::uint32_t fit_patches = 0;  // of fit_size, twice
-  std::uint32_t reserved = 0;
+  std::uint32_t again_below = 0;
 
   bool operator==(const RunKey&) const = default;
   std::uint64_t hash() const;

@@ -147,64 +147,107 @@ void add_asymmetry(const body::BodyModel& model, std::span<const Vec3f> rest, fl
   }
 }
 
+namespace {
+
+constexpr float kAsideMm = 190;  // of centres: arms hang farther
+
+float between(Rng& rng, float least, float most) {
+  return static_cast<float>(rng.uniform(static_cast<double>(least), static_cast<double>(most)));
+}
+float normal(Rng& rng, double sd) {
+  return static_cast<float>(rng.normal() * sd);
+}
+
+// The part of a body between two shares of its height, and what is drawn in it.
+struct Part {
+  std::span<const Vec3f> points;  // of the whole body
+  Height height;
+  float low, high;
+
+  float draw_height(Rng& rng) const { return height.low + (height.high - height.low) * between(rng, low, high); }
+  Vec3f draw_point(Rng& rng) const {
+    for (;;) {
+      const Vec3f p = points[static_cast<std::size_t>(rng.index(static_cast<int>(points.size())))];
+      const float share = height.share(p.y);
+      if (share >= low && share <= high && std::abs(p.x) <= kAsideMm) return p;
+    }
+  }
+  // Mean depth of the trunk: arms hang farther aside.
+  float axis_z() const {
+    double depth_sum = 0;
+    int depth_count = 0;
+    for (const Vec3f& p : points) {
+      const float share = height.share(p.y);
+      if (share < 0.5F || share > 0.75F || std::abs(p.x) > kAsideMm) continue;
+      depth_sum += static_cast<double>(p.z);
+      ++depth_count;
+    }
+    return static_cast<float>(depth_sum / std::max(depth_count, 1));
+  }
+};
+
+void add_mirrored_bumps(const Part& part, const Mirrored& m, Rng& rng, std::span<float> along) {
+  const float size_mm = between(rng, m.bump_least_mm, m.bump_most_mm);
+  for (int i = 0; i < m.bumps; ++i) {
+    Pair pair;
+    pair.centre = part.draw_point(rng);
+    pair.reach = between(rng, m.bump_reach_least_mm, m.bump_reach_most_mm);
+    const float size = between(rng, -1, 1) * size_mm;
+    if (rng.uniform() < m.uneven_share) pair.image = between(rng, -1, 1);
+    add_weights(part.points, pair, size, along.data());
+  }
+}
+
+void add_slides(const Part& part, const Mirrored& m, Rng& rng, std::span<float> up) {
+  for (int i = 0; i < m.slides; ++i) {
+    Pair pair;
+    pair.centre = part.draw_point(rng);
+    pair.reach = between(rng, m.slide_reach_least_mm, m.slide_reach_most_mm);
+    add_weights(part.points, pair, normal(rng, m.slide_sd_mm), up.data());
+  }
+}
+
+void add_warps(const Part& part, const Mirrored& m, Rng& rng, std::span<Vec3f> offset_mm) {
+  const float axis_z = part.axis_z();
+  for (int i = 0; i < m.warps; ++i) {
+    Warp warp;
+    warp.centre = {0, part.draw_height(rng), axis_z + between(rng, -100, 100)};
+    warp.reach = between(rng, m.warp_reach_least_mm, m.warp_reach_most_mm);
+    warp.up_mm = normal(rng, 0.4 * m.warp_sd_mm);
+    warp.forward_mm = normal(rng, m.warp_sd_mm);
+    for (float* stretch : {&warp.wider, &warp.wider_forward, &warp.wider_up, &warp.deeper, &warp.leaning})
+      *stretch = normal(rng, m.warp_stretch_sd);
+    add_warp(part.points, warp, offset_mm.data());
+  }
+}
+
+void add_shifts(const Part& part, const Mirrored& m, Rng& rng, std::span<Vec3f> offset_mm) {
+  for (int i = 0; i < m.shifts; ++i) {
+    const float centre = part.draw_height(rng);
+    const float reach = between(rng, m.shift_reach_least_mm, m.shift_reach_most_mm);
+    const float forward_mm = normal(rng, m.shift_sd_mm);
+    for (std::size_t v = 0; v < part.points.size(); ++v) {
+      const float y = (part.points[v].y - centre) / reach, left = 1 - y * y;
+      if (left > 0) offset_mm[v].z += forward_mm * left * left;
+    }
+  }
+}
+
+}  // namespace
+
 void add_mirrored(const body::BodyModel& model, std::span<const Vec3f> rest, const Mirrored& mirrored, Rng& rng,
                   std::span<Vec3f> offset_mm) {
-  constexpr float kLow = 0.45F, kHigh = 0.82F, kAsideMm = 190;  // centres, shares of the height
-  const std::span<const Vec3f> points = rest.first(static_cast<std::size_t>(model.body_vertex_count()));
-  const Height height = height_of(model, rest);
-  const auto between = [&](float least, float most) {
-    return static_cast<float>(rng.uniform(static_cast<double>(least), static_cast<double>(most)));
-  };
-  const auto normal = [&](double sd) { return static_cast<float>(rng.normal() * sd); };
-  const auto on_trunk = [&] {
-    for (;;) {
-      const Vec3f p = points[static_cast<std::size_t>(rng.index(model.body_vertex_count()))];
-      const float share = height.share(p.y);
-      if (share >= kLow && share <= kHigh && std::abs(p.x) <= kAsideMm) return p;
-    }
-  };
-
-  std::vector<float> along(points.size()), up(points.size());
-  const float size_mm = between(mirrored.bump_least_mm, mirrored.bump_most_mm);
-  for (int i = 0; i < mirrored.bumps; ++i) {
-    Pair pair;
-    pair.centre = on_trunk();
-    pair.reach = between(mirrored.bump_reach_least_mm, mirrored.bump_reach_most_mm);
-    const float size = between(-1, 1) * size_mm;
-    if (rng.uniform() < mirrored.uneven_share) pair.image = between(-1, 1);
-    add_weights(points, pair, size, along.data());
-  }
-  for (int i = 0; i < mirrored.slides; ++i) {
-    Pair pair;
-    pair.centre = on_trunk();
-    pair.reach = between(mirrored.slide_reach_least_mm, mirrored.slide_reach_most_mm);
-    add_weights(points, pair, normal(mirrored.slide_sd_mm), up.data());
-  }
-  const std::vector<std::uint8_t> all(points.size(), 1);
+  const Part part{rest.first(static_cast<std::size_t>(model.body_vertex_count())), height_of(model, rest),
+                  mirrored.low, mirrored.high};
+  std::vector<float> along(part.points.size()), up(part.points.size());
+  add_mirrored_bumps(part, mirrored, rng, along);
+  add_slides(part, mirrored, rng, up);
+  const std::vector<std::uint8_t> all(part.points.size(), 1);
   const std::vector<Vec3f> normals = vertex_normals(model, rest, all);
-  for (std::size_t v = 0; v < points.size(); ++v)
+  for (std::size_t v = 0; v < part.points.size(); ++v)
     offset_mm[v] = offset_mm[v] + normals[v] * along[v] + Vec3f{0, up[v], 0};
-
-  // The trunk's axis: arms hang farther aside.
-  double depth_sum = 0;
-  int depth_count = 0;
-  for (const Vec3f& p : points) {
-    const float share = height.share(p.y);
-    if (share < 0.5F || share > 0.75F || std::abs(p.x) > kAsideMm) continue;
-    depth_sum += static_cast<double>(p.z);
-    ++depth_count;
-  }
-  const auto axis_z = static_cast<float>(depth_sum / std::max(depth_count, 1));
-  for (int i = 0; i < mirrored.warps; ++i) {
-    Warp warp;
-    warp.centre = {0, height.low + (height.high - height.low) * between(kLow, kHigh), axis_z + between(-100, 100)};
-    warp.reach = between(mirrored.warp_reach_least_mm, mirrored.warp_reach_most_mm);
-    warp.up_mm = normal(0.4 * mirrored.warp_sd_mm);
-    warp.forward_mm = normal(mirrored.warp_sd_mm);
-    for (float* stretch : {&warp.wider, &warp.wider_forward, &warp.wider_up, &warp.deeper, &warp.leaning})
-      *stretch = normal(mirrored.warp_stretch_sd);
-    add_warp(points, warp, offset_mm.data());
-  }
+  add_warps(part, mirrored, rng, offset_mm);
+  add_shifts(part, mirrored, rng, offset_mm);
 }
 
 }  // namespace im2fit::synth

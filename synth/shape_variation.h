@@ -24,9 +24,10 @@ void add_bumps(const body::BodyModel& model, std::span<const Vec3f> rest, const 
 void add_asymmetry(const body::BodyModel& model, std::span<const Vec3f> rest, float amplitude_mm, Rng& rng,
                    std::span<Vec3f> offset_mm);
 
-// What makes people differ as people do, alike on both sides of x = 0: trunks, between knees and chin. Smooth, drawn
-// anew for each person; of no modifier.
+// What makes people differ as people do, alike on both sides of x = 0. Smooth, drawn anew for each person; of no
+// modifier.
 struct Mirrored {
+  float low = 0.45F, high = 0.82F;  // where centres are, shares of the height: trunks, from the crotch to the chin
   // Along the normals, a bump or dent and its image.
   int bumps = 0;
   float bump_least_mm = 0, bump_most_mm = 0;  // of a person's, drawn evenly
@@ -36,11 +37,15 @@ struct Mirrored {
   int slides = 0;
   double slide_sd_mm = 0;
   float slide_reach_least_mm = 120, slide_reach_most_mm = 250;
-  // Parts of the trunk moved forwards or back and stretched, smoothly less away from a centre on the trunk's axis.
+  // Parts moved forwards or back and stretched, smoothly less away from a centre on the trunk's axis.
   int warps = 0;
   double warp_sd_mm = 0;       // forwards; 0.4 of it upwards
   double warp_stretch_sd = 0;  // of widths and depths
   float warp_reach_least_mm = 180, warp_reach_most_mm = 420;
+  // All that is about as high, arms too, moved forwards or back, as spines are bent.
+  int shifts = 0;
+  double shift_sd_mm = 0;
+  float shift_reach_least_mm = 180, shift_reach_most_mm = 350;
 };
 void add_mirrored(const body::BodyModel& model, std::span<const Vec3f> rest, const Mirrored& mirrored, Rng& rng,
                   std::span<Vec3f> offset_mm);

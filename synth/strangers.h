@@ -17,7 +17,8 @@ struct Strangeness {
   double modifier_sd;
   Bumps bumps;
   float bump_least_mm, bump_most_mm;  // of a person's bumps, drawn evenly
-  Mirrored mirrored;
+  Mirrored mirrored;                  // of trunks
+  Mirrored neck;                      // and of necks and heads
 };
 // Refined answers learn from these and intervals are fitted on them: trunks differ where a camera in front does not
 // see it, limbs hardly. Left and right differ alike, mostly, and whole parts are wider, deeper or farther forward, as
@@ -35,10 +36,24 @@ inline constexpr Strangeness kStrangeTrunk = {
                  .slide_sd_mm = 12,
                  .warps = 5,
                  .warp_sd_mm = 11,
-                 .warp_stretch_sd = 0.05}};
+                 .warp_stretch_sd = 0.05,
+                 .shifts = 4,
+                 .shift_sd_mm = 5},
+    .neck = {.low = 0.79F,
+             .high = 0.96F,
+             .bumps = 4,
+             .bump_least_mm = 2,
+             .bump_most_mm = 8,
+             .bump_reach_least_mm = 60,
+             .bump_reach_most_mm = 160,
+             .warps = 2,
+             .warp_sd_mm = 6,
+             .warp_stretch_sd = 0.05,
+             .warp_reach_least_mm = 90,
+             .warp_reach_most_mm = 220}};
 // The shape space knows these as well: different all over.
 inline constexpr Strangeness kStrangeAllOver = {
-    .modifier_sd = 0.3, .bumps = {.count = 14}, .bump_least_mm = 5, .bump_most_mm = 17, .mirrored = {}};
+    .modifier_sd = 0.3, .bumps = {.count = 14}, .bump_least_mm = 5, .bump_most_mm = 17, .mirrored = {}, .neck = {}};
 
 // Deterministic: depends on the model, seed and index only. `family` says training; truth is measured on the mesh.
 Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,

@@ -47,7 +47,7 @@ SampleOptions default_samples() {
 
 void add_sample_options(CLI::App& sub, SampleOptions& options) {
   sub.add_option("--subjects", options.subjects,
-                 "Models: synthetic people in the index (of the first 16,384 drawn, one in three only teaches "
+                 "Models: synthetic people in the index (of the first 14,336 drawn, one in three only teaches "
                  "answers and intervals)")
       ->check(CLI::Range(1, 900'000'000))
       ->capture_default_str();

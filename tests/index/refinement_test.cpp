@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -155,6 +156,48 @@ TEST(Refinement, PatchesTellWhatShapesDoNot) {
     }
     EXPECT_LT(with_mm, 0.8 * without_mm) << back;
   }
+}
+
+// A look in a pose of its own, which all that is seen of the front and the fits follows.
+Sample posed(const World& world, std::uint64_t subject, std::uint64_t look) {
+  Sample s = turned(world, subject);
+  Rng rng = Rng::for_item(41, look, subject);
+  const auto pose = static_cast<float>(rng.normal(0, 0.4));
+  for (auto* values : {&s.feature, &s.fit, &s.fit_both})
+    for (std::size_t i = 0; i < values->size(); i += 2) (*values)[i] += pose;
+  s.again = look > 0;
+  return s;
+}
+
+TEST(Refinement, LooksAtTheSameBodySayWhatIsOfThePose) {
+  const World world;
+  const auto build = [&](bool told) {
+    std::vector<Sample> samples;
+    for (std::uint64_t i = 0; i < 1500; ++i)
+      for (std::uint64_t look = 0; look < 2; ++look) {
+        samples.push_back(posed(world, i, look));
+        if (!told && look > 0) samples.back().subject += 10'000;  // of somebody else, as far as it knows
+      }
+    return std::move(*Index::parse(*build_index(options_for(world), source_of(samples)), "looks"));
+  };
+  const Index told = build(true), untold = build(false);
+  EXPECT_EQ(told.size(), 1500U) << "who is seen again is no second entry";
+  EXPECT_EQ(told.info().refined[0].sample_count, 3000U);
+  const auto differences_and_errors = [&](const Index& index) {
+    auto scratch = index.make_scratch();
+    std::array<double, 2> sums{};
+    for (std::uint64_t i = 0; i < 400; ++i) {
+      const Sample a = posed(world, kFreshSubjects + i, 0), b = posed(world, kFreshSubjects + i, 1);
+      const float first = index.query({a.feature, a.fit, {}, {}}, {}, *scratch)->measurements[kWaist].value;
+      const float second = index.query({b.feature, b.fit, {}, {}}, {}, *scratch)->measurements[kWaist].value;
+      sums[0] += std::abs(static_cast<double>(first - second));
+      sums[1] += std::abs(static_cast<double>(first - a.truth[kWaist]));
+    }
+    return sums;
+  };
+  const auto with = differences_and_errors(told), without = differences_and_errors(untold);
+  EXPECT_LT(with[0], 0.9 * without[0]);
+  EXPECT_LT(with[1], 1.05 * without[1]);
 }
 
 TEST(Refinement, StrangersAreTheShareAskedFor) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -52,13 +53,6 @@ TEST_F(Strangers, MirroredChangesAreTheSameOnBothSides) {
   };
   std::map<std::array<long, 3>, std::size_t> at;
   for (std::size_t v = 0; v < rest.size(); ++v) at[key(rest[v], 1)] = v;
-  Mirrored mirrored = kStrangeTrunk.mirrored;
-  mirrored.uneven_share = 0;
-  std::vector<Vec3f> even(rest.size()), uneven(rest.size());
-  Rng rng(3), again(3);
-  add_mirrored(model(), rest, mirrored, rng, even);
-  mirrored.uneven_share = 1;
-  add_mirrored(model(), rest, mirrored, again, uneven);
   const auto lopsided_mm = [&](const std::vector<Vec3f>& offset) {
     double most = 0;
     int pairs = 0;
@@ -72,12 +66,45 @@ TEST_F(Strangers, MirroredChangesAreTheSameOnBothSides) {
     EXPECT_GT(pairs, 10000);
     return most;
   };
+  for (const bool neck : {false, true}) {
+    Mirrored part = neck ? kStrangeTrunk.neck : kStrangeTrunk.mirrored;
+    std::vector<Vec3f> even(rest.size()), uneven(rest.size());
+    Rng rng(3), again(3);
+    part.uneven_share = 0;
+    add_mirrored(model(), rest, part, rng, even);
+    part.uneven_share = 1;
+    add_mirrored(model(), rest, part, again, uneven);
+    double most = 0;
+    for (const Vec3f& o : even) most = std::max(most, static_cast<double>(norm(o)));
+    EXPECT_GT(most, neck ? 4 : 10);
+    EXPECT_LT(most, 150);
+    EXPECT_LT(lopsided_mm(even), 0.2);
+    EXPECT_GT(lopsided_mm(uneven), neck ? 1 : 3);
+  }
+}
+
+// Sections move as a whole: so far forwards at a height, whatever is there.
+TEST_F(Strangers, ShiftsMoveAllThatIsAsHigh) {
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model().vertex_count()));
+  model().morph({}, rest);
+  rest.resize(static_cast<std::size_t>(model().body_vertex_count()));
+  const Mirrored only = {.shifts = 2, .shift_sd_mm = 10};
+  std::vector<Vec3f> offset(rest.size());
+  Rng rng(5);
+  add_mirrored(model(), rest, only, rng, offset);
+  std::map<long, std::array<float, 2>> range;  // of a millimetre of height
   double most = 0;
-  for (const Vec3f& o : even) most = std::max(most, static_cast<double>(norm(o)));
-  EXPECT_GT(most, 10);
-  EXPECT_LT(most, 150);
-  EXPECT_LT(lopsided_mm(even), 0.2);
-  EXPECT_GT(lopsided_mm(uneven), 3);
+  for (std::size_t v = 0; v < rest.size(); ++v) {
+    EXPECT_EQ(offset[v].x, 0);
+    EXPECT_EQ(offset[v].y, 0);
+    const auto [at_height, fresh] = range.try_emplace(std::lround(rest[v].y), std::array{offset[v].z, offset[v].z});
+    auto& [low, high] = at_height->second;
+    low = std::min(low, offset[v].z);
+    high = std::max(high, offset[v].z);
+    most = std::max(most, std::abs(static_cast<double>(offset[v].z)));
+  }
+  EXPECT_GT(most, 2);
+  for (const auto& [height, ends] : range) EXPECT_LT(ends[1] - ends[0], 0.02 * most + 0.01) << height;
 }
 
 TEST_F(Strangers, StayPeople) {
