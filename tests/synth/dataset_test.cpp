@@ -68,12 +68,13 @@ TEST_F(Dataset, DoesNotDependOnThreadsOrOnChunks) {
   o.thread_count = 2;
   o.chunk_size = 3;
   EXPECT_TRUE(same(one, make(o)));
-  o.seed = 2;
+  o.seed = 2;  // nobody fails to be seen
   EXPECT_FALSE(same(one, make(o)));
 }
 
 TEST_F(Dataset, EverySecondPairIsSeenInClothesToo) {
   DatasetOptions o = small();
+  o.seed = 2;  // nobody fails to be seen
   o.again_below = 0;
   const auto bare = [&] {
     o.clothed_every = 0;
