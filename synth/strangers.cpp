@@ -59,7 +59,7 @@ Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uin
   const double amplitude_mm =
       rng.uniform(static_cast<double>(strangeness.bump_least_mm), static_cast<double>(strangeness.bump_most_mm));
   add_bumps(model, rest, strangeness.bumps, static_cast<float>(amplitude_mm), rng, subject.rest_offset_mm);
-  for (const Mirrored* part : {&strangeness.mirrored, &strangeness.neck})
+  for (const Mirrored* part : {&strangeness.trunk, &strangeness.neck})
     add_mirrored(model, rest, *part, rng, subject.rest_offset_mm);
   for (std::size_t i = 0; i < subject.rest_offset_mm.size(); ++i) rest[i] = rest[i] + subject.rest_offset_mm[i];
   subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);

@@ -17,8 +17,8 @@ struct Strangeness {
   double modifier_sd;
   Bumps bumps;
   float bump_least_mm, bump_most_mm;  // of a person's bumps, drawn evenly
-  Mirrored mirrored;                  // of trunks
-  Mirrored neck;                      // and of necks and heads
+  Mirrored trunk;                     // alike on both sides
+  Mirrored neck;                      // with the head
 };
 // Refined answers learn from these and intervals are fitted on them: trunks differ where a camera in front does not
 // see it, limbs hardly. Left and right differ alike, mostly, and whole parts are wider, deeper or farther forward, as
@@ -29,16 +29,16 @@ inline constexpr Strangeness kStrangeTrunk = {
     .bumps = {.count = 3, .reach_least_mm = 200, .reach_most_mm = 400, .low = 0.45F, .high = 0.8F, .aside_mm = 170},
     .bump_least_mm = 3,
     .bump_most_mm = 10,
-    .mirrored = {.bumps = 12,
-                 .bump_least_mm = 6,
-                 .bump_most_mm = 24,
-                 .slides = 4,
-                 .slide_sd_mm = 12,
-                 .warps = 5,
-                 .warp_sd_mm = 11,
-                 .warp_stretch_sd = 0.05,
-                 .shifts = 4,
-                 .shift_sd_mm = 5},
+    .trunk = {.bumps = 12,
+              .bump_least_mm = 6,
+              .bump_most_mm = 24,
+              .slides = 4,
+              .slide_sd_mm = 12,
+              .warps = 5,
+              .warp_sd_mm = 11,
+              .warp_stretch_sd = 0.05,
+              .shifts = 4,
+              .shift_sd_mm = 5},
     .neck = {.low = 0.79F,
              .high = 0.96F,
              .bumps = 4,
@@ -53,7 +53,7 @@ inline constexpr Strangeness kStrangeTrunk = {
              .warp_reach_most_mm = 220}};
 // The shape space knows these as well: different all over.
 inline constexpr Strangeness kStrangeAllOver = {
-    .modifier_sd = 0.3, .bumps = {.count = 14}, .bump_least_mm = 5, .bump_most_mm = 17, .mirrored = {}, .neck = {}};
+    .modifier_sd = 0.3, .bumps = {.count = 14}, .bump_least_mm = 5, .bump_most_mm = 17, .trunk = {}, .neck = {}};
 
 // Deterministic: depends on the model, seed and index only. `family` says training; truth is measured on the mesh.
 Subject draw_stranger(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
