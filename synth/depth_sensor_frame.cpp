@@ -65,8 +65,7 @@ inline __attribute__((always_inline)) void spread(const float* __restrict lattic
   const int cells = width / kPx;
   for (int i = 0; i < cells; ++i)
     for (int p = 0; p < kPx; ++p) out[kPx * i + p] = near[p] * lattice[i] + far[p] * lattice[i + 1];
-  for (int p = 0; p < width % kPx; ++p)
-    out[kPx * cells + p] = near[p] * lattice[cells] + far[p] * lattice[cells + 1];
+  for (int p = 0; p < width % kPx; ++p) out[kPx * cells + p] = near[p] * lattice[cells] + far[p] * lattice[cells + 1];
 }
 
 }  // namespace
