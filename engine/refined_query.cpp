@@ -18,8 +18,7 @@ body::FitView view_of(const RefinedQuery::Side& side) {
 
 bool RefinedQuery::fits(const index::Index& index, const body::ShapeSpace* space) {
   return space != nullptr && space->point_count > 0 && index.shape_key() == space->key &&
-         index.fit_layout() == index::FitLayout{static_cast<std::uint32_t>(space->shape_count),
-                                                static_cast<std::uint32_t>(body::patch_count(*space))};
+         index.fit_layout() == body::fit_layout(*space);
 }
 
 RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* space, bool clothed)
@@ -29,7 +28,7 @@ RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* sp
 
 // None of a fit that is not valid.
 std::span<const float> RefinedQuery::values_of(const body::ShapeFit& fit, FitValues& out) const {
-  const auto values = std::span(out).first(fit.valid ? body::fit_value_count(*space_) : 0);
+  const auto values = std::span(out).first(fit.valid ? body::fit_layout(*space_).size() : 0);
   if (fit.valid) body::fit_values(fit, *space_, values);
   return values;
 }

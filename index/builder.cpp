@@ -107,10 +107,10 @@ Status Builder::check_sample(const Sample& sample, std::size_t number) const {
   if (!std::all_of(sample.truth.begin(), sample.truth.end(), finite) ||
       !std::all_of(sample.body.begin(), sample.body.end(), finite))
     return invalid(which + " has a truth or body parameter that is not finite");
-  const bool all = !sample.fit.empty() && sample.fit.size() == sample.fit_both.size() &&
-                   sample.fit.size() <= kFitMax && sample.back.size() == feature_size_ &&
-                   sample.fit.size() > std::size_t{2} * sample.fit_patches &&
-                   (fit_layout_.size() == 0 || sample.fit_layout() == fit_layout_);
+  const bool all = sample.fit_layout.shapes > 0 && sample.fit.size() == sample.fit_layout.size() &&
+                   sample.fit_both.size() == sample.fit.size() && sample.fit.size() <= kFitMax &&
+                   sample.back.size() == feature_size_ &&
+                   (fit_layout_.size() == 0 || sample.fit_layout == fit_layout_);
   const bool none = sample.fit.empty() && sample.fit_both.empty() && sample.back.empty();
   if (!all && !none) return invalid(which + " has a fit or a back of another size than expected");
   if (sample.subject > 0xFFFFFFFFU) return invalid(which + " has a subject number of 2^32 or more");
@@ -126,7 +126,7 @@ Status Builder::read_chosen() {
       feature_size_ = sample.feature.size();
       body_size_ = sample.body.size();
     }
-    if (fit_layout_.size() == 0 && sample.refines()) fit_layout_ = sample.fit_layout();
+    if (fit_layout_.size() == 0 && sample.refines()) fit_layout_ = sample.fit_layout;
     bad = check_sample(sample, number++);
     if (bad && sample.is_entry()) chosen_.push_back(sample);
     return static_cast<bool>(bad) && chosen_.size() < options_.chosen_on;
@@ -174,7 +174,7 @@ Status Builder::read_moments() {
   Status read = source_([&](const Sample& sample) {
     bad = check_sample(sample, number++);
     if (!bad) return false;
-    if (fit_layout_.size() == 0 && sample.refines()) fit_layout_ = sample.fit_layout();
+    if (fit_layout_.size() == 0 && sample.refines()) fit_layout_ = sample.fit_layout;
     refinements_.add(sample);
     if (!sample.is_entry()) {
       if (!sample.clothed && !sample.again && strangers_.size() < kStrangersMax) strangers_.push_back(sample);

@@ -155,13 +155,15 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
   const auto name = [&](const char* part) { return section_of(kind, part); };
   RefinementContents c;
   c.record = in.record<RefinementRecord>(name("about").c_str());
-  in.require(within(c.record.fit_size, 1, kFitMax) && c.record.fit_patches < (c.record.fit_size + 1) / 2,
-             name("about").c_str(), "says an impossible fit");
+  const FitLayout& fit = c.record.fit;
+  in.require(
+      within(fit.shapes, 1, kFitMax) && fit.patches <= kFitMax && fit.limbs <= kFitMax && fit.size() <= kFitMax,
+      name("about").c_str(), "says an impossible fit");
   in.require(c.record.interval_kind <= 1, name("about").c_str(), "names an unknown method");
   for (const float share : c.record.share) in.require(within(share, 0, 1), name("about").c_str(), "mixes impossibly");
   in.require(possible(c.record.noise), name("about").c_str(), "says an impossible noise model");
   if (in.failed()) return c;
-  const std::size_t size = refined_size(kind, m.feature_size, c.record.fit());
+  const std::size_t size = refined_size(kind, m.feature_size, fit);
   c.mean = in.take<std::uint16_t>(name("mean").c_str(), size);
   c.scale = in.take<std::uint16_t>(name("scale").c_str(), size);
   c.weights = in.take<std::int16_t>(name("weights").c_str(), kTargetMin * size);

@@ -141,7 +141,7 @@ Result<std::size_t> Index::alike(const Seen& seen, std::span<std::uint32_t> entr
 
 FitLayout Index::fit_layout() const {
   for (const auto& refinement : data_->contents.refinements)
-    if (refinement) return refinement->record.fit();
+    if (refinement) return refinement->record.fit;
   return {};
 }
 

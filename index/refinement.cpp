@@ -33,8 +33,11 @@ void refined_values(Refinement kind, const Seen& seen, const FitLayout& layout, 
   const std::size_t squared = std::min(shapes, kSquaredMax);
   for (std::size_t i = 0; i < squared; ++i)
     for (std::size_t j = i; j < squared; ++j) *at++ = fit[i] * fit[j];
-  const auto patches = fit.subspan(shapes, layout.patches * std::size_t{back ? 2U : 1U});
+  const std::size_t views = back ? 2 : 1;
+  const auto patches = fit.subspan(shapes, layout.patches * views);
   at = std::copy(patches.begin(), patches.end(), at);
+  const auto limbs = fit.subspan(shapes + std::size_t{2} * layout.patches, layout.limbs * views);
+  at = std::copy(limbs.begin(), limbs.end(), at);
   *at = seen.frame_count > 0 ? 1.0F / static_cast<float>(seen.frame_count) : std::numeric_limits<float>::quiet_NaN();
 }
 
@@ -52,12 +55,12 @@ Refiner::Work::Work(const Refiner& refiner)
 bool Refiner::applies(const Seen& seen) const {
   const bool back = sees_back(kind_);
   return seen.clothed == is_of_clothed(kind_) && seen.front.size() == feature_size_ &&
-         seen.fit.size() == contents_.record.fit_size &&
-         (!back || (seen.back.size() == feature_size_ && seen.fit_both.size() == contents_.record.fit_size));
+         seen.fit.size() == contents_.record.fit.size() &&
+         (!back || (seen.back.size() == feature_size_ && seen.fit_both.size() == contents_.record.fit.size()));
 }
 
 void Refiner::apply(const Seen& seen, Work& work, Targets& targets) const {
-  refined_values(kind_, seen, contents_.record.fit(), work.values);
+  refined_values(kind_, seen, contents_.record.fit, work.values);
   im2fit::standardise(work.values.data(), mean_.data(), scale_.data(), static_cast<int>(work.values.size()),
                       work.standardised.data());
   const Targets refined = regressor_(work.standardised);

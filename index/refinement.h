@@ -2,13 +2,14 @@
 // A second answer, from more than the feature of the front: from a shape fitted to the depth (body/fit), and from a
 // view from behind. One linear map each, learned on the samples that have all of it, from
 //   feature of the front | feature of the back | coefficients of the fit | of the fit to the front, where there is a
-//   back | products of the fit's strongest coefficients | how far off patches of the skin are | one over the frames
+//   back | products of the fit's strongest coefficients | how far off patches of the skin are | how limbs lie | one
+//   over the frames
 // to measurements and sex. The products stand for girths growing with width times depth; the patches for what nobody
-// among those behind the shape space was like; the frames for what noise adds to widths, above all of people in
-// clothes. How far off a fit is on the whole has no part in it: with more frames or pixels it falls, and would make
-// the clothes of whoever is well seen look tight. The answer is a mixture of
-// this and the plain one, in shares learned on people neither has learned from: the plain one knows more people.
-// Of people in clothes the plain one knows nothing: their answer is the refined one alone.
+// among those behind the shape space was like; the limbs for what raised shoulders make of a chest; the frames for
+// what noise adds to widths, above all of people in clothes. How far off a fit is on the whole has no part in it:
+// with more frames or pixels it falls, and would make the clothes of whoever is well seen look tight. The answer is a
+// mixture of this and the plain one, in shares learned on people neither has learned from: the plain one knows more
+// people. Of people in clothes the plain one knows nothing: their answer is the refined one alone.
 #pragma once
 
 #include <array>
@@ -44,7 +45,7 @@ constexpr std::size_t squared_count(std::size_t shapes) {
 }
 constexpr std::size_t refined_size(Refinement kind, std::size_t feature_size, const FitLayout& fit) {
   const std::size_t views = sees_back(kind) ? 2 : 1;
-  return (feature_size + fit.shapes + fit.patches) * views + squared_count(fit.shapes) + 1;
+  return (feature_size + fit.shapes + fit.patches + fit.limbs) * views + squared_count(fit.shapes) + 1;
 }
 
 // What is known of a person. `back` and the fits may be empty; `fit` is to the front alone, and with fit_both asked
@@ -66,19 +67,18 @@ std::string section_of(Refinement kind, const char* name);
 
 // Of the file; fixed layout.
 struct RefinementRecord {
-  std::uint32_t fit_size = 0;
+  FitLayout fit;
   std::uint32_t sample_count = 0;  // learned from
   std::uint32_t interval_kind = 0;
   std::uint32_t penalty_millionths = 0;  // of the ridge, of the values' variance
   std::uint32_t shape_key = 0;           // of the shape space that fits must be of
-  std::uint32_t fit_patches = 0;
+  std::uint32_t reserved = 0;
   NoiseModel noise;
   std::array<float, kTargetMin> share{};  // of the refined in the answer, 0..1; the rest is the plain one's
   MeasurementValues mae{};                // of answers to people it was not learned from
   MeasurementValues coverage{};           // of the 95 % intervals
-  FitLayout fit() const { return {fit_size - 2 * fit_patches, fit_patches}; }
 };
-static_assert(sizeof(RefinementRecord) == 56 + 4 * kTargetMin + 8 * kMeasurementCount);
+static_assert(sizeof(RefinementRecord) == 64 + 4 * kTargetMin + 8 * kMeasurementCount);
 
 // The nearest float whose lower half is zero, and its upper half: three digits, enough to standardise by.
 constexpr std::uint16_t upper_of_float(float value) {

@@ -200,7 +200,7 @@ CrossFit choose_penalty(const Table& table, const Eigen::VectorXd& shares) {
 void RefinementBuilder::add(const Sample& sample) {
   Rows& rows = rows_[sample.clothed ? 1 : 0];
   if (!sample.refines() || rows.size() >= kSampleMax) return;
-  fit_ = sample.fit_layout();
+  fit_ = sample.fit_layout;
   feature_size_ = sample.feature.size();
   Row& row = rows.emplace_back();
   row.subject = sample.subject;
@@ -227,8 +227,7 @@ void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& pl
     if (rows.size() < kSampleMin) continue;
     auto& learned = learned_[static_cast<std::size_t>(kind)];
     learned = learn_one(kind, rows, targets, plain, seed);
-    learned->record.fit_size = static_cast<std::uint32_t>(fit_.size());
-    learned->record.fit_patches = fit_.patches;
+    learned->record.fit = fit_;
     learned->record.shape_key = shape_key;
     for (Row& row : rows) std::vector<float>().swap(row.values[sees_back(kind) ? 1 : 0]);
   }

@@ -2,25 +2,16 @@
 // What an index is learned from.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "base/status.h"
+#include "kernels/core/fit_layout.h"
 #include "kernels/core/measurement.h"
 
 namespace im2fit::index {
-
-// What a fit is told by (body/fit/shape_fitter.h): coefficients of the shape, then how far off each patch of the skin
-// is, of the front and of the back. NaN: not seen, or a fit to the front alone.
-struct FitLayout {
-  std::uint32_t shapes = 0;
-  std::uint32_t patches = 0;  // of a view
-  std::size_t size() const { return shapes + std::size_t{2} * patches; }
-  bool operator==(const FitLayout&) const = default;
-};
 
 // One training subject seen once. Several samples may share a subject (different pose, noise, distance); they must
 // follow each other.
@@ -42,16 +33,13 @@ struct Sample {
   bool again = false;
   // More that was seen of some subjects, for index/refinement.h; else empty. The same sizes in every sample that has
   // them.
-  std::vector<float> fit;         // shape fitted to the front, as FitLayout says
-  std::vector<float> back;        // the feature of a view from behind
-  std::vector<float> fit_both;    // shape fitted to front and back
-  std::uint32_t fit_patches = 0;  // of either fit
-  int back_frame_count = 0;       // frames fused behind `back`
+  std::vector<float> fit;       // shape fitted to the front, as fit_layout says
+  std::vector<float> back;      // the feature of a view from behind
+  std::vector<float> fit_both;  // shape fitted to front and back
+  FitLayout fit_layout;         // of either fit
+  int back_frame_count = 0;     // frames fused behind `back`
   int back_distance_mm = 0;
   bool refines() const { return !fit.empty(); }
-  FitLayout fit_layout() const {
-    return {static_cast<std::uint32_t>(fit.size() - std::min<std::size_t>(fit.size(), 2 * fit_patches)), fit_patches};
-  }
   bool is_entry() const { return !calibrate_only && !clothed && !again; }
 };
 

@@ -120,7 +120,7 @@ void turn_round(CaptureRig& rig, const Person& person, const CaptureOptions& fro
     sample.back.assign(back.feature.begin(), back.feature.end());
     sample.fit = std::move(fits.front);
     sample.fit_both = std::move(fits.both);
-    sample.fit_patches = fits.patches;
+    sample.fit_layout = fits.layout;
     sample.back_frame_count = back.frame_count;
     sample.back_distance_mm = back.distance_mm;
     return;
@@ -356,10 +356,7 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.turn_below = run.turn_every > 0 || run.clothed_every > 0 ? o.turn_below : 0;
   run.again_below = run.turn_below > 0 ? o.again_below : 0;
   run.shape_key = shapes > 0 ? model.shape_space().key : 0;
-  if (shapes > 0) {
-    run.fit_size = static_cast<std::uint32_t>(body::fit_value_count(model.shape_space()));
-    run.fit_patches = static_cast<std::uint32_t>(body::patch_count(model.shape_space()));
-  }
+  if (shapes > 0) run.fit = body::fit_layout(model.shape_space());
   run.feature_size = static_cast<std::uint32_t>(kFeatureSize);
   run.body_size = static_cast<std::uint32_t>(body::params_vector_size(model.modifier_names().size()));
   return run;

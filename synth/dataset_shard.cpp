@@ -16,7 +16,7 @@ namespace im2fit::synth {
 namespace {
 
 constexpr char kMagic[] = "I2DS";
-constexpr std::uint32_t kVersion = 8;
+constexpr std::uint32_t kVersion = 9;
 constexpr char kEnding[] = ".i2d";
 
 struct Head {
@@ -61,12 +61,13 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("feature_size", std::uint64_t{r.feature_size});
   visit("body_size", std::uint64_t{r.body_size});
   visit("turn_every", std::uint64_t{r.turn_every});
-  visit("fit_size", std::uint64_t{r.fit_size});
+  visit("fit_shapes", std::uint64_t{r.fit.shapes});
   visit("shape_key", std::uint64_t{r.shape_key});
   visit("turn_below", std::uint64_t{r.turn_below});
   visit("clothed_every", std::uint64_t{r.clothed_every});
   visit("stranger_below", std::uint64_t{r.stranger_below});
-  visit("fit_patches", std::uint64_t{r.fit_patches});
+  visit("fit_patches", std::uint64_t{r.fit.patches});
+  visit("fit_limbs", std::uint64_t{r.fit.limbs});
   visit("again_below", std::uint64_t{r.again_below});
 }
 
@@ -182,7 +183,7 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
         static_cast<std::uint16_t>((s.woman ? kWoman : 0) | (s.calibrate_only ? kCalibrateOnly : 0) |
                                    (s.refines() ? kTurned : 0) | (s.clothed ? kClothed : 0) | (s.again ? kAgain : 0));
     if (s.refines() &&
-        (s.fit.size() != run.fit_size || s.fit_both.size() != run.fit_size || s.back.size() != run.feature_size))
+        (s.fit.size() != run.fit.size() || s.fit_both.size() != run.fit.size() || s.back.size() != run.feature_size))
       return wrong(path, "a sample's view from behind is not of the run's sizes");
     for (std::size_t i = 0; i < s.body.size(); ++i) {
       if (std::bit_cast<std::uint32_t>(s.body[i]) == 0) continue;
@@ -238,7 +239,8 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
       std::count_if(rows->begin(), rows->end(), [](const Row& row) { return (row.flags & kTurned) != 0; }));
   const auto backs = sections.array<std::uint16_t>("backs", turned * run.feature_size);
   if (!backs) return backs.error();
-  const auto fits = sections.array<float>("fits", turned * 2 * run.fit_size);
+  const std::size_t fit_size = run.fit.size();
+  const auto fits = sections.array<float>("fits", turned * 2 * fit_size);
   if (!fits) return fits.error();
   const auto columns = sections.array<std::uint16_t>("body_columns");
   if (!columns) return columns.error();
@@ -269,13 +271,13 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
     s.calibrate_only = (row.flags & kCalibrateOnly) != 0;
     s.clothed = (row.flags & kClothed) != 0;
     s.again = (row.flags & kAgain) != 0;
-    s.fit_patches = (row.flags & kTurned) != 0 ? run.fit_patches : 0;
     read_feature(*features, i, s.feature);
     if ((row.flags & kTurned) != 0) {
       read_feature(*backs, turn, s.back);
-      const auto both = fits->subspan(2 * turn++ * run.fit_size, std::size_t{2} * run.fit_size);
-      s.fit.assign(both.begin(), both.begin() + static_cast<std::ptrdiff_t>(run.fit_size));
-      s.fit_both.assign(both.begin() + static_cast<std::ptrdiff_t>(run.fit_size), both.end());
+      s.fit_layout = run.fit;
+      const auto both = fits->subspan(2 * turn++ * fit_size, 2 * fit_size);
+      s.fit.assign(both.begin(), both.begin() + static_cast<std::ptrdiff_t>(fit_size));
+      s.fit_both.assign(both.begin() + static_cast<std::ptrdiff_t>(fit_size), both.end());
     }
     std::copy_n(truths->begin() + static_cast<std::ptrdiff_t>(i * kMeasurementCount), kMeasurementCount,
                 s.truth.begin());

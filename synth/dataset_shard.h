@@ -34,13 +34,13 @@ struct RunKey {
   std::uint32_t feature_size = 0;
   std::uint32_t body_size = 0;
   std::uint32_t turn_every = 0;
-  std::uint32_t fit_size = 0;    // values of a fitted shape; 0: nobody has one
+  FitLayout fit;                 // of a fitted shape; of size 0: nobody has one
   std::uint32_t shape_key = 0;   // of the shape space behind the fits
   std::uint32_t turn_below = 0;  // subjects numbered below
   std::uint32_t clothed_every = 0;
   std::uint32_t stranger_below = 0;
-  std::uint32_t fit_patches = 0;  // of fit_size, twice
   std::uint32_t again_below = 0;
+  std::uint32_t reserved = 0;
 
   bool operator==(const RunKey&) const = default;
   std::uint64_t hash() const;

@@ -213,11 +213,11 @@ CaptureRig::Fits CaptureRig::fit_both() {
   keep(*back_);
   const std::array<body::FitView, 2> views = {front_->view, back_->view};
   const auto values_of = [&](const body::ShapeFit& fit) {
-    std::vector<float> values(fit.valid ? body::fit_value_count(model_.shape_space()) : 0);
+    std::vector<float> values(fit.valid ? body::fit_layout(model_.shape_space()).size() : 0);
     if (fit.valid) body::fit_values(fit, model_.shape_space(), values);
     return values;
   };
-  fits.patches = static_cast<std::uint32_t>(body::patch_count(model_.shape_space()));
+  fits.layout = body::fit_layout(model_.shape_space());
   fits.both = values_of(fitter_->run(views));
   fits.front = values_of(fitter_->first_alone());
   cost.fit += watch.lap();

@@ -68,7 +68,7 @@ class CaptureRig {
   // them. Empty when the body file has no shape space or a fit failed.
   struct Fits {
     std::vector<float> front, both;
-    std::uint32_t patches = 0;  // of either
+    FitLayout layout;  // of either
   };
   Fits fit_both();
   CaptureCost cost;

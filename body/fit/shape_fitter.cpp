@@ -321,9 +321,11 @@ void ShapeFitter::Work::look_back() {
   result.surface_rows = result.rim_rows = 0;
   surface_sum_ = rim_sum_ = 0;
   for (auto& off : result.off_mm) off.fill(std::numeric_limits<float>::quiet_NaN());
+  for (auto& limbs : result.limbs) limbs.fill(std::numeric_limits<float>::quiet_NaN());
   Pending found;
   for (std::size_t v = 0; v < view_count_; ++v) {
     views_[v].shape.set(views_[v].pose);
+    result.limbs[v] = limb_axes(views_[v].pose);
     std::array<float, kPatchMax> sum{};
     std::array<int, kPatchMax> count{};
     for (std::size_t i = 0; i < space_.point_count; ++i) {
@@ -372,6 +374,7 @@ void ShapeFitter::Work::points_in_view(std::size_t v, std::span<Vec3f> out) {
 void fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out) {
   auto at = std::copy_n(fit.shape.begin(), space.shape_count, out.begin());
   for (const auto& off : fit.off_mm) at = std::copy_n(off.begin(), patch_count(space), at);
+  for (const auto& limbs : fit.limbs) at = std::copy(limbs.begin(), limbs.end(), at);
 }
 
 ShapeFitter::ShapeFitter(const ShapeSpace& space) : work_(std::make_unique<Work>(space)) {}

@@ -11,9 +11,11 @@
 #include <memory>
 #include <span>
 
+#include "body/fit/limb_axes.h"
 #include "body/fit/shape_space.h"
 #include "body/fit/skin_patches.h"
 #include "kernels/core/camera.h"
+#include "kernels/core/fit_layout.h"
 #include "kernels/core/joints.h"
 #include "kernels/segment/segment.h"
 
@@ -37,16 +39,17 @@ struct ShapeFit {
   // How far before the body's skin, along its normals, the surface seen lies, mm: mean of a patch's points, of each
   // view. NaN where none of them is seen.
   std::array<std::array<float, kPatchMax>, kFitViewMax> off_mm{};
-  float surface_mm = 0;  // mean absolute distances at the end
+  std::array<LimbAxes, kFitViewMax> limbs{};  // of the pose in each view; NaN where there is no view
+  float surface_mm = 0;                       // mean absolute distances at the end
   float rim_mm = 0;
   int surface_rows = 0, rim_rows = 0;
 };
 
-// As index::Sample and queries take a fit: its coefficients, then off_mm of both views. `out` has
-// fit_value_count(space) places.
-inline constexpr std::size_t kFitValueMax = kShapeMax + kFitViewMax * kPatchMax;
-inline std::size_t fit_value_count(const ShapeSpace& space) {
-  return space.shape_count + kFitViewMax * patch_count(space);
+// As indexes and queries take a fit: its coefficients, off_mm of both views, limbs of both. `out` has
+// fit_layout(space).size() places.
+inline constexpr std::size_t kFitValueMax = kShapeMax + kFitViewMax * (kPatchMax + kLimbValues);
+inline FitLayout fit_layout(const ShapeSpace& space) {
+  return {static_cast<std::uint32_t>(space.shape_count), static_cast<std::uint32_t>(patch_count(space)), kLimbValues};
 }
 void fit_values(const ShapeFit& fit, const ShapeSpace& space, std::span<float> out);
 

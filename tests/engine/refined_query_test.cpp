@@ -18,7 +18,7 @@ const index::Index& refined_index() {
     const index::testing::World world;
     std::vector<index::Sample> samples;
     for (std::uint64_t i = 0; i < 600; ++i)
-      samples.push_back(index::testing::turned_with_patches(world, i, body::kShapePointMin));
+      samples.push_back(index::testing::turned_with_views(world, i, body::kShapePointMin, body::kLimbValues, 0));
     index::BuildOptions options = index::testing::options_for(world);
     options.shape_key = kKey;
     return std::move(*index::Index::parse(*build_index(options, index::source_of(samples)), "refined"));
@@ -39,6 +39,7 @@ TEST(RefinedQuery, FitsAreAskedOfAnIndexOfTheirSpaceAndSizeAlone) {
   const std::size_t size = refined_index().fit_layout().shapes;
   ASSERT_GT(size, 1U);
   ASSERT_EQ(refined_index().fit_layout().patches, body::kShapePointMin);
+  ASSERT_EQ(refined_index().fit_layout().limbs, body::kLimbValues);
   const auto fits = [](const body::ShapeSpace& space) { return RefinedQuery::fits(refined_index(), &space); };
   EXPECT_TRUE(fits(space_of(size)));
   EXPECT_FALSE(fits(space_of(size - 1)));

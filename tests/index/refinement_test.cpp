@@ -49,7 +49,7 @@ Seen seen_of(const Sample& s) {
 TEST(Refinement, EachViewAddsWhatItShows) {
   const World world;
   const Index& index = index_with(true);
-  EXPECT_EQ(index.fit_layout(), (FitLayout{static_cast<std::uint32_t>(world.shapes), 0}));
+  EXPECT_EQ(index.fit_layout(), (FitLayout{static_cast<std::uint32_t>(world.shapes), 0, 0}));
   EXPECT_EQ(index.info().refined[0].sample_count, 1500U);
   auto scratch = index.make_scratch();
   double front = 0, fitted = 0, both = 0, spread = 0;
@@ -121,29 +121,30 @@ TEST(Refinement, OtherSizesThanLearnedAreNotUsed) {
   EXPECT_EQ(index.query(seen_of(s), {}, *scratch)->from, AnsweredFrom::front);
 }
 
-TEST(Refinement, PatchesTellWhatShapesDoNot) {
-  constexpr std::uint32_t kPatches = 4;
+// By shapes alone, and with the value of the patches or limbs that shows it.
+void expect_told(std::uint32_t patches, std::uint32_t limbs, std::size_t shown_at) {
   const World world;
-  const auto build = [&](bool with_patches) {
+  const auto shapes_alone = [&](Sample& s) {
+    for (auto* fit : {&s.fit, &s.fit_both}) fit->resize(static_cast<std::size_t>(world.shapes));
+    s.fit_layout = {static_cast<std::uint32_t>(world.shapes), 0, 0};
+  };
+  const auto build = [&](bool with_views) {
     std::vector<Sample> samples;
     for (std::uint64_t i = 0; i < 1500; ++i) {
-      samples.push_back(testing::turned_with_patches(world, i, kPatches));
-      if (with_patches) continue;
-      for (auto* fit : {&samples.back().fit, &samples.back().fit_both})
-        fit->resize(static_cast<std::size_t>(world.shapes));
-      samples.back().fit_patches = 0;
+      samples.push_back(testing::turned_with_views(world, i, patches, limbs, shown_at));
+      if (!with_views) shapes_alone(samples.back());
     }
-    return std::move(*Index::parse(*build_index(options_for(world), source_of(samples)), "patches"));
+    return std::move(*Index::parse(*build_index(options_for(world), source_of(samples)), "views"));
   };
   const Index with = build(true), without = build(false);
-  EXPECT_EQ(with.fit_layout(), (FitLayout{static_cast<std::uint32_t>(world.shapes), kPatches}));
+  EXPECT_EQ(with.fit_layout(), (FitLayout{static_cast<std::uint32_t>(world.shapes), patches, limbs}));
   auto scratch = with.make_scratch();
   auto plain = without.make_scratch();
   for (const bool back : {false, true}) {
     double with_mm = 0, without_mm = 0;
     const int count = 200;
     for (std::uint64_t i = 0; i < count; ++i) {
-      Sample s = testing::turned_with_patches(world, kFreshSubjects + i, kPatches);
+      Sample s = testing::turned_with_views(world, kFreshSubjects + i, patches, limbs, shown_at);
       const auto error = [&](const Index& index, Index::Scratch& work) {
         const Seen seen = back ? seen_of(s) : Seen{s.feature, s.fit, {}, {}};
         const Answer a = *index.query(seen, {}, work);
@@ -151,11 +152,19 @@ TEST(Refinement, PatchesTellWhatShapesDoNot) {
         return std::abs(static_cast<double>(a.measurements[kWaist].value - s.truth[kWaist])) / count;
       };
       with_mm += error(with, *scratch);
-      for (auto* fit : {&s.fit, &s.fit_both}) fit->resize(static_cast<std::size_t>(world.shapes));
+      shapes_alone(s);
       without_mm += error(without, *plain);
     }
     EXPECT_LT(with_mm, 0.8 * without_mm) << back;
   }
+}
+
+TEST(Refinement, PatchesTellWhatShapesDoNot) {
+  expect_told(4, 0, 0);
+}
+
+TEST(Refinement, LimbsTellWhatShapesDoNot) {
+  expect_told(2, 3, 4);
 }
 
 // A look in a pose of its own, which all that is seen of the front and the fits follows.
@@ -212,10 +221,11 @@ TEST(Refinement, StrangersAreTheShareAskedFor) {
 TEST(Refinement, BuildingRefusesFitsOfAnotherLayout) {
   const World world;
   std::vector<Sample> samples;
-  for (std::uint64_t i = 0; i < 20; ++i) samples.push_back(testing::turned_with_patches(world, i, 4));
-  samples[7].fit_patches = 3;  // the same number of values
+  for (std::uint64_t i = 0; i < 20; ++i) samples.push_back(testing::turned_with_views(world, i, 4, 0, 0));
+  samples[7].fit_layout.patches = 3;
+  samples[7].fit_layout.limbs = 1;  // the same number of values
   EXPECT_NE(build_index(options_for(world), source_of(samples)).error().message.find("sample 7"), std::string::npos);
-  samples[7].fit_patches = 100;  // more than there are
+  samples[7].fit_layout = {samples[6].fit_layout.shapes, 100, 0};  // more than there are
   EXPECT_NE(build_index(options_for(world), source_of(samples)).error().message.find("sample 7"), std::string::npos);
 }
 
