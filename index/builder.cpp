@@ -21,9 +21,7 @@ namespace im2fit::index {
 namespace {
 
 constexpr std::size_t kSubjectMin = 20;
-constexpr std::size_t kStrangersMin = 200;  // fewer say too little about 2.5 % quantiles
 constexpr std::size_t kStrangersMax = 8192;
-constexpr double kStrangerShare = 0.17;  // of those whom intervals are judged on
 constexpr std::ptrdiff_t kBlockRows = 512;
 constexpr double kLatentExplained = 0.1;  // a latent whose regression explains less than this is dropped
 

@@ -21,13 +21,9 @@ constexpr double kPenalties[] = {0.003, 0.01, 0.03, 0.1, 0.3};  // in variances 
 constexpr double kFitPenalty = 0.03, kHistogramPenalty = 3, kFramesPenalty = 0.1, kSensorPenalty = 0.1;
 // A row's variance where people stand beyond kWellSeenMm, in squares of that distance over this: what it counts by.
 constexpr double kFarVariance = 11;
-// Of those whom intervals are judged on, strangers are this share, by kind (docs/formats-index.md): where more is
-// seen ordinary people's errors are the smaller beside those of others.
-constexpr std::array<double, kRefinementCount> kStrangerShare = {0.17, 0.4, 0.16, 0.22};
 // What differs between two looks at the same body counts by this much of its variance as a penalty: poses and noise
 // answer for less of what is said (errors in variables; docs/formats-index.md has what other values cost).
 constexpr double kSameBody = 0.25;
-constexpr std::size_t kStrangersMin = 200;  // to take shares from, as for the plain answer
 
 // Standardised as a query does it.
 RowMatrixF standardised_rows(FeatureScale& scale, const std::vector<const std::vector<float>*>& values) {
@@ -273,7 +269,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   const bool many = strangers.size() >= kStrangersMin;
   std::vector<std::ptrdiff_t> judged = ordinary;
   if (many) {
-    const double share = kStrangerShare[static_cast<std::size_t>(kind)];
+    const double share = kRefinedStrangerShare[static_cast<std::size_t>(kind)];
     for (const std::size_t i : strangers_beside(ordinary.size(), strangers.size(), share))
       judged.push_back(strangers[i]);
   } else {
