@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "body/model.h"
-#include "kernels/core/measurement.h"
+#include "core/measurement.h"
 
 namespace im2fit::body {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/container.h"
 #include "body/fit/shape_space_file.h"
 #include "body/model_data.h"
+#include "core/container.h"
 
 namespace im2fit::body {
 

@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/status.h"
-#include "kernels/core/joints.h"
-#include "kernels/core/vec3.h"
+#include "core/joints.h"
+#include "core/status.h"
+#include "core/vec3.h"
 
 namespace im2fit::body {
 

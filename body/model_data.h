@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/file.h"
 #include "body/fit/shape_space.h"
 #include "body/model.h"
+#include "core/file.h"
 #include "kernels/blend/blend.h"
 #include "kernels/skin/skin.h"
 

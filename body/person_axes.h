@@ -5,8 +5,8 @@
 #pragma once
 
 #include "body/skeleton.h"
-#include "kernels/core/joints.h"
-#include "kernels/segment/segment.h"
+#include "core/floor_plane.h"
+#include "core/joints.h"
 
 namespace im2fit::body {
 

@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <string>
 
-#include "base/rng.h"
 #include "body/measure.h"
 #include "body/shape_spread.h"
+#include "core/rng.h"
 
 namespace im2fit::body {
 namespace {

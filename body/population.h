@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "base/status.h"
 #include "body/model.h"
+#include "core/status.h"
 
 namespace im2fit::body {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "kernels/core/vec3.h"
+#include "core/vec3.h"
 
 namespace im2fit::body {
 

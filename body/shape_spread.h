@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/rng.h"
 #include "body/model.h"
+#include "core/rng.h"
 
 namespace im2fit::body {
 

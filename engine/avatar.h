@@ -5,12 +5,12 @@
 
 #include <span>
 
-#include "base/status.h"
 #include "body/model.h"
 #include "body/skeleton.h"
+#include "core/joints.h"
+#include "core/status.h"
 #include "index/index.h"
-#include "kernels/core/joints.h"
-#include "kernels/observe/observe.h"
+#include "perception/observe/observe.h"
 
 namespace im2fit {
 

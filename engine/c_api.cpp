@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "body/skeleton.h"
+#include "core/measurement.h"
 #include "engine/avatar.h"
 #include "engine/c_handle.h"
-#include "kernels/core/measurement.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "engine/engine.h"
 #include "engine/frame_stages.h"
 #include "engine/include/im2fit/im2fit.h"

@@ -10,15 +10,15 @@
 #include <span>
 #include <string>
 
-#include "base/status.h"
 #include "body/model.h"
+#include "core/guidance.h"
+#include "core/joints.h"
+#include "core/status.h"
 #include "engine/age.h"
 #include "hal/source.h"
 #include "index/index.h"
-#include "kernels/core/guidance.h"
-#include "kernels/core/joints.h"
-#include "kernels/observe/chain_filter.h"
-#include "kernels/observe/observe.h"
+#include "perception/observe/chain_filter.h"
+#include "perception/observe/observe.h"
 
 namespace im2fit {
 

@@ -8,9 +8,9 @@
 #include "engine/frame_pool.h"
 #include "engine/frame_stages.h"
 #include "engine/session.h"
-#include "kernels/observe/chain_filter.h"
-#include "kernels/observe/joint_filter.h"
-#include "kernels/observe/motion_filter.h"
+#include "perception/observe/chain_filter.h"
+#include "perception/observe/joint_filter.h"
+#include "perception/observe/motion_filter.h"
 
 namespace im2fit {
 

@@ -8,9 +8,9 @@
 #include <cstring>
 #include <vector>
 
+#include "core/camera.h"
 #include "hal/source.h"
-#include "kernels/core/camera.h"
-#include "kernels/observe/observe.h"
+#include "perception/observe/observe.h"
 
 namespace im2fit {
 

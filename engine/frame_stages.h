@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "base/status.h"
+#include "core/status.h"
 #include "engine/engine.h"
 
 namespace im2fit {

@@ -9,7 +9,7 @@
 #include "body/fit/shape_fitter.h"
 #include "engine/age.h"
 #include "index/index.h"
-#include "kernels/observe/observe.h"
+#include "perception/observe/observe.h"
 
 namespace im2fit {
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "engine/frame_stages.h"
-#include "kernels/observe/observe.h"
+#include "perception/observe/observe.h"
 
 namespace im2fit {
 

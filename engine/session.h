@@ -15,7 +15,7 @@
 
 #include "engine/engine.h"
 #include "engine/user_lock.h"
-#include "kernels/observe/motion_filter.h"
+#include "perception/observe/motion_filter.h"
 
 namespace im2fit {
 

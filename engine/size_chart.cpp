@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "engine/builtin_charts.h"
 
 namespace im2fit {

@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/status.h"
+#include "core/status.h"
 #include "index/index.h"
 
 namespace im2fit {

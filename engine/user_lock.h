@@ -2,7 +2,7 @@
 // Whose session it is, decided in half SENSE so that it depends on the frames alone, not on how far FIT has come.
 #pragma once
 
-#include "kernels/observe/observe.h"
+#include "perception/observe/observe.h"
 
 namespace im2fit {
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "kernels/core/sensor_kind.h"
+#include "core/sensor_kind.h"
 
 namespace im2fit::hal {
 

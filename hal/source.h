@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "base/status.h"
-#include "kernels/core/camera.h"
-#include "kernels/core/sensor_kind.h"
-#include "kernels/core/vec3.h"
+#include "core/camera.h"
+#include "core/sensor_kind.h"
+#include "core/status.h"
+#include "core/vec3.h"
 
 namespace im2fit::hal {
 

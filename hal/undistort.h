@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "base/status.h"
-#include "kernels/core/camera.h"
+#include "core/camera.h"
+#include "core/status.h"
 
 namespace im2fit::hal {
 

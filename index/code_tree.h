@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "base/container.h"
+#include "core/container.h"
 #include "kernels/code_bounds/code_bounds.h"
 #include "kernels/code_distance/code_distance.h"
 

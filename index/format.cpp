@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/container.h"
+#include "core/container.h"
 
 namespace im2fit::index {
 namespace {

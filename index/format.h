@@ -12,7 +12,7 @@
 #include <span>
 #include <string>
 
-#include "base/status.h"
+#include "core/status.h"
 #include "index/code_tree.h"
 #include "index/noise_model.h"
 #include "index/refinement.h"

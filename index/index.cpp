@@ -6,8 +6,8 @@
 #include <cstring>
 #include <map>
 
-#include "base/container.h"
-#include "base/file.h"
+#include "core/container.h"
+#include "core/file.h"
 #include "index/answering.h"
 #include "index/format.h"
 

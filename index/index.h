@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Features -> supervised, noise-aware projection -> quantised codes -> nanoflann's leaves -> k neighbours -> local
-// regression. The file is a .i2f (base/container.h, docs/formats-index.md): mapped, used where it lies, never read
+// regression. The file is a .i2f (core/container.h, docs/formats-index.md): mapped, used where it lies, never read
 // past its end.
 #pragma once
 
@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "base/status.h"
+#include "core/measurement.h"
+#include "core/status.h"
 #include "index/refinement.h"
-#include "kernels/core/measurement.h"
 
 namespace im2fit::index {
 
@@ -40,7 +40,7 @@ struct Answer {
 struct QueryOptions {
   int neighbour_count = 0;  // 0: what the builder found best; otherwise clamped to 1..512
   int frame_count = 1;      // frames fused behind the feature: widens the interval when few
-  // Camera to person, as kernels/observe sees it: widens the interval when far; 0: not known, as if 4 m.
+  // Camera to person, as perception/observe sees it: widens the interval when far; 0: not known, as if 4 m.
   int distance_mm = 0;
   bool exhaustive = false;  // look at every entry: the same answer, for checking the search
 };
@@ -64,9 +64,10 @@ struct Info {
   };
   std::string provenance;
   std::uint32_t subject_count = 0;
-  std::uint32_t entry_count = 0;      // captures of subjects, densified ones included
-  std::uint32_t densified_count = 0;  // entries mixed from two real ones (index/densify.h): for measuring speed only
-  std::uint32_t tracker_key = 0;      // JointModel::key() of the one that saw these people; 0: unknown
+  std::uint32_t entry_count = 0;  // captures of subjects, densified ones included
+  std::uint32_t densified_count =
+      0;  // entries mixed from two real ones (lab/index_building/densify.h): for measuring speed only
+  std::uint32_t tracker_key = 0;  // JointModel::key() of the one that saw these people; 0: unknown
   std::vector<Group> groups;
   float error_with_all = 0;           // to compare Group::error_without with
   std::vector<float> dimension_bits;  // information of each projected dimension about the body

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "kernels/core/guidance.h"
+#include "core/guidance.h"
 
 namespace im2fit::index {
 

@@ -19,9 +19,9 @@
 #include <string>
 #include <vector>
 
+#include "core/fit_layout.h"
 #include "index/noise_model.h"
 #include "index/regression.h"
-#include "index/sample.h"
 
 namespace im2fit::index {
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "core/measurement.h"
 #include "index/code_tree.h"
-#include "kernels/core/measurement.h"
 
 namespace im2fit::index {
 

@@ -26,7 +26,7 @@ die() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
 # A digest of every source that shapes trained data: when it changes, trackers and indexes are made anew.
 # IM2FIT_KEEP_DATA=1 keeps what is there while one works on code that does not change the numbers.
 data_digest() {
-  (cd "$root" && find base kernels body index synth apps/im2fit-lab -name '*.cpp' -o -name '*.h' | LC_ALL=C sort |
+  (cd "$root" && find core kernels perception body index lab apps/im2fit-lab -name '*.cpp' -o -name '*.h' | LC_ALL=C sort |
     xargs cat | sha256sum | cut -c1-16)
 }
 

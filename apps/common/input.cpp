@@ -7,8 +7,8 @@
 
 #include "apps/common/events.h"
 #include "hal/open/open.h"
-#if IM2FIT_HAVE_SYNTH
-#include "apps/common/synthetic_person.h"
+#if IM2FIT_HAVE_LAB
+#include "lab/camera/synthetic_person.h"
 #endif
 
 namespace im2fit::apps {
@@ -64,11 +64,11 @@ Result<Input> open_input(const InputOptions& options) {
   hal::OpenOptions opening;
   if (options.rotate_deg >= 0) opening.rotate_deg = options.rotate_deg;
   opening.camera_yaml_path = options.camera_yaml;
-#if IM2FIT_HAVE_SYNTH
+#if IM2FIT_HAVE_LAB
   opening.synthetic = [&](const std::string& seed,
                           const hal::OpenOptions& o) -> Result<std::unique_ptr<hal::Source>> {
-    auto synthetic = open_synthetic(seed, options.body, o.rotate_deg.value_or(90), o.width, o.height,
-                                    {turn_after(options.turn_after_frames), options.clothed});
+    auto synthetic = lab::open_synthetic(seed, options.body, o.rotate_deg.value_or(90), o.width, o.height,
+                                         {lab::turn_after(options.turn_after_frames), options.clothed});
     if (!synthetic) return synthetic.error();
     input.truth = synthetic->truth;
     return std::move(synthetic->source);

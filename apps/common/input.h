@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/paths.h"
 #include "apps/common/program.h"
-#include "apps/common/truth_file.h"
+#include "engine/paths.h"
+#include "engine/report/truth_file.h"
 #include "hal/reconnecting_source.h"
 #include "hal/source.h"
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/data_files.h"
-#include "apps/common/paths.h"
 #include "engine/avatar.h"
+#include "engine/data_files.h"
 #include "engine/engine.h"
-#include "engine/result_json.h"
+#include "engine/paths.h"
+#include "engine/report/result_json.h"
 #include "engine/size_chart.h"
 
 namespace im2fit::apps {

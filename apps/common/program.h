@@ -3,11 +3,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <cstdint>
 #include <functional>
 #include <string>
 
-#include "base/status.h"
+#include "core/status.h"
 
 namespace im2fit::apps {
 
@@ -39,23 +38,5 @@ Status flush_output();
 
 // `text` as one line for stderr: "PROGRAM: text".
 void print_error(const std::string& text);
-
-// Progress on stderr: rate and time left, rewritten in place. Silent where stderr is no terminal.
-class Progress {
- public:
-  // `total` 0: not known.
-  Progress(std::string what, std::uint64_t total);
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-  void update(std::uint64_t done, const std::string& note = "");
-
- private:
-  std::string what_;
-  std::uint64_t total_;
-  bool terminal_;
-  double started_s_;
-  double shown_s_ = 0;
-};
 
 }  // namespace im2fit::apps

@@ -2,8 +2,8 @@
 // From a frame the engine saw to the picture people watch.
 #pragma once
 
-#include "apps/common/overlay.h"
 #include "engine/engine.h"
+#include "engine/report/overlay.h"
 
 namespace im2fit::apps {
 

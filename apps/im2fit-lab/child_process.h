@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/status.h"
+#include "core/status.h"
 
 namespace im2fit::apps {
 

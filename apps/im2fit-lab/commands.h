@@ -4,7 +4,11 @@
 
 #include "apps/common/program.h"
 
+namespace im2fit::lab {}
+
 namespace im2fit::apps {
+
+using namespace lab;  // what commands are about
 
 void add_fetch(CLI::App& app, Command& chosen);
 void add_population(CLI::App& app, Command& chosen);
@@ -14,7 +18,6 @@ void add_index(CLI::App& app, Command& chosen);
 void add_render(CLI::App& app, Command& chosen);
 void add_import_raw(CLI::App& app, Command& chosen);
 void add_eval(CLI::App& app, Command& chosen);
-void add_descriptors(CLI::App& app, Command& chosen);
 void add_ellipse(CLI::App& app, Command& chosen);
 
 }  // namespace im2fit::apps

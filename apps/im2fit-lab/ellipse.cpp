@@ -2,12 +2,12 @@
 // The paper's ellipse before real people.
 #include <fmt/core.h>
 
-#include "apps/common/data_files.h"
-#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
-#include "apps/im2fit-lab/evaluation/section_study.h"
-#include "apps/im2fit-lab/parallel.h"
-#include "base/file.h"
+#include "core/file.h"
+#include "engine/data_files.h"
+#include "engine/paths.h"
+#include "lab/evaluation/section_study.h"
+#include "lab/parallel.h"
 
 namespace im2fit::apps {
 namespace {

@@ -3,14 +3,14 @@
 
 #include <optional>
 
-#include "apps/common/data_files.h"
-#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/eval_tracker.h"
-#include "apps/im2fit-lab/evaluation/full_report.h"
-#include "apps/im2fit-lab/parallel.h"
 #include "apps/im2fit-lab/samples.h"
-#include "base/file.h"
+#include "core/file.h"
+#include "engine/data_files.h"
+#include "engine/paths.h"
+#include "lab/evaluation/full_report.h"
+#include "lab/parallel.h"
 
 namespace im2fit::apps {
 namespace {

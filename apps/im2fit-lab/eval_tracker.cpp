@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "apps/common/program.h"
-#include "apps/im2fit-lab/tracker/guidance_scenes.h"
-#include "apps/im2fit-lab/tracker/tracker_evaluation.h"
-#include "base/file.h"
+#include "core/file.h"
+#include "lab/tracker_evaluation/guidance_scenes.h"
+#include "lab/tracker_evaluation/tracker_evaluation.h"
 
 namespace im2fit::apps {
 namespace {

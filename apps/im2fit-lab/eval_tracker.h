@@ -7,11 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "base/status.h"
 #include "body/model.h"
-#include "kernels/joints/tracker.h"
+#include "core/status.h"
+#include "perception/joints/tracker.h"
+
+namespace im2fit::lab {}
 
 namespace im2fit::apps {
+
+using namespace lab;  // what commands are about
 
 struct TrackerEvalWords {
   bool wanted = false;

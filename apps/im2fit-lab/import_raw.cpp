@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "apps/im2fit-lab/commands.h"
-#include "base/file.h"
+#include "core/file.h"
 #include "hal/folder/depth_folder.h"
 
 namespace im2fit::apps {

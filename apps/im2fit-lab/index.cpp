@@ -4,15 +4,16 @@
 
 #include <filesystem>
 
-#include "apps/common/data_files.h"
-#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/index_looks.h"
 #include "apps/im2fit-lab/samples.h"
-#include "base/file.h"
 #include "body/population.h"
-#include "index/builder.h"
-#include "synth/features.h"
+#include "core/file.h"
+#include "engine/data_files.h"
+#include "engine/paths.h"
+#include "engine/report/progress.h"
+#include "lab/dataset/features.h"
+#include "lab/index_building/builder.h"
 
 namespace im2fit::apps {
 namespace {
@@ -62,7 +63,7 @@ Result<int> run_build(const IndexCommand& options) {
   }
   build.dimensions = options.dimensions;
   build.seed = samples.seed;
-  build.groups = synth::feature_groups();
+  build.groups = lab::feature_groups();
   build.provenance = fmt::format("im2fit-lab index --subjects {} --captures {} --seed {}", samples.subjects,
                                  samples.captures, samples.seed);
   if (options.densify_to > 0) build.provenance += fmt::format(" --densify {}", options.densify_to);

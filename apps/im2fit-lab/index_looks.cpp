@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "apps/common/data_files.h"
-#include "apps/common/paths.h"
-#include "apps/common/text_table.h"
-#include "base/file.h"
+#include "core/file.h"
+#include "engine/data_files.h"
+#include "engine/paths.h"
+#include "engine/report/text_table.h"
 
 namespace im2fit::apps {
 namespace {

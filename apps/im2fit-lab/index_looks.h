@@ -4,7 +4,11 @@
 
 #include "apps/common/program.h"
 
+namespace im2fit::lab {}
+
 namespace im2fit::apps {
+
+using namespace lab;  // what commands are about
 
 void add_index_looks(CLI::App& index, Command& chosen);
 

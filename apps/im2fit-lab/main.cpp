@@ -7,7 +7,7 @@ int main(int argc, char** argv) {
   app.footer("Start with: im2fit-lab fetch, then im2fit-lab train, then im2fit-lab index --subjects 20000");
   Command chosen;
   for (auto* add : {add_fetch, add_population, add_train, add_dataset, add_index, add_render, add_import_raw,
-                    add_eval, add_descriptors, add_ellipse})
+                    add_eval, add_ellipse})
     add(app, chosen);
   return run_program(app, chosen, argc, argv);
 }

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/common/data_files.h"
-#include "apps/common/paths.h"
-#include "apps/common/synthetic_person.h"
-#include "apps/common/text_table.h"
 #include "apps/im2fit-lab/commands.h"
-#include "apps/im2fit-lab/parallel.h"
-#include "apps/im2fit-lab/population_check.h"
-#include "base/file.h"
+#include "core/file.h"
+#include "engine/data_files.h"
+#include "engine/paths.h"
+#include "engine/report/text_table.h"
+#include "lab/camera/synthetic_person.h"
+#include "lab/parallel.h"
+#include "lab/population/population_check.h"
 
 namespace im2fit::apps {
 namespace {
@@ -35,7 +35,7 @@ struct Moments {
   double sd = 0;
 };
 
-Moments moments(const std::vector<synth::Subject>& subjects, bool woman, std::size_t measurement) {
+Moments moments(const std::vector<lab::Subject>& subjects, bool woman, std::size_t measurement) {
   Moments m;
   double sum = 0;
   double squares = 0;
@@ -51,7 +51,7 @@ Moments moments(const std::vector<synth::Subject>& subjects, bool woman, std::si
   return m;
 }
 
-std::string csv_of(const std::vector<synth::Subject>& subjects) {
+std::string csv_of(const std::vector<lab::Subject>& subjects) {
   std::string csv = "subject,woman,age_years,gender,muscle,weight_slider,height_slider,proportions";
   for (const auto& info : kMeasurementTable) csv += fmt::format(",{}_{}", info.id, info.unit);
   csv += "\n";
@@ -65,7 +65,7 @@ std::string csv_of(const std::vector<synth::Subject>& subjects) {
   return csv;
 }
 
-void print_summary(const std::vector<synth::Subject>& subjects, bool json) {
+void print_summary(const std::vector<lab::Subject>& subjects, bool json) {
   TextTable table({"synthetic", "women", "SD", "men", "SD"});
   nlohmann::ordered_json out;
   out["label"] = "synthetic";
@@ -89,9 +89,9 @@ Result<int> run_population(const PopulationOptions& options) {
   if (!family) return family.error();
   const auto model = load_body(options.body);
   if (!model) return model.error();
-  std::vector<synth::Subject> subjects(options.subjects);
+  std::vector<lab::Subject> subjects(options.subjects);
   parallel_items("subjects", options.subjects, options.threads,
-                 [&](std::uint64_t i) { subjects[i] = synth::draw_subject(*model, *family, options.seed, i); });
+                 [&](std::uint64_t i) { subjects[i] = lab::draw_subject(*model, *family, options.seed, i); });
   if (!options.out.empty())
     if (const auto written = write_file_atomically(options.out, csv_of(subjects)); !written) return written.error();
   print_summary(subjects, options.json);

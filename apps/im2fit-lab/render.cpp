@@ -2,13 +2,14 @@
 // A depth folder of one synthetic person, with the truth beside it.
 #include <fmt/core.h>
 
-#include "apps/common/data_files.h"
-#include "apps/common/paths.h"
-#include "apps/common/synthetic_person.h"
 #include "apps/im2fit-lab/commands.h"
-#include "base/file.h"
 #include "body/export/export.h"
+#include "core/file.h"
+#include "engine/data_files.h"
+#include "engine/paths.h"
+#include "engine/report/progress.h"
 #include "hal/folder/depth_folder.h"
+#include "lab/camera/synthetic_person.h"
 
 namespace im2fit::apps {
 namespace {
@@ -38,7 +39,7 @@ JointSet mesh_axes(JointSet joints) {
 Status write_paper_files(const body::BodyModel& model, SyntheticPerson& person, const std::string& directory) {
   const auto& subject = person.subject();
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
-  synth::morph_subject(model, subject, rest);
+  lab::morph_subject(model, subject, rest);
   const auto skeleton = body::rest_skeleton(model, rest);
   const body::Avatar avatar{&model, subject.params,
                             body::pose_from_joints(skeleton, mesh_axes(person.scene().joints(0)))};

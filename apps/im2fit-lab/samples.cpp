@@ -7,10 +7,11 @@
 #include <optional>
 
 #include "apps/common/memory.h"
-#include "apps/common/paths.h"
-#include "apps/im2fit-lab/parallel.h"
-#include "base/crc32c.h"
-#include "base/file.h"
+#include "core/crc32c.h"
+#include "core/file.h"
+#include "engine/paths.h"
+#include "engine/report/progress.h"
+#include "lab/parallel.h"
 
 namespace im2fit::apps {
 namespace {
@@ -62,8 +63,8 @@ void add_sample_options(CLI::App& sub, SampleOptions& options) {
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
 }
 
-Result<synth::DatasetReport> make_samples(const SampleOptions& options,
-                                          const std::function<void(const index::Sample&)>& sink) {
+Result<lab::DatasetReport> make_samples(const SampleOptions& options,
+                                        const std::function<void(const index::Sample&)>& sink) {
   const auto model = load_body(options.body);
   if (!model) return model.error();
   const auto tracker = Tracker::load(options.tracker);
@@ -71,8 +72,8 @@ Result<synth::DatasetReport> make_samples(const SampleOptions& options,
   const auto key = key_of_files(options.body, options.tracker);
   if (!key) return key.error();
   if (const auto made = make_directory(options.work_dir); !made) return made.error();
-  synth::DatasetOptions dataset;
-  dataset.subject_count = synth::subjects_with(options.subjects, dataset.stranger_every, dataset.stranger_below);
+  lab::DatasetOptions dataset;
+  dataset.subject_count = lab::subjects_with(options.subjects, dataset.stranger_every, dataset.stranger_below);
   dataset.captures_per_subject = options.captures;
   dataset.seed = options.seed;
   dataset.thread_count = options.threads;
@@ -90,9 +91,9 @@ Result<synth::DatasetReport> make_samples(const SampleOptions& options,
     return written.error();
   keep_freed_memory();
   std::optional<Progress> progress;  // a part's total is known to the dataset
-  return synth::make_dataset(
+  return lab::make_dataset(
       *model, tracker->model(), dataset,
-      [&](const synth::DatasetProgress& p) {
+      [&](const lab::DatasetProgress& p) {
         if (!progress) progress.emplace("subjects", static_cast<std::uint64_t>(p.total));
         progress->update(static_cast<std::uint64_t>(p.done));
       },
@@ -103,25 +104,25 @@ std::uint32_t tracker_key_of(std::uint64_t input_key) {
   return static_cast<std::uint32_t>(input_key);
 }
 
-Result<synth::ShardSet> check_samples(const std::vector<std::string>& folders) {
-  auto set = synth::ShardSet::find(folders);
+Result<lab::ShardSet> check_samples(const std::vector<std::string>& folders) {
+  auto set = lab::ShardSet::find(folders);
   if (!set) return set.error();
   for (const std::string& folder : folders) {
     const auto note = noted_samples(folder);
     if (!note) return note.error();
-    const synth::RunKey& run = set->run();
-    const int people = synth::subjects_with(note->subjects, static_cast<int>(run.stranger_every), run.stranger_below);
+    const lab::RunKey& run = set->run();
+    const int people = lab::subjects_with(note->subjects, static_cast<int>(run.stranger_every), run.stranger_below);
     if (const auto whole = set->expect({0, static_cast<std::uint64_t>(people)}); !whole) return whole.error();
   }
   return set;
 }
 
-Result<synth::DatasetReport> read_samples(const std::vector<std::string>& folders,
-                                          const std::function<bool(const index::Sample&)>& take) {
+Result<lab::DatasetReport> read_samples(const std::vector<std::string>& folders,
+                                        const std::function<bool(const index::Sample&)>& take) {
   const auto set = check_samples(folders);
   if (!set) return set.error();
-  synth::DatasetReport report;
-  for (const synth::ShardAbout& shard : set->shards()) report.add(shard.counts, shard.range);
+  lab::DatasetReport report;
+  for (const lab::ShardAbout& shard : set->shards()) report.add(shard.counts, shard.range);
   report.subjects_reused = report.subjects_drawn;
   report.shape_key = set->run().shape_key;
   Progress progress("samples", static_cast<std::uint64_t>(report.samples));
@@ -151,11 +152,11 @@ Result<SampleOptions> noted_samples(const std::string& work_dir) {
   return options;
 }
 
-std::string summary_of(const synth::DatasetReport& report) {
+std::string summary_of(const lab::DatasetReport& report) {
   std::string text =
       fmt::format("{} samples of {} synthetic people ({} from shards) in {:.0f} s; {} captures missing\n",
                   report.samples, report.subjects, report.subjects_reused, report.seconds, report.captures_missing);
-  const synth::CaptureCost& cost = report.cost;
+  const lab::CaptureCost& cost = report.cost;
   const int made = report.subjects_drawn - report.subjects_reused;
   if (made > 0)
     text += fmt::format(

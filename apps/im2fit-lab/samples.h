@@ -7,11 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/data_files.h"
 #include "apps/common/program.h"
-#include "synth/dataset.h"
+#include "engine/data_files.h"
+#include "lab/dataset/dataset.h"
+
+namespace im2fit::lab {}
 
 namespace im2fit::apps {
+
+using namespace lab;  // what commands are about
 
 struct SampleOptions {
   int subjects = 20000;
@@ -31,16 +35,16 @@ SampleOptions default_samples();
 void add_sample_options(CLI::App& sub, SampleOptions& options);
 
 // Makes or reuses the samples, in order, with progress on a terminal, and notes in `work_dir` how they were made.
-Result<synth::DatasetReport> make_samples(const SampleOptions& options,
-                                          const std::function<void(const index::Sample&)>& sink);
+Result<lab::DatasetReport> make_samples(const SampleOptions& options,
+                                        const std::function<void(const index::Sample&)>& sink);
 
 // All samples of one run from any number of folders, in the order of subjects, one shard in memory at a time. Nothing
 // is made: shards that are damaged, of other runs, doubled or missing are errors that say which. How many subjects
 // there must be stands in the folders' notes.
-Result<synth::DatasetReport> read_samples(const std::vector<std::string>& folders,
-                                          const std::function<bool(const index::Sample&)>& take);
+Result<lab::DatasetReport> read_samples(const std::vector<std::string>& folders,
+                                        const std::function<bool(const index::Sample&)>& take);
 // The same without reading more than the shards' heads.
-Result<synth::ShardSet> check_samples(const std::vector<std::string>& folders);
+Result<lab::ShardSet> check_samples(const std::vector<std::string>& folders);
 
 // JointModel::key() of the tracker behind a run.
 std::uint32_t tracker_key_of(std::uint64_t input_key);
@@ -49,6 +53,6 @@ std::uint32_t tracker_key_of(std::uint64_t input_key);
 Result<SampleOptions> noted_samples(const std::string& work_dir);
 
 // One paragraph for people: how many, how fast, what was refused.
-std::string summary_of(const synth::DatasetReport& report);
+std::string summary_of(const lab::DatasetReport& report);
 
 }  // namespace im2fit::apps

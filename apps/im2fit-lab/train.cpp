@@ -3,18 +3,19 @@
 
 #include <filesystem>
 
-#include "apps/common/data_files.h"
-#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
-#include "apps/im2fit-lab/parallel.h"
-#include "base/file.h"
-#include "synth/train_tracker.h"
+#include "core/file.h"
+#include "engine/data_files.h"
+#include "engine/paths.h"
+#include "engine/report/progress.h"
+#include "lab/parallel.h"
+#include "lab/tracker_training/train_tracker.h"
 
 namespace im2fit::apps {
 namespace {
 
 struct TrainCommand {
-  synth::TrainOptions train;
+  lab::TrainOptions train;
   std::string body = default_body_path();
   std::string out = default_tracker_path();
 };
@@ -26,7 +27,7 @@ Result<int> run_train(const TrainCommand& options) {
     return made.error();
   constexpr std::uint64_t kSteps = 1000;
   Progress progress("training, steps of a thousand", kSteps);
-  const auto bytes = synth::train_tracker(*model, options.train, [&](double share, std::string_view stage) {
+  const auto bytes = lab::train_tracker(*model, options.train, [&](double share, std::string_view stage) {
     progress.update(static_cast<std::uint64_t>(share * static_cast<double>(kSteps)), std::string(stage));
   });
   if (!bytes) return bytes.error();

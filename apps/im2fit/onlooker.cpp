@@ -7,7 +7,7 @@
 
 #include "apps/common/sighting.h"
 #include "apps/im2fit/session.h"
-#include "base/file.h"
+#include "core/file.h"
 
 namespace im2fit::apps {
 namespace {

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/common/overlay.h"
-#include "apps/common/text_table.h"
 #include "apps/im2fit/session.h"
-#include "base/file.h"
 #include "body/export/export.h"
 #include "body/measure.h"
+#include "core/file.h"
+#include "engine/report/overlay.h"
+#include "engine/report/text_table.h"
 
 namespace im2fit::apps {
 namespace {

@@ -6,6 +6,7 @@
 #include "apps/common/events.h"
 #include "apps/common/input.h"
 #include "apps/im2fit/commands.h"
+#include "engine/report/progress.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/openni2/oni_writer.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/canvas.h"
+#include "engine/report/canvas.h"
 
 namespace im2fit::apps {
 

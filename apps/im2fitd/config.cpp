@@ -10,7 +10,7 @@
 #include <sstream>
 #include <vector>
 
-#include "base/file.h"
+#include "core/file.h"
 
 namespace im2fit::daemon {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apps/common/measuring.h"
-#include "base/status.h"
+#include "core/status.h"
 
 namespace im2fit::daemon {
 
@@ -14,7 +14,7 @@ struct Config {
   std::string source = "openni2";
   int rotate_deg = -1;      // -1: what the recording or calibration says
   std::string camera_yaml;  // "": the camera's own
-  std::string body = apps::default_body_path();
+  std::string body = default_body_path();
   apps::MeasuringOptions measuring;
   std::string socket_path = "/run/im2fitd/events.sock";
   unsigned socket_mode = 0660;

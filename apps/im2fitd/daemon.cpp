@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "apps/common/input.h"
-#include "apps/common/paths.h"
 #include "apps/im2fitd/log.h"
-#include "base/file.h"
+#include "core/file.h"
+#include "engine/paths.h"
 #include "hal/frame_path.h"
 #include "hal/open/open.h"
 
@@ -44,7 +44,7 @@ Result<std::unique_ptr<Daemon>> Daemon::create(const Config& config, const std::
   if (!data->warning.empty()) log(Level::warning, data->warning);
   std::unique_ptr<Daemon> made(new Daemon(config, config_path, notifier, std::move(*data)));
   // systemd may name several, with colons between.
-  const std::string given = apps::environment("STATE_DIRECTORY");
+  const std::string given = environment("STATE_DIRECTORY");
   made->state_directory_ = config.state_directory.empty() ? given.substr(0, given.find(':')) : config.state_directory;
   if (!made->state_directory_.empty())
     if (auto there = make_directory(made->state_directory_); !there) return there.error();

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "apps/common/paths.h"
+#include "engine/paths.h"
 
 namespace im2fit::daemon {
 
@@ -23,15 +23,15 @@ std::int64_t number(const std::string& text) {
 
 }  // namespace
 
-Notifier::Notifier() : address_(apps::environment("NOTIFY_SOCKET")) {
+Notifier::Notifier() : address_(environment("NOTIFY_SOCKET")) {
   if (address_.empty() || address_.size() >= sizeof(sockaddr_un::sun_path)) return;
   if (address_[0] == '@')
     address_[0] = '\0';  // the abstract namespace
   else if (address_[0] != '/')
     return;
   fd_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const std::string pid = apps::environment("WATCHDOG_PID");
-  if (pid.empty() || number(pid) == ::getpid()) interval_ns_ = 1000 * number(apps::environment("WATCHDOG_USEC"));
+  const std::string pid = environment("WATCHDOG_PID");
+  if (pid.empty() || number(pid) == ::getpid()) interval_ns_ = 1000 * number(environment("WATCHDOG_USEC"));
 }
 
 Notifier::~Notifier() {

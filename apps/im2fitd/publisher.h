@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "base/status.h"
+#include "core/status.h"
 
 namespace im2fit::daemon {
 

@@ -2,28 +2,28 @@
 #include <string>
 
 #include "body/model.h"
+#include "lab/camera/virtual_camera.h"
+#include "lab/population/population.h"
 #include "pictures.h"
-#include "synth/population.h"
-#include "synth/virtual_camera.h"
 
 namespace im2fit::openni2_virtual {
 namespace {
 
-synth::Family family_of(const std::string& word) {
-  if (word == "training") return synth::Family::training;
-  if (word == "paper") return synth::Family::paper;
-  return synth::Family::held_out;
+lab::Family family_of(const std::string& word) {
+  if (word == "training") return lab::Family::training;
+  if (word == "paper") return lab::Family::paper;
+  return lab::Family::held_out;
 }
 
-synth::StandingPose pose_of(const std::string& word) {
-  if (word == "a_pose") return synth::StandingPose::a_pose;
-  if (word == "psi") return synth::StandingPose::psi;
-  if (word == "free") return synth::StandingPose::free;
-  return synth::StandingPose::relaxed;
+lab::StandingPose pose_of(const std::string& word) {
+  if (word == "a_pose") return lab::StandingPose::a_pose;
+  if (word == "psi") return lab::StandingPose::psi;
+  if (word == "free") return lab::StandingPose::free;
+  return lab::StandingPose::relaxed;
 }
 
-synth::SceneOptions scene_of(const Settings& settings) {
-  synth::SceneOptions scene;
+lab::SceneOptions scene_of(const Settings& settings) {
+  lab::SceneOptions scene;
   scene.rotate_deg = settings.rotate_deg;
   scene.furniture_count = settings.furniture_count;
   scene.pose = pose_of(settings.pose);
@@ -31,7 +31,7 @@ synth::SceneOptions scene_of(const Settings& settings) {
   return scene;
 }
 
-synth::SensorOptions sensor_of(const Settings& settings) {
+lab::SensorOptions sensor_of(const Settings& settings) {
   const bool real = settings.noise != 0;
   return {real, real, real, real};
 }
@@ -41,17 +41,17 @@ class PersonPictures final : public Pictures {
  public:
   PersonPictures(body::BodyModel model, const Settings& settings)
       : model_(std::move(model)),
-        scene_(model_,
-               synth::draw_subject(model_, family_of(settings.family), settings.seed,
-                                   synth::subject_of_seed(settings.seed)),
-               scene_of(settings), sensor_of(settings), synth::kinect_intrinsics(settings.width, settings.height),
-               settings.seed) {}
+        scene_(
+            model_,
+            lab::draw_subject(model_, family_of(settings.family), settings.seed, lab::subject_of_seed(settings.seed)),
+            scene_of(settings), sensor_of(settings), lab::kinect_intrinsics(settings.width, settings.height),
+            settings.seed) {}
   const Intrinsics& camera() const override { return scene_.intrinsics(); }
   void make(std::uint64_t index, DepthImage out) override { scene_.render(index, out); }
 
  private:
   body::BodyModel model_;
-  synth::VirtualScene scene_;
+  lab::VirtualScene scene_;
 };
 
 }  // namespace

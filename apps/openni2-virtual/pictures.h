@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "base/status.h"
-#include "kernels/core/camera.h"
+#include "core/camera.h"
+#include "core/status.h"
 #include "settings.h"
 
 namespace im2fit::openni2_virtual {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "base/status.h"
+#include "core/status.h"
 
 namespace im2fit::openni2_virtual {
 

@@ -15,16 +15,16 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
-#include "base/rng.h"
 #include "bench/kernels/cases.h"
+#include "core/file.h"
+#include "core/rng.h"
 #include "index/index.h"
 #include "kernels/fpfh/fpfh.h"
-#include "kernels/fuse/decimate.h"
-#include "kernels/fuse/depth_fusion.h"
 #include "kernels/normals/normals.h"
-#include "kernels/observe/observe.h"
-#include "tests/kernels/analytic_figure.h"
+#include "perception/fuse/decimate.h"
+#include "perception/fuse/depth_fusion.h"
+#include "perception/observe/observe.h"
+#include "tests/perception/analytic_figure.h"
 
 namespace im2fit::bench {
 namespace {

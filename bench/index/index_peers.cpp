@@ -11,10 +11,10 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "base/file.h"
 #include "bench/index/report.h"
 #include "bench/index/search_alone.h"
-#include "index/builder.h"
+#include "core/file.h"
+#include "lab/index_building/builder.h"
 
 namespace im2fit::bench {
 namespace {

@@ -9,15 +9,15 @@
 #include <span>
 #include <vector>
 
-#include "index/densify.h"
-#include "index/sample.h"
+#include "lab/index_building/densify.h"
+#include "lab/index_building/sample.h"
 
 namespace im2fit::bench {
 
 inline constexpr std::size_t kRawSize = 501;  // the paper's feature: 4 lengths, 2 ratios, 15 FPFH
 
-// The first `size` of the real models; from where they end, mixes of them (index/densify.h), the very mixes that
-// build_index makes for the same seed. A feature that was not measured counts as its sex's mean.
+// The first `size` of the real models; from where they end, mixes of them (lab/index_building/densify.h), the very
+// mixes that build_index makes for the same seed. A feature that was not measured counts as its sex's mean.
 class Models {
  public:
   // Features are cut after `width` values.

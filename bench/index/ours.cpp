@@ -4,8 +4,8 @@
 #include <stdexcept>
 
 #include "bench/index/peer.h"
-#include "index/builder.h"
 #include "index/index.h"
+#include "lab/index_building/builder.h"
 
 namespace im2fit::bench {
 namespace {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/rng.h"
-#include "synth/dataset_shard.h"
-#include "synth/features.h"
+#include "core/rng.h"
+#include "lab/dataset/dataset_shard.h"
+#include "lab/dataset/features.h"
 
 namespace im2fit::bench {
 namespace {
@@ -20,10 +20,10 @@ void deal(People& people, index::Sample sample) {
 
 Result<People> read_people(const std::string& folder, std::size_t most) {
   const std::string folders[] = {folder};
-  const auto shards = synth::ShardSet::find(folders);
+  const auto shards = lab::ShardSet::find(folders);
   if (!shards) return shards.error();
   People people;
-  people.groups = synth::feature_groups();
+  people.groups = lab::feature_groups();
   std::size_t feature_size = 0;
   for (const auto& group : people.groups) feature_size += group.count;
   std::size_t odd_size = 0;

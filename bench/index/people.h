@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "base/status.h"
-#include "index/sample.h"
+#include "core/status.h"
+#include "lab/index_building/sample.h"
 
 namespace im2fit::bench {
 

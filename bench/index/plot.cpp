@@ -4,25 +4,25 @@
 #include <map>
 #include <tuple>
 
-#include "apps/common/svg_plot.h"
 #include "bench/index/report.h"
+#include "lab/report/svg_plot.h"
 
 namespace im2fit::bench {
 namespace {
 
-using apps::Lettering;
-using apps::Panel;
-using apps::Svg;
-using apps::SvgPoint;
+using lab::Lettering;
+using lab::Panel;
+using lab::Svg;
+using lab::SvgPoint;
 
 // Colours that stay apart for most eyes (Okabe and Ito), and then some.
 constexpr std::array<const char*, 10> kColours = {"#d55e00", "#e69f00", "#a0522d", "#000000", "#7f7f7f",
                                                   "#0072b2", "#56b4e9", "#009e73", "#cc79a7", "#6a3d9a"};
 
-const apps::Axis kModels = {
+const lab::Axis kModels = {
     800,  6.5e6, "models in the index",
     true, 5,     {{1e3, "1,000"}, {1e4, "10,000"}, {5e4, "50,000"}, {5e5, "500,000"}, {5e6, "5,000,000"}}};
-const apps::Axis kTime = {
+const lab::Axis kTime = {
     1e-3,
     1e3,
     "",
@@ -43,8 +43,8 @@ void draw_bars(Svg& svg, const Panel& panel) {
   for (const auto& [models, ms, words] :
        {std::tuple{5e4, 0.02, "p50 bar, 20 µs"}, std::tuple{5e6, 1.0, "p99 bar, 1 ms"}}) {
     const auto [x, y] = panel.at(models, ms);
-    svg.line({x - 18, y}, {x + 18, y}, {apps::kRed, 3});
-    svg.text({x + 18, y + 16}, words, {Lettering::Anchor::end, 12, apps::kRed});
+    svg.line({x - 18, y}, {x + 18, y}, {lab::kRed, 3});
+    svg.text({x + 18, y + 16}, words, {Lettering::Anchor::end, 12, lab::kRed});
   }
 }
 
@@ -63,7 +63,7 @@ std::string plot_of(const Measured& all) {
   svg.text({kLeft, kTop - 16}, "time of one query, one thread: p50 drawn through, p99 dashed");
   const Panel panel(svg, {kLeft, kTop, kWidth, kHeight}, kModels, kTime);
   draw_bars(svg, panel);
-  std::vector<apps::LineEnd> ends;
+  std::vector<lab::LineEnd> ends;
   for (std::size_t p = 0; p < peers.size(); ++p) {
     const char* colour = kColours[p % kColours.size()];
     const auto& of = rows[peers[p]];

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernels/rayform/ray_form.h"
-#include "tests/kernels/analytic_figure.h"
+#include "tests/perception/analytic_figure.h"
 
 namespace im2fit::bench {
 

@@ -5,8 +5,8 @@
 
 #include "bench/kernels/cases.h"
 #include "kernels/fpfh/fpfh.h"
-#include "kernels/fuse/decimate.h"
-#include "tests/kernels/analytic_figure.h"
+#include "perception/fuse/decimate.h"
+#include "tests/perception/analytic_figure.h"
 
 namespace im2fit::bench {
 namespace {

@@ -2,9 +2,9 @@
 // One frame into the mean of thirty, and the mean taken; the person covers a tenth of the picture.
 #include "bench/kernels/cases.h"
 #include "bench/kernels/room_picture.h"
-#include "kernels/fuse/average/average.h"
-#include "kernels/fuse/blocks/blocks.h"
-#include "kernels/fuse/mean/mean.h"
+#include "kernels/average/average.h"
+#include "kernels/blocks/blocks.h"
+#include "kernels/mean/mean.h"
 
 namespace im2fit::bench {
 

@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "base/rng.h"
 #include "bench/kernels/cases.h"
-#include "kernels/joints/thin/thin_box.h"
-#include "kernels/joints/trees/trees.h"
+#include "core/rng.h"
+#include "kernels/thin/thin_box.h"
+#include "kernels/trees/trees.h"
 
 namespace im2fit::bench {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "base/rng.h"
 #include "bench/kernels/cases.h"
+#include "core/rng.h"
 #include "kernels/blend/blend.h"
 #include "kernels/skin/skin.h"
 

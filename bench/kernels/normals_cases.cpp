@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "bench/kernels/cases.h"
-#include "kernels/fuse/decimate.h"
 #include "kernels/normals/normals.h"
-#include "tests/kernels/analytic_figure.h"
+#include "perception/fuse/decimate.h"
+#include "tests/perception/analytic_figure.h"
 
 namespace im2fit::bench {
 namespace {

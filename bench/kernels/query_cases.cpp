@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "base/rng.h"
 #include "bench/kernels/cases.h"
+#include "core/rng.h"
 #include "kernels/code_bounds/code_bounds.h"
 #include "kernels/code_distance/code_distance.h"
 #include "kernels/gram/gram.h"
-#include "kernels/observe/observe.h"
 #include "kernels/project/project.h"
 #include "kernels/standardise/standardise.h"
+#include "perception/observe/observe.h"
 
 namespace im2fit::bench {
 namespace {

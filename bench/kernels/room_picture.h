@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "base/rng.h"
-#include "kernels/core/camera.h"
+#include "core/camera.h"
+#include "core/rng.h"
 
 namespace im2fit::bench {
 

@@ -5,8 +5,8 @@
 #include "kernels/components/links.h"
 #include "kernels/floor_sums/floor_sums.h"
 #include "kernels/sample/sample.h"
-#include "kernels/segment/segment.h"
 #include "kernels/votes/votes.h"
+#include "perception/segment/segment.h"
 
 namespace im2fit::bench {
 namespace {

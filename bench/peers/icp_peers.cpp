@@ -9,16 +9,16 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "apps/common/data_files.h"
-#include "apps/common/paths.h"
-#include "apps/im2fit-lab/evaluation/conditions.h"
-#include "apps/im2fit-lab/evaluation/icp_study.h"
-#include "base/file.h"
+#include "core/file.h"
+#include "engine/data_files.h"
+#include "engine/paths.h"
+#include "lab/evaluation/conditions.h"
+#include "lab/evaluation/icp_study.h"
 
 namespace im2fit::bench {
 namespace {
 
-using apps::Cloud;
+using lab::Cloud;
 using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
 
 PclCloud::Ptr pcl_cloud_of(const Cloud& points) {
@@ -30,21 +30,20 @@ PclCloud::Ptr pcl_cloud_of(const Cloud& points) {
 
 // pcl::IterativeClosestPoint, as the paper had it: point to point, onto the body's vertices, an iteration at a time
 // so that each can be judged by the same distances as ours.
-std::vector<double> pcl_errors(const apps::MeshSurface& surface, const apps::IcpCase& its,
-                               std::size_t body_vertices) {
+std::vector<double> pcl_errors(const lab::MeshSurface& surface, const lab::IcpCase& its, std::size_t body_vertices) {
   PclCloud::Ptr body(new PclCloud);
   for (std::size_t i = 0; i < body_vertices; ++i)
     body->push_back({its.vertices[i].x, its.vertices[i].y, its.vertices[i].z});
   pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> icp;
   icp.setInputSource(pcl_cloud_of(its.cloud));
   icp.setInputTarget(body);
-  icp.setMaxCorrespondenceDistance(apps::kIcpReachMm);
+  icp.setMaxCorrespondenceDistance(lab::kIcpReachMm);
   icp.setMaximumIterations(1);
   Eigen::Matrix4f motion = Eigen::Matrix4f::Identity();
   std::vector<double> errors;
-  for (int i = 0; i <= apps::kIcpIterations; ++i) {
+  for (int i = 0; i <= lab::kIcpIterations; ++i) {
     Eigen::Isometry3d so_far(motion.cast<double>());
-    errors.push_back(apps::mean_distance_mm(surface, its.cloud, so_far));
+    errors.push_back(lab::mean_distance_mm(surface, its.cloud, so_far));
     PclCloud moved;
     icp.align(moved, motion);
     motion = icp.getFinalTransformation();
@@ -55,24 +54,23 @@ std::vector<double> pcl_errors(const apps::MeshSurface& surface, const apps::Icp
 struct Options {
   std::string out, condition = "noise";
   int people = 4;
-  std::string body = apps::default_body_path(), joint_model = apps::default_tracker_path(),
-              index = apps::default_index_path();
+  std::string body = default_body_path(), joint_model = default_tracker_path(), index = default_index_path();
 };
 
-Result<std::vector<apps::IcpCurve>> measure(const Options& options) {
-  const auto condition = apps::condition_of(options.condition, {});
+Result<std::vector<lab::IcpCurve>> measure(const Options& options) {
+  const auto condition = lab::condition_of(options.condition, {});
   if (!condition) return condition.error();
-  const auto body = apps::load_body(options.body);
+  const auto body = load_body(options.body);
   if (!body) return body.error();
-  const auto tracker = apps::Tracker::load(options.joint_model);
+  const auto tracker = Tracker::load(options.joint_model);
   if (!tracker) return tracker.error();
-  const auto index = apps::load_index(options.index);
+  const auto index = load_index(options.index);
   if (!index) return index.error();
-  const auto cases = apps::icp_cases({*body, tracker->model(), *index}, condition->options, options.people);
+  const auto cases = lab::icp_cases({*body, tracker->model(), *index}, condition->options, options.people);
   if (!cases) return cases.error();
-  std::vector<apps::IcpCurve> curves = apps::icp_curves(*body, *cases);
-  for (const apps::IcpCase& its : *cases) {
-    const apps::MeshSurface surface(its.vertices, body->body_triangles());
+  std::vector<lab::IcpCurve> curves = lab::icp_curves(*body, *cases);
+  for (const lab::IcpCase& its : *cases) {
+    const lab::MeshSurface surface(its.vertices, body->body_triangles());
     curves.push_back({"PCL " PCL_VERSION_PRETTY ", point to point", its.who,
                       pcl_errors(surface, its, static_cast<std::size_t>(body->body_vertex_count()))});
   }
@@ -95,7 +93,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   const auto curves = bench::measure(options);
   const auto written =
-      curves ? write_file_atomically(options.out, apps::icp_json_of(*curves)) : Status(curves.error());
+      curves ? write_file_atomically(options.out, lab::icp_json_of(*curves)) : Status(curves.error());
   if (!written) {
     std::fprintf(stderr, "icp_peers: %s\n", written.error().message.c_str());
     return 1;

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/core/vec3.h"
+#include "core/vec3.h"
 
 namespace im2fit::bench {
 

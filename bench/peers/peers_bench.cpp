@@ -17,9 +17,9 @@
 
 #include "bench/peers/peer.h"
 #include "kernels/fpfh/fpfh.h"
-#include "kernels/fuse/decimate.h"
 #include "kernels/normals/normals.h"
-#include "tests/kernels/analytic_figure.h"
+#include "perception/fuse/decimate.h"
+#include "tests/perception/analytic_figure.h"
 
 namespace im2fit::bench {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "base/status.h"
 #include "body/model.h"
 #include "body/skeleton.h"
+#include "core/status.h"
 
 namespace im2fit::body {
 

@@ -4,11 +4,11 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "base/file.h"
 #include "body/export/export.h"
 #include "body/export/figure.h"
 #include "body/export/rig.h"
 #include "body/model_data.h"
+#include "core/file.h"
 
 namespace im2fit::body {
 namespace {

@@ -2,10 +2,10 @@
 // .obj, .bvh, .skel and the attribute file.
 #include <cmath>
 
-#include "base/file.h"
 #include "body/export/export.h"
 #include "body/export/figure.h"
 #include "body/model_data.h"
+#include "core/file.h"
 
 namespace im2fit::body {
 namespace {

@@ -14,10 +14,10 @@
 #include "body/fit/limb_axes.h"
 #include "body/fit/shape_space.h"
 #include "body/fit/skin_patches.h"
-#include "kernels/core/camera.h"
-#include "kernels/core/fit_layout.h"
-#include "kernels/core/joints.h"
-#include "kernels/segment/segment.h"
+#include "core/camera.h"
+#include "core/fit_layout.h"
+#include "core/floor_plane.h"
+#include "core/joints.h"
 
 namespace im2fit::body {
 

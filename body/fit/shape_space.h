@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How bodies differ, as a few numbers: points of the skin and the bones as linear functions of shape coefficients,
-// the principal components of a population (synth/shape_space_builder). What a fit to a depth picture searches.
+// the principal components of a population (lab/population/shape_space_builder). What a fit to a depth picture
+// searches.
 #pragma once
 
 #include <cstddef>

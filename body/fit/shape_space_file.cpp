@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "base/crc32c.h"
 #include "body/model_data.h"
+#include "core/crc32c.h"
 
 namespace im2fit::body {
 namespace {

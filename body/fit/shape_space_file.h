@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "base/container.h"
-#include "base/status.h"
 #include "body/fit/shape_space.h"
+#include "core/container.h"
+#include "core/status.h"
 
 namespace im2fit::body {
 

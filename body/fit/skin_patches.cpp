@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "body/fit/skin_patches.h"
 
-#include "kernels/core/vec3.h"
+#include "core/vec3.h"
 
 namespace im2fit::body {
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "hal/intrinsics.h"
 
 namespace im2fit::hal {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "base/status.h"
+#include "core/status.h"
 #include "hal/intrinsics.h"
 
 namespace im2fit::hal {

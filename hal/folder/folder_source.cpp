@@ -12,7 +12,7 @@
 #include <map>
 #include <sstream>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/folder/frame_name.h"

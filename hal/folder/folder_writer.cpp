@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/folder/frame_name.h"
 #include "hal/intrinsics.h"

@@ -12,8 +12,8 @@
 #include <limits>
 #include <utility>
 
-#include "base/crc32c.h"
-#include "base/file.h"
+#include "core/crc32c.h"
+#include "core/file.h"
 #include "hal/intrinsics.h"
 
 namespace im2fit::hal {

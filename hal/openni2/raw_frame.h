@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "kernels/core/camera.h"
+#include "core/camera.h"
 
 namespace im2fit::hal {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/status.h"
+#include "core/status.h"
 
 namespace im2fit::hal {
 

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/status.h"
+#include "core/status.h"
 
 namespace im2fit::hal {
 

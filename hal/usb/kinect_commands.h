@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/status.h"
+#include "core/status.h"
 #include "hal/usb/kinect_protocol.h"
 #include "hal/usb/usb_transport.h"
 #include "kernels/unpack11/shift_table.h"

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "base/status.h"
+#include "core/status.h"
+#include "core/vec3.h"
 #include "hal/usb/usb_transport.h"
-#include "kernels/core/vec3.h"
 
 namespace im2fit::hal {
 

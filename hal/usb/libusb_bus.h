@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "base/status.h"
+#include "core/status.h"
 #include "hal/usb/usb_transport.h"
 
 namespace im2fit::hal {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "kernels/core/camera.h"
+#include "core/camera.h"
 
 namespace im2fit::hal {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kernels/core/camera.h"
+#include "core/camera.h"
 #include "kernels/tier.h"
 
 namespace im2fit {

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "kernels/core/camera.h"
+#include "core/camera.h"
 #include "kernels/tier.h"
 
 namespace im2fit {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "kernels/core/camera.h"
+#include "core/camera.h"
 #include "kernels/tier.h"
 
 namespace im2fit {

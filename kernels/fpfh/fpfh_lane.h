@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "kernels/core/vec3.h"
+#include "core/vec3.h"
 #include "kernels/fpfh/fpfh_constants.h"
 
 namespace im2fit::fpfh_detail {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "kernels/core/vec3.h"
+#include "core/vec3.h"
 #include "kernels/fpfh/fpfh.h"
 #include "kernels/fpfh/fpfh_constants.h"
 

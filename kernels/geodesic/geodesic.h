@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "kernels/fixed/fixed.h"
+#include "core/fixed.h"
 #include "kernels/tier.h"
 
 namespace im2fit {

@@ -2,7 +2,7 @@
 // Normals of an organised cloud: the plane through each point's window in the total least squares sense.
 #pragma once
 
-#include "kernels/core/camera.h"
+#include "core/camera.h"
 #include "kernels/tier.h"
 
 namespace im2fit {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "kernels/core/vec3.h"
+#include "core/vec3.h"
 #include "kernels/normals/normals.h"
 #include "kernels/normals/row.h"
 #include "kernels/normals/window.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "kernels/core/camera.h"
+#include "core/camera.h"
 
 namespace im2fit::normals_detail {
 

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/core/vec3.h"
-#include "kernels/fixed/fixed.h"
+#include "core/fixed.h"
+#include "core/vec3.h"
 #include "kernels/unproject/unproject.h"
 
 namespace im2fit {

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "kernels/core/camera.h"
+#include "core/camera.h"
 #include "kernels/rayform/ray_form.h"
 #include "kernels/tier.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 
-#include "kernels/core/vec3.h"
+#include "core/vec3.h"
 #include "kernels/skin/skin.h"
 
 namespace im2fit {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "kernels/core/camera.h"
-#include "kernels/fixed/fixed.h"
+#include "core/camera.h"
+#include "core/fixed.h"
 #include "kernels/tier.h"
 
 namespace im2fit {

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "apps/im2fit-lab/evaluation/full_report.h"
 #include "depth_folder.h"
+#include "lab/evaluation/full_report.h"
 #include "measure_run.h"
 #include "well_formed.h"
 
@@ -96,25 +96,25 @@ TEST(Eval, WritesEverythingOnAnyNumberOfThreads) {
 
 // Nobody measured, hostile names: still a page.
 TEST(EvalPage, StandsWithoutData) {
-  apps::FullReport report;
+  lab::FullReport report;
   report.provenance = "<b> & \"quotes\"";
-  report.runs.push_back({{"no&body", "<nobody>", {}}, std::vector<apps::Outcome>(3), {}});
-  report.runs[0].report = apps::report_of(report.runs[0].outcomes, "no&body", "<nobody>");
-  const std::string page = apps::html_of(report);
+  report.runs.push_back({{"no&body", "<nobody>", {}}, std::vector<lab::Outcome>(3), {}});
+  report.runs[0].report = lab::report_of(report.runs[0].outcomes, "no&body", "<nobody>");
+  const std::string page = lab::html_of(report);
   EXPECT_EQ(html_fault(page), "");
   expect_self_contained(page);
   EXPECT_NE(page.find("3 of 3 not measured"), std::string::npos);
-  for (const apps::Figure& figure : apps::figures_of(report)) EXPECT_EQ(test::xml_fault(figure.picture.file()), "");
+  for (const lab::Figure& figure : lab::figures_of(report)) EXPECT_EQ(test::xml_fault(figure.picture.file()), "");
 }
 
 TEST(EvalPage, ShowsTheMachinesFiguresItIsGiven) {
-  apps::FullReport report;
+  lab::FullReport report;
   report.runs.push_back({{"noise", "", {}}, {}, {}});
   report.runtime = {{"a.i2f", 1000, 0.01, 0.02, 3, 9, 20}, {"b.i2f", 50'000, 0.02, 0.04, 3, 9, 20}};
   report.peers = {{"im2fit", {{1000, 0.01, 0.02}, {5e6, 0.16, 0.35}}},
                   {"brute force, 501 float", {{1000, 0.02, 0.04}}}};
   report.icp = {{"ours, point to plane", "a man", {40, 20, 12}}, {"PCL", "a man", {40, 30, 25}}};
-  const std::string page = apps::html_of(report);
+  const std::string page = lab::html_of(report);
   EXPECT_EQ(html_fault(page), "");
   EXPECT_NE(page.find("id=\"runtime\""), std::string::npos);
   EXPECT_NE(page.find("12.0 mm (ours, point to plane), 25.0 mm (PCL)"), std::string::npos);
@@ -122,9 +122,9 @@ TEST(EvalPage, ShowsTheMachinesFiguresItIsGiven) {
 
 TEST(IcpFile, ComesBackAsWritten) {
   const test::TestFolder folder;
-  const std::vector<apps::IcpCurve> curves = {{"PCL", "a woman", {30.5, 20.25}}, {"ours", "a man", {}}};
-  std::ofstream(folder.path("icp.json")) << apps::icp_json_of(curves);
-  const auto read = apps::read_icp_curves(folder.path("icp.json"));
+  const std::vector<lab::IcpCurve> curves = {{"PCL", "a woman", {30.5, 20.25}}, {"ours", "a man", {}}};
+  std::ofstream(folder.path("icp.json")) << lab::icp_json_of(curves);
+  const auto read = lab::read_icp_curves(folder.path("icp.json"));
   ASSERT_TRUE(read) << read.error().message;
   ASSERT_EQ(read->size(), 2U);
   EXPECT_EQ((*read)[0].method, "PCL");
@@ -134,7 +134,7 @@ TEST(IcpFile, ComesBackAsWritten) {
         "{\"schema\":\"im2fit.icp/1\",\"curves\":[{\"method\":1,\"who\":\"a\",\"error_mm\":[]}]}",
         "{\"schema\":\"im2fit.icp/1\",\"curves\":[{\"method\":\"a\",\"who\":\"b\",\"error_mm\":[\"x\"]}]}"}) {
     std::ofstream(folder.path("bad.json")) << text;
-    EXPECT_FALSE(apps::read_icp_curves(folder.path("bad.json"))) << text;
+    EXPECT_FALSE(lab::read_icp_curves(folder.path("bad.json"))) << text;
   }
 }
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "lab/camera/virtual_camera.h"
+#include "lab/population/population.h"
 #include "measure_run.h"
-#include "synth/population.h"
-#include "synth/virtual_camera.h"
 
 namespace im2fit {
 namespace {
@@ -20,20 +20,19 @@ constexpr int kFrames = 14;
 struct Scene {
   std::vector<Picture> depth;
   std::vector<Picture> mask;
-  synth::PixelBox box;
+  lab::PixelBox box;
 };
 
 Scene render(const body::BodyModel& model, std::uint64_t person) {
-  synth::SceneOptions options;
+  lab::SceneOptions options;
   options.rotate_deg = 0;
   options.distance_mm = 3000;
   options.camera_height_mm = 950;
   options.pitch_deg = 0;
   options.yaw_deg = 0;
   options.wall_distance_mm = 1200;
-  const synth::Subject subject = synth::draw_subject(model, synth::Family::training, 5, person);
-  synth::VirtualScene scene(model, subject, options, synth::exact_sensor(), synth::kinect_intrinsics(kWidth, kHeight),
-                            5);
+  const lab::Subject subject = lab::draw_subject(model, lab::Family::training, 5, person);
+  lab::VirtualScene scene(model, subject, options, lab::exact_sensor(), lab::kinect_intrinsics(kWidth, kHeight), 5);
   Scene out;
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(kWidth) * kHeight);
   for (std::uint64_t i = 0; i < kFrames; ++i) {
@@ -44,7 +43,7 @@ Scene render(const body::BodyModel& model, std::uint64_t person) {
     std::copy(mask.begin(), mask.end(), where.mm.begin());
     out.depth.push_back(depth);
     out.mask.push_back(where);
-    out.box = i == 0 ? scene.person_box() : synth::bounding(out.box, scene.person_box());
+    out.box = i == 0 ? scene.person_box() : lab::bounding(out.box, scene.person_box());
   }
   return out;
 }

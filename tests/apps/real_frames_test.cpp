@@ -11,9 +11,9 @@
 #include <optional>
 #include <vector>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "data_paths.h"
-#include "kernels/observe/observe.h"
+#include "perception/observe/observe.h"
 
 namespace im2fit {
 namespace {

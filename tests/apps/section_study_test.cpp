@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Girths from breadth and depth: perimeters known in closed form, and people made of them.
-#include "apps/im2fit-lab/evaluation/section_study.h"
+#include "lab/evaluation/section_study.h"
 
 #include <gtest/gtest.h>
 
@@ -9,12 +9,12 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "base/rng.h"
+#include "core/rng.h"
 #include "depth_folder.h"
 #include "measure_run.h"
 #include "well_formed.h"
 
-namespace im2fit::apps {
+namespace im2fit::lab {
 namespace {
 
 TEST(EllipseGirth, IsKnownForCircleLineAndTwoToOne) {
@@ -123,4 +123,4 @@ TEST(Ellipse, ReadsTheSurveysColumns) {
 }
 
 }  // namespace
-}  // namespace im2fit::apps
+}  // namespace im2fit::lab

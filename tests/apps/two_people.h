@@ -7,8 +7,8 @@
 
 #include "data_paths.h"
 #include "depth_folder.h"
-#include "synth/population.h"
-#include "synth/virtual_camera.h"
+#include "lab/camera/virtual_camera.h"
+#include "lab/population/population.h"
 
 namespace im2fit::test {
 
@@ -18,12 +18,11 @@ inline constexpr int kFramesEmpty = 30;  // a loss is 16, and up to 8 pass unrea
 inline void append_person(const body::BodyModel& model, std::uint64_t person, int frames, std::vector<Picture>& out) {
   constexpr int kWidth = 320;
   constexpr int kHeight = 240;
-  synth::SceneOptions options;
+  lab::SceneOptions options;
   options.rotate_deg = 90;
   options.yaw_deg = 0;
-  const synth::Subject subject = synth::draw_subject(model, synth::Family::training, 5, person);
-  synth::VirtualScene scene(model, subject, options, synth::exact_sensor(), synth::kinect_intrinsics(kWidth, kHeight),
-                            5);
+  const lab::Subject subject = lab::draw_subject(model, lab::Family::training, 5, person);
+  lab::VirtualScene scene(model, subject, options, lab::exact_sensor(), lab::kinect_intrinsics(kWidth, kHeight), 5);
   for (int i = 0; i < frames; ++i) {
     out.emplace_back(kWidth, kHeight, 0);
     scene.render(static_cast<std::uint64_t>(i), {out.back().mm.data(), kWidth, kHeight});

@@ -88,8 +88,7 @@ TEST(Words, HelpIsEverywhere) {
         {"index", "inspect"},
         {"render"},
         {"import-raw"},
-        {"eval"},
-        {"descriptors"}}},
+        {"eval"}}},
   };
   for (const auto& [program, commands] : table) {
     for (Words words : commands) {

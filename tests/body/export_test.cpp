@@ -8,9 +8,9 @@
 #include <numbers>
 #include <sstream>
 
-#include "base/file.h"
 #include "body/model_data.h"
 #include "body_pack.h"
+#include "core/file.h"
 #include "fake_makehuman.h"
 
 namespace im2fit::body {

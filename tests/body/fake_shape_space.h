@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "base/rng.h"
 #include "body/fit/shape_space_file.h"
-#include "body/makehuman/makehuman.h"
+#include "core/rng.h"
 #include "fake_makehuman.h"
+#include "lab/makehuman/makehuman.h"
 
 namespace im2fit::body {
 

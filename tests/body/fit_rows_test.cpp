@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "base/rng.h"
 #include "body/fit/rows.h"
+#include "core/rng.h"
 
 namespace im2fit::body {
 namespace {

@@ -6,12 +6,12 @@
 #include <limits>
 
 #include "allocations.h"
-#include "base/crc32c.h"
-#include "base/rng.h"
 #include "body/fit/posed_shape.h"
 #include "body/fit/shape_fitter.h"
 #include "body/model_data.h"
 #include "body_pack.h"
+#include "core/crc32c.h"
+#include "core/rng.h"
 #include "fake_shape_space.h"
 #include "needs_space.h"
 #include "seen_person.h"
@@ -19,7 +19,7 @@
 namespace im2fit::body {
 namespace {
 
-constexpr auto kHeldOut = synth::Family::held_out;
+constexpr auto kHeldOut = lab::Family::held_out;
 
 // One set of coefficients in one pose, moved at will: slopes by central differences of places.
 class Jacobian : public testing::Test {

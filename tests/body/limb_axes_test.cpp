@@ -60,7 +60,7 @@ TEST(LimbAxes, OfAFitSayHowArmsAreHeld) {
   std::array<std::array<LimbAxes, kFitViewMax>, 2> seen;
   constexpr std::array kSpreadDeg = {12.0F, 30.0F};
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    const SeenPerson person(*real_body(), synth::Family::held_out, 515, 4, 2400, kSpreadDeg[i]);
+    const SeenPerson person(*real_body(), lab::Family::held_out, 515, 4, 2400, kSpreadDeg[i]);
     const ShapeFit& fit = fitter.run(person.views);
     ASSERT_TRUE(fit.valid);
     seen[i] = fit.limbs;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "body/makehuman/makehuman.h"
+#include "lab/makehuman/makehuman.h"
 
 #include <gtest/gtest.h>
 

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <numbers>
 
-#include "base/rng.h"
 #include "body/model_data.h"
 #include "body/skeleton.h"
 #include "body_pack.h"
+#include "core/rng.h"
 
 namespace im2fit::body {
 namespace {

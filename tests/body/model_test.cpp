@@ -10,12 +10,12 @@
 #include <new>
 
 #include "allocations.h"
-#include "base/container.h"
-#include "base/rng.h"
 #include "body/measure.h"
 #include "body/model_data.h"
 #include "body/skeleton.h"
 #include "body_pack.h"
+#include "core/container.h"
+#include "core/rng.h"
 #include "fake_shape_space.h"
 
 namespace {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "base/rng.h"
+#include "core/rng.h"
 
 namespace im2fit::body {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/rng.h"
+#include "core/rng.h"
 
 namespace im2fit::body {
 namespace {

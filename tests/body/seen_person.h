@@ -10,8 +10,8 @@
 
 #include "body/fit/shape_fitter.h"
 #include "body/skeleton.h"
-#include "synth/population.h"
-#include "synth/raster.h"
+#include "lab/camera/raster.h"
+#include "lab/population/population.h"
 
 namespace im2fit::body {
 
@@ -25,11 +25,11 @@ struct SeenPerson {
   std::vector<std::vector<std::uint8_t>> mask;
   std::vector<FitView> views;  // front, back
 
-  SeenPerson(const BodyModel& model, synth::Family family, std::uint64_t seed, std::uint64_t index,
+  SeenPerson(const BodyModel& model, lab::Family family, std::uint64_t seed, std::uint64_t index,
              float distance_mm = 2400, float spread_deg = 16) {
-    const auto subject = synth::draw_subject(model, family, seed, index);
+    const auto subject = lab::draw_subject(model, family, seed, index);
     rest.resize(static_cast<std::size_t>(model.vertex_count()));
-    synth::morph_subject(model, subject, rest);
+    lab::morph_subject(model, subject, rest);
     const Skeleton skeleton = rest_skeleton(model, rest);
     std::vector<Vec3f> posed(rest.size());
     skin(model, rest, skeleton, relaxed_pose(skeleton, spread_deg), posed);
@@ -55,10 +55,10 @@ struct SeenPerson {
     view.floor = {true, {0, -1, 0}, kCameraHeightMm};
     std::vector<Vec3f>& mesh = in_camera.emplace_back();
     for (const Vec3f& p : bodies) mesh.push_back(to_camera(p));
-    synth::CleanView clean(kWidth, kHeight);
-    const std::uint8_t label = synth::kPerson;
-    synth::MeshRaster().draw(mesh, model.body_triangles(), {&label, 1}, true, view.intrinsics,
-                             synth::whole(kWidth, kHeight), clean);
+    lab::CleanView clean(kWidth, kHeight);
+    const std::uint8_t label = lab::kPerson;
+    lab::MeshRaster().draw(mesh, model.body_triangles(), {&label, 1}, true, view.intrinsics,
+                           lab::whole(kWidth, kHeight), clean);
     auto& depth = depth_q4.emplace_back();
     auto& inside = mask.emplace_back();
     for (const float inverse : clean.inverse_depth) {

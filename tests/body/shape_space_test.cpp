@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "body_pack.h"
-#include "synth/shape_space_builder.h"
+#include "lab/population/shape_space_builder.h"
 
 namespace im2fit::body {
 namespace {
 
-synth::ShapeSpaceOptions few(int threads) {
-  synth::ShapeSpaceOptions options;
+lab::ShapeSpaceOptions few(int threads) {
+  lab::ShapeSpaceOptions options;
   options.people = 24;
   options.points = 300;
   options.shapes = 6;
@@ -21,8 +21,8 @@ synth::ShapeSpaceOptions few(int threads) {
 
 TEST(ShapeSpaceBuilder, ThreadsDoNotShow) {
   IM2FIT_NEEDS_BODY();
-  const ShapeSpace one = synth::build_shape_space(*real_body(), few(1));
-  const ShapeSpace three = synth::build_shape_space(*real_body(), few(3));
+  const ShapeSpace one = lab::build_shape_space(*real_body(), few(1));
+  const ShapeSpace three = lab::build_shape_space(*real_body(), few(3));
   EXPECT_EQ(one.point_mean, three.point_mean);
   EXPECT_EQ(one.point_basis, three.point_basis);
   EXPECT_EQ(one.bone_mean, three.bone_mean);
@@ -33,7 +33,7 @@ TEST(ShapeSpaceBuilder, ThreadsDoNotShow) {
 // is stature.
 TEST(ShapeSpaceBuilder, ComponentsAreOrthogonalLargestFirst) {
   IM2FIT_NEEDS_BODY();
-  const ShapeSpace space = synth::build_shape_space(*real_body(), few(2));
+  const ShapeSpace space = lab::build_shape_space(*real_body(), few(2));
   ASSERT_EQ(space.shape_count, 6U);
   ASSERT_GE(space.point_count, 250U);
   const auto product = [&](std::size_t a, std::size_t b) {

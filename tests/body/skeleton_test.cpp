@@ -5,10 +5,10 @@
 
 #include <numbers>
 
-#include "base/rng.h"
 #include "body/measure.h"
 #include "body/model_data.h"
 #include "body_pack.h"
+#include "core/rng.h"
 
 namespace im2fit::body {
 namespace {

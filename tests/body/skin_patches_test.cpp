@@ -21,7 +21,7 @@ TEST(SkinPatches, SayWhereAFitIsOff) {
   IM2FIT_NEEDS_SPACE();
   const ShapeSpace& space = real_body()->shape_space();
   ShapeFitter fitter(space);
-  SeenPerson person(*real_body(), synth::Family::held_out, 515, 2);
+  SeenPerson person(*real_body(), lab::Family::held_out, 515, 2);
   const auto front = std::span(person.views).first(1);
   const ShapeFit before = fitter.run(front);
   ASSERT_TRUE(before.valid);

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "kernels/fixed/fixed.h"
+#include "core/fixed.h"
 #include "kernels/tier.h"
 
 namespace im2fit {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "base/rng.h"
+#include "core/rng.h"
 #include "tests/devices/usb_device.h"
 
 namespace im2fit::devices {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/status.h"
+#include "core/status.h"
 #include "tests/devices/usb_device.h"
 
 namespace im2fit::devices {

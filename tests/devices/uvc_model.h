@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "base/rng.h"
+#include "core/rng.h"
 #include "tests/devices/usb_device.h"
 
 namespace im2fit::devices {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <thread>
 
-#include "base/rng.h"
+#include "core/rng.h"
 #include "engine/engine.h"
 #include "engine/user_lock.h"
 #include "pipeline_rig.h"

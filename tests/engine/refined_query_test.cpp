@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "body/fit/shape_space.h"
-#include "index/builder.h"
+#include "lab/index_building/builder.h"
 #include "tests/index/refined_people.h"
 
 namespace im2fit {

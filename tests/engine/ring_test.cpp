@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/rng.h"
+#include "core/rng.h"
 #include "engine/event.h"
 #include "engine/spsc_ring.h"
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <thread>
 
-#include "base/crc32c.h"
+#include "core/crc32c.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/open/open.h"
 #include "tests/devices/process_state.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damaged files of base/container.h: as accidents and attackers make them. Written from docs/formats.md, not from the
+// Damaged files of core/container.h: as accidents and attackers make them. Written from docs/formats.md, not from the
 // container's code.
 #pragma once
 
@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "base/crc32c.h"
-#include "base/rng.h"
+#include "core/crc32c.h"
+#include "core/rng.h"
 
 namespace im2fit::fuzz {
 

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "base/rng.h"
-#include "index/builder.h"
+#include "core/rng.h"
 #include "index/index.h"
+#include "lab/index_building/builder.h"
 
 namespace im2fit::fuzz {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "hal/intrinsics.h"
 #include "hal/openni2/oni_protocol.h"
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "tests/body/fake_shape_space.h"
 #include "tests/fuzz/index_use.h"
 

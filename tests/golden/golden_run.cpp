@@ -9,9 +9,9 @@
 #include <span>
 #include <string_view>
 
-#include "base/crc32c.h"
+#include "core/crc32c.h"
 #include "engine/engine.h"
-#include "engine/result_json.h"
+#include "engine/report/result_json.h"
 #include "engine/size_chart.h"
 #include "hal/folder/depth_folder.h"
 #include "kernels/normals/normals.h"

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
-#include "base/status.h"
+#include "core/file.h"
+#include "core/status.h"
 #include "hal/source.h"
 #include "index/index.h"
-#include "kernels/joints/tracker.h"
+#include "perception/joints/tracker.h"
 
 namespace im2fit::golden {
 

@@ -2,7 +2,7 @@
 // The committed clip must give the committed bytes, on every machine and with every instruction set (README.md).
 #include <gtest/gtest.h>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "tests/golden/golden_run.h"
 
 namespace im2fit::golden {

@@ -2,7 +2,7 @@
 // golden_write [DIRECTORY]: writes what this build finds as what is expected; scripts/golden calls it.
 #include <cstdio>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "tests/golden/golden_run.h"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <functional>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/intrinsics.h"

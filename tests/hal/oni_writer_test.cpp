@@ -9,8 +9,8 @@
 #include <cstring>
 #include <span>
 
-#include "base/crc32c.h"
-#include "base/file.h"
+#include "core/crc32c.h"
+#include "core/file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hard_pictures.h"
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <map>
 
-#include "base/file.h"
+#include "core/file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/open/open.h"
 #include "hal/openni2/oni_reader.h"

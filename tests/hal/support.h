@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "base/rng.h"
+#include "core/camera.h"
+#include "core/rng.h"
 #include "hal/intrinsics.h"
-#include "kernels/core/camera.h"
 
 namespace im2fit::hal {
 

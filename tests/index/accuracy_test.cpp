@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "index/raw_nearest.h"
+#include "lab/index_building/raw_nearest.h"
 #include "tests/index/synthetic_people.h"
 
 namespace im2fit::index {

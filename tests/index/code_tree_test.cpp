@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/rng.h"
+#include "core/rng.h"
 
 namespace im2fit::index {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The .i2f: equal bytes from equal input, and nothing in a damaged or hostile file that could hurt.
-#include "base/file.h"
+#include "core/file.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -14,10 +14,10 @@
 #include <new>
 #include <set>
 
-#include "base/container.h"
-#include "base/crc32c.h"
+#include "core/container.h"
+#include "core/crc32c.h"
 #include "index/format.h"
-#include "index/raw_nearest.h"
+#include "lab/index_building/raw_nearest.h"
 #include "tests/index/synthetic_people.h"
 
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "index/moments.h"
+#include "lab/index_building/moments.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 
-#include "base/rng.h"
-#include "index/densify.h"
+#include "core/rng.h"
+#include "lab/index_building/densify.h"
 
 namespace im2fit::index {
 namespace {

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <vector>
 
-#include "base/rng.h"
-#include "index/calibration.h"
+#include "core/rng.h"
+#include "lab/index_building/calibration.h"
 #include "tests/index/synthetic_people.h"
 
 namespace im2fit::index {

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "base/rng.h"
+#include "core/rng.h"
 #include "kernels/standardise/standardise.h"
 
 namespace im2fit::index {

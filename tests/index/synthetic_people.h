@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "base/rng.h"
-#include "index/builder.h"
+#include "core/rng.h"
 #include "index/index.h"
+#include "lab/index_building/builder.h"
 
 namespace im2fit::index::testing {
 

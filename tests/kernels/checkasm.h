@@ -30,7 +30,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/rng.h"
+#include "core/rng.h"
 #include "kernels/tier.h"
 
 namespace im2fit::checkasm {

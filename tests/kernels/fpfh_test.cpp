@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "kernels/fpfh/fpfh_pair.h"
-#include "tests/kernels/analytic_figure.h"
+#include "tests/perception/analytic_figure.h"
 
 namespace im2fit {
 namespace {

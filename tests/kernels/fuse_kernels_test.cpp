@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "kernels/fuse/average/average.h"
-#include "kernels/fuse/blocks/blocks.h"
-#include "kernels/fuse/mean/mean.h"
+#include "kernels/average/average.h"
+#include "kernels/blocks/blocks.h"
+#include "kernels/mean/mean.h"
 #include "tests/kernels/checkasm.h"
 
 namespace im2fit {

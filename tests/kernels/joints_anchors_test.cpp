@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/joints/anchors/anchors.h"
+#include "kernels/anchors/anchors.h"
 #include "tests/kernels/checkasm.h"
 
 namespace im2fit::joints {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/joints/thin/thin_box.h"
+#include "kernels/thin/thin_box.h"
 #include "tests/kernels/checkasm.h"
 
 namespace im2fit::joints {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/joints/trees/trees.h"
+#include "kernels/trees/trees.h"
 #include "tests/kernels/checkasm.h"
 
 namespace im2fit::joints {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "tests/kernels/analytic_figure.h"
+#include "tests/perception/analytic_figure.h"
 
 namespace im2fit {
 namespace {

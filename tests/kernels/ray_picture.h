@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kernels/core/camera.h"
+#include "core/camera.h"
 #include "tests/kernels/checkasm.h"
 
 namespace im2fit::test {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/rng.h"
+#include "core/rng.h"
 #include "kernels/rayform/ray_form.h"
 
 namespace im2fit {

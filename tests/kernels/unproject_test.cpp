@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/rng.h"
+#include "core/rng.h"
 #include "tests/kernels/checkasm.h"
 
 namespace im2fit {

@@ -2,9 +2,9 @@
 // FPFH against PCL's on people of the virtual camera, the way the device goes: sensor noise, mask, grid, our normals.
 #include <vector>
 
-#include "kernels/fuse/decimate.h"
 #include "kernels/normals/normals.h"
-#include "synth/virtual_camera.h"
+#include "lab/camera/virtual_camera.h"
+#include "perception/fuse/decimate.h"
 #include "tests/body/body_pack.h"
 #include "tests/peers/pcl_fpfh.h"
 
@@ -30,12 +30,12 @@ TEST_P(PersonAgainstPcl, WithinAHundredthOfThreeHundred) {
   IM2FIT_NEEDS_BODY();
   const body::BodyModel& model = *body::real_body();
   const Shot& shot = GetParam();
-  const synth::Subject subject = synth::draw_subject(model, synth::Family::held_out, 20, shot.person);
-  synth::SceneOptions scene;
+  const lab::Subject subject = lab::draw_subject(model, lab::Family::held_out, 20, shot.person);
+  lab::SceneOptions scene;
   scene.rotate_deg = 0;
   scene.distance_mm = shot.distance_mm;
-  const Intrinsics k = synth::kinect_intrinsics(640, 480);
-  synth::VirtualScene camera(model, subject, scene, synth::kinect_sensor(), k, 3);
+  const Intrinsics k = lab::kinect_intrinsics(640, 480);
+  lab::VirtualScene camera(model, subject, scene, lab::kinect_sensor(), k, 3);
   std::vector<std::uint16_t> depth(640 * 480);
   std::vector<std::uint8_t> mask(depth.size());
   camera.render(0, {depth.data(), 640, 480});

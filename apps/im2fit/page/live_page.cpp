@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/common/drawn_bones.h"
 #include "apps/common/sighting.h"
+#include "engine/report/drawn_bones.h"
 
 namespace im2fit::apps {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apps/im2fit/page/board.h"
-#include "base/status.h"
+#include "core/status.h"
 
 namespace im2fit::apps {
 

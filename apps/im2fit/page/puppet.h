@@ -2,12 +2,12 @@
 // The body of whoever was measured, made to stand as the camera sees them.
 #pragma once
 
-#include "base/status.h"
 #include "body/export/export.h"
 #include "body/export/rig.h"
 #include "body/skeleton.h"
-#include "kernels/core/joints.h"
-#include "kernels/segment/segment.h"
+#include "core/joints.h"
+#include "core/status.h"
+#include "perception/segment/segment.h"
 
 namespace im2fit::apps {
 

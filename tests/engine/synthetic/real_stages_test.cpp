@@ -8,16 +8,16 @@
 #include <optional>
 
 #include "allocations.h"
-#include "base/file.h"
-#include "base/rng.h"
 #include "body/params_vector.h"
+#include "core/file.h"
+#include "core/rng.h"
 #include "engine/avatar.h"
 #include "engine/engine.h"
-#include "engine/result_json.h"
+#include "engine/report/result_json.h"
 #include "hal/source.h"
-#include "index/builder.h"
-#include "synth/population.h"
-#include "synth/virtual_camera.h"
+#include "lab/camera/virtual_camera.h"
+#include "lab/index_building/builder.h"
+#include "lab/population/population.h"
 
 namespace im2fit {
 namespace {
@@ -95,13 +95,13 @@ class RealStages : public testing::Test {
     render({}, kFrameCount, data_->frames);
     render({kTurnFirst, kTurnFrames}, kTurnClipFrames, data_->turn_frames);
   }
-  static void render(synth::AboutTurn turn, int frame_count, std::vector<std::vector<std::uint16_t>>& frames) {
-    const Intrinsics sensor = synth::kinect_intrinsics(kSensorWidth, kSensorHeight);
-    const synth::Subject subject = synth::draw_subject(data_->model, synth::Family::training, 5, 2);
-    synth::SceneOptions options;
+  static void render(lab::AboutTurn turn, int frame_count, std::vector<std::vector<std::uint16_t>>& frames) {
+    const Intrinsics sensor = lab::kinect_intrinsics(kSensorWidth, kSensorHeight);
+    const lab::Subject subject = lab::draw_subject(data_->model, lab::Family::training, 5, 2);
+    lab::SceneOptions options;
     options.rotate_deg = kRotateDeg;
     options.turn = turn;
-    synth::VirtualScene scene(data_->model, subject, options, {}, sensor, 5);
+    lab::VirtualScene scene(data_->model, subject, options, {}, sensor, 5);
     std::vector<std::uint16_t> landscape(static_cast<std::size_t>(kSensorWidth) * kSensorHeight);
     const DepthImage in(landscape.data(), kSensorWidth, kSensorHeight);
     for (int i = 0; i < frame_count; ++i) {
@@ -109,7 +109,7 @@ class RealStages : public testing::Test {
       frames.emplace_back(landscape.size());
       hal::rotate_upright(in, kRotateDeg, {frames.back().data(), kSensorHeight, kSensorWidth});
     }
-    data_->intrinsics = synth::upright_intrinsics(sensor, kRotateDeg);
+    data_->intrinsics = lab::upright_intrinsics(sensor, kRotateDeg);
   }
 
   static std::unique_ptr<Engine> make_engine(bool single_thread, Turn turn = Turn::none, FrameWatch watch = nullptr,

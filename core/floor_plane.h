@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// The floor as a frame shows it.
+#pragma once
+
+#include "core/vec3.h"
+
+namespace im2fit {
+
+struct FloorPlane {
+  bool known = false;
+  Vec3f up;                    // unit, away from the floor, camera axes (about {0,-1,0} for a level camera)
+  float camera_height_mm = 0;  // the camera's distance above the floor; height of p = dot(up, p) + camera_height_mm
+};
+
+}  // namespace im2fit

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/data_files.h"
+
+namespace im2fit {
+namespace {
+
+// A missing file is the first thing a newcomer meets: say what makes it.
+Error advised(const Error& error, const char* maker) {
+  const bool absent = error.code == ErrorCode::not_found || error.code == ErrorCode::io;
+  return {error.code, error.message + (absent ? "; make it with " : "; make it again with ") + maker};
+}
+
+}  // namespace
+
+Result<body::BodyModel> load_body(const std::string& path) {
+  auto model = body::BodyModel::load(path);
+  if (!model) return advised(model.error(), "im2fit-lab fetch");
+  return model;
+}
+
+Result<index::Index> load_index(const std::string& path) {
+  auto index = index::Index::open(path);
+  if (!index) return advised(index.error(), "im2fit-lab index");
+  return index;
+}
+
+Result<Tracker> Tracker::load(const std::string& path) {
+  auto file = MappedFile::open(path);
+  if (!file) return advised(file.error(), "im2fit-lab train");
+  auto model = JointModel::parse(file->bytes(), path);
+  if (!model) return advised(model.error(), "im2fit-lab train");
+  return Tracker(std::move(*file), std::move(*model));
+}
+
+}  // namespace im2fit

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/report/result_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace im2fit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON has no NaN: null. Rounding in decimal steps gives the shortest text for what the value means.
+Json rounded(double value, double steps_per_unit) {
+  if (!std::isfinite(value)) return nullptr;
+  const double steps = std::floor(value * steps_per_unit + 0.5);
+  return steps == 0 ? 0.0 : steps / steps_per_unit;  // no minus zero
+}
+Json rounded(float value, double steps_per_unit) {
+  return rounded(static_cast<double>(value), steps_per_unit);
+}
+
+constexpr double kTenths = 10;
+constexpr double kThousandths = 1000;
+constexpr double kTenThousandths = 10000;
+double steps_of(const MeasurementInfo& info) {
+  return info.unit == "kg" ? 100 : kTenths;
+}
+
+Json source_json(const hal::SourceInfo& source) {
+  const Intrinsics& k = source.intrinsics;
+  return {{"uri", source.uri},
+          {"name", source.name},
+          {"serial", source.serial},
+          {"rotate_deg", source.rotate_deg},
+          {"intrinsics",
+           {{"width", k.width},
+            {"height", k.height},
+            {"fx", rounded(k.fx, kTenThousandths)},
+            {"fy", rounded(k.fy, kTenThousandths)},
+            {"cx", rounded(k.cx, kTenThousandths)},
+            {"cy", rounded(k.cy, kTenThousandths)},
+            {"origin", std::string(name_of(source.intrinsics_origin))}}}};
+}
+
+Json measurements_json(const EngineResult& result) {
+  Json all = Json::object();
+  if (!result.measured) return all;
+  for (std::size_t i = 0; i < kMeasurementCount; ++i) {
+    const MeasurementInfo& info = kMeasurementTable[i];
+    const index::Estimate& e = result.answer.measurements[i];
+    const double steps = steps_of(info);
+    all[std::string(info.id)] = {
+        {"value", rounded(e.value, steps)},
+        {"unit", std::string(info.unit)},
+        {"interval", Json::array({rounded(e.low, steps), rounded(e.high, steps)})},
+        {"iso", info.iso.empty() ? Json(nullptr) : Json("ISO 8559-1:2017 " + std::string(info.iso))}};
+  }
+  return all;
+}
+
+Json age_json(const AgeAnswer& age) {
+  Json bands = Json::object();
+  for (std::size_t i = 0; i < kAgeBandCount; ++i)
+    bands[std::string(kAgeBandNames[i])] = rounded(age.bands[i], kTenThousandths);
+  return {{"value", rounded(age.years.value, kTenths)},
+          {"unit", "years"},
+          {"interval", Json::array({rounded(age.years.low, kTenths), rounded(age.years.high, kTenths)})},
+          {"bands", bands}};
+}
+
+Json size_json(const SizeAnswer& size) {
+  Json probabilities = Json::object();
+  for (const SizeAnswer::Entry& entry : size.entries)
+    probabilities[entry.size] = rounded(entry.probability, kTenThousandths);
+  return {{"chart", size.chart}, {"best", size.best}, {"probabilities", probabilities}};
+}
+
+Json joints_json(const EngineResult& result) {
+  Json all = Json::object();
+  if (!result.measured && !result.has_joints) return all;
+  const JointSet& joints = result.measured ? result.measured_joints : result.joints;
+  for (std::size_t i = 0; i < kJointCount; ++i) {
+    const Vec3f& p = joints.position_mm[i];
+    all[std::string(kJointNames[i])] = {
+        {"position_mm", Json::array({rounded(p.x, kTenths), rounded(p.y, kTenths), rounded(p.z, kTenths)})},
+        {"confidence", rounded(joints.confidence[i], kThousandths)}};
+    if (!result.measured && (result.joints_inferred & joint_bit(i)) != 0)
+      all[std::string(kJointNames[i])]["inferred"] = true;
+  }
+  return all;
+}
+
+Json parameters_json(const body::Params& p, std::span<const std::string> modifier_names) {
+  Json modifiers = Json::object();
+  for (std::size_t i = 0; i < modifier_names.size() && i < p.modifiers.size(); ++i)
+    if (p.modifiers[i] != 0) modifiers[modifier_names[i]] = rounded(p.modifiers[i], kTenThousandths);
+  return {{"gender", rounded(p.gender, kTenThousandths)},
+          {"age_years", rounded(p.age_years, kTenths)},
+          {"muscle", rounded(p.muscle, kTenThousandths)},
+          {"weight", rounded(p.weight, kTenThousandths)},
+          {"height", rounded(p.height, kTenThousandths)},
+          {"proportions", rounded(p.proportions, kTenThousandths)},
+          {"cup", rounded(p.cup, kTenThousandths)},
+          {"firmness", rounded(p.firmness, kTenThousandths)},
+          {"race",
+           {{"african", rounded(p.race[0], kTenThousandths)},
+            {"asian", rounded(p.race[1], kTenThousandths)},
+            {"caucasian", rounded(p.race[2], kTenThousandths)}}},
+          {"modifiers", modifiers}};
+}
+
+Json body_json(const ResultReport& report) {
+  Json body = {{"entry", report.result.answer.nearest},
+               {"distance", rounded(report.result.answer.nearest_distance, kTenThousandths)}};
+  if (report.body) body["parameters"] = parameters_json(*report.body, report.modifier_names);
+  return body;
+}
+
+Json paper_json(const EngineResult& result) {
+  Json all = Json::object();
+  if (!result.measured) return all;
+  for (std::size_t i = 0; i < kMeasurementCount; ++i)
+    if (std::isfinite(result.paper[i]))
+      all[std::string(kMeasurementTable[i].id)] = rounded(result.paper[i], steps_of(kMeasurementTable[i]));
+  return all;
+}
+
+}  // namespace
+
+std::string_view name_of(SessionState state) {
+  switch (state) {
+    case SessionState::searching:
+      return "SEARCHING";
+    case SessionState::user_found:
+      return "USER_FOUND";
+    case SessionState::calibrating:
+      return "CALIBRATING";
+    case SessionState::tracking:
+      return "TRACKING";
+    case SessionState::measured:
+      return "MEASURED";
+    case SessionState::turning:
+      return "TURNING";
+    case SessionState::lost:
+      break;
+  }
+  return "LOST";
+}
+
+std::string_view name_of(ViewSide view) {
+  switch (view) {
+    case ViewSide::front:
+      return "front";
+    case ViewSide::back:
+      return "back";
+    case ViewSide::side:
+      return "side";
+    case ViewSide::unknown:
+      break;
+  }
+  return "unknown";
+}
+
+std::string_view name_of(AnswerViews views) {
+  switch (views) {
+    case AnswerViews::front:
+      return "front";
+    case AnswerViews::front_and_back:
+      return "front+back";
+    case AnswerViews::none:
+      break;
+  }
+  return "none";
+}
+
+std::string_view name_of(index::AnsweredFrom from) {
+  switch (from) {
+    case index::AnsweredFrom::fitted_front:
+      return "front fit";
+    case index::AnsweredFrom::front_and_back:
+      return "front+back fit";
+    case index::AnsweredFrom::front:
+      break;
+  }
+  return "features";
+}
+
+std::string_view name_of(hal::IntrinsicsOrigin origin) {
+  switch (origin) {
+    case hal::IntrinsicsOrigin::device:
+      return "device";
+    case hal::IntrinsicsOrigin::calibration_file:
+      return "calibration_file";
+    case hal::IntrinsicsOrigin::recording:
+      return "recording";
+    case hal::IntrinsicsOrigin::field_of_view:
+      return "field_of_view";
+    case hal::IntrinsicsOrigin::caller:
+      return "caller";
+    case hal::IntrinsicsOrigin::synthetic:
+      break;
+  }
+  return "synthetic";
+}
+
+GuidanceSet reported_guidance(const EngineResult& result) {
+  if (result.measured) return 0;
+  GuidanceSet set = result.guidance;
+  for (std::size_t i = 0; i < kGuidanceCount; ++i)
+    if (result.guidance_frames[i] > 0 && 2 * std::uint64_t{result.guidance_frames[i]} >= result.frames_seen)
+      set |= 1U << i;
+  return set;
+}
+
+std::string result_json(const ResultReport& report) {
+  const EngineResult& r = report.result;
+  Json json;
+  json["schema"] = std::string(kResultSchema);
+  json["state"] = std::string(name_of(r.state));
+  json["guidance"] = names_of(reported_guidance(r));
+  json["frames"] = {{"seen", r.frames_seen}, {"used", r.frames_used}, {"dropped", r.frames_dropped}};
+  json["source"] = source_json(report.source);
+  if (r.measured) json["views"] = std::string(name_of(r.views));
+  if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));
+  if (r.measured) json["clothed"] = r.answer.clothed;
+  json["measurements"] = measurements_json(r);
+  if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
+  if (r.measured) json["age"] = age_json(r.age);
+  if (r.measured && report.size) json["size"] = size_json(*report.size);
+  json["joints"] = joints_json(r);
+  if (r.measured) json["body"] = body_json(report);
+  json["paper"] = paper_json(r);
+  if (report.timing)
+    json["timing"] = {{"total_ms", rounded(report.timing->total_ms, kTenths)},
+                      {"first_answer_ms", rounded(report.timing->first_answer_ms, kTenths)},
+                      {"sequence_gaps", r.sequence_gaps},
+                      {"sequence_repeats", r.sequence_repeats},
+                      {"time_reversals", r.time_reversals}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace im2fit

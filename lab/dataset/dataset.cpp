@@ -1,0 +1,404 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/dataset/dataset.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <mutex>
+
+#include "body/params_vector.h"
+#include "core/file.h"
+#include "index/refinement.h"
+#include "lab/dataset/dataset_shard.h"
+#include "lab/population/strangers.h"
+#include "lab/stopwatch.h"
+#include "lab/tracker_training/tracker_parallel.h"
+
+namespace im2fit::lab {
+namespace {
+
+constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
+constexpr std::uint64_t kDatasetVersion = 16;  // raise when the way to a feature changes: shards are then made again
+constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
+constexpr int kClothedCaptures = 8192;         // of those in clothes
+constexpr int kAgainCaptures = 16384;          // and of people seen again
+constexpr std::uint64_t kOutfitStream = 0x0F17, kOutfitAgainStream = 0x0F18;
+constexpr double kReportSeconds = 0.25;
+constexpr int kAgainFrames = 29;  // as a device, which takes 30; odd, docs/dataset.md
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point t) {
+  return std::chrono::duration<double>(Clock::now() - t).count();
+}
+
+Error invalid(const std::string& why) {
+  return {ErrorCode::invalid_argument, "dataset: " + why};
+}
+
+Status check(const DatasetOptions& o) {
+  if (o.subject_count < 1 || o.subject_count > 1'000'000'000)
+    return invalid("subject_count is " + std::to_string(o.subject_count) + ", expected 1 to 1000000000");
+  if (o.captures_per_subject < 1 || o.captures_per_subject > 64)
+    return invalid("captures_per_subject is " + std::to_string(o.captures_per_subject) + ", expected 1 to 64");
+  if (o.stranger_every < 0 || o.turn_every < 0 || o.clothed_every < 0)
+    return invalid("stranger_every, turn_every and clothed_every must not be negative");
+  if (o.chunk_size < 1 || o.thread_count < 1) return invalid("chunk_size and thread_count must be at least 1");
+  if (o.part_count < 1 || o.part < 0 || o.part >= o.part_count)
+    return invalid("part " + std::to_string(o.part) + " of " + std::to_string(o.part_count) +
+                   ", expected 0 <= part < count");
+  const CaptureVariety& v = o.variety;
+  if (v.frames_min < kCaptureFramesMin || v.frames_max < v.frames_min || v.frames_max > 1000)
+    return invalid("frames " + std::to_string(v.frames_min) + " to " + std::to_string(v.frames_max) +
+                   ", expected 3 <= least <= most <= 1000");
+  return Ok{};
+}
+
+struct SubjectResult {
+  std::vector<index::Sample> samples;
+  int failed = 0;
+  int missing = 0;
+  std::int64_t frames_seen = 0;
+  std::array<std::int64_t, kGuidanceCount> refused{};
+};
+
+struct Person {
+  Subject subject;
+  std::vector<Vec3f> rest;  // mesh
+};
+
+// What is seen of a person.
+struct Look {
+  int capture = 0;  // below captures_per_subject
+  bool clothed = false;
+  bool again = false;
+};
+
+CaptureOptions draw_look(const DatasetOptions& o, std::uint64_t number, const Look& look, bool behind, int attempt) {
+  const int drawn = look.capture * kAttempts + attempt + (behind ? kBackCaptures : 0) +
+                    (look.clothed ? kClothedCaptures : 0) + (look.again ? kAgainCaptures : 0);
+  CaptureVariety variety = o.variety;
+  if (look.again) variety.frames_min = variety.frames_max = kAgainFrames;
+  return draw_capture(variety, o.seed, number, drawn);
+}
+
+// Everyday clothes, shoes and hair, as they come.
+void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t number, bool again) {
+  constexpr Clothing kWorn[] = {Clothing::tight, Clothing::normal, Clothing::loose};
+  Rng rng = Rng::for_item(seed, again ? kOutfitAgainStream : kOutfitStream, number);
+  scene.clothing = kWorn[rng.index(3)];
+  scene.hair = true;
+  scene.outfit_seed = rng.next() | 1U;
+}
+
+// From behind, before the same camera; another room, place and noise are as good.
+CaptureOptions from_behind(const CaptureOptions& front, CaptureOptions back) {
+  back.intrinsics = front.intrinsics;
+  back.sensor = front.sensor;
+  back.scene.rotate_deg = front.scene.rotate_deg;
+  back.scene.distance_mm = front.scene.distance_mm;
+  back.scene.enlarge_to_fit = front.scene.enlarge_to_fit;
+  back.scene.pose = front.scene.pose;
+  back.scene.clothing = front.scene.clothing;
+  back.scene.hair = front.scene.hair;
+  back.scene.outfit_seed = front.scene.outfit_seed;
+  back.scene.back_view = true;
+  return back;
+}
+
+// The view from behind and the fits into the sample, unless the captures fail.
+void turn_round(CaptureRig& rig, const Person& person, const CaptureOptions& front, const DatasetOptions& o,
+                std::uint64_t number, const Look& look, index::Sample& sample) {
+  rig.keep_front();
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const Capture& back =
+        rig.run(person.subject, from_behind(front, draw_look(o, number, look, true, attempt)), person.rest);
+    if (!back.valid) continue;
+    CaptureRig::Fits fits = rig.fit_both();
+    if (fits.front.empty()) return;
+    sample.back.assign(back.feature.begin(), back.feature.end());
+    sample.fit = std::move(fits.front);
+    sample.fit_both = std::move(fits.both);
+    sample.fit_layout = fits.layout;
+    sample.back_frame_count = back.frame_count;
+    sample.back_distance_mm = back.distance_mm;
+    return;
+  }
+}
+
+// Which views of a person are taken.
+struct Views {
+  bool stranger = false;
+  bool turns = false;    // the view from behind, too
+  bool clothed = false;  // both once more, in clothes
+  bool again = false;    // what turns or is clothed another time
+};
+Views views_of(const body::BodyModel& model, const DatasetOptions& o, std::uint64_t number) {
+  Views views;
+  views.stranger = o.family == Family::training && is_stranger(number, o.stranger_every, o.stranger_below);
+  if (model.shape_space().point_count == 0 || number >= o.turn_below) return views;
+  const auto nth = [&](int every, std::uint64_t which) {
+    return every > 0 && (views.stranger || number / 2 % static_cast<std::uint64_t>(every) == which);
+  };
+  views.turns = nth(o.turn_every, 0);
+  views.clothed = nth(o.clothed_every, o.clothed_every == 1 ? 0 : 1);
+  views.again = number < o.again_below;
+  return views;
+}
+
+index::Sample sample_of(const body::BodyModel& model, const Subject& subject, std::uint64_t number,
+                        const Capture& capture) {
+  index::Sample s;
+  s.subject = number;
+  s.feature.assign(capture.feature.begin(), capture.feature.end());
+  s.truth = subject.truth;
+  s.woman = subject.woman;
+  s.body = body::pack_params(subject.params, model.modifier_names().size());
+  s.frame_count = capture.frame_count;
+  s.distance_mm = capture.distance_mm;
+  return s;
+}
+
+SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const DatasetOptions& o,
+                           std::uint64_t number) {
+  SubjectResult result;
+  Stopwatch watch;
+  const Views views = views_of(model, o, number);
+  Person person;
+  person.subject = views.stranger ? draw_stranger(model, o.seed, number, kStrangeTrunk, person.rest)
+                                  : draw_subject(model, o.family, o.seed, number, person.rest);
+  rig.cost.draw += watch.lap();
+  // The front before scenes drawn until one gives enough frames.
+  const auto shoot = [&](const Look& look, CaptureOptions& options) -> const Capture* {
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      options = draw_look(o, number, look, false, attempt);
+      if (look.clothed) dress(options.scene, o.seed, number, look.again);
+      const Capture& taken = rig.run(person.subject, options, person.rest);
+      result.frames_seen += taken.frames_seen;
+      for (std::size_t g = 0; g < kGuidanceCount; ++g) result.refused[g] += taken.refused[g];
+      if (taken.valid) return &taken;
+      ++result.failed;
+    }
+    ++result.missing;
+    return nullptr;
+  };
+  const auto look_at = [&](const Look& look) {
+    CaptureOptions options;
+    const Capture* capture = shoot(look, options);
+    if (capture == nullptr) return;
+    index::Sample s = sample_of(model, person.subject, number, *capture);
+    s.calibrate_only = views.stranger;
+    s.clothed = look.clothed;
+    s.again = look.again;
+    if (look.clothed || views.turns) turn_round(rig, person, options, o, number, look, s);
+    fit_to_shard(s);  // made now or read again, it is the same
+    if (s.refines() || !(s.clothed || s.again)) result.samples.push_back(std::move(s));
+  };
+  for (int c = 0; c < o.captures_per_subject; ++c)
+    for (const bool again : {false, true}) {
+      if (again && !views.again) continue;
+      if (!again || views.turns) look_at({c, false, again});
+      if (views.clothed) look_at({c, true, again});
+    }
+  return result;
+}
+
+Chunk gather(std::vector<SubjectResult>& results) {
+  Chunk chunk;
+  ChunkCounts& counts = chunk.counts;
+  for (SubjectResult& r : results) {
+    counts.subjects += r.samples.empty() ? 0 : 1;
+    counts.captures_failed += r.failed;
+    counts.captures_missing += r.missing;
+    counts.frames_seen += r.frames_seen;
+    for (std::size_t g = 0; g < kGuidanceCount; ++g) counts.refused[g] += r.refused[g];
+    std::move(r.samples.begin(), r.samples.end(), std::back_inserter(chunk.samples));
+  }
+  counts.samples = static_cast<std::int32_t>(chunk.samples.size());
+  return chunk;
+}
+
+// Counts finished subjects and tells, not too often.
+class Reporter {
+ public:
+  Reporter(int total, const std::function<void(const DatasetProgress&)>& tell) : total_(total), tell_(tell) {}
+  void reused(int count) {
+    const std::lock_guard lock(mutex_);
+    reused_ += count;
+    say(true);
+  }
+  void made() {
+    const std::lock_guard lock(mutex_);
+    ++made_;
+    say(made_ + reused_ == total_);
+  }
+
+ private:
+  void say(bool now) {
+    if (!tell_ || (!now && seconds_since(last_) < kReportSeconds)) return;
+    last_ = Clock::now();
+    DatasetProgress p{made_ + reused_, total_, 0, 0};
+    const double elapsed = seconds_since(start_);
+    if (made_ > 0 && elapsed > 0) {
+      p.subjects_per_second = made_ / elapsed;
+      p.seconds_left = (total_ - p.done) / p.subjects_per_second;
+    }
+    tell_(p);
+  }
+  std::mutex mutex_;
+  int total_;
+  int reused_ = 0;
+  int made_ = 0;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point last_ = start_;
+  const std::function<void(const DatasetProgress&)>& tell_;
+};
+
+// The rigs of threads that are not at work.
+class RigPool {
+ public:
+  RigPool(const body::BodyModel& model, const JointModel& joint_model) : model_(model), joint_model_(joint_model) {}
+  std::unique_ptr<CaptureRig> borrow() {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) return std::make_unique<CaptureRig>(model_, joint_model_);
+    auto rig = std::move(idle_.back());
+    idle_.pop_back();
+    return rig;
+  }
+  void give_back(std::unique_ptr<CaptureRig> rig) {
+    const std::lock_guard lock(mutex_);
+    cost_ += rig->cost;
+    rig->cost = {};
+    idle_.push_back(std::move(rig));
+  }
+  const CaptureCost& cost() const { return cost_; }
+
+ private:
+  const body::BodyModel& model_;
+  const JointModel& joint_model_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<CaptureRig>> idle_;
+  CaptureCost cost_;
+};
+
+// Chunks of the part: file numbers that all parts share out evenly.
+struct ChunkSpan {
+  std::int64_t first, end;
+};
+ChunkSpan chunks_of_part(const DatasetOptions& o) {
+  const std::int64_t chunks = (o.subject_count + std::int64_t{o.chunk_size} - 1) / o.chunk_size;
+  return {chunks * o.part / o.part_count, chunks * (o.part + 1) / o.part_count};
+}
+SubjectRange range_of_chunk(const DatasetOptions& o, std::int64_t chunk) {
+  const std::int64_t at = chunk * o.chunk_size;
+  return {o.first_subject + static_cast<std::uint64_t>(at),
+          static_cast<std::uint64_t>(std::min<std::int64_t>(o.chunk_size, o.subject_count - at))};
+}
+
+Chunk make_chunk(const body::BodyModel& model, const DatasetOptions& options, const SubjectRange& range,
+                 RigPool& rigs, Reporter& reporter) {
+  std::vector<SubjectResult> results(range.count);
+  for_each_item(static_cast<int>(range.count), options.thread_count, [&](int i) {
+    auto rig = rigs.borrow();
+    results[static_cast<std::size_t>(i)] =
+        make_subject(model, *rig, options, range.first + static_cast<std::uint64_t>(i));
+    rigs.give_back(std::move(rig));
+    reporter.made();
+  });
+  return gather(results);
+}
+
+}  // namespace
+
+void DatasetReport::add(const ChunkCounts& counts, const SubjectRange& range) {
+  subjects_drawn += static_cast<int>(range.count);
+  subjects += counts.subjects;
+  samples += counts.samples;
+  captures_failed += counts.captures_failed;
+  captures_missing += counts.captures_missing;
+  frames_seen += counts.frames_seen;
+  for (std::size_t g = 0; g < kGuidanceCount; ++g) refused[g] += counts.refused[g];
+}
+
+bool is_stranger(std::uint64_t number, int stranger_every, std::uint32_t stranger_below) {
+  if (stranger_every <= 0 || number >= stranger_below) return false;
+  const auto every = static_cast<std::uint64_t>(stranger_every);
+  return number % every == every - 1;
+}
+
+int subjects_with(int models, int stranger_every, std::uint32_t stranger_below) {
+  int subjects = 0, found = 0;
+  for (; found < models && static_cast<std::uint32_t>(subjects) < stranger_below; ++subjects)
+    found += is_stranger(static_cast<std::uint64_t>(subjects), stranger_every, stranger_below) ? 0 : 1;
+  return subjects + models - found;
+}
+
+RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
+  RunKey run;
+  run.dataset_version = kDatasetVersion;
+  run.input_key = o.input_key;
+  run.seed = o.seed;
+  run.family = static_cast<std::uint32_t>(o.family);
+  run.captures_per_subject = static_cast<std::uint32_t>(o.captures_per_subject);
+  run.frames_min = static_cast<std::uint32_t>(o.variety.frames_min);
+  run.frames_max = static_cast<std::uint32_t>(o.variety.frames_max);
+  run.wide_share = o.variety.wide_share;
+  run.landscape_share = o.variety.landscape_share;
+  run.anywhere_share = o.variety.anywhere_share;
+  run.other_sensor_share = o.variety.other_sensor_share;
+  run.plain = o.variety.plain ? 1 : 0;
+  run.stranger_every = static_cast<std::uint32_t>(o.stranger_every);
+  run.stranger_below = o.stranger_every > 0 ? o.stranger_below : 0;
+  const std::size_t shapes = model.shape_space().point_count > 0 ? model.shape_space().shape_count : 0;
+  run.turn_every = shapes > 0 ? static_cast<std::uint32_t>(o.turn_every) : 0;
+  run.clothed_every = shapes > 0 ? static_cast<std::uint32_t>(o.clothed_every) : 0;
+  run.turn_below = run.turn_every > 0 || run.clothed_every > 0 ? o.turn_below : 0;
+  run.again_below = run.turn_below > 0 ? o.again_below : 0;
+  run.shape_key = shapes > 0 ? model.shape_space().key : 0;
+  if (shapes > 0) run.fit = body::fit_layout(model.shape_space());
+  run.feature_size = static_cast<std::uint32_t>(kFeatureSize);
+  run.body_size = static_cast<std::uint32_t>(body::params_vector_size(model.modifier_names().size()));
+  return run;
+}
+
+Result<DatasetReport> make_dataset(const body::BodyModel& model, const JointModel& joint_model,
+                                   const DatasetOptions& options,
+                                   const std::function<void(const DatasetProgress&)>& progress,
+                                   const std::function<void(const index::Sample&)>& sink) {
+  if (auto s = check(options); !s) return s.error();
+  const bool kept = !options.work_dir.empty();
+  if (kept)
+    if (auto s = make_directory(options.work_dir); !s) return s.error();
+  const auto start = Clock::now();
+  const RunKey run = run_key_of(model, options);
+  const ChunkSpan chunks = chunks_of_part(options);
+  int total = 0;
+  for (std::int64_t c = chunks.first; c < chunks.end; ++c)
+    total += static_cast<int>(range_of_chunk(options, c).count);
+  DatasetReport report;
+  Reporter reporter(total, progress);
+  RigPool rigs(model, joint_model);
+  for (std::int64_t c = chunks.first; c < chunks.end; ++c) {
+    const SubjectRange range = range_of_chunk(options, c);
+    const std::string path = options.work_dir + "/" + shard_name(run, range);
+    Result<Chunk> chunk = kept ? read_shard(path, run, range) : Error{};
+    if (chunk) {
+      report.subjects_reused += static_cast<int>(range.count);
+      reporter.reused(static_cast<int>(range.count));
+    } else {
+      chunk = make_chunk(model, options, range, rigs, reporter);
+      if (kept)
+        if (auto s = write_shard(path, run, range, *chunk); !s) return s.error();
+    }
+    report.add(chunk->counts, range);
+    for (const index::Sample& s : chunk->samples) sink(s);
+  }
+  report.cost = rigs.cost();
+  report.shape_key = run.shape_key;
+  report.input_key = run.input_key;
+  report.seconds = seconds_since(start);
+  return report;
+}
+
+}  // namespace im2fit::lab

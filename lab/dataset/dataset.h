@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many subjects to index samples: both cores, resumable, the same for a seed at any thread count.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "body/model.h"
+#include "core/status.h"
+#include "lab/dataset/dataset_shard.h"
+#include "lab/dataset/features.h"
+#include "lab/index_building/sample.h"
+
+namespace im2fit::lab {
+
+struct DatasetOptions {
+  int subject_count = 20000;  // 1 .. 1,000,000,000
+  std::uint64_t first_subject = 0;
+  int captures_per_subject = 1;  // 1 .. 64
+  Family family = Family::training;
+  std::uint64_t seed = 1;
+  CaptureVariety variety;
+  // Every n-th subject is a stranger (lab/population/strangers.h): no model, but intervals are fitted on them, and
+  // refined answers learn from them, the better the more there are. Training family only, and only subjects numbered
+  // below `stranger_below`; 0: none.
+  int stranger_every = 3;  // odd: both sexes
+  std::uint32_t stranger_below = 14336;
+  // Of every n-th pair of a man and a woman, and of every stranger, the sample also has the view from behind and the
+  // fitted shapes; 0: of nobody. Needs a body file with a shape space. Only subjects numbered below `turn_below`:
+  // what is learned from these needs thousands of people, not millions, and a rule by number lets a run grow.
+  int turn_every = 2;
+  // Of every n-th pair, counted from the second, and of every stranger there is another sample in clothes, with the
+  // view from behind and the fitted shapes; 0: of nobody. The same people as above only.
+  int clothed_every = 2;
+  std::uint32_t turn_below = 14336;
+  // Whoever of these is numbered below is seen a second time, in another pose, place, room and outfit and in as many
+  // frames as a device takes: answers learn from it what is not of the body, intervals what frames take away.
+  std::uint32_t again_below = 2048;
+  int thread_count = 2;  // does not change the result
+  // Resuming: finished chunks are kept in `work_dir` ("" = none) as shards and used again when they were made with
+  // the same options (thread_count aside) and the same `input_key`, e.g. a checksum of the body and tracker files.
+  std::string work_dir;
+  std::uint64_t input_key = 0;
+  int chunk_size = 1000;  // subjects in a file
+  // Part `part` of `part_count` alone: an even share of the chunks, so that the files of all parts together are those
+  // of a run that is not parted.
+  int part = 0;
+  int part_count = 1;
+};
+
+struct DatasetProgress {
+  int done = 0;  // subjects, those found in shards included
+  int total = 0;
+  double subjects_per_second = 0;  // of those made now
+  double seconds_left = 0;
+};
+
+struct DatasetReport {
+  int subjects = 0;  // with at least one sample
+  int samples = 0;
+  int subjects_drawn = 0;    // with those without a sample
+  int subjects_reused = 0;   // of these, from shards
+  int captures_failed = 0;   // gave too few frames; drawn anew up to twice
+  int captures_missing = 0;  // failed three times: no sample
+  std::int64_t frames_seen = 0;
+  std::array<std::int64_t, kGuidanceCount> refused{};  // frames by guidance code
+  double seconds = 0;
+  CaptureCost cost;             // summed over threads
+  std::uint32_t shape_key = 0;  // of the run
+  std::uint64_t input_key = 0;
+
+  void add(const ChunkCounts& counts, const SubjectRange& range);
+};
+
+// Whether the options make a stranger of this subject, of the training family.
+bool is_stranger(std::uint64_t number, int stranger_every, std::uint32_t stranger_below);
+// How many subjects, from 0 on, hold `models` that are no strangers.
+int subjects_with(int models, int stranger_every, std::uint32_t stranger_below);
+
+// What shards of these options are recognised by.
+RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& options);
+
+// `progress` is called from worker threads, one at a time, a few times a second; `sink` from the calling thread, in
+// the order of subjects. Memory: the samples of one chunk. Errors: options out of range, work_dir that cannot be
+// written. A damaged or foreign shard is made again.
+Result<DatasetReport> make_dataset(const body::BodyModel& model, const JointModel& joint_model,
+                                   const DatasetOptions& options,
+                                   const std::function<void(const DatasetProgress&)>& progress,
+                                   const std::function<void(const index::Sample&)>& sink);
+
+}  // namespace im2fit::lab

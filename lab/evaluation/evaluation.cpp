@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/evaluation/evaluation.h"
+
+#include <mutex>
+#include <optional>
+
+#include "core/rng.h"
+#include "lab/camera/synthetic_person.h"
+#include "lab/dataset/features.h"
+#include "lab/evaluation/session.h"
+#include "lab/parallel.h"
+
+namespace im2fit::lab {
+namespace {
+
+constexpr std::uint64_t kSceneStream = 0x5CE9E;
+constexpr std::uint64_t kSecondSceneStream = 0x5CE9F;
+constexpr std::uint64_t kClothesStream = 0xC107;
+constexpr float kWithinMm = 100.0F;
+
+void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t index) {
+  constexpr Clothing kWorn[] = {Clothing::tight, Clothing::normal, Clothing::loose};
+  Rng rng = Rng::for_item(seed, kClothesStream, index);
+  scene.clothing = kWorn[rng.index(3)];
+  scene.hair = true;
+}
+
+void add_joint_errors(const JointSet& found, const JointSet& truth, Outcome& outcome) {
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const float error_mm = norm(found.position_mm[j] - truth.position_mm[j]);
+    ++outcome.joint_count;
+    outcome.joint_error_sum_mm += error_mm;
+    if (error_mm <= kWithinMm) ++outcome.joints_within_100mm;
+  }
+}
+
+Status measure_once(const SessionModels& models, const HeldOutPerson& person, Views views, Outcome& outcome) {
+  outcome.woman = person.subject.woman;
+  outcome.truth = person.subject.truth;
+  outcome.true_age_years = person.subject.params.age_years;
+  const auto engine = run_session(models, person, views, [&](const JointSet& found, const JointSet& truth) {
+    add_joint_errors(found, truth, outcome);
+  });
+  if (!engine) return engine.error();
+  const EngineResult result = (*engine)->result();
+  outcome.measured = result.measured;
+  outcome.guidance_seen = result.guidance_seen;
+  outcome.frames_seen = result.frames_seen;
+  outcome.answer = result.answer;
+  outcome.age = result.age;
+  outcome.paper = result.paper;
+  return Ok{};
+}
+
+Status measure_again(const SessionModels& models, const HeldOutPerson& person, Views views, Outcome& outcome) {
+  const auto engine = run_session(models, person, views, {});
+  if (!engine) return engine.error();
+  const EngineResult result = (*engine)->result();
+  outcome.measured_again = result.measured;
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) outcome.again[m] = result.answer.measurements[m].value;
+  return Ok{};
+}
+
+Result<Outcome> outcome_of(const SessionModels& models, const index::RawNearest* raw,
+                           const EvaluationOptions& options, std::uint64_t index) {
+  Outcome outcome;
+  const HeldOutPerson person = draw_person(models.body, options, index);
+  if (auto ok = measure_once(models, person, options.views, outcome); !ok) return ok.error();
+  if (options.twice)
+    if (auto ok = measure_again(models, draw_person(models.body, options, index, 1), options.views, outcome); !ok)
+      return ok.error();
+  if (raw != nullptr && outcome.measured && options.views == Views::front) {
+    // The engine keeps its feature to itself; the same frames through the same path give it again.
+    CaptureRig rig(models.body, models.joints);
+    const Capture& capture = rig.run(person.subject, person.capture);
+    outcome.has_raw = capture.valid;
+    if (capture.valid) outcome.raw = raw->nearest(capture.feature);
+  }
+  return outcome;
+}
+
+}  // namespace
+
+HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
+                          int showing) {
+  HeldOutPerson person{
+      draw_subject(model, Family::held_out, options.seed, index), {}, options.smoothed, options.told};
+  auto& scene = person.capture.scene;
+  scene = options.noise ? furnished_room() : SceneOptions{};
+  if (options.clothed) dress(scene, options.seed, index);
+  if (options.distance_mm > 0) {
+    scene.distance_mm = options.distance_mm;
+    scene.enlarge_to_fit = true;
+  }
+  // Even and odd people are men and women: every other one of each turns the other way.
+  if (options.yaw_deg >= 0) scene.yaw_deg = index / 2 % 2 == 0 ? options.yaw_deg : -options.yaw_deg;
+  person.capture.sensor = options.tof ? tof_sensor() : sensor_of(options.noise);
+  person.capture.intrinsics = kinect_intrinsics(options.width, options.height);
+  person.capture.frame_count = options.frames;
+  const std::uint64_t stream = showing == 0 ? kSceneStream : kSecondSceneStream;
+  person.capture.seed = Rng::for_item(options.seed, stream, index).next();
+  return person;
+}
+
+Result<std::vector<Outcome>> evaluate(const body::BodyModel& model, const JointModel& joint_model,
+                                      const index::Index& index, const index::RawNearest* raw,
+                                      const EvaluationOptions& options, const std::string& what) {
+  const SessionModels models{model, joint_model, index, options.fit ? &model.shape_space() : nullptr};
+  const auto count = static_cast<std::uint64_t>(options.subjects);
+  std::vector<Outcome> outcomes(count);
+  std::mutex mutex;
+  std::optional<Error> failure;
+  parallel_items(what, count, options.threads, [&](std::uint64_t i) {
+    auto outcome = outcome_of(models, raw, options, i);
+    if (outcome) {
+      outcomes[i] = *outcome;
+      return;
+    }
+    const std::lock_guard lock(mutex);
+    failure = outcome.error();
+  });
+  if (failure) return *failure;
+  return outcomes;
+}
+
+}  // namespace im2fit::lab

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Held-out synthetic people through the whole device path, against the truth measured on their meshes.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "body/model.h"
+#include "engine/age.h"
+#include "engine/engine.h"
+#include "index/index.h"
+#include "lab/dataset/features.h"
+#include "lab/index_building/raw_nearest.h"
+#include "perception/joints/tracker.h"
+
+namespace im2fit::lab {
+
+// Which sides of the person the camera is shown. `both`: front first, then, once asked to turn, the back.
+enum class Views { front, back, both };
+
+struct EvaluationOptions {
+  int subjects = 200;
+  std::uint64_t seed = 20'260'101;
+  bool noise = true;      // false: a perfect sensor in an empty room
+  bool tof = false;       // a time-of-flight sensor in place of a Kinect
+  bool smoothed = false;  // by a driver, over time (smoothing.h)
+  bool told = false;      // the engine knows what kind of sensor it is
+  bool clothed = false;   // tight, normal or loose clothes, shoes and hair; the truth stays the body's
+  int frames = 30;        // accepted frames wanted; three times as many are shown at most
+  int width = 640, height = 480;
+  float distance_mm = 0;  // of the camera, grown until the whole person fits; 0: drawn
+  float yaw_deg = -1;     // of the person, to either side by turns; below 0: drawn
+  Views views = Views::front;
+  bool fit = true;     // false: features answer alone, no shape is fitted
+  bool twice = false;  // shown again in a new pose, room and noise
+  int threads = 1;     // does not change the result
+};
+
+// The person `index` of an evaluation, and where the camera stands. `showing` 1: the second time.
+struct HeldOutPerson {
+  Subject subject;
+  CaptureOptions capture;
+  bool smoothed = false, told = false;
+};
+HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
+                          int showing = 0);
+
+// One person, one session; a second one for the sake of repeatability.
+struct Outcome {
+  bool woman = false;
+  bool measured = false;
+  GuidanceSet guidance_seen = 0;
+  std::uint64_t frames_seen = 0;
+  MeasurementValues truth{};
+  float true_age_years = 0;
+  index::Answer answer;
+  AgeAnswer age;
+  MeasurementValues paper{};  // NaN where not measured
+  bool has_raw = false;
+  index::RawNearest::Match raw;
+  bool measured_again = false;
+  MeasurementValues again{};  // the second session's answer
+  // Over all frames and joints with a person found.
+  int joint_count = 0;
+  int joints_within_100mm = 0;
+  double joint_error_sum_mm = 0;
+};
+
+// `raw`: the paper's nearest neighbour, or null. Depends on the options except threads. `what` is told on a terminal.
+Result<std::vector<Outcome>> evaluate(const body::BodyModel& model, const JointModel& joint_model,
+                                      const index::Index& index, const index::RawNearest* raw,
+                                      const EvaluationOptions& options, const std::string& what = "people");
+
+}  // namespace im2fit::lab

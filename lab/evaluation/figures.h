@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The figures of an evaluation: the paper's, and ours. Each says in its own words what it shows.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lab/evaluation/icp_study.h"
+#include "lab/evaluation/report.h"
+#include "lab/evaluation/runtime.h"
+#include "lab/report/svg_plot.h"
+
+namespace im2fit::lab {
+
+struct Figure {
+  std::string id;       // file name and anchor
+  std::string heading;  // what was found out
+  std::string words;    // how to read it, HTML
+  Svg picture;
+};
+
+// Of one condition.
+Figure distribution_figure(const ConditionRun& run);   // the paper's box plots of what was measured
+Figure height_error_figure(const ConditionRun& run);   // the paper's height error by range of height
+Figure sex_and_size_figure(const ConditionRun& run);   // the paper's counts
+Figure agreement_figure(const ConditionRun& run);      // Bland-Altman, a panel a measurement
+Figure bias_figure(const ConditionRun& run);           // ISO 20685
+Figure repeatability_figure(const ConditionRun& run);  // TEM
+
+// Of all; the first is the one the others are variations of.
+Figure conditions_figure(const std::vector<ConditionRun>& runs);
+Figure calibration_figure(const std::vector<ConditionRun>& runs);
+
+Figure runtime_figure(const std::vector<RuntimeRow>& rows, const std::vector<PeerLine>& peers);  // the paper's
+Figure icp_figure(const std::vector<IcpCurve>& curves);                                          // the paper's
+
+// "chest girth"
+std::string words_of(std::size_t measurement);
+
+}  // namespace im2fit::lab

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Outcomes of one condition as one table for people and one JSON for machines; every number is labelled synthetic.
+#pragma once
+
+#include <array>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lab/evaluation/conditions.h"
+#include "lab/evaluation/error_statistics.h"
+#include "lab/evaluation/evaluation.h"
+
+namespace im2fit::lab {
+
+// Ways to an answer from the same frames, ours first.
+enum class Way : int {
+  ours,
+  nearest,  // the nearest entry of our projection, before regression
+  raw,      // the paper's answer: nearest neighbour of raw features
+  paper,    // the paper's estimators: joint sums, one ellipse a girth
+};
+inline constexpr std::size_t kWayCount = 4;
+struct WayName {
+  std::string_view json, words;
+};
+inline constexpr std::array<WayName, kWayCount> kWays = {{{"ours", "ours"},
+                                                          {"projected_nearest", "nearest entry"},
+                                                          {"raw_nearest", "raw nearest neighbour"},
+                                                          {"paper", "paper's estimators"}}};
+
+// Shares an interval is asked to hold. Ours states 95 %; the others read it as a normal's, as the size does.
+struct Level {
+  double share, sds;
+};
+inline constexpr std::array<Level, 6> kLevels = {
+    {{0.5, 0.67449}, {0.68, 0.99446}, {0.8, 1.28155}, {0.9, 1.64485}, {0.95, 1.95996}, {0.99, 2.57583}}};
+inline constexpr std::size_t kStatedLevel = 4;
+
+struct MeasurementReport {
+  std::array<ErrorStatistics, kWayCount> errors;  // count 0: that way does not answer it
+  std::array<double, kLevels.size()> covered{};   // share of truths inside, 0..1
+  double interval_width = 0;                      // mean
+  Agreement agreement;
+  Repeatability repeatability;  // pairs 0: shown once
+  const ErrorStatistics& of(Way way) const { return errors[static_cast<std::size_t>(way)]; }
+  double coverage() const { return covered[kStatedLevel]; }
+};
+
+// Labels between the right size and the one answered: -1 one too small; the outer ones gather all beyond.
+inline constexpr int kSizeStepMost = 2;
+
+struct Report {
+  std::string condition, what;
+  int subjects = 0;
+  int measured = 0;
+  std::array<int, kGuidanceCount> not_measured_because{};  // subjects, by guidance seen
+  std::array<MeasurementReport, kMeasurementCount> measurements;
+  double sex_accuracy = 0;  // shares of the measured, 0..1
+  double raw_sex_accuracy = 0;
+  double age_error_years = 0;  // mean absolute, of the median
+  double age_coverage = 0;     // of the 95 % interval
+  double age_band_accuracy = 0;
+  double age_band_expected = 0;                         // what the likeliest groups' probabilities promise it to be
+  double size_accuracy = 0;                             // letter size by the default chart, outright
+  double size_top_two = 0;                              // true size among the two most probable
+  std::array<int, 2 * kSizeStepMost + 1> size_steps{};  // people, by labels off: too small first
+  double joint_error_mm = 0;                            // mean over frames and joints
+  double joints_within_100mm = 0;
+  bool has_raw() const { return measurements[0].of(Way::raw).count > 0; }
+  bool has_repeats() const { return measurements[0].repeatability.pairs > 0; }
+};
+
+// One condition, with the people behind its figures.
+struct ConditionRun {
+  Condition condition;
+  std::vector<Outcome> outcomes;
+  Report report;
+};
+
+Report report_of(const std::vector<Outcome>& outcomes, const std::string& condition, const std::string& what = "");
+double value_of(const Outcome& outcome, Way way, std::size_t measurement);  // NaN where that way has none
+
+std::string text_of(const Report& report);
+// Several conditions side by side: mean absolute error by condition.
+std::string text_of(const std::vector<ConditionRun>& runs);
+
+// im2fit.evaluation/1
+nlohmann::ordered_json json_value_of(const Report& report);
+std::string json_of(const Report& report);
+// A row a condition and measurement.
+std::string csv_of(const std::vector<ConditionRun>& runs);
+// A row a condition, person and measurement: what every figure is made of.
+std::string people_csv_of(const std::vector<ConditionRun>& runs);
+
+}  // namespace im2fit::lab

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/evaluation/runtime.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "body/export/export.h"
+#include "core/file.h"
+#include "engine/avatar.h"
+#include "engine/data_files.h"
+#include "lab/evaluation/error_statistics.h"
+#include "lab/stopwatch.h"
+
+namespace im2fit::lab {
+namespace {
+
+constexpr int kPeople = 6, kTriedMost = 30;
+constexpr double kQuerySecondsMost = 1.0;
+constexpr std::size_t kQueriesMost = 5000;
+
+struct Asker {
+  Feature feature;
+  JointSet joints;
+  int frames = 0, distance_mm = 0;
+  double describe_ms = 0;
+};
+
+std::vector<Asker> askers(const SessionModels& models, const EvaluationOptions& options) {
+  std::vector<Asker> people;
+  CaptureRig rig(models.body, models.joints);
+  for (int i = 0; i < kTriedMost && people.size() < kPeople; ++i) {
+    HeldOutPerson person = draw_person(models.body, options, static_cast<std::uint64_t>(i));
+    person.capture.frame_count = std::max(person.capture.frame_count, kCaptureFramesMin);
+    const double before = rig.cost.describe;
+    const Capture& capture = rig.run(person.subject, person.capture);
+    if (capture.valid)
+      people.push_back({capture.feature, capture.joints, capture.frame_count, capture.distance_mm,
+                        1e3 * (rig.cost.describe - before)});
+  }
+  return people;
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return quantile(values, 0.5);
+}
+
+Status time_queries(const index::Index& index, const std::vector<Asker>& people, RuntimeRow& row) {
+  const auto scratch = index.make_scratch();
+  std::vector<double> spent_ms;
+  double sum_s = 0;
+  for (std::size_t i = 0; i < kQueriesMost && sum_s < kQuerySecondsMost; ++i) {
+    const Asker& asker = people[i % people.size()];
+    index::QueryOptions options;
+    options.frame_count = asker.frames;
+    options.distance_mm = asker.distance_mm;
+    Stopwatch watch;
+    const auto answer = index.query(asker.feature, options, *scratch);
+    const double seconds = watch.lap();
+    if (!answer) return answer.error();
+    sum_s += seconds;
+    if (i >= people.size()) spent_ms.push_back(1e3 * seconds);  // the first round wakes the file's pages
+  }
+  std::sort(spent_ms.begin(), spent_ms.end());
+  if (spent_ms.empty()) return Ok{};
+  row.query_p50_ms = quantile(spent_ms, 0.5);
+  row.query_p99_ms = quantile(spent_ms, 0.99);
+  return Ok{};
+}
+
+// From an answer to a body in a file.
+Status time_bodies(const SessionModels& models, const index::Index& index, const std::vector<Asker>& people,
+                   RuntimeRow& row) {
+  const auto scratch = index.make_scratch();
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("im2fit-eval-" + std::to_string(::getpid()) + ".glb")).string();
+  std::vector<double> naked_ms, clothed_ms;
+  for (const Asker& asker : people) {
+    const auto answer = index.query(asker.feature, {}, *scratch);
+    if (!answer) return answer.error();
+    std::array<double, 2> spent_ms{};
+    for (const bool garment : {false, true}) {
+      Stopwatch watch;
+      const auto body = body_of_answer(models.body, index, *answer, asker.joints, FloorPlane{});
+      if (!body) return body.error();
+      const auto written = body::write_glb({&models.body, body->params, body->pose, garment}, path);
+      spent_ms[garment ? 1 : 0] = 1e3 * watch.lap();
+      if (!written) return written.error();
+    }
+    naked_ms.push_back(spent_ms[0]);
+    clothed_ms.push_back(spent_ms[1]);
+  }
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+  row.naked_ms = row.measurements_ms + median_of(naked_ms);
+  row.clothed_ms = row.measurements_ms + median_of(clothed_ms);
+  return Ok{};
+}
+
+Result<RuntimeRow> runtime_of(const SessionModels& models, const index::Index& index, const std::string& file,
+                              const std::vector<Asker>& people) {
+  RuntimeRow row;
+  row.file = file;
+  row.models = index.size();
+  if (people.empty()) return Error{ErrorCode::invalid_argument, "runtime: nobody could be described"};
+  if (index.feature_size() != people[0].feature.size())
+    return Error{ErrorCode::unsupported, file + ": made for " + std::to_string(index.feature_size()) +
+                                             " features, these programs compute " +
+                                             std::to_string(people[0].feature.size())};
+  if (auto asked = time_queries(index, people, row); !asked) return asked.error();
+  std::vector<double> describe_ms;
+  describe_ms.reserve(people.size());
+  for (const Asker& asker : people) describe_ms.push_back(asker.describe_ms);
+  row.measurements_ms = median_of(describe_ms) + row.query_p50_ms;
+  // Indexes made to measure speed name nobody who could be drawn.
+  if (const auto timed = time_bodies(models, index, people, row);
+      !timed && timed.error().code != ErrorCode::unsupported)
+    return timed.error();
+  return row;
+}
+
+}  // namespace
+
+Result<std::vector<RuntimeRow>> measure_runtime(const SessionModels& models, const std::string& name,
+                                                const std::vector<std::string>& files,
+                                                const EvaluationOptions& options) {
+  const std::vector<Asker> people = askers(models, options);
+  std::vector<RuntimeRow> rows;
+  auto first = runtime_of(models, models.index, name, people);
+  if (!first) return first.error();
+  rows.push_back(*first);
+  for (const std::string& file : files) {
+    const auto index = load_index(file);
+    if (!index) return index.error();
+    auto row = runtime_of(models, *index, file, people);
+    if (!row) return row.error();
+    rows.push_back(*row);
+  }
+  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.models < b.models; });
+  return rows;
+}
+
+Result<std::vector<PeerLine>> read_index_peers(const std::string& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return bytes.error();
+  const auto* text = reinterpret_cast<const char*>(bytes->data());
+  const auto json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
+  if (!json.is_object() || !json.contains("rows") || !json["rows"].is_array())
+    return Error{ErrorCode::corrupt, path + ": expected the JSON of bench/index/index_peers, with `rows`"};
+  std::vector<PeerLine> lines = {{"im2fit", {}}, {"brute force, 501 float", {}}};
+  for (const auto& row : json["rows"])
+    for (PeerLine& line : lines)
+      if (row.value("peer", "") == line.peer && row.contains("p50_us") && row.contains("p99_us"))
+        line.points.push_back(
+            {row.value("models", 0.0), row.value("p50_us", 0.0) / 1e3, row.value("p99_us", 0.0) / 1e3});
+  return lines;
+}
+
+}  // namespace im2fit::lab

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/evaluation/session.h"
+
+#include <algorithm>
+
+#include "lab/evaluation/smoothing.h"
+
+namespace im2fit::lab {
+namespace {
+
+constexpr int kShownPerWanted = 3;
+constexpr int kShownMin = 15;  // finding somebody takes some frames, however few are wanted
+
+// Frames of one scene as the engine wants them.
+class Camera {
+ public:
+  Camera(const Intrinsics& sensor, int rotate_deg, bool smooths)
+      : rotate_deg_(rotate_deg),
+        smooths_(smooths),
+        upright_k_(hal::rotate_upright(sensor, rotate_deg)),
+        delivered_(static_cast<std::size_t>(sensor.width) * static_cast<std::size_t>(sensor.height)),
+        upright_(delivered_.size()),
+        sensor_image_(delivered_.data(), sensor.width, sensor.height),
+        image_(upright_.data(), upright_k_.width, upright_k_.height) {}
+  DepthView take(VirtualScene& scene, std::uint64_t frame) {
+    scene.render(frame, sensor_image_);
+    if (smooths_) smoothing_.run(sensor_image_);
+    hal::rotate_upright(sensor_image_, rotate_deg_, image_);
+    return image_;
+  }
+
+ private:
+  int rotate_deg_;
+  bool smooths_;
+  TemporalSmoothing smoothing_;
+  Intrinsics upright_k_;
+  std::vector<std::uint16_t> delivered_, upright_;
+  DepthImage sensor_image_, image_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const HeldOutPerson& person, Views views,
+                                            const JointWatch& watch) {
+  const auto& capture = person.capture;
+  EngineSettings settings;
+  settings.intrinsics = hal::rotate_upright(capture.intrinsics, capture.scene.rotate_deg);
+  settings.width = settings.intrinsics.width;
+  settings.height = settings.intrinsics.height;
+  settings.frames_wanted = capture.frame_count;
+  settings.frames_min = std::min(settings.frames_min, settings.frames_wanted);
+  settings.single_thread = true;
+  if (person.told) settings.sensor = capture.sensor.kind;
+  settings.shape_space = models.shape_space;
+  settings.clothed = capture.scene.clothing != Clothing::none && models.shape_space != nullptr;
+  if (views == Views::both) settings.turn = Turn::asked;
+  auto engine = Engine::create(settings, models.joints, models.index);
+  if (!engine) return engine.error();
+
+  std::vector<bool> sides;
+  if (views != Views::back) sides.push_back(false);
+  if (views != Views::front) sides.push_back(true);
+  const int shown_a_side = std::max(kShownMin, capture.frame_count * kShownPerWanted);
+  std::uint64_t frame = 0;
+  for (const bool back : sides) {
+    SceneOptions options = capture.scene;
+    options.back_view = back;
+    VirtualScene scene(models.body, person.subject, options, capture.sensor, capture.intrinsics, capture.seed);
+    Camera camera(capture.intrinsics, capture.scene.rotate_deg, person.smoothed);
+    for (int i = 0; i < shown_a_side && !(*engine)->result().measured; ++i, ++frame) {
+      hal::FrameInfo info;
+      info.sequence = frame;
+      info.host_ns = static_cast<std::int64_t>(frame) * 33'333'333;
+      if (auto pushed = (*engine)->push(camera.take(scene, frame), info); !pushed) return pushed.error();
+      const EngineResult now = (*engine)->result();
+      if (now.has_joints && watch) watch(now.joints, scene.joints(frame));
+      if (!back && now.state == SessionState::turning) break;  // the turn itself is not shown
+    }
+  }
+  (*engine)->finish();
+  if (auto sound = (*engine)->fault(); !sound) return sound.error();
+  return std::move(*engine);
+}
+
+}  // namespace im2fit::lab

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/index_building/refinement_builder.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "index/format.h"
+#include "lab/index_building/ridge.h"
+
+namespace im2fit::index {
+namespace {
+
+constexpr int kFolds = 3;
+constexpr double kPenalties[] = {0.003, 0.01, 0.03, 0.1, 0.3};  // in variances of a value
+// Times these: a fit's coefficients have been shrunk to the population once, by the fit; histograms of FPFH are many
+// and noisy; the frames stand for themselves, as does what kind of sensor they are of (docs/formats-index.md).
+constexpr double kFitPenalty = 0.03, kHistogramPenalty = 3, kFramesPenalty = 0.1, kSensorPenalty = 0.1;
+// A row's variance where people stand beyond kWellSeenMm, in squares of that distance over this: what it counts by.
+constexpr double kFarVariance = 11;
+// What differs between two looks at the same body counts by this much of its variance as a penalty: poses and noise
+// answer for less of what is said (errors in variables; docs/formats-index.md has what other values cost).
+constexpr double kSameBody = 0.25;
+
+// Standardised as a query does it.
+RowMatrixF standardised_rows(FeatureScale& scale, const std::vector<const std::vector<float>*>& values) {
+  const auto size = static_cast<std::ptrdiff_t>(values.front()->size());
+  RowMatrixF out(static_cast<std::ptrdiff_t>(values.size()), size);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    scale.standardise(*values[i], {out.row(static_cast<std::ptrdiff_t>(i)).data(), static_cast<std::size_t>(size)});
+  return out;
+}
+
+// The penalty of each value in those of others, by where refined_values() puts it.
+Eigen::VectorXd penalty_shares(Refinement kind, std::size_t feature_size, const FitLayout& fit) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Ones(static_cast<std::ptrdiff_t>(refined_size(kind, feature_size, fit)));
+  std::ptrdiff_t at = 0;
+  const int views = sees_back(kind) ? 2 : 1;
+  for (int v = 0; v < views; ++v)
+    for (const FeatureGroup& group : default_groups(feature_size)) {
+      if (group.name == "fpfh") shares.segment(at, group.count).setConstant(kHistogramPenalty);
+      if (group.name == "sensor") shares.segment(at, group.count).setConstant(kSensorPenalty);
+      at += group.count;
+    }
+  shares.segment(at, views * static_cast<std::ptrdiff_t>(fit.shapes)).setConstant(kFitPenalty);
+  shares.tail(1).setConstant(kFramesPenalty);
+  return shares;
+}
+
+double weight_at(int distance_mm) {
+  const double beyond = std::max(distance_mm / kWellSeenMm - 1, 0.0);
+  return 1 / (1 + kFarVariance * beyond * beyond);
+}
+
+// Adds the lower triangle of rows^T rows.
+void add_gram(const RowMatrixF& rows, Eigen::MatrixXd& gram) {
+  Eigen::MatrixXf work = Eigen::MatrixXf::Zero(rows.cols(), rows.cols());
+  work.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+  gram.triangularView<Eigen::Lower>() += work.cast<double>();
+}
+
+// Sums behind a ridge regression, of weighted rows.
+struct Sums {
+  std::ptrdiff_t count = 0;
+  double weight = 0;
+  Eigen::MatrixXd gram, cross;  // lower triangle of z z^T; z y^T
+  Eigen::VectorXd z, y;
+  Sums(std::ptrdiff_t values, std::ptrdiff_t targets)
+      : gram(Eigen::MatrixXd::Zero(values, values)),
+        cross(Eigen::MatrixXd::Zero(values, targets)),
+        z(Eigen::VectorXd::Zero(values)),
+        y(Eigen::VectorXd::Zero(targets)) {}
+  void add(const RowMatrixF& rows, const Eigen::MatrixXd& targets, const Eigen::VectorXd& weights) {
+    const RowMatrixF scaled = weights.cwiseSqrt().cast<float>().asDiagonal() * rows;
+    add_gram(scaled, gram);
+    const Eigen::MatrixXd weighted = weights.asDiagonal() * targets;
+    cross += rows.transpose().cast<double>() * weighted;
+    z += rows.transpose().cast<double>() * weights;
+    y += weighted.colwise().sum().transpose();
+    weight += weights.sum();
+    count += rows.rows();
+  }
+  void add(const Sums& other, int sign) {
+    count += sign * other.count;
+    weight += sign * other.weight;
+    gram += sign * other.gram;
+    cross += sign * other.cross;
+    z += sign * other.z;
+    y += sign * other.y;
+  }
+};
+
+// `unlike`: lower triangle, what two looks at the same body differ by.
+LinearFit solve(const Sums& s, const Eigen::MatrixXd& unlike, const Eigen::VectorXd& penalties) {
+  const Eigen::VectorXd z = s.z / s.weight, y = s.y / s.weight;
+  Eigen::MatrixXd a = s.gram / s.weight;
+  a.triangularView<Eigen::Lower>() -= z * z.transpose();
+  a.triangularView<Eigen::Lower>() += kSameBody * unlike;
+  a.diagonal() += penalties;
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> factor(a);
+  LinearFit fit;
+  fit.weights = factor.solve(s.cross / s.weight - z * y.transpose());
+  fit.bias = y - fit.weights.transpose() * z;
+  return fit;
+}
+
+// Means and scales as the file keeps them.
+FeatureScale file_scale(const std::vector<const std::vector<float>*>& values) {
+  FeatureScale scale(values);
+  for (auto* part : {&scale.mean, &scale.scale})
+    for (float& v : *part) v = float_of_upper(upper_of_float(v));
+  return scale;
+}
+
+// The rows of one kind as a query sees them, and the sums behind their regressions.
+struct Table {
+  FeatureScale scale;
+  RowMatrixF z;
+  Eigen::MatrixXd y;                                        // standardised targets
+  Eigen::VectorXd weight;                                   // of a row
+  std::array<std::vector<std::ptrdiff_t>, kFolds> of_fold;  // rows
+  std::vector<Sums> folds;
+  Sums all;
+  Eigen::MatrixXd unlike;  // mean of d d^T, lower triangle; d between looks at the same body
+
+  Table(const std::vector<const std::vector<float>*>& values, Eigen::MatrixXd targets, Eigen::VectorXd weights,
+        const std::vector<int>& fold_of_row)
+      : scale(file_scale(values)),
+        z(standardised_rows(scale, values)),
+        y(std::move(targets)),
+        weight(std::move(weights)),
+        all(z.cols(), kTargetMin),
+        unlike(Eigen::MatrixXd::Zero(z.cols(), z.cols())) {
+    for (std::size_t i = 0; i < fold_of_row.size(); ++i)
+      of_fold[static_cast<std::size_t>(fold_of_row[i])].push_back(static_cast<std::ptrdiff_t>(i));
+    for (const auto& rows : of_fold) {
+      folds.push_back(sums_of(rows));
+      all.add(folds.back(), 1);
+    }
+  }
+  Sums sums_of(const std::vector<std::ptrdiff_t>& rows) const {
+    Sums sums(z.cols(), kTargetMin);
+    if (!rows.empty()) sums.add(z(rows, Eigen::all), y(rows, Eigen::all), weight(rows));
+    return sums;
+  }
+  // `looks`: pairs of rows.
+  void learn_unlike(const std::vector<std::array<std::ptrdiff_t, 2>>& looks) {
+    if (looks.empty()) return;
+    RowMatrixF rows(static_cast<std::ptrdiff_t>(looks.size()), z.cols());
+    double sum = 0;
+    for (std::size_t i = 0; i < looks.size(); ++i) {
+      const auto [a, b] = looks[i];
+      const double counts = std::min(weight(a), weight(b));
+      rows.row(static_cast<std::ptrdiff_t>(i)) = (z.row(a) - z.row(b)) * static_cast<float>(std::sqrt(counts));
+      sum += counts;
+    }
+    add_gram(rows, unlike);
+    unlike /= sum;
+  }
+  Sums without(const Sums& some) const {
+    Sums rest = all;
+    rest.add(some, -1);
+    return rest;
+  }
+  void answer(const LinearFit& fit, const std::vector<std::ptrdiff_t>& rows, Eigen::MatrixXd& out) const {
+    const Eigen::MatrixXd part = (z(rows, Eigen::all).cast<double>() * fit.weights).rowwise() + fit.bias.transpose();
+    for (std::size_t i = 0; i < rows.size(); ++i) out.row(rows[i]) = part.row(static_cast<std::ptrdiff_t>(i));
+  }
+};
+
+// The penalty that answers people of other folds best, and those answers.
+struct CrossFit {
+  double penalty = kPenalties[0];
+  Eigen::MatrixXd answer;
+};
+CrossFit choose_penalty(const Table& table, const Eigen::VectorXd& shares) {
+  CrossFit best;
+  double least = 1e300;
+  for (const double tried : kPenalties) {
+    Eigen::MatrixXd answer(table.z.rows(), kTargetMin);
+    for (std::size_t f = 0; f < kFolds; ++f)
+      table.answer(solve(table.without(table.folds[f]), table.unlike, tried * shares), table.of_fold[f], answer);
+    const double error = (answer - table.y).cwiseAbs().sum();
+    if (error >= least) break;  // past the valley
+    least = error;
+    best = {tried, std::move(answer)};
+  }
+  return best;
+}
+
+}  // namespace
+
+void RefinementBuilder::add(const Sample& sample) {
+  Rows& rows = rows_[sample.clothed ? 1 : 0];
+  if (!sample.refines() || rows.size() >= kSampleMax) return;
+  fit_ = sample.fit_layout;
+  feature_size_ = sample.feature.size();
+  Row& row = rows.emplace_back();
+  row.subject = sample.subject;
+  // As the device counts them: with both sides seen, the fewer of the two and the farther.
+  row.frame_count = {std::max(sample.frame_count, 1),
+                     std::max(std::min(sample.frame_count, sample.back_frame_count), 1)};
+  row.distance_mm = {sample.distance_mm, std::max(sample.distance_mm, sample.back_distance_mm)};
+  row.stranger = sample.calibrate_only;
+  row.woman = sample.woman;
+  row.truth = sample.truth;
+  Seen seen{sample.feature, sample.fit, sample.back, sample.fit_both, sample.clothed, 0};
+  for (const Refinement kind : {Refinement::fitted, Refinement::turned}) {
+    seen.frame_count = row.frame_count[sees_back(kind) ? 1 : 0];
+    auto& values = row.values[sees_back(kind) ? 1 : 0];
+    values.resize(refined_size(kind, sample.feature.size(), fit_));
+    refined_values(kind, seen, fit_, values);
+  }
+}
+
+void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed,
+                              std::uint32_t shape_key) {
+  for (const Refinement kind : kRefinements) {
+    Rows& rows = rows_[is_of_clothed(kind) ? 1 : 0];
+    if (rows.size() < kSampleMin) continue;
+    auto& learned = learned_[static_cast<std::size_t>(kind)];
+    learned = learn_one(kind, rows, targets, plain, seed);
+    learned->record.fit = fit_;
+    learned->record.shape_key = shape_key;
+    for (Row& row : rows) std::vector<float>().swap(row.values[sees_back(kind) ? 1 : 0]);
+  }
+}
+
+RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const Rows& people,
+                                                        const TargetSpace& targets, const PlainAnswers& plain,
+                                                        std::uint64_t seed) const {
+  const auto count = static_cast<std::ptrdiff_t>(people.size());
+  std::vector<const std::vector<float>*> values;
+  std::vector<int> fold_of_row;
+  std::vector<std::array<std::ptrdiff_t, 2>> looks;  // at the same body, one after the other
+  Eigen::MatrixXd y(count, kTargetMin);
+  Eigen::VectorXd weights(count);
+  FoldDealer dealer(seed, kFolds);
+  for (const Row& row : people) {
+    const auto at = static_cast<std::ptrdiff_t>(values.size());
+    y.row(at) = targets.measured(row.truth, row.woman).transpose();
+    weights(at) = weight_at(row.distance_mm[sees_back(kind) ? 1 : 0]);
+    values.push_back(&row.values[sees_back(kind) ? 1 : 0]);
+    fold_of_row.push_back(dealer.fold_of(row.subject));
+    if (at > 0 && people[static_cast<std::size_t>(at - 1)].subject == row.subject) looks.push_back({at - 1, at});
+  }
+  Table table(values, std::move(y), std::move(weights), fold_of_row);
+  table.learn_unlike(looks);
+  const Eigen::VectorXd shares = penalty_shares(kind, feature_size_, fit_);
+  CrossFit cross = choose_penalty(table, shares);
+
+  Learned out;
+  out.record.sample_count = static_cast<std::uint32_t>(count);
+  out.record.penalty_millionths = static_cast<std::uint32_t>(std::lround(cross.penalty * 1e6));
+  for (const float m : table.scale.mean) out.mean.push_back(upper_of_float(m));
+  for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
+  out.round(solve(table.all, table.unlike, cross.penalty * shares));
+
+  // By regressions that have learned from other people, strangers as well as ordinary ones, as the one in the file
+  // has.
+  std::vector<std::ptrdiff_t> ordinary, strangers;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const Row& row = people[static_cast<std::size_t>(i)];
+    if (is_of_clothed(kind) || plain.contains(row.subject)) (row.stranger ? strangers : ordinary).push_back(i);
+  }
+  const bool many = strangers.size() >= kStrangersMin;
+  std::vector<std::ptrdiff_t> judged = ordinary;
+  if (many) {
+    const double share = kRefinedStrangerShare[static_cast<std::size_t>(kind)];
+    for (const std::size_t i : strangers_beside(ordinary.size(), strangers.size(), share))
+      judged.push_back(strangers[i]);
+  } else {
+    judged.insert(judged.end(), strangers.begin(), strangers.end());
+  }
+  if (!judged.empty())
+    out.judge(kind, people, judged, many ? strangers : judged, targets, plain, table.y, cross.answer);
+  return out;
+}
+
+void RefinementBuilder::Learned::round(const LinearFit& fit) {
+  const RowMatrixF rows = fit.weights.transpose().cast<float>();
+  weights =
+      round_weights({rows.data(), static_cast<std::size_t>(rows.size())}, static_cast<std::size_t>(rows.cols()));
+  for (std::ptrdiff_t t = 0; t < kTargetMin; ++t) bias.push_back(static_cast<float>(fit.bias(t)));
+}
+
+void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
+                                       const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets,
+                                       const PlainAnswers& plain, const Eigen::MatrixXd& truth,
+                                       const Eigen::MatrixXd& said) {
+  // Of people in clothes there is no plain answer to mix with.
+  record.share.fill(1.0F);
+  for (std::ptrdiff_t t = 0; !is_of_clothed(kind) && t < kTargetMin; ++t) {
+    double change_square = 1e-12, change_right = 0;
+    for (const std::ptrdiff_t i : unlike) {
+      const double before = plain.at(people[static_cast<std::size_t>(i)].subject)[static_cast<std::size_t>(t)];
+      const double change = said(i, t) - before;
+      change_square += change * change;
+      change_right += change * (truth(i, t) - before);
+    }
+    record.share[static_cast<std::size_t>(t)] =
+        static_cast<float>(std::clamp(change_right / change_square, 0.0, 1.0));
+  }
+  std::vector<HeldOut> held_out;
+  for (const std::ptrdiff_t i : judged) {
+    const Row& row = people[static_cast<std::size_t>(i)];
+    HeldOut& h = held_out.emplace_back();
+    h.subject = static_cast<std::uint32_t>(row.subject);
+    h.frame_count = row.frame_count[sees_back(kind) ? 1 : 0];
+    h.distance_mm = row.distance_mm[sees_back(kind) ? 1 : 0];
+    for (std::size_t t = 0; t < kTargetMin; ++t) {
+      const auto column = static_cast<std::ptrdiff_t>(t);
+      h.truth[t] = truth(i, column);
+      h.answer[t] = said(i, column);
+      if (!is_of_clothed(kind)) {
+        const double before = plain.at(row.subject)[t];
+        h.answer[t] = before + static_cast<double>(record.share[t]) * (h.answer[t] - before);
+      }
+      if (t < kMeasurementCount)
+        record.mae[t] += static_cast<float>(targets.scale(t) * std::abs(h.truth[t] - h.answer[t]) /
+                                            static_cast<double>(judged.size()));
+    }
+  }
+  const IntervalModel intervals = calibrate_intervals(held_out);
+  record.interval_kind = static_cast<std::uint32_t>(intervals.kind);
+  record.noise = intervals.noise;
+  record.coverage = intervals.coverage;
+  interval.assign(intervals.quantiles.begin(), intervals.quantiles.end());
+  spread_floor.assign(intervals.spread_floor.begin(), intervals.spread_floor.end());
+  sex_table = calibrate_sex(held_out, targets.mean(kSexTarget), targets.scale(kSexTarget));
+}
+
+void RefinementBuilder::write(ContainerWriter& out) const {
+  for (const Refinement kind : kRefinements) {
+    const auto& learned = learned_[static_cast<std::size_t>(kind)];
+    if (!learned || learned->sex_table.empty()) continue;  // nobody to judge it on
+    const auto add = [&](const char* name, const auto& values) {
+      using Value = typename std::decay_t<decltype(values)>::value_type;
+      out.add_array(section_of(kind, name), std::span<const Value>(values));
+    };
+    out.add_array(section_of(kind, "about"), std::span<const RefinementRecord>(&learned->record, 1));
+    add("mean", learned->mean);
+    add("scale", learned->scale);
+    add("weights", learned->weights.weights);
+    add("unit", learned->weights.unit);
+    add("bias", learned->bias);
+    add("interval", learned->interval);
+    add("spread", learned->spread_floor);
+    add("sex", learned->sex_table);
+  }
+}
+
+}  // namespace im2fit::index

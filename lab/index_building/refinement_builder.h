@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Workstation side: learns the refinements from the samples that have a fit and a view from behind.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "core/container.h"
+#include "index/refinement.h"
+#include "lab/index_building/calibration.h"
+#include "lab/index_building/learning.h"
+#include "lab/index_building/sample.h"
+
+namespace im2fit::index {
+
+struct LinearFit {
+  Eigen::MatrixXd weights;  // value x target
+  Eigen::VectorXd bias;
+};
+
+class RefinementBuilder {
+ public:
+  static constexpr std::size_t kSampleMin = 150;  // fewer teach too little
+  // Held in memory, of people undressed and in clothes: 18 kB each, and as much again while they are learned from.
+  static constexpr std::size_t kSampleMax = 16384;
+  // Keeps what it needs of a sample that refines.
+  void add(const Sample& sample);
+  // The index' plain answers, standardised, to the first look at subjects that had no part in them.
+  using PlainAnswers = std::map<std::uint64_t, Targets>;
+  // `targets`: as the index standardises them. A kind of people with fewer than kSampleMin samples is left out.
+  void learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed, std::uint32_t shape_key);
+  // Sections of every kind that was learned.
+  void write(ContainerWriter& out) const;
+
+ private:
+  struct Row {
+    std::uint64_t subject = 0;
+    // Of the front, and of the side with fewer or that is farther.
+    std::array<int, 2> frame_count{}, distance_mm{};
+    bool stranger = false;
+    bool woman = false;
+    MeasurementValues truth{};
+    std::array<std::vector<float>, 2> values;  // of the front, and of both sides
+  };
+  using Rows = std::vector<Row>;
+  struct Learned {
+    RefinementRecord record;
+    std::vector<std::uint16_t> mean, scale;
+    RoundedWeights weights;
+    std::vector<float> bias, interval, spread_floor, sex_table;
+    void round(const LinearFit& fit);
+    // Intervals from the rows `judged`, shares from those of people `unlike` whom the plain answer knows. `truth`,
+    // and what was `said` by a regression that has not learned from them: standardised, a row for each of the people.
+    void judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
+               const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets, const PlainAnswers& plain,
+               const Eigen::MatrixXd& truth, const Eigen::MatrixXd& said);
+  };
+  Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
+                    std::uint64_t seed) const;
+
+  std::array<Rows, 2> rows_;  // of people undressed, and in clothes
+  std::size_t feature_size_ = 0;
+  FitLayout fit_;
+  std::array<std::optional<Learned>, kRefinementCount> learned_;
+};
+
+}  // namespace im2fit::index

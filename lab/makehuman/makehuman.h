@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Workstation only: MakeHuman's data, from the npm package or an upstream checkout, into one compact .i2b.
+// Reads data files only; no code of MakeHuman's is used. Facts and traps: docs/makehuman.md.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+
+namespace im2fit::body {
+
+// Detects the layout (npm: public/data/targets/targets.bin; upstream: makehuman/data/3dobjs/base.obj or
+// data/3dobjs/base.obj) and packs what adults need.
+Result<std::vector<std::byte>> pack_makehuman(const std::string& directory);
+
+}  // namespace im2fit::body

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/tracker_training/tracker_cascade.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/rng.h"
+#include "lab/tracker_training/tracker_parallel.h"
+
+namespace im2fit::lab {
+namespace {
+
+using joints::Anchor;
+using joints::Basis;
+using joints::kLeafCount;
+using joints::kLeafSize;
+using joints::kShapeSize;
+using joints::kSplitCount;
+using joints::Split;
+
+constexpr std::uint64_t kAnchorStream = 0x616E6368;
+constexpr std::uint64_t kLevelStream = 0x6C65766C;
+constexpr int kBatchTreeCount = 8;  // trees that learn on the same residuals; any thread count gives the same
+constexpr int kCandidateCount = 90;
+constexpr int kLookedMax = 1200;
+constexpr int kScoreSize = 6;  // two joints' residuals judge a split
+constexpr double kShrinkage = 0.11;
+constexpr double kLeafPrior = 12;      // samples' worth of "no correction" in every leaf
+constexpr double kBetweenShare = 0.6;  // of the anchors lie between two joints, and nearer to that line:
+constexpr double kBetweenSpread = 0.5;
+constexpr double kPairReachMm = 450;  // near pairs are likelier (Kazemi 2014, section 2.3.2)
+constexpr double kLeafReach = 5;      // standard deviations of the residual that a leaf can hold
+constexpr double kUnitMinMm = 1e-3;
+
+using Sums = std::array<std::int32_t, static_cast<std::size_t>(kLeafSize)>;
+
+struct Level {
+  std::span<const Anchor> anchors;
+  Basis basis{};
+  std::array<std::array<float, static_cast<std::size_t>(kShapeSize)>, static_cast<std::size_t>(kLeafSize)> units{};
+  std::vector<Sums> sums;                         // by start: what the level's trees have given
+  std::array<double, kJointCount> joint_share{};  // of the residual's spread
+  std::vector<std::array<float, 2>> where;        // anchors about the mean shape, mm
+  std::vector<std::int16_t> pixels;               // starts * pixel_count
+  std::vector<float> residual;                    // starts * 45
+  int pixel_count = 0;
+  const std::int16_t* row(std::int32_t start) const {
+    return pixels.data() + static_cast<std::size_t>(start) * static_cast<std::size_t>(pixel_count);
+  }
+  const float* left_to_go(std::int32_t start) const {
+    return residual.data() + static_cast<std::size_t>(start) * static_cast<std::size_t>(kShapeSize);
+  }
+};
+
+struct Tree {
+  std::array<Split, kSplitCount> splits{};
+  std::vector<std::int8_t> leaves = std::vector<std::int8_t>(static_cast<std::size_t>(kLeafCount * kLeafSize));
+};
+
+double anchor_spread_mm(int level) {
+  return level < 3 ? 220 : (level < 6 ? 150 : 100);
+}
+
+class TreeGrower {
+ public:
+  TreeGrower(const Level& level, Rng rng) : level_(level), rng_(rng) {}
+
+  Tree run() {
+    Tree tree;
+    const std::size_t count = level_.residual.size() / static_cast<std::size_t>(kShapeSize);
+    std::vector<std::int32_t> order(count);
+    for (std::size_t i = 0; i < count; ++i) order[i] = static_cast<std::int32_t>(i);
+    std::array<std::size_t, kSplitCount + kLeafCount + 1> first{};
+    std::array<std::size_t, kSplitCount + kLeafCount + 1> last{};
+    last[0] = count;
+    for (std::size_t node = 0; node < static_cast<std::size_t>(kSplitCount); ++node) {
+      const std::span<std::int32_t> mine(order.data() + first[node], last[node] - first[node]);
+      const Split s = choose(mine);
+      tree.splits[node] = s;
+      const auto middle = std::stable_partition(mine.begin(), mine.end(), [&](std::int32_t i) {
+        const std::int16_t* p = level_.row(i);
+        return p[s.a] - p[s.b] <= s.threshold;
+      });
+      const std::size_t cut = first[node] + static_cast<std::size_t>(middle - mine.begin());
+      first[2 * node + 1] = first[node];
+      last[2 * node + 1] = cut;
+      first[2 * node + 2] = cut;
+      last[2 * node + 2] = last[node];
+    }
+    for (std::size_t leaf = 0; leaf < static_cast<std::size_t>(kLeafCount); ++leaf) {
+      const std::size_t node = leaf + static_cast<std::size_t>(kSplitCount);
+      fill_leaf({order.data() + first[node], last[node] - first[node]},
+                tree.leaves.data() + leaf * static_cast<std::size_t>(kLeafSize));
+    }
+    return tree;
+  }
+
+ private:
+  // Joints with more left to go are asked more often.
+  int draw_joint() {
+    double left = rng_.uniform();
+    for (std::size_t j = 0; j + 1 < kJointCount; ++j) {
+      left -= level_.joint_share[j];
+      if (left < 0) return static_cast<int>(j);
+    }
+    return static_cast<int>(kJointCount) - 1;
+  }
+
+  Split draw() {
+    Split s;
+    for (int tries = 0; tries < 12; ++tries) {
+      s.a = static_cast<std::uint16_t>(rng_.index(level_.pixel_count));
+      s.b = static_cast<std::uint16_t>(rng_.index(level_.pixel_count));
+      if (s.a == s.b) continue;
+      const double dx = static_cast<double>(level_.where[s.a][0] - level_.where[s.b][0]);
+      const double dy = static_cast<double>(level_.where[s.a][1] - level_.where[s.b][1]);
+      if (rng_.uniform() < std::exp(-std::sqrt(dx * dx + dy * dy) / kPairReachMm)) break;
+    }
+    return s;
+  }
+
+  Split choose(std::span<const std::int32_t> mine) {
+    Split best;
+    best.b = 1;
+    if (mine.size() < 20) return best;
+    const std::size_t looked = std::min<std::size_t>(mine.size(), kLookedMax);
+    const std::size_t stride = mine.size() / looked;
+    std::array<int, kScoreSize> dims{};
+    for (int half = 0; half < 2; ++half) {
+      const int joint = draw_joint();
+      for (int k = 0; k < 3; ++k)
+        dims[3 * static_cast<std::size_t>(half) + static_cast<std::size_t>(k)] = 3 * joint + k;
+    }
+    scores_.resize(looked * kScoreSize);
+    for (std::size_t n = 0; n < looked; ++n) {
+      const float* r = level_.left_to_go(mine[n * stride]);
+      for (std::size_t d = 0; d < kScoreSize; ++d) scores_[n * kScoreSize + d] = r[dims[d]];
+    }
+    std::array<float, kScoreSize> total{};
+    for (std::size_t n = 0; n < looked; ++n)
+      for (std::size_t d = 0; d < kScoreSize; ++d) total[d] += scores_[n * kScoreSize + d];
+    float best_gain = -1;
+    for (int c = 0; c < kCandidateCount; ++c) {
+      Split s = draw();
+      const std::int16_t* p = level_.row(mine[static_cast<std::size_t>(rng_.index(static_cast<int>(mine.size())))]);
+      s.threshold = static_cast<std::int16_t>(p[s.a] - p[s.b] + static_cast<int>(rng_.normal(0, 10)));
+      float high_count = 0;
+      std::array<float, kScoreSize> high{};
+      for (std::size_t n = 0; n < looked; ++n) {
+        const std::int16_t* q = level_.row(mine[n * stride]);
+        const float w = q[s.a] - q[s.b] > s.threshold ? 1.0F : 0.0F;
+        high_count += w;
+        for (std::size_t d = 0; d < kScoreSize; ++d) high[d] += w * scores_[n * kScoreSize + d];
+      }
+      const float low_count = static_cast<float>(looked) - high_count;
+      if (high_count < 5 || low_count < 5) continue;
+      float gain = 0;
+      for (std::size_t d = 0; d < kScoreSize; ++d) {
+        const float low = total[d] - high[d];
+        gain += high[d] * high[d] / high_count + low * low / low_count;
+      }
+      if (gain > best_gain) {
+        best_gain = gain;
+        best = s;
+      }
+    }
+    return best;
+  }
+
+  void fill_leaf(std::span<const std::int32_t> mine, std::int8_t* out) const {
+    std::array<double, static_cast<std::size_t>(kShapeSize)> sum{};
+    for (const std::int32_t i : mine) {
+      const float* r = level_.left_to_go(i);
+      for (std::size_t d = 0; d < sum.size(); ++d) sum[d] += static_cast<double>(r[d]);
+    }
+    const double scale = kShrinkage / (static_cast<double>(mine.size()) + kLeafPrior);
+    for (std::size_t k = 0; k < level_.units.size(); ++k) {
+      double value = 0;
+      for (std::size_t d = 0; d < sum.size(); ++d) value += sum[d] * static_cast<double>(level_.units[k][d]);
+      out[k] = static_cast<std::int8_t>(std::lround(std::clamp(value * scale, -127.0, 127.0)));
+    }
+  }
+
+  const Level& level_;
+  Rng rng_;
+  std::vector<float> scores_;
+};
+
+std::vector<Anchor> draw_anchors(const TrainOptions& options, int level) {
+  Rng rng = Rng::for_item(options.seed, kAnchorStream, static_cast<std::uint64_t>(level));
+  std::vector<Anchor> out;
+  const auto offset = [&](double spread_mm) {
+    return static_cast<std::int16_t>(std::clamp(rng.normal(0, spread_mm), -2000.0, 2000.0));
+  };
+  for (int i = 0; i < options.pixel_count; ++i) {
+    Anchor a;
+    double spread_mm = anchor_spread_mm(level);
+    a.joint = a.towards = static_cast<std::uint8_t>(rng.index(static_cast<int>(kJointCount)));
+    if (rng.uniform() < kBetweenShare) {
+      a.towards = static_cast<std::uint8_t>(rng.index(static_cast<int>(kJointCount)));
+      a.share_q8 = static_cast<std::int16_t>(rng.index(257));
+      spread_mm *= kBetweenSpread;
+    }
+    a.dx = offset(spread_mm);
+    a.dy = offset(spread_mm);
+    out.push_back(a);
+  }
+  return out;
+}
+
+void prepare(Level& level, std::span<const TrackerImage> images, std::span<const CascadeStart> starts, int threads) {
+  level.pixels.resize(starts.size() * static_cast<std::size_t>(level.pixel_count));
+  level.residual.resize(starts.size() * static_cast<std::size_t>(kShapeSize));
+  const int chunk = 256;
+  for_each_item(static_cast<int>((starts.size() + chunk - 1) / chunk), threads, [&](int item) {
+    const std::size_t end =
+        std::min(starts.size(), (static_cast<std::size_t>(item) + 1) * static_cast<std::size_t>(chunk));
+    for (std::size_t i = static_cast<std::size_t>(item) * static_cast<std::size_t>(chunk); i < end; ++i) {
+      const TrackerImage& image = images[static_cast<std::size_t>(starts[i].image)];
+      joints::read_anchors(level.anchors, image.view, starts[i].shape,
+                           level.pixels.data() + i * static_cast<std::size_t>(level.pixel_count));
+      float* r = level.residual.data() + i * static_cast<std::size_t>(kShapeSize);
+      for (int j = 0; j < static_cast<int>(kJointCount); ++j) {
+        const Vec3f d = image.truth[static_cast<std::size_t>(j)] - joints::joint_of(starts[i].shape, j);
+        r[3 * j] = d.x;
+        r[3 * j + 1] = d.y;
+        r[3 * j + 2] = d.z;
+      }
+    }
+  });
+}
+
+void subtract(Level& level, std::span<const Tree> trees, int threads) {
+  const int chunk = 1024;
+  const std::size_t count = level.sums.size();
+  for_each_item(static_cast<int>((count + chunk - 1) / chunk), threads, [&](int item) {
+    const std::size_t end = std::min(count, (static_cast<std::size_t>(item) + 1) * static_cast<std::size_t>(chunk));
+    for (std::size_t i = static_cast<std::size_t>(item) * static_cast<std::size_t>(chunk); i < end; ++i) {
+      Sums batch{};
+      for (const Tree& tree : trees) {
+        const int leaf = joints::find_leaf(tree.splits.data(), level.row(static_cast<std::int32_t>(i)));
+        const std::int8_t* values = tree.leaves.data() + leaf * kLeafSize;
+        for (std::size_t k = 0; k < batch.size(); ++k) batch[k] += values[k];
+      }
+      float* r = level.residual.data() + i * static_cast<std::size_t>(kShapeSize);
+      for (std::size_t k = 0; k < batch.size(); ++k) {
+        const float amount = static_cast<float>(batch[k]);
+        const float* mm = level.basis.data() + k * static_cast<std::size_t>(kShapeSize);
+        for (std::size_t d = 0; d < static_cast<std::size_t>(kShapeSize); ++d) r[d] -= amount * mm[d];
+        level.sums[i][k] += batch[k];
+      }
+    }
+  });
+}
+
+// The directions the level's residuals vary in most, each with a unit that lets a byte reach a few of its standard
+// deviations; what is left out is the next level's.
+void choose_basis(Level& level) {
+  using Matrix = Eigen::Matrix<double, joints::kShapeSize, joints::kShapeSize>;
+  using Vector = Eigen::Matrix<double, joints::kShapeSize, 1>;
+  const std::size_t count = level.sums.size();
+  Matrix moments = Matrix::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector r =
+        Eigen::Map<const Eigen::Matrix<float, joints::kShapeSize, 1>>(level.left_to_go(static_cast<std::int32_t>(i)))
+            .cast<double>();
+    moments += r * r.transpose();
+  }
+  moments /= static_cast<double>(count);
+  double sum = 0;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const auto at = static_cast<Eigen::Index>(3 * j);
+    level.joint_share[j] = std::sqrt(moments(at, at) + moments(at + 1, at + 1) + moments(at + 2, at + 2));
+    sum += level.joint_share[j];
+  }
+  for (double& share : level.joint_share) share /= sum;
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(moments);  // values rise
+  for (int k = 0; k < kLeafSize; ++k) {
+    const int column = kShapeSize - 1 - k;
+    const double spread_mm = std::sqrt(std::max(0.0, solver.eigenvalues()[column]));
+    const double unit_mm = std::max(kUnitMinMm, kLeafReach * kShrinkage * spread_mm / 127);
+    for (int d = 0; d < kShapeSize; ++d) {
+      const double along = solver.eigenvectors()(d, column);
+      const auto at = static_cast<std::size_t>(k * kShapeSize + d);
+      level.basis[at] = static_cast<float>(along * unit_mm);
+      level.units[static_cast<std::size_t>(k)][static_cast<std::size_t>(d)] = static_cast<float>(along / unit_mm);
+    }
+  }
+}
+
+}  // namespace
+
+Cascade train_cascade(std::span<const TrackerImage> images, std::vector<CascadeStart>& starts,
+                      const TrainOptions& options, const std::function<void(double)>& progress) {
+  Cascade cascade;
+  joints::Shape mean{};
+  for (const TrackerImage& image : images)
+    for (int j = 0; j < static_cast<int>(kJointCount); ++j)
+      joints::set_joint(
+          mean, j,
+          joints::joint_of(mean, j) + (image.truth[static_cast<std::size_t>(j)] - image.view.centroid_mm) *
+                                          (1.0F / static_cast<float>(images.size())));
+  Level level;
+  level.pixel_count = options.pixel_count;
+  for (int l = 0; l < options.level_count; ++l) {
+    const std::vector<Anchor> anchors = draw_anchors(options, l);
+    level.anchors = anchors;
+    level.where.clear();
+    for (const Anchor& a : anchors) {
+      const Vec3f from = joints::joint_of(mean, a.joint);
+      const Vec3f p = from + (joints::joint_of(mean, a.towards) - from) * (static_cast<float>(a.share_q8) / 256);
+      level.where.push_back({p.x + static_cast<float>(a.dx), p.y + static_cast<float>(a.dy)});
+    }
+    prepare(level, images, starts, options.thread_count);
+    level.sums.assign(starts.size(), Sums{});
+    choose_basis(level);
+    for (int t = 0; t < options.level_tree_count; t += kBatchTreeCount) {
+      const int batch = std::min(kBatchTreeCount, options.level_tree_count - t);
+      std::vector<Tree> trees(static_cast<std::size_t>(batch));
+      for_each_item(batch, options.thread_count, [&](int b) {
+        const int number = l * options.level_tree_count + t + b;
+        const auto item = static_cast<std::uint64_t>(number);
+        trees[static_cast<std::size_t>(b)] = TreeGrower(level, Rng::for_item(options.seed, kLevelStream, item)).run();
+      });
+      subtract(level, trees, options.thread_count);
+      for (const Tree& tree : trees) {
+        cascade.splits.insert(cascade.splits.end(), tree.splits.begin(), tree.splits.end());
+        cascade.leaves.insert(cascade.leaves.end(), tree.leaves.begin(), tree.leaves.end());
+      }
+      if (progress) progress((l + static_cast<double>(t + batch) / options.level_tree_count) / options.level_count);
+    }
+    for (std::size_t i = 0; i < starts.size(); ++i)
+      joints::add_sums(level.basis, level.sums[i].data(), starts[i].shape);
+    cascade.anchors.insert(cascade.anchors.end(), anchors.begin(), anchors.end());
+    cascade.basis.push_back(level.basis);
+  }
+  return cascade;
+}
+
+}  // namespace im2fit::lab

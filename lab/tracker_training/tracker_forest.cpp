@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/tracker_training/tracker_forest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "core/rng.h"
+#include "core/skeleton.h"
+#include "lab/tracker_training/tracker_parallel.h"
+
+namespace im2fit::lab {
+namespace {
+
+using joints::JumpNode;
+
+constexpr std::uint64_t kTreeStream = 0x74524545;
+constexpr int kCandidateCount = 48;
+constexpr int kThresholdCount = 5;
+constexpr int kLeafSamplesMin = 8;
+constexpr double kProbeSpreadMm = 350;
+constexpr int kNodeCountMax = 65000;
+
+struct Sample {
+  std::int32_t image = 0;
+  Vec3f from;
+  Vec3f jump;
+};
+
+struct Task {
+  int first = 0;
+  int last = 0;
+  int depth = 0;
+  int node = 0;
+};
+
+struct Sums {
+  double n = 0, x = 0, y = 0, z = 0;
+  void add(Vec3f v) {
+    n += 1;
+    x += static_cast<double>(v.x);
+    y += static_cast<double>(v.y);
+    z += static_cast<double>(v.z);
+  }
+  double gain() const { return (x * x + y * y + z * z) / n; }
+};
+
+std::int16_t to_int16(double v) {
+  return static_cast<std::int16_t>(std::lround(std::clamp(v, -32000.0, 32000.0)));
+}
+
+class TreeTrainer {
+ public:
+  TreeTrainer(std::span<const TrackerImage> images, std::vector<Sample>& samples, int depth_max, Rng rng)
+      : images_(images), samples_(samples), depth_max_(depth_max), rng_(rng) {}
+
+  std::vector<JumpNode> run() {
+    nodes_.emplace_back();
+    tasks_.push_back({0, static_cast<int>(samples_.size()), 0, 0});
+    while (!tasks_.empty()) {
+      const Task task = tasks_.back();
+      tasks_.pop_back();
+      if (!split(task)) make_leaf(task);
+    }
+    return std::move(nodes_);
+  }
+
+ private:
+  int feature(const Sample& s, const JumpNode& n) const {
+    return joints::jump_feature(images_[static_cast<std::size_t>(s.image)].view, s.from, n);
+  }
+
+  JumpNode draw_candidate() {
+    JumpNode n;
+    const double spread = kProbeSpreadMm * (rng_.uniform() < 0.5 ? 1.0 : 0.35);
+    n.a = to_int16(rng_.normal(0, spread));
+    n.b = to_int16(rng_.normal(0, spread));
+    if (rng_.uniform() < 0.5) {
+      n.c = to_int16(rng_.normal(0, spread));
+      n.d = to_int16(rng_.normal(0, spread));
+    }
+    return n;
+  }
+
+  // Best of the drawn probes and thresholds on a subsample: greatest drop of the jumps' variance.
+  bool best_split(const Task& task, JumpNode& best) {
+    const int count = task.last - task.first;
+    const int looked = std::min(count, task.depth < 6 ? 2400 : 1200);
+    chosen_.resize(static_cast<std::size_t>(looked));
+    values_.resize(static_cast<std::size_t>(looked));
+    for (int i = 0; i < looked; ++i)
+      chosen_[static_cast<std::size_t>(i)] = task.first + (looked == count ? i : rng_.index(count));
+    const double least = static_cast<double>(kLeafSamplesMin) * looked / count + 3;
+    double best_gain = -1;
+    for (int c = 0; c < kCandidateCount; ++c) {
+      JumpNode n = draw_candidate();
+      for (std::size_t i = 0; i < chosen_.size(); ++i)
+        values_[i] = feature(samples_[static_cast<std::size_t>(chosen_[i])], n);
+      for (int t = 0; t < kThresholdCount; ++t) {
+        const int threshold = values_[static_cast<std::size_t>(rng_.index(looked))];
+        Sums low;
+        Sums high;
+        for (std::size_t i = 0; i < chosen_.size(); ++i)
+          (values_[i] > threshold ? high : low).add(samples_[static_cast<std::size_t>(chosen_[i])].jump);
+        if (low.n < least || high.n < least) continue;
+        const double gain = low.gain() + high.gain();
+        if (gain <= best_gain) continue;
+        best_gain = gain;
+        best = n;
+        best.threshold = static_cast<std::int16_t>(threshold);
+      }
+    }
+    return best_gain >= 0;
+  }
+
+  bool split(const Task& task) {
+    const int count = task.last - task.first;
+    if (task.depth >= depth_max_ || count < 2 * kLeafSamplesMin || nodes_.size() + 2 > kNodeCountMax) return false;
+    JumpNode best;
+    if (!best_split(task, best)) return false;
+    const auto middle = std::stable_partition(samples_.begin() + task.first, samples_.begin() + task.last,
+                                              [&](const Sample& s) { return feature(s, best) <= best.threshold; });
+    const int cut = static_cast<int>(middle - samples_.begin());
+    if (cut == task.first || cut == task.last) return false;
+    best.left = static_cast<std::uint16_t>(nodes_.size());
+    nodes_.resize(nodes_.size() + 2);
+    nodes_[static_cast<std::size_t>(task.node)] = best;
+    tasks_.push_back({task.first, cut, task.depth + 1, best.left});
+    tasks_.push_back({cut, task.last, task.depth + 1, best.left + 1});
+    return true;
+  }
+
+  void make_leaf(const Task& task) {
+    Sums sums;
+    for (int i = task.first; i < task.last; ++i) sums.add(samples_[static_cast<std::size_t>(i)].jump);
+    JumpNode& leaf = nodes_[static_cast<std::size_t>(task.node)];
+    leaf = {};
+    leaf.a = to_int16(sums.x / sums.n);
+    leaf.b = to_int16(sums.y / sums.n);
+    leaf.c = to_int16(sums.z / sums.n);
+  }
+
+  std::span<const TrackerImage> images_;
+  std::vector<Sample>& samples_;
+  int depth_max_;
+  Rng rng_;
+  std::vector<JumpNode> nodes_;
+  std::vector<Task> tasks_;
+  std::vector<int> chosen_;
+  std::vector<int> values_;
+};
+
+// Points where a walk may stand: where it starts, far, near and at the joint.
+Vec3f draw_stand(const TrackerImage& image, int joint, const joints::ForestView& bones, int k, Rng& rng) {
+  const auto j = static_cast<std::size_t>(joint);
+  const auto jitter = [&](double x, double y, double z) {
+    return Vec3f{static_cast<float>(rng.normal(0, x)), static_cast<float>(rng.normal(0, y)),
+                 static_cast<float>(rng.normal(0, z))};
+  };
+  if (k % 5 == 0) {
+    joints::Shape truth{};
+    for (std::size_t i = 0; i < kJointCount; ++i) joints::set_joint(truth, static_cast<int>(i), image.truth[i]);
+    return joints::jump_start(bones, joint, image.view, truth) + jitter(45, 45, 35);
+  }
+  const double radius = k % 5 == 1 ? 250 : (k % 5 == 2 ? 100 : (k % 5 == 3 ? 45 : 25));
+  return image.truth[j] + jitter(radius, radius, radius * 0.6);
+}
+
+std::vector<std::int16_t> mean_bones(std::span<const TrackerImage> images) {
+  std::vector<std::int16_t> out;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    Sums sums;
+    for (const TrackerImage& image : images) sums.add(image.truth[j] - image.truth[joint_index(kJointParent[j])]);
+    out.push_back(to_int16(sums.x / sums.n));
+    out.push_back(to_int16(sums.y / sums.n));
+    out.push_back(to_int16(sums.z / sums.n));
+  }
+  return out;
+}
+
+}  // namespace
+
+Forest train_forest(std::span<const TrackerImage> images, const TrainOptions& options,
+                    const std::function<void(double)>& progress) {
+  Forest forest;
+  forest.tree_count = static_cast<std::uint32_t>(options.tree_count);
+  forest.jump_count = static_cast<std::uint32_t>(options.jump_count);
+  forest.bone = mean_bones(images);
+  joints::ForestView bones;
+  bones.bone = forest.bone;
+  const int tree_total = static_cast<int>(kJointCount) * options.tree_count;
+  std::vector<std::vector<JumpNode>> trees(static_cast<std::size_t>(tree_total));
+  std::mutex report;
+  int done = 0;
+  for_each_item(tree_total, options.thread_count, [&](int item) {
+    const int joint = item / options.tree_count;
+    const int fold = item % options.tree_count % 2;
+    Rng rng = Rng::for_item(options.seed, kTreeStream, static_cast<std::uint64_t>(item));
+    std::vector<Sample> samples;
+    for (std::size_t i = static_cast<std::size_t>(fold); i < images.size(); i += 2) {
+      if (images[i].view.pixel_count == 0) continue;
+      for (int k = 0; k < options.samples_per_image; ++k) {
+        Sample s;
+        s.image = static_cast<std::int32_t>(i);
+        s.from = draw_stand(images[i], joint, bones, k, rng);
+        s.jump = images[i].truth[static_cast<std::size_t>(joint)] - s.from;
+        samples.push_back(s);
+      }
+    }
+    if (samples.empty()) samples.emplace_back();
+    trees[static_cast<std::size_t>(item)] = TreeTrainer(images, samples, options.tree_depth_max, rng).run();
+    const std::lock_guard lock(report);
+    if (progress) progress(static_cast<double>(++done) / tree_total);
+  });
+  forest.tree_start.push_back(0);
+  for (const auto& tree : trees) {
+    forest.nodes.insert(forest.nodes.end(), tree.begin(), tree.end());
+    forest.tree_start.push_back(static_cast<std::uint32_t>(forest.nodes.size()));
+  }
+  return forest;
+}
+
+}  // namespace im2fit::lab

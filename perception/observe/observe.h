@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// One person through one frame, and the features of fused frames: what the engine runs on the device and the
+// dataset runs on renders, so that both see the same numbers. No allocation after construction, no threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "core/camera.h"
+#include "core/guidance.h"
+#include "core/joints.h"
+#include "core/sensor_kind.h"
+#include "perception/joints/tracker.h"
+#include "perception/observe/gate.h"
+#include "perception/observe/hole_filler.h"
+#include "perception/observe/joint_filter.h"
+#include "perception/observe/sensor_traits.h"
+#include "perception/paper/paper.h"
+#include "perception/profile/profile.h"
+#include "perception/segment/segment.h"
+
+namespace im2fit {
+
+// The paper's 501 dimensions (4 lengths, 2 ratios, 33 x 15 FPFH) first, then our section profile, then what kind
+// of sensor the frames are from.
+inline constexpr std::size_t kPaperFeatureSize = 4 + 2 + 33 * kJointCount;
+inline constexpr std::size_t kProfileSize = ProfileLayout::kSize;
+inline constexpr std::size_t kFeatureSize = kPaperFeatureSize + kProfileSize + kSensorTraits;
+using Feature = std::array<float, kFeatureSize>;
+
+// First half (thread SENSE): who is there, and where the joints are.
+struct Sighting {
+  Person person;
+  JointSet joints;        // meaningful when person.found
+  float back_chance = 0;  // of the back being towards the camera
+  ViewSide view = ViewSide::unknown;
+  std::array<User, kUserCountMax> users{};  // everybody in view, nearest first; the first user_count are set
+  int user_count = 0;
+  GuidanceSet guidance = 0;  // the person's and the pose's: zero means the frame may be used
+};
+class Sensor {
+ public:
+  Sensor(int width, int height, const JointModel& model);
+  // `seconds` since the frame before.
+  Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
+  // Whom to sense from the next frame on: the user of this id and nobody else; 0: the nearest and most central.
+  void select(int user) {
+    segmenter_.select(user);
+    selected_user_ = user;
+  }
+  void reset();
+
+ private:
+  bool accepted(int id) const;
+  void accept(int id);
+  bool looks_like_somebody(int id, bool confirmed);
+  Sighting nobody(const Sighting& doubted, MaskImage mask);
+
+  HoleFiller holes_;
+  Segmenter segmenter_;
+  JointTracker tracker_;
+  std::array<int, kUserCountMax> accepted_{};  // ids whose joints once looked like a person's; 0: free
+  int selected_user_ = 0;                      // by select()
+  struct Candidate {                           // not yet accepted
+    int id = 0;
+    int frames = 0;      // looked at
+    float odds_sum = 0;  // of the log-odds that it is somebody
+  };
+  Candidate& candidate(int id);
+  bool looked_at_enough() const;
+  std::array<Candidate, kUserCountMax> candidates_{};  // those looked at last come first
+  int previous_user_ = 0;                              // of the last frame; 0: nobody
+};
+
+// Second half (thread FIT): gather frames, then describe.
+class Fuser {
+ public:
+  Fuser(int width, int height);
+  ~Fuser();
+  Fuser(Fuser&&) noexcept;
+  void reset();
+  // Adds an accepted frame (guidance zero). Returns guidance of its own (moving) instead of adding when it does not
+  // fit what is gathered.
+  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting);
+  int frame_count() const;
+  // Of the frames gathered.
+  const Intrinsics& intrinsics() const;
+
+  struct Description {
+    bool valid = false;
+    JointSet joints;  // robust mean over the frames
+    FloorPlane floor;
+    int distance_mm = 0;  // of the trunk's middle, along the camera's axis; 65535 at most
+    PaperMeasurements paper;
+    Feature feature;
+  };
+  // Features of what is gathered so far, by a sensor of this kind.
+  const Description& describe(SensorKind kind = SensorKind::unknown);
+  // The fused picture, for overlays: depth in 1/16 mm and mask.
+  ImageView<const std::uint16_t> depth_q4() const;
+  MaskView mask() const;
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> work_;
+};
+
+}  // namespace im2fit

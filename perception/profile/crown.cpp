@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "perception/profile/crown.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "kernels/height/height.h"
+
+namespace im2fit::profile {
+namespace {
+
+using L = ProfileLayout;
+
+// Heights below (from the top) or above (from the bottom) which the areas lie, rising ones; NaN where there is less.
+void heights_at_areas(std::span<const std::uint64_t> squares, double mm2_per_square, bool from_top,
+                      std::span<const float> areas_mm2, std::span<float> out) {
+  std::size_t next = 0;
+  double sum = 0;
+  const int n = static_cast<int>(squares.size());
+  for (int i = 0; i < n && next < areas_mm2.size(); ++i) {
+    const int bin = from_top ? n - 1 - i : i;
+    const std::uint64_t square = squares[static_cast<std::size_t>(bin)];
+    if (square == 0) continue;
+    const double here = static_cast<double>(square) * mm2_per_square;
+    while (next < areas_mm2.size() && sum + here >= double{areas_mm2[next]}) {
+      const double part = (double{areas_mm2[next]} - sum) / here;
+      const double edge = from_top ? bin + 1 - part : bin + part;
+      out[next++] = static_cast<float>(kHeightMinMm + kHeightBinMm * edge);
+    }
+    sum += here;
+  }
+  std::fill(out.begin() + static_cast<std::ptrdiff_t>(next), out.end(), kNaN);
+}
+
+// Rows begin .. end - 1 of the picture; points further than side_max_mm from side_mm do not count.
+HeightScan scan_of(const Scene& s, const ProfileWorkspace& work, int begin, int end, float side_mm,
+                   std::int32_t side_max) {
+  begin = std::max(begin, 0);
+  const ImageView<const std::uint16_t> depth = {s.depth.row(begin), s.depth.width, end - begin, s.depth.stride};
+  const MaskView mask = {s.mask.row(begin), s.mask.width, end - begin, s.mask.stride};
+  const double side_offset = -double{dot(s.frame.right, s.frame.origin_mm)} - double{side_mm};
+  return {depth,
+          mask,
+          work.up.columns(),
+          work.up.rows() + begin,
+          work.side.columns(),
+          work.side.rows() + begin,
+          form_offset(double{s.frame.camera_height_mm}),
+          form_offset(side_offset),
+          side_max};
+}
+
+}  // namespace
+
+void crown_and_soles(Scene& s, bool floor_known, ProfileWorkspace& work, std::span<float> crown,
+                     std::span<float> soles) {
+  constexpr std::int32_t kAnySide = std::numeric_limits<std::int32_t>::max();
+  constexpr double kHeadHalfMm = 140;
+  constexpr float kFarthestMm = 100000.0F;
+  int first = 0;
+  int last = s.mask.height - 1;
+  const auto empty = [&](int v) { return work.outline[static_cast<std::size_t>(v)].count == 0; };
+  while (first < last && empty(first)) ++first;
+  while (last > first && empty(last)) --last;
+  const int span = last - first + 1;
+  if (!floor_known) {
+    const std::int32_t lowest = height(scan_of(s, work, last - span / 8, last + 1, 0, kAnySide), work.squares.data());
+    if (lowest != kHeightNone) s.frame.camera_height_mm -= static_cast<float>(CoordinateMm::from_raw(lowest).real());
+  }
+
+  const double mm2_per_square = 1.0 / (256.0 * double{s.k.fx} * double{s.k.fy});
+  const float head_side = s.frame.side(s.joint(Joint::HE));
+  if (!(std::abs(head_side) < kFarthestMm)) return;  // nowhere, so that nothing is at the head
+  height(scan_of(s, work, first, first + span / 5, head_side, form_offset(kHeadHalfMm)), work.squares.data());
+  constexpr std::array<float, L::kCrownValues> kCrownAreas = {150.0F, 500.0F, 1500.0F, 4000.0F, 9000.0F};
+  heights_at_areas(work.squares, mm2_per_square, true, kCrownAreas, crown);
+
+  height(scan_of(s, work, last - span / 5, last + 1, 0, kAnySide), work.squares.data());
+  constexpr std::array<float, L::kSoleValues> kSoleAreas = {400.0F, 1500.0F, 5000.0F, 12000.0F};
+  heights_at_areas(work.squares, mm2_per_square, false, kSoleAreas, soles);
+}
+
+}  // namespace im2fit::profile

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "perception/segment/advice.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace im2fit::segment {
+namespace {
+
+constexpr float kNearMm = 1000.0F;
+constexpr float kHoleShareMax = 0.30F;
+constexpr float kFeetMissingMm = 220.0F;  // lowest visible part this far above the floor: the feet are hidden
+constexpr float kWholeBodyMinMm = 1250.0F;
+constexpr int kNearShare = 8;  // of the picture: what is near fills an eighth at least
+constexpr float kNearHalfMm = 180.0F;
+constexpr float kNearDepthMm = 300.0F;
+constexpr int kNearRowsMin = 16;
+constexpr float kNearBulgeMinMm = 15.0F;
+constexpr float kNearBulgeMaxMm = 140.0F;
+constexpr float kNearRoundMin = 0.6F;  // half way out, of the bulge in the middle
+constexpr float kHeadWideMinMm = 90.0F;
+constexpr float kHeadWideMaxMm = 290.0F;
+constexpr float kHeadTallMinMm = 50.0F;  // of it seen
+constexpr float kHeadRimMinMm = 20.0F;
+constexpr float kShoulderReachMm = 45.0F;  // beyond the head
+constexpr int kDeadBorderPx = 12;          // sensors leave some columns at the border without data
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+GuidanceSet bit(Guidance g) {
+  return static_cast<GuidanceSet>(g);
+}
+
+// Pixels without data of the cells from column c_first to before c_end.
+int count_lost(const Grid& grid, DepthView depth, int r, int c_first, int c_end) {
+  int lost = 0;
+  for (int v = r * grid.step; v < (r + 1) * grid.step; ++v) {
+    const std::uint16_t* row = depth.row(v);
+    for (int u = c_first * grid.step; u < c_end * grid.step; ++u) lost += row[u] == 0 ? 1 : 0;
+  }
+  return lost;
+}
+
+// Share of the person's pixels without data, counting lost cells with the person on two sides.
+float hole_share(const Grid& grid, DepthView depth, std::span<const std::uint8_t> chosen) {
+  int total = 0;
+  int lost = 0;
+  const auto is_person = [&](int c, int r) {
+    return c >= 0 && r >= 0 && c < grid.width && r < grid.height && chosen[at(grid.index(c, r))] != 0;
+  };
+  const auto counts = [&](int c, int r) {
+    const auto cell = at(grid.index(c, r));
+    if (chosen[cell] != 0) return true;
+    if (grid.depth[cell] != 0) return false;
+    const bool across = (is_person(c - 1, r) || is_person(c - 2, r)) && (is_person(c + 1, r) || is_person(c + 2, r));
+    return across && (is_person(c, r - 1) || is_person(c, r - 2)) && (is_person(c, r + 1) || is_person(c, r + 2));
+  };
+  for (int r = 0; r < grid.height; ++r) {
+    // Beside the row's outermost cells of the person none counts.
+    const std::uint8_t* row = chosen.data() + grid.index(0, r);
+    const std::uint8_t* leftmost = std::find_if(row, row + grid.width, [](std::uint8_t own) { return own != 0; });
+    if (leftmost == row + grid.width) continue;
+    int end = grid.width;
+    while (row[end - 1] == 0) --end;
+    const int begin = static_cast<int>(leftmost - row);
+    for (int first = begin, c = begin; c <= end; ++c) {
+      if (c < end && counts(c, r)) continue;
+      if (c > first) lost += count_lost(grid, depth, r, first, c);
+      total += (c - first) * grid.step * grid.step;
+      first = c + 1;
+    }
+  }
+  return total > 0 ? static_cast<float>(lost) / static_cast<float>(total) : 1.0F;
+}
+
+// Somebody too near shows a trunk and little else: rounded across. In inverse depth a wall is straight over the
+// picture's rows, however it is turned, and a box has one corner: whichever side of the middle that is on, half way
+// out on the other side a corner rises half as far over its chord as in the middle, and a circle three quarters.
+bool round_body(const Grid& grid, const Blob& blob) {
+  const float z_mm = blob.centroid_mm.z;
+  const float cell_mm = static_cast<float>(grid.step) * z_mm / grid.intrinsics.fx;
+  const int half = std::max(2, static_cast<int>(kNearHalfMm / cell_mm));
+  const float u = blob.centroid_mm.x / z_mm * grid.intrinsics.fx + grid.intrinsics.cx;
+  const int middle = std::clamp(static_cast<int>(u / static_cast<float>(grid.step)), 0, grid.width - 1);
+  int rows = 0;
+  float centres = 0;
+  float lefts = 0;
+  float rights = 0;
+  for (int r = blob.r_min; r <= blob.r_max; ++r) {
+    const auto inside = [&](int c) {
+      if (c < 0 || c >= grid.width) return false;
+      const float z = static_cast<float>(grid.depth[at(grid.index(c, r))]);
+      return z > z_mm - kNearDepthMm && z < z_mm + kNearDepthMm;
+    };
+    if (!inside(middle)) continue;
+    int lo = middle;
+    int hi = middle;
+    while (middle - lo < half && inside(lo - 1)) --lo;
+    while (hi - middle < half && inside(hi + 1)) ++hi;
+    const int width = hi - lo + 1;
+    if (width < half) continue;  // a head, or a neck
+    const int part = std::max(1, width / 6);
+    const auto nearness = [&](int first) {
+      float sum = 0;
+      for (int i = 0; i < part; ++i) sum += 1.0F / static_cast<float>(grid.depth[at(grid.index(first + i, r))]);
+      return sum / static_cast<float>(part);
+    };
+    const int quarter = (width - part) / 4;
+    const int last = hi + 1 - part;
+    const float left = nearness(lo);
+    const float right = nearness(last);
+    const auto over_chord = [&](int first) {
+      const float share = static_cast<float>(first - lo) / static_cast<float>(last - lo);
+      return nearness(first) - (left + share * (right - left));
+    };
+    centres += over_chord(lo + (width - part) / 2);
+    lefts += over_chord(lo + quarter);
+    rights += over_chord(last - quarter);
+    ++rows;
+  }
+  if (rows < kNearRowsMin) return false;
+  const float bulge_mm = centres / static_cast<float>(rows) * z_mm * z_mm;
+  return bulge_mm > kNearBulgeMinMm && bulge_mm < kNearBulgeMaxMm &&
+         std::min(lefts, rights) > kNearRoundMin * centres;
+}
+
+// A head over shoulders that reach out on both sides of it, and round: its rim lies behind what is nearest in the row
+// (the nose may be too near to be seen at all).
+bool head_over_shoulders(const Grid& grid, const Blob& blob) {
+  const float cell_mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
+  const auto cells = [&](float mm) { return static_cast<int>(mm / cell_mm); };
+  int rows = 0;
+  int head_lo = grid.width;
+  int head_hi = -1;
+  float rim = 0;
+  for (int r = blob.r_min; r <= blob.r_max; ++r) {
+    int lo = -1;
+    int hi = -1;
+    std::uint16_t nearest = kDepthMaxMm;
+    for (int c = blob.c_min; c <= blob.c_max; ++c) {
+      const std::uint16_t z = grid.depth[at(grid.index(c, r))];
+      if (z == 0 || std::fabs(static_cast<float>(z) - blob.centroid_mm.z) > kNearDepthMm) continue;
+      lo = lo < 0 ? c : lo;
+      hi = c;
+      nearest = std::min(nearest, z);
+    }
+    if (lo < 0) continue;
+    const int width = hi - lo + 1;
+    if (rows >= cells(kHeadTallMinMm)) {
+      const bool shoulders = head_lo - lo >= cells(kShoulderReachMm) && hi - head_hi >= cells(kShoulderReachMm);
+      if (shoulders) return rim >= kHeadRimMinMm * static_cast<float>(rows);
+    }
+    if (width < cells(kHeadWideMinMm) || width > cells(kHeadWideMaxMm) || lo == 0 || hi == grid.width - 1) continue;
+    const auto z_at = [&](int c) { return static_cast<float>(grid.depth[at(grid.index(c, r))]); };
+    rim += 0.5F * (z_at(lo) + z_at(hi)) - static_cast<float>(nearest);
+    head_lo = std::min(head_lo, lo);
+    head_hi = std::max(head_hi, hi);
+    ++rows;
+  }
+  return false;
+}
+
+// Whether nothing of the person is seen near the floor, or, without one, too little of a body.
+bool feet_hidden(const Grid& grid, const Person& person, DepthView depth, MaskView mask) {
+  const Vec3f up = person.floor.known ? person.floor.up : Vec3f{0, -1, 0};
+  float lowest = 1e9F;
+  float highest = -1e9F;
+  for (int v = person.v_max; v >= person.v_min; --v) {
+    for (int u = person.u_min; u <= person.u_max; u += grid.step) {
+      if (mask.at(u, v) == 0) continue;
+      const float h = dot(up, unproject(grid.intrinsics, static_cast<float>(u), static_cast<float>(v),
+                                        static_cast<float>(depth.at(u, v))));
+      lowest = std::min(lowest, h);
+      highest = std::max(highest, h);
+    }
+    if (person.floor.known && lowest + person.floor.camera_height_mm <= kFeetMissingMm) return false;
+  }
+  return person.floor.known || highest - lowest < kWholeBodyMinMm;
+}
+
+}  // namespace
+
+void mark_dead_borders(const Grid& grid, int image_width, int image_height, Person& person) {
+  const auto row_has_data = [&](int r) {
+    const auto first = grid.depth.begin() + grid.index(0, r);
+    return std::any_of(first, first + grid.width, [](std::uint16_t z) { return z != 0; });
+  };
+  const auto column_has_data = [&](int c) {
+    int r = 0;
+    while (r < grid.height && grid.depth[at(grid.index(c, r))] == 0) ++r;
+    return r < grid.height;
+  };
+  int c_min = 0;
+  int c_max = grid.width - 1;
+  int r_min = 0;
+  int r_max = grid.height - 1;
+  while (r_min <= r_max && !row_has_data(r_min)) ++r_min;
+  while (r_max > r_min && !row_has_data(r_max)) --r_max;
+  while (c_min <= c_max && !column_has_data(c_min)) ++c_min;
+  while (c_max > c_min && !column_has_data(c_max)) --c_max;
+  const int dead = std::max(2, kDeadBorderPx * grid.step / 4);
+  const auto ends = [&](int gap_px, int distance_px) { return gap_px <= dead && distance_px < grid.step; };
+  const int left = c_min * grid.step;
+  const int right = (c_max + 1) * grid.step - 1;
+  const int top = r_min * grid.step;
+  const int bottom = (r_max + 1) * grid.step - 1;
+  if (ends(left, person.u_min - left)) person.cut_left = true;
+  if (ends(image_width - 1 - right, right - person.u_max)) person.cut_right = true;
+  if (ends(top, person.v_min - top)) person.cut_top = true;
+  if (ends(image_height - 1 - bottom, bottom - person.v_max)) person.cut_bottom = true;
+}
+
+GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, MaskView mask,
+                   std::span<const std::uint8_t> chosen, bool disturbed) {
+  GuidanceSet out = 0;
+  if (person.centroid_mm.z < kNearMm) out |= bit(Guidance::too_near);
+  if (person.centroid_mm.z > kTooFarMm) out |= bit(Guidance::too_far);
+  if (person.cut_top) out |= bit(Guidance::head_cut);
+  if (person.cut_left || person.cut_right) out |= bit(Guidance::side_cut);
+  if (disturbed) out |= bit(Guidance::several_people);
+  if (hole_share(grid, depth, chosen) > kHoleShareMax) out |= bit(Guidance::too_noisy);
+  if (person.cut_bottom || feet_hidden(grid, person, depth, mask)) out |= bit(Guidance::feet_cut);
+  return out;
+}
+
+GuidanceSet advise_nobody(const Grid& grid, std::span<const Blob> blobs) {
+  for (const Blob& blob : blobs) {
+    const bool large = blob.cell_count * kNearShare > static_cast<int>(grid.depth.size());
+    if (large && blob.centroid_mm.z < kNearMm && (round_body(grid, blob) || head_over_shoulders(grid, blob)))
+      return bit(Guidance::too_near);
+  }
+  return bit(Guidance::no_person);
+}
+
+}  // namespace im2fit::segment

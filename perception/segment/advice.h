@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is wrong with the view of the person, as guidance codes.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "perception/segment/blobs.h"
+#include "perception/segment/grid.h"
+
+namespace im2fit::segment {
+
+// Where the sensor leaves border columns or rows empty, the picture ends at the first with data: sets `cut_*`.
+void mark_dead_borders(const Grid& grid, int image_width, int image_height, Person& person);
+// Of a person found, whose mask is `mask` and whose cells are `chosen`; `disturbed`: by another person.
+GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, MaskView mask,
+                   std::span<const std::uint8_t> chosen, bool disturbed);
+// Of a frame in which nobody is to be measured: no_person, or too_near alone of somebody too near to be found.
+GuidanceSet advise_nobody(const Grid& grid, std::span<const Blob> blobs);
+
+}  // namespace im2fit::segment

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "perception/segment/floor.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace im2fit::segment {
+namespace {
+
+constexpr float kUpXMax = 0.22F;  // roll up to 12 degrees
+constexpr float kUpZMax = 0.42F;  // pitch up to 25 degrees
+constexpr float kLevelSlope = 0.5F;
+constexpr float kSteepUpZMax =
+    0.64F;  // up to 40, where nothing else is found: at such a tilt seats and laps look level
+constexpr float kSteepSlope = 0.9F;
+constexpr float kCameraHeightMinMm = 420.0F;
+constexpr float kCameraHeightMaxMm = 2500.0F;
+constexpr int kHypothesisCount = 120;
+constexpr int kScoredCount = 400;
+constexpr int kSupportMin = 60;  // cells
+constexpr float kSupportWidthMm = 450.0F;
+constexpr float kSupportLengthMm = 250.0F;
+constexpr float kGateMm = 12.0F;
+constexpr float kGateQuanta = 0.8F;
+constexpr float kJumpMm = 12.0F;  // the camera was moved
+
+// Whether the rays of a row of cells all look up from the floor: what they meet is far above it.
+bool looks_up(const Grid& grid, const FloorPlane& plane, int row) {
+  const float up = plane.up.y * grid.ray_y[static_cast<std::size_t>(row)] + plane.up.z;
+  return plane.up.x * grid.ray_x.front() + up > 0 && plane.up.x * grid.ray_x.back() + up > 0;
+}
+
+float height_of(const FloorPlane& plane, Vec3f p) {
+  return dot(plane.up, p) + plane.camera_height_mm;
+}
+
+// Depth noise seen as height: a ray meets the floor at the slope camera_height / z.
+float height_gate_mm(const FloorPlane& plane, float z) {
+  return kGateMm + kGateQuanta * quantum_mm(1.0F) * z * plane.camera_height_mm;
+}
+
+bool plausible(const FloorPlane& plane, float up_z_max = kSteepUpZMax) {
+  return plane.up.y < 0 && std::fabs(plane.up.x) <= kUpXMax && std::fabs(plane.up.z) <= up_z_max &&
+         plane.camera_height_mm >= kCameraHeightMinMm && plane.camera_height_mm <= kCameraHeightMaxMm;
+}
+
+bool plane_through(Vec3f a, Vec3f b, Vec3f c, float up_z_max, FloorPlane& out) {
+  Vec3f n = cross(b - a, c - a);
+  const float length = norm(n);
+  if (!(length > 1.0e4F)) return false;  // mm^2: three points in a line say nothing
+  n = n * (1.0F / length);
+  if (n.y > 0) n = -n;
+  out.known = true;
+  out.up = n;
+  out.camera_height_mm = -dot(n, a);
+  return plausible(out, up_z_max);
+}
+
+}  // namespace
+
+void FloorEquations::blend(const FloorEquations& older, double share) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] += share * older.a[i];
+  for (std::size_t i = 0; i < b.size(); ++i) b[i] += share * older.b[i];
+  weight += share * older.weight;
+}
+
+bool FloorEquations::solve_plane(std::array<double, 3>& q) const {
+  const double c00 = a[3] * a[5] - a[4] * a[4];
+  const double c01 = a[2] * a[4] - a[1] * a[5];
+  const double c02 = a[1] * a[4] - a[2] * a[3];
+  const double det = a[0] * c00 + a[1] * c01 + a[2] * c02;
+  const double scale = weight * weight * weight;
+  if (!(det > 1e-12 * scale)) return false;
+  const double c11 = a[0] * a[5] - a[2] * a[2];
+  const double c12 = a[1] * a[2] - a[0] * a[4];
+  const double c22 = a[0] * a[3] - a[1] * a[1];
+  q[0] = (c00 * b[0] + c01 * b[1] + c02 * b[2]) / det;
+  q[1] = (c01 * b[0] + c11 * b[1] + c12 * b[2]) / det;
+  q[2] = (c02 * b[0] + c12 * b[1] + c22 * b[2]) / det;
+  return true;
+}
+
+bool FloorEquations::solve(FloorPlane& out) const {
+  std::array<double, 3> q{};
+  if (!solve_plane(q)) return false;
+  const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+  if (!(length > 1e-6)) return false;
+  out.known = true;
+  out.up = {static_cast<float>(q[0] / length), static_cast<float>(q[1] / length), static_cast<float>(q[2] / length)};
+  out.camera_height_mm = static_cast<float>(1.0 / length);
+  return plausible(out);
+}
+
+FloorFinder::FloorFinder(const Grid& grid)
+    : level_(static_cast<std::size_t>(grid.width)),
+      near_cells_(grid.depth.size()),
+      away_(grid.depth.size()),
+      pixel_ray_x_(static_cast<std::size_t>(grid.width * grid.step)),
+      pixel_ray_y_(static_cast<std::size_t>(grid.height * grid.step)),
+      row_up_(pixel_ray_y_.size()) {
+  Candidates& c = candidates_;
+  for (std::vector<float>* v : {&c.x, &c.y, &c.z, &c.ray_x, &c.ray_y, &c.inverse_z}) v->resize(grid.depth.size());
+  c.on.resize(grid.depth.size());
+}
+
+void FloorFinder::reset() {
+  tracked_ = {};
+  has_gathered_ = false;
+}
+
+// A level cell: two cells further up the picture the surface has gone away from the camera, not up.
+void FloorFinder::gather(const Grid& grid, float slope) {
+  Candidates& out = candidates_;
+  const std::size_t width = level_.size();
+  const float* ray_x = grid.ray_x.data();
+  float *x = out.x.data(), *y = out.y.data(), *depth = out.z.data();
+  std::uint8_t* level = level_.data();
+  std::size_t count = 0;
+  for (int r = 2; r < grid.height; ++r) {
+    const std::uint16_t* here = grid.depth.data() + grid.index(0, r);
+    const std::uint16_t* above = grid.depth.data() + grid.index(0, r - 2);
+    const float ry = grid.ray_y[static_cast<std::size_t>(r)], above_ry = grid.ray_y[static_cast<std::size_t>(r - 2)];
+    for (std::size_t c = 0; c < width; ++c) {
+      const float z = static_cast<float>(here[c]), above_z = static_cast<float>(above[c]);
+      const float dz = above_z - z, dy = above_ry * above_z - ry * z;
+      // A cell above without data makes dz negative; this one may have none.
+      level[c] = static_cast<std::uint8_t>((dz > 0) & (std::fabs(dy) < slope * dz + 8.0F) & (dz < 800.0F) & (z > 0));
+    }
+    for (std::size_t c = 0; c < width; ++c) {
+      if (c % kTogether == 0 && c + kTogether <= width && none(level + c)) {
+        c += kTogether - 1;
+        continue;
+      }
+      const float z = static_cast<float>(here[c]);
+      x[count] = ray_x[c] * z;
+      y[count] = ry * z;
+      depth[count] = z;
+      count += level[c];
+    }
+  }
+  out.count = count;
+  float *over_x = out.ray_x.data(), *over_y = out.ray_y.data(), *over_one = out.inverse_z.data();
+  for (std::size_t i = 0; i < count; ++i) over_x[i] = x[i] / depth[i];
+  for (std::size_t i = 0; i < count; ++i) over_y[i] = y[i] / depth[i];
+  for (std::size_t i = 0; i < count; ++i) over_one[i] = 1.0F / depth[i];
+}
+
+FloorPlane FloorFinder::search(const Grid& grid, float up_z_max) const {
+  FloorPlane best;
+  const int count = static_cast<int>(candidates_.count);
+  if (count < kSupportMin) return best;
+  const auto candidate = [&](int i) { return candidates_.point(static_cast<std::size_t>(i)); };
+  const int stride = std::max(1, count / kScoredCount);
+  const int cells = static_cast<int>(grid.depth.size());
+  const int cell_stride = std::max(1, cells / kScoredCount) | 1;  // odd: walks all columns
+  int best_score = 0;
+  std::uint32_t state = 0x2545F491U;
+  const auto draw = [&] {
+    state = state * 1664525U + 1013904223U;
+    return static_cast<int>((static_cast<std::uint64_t>(state) * static_cast<std::uint64_t>(count)) >> 32);
+  };
+  for (int h = 0; h < kHypothesisCount; ++h) {
+    FloorPlane plane;
+    const int i = draw();
+    const int j = draw();
+    const int k = draw();
+    if (!plane_through(candidate(i), candidate(j), candidate(k), up_z_max, plane)) continue;
+    int score = 0;
+    for (int n = 0; n < count; n += stride) {
+      const Vec3f p = candidate(n);
+      if (std::fabs(height_of(plane, p)) < height_gate_mm(plane, p.z)) ++score;
+    }
+    if (score <= best_score) continue;
+    // Tables are level too; the floor is the level plane with nothing under it.
+    for (int n = 0; n < cells; n += cell_stride) {
+      if (grid.depth[static_cast<std::size_t>(n)] == 0) continue;
+      const Vec3f p = grid.point(n);
+      if (height_of(plane, p) < -60.0F - quantum_mm(p.z)) score -= 3;
+    }
+    if (score <= best_score) continue;
+    best_score = score;
+    best = plane;
+  }
+  return best;
+}
+
+void FloorFinder::mark_on(const FloorPlane& plane, float share) {
+  const float *x = candidates_.x.data(), *y = candidates_.y.data(), *z = candidates_.z.data();
+  const FloorPlane p = plane;
+  std::uint8_t* on = candidates_.on.data();
+  for (std::size_t i = 0, count = candidates_.count; i < count; ++i)
+    on[i] = static_cast<std::uint8_t>(std::fabs(height_of(p, {x[i], y[i], z[i]})) <= share * height_gate_mm(p, z[i]));
+}
+
+FloorPlane FloorFinder::fit_cells(FloorPlane plane) {
+  const Candidates& all = candidates_;
+  for (int pass = 0; pass < 3 && plane.known; ++pass) {
+    mark_on(plane, pass == 0 ? 1.5F : 1.0F);
+    PointSums sums;
+    for (std::size_t i = 0; i < all.count; ++i)
+      if (all.on[i] != 0) sums.add(all.ray_x[i], all.ray_y[i], all.inverse_z[i]);
+    FloorPlane next;
+    if (!sums.equations().solve(next)) return {};
+    plane = next;
+  }
+  return plane;
+}
+
+bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) {
+  if (!plane.known || !plausible(plane)) return false;
+  const Candidates& all = candidates_;
+  mark_on(plane, 1.0F);
+  int count = 0;
+  float x_min = 1e9F;
+  float x_max = -1e9F;
+  float z_min = 1e9F;
+  float z_max = -1e9F;
+  for (std::size_t i = 0; i < all.count; ++i) {
+    if (all.on[i] == 0) continue;
+    ++count;
+    x_min = std::min(x_min, all.x[i]);
+    x_max = std::max(x_max, all.x[i]);
+    z_min = std::min(z_min, all.z[i]);
+    z_max = std::max(z_max, all.z[i]);
+  }
+  if (count < kSupportMin || x_max - x_min < kSupportWidthMm || z_max - z_min < kSupportLengthMm) return false;
+  int below = 0;
+  for (int r = 0; r < grid.height; ++r) {
+    if (looks_up(grid, plane, r)) continue;
+    const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
+    const float ry = grid.ray_y[static_cast<std::size_t>(r)];
+    for (int c = 0; c < grid.width; ++c) {
+      const float z = static_cast<float>(depth[c]);
+      const Vec3f p = {grid.ray_x[static_cast<std::size_t>(c)] * z, ry * z, z};
+      below += (z > 0) & (height_of(plane, p) < -60.0F - quantum_mm(z)) ? 1 : 0;
+    }
+  }
+  return below * 20 <= grid.valid_count && below <= 3 * count;
+}
+
+FloorPlane FloorFinder::find(const Grid& grid) {
+  if (tracked_.known) {
+    gather(grid, plausible(tracked_, kUpZMax) ? kLevelSlope : kSteepSlope);
+    const FloorPlane followed = fit_cells(tracked_);
+    if (supported(grid, followed)) return tracked_ = followed;
+  }
+  has_gathered_ = false;
+  gather(grid, kLevelSlope);
+  tracked_ = fit_cells(search(grid, kUpZMax));
+  if (supported(grid, tracked_)) return tracked_;
+  gather(grid, kSteepSlope);
+  tracked_ = fit_cells(search(grid, kSteepUpZMax));
+  if (!supported(grid, tracked_)) tracked_ = {};
+  return tracked_;
+}
+
+// Cells of the floor near the feet, in reading order, every fourth pixel of each.
+int FloorFinder::list_cells(const Grid& grid, const FloorPlane& plane, Vec3f feet,
+                            std::span<const std::uint8_t> taken) {
+  const int stride = grid.step > 1 ? 2 : 1;
+  int count = 0;
+  for (int r = 0; r < grid.height; ++r) {
+    if (looks_up(grid, plane, r)) continue;
+    for (int c = 0; c < grid.width; ++c) {
+      const auto i = static_cast<std::size_t>(grid.index(c, r));
+      if (grid.depth[i] == 0 || taken[i] != 0 || std::fabs(grid.height_mm[i]) > 60.0F) continue;
+      const Vec3f p = grid.point(c, r);
+      const float away_x = p.x - feet.x;
+      const float away_z = p.z - feet.z;
+      const float away = (away_x * away_x + away_z * away_z) * (1.0F / (500.0F * 500.0F));
+      if (away > 25.0F) continue;
+      away_[static_cast<std::size_t>(count)] = away;
+      near_cells_[static_cast<std::size_t>(count++)] = {
+          static_cast<std::uint16_t>(c * grid.step), static_cast<std::uint16_t>(r * grid.step),
+          static_cast<std::uint16_t>(stride), static_cast<float>(stride * stride) / (1.0F + away)};
+    }
+  }
+  return count;
+}
+
+// Every pixel of those listed, but for far cells, which count little.
+void FloorFinder::list_more_pixels(const Grid& grid, int count) {
+  if (grid.step == 1) return;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const bool near = !(away_[i] > 2.0F);
+    near_cells_[i].stride = near ? 1 : 2;
+    near_cells_[i].weight *= near ? 0.25F : 1.0F;
+  }
+}
+
+FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPlane& coarse, Vec3f feet,
+                               std::span<const std::uint8_t> taken) {
+  FloorPlane plane = coarse;
+  FloorEquations equations;
+  const Intrinsics& k = grid.intrinsics;
+  const float inverse_fx = 1.0F / k.fx;
+  const float inverse_fy = 1.0F / k.fy;
+  for (std::size_t u = 0; u < pixel_ray_x_.size(); ++u) pixel_ray_x_[u] = (static_cast<float>(u) - k.cx) * inverse_fx;
+  for (std::size_t v = 0; v < pixel_ray_y_.size(); ++v) pixel_ray_y_[v] = (static_cast<float>(v) - k.cy) * inverse_fy;
+  // The first pass only centres the gate.
+  const int count = list_cells(grid, coarse, feet, taken);
+  for (int pass = 0; pass < 2; ++pass) {
+    if (pass == 1) list_more_pixels(grid, count);
+    for (std::size_t v = 0; v < row_up_.size(); ++v) row_up_[v] = plane.up.y * pixel_ray_y_[v] + plane.up.z;
+    const float share = pass == 0 ? 1.5F : 1.0F;
+    const FloorGate gate = {plane.up.x,          plane.camera_height_mm,
+                            share * kGateMm,     share * kGateQuanta * quantum_mm(1.0F) * plane.camera_height_mm,
+                            pixel_ray_x_.data(), pixel_ray_y_.data(),
+                            row_up_.data()};
+    PlaneSums sums;
+    floor_sums(depth, grid.step, gate, near_cells_.data(), count, sums);
+    equations = FloorEquations(sums);
+    FloorPlane next;
+    if (equations.weight < 30.0 || !equations.solve(next)) return coarse;
+    plane = next;
+  }
+  if (has_gathered_) {
+    FloorPlane before;
+    if (gathered_.solve(before) && std::fabs(height_of(before, feet) - height_of(plane, feet)) < kJumpMm) {
+      equations.blend(gathered_, 0.85);  // about seven frames' worth
+      if (!equations.solve(plane)) return coarse;
+    }
+  }
+  gathered_ = equations;
+  has_gathered_ = true;
+  return tracked_ = plane;
+}
+
+}  // namespace im2fit::segment

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "perception/segment/blobs.h"
+
+namespace im2fit::segment {
+namespace {
+
+constexpr float kHeadHeightMinMm = 1100.0F;  // above the floor: a seated adult's
+constexpr float kHeadReliefMinMm = 33.0F;    // heads recede by 50 to 65 mm to their outline, cupboard corners by 20
+constexpr float kVagueMm = 4500.0F;
+constexpr float kNeckEndMm = 280.0F;  // below the crown
+constexpr float kNeckWidthMinMm = 90.0F;
+constexpr float kDoubtMax = 1.0F;
+constexpr float kDoubtOnLegsMax = 3.0F;
+constexpr float kTrunkBeginMm = 270.0F;
+constexpr float kTrunkEndMm = 650.0F;   // below the crown
+constexpr float kHeadDepthMm = 280.0F;  // of what hangs together with a head, from its depth
+constexpr float kTrunkHalfMm = 180.0F;
+constexpr float kHeadApartMm = 320.0F;  // two heads side by side
+
+float cell_mm(const Grid& grid, float z) {
+  return static_cast<float>(grid.step) * z / grid.intrinsics.fx;
+}
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+}  // namespace
+
+// Widths and depths of rows from a top downwards: of the head, the neck, the shoulders and the trunk.
+class BlobFinder::HeadProbe {
+ public:
+  HeadProbe(const Grid& grid, std::span<const std::uint16_t> labels, int blob, int c, int r, float z_mm)
+      : grid_(grid),
+        labels_(labels),
+        label_(static_cast<std::uint16_t>(blob + 1)),
+        r_(r),
+        z_mm_(z_mm),
+        cell_mm_(cell_mm(grid, z_mm)) {
+    shape_.centre = shape_.lo = shape_.hi = c;
+  }
+  // False where no head can be: the rows end above the shoulders, or the neck is a pole.
+  bool measure();
+  const HeadShape& shape() const { return shape_; }
+
+ private:
+  struct Run {
+    int row = 0;
+    int lo = 0, hi = -1;  // columns, inclusive
+    float below_mm = 0;   // the top
+    float width_mm = 0;
+  };
+  bool inside(int col, int row) const {
+    const auto cell = at(grid_.index(col, row));
+    return labels_[cell] == label_ && std::fabs(static_cast<float>(grid_.depth[cell]) - z_mm_) < kHeadDepthMm;
+  }
+  float z_at(int col, int row) const { return static_cast<float>(grid_.depth[at(grid_.index(col, row))]); }
+  bool find_run(int row, Run& run) const;
+  void add_head(const Run& run);
+  void add_shoulders(const Run& run);
+  void add_bulge(const Run& run);
+
+  const Grid& grid_;
+  std::span<const std::uint16_t> labels_;
+  std::uint16_t label_;
+  int r_;
+  float z_mm_;
+  float cell_mm_;
+  HeadShape shape_;
+  int head_rows_ = 0;
+  int border_rows_ = 0;
+  int bulge_rows_ = 0;
+};
+
+// The run of the row under the head's middle, across gaps of one cell; false: there is none.
+bool BlobFinder::HeadProbe::find_run(int row, Run& run) const {
+  const int centre = shape_.centre;
+  int start = centre;
+  for (int away = 1; away <= 3 && !inside(start, row); ++away) {
+    if (centre - away >= 0 && inside(centre - away, row))
+      start = centre - away;
+    else if (centre + away < grid_.width && inside(centre + away, row))
+      start = centre + away;
+  }
+  if (!inside(start, row)) return false;
+  int lo = start;
+  int hi = start;
+  while (lo > 0 && (inside(lo - 1, row) || (lo > 1 && inside(lo - 2, row)))) --lo;
+  while (hi + 1 < grid_.width && (inside(hi + 1, row) || (hi + 2 < grid_.width && inside(hi + 2, row)))) ++hi;
+  run = {row, lo, hi, static_cast<float>(row - r_) * cell_mm_, static_cast<float>(hi - lo + 1) * cell_mm_};
+  return true;
+}
+
+void BlobFinder::HeadProbe::add_head(const Run& run) {
+  shape_.narrowest_mm = std::min(shape_.narrowest_mm, run.width_mm);
+  shape_.widest_mm = std::max(shape_.widest_mm, run.width_mm);
+  shape_.width_mm += run.width_mm;
+  if (inside(run.lo, run.row) && inside(run.hi, run.row) && inside(shape_.centre, run.row))
+    shape_.relief_mm += 0.5F * (z_at(run.lo, run.row) + z_at(run.hi, run.row)) - z_at(shape_.centre, run.row);
+  shape_.lo = run.lo;
+  shape_.hi = run.hi;
+  border_rows_ += run.lo == 0 || run.hi == grid_.width - 1 ? 1 : 0;
+  ++head_rows_;
+}
+
+void BlobFinder::HeadProbe::add_shoulders(const Run& run) {
+  shape_.shoulders_mm = std::max(shape_.shoulders_mm, run.width_mm);
+  shape_.left_mm = std::max(shape_.left_mm, static_cast<float>(shape_.lo - run.lo) * cell_mm_);
+  shape_.right_mm = std::max(shape_.right_mm, static_cast<float>(run.hi - shape_.hi) * cell_mm_);
+}
+
+// How far the middle lies before the line between its sides.
+void BlobFinder::HeadProbe::add_bulge(const Run& run) {
+  const int centre = shape_.centre;
+  const int half = std::max(1, static_cast<int>(kTrunkHalfMm / cell_mm_));
+  const int left = std::max(run.lo + 1, centre - half);
+  const int right = std::min(run.hi - 1, centre + half);
+  const bool across = left < centre && centre < right;
+  if (!across || !inside(left, run.row) || !inside(right, run.row) || !inside(centre, run.row)) return;
+  const float share = static_cast<float>(centre - left) / static_cast<float>(right - left);
+  const float z_left = z_at(left, run.row);
+  const float bulge = z_left + share * (z_at(right, run.row) - z_left) - z_at(centre, run.row);
+  shape_.bulge_mm += bulge * bulge;
+  ++bulge_rows_;
+}
+
+bool BlobFinder::HeadProbe::measure() {
+  for (int row = r_; row < grid_.height; ++row) {
+    const float below = static_cast<float>(row - r_) * cell_mm_;
+    if (below > kTrunkEndMm) break;
+    Run run;
+    if (!find_run(row, run)) {
+      if (below < kNeckEndMm && below > 20.0F) return false;
+      continue;
+    }
+    if (below <= 170.0F) shape_.centre = (run.lo + run.hi) / 2;
+    if (below >= 55.0F && below <= 165.0F) add_head(run);
+    if (below >= 165.0F && below < kNeckEndMm) {
+      if (run.width_mm < kNeckWidthMinMm - cell_mm_) return false;
+      shape_.neck_mm = std::min(shape_.neck_mm, run.width_mm);
+    }
+    if (below >= kTrunkBeginMm) add_bulge(run);
+    if (below >= kTrunkBeginMm && below <= 430.0F) add_shoulders(run);
+  }
+  if (head_rows_ == 0) return false;
+  shape_.width_mm /= static_cast<float>(head_rows_);
+  shape_.relief_mm /= static_cast<float>(head_rows_);
+  shape_.cut = border_rows_ * 2 > head_rows_;
+  shape_.bulge_mm = bulge_rows_ > 0 ? std::sqrt(shape_.bulge_mm / static_cast<float>(bulge_rows_)) : 1e9F;
+  return true;
+}
+
+// A head: 85..330 mm wide over a hand's breadth below its top, rounded, with shoulders wider than it under it.
+// A raised hand fails at the wrist, a box at its missing shoulders, a hat over a coat at the stand's thin
+// pole or the coat's flat front.
+bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) const {
+  const auto label = static_cast<std::uint16_t>(blob + 1);
+  if (r < 1 || r + 3 >= grid.height) return false;
+  int probe = grid.index(c, r + 2);
+  if (labels_[at(probe)] != label) probe = grid.index(c, r);
+  if (labels_[at(probe)] != label) return false;
+  const float z_head = static_cast<float>(grid.depth[at(probe)]);
+  const float mm = cell_mm(grid, z_head);
+  HeadProbe rows(grid, labels_, blob, c, r, z_head);
+  if (!rows.measure()) return false;
+  const HeadShape& head = rows.shape();
+  const float width = head.width_mm;
+  if (head.cut || head.narrowest_mm < 0.45F * head.widest_mm) return false;  // cut in two; a cupboard's corner
+  if (head.neck_mm > 1.25F * width + mm) return false;  // widens steadily, as a cupboard's top seen over its corner
+  if (head.narrowest_mm < 85.0F - mm || head.widest_mm > 330.0F + mm || width < 105.0F || width > 270.0F + 0.5F * mm)
+    return false;
+  if (head.shoulders_mm < std::max(220.0F, 1.2F * width)) return false;
+  if (std::max(head.left_mm, head.right_mm) < 40.0F || std::min(head.left_mm, head.right_mm) < -0.25F * width)
+    return false;
+  if (head.relief_mm < kHeadReliefMinMm - 0.2F * quantum_mm(z_head)) return false;
+  // Some backs are as flat as a coat.
+  if (head.bulge_mm < 10.0F + 0.35F * quantum_mm(z_head)) return false;
+  // Each limit keeps 95 % of 250 dressed people's heads in furnished rooms; hats on chairs and stands miss several.
+  const int trunk_first = r + static_cast<int>(kTrunkBeginMm / mm);
+  const int trunk_last = r + static_cast<int>(kTrunkEndMm / mm);
+  const float doubt = trunk_doubt(trunk_shape(grid, blob, head.centre, trunk_first, trunk_last, z_head)) +
+                      std::max(0.0F, (width - 192.0F) / 25.0F) + std::max(0.0F, (head.neck_mm - 150.0F) / 25.0F) +
+                      std::max(0.0F, (2.2F - head.shoulders_mm / width) / 0.25F);
+  if (doubt > kDoubtMax && (doubt > kDoubtOnLegsMax || !has_legs(grid, blob))) return false;
+  out.vague = head.bulge_mm < 14.0F + 0.5F * quantum_mm(z_head) || z_head > kVagueMm;
+  out.blob = blob;
+  out.c = head.centre;
+  out.r = r;
+  out.top_mm = grid.point(probe);
+  out.width_mm = width;
+  return true;
+}
+
+void BlobFinder::find_heads(const Grid& grid, int b, const FloorPlane& floor) {
+  const Blob& blob = blobs_[at(b)];
+  const auto label = static_cast<std::uint16_t>(b + 1);
+  std::fill(top_.begin(), top_.end(), static_cast<std::int16_t>(grid.height));
+  for (int c = blob.c_min; c <= blob.c_max; ++c)
+    for (int r = blob.r_min; r <= blob.r_max; ++r)
+      if (labels_[at(grid.index(c, r))] == label) {
+        top_[at(c)] = static_cast<std::int16_t>(r);
+        break;
+      }
+  for (int c = blob.c_min; c <= blob.c_max; ++c) {
+    const int r = top_[at(c)];
+    if (r >= grid.height) continue;
+    const float z = static_cast<float>(grid.depth[at(grid.index(c, r))]);
+    const int reach = std::max(1, static_cast<int>(90.0F / cell_mm(grid, z)));
+    bool peak = true;
+    for (int d = -reach; d <= reach && peak; ++d) {
+      const int other = c + d;
+      if (d == 0 || other < blob.c_min || other > blob.c_max) continue;
+      if (top_[at(other)] < r || (top_[at(other)] == r && d < 0)) peak = false;  // leftmost of a flat top
+    }
+    if (!peak) continue;
+    int flat = c;  // middle of a flat top
+    while (flat + 1 <= blob.c_max && top_[at(flat + 1)] == r && flat - c < reach) ++flat;
+    Head head;
+    if (!head_at(grid, b, (c + flat) / 2, r, head)) continue;
+    if (floor.known) {
+      const float height = grid.height_mm[at(grid.index((c + flat) / 2, r))];
+      if (height < kHeadHeightMinMm || height > kHeadHeightMaxMm) continue;
+    }
+    bool apart = true;
+    for (int h = 0; h < head_count_; ++h) {
+      const Vec3f d = heads_[at(h)].top_mm - head.top_mm;
+      if (heads_[at(h)].blob == b && d.x * d.x + d.z * d.z < kHeadApartMm * kHeadApartMm) apart = false;
+    }
+    if (apart && head_count_ < kHeadCountMax) heads_[at(head_count_++)] = head;
+  }
+}
+
+}  // namespace im2fit::segment

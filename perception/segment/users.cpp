@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "perception/segment/users.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace im2fit::segment {
+namespace {
+
+constexpr float kHiddenMaxS = 5.0F;
+constexpr float kUnconfirmedHiddenMaxS = 1.0F;
+constexpr int kSeenGain = 4;                 // of a frame that shows a person there
+constexpr int kConfirmed = 12;               // three frames
+constexpr int kDoubted = 6;                  // no longer confirmed below
+constexpr int kSeenMax = 32;                 // beyond doubt
+constexpr float kGateMm = 350.0F;            // a head's jump when a raised arm is taken for it
+constexpr float kGateGrowthMmPerS = 600.0F;  // who is hidden may stop or turn
+constexpr float kGateMaxMm = 1400.0F;
+constexpr float kOverHeadMm = 150.0F;
+constexpr float kTopGateMm = 250.0F;  // two people of unlike height are not one
+constexpr float kPlaceGain = 0.6F;    // of an alpha-beta filter; heads are seen to a cell, 20 mm
+constexpr float kSpeedGain = 0.12F;
+constexpr float kSpeedMaxMmPerS = 3000.0F;
+constexpr float kHeadlessGateMm = 350.0F;
+constexpr float kHeadlessMaxS = 1.0F;  // of what has a person's place but not a person's size
+constexpr float kExpectedMaxS = 1.0F;
+constexpr float kHeadlessHiddenMaxS = 1.5F;  // later, who comes out of hiding may be furniture
+constexpr float kHeadlessTallMm = 300.0F;
+constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person
+constexpr float kHeadlessAreaMax = 1.4F;
+constexpr float kDoubtfulHiddenMaxS = 0.3F;
+constexpr float kBesideMm = 1000.0F;
+constexpr float kUnprovenMm = 600.0F;
+constexpr int kShapeFramesMax = 12;
+constexpr float kShapelessOdds = -3.0F;
+constexpr float kAreaKeep = 0.999F;  // per frame
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+Vec3f along_floor(Vec3f p, const FloorPlane& floor) {
+  const Vec3f up = floor.known ? floor.up : Vec3f{0, -1, 0};
+  return p - up * dot(up, p);
+}
+
+// From p to the line between a and b.
+float distance_to(Vec3f p, Vec3f a, Vec3f b) {
+  const Vec3f way = b - a;
+  const float length2 = dot(way, way);
+  const float share = length2 > 1.0F ? std::clamp(dot(p - a, way) / length2, 0.0F, 1.0F) : 0.0F;
+  return norm(p - (a + way * share));
+}
+
+}  // namespace
+
+void UserTracker::reset() {
+  track_count_ = sighting_count_ = user_count_ = keepout_count_ = expected_count_ = 0;
+  first_ = true;
+}
+
+UserTracker::Sighting UserTracker::sight(const Blob& blob, int index, const FloorPlane& floor) {
+  Sighting s;
+  s.blob = index;
+  s.centroid_mm = along_floor(blob.centroid_mm, floor);
+  s.place_mm = blob.has_head ? along_floor(blob.head_mm, floor) : s.centroid_mm;
+  s.top_mm = blob.height_max_mm;
+  s.has_head = blob.has_head;
+  if (blob.has_head && floor.known) {  // a coat stand beside the head, or a raised hand, is no stature
+    const float head_mm = dot(floor.up, blob.head_mm) + floor.camera_height_mm;
+    if (s.top_mm > head_mm + kOverHeadMm) s.top_mm = head_mm;
+  }
+  s.has_top = blob.has_head && floor.known;
+  return s;
+}
+
+// The nearest ones where there are too many.
+void UserTracker::list_sightings(const BlobFinder& found, const FloorPlane& floor) {
+  sighting_count_ = 0;
+  const auto list = found.blobs();
+  for (std::size_t b = 0; b < list.size(); ++b) {
+    const Blob& blob = list[b];
+    if (!blob.person) continue;
+    int where = sighting_count_;
+    while (where > 0 && list[at(sightings_[at(where - 1)].blob)].centroid_mm.z > blob.centroid_mm.z) --where;
+    if (where == kUserCountMax) continue;
+    sighting_count_ = std::min(sighting_count_ + 1, kUserCountMax);
+    for (int i = sighting_count_ - 1; i > where; --i) sightings_[at(i)] = sightings_[at(i - 1)];
+    sightings_[at(where)] = sight(blob, static_cast<int>(b), floor);
+  }
+}
+
+// People known from the frames before, whose heads are not seen now: what stands where they are expected and is as
+// large as they were.
+void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor) {
+  const auto list = found.blobs();
+  for (int t = 0; t < track_count_; ++t) {
+    Track& track = tracks_[at(t)];
+    if (track.sighting >= 0 || track.hidden_s > kHeadlessHiddenMaxS || sighting_count_ == kUserCountMax) continue;
+    const bool confirmed = track.confirmed;
+    float nearest = kHeadlessGateMm;
+    int best = -1;
+    for (std::size_t b = 0; b < list.size(); ++b) {
+      const Blob& blob = list[b];
+      const bool alike = blob.person_sized || (confirmed && track.headless_s < kHeadlessMaxS &&
+                                               blob.height_max_mm - blob.height_min_mm > kHeadlessTallMm &&
+                                               blob.relief_mm > 14.0F + 0.4F * quantum_mm(blob.centroid_mm.z));
+      if (blob.person || !alike || blob.area_m2 < kHeadlessAreaMin * track.area_m2 ||
+          blob.area_m2 > kHeadlessAreaMax * track.area_m2)
+        continue;
+      if (track.has_top && blob.height_max_mm > track.top_mm + kTopGateMm) continue;
+      const Vec3f place = along_floor(blob.centroid_mm, floor) + track.lean_mm;
+      const float away = distance_to(place, track.seen_mm, track.expected_mm);
+      if (taken(static_cast<int>(b)) || away >= nearest) continue;
+      nearest = away;
+      best = static_cast<int>(b);
+    }
+    if (best < 0) continue;
+    sightings_[at(sighting_count_)] = sight(list[at(best)], best, floor);
+    sightings_[at(sighting_count_)].track = t;
+    track.sighting = sighting_count_++;
+  }
+}
+
+bool UserTracker::taken(int blob) const {
+  return std::any_of(sightings_.begin(), sightings_.begin() + sighting_count_,
+                     [blob](const Sighting& s) { return s.blob == blob; });
+}
+
+// What may be people: as who is not told from furniture yet, as who was seen a moment ago, or as somebody new.
+void UserTracker::list_doubtful(const BlobFinder& found, const FloorPlane& floor) {
+  const auto list = found.blobs();
+  for (std::size_t b = 0; b < list.size() && sighting_count_ < kUserCountMax; ++b) {
+    if (!list[b].doubtful || taken(static_cast<int>(b))) continue;
+    Sighting s = sight(list[b], static_cast<int>(b), floor);
+    float nearest = kHeadlessGateMm;
+    for (int t = 0; t < track_count_; ++t) {
+      const Track& track = tracks_[at(t)];
+      if (track.sighting >= 0 || (track.confirmed && track.hidden_s > kDoubtfulHiddenMaxS)) continue;
+      const float away = distance_to(s.place_mm + track.lean_mm, track.seen_mm, track.expected_mm);
+      if (away >= nearest) continue;
+      nearest = away;
+      s.track = t;
+    }
+    if (s.track < 0 && beside_somebody(s.place_mm)) continue;
+    if (s.track >= 0) tracks_[at(s.track)].sighting = sighting_count_;
+    sightings_[at(sighting_count_++)] = s;
+  }
+}
+
+// What shows up there is a part of them, seen past somebody else, sooner than one more person.
+bool UserTracker::beside_somebody(Vec3f place_mm) const {
+  return std::any_of(tracks_.begin(), tracks_.begin() + track_count_, [&](const Track& track) {
+    return track.confirmed && distance_to(place_mm, track.seen_mm, track.expected_mm) < kBesideMm;
+  });
+}
+
+// Millimetres of doubt that the track is what is sighted; negative: it is not.
+float UserTracker::cost(const Track& track, const Sighting& sighting) {
+  const float gate = std::min(kGateMaxMm, kGateMm + kGateGrowthMmPerS * track.hidden_s);
+  const Vec3f place = sighting.has_head ? sighting.place_mm : sighting.place_mm + track.lean_mm;
+  const float away = distance_to(place, track.seen_mm, track.expected_mm);
+  if (away > gate) return -1.0F;
+  if (!track.has_top || !sighting.has_top) return away + 60.0F;
+  const float taller = std::fabs(track.top_mm - sighting.top_mm);
+  if (track.hidden_s > 0.3F && taller > kTopGateMm) return -1.0F;
+  return away + std::min(taller, kTopGateMm);
+}
+
+// Least doubt first. People are apart by more than they move in a frame: no better pairing is missed.
+void UserTracker::match() {
+  for (int t = 0; t < track_count_; ++t) tracks_[at(t)].sighting = -1;
+  for (;;) {
+    float best = 1e9F;
+    int best_track = -1;
+    int best_sighting = -1;
+    for (int t = 0; t < track_count_; ++t) {
+      if (tracks_[at(t)].sighting >= 0) continue;
+      for (int s = 0; s < sighting_count_; ++s) {
+        if (sightings_[at(s)].track >= 0) continue;
+        // Who was seen a frame ago comes before who is hidden.
+        const float doubt = cost(tracks_[at(t)], sightings_[at(s)]);
+        const float late = tracks_[at(t)].hidden_s > 0 ? 100.0F : 0.0F;
+        // What never had a person's shape may be a part of who is hidden: that one comes first.
+        const float unproven = tracks_[at(t)].evidence == 0 ? kUnprovenMm : 0.0F;
+        if (doubt < 0 || doubt + late + unproven >= best) continue;
+        best = doubt + late + unproven;
+        best_track = t;
+        best_sighting = s;
+      }
+    }
+    if (best_track < 0) return;
+    tracks_[at(best_track)].sighting = best_sighting;
+    sightings_[at(best_sighting)].track = best_track;
+  }
+}
+
+// Furniture has a person's shape for a frame now and then: not to have it, or not to be seen, speaks against who is
+// not confirmed.
+void UserTracker::note_shape(Track& track, const Blob* blob) {
+  const bool chance = blob != nullptr && (blob->person || blob->doubtful);
+  track.chances = chance ? std::min(track.chances + kSeenGain, kSeenMax) : std::max(track.chances - 1, 0);
+  const bool known = blob != nullptr && blob->shape_odds != kShapeUnknown;
+  if (!known && (track.confirmed || (blob != nullptr && blob->person))) return;
+  track.shape_frames = std::min(track.shape_frames + 1, kShapeFramesMax);
+  track.shape_odds +=
+      ((known ? blob->shape_odds : kShapelessOdds) - track.shape_odds) / static_cast<float>(track.shape_frames);
+}
+
+float UserTracker::shape_odds(int id) const {
+  for (int t = 0; t < track_count_; ++t)
+    if (tracks_[at(t)].id == id) return tracks_[at(t)].shape_odds;
+  return 0;
+}
+
+void UserTracker::vouch(int id) {
+  for (int t = 0; t < track_count_; ++t) {
+    Track& track = tracks_[at(t)];
+    if (track.id != id || track.confirmed) continue;
+    track.evidence = kSeenMax;
+    track.confirmed = true;
+  }
+}
+
+void UserTracker::follow(Track& track, const Sighting& sighting, const Blob& blob, float seconds) {
+  const Vec3f place = sighting.has_head ? sighting.place_mm : sighting.place_mm + track.lean_mm;
+  const Vec3f off = place - track.expected_mm;
+  const bool hidden = track.hidden_s > 0;
+  track.seen_mm = hidden ? place : track.expected_mm + off * kPlaceGain;
+  // After a gap the error grew over all of it; a new track's speed is learned from little.
+  const float gain =
+      hidden ? 0.5F
+             : std::max(kSpeedGain, static_cast<float>(kSeenGain) / static_cast<float>(track.evidence + kSeenGain));
+  const float since = seconds + track.hidden_s;
+  track.speed_mm_s = track.speed_mm_s + off * (gain / since);
+  const float speed = norm(track.speed_mm_s);
+  if (speed > kSpeedMaxMmPerS) track.speed_mm_s = track.speed_mm_s * (kSpeedMaxMmPerS / speed);
+  if (sighting.has_head) track.lean_mm = sighting.place_mm - sighting.centroid_mm;
+  track.headless_s = sighting.has_head ? 0.0F : track.headless_s + since;
+  if (sighting.has_top) {
+    track.top_mm = track.has_top ? track.top_mm + 0.2F * (sighting.top_mm - track.top_mm) : sighting.top_mm;
+    track.has_top = true;
+  }
+  track.expected_mm = track.seen_mm;
+  track.area_m2 = std::max(blob.area_m2, track.area_m2 * kAreaKeep);
+  track.hidden_s = 0;
+  // Furniture may look like a person once, and stands there ever after.
+  if (track.evidence < kSeenMax)
+    track.evidence = blob.person ? std::min(track.evidence + kSeenGain, kSeenMax) : std::max(track.evidence - 1, 0);
+  track.confirmed = track.evidence >= (track.confirmed ? kDoubted : kConfirmed);
+  note_shape(track, &blob);
+}
+
+// Where all are taken, the one hidden longest goes.
+UserTracker::Track& UserTracker::new_track() {
+  if (track_count_ < kTrackCountMax) return tracks_[at(track_count_++)];
+  int oldest = 0;
+  for (int t = 1; t < track_count_; ++t)
+    if (tracks_[at(t)].hidden_s > tracks_[at(oldest)].hidden_s) oldest = t;
+  return tracks_[at(oldest)];
+}
+
+void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds) {
+  for (int t = 0; t < track_count_; ++t)
+    tracks_[at(t)].expected_mm = tracks_[at(t)].expected_mm + tracks_[at(t)].speed_mm_s * seconds;
+  list_sightings(found, floor);
+  match();
+  find_headless(found, floor);
+  list_doubtful(found, floor);
+  int kept = 0;
+  for (int t = 0; t < track_count_; ++t) {
+    Track& track = tracks_[at(t)];
+    if (track.sighting >= 0) {
+      const Sighting& s = sightings_[at(track.sighting)];
+      follow(track, s, found.blobs()[at(s.blob)], seconds);
+    } else {
+      track.hidden_s += seconds;
+      if (!track.confirmed) note_shape(track, nullptr);
+      if (track.hidden_s > (track.confirmed ? kHiddenMaxS : kUnconfirmedHiddenMaxS)) continue;
+    }
+    tracks_[at(kept++)] = track;
+  }
+  track_count_ = kept;
+  for (int t = 0; t < track_count_; ++t)
+    if (tracks_[at(t)].sighting >= 0) sightings_[at(tracks_[at(t)].sighting)].track = t;
+  for (int i = 0; i < sighting_count_; ++i) {
+    Sighting& s = sightings_[at(i)];
+    if (s.track >= 0) continue;
+    Track& track = new_track();
+    track = {};
+    track.id = ++id_last_;
+    track.seen_mm = track.expected_mm = s.place_mm;
+    track.top_mm = s.top_mm;
+    track.has_top = s.has_top;
+    if (s.has_head) track.lean_mm = s.place_mm - s.centroid_mm;
+    const Blob& blob = found.blobs()[at(s.blob)];
+    track.evidence = !blob.person ? 0 : first_ ? kConfirmed : kSeenGain;
+    track.confirmed = track.evidence >= kConfirmed;
+    track.area_m2 = blob.area_m2;
+    note_shape(track, &blob);
+    if (first_) track.chances = kConfirmed;
+    track.sighting = i;
+    s.track = static_cast<int>(&track - tracks_.data());
+  }
+  list_users(grid, found);
+  list_keepouts(found);
+  list_expected(floor, seconds);
+  first_ = false;
+}
+
+void UserTracker::list_expected(const FloorPlane& floor, float seconds) {
+  const Vec3f up = floor.known ? floor.up : Vec3f{0, -1, 0};
+  const float camera = floor.known ? floor.camera_height_mm : 0.0F;
+  expected_count_ = 0;
+  for (int t = 0; t < track_count_; ++t) {
+    const Track& track = tracks_[at(t)];
+    if (!track.confirmed || track.hidden_s > kExpectedMaxS) continue;
+    expected_[at(expected_count_++)] = track.expected_mm + track.speed_mm_s * seconds + up * (track.top_mm - camera);
+  }
+}
+
+void UserTracker::list_keepouts(const BlobFinder& found) {
+  keepout_count_ = 0;
+  const auto of = [](const Blob& blob) { return Keepout{blob.c_min, blob.c_max, blob.centroid_mm.z}; };
+  for (int t = 0; t < track_count_; ++t) {
+    Track& track = tracks_[at(t)];
+    if (track.sighting >= 0) track.keepout = of(found.blobs()[at(sightings_[at(track.sighting)].blob)]);
+    keepouts_[at(keepout_count_++)] = track.keepout;
+  }
+  for (const Blob& blob : found.blobs())
+    if (blob.person_sized && keepout_count_ < kKeepoutCountMax) keepouts_[at(keepout_count_++)] = of(blob);
+}
+
+void UserTracker::list_users(const Grid& grid, const BlobFinder& found) {
+  user_count_ = 0;
+  for (int i = 0; i < sighting_count_; ++i) {
+    const Sighting& s = sightings_[at(i)];
+    const Track& track = tracks_[at(s.track)];
+    const Blob& blob = found.blobs()[at(s.blob)];
+    User user;
+    user.id = track.id;
+    user.u_min = blob.c_min * grid.step;
+    user.v_min = blob.r_min * grid.step;
+    user.u_max = (blob.c_max + 1) * grid.step - 1;
+    user.v_max = (blob.r_max + 1) * grid.step - 1;
+    user.pixel_count = blob.cell_count * grid.step * grid.step;
+    user.centroid_mm = blob.centroid_mm;
+    user.head_mm = blob.has_head ? blob.head_mm : blob.centroid_mm + track.lean_mm;
+    user.has_head = blob.has_head;
+    user.visible_share = track.area_m2 > 0 ? std::min(1.0F, blob.area_m2 / track.area_m2) : 1.0F;
+    user.confirmed = track.confirmed;
+    user_blobs_[at(user_count_)] = s.blob;
+    user_doubtful_[at(user_count_)] = !track.confirmed && track.chances >= kConfirmed;
+    users_[at(user_count_++)] = user;
+  }
+}
+
+}  // namespace im2fit::segment

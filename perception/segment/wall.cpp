@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "perception/segment/wall.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/votes/votes.h"
+#include "perception/segment/floor.h"
+
+namespace im2fit::segment {
+namespace {
+
+constexpr int kOpenCountMin = 400;
+constexpr int kHypothesisCount = 60;
+constexpr int kScoredCount = 400;
+constexpr float kWidthMinMm = 1300.0F;
+constexpr float kAreaMinM2 = 1.2F;  // more than a person with both arms out
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+int vote_stride(std::size_t cells) {
+  return std::max(1, static_cast<int>(cells) / kScoredCount) | 1;  // odd: walks all columns
+}
+
+}  // namespace
+
+WallRemover::WallRemover(const Grid& grid) : on_(at(grid.width)) {
+  const auto stride = static_cast<std::size_t>(vote_stride(grid.depth.size()));
+  const std::size_t voters = (grid.depth.size() + stride - 1) / stride;
+  for (std::vector<float>* v : {&ray_x_, &ray_y_, &z_mm_, &near_mm_, &far_mm_}) v->resize(voters);
+  for (std::vector<float>* v : {&row_on_.ray_x, &row_on_.z_mm, &row_on_.inverse_z}) v->resize(on_.size());
+}
+
+void WallRemover::collect_voters(const Grid& grid, std::span<const std::uint8_t> open) {
+  const int stride = vote_stride(open.size());
+  voter_count_ = 0;
+  for (int cell = 0; cell < static_cast<int>(open.size()); cell += stride) {
+    if (open[at(cell)] == 0) continue;
+    const std::size_t i = at(voter_count_++);
+    const float z = static_cast<float>(grid.depth[at(cell)]);
+    ray_x_[i] = grid.ray_x[at(cell % grid.width)];
+    ray_y_[i] = grid.ray_y[at(cell / grid.width)];
+    z_mm_[i] = z;
+    near_mm_[i] = 20.0F + quantum_mm(z);
+    far_mm_[i] = 2.0F * quantum_mm(z);
+  }
+}
+
+bool WallRemover::search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best) {
+  collect_voters(grid, open);
+  const VotingPoints voters = {ray_x_.data(),   ray_y_.data(),  z_mm_.data(),
+                               near_mm_.data(), far_mm_.data(), voter_count_};
+  const auto cells = static_cast<std::uint64_t>(open.size());
+  std::uint32_t state = 0x9E3779B9U;
+  const auto draw = [&] {
+    for (int tries = 0; tries < 32; ++tries) {
+      state = state * 1664525U + 1013904223U;
+      const int i = static_cast<int>((static_cast<std::uint64_t>(state) * cells) >> 32);
+      if (open[at(i)] != 0) return i;
+    }
+    return -1;
+  };
+  int best_support = 0;
+  for (int h = 0; h < kHypothesisCount; ++h) {
+    const int i = draw();
+    const int j = draw();
+    const int k = draw();
+    if (i < 0 || j < 0 || k < 0) continue;
+    const Vec3f a = grid.point(i);
+    Vec3f n = cross(grid.point(j) - a, grid.point(k) - a);
+    const float length = norm(n);
+    if (!(length > 4.0e4F)) continue;
+    n = n * (1.0F / length);
+    const float offset = -dot(n, a);
+    if (std::fabs(dot(n, up)) > 0.25F || std::fabs(offset) < 300.0F) continue;
+    const std::array<float, 3> q = {n.x / offset, n.y / offset, n.z / offset};
+    Votes count;
+    votes(voters, q.data(), count);
+    if (count.on * 6 < voter_count_ || count.behind * 16 > voter_count_ || count.on <= best_support) continue;
+    best_support = count.on;
+    best = {static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])};
+  }
+  return best_support > 0;
+}
+
+void WallRemover::gather_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row) {
+  const std::uint16_t* depth = grid.depth.data() + grid.index(0, row);
+  const std::uint8_t* is_open = open.data() + grid.index(0, row);
+  const float* ray_x = grid.ray_x.data();
+  const PlaneRow wall(plane, grid.ray_y[at(row)]);
+  std::uint8_t* __restrict on = on_.data();
+  const std::size_t width = on_.size();
+  for (std::size_t c = 0; c < width; ++c) {
+    const float z = static_cast<float>(depth[c]);
+    const float nearness = wall.nearness(ray_x[c]);
+    const bool near = std::fabs(z - 1.0F / nearness) <= 20.0F + quantum_mm(z);
+    on[c] = static_cast<std::uint8_t>((nearness > kNearnessMin) & near & (is_open[c] != 0));
+  }
+  float *x = row_on_.ray_x.data(), *z = row_on_.z_mm.data(), *inverse = row_on_.inverse_z.data();
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < width; ++c) {
+    if (c % kTogether == 0 && c + kTogether <= width && none(on + c)) {
+      c += kTogether - 1;
+      continue;
+    }
+    x[count] = ray_x[c];
+    z[count] = static_cast<float>(depth[c]);
+    count += on[c];
+  }
+  for (std::size_t i = 0; i < count; ++i) inverse[i] = 1.0F / z[i];
+  row_on_.count = count;
+}
+
+// Fits the plane to all cells on it; false when they are too few or too small for a wall.
+bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane) {
+  float x_min = 1e9F;
+  float x_max = -1e9F;
+  float z_min = 1e9F;
+  float z_max = -1e9F;
+  float area_m2 = 0;
+  const float cell_area =
+      static_cast<float>(grid.step * grid.step) / (grid.intrinsics.fx * grid.intrinsics.fy) * 1e-6F;
+  for (int pass = 0; pass < 2; ++pass) {
+    PointSums sums;
+    area_m2 = 0;
+    for (int r = 0; r < grid.height; ++r) {
+      gather_on(grid, open, plane, r);
+      const float ray_y = grid.ray_y[at(r)];
+      for (std::size_t i = 0; i < row_on_.count; ++i) {
+        const float ray_x = row_on_.ray_x[i], z = row_on_.z_mm[i], x = ray_x * z;
+        sums.add(ray_x, ray_y, row_on_.inverse_z[i]);
+        x_min = std::min(x_min, x);
+        x_max = std::max(x_max, x);
+        z_min = std::min(z_min, z);
+        z_max = std::max(z_max, z);
+        area_m2 += cell_area * z * z;
+      }
+    }
+    const FloorEquations equations = sums.equations();
+    if (equations.weight < 100.0 || !equations.solve_plane(plane)) return false;
+  }
+  const float across = x_max - x_min;
+  const float along = z_max - z_min;
+  return across * across + along * along >= kWidthMinMm * kWidthMinMm && area_m2 >= kAreaMinM2;
+}
+
+bool WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open) {
+  int open_count = 0;
+  for (const std::uint8_t o : open) open_count += o;
+  if (open_count < kOpenCountMin) return false;
+  Plane plane{};
+  if (!search(grid, floor.known ? floor.up : Vec3f{0, -1, 0}, open, plane) || !refine(grid, open, plane))
+    return false;
+  for (int r = 0; r < grid.height; ++r) {
+    const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
+    std::uint8_t* __restrict is_open = open.data() + grid.index(0, r);
+    const float* ray_x = grid.ray_x.data();
+    const PlaneRow wall(plane, grid.ray_y[at(r)]);
+    for (int c = 0, width = grid.width; c < width; ++c) {
+      const float z = static_cast<float>(depth[c]);
+      const float nearness = wall.nearness(ray_x[c]);
+      const bool behind = z > 1.0F / nearness - 45.0F - 2.0F * quantum_mm(z);
+      is_open[c] = static_cast<std::uint8_t>(is_open[c] & !((nearness > kNearnessMin) & behind));
+    }
+  }
+  return true;
+}
+
+}  // namespace im2fit::segment

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// A wall is a wide upright plane with next to nothing behind it. Removing it first keeps whatever leans on it apart.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "perception/segment/grid.h"
+
+namespace im2fit::segment {
+
+class WallRemover {
+ public:
+  explicit WallRemover(const Grid& grid);
+  // Closes the cells (`open` 1 to 0) of a wall and of what lies behind it; false: there is none.
+  bool run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
+
+ private:
+  using Plane = std::array<double, 3>;  // q of q.r = -1/z
+
+  void collect_voters(const Grid& grid, std::span<const std::uint8_t> open);
+  bool search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best);
+  void gather_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row);
+  bool refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane);
+
+  std::vector<float> ray_x_, ray_y_, z_mm_, near_mm_, far_mm_;  // of the open cells that vote
+  int voter_count_ = 0;
+  std::vector<std::uint8_t> on_;  // of a row: on the wall
+  struct RowCells {
+    std::vector<float> ray_x, z_mm, inverse_z;
+    std::size_t count = 0;
+  } row_on_;  // those, the first `count` of each
+};
+
+}  // namespace im2fit::segment

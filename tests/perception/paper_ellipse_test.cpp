@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/rng.h"
+#include "perception/paper/ellipse.h"
+
+namespace im2fit {
+namespace {
+
+const double kPi = std::acos(-1.0);
+
+struct Arc {
+  double a, b, turn, x, y, from, to;
+};
+
+std::vector<Point2> arc_points(const Arc& arc, int count, double noise, std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<Point2> points;
+  for (int i = 0; i < count; ++i) {
+    const double angle = arc.from + (arc.to - arc.from) * i / (count - 1);
+    const double r = 1 + rng.normal(0, noise) / arc.b;
+    const double px = arc.a * std::cos(angle) * r, py = arc.b * std::sin(angle) * r;
+    points.push_back({arc.x + px * std::cos(arc.turn) - py * std::sin(arc.turn),
+                      arc.y + px * std::sin(arc.turn) + py * std::cos(arc.turn)});
+  }
+  return points;
+}
+
+Ellipse fit_rounded(const std::vector<Point2>& points) {
+  std::vector<SectionPoint> rounded;
+  for (const Point2& p : points)
+    rounded.push_back({static_cast<std::int16_t>(std::lround(p.x)), static_cast<std::int16_t>(std::lround(p.y))});
+  EllipseSums sums;
+  moments(rounded.data(), static_cast<int>(rounded.size()), -kSectionCoordinateMax, kSectionCoordinateMax,
+          sums.sum.data());
+  return fit_ellipse(sums);
+}
+
+// Coordinates in 1/8 mm: a trunk of 170 x 115 mm half-axes.
+TEST(EllipseFit, WholeEllipses) {
+  for (const Arc& arc : {Arc{1360, 920, 0, 0, 900, 0, 2 * kPi}, Arc{1360, 920, 0.7, -200, 800, 0, 2 * kPi},
+                         Arc{500, 499, 0, 30, 20, 0, 2 * kPi}, Arc{3000, 200, -0.4, 0, 0, 0, 2 * kPi}}) {
+    const std::vector<Point2> points = arc_points(arc, 400, 0, 1);
+    const Ellipse ref = fit_ellipse_ref(points);
+    ASSERT_TRUE(ref.valid);
+    EXPECT_NEAR(ref.a, arc.a, 1e-6 * arc.a);
+    EXPECT_NEAR(ref.b, arc.b, 1e-6 * arc.b);
+    // Rounding to whole coordinates: 0.3 rms over 400 points.
+    const Ellipse got = fit_rounded(points);
+    ASSERT_TRUE(got.valid);
+    EXPECT_NEAR(got.a, arc.a, 0.3);
+    EXPECT_NEAR(got.b, arc.b, 0.3);
+  }
+}
+
+// What a camera sees: the front half. Without noise it determines the ellipse.
+TEST(EllipseFit, HalfEllipses) {
+  const Arc front = {1360, 920, 0.05, 40, 900, -kPi + 0.1, -0.1};
+  const std::vector<Point2> points = arc_points(front, 300, 0, 1);
+  const Ellipse ref = fit_ellipse_ref(points), got = fit_rounded(points);
+  ASSERT_TRUE(ref.valid && got.valid);
+  EXPECT_NEAR(ref.a, 1360, 1e-3);
+  EXPECT_NEAR(ref.b, 920, 1e-3);
+  EXPECT_NEAR(got.a, 1360, 1.0);
+  EXPECT_NEAR(got.b, 920, 1.0);
+}
+
+TEST(EllipseFit, TiersAgreeUnderNoise) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    std::vector<Point2> points = arc_points({1360, 920, 0.05, 40, 900, -kPi, 0}, 300, 24, seed);
+    for (Point2& p : points) p = {std::round(p.x), std::round(p.y)};
+    const Ellipse ref = fit_ellipse_ref(points), got = fit_rounded(points);
+    ASSERT_TRUE(ref.valid && got.valid);
+    EXPECT_NEAR(got.perimeter(), ref.perimeter(), 1e-6 * ref.perimeter());
+  }
+}
+
+TEST(EllipseFit, NoEllipse) {
+  std::vector<Point2> line, few;
+  for (int i = 0; i < 50; ++i) line.push_back({10.0 * i, 7.0 * i + 3});
+  EXPECT_FALSE(fit_ellipse_ref(line).valid);
+  EXPECT_FALSE(fit_rounded(line).valid);
+  few = arc_points({1000, 500, 0, 0, 0, 0, 2 * kPi}, kEllipsePointsMin - 1, 0, 1);
+  EXPECT_FALSE(fit_ellipse_ref(few).valid);
+  EXPECT_FALSE(fit_rounded(few).valid);
+  EXPECT_FALSE(fit_rounded(std::vector<Point2>(100, {5, 5})).valid);
+  EXPECT_FALSE(fit_rounded({}).valid);
+}
+
+// Girths of sections as the camera sees them, against the complete elliptic integral (by quadrature).
+TEST(EllipseFit, GirthsOfSections) {
+  const auto girth = [](double a, double b) {
+    double length = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const double t = 2 * kPi * (i + 0.5) / 4000;
+      length += std::hypot(a * std::sin(t), b * std::cos(t)) * 2 * kPi / 4000;
+    }
+    return length;
+  };
+  for (const Arc& arc : {Arc{1360, 920, 0, 10, 30, -kPi + 0.1, -0.1}, Arc{1000, 1000, 0, 0, 0, -kPi, 0},
+                         Arc{560, 500, 0.3, -40, 0, -kPi, 0}, Arc{1600, 900, -0.1, 0, -200, -kPi + 0.2, -0.2}}) {
+    const Ellipse got = fit_rounded(arc_points(arc, 400, 0, 1));
+    ASSERT_TRUE(got.valid);
+    EXPECT_NEAR(got.perimeter(), girth(arc.a, arc.b), 8) << arc.a;  // 1 mm
+  }
+}
+
+TEST(EllipsePerimeter, AgainstQuadrature) {
+  for (const double b : {1.0, 0.7, 0.4, 0.1}) {
+    const int n = 4000;
+    double length = 0;
+    for (int i = 0; i < n; ++i) {
+      const double t = 2 * kPi * (i + 0.5) / n;
+      length += std::hypot(std::sin(t), b * std::cos(t)) * 2 * kPi / n;
+    }
+    EXPECT_NEAR((Ellipse{true, 1, b}).perimeter(), length, (b < 0.3 ? 4e-4 : 1e-6) * length);
+  }
+}
+
+}  // namespace
+}  // namespace im2fit
