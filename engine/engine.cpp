@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "engine/event.h"
-#include "engine/fit_half.h"
+#include "engine/fit_stage.h"
 #include "engine/frame_pool.h"
 #include "engine/frame_stages.h"
 #include "engine/snapshot.h"
@@ -218,8 +218,8 @@ class PipelineEngine final : public Engine {
       slot.seconds = kFramePeriodS;
     }
     stages_->before_sense(slot.seconds, lock_.selected());
-    slot.sighting = stages_->sense(slot.depth, settings_.intrinsics, slot.mask);
-    lock_.saw(slot.sighting);
+    slot.detection = stages_->sense(slot.depth, settings_.intrinsics, slot.mask);
+    lock_.saw(slot.detection);
   }
 
   void fit(FrameSlot& slot) {
@@ -229,9 +229,10 @@ class PipelineEngine final : public Engine {
     if (fit_.over()) over_.store(true, std::memory_order_relaxed);
     snapshot_.publish(fit_.result());
     if (!settings_.watch) return;
-    const Sighting& sighting = slot.sighting;
+    const Detection& detection = slot.detection;
     settings_.watch({slot.depth, slot.mask, slot.info,
-                     std::span(sighting.users).first(static_cast<std::size_t>(sighting.user_count)), fit_.result()});
+                     std::span(detection.users).first(static_cast<std::size_t>(detection.user_count)),
+                     fit_.result()});
   }
 
   void sense_loop() {
@@ -273,7 +274,7 @@ class PipelineEngine final : public Engine {
   SpscRing free_;
   UserLock lock_;     // SENSE's, or the producer's while nothing is under way
   FrameClock clock_;  // the same
-  FitHalf fit_;       // FIT's, or the producer's while nothing is under way
+  FitStage fit_;      // FIT's, or the producer's while nothing is under way
   Snapshot<EngineResult> snapshot_;
 
   // The producer's.

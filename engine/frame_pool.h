@@ -29,7 +29,7 @@ struct FrameSlot {
   ArrivalCounts counts;
   float seconds = 0;           // since the frame sensed before
   bool after_silence = false;  // more than kSilenceSecondsMax: whoever is seen now may be anybody
-  Sighting sighting;
+  Detection detection;
   bool sensed = false;  // false: passed through unread because the session is over
 };
 

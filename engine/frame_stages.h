@@ -27,11 +27,12 @@ class FrameStages {
   // Half SENSE.
   // Before each frame: `seconds` since the one before it, and whom to sense (0: the nearest and most central).
   virtual void before_sense([[maybe_unused]] float seconds, [[maybe_unused]] int user) {}
-  virtual Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) = 0;
+  virtual Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) = 0;
   virtual void reset_sense() = 0;
 
   // Half FIT. `add` returns guidance of its own instead of adding.
-  virtual GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting) = 0;
+  virtual GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics,
+                          const Detection& detection) = 0;
   virtual int frame_count() const = 0;  // of the side being gathered: the front until turn(), then the back
   // The expensive step, once a session; with a turn asked, once for the front and once for both. False when what is
   // gathered cannot be described.

@@ -21,13 +21,13 @@ class SensingStages : public FrameStages {
     seconds_ = seconds;
     sensor_.select(user);
   }
-  Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) override {
+  Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) override {
     return sensor_.sense(depth, intrinsics, mask, seconds_);
   }
   void reset_sense() override { sensor_.reset(); }
 
-  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting) override {
-    return gathering().add(depth, mask, intrinsics, sighting);
+  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Detection& detection) override {
+    return gathering().add(depth, mask, intrinsics, detection);
   }
   int frame_count() const override { return turned_ ? back_->frame_count() : front_.frame_count(); }
   bool measure(MeasuredPerson& /*person*/) override { return false; }

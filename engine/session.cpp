@@ -63,8 +63,8 @@ SessionStep on_turning(const SessionRules& rules, SessionStep step, const Sessio
   if (!next.turned && !back) step.guidance |= bit(Guidance::turn_round);
   if (next.turned && is_moving(rules, view)) step.guidance |= bit(Guidance::moving);
   // A back seen for a moment before a front was no back, or was moving.
-  const bool doubted = front || has(step.guidance, Guidance::moving);
-  if (doubted && view.frames_gathered > 0 && view.frames_gathered <= rules.unsettled_frames_max) step.forget = true;
+  const bool unsteady = front || has(step.guidance, Guidance::moving);
+  if (unsteady && view.frames_gathered > 0 && view.frames_gathered <= rules.unsteady_frames_max) step.forget = true;
   step.use_frame = back && step.guidance == 0;
   return step;
 }
@@ -107,7 +107,7 @@ SessionStep sighted(const SessionRules& rules, const Session& session, const Ses
   if (next.state == SessionState::turning) return on_turning(rules, step, view, guessed);
   if (is_moving(rules, view)) {
     step.guidance |= bit(Guidance::moving);
-    if (view.frames_gathered > 0 && view.frames_gathered <= rules.unsettled_frames_max) step.forget = true;
+    if (view.frames_gathered > 0 && view.frames_gathered <= rules.unsteady_frames_max) step.forget = true;
   }
   if (view.view == ViewSide::back && !guessed) step.guidance |= bit(Guidance::not_frontal);
   if (next.state == SessionState::user_found && step.guidance == 0)
@@ -122,7 +122,7 @@ SessionStep sighted(const SessionRules& rules, const Session& session, const Ses
 
 }  // namespace
 
-SessionStep on_sighting(const SessionRules& rules, const Session& session, const SessionView& view) {
+SessionStep on_detection(const SessionRules& rules, const Session& session, const SessionView& view) {
   SessionStep step = sighted(rules, session, view);
   if (session.state == SessionState::turning) bound_turning(rules, step, view);
   return step;

@@ -29,7 +29,7 @@ struct SessionRules {
   int psi_wait_frames_max = 300;   // ten seconds to take the pose
   int turn_wait_frames_max = 450;  // fifteen seconds in TURNING without a frame gathered
   int rejected_frames_max = 30;    // in a row: the person stands still, but no longer as gathered
-  int unsettled_frames_max = MotionFilter::kFrameCount;  // gathered before movement shows: part of that movement
+  int unsteady_frames_max = MotionFilter::kFrameCount;  // gathered before movement shows: part of that movement
   // Of people told to stand still, seen at 320x240, the middle sways by up to 20 mm/s and the tracker's hands tremble
   // by 180.
   float body_speed_max_mm_s = 60;
@@ -50,7 +50,7 @@ struct Session {
   int user = 0;            // whose session it is; 0 before USER_FOUND
 };
 
-// The part of a Sighting the session looks at.
+// The part of a Detection the session looks at.
 struct SessionView {
   bool found = false;
   GuidanceSet guidance = 0;
@@ -63,13 +63,13 @@ struct SessionView {
 
 struct SessionStep {
   Session next;
-  GuidanceSet guidance = 0;  // the sighting's and the session's own
+  GuidanceSet guidance = 0;  // the detection's and the session's own
   bool forget = false;       // drop what is gathered (in TURNING: of the back), before using this frame
   bool use_frame = false;    // offer the frame to the fuser, then call after_offer
   bool measure = false;      // TURNING is over: call after_measuring
   bool drop_back = false;    // before measuring: the front alone
 };
-SessionStep on_sighting(const SessionRules& rules, const Session& session, const SessionView& view);
+SessionStep on_detection(const SessionRules& rules, const Session& session, const SessionView& view);
 
 struct OfferStep {
   Session next;

@@ -21,11 +21,11 @@ class UserLock {
   int asked_for() const { return asked_for_; }
   // Whom to sense in the next frame; 0: anybody.
   int selected() const { return selected_; }
-  void saw(const Sighting& sighting) {
+  void saw(const Detection& detection) {
     if (asked_for_ != 0) return;
-    if (sighting.person.found) {
+    if (detection.person.found) {
       absent_frames_ = 0;
-      if (selected_ == 0 && sighting.guidance == 0) selected_ = sighting.person.id;
+      if (selected_ == 0 && detection.guidance == 0) selected_ = detection.person.id;
     } else if (selected_ != 0 && ++absent_frames_ > kAbsentFramesMax) {
       reset();
     }

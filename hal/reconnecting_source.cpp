@@ -103,8 +103,8 @@ std::optional<Result<FrameInfo>> ReconnectingSource::ask(DepthImage depth, std::
     options_.clock.sleep_for(std::min(left_ns, kNsPerMs * options_.wait_first_ms));
     return std::nullopt;
   }
-  if (code == ErrorCode::timeout && now_ns - heard_ns_ >= kNsPerMs * options_.silence_ms) {
-    lose(info_.name + " gave nothing for " + std::to_string(options_.silence_ms) + " ms");
+  if (code == ErrorCode::timeout && now_ns - heard_ns_ >= kNsPerMs * options_.frame_gap_ms) {
+    lose(info_.name + " gave nothing for " + std::to_string(options_.frame_gap_ms) + " ms");
     return std::nullopt;
   }
   if (code == ErrorCode::io) return Result<FrameInfo>(Error{ErrorCode::timeout, frame.error().message});

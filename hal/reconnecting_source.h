@@ -34,9 +34,9 @@ struct ReconnectStats {
 struct ReconnectOptions {
   int wait_first_ms = 100;  // from the loss to the first attempt; doubles with every attempt that fails, up to
   int wait_max_ms = 1000;
-  int give_up_ms = -1;    // away for so long: next() says no_device from then on; -1: waits for ever
-  int silence_ms = 3000;  // an open camera that gives nothing for so long counts as away
-  int io_errors_max = 3;  // so many in a row: away
+  int give_up_ms = -1;      // away for so long: next() says no_device from then on; -1: waits for ever
+  int frame_gap_ms = 3000;  // an open camera that gives nothing for so long counts as away
+  int io_errors_max = 3;    // so many in a row: away
   RetryClock clock = system_retry_clock();
   // LOST, an attempt refused for another reason than the one before, returned, given up; on the thread of next().
   std::function<void(const ReconnectStats&)> changed;

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "apps/im2fit-lab/commands.h"
-#include "apps/im2fit-lab/index_looks.h"
+#include "apps/im2fit-lab/index_inspect.h"
 #include "apps/im2fit-lab/samples.h"
 #include "body/population.h"
 #include "core/file.h"
@@ -111,7 +111,7 @@ void add_index(CLI::App& app, Command& chosen) {
   sub->add_option("--out", options->out, "Index file to write")->type_name("FILE")->capture_default_str();
 
   // A parent's callback runs after its subcommand's: it may only choose where none of them did.
-  add_index_looks(*sub, chosen);
+  add_index_inspect(*sub, chosen);
   sub->callback([&chosen, options, sub] {
     if (sub->get_subcommands().empty()) chosen = [options] { return run_build(*options); };
   });

@@ -73,7 +73,7 @@ Result<lab::DatasetReport> make_samples(const SampleOptions& options,
   if (!key) return key.error();
   if (const auto made = make_directory(options.work_dir); !made) return made.error();
   lab::DatasetOptions dataset;
-  dataset.subject_count = lab::subjects_with(options.subjects, dataset.stranger_every, dataset.stranger_below);
+  dataset.subject_count = lab::subjects_with(options.subjects, dataset.ood_every, dataset.ood_below);
   dataset.captures_per_subject = options.captures;
   dataset.seed = options.seed;
   dataset.thread_count = options.threads;
@@ -111,7 +111,7 @@ Result<lab::ShardSet> check_samples(const std::vector<std::string>& folders) {
     const auto note = noted_samples(folder);
     if (!note) return note.error();
     const lab::RunKey& run = set->run();
-    const int people = lab::subjects_with(note->subjects, static_cast<int>(run.stranger_every), run.stranger_below);
+    const int people = lab::subjects_with(note->subjects, static_cast<int>(run.ood_every), run.ood_below);
     if (const auto whole = set->expect({0, static_cast<std::uint64_t>(people)}); !whole) return whole.error();
   }
   return set;

@@ -22,12 +22,14 @@ void add_live(CLI::App& app, Command& chosen) {
       "--overlay pictures --overlay-every 5\n  im2fit live openni2 --json | ./kiosk",
       options, run_alone);
   add_live_options(*sub, *options);
-  sub->add_option("--overlay", options->onlooker.overlay, "Folder for a picture of every frame: skeleton over depth")
+  sub->add_option("--overlay", options->preview_renderer.overlay,
+                  "Folder for a picture of every frame: skeleton over depth")
       ->type_name("DIR");
-  sub->add_option("--overlay-every", options->onlooker.overlay_every, "Only every so many frames")
+  sub->add_option("--overlay-every", options->preview_renderer.overlay_every, "Only every so many frames")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  sub->add_flag("--view", options->onlooker.view, "Show the same in this terminal (on stderr), ten times a second");
+  sub->add_flag("--view", options->preview_renderer.view,
+                "Show the same in this terminal (on stderr), ten times a second");
 }
 
 }  // namespace im2fit::apps

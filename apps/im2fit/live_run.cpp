@@ -32,10 +32,11 @@ Status print_event(const Json& event) {
 
 class LiveRun {
  public:
-  LiveRun(const LiveOptions& options, SessionOutcome& outcome, Onlooker& onlooker, LiveListener* listener)
+  LiveRun(const LiveOptions& options, SessionOutcome& outcome, PreviewRenderer& preview_renderer,
+          LiveListener* listener)
       : options_(options),
         outcome_(outcome),
-        onlooker_(onlooker),
+        preview_(preview_renderer),
         listener_(listener),
         started_(std::chrono::steady_clock::now()) {}
 
@@ -45,7 +46,7 @@ class LiveRun {
     if (auto done = look(outcome_.engine->result()); !done) error_ = done.error();
     if (error_ || (options_.count > 0 && persons_ >= options_.count)) return false;
     // A recording is watched at the speed it was made.
-    if ((options_.onlooker.view || listener_ != nullptr) && !outcome_.input.source->info().live)
+    if ((options_.preview_renderer.view || listener_ != nullptr) && !outcome_.input.source->info().live)
       std::this_thread::sleep_until(started_ + kFramePeriod * frames_);
     return true;
   }
@@ -53,7 +54,7 @@ class LiveRun {
   // After the run: whoever stood there last may be measured from fewer frames.
   Result<int> conclude_run() {
     if (error_) return *error_;
-    if (onlooker_.error()) return *onlooker_.error();
+    if (preview_.error()) return *preview_.error();
     if (auto done = look(outcome_.engine->result()); !done) return done.error();
     if (error_) return *error_;
     if (persons_ == 0) return report_nobody();
@@ -69,7 +70,7 @@ class LiveRun {
   }
 
   Status look(const EngineResult& result) {
-    if (onlooker_.error()) return *onlooker_.error();
+    if (preview_.error()) return *preview_.error();
     if (result.session != session_) {
       session_ = result.session;
       const bool left = std::exchange(reported_, false);
@@ -92,7 +93,7 @@ class LiveRun {
     said_ = true;
     state_ = state;
     if (auto told = tell(state_event(frames_, result)); !told) return told;
-    if (!options_.session.json && !options_.onlooker.view)
+    if (!options_.session.json && !options_.preview_renderer.view)
       fmt::print(stderr, "{}  needed: {}\n", state_words(result, options_.session.frames),
                  guidance_words(result.guidance));
     return Ok{};
@@ -100,7 +101,8 @@ class LiveRun {
 
   Status say_left() {
     if (auto told = tell(left_event(frames_, persons_)); !told) return told;
-    if (!options_.session.json && !options_.onlooker.view) fmt::print(stderr, "person {} has left\n", persons_);
+    if (!options_.session.json && !options_.preview_renderer.view)
+      fmt::print(stderr, "person {} has left\n", persons_);
     return Ok{};
   }
 
@@ -117,7 +119,7 @@ class LiveRun {
       if (auto made = make_directory(out); !made) return made;
       if (auto written = write_outputs(outcome_, out); !written) return written;
     }
-    onlooker_.say(fmt::format("person {}: {}", persons_, summary(outcome_.report)));
+    preview_.say(fmt::format("person {}: {}", persons_, summary(outcome_.report)));
     Json event = measured_event(frames_, persons_, outcome_.report);
     if (!out.empty()) event["out"] = out;
     if (listener_ != nullptr)
@@ -127,7 +129,7 @@ class LiveRun {
     std::string table = fmt::format("person {}\n{}", persons_, result_table(outcome_));
     if (!out.empty()) table += fmt::format("written to {}\n", out);
     // The view has the terminal: tables follow it.
-    if (options_.onlooker.view) {
+    if (options_.preview_renderer.view) {
       tables_ += table;
       return Ok{};
     }
@@ -150,7 +152,7 @@ class LiveRun {
 
   const LiveOptions& options_;
   SessionOutcome& outcome_;
-  Onlooker& onlooker_;
+  PreviewRenderer& preview_;
   LiveListener* listener_;
   std::chrono::steady_clock::time_point started_;
   std::uint64_t frames_ = 0;
@@ -164,14 +166,14 @@ class LiveRun {
 };
 
 Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, std::string& tables) {
-  std::unique_ptr<Onlooker> onlooker;
-  if (!options.onlooker.overlay.empty())
-    if (const auto made = make_directory(options.onlooker.overlay); !made) return made.error();
+  std::unique_ptr<PreviewRenderer> preview_renderer;
+  if (!options.preview_renderer.overlay.empty())
+    if (const auto made = make_directory(options.preview_renderer.overlay); !made) return made.error();
   FrameWatch watch;
-  const bool watched = options.onlooker.view || !options.onlooker.overlay.empty();
+  const bool watched = options.preview_renderer.view || !options.preview_renderer.overlay.empty();
   if (watched || listener != nullptr)
     watch = [&](const FrameSeen& frame) {
-      onlooker->see(frame);
+      preview_renderer->see(frame);
       if (listener != nullptr) listener->see(frame);
     };
   SessionOptions session = options.session;
@@ -180,23 +182,23 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
     if (listener != nullptr) listener->tell(event);
     if (session.json)
       (void)print_event(event);  // a closed pipe is noticed with the next event
-    else if (options.onlooker.view)
-      onlooker->say(camera_words(stats, source));
+    else if (options.preview_renderer.view)
+      preview_renderer->say(camera_words(stats, source));
     else if (stats.presence != hal::Presence::given_up)  // that is an error of its own
       print_error(camera_words(stats, source));
   };
   auto outcome = open_session(session, std::move(watch), nullptr);
   if (!outcome) return outcome.error();
-  onlooker =
-      std::make_unique<Onlooker>(options.onlooker, outcome->input.source->info().intrinsics, options.session.frames);
+  preview_renderer = std::make_unique<PreviewRenderer>(
+      options.preview_renderer, outcome->input.source->info().intrinsics, options.session.frames);
   if (listener != nullptr) listener->begin(*outcome);
-  LiveRun live(options, *outcome, *onlooker, listener);
+  LiveRun live(options, *outcome, *preview_renderer, listener);
   const auto done = run(*outcome->engine, *outcome->tap, [&] { return live.go_on(); });
   auto code = live.conclude_run();
   tables = live.tables();
   if (!done) return done.error();
-  if (code && !options.onlooker.overlay.empty() && !options.session.json)
-    tables += fmt::format("{} pictures in {}\n", onlooker->pictures(), options.onlooker.overlay);
+  if (code && !options.preview_renderer.overlay.empty() && !options.session.json)
+    tables += fmt::format("{} pictures in {}\n", preview_renderer->pictures(), options.preview_renderer.overlay);
   return code;
 }
 

@@ -5,14 +5,14 @@
 #include <string>
 
 #include "apps/common/events.h"
-#include "apps/im2fit/onlooker.h"
+#include "apps/im2fit/preview_renderer.h"
 #include "apps/im2fit/session.h"
 
 namespace im2fit::apps {
 
 struct LiveOptions {
   SessionOptions session;
-  OnlookerOptions onlooker;
+  PreviewRendererOptions preview_renderer;
   int count = 0;  // 0: until Ctrl-C or the end
   std::string user = "nearest";
 };

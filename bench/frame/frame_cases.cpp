@@ -83,7 +83,7 @@ struct Room {
   }
   DepthView last() const { return {depth[next].data(), kCamera.width, kCamera.height}; }
   MaskImage mask_image() { return {mask.data(), kCamera.width, kCamera.height}; }
-  Sighting sighting() const { return {person, figure.joints, 0}; }
+  Detection detection() const { return {person, figure.joints, 0}; }
 };
 
 // The fused person on the descriptor's grid.
@@ -164,9 +164,9 @@ void add_whole(Cases& cases, const Bench& b) {
   const auto sensor = std::make_shared<Sensor>(kCamera.width, kCamera.height, *b.tracker);
   const auto look = [b, sensor] {
     const DepthView depth = b.room->frame();
-    const Sighting sighting = sensor->sense(depth, kCamera, b.room->mask_image());
+    const Detection detection = sensor->sense(depth, kCamera, b.room->mask_image());
     if (b.fuser->frame_count() >= kGathered) b.fuser->reset();
-    b.fuser->add(depth, b.room->mask_image(), kCamera, sighting);
+    b.fuser->add(depth, b.room->mask_image(), kCamera, detection);
   };
   for (int i = 0; i < kWarmUp; ++i) look();
   add(cases, "guided", {0.13e3, "depth read twice, mask written and read: 1.5 MB at 11.6 GB/s"}, look);
@@ -206,14 +206,14 @@ void add_sense_parts(Cases& cases, const Bench& b) {
   }
   add(cases, "fuse", {0.06e3, "box of 92 k pixels: 8 bytes read and written"}, [b, room] {
     if (b.fuser->frame_count() >= kGathered) b.fuser->reset();
-    b.fuser->add(room->last(), room->mask_image(), kCamera, room->sighting());
+    b.fuser->add(room->last(), room->mask_image(), kCamera, room->detection());
   });
 }
 
 void add_describe_parts(Cases& cases, const Bench& b) {
   const auto room = b.room;
   const auto gathered = std::make_shared<Fuser>(kCamera.width, kCamera.height);
-  for (int i = 0; i < kGathered; ++i) gathered->add(room->last(), room->mask_image(), kCamera, room->sighting());
+  for (int i = 0; i < kGathered; ++i) gathered->add(room->last(), room->mask_image(), kCamera, room->detection());
   add(cases, "describe", {}, [gathered] { keep(gathered->describe()); });
 
   const auto grid = std::make_shared<Grid>(*room);

@@ -6,7 +6,7 @@
 
 #include "bench/kernels/cases.h"
 #include "core/rng.h"
-#include "kernels/thin/thin_box.h"
+#include "kernels/downsample/downsample_box.h"
 #include "kernels/trees/trees.h"
 
 namespace im2fit::bench {
@@ -61,18 +61,18 @@ void add_thin(Cases& cases) {
       data->mask[i] = u > 190 && u < 290 ? 255 : 0;
     }
   }
-  const ThinBox box = {DepthView(data->depth.data(), kWidth, kHeight),
-                       MaskView(data->mask.data(), kWidth, kHeight),
-                       2,
-                       65,
-                       50,
-                       110,
-                       225};
+  const DownsampleBox box = {DepthView(data->depth.data(), kWidth, kHeight),
+                             MaskView(data->mask.data(), kWidth, kHeight),
+                             2,
+                             65,
+                             50,
+                             110,
+                             225};
   constexpr double kPixels = 220 * 450;
   const Floor floor = {kPixels * 3 / 32 / 2 / 2500, "3 bytes read a pixel, two loads of 32 bytes a cycle"};
-  add_variants(cases, "joints_thin/220x450", kThinBoxKernels, kPixels, "px", floor, true, [&](auto* function) {
+  add_variants(cases, "joints_thin/220x450", kDownsampleBoxKernels, kPixels, "px", floor, true, [&](auto* function) {
     return [data, box, function] {
-      ThinMoments moments;
+      DownsampleMoments moments;
       function(box, data->out.data(), moments);
       keep(moments);
     };

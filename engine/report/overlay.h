@@ -37,7 +37,7 @@ Canvas draw_overlay(const OverlayInput& input);
 // One frame as the tracker understood it, for people who watch: depth by brightness, the person tinted with an
 // outline, left limbs orange and right limbs violet, joints from red (guessed) over yellow to green (sure), inferred
 // ones hollow.
-struct SightingInput {
+struct PreviewInput {
   Intrinsics intrinsics;
   DepthView depth;
   MaskView mask;  // may be empty
@@ -50,6 +50,6 @@ struct SightingInput {
 };
 
 // `height_px` of the picture, of any size: its width follows. Text (captions, ids) only when `text`.
-Canvas draw_sighting(const SightingInput& input, int height_px, bool text = true);
+Canvas draw_preview(const PreviewInput& input, int height_px, bool text = true);
 
 }  // namespace im2fit

@@ -92,7 +92,7 @@ Result<std::unique_ptr<OpenNi2Source>> OpenNi2Finder::find(const SourceInfo& los
   }
   const auto devices = list_openni2_devices();
   if (!devices) return devices.error();
-  std::unique_ptr<OpenNi2Source> stranger;
+  std::unique_ptr<OpenNi2Source> foreign;
   std::optional<Error> wrong;
   for (const auto& device : *devices) {
     if (device.name != lost.name) continue;
@@ -103,9 +103,9 @@ Result<std::unique_ptr<OpenNi2Source>> OpenNi2Finder::find(const SourceInfo& los
     }
     const bool same = lost.serial.empty() ? device.uri == known : (*other)->info().serial == lost.serial;
     if (same) return other;
-    stranger = std::move(*other);
+    foreign = std::move(*other);
   }
-  if (stranger != nullptr) return stranger;
+  if (foreign != nullptr) return foreign;
   return wrong ? *wrong : not_listed(known, options);
 }
 

@@ -12,7 +12,7 @@
 #include "core/file.h"
 #include "index/refinement.h"
 #include "lab/dataset/dataset_shard.h"
-#include "lab/population/strangers.h"
+#include "lab/population/ood_subjects.h"
 #include "lab/stopwatch.h"
 #include "lab/tracker_training/tracker_parallel.h"
 
@@ -42,8 +42,8 @@ Status check(const DatasetOptions& o) {
     return invalid("subject_count is " + std::to_string(o.subject_count) + ", expected 1 to 1000000000");
   if (o.captures_per_subject < 1 || o.captures_per_subject > 64)
     return invalid("captures_per_subject is " + std::to_string(o.captures_per_subject) + ", expected 1 to 64");
-  if (o.stranger_every < 0 || o.turn_every < 0 || o.clothed_every < 0)
-    return invalid("stranger_every, turn_every and clothed_every must not be negative");
+  if (o.ood_every < 0 || o.turn_every < 0 || o.clothed_every < 0)
+    return invalid("ood_every, turn_every and clothed_every must not be negative");
   if (o.chunk_size < 1 || o.thread_count < 1) return invalid("chunk_size and thread_count must be at least 1");
   if (o.part_count < 1 || o.part < 0 || o.part >= o.part_count)
     return invalid("part " + std::to_string(o.part) + " of " + std::to_string(o.part_count) +
@@ -129,17 +129,17 @@ void turn_round(CaptureRig& rig, const Person& person, const CaptureOptions& fro
 
 // Which views of a person are taken.
 struct Views {
-  bool stranger = false;
+  bool ood = false;
   bool turns = false;    // the view from behind, too
   bool clothed = false;  // both once more, in clothes
   bool again = false;    // what turns or is clothed another time
 };
 Views views_of(const body::BodyModel& model, const DatasetOptions& o, std::uint64_t number) {
   Views views;
-  views.stranger = o.family == Family::training && is_stranger(number, o.stranger_every, o.stranger_below);
+  views.ood = o.family == Family::training && is_ood(number, o.ood_every, o.ood_below);
   if (model.shape_space().point_count == 0 || number >= o.turn_below) return views;
   const auto nth = [&](int every, std::uint64_t which) {
-    return every > 0 && (views.stranger || number / 2 % static_cast<std::uint64_t>(every) == which);
+    return every > 0 && (views.ood || number / 2 % static_cast<std::uint64_t>(every) == which);
   };
   views.turns = nth(o.turn_every, 0);
   views.clothed = nth(o.clothed_every, o.clothed_every == 1 ? 0 : 1);
@@ -166,8 +166,8 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
   Stopwatch watch;
   const Views views = views_of(model, o, number);
   Person person;
-  person.subject = views.stranger ? draw_stranger(model, o.seed, number, kStrangeTrunk, person.rest)
-                                  : draw_subject(model, o.family, o.seed, number, person.rest);
+  person.subject = views.ood ? draw_ood_subject(model, o.seed, number, kStrangeTrunk, person.rest)
+                             : draw_subject(model, o.family, o.seed, number, person.rest);
   rig.cost.draw += watch.lap();
   // The front before scenes drawn until one gives enough frames.
   const auto shoot = [&](const Look& look, CaptureOptions& options) -> const Capture* {
@@ -188,7 +188,7 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
     const Capture* capture = shoot(look, options);
     if (capture == nullptr) return;
     index::Sample s = sample_of(model, person.subject, number, *capture);
-    s.calibrate_only = views.stranger;
+    s.calibrate_only = views.ood;
     s.clothed = look.clothed;
     s.again = look.again;
     if (look.clothed || views.turns) turn_round(rig, person, options, o, number, look, s);
@@ -321,16 +321,16 @@ void DatasetReport::add(const ChunkCounts& counts, const SubjectRange& range) {
   for (std::size_t g = 0; g < kGuidanceCount; ++g) refused[g] += counts.refused[g];
 }
 
-bool is_stranger(std::uint64_t number, int stranger_every, std::uint32_t stranger_below) {
-  if (stranger_every <= 0 || number >= stranger_below) return false;
-  const auto every = static_cast<std::uint64_t>(stranger_every);
+bool is_ood(std::uint64_t number, int ood_every, std::uint32_t ood_below) {
+  if (ood_every <= 0 || number >= ood_below) return false;
+  const auto every = static_cast<std::uint64_t>(ood_every);
   return number % every == every - 1;
 }
 
-int subjects_with(int models, int stranger_every, std::uint32_t stranger_below) {
+int subjects_with(int models, int ood_every, std::uint32_t ood_below) {
   int subjects = 0, found = 0;
-  for (; found < models && static_cast<std::uint32_t>(subjects) < stranger_below; ++subjects)
-    found += is_stranger(static_cast<std::uint64_t>(subjects), stranger_every, stranger_below) ? 0 : 1;
+  for (; found < models && static_cast<std::uint32_t>(subjects) < ood_below; ++subjects)
+    found += is_ood(static_cast<std::uint64_t>(subjects), ood_every, ood_below) ? 0 : 1;
   return subjects + models - found;
 }
 
@@ -348,8 +348,8 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   run.anywhere_share = o.variety.anywhere_share;
   run.other_sensor_share = o.variety.other_sensor_share;
   run.plain = o.variety.plain ? 1 : 0;
-  run.stranger_every = static_cast<std::uint32_t>(o.stranger_every);
-  run.stranger_below = o.stranger_every > 0 ? o.stranger_below : 0;
+  run.ood_every = static_cast<std::uint32_t>(o.ood_every);
+  run.ood_below = o.ood_every > 0 ? o.ood_below : 0;
   const std::size_t shapes = model.shape_space().point_count > 0 ? model.shape_space().shape_count : 0;
   run.turn_every = shapes > 0 ? static_cast<std::uint32_t>(o.turn_every) : 0;
   run.clothed_every = shapes > 0 ? static_cast<std::uint32_t>(o.clothed_every) : 0;

@@ -22,11 +22,11 @@ struct DatasetOptions {
   Family family = Family::training;
   std::uint64_t seed = 1;
   CaptureVariety variety;
-  // Every n-th subject is a stranger (lab/population/strangers.h): no model, but intervals are fitted on them, and
+  // Every n-th subject is a stranger (lab/population/ood_subjects.h): no model, but intervals are fitted on them, and
   // refined answers learn from them, the better the more there are. Training family only, and only subjects numbered
-  // below `stranger_below`; 0: none.
-  int stranger_every = 3;  // odd: both sexes
-  std::uint32_t stranger_below = 14336;
+  // below `ood_below`; 0: none.
+  int ood_every = 3;  // odd: both sexes
+  std::uint32_t ood_below = 14336;
   // Of every n-th pair of a man and a woman, and of every stranger, the sample also has the view from behind and the
   // fitted shapes; 0: of nobody. Needs a body file with a shape space. Only subjects numbered below `turn_below`:
   // what is learned from these needs thousands of people, not millions, and a rule by number lets a run grow.
@@ -75,9 +75,9 @@ struct DatasetReport {
 };
 
 // Whether the options make a stranger of this subject, of the training family.
-bool is_stranger(std::uint64_t number, int stranger_every, std::uint32_t stranger_below);
+bool is_ood(std::uint64_t number, int ood_every, std::uint32_t ood_below);
 // How many subjects, from 0 on, hold `models` that are no strangers.
-int subjects_with(int models, int stranger_every, std::uint32_t stranger_below);
+int subjects_with(int models, int ood_every, std::uint32_t ood_below);
 
 // What shards of these options are recognised by.
 RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& options);

@@ -57,7 +57,7 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("anywhere_share", r.anywhere_share);
   visit("other_sensor_share", r.other_sensor_share);
   visit("plain", std::uint64_t{r.plain});
-  visit("stranger_every", std::uint64_t{r.stranger_every});
+  visit("ood_every", std::uint64_t{r.ood_every});
   visit("feature_size", std::uint64_t{r.feature_size});
   visit("body_size", std::uint64_t{r.body_size});
   visit("turn_every", std::uint64_t{r.turn_every});
@@ -65,7 +65,7 @@ void visit_fields(const RunKey& r, const Visit& visit) {
   visit("shape_key", std::uint64_t{r.shape_key});
   visit("turn_below", std::uint64_t{r.turn_below});
   visit("clothed_every", std::uint64_t{r.clothed_every});
-  visit("stranger_below", std::uint64_t{r.stranger_below});
+  visit("ood_below", std::uint64_t{r.ood_below});
   visit("fit_patches", std::uint64_t{r.fit.patches});
   visit("fit_limbs", std::uint64_t{r.fit.limbs});
   visit("again_below", std::uint64_t{r.again_below});

@@ -30,7 +30,7 @@ struct RunKey {
   double anywhere_share = 0;
   double other_sensor_share = 0;
   std::uint32_t plain = 0;
-  std::uint32_t stranger_every = 0;
+  std::uint32_t ood_every = 0;
   std::uint32_t feature_size = 0;
   std::uint32_t body_size = 0;
   std::uint32_t turn_every = 0;
@@ -38,7 +38,7 @@ struct RunKey {
   std::uint32_t shape_key = 0;   // of the shape space behind the fits
   std::uint32_t turn_below = 0;  // subjects numbered below
   std::uint32_t clothed_every = 0;
-  std::uint32_t stranger_below = 0;
+  std::uint32_t ood_below = 0;
   std::uint32_t again_below = 0;
   std::uint32_t reserved = 0;
 

@@ -18,8 +18,8 @@ constexpr double kMoreFramesShare = 1.0 / 3;
 constexpr double kNearestMm = 1800;  // people fit from about 1.9 m on
 // Of captures by another sensor than a Kinect: what their outlines lose goes by the pixel.
 constexpr double kOtherWideShare = 0.1;
-constexpr int kLooks = 4;         // before a capture is given up: who is doubtful at first may not be after some
-constexpr int kMarginShare = 20;  // of the picture's width: about the person's box, where frames differ
+constexpr int kCaptureAttempts = 4;  // before a capture is given up: who is doubtful at first may not be after some
+constexpr int kMarginShare = 20;     // of the picture's width: about the person's box, where frames differ
 
 template <class T>
 ImageView<T> part_of(ImageView<T> image, const PixelBox& box) {
@@ -157,20 +157,20 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
 
   const DepthImage median = at.image(Station::kMedian), frame = at.image(Station::kFrame);
   const MaskImage mask = at.mask(Station::kMedianMask), frame_mask = at.mask(Station::kFrameMask);
-  Sighting sighting;
-  for (int look = 0; look < kLooks; ++look) {
-    sighting = at.sensor.sense(median, upright, mask);
+  Detection detection;
+  for (int look = 0; look < kCaptureAttempts; ++look) {
+    detection = at.sensor.sense(median, upright, mask);
     for (std::size_t g = 0; g < kGuidanceCount; ++g)
-      capture_.refused[g] += static_cast<int>(sighting.guidance >> g & 1U);
+      capture_.refused[g] += static_cast<int>(detection.guidance >> g & 1U);
     ++capture_.frames_seen;
-    if (sighting.guidance == 0) break;
+    if (detection.guidance == 0) break;
   }
   cost.sense += watch.lap();
-  if (sighting.guidance != 0) return capture_;
+  if (detection.guidance != 0) return capture_;
   for (const DepthView part : at.parts) {
     copy(part, part_of(frame, at.box));
     mask_near(frame, median, mask, frame_mask);
-    at.fuser.add(frame, frame_mask, upright, sighting);
+    at.fuser.add(frame, frame_mask, upright, detection);
   }
   cost.fuse += watch.lap();
   capture_.frame_count = at.fuser.frame_count();

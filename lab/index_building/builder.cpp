@@ -21,7 +21,7 @@ namespace im2fit::index {
 namespace {
 
 constexpr std::size_t kSubjectMin = 20;
-constexpr std::size_t kStrangersMax = 8192;
+constexpr std::size_t kOodMax = 8192;
 constexpr std::ptrdiff_t kBlockRows = 512;
 constexpr double kLatentExplained = 0.1;  // a latent whose regression explains less than this is dropped
 
@@ -62,7 +62,7 @@ class Builder {
   void densify();
   ReportRecord make_report(const IntervalModel& intervals) const;
   std::vector<GroupRecord> group_records() const;
-  std::vector<HeldOut> answer_strangers(std::span<const std::byte> file) const;
+  std::vector<HeldOut> answer_ood(std::span<const std::byte> file) const;
   std::vector<std::byte> write(const PackedTree& tree, const IntervalModel& intervals) const;
   void tell(const char* stage, std::size_t samples) const {
     if (options_.progress && samples % 1024 == 0) options_.progress(stage, samples);
@@ -71,8 +71,8 @@ class Builder {
   const BuildOptions& options_;
   const SampleSource& source_;
   std::vector<FeatureGroup> groups_;
-  std::vector<Sample> chosen_;     // to learn scales from; emptied then
-  std::vector<Sample> strangers_;  // calibrate_only
+  std::vector<Sample> chosen_;       // to learn scales from; emptied then
+  std::vector<Sample> ood_samples_;  // calibrate_only
   std::size_t feature_size_ = 0, body_size_ = 0;
   FitLayout fit_layout_;
   std::size_t sample_count_ = 0, subject_count_ = 0;
@@ -117,7 +117,7 @@ Status Builder::check_sample(const Sample& sample, std::size_t number) const {
 
 // The first samples, and the subjects among them.
 Status Builder::read_chosen() {
-  Status bad = Ok{};
+  Status status = Ok{};
   std::size_t number = 0;
   Status read = source_([&](const Sample& sample) {
     if (number == 0) {
@@ -125,12 +125,12 @@ Status Builder::read_chosen() {
       body_size_ = sample.body.size();
     }
     if (fit_layout_.size() == 0 && sample.refines()) fit_layout_ = sample.fit_layout;
-    bad = check_sample(sample, number++);
-    if (bad && sample.is_entry()) chosen_.push_back(sample);
-    return static_cast<bool>(bad) && chosen_.size() < options_.chosen_on;
+    status = check_sample(sample, number++);
+    if (status && sample.is_entry()) chosen_.push_back(sample);
+    return static_cast<bool>(status) && chosen_.size() < options_.chosen_on;
   });
   if (!read) return read;
-  return bad;
+  return status;
 }
 
 Status Builder::check_set() const {
@@ -166,20 +166,20 @@ Status Builder::read_moments() {
   rows_.fold_count = fold_count_;
   FoldDealer dealer(options_.seed, fold_count_);
   std::vector<float> z(feature_size_);
-  Status bad = Ok{};
+  Status status = Ok{};
   std::size_t number = 0;
   std::uint64_t last = 0;
   Status read = source_([&](const Sample& sample) {
-    bad = check_sample(sample, number++);
-    if (!bad) return false;
+    status = check_sample(sample, number++);
+    if (!status) return false;
     if (fit_layout_.size() == 0 && sample.refines()) fit_layout_ = sample.fit_layout;
     refinements_.add(sample);
     if (!sample.is_entry()) {
-      if (!sample.clothed && !sample.again && strangers_.size() < kStrangersMax) strangers_.push_back(sample);
+      if (!sample.clothed && !sample.again && ood_samples_.size() < kOodMax) ood_samples_.push_back(sample);
       return true;
     }
     if (sample_count_ == kEntryMax) {
-      bad = invalid("more than " + std::to_string(kEntryMax) + " samples");
+      status = invalid("more than " + std::to_string(kEntryMax) + " samples");
       return false;
     }
     const int fold = dealer.fold_of(sample.subject);
@@ -201,7 +201,7 @@ Status Builder::read_moments() {
     return true;
   });
   if (!read) return read;
-  return bad;
+  return status;
 }
 
 void Builder::regress() {
@@ -431,13 +431,13 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
 }
 
 // The finished index, asked about people it was not made for.
-std::vector<HeldOut> Builder::answer_strangers(std::span<const std::byte> file) const {
+std::vector<HeldOut> Builder::answer_ood(std::span<const std::byte> file) const {
   std::vector<HeldOut> out;
   const auto contents = parse_contents(file, "index");
   if (!contents) return out;
   const Answerer answerer(*contents);
   Answerer::Workspace work(answerer);
-  for (const Sample& s : strangers_) {
+  for (const Sample& s : ood_samples_) {
     HeldOut row;
     row.subject = static_cast<std::uint32_t>(s.subject);
     row.frame_count = s.frame_count;
@@ -468,16 +468,15 @@ Result<std::vector<std::byte>> Builder::run() {
   const PackedTree tree = pack_tree(entries_->codes, tuner_->encoder.dimensions, tuner_->encoder.steps);
   IntervalModel intervals = calibrate_intervals(tuner_->held_out);
   const std::vector<std::byte> file = write(tree, intervals);
-  const std::vector<HeldOut> strangers = answer_strangers(file);
-  if (strangers.size() != strangers_.size()) return invalid("the new index cannot be read back");
-  if (strangers.size() >= kStrangersMin) {
+  const std::vector<HeldOut> ood = answer_ood(file);
+  if (ood.size() != ood_samples_.size()) return invalid("the new index cannot be read back");
+  if (ood.size() >= kOodMin) {
     std::vector<HeldOut> judged = tuner_->held_out;
-    for (const std::size_t i : strangers_beside(judged.size(), strangers.size(), kStrangerShare))
-      judged.push_back(strangers[i]);
+    for (const std::size_t i : ood_beside(judged.size(), ood.size(), kOodShare)) judged.push_back(ood[i]);
     intervals = calibrate_intervals(judged);
   }
   RefinementBuilder::PlainAnswers plain;
-  for (const std::vector<HeldOut>* answered : {&std::as_const(tuner_->held_out), &strangers})
+  for (const std::vector<HeldOut>* answered : {&std::as_const(tuner_->held_out), &ood})
     for (const HeldOut& row : *answered) plain[row.subject] = row.answer;
   refinements_.learn(*targets_, plain, options_.seed, options_.shape_key);
   return write(tree, intervals);

@@ -88,11 +88,11 @@ NoiseModel fit_noise(const IntervalModel& model, const std::vector<HeldOut>& row
 
 }  // namespace
 
-std::vector<std::size_t> strangers_beside(std::size_t ordinary, std::size_t strangers, double share) {
+std::vector<std::size_t> ood_beside(std::size_t ordinary, std::size_t ood_count, double share) {
   const double wanted = share / (1 - share) * static_cast<double>(ordinary);
-  const std::size_t count = std::min(strangers, static_cast<std::size_t>(wanted));
+  const std::size_t count = std::min(ood_count, static_cast<std::size_t>(wanted));
   std::vector<std::size_t> which(count);
-  for (std::size_t i = 0; i < count; ++i) which[i] = i * strangers / count;
+  for (std::size_t i = 0; i < count; ++i) which[i] = i * ood_count / count;
   return which;
 }
 

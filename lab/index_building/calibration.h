@@ -31,13 +31,13 @@ struct IntervalModel {
 
 // Of those whom intervals are judged on, strangers are this share: of the plain answer, and by kind of refinement
 // (docs/formats-index.md). Where more is seen ordinary people's errors are the smaller beside those of others.
-inline constexpr double kStrangerShare = 0.17;
-inline constexpr std::array<double, kRefinementCount> kRefinedStrangerShare = {0.17, 0.4, 0.16, 0.22};
-inline constexpr std::size_t kStrangersMin = 200;  // fewer say too little about 2.5 % quantiles
+inline constexpr double kOodShare = 0.17;
+inline constexpr std::array<double, kRefinementCount> kRefinedOodShare = {0.17, 0.4, 0.16, 0.22};
+inline constexpr std::size_t kOodMin = 200;  // fewer say too little about 2.5 % quantiles
 
 // Which of so many strangers are to be judged beside the ordinary people for strangers to be `share` of all: evenly
 // spaced; all of them when there are too few. Strangers are stranger than who is measured, ordinary people less so.
-std::vector<std::size_t> strangers_beside(std::size_t ordinary, std::size_t strangers, double share);
+std::vector<std::size_t> ood_beside(std::size_t ordinary, std::size_t ood_count, double share);
 
 // Split conformal prediction on signed errors over a width that may follow the local spread (normalised scores;
 // Lei et al. 2018), and the number of fused frames and the distance. The kind with the better interval score

@@ -204,7 +204,7 @@ void RefinementBuilder::add(const Sample& sample) {
   row.frame_count = {std::max(sample.frame_count, 1),
                      std::max(std::min(sample.frame_count, sample.back_frame_count), 1)};
   row.distance_mm = {sample.distance_mm, std::max(sample.distance_mm, sample.back_distance_mm)};
-  row.stranger = sample.calibrate_only;
+  row.ood = sample.calibrate_only;
   row.woman = sample.woman;
   row.truth = sample.truth;
   Seen seen{sample.feature, sample.fit, sample.back, sample.fit_both, sample.clothed, 0};
@@ -261,22 +261,20 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
 
   // By regressions that have learned from other people, strangers as well as ordinary ones, as the one in the file
   // has.
-  std::vector<std::ptrdiff_t> ordinary, strangers;
+  std::vector<std::ptrdiff_t> ordinary, ood;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const Row& row = people[static_cast<std::size_t>(i)];
-    if (is_of_clothed(kind) || plain.contains(row.subject)) (row.stranger ? strangers : ordinary).push_back(i);
+    if (is_of_clothed(kind) || plain.contains(row.subject)) (row.ood ? ood : ordinary).push_back(i);
   }
-  const bool many = strangers.size() >= kStrangersMin;
+  const bool many = ood.size() >= kOodMin;
   std::vector<std::ptrdiff_t> judged = ordinary;
   if (many) {
-    const double share = kRefinedStrangerShare[static_cast<std::size_t>(kind)];
-    for (const std::size_t i : strangers_beside(ordinary.size(), strangers.size(), share))
-      judged.push_back(strangers[i]);
+    const double share = kRefinedOodShare[static_cast<std::size_t>(kind)];
+    for (const std::size_t i : ood_beside(ordinary.size(), ood.size(), share)) judged.push_back(ood[i]);
   } else {
-    judged.insert(judged.end(), strangers.begin(), strangers.end());
+    judged.insert(judged.end(), ood.begin(), ood.end());
   }
-  if (!judged.empty())
-    out.judge(kind, people, judged, many ? strangers : judged, targets, plain, table.y, cross.answer);
+  if (!judged.empty()) out.judge(kind, people, judged, many ? ood : judged, targets, plain, table.y, cross.answer);
   return out;
 }
 

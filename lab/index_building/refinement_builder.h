@@ -41,7 +41,7 @@ class RefinementBuilder {
     std::uint64_t subject = 0;
     // Of the front, and of the side with fewer or that is farther.
     std::array<int, 2> frame_count{}, distance_mm{};
-    bool stranger = false;
+    bool ood = false;
     bool woman = false;
     MeasurementValues truth{};
     std::array<std::vector<float>, 2> values;  // of the front, and of both sides

@@ -9,8 +9,8 @@
 
 #include "body/model_data.h"
 #include "body/skeleton.h"
+#include "lab/population/ood_subjects.h"
 #include "lab/population/population.h"
-#include "lab/population/strangers.h"
 #include "lab/tracker_training/tracker_parallel.h"
 
 namespace im2fit::lab {
@@ -109,8 +109,8 @@ body::ShapeSpace build_shape_space(const body::BodyModel& model, const ShapeSpac
   for_each_item(options.people, options.threads, [&](int i) {
     const auto number = static_cast<std::uint64_t>(i);
     // Pairs of a man and a woman by turns.
-    const Subject subject = i % 6 < 2   ? draw_stranger(model, options.seed, number, kStrangeTrunk)
-                            : i % 6 < 4 ? draw_stranger(model, options.seed, number, kStrangeAllOver)
+    const Subject subject = i % 6 < 2   ? draw_ood_subject(model, options.seed, number, kStrangeTrunk)
+                            : i % 6 < 4 ? draw_ood_subject(model, options.seed, number, kStrangeAllOver)
                                         : draw_subject(model, Family::training, options.seed, number);
     std::vector<Vec3f> own(static_cast<std::size_t>(model.vertex_count()));
     morph_subject(model, subject, own);

@@ -121,7 +121,7 @@ ClipOutcome run_clip(const body::BodyModel& model, const JointModel& joint_model
   bool astray = false;
   for (int frame = 0; frame < options.frames; ++frame) {
     scene.show(static_cast<std::uint64_t>(frame));
-    const Sighting sighting = sensor.sense(scene.depth(), k, MaskImage(mask.data(), k.width, k.height));
+    const Detection detection = sensor.sense(scene.depth(), k, MaskImage(mask.data(), k.width, k.height));
     std::array<JointSet, kPeople> truth;
     std::array<bool, kPeople> in_view{};
     std::size_t owner = kPeople;
@@ -131,17 +131,17 @@ ClipOutcome run_clip(const body::BodyModel& model, const JointModel& joint_model
       most[p] = std::max(most[p], pixels);
       in_view[p] = static_cast<double>(pixels) >= kInViewShare * static_cast<double>(most[p]) && pixels > 0;
       truth[p] = scene.truth(p);
-      if (sighting.person.found &&
+      if (detection.person.found &&
           overlap_of(scene.depth(), MaskView(mask.data(), k.width, k.height), true_mask).finding() == Finding::person)
         owner = p;
     }
     ++outcome.frames;
     outcome.found += owner < kPeople ? 1 : 0;
     outcome.id_switches +=
-        book.note({sighting.users.data(), static_cast<std::size_t>(sighting.user_count)}, truth, in_view);
-    if (kept == kPeople && frame >= kChoiceFrame && owner < kPeople && sighting.person.id > 0) {
+        book.note({detection.users.data(), static_cast<std::size_t>(detection.user_count)}, truth, in_view);
+    if (kept == kPeople && frame >= kChoiceFrame && owner < kPeople && detection.person.id > 0) {
       kept = owner;
-      sensor.select(sighting.person.id);
+      sensor.select(detection.person.id);
     }
     // One change, however long it lasts.
     const bool on_other = kept < kPeople && owner < kPeople && owner != kept;

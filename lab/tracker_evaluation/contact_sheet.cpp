@@ -133,7 +133,7 @@ SheetCell room_cell(const JudgedPicture& picture, const RoomOutcome& outcome) {
 
 SheetCell trial_cell(const JudgedPicture& picture, const TrialOutcome& outcome) {
   SheetCell cell{draw_judged(picture), {}};
-  const JointFrame& frame = outcome.settled;
+  const JointFrame& frame = outcome.converged;
   JointTally tally;
   tally.add(frame);
   std::string verdict = "nobody found";
@@ -143,7 +143,7 @@ SheetCell trial_cell(const JudgedPicture& picture, const TrialOutcome& outcome) 
                                     fmt::format("person {} scene {}", outcome.trial.subject, outcome.trial.scene),
                                     name_of(outcome.trial.condition)};
   if (outcome.trial.condition != TrialCondition::bare)
-    words.push_back(fmt::format("IoU {:.2f}", outcome.iou_settled.clear));
+    words.push_back(fmt::format("IoU {:.2f}", outcome.iou_converged.clear));
   for (const auto& [dimension, value] : outcome.labels)
     if (dimension != kPoseGroup)
       words.push_back(value == "none" || value == "some" ? dimension + " " + value : value);

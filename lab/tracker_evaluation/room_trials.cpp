@@ -43,7 +43,7 @@ class Watch {
         mask_(static_cast<std::size_t>(scene_.intrinsics().width) *
               static_cast<std::size_t>(scene_.intrinsics().height)) {}
 
-  bool finds_somebody(std::uint64_t frame) {
+  bool finds_person(std::uint64_t frame) {
     scene_.show(frame);
     return sensor_.sense(scene_.depth(), scene_.intrinsics(), mask()).person.found;
   }
@@ -78,7 +78,7 @@ std::vector<RoomOutcome> run_rooms(const body::BodyModel& model, const JointMode
     outcome.frames = static_cast<std::uint64_t>(
         std::min(kFramesPerRoom, options.frames - static_cast<int>(room) * kFramesPerRoom));
     for (std::uint64_t frame = 0; frame < outcome.frames; ++frame)
-      if (watch.finds_somebody(frame) && outcome.false_users++ == 0) outcome.first_false = frame;
+      if (watch.finds_person(frame) && outcome.false_users++ == 0) outcome.first_false = frame;
   });
   return outcomes;
 }
@@ -87,7 +87,7 @@ JudgedPicture picture_of(const body::BodyModel& model, const JointModel& joint_m
                          const RoomOutcome& outcome) {
   Watch watch(model, joint_model, options, outcome.room);
   const std::uint64_t last = outcome.false_users > 0 ? outcome.first_false : outcome.frames - 1;
-  for (std::uint64_t frame = 0; frame <= last; ++frame) watch.finds_somebody(frame);
+  for (std::uint64_t frame = 0; frame <= last; ++frame) watch.finds_person(frame);
   return watch.picture();
 }
 

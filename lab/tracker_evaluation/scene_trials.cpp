@@ -22,9 +22,9 @@ class Observer {
 
   void look(UprightScene& scene) {
     if (own_mask_) {
-      const Sighting sighting = sensor_.sense(scene.depth(), k_, mask());
-      found_ = sighting.person.found;
-      joints_ = sighting.joints;
+      const Detection detection = sensor_.sense(scene.depth(), k_, mask());
+      found_ = detection.person.found;
+      joints_ = detection.joints;
       return;
     }
     const MaskView truth = scene.truth_mask();
@@ -64,16 +64,16 @@ TrialOutcome run_trial(const body::BodyModel& model, const Subject& subject, con
                        const TrialOptions& options, const Trial& trial) {
   TrackerScene plan = draw_trial_scene(options, trial);
   UprightScene scene(model, subject, shot_of(plan));
-  plan.settle(scene.staged());
+  plan.place(scene.staged());
   Observer observer(scene.intrinsics(), joint_model, trial.condition);
   TrialOutcome outcome;
   outcome.trial = trial;
-  for (std::uint64_t frame = 0; frame <= kSettledFrame; ++frame) {
+  for (std::uint64_t frame = 0; frame <= kConvergedFrame; ++frame) {
     scene.show(frame);
     observer.look(scene);
     if (frame == 0) outcome.cold = judge(scene, observer, outcome.iou_cold);
   }
-  outcome.settled = judge(scene, observer, outcome.iou_settled);
+  outcome.converged = judge(scene, observer, outcome.iou_converged);
   outcome.labels = labels_of(plan, trial);
   return outcome;
 }
@@ -106,11 +106,11 @@ std::vector<TrialOutcome> run_trials(const body::BodyModel& model, const JointMo
 }
 
 JudgedPicture picture_of(const body::BodyModel& model, const JointModel& joint_model, const TrialOptions& options,
-                         const Trial& trial, bool settled) {
+                         const Trial& trial, bool converged) {
   const Subject subject = draw_subject(model, Family::held_out, options.seed, trial.subject);
   UprightScene scene(model, subject, shot_of(draw_trial_scene(options, trial)));
   Observer observer(scene.intrinsics(), joint_model, trial.condition);
-  for (std::uint64_t frame = 0; frame <= (settled ? kSettledFrame : 0); ++frame) {
+  for (std::uint64_t frame = 0; frame <= (converged ? kConvergedFrame : 0); ++frame) {
     scene.show(frame);
     observer.look(scene);
   }

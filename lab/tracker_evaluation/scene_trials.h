@@ -25,7 +25,7 @@ constexpr const char* name_of(TrialCondition condition) {
   return kConditionNames[static_cast<std::size_t>(condition)];
 }
 inline constexpr int kTrialWidths[] = {640, 320};
-inline constexpr std::uint64_t kSettledFrame = 5;  // "after five frames"
+inline constexpr std::uint64_t kConvergedFrame = 5;  // "after five frames"
 
 inline constexpr const char* kPoseGroup = "pose group";  // the label bars look at: calm, free, ...
 
@@ -56,8 +56,8 @@ struct Ious {
 struct TrialOutcome {
   Trial trial;
   Labels labels;
-  JointFrame cold, settled;    // frame 0 and frame kSettledFrame
-  Ious iou_cold, iou_settled;  // of our own masks: not bare
+  JointFrame cold, converged;    // frame 0 and frame kConvergedFrame
+  Ious iou_cold, iou_converged;  // of our own masks: not bare
 };
 
 // Scenes of one subject stand together, 640 before 320. Depends on the options except threads.
@@ -66,6 +66,6 @@ std::vector<TrialOutcome> run_trials(const body::BodyModel& model, const JointMo
 
 // One trial again.
 JudgedPicture picture_of(const body::BodyModel& model, const JointModel& joint_model, const TrialOptions& options,
-                         const Trial& trial, bool settled);
+                         const Trial& trial, bool converged);
 
 }  // namespace im2fit::lab

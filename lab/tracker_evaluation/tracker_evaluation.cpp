@@ -34,7 +34,7 @@ std::vector<const TrialOutcome*> worst_of(const std::vector<TrialOutcome>& trial
   for (const TrialOutcome& trial : trials)
     if (trial.trial.condition == condition) sorted.push_back(&trial);
   std::stable_sort(sorted.begin(), sorted.end(), [](const TrialOutcome* a, const TrialOutcome* b) {
-    return badness_mm(a->settled) > badness_mm(b->settled);
+    return badness_mm(a->converged) > badness_mm(b->converged);
   });
   // A scene once, at its worse resolution.
   std::set<std::pair<std::uint64_t, int>> seen;

@@ -42,10 +42,10 @@ class Classes {
 };
 
 struct StartTallies {
-  JointTally cold, settled;
+  JointTally cold, converged;
   void add(const TrialOutcome& outcome) {
     cold.add(outcome.cold);
-    settled.add(outcome.settled);
+    converged.add(outcome.converged);
   }
 };
 
@@ -58,20 +58,20 @@ void add_joint_rows(const std::vector<TrialOutcome>& trials, TrialCondition cond
     for (const auto& [dimension, value] : trial.labels) classes.of(dimension, value).add(trial);
     for (std::size_t j = 0; j < kJointCount; ++j) {
       joints[j].cold.add(trial.cold, j);
-      joints[j].settled.add(trial.settled, j);
+      joints[j].converged.add(trial.converged, j);
     }
   }
   const auto rows = classes.rows();
   for (const auto& row : rows)
-    out.push_back({condition, row.dimension, row.value, row.tally.cold.summary(), row.tally.settled.summary()});
+    out.push_back({condition, row.dimension, row.value, row.tally.cold.summary(), row.tally.converged.summary()});
   if (rows.empty()) return;
   for (std::size_t j = 0; j < kJointCount; ++j)
     out.push_back(
-        {condition, "joint", std::string(kJointNames[j]), joints[j].cold.summary(), joints[j].settled.summary()});
+        {condition, "joint", std::string(kJointNames[j]), joints[j].cold.summary(), joints[j].converged.summary()});
 }
 
 struct MaskTally {
-  std::vector<double> cold, settled;
+  std::vector<double> cold, converged;
 };
 
 MaskSummary mask_summary(const std::vector<double>& ious) {
@@ -85,17 +85,17 @@ std::vector<MaskRow> mask_rows(const std::vector<TrialOutcome>& trials) {
     const auto add = [&](const std::string& dimension, const std::string& value) {
       MaskTally& tally = classes.of(dimension, value);
       tally.cold.push_back(trial.iou_cold.clear);
-      tally.settled.push_back(trial.iou_settled.clear);
+      tally.converged.push_back(trial.iou_converged.clear);
     };
     add("all", "");
     MaskTally& with_mixed = classes.of("flying pixels", "counted");
     with_mixed.cold.push_back(trial.iou_cold.with_mixed);
-    with_mixed.settled.push_back(trial.iou_settled.with_mixed);
+    with_mixed.converged.push_back(trial.iou_converged.with_mixed);
     for (const auto& [dimension, value] : trial.labels) add(dimension, value);
   }
   std::vector<MaskRow> out;
   for (const auto& row : classes.rows())
-    out.push_back({row.dimension, row.value, mask_summary(row.tally.settled), mask_summary(row.tally.cold)});
+    out.push_back({row.dimension, row.value, mask_summary(row.tally.converged), mask_summary(row.tally.cold)});
   return out;
 }
 
@@ -107,7 +107,7 @@ double half_resolution_ratio(const std::vector<TrialOutcome>& trials, TrialCondi
     const Trial& b = trials[i + 1].trial;
     if (a.condition == condition && b.condition == condition && a.subject == b.subject && a.scene == b.scene &&
         a.width > b.width)
-      pairs.add(trials[i].settled, trials[i + 1].settled);
+      pairs.add(trials[i].converged, trials[i + 1].converged);
   }
   return pairs.ratio();
 }
@@ -116,9 +116,9 @@ std::vector<ReliabilityReport> reliability(const std::vector<TrialOutcome>& tria
   Classes<Reliability> classes;
   for (const TrialOutcome& trial : trials) {
     if (trial.trial.condition != TrialCondition::full) continue;
-    classes.of("all", "").add(trial.settled);
+    classes.of("all", "").add(trial.converged);
     for (const auto& [dimension, value] : trial.labels)
-      if (dimension == kPoseGroup) classes.of(dimension, value).add(trial.settled);
+      if (dimension == kPoseGroup) classes.of(dimension, value).add(trial.converged);
   }
   std::vector<ReliabilityReport> out;
   for (const auto& row : classes.rows())
@@ -199,8 +199,8 @@ void add_joint_bars(const TrackerReport& report, const std::vector<TrialOutcome>
     });
     if (row == report.joints.end()) continue;
     const std::string name = std::string(name_of(limit.condition)) + ", " + limit.group;
-    bars.at_most(name + ": mean error, mm", row->settled.mean_mm, limit.mean_mm);
-    bars.at_least(name + ": within 10 cm, %", 100 * row->settled.within_100mm, limit.within);
+    bars.at_most(name + ": mean error, mm", row->converged.mean_mm, limit.mean_mm);
+    bars.at_least(name + ": within 10 cm, %", 100 * row->converged.within_100mm, limit.within);
   }
   for (const TrialCondition condition : {TrialCondition::full, TrialCondition::bare}) {
     const double ratio = half_resolution_ratio(trials, condition);
@@ -230,8 +230,8 @@ TrackerReport tracker_report(const TrackerOutcomes& outcomes, const TrackerSecti
     if (sections.segmentation) {
       report.masks = mask_rows(*outcomes.trials);
       if (!report.masks.empty()) {
-        bars.at_least("mask IoU, median", report.masks.front().settled.median, 0.98, 3);
-        bars.at_least("mask IoU, p5", report.masks.front().settled.p5, 0.95, 3);
+        bars.at_least("mask IoU, median", report.masks.front().converged.median, 0.98, 3);
+        bars.at_least("mask IoU, p5", report.masks.front().converged.p5, 0.95, 3);
       }
     }
     if (sections.confidence) {

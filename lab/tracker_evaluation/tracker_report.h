@@ -30,7 +30,7 @@ struct TrackerSections {
 struct JointRow {
   TrialCondition condition = TrialCondition::full;
   std::string dimension, value;
-  JointSummary cold, settled;
+  JointSummary cold, converged;
 };
 
 struct MaskSummary {
@@ -39,7 +39,7 @@ struct MaskSummary {
 };
 struct MaskRow {
   std::string dimension, value;
-  MaskSummary settled, cold;
+  MaskSummary converged, cold;
 };
 
 struct ReliabilityReport {

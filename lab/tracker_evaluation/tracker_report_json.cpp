@@ -40,7 +40,7 @@ Json joints_json(const std::vector<JointRow>& rows) {
     out.push_back({{"condition", name_of(row.condition)},
                    {"class", row.dimension},
                    {"value", row.value},
-                   {"settled", summary_json(row.settled)},
+                   {"converged", summary_json(row.converged)},
                    {"first_frame", summary_json(row.cold)}});
   return out;
 }
@@ -50,7 +50,7 @@ Json masks_json(const std::vector<MaskRow>& rows) {
   for (const MaskRow& row : rows)
     out.push_back({{"class", row.dimension},
                    {"value", row.value},
-                   {"settled", mask_json(row.settled)},
+                   {"converged", mask_json(row.converged)},
                    {"first_frame", mask_json(row.cold)}});
   return out;
 }

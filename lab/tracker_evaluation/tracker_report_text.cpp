@@ -26,7 +26,7 @@ std::string joint_table(const std::vector<JointRow>& rows, TrialCondition condit
     if (any && row.dimension != dimension) table.add({});
     dimension = row.dimension;
     any = true;
-    const JointSummary& s = row.settled;
+    const JointSummary& s = row.converged;
     table.add({row_name(row.dimension, row.value), std::to_string(s.frames), percent(share(s.found, s.frames)),
                percent(share(s.other, s.frames)), number(s.mean_mm, 1), number(s.median_mm, 1), number(s.p95_mm, 1),
                percent(s.within_100mm), number(row.cold.mean_mm, 1), number(row.cold.p95_mm, 1),
@@ -42,9 +42,9 @@ std::string mask_table(const std::vector<MaskRow>& rows) {
   for (const MaskRow& row : rows) {
     if (row.dimension != dimension) table.add({});
     dimension = row.dimension;
-    table.add({row_name(row.dimension, row.value), std::to_string(row.settled.frames), number(row.settled.median, 3),
-               number(row.settled.p5, 3), number(row.settled.worst, 3), number(row.settled.mean, 3),
-               number(row.cold.median, 3), number(row.cold.p5, 3)});
+    table.add({row_name(row.dimension, row.value), std::to_string(row.converged.frames),
+               number(row.converged.median, 3), number(row.converged.p5, 3), number(row.converged.worst, 3),
+               number(row.converged.mean, 3), number(row.cold.median, 3), number(row.cold.p5, 3)});
   }
   return table.text() + "\n";
 }

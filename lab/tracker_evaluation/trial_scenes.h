@@ -10,7 +10,7 @@ namespace im2fit::lab {
 // The same scene at both resolutions. Depends on the options' seed, the trial's condition, subject and scene.
 TrackerScene draw_trial_scene(const TrialOptions& options, const Trial& trial);
 
-// `plan` settled.
+// `plan` converged.
 Labels labels_of(const TrackerScene& plan, const Trial& trial);
 
 }  // namespace im2fit::lab

@@ -74,8 +74,8 @@ TrackerImage make_image(Studio& studio, const Subject& subject, std::uint64_t se
   }
   const Person person = box_of(mask, k.width, k.height);
   TrackerImage image;
-  joints::thin(DepthView(frame.depth.data(), k.width, k.height), MaskView(mask.data(), k.width, k.height), k, person,
-               image.view);
+  joints::downsample(DepthView(frame.depth.data(), k.width, k.height), MaskView(mask.data(), k.width, k.height), k,
+                     person, image.view);
   JointSet truth = frame.joints;
   image.back = truth[Joint::LS].x + truth[Joint::LH].x < truth[Joint::RS].x + truth[Joint::RH].x;
   if (image.back) joints::swap_sides(truth);

@@ -146,13 +146,13 @@ TrackerMix bare_mix() {
   return mix;
 }
 
-TrackerMix somebody_mix() {
+TrackerMix person_mix() {
   TrackerMix mix = training_mix();
   mix.pose_weight = {0.2, 0.04, 0.25, 0.1, 0.08, 0.2, 0.13};
   return mix;
 }
 
-void TrackerScene::settle(const VirtualScene& staged) {
+void TrackerScene::place(const VirtualScene& staged) {
   distance_mm = staged.distance_mm();
   camera_height_mm = staged.floor().camera_height_mm;
   const Intrinsics k = upright_intrinsics(staged.intrinsics(), rotate_deg);

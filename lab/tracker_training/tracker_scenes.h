@@ -3,7 +3,7 @@
 //
 //   TrackerScene t = draw_tracker_scene(training_mix(), rng);
 //   VirtualScene scene(model, subject, t.scene, t.sensor, t.intrinsics, t.seed);   // or restage(), see same_camera
-//   t.settle(scene);                                                              // distance, height, whole
+//   t.place(scene);                                                              // distance, height, whole
 #pragma once
 
 #include <array>
@@ -55,7 +55,7 @@ TrackerMix training_mix();         // everything, half of it from where cameras 
 TrackerMix full_conditions_mix();  // clothing, hair, furniture, sensor noise, others behind; whole, usual distances
 TrackerMix bare_mix();             // naked, alone, no furniture; calm and Psi : free = 1 : 1 (facts/algorithms.md)
 
-TrackerMix somebody_mix();  // training_mix() with more who are hard to tell from things: turned, bent, seated
+TrackerMix person_mix();  // training_mix() with more who are hard to tell from things: turned, bent, seated
 
 struct TrackerScene {
   SceneOptions scene;
@@ -70,12 +70,12 @@ struct TrackerScene {
   int rotate_deg = 0;
   int others = 0;
   bool furnished = false;
-  // Known once staged: call settle().
+  // Known once staged: call place().
   float distance_mm = 0;
   float camera_height_mm = 0;
   bool whole = true;  // all fifteen joints are inside the picture
 
-  void settle(const VirtualScene& staged);
+  void place(const VirtualScene& staged);
   // Both can be staged in one VirtualScene by restage(): same sensor, same picture.
   bool same_camera(const TrackerScene& other) const;
 };

@@ -12,8 +12,8 @@
 #include "lab/tracker_training/tracker_forest.h"
 #include "lab/tracker_training/tracker_images.h"
 #include "lab/tracker_training/tracker_parallel.h"
+#include "lab/tracker_training/tracker_person_votes.h"
 #include "lab/tracker_training/tracker_side.h"
-#include "lab/tracker_training/tracker_somebody.h"
 #include "perception/joints/estimate.h"
 #include "perception/joints/model_data.h"
 
@@ -94,7 +94,7 @@ void fit_bins(std::vector<std::pair<float, bool>>& seen, joints::ConfidenceBin* 
     for (std::size_t i = first; i < last; ++i) good += seen[std::min(i, seen.size() - 1)].second ? 1 : 0;
     weight[b] = static_cast<double>(last - first);
     chance[b] = (good + 1) / (weight[b] + 2);
-    bins[b].doubt_mm_max = static_cast<std::uint16_t>(
+    bins[b].spread_mm_max = static_cast<std::uint16_t>(
         std::clamp(std::ceil(seen[std::min(last, seen.size()) - 1].first), 0.0F, 65535.0F));
   }
   for (std::size_t b = 1; b < bin_count; ++b) {
@@ -119,7 +119,7 @@ std::vector<joints::ConfidenceBin> calibrate(std::span<const TrackerImage> image
     const joints::Estimate found = joints::estimate(model, image.view, mirror_image);
     for (std::size_t j = 0; j < kJointCount; ++j) {
       const Vec3f p = joints::joint_of(found.shape, static_cast<int>(j));
-      seen[j].emplace_back(found.doubt_mm[j], static_cast<double>(norm(p - image.truth[j])) < kCloseMm);
+      seen[j].emplace_back(found.spread_mm[j], static_cast<double>(norm(p - image.truth[j])) < kCloseMm);
     }
   }
   std::vector<joints::ConfidenceBin> bins(kJointCount * static_cast<std::size_t>(joints::kConfidenceBinCount));
@@ -148,7 +148,7 @@ std::string describe(const TrainOptions& o) {
 }
 
 std::vector<std::byte> pack(const joints::Meta& meta, const Forest& forest, const Cascade& cascade,
-                            const VoteTrees& side, const VoteTrees& somebody,
+                            const VoteTrees& side, const VoteTrees& person_votes,
                             std::span<const joints::ConfidenceBin> bins, const std::string& provenance) {
   ContainerWriter writer(joints::kTrackerMagic, joints::kTrackerVersion);
   writer.add_array<joints::Meta>("meta", std::span(&meta, 1));
@@ -163,9 +163,9 @@ std::vector<std::byte> pack(const joints::Meta& meta, const Forest& forest, cons
   writer.add_array<joints::Anchor>("side anchor", side.anchors);
   writer.add_array<joints::Split>("side split", side.splits);
   writer.add_array<std::int16_t>("side leaf", side.leaves);
-  writer.add_array<joints::Anchor>("somebody anchor", somebody.anchors);
-  writer.add_array<joints::Split>("somebody split", somebody.splits);
-  writer.add_array<std::int16_t>("somebody leaf", somebody.leaves);
+  writer.add_array<joints::Anchor>("somebody anchor", person_votes.anchors);
+  writer.add_array<joints::Split>("somebody split", person_votes.splits);
+  writer.add_array<std::int16_t>("somebody leaf", person_votes.leaves);
   writer.add_array<char>("provenance", provenance);
   return writer.finish();
 }
@@ -213,14 +213,15 @@ Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const
   const std::vector<std::byte> voteless = pack(meta, forest, cascade, side, {}, bins, {});
   const auto joint_model = JointModel::parse(voteless, "the model so far");
   if (!joint_model) return joint_model.error();
-  const VoteTrees somebody = train_somebody(model, *joint_model, options, Progress{progress, 0.8, 0.99, "somebody"});
-  if (somebody.tree_count() == 0)
+  const VoteTrees person_votes =
+      train_person_votes(model, *joint_model, options, Progress{progress, 0.8, 0.99, "somebody"});
+  if (person_votes.tree_count() == 0)
     return Error{ErrorCode::invalid_argument,
                  "tracker training: " + std::to_string(options.image_count) +
                      " images do not show both people and things like them; ask for more"};
-  meta.somebody_tree_count = static_cast<std::uint32_t>(somebody.tree_count());
+  meta.person_tree_count = static_cast<std::uint32_t>(person_votes.tree_count());
   if (progress) progress(1.0, "done");
-  return pack(meta, forest, cascade, side, somebody, bins, describe(options));
+  return pack(meta, forest, cascade, side, person_votes, bins, describe(options));
 }
 
 }  // namespace im2fit::lab

@@ -33,7 +33,7 @@ Shape mirrored(const Shape& shape) {
 Estimate mirrored(const Estimate& estimate) {
   Estimate out;
   out.shape = mirrored(estimate.shape);
-  for (std::size_t j = 0; j < kJointCount; ++j) out.doubt_mm[j] = estimate.doubt_mm[joint_index(kJointMirror[j])];
+  for (std::size_t j = 0; j < kJointCount; ++j) out.spread_mm[j] = estimate.spread_mm[joint_index(kJointMirror[j])];
   return out;
 }
 
@@ -54,7 +54,7 @@ Estimate estimate(const JointModel::Data& model, const View& view, const View& m
   for (int j = 0; j < static_cast<int>(kJointCount); ++j) {
     float sum = 0;
     for (const Shape& run : seen) sum += norm(joint_of(run, j) - joint_of(out.shape, j));
-    out.doubt_mm[static_cast<std::size_t>(j)] = sum * (1.0F / static_cast<float>(kRunCount));
+    out.spread_mm[static_cast<std::size_t>(j)] = sum * (1.0F / static_cast<float>(kRunCount));
   }
   return out;
 }

@@ -10,7 +10,7 @@ namespace im2fit::joints {
 
 struct Estimate {
   Shape shape{};
-  std::array<float, kJointCount> doubt_mm{};  // rises with the error to be expected
+  std::array<float, kJointCount> spread_mm{};  // rises with the error to be expected
 };
 
 // What the mirror image says, said of the view itself, and back.

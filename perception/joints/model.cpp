@@ -25,7 +25,7 @@ Status check_meta(const joints::Meta& m, const std::string& what) {
   if (!within(m.level_count, 0, 32)) return damaged(what, "cascade levels are not 0..32");
   if (!within(m.level_tree_count, 1, 4096)) return damaged(what, "trees per cascade level are not 1..4096");
   if (!within(m.side_tree_count, 0, 1024)) return damaged(what, "trees for front or back are not 0..1024");
-  if (!within(m.somebody_tree_count, 0, 1024)) return damaged(what, "trees for somebody are not 0..1024");
+  if (!within(m.person_tree_count, 0, 1024)) return damaged(what, "trees for somebody are not 0..1024");
   if (!within(m.pixel_count, 2, joints::kPixelCountMax)) return damaged(what, "anchors per level are not 2..1024");
   return Ok{};
 }
@@ -131,9 +131,9 @@ Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std
   if (!bins) return bins.error();
   auto side = read_votes(*reader, "side", d.meta.side_tree_count, d.meta.pixel_count, 0, what);
   if (!side) return side.error();
-  auto somebody = read_votes(*reader, "somebody", d.meta.somebody_tree_count, d.meta.pixel_count,
-                             static_cast<std::uint32_t>(joints::kClueCount), what);
-  if (!somebody) return somebody.error();
+  auto person_votes = read_votes(*reader, "somebody", d.meta.person_tree_count, d.meta.pixel_count,
+                                 static_cast<std::uint32_t>(joints::kClueCount), what);
+  if (!person_votes) return person_votes.error();
   auto provenance = reader->array<char>("provenance");
   if (!provenance) return provenance.error();
   if (provenance->size() > joints::kProvenanceMax) return damaged(what, "provenance is longer than 64 KiB");
@@ -145,7 +145,7 @@ Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std
   d.basis = *basis;
   d.bins = *bins;
   d.side = *side;
-  d.somebody = *somebody;
+  d.person_votes = *person_votes;
   if (Status ok = check_trees(d.anchors, d.splits, d.meta.pixel_count, what); !ok) return ok.error();
   if (Status ok = check_basis(d, what); !ok) return ok.error();
   return model;

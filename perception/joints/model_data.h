@@ -22,16 +22,16 @@ inline constexpr std::uint32_t kTrackerVersion = 4;
 inline constexpr std::size_t kProvenanceMax = 65536;
 inline constexpr int kConfidenceBinCount = 12;
 inline constexpr int kPixelCountMax = 1024;
-inline constexpr int kClueCount = 48;  // beside the anchors' depths: somebody.h
+inline constexpr int kClueCount = 48;  // beside the anchors' depths: person_votes.h
 
 struct Meta {
   std::uint32_t forest_tree_count = 0;  // per joint
   std::uint32_t jump_count = 0;
   std::uint32_t level_count = 0;
   std::uint32_t level_tree_count = 0;
-  std::uint32_t pixel_count = 0;          // per level
-  std::uint32_t side_tree_count = 0;      // that tell front from back; 0: everybody faces the camera
-  std::uint32_t somebody_tree_count = 0;  // that tell people from things; 0: likeness alone tells
+  std::uint32_t pixel_count = 0;        // per level
+  std::uint32_t side_tree_count = 0;    // that tell front from back; 0: everybody faces the camera
+  std::uint32_t person_tree_count = 0;  // that tell people from things; 0: person_score alone tells
 };
 
 // Inner node: depth difference of two probes against `threshold`; children at `left`, `left + 1` of the same tree.
@@ -49,7 +49,7 @@ static_assert(sizeof(JumpNode) == 12);
 using Basis = std::array<float, static_cast<std::size_t>(kLeafSize* kShapeSize)>;  // mm a unit, by coefficient
 
 struct ConfidenceBin {  // bins in rising order of doubt
-  std::uint16_t doubt_mm_max = 0;
+  std::uint16_t spread_mm_max = 0;
   std::uint16_t chance = 0;  // of being within 50 mm, of 65535
 };
 static_assert(sizeof(ConfidenceBin) == 4);
@@ -145,7 +145,7 @@ struct JointModel::Data {
   std::span<const joints::Basis> basis;         // levels
   std::span<const joints::ConfidenceBin> bins;  // joints * 12
   joints::Votes side;                           // of a back
-  joints::Votes somebody;
+  joints::Votes person_votes;
   std::string_view provenance;  // text
   std::uint32_t key = 0;        // CRC-32C of the bytes
 };

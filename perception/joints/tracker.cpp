@@ -7,9 +7,9 @@
 
 #include "perception/joints/estimate.h"
 #include "perception/joints/model_data.h"
-#include "perception/joints/settle.h"
+#include "perception/joints/person_votes.h"
 #include "perception/joints/side.h"
-#include "perception/joints/somebody.h"
+#include "perception/joints/snap_to_mask.h"
 
 namespace im2fit {
 namespace joints {
@@ -87,11 +87,11 @@ bool hand(std::size_t joint) {
 }
 
 // Chance by doubt.
-float chance_of(const JointModel::Data& model, int joint, float doubt_mm) {
+float chance_of(const JointModel::Data& model, int joint, float spread_mm) {
   const auto bins = model.bins.subspan(static_cast<std::size_t>(joint * joints::kConfidenceBinCount),
                                        static_cast<std::size_t>(joints::kConfidenceBinCount));
   for (const joints::ConfidenceBin& bin : bins)
-    if (doubt_mm <= static_cast<float>(bin.doubt_mm_max)) return chance_in(bin);
+    if (spread_mm <= static_cast<float>(bin.spread_mm_max)) return chance_in(bin);
   return chance_in(bins.back());
 }
 
@@ -110,7 +110,7 @@ struct JointTracker::Workspace {
   joints::View view;
   joints::View mirror_image;
   float usual_chance = 1;  // mean over the trained for
-  float likeness = 0;
+  float person_score = 0;
   joints::Estimate seen;
   FloorPlane floor;
   int side_sum = 0;  // of scores, fading: four times their mean
@@ -132,8 +132,8 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
   JointSet out;
   const JointModel::Data& model = *work_->model;
   const joints::View& view = work_->view;
-  if (!joints::thin(depth, mask, intrinsics, person, work_->view)) {
-    work_->likeness = 0;
+  if (!joints::downsample(depth, mask, intrinsics, person, work_->view)) {
+    work_->person_score = 0;
     return out;
   }
 
@@ -146,7 +146,7 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
   int inside_count = 0;
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const Vec3f p = joints::joint_of(seen.shape, static_cast<int>(j));
-    float chance = chance_of(model, static_cast<int>(j), seen.doubt_mm[j]);
+    float chance = chance_of(model, static_cast<int>(j), seen.spread_mm[j]);
     const float inverse_z = 1.0F / joints::safe_depth(p.z);
     const float u = intrinsics.fx * p.x * inverse_z + intrinsics.cx;
     const float v = intrinsics.fy * p.y * inverse_z + intrinsics.cy;
@@ -158,23 +158,23 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
       chance *= kOffImageShare;
     else if (view.at_ray(p.x * inverse_z, p.y * inverse_z) == 0)
       chance *= kOffMaskShare;
-    out.position_mm[j] = hand(j) ? joints::settled(p, view, depth, intrinsics) : p;
+    out.position_mm[j] = hand(j) ? joints::snap_to_mask(p, view, depth, intrinsics) : p;
     out.confidence[j] = chance;
   }
-  work_->likeness = inside_count > 0 ? sum / (static_cast<float>(inside_count) * work_->usual_chance) : 0.0F;
+  work_->person_score = inside_count > 0 ? sum / (static_cast<float>(inside_count) * work_->usual_chance) : 0.0F;
   if (work_->back()) joints::swap_sides(out);
   return out;
 }
 
-float JointTracker::likeness() const {
-  return work_->likeness;
+float JointTracker::person_score() const {
+  return work_->person_score;
 }
 
-float JointTracker::somebody_odds(float shape_odds) const {
+float JointTracker::person_odds(float shape_odds) const {
   if (work_->view.pixel_count == 0) return kNothingOdds;  // `seen` is somebody else's
-  const joints::Votes& votes = work_->model->somebody;
+  const joints::Votes& votes = work_->model->person_votes;
   joints::VoteValues values;
-  joints::read_values(votes.anchors, work_->view, work_->seen, {shape_odds, work_->likeness, work_->floor},
+  joints::read_values(votes.anchors, work_->view, work_->seen, {shape_odds, work_->person_score, work_->floor},
                       values.data());
   return static_cast<float>(joints::count_votes(votes, values.data())) * (1.0F / joints::kVoteUnit);
 }

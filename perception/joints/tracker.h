@@ -56,10 +56,10 @@ class JointTracker {
   // After track(): the joints' mean confidence by that of the people the model was trained for, about 1; only joints
   // inside the picture count, beside the mask or not. Furniture has 0.5 to 0.7, since the model's runs disagree on
   // it; an empty mask 0.
-  float likeness() const;
+  float person_score() const;
   // After track(): log-odds that it is somebody and no thing, -8 of an empty mask. `shape_odds`:
   // Segmenter::shape_odds. No allocation.
-  float somebody_odds(float shape_odds) const;
+  float person_odds(float shape_odds) const;
   // After track(): what the joints were read from, and what the runs said, as if facing the camera; for training.
   const joints::View& view() const;
   const joints::Estimate& estimate() const;

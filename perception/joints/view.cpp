@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "kernels/thin/thin_box.h"
+#include "kernels/downsample/downsample_box.h"
 
 namespace im2fit::joints {
 
-bool thin(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person, View& view) {
+bool downsample(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person, View& view) {
   view.width = view.height = view.pixel_count = 0;
   const int u_min = std::max(0, person.u_min);
   const int v_min = std::max(0, person.v_min);
@@ -30,8 +30,9 @@ bool thin(DepthView depth, MaskView mask, const Intrinsics& k, const Person& per
   view.height = v_max / step - view.v_first + 1;
   const std::size_t count = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
   if (view.depth.size() < count) view.depth.resize(count);
-  ThinMoments moments;
-  thin_box({depth, mask, step, view.u_first, view.v_first, view.width, view.height}, view.depth.data(), moments);
+  DownsampleMoments moments;
+  downsample_box({depth, mask, step, view.u_first, view.v_first, view.width, view.height}, view.depth.data(),
+                 moments);
   view.pixel_count = static_cast<int>(moments.count);
   if (view.pixel_count == 0) return false;
   const double n = view.pixel_count;

@@ -36,11 +36,11 @@ struct View {
   }
 };
 
-// The same as a mirror shows it; `out.depth` as in thin().
+// The same as a mirror shows it; `out.depth` as in downsample().
 void mirror(const View& view, View& out);
 
 // Fills `view`, whose `depth` must have kViewPixelCountMax places (or enough for the box): no allocation then.
 // Returns false when the mask is empty.
-bool thin(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Person& person, View& view);
+bool downsample(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Person& person, View& view);
 
 }  // namespace im2fit::joints

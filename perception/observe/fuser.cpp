@@ -121,9 +121,9 @@ void Fuser::reset() {
   w.description.valid = false;
 }
 
-GuidanceSet Fuser::add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting) {
+GuidanceSet Fuser::add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Detection& detection) {
   Workspace& w = *work_;
-  const Person& person = sighting.person;
+  const Person& person = detection.person;
   if (w.fusion.frame_count() == 0) {
     w.start_mm = person.centroid_mm;
     w.intrinsics = intrinsics;
@@ -133,7 +133,7 @@ GuidanceSet Fuser::add(DepthView depth, MaskView mask, const Intrinsics& intrins
   w.fusion.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   w.noise.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   w.outline.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
-  if (w.joints_count < kFramesMax) w.joints[static_cast<std::size_t>(w.joints_count++)] = sighting.joints;
+  if (w.joints_count < kFramesMax) w.joints[static_cast<std::size_t>(w.joints_count++)] = detection.joints;
   if (person.floor.known) {
     w.up_sum = w.up_sum + person.floor.up;
     w.camera_height_sum += person.floor.camera_height_mm;

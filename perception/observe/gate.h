@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a sighting may be measured, and if not, what the person should change.
+// Whether a detection may be measured, and if not, what the person should change.
 #pragma once
 
 #include "core/guidance.h"

@@ -81,8 +81,8 @@ void HoleFiller::mend(DepthView depth) {
 }
 
 DepthView HoleFiller::run(DepthView depth) {
-  mended_ = riddled(depth);
-  if (!mended_) return depth;
+  filled_ = riddled(depth);
+  if (!filled_) return depth;
   mend(depth);
   return {out_.data(), depth.width, depth.height};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures that sunlight riddles with holes, mended so that the person in them is still found: a person full of holes
-// is not nobody. What is mended is for finding people only; it is never measured.
+// Pictures that sunlight riddles with holes, filled so that the person in them is still found: a person full of holes
+// is not nobody. What is filled is for finding people only; it is never measured.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +20,14 @@ class HoleFiller {
   // of range stay empty: they have data on two sides at most, or none near.
   DepthView run(DepthView depth);
   // Whether the last run's answer is a copy.
-  bool mended() const { return mended_; }
+  bool filled() const { return filled_; }
 
  private:
   bool riddled(DepthView depth) const;
   void mend(DepthView depth);
 
   int reach_px_;
-  bool mended_ = false;
+  bool filled_ = false;
   std::vector<std::uint16_t> out_;
   std::vector<int> above_row_, below_row_;  // by column: the nearest rows with data
 };

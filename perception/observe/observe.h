@@ -31,7 +31,7 @@ inline constexpr std::size_t kFeatureSize = kPaperFeatureSize + kProfileSize + k
 using Feature = std::array<float, kFeatureSize>;
 
 // First half (thread SENSE): who is there, and where the joints are.
-struct Sighting {
+struct Detection {
   Person person;
   JointSet joints;        // meaningful when person.found
   float back_chance = 0;  // of the back being towards the camera
@@ -44,7 +44,7 @@ class Sensor {
  public:
   Sensor(int width, int height, const JointModel& model);
   // `seconds` since the frame before.
-  Sighting sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
+  Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
   // Whom to sense from the next frame on: the user of this id and nobody else; 0: the nearest and most central.
   void select(int user) {
     segmenter_.select(user);
@@ -55,8 +55,8 @@ class Sensor {
  private:
   bool accepted(int id) const;
   void accept(int id);
-  bool looks_like_somebody(int id, bool confirmed);
-  Sighting nobody(const Sighting& doubted, MaskImage mask);
+  bool looks_like_person(int id, bool confirmed);
+  Detection without_person(const Detection& refused, MaskImage mask);
 
   HoleFiller holes_;
   Segmenter segmenter_;
@@ -83,7 +83,7 @@ class Fuser {
   void reset();
   // Adds an accepted frame (guidance zero). Returns guidance of its own (moving) instead of adding when it does not
   // fit what is gathered.
-  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Sighting& sighting);
+  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Detection& detection);
   int frame_count() const;
   // Of the frames gathered.
   const Intrinsics& intrinsics() const;

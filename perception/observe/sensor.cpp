@@ -8,11 +8,11 @@ namespace im2fit {
 
 namespace {
 
-// JointTracker::likeness and somebody_odds() of somebody at once, where the segmenter says so too:
-constexpr float kLikenessSure = 0.76F;
-constexpr float kLikenessSureShapeless = 0.82F;
+// JointTracker::person_score and person_odds() of somebody at once, where the segmenter says so too:
+constexpr float kPersonScoreSure = 0.76F;
+constexpr float kPersonScoreSureShapeless = 0.82F;
 constexpr float kOddsSure = -1.0F;
-// somebody_odds() in the mean over so many frames, of who is not sure at once:
+// person_odds() in the mean over so many frames, of who is not sure at once:
 constexpr int kOddsFrames = 6;
 constexpr float kOddsMin = 1.5F;
 constexpr int kLongFrames = 12;     // A doubtful one is looked at so long;
@@ -25,42 +25,43 @@ constexpr float kLostShareMax = 0.30F;  // of the person's pixels
 Sensor::Sensor(int width, int height, const JointModel& model)
     : holes_(width, height), segmenter_(width, height), tracker_(model) {}
 
-Sighting Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) {
-  Sighting sighting;
-  const DepthView mended = holes_.run(depth);
-  sighting.person = segmenter_.run(mended, intrinsics, mask, seconds);
-  for (const User& user : segmenter_.users()) sighting.users[static_cast<std::size_t>(sighting.user_count++)] = user;
-  sighting.guidance = sighting.person.guidance;
-  if (!sighting.person.found) {
+Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) {
+  Detection detection;
+  const DepthView filled = holes_.run(depth);
+  detection.person = segmenter_.run(filled, intrinsics, mask, seconds);
+  for (const User& user : segmenter_.users())
+    detection.users[static_cast<std::size_t>(detection.user_count++)] = user;
+  detection.guidance = detection.person.guidance;
+  if (!detection.person.found) {
     previous_user_ = 0;
-    return sighting;
+    return detection;
   }
-  const bool follows = previous_user_ != 0 && previous_user_ == sighting.person.id;
-  sighting.joints = tracker_.track(mended, mask, intrinsics, sighting.person, follows);
-  if (!accepted(sighting.person.id)) {
-    const auto listed = std::find_if(sighting.users.begin(), sighting.users.end(),
-                                     [&](const User& user) { return user.id == sighting.person.id; });
-    const bool confirmed = listed != sighting.users.end() && listed->confirmed;
-    const bool somebody = looks_like_somebody(sighting.person.id, confirmed);
+  const bool follows = previous_user_ != 0 && previous_user_ == detection.person.id;
+  detection.joints = tracker_.track(filled, mask, intrinsics, detection.person, follows);
+  if (!accepted(detection.person.id)) {
+    const auto listed = std::find_if(detection.users.begin(), detection.users.end(),
+                                     [&](const User& user) { return user.id == detection.person.id; });
+    const bool confirmed = listed != detection.users.end() && listed->confirmed;
+    const bool person_like = looks_like_person(detection.person.id, confirmed);
     // Who is doubtful to begin with is in nobody's way: looked at until others should be.
-    if (somebody || confirmed || looked_at_enough()) segmenter_.doubt(sighting.person.id, !somebody);
-    if (!somebody) return nobody(sighting, mask);
-    accept(sighting.person.id);
+    if (person_like || confirmed || looked_at_enough()) segmenter_.set_rejected(detection.person.id, !person_like);
+    if (!person_like) return without_person(detection, mask);
+    accept(detection.person.id);
   }
-  const auto is_chosen = [&](const User& user) { return user.id == sighting.person.id; };
+  const auto is_chosen = [&](const User& user) { return user.id == detection.person.id; };
   const auto users = segmenter_.users();
   const auto user = std::find_if(users.begin(), users.end(), is_chosen);
-  const Lean lean = lean_of(mended, mask, intrinsics, sighting.person, user != users.end() ? &*user : nullptr);
+  const Lean lean = lean_of(filled, mask, intrinsics, detection.person, user != users.end() ? &*user : nullptr);
   // Who else is there is a guess as well.
-  if (holes_.mended() && drop_lost_pixels(depth, mask) > kLostShareMax)
-    sighting.guidance = (sighting.guidance & ~static_cast<GuidanceSet>(Guidance::several_people)) |
-                        static_cast<GuidanceSet>(Guidance::too_noisy);
-  sighting.back_chance = tracker_.back_chance();
-  sighting.view = view_side(sighting.joints, sighting.person.floor, sighting.back_chance);
-  sighting.guidance |= pose_gate(sighting.joints, sighting.person.floor, sighting.view, lean) &
-                       pose_codes_seen(sighting.guidance, sighting.view);
-  previous_user_ = sighting.person.id;
-  return sighting;
+  if (holes_.filled() && drop_lost_pixels(depth, mask) > kLostShareMax)
+    detection.guidance = (detection.guidance & ~static_cast<GuidanceSet>(Guidance::several_people)) |
+                         static_cast<GuidanceSet>(Guidance::too_noisy);
+  detection.back_chance = tracker_.back_chance();
+  detection.view = view_side(detection.joints, detection.person.floor, detection.back_chance);
+  detection.guidance |= pose_gate(detection.joints, detection.person.floor, detection.view, lean) &
+                        pose_codes_seen(detection.guidance, detection.view);
+  previous_user_ = detection.person.id;
+  return detection;
 }
 
 // Once somebody, always somebody: people bend and turn away.
@@ -75,14 +76,14 @@ Sensor::Candidate& Sensor::candidate(int id) {
   return candidates_.front();
 }
 
-bool Sensor::looks_like_somebody(int id, bool confirmed) {
+bool Sensor::looks_like_person(int id, bool confirmed) {
   Candidate& c = candidate(id);
   const float shape = segmenter_.shape_odds(id);
-  const float odds = tracker_.somebody_odds(shape);
+  const float odds = tracker_.person_odds(shape);
   c.odds_sum += odds;
   ++c.frames;
-  const float sure = shape == 0 ? kLikenessSureShapeless : kLikenessSure;
-  if (confirmed && tracker_.likeness() >= sure && odds >= kOddsSure) return true;
+  const float sure = shape == 0 ? kPersonScoreSureShapeless : kPersonScoreSure;
+  if (confirmed && tracker_.person_score() >= sure && odds >= kOddsSure) return true;
   return c.frames >= kOddsFrames && c.odds_sum >= kOddsMin * static_cast<float>(c.frames);
 }
 
@@ -98,19 +99,19 @@ void Sensor::accept(int id) {
   accepted_[0] = id;
 }
 
-Sighting Sensor::nobody(const Sighting& doubted, MaskImage mask) {
+Detection Sensor::without_person(const Detection& refused, MaskImage mask) {
   for (int v = 0; v < mask.height; ++v) std::fill_n(mask.row(v), mask.width, std::uint8_t{0});
-  Sighting sighting;
-  sighting.person.floor = doubted.person.floor;
-  for (int i = 0; i < doubted.user_count; ++i)
-    if (doubted.users[static_cast<std::size_t>(i)].id != doubted.person.id)
-      sighting.users[static_cast<std::size_t>(sighting.user_count++)] = doubted.users[static_cast<std::size_t>(i)];
-  sighting.person.people_count = std::max(0, doubted.person.people_count - 1);
+  Detection detection;
+  detection.person.floor = refused.person.floor;
+  for (int i = 0; i < refused.user_count; ++i)
+    if (refused.users[static_cast<std::size_t>(i)].id != refused.person.id)
+      detection.users[static_cast<std::size_t>(detection.user_count++)] = refused.users[static_cast<std::size_t>(i)];
+  detection.person.people_count = std::max(0, refused.person.people_count - 1);
   // What is too near to be told from furniture is too near.
-  const auto near = doubted.person.guidance & static_cast<GuidanceSet>(Guidance::too_near);
-  sighting.guidance = sighting.person.guidance = near != 0 ? near : static_cast<GuidanceSet>(Guidance::no_person);
+  const auto near = refused.person.guidance & static_cast<GuidanceSet>(Guidance::too_near);
+  detection.guidance = detection.person.guidance = near != 0 ? near : static_cast<GuidanceSet>(Guidance::no_person);
   previous_user_ = 0;
-  return sighting;
+  return detection;
 }
 
 void Sensor::reset() {

@@ -207,7 +207,7 @@ void BlobFinder::run(const Grid& grid, const FloorPlane& floor, std::span<const 
   join_trunks(grid, floor);
   expect_heads(grid, floor, expected);
   split_between_heads(grid);
-  join_halves(grid, floor);
+  join_split_bodies(grid, floor);
   judge(grid, floor);
 }
 

@@ -32,7 +32,7 @@ struct Blob {
   float relief_mm = 0;               // rms distance in depth from the best plane: furniture fronts and walls are flat
   float shape_odds = kShapeUnknown;  // log-odds of a person's shape against furniture's
   bool person = false;
-  bool doubtful = false;      // no person, but not shaped like furniture either
+  bool candidate = false;     // no person, but not shaped like furniture either
   bool person_sized = false;  // without a head: might be one
   bool has_head = false;
   Vec3f head_mm;  // cell at the crown, when has_head
@@ -96,7 +96,7 @@ class BlobFinder {
   bool head_at(const Grid& grid, int blob, int c, int r, Head& out) const;
   void join_trunks(const Grid& grid, const FloorPlane& floor);
   int blob_over(const Grid& grid, int blob) const;
-  void join_halves(const Grid& grid, const FloorPlane& floor);
+  void join_split_bodies(const Grid& grid, const FloorPlane& floor);
   bool on_pole(const Grid& grid, int blob, const FloorPlane& floor) const;
   bool floats(const Grid& grid, int blob, const FloorPlane& floor) const;
   void judge(const Grid& grid, const FloorPlane& floor);
@@ -107,7 +107,7 @@ class BlobFinder {
   bool round_body(const Grid& grid, int blob, const FloorPlane& floor) const;
   float shape_odds(const Grid& grid, int blob, const FloorPlane& floor) const;
   TrunkShape trunk_of(const Grid& grid, int blob) const;
-  static float trunk_doubt(const TrunkShape& shape);
+  static float trunk_misfit(const TrunkShape& shape);
   static bool person_sized(const Grid& grid, const Blob& blob, const FloorPlane& floor);
 
   std::vector<std::uint8_t> open_;  // cells that may belong to a thing

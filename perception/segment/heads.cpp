@@ -12,8 +12,8 @@ constexpr float kHeadReliefMinMm = 33.0F;    // heads recede by 50 to 65 mm to t
 constexpr float kVagueMm = 4500.0F;
 constexpr float kNeckEndMm = 280.0F;  // below the crown
 constexpr float kNeckWidthMinMm = 90.0F;
-constexpr float kDoubtMax = 1.0F;
-constexpr float kDoubtOnLegsMax = 3.0F;
+constexpr float kMisfitMax = 1.0F;
+constexpr float kMisfitOnLegsMax = 3.0F;
 constexpr float kTrunkBeginMm = 270.0F;
 constexpr float kTrunkEndMm = 650.0F;   // below the crown
 constexpr float kHeadDepthMm = 280.0F;  // of what hangs together with a head, from its depth
@@ -181,10 +181,10 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   // Each limit keeps 95 % of 250 dressed people's heads in furnished rooms; hats on chairs and stands miss several.
   const int trunk_first = r + static_cast<int>(kTrunkBeginMm / mm);
   const int trunk_last = r + static_cast<int>(kTrunkEndMm / mm);
-  const float doubt = trunk_doubt(trunk_shape(grid, blob, head.centre, trunk_first, trunk_last, z_head)) +
-                      std::max(0.0F, (width - 192.0F) / 25.0F) + std::max(0.0F, (head.neck_mm - 150.0F) / 25.0F) +
-                      std::max(0.0F, (2.2F - head.shoulders_mm / width) / 0.25F);
-  if (doubt > kDoubtMax && (doubt > kDoubtOnLegsMax || !has_legs(grid, blob))) return false;
+  const float misfit = trunk_misfit(trunk_shape(grid, blob, head.centre, trunk_first, trunk_last, z_head)) +
+                       std::max(0.0F, (width - 192.0F) / 25.0F) + std::max(0.0F, (head.neck_mm - 150.0F) / 25.0F) +
+                       std::max(0.0F, (2.2F - head.shoulders_mm / width) / 0.25F);
+  if (misfit > kMisfitMax && (misfit > kMisfitOnLegsMax || !has_legs(grid, blob))) return false;
   out.vague = head.bulge_mm < 14.0F + 0.5F * quantum_mm(z_head) || z_head > kVagueMm;
   out.blob = blob;
   out.c = head.centre;

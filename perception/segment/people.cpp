@@ -13,12 +13,12 @@ constexpr float kHangsFarMm = 3300.0F;  // beyond, depth steps make coats round:
 constexpr float kPoleMm = 50.0F;        // thick at most, with its edges; calves one behind the other are 65
 constexpr float kPoleCells = 1.2F;
 constexpr float kPoleMaxMm = 80.0F;
-constexpr float kTrunkDoubtMax = 0.5F;
-constexpr float kHeadRoundMin = 6.0F;      // of the whole or, where furniture hangs on it, the upper half
-constexpr float kShapeRoundMin = 14.0F;    // of 274 people without a head 99 % are above
-constexpr float kCutRoundMin = 8.0F;       // of trunks cut off above: coats against the border are below 6
-constexpr float kShapeFarMm = 4000.0F;     // beyond, a disparity step is as deep as a leg is round
-constexpr float kDoubtfulOddsMin = -5.0F;  // bent people in gowns have -3; the joints tell
+constexpr float kTrunkMisfitMax = 0.5F;
+constexpr float kHeadRoundMin = 6.0F;       // of the whole or, where furniture hangs on it, the upper half
+constexpr float kShapeRoundMin = 14.0F;     // of 274 people without a head 99 % are above
+constexpr float kCutRoundMin = 8.0F;        // of trunks cut off above: coats against the border are below 6
+constexpr float kShapeFarMm = 4000.0F;      // beyond, a disparity step is as deep as a leg is round
+constexpr float kCandidateOddsMin = -5.0F;  // bent people in gowns have -3; the joints tell
 constexpr float kTrunkBulgeMinMm = 5.0F;
 constexpr float kTrunkBulgeMaxMm = 110.0F;
 
@@ -104,7 +104,7 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
   for (int b = 0; b < blob_count_; ++b) {
     Blob& blob = blobs_[at(b)];
     blob.shape_odds = shape_odds(grid, b, floor);
-    blob.doubtful = !blob.person && blob.shape_odds >= kDoubtfulOddsMin;
+    blob.candidate = !blob.person && blob.shape_odds >= kCandidateOddsMin;
   }
 }
 
@@ -129,7 +129,7 @@ bool BlobFinder::person_shaped(const Grid& grid, int b) const {
   if (has_legs(grid, b) && round > kShapeRoundMin)
     return trunk.bulge_mm > kTrunkBulgeMinMm && trunk.bulge_mm < kTrunkBulgeMaxMm;
   const bool inside = blob.c_min > 1 && blob.c_max < grid.width - 2;
-  return blob.r_min <= 1 && inside && trunk_doubt(trunk) < kTrunkDoubtMax;
+  return blob.r_min <= 1 && inside && trunk_misfit(trunk) < kTrunkMisfitMax;
 }
 
 // Heads cut off by the upper border, or hidden by raised arms: person-sized, neither flat nor filling its box.

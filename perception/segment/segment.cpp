@@ -11,10 +11,10 @@
 #include "perception/segment/blobs.h"
 #include "perception/segment/feet.h"
 #include "perception/segment/floor.h"
-#include "perception/segment/fragments.h"
 #include "perception/segment/furniture.h"
 #include "perception/segment/grid.h"
 #include "perception/segment/mask.h"
+#include "perception/segment/split_limbs.h"
 #include "perception/segment/users.h"
 
 namespace im2fit {
@@ -24,10 +24,10 @@ using segment::Grid;
 
 namespace {
 
-constexpr float kHeadlessMm = 700.0F;    // one without a head must be that much nearer to be chosen
-constexpr float kDoubtedMm = 20'000.0F;  // whoever else is there comes before furniture
-constexpr float kStayMm = 300.0F;        // advantage of who was chosen in the last frame
-constexpr float kFarBehindMm = 1500.0F;  // who is further behind the person measured disturbs nobody
+constexpr float kHeadlessMm = 700.0F;            // one without a head must be that much nearer to be chosen
+constexpr float kUnconfirmedCostMm = 20'000.0F;  // whoever else is there comes before furniture
+constexpr float kStayMm = 300.0F;                // advantage of who was chosen in the last frame
+constexpr float kFarBehindMm = 1500.0F;          // who is further behind the person measured disturbs nobody
 // Log-odds of a person's shape. Of 1,000 people with furniture about them none had anything above -0.7 within that
 // reach; of 7 people beside others who were not confirmed 5 were above.
 constexpr float kDisturbingOdds = 0.0F;
@@ -53,7 +53,7 @@ struct Segmenter::Workspace {
         chosen(grid.depth.size()),
         barred(grid.depth.size()) {}
 
-  bool is_doubted(int id) const { return std::find(doubted.begin(), doubted.end(), id) != doubted.end(); }
+  bool is_rejected(int id) const { return std::find(rejected.begin(), rejected.end(), id) != rejected.end(); }
   int choose() const;
   int people_count() const;
   bool disturbed(int chosen_user) const;
@@ -66,7 +66,7 @@ struct Segmenter::Workspace {
   segment::Background background;
   segment::BlobFinder blobs;
   segment::UserTracker users;
-  segment::FragmentJoiner fragments;
+  segment::SplitLimbJoiner fragments;
   segment::FurnitureCutter furniture;
   segment::MaskRefiner refiner;
   segment::FootGrower feet;
@@ -74,7 +74,7 @@ struct Segmenter::Workspace {
   std::vector<std::uint8_t> barred;
   int selected_id = 0;
   int last_id = 0;
-  std::array<int, kUserCountMax> doubted{};  // 0: free
+  std::array<int, kUserCountMax> rejected{};  // 0: free
 };
 
 // Index of the user to be measured, -1: nobody. Nearest and most central; the person of the last frame keeps an
@@ -86,13 +86,13 @@ int Segmenter::Workspace::choose() const {
   for (std::size_t i = 0; i < list.size(); ++i) {
     const User& user = list[i];
     if (selected_id != 0 && user.id != selected_id) continue;
-    const bool doubtful = users.doubtful(i);
-    if (!user.confirmed && !doubtful) continue;
+    const bool candidate = users.is_candidate(i);
+    if (!user.confirmed && !candidate) continue;
     const Vec3f c = user.centroid_mm;
     float cost = c.z + 0.8F * std::fabs(c.x) + (user.has_head ? 0.0F : kHeadlessMm);
     if (user.id == last_id) cost -= kStayMm;
-    if (doubtful) cost += kDoubtedMm;
-    if (is_doubted(user.id)) cost += kDoubtedMm;
+    if (candidate) cost += kUnconfirmedCostMm;
+    if (is_rejected(user.id)) cost += kUnconfirmedCostMm;
     if (cost < best_cost) {
       best_cost = cost;
       best = static_cast<int>(i);
@@ -114,8 +114,8 @@ bool Segmenter::Workspace::disturbed(int chosen_user) const {
   const float limit = list[at(chosen_user)].centroid_mm.z + kFarBehindMm;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const User& other = list[i];
-    if (static_cast<int>(i) == chosen_user || other.centroid_mm.z >= limit || is_doubted(other.id)) continue;
-    if (other.confirmed || (users.doubtful(i) && users.shape_odds(other.id) > kDisturbingOdds)) return true;
+    if (static_cast<int>(i) == chosen_user || other.centroid_mm.z >= limit || is_rejected(other.id)) continue;
+    if (other.confirmed || (users.is_candidate(i) && users.shape_odds(other.id) > kDisturbingOdds)) return true;
   }
   return false;
 }
@@ -138,18 +138,18 @@ void Segmenter::reset() {
   work_->background.reset();
   work_->users.reset();
   work_->selected_id = work_->last_id = 0;
-  work_->doubted = {};
+  work_->rejected = {};
 }
 
-void Segmenter::doubt(int id, bool doubted) {
-  auto& list = work_->doubted;
+void Segmenter::set_rejected(int id, bool rejected) {
+  auto& list = work_->rejected;
   const auto found = std::find(list.begin(), list.end(), id);
-  if (!doubted) work_->users.vouch(id);
+  if (!rejected) work_->users.confirm(id);
   if (found != list.end()) {
-    if (!doubted) *found = 0;
+    if (!rejected) *found = 0;
     return;
   }
-  if (!doubted) return;
+  if (!rejected) return;
   std::copy_backward(list.begin(), list.end() - 1, list.end());  // the oldest goes
   list[0] = id;
 }

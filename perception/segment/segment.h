@@ -56,7 +56,7 @@ class Segmenter {
   void select(int id);
   // That user looks like furniture, or after all does not: from the next frame on others are chosen before, and
   // nobody is disturbed by it. Who does not is confirmed by it. Ends with reset().
-  void doubt(int id, bool doubted);
+  void set_rejected(int id, bool rejected);
   // How much more that user's surface is shaped like a person's than like furniture, mean over the last frames:
   // log-odds, from -9 to 9; 0 of who is not seen whole or unknown. Somebody may be found who is not confirmed: then
   // the shape alone does not tell, others are chosen before, and whoever asks should look at the joints.

@@ -67,7 +67,7 @@ BlobFinder::TrunkShape BlobFinder::trunk_shape(const Grid& grid, int blob, int c
 
 // 0 for most people, above 1 for most of what is none. Trunks of people are 18..80 mm deep over their width and
 // rounder than an edge seen from before (whose sides are straight) or a step; fronts of furniture are flat.
-float BlobFinder::trunk_doubt(const TrunkShape& shape) {
+float BlobFinder::trunk_misfit(const TrunkShape& shape) {
   if (shape.row_count < kRowsMin) return 2.0F;
   const float share = shape.bulge_mm > 1.0F ? shape.edge_mm / shape.bulge_mm : 2.0F;
   const float flat = std::max(0.0F, (18.0F - shape.bulge_mm) / 8.0F);

@@ -11,7 +11,7 @@ constexpr float kHiddenMaxS = 5.0F;
 constexpr float kUnconfirmedHiddenMaxS = 1.0F;
 constexpr int kSeenGain = 4;                 // of a frame that shows a person there
 constexpr int kConfirmed = 12;               // three frames
-constexpr int kDoubted = 6;                  // no longer confirmed below
+constexpr int kUnconfirmedBelow = 6;         // no longer confirmed below
 constexpr int kSeenMax = 32;                 // beyond doubt
 constexpr float kGateMm = 350.0F;            // a head's jump when a raised arm is taken for it
 constexpr float kGateGrowthMmPerS = 600.0F;  // who is hidden may stop or turn
@@ -28,7 +28,7 @@ constexpr float kHeadlessHiddenMaxS = 1.5F;  // later, who comes out of hiding m
 constexpr float kHeadlessTallMm = 300.0F;
 constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person
 constexpr float kHeadlessAreaMax = 1.4F;
-constexpr float kDoubtfulHiddenMaxS = 0.3F;
+constexpr float kCandidateHiddenMaxS = 0.3F;
 constexpr float kBesideMm = 1000.0F;
 constexpr float kUnprovenMm = 600.0F;
 constexpr int kShapeFramesMax = 12;
@@ -55,12 +55,12 @@ float distance_to(Vec3f p, Vec3f a, Vec3f b) {
 }  // namespace
 
 void UserTracker::reset() {
-  track_count_ = sighting_count_ = user_count_ = keepout_count_ = expected_count_ = 0;
+  track_count_ = detection_count_ = user_count_ = keepout_count_ = expected_count_ = 0;
   first_ = true;
 }
 
-UserTracker::Sighting UserTracker::sight(const Blob& blob, int index, const FloorPlane& floor) {
-  Sighting s;
+UserTracker::BlobDetection UserTracker::sight(const Blob& blob, int index, const FloorPlane& floor) {
+  BlobDetection s;
   s.blob = index;
   s.centroid_mm = along_floor(blob.centroid_mm, floor);
   s.place_mm = blob.has_head ? along_floor(blob.head_mm, floor) : s.centroid_mm;
@@ -75,18 +75,18 @@ UserTracker::Sighting UserTracker::sight(const Blob& blob, int index, const Floo
 }
 
 // The nearest ones where there are too many.
-void UserTracker::list_sightings(const BlobFinder& found, const FloorPlane& floor) {
-  sighting_count_ = 0;
+void UserTracker::list_detections(const BlobFinder& found, const FloorPlane& floor) {
+  detection_count_ = 0;
   const auto list = found.blobs();
   for (std::size_t b = 0; b < list.size(); ++b) {
     const Blob& blob = list[b];
     if (!blob.person) continue;
-    int where = sighting_count_;
-    while (where > 0 && list[at(sightings_[at(where - 1)].blob)].centroid_mm.z > blob.centroid_mm.z) --where;
+    int where = detection_count_;
+    while (where > 0 && list[at(detections_[at(where - 1)].blob)].centroid_mm.z > blob.centroid_mm.z) --where;
     if (where == kUserCountMax) continue;
-    sighting_count_ = std::min(sighting_count_ + 1, kUserCountMax);
-    for (int i = sighting_count_ - 1; i > where; --i) sightings_[at(i)] = sightings_[at(i - 1)];
-    sightings_[at(where)] = sight(blob, static_cast<int>(b), floor);
+    detection_count_ = std::min(detection_count_ + 1, kUserCountMax);
+    for (int i = detection_count_ - 1; i > where; --i) detections_[at(i)] = detections_[at(i - 1)];
+    detections_[at(where)] = sight(blob, static_cast<int>(b), floor);
   }
 }
 
@@ -96,7 +96,7 @@ void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor
   const auto list = found.blobs();
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
-    if (track.sighting >= 0 || track.hidden_s > kHeadlessHiddenMaxS || sighting_count_ == kUserCountMax) continue;
+    if (track.detection >= 0 || track.hidden_s > kHeadlessHiddenMaxS || detection_count_ == kUserCountMax) continue;
     const bool confirmed = track.confirmed;
     float nearest = kHeadlessGateMm;
     int best = -1;
@@ -116,89 +116,89 @@ void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor
       best = static_cast<int>(b);
     }
     if (best < 0) continue;
-    sightings_[at(sighting_count_)] = sight(list[at(best)], best, floor);
-    sightings_[at(sighting_count_)].track = t;
-    track.sighting = sighting_count_++;
+    detections_[at(detection_count_)] = sight(list[at(best)], best, floor);
+    detections_[at(detection_count_)].track = t;
+    track.detection = detection_count_++;
   }
 }
 
 bool UserTracker::taken(int blob) const {
-  return std::any_of(sightings_.begin(), sightings_.begin() + sighting_count_,
-                     [blob](const Sighting& s) { return s.blob == blob; });
+  return std::any_of(detections_.begin(), detections_.begin() + detection_count_,
+                     [blob](const BlobDetection& s) { return s.blob == blob; });
 }
 
 // What may be people: as who is not told from furniture yet, as who was seen a moment ago, or as somebody new.
-void UserTracker::list_doubtful(const BlobFinder& found, const FloorPlane& floor) {
+void UserTracker::list_candidates(const BlobFinder& found, const FloorPlane& floor) {
   const auto list = found.blobs();
-  for (std::size_t b = 0; b < list.size() && sighting_count_ < kUserCountMax; ++b) {
-    if (!list[b].doubtful || taken(static_cast<int>(b))) continue;
-    Sighting s = sight(list[b], static_cast<int>(b), floor);
+  for (std::size_t b = 0; b < list.size() && detection_count_ < kUserCountMax; ++b) {
+    if (!list[b].candidate || taken(static_cast<int>(b))) continue;
+    BlobDetection s = sight(list[b], static_cast<int>(b), floor);
     float nearest = kHeadlessGateMm;
     for (int t = 0; t < track_count_; ++t) {
       const Track& track = tracks_[at(t)];
-      if (track.sighting >= 0 || (track.confirmed && track.hidden_s > kDoubtfulHiddenMaxS)) continue;
+      if (track.detection >= 0 || (track.confirmed && track.hidden_s > kCandidateHiddenMaxS)) continue;
       const float away = distance_to(s.place_mm + track.lean_mm, track.seen_mm, track.expected_mm);
       if (away >= nearest) continue;
       nearest = away;
       s.track = t;
     }
-    if (s.track < 0 && beside_somebody(s.place_mm)) continue;
-    if (s.track >= 0) tracks_[at(s.track)].sighting = sighting_count_;
-    sightings_[at(sighting_count_++)] = s;
+    if (s.track < 0 && beside_person(s.place_mm)) continue;
+    if (s.track >= 0) tracks_[at(s.track)].detection = detection_count_;
+    detections_[at(detection_count_++)] = s;
   }
 }
 
 // What shows up there is a part of them, seen past somebody else, sooner than one more person.
-bool UserTracker::beside_somebody(Vec3f place_mm) const {
+bool UserTracker::beside_person(Vec3f place_mm) const {
   return std::any_of(tracks_.begin(), tracks_.begin() + track_count_, [&](const Track& track) {
     return track.confirmed && distance_to(place_mm, track.seen_mm, track.expected_mm) < kBesideMm;
   });
 }
 
 // Millimetres of doubt that the track is what is sighted; negative: it is not.
-float UserTracker::cost(const Track& track, const Sighting& sighting) {
+float UserTracker::cost(const Track& track, const BlobDetection& detection) {
   const float gate = std::min(kGateMaxMm, kGateMm + kGateGrowthMmPerS * track.hidden_s);
-  const Vec3f place = sighting.has_head ? sighting.place_mm : sighting.place_mm + track.lean_mm;
+  const Vec3f place = detection.has_head ? detection.place_mm : detection.place_mm + track.lean_mm;
   const float away = distance_to(place, track.seen_mm, track.expected_mm);
   if (away > gate) return -1.0F;
-  if (!track.has_top || !sighting.has_top) return away + 60.0F;
-  const float taller = std::fabs(track.top_mm - sighting.top_mm);
+  if (!track.has_top || !detection.has_top) return away + 60.0F;
+  const float taller = std::fabs(track.top_mm - detection.top_mm);
   if (track.hidden_s > 0.3F && taller > kTopGateMm) return -1.0F;
   return away + std::min(taller, kTopGateMm);
 }
 
 // Least doubt first. People are apart by more than they move in a frame: no better pairing is missed.
 void UserTracker::match() {
-  for (int t = 0; t < track_count_; ++t) tracks_[at(t)].sighting = -1;
+  for (int t = 0; t < track_count_; ++t) tracks_[at(t)].detection = -1;
   for (;;) {
     float best = 1e9F;
     int best_track = -1;
-    int best_sighting = -1;
+    int best_detection = -1;
     for (int t = 0; t < track_count_; ++t) {
-      if (tracks_[at(t)].sighting >= 0) continue;
-      for (int s = 0; s < sighting_count_; ++s) {
-        if (sightings_[at(s)].track >= 0) continue;
+      if (tracks_[at(t)].detection >= 0) continue;
+      for (int s = 0; s < detection_count_; ++s) {
+        if (detections_[at(s)].track >= 0) continue;
         // Who was seen a frame ago comes before who is hidden.
-        const float doubt = cost(tracks_[at(t)], sightings_[at(s)]);
+        const float cost_mm = cost(tracks_[at(t)], detections_[at(s)]);
         const float late = tracks_[at(t)].hidden_s > 0 ? 100.0F : 0.0F;
         // What never had a person's shape may be a part of who is hidden: that one comes first.
         const float unproven = tracks_[at(t)].evidence == 0 ? kUnprovenMm : 0.0F;
-        if (doubt < 0 || doubt + late + unproven >= best) continue;
-        best = doubt + late + unproven;
+        if (cost_mm < 0 || cost_mm + late + unproven >= best) continue;
+        best = cost_mm + late + unproven;
         best_track = t;
-        best_sighting = s;
+        best_detection = s;
       }
     }
     if (best_track < 0) return;
-    tracks_[at(best_track)].sighting = best_sighting;
-    sightings_[at(best_sighting)].track = best_track;
+    tracks_[at(best_track)].detection = best_detection;
+    detections_[at(best_detection)].track = best_track;
   }
 }
 
 // Furniture has a person's shape for a frame now and then: not to have it, or not to be seen, speaks against who is
 // not confirmed.
 void UserTracker::note_shape(Track& track, const Blob* blob) {
-  const bool chance = blob != nullptr && (blob->person || blob->doubtful);
+  const bool chance = blob != nullptr && (blob->person || blob->candidate);
   track.chances = chance ? std::min(track.chances + kSeenGain, kSeenMax) : std::max(track.chances - 1, 0);
   const bool known = blob != nullptr && blob->shape_odds != kShapeUnknown;
   if (!known && (track.confirmed || (blob != nullptr && blob->person))) return;
@@ -213,7 +213,7 @@ float UserTracker::shape_odds(int id) const {
   return 0;
 }
 
-void UserTracker::vouch(int id) {
+void UserTracker::confirm(int id) {
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
     if (track.id != id || track.confirmed) continue;
@@ -222,8 +222,8 @@ void UserTracker::vouch(int id) {
   }
 }
 
-void UserTracker::follow(Track& track, const Sighting& sighting, const Blob& blob, float seconds) {
-  const Vec3f place = sighting.has_head ? sighting.place_mm : sighting.place_mm + track.lean_mm;
+void UserTracker::follow(Track& track, const BlobDetection& detection, const Blob& blob, float seconds) {
+  const Vec3f place = detection.has_head ? detection.place_mm : detection.place_mm + track.lean_mm;
   const Vec3f off = place - track.expected_mm;
   const bool hidden = track.hidden_s > 0;
   track.seen_mm = hidden ? place : track.expected_mm + off * kPlaceGain;
@@ -235,10 +235,10 @@ void UserTracker::follow(Track& track, const Sighting& sighting, const Blob& blo
   track.speed_mm_s = track.speed_mm_s + off * (gain / since);
   const float speed = norm(track.speed_mm_s);
   if (speed > kSpeedMaxMmPerS) track.speed_mm_s = track.speed_mm_s * (kSpeedMaxMmPerS / speed);
-  if (sighting.has_head) track.lean_mm = sighting.place_mm - sighting.centroid_mm;
-  track.headless_s = sighting.has_head ? 0.0F : track.headless_s + since;
-  if (sighting.has_top) {
-    track.top_mm = track.has_top ? track.top_mm + 0.2F * (sighting.top_mm - track.top_mm) : sighting.top_mm;
+  if (detection.has_head) track.lean_mm = detection.place_mm - detection.centroid_mm;
+  track.headless_s = detection.has_head ? 0.0F : track.headless_s + since;
+  if (detection.has_top) {
+    track.top_mm = track.has_top ? track.top_mm + 0.2F * (detection.top_mm - track.top_mm) : detection.top_mm;
     track.has_top = true;
   }
   track.expected_mm = track.seen_mm;
@@ -247,7 +247,7 @@ void UserTracker::follow(Track& track, const Sighting& sighting, const Blob& blo
   // Furniture may look like a person once, and stands there ever after.
   if (track.evidence < kSeenMax)
     track.evidence = blob.person ? std::min(track.evidence + kSeenGain, kSeenMax) : std::max(track.evidence - 1, 0);
-  track.confirmed = track.evidence >= (track.confirmed ? kDoubted : kConfirmed);
+  track.confirmed = track.evidence >= (track.confirmed ? kUnconfirmedBelow : kConfirmed);
   note_shape(track, &blob);
 }
 
@@ -263,15 +263,15 @@ UserTracker::Track& UserTracker::new_track() {
 void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds) {
   for (int t = 0; t < track_count_; ++t)
     tracks_[at(t)].expected_mm = tracks_[at(t)].expected_mm + tracks_[at(t)].speed_mm_s * seconds;
-  list_sightings(found, floor);
+  list_detections(found, floor);
   match();
   find_headless(found, floor);
-  list_doubtful(found, floor);
+  list_candidates(found, floor);
   int kept = 0;
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
-    if (track.sighting >= 0) {
-      const Sighting& s = sightings_[at(track.sighting)];
+    if (track.detection >= 0) {
+      const BlobDetection& s = detections_[at(track.detection)];
       follow(track, s, found.blobs()[at(s.blob)], seconds);
     } else {
       track.hidden_s += seconds;
@@ -282,9 +282,9 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
   }
   track_count_ = kept;
   for (int t = 0; t < track_count_; ++t)
-    if (tracks_[at(t)].sighting >= 0) sightings_[at(tracks_[at(t)].sighting)].track = t;
-  for (int i = 0; i < sighting_count_; ++i) {
-    Sighting& s = sightings_[at(i)];
+    if (tracks_[at(t)].detection >= 0) detections_[at(tracks_[at(t)].detection)].track = t;
+  for (int i = 0; i < detection_count_; ++i) {
+    BlobDetection& s = detections_[at(i)];
     if (s.track >= 0) continue;
     Track& track = new_track();
     track = {};
@@ -299,7 +299,7 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
     track.area_m2 = blob.area_m2;
     note_shape(track, &blob);
     if (first_) track.chances = kConfirmed;
-    track.sighting = i;
+    track.detection = i;
     s.track = static_cast<int>(&track - tracks_.data());
   }
   list_users(grid, found);
@@ -324,7 +324,7 @@ void UserTracker::list_keepouts(const BlobFinder& found) {
   const auto of = [](const Blob& blob) { return Keepout{blob.c_min, blob.c_max, blob.centroid_mm.z}; };
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
-    if (track.sighting >= 0) track.keepout = of(found.blobs()[at(sightings_[at(track.sighting)].blob)]);
+    if (track.detection >= 0) track.keepout = of(found.blobs()[at(detections_[at(track.detection)].blob)]);
     keepouts_[at(keepout_count_++)] = track.keepout;
   }
   for (const Blob& blob : found.blobs())
@@ -333,8 +333,8 @@ void UserTracker::list_keepouts(const BlobFinder& found) {
 
 void UserTracker::list_users(const Grid& grid, const BlobFinder& found) {
   user_count_ = 0;
-  for (int i = 0; i < sighting_count_; ++i) {
-    const Sighting& s = sightings_[at(i)];
+  for (int i = 0; i < detection_count_; ++i) {
+    const BlobDetection& s = detections_[at(i)];
     const Track& track = tracks_[at(s.track)];
     const Blob& blob = found.blobs()[at(s.blob)];
     User user;
@@ -350,7 +350,7 @@ void UserTracker::list_users(const Grid& grid, const BlobFinder& found) {
     user.visible_share = track.area_m2 > 0 ? std::min(1.0F, blob.area_m2 / track.area_m2) : 1.0F;
     user.confirmed = track.confirmed;
     user_blobs_[at(user_count_)] = s.blob;
-    user_doubtful_[at(user_count_)] = !track.confirmed && track.chances >= kConfirmed;
+    user_candidates_[at(user_count_)] = !track.confirmed && track.chances >= kConfirmed;
     users_[at(user_count_++)] = user;
   }
 }

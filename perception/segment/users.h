@@ -20,9 +20,9 @@ class UserTracker {
   std::span<const User> users() const { return {users_.data(), static_cast<std::size_t>(user_count_)}; }
   int blob_of(std::size_t user) const { return user_blobs_[user]; }
   // Not confirmed, but seen often enough, and not shaped like furniture.
-  bool doubtful(std::size_t user) const { return user_doubtful_[user]; }
+  bool is_candidate(std::size_t user) const { return user_candidates_[user]; }
   float shape_odds(int id) const;  // mean over the last frames; 0: unknown
-  void vouch(int id);              // it is a person
+  void confirm(int id);            // it is a person
   // Crowns of those seen within the last second, where they should be by now.
   std::span<const Vec3f> expected() const { return {expected_.data(), static_cast<std::size_t>(expected_count_)}; }
   // Where people are, or were when last seen, and what has a person's size; until the next run.
@@ -48,9 +48,9 @@ class UserTracker {
     Vec3f lean_mm;         // from the centroid to the crown, along the floor
     float headless_s = 0;  // since its head was seen
     Keepout keepout;       // where last seen
-    int sighting = -1;     // of this frame
+    int detection = -1;    // of this frame
   };
-  struct Sighting {
+  struct BlobDetection {
     int blob = -1;
     Vec3f place_mm;     // of the head, or of the centroid where there is none; along the floor
     Vec3f centroid_mm;  // along the floor
@@ -60,16 +60,16 @@ class UserTracker {
     int track = -1;
   };
 
-  void list_sightings(const BlobFinder& found, const FloorPlane& floor);
-  static Sighting sight(const Blob& blob, int index, const FloorPlane& floor);
+  void list_detections(const BlobFinder& found, const FloorPlane& floor);
+  static BlobDetection sight(const Blob& blob, int index, const FloorPlane& floor);
   void match();
   void find_headless(const BlobFinder& found, const FloorPlane& floor);
-  void list_doubtful(const BlobFinder& found, const FloorPlane& floor);
-  bool beside_somebody(Vec3f place_mm) const;
+  void list_candidates(const BlobFinder& found, const FloorPlane& floor);
+  bool beside_person(Vec3f place_mm) const;
   bool taken(int blob) const;
-  static float cost(const Track& track, const Sighting& sighting);
+  static float cost(const Track& track, const BlobDetection& detection);
   static void note_shape(Track& track, const Blob* blob);  // null: not seen
-  static void follow(Track& track, const Sighting& sighting, const Blob& blob, float seconds);
+  static void follow(Track& track, const BlobDetection& detection, const Blob& blob, float seconds);
   Track& new_track();
   void list_users(const Grid& grid, const BlobFinder& found);
   void list_keepouts(const BlobFinder& found);
@@ -77,11 +77,11 @@ class UserTracker {
 
   std::array<Track, kTrackCountMax> tracks_;
   int track_count_ = 0;
-  std::array<Sighting, kUserCountMax> sightings_;
-  int sighting_count_ = 0;
+  std::array<BlobDetection, kUserCountMax> detections_;
+  int detection_count_ = 0;
   std::array<User, kUserCountMax> users_;
   std::array<int, kUserCountMax> user_blobs_{};
-  std::array<bool, kUserCountMax> user_doubtful_{};
+  std::array<bool, kUserCountMax> user_candidates_{};
   int user_count_ = 0;
   std::array<Vec3f, kTrackCountMax> expected_;
   int expected_count_ = 0;

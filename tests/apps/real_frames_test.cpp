@@ -64,7 +64,7 @@ std::filesystem::path folder() {
 struct Seen {
   std::vector<std::uint16_t> depth;
   std::vector<std::uint8_t> mask = std::vector<std::uint8_t>(kWidth * kHeight);
-  Sighting sighting;
+  Detection detection;
 
   bool on_mask(int u, int v, int reach) const {
     for (int y = std::max(0, v - reach); y <= std::min(kHeight - 1, v + reach); ++y)
@@ -72,7 +72,7 @@ struct Seen {
         if (mask[static_cast<std::size_t>(y * kWidth + x)] != 0) return true;
     return false;
   }
-  const Vec3f& at(Joint j) const { return sighting.joints[j]; }
+  const Vec3f& at(Joint j) const { return detection.joints[j]; }
   Pixel pixel(Joint j) const {
     const Vec3f& p = at(j);
     return {static_cast<int>(std::lround(p.x * kKinect.fx / p.z + kKinect.cx)),
@@ -115,7 +115,7 @@ void look(const char* file, const Model& model, Seen& seen) {
   Sensor sensor(kWidth, kHeight, model.joints());
   // A still is a clip that stands still: who has no clear head is believed after six frames.
   for (int i = 0; i < 8; ++i)
-    seen.sighting = sensor.sense({seen.depth.data(), kWidth, kHeight}, kKinect, {seen.mask.data(), kWidth, kHeight});
+    seen.detection = sensor.sense({seen.depth.data(), kWidth, kHeight}, kKinect, {seen.mask.data(), kWidth, kHeight});
 }
 
 // The model of a quick set-up (4,000 renders) may doubt somebody whom the full one (30,000) does not: of 24 looks
@@ -127,7 +127,7 @@ TEST(RealPeople, AreFoundAllByTheFullModelAndMostByAQuickOne) {
   for (const RealFrame& frame : kFrames) {
     Seen seen;
     ASSERT_NO_FATAL_FAILURE(look(frame.file, model, seen));
-    found += seen.sighting.person.found ? 1 : 0;
+    found += seen.detection.person.found ? 1 : 0;
   }
   EXPECT_GE(found, model.full() ? 12 : 10);
 }
@@ -138,7 +138,7 @@ class RealFrames : public testing::TestWithParam<RealFrame> {
     if (const std::string why = missing(); !why.empty()) GTEST_SKIP() << why;
     model_.emplace();
     ASSERT_NO_FATAL_FAILURE(look(GetParam().file, *model_, seen_));
-    if (!full_model() && !seen_.sighting.person.found)
+    if (!full_model() && !seen_.detection.person.found)
       GTEST_SKIP() << "a quick model doubts it; RealPeople counts these";
   }
 
@@ -156,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(Skeltrack, RealFrames, testing::ValuesIn(kFrames),
 
 TEST_P(RealFrames, TheNearerPersonIsFound) {
   const RealFrame& frame = GetParam();
-  ASSERT_TRUE(seen_.sighting.person.found);
+  ASSERT_TRUE(seen_.detection.person.found);
   int all = 0, near = 0;
   for (std::size_t i = 0; i < seen_.mask.size(); ++i) {
     if (seen_.mask[i] == 0) continue;
@@ -166,7 +166,7 @@ TEST_P(RealFrames, TheNearerPersonIsFound) {
   EXPECT_GT(all, 50'000);
   EXPECT_GT(near, all - all / 200) << "on the person behind";
   if (std::string(frame.file) == kBothSeen) {
-    EXPECT_EQ(seen_.sighting.user_count, 2);
+    EXPECT_EQ(seen_.detection.user_count, 2);
   }
 }
 
@@ -202,7 +202,7 @@ TEST_P(RealFrames, JointsAreInTheRightOrder) {
   const float head = seen_.at(Joint::HE).y;
   for (const Joint shoulder : {Joint::LS, Joint::RS}) EXPECT_LT(head + 100, seen_.at(shoulder).y);
   EXPECT_GT(seen_.at(Joint::LS).x, seen_.at(Joint::RS).x + 200) << "facing the camera, left is on the right";
-  EXPECT_EQ(seen_.sighting.view, ViewSide::front);
+  EXPECT_EQ(seen_.detection.view, ViewSide::front);
   struct Arm {
     Joint shoulder, elbow, hand;
     Pixel shoulder_seen, elbow_seen, hand_seen;

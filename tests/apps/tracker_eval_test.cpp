@@ -82,8 +82,8 @@ TEST(TrackerEval, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(json.at("schema"), "im2fit.tracker-evaluation/1");
   EXPECT_EQ(json.at("data"), "synthetic");
   // 2 people before 2 cameras.
-  EXPECT_EQ(json.at("joints").at(0).at("settled").at("frames"), 4);
-  EXPECT_EQ(json.at("segmentation").at(0).at("settled").at("frames"), 4);
+  EXPECT_EQ(json.at("joints").at(0).at("converged").at("frames"), 4);
+  EXPECT_EQ(json.at("segmentation").at(0).at("converged").at("frames"), 4);
   EXPECT_EQ(json.at("empty").at("frames"), 25);
   EXPECT_EQ(json.at("people").at("frames"), 25);
   EXPECT_EQ(json.at("guidance").size(), 2U);

@@ -74,39 +74,39 @@ class FakeStages final : public FrameStages {
 
   void before_sense(float, int user) override { user_ = user; }
   // Who stands there is seen by who asks for him, or for anybody.
-  Sighting sense(DepthView depth, const Intrinsics&, MaskImage mask) override {
+  Detection sense(DepthView depth, const Intrinsics&, MaskImage mask) override {
     ++control_.sense_calls;
     pause(control_.sense_delay_us);
-    Sighting sighting;
-    sighting.person.found = depth.at(0, 0) != 0 && (user_ == 0 || user_ == depth.at(4, 0));
-    sighting.person.id = sighting.person.found ? depth.at(4, 0) : 0;
+    Detection detection;
+    detection.person.found = depth.at(0, 0) != 0 && (user_ == 0 || user_ == depth.at(4, 0));
+    detection.person.id = detection.person.found ? depth.at(4, 0) : 0;
     // Everybody in view: the one asked for or not.
     if (depth.at(0, 0) != 0) {
-      sighting.user_count = 1;
-      sighting.users[0].id = depth.at(4, 0);
-      sighting.users[0].u_max = kWidth - 1;
-      sighting.users[0].centroid_mm = {0, 0, 2000};
+      detection.user_count = 1;
+      detection.users[0].id = depth.at(4, 0);
+      detection.users[0].u_max = kWidth - 1;
+      detection.users[0].centroid_mm = {0, 0, 2000};
     }
-    sighting.view = static_cast<ViewSide>(depth.at(6, 0));
-    sighting.person.centroid_mm = {static_cast<float>(depth.at(7, 0)), 0, 2000};
-    sighting.person.floor = {true, {0, -1, 0}, 900};
-    sighting.guidance = depth.at(1, 0);
-    sighting.joints = standing_joints(depth.at(3, 0) != 0);
-    sighting.joints[Joint::HE] = {static_cast<float>(sense_state_++), 0, depth.at(5, 5) * 1.0F};
-    for (Vec3f& p : sighting.joints.position_mm) p.x += static_cast<float>(depth.at(7, 0));
+    detection.view = static_cast<ViewSide>(depth.at(6, 0));
+    detection.person.centroid_mm = {static_cast<float>(depth.at(7, 0)), 0, 2000};
+    detection.person.floor = {true, {0, -1, 0}, 900};
+    detection.guidance = depth.at(1, 0);
+    detection.joints = standing_joints(depth.at(3, 0) != 0);
+    detection.joints[Joint::HE] = {static_cast<float>(sense_state_++), 0, depth.at(5, 5) * 1.0F};
+    for (Vec3f& p : detection.joints.position_mm) p.x += static_cast<float>(depth.at(7, 0));
     for (int v = 0; v < mask.height; ++v)
       for (int u = 0; u < mask.width; ++u) mask.at(u, v) = depth.at(u, v) % 2 == 0 ? 255 : 0;
-    return sighting;
+    return detection;
   }
   void reset_sense() override { sense_state_ = 0; }
 
-  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics&, const Sighting& sighting) override {
+  GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics&, const Detection& detection) override {
     pause(control_.fit_delay_us);
     if (depth.at(2, 0) != 0) return static_cast<GuidanceSet>(Guidance::moving);
     Side& side = turned_ ? back_ : front_;
     ++side.frame_count;
     side.sum += depth.at(5, 5) * static_cast<double>(side.frame_count) + mask.at(5, 5);
-    if (!turned_) joints_ = sighting.joints;
+    if (!turned_) joints_ = detection.joints;
     return 0;
   }
   int frame_count() const override { return turned_ ? back_.frame_count : front_.frame_count; }

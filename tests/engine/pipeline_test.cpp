@@ -441,7 +441,7 @@ TEST(Pipeline, TwoThreadsGiveTheBitsOfOne) {
   }
 }
 
-TEST(Pipeline, ReplayNeverDropsHoweverSlowTheHalvesAre) {
+TEST(Pipeline, ReplayNeverDropsHoweverSlowTheStagesAre) {
   EngineSettings settings = with(false);
   settings.pool_frames = 3;
   settings.frames_wanted = 200;

@@ -92,10 +92,10 @@ const Transition kTransitions[] = {
     {"measured, leaves", false, at(State::measured, 2), kAbsent, State::measured, 0, false, false, 0},
 };
 
-TEST(Session, EveryTransitionOnASighting) {
+TEST(Session, EveryTransitionOnADetection) {
   for (const Transition& t : kTransitions) {
     SCOPED_TRACE(t.name);
-    const SessionStep step = on_sighting(rules(t.calibration), t.from, t.view);
+    const SessionStep step = on_detection(rules(t.calibration), t.from, t.view);
     EXPECT_EQ(step.next.state, t.to);
     EXPECT_EQ(step.guidance, t.guidance);
     EXPECT_EQ(step.forget, t.forget);
@@ -116,13 +116,13 @@ SessionView seen(int user) {
 }
 
 TEST(Session, BelongsToItsUserFromTheFirstGoodFrameOn) {
-  const SessionStep found = on_sighting(rules(false), {}, seen(3));
+  const SessionStep found = on_detection(rules(false), {}, seen(3));
   EXPECT_EQ(found.next.state, State::tracking);
   EXPECT_EQ(found.next.user, 3);
 
   SessionView waiting = kTooNear;
   waiting.user = 4;
-  const SessionStep other = on_sighting(rules(false), of_user(State::user_found, 3), waiting);
+  const SessionStep other = on_detection(rules(false), of_user(State::user_found, 3), waiting);
   EXPECT_EQ(other.next.user, 4) << "nothing has begun";
   EXPECT_EQ(other.guidance, kNear);
 }
@@ -131,15 +131,15 @@ TEST(Session, AnotherUserIsAnAbsence) {
   for (const State state : {State::calibrating, State::tracking}) {
     SessionView other = kTooNear;
     other.user = 4;
-    SessionStep step = on_sighting(rules(true), of_user(state, 3), other);
+    SessionStep step = on_detection(rules(true), of_user(state, 3), other);
     EXPECT_EQ(step.next.state, state);
     EXPECT_EQ(step.next.user, 3);
     EXPECT_EQ(step.next.absent_frames, 1);
     EXPECT_EQ(step.guidance, kNobody) << "not what the other should do";
     EXPECT_FALSE(step.use_frame);
-    step = on_sighting(rules(true), of_user(state, 3, 2), other);
+    step = on_detection(rules(true), of_user(state, 3, 2), other);
     EXPECT_EQ(step.next.state, State::lost);
-    const SessionStep next = on_sighting(rules(true), step.next, other);
+    const SessionStep next = on_detection(rules(true), step.next, other);
     EXPECT_EQ(next.next.state, State::user_found);
     EXPECT_EQ(next.next.user, 4);
     EXPECT_TRUE(next.forget);
@@ -151,12 +151,12 @@ TEST(Session, ABackIsAskedToTurnRound) {
   SessionView view = kGood;
   for (const State state : {State::user_found, State::tracking}) {
     view.view = ViewSide::back;
-    const SessionStep back = on_sighting(rules(false), at(state), view);
+    const SessionStep back = on_detection(rules(false), at(state), view);
     EXPECT_FALSE(back.use_frame);
     EXPECT_EQ(back.guidance, static_cast<GuidanceSet>(Guidance::not_frontal));
     EXPECT_EQ(back.next.state, state);
     view.view = ViewSide::front;
-    EXPECT_TRUE(on_sighting(rules(false), at(state), view).use_frame);
+    EXPECT_TRUE(on_detection(rules(false), at(state), view).use_frame);
   }
 }
 
@@ -165,7 +165,7 @@ TEST(Session, WhichWaySomebodyBentOrWithoutAHeadFacesIsNotTold) {
     SessionView view = kGood;
     view.view = ViewSide::back;
     view.guidance = static_cast<GuidanceSet>(wrong);
-    const SessionStep step = on_sighting(rules(false), at(State::tracking), view);
+    const SessionStep step = on_detection(rules(false), at(State::tracking), view);
     EXPECT_EQ(step.guidance, view.guidance);
     EXPECT_FALSE(step.use_frame);
   }
@@ -181,14 +181,14 @@ TEST(Session, MovementIsNotGatheredAndTakesItsFirstFramesWithIt) {
   const Case cases[] = {{59, 299, 9, false, false},
                         {61, 0, 0, true, false},
                         {61, 0, 1, true, true},
-                        {0, 301, r.unsettled_frames_max, true, true},
-                        {61, 301, r.unsettled_frames_max + 1, true, false}};
+                        {0, 301, r.unsteady_frames_max, true, true},
+                        {61, 301, r.unsteady_frames_max + 1, true, false}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.trunk);
     SessionView view = kGood;
     view.motion = {c.trunk, c.limb};
     view.frames_gathered = c.gathered;
-    const SessionStep step = on_sighting(r, at(State::tracking), view);
+    const SessionStep step = on_detection(r, at(State::tracking), view);
     EXPECT_EQ(step.guidance, c.moving ? kMoving : 0U);
     EXPECT_EQ(step.use_frame, !c.moving);
     EXPECT_EQ(step.forget, c.forget);
@@ -211,49 +211,49 @@ TEST(Session, MovementIsSaidWhenItCanBeKnown) {
     SessionView view = kGood;
     view.guidance = static_cast<GuidanceSet>(c.other);
     view.motion = {c.body, c.limb};
-    const SessionStep step = on_sighting(rules(false), at(State::tracking), view);
+    const SessionStep step = on_detection(rules(false), at(State::tracking), view);
     EXPECT_EQ(has(step.guidance, Guidance::moving), c.moving) << view.guidance;
     EXPECT_TRUE(has(step.guidance, c.other));
   }
 }
 
-Sighting sighting_of(bool found, int user, GuidanceSet guidance = 0) {
-  Sighting sighting;
-  sighting.person.found = found;
-  sighting.person.id = found ? user : 0;
-  sighting.guidance = found ? guidance : kNobody;
-  return sighting;
+Detection preview_of(bool found, int user, GuidanceSet guidance = 0) {
+  Detection detection;
+  detection.person.found = found;
+  detection.person.id = found ? user : 0;
+  detection.guidance = found ? guidance : kNobody;
+  return detection;
 }
 
 TEST(UserLock, HoldsFromTheFirstGoodFrameUntilTheUserIsGone) {
   UserLock lock(0);
-  lock.saw(sighting_of(true, 3, kNear));
+  lock.saw(preview_of(true, 3, kNear));
   EXPECT_EQ(lock.selected(), 0) << "somebody may still come nearer";
-  lock.saw(sighting_of(true, 4));
+  lock.saw(preview_of(true, 4));
   EXPECT_EQ(lock.selected(), 4);
-  for (int i = 0; i < kAbsentFramesMax; ++i) lock.saw(sighting_of(false, 0));
+  for (int i = 0; i < kAbsentFramesMax; ++i) lock.saw(preview_of(false, 0));
   EXPECT_EQ(lock.selected(), 4) << "a flicker";
-  lock.saw(sighting_of(true, 4, kNear));
-  for (int i = 0; i < kAbsentFramesMax; ++i) lock.saw(sighting_of(false, 0));
+  lock.saw(preview_of(true, 4, kNear));
+  for (int i = 0; i < kAbsentFramesMax; ++i) lock.saw(preview_of(false, 0));
   EXPECT_EQ(lock.selected(), 4) << "counted anew";
-  lock.saw(sighting_of(false, 0));
+  lock.saw(preview_of(false, 0));
   EXPECT_EQ(lock.selected(), 0) << "lost";
 }
 
 TEST(UserLock, AUserAskedForIsNeverGivenUp) {
   UserLock lock(7);
   EXPECT_EQ(lock.selected(), 7);
-  for (int i = 0; i < 100; ++i) lock.saw(sighting_of(false, 0));
+  for (int i = 0; i < 100; ++i) lock.saw(preview_of(false, 0));
   EXPECT_EQ(lock.selected(), 7);
 }
 
 TEST(Session, BeingSeenClearsTheAbsence) {
-  const SessionStep step = on_sighting(rules(false), at(State::tracking, 2), kGood);
+  const SessionStep step = on_detection(rules(false), at(State::tracking, 2), kGood);
   EXPECT_EQ(step.next.absent_frames, 0);
 }
 
 TEST(Session, ANewAttemptCalibratesFromTheStart) {
-  const SessionStep step = on_sighting(rules(true), at(State::lost, 0, 1, 4), kTooNear);
+  const SessionStep step = on_detection(rules(true), at(State::lost, 0, 1, 4), kTooNear);
   EXPECT_EQ(step.next.psi_frames, 0);
   EXPECT_EQ(step.next.psi_wait_frames, 0);
 }
@@ -318,7 +318,7 @@ SessionRules turn_rules() {
   SessionRules r = rules(false);
   r.turn = true;
   r.turn_wait_frames_max = 20;
-  r.unsettled_frames_max = 5;
+  r.unsteady_frames_max = 5;
   return r;
 }
 Session in_turning(bool turned, int turning_frames = 0, int absent = 0) {
@@ -385,7 +385,7 @@ TEST(Turning, SaysWhatTheBackNeeds) {
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
-    const SessionStep step = on_sighting(turn_rules(), in_turning(c.turned), c.view);
+    const SessionStep step = on_detection(turn_rules(), in_turning(c.turned), c.view);
     EXPECT_EQ(step.next.state, State::turning);
     EXPECT_EQ(step.guidance, c.guidance);
     EXPECT_EQ(step.use_frame, c.use_frame);
@@ -401,16 +401,16 @@ TEST(Turning, WhoLeavesIsMeasuredFromTheFront) {
   other.user = 4;
   for (SessionView gone : {kAbsent, other}) {
     gone.frames_gathered = 9;
-    SessionStep step = on_sighting(turn_rules(), in_turning(true, 0, 1), gone);
+    SessionStep step = on_detection(turn_rules(), in_turning(true, 0, 1), gone);
     EXPECT_FALSE(step.measure) << "a flicker";
     EXPECT_EQ(step.guidance, kNobody);
-    step = on_sighting(turn_rules(), in_turning(true, 0, 2), gone);
+    step = on_detection(turn_rules(), in_turning(true, 0, 2), gone);
     EXPECT_TRUE(step.measure);
     EXPECT_TRUE(step.drop_back);
     EXPECT_FALSE(step.use_frame);
     EXPECT_EQ(step.next.state, State::turning) << "MEASURED comes with the measurement";
   }
-  EXPECT_EQ(on_sighting(turn_rules(), in_turning(false, 0, 2), from(ViewSide::front)).next.absent_frames, 0);
+  EXPECT_EQ(on_detection(turn_rules(), in_turning(false, 0, 2), from(ViewSide::front)).next.absent_frames, 0);
 }
 
 TEST(Turning, IsBoundedWhateverThePersonDoes) {
@@ -432,7 +432,7 @@ TEST(Turning, IsBoundedWhateverThePersonDoes) {
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
-    const SessionStep step = on_sighting(turn_rules(), in_turning(true, c.frames_before), c.view);
+    const SessionStep step = on_detection(turn_rules(), in_turning(true, c.frames_before), c.view);
     EXPECT_EQ(step.measure, c.measure);
     EXPECT_EQ(step.drop_back, c.drop_back);
     if (c.measure) {
@@ -465,7 +465,7 @@ TEST(Turning, IsAskedForInNoOtherState) {
       r.calibration_psi = t.calibration;
       SessionView view = t.view;
       view.view = side;
-      EXPECT_FALSE(has(on_sighting(r, t.from, view).guidance, Guidance::turn_round));
+      EXPECT_FALSE(has(on_detection(r, t.from, view).guidance, Guidance::turn_round));
     }
 }
 

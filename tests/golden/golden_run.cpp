@@ -64,15 +64,15 @@ double exact(float value) {
   return static_cast<double>(value);
 }
 
-void add_frame(Lines& lines, std::size_t frame, const Sighting& sighting, MaskView mask) {
-  const Person& p = sighting.person;
+void add_frame(Lines& lines, std::size_t frame, const Detection& detection, MaskView mask) {
+  const Person& p = detection.person;
   lines.add("frame %zu mask %08x of %d pixels", frame, static_cast<unsigned>(checksum(mask)), p.pixel_count);
   lines.add("frame %zu person box %d %d %d %d centroid %.9g %.9g %.9g", frame, p.u_min, p.v_min, p.u_max, p.v_max,
             exact(p.centroid_mm.x), exact(p.centroid_mm.y), exact(p.centroid_mm.z));
   lines.add("frame %zu floor %d up %.9g %.9g %.9g camera %.9g", frame, p.floor.known ? 1 : 0, exact(p.floor.up.x),
             exact(p.floor.up.y), exact(p.floor.up.z), exact(p.floor.camera_height_mm));
-  lines.add("frame %zu joints %08x guidance %x", frame, static_cast<unsigned>(checksum(sighting.joints)),
-            static_cast<unsigned>(sighting.guidance));
+  lines.add("frame %zu joints %08x guidance %x", frame, static_cast<unsigned>(checksum(detection.joints)),
+            static_cast<unsigned>(detection.guidance));
 }
 
 // Points and normals of the whole fused picture: the production path thins it first, so these name the two kernels.
@@ -180,10 +180,10 @@ Result<std::string> stages(const Data& data) {
   Lines lines;
   for (std::size_t i = 0; i < data.frames().size(); ++i) {
     const DepthView depth(data.frames()[i].data(), k.width, k.height);
-    const Sighting sighting = sensor.sense(depth, k, mask_image);
-    add_frame(lines, i, sighting, mask_image);
-    if (sighting.guidance != 0 || fuser.frame_count() == kFramesWanted) continue;
-    const GuidanceSet refusal = fuser.add(depth, mask_image, k, sighting);
+    const Detection detection = sensor.sense(depth, k, mask_image);
+    add_frame(lines, i, detection, mask_image);
+    if (detection.guidance != 0 || fuser.frame_count() == kFramesWanted) continue;
+    const GuidanceSet refusal = fuser.add(depth, mask_image, k, detection);
     lines.add("frame %zu fused, refusal %x", i, static_cast<unsigned>(refusal));
   }
   const Fuser::Description& description = fuser.describe();

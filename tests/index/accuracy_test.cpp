@@ -104,7 +104,7 @@ TEST(IndexAccuracy, FewerFramesWidenTheIntervalWhereFramesWereSeenToMatter) {
 
 // Strangers differ from the index' people by more than the features show: the intervals must then hold for a mixture
 // of which they are a sixth, and nothing else may change.
-TEST(IndexAccuracy, StrangersWidenTheIntervalsAndNothingElse) {
+TEST(IndexAccuracy, OutOfDistributionSubjectsWidenTheIntervalsAndNothingElse) {
   const World world;
   const auto stranger = [&](std::uint64_t subject) {
     Sample s = world.sample(subject, 0);
@@ -124,10 +124,10 @@ TEST(IndexAccuracy, StrangersWidenTheIntervalsAndNothingElse) {
   ASSERT_TRUE(a && b);
   EXPECT_EQ(b->size(), 500U);
   auto scratch = a->make_scratch();
-  constexpr std::uint64_t kAsked = 600, kStrangersAsked = 102;  // 17 %
+  constexpr std::uint64_t kAsked = 600, kOodQueried = 102;  // 17 %
   int inside = 0;
   for (std::uint64_t i = 0; i < kAsked; ++i) {
-    const Sample q = i < kStrangersAsked ? stranger(2 * kFreshSubjects + i) : world.sample(2 * kFreshSubjects + i, 0);
+    const Sample q = i < kOodQueried ? stranger(2 * kFreshSubjects + i) : world.sample(2 * kFreshSubjects + i, 0);
     const Answer x = *a->query(q.feature, {}, *scratch);
     const Answer y = *b->query(q.feature, {}, *scratch);
     EXPECT_EQ(x.nearest, y.nearest);

@@ -209,13 +209,13 @@ TEST(Refinement, LooksAtTheSameBodySayWhatIsOfThePose) {
   EXPECT_LT(with[1], 1.05 * without[1]);
 }
 
-TEST(Refinement, StrangersAreTheShareAskedFor) {
-  const auto which = strangers_beside(900, 5000, 0.1);
+TEST(Refinement, OutOfDistributionSubjectsAreTheShareGiven) {
+  const auto which = ood_beside(900, 5000, 0.1);
   ASSERT_EQ(which.size(), 100U);
   for (std::size_t i = 0; i < which.size(); ++i) EXPECT_EQ(which[i], 50 * i);
-  EXPECT_EQ(strangers_beside(900, 60, 0.1).size(), 60U);  // all there are
-  EXPECT_TRUE(strangers_beside(0, 60, 0.1).empty());
-  EXPECT_TRUE(strangers_beside(900, 0, 0.1).empty());
+  EXPECT_EQ(ood_beside(900, 60, 0.1).size(), 60U);  // all there are
+  EXPECT_TRUE(ood_beside(0, 60, 0.1).empty());
+  EXPECT_TRUE(ood_beside(900, 0, 0.1).empty());
 }
 
 TEST(Refinement, BuildingRefusesFitsOfAnotherLayout) {

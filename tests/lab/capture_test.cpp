@@ -26,8 +26,8 @@ struct FrameByFrame {
     for (int i = 0; i < 4 * options.frame_count && fuser.frame_count() < options.frame_count; ++i) {
       scene.render(static_cast<std::uint64_t>(i), in);
       hal::rotate_upright(in, options.scene.rotate_deg, out);
-      const Sighting sighting = sensor.sense(out, k, {mask.data(), k.width, k.height});
-      if (sighting.guidance == 0) fuser.add(out, {mask.data(), k.width, k.height}, k, sighting);
+      const Detection detection = sensor.sense(out, k, {mask.data(), k.width, k.height});
+      if (detection.guidance == 0) fuser.add(out, {mask.data(), k.width, k.height}, k, detection);
     }
   }
 

@@ -21,10 +21,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(DatasetPeople, OneInThreeOfTheFirstIsAStranger) {
+TEST(DatasetPeople, OneInThreeOfTheFirstIsOutOfDistribution) {
   const DatasetOptions usual;
-  EXPECT_EQ(usual.stranger_every, 3);
-  EXPECT_EQ(usual.stranger_below, 14336U);
+  EXPECT_EQ(usual.ood_every, 3);
+  EXPECT_EQ(usual.ood_below, 14336U);
   for (const int models : {1, 2, 3, 12, 13, 100, 9'557, 9'558, 9'559, 50'000}) {
     int subjects = 0;
     for (int found = 0; found < models; ++subjects) found += subjects < 14336 && subjects % 3 == 2 ? 0 : 1;
@@ -33,8 +33,8 @@ TEST(DatasetPeople, OneInThreeOfTheFirstIsAStranger) {
   EXPECT_EQ(subjects_with(50'000, 3, 14336), 54'778);
   EXPECT_EQ(subjects_with(900'000'000, 3, 14336), 900'004'778);
   EXPECT_EQ(subjects_with(70, 0, 14336), 70);
-  EXPECT_TRUE(is_stranger(14'333, 3, 14336));
-  EXPECT_FALSE(is_stranger(14'336, 3, 14336));
+  EXPECT_TRUE(is_ood(14'333, 3, 14336));
+  EXPECT_FALSE(is_ood(14'336, 3, 14336));
 }
 
 class Dataset : public WithTracker {

@@ -78,7 +78,7 @@ TEST_F(TrackerScenesStaged, FullConditionsShowWholePeopleAtUsualDistances) {
     TrackerScene t = drawn(full_conditions_mix(), i);
     const Subject subject = draw_subject(model(), Family::held_out, 40, i % 10);
     VirtualScene staged(model(), subject, t.scene, t.sensor, t.intrinsics, t.seed);
-    t.settle(staged);
+    t.place(staged);
     EXPECT_TRUE(t.whole) << i;
     EXPECT_GE(t.distance_mm, 2000);
     EXPECT_LE(t.distance_mm, 4650);
@@ -99,7 +99,7 @@ TEST_F(TrackerScenesStaged, TrainingCamerasStayInTheirRanges) {
     TrackerScene t = drawn(mix, i);
     const Subject subject = draw_subject(model(), Family::training, 40, i % 10);
     VirtualScene staged(model(), subject, t.scene, t.sensor, t.intrinsics, t.seed);
-    t.settle(staged);
+    t.place(staged);
     EXPECT_GE(t.camera_height_mm, 500);
     EXPECT_LE(t.camera_height_mm, 2200);
     EXPECT_GE(t.distance_mm, 1000);

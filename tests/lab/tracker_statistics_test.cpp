@@ -145,8 +145,8 @@ TrialOutcome trial(TrialCondition condition, int width, const char* group, float
   TrialOutcome outcome;
   outcome.trial = {condition, width, 0, 0};
   outcome.labels = {{kPoseGroup, group}};
-  outcome.cold = outcome.settled = frame_of(error_mm);
-  outcome.iou_cold = outcome.iou_settled = {0.99, 0.95};
+  outcome.cold = outcome.converged = frame_of(error_mm);
+  outcome.iou_cold = outcome.iou_converged = {0.99, 0.95};
   return outcome;
 }
 
@@ -180,7 +180,7 @@ TEST(TrackerReport, HoldsFiguresAgainstTheBars) {
   const auto flying = std::find_if(report.masks.begin(), report.masks.end(),
                                    [](const MaskRow& row) { return row.dimension == "flying pixels"; });
   ASSERT_NE(flying, report.masks.end());
-  EXPECT_EQ(flying->settled.median, 0.95);
+  EXPECT_EQ(flying->converged.median, 0.95);
   EXPECT_NEAR(bar_of(report, "false users in 10,000 frames").figure, 250, 1e-9);
   EXPECT_EQ(bar_of(report, "identity switches in two-person clips").figure, 3);
   EXPECT_NEAR(bar_of(report, "guidance right, TOO_FAR, %").figure, 100.0 / 3, 1e-9);
@@ -192,7 +192,7 @@ TEST(TrackerReport, HoldsFiguresAgainstTheBars) {
   EXPECT_EQ(json.at("schema"), "im2fit.tracker-evaluation/1");
   EXPECT_EQ(json.at("empty").at("false_users"), 1);
   EXPECT_EQ(json.at("guidance").at(0).at("raised").at("MOVING"), 1);
-  EXPECT_EQ(json.at("joints").at(0).at("settled").at("frames"), 3);
+  EXPECT_EQ(json.at("joints").at(0).at("converged").at("frames"), 3);
   EXPECT_NE(text_of(report).find("MISSED"), std::string::npos);
 }
 

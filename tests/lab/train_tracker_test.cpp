@@ -11,7 +11,7 @@
 
 #include "core/file.h"
 #include "lab/camera/virtual_camera.h"
-#include "lab/tracker_training/tracker_sightings.h"
+#include "lab/tracker_training/tracker_detections.h"
 #include "perception/joints/model_data.h"
 #include "perception/joints/tracker.h"
 #include "perception/segment/segment.h"
@@ -142,8 +142,8 @@ TEST(TrainTracker, CachedModelTellsPeopleFromThings) {
   if (!body || !file) GTEST_SKIP() << "no body pack or tracker; run im2fit-lab train";
   const auto model = JointModel::parse(*file, "tracker.i2t");
   ASSERT_TRUE(model) << model.error().message;
-  const joints::Votes& votes = model->data().somebody;
-  const VoteExamples seen = gather_sightings(*body, *model, votes.anchors, {70, 280, 4243, 2}, {});
+  const joints::Votes& votes = model->data().person_votes;
+  const VoteExamples seen = collect_detections(*body, *model, votes.anchors, {70, 280, 4243, 2}, {});
   std::array<int, 2> all{}, right{};  // things, people
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const int score =

@@ -16,7 +16,7 @@ namespace im2fit::test {
 // The records of docs/tracker.md, spelt out here so that the test does not share the code under test.
 struct MetaRecord {
   std::uint32_t forest_trees = 2, jumps = 6, levels = 2, level_trees = 3, pixels = 4, side_trees = 0,
-                somebody_trees = 1;
+                person_trees = 1;
 };
 struct NodeRecord {
   std::int16_t a = 0, b = 0, c = 0, d = 0, threshold = 0;
@@ -48,9 +48,9 @@ struct ModelRecords {
   std::vector<AnchorRecord> side_anchor;
   std::vector<SplitRecord> side_split;
   std::vector<std::int16_t> side_leaf;
-  std::vector<AnchorRecord> somebody_anchor;
-  std::vector<SplitRecord> somebody_split;
-  std::vector<std::int16_t> somebody_leaf;
+  std::vector<AnchorRecord> person_anchor;
+  std::vector<SplitRecord> person_split;
+  std::vector<std::int16_t> person_leaf;
   std::string provenance = "by hand";
 
   std::vector<std::byte> bytes(std::uint32_t version = 4) const {
@@ -67,9 +67,9 @@ struct ModelRecords {
     w.add_array<AnchorRecord>("side anchor", side_anchor);
     w.add_array<SplitRecord>("side split", side_split);
     w.add_array<std::int16_t>("side leaf", side_leaf);
-    w.add_array<AnchorRecord>("somebody anchor", somebody_anchor);
-    w.add_array<SplitRecord>("somebody split", somebody_split);
-    w.add_array<std::int16_t>("somebody leaf", somebody_leaf);
+    w.add_array<AnchorRecord>("somebody anchor", person_anchor);
+    w.add_array<SplitRecord>("somebody split", person_split);
+    w.add_array<std::int16_t>("somebody leaf", person_leaf);
     w.add_array<char>("provenance", provenance);
     return w.finish();
   }
@@ -77,8 +77,8 @@ struct ModelRecords {
 
 // Every tree of the forest is one leaf: each jump moves by (jx, jy, jz) mm. Bones are zero. The cascade's leaves are
 // first coefficients are all `leaf`, and that coefficient's unit is 1 mm along every axis of every joint. Confidence:
-// 0.75 up to 500 mm of doubt, then 0.25. Somebody, with log-odds of 8, is whose likeness is above 0.7; others have
-// -8.
+// 0.75 up to 500 mm of doubt, then 0.25. Somebody, with log-odds of 8, is whose person_score is above 0.7; others
+// have -8.
 inline ModelRecords constant_model(std::int16_t jx, std::int16_t jy, std::int16_t jz, std::int8_t leaf) {
   ModelRecords m;
   const std::size_t trees = kJointCount * m.meta.forest_trees;
@@ -96,12 +96,12 @@ inline ModelRecords constant_model(std::int16_t jx, std::int16_t jy, std::int16_
     for (std::uint16_t b = 0; b < 12; ++b)
       m.bin.push_back(
           {static_cast<std::uint16_t>(b < 11 ? 500 : 65535), static_cast<std::uint16_t>(b < 11 ? 49151 : 16384)});
-  m.somebody_anchor.assign(m.meta.pixels, AnchorRecord{});
-  constexpr std::uint16_t kZeroClue = 0, kLikenessClue = 2;
+  m.person_anchor.assign(m.meta.pixels, AnchorRecord{});
+  constexpr std::uint16_t kZeroClue = 0, kPersonScoreClue = 2;
   const auto clue = [&](std::uint16_t c) { return static_cast<std::uint16_t>(m.meta.pixels + c); };
-  m.somebody_split.assign(31, SplitRecord{clue(kLikenessClue), clue(kZeroClue), 2867});  // of 4096
-  m.somebody_leaf.assign(32, -8 * 256);
-  m.somebody_leaf[31] = 8 * 256;
+  m.person_split.assign(31, SplitRecord{clue(kPersonScoreClue), clue(kZeroClue), 2867});  // of 4096
+  m.person_leaf.assign(32, -8 * 256);
+  m.person_leaf[31] = 8 * 256;
   return m;
 }
 

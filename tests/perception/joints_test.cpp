@@ -96,8 +96,9 @@ TEST(JointTracker, AnAnchorBetweenTwoJointsFollowsBoth) {
   const JointModel model = parse(bytes);
   const Board board;
   joints::View view;
-  ASSERT_TRUE(joints::thin(DepthView(board.depth.data(), board.width, board.height),
-                           MaskView(board.mask.data(), board.width, board.height), board.k, board.person, view));
+  ASSERT_TRUE(joints::downsample(DepthView(board.depth.data(), board.width, board.height),
+                                 MaskView(board.mask.data(), board.width, board.height), board.k, board.person,
+                                 view));
   joints::Shape shape{};
   joints::run_forest(model.data().forest, view, shape);
   EXPECT_NEAR(joints::joint_of(shape, static_cast<int>(Joint::NE)).x, 400, 0.01);
@@ -194,8 +195,8 @@ TEST(JointView, ThinningKeepsMetricPositions) {
       mask[static_cast<std::size_t>(v * w + u)] = 255;
     }
   joints::View view;
-  ASSERT_TRUE(joints::thin(DepthView(depth.data(), w, h), MaskView(mask.data(), w, h),
-                           {w, h, 576, 576, 319.5F, 239.5F}, person, view));
+  ASSERT_TRUE(joints::downsample(DepthView(depth.data(), w, h), MaskView(mask.data(), w, h),
+                                 {w, h, 576, 576, 319.5F, 239.5F}, person, view));
   EXPECT_EQ(view.width, 40);
   EXPECT_EQ(view.height, 60);
   EXPECT_EQ(view.pixel_count, 40 * 60);
@@ -210,7 +211,7 @@ TEST(JointView, ThinningKeepsMetricPositions) {
 
 TEST(JointModel, VotesMayReadTheLastClue) {
   ModelRecords m = constant_model(1, 2, 3, 4);
-  m.somebody_split[30].a = 4 + joints::kClueCount - 1;
+  m.person_split[30].a = 4 + joints::kClueCount - 1;
   const auto bytes = m.bytes();
   EXPECT_TRUE(JointModel::parse(bytes, "some.i2t"));
 }
@@ -260,19 +261,19 @@ TEST(JointModel, DamagedFilesAreRefusedByName) {
       {"basis", [](ModelRecords& m) { m.basis[50] = std::numeric_limits<float>::quiet_NaN(); }},
       {"basis too large", [](ModelRecords& m) { m.basis[51] = -1e9F; }},
       {"side trees", [](ModelRecords& m) { m.meta.side_trees = 1; }},
-      {"somebody trees", [](ModelRecords& m) { m.meta.somebody_trees = 2; }},
-      {"many somebody trees", [](ModelRecords& m) { m.meta.somebody_trees = 1025; }},
-      {"somebody anchor joint", [](ModelRecords& m) { m.somebody_anchor[3].towards = 15; }},
-      {"somebody anchor count", [](ModelRecords& m) { m.somebody_anchor.pop_back(); }},
-      {"somebody split", [](ModelRecords& m) { m.somebody_split[30].a = 4 + joints::kClueCount; }},
-      {"somebody split count", [](ModelRecords& m) { m.somebody_split.pop_back(); }},
-      {"somebody leaf count", [](ModelRecords& m) { m.somebody_leaf.pop_back(); }},
+      {"somebody trees", [](ModelRecords& m) { m.meta.person_trees = 2; }},
+      {"many somebody trees", [](ModelRecords& m) { m.meta.person_trees = 1025; }},
+      {"somebody anchor joint", [](ModelRecords& m) { m.person_anchor[3].towards = 15; }},
+      {"somebody anchor count", [](ModelRecords& m) { m.person_anchor.pop_back(); }},
+      {"somebody split", [](ModelRecords& m) { m.person_split[30].a = 4 + joints::kClueCount; }},
+      {"somebody split count", [](ModelRecords& m) { m.person_split.pop_back(); }},
+      {"somebody leaf count", [](ModelRecords& m) { m.person_leaf.pop_back(); }},
       {"side split of a clue",
        [](ModelRecords& m) {
          m.meta.side_trees = 1;
-         m.side_anchor = m.somebody_anchor;
-         m.side_split = m.somebody_split;
-         m.side_leaf = m.somebody_leaf;
+         m.side_anchor = m.person_anchor;
+         m.side_split = m.person_split;
+         m.side_leaf = m.person_leaf;
        }},
       {"provenance", [](ModelRecords& m) { m.provenance.assign(70000, ' '); }},
       {"bins", [](ModelRecords& m) { m.bin.clear(); }},
@@ -315,16 +316,16 @@ TEST(JointModel, AnyAcceptedValuesTrackWithoutHarm) {
       s = {static_cast<std::uint16_t>(rng.index(4)), static_cast<std::uint16_t>(rng.index(4)), any()};
     for (auto& l : m.leaf) l = static_cast<std::int8_t>(rng.next());
     for (auto& b : m.basis) b = static_cast<float>(rng.uniform(-100, 100));
-    m.somebody_anchor.assign(m.anchor.begin(), m.anchor.begin() + m.meta.pixels);
-    m.somebody_leaf.assign(32, 1);
-    for (auto& s : m.somebody_split)
+    m.person_anchor.assign(m.anchor.begin(), m.anchor.begin() + m.meta.pixels);
+    m.person_leaf.assign(32, 1);
+    for (auto& s : m.person_split)
       s = {static_cast<std::uint16_t>(rng.index(4 + joints::kClueCount)),
            static_cast<std::uint16_t>(rng.index(4 + joints::kClueCount)), any()};
     const auto bytes = m.bytes();
     const JointModel model = parse(bytes);
     JointTracker tracker(model);
     const JointSet j = Board().track(tracker);
-    EXPECT_EQ(tracker.somebody_odds(static_cast<float>(any())), 1.0F / 256);
+    EXPECT_EQ(tracker.person_odds(static_cast<float>(any())), 1.0F / 256);
     for (const Vec3f& p : j.position_mm) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures full of holes: mended for finding people, never where nothing tells what is there; and a person in them is
+// Pictures full of holes: filled for finding people, never where nothing tells what is there; and a person in them is
 // not nobody.
 #include <gtest/gtest.h>
 
@@ -55,26 +55,26 @@ TEST(HoleFiller, LeavesAPictureWithFewHolesAlone) {
   riddle(frame.depth, kWidth, 0.08, 1);
   HoleFiller holes(kWidth, kHeight);
   EXPECT_EQ(holes.run(frame.view()).pixels, frame.depth.data());
-  EXPECT_FALSE(holes.mended());
+  EXPECT_FALSE(holes.filled());
   EXPECT_EQ(holes.run(Frame().view()).at(10, 10), 0) << "nothing at all is no hole";
-  EXPECT_FALSE(holes.mended());
+  EXPECT_FALSE(holes.filled());
 }
 
 TEST(HoleFiller, MendsAPlaneToWithinItsSlopeTimesTheReach) {
   Frame frame = plane_picture();
   riddle(frame.depth, kWidth, 0.5, 2);
   HoleFiller holes(kWidth, kHeight);
-  const DepthView mended = holes.run(frame.view());
-  ASSERT_TRUE(holes.mended());
+  const DepthView filled = holes.run(frame.view());
+  ASSERT_TRUE(holes.filled());
   int left = 0;
   for (int v = 0; v < kHeight; ++v)
     for (int u = 0; u < kWidth; ++u) {
       if (frame.at(u, v) != 0) {
-        ASSERT_EQ(mended.at(u, v), frame.at(u, v)) << u << ' ' << v;
-      } else if (mended.at(u, v) == 0) {
+        ASSERT_EQ(filled.at(u, v), frame.at(u, v)) << u << ' ' << v;
+      } else if (filled.at(u, v) == 0) {
         ++left;
       } else {
-        ASSERT_LE(std::abs(mended.at(u, v) - plane(u, v)), 2 * kReach) << u << ' ' << v;
+        ASSERT_LE(std::abs(filled.at(u, v) - plane(u, v)), 2 * kReach) << u << ' ' << v;
       }
     }
   EXPECT_LT(left, kWidth * kHeight / 25);
@@ -87,10 +87,10 @@ TEST(HoleFiller, LeavesWhatIsWideOpenEmpty) {
     for (int u = kFrom; u < kTo; ++u) frame.at(u, v) = 0;
   riddle(frame.depth, kWidth, 0.6, 3);
   HoleFiller holes(kWidth, kHeight);
-  const DepthView mended = holes.run(frame.view());
-  ASSERT_TRUE(holes.mended());
+  const DepthView filled = holes.run(frame.view());
+  ASSERT_TRUE(holes.filled());
   for (int v = 0; v < kHeight; ++v)
-    for (int u = kFrom + 4; u < kTo - 4; ++u) ASSERT_EQ(mended.at(u, v), 0) << u << ' ' << v;
+    for (int u = kFrom + 4; u < kTo - 4; ++u) ASSERT_EQ(filled.at(u, v), 0) << u << ' ' << v;
 }
 
 // Depth edges stay where they were but for the reach of a hole, and no depth is made up between the two.
@@ -100,11 +100,11 @@ TEST(HoleFiller, InventsNoDepthBetweenPersonAndRoom) {
     for (int u = 0; u < kWidth; ++u) frame.at(u, v) = u < 160 ? 1500 : 3500;
   riddle(frame.depth, kWidth, 0.5, 4);
   HoleFiller holes(kWidth, kHeight);
-  const DepthView mended = holes.run(frame.view());
-  ASSERT_TRUE(holes.mended());
+  const DepthView filled = holes.run(frame.view());
+  ASSERT_TRUE(holes.filled());
   for (int v = 0; v < kHeight; ++v)
     for (int u = 0; u < kWidth; ++u) {
-      const int z = mended.at(u, v);
+      const int z = filled.at(u, v);
       ASSERT_TRUE(z == 0 || z == 1500 || z == 3500) << z;
       ASSERT_FALSE(u < 160 - kReach && z == 3500) << u << ' ' << v;
       ASSERT_FALSE(u >= 160 + kReach && z == 1500) << u << ' ' << v;
@@ -131,17 +131,17 @@ class RiddledRoom : public testing::Test {
     scene_.pitch_deg = 3;
     scene_.wall_z = 4500;
   }
-  Sighting look(double share) {
+  Detection look(double share) {
     Sensor sensor(kWidth, kHeight, *model_);
-    Sighting sighting;
+    Detection detection;
     mask_.assign(kWidth * kHeight, 0);
     for (std::uint64_t frame = 0; frame < 4; ++frame) {
       room_test::Picture picture = room_test::look(scene_, 0.5, frame + 1);
       if (share > 0) riddle(picture.depth, kWidth, share, frame + 10);
-      sighting = sensor.sense(picture.view(), scene_.intrinsics(), MaskImage(mask_.data(), kWidth, kHeight));
+      detection = sensor.sense(picture.view(), scene_.intrinsics(), MaskImage(mask_.data(), kWidth, kHeight));
       picture_ = picture;
     }
-    return sighting;
+    return detection;
   }
 
   std::vector<std::byte> bytes_;
@@ -155,9 +155,9 @@ TEST_F(RiddledRoom, SomebodyFullOfHolesIsTooNoisyAndNotNobody) {
   ASSERT_TRUE(static_cast<bool>(model_));
   room_test::add(scene_, room_test::person_at(0, 2900));
   for (const double share : {0.45, 0.55}) {
-    const Sighting sighting = look(share);
-    EXPECT_TRUE(sighting.person.found) << share;
-    EXPECT_EQ(sighting.guidance, static_cast<GuidanceSet>(Guidance::too_noisy)) << share;
+    const Detection detection = look(share);
+    EXPECT_TRUE(detection.person.found) << share;
+    EXPECT_EQ(detection.guidance, static_cast<GuidanceSet>(Guidance::too_noisy)) << share;
     int off = 0, on = 0;
     for (std::size_t i = 0; i < mask_.size(); ++i) {
       if (mask_[i] == 0) continue;
@@ -171,19 +171,19 @@ TEST_F(RiddledRoom, SomebodyFullOfHolesIsTooNoisyAndNotNobody) {
 TEST_F(RiddledRoom, NobodyFullOfHolesIsNobody) {
   ASSERT_TRUE(static_cast<bool>(model_));
   scene_.boxes.push_back({{-300, 0, 2700}, {300, 900, 3100}});
-  const Sighting sighting = look(0.5);
-  EXPECT_FALSE(sighting.person.found);
-  EXPECT_TRUE(has(sighting.guidance, Guidance::no_person));
-  EXPECT_FALSE(has(sighting.guidance, Guidance::too_noisy));
+  const Detection detection = look(0.5);
+  EXPECT_FALSE(detection.person.found);
+  EXPECT_TRUE(has(detection.guidance, Guidance::no_person));
+  EXPECT_FALSE(has(detection.guidance, Guidance::too_noisy));
 }
 
 TEST_F(RiddledRoom, AFewHolesAreNotNoise) {
   ASSERT_TRUE(static_cast<bool>(model_));
   room_test::add(scene_, room_test::person_at(0, 2900));
   for (const double share : {0.0, 0.05}) {
-    const Sighting sighting = look(share);
-    EXPECT_TRUE(sighting.person.found) << share;
-    EXPECT_FALSE(has(sighting.guidance, Guidance::too_noisy)) << share;
+    const Detection detection = look(share);
+    EXPECT_TRUE(detection.person.found) << share;
+    EXPECT_FALSE(has(detection.guidance, Guidance::too_noisy)) << share;
   }
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/common/sighting.h"
+#include "apps/common/preview_input.h"
 #include "engine/report/drawn_bones.h"
 
 namespace im2fit::apps {
@@ -70,9 +70,9 @@ void LivePage::move(const FrameSeen& frame) {
     Json joints = Json::array();
     for (const Vec3f& p : standing_joints_m(result.display_joints, result.floor)) joints.push_back(rounded(p));
     event["joints"] = std::move(joints);
-    const std::lock_guard lock(puppet_mutex_);
-    if (puppet_) {
-      const body::RigPose rig = puppet_->follow(result.display_joints, result.floor);
+    const std::lock_guard lock(animator_mutex_);
+    if (animator_) {
+      const body::RigPose rig = animator_->follow(result.display_joints, result.floor);
       event["root"] = rounded(rig.root_m);
       for (const auto& rotation : rig.rotation) event["rotations"].push_back(rounded(rotation));
     }
@@ -81,7 +81,7 @@ void LivePage::move(const FrameSeen& frame) {
 }
 
 void LivePage::draw(const FrameSeen& frame) {
-  const auto png = draw_sighting(sighting_of(frame, intrinsics_), kPictureHeightPx, false).png();
+  const auto png = draw_preview(preview_of(frame, intrinsics_), kPictureHeightPx, false).png();
   if (!png) return;  // the next one may do
   const auto* bytes = reinterpret_cast<const char*>(png->data());
   board_.put("/picture.png", {"image/png", std::string(bytes, png->size())});
@@ -92,8 +92,8 @@ void LivePage::tell(const Json& event) {
   const std::string kind = event["event"];
   if (kind == "measured") board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
   if (kind == "left") {
-    const std::lock_guard lock(puppet_mutex_);
-    puppet_.reset();  // the next person's joints are not theirs
+    const std::lock_guard lock(animator_mutex_);
+    animator_.reset();  // the next person's joints are not theirs
   }
   std::string line = line_of(event);
   line.pop_back();
@@ -103,12 +103,12 @@ void LivePage::tell(const Json& event) {
 Status LivePage::measured(const body::Avatar& avatar) {
   auto glb = body::glb_of(avatar);
   if (!glb) return glb.error();
-  auto puppet = Puppet::create(avatar);
-  if (!puppet) return puppet.error();
+  auto animator = AvatarAnimator::create(avatar);
+  if (!animator) return animator.error();
   board_.put("/avatar.glb",
              {"model/gltf-binary", std::string(reinterpret_cast<const char*>(glb->data()), glb->size())});
-  const std::lock_guard lock(puppet_mutex_);
-  puppet_ = *puppet;
+  const std::lock_guard lock(animator_mutex_);
+  animator_ = *animator;
   return Ok{};
 }
 

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "apps/common/events.h"
+#include "apps/im2fit/page/avatar_animator.h"
 #include "apps/im2fit/page/board.h"
 #include "apps/im2fit/page/page_server.h"
-#include "apps/im2fit/page/puppet.h"
 #include "engine/engine.h"
 
 namespace im2fit::apps {
@@ -37,8 +37,8 @@ class LivePage {
 
   Board board_;
   Intrinsics intrinsics_;
-  std::mutex puppet_mutex_;
-  std::optional<Puppet> puppet_;
+  std::mutex animator_mutex_;
+  std::optional<AvatarAnimator> animator_;
   std::chrono::steady_clock::time_point drawn_{};
   std::uint64_t pictures_ = 0;
   std::unique_ptr<PageServer> server_;  // last: it refers to the board

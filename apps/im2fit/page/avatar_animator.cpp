@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit/page/avatar_animator.h"
+
+#include <algorithm>
+#include <array>
+
+#include "body/export/figure.h"
+#include "engine/avatar.h"
+
+namespace im2fit::apps {
+
+Result<AvatarAnimator> AvatarAnimator::create(const body::Avatar& avatar) {
+  const auto figure = body::make_figure(avatar);
+  if (!figure) return figure.error();
+  AvatarAnimator animator;
+  animator.rest_ = figure->skeleton;
+  animator.floor_mm_ = figure->floor_rest;
+  return animator;
+}
+
+body::RigPose AvatarAnimator::follow(const JointSet& joints, const FloorPlane& floor) const {
+  body::Pose pose = body::pose_from_joints(rest_, to_mesh_axes(joints, floor));
+  // Soles stay level in a pose from joints, so they are as far below the ankle as at rest.
+  const body::PosedSkeleton posed = body::pose_skeleton(rest_, pose);
+  const auto sole_mm = [&](body::Segment foot) {
+    const auto s = static_cast<std::size_t>(foot);
+    return posed.head[s].y - (rest_.head[s].y - floor_mm_);
+  };
+  pose.translation_mm.y -= std::min(sole_mm(body::Segment::left_foot), sole_mm(body::Segment::right_foot));
+  return body::rig_pose(rest_, pose);
+}
+
+std::array<Vec3f, kJointCount> standing_joints_m(const JointSet& joints, const FloorPlane& floor) {
+  constexpr float kAnkleMm = 80;  // of a foot whose floor is not seen
+  const JointSet standing = to_mesh_axes(joints, floor);
+  const float up_mm = floor.known ? 0 : kAnkleMm - std::min(standing[Joint::LF].y, standing[Joint::RF].y);
+  std::array<Vec3f, kJointCount> out;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    out[j] = (standing.position_mm[j] + Vec3f{0, up_mm, 0}) * body::kMetres;
+  return out;
+}
+
+}  // namespace im2fit::apps

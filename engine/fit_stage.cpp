@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/fit_stage.h"
+
+#include <limits>
+
+namespace im2fit {
+namespace {
+
+SessionRules rules_of(const EngineSettings& settings) {
+  SessionRules rules;
+  rules.frames_wanted = settings.frames_wanted;
+  rules.frames_min = settings.frames_min;
+  rules.calibration_psi = settings.calibration_psi;
+  rules.turn = settings.turn == Turn::asked;
+  return rules;
+}
+
+EngineResult empty_result() {
+  EngineResult result;
+  result.paper.fill(std::numeric_limits<float>::quiet_NaN());
+  return result;
+}
+
+}  // namespace
+
+FitStage::FitStage(const EngineSettings& settings, FrameStages& stages)
+    : intrinsics_(settings.intrinsics), rules_(rules_of(settings)), stages_(stages), result_(empty_result()) {}
+
+// What callers and overlays see of the latest frame, whatever the session makes of it.
+void FitStage::show(const FrameSlot& slot) {
+  const Detection& detection = slot.detection;
+  const int user = detection.person.found ? detection.person.id : 0;
+  if (!detection.person.found || user != result_.user) {
+    chain_.reset();
+    steady_.reset();
+    motion_.reset();
+  }
+  result_.user = user;
+  result_.users = detection.users;
+  result_.user_count = detection.user_count;
+  result_.view = detection.person.found ? detection.view : ViewSide::unknown;
+  result_.has_joints = detection.person.found;
+  if (detection.person.floor.known) result_.floor = detection.person.floor;
+  if (!detection.person.found) return;
+  const ChainedJoints chained = chain_.step(detection.joints, slot.seconds);
+  result_.joints = chained.joints;
+  result_.joints_inferred = chained.inferred;
+  result_.display_joints = steady_.step(chained.joints, slot.seconds);
+}
+
+void FitStage::wait_for_leaving(const FrameSlot& slot) {
+  const Person& person = slot.detection.person;
+  if (person.found && person.id == session_.user)
+    leaving_absent_frames_ = 0;
+  else if (++leaving_absent_frames_ > rules_.absent_frames_max)
+    begin_next();
+}
+
+void FitStage::begin_next() {
+  const std::uint32_t session = result_.session + 1;
+  reset();
+  result_.session = session;
+}
+
+// A silence: nobody knows who is seen after it.
+void FitStage::end_moment() {
+  chain_.reset();
+  steady_.reset();
+  motion_.reset();
+  result_.floor = {};
+  if (leaving_) {
+    begin_next();
+  } else if (session_.state == SessionState::turning) {
+    end_turning(false, false);
+    result_.state = session_.state;
+    count_gathered();
+  } else if (session_.state != SessionState::searching) {
+    stages_.reset_fit();
+    session_ = {};
+    session_.state = SessionState::lost;
+  }
+}
+
+void FitStage::process(const FrameSlot& slot) {
+  if (slot.after_silence) end_moment();
+  if (over()) return;
+  show(slot);
+  if (leaving_) {
+    wait_for_leaving(slot);
+    return;
+  }
+  const Detection& detection = slot.detection;
+  const FloorPlane& floor = detection.person.floor;
+  SessionView view;
+  view.found = detection.person.found;
+  view.guidance = detection.guidance;
+  view.user = detection.person.id;
+  view.view = detection.view;
+  view.frames_gathered = stages_.frame_count();
+  if (view.found) view.motion = motion_.step(detection.person.centroid_mm, detection.joints, slot.seconds);
+  view.psi =
+      rules_.calibration_psi && view.found && is_psi_pose(detection.joints, floor.known ? floor.up : Vec3f{0, -1, 0});
+
+  const SessionStep step = on_detection(rules_, session_, view);
+  session_ = step.next;
+  if (step.forget) forget();
+
+  ++result_.frames_seen;
+  take_counts(slot.counts);
+  result_.guidance = step.guidance;
+  const bool enough = step.use_frame && gather(slot);
+  take_guidance(result_.guidance);
+  if (step.measure) {
+    end_turning(!step.drop_back, false);
+  } else if (enough) {
+    measure(false);
+  }
+  result_.state = session_.state;
+  count_gathered();
+}
+
+// While turning: of the back; the front is kept.
+void FitStage::forget() {
+  if (session_.state == SessionState::turning) {
+    stages_.drop_back();
+    stages_.turn();
+    return;
+  }
+  stages_.reset_fit();
+  front_frames_ = 0;
+}
+
+bool FitStage::gather(const FrameSlot& slot) {
+  const GuidanceSet refusal = stages_.add(slot.depth, slot.mask, intrinsics_, slot.detection);
+  result_.guidance |= refusal;
+  const OfferStep offer = after_offer(rules_, session_, refusal != 0, stages_.frame_count());
+  session_ = offer.next;
+  if (offer.forget) forget();
+  return offer.measure;
+}
+
+void FitStage::end_turning(bool with_back, bool ended) {
+  if (!with_back) {
+    stages_.drop_back();
+    front_frames_ = 0;
+  }
+  measure(ended);
+}
+
+void FitStage::measure(bool ended) {
+  MeasuredPerson person;
+  bool succeeded = stages_.measure(person);
+  if (!succeeded && stages_.fault() == nullptr &&
+      front_frames_ > 0) {  // the back cannot be described; the front could
+    stages_.drop_back();
+    front_frames_ = 0;
+    succeeded = stages_.measure(person);
+  }
+  if (const Error* fault = stages_.fault(); !succeeded && fault != nullptr) {
+    fault_ = *fault;
+    return;
+  }
+  const MeasuringStep step = after_measuring(rules_, session_, succeeded, ended);
+  session_ = step.next;
+  if (step.forget) forget();
+  result_.measured = succeeded && !step.turn;
+  result_.front_measured = succeeded && (step.turn || result_.front_measured);
+  if (!succeeded) {
+    result_.views = AnswerViews::none;
+    result_.answer = {};
+    result_.age = {};
+    result_.paper.fill(std::numeric_limits<float>::quiet_NaN());
+    result_.guidance = static_cast<GuidanceSet>(Guidance::too_noisy);
+    take_guidance(result_.guidance);
+    return;
+  }
+  result_.views = front_frames_ > 0 ? AnswerViews::front_and_back : AnswerViews::front;
+  result_.answer = person.answer;
+  result_.age = person.age;
+  result_.paper = person.paper;
+  result_.measured_joints = person.joints;
+  if (person.floor.known) result_.floor = person.floor;
+  result_.guidance = 0;  // nothing more is needed
+  if (!step.turn) return;
+  front_frames_ = stages_.frame_count();
+  stages_.turn();
+  result_.guidance = static_cast<GuidanceSet>(Guidance::turn_round);
+  take_guidance(result_.guidance);
+}
+
+void FitStage::count_gathered() {
+  const int gathered = stages_.frame_count();
+  result_.frames_used = static_cast<std::uint64_t>(front_frames_ + gathered);
+  result_.frames_back = front_frames_ > 0 ? static_cast<std::uint64_t>(gathered) : 0;
+}
+
+void FitStage::end(const ArrivalCounts& counts) {
+  if (fault_ || session_.state == SessionState::measured) return;
+  take_counts(counts);
+  const bool enough = measure_at_end(rules_, session_, stages_.frame_count());
+  if (session_.state == SessionState::turning)
+    end_turning(enough, true);
+  else if (enough)
+    measure(true);
+  result_.state = session_.state;
+  count_gathered();
+}
+
+void FitStage::reset() {
+  stages_.reset_fit();
+  front_frames_ = 0;
+  session_ = {};
+  result_ = empty_result();
+  chain_.reset();
+  steady_.reset();
+  motion_.reset();
+  fault_.reset();
+  leaving_ = false;
+  leaving_absent_frames_ = 0;
+}
+
+void FitStage::next_person() {
+  if (session_.state != SessionState::measured)
+    begin_next();
+  else
+    leaving_ = true;
+}
+
+void FitStage::take_counts(const ArrivalCounts& counts) {
+  result_.frames_dropped = counts.dropped;
+  result_.sequence_gaps = counts.sequence_gaps;
+  result_.sequence_repeats = counts.sequence_repeats;
+  result_.time_reversals = counts.time_reversals;
+}
+
+void FitStage::take_guidance(GuidanceSet guidance) {
+  result_.guidance_seen |= guidance;
+  for (std::size_t i = 0; i < kGuidanceCount; ++i)
+    if ((guidance >> i & 1U) != 0) ++result_.guidance_frames[i];
+}
+
+}  // namespace im2fit

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// What FIT does with a frame that was sensed: session step, gathering, and the measurement once a session.
+#pragma once
+
+#include <optional>
+
+#include "engine/engine.h"
+#include "engine/frame_pool.h"
+#include "engine/frame_stages.h"
+#include "engine/session.h"
+#include "perception/observe/chain_filter.h"
+#include "perception/observe/joint_filter.h"
+#include "perception/observe/motion_filter.h"
+
+namespace im2fit {
+
+// No threads of its own; one caller at a time. No allocation.
+class FitStage {
+ public:
+  FitStage(const EngineSettings& settings, FrameStages& stages);
+  void process(const FrameSlot& slot);
+  // The stream has ended: measures when enough is gathered.
+  void end(const ArrivalCounts& counts);
+  void reset();
+  // After MEASURED: waits for the person to leave, then begins anew. Before: begins anew.
+  void next_person();
+  // Begins anew at once.
+  void begin_next();
+  // The session is over: MEASURED, or a file was found damaged; frames change nothing any more, but for who waits for
+  // the person to leave.
+  bool over() const { return fault_ || (session_.state == SessionState::measured && !leaving_); }
+  // What was found damaged in measuring; null: nothing. Until the session begins anew.
+  const Error* fault() const { return fault_ ? &*fault_ : nullptr; }
+  const EngineResult& result() const { return result_; }
+
+ private:
+  void end_moment();
+  void show(const FrameSlot& slot);
+  void wait_for_leaving(const FrameSlot& slot);
+  bool gather(const FrameSlot& slot);  // true: enough to measure
+  void measure(bool ended);
+  void end_turning(bool with_back, bool ended);
+  void forget();
+  void count_gathered();
+  void take_counts(const ArrivalCounts& counts);
+  void take_guidance(GuidanceSet guidance);
+
+  const Intrinsics intrinsics_;
+  const SessionRules rules_;
+  FrameStages& stages_;
+  Session session_;
+  EngineResult result_;
+  ChainFilter chain_;
+  JointFilter steady_;
+  MotionFilter motion_;
+  int front_frames_ = 0;  // gathered before TURNING; 0 when the front is being gathered
+  std::optional<Error> fault_;
+  bool leaving_ = false;
+  int leaving_absent_frames_ = 0;
+};
+
+}  // namespace im2fit

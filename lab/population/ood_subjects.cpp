@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/population/ood_subjects.h"
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+#include "body/measure.h"
+#include "body/shape_spread.h"
+#include "core/rng.h"
+#include "lab/population/shape_variation.h"
+
+namespace im2fit::lab {
+namespace {
+
+constexpr std::uint64_t kOodStream = 0x57A6;
+
+// Spread of a modifier in either family; "l-" and "r-" variants belong to the pair's row.
+bool used(std::string_view name) {
+  const auto plain = [](std::string_view n) {
+    std::string out(n);
+    const std::size_t slash = out.find('/') + 1;
+    if (out.compare(slash, 2, "l-") == 0 || out.compare(slash, 2, "r-") == 0) out.erase(slash, 2);
+    return out;
+  };
+  return std::any_of(body::modifier_spreads().begin(), body::modifier_spreads().end(),
+                     [&](const body::ModifierSpread& row) { return plain(row.name) == plain(name); });
+}
+
+// Lengths of bones vary freely in training already; hands, feet and parts moved sideways have nothing to do with
+// measurements. What is left changes shapes.
+bool is_shape(std::string_view name) {
+  for (const std::string_view word : {"hand", "foot", "trans-horiz", "vert", "height", "arm-scale"})
+    if (name.find(word) != name.npos) return false;
+  return true;
+}
+
+}  // namespace
+
+Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
+                         const Strangeness& strangeness) {
+  std::vector<Vec3f> rest;
+  return draw_ood_subject(model, seed, index, strangeness, rest);
+}
+
+Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
+                         const Strangeness& strangeness, std::vector<Vec3f>& rest) {
+  Subject subject = draw_unmeasured(model, Family::training, seed ^ kOodStream, index, rest);
+  Rng rng = Rng::for_item(subject.seed, kOodStream, index);
+  const auto names = model.modifier_names();
+  subject.params.modifiers.resize(names.size(), 0.0F);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const double sd = strangeness.modifier_sd;
+    const double value = std::clamp(rng.normal(0, sd), -2.2 * sd, 2.2 * sd);
+    if (!used(names[i]) && is_shape(names[i])) subject.params.modifiers[i] += static_cast<float>(value);
+  }
+  model.morph(subject.params, rest);
+  subject.rest_offset_mm.resize(static_cast<std::size_t>(model.body_vertex_count()));
+  const double amplitude_mm =
+      rng.uniform(static_cast<double>(strangeness.bump_least_mm), static_cast<double>(strangeness.bump_most_mm));
+  add_bumps(model, rest, strangeness.bumps, static_cast<float>(amplitude_mm), rng, subject.rest_offset_mm);
+  for (const Mirrored* part : {&strangeness.trunk, &strangeness.neck})
+    add_mirrored(model, rest, *part, rng, subject.rest_offset_mm);
+  for (std::size_t i = 0; i < subject.rest_offset_mm.size(); ++i) rest[i] = rest[i] + subject.rest_offset_mm[i];
+  subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);
+  return subject;
+}
+
+}  // namespace im2fit::lab

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the segmenter takes for people, in pictures of people and of empty rooms, as votes for somebody see it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "body/model.h"
+#include "lab/tracker_training/tracker_votes.h"
+#include "lab/tracker_training/train_tracker.h"
+#include "perception/joints/tracker.h"
+
+namespace im2fit::lab {
+
+struct DetectionPlan {
+  int people_count = 0;  // pictures, of person_mix()
+  int room_count = 0;    // pictures, of draw_empty_room()
+  std::uint64_t seed = 1;
+  int thread_count = 1;  // does not change the result
+};
+
+// Whoever the segmenter's first look takes for somebody, or may, each followed by the mirror image, every second of
+// these as where no floor is seen and no shape known; yes: the person shown. The model's own votes are not asked.
+VoteExamples collect_detections(const body::BodyModel& model, const JointModel& joint_model,
+                                std::span<const joints::Anchor> anchors, const DetectionPlan& plan,
+                                const std::function<void(double)>& progress);
+
+}  // namespace im2fit::lab

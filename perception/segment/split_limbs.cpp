@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "perception/segment/split_limbs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace im2fit::segment {
+namespace {
+
+constexpr float kFragmentAreaMaxM2 = 0.12F;  // a forearm pointing at the camera
+constexpr float kForearmMaxMm = 600.0F;      // with the hand
+constexpr float kForearmThickMinMm = 70.0F;  // table tops are thinner
+constexpr float kForearmAreaMaxM2 = 0.08F;
+constexpr float kHandHeightMinMm = 400.0F;  // above the floor: below it stand boxes and chairs
+constexpr float kFlatAreaMinM2 = 0.02F;     // a palm is smaller
+constexpr float kFlatReliefMaxMm = 5.0F;
+constexpr float kHandGapMaxMm = 280.0F;  // held towards the camera, the forearm is hidden
+constexpr float kPointingMm = 250.0F;    // a hand this far before the body may hide its whole arm
+constexpr float kPointingGapMaxMm = 450.0F;
+constexpr float kHandMaxMm = 320.0F;
+constexpr float kElbowGapMaxMm = 100.0F;
+constexpr int kGapReachCells = 9;
+constexpr float kLimbMinMm = 150.0F;
+constexpr float kLimbMaxMm = 900.0F;
+constexpr float kLimbThickMinMm = 38.0F;  // of its area over its length; legs of chairs are thinner
+constexpr float kArmThickMaxMm = 95.0F;
+constexpr float kLegThickMaxMm = 120.0F;
+constexpr float kLimbSlender = 1.6F;
+constexpr float kLimbReliefMinMm = 12.0F;  // fronts of boxes are flatter
+constexpr float kArmGapMaxMm = 250.0F;     // behind the trunk
+constexpr float kLegGapMaxMm = 130.0F;     // behind the hem of a skirt
+constexpr int kLimbTouchMin = 2;           // cells
+constexpr float kLegTopMaxMm = 1000.0F;    // above the floor
+constexpr float kLegEndMaxMm = 200.0F;
+constexpr float kArmEndMinMm = 350.0F;
+constexpr float kEnclosedMinMm = 400.0F;  // above the floor: boxes stand between legs
+constexpr float kHeldMm = 120.0F;         // what goes on below is no further in depth
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+}  // namespace
+
+SplitLimbJoiner::SplitLimbJoiner()
+    : touch_(at(kBlobCountMax)),
+      border_(at(kBlobCountMax)),
+      gap_mm_(at(kBlobCountMax)),
+      gap_max_mm_(at(kBlobCountMax)),
+      kind_(at(kBlobCountMax)),
+      ends_(at(kBlobCountMax)),
+      held_(at(kBlobCountMax)),
+      tops_(at(kBlobCountMax)),
+      hung_(at(kBlobCountMax)) {}
+
+void SplitLimbJoiner::list_candidates(const Grid& grid, std::span<const Blob> list, bool floor_known, int person) {
+  const Blob& body = list[at(person)];
+  for (std::size_t b = 0; b < list.size(); ++b) {
+    const Blob& other = list[b];
+    const float z = other.centroid_mm.z;
+    const float cell = static_cast<float>(grid.step) * z / grid.intrinsics.fx;
+    kind_[b] = Kind::no;
+    if (other.person || b == at(person) || z < body.centroid_mm.z - 900.0F || z > body.centroid_mm.z + 500.0F)
+      continue;
+    const float wide = static_cast<float>(other.c_max - other.c_min + 1) * cell;
+    const float tall = static_cast<float>(other.r_max - other.r_min + 1) * cell;
+    const float long_mm = std::sqrt(wide * wide + tall * tall);
+    const float thick_mm = other.area_m2 * 1e6F / long_mm;
+    const bool slender = long_mm > kLimbMinMm && long_mm < kLimbMaxMm && thick_mm > kLimbThickMinMm &&
+                         long_mm > kLimbSlender * thick_mm && other.relief_mm > kLimbReliefMinMm;
+    const bool leg = other.height_min_mm < kLegEndMaxMm && other.height_max_mm < kLegTopMaxMm;
+    if (slender && (leg || other.r_max >= grid.height - 2) && thick_mm < kLegThickMaxMm) {
+      kind_[b] = Kind::leg;
+      gap_max_mm_[b] = kLegGapMaxMm;
+    } else if (slender && (!floor_known || other.height_min_mm > kArmEndMinMm) && thick_mm < kArmThickMaxMm) {
+      kind_[b] = Kind::arm;
+      gap_max_mm_[b] = kArmGapMaxMm;
+    }
+    if (other.area_m2 >= kFragmentAreaMaxM2) continue;
+    if (kind_[b] == Kind::no && (!floor_known || other.height_min_mm > kEnclosedMinMm)) kind_[b] = Kind::enclosed;
+    const float reach = static_cast<float>(std::max(other.c_max - other.c_min, other.r_max - other.r_min)) * cell;
+    const bool off_floor = !floor_known || other.height_min_mm > kHandHeightMinMm;
+    // Boxes on stools are as large, but flat.
+    const bool flat = other.area_m2 > kFlatAreaMinM2 && other.relief_mm < kFlatReliefMaxMm + 0.3F * quantum_mm(z);
+    if (flat) {
+      kind_[b] = Kind::no;
+      continue;
+    }
+    const float before = body.centroid_mm.z - z;
+    const bool hand = reach < kForearmMaxMm + 80.0F && other.area_m2 < kForearmAreaMaxM2 && off_floor &&
+                      other.height_max_mm - other.height_min_mm > kForearmThickMinMm;
+    if (!hand) continue;
+    const float gap_max = before > kPointingMm && reach < kHandMaxMm ? kPointingGapMaxMm
+                          : before > 60.0F && reach < kForearmMaxMm  ? kHandGapMaxMm
+                                                                     : kElbowGapMaxMm;
+    if (kind_[b] == Kind::arm && gap_max < kArmGapMaxMm) continue;
+    kind_[b] = Kind::hand;
+    gap_max_mm_[b] = gap_max;
+  }
+}
+
+// What goes on beneath as something else, at the same depth, lies on it: boxes on stools. What begins under the
+// person hangs there: legs.
+void SplitLimbJoiner::look_along(const Grid& grid, std::span<const std::uint16_t> labels,
+                                 std::span<const std::uint8_t> chosen, int r_first, int r_last) {
+  std::fill(ends_.begin(), ends_.end(), 0);
+  std::fill(held_.begin(), held_.end(), 0);
+  std::fill(tops_.begin(), tops_.end(), 0);
+  std::fill(hung_.begin(), hung_.end(), 0);
+  const auto row = at(grid.width);
+  for (int r = std::max(2, r_first); r <= std::min(grid.height - 4, r_last); ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      const auto i = at(grid.index(c, r));
+      const std::uint16_t own = labels[i];
+      if (own == 0 || kind_[at(own - 1)] == Kind::no) continue;
+      if (labels[i - row] != own) {
+        ++tops_[at(own - 1)];
+        hung_[at(own - 1)] += chosen[i - row] | chosen[i - 2 * row];
+      }
+      if (labels[i + row] == own) continue;
+      ++ends_[at(own - 1)];
+      for (int d = 1; d <= 3; ++d) {
+        const auto below = at(grid.index(c, r + d));
+        if (labels[below] == own || chosen[below] != 0) break;
+        if (labels[below] == 0) continue;
+        const int away = static_cast<int>(grid.depth[below]) - static_cast<int>(grid.depth[i]);
+        if (static_cast<float>(away) < kHeldMm) ++held_[at(own - 1)];
+        break;
+      }
+    }
+  }
+}
+
+bool SplitLimbJoiner::belongs(const Blob& blob, std::size_t index, const Blob& body) const {
+  const Kind kind = kind_[index];
+  const bool held = held_[index] * 2 > ends_[index];
+  if (kind == Kind::no || held) return false;
+  const auto touch = static_cast<float>(touch_[index]);
+  const bool enclosed = blob.centroid_mm.z < body.centroid_mm.z + 130.0F && touch_[index] > 0 &&
+                        touch >= 0.55F * static_cast<float>(border_[index]);
+  if (enclosed) return true;
+  if (kind == Kind::leg && hung_[index] * 3 < tops_[index]) return false;
+  if (kind == Kind::leg || kind == Kind::arm)
+    return touch_[index] >= kLimbTouchMin && gap_mm_[index] < gap_max_mm_[index];
+  return kind == Kind::hand && gap_mm_[index] < gap_max_mm_[index];
+}
+
+// A hand or forearm held towards the camera is an island of its own: no larger than that, before the body, off the
+// floor, and a short way in space from what is already the person. So are legs below the hem of a skirt and arms
+// behind the back: slender, beside the person in the picture, a short way behind. Islands inside the outline belong
+// as well.
+void SplitLimbJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_known, int person,
+                          std::span<std::uint8_t> chosen) {
+  const auto labels = found.labels();
+  const auto list = found.blobs();
+  const auto label = static_cast<std::uint16_t>(person + 1);
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = labels[i] == label ? 1 : 0;
+  list_candidates(grid, list, floor_known, person);
+  int r_first = grid.height;
+  int r_last = -1;
+  for (std::size_t b = 0; b < list.size(); ++b) {
+    if (kind_[b] == Kind::no || list[b].cell_count == 0) continue;
+    r_first = std::min(r_first, list[b].r_min);
+    r_last = std::max(r_last, list[b].r_max);
+  }
+  if (r_last < 0) return;
+  look_along(grid, labels, chosen, r_first, r_last);
+  for (int pass = 0; pass < 2; ++pass) {  // a hand may hang on a wrist that is an island itself
+    std::fill(touch_.begin(), touch_.end(), 0);
+    std::fill(border_.begin(), border_.end(), 0);
+    std::fill(gap_mm_.begin(), gap_mm_.end(), 1e9F);
+    for (int r = std::max(1, r_first); r <= std::min(grid.height - 2, r_last); ++r) {
+      for (int c = 1; c + 1 < grid.width; ++c) {
+        const int cell = grid.index(c, r);
+        const std::uint16_t own = labels[at(cell)];
+        if (own == 0 || chosen[at(cell)] != 0 || kind_[at(own - 1)] == Kind::no) continue;
+        look_around(grid, labels, chosen, c, r);
+      }
+    }
+    for (std::size_t b = 0; b < list.size(); ++b) {
+      const Blob& blob = list[b];
+      if (kind_[b] == Kind::no || blob.cell_count == 0 || !belongs(blob, b, list[at(person)])) continue;
+      for (int r = blob.r_min; r <= blob.r_max; ++r)
+        for (int c = blob.c_min; c <= blob.c_max; ++c)
+          if (labels[at(grid.index(c, r))] == b + 1) chosen[at(grid.index(c, r))] = 1;
+    }
+  }
+}
+
+// How much of a candidate's border faces the person, and how near in space it comes.
+void SplitLimbJoiner::look_around(const Grid& grid, std::span<const std::uint16_t> labels,
+                                  std::span<const std::uint8_t> chosen, int c, int r) {
+  const int cell = grid.index(c, r);
+  const std::uint16_t own = labels[at(cell)];
+  const auto b = at(own - 1);
+  bool edge = false;
+  for (const int step : {-1, 1, -grid.width, grid.width}) {
+    int other = cell + step;
+    if (labels[at(other)] == own) continue;
+    edge = true;
+    const int next = other + step;
+    if (grid.depth[at(other)] == 0 && next >= 0 && next < static_cast<int>(labels.size())) other = next;
+    ++border_[b];
+    if (chosen[at(other)] != 0) ++touch_[b];
+  }
+  if (!edge || kind_[b] == Kind::enclosed) return;
+  const Vec3f here = grid.point(cell);
+  for (int rr = std::max(0, r - kGapReachCells); rr <= std::min(grid.height - 1, r + kGapReachCells); ++rr) {
+    for (int cc = std::max(0, c - kGapReachCells); cc <= std::min(grid.width - 1, c + kGapReachCells); ++cc) {
+      const int other = grid.index(cc, rr);
+      if (chosen[at(other)] != 0) gap_mm_[b] = std::min(gap_mm_[b], norm(grid.point(other) - here));
+    }
+  }
+}
+
+}  // namespace im2fit::segment

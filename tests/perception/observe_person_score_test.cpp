@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who is taken for a person, and by what: the joints' doubt. Models written by hand: one whose runs agree everywhere,
+// one whose runs never do.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "perception/observe/observe.h"
+#include "tests/perception/joints_board.h"
+#include "tests/perception/joints_model_builder.h"
+#include "tests/perception/segment_scene.h"
+
+namespace im2fit {
+namespace {
+
+using room_test::add;
+using room_test::Capsule;
+using room_test::kKinectNoise;
+using room_test::look;
+using room_test::person_at;
+using room_test::Scene;
+
+struct Model {
+  // `leaf` mm and six: right in the view, left in its mirror image.
+  explicit Model(std::int8_t leaf) : bytes(test::constant_model(0, 0, 0, leaf).bytes()) {
+    auto parsed = JointModel::parse(bytes, "model");
+    EXPECT_TRUE(parsed);
+    model.emplace(std::move(*parsed));
+  }
+  std::vector<std::byte> bytes;
+  std::optional<JointModel> model;
+};
+
+Scene room() {
+  Scene s;
+  s.width = 320;
+  s.height = 240;
+  s.focal = 287.9F;
+  s.camera_height = 1100;
+  s.pitch_deg = 4;
+  s.wall_z = 4800;
+  return s;
+}
+
+class PersonScore : public testing::Test {
+ protected:
+  Detection show(Sensor& sensor, const Scene& s) {
+    mask_.assign(static_cast<std::size_t>(s.width * s.height), 7);
+    const auto picture = look(s, kKinectNoise, ++seed_);
+    return sensor.sense(picture.view(), s.intrinsics(), MaskImage(mask_.data(), s.width, s.height));
+  }
+  bool mask_empty() const {
+    return std::all_of(mask_.begin(), mask_.end(), [](std::uint8_t m) { return m == 0; });
+  }
+  std::vector<std::uint8_t> mask_;
+  std::uint64_t seed_ = 0;
+};
+
+// The builder's table: 0.75 up to 500 mm of doubt in eleven bins, 0.25 beyond in one; 0.708 on the mean.
+TEST_F(PersonScore, IsTheMeanConfidenceByTheUsualOne) {
+  const Model agreed(0), apart(100);
+  const test::Board board;
+  JointTracker sure(*agreed.model), torn(*apart.model);
+  board.track(sure);
+  board.track(torn);
+  constexpr double kUsual = (11 * 0.75 + 0.25) / 12;
+  EXPECT_NEAR(sure.person_score(), 0.75 / kUsual, 1e-3);
+  EXPECT_NEAR(torn.person_score(), 0.25 / kUsual, 1e-3);
+}
+
+TEST_F(PersonScore, WhatTheModelCannotAgreeOnIsNobody) {
+  const Model agreed(0), apart(100);
+  Scene s = room();
+  add(s, person_at(0, 2700, 1));
+  Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
+  EXPECT_TRUE(show(sure, s).person.found);
+  EXPECT_FALSE(mask_empty());
+  for (int frame = 0; frame < 20; ++frame) {
+    const Detection nobody = show(torn, s);
+    EXPECT_FALSE(nobody.person.found);
+    EXPECT_EQ(nobody.guidance, static_cast<GuidanceSet>(Guidance::no_person));
+    EXPECT_EQ(nobody.user_count, 0);
+    EXPECT_TRUE(mask_empty());
+  }
+}
+
+TEST_F(PersonScore, TheSelectedUserIsNotRejected) {
+  const Model apart(100);
+  Scene s = room();
+  add(s, person_at(0, 2700, 1));
+  Sensor torn(s.width, s.height, *apart.model);
+  Segmenter ids(s.width, s.height);
+  std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
+  const auto picture = look(s, kKinectNoise, 1);
+  const Person person = ids.run(picture.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
+  ASSERT_TRUE(person.found);
+  torn.select(person.id);  // both count from the same number
+  EXPECT_TRUE(show(torn, s).person.found);
+}
+
+TEST_F(PersonScore, ARejectedUserIsPassedOverForAnother) {
+  Scene s = room();
+  add(s, person_at(-500, 2400, 1));
+  add(s, person_at(500, 3300, 2));
+  Segmenter segmenter(s.width, s.height);
+  std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
+  std::uint64_t seed = 0;
+  const auto run = [&] {
+    const auto picture = look(s, kKinectNoise, ++seed);
+    return segmenter.run(picture.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
+  };
+  const Person near = run();
+  ASSERT_TRUE(near.found);
+  ASSERT_EQ(segmenter.users().size(), 2U);
+  segmenter.set_rejected(near.id, true);
+  const Person other = run();
+  EXPECT_TRUE(other.found);
+  EXPECT_NE(other.id, near.id);
+  EXPECT_FALSE(has(other.guidance, Guidance::several_people)) << "furniture disturbs nobody";
+  segmenter.set_rejected(other.id, true);
+  EXPECT_EQ(run().id, near.id) << "of two doubted ones the nearer";
+  segmenter.set_rejected(near.id, false);
+  segmenter.set_rejected(other.id, false);
+  EXPECT_TRUE(has(run().guidance, Guidance::several_people));
+}
+
+// In profile: no shoulders on either side of the head, one leg before the other, an arm along the trunk.
+std::vector<Capsule> profile_at(float z) {
+  const auto at = [&](float dx, float y, float dz = 0) { return Vec3f{dx, y, z + dz}; };
+  return {{at(0, 1600), at(15, 1650), 95, 1},
+          {at(-10, 1430), at(-10, 1580), 62, 1},
+          {at(-15, 950), at(-5, 1380), 118, 1},
+          {at(-20, 1390, -85), at(-30, 1120, -95), 48, 1},
+          {at(-30, 1120, -95), at(30, 880, -100), 38, 1},
+          {at(20, 900, -60), at(40, 480, -70), 80, 1},
+          {at(40, 480, -70), at(30, 80, -70), 52, 1},
+          {at(-30, 900, 60), at(-60, 480, 70), 80, 1},
+          {at(-60, 480, 70), at(-90, 80, 70), 52, 1},
+          {at(30, 40, -70), at(190, 35, -70), 36, 1},
+          {at(-90, 40, 70), at(60, 35, 70), 36, 1}};
+}
+
+TEST_F(PersonScore, WhoseShapeDoesNotTellIsFoundByTheJointsInSixFrames) {
+  const Model agreed(0), apart(100);
+  Scene s = room();
+  add(s, profile_at(2600));
+  Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
+  int first = -1;
+  for (int frame = 0; frame < 12; ++frame) {
+    const Detection seen = show(sure, s);
+    if (seen.person.found && first < 0) first = frame;
+    if (first < 0) continue;
+    EXPECT_TRUE(seen.person.found) << "frame " << frame << ": somebody once, somebody for good";
+    if (frame == first) continue;
+    ASSERT_EQ(seen.user_count, 1);
+    EXPECT_TRUE(seen.users[0].confirmed);
+  }
+  EXPECT_GE(first, 5) << "six frames tell more than one";
+  EXPECT_LE(first, 7);
+  for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(show(torn, s).person.found);
+}
+
+// A hand before the hip, or a hem, hides where the legs join the trunk: they are a surface of their own.
+TEST_F(PersonScore, WhoseLegsArePartedFromTheTrunkIsFoundWhole) {
+  const Model agreed(0), apart(100);
+  Scene s = room();
+  add(s, profile_at(2500));
+  for (Capsule& part : s.capsules)
+    if (part.a.y <= 910) part.a.z += 160, part.b.z += 160;  // 90 mm is one surface at that distance
+  Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
+  int first = -1;
+  for (int frame = 0; frame < 16; ++frame) {
+    const Detection seen = show(sure, s);
+    if (seen.person.found && first < 0) first = frame;
+    EXPECT_EQ(seen.person.found, first >= 0) << frame;
+    if (!seen.person.found) continue;
+    const auto picture = look(s, 0, 1);
+    double both = 0, either = 0;
+    for (std::size_t i = 0; i < mask_.size(); ++i) {
+      both += mask_[i] != 0 && picture.owner[i] == 1 ? 1 : 0;
+      either += mask_[i] != 0 || picture.owner[i] == 1 ? 1 : 0;
+    }
+    EXPECT_GT(both / either, 0.85) << frame;
+  }
+  EXPECT_GE(first, 5);
+  EXPECT_LE(first, 12);
+  for (int frame = 0; frame < 30; ++frame) EXPECT_FALSE(show(torn, s).person.found);
+}
+
+TEST_F(PersonScore, AThingOnABoxIsNoBodyInHalves) {
+  const Model agreed(0);
+  Scene s = room();
+  add(s, {{{0, 1150, 2600}, {0, 1500, 2600}, 130, 1}});  // as round as a trunk
+  s.boxes.push_back({{-160, 0, 2560}, {160, 1000, 2900}});
+  Sensor sure(s.width, s.height, *agreed.model);
+  for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(show(sure, s).person.found) << frame;
+}
+
+TEST_F(PersonScore, APersonsShapeIsLikelierThanFurnitures) {
+  Scene s = room();
+  add(s, person_at(0, 2700, 1));
+  Segmenter segmenter(s.width, s.height);
+  std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
+  const auto picture = look(s, kKinectNoise, 1);
+  const Person person = segmenter.run(picture.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
+  ASSERT_TRUE(person.found);
+  EXPECT_GT(segmenter.shape_odds(person.id), 1.0F);
+  EXPECT_EQ(segmenter.shape_odds(person.id + 1), 0.0F) << "of nobody known";
+}
+
+}  // namespace
+}  // namespace im2fit
