@@ -198,9 +198,9 @@ Result<int> query(const LookOptions& options) {
   return kExitOk;
 }
 
-CLI::App* add_look(CLI::App& index, Command& chosen, const std::shared_ptr<LookOptions>& options,
+cli::App* add_look(cli::App& index, Command& chosen, const std::shared_ptr<LookOptions>& options,
                    const std::string& name, const std::string& about, Result<int> (*run)(const LookOptions&)) {
-  CLI::App* sub =
+  cli::App* sub =
       add_command<LookOptions>(index, chosen, name, about, "  im2fit-lab index " + name + " index.i2f", options, run);
   sub->add_option("FILE", options->path, "Index file")->required();
   return sub;
@@ -208,26 +208,26 @@ CLI::App* add_look(CLI::App& index, Command& chosen, const std::shared_ptr<LookO
 
 }  // namespace
 
-void add_index_inspect(CLI::App& index, Command& chosen) {
+void add_index_inspect(cli::App& index, Command& chosen) {
   const auto options = std::make_shared<LookOptions>();
   auto* inspects = add_look(index, chosen, options, "inspect", "What is in an index", inspect);
   inspects->add_flag("--json", options->json, "As JSON");
   auto* verifies = add_look(index, chosen, options, "verify", "Checksums, tree and search of an index", verify);
   verifies->add_option("--trials", options->trials, "Searches held against exhaustive ones")
-      ->check(CLI::Range(1, 1'000'000))
+      ->range(1, 1'000'000)
       ->capture_default_str();
   auto* asks = add_look(index, chosen, options, "query", "Ask an index about features", query);
   asks->add_option("FEATURES", options->features,
                    "Text file, a feature a line: numbers, '-' where not measured; - is stdin")
       ->capture_default_str();
   asks->add_option("--neighbours", options->query.neighbour_count, "0: as the index was made")
-      ->check(CLI::Range(0, 512))
+      ->range(0, 512)
       ->capture_default_str();
   asks->add_option("--frames", options->query.frame_count, "Frames fused behind the feature")
-      ->check(CLI::Range(1, 10000))
+      ->range(1, 10000)
       ->capture_default_str();
   asks->add_option("--distance", options->query.distance_mm, "From camera to person; 0: not known")
-      ->check(CLI::Range(0, 10000))
+      ->range(0, 10000)
       ->type_name("MM")
       ->capture_default_str();
   asks->add_flag("--exhaustive", options->query.exhaustive, "Look at every entry: the same answer");
