@@ -24,6 +24,23 @@ function(im2fit_target name)
   endif()
 endfunction()
 
+# What runs once a command or a test, not once a frame: a third less to compile at -O1, and no frame is slower.
+function(im2fit_command_line_code)
+  foreach(name ${ARGN})
+    target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
+  endforeach()
+endfunction()
+
+# What runs once a frame: a guided frame is 17.4 M instructions at -O3 where -O2 needs 23.9 M. Sanitizers, which are
+# not about speed, keep the build type's level. No level changes a bit: fused and reordered arithmetic are both off.
+function(im2fit_frame_code)
+  if(NOT IM2FIT_SANITIZE)
+    foreach(name ${ARGN})
+      target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O3>)
+    endforeach()
+  endif()
+endfunction()
+
 # A library of one room: im2fit_library(NAME SOURCES a.cpp b.cpp DEPENDS im2fit_base ...)
 function(im2fit_library name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
@@ -47,6 +64,7 @@ function(im2fit_test_room room)
   endif()
   add_executable(${room}_tests ${sources})
   im2fit_target(${room}_tests)
+  im2fit_command_line_code(${room}_tests)
   target_link_libraries(${room}_tests PRIVATE ${arg_DEPENDS} GTest::gtest_main GTest::gmock)
   # One ctest entry a room: starting a process for each case costs more than most cases.
   # An emulator is ten to fifty times slower.
