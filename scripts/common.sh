@@ -21,6 +21,12 @@ when_free() {
 }
 
 say() { printf '\n== %s\n' "$*" >&2; }
+# skipped WHY: ends a script that cannot do its work here. Where nothing may be skipped, as in .ci/run, that is a failure.
+skipped() {
+  echo "skipped: $(basename "$0"): $*" >&2
+  [ -z "${IM2FIT_NO_SKIPS:-}" ] || exit 1
+  exit 0
+}
 die() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
 
 # fingerprint LAB WHAT: `im2fit-lab fingerprint`, remembered for each build of the program.
