@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How noisy a sensor is, from frames of somebody who stands still: outlines, and so widths and girths, come out
+// How noisy a sensor is, from frames of a person who stands still: outlines, and so widths and girths, come out
 // otherwise of a sensor without noise than of a Kinect, and the index must know which it answers.
 #pragma once
 
@@ -32,7 +32,7 @@ class TemporalNoise {
   std::uint64_t difference_sum_mm_ = 0;
   std::uint64_t pairs_ = 0;
   std::uint64_t repeated_pairs_ = 0;        // of frames that differed nowhere
-  std::vector<std::uint16_t> previous_mm_;  // of the rows looked at; 0: not masked yet
+  std::vector<std::uint16_t> previous_mm_;  // of the rows sampled; 0: not masked yet
 };
 
 }  // namespace im2fit

@@ -12,7 +12,7 @@ namespace {
 
 // One joint is some 20-40 mm off in a frame; shoulders and hips lie 350 and 200 mm apart.
 
-// Sine of the angle between neck-torso and torso-hips. The paper asks for 0.1, but an upright person's own spine
+// Sine of the angle between neck-torso and torso-hips. The paper requires 0.1, but an upright person's own spine
 // curves: true joints of 40 held-out people have a median of 0.16 and a maximum of 0.32.
 constexpr float kLateralMax = 0.5F;
 constexpr float kTiltMax = 0.26F;  // sine of the spine's tilt against the floor's normal: 15 degrees

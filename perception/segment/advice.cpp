@@ -75,7 +75,7 @@ float hole_share(const Grid& grid, DepthView depth, std::span<const std::uint8_t
   return total > 0 ? static_cast<float>(lost) / static_cast<float>(total) : 1.0F;
 }
 
-// Somebody too near shows a trunk and little else: rounded across. In inverse depth a wall is straight over the
+// A person too near shows a trunk and little else: rounded across. In inverse depth a wall is straight over the
 // picture's rows, however it is turned, and a box has one corner: whichever side of the middle that is on, half way
 // out on the other side a corner rises half as far over its chord as in the middle, and a circle three quarters.
 bool round_body(const Grid& grid, const Blob& blob) {
@@ -225,7 +225,7 @@ GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, Mask
   return out;
 }
 
-GuidanceSet advise_nobody(const Grid& grid, std::span<const Blob> blobs) {
+GuidanceSet advise_none_found(const Grid& grid, std::span<const Blob> blobs) {
   for (const Blob& blob : blobs) {
     const bool large = blob.cell_count * kNearShare > static_cast<int>(grid.depth.size());
     if (large && blob.centroid_mm.z < kNearMm && (round_body(grid, blob) || head_over_shoulders(grid, blob)))

@@ -12,7 +12,7 @@ constexpr int kLearnedFrames = 60;    // two seconds: longer than people stand u
 constexpr int kEvidenceMax = 240;     // frames something nearer must stay to be the background
 constexpr float kKeepoutMm = 350.0F;  // beside and before people
 constexpr float kKeepoutDepthMm = 700.0F;
-constexpr int kKnownMin = 1000;    // cells that can tell whether the camera moved
+constexpr int kKnownMin = 1000;    // cells needed to decide whether the camera moved
 constexpr float kTurnMax = 0.02F;  // of the floor's normal: 1.1 degrees
 constexpr float kLiftMaxMm = 40.0F;
 
@@ -81,7 +81,7 @@ void Background::keep_out(const Grid& grid, std::span<const Keepout> keepouts) {
   }
 }
 
-void Background::look(const Grid& grid, const FloorPlane& floor) {
+void Background::observe(const Grid& grid, const FloorPlane& floor) {
   if (compare(grid) || floor_moved(floor)) reset();
   if (!floor_.known) floor_ = floor;
 }

@@ -108,7 +108,7 @@ Box Grower::low_box(std::span<const std::uint8_t> chosen) const {
   return box;
 }
 
-constexpr int kWord = 8;  // pixels looked at together
+constexpr int kWord = 8;  // pixels tested together
 
 std::uint64_t word(const std::uint8_t* p) {
   std::uint64_t w = 0;

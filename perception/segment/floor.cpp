@@ -47,7 +47,7 @@ bool plausible(const FloorPlane& plane, float up_z_max = kSteepUpZMax) {
 bool plane_through(Vec3f a, Vec3f b, Vec3f c, float up_z_max, FloorPlane& out) {
   Vec3f n = cross(b - a, c - a);
   const float length = norm(n);
-  if (!(length > 1.0e4F)) return false;  // mm^2: three points in a line say nothing
+  if (!(length > 1.0e4F)) return false;  // mm^2: three points in a line span no plane
   n = n * (1.0F / length);
   if (n.y > 0) n = -n;
   out.known = true;
@@ -105,11 +105,11 @@ FloorFinder::FloorFinder(const Grid& grid)
 
 void FloorFinder::reset() {
   tracked_ = {};
-  has_gathered_ = false;
+  has_accumulated_ = false;
 }
 
 // A level cell: two cells further up the picture the surface has gone away from the camera, not up.
-void FloorFinder::gather(const Grid& grid, float slope) {
+void FloorFinder::collect_level_cells(const Grid& grid, float slope) {
   Candidates& out = candidates_;
   const std::size_t width = level_.size();
   const float* ray_x = grid.ray_x.data();
@@ -240,15 +240,15 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) {
 
 FloorPlane FloorFinder::find(const Grid& grid) {
   if (tracked_.known) {
-    gather(grid, plausible(tracked_, kUpZMax) ? kLevelSlope : kSteepSlope);
+    collect_level_cells(grid, plausible(tracked_, kUpZMax) ? kLevelSlope : kSteepSlope);
     const FloorPlane followed = fit_cells(tracked_);
     if (supported(grid, followed)) return tracked_ = followed;
   }
-  has_gathered_ = false;
-  gather(grid, kLevelSlope);
+  has_accumulated_ = false;
+  collect_level_cells(grid, kLevelSlope);
   tracked_ = fit_cells(search(grid, kUpZMax));
   if (supported(grid, tracked_)) return tracked_;
-  gather(grid, kSteepSlope);
+  collect_level_cells(grid, kSteepSlope);
   tracked_ = fit_cells(search(grid, kSteepUpZMax));
   if (!supported(grid, tracked_)) tracked_ = {};
   return tracked_;
@@ -314,15 +314,15 @@ FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPla
     if (equations.weight < 30.0 || !equations.solve(next)) return coarse;
     plane = next;
   }
-  if (has_gathered_) {
+  if (has_accumulated_) {
     FloorPlane before;
-    if (gathered_.solve(before) && std::fabs(height_of(before, feet) - height_of(plane, feet)) < kJumpMm) {
-      equations.blend(gathered_, 0.85);  // about seven frames' worth
+    if (accumulated_.solve(before) && std::fabs(height_of(before, feet) - height_of(plane, feet)) < kJumpMm) {
+      equations.blend(accumulated_, 0.85);  // about seven frames' worth
       if (!equations.solve(plane)) return coarse;
     }
   }
-  gathered_ = equations;
-  has_gathered_ = true;
+  accumulated_ = equations;
+  has_accumulated_ = true;
   return tracked_ = plane;
 }
 

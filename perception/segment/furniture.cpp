@@ -13,7 +13,7 @@ using namespace furniture_limits;
 
 namespace {
 
-constexpr std::int32_t kThin = -1;  // in island_: a cell of a row narrower than a shin
+constexpr std::int32_t kNarrow = -1;  // in island_: a cell of a row narrower than a shin
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -173,11 +173,11 @@ void FurnitureCutter::take_beside(const Grid& grid, Vec3f ahead, const Ledge& le
   const auto first = at(grid.index(ledge.c_first, top_[at(ledge.c_first)]));
   const float mm = cell_mm(grid, static_cast<float>(grid.depth[first]));
   const int reach = static_cast<int>(kBesideMm / mm);
-  for (const int way : {-1, 1}) {
-    const int edge = way < 0 ? ledge.c_first : ledge.c_last;
+  for (const int side : {-1, 1}) {
+    const int edge = side < 0 ? ledge.c_first : ledge.c_last;
     for (int r = top_[at(edge)]; r <= bottom_[at(edge)]; ++r) {
       for (int step = 1; step <= reach; ++step) {
-        const int c = edge + way * step;
+        const int c = edge + side * step;
         if (c < 0 || c >= grid.width) break;
         const auto i = at(grid.index(c, r));
         const Vec3f p = grid.point(c, r);
@@ -226,7 +226,7 @@ void FurnitureCutter::cut_row(const Grid& grid, int row, float limit_mm, std::sp
   }
 }
 
-// Legs of chairs, in a row: thinner than shins. A hole of one cell parts nothing.
+// Legs of chairs, in a row: narrower than shins. A hole of one cell parts nothing.
 void FurnitureCutter::find_posts(const Grid& grid, int row, float limit_mm, std::span<const std::uint8_t> chosen) {
   const auto mine = [&](int c) { return c >= 0 && c < grid.width && chosen[at(grid.index(c, row))] != 0; };
   const auto z = [&](int c) { return static_cast<float>(grid.depth[at(grid.index(c, row))]); };
@@ -241,36 +241,36 @@ void FurnitureCutter::find_posts(const Grid& grid, int row, float limit_mm, std:
     const float wide = static_cast<float>(last - first + 1) * cell_mm(grid, z(first));
     if (wide < kPostMm && height > kPostLowMm && height < limit_mm)
       for (int c = first; c <= last; ++c)
-        if (mine(c)) island_[at(grid.index(c, row))] = kThin;
+        if (mine(c)) island_[at(grid.index(c, row))] = kNarrow;
     first = last;
   }
 }
 
-// Those that stay so thin for longer than an ankle.
+// Those that stay so narrow for longer than an ankle.
 void FurnitureCutter::cut_posts(const Grid& grid, float limit_mm, std::span<const std::uint8_t> chosen) {
   std::fill(island_.begin(), island_.end(), 0);
   for (int r = 0; r < grid.height; ++r) find_posts(grid, r, limit_mm, chosen);
-  const auto thin = [&](int c, int r) {
+  const auto narrow = [&](int c, int r) {
     for (int beside = std::max(0, c - 1); beside <= std::min(grid.width - 1, c + 1); ++beside)
-      if (island_[at(grid.index(beside, r))] == kThin) return true;
+      if (island_[at(grid.index(beside, r))] == kNarrow) return true;
     return false;
   };
   for (int c = 0; c < grid.width; ++c) {
     for (int first = 0; first < grid.height; ++first) {
-      if (!thin(c, first)) continue;
+      if (!narrow(c, first)) continue;
       int last = first;
-      while (last + 1 < grid.height && thin(c, last + 1)) ++last;
+      while (last + 1 < grid.height && narrow(c, last + 1)) ++last;
       int count = 0;
       float mm = 0;
       for (int r = first; r <= last; ++r) {
         const auto i = at(grid.index(c, r));
-        if (island_[i] != kThin) continue;
+        if (island_[i] != kNarrow) continue;
         ++count;
         mm = cell_mm(grid, static_cast<float>(grid.depth[i]));
       }
       if (count > 0 && static_cast<float>(last - first + 1) * mm > kPostTallMm)
         for (int r = first; r <= last; ++r)
-          if (island_[at(grid.index(c, r))] == kThin) cut_[at(grid.index(c, r))] = 1;
+          if (island_[at(grid.index(c, r))] == kNarrow) cut_[at(grid.index(c, r))] = 1;
       first = last + 1;
     }
   }
@@ -324,7 +324,7 @@ float FurnitureCutter::distance_between(const Grid& grid, Vec3f ahead, float low
   return kDistanceBinMm * static_cast<float>(median);
 }
 
-// Who sits has them there; who bends is not tall either, but has them behind.
+// A seated person has them there; one who bends is no taller, but has them behind.
 float FurnitureCutter::shins_before_trunk_mm(const Grid& grid, Vec3f ahead, float tall_mm,
                                              std::span<const std::uint8_t> chosen) {
   return distance_between(grid, ahead, kTrunkLow * tall_mm, kTrunkHigh * tall_mm, chosen) -

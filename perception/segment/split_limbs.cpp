@@ -7,7 +7,7 @@
 namespace im2fit::segment {
 namespace {
 
-constexpr float kFragmentAreaMaxM2 = 0.12F;  // a forearm pointing at the camera
+constexpr float kIslandAreaMaxM2 = 0.12F;    // a forearm pointing at the camera
 constexpr float kForearmMaxMm = 600.0F;      // with the hand
 constexpr float kForearmThickMinMm = 70.0F;  // table tops are thinner
 constexpr float kForearmAreaMaxM2 = 0.08F;
@@ -76,7 +76,7 @@ void SplitLimbJoiner::list_candidates(const Grid& grid, std::span<const Blob> li
       kind_[b] = Kind::arm;
       gap_max_mm_[b] = kArmGapMaxMm;
     }
-    if (other.area_m2 >= kFragmentAreaMaxM2) continue;
+    if (other.area_m2 >= kIslandAreaMaxM2) continue;
     if (kind_[b] == Kind::no && (!floor_known || other.height_min_mm > kEnclosedMinMm)) kind_[b] = Kind::enclosed;
     const float reach = static_cast<float>(std::max(other.c_max - other.c_min, other.r_max - other.r_min)) * cell;
     const bool off_floor = !floor_known || other.height_min_mm > kHandHeightMinMm;
@@ -101,7 +101,7 @@ void SplitLimbJoiner::list_candidates(const Grid& grid, std::span<const Blob> li
 
 // What goes on beneath as something else, at the same depth, lies on it: boxes on stools. What begins under the
 // person hangs there: legs.
-void SplitLimbJoiner::look_along(const Grid& grid, std::span<const std::uint16_t> labels,
+void SplitLimbJoiner::scan_along(const Grid& grid, std::span<const std::uint16_t> labels,
                                  std::span<const std::uint8_t> chosen, int r_first, int r_last) {
   std::fill(ends_.begin(), ends_.end(), 0);
   std::fill(held_.begin(), held_.end(), 0);
@@ -146,9 +146,9 @@ bool SplitLimbJoiner::belongs(const Blob& blob, std::size_t index, const Blob& b
 }
 
 // A hand or forearm held towards the camera is an island of its own: no larger than that, before the body, off the
-// floor, and a short way in space from what is already the person. So are legs below the hem of a skirt and arms
-// behind the back: slender, beside the person in the picture, a short way behind. Islands inside the outline belong
-// as well.
+// floor, and a short distance in space from what is already the person. So are legs below the hem of a skirt and arms
+// behind the back: slender, beside the person in the picture, a short distance behind. Islands inside the outline
+// belong as well.
 void SplitLimbJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_known, int person,
                           std::span<std::uint8_t> chosen) {
   const auto labels = found.labels();
@@ -164,7 +164,7 @@ void SplitLimbJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_
     r_last = std::max(r_last, list[b].r_max);
   }
   if (r_last < 0) return;
-  look_along(grid, labels, chosen, r_first, r_last);
+  scan_along(grid, labels, chosen, r_first, r_last);
   for (int pass = 0; pass < 2; ++pass) {  // a hand may hang on a wrist that is an island itself
     std::fill(touch_.begin(), touch_.end(), 0);
     std::fill(border_.begin(), border_.end(), 0);
@@ -174,7 +174,7 @@ void SplitLimbJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_
         const int cell = grid.index(c, r);
         const std::uint16_t own = labels[at(cell)];
         if (own == 0 || chosen[at(cell)] != 0 || kind_[at(own - 1)] == Kind::no) continue;
-        look_around(grid, labels, chosen, c, r);
+        scan_around(grid, labels, chosen, c, r);
       }
     }
     for (std::size_t b = 0; b < list.size(); ++b) {
@@ -188,7 +188,7 @@ void SplitLimbJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_
 }
 
 // How much of a candidate's border faces the person, and how near in space it comes.
-void SplitLimbJoiner::look_around(const Grid& grid, std::span<const std::uint16_t> labels,
+void SplitLimbJoiner::scan_around(const Grid& grid, std::span<const std::uint16_t> labels,
                                   std::span<const std::uint8_t> chosen, int c, int r) {
   const int cell = grid.index(c, r);
   const std::uint16_t own = labels[at(cell)];

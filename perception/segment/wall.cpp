@@ -85,7 +85,7 @@ bool WallRemover::search(const Grid& grid, Vec3f up, std::span<const std::uint8_
   return best_support > 0;
 }
 
-void WallRemover::gather_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row) {
+void WallRemover::collect_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row) {
   const std::uint16_t* depth = grid.depth.data() + grid.index(0, row);
   const std::uint8_t* is_open = open.data() + grid.index(0, row);
   const float* ray_x = grid.ray_x.data();
@@ -126,7 +126,7 @@ bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, P
     PointSums sums;
     area_m2 = 0;
     for (int r = 0; r < grid.height; ++r) {
-      gather_on(grid, open, plane, r);
+      collect_on(grid, open, plane, r);
       const float ray_y = grid.ray_y[at(r)];
       for (std::size_t i = 0; i < row_on_.count; ++i) {
         const float ray_x = row_on_.ray_x[i], z = row_on_.z_mm[i], x = ray_x * z;
