@@ -12,7 +12,7 @@ namespace im2fit {
 
 // Mean absolute difference between a masked pixel's depth and the one it had when it was masked last, on every
 // kRowStep-th row: thousands of pixels of a person, and half a percent of the frame's time. Differences beyond
-// kOutlierMm are another surface's, and a frame that is the one before over again says nothing once others were not.
+// kOutlierMm are another surface's, and a frame equal to the one before is skipped once others differed.
 // Integers until the last division: the same bits on every machine. No allocation after construction; not shareable
 // between threads.
 class TemporalNoise {

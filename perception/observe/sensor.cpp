@@ -3,25 +3,11 @@
 
 #include "perception/observe/gate.h"
 #include "perception/observe/observe.h"
+#include "perception/observe/sensor_limits.h"
 
 namespace im2fit {
 
-namespace {
-
-// JointTracker::person_score and person_odds() of a user accepted at once, where the segmenter confirms it too.
-// Highest score of 613 pieces of furniture: docs/tracker.md, Joints 6.
-constexpr float kPersonScoreSure = 0.76F;
-constexpr float kPersonScoreSureShapeless = 0.82F;
-constexpr float kOddsSure = -1.0F;
-// Mean person_odds() over so many frames, for a user not accepted at once:
-constexpr int kOddsFrames = 6;
-constexpr float kOddsMin = 1.5F;
-constexpr int kLongFrames = 12;     // A candidate is judged for so many frames,
-constexpr int kHopelessFrames = 4;  // a hopeless one for so many; then it is rejected and the next one is judged.
-constexpr float kHopelessOdds = -2.0F;
-constexpr float kLostShareMax = 0.30F;  // of the person's pixels
-
-}  // namespace
+using namespace sensor_limits;
 
 Sensor::Sensor(int width, int height, const JointModel& model)
     : holes_(width, height), segmenter_(width, height), tracker_(model) {}

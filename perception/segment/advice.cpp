@@ -4,26 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace im2fit::segment {
-namespace {
+#include "perception/segment/advice_limits.h"
 
-constexpr float kNearMm = 1000.0F;
-constexpr float kHoleShareMax = 0.30F;
-constexpr float kFeetMissingMm = 220.0F;  // lowest visible part this far above the floor: the feet are hidden
-constexpr float kWholeBodyMinMm = 1250.0F;
-constexpr int kNearShare = 8;  // of the picture: what is near fills an eighth at least
-constexpr float kNearHalfMm = 180.0F;
-constexpr float kNearDepthMm = 300.0F;
-constexpr int kNearRowsMin = 16;
-constexpr float kNearBulgeMinMm = 15.0F;
-constexpr float kNearBulgeMaxMm = 140.0F;
-constexpr float kNearRoundMin = 0.6F;  // half way out, of the bulge in the middle
-constexpr float kHeadWideMinMm = 90.0F;
-constexpr float kHeadWideMaxMm = 290.0F;
-constexpr float kHeadTallMinMm = 50.0F;  // of it seen
-constexpr float kHeadRimMinMm = 20.0F;
-constexpr float kShoulderReachMm = 45.0F;  // beyond the head
-constexpr int kDeadBorderPx = 12;          // sensors leave some columns at the border without data
+namespace im2fit::segment {
+
+using namespace advice_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);

@@ -7,27 +7,13 @@
 #include <cstdlib>
 
 #include "perception/segment/blobs.h"
+#include "perception/segment/split_bodies_limits.h"
 
 namespace im2fit::segment {
-namespace {
 
-constexpr float kLowMaxMm = 250.0F;  // the lower component stands on the floor
-constexpr float kLowerTallMinMm = 500.0F;
-constexpr float kTopMinMm = 1100.0F;  // of both, above the floor
-constexpr float kTopMaxMm = 2200.0F;
-constexpr float kOverMm = 200.0F;        // what the upper component reaches beyond the lower
-constexpr float kPartAreaMinM2 = 0.03F;  // a head's
-constexpr float kPartAreaMaxM2 = 0.6F;
-constexpr float kLowerWideMaxMm = 700.0F;
-constexpr float kAstrideMaxMm = 1000.0F;    // of what is taken for legs
-constexpr float kUpperWideMaxMm = 1300.0F;  // with arms held out
-constexpr float kAsideMm = 280.0F;          // of the middles
-constexpr float kBehindMm = 550.0F;         // a trunk bent forwards is that far before its legs
-constexpr float kBehindHeadMm = 250.0F;     // where a head is seen: another's legs may be behind
-constexpr int kStepMaxMm = 600;             // where they meet: a hand before the hip
-constexpr int kMeetRows = 4;                // between them, of noise
-constexpr int kMeetCellsMin = 4;
-constexpr float kRoundMin = 11.0F;
+using namespace split_bodies_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);

@@ -4,37 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace im2fit::segment {
-namespace {
+#include "perception/segment/split_limbs_limits.h"
 
-constexpr float kIslandAreaMaxM2 = 0.12F;    // a forearm pointing at the camera
-constexpr float kForearmMaxMm = 600.0F;      // with the hand
-constexpr float kForearmThickMinMm = 70.0F;  // table tops are thinner
-constexpr float kForearmAreaMaxM2 = 0.08F;
-constexpr float kHandHeightMinMm = 400.0F;  // above the floor: below it stand boxes and chairs
-constexpr float kFlatAreaMinM2 = 0.02F;     // a palm is smaller
-constexpr float kFlatReliefMaxMm = 5.0F;
-constexpr float kHandGapMaxMm = 280.0F;  // held towards the camera, the forearm is hidden
-constexpr float kPointingMm = 250.0F;    // a hand this far before the body may hide its whole arm
-constexpr float kPointingGapMaxMm = 450.0F;
-constexpr float kHandMaxMm = 320.0F;
-constexpr float kElbowGapMaxMm = 100.0F;
-constexpr int kGapReachCells = 9;
-constexpr float kLimbMinMm = 150.0F;
-constexpr float kLimbMaxMm = 900.0F;
-constexpr float kLimbThickMinMm = 38.0F;  // of its area over its length; legs of chairs are thinner
-constexpr float kArmThickMaxMm = 95.0F;
-constexpr float kLegThickMaxMm = 120.0F;
-constexpr float kLimbSlender = 1.6F;
-constexpr float kLimbReliefMinMm = 12.0F;  // fronts of boxes are flatter
-constexpr float kArmGapMaxMm = 250.0F;     // behind the trunk
-constexpr float kLegGapMaxMm = 130.0F;     // behind the hem of a skirt
-constexpr int kLimbTouchMin = 2;           // cells
-constexpr float kLegTopMaxMm = 1000.0F;    // above the floor
-constexpr float kLegEndMaxMm = 200.0F;
-constexpr float kArmEndMinMm = 350.0F;
-constexpr float kEnclosedMinMm = 400.0F;  // above the floor: boxes stand between legs
-constexpr float kHeldMm = 120.0F;         // what goes on below is no further in depth
+namespace im2fit::segment {
+
+using namespace split_limbs_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -81,7 +57,8 @@ void SplitLimbJoiner::list_candidates(const Grid& grid, std::span<const Blob> li
     const float reach = static_cast<float>(std::max(other.c_max - other.c_min, other.r_max - other.r_min)) * cell;
     const bool off_floor = !floor_known || other.height_min_mm > kHandHeightMinMm;
     // Boxes on stools are as large, but flat.
-    const bool flat = other.area_m2 > kFlatAreaMinM2 && other.relief_mm < kFlatReliefMaxMm + 0.3F * quantum_mm(z);
+    const bool flat =
+        other.area_m2 > kFlatAreaMinM2 && other.relief_mm < kFlatReliefMaxMm + kFlatReliefQuanta * quantum_mm(z);
     if (flat) {
       kind_[b] = Kind::no;
       continue;

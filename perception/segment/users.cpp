@@ -4,36 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace im2fit::segment {
-namespace {
+#include "perception/segment/users_limits.h"
 
-constexpr float kHiddenMaxS = 5.0F;
-constexpr float kUnconfirmedHiddenMaxS = 1.0F;
-constexpr int kSeenGain = 4;                 // of a frame that shows a person there
-constexpr int kConfirmed = 12;               // three frames
-constexpr int kUnconfirmedBelow = 6;         // no longer confirmed below
-constexpr int kSeenMax = 32;                 // certain
-constexpr float kGateMm = 350.0F;            // a head's jump when a raised arm is taken for it
-constexpr float kGateGrowthMmPerS = 600.0F;  // who is hidden may stop or turn
-constexpr float kGateMaxMm = 1400.0F;
-constexpr float kOverHeadMm = 150.0F;
-constexpr float kTopGateMm = 250.0F;  // two people of unlike height are not one
-constexpr float kPlaceGain = 0.6F;    // of an alpha-beta filter; heads are seen to a cell, 20 mm
-constexpr float kSpeedGain = 0.12F;
-constexpr float kSpeedMaxMmPerS = 3000.0F;
-constexpr float kHeadlessGateMm = 350.0F;
-constexpr float kHeadlessMaxS = 1.0F;  // of what has a person's place but not a person's size
-constexpr float kExpectedMaxS = 1.0F;
-constexpr float kHeadlessHiddenMaxS = 1.5F;  // later, who comes out of hiding may be furniture
-constexpr float kHeadlessTallMm = 300.0F;
-constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person
-constexpr float kHeadlessAreaMax = 1.4F;
-constexpr float kCandidateHiddenMaxS = 0.3F;
-constexpr float kBesideMm = 1000.0F;
-constexpr float kUnprovenMm = 600.0F;
-constexpr int kShapeFramesMax = 12;
-constexpr float kShapelessOdds = -3.0F;
-constexpr float kAreaKeep = 0.999F;  // per frame
+namespace im2fit::segment {
+
+using namespace users_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -161,7 +138,7 @@ float UserTracker::cost(const Track& track, const BlobDetection& detection) {
   const Vec3f place = detection.has_head ? detection.place_mm : detection.place_mm + track.lean_mm;
   const float away = distance_to(place, track.seen_mm, track.expected_mm);
   if (away > gate) return -1.0F;
-  if (!track.has_top || !detection.has_top) return away + 60.0F;
+  if (!track.has_top || !detection.has_top) return away + kNoTopMm;
   const float taller = std::fabs(track.top_mm - detection.top_mm);
   if (track.hidden_s > 0.3F && taller > kTopGateMm) return -1.0F;
   return away + std::min(taller, kTopGateMm);
@@ -180,7 +157,7 @@ void UserTracker::match() {
         if (detections_[at(s)].track >= 0) continue;
         // A track seen a frame ago comes before a hidden one.
         const float cost_mm = cost(tracks_[at(t)], detections_[at(s)]);
-        const float late = tracks_[at(t)].hidden_s > 0 ? 100.0F : 0.0F;
+        const float late = tracks_[at(t)].hidden_s > 0 ? kLateMm : 0.0F;
         // What never had a person's shape may be a part of a hidden person, whose track comes first.
         const float unproven = tracks_[at(t)].evidence == 0 ? kUnprovenMm : 0.0F;
         if (cost_mm < 0 || cost_mm + late + unproven >= best) continue;
@@ -238,7 +215,7 @@ void UserTracker::follow(Track& track, const BlobDetection& detection, const Blo
   if (detection.has_head) track.lean_mm = detection.place_mm - detection.centroid_mm;
   track.headless_s = detection.has_head ? 0.0F : track.headless_s + since;
   if (detection.has_top) {
-    track.top_mm = track.has_top ? track.top_mm + 0.2F * (detection.top_mm - track.top_mm) : detection.top_mm;
+    track.top_mm = track.has_top ? track.top_mm + kTopGain * (detection.top_mm - track.top_mm) : detection.top_mm;
     track.has_top = true;
   }
   track.expected_mm = track.seen_mm;
