@@ -2,8 +2,7 @@
 // The constants of advice.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
 //   [near]  of scenes with a person nearer than a metre 9 of 20 were right before, 98 of 100 after, all changes
-//   together
-//           (commit 2a687e0)
+//           together (commit 2a687e0)
 //   [codes] docs/tracker.md, Guidance: what the codes promise
 //   [rooms] chosen on synthetic rooms, no measurement on record
 #pragma once
@@ -24,8 +23,7 @@ inline constexpr float kNearDepthMm = 300.0F;     // from the nearest: still the
 inline constexpr int kNearRowsMin = 16;           // of a trunk, least; [near]
 inline constexpr float kNearBulgeMinMm = 15.0F;   // middle before the edges, least; [near]
 inline constexpr float kNearBulgeMaxMm = 140.0F;  // and most; [near]
-inline constexpr float kNearRoundMin =
-    0.6F;  // half way out, of that, least: walls have none, a corner half, a circle three quarters; [near]
+inline constexpr float kNearRoundMin = 0.6F;      // of that half way out, least; a corner 0.5, a circle 0.75; [near]
 inline constexpr float kHeadWideMinMm = 90.0F;    // width, least; [near]
 inline constexpr float kHeadWideMaxMm = 290.0F;   // and most; [near]
 inline constexpr float kHeadTallMinMm = 50.0F;    // of a head seen, least; [near]

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The constants of background.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
-//   [still] came with the background (commit c186dfc); single frames are unchanged by it, no other measurement on
-//   record
+//   [still] came with the background (commit c186dfc); single frames are unchanged by it, no other measurement
+//           on record
 #pragma once
 
 namespace im2fit::segment::background_limits {

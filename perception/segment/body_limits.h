@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The constants of body.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
-//   [round]  came with turned and bent people: of 200 people 98.4 % found before, 99.8 % after (turned 88.2
-//   and 98.5), all
-//            changes together (commit 5651a96)
-//   [odds]   the range a logistic regression was fitted on, or its coefficients: 1,100 furnished rooms without
-//   people,
-//            1,180 people (commit f771803); figures: docs/tracker-evaluation.md
-//   [slim]   came with people in profile: NO_PERSON instead of NOT_FRONTAL in 7 of 100 before, 3 after, all changes
-//            together (commit a94b161)
+//   [round] came with turned and bent people: of 200 people 98.4 % found before, 99.8 % after (turned 88.2 and
+//           98.5), all changes together (commit 5651a96)
+//   [odds]  the range a logistic regression was fitted on, or its coefficients: 1,100 furnished rooms without
+//           people, 1,180 people (commit f771803); figures: docs/tracker-evaluation.md
+//   [slim]  came with people in profile: NO_PERSON instead of NOT_FRONTAL in 7 of 100 before, 3 after, all
+//           changes together (commit a94b161)
 #pragma once
 
 namespace im2fit::segment::body_limits {

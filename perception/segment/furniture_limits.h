@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The constants of furniture.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
-//   [cut]   came with the cut of furniture; measured together, not one by one: IoU p5 of 200 people in two fresh
-//   scenes
-//           each 0.877 -> 0.927 (commit 5651a96)
-//   [posts] came with the cut of chair legs; together: IoU p5 of 240 full scenes, seed 8101, 0.927 -> 0.944, seated
-//           0.856 -> 0.910 (commit deeed50)
+//   [cut]   came with the cut of furniture; measured together, not one by one: IoU p5 of 200 people in two
+//           fresh scenes each 0.877 -> 0.927 (commit 5651a96)
+//   [posts] came with the cut of chair legs; together: IoU p5 of 240 full scenes, seed 8101, 0.927 -> 0.944,
+//           seated 0.856 -> 0.910 (commit deeed50)
 //   [legs]  came with bent people keeping their legs; no measurement of masks on record (commit 3db21d5)
-//   [stay]  came with ankles, sleeves and hands that stay; together: IoU p5 of 520 frames of seeds 70707, 60611 and
-//           909090; only the figures before are on record: 0.9476, 0.9465, 0.9532 (commit cb455a6)
+//   [stay]  came with ankles, sleeves and hands that stay; together: IoU p5 of 520 frames of seeds 70707, 60611
+//           and 909090; only the figures before are on record: 0.9476, 0.9465, 0.9532 (commit cb455a6)
 // None of them has a measurement of its own on record: the values were chosen on synthetic rooms.
 #pragma once
 

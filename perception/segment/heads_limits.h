@@ -2,10 +2,10 @@
 // The constants of heads.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
 //   [250]    each keeps 95 % of 250 dressed people's heads in furnished rooms (commit 1e3516a)
-//   [corner] no second person in cupboard corners: SEVERAL_PEOPLE in 6 of 150 furnished rooms before, 0 or 1 after,
-//   all
-//            changes together (commit 37059cc)
-//   [coats]  coats on stands are no people (commit 78a99e4): chosen on synthetic rooms, no measurement on record
+//   [corner] no second person in cupboard corners: SEVERAL_PEOPLE in 6 of 150 furnished rooms before, 0 or 1
+//            after, all changes together (commit 37059cc)
+//   [coats]  coats on stands are no people (commit 78a99e4): chosen on synthetic rooms, no measurement on
+//            record
 //   [rooms]  chosen on synthetic rooms, no measurement on record
 #pragma once
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The constants of people.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
-//   [empty] came with fewer false users: of 10,000 empty frames 226 before, 54 after, all changes together (commit
-//   3db21d5) [round] came with round trunks and legs: of 1,000 empty frames 436 showed a user before, 3 after; all
-//   changes together
-//           (commit 1e3516a)
-//   [odds]  came with the shape's log-odds, for bent people in gowns (commit a94b161; docs/tracker-evaluation.md)
+//   [empty] came with fewer false users: of 10,000 empty frames 226 before, 54 after, all changes together
+//           (commit 3db21d5)
+//   [round] came with round trunks and legs: of 1,000 empty frames 436 showed a user before, 3 after; all
+//           changes together (commit 1e3516a)
+//   [odds]  came with the shape's log-odds, for bent people in gowns (commit a94b161;
+//           docs/tracker-evaluation.md)
 //   [rooms] chosen on synthetic rooms, no measurement on record
 #pragma once
 
@@ -25,7 +26,7 @@ inline constexpr float kLowMaxMm = 250.0F;     // above the floor: what ends low
 inline constexpr float kHeadedAreaMinM2 = 0.06F;   // area, least; [rooms]
 inline constexpr float kHeadedTallMinMm = 300.0F;  // height, least; [rooms]
 inline constexpr float kHeadRoundMin =
-    6.0F;  // roundness of the whole, or of the upper half where furniture hangs on it; [round]
+    6.0F;  // roundness of the whole, or of the upper half where furniture hangs on it (commit 5651a96)
 
 // A surface without one, by its roundness.
 inline constexpr float kShapeRoundMin =

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The constants of split_bodies.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
-//   [joined]  came with the joining of split bodies, seed 8101: NO_PERSON instead of NOT_FRONTAL in 7 of 100 before,
-//   3 after;
-//             of NOT_UPRIGHT 8 and 2; all changes together (commit a94b161)
-//   [bent]    came with trunks bent far forwards, 240 full scenes of seed 8101: IoU p5 0.927 before, 0.944 after, all
-//             changes together (commit deeed50)
+//   [joined]  came with the joining of split bodies, seed 8101: NO_PERSON instead of NOT_FRONTAL in 7 of 100
+//             before, 3 after; of NOT_UPRIGHT 8 and 2; all changes together (commit a94b161)
+//   [bent]    came with trunks bent far forwards, 240 full scenes of seed 8101: IoU p5 0.927 before, 0.944
+//             after, all changes together (commit deeed50)
 //   [astride] came with legs astride under a trunk (commit 58bc2de); no measurement of it on record
 #pragma once
 

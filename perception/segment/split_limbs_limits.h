@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The constants of split_limbs.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
-//   [limbs]    came with legs under skirts and arms behind the trunk; tried on 250 furnished, dressed scenes, no
-//   figures on
-//              record (commit 3dafe52)
-//   [hands]    came with cut-off forearms: 4 of 100 free poses lost a limb or the person before (commit 9f75025)
+//   [limbs]    came with legs under skirts and arms behind the trunk; tried on 250 furnished, dressed scenes,
+//              no figures on record (commit 3dafe52)
+//   [hands]    came with cut-off forearms: 4 of 100 free poses lost a limb or the person before (commit
+//              9f75025)
 //   [pointing] hands that point at the camera stay while cupboard corners are no heads (commit 37059cc)
-//   [flat]     boxes on stools are no hands, IoU p5 0.9476, 0.9465, 0.9532 before; no figures after (commit cb455a6)
+//   [flat]     boxes on stools are no hands, IoU p5 0.9476, 0.9465, 0.9532 before; no figures after (commit
+//              cb455a6)
 //   [rooms]    chosen on synthetic rooms, no measurement on record
 #pragma once
 
 namespace im2fit::segment::split_limbs_limits {
 
 // Hands and forearms before the body.
-inline constexpr float kIslandAreaMaxM2 =
-    0.12F;  // of any limb, most: a forearm that points at the camera is smaller; [hands]
+inline constexpr float kIslandAreaMaxM2 = 0.12F;    // of any limb, most: a forearm pointing at the camera; [hands]
 inline constexpr float kForearmMaxMm = 600.0F;      // length with the hand, most; [hands]
 inline constexpr float kForearmThickMinMm = 70.0F;  // area over length, least: table tops are thinner; [rooms]
 inline constexpr float kForearmAreaMaxM2 = 0.08F;   // area, most; [hands]

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The constants of split.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
-//   [touch] people who touch with their heads out of the picture (commit 3dafe52, tried on 250 furnished, dressed
-//           scenes); no measurement of these on record
+//   [touch] people who touch with their heads out of the picture (commit 3dafe52, tried on 250 furnished,
+//           dressed scenes); no measurement of these on record
 #pragma once
 
 namespace im2fit::segment::split_limits {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The constants of trunk.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
-//   [legs]  of 57 people without a clear head 47 have such legs, of 240 pieces of furniture of a person's size 2
-//           (commit 1e3516a)
-//   [round] came with the same commit: of 1,000 empty frames 436 showed a user before, 3 after; all changes together
+//   [legs]  of 57 people without a clear head 47 have such legs, of 240 pieces of furniture of a person's size
+//           2 (commit 1e3516a)
+//   [round] came with the same commit: of 1,000 empty frames 436 showed a user before, 3 after; all changes
+//           together
 //   [coats] coats on stands are no people (commit 78a99e4): chosen on synthetic rooms, no measurement on record
 #pragma once
 

@@ -2,14 +2,15 @@
 // The constants of users.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
 //   [ids]    came with ids, or with ids that last longer: 50 clips of two people who pass, 3 switches before, 0
-//   after, all
-//            changes together (commits 9873af9, f1a81d9)
+//            after, all changes together (commits 9873af9, f1a81d9)
 //   [heads]  came with users whose heads are not seen (commit e8175d0); no measurement on record
-//   [empty]  came with fewer false users: of 10,000 empty frames 226 before, 54 after, all changes together (commit
-//   3db21d5) [hidden] of 50 two-person clips, seed 909090: changes of id 6 before, 2 after (commit a16e488) [stand]
-//   the same clips: 2 before, 0 after (commit a94b161) [odds]   came with log-odds of the shape (commit f771803):
-//   false users of 10,000 empty frames 10 before, 0 after [rooms]  chosen on synthetic rooms, no measurement on
-//   record
+//   [empty]  came with fewer false users: of 10,000 empty frames 226 before, 54 after, all changes together
+//            (commit 3db21d5)
+//   [hidden] of 50 two-person clips, seed 909090: changes of id 6 before, 2 after (commit a16e488)
+//   [stand]  the same clips: 2 before, 0 after (commit a94b161)
+//   [odds]   came with log-odds of the shape (commit f771803): false users of 10,000 empty frames 10 before, 0
+//            after
+//   [rooms]  chosen on synthetic rooms, no measurement on record
 #pragma once
 
 namespace im2fit::segment::users_limits {
@@ -40,11 +41,10 @@ inline constexpr float kHeadlessGateMm = 350.0F;  // of a detection without a he
 inline constexpr float kHeadlessTallMm = 300.0F;  // its height, least; [heads]
 inline constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person, least; [heads]
 inline constexpr float kHeadlessAreaMax = 1.4F;   // and most; [heads]
-inline constexpr float kBesideMm =
-    1000.0F;  // a new candidate so near a confirmed user is a part of that user; [stand]
-inline constexpr float kUnprovenMm = 600.0F;  // cost of a track that never had a person's shape; [hidden]
-inline constexpr float kNoTopMm = 60.0F;      // cost where either has no crown; [ids]
-inline constexpr float kLateMm = 100.0F;      // cost of a hidden track; [ids]
+inline constexpr float kBesideMm = 1000.0F;       // a new candidate so near a confirmed user is part of it; [stand]
+inline constexpr float kUnprovenMm = 600.0F;      // cost of a track that never had a person's shape; [hidden]
+inline constexpr float kNoTopMm = 60.0F;          // cost where either has no crown; [ids]
+inline constexpr float kLateMm = 100.0F;          // cost of a hidden track; [ids]
 
 // An alpha-beta filter of places along the floor.
 inline constexpr float kPlaceGain = 0.6F;          // of the place: heads are seen to a cell, 20 mm; [ids]
