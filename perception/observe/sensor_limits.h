@@ -3,8 +3,8 @@
 // docs/notebook/perception-thresholds.md. Sources:
 //   [613]  of 613 objects in 2,500 rooms that nothing learned from, four had a person score of 0.76, all with
 //          log-odds below -4 (docs/tracker.md, Joints 6); false users: docs/tracker-evaluation.md
-//   [mean] where the mean of six frames had to exceed 3 a person with arms crossed was lost (docs/tracker-
-//          evaluation.md)
+//   [mean] where the mean of six frames had to exceed 3 a person with arms crossed was lost (see
+//          docs/tracker-evaluation.md)
 //   [six]  two rooms of 667 had coats found by the mean of twelve frames, none of 200 turned or bent people was
 //          (commit cb455a6)
 //   [none] chosen on synthetic rooms, no measurement on record
