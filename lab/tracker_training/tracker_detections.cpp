@@ -74,7 +74,8 @@ class Gatherer {
     add_row(mirror_image_, joints::mirrored(tracker_.estimate()), witness, yes);
   }
 
-  void add_row(const joints::View& view, const joints::Estimate& estimate, const joints::Witness& witness, bool yes) {
+  void add_row(const joints::View& view, const joints::JointEstimate& estimate, const joints::Witness& witness,
+               bool yes) {
     const std::size_t first = found_.values.size();
     found_.values.resize(first + static_cast<std::size_t>(found_.value_count));
     joints::read_values(anchors_, view, estimate, witness, found_.values.data() + first);

@@ -116,7 +116,7 @@ std::vector<joints::ConfidenceBin> calibrate(std::span<const TrackerImage> image
   for (const TrackerImage& image : images) {
     if (image.view.pixel_count == 0) continue;
     joints::mirror(image.view, mirror_image);
-    const joints::Estimate found = joints::estimate(model, image.view, mirror_image);
+    const joints::JointEstimate found = joints::estimate(model, image.view, mirror_image);
     for (std::size_t j = 0; j < kJointCount; ++j) {
       const Vec3f p = joints::joint_of(found.shape, static_cast<int>(j));
       seen[j].emplace_back(found.spread_mm[j], static_cast<double>(norm(p - image.truth[j])) < kCloseMm);

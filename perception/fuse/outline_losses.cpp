@@ -9,9 +9,9 @@ namespace {
 
 constexpr std::uint32_t kPixelsEnough = 3000;
 // Beside an outline that jitters by a pixel at 640 across. A shadow is f b (1/z - 1/z of the background) wide: 3 px
-// of 640 where the wall is half a metre behind somebody 2.3 m away, 15 at most where people are measured.
-constexpr int kFirstAcross = 320;  // the first pixel looked at: this part of the picture's long side
-constexpr int kLooked = 2;
+// of 640 where the wall is half a metre behind a person 2.3 m away, 15 at most where people are measured.
+constexpr int kFirstAcross = 320;  // the first pixel read: this part of the picture's long side
+constexpr int kRead = 2;
 constexpr int kReachAcross = 40;  // shadows are narrower than this part of the picture's long side
 
 }  // namespace
@@ -22,7 +22,7 @@ struct OutlineLosses::Line {
   const std::uint8_t* mask;
   std::ptrdiff_t depth_step, mask_step;
   int count, first, last;
-  int nearest, reach;  // pixels beside an outline: looked at from here on; followed by data here at the latest
+  int nearest, reach;  // pixels beside an outline: read from here on; followed by data here at the latest
   bool masked(int i) const { return mask[i * mask_step] == 255; }
   bool seen(int i) const { return depth[i * depth_step] != 0; }
 };
@@ -31,19 +31,19 @@ void OutlineLosses::reset() {
   sides_ = {};
 }
 
-void OutlineLosses::look(const Line& line, Side& before, Side& after) {
+void OutlineLosses::scan(const Line& line, Side& before, Side& after) {
   // From the masked pixel `at` outwards.
-  const auto beside = [&](int at, int way, Side& side) {
-    const int end = at + way * line.reach;
+  const auto beside = [&](int at, int direction, Side& side) {
+    const int end = at + direction * line.reach;
     if (std::min(at, end) < 0 || std::max(at, end) >= line.count) return;
     bool follows = false;
-    for (int i = line.nearest + kLooked - 1; i <= line.reach && !follows; ++i) follows = line.seen(at + way * i);
+    for (int i = line.nearest + kRead - 1; i <= line.reach && !follows; ++i) follows = line.seen(at + direction * i);
     if (!follows) return;
-    for (int i = 1; i < line.nearest + kLooked; ++i)
-      if (line.masked(at + way * i)) return;  // a hole in the person, or a limb close by
-    for (int i = line.nearest; i < line.nearest + kLooked; ++i) {
+    for (int i = 1; i < line.nearest + kRead; ++i)
+      if (line.masked(at + direction * i)) return;  // a hole in the person, or a limb close by
+    for (int i = line.nearest; i < line.nearest + kRead; ++i) {
       ++side.pixels;
-      side.lost += line.seen(at + way * i) ? 0 : 1;
+      side.lost += line.seen(at + direction * i) ? 0 : 1;
     }
   };
   bool inside = false;
@@ -63,12 +63,12 @@ void OutlineLosses::add(DepthView depth, MaskView mask, int u_min, int v_min, in
   const int left = std::max(0, u_min), right = std::min(depth.width - 1, u_max);
   const int top = std::max(0, v_min), bottom = std::min(depth.height - 1, v_max);
   const int size = std::max(depth.width, depth.height);
-  const int nearest = std::max(1, size / kFirstAcross), reach = std::max(nearest + kLooked, size / kReachAcross);
+  const int nearest = std::max(1, size / kFirstAcross), reach = std::max(nearest + kRead, size / kReachAcross);
   const auto next = [](int i) { return (i + kStep - 1) / kStep * kStep; };
   for (int v = next(top); v <= bottom; v += kStep)
-    look({depth.row(v), mask.row(v), 1, 1, depth.width, left, right, nearest, reach}, sides_[kLeft], sides_[kRight]);
+    scan({depth.row(v), mask.row(v), 1, 1, depth.width, left, right, nearest, reach}, sides_[kLeft], sides_[kRight]);
   for (int u = next(left); u <= right; u += kStep)
-    look({depth.pixels + u, mask.pixels + u, depth.stride, mask.stride, depth.height, top, bottom, nearest, reach},
+    scan({depth.pixels + u, mask.pixels + u, depth.stride, mask.stride, depth.height, top, bottom, nearest, reach},
          sides_[kAbove], sides_[kBelow]);
 }
 

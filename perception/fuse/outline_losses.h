@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a sensor loses beside a person's outline: a projector's shadow on one side, pixels of two surfaces on both,
-// nothing. Tells sensors apart whose driver has smoothed the noise away.
+// nothing. Distinguishes sensors whose driver has smoothed the noise away.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@
 
 namespace im2fit {
 
-// Looks across the mask's outline to all four sides, on every kStep-th row and column, at the pixels beside it: those
-// without data that are followed by data are lost. Where nothing follows, the background is out of range and says
-// nothing. Frames beyond the first few thousand pixels are not looked at. Integers until the last division; no
+// Samples across the mask's outline to all four sides, on every kStep-th row and column, at the pixels beside it:
+// those without data that are followed by data are lost. Where nothing follows, the background is out of range and
+// says nothing. Frames beyond the first few thousand pixels are not read. Integers until the last division; no
 // allocation; not shareable between threads.
 class OutlineLosses {
  public:
@@ -34,7 +34,7 @@ class OutlineLosses {
   };
   enum : std::size_t { kLeft, kRight, kAbove, kBelow, kSides };
   struct Line;
-  static void look(const Line& line, Side& before, Side& after);
+  static void scan(const Line& line, Side& before, Side& after);
   std::array<Side, kSides> sides_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How noisy a sensor is, from frames of somebody who stands still: outlines, and so widths and girths, come out
+// How noisy a sensor is, from frames of a person who stands still: outlines, and so widths and girths, come out
 // otherwise of a sensor without noise than of a Kinect, and the index must know which it answers.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace im2fit {
 
 // Mean absolute difference between a masked pixel's depth and the one it had when it was masked last, on every
 // kRowStep-th row: thousands of pixels of a person, and half a percent of the frame's time. Differences beyond
-// kOutlierMm are another surface's, and a frame that is the one before over again says nothing once others were not.
+// kOutlierMm are another surface's, and a frame equal to the one before is skipped once others differed.
 // Integers until the last division: the same bits on every machine. No allocation after construction; not shareable
 // between threads.
 class TemporalNoise {
@@ -32,7 +32,7 @@ class TemporalNoise {
   std::uint64_t difference_sum_mm_ = 0;
   std::uint64_t pairs_ = 0;
   std::uint64_t repeated_pairs_ = 0;        // of frames that differed nowhere
-  std::vector<std::uint16_t> previous_mm_;  // of the rows looked at; 0: not masked yet
+  std::vector<std::uint16_t> previous_mm_;  // of the rows sampled; 0: not masked yet
 };
 
 }  // namespace im2fit

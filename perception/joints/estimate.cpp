@@ -30,14 +30,14 @@ Shape mirrored(const Shape& shape) {
 
 }  // namespace
 
-Estimate mirrored(const Estimate& estimate) {
-  Estimate out;
+JointEstimate mirrored(const JointEstimate& estimate) {
+  JointEstimate out;
   out.shape = mirrored(estimate.shape);
   for (std::size_t j = 0; j < kJointCount; ++j) out.spread_mm[j] = estimate.spread_mm[joint_index(kJointMirror[j])];
   return out;
 }
 
-Estimate estimate(const JointModel::Data& model, const View& view, const View& mirror_image) {
+JointEstimate estimate(const JointModel::Data& model, const View& view, const View& mirror_image) {
   const std::array<ForestView, kStartCount> starts = {model.forest, model.forest.half(0), model.forest.half(1)};
   std::array<ForestRun, kRunCount> jumps{};
   for (std::size_t i = 0; i < kRunCount; ++i)
@@ -48,7 +48,7 @@ Estimate estimate(const JointModel::Data& model, const View& view, const View& m
   run_cascade(model, runs);
   std::array<Shape, kRunCount> seen{};
   for (std::size_t i = 0; i < kRunCount; ++i) seen[i] = i < kStartCount ? runs[i].shape : mirrored(runs[i].shape);
-  Estimate out;
+  JointEstimate out;
   for (std::size_t k = 0; k < out.shape.size(); ++k)
     out.shape[k] = middle({seen[0][k], seen[1][k], seen[2][k], seen[3][k], seen[4][k], seen[5][k]});
   for (int j = 0; j < static_cast<int>(kJointCount); ++j) {

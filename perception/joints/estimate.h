@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One view's joints: the middle of what several runs of the model say.
+// One view's joints: the median of several runs of the model.
 #pragma once
 
 #include <array>
@@ -8,17 +8,17 @@
 
 namespace im2fit::joints {
 
-struct Estimate {
+struct JointEstimate {
   Shape shape{};
   std::array<float, kJointCount> spread_mm{};  // rises with the error to be expected
 };
 
-// What the mirror image says, said of the view itself, and back.
-Estimate mirrored(const Estimate& estimate);
+// The estimate of the mirror image in coordinates of the view itself, and back.
+JointEstimate mirrored(const JointEstimate& estimate);
 
 // Six runs: started by all trees and by either half of them, on the view and on its mirror image. Their errors are
 // not the same, so the median coordinate is better than any of them (as Cao et al. 2012, section 4, from several
 // starts). `mirror_image`: mirror(view).
-Estimate estimate(const JointModel::Data& model, const View& view, const View& mirror_image);
+JointEstimate estimate(const JointModel::Data& model, const View& view, const View& mirror_image);
 
 }  // namespace im2fit::joints

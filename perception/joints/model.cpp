@@ -25,7 +25,7 @@ Status check_meta(const joints::Meta& m, const std::string& what) {
   if (!within(m.level_count, 0, 32)) return damaged(what, "cascade levels are not 0..32");
   if (!within(m.level_tree_count, 1, 4096)) return damaged(what, "trees per cascade level are not 1..4096");
   if (!within(m.side_tree_count, 0, 1024)) return damaged(what, "trees for front or back are not 0..1024");
-  if (!within(m.person_tree_count, 0, 1024)) return damaged(what, "trees for somebody are not 0..1024");
+  if (!within(m.person_tree_count, 0, 1024)) return damaged(what, "trees for person votes are not 0..1024");
   if (!within(m.pixel_count, 2, joints::kPixelCountMax)) return damaged(what, "anchors per level are not 2..1024");
   return Ok{};
 }

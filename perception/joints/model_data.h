@@ -30,8 +30,8 @@ struct Meta {
   std::uint32_t level_count = 0;
   std::uint32_t level_tree_count = 0;
   std::uint32_t pixel_count = 0;        // per level
-  std::uint32_t side_tree_count = 0;    // that tell front from back; 0: everybody faces the camera
-  std::uint32_t person_tree_count = 0;  // that tell people from things; 0: person_score alone tells
+  std::uint32_t side_tree_count = 0;    // for front or back; 0: every person faces the camera
+  std::uint32_t person_tree_count = 0;  // for person or object; 0: person_score alone decides
 };
 
 // Inner node: depth difference of two probes against `threshold`; children at `left`, `left + 1` of the same tree.
@@ -48,7 +48,7 @@ static_assert(sizeof(JumpNode) == 12);
 
 using Basis = std::array<float, static_cast<std::size_t>(kLeafSize* kShapeSize)>;  // mm a unit, by coefficient
 
-struct ConfidenceBin {  // bins in rising order of doubt
+struct ConfidenceBin {  // bins in rising order of ensemble spread
   std::uint16_t spread_mm_max = 0;
   std::uint16_t chance = 0;  // of being within 50 mm, of 65535
 };
@@ -94,7 +94,7 @@ inline int find_leaf(const Split* splits, const std::int16_t* pixels) {
   return i - kSplitCount;
 }
 
-// Boosted trees whose leaves are log-odds in 1/256. Splits read the anchors' depths and, in votes for somebody,
+// Boosted trees whose leaves are log-odds in 1/256. Splits read the anchors' depths and, in person votes,
 // clues.
 inline constexpr int kVoteUnit = 256;
 struct Votes {

@@ -17,8 +17,8 @@ std::int16_t clue(float value) {
 
 }  // namespace
 
-void read_values(std::span<const Anchor> anchors, const View& view, const Estimate& estimate, const Witness& witness,
-                 std::int16_t* out) {
+void read_values(std::span<const Anchor> anchors, const View& view, const JointEstimate& estimate,
+                 const Witness& witness, std::int16_t* out) {
   read_anchors(anchors, view, estimate.shape, out);
   std::int16_t* clues = out + anchors.size();
   clues[0] = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Somebody or a thing: trees over depths about the joints found, as for front or back, and over clues beside them.
+// Person or object: trees over depths about the joints found, as for front or back, and over clues beside them.
 #pragma once
 
 #include <array>
@@ -20,9 +20,9 @@ struct Witness {
   FloorPlane floor;
 };
 
-// By place among the clues: zero, to compare with; 256 x shape odds; 4096 x person_score; the joints' doubts, mm;
-// lengths of the bones to their parents, mm (the torso's is 0); heights above the floor, mm (0 where it is not
-// known).
+// By place among the clues: zero, to compare with; 256 x shape odds; 4096 x person_score; the joints' ensemble
+// spread, mm; lengths of the bones to their parents, mm (the torso's is 0); heights above the floor, mm (0 where it
+// is not known).
 inline constexpr int kSpreadClues = 3;
 inline constexpr int kBoneClues = kSpreadClues + static_cast<int>(kJointCount);
 inline constexpr int kHeightClues = kBoneClues + static_cast<int>(kJointCount);
@@ -30,7 +30,7 @@ static_assert(kHeightClues + static_cast<int>(kJointCount) == kClueCount);
 
 using VoteValues = std::array<std::int16_t, kPixelCountMax + kClueCount>;
 // The anchors' depths, then the clues.
-void read_values(std::span<const Anchor> anchors, const View& view, const Estimate& estimate, const Witness& witness,
-                 std::int16_t* out);
+void read_values(std::span<const Anchor> anchors, const View& view, const JointEstimate& estimate,
+                 const Witness& witness, std::int16_t* out);
 
 }  // namespace im2fit::joints

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Front or back. The cascade names joints as if everybody faced the camera (left is where x is larger); trees over
-// shape-indexed depth differences say whether that is so: toes, nose, knees and buttocks point one way.
+// Front or back. The cascade names joints as if every person faced the camera (left is where x is larger); trees over
+// shape-indexed depth differences decide whether that is so: toes, nose, knees and buttocks point in one direction.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace im2fit::joints {
 
-// Log-odds of the back being towards the camera, in 1/256; 0 when the model cannot tell (no trees).
+// Log-odds of the back being towards the camera, in 1/256; 0 when the model has no trees for it.
 int side_score(const JointModel::Data& model, const View& view, const Shape& shape);
 // The chance that goes with it, 0..1.
 float chance_of_score(int score);

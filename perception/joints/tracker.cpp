@@ -76,7 +76,7 @@ namespace {
 constexpr int kSideFrames = 4;           // the newest frame's share in the side is one of these
 constexpr float kOffMaskShare = 0.7F;    // a joint beside the mask is less sure
 constexpr float kOffImageShare = 0.15F;  // one outside the picture is a guess
-constexpr float kNothingOdds = -8;       // of an empty mask: less than trees say of any thing
+constexpr float kNothingOdds = -8;       // of an empty mask: less than the trees give any object
 
 float chance_in(const joints::ConfidenceBin& bin) {
   return static_cast<float>(bin.chance) * (1.0F / 65535.0F);
@@ -86,7 +86,7 @@ bool hand(std::size_t joint) {
   return joint == joint_index(Joint::LA) || joint == joint_index(Joint::RA);
 }
 
-// Chance by doubt.
+// Chance of being within 50 mm, by ensemble spread.
 float chance_of(const JointModel::Data& model, int joint, float spread_mm) {
   const auto bins = model.bins.subspan(static_cast<std::size_t>(joint * joints::kConfidenceBinCount),
                                        static_cast<std::size_t>(joints::kConfidenceBinCount));
@@ -111,7 +111,7 @@ struct JointTracker::Workspace {
   joints::View mirror_image;
   float usual_chance = 1;  // mean over the trained for
   float person_score = 0;
-  joints::Estimate seen;
+  joints::JointEstimate seen;
   FloorPlane floor;
   int side_sum = 0;  // of scores, fading: four times their mean
 
@@ -138,7 +138,7 @@ JointSet JointTracker::track(DepthView depth, MaskView mask, const Intrinsics& i
   }
 
   joints::mirror(view, work_->mirror_image);
-  const joints::Estimate& seen = work_->seen = joints::estimate(model, view, work_->mirror_image);
+  const joints::JointEstimate& seen = work_->seen = joints::estimate(model, view, work_->mirror_image);
   work_->floor = person.floor;
   work_->see_side(seen.shape, !same_person);
 
@@ -171,7 +171,7 @@ float JointTracker::person_score() const {
 }
 
 float JointTracker::person_odds(float shape_odds) const {
-  if (work_->view.pixel_count == 0) return kNothingOdds;  // `seen` is somebody else's
+  if (work_->view.pixel_count == 0) return kNothingOdds;  // `seen` is of an earlier frame
   const joints::Votes& votes = work_->model->person_votes;
   joints::VoteValues values;
   joints::read_values(votes.anchors, work_->view, work_->seen, {shape_odds, work_->person_score, work_->floor},
@@ -183,7 +183,7 @@ const joints::View& JointTracker::view() const {
   return work_->view;
 }
 
-const joints::Estimate& JointTracker::estimate() const {
+const joints::JointEstimate& JointTracker::estimate() const {
   return work_->seen;
 }
 

@@ -18,7 +18,7 @@
 namespace im2fit {
 
 namespace joints {
-struct Estimate;
+struct JointEstimate;
 struct View;
 }  // namespace joints
 
@@ -32,7 +32,7 @@ class JointModel {  // the contents of a .i2t file; immutable, shareable
   struct Data;
   const Data& data() const { return *data_; }
   std::string_view provenance() const;  // how it was trained; as long as the bytes live
-  std::uint32_t key() const;            // tells models apart: CRC-32C of the bytes
+  std::uint32_t key() const;            // identifies the model: CRC-32C of the bytes
 
  private:
   JointModel();
@@ -57,12 +57,12 @@ class JointTracker {
   // inside the picture count, beside the mask or not. Furniture has 0.5 to 0.7, since the model's runs disagree on
   // it; an empty mask 0.
   float person_score() const;
-  // After track(): log-odds that it is somebody and no thing, -8 of an empty mask. `shape_odds`:
+  // After track(): log-odds that it is a person and not an object, -8 of an empty mask. `shape_odds`:
   // Segmenter::shape_odds. No allocation.
   float person_odds(float shape_odds) const;
-  // After track(): what the joints were read from, and what the runs said, as if facing the camera; for training.
+  // After track(): what the joints were read from, and the runs' estimate, as if facing the camera; for training.
   const joints::View& view() const;
-  const joints::Estimate& estimate() const;
+  const joints::JointEstimate& estimate() const;
 
  private:
   struct Workspace;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The masked depth the joint model looks at: the person's box, thinned to a focal length of about 288 px, so that
+// The masked depth the joint model reads: the person's box, downsampled to a focal length of about 288 px, so that
 // one model serves 640x480, 320x240, landscape and portrait.
 #pragma once
 
@@ -16,9 +16,9 @@ inline constexpr float kViewFocalPx = 288.0F;
 inline constexpr std::size_t kViewPixelCountMax = 512U * 512U;
 
 struct View {
-  int u_first = 0, v_first = 0;  // of the box, thinned px
+  int u_first = 0, v_first = 0;  // of the box, downsampled px
   int width = 0, height = 0;
-  float fx = 1, fy = 1, cx = 0, cy = 0;  // thinned
+  float fx = 1, fy = 1, cx = 0, cy = 0;  // of the downsampled picture
   Vec3f centroid_mm;
   int pixel_count = 0;
   std::vector<std::uint16_t> depth;  // mm, 0 outside the mask

@@ -6,7 +6,7 @@
 namespace im2fit {
 namespace {
 
-constexpr float kLengthShare = 0.1F;  // of the newest frame in a bone's length: ten frames settle it
+constexpr float kLengthShare = 0.1F;  // of the newest frame in a bone's length: it converges in ten frames
 
 }  // namespace
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kFramesMax = 64;          // joints kept for the median
 constexpr int kStepMin = 2;             // of the grid: bounds its buffers; a person beyond 4 m is refused anyway
-constexpr float kDriftMaxMm = 60.0F;    // further from where gathering began: the person moved
+constexpr float kDriftMaxMm = 60.0F;    // further from where accumulation began: the person moved
 constexpr float kNormalStepMm = 60.0F;  // between grid points 20 mm apart: steeper than 70 degrees is an edge
 
 float median(std::array<float, kFramesMax>& values, int count) {

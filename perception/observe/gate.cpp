@@ -4,30 +4,15 @@
 #include <cmath>
 
 #include "core/skeleton.h"
+#include "perception/observe/gate_limits.h"
 #include "perception/paper/paper.h"
 #include "perception/profile/person_frame.h"
 
 namespace im2fit {
+
+using namespace gate_limits;
+
 namespace {
-
-// One joint is some 20-40 mm off in a frame; shoulders and hips lie 350 and 200 mm apart.
-
-// Sine of the angle between neck-torso and torso-hips. The paper asks for 0.1, but an upright person's own spine
-// curves: true joints of 40 held-out people have a median of 0.16 and a maximum of 0.32.
-constexpr float kLateralMax = 0.5F;
-constexpr float kTiltMax = 0.26F;  // sine of the spine's tilt against the floor's normal: 15 degrees
-constexpr float kLeanMax = 0.19F;  // a trunk bent by 16 degrees about the hips, or all of the body leaning by 11
-// Sine of the shoulders' turn away from the camera. People are learned within 13 degrees, and 12 are too many to
-// measure well; the joints' yaw errs by 6, so that 18 degrees let pass all who stand within 12.
-constexpr float kYawMax = 0.309F;
-constexpr float kHandGapMinMm = 60.0F;  // hand's distance sideways from the hip joint
-// Of a hand the tracker hardly sees, which it puts where hands mostly are: 100 to 200 mm further out than it is, when
-// it is before the body.
-constexpr float kHandGapUnsureMinMm = 200.0F;
-constexpr float kHandSureMin = 0.33F;
-constexpr float kAcrossMinMm = 100.0F;  // shoulders and hips together: some 500 mm apart
-constexpr float kBackMin = 0.65F;
-constexpr float kFrontMax = 0.35F;
 
 bool spine_tilted(const JointSet& joints, const PersonFrame& frame) {
   const Vec3f spine = normalized(joints[Joint::NE] - (joints[Joint::LH] + joints[Joint::RH]) * 0.5F);

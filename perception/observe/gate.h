@@ -13,17 +13,17 @@ namespace im2fit {
 enum class ViewSide : int { unknown, front, back, side };
 
 // From the line of shoulders and hips and `back_probability` (0..1: the tracker's, that the person is seen from
-// behind; 0 where nobody says). Joints whose left lies on the picture's left say `back` themselves. `unknown` when
+// behind; 0 where unknown). Joints whose left lies on the picture's left mean `back` by themselves. `unknown` when
 // the joints span no line, or the probability does not decide (0.35..0.65).
 ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_probability = 0.0F);
 
-// not_upright (by the lean where it is seen, else by the joints: mended Eq. 1 and the floor), not_frontal (neither
-// front nor back), arms_close. Thresholds sit three joint errors away from what a person asked to stand straight
-// does: one noisy joint must not refuse a good frame. Which way somebody bent faces is not told.
+// not_upright (by the lean where it is seen, else by the joints: corrected Eq. 1 and the floor), not_frontal (neither
+// front nor back), arms_close. Thresholds sit three joint errors away from what a person who tries to stand straight
+// does: one noisy joint must not refuse a good frame. The direction a bent person faces is not judged.
 GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view, const Lean& lean = {});
 // Which of those codes a frame can bear, given what the mask says of it: joints in few or coarse pixels are guesses,
-// a hand outside the picture has no place, without a head nothing tells a front from a back, and without feet the
-// floor they stand on is not seen, nor what is upright. First the person must stand where the pose can be seen.
+// a hand outside the picture has no place, without a head front and back cannot be distinguished, and without feet
+// the floor they stand on is not seen, nor what is upright. First the person must stand where the pose can be seen.
 GuidanceSet pose_codes_seen(GuidanceSet of_mask, ViewSide view);
 inline GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor) {
   return pose_gate(joints, floor, view_side(joints, floor));

@@ -7,7 +7,7 @@ namespace im2fit {
 namespace {
 
 constexpr int kReachesAcross = 40;  // a hole's data lie within this part of the picture's long side
-constexpr int kLooksAcross = 80;    // of the picture, to tell whether it is riddled
+constexpr int kSamplesAcross = 80;  // of the picture, to decide whether it is riddled
 constexpr int kRiddledShare = 6;    // a sixth; of undisturbed scenes 1 to 3 % is
 
 }  // namespace
@@ -18,9 +18,9 @@ HoleFiller::HoleFiller(int width, int height)
       above_row_(static_cast<std::size_t>(width)),
       below_row_(static_cast<std::size_t>(width)) {}
 
-// Looks at a lattice of pixels: lost ones with data near on all four sides against those with data.
+// Counts on a lattice of pixels: lost ones with data near on all four sides against those with data.
 bool HoleFiller::riddled(DepthView depth) const {
-  const int step = std::max(1, std::max(depth.width, depth.height) / kLooksAcross);
+  const int step = std::max(1, std::max(depth.width, depth.height) / kSamplesAcross);
   const auto near = [&](int u, int v, int du, int dv) {
     for (int i = 1; i <= reach_px_; ++i) {
       const int x = u + i * du, y = v + i * dv;
@@ -40,9 +40,9 @@ bool HoleFiller::riddled(DepthView depth) const {
   return lost * kRiddledShare > seen + lost;
 }
 
-// Nearest data to the left and above are remembered; those to the right and below are looked for once and kept until
+// Nearest data to the left and above are remembered; those to the right and below are searched once and kept until
 // passed, so that a pixel costs the same however large its hole.
-void HoleFiller::mend(DepthView depth) {
+void HoleFiller::fill(DepthView depth) {
   constexpr int kNone = -(1 << 20);
   std::fill(above_row_.begin(), above_row_.end(), kNone);
   std::fill(below_row_.begin(), below_row_.end(), 0);
@@ -83,7 +83,7 @@ void HoleFiller::mend(DepthView depth) {
 DepthView HoleFiller::run(DepthView depth) {
   filled_ = riddled(depth);
   if (!filled_) return depth;
-  mend(depth);
+  fill(depth);
   return {out_.data(), depth.width, depth.height};
 }
 

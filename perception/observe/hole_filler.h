@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures that sunlight riddles with holes, filled so that the person in them is still found: a person full of holes
-// is not nobody. What is filled is for finding people only; it is never measured.
+// is still a person. What is filled is for finding people only; it is never measured.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ class HoleFiller {
 
  private:
   bool riddled(DepthView depth) const;
-  void mend(DepthView depth);
+  void fill(DepthView depth);
 
   int reach_px_;
   bool filled_ = false;

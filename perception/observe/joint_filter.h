@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Joints steadied for the eye: the One Euro filter (Casiez, Roussel, Vogel: CHI 2012). Measuring never uses it: a
+// Joints steadied for display: the One Euro filter (Casiez, Roussel, Vogel: CHI 2012). Measuring never uses it: a
 // low-pass trades noise for lag, a median over still frames needs no such trade.
 #pragma once
 

@@ -17,7 +17,7 @@ constexpr float kLegsFromShare = 0.10F;  // of the crown's height: above the fee
 constexpr float kLegsToShare = 0.38F;
 constexpr float kEndShare = 0.004F;  // of the points above the crown or below the soles: noise
 constexpr int kPointsMin = 20;
-constexpr int kAcross = 160;  // points looked at along the picture's long side
+constexpr int kAcross = 160;  // points read along the picture's long side
 
 struct Bin {
   int count = 0;

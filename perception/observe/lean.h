@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far somebody leans or bends, from what is seen of them: head over legs. Joints are learned from people who
+// How far a person leans or bends, from what is seen of them: head over legs. Joints are learned from people who
 // stand upright and straighten those who do not.
 #pragma once
 
@@ -10,7 +10,8 @@ namespace im2fit {
 
 struct Lean {
   bool seen = false;  // floor, head and legs are
-  float tangent = 0;  // way along the floor from the middle of the legs to the head, over the height between them
+  float tangent =
+      0;  // distance along the floor from the middle of the legs to the head, over the height between them
 };
 
 // `mask` of the person in `depth`. `head`: the user whose mask it is, when known; without has_head what is topmost is

@@ -14,7 +14,7 @@ struct Motion {
 };
 
 // Speeds as the distance between the means of the older and the newer half of the last kFrameCount frames, over the
-// time between the halves' middles: with tremor sd s a frame and 30 frames a second its own sd is 1.9 s per second,
+// time between the middles of both: with tremor sd s a frame and 30 frames a second its own sd is 1.9 s per second,
 // where one frame's difference has 42 s. It lags by kFrameCount/2 frames, 0.27 s. No allocation; not shareable
 // between threads; + - * / sqrt only.
 class MotionFilter {
@@ -22,7 +22,7 @@ class MotionFilter {
   static constexpr int kFrameCount = 16;
 
   void reset() { count_ = 0; }
-  // `body_mm`: the middle of what is seen of the person: joints are guesses when somebody turns or bends, the middle
+  // `body_mm`: the middle of what is seen of the person: joints are guesses when a person turns or bends, the middle
   // of a mask is not. `dt_s` since the last call. Zero until kFrameCount frames are seen, and for a limb that was not
   // seen in all of them (confidence below kJointSeenMin) or jumped (kJumpMm in a frame): that is the tracker's doing.
   Motion step(Vec3f body_mm, const JointSet& joints, float dt_s);

@@ -30,13 +30,13 @@ inline constexpr std::size_t kProfileSize = ProfileLayout::kSize;
 inline constexpr std::size_t kFeatureSize = kPaperFeatureSize + kProfileSize + kSensorTraits;
 using Feature = std::array<float, kFeatureSize>;
 
-// First half (thread SENSE): who is there, and where the joints are.
+// First stage (thread SENSE): who is there, and where the joints are.
 struct Detection {
   Person person;
   JointSet joints;        // meaningful when person.found
   float back_chance = 0;  // of the back being towards the camera
   ViewSide view = ViewSide::unknown;
-  std::array<User, kUserCountMax> users{};  // everybody in view, nearest first; the first user_count are set
+  std::array<User, kUserCountMax> users{};  // all people in view, nearest first; the first user_count are set
   int user_count = 0;
   GuidanceSet guidance = 0;  // the person's and the pose's: zero means the frame may be used
 };
@@ -45,7 +45,7 @@ class Sensor {
   Sensor(int width, int height, const JointModel& model);
   // `seconds` since the frame before.
   Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
-  // Whom to sense from the next frame on: the user of this id and nobody else; 0: the nearest and most central.
+  // Whom to sense from the next frame on: the user of this id and no other; 0: the nearest and most central.
   void select(int user) {
     segmenter_.select(user);
     selected_user_ = user;
@@ -61,20 +61,20 @@ class Sensor {
   HoleFiller holes_;
   Segmenter segmenter_;
   JointTracker tracker_;
-  std::array<int, kUserCountMax> accepted_{};  // ids whose joints once looked like a person's; 0: free
+  std::array<int, kUserCountMax> accepted_{};  // ids the joints confirmed once; 0: free
   int selected_user_ = 0;                      // by select()
   struct Candidate {                           // not yet accepted
     int id = 0;
-    int frames = 0;      // looked at
-    float odds_sum = 0;  // of the log-odds that it is somebody
+    int frames = 0;      // judged
+    float odds_sum = 0;  // of the log-odds that it is a person
   };
   Candidate& candidate(int id);
-  bool looked_at_enough() const;
-  std::array<Candidate, kUserCountMax> candidates_{};  // those looked at last come first
-  int previous_user_ = 0;                              // of the last frame; 0: nobody
+  bool judged_enough() const;
+  std::array<Candidate, kUserCountMax> candidates_{};  // the latest judged comes first
+  int previous_user_ = 0;                              // of the last frame; 0: none
 };
 
-// Second half (thread FIT): gather frames, then describe.
+// Second stage (thread FIT): accumulate frames, then describe.
 class Fuser {
  public:
   Fuser(int width, int height);
@@ -82,10 +82,10 @@ class Fuser {
   Fuser(Fuser&&) noexcept;
   void reset();
   // Adds an accepted frame (guidance zero). Returns guidance of its own (moving) instead of adding when it does not
-  // fit what is gathered.
+  // fit what is accumulated.
   GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Detection& detection);
   int frame_count() const;
-  // Of the frames gathered.
+  // Of the frames accumulated.
   const Intrinsics& intrinsics() const;
 
   struct Description {
@@ -96,7 +96,7 @@ class Fuser {
     PaperMeasurements paper;
     Feature feature;
   };
-  // Features of what is gathered so far, by a sensor of this kind.
+  // Features of what is accumulated so far, by a sensor of this kind.
   const Description& describe(SensorKind kind = SensorKind::unknown);
   // The fused picture, for overlays: depth in 1/16 mm and mask.
   ImageView<const std::uint16_t> depth_q4() const;

@@ -3,24 +3,11 @@
 
 #include "perception/observe/gate.h"
 #include "perception/observe/observe.h"
+#include "perception/observe/sensor_limits.h"
 
 namespace im2fit {
 
-namespace {
-
-// JointTracker::person_score and person_odds() of somebody at once, where the segmenter says so too:
-constexpr float kPersonScoreSure = 0.76F;
-constexpr float kPersonScoreSureShapeless = 0.82F;
-constexpr float kOddsSure = -1.0F;
-// person_odds() in the mean over so many frames, of who is not sure at once:
-constexpr int kOddsFrames = 6;
-constexpr float kOddsMin = 1.5F;
-constexpr int kLongFrames = 12;     // A doubtful one is looked at so long;
-constexpr int kHopelessFrames = 4;  // hopeless ones no longer than this. Others are looked at, after.
-constexpr float kHopelessOdds = -2.0F;
-constexpr float kLostShareMax = 0.30F;  // of the person's pixels
-
-}  // namespace
+using namespace sensor_limits;
 
 Sensor::Sensor(int width, int height, const JointModel& model)
     : holes_(width, height), segmenter_(width, height), tracker_(model) {}
@@ -43,8 +30,8 @@ Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage
                                      [&](const User& user) { return user.id == detection.person.id; });
     const bool confirmed = listed != detection.users.end() && listed->confirmed;
     const bool person_like = looks_like_person(detection.person.id, confirmed);
-    // Who is doubtful to begin with is in nobody's way: looked at until others should be.
-    if (person_like || confirmed || looked_at_enough()) segmenter_.set_rejected(detection.person.id, !person_like);
+    // Unconfirmed candidates stay selectable until rejected, and they are rejected only after enough frames.
+    if (person_like || confirmed || judged_enough()) segmenter_.set_rejected(detection.person.id, !person_like);
     if (!person_like) return without_person(detection, mask);
     accept(detection.person.id);
   }
@@ -52,7 +39,7 @@ Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage
   const auto users = segmenter_.users();
   const auto user = std::find_if(users.begin(), users.end(), is_chosen);
   const Lean lean = lean_of(filled, mask, intrinsics, detection.person, user != users.end() ? &*user : nullptr);
-  // Who else is there is a guess as well.
+  // Other people are a guess in such a picture, too.
   if (holes_.filled() && drop_lost_pixels(depth, mask) > kLostShareMax)
     detection.guidance = (detection.guidance & ~static_cast<GuidanceSet>(Guidance::several_people)) |
                          static_cast<GuidanceSet>(Guidance::too_noisy);
@@ -64,7 +51,7 @@ Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage
   return detection;
 }
 
-// Once somebody, always somebody: people bend and turn away.
+// A user accepted once stays accepted: people bend and turn away, and the joints then fit badly.
 bool Sensor::accepted(int id) const {
   return id == selected_user_ || std::find(accepted_.begin(), accepted_.end(), id) != accepted_.end();
 }
@@ -87,8 +74,8 @@ bool Sensor::looks_like_person(int id, bool confirmed) {
   return c.frames >= kOddsFrames && c.odds_sum >= kOddsMin * static_cast<float>(c.frames);
 }
 
-// Of the candidate looked at last.
-bool Sensor::looked_at_enough() const {
+// Of the candidate judged last.
+bool Sensor::judged_enough() const {
   const Candidate& c = candidates_.front();
   return c.frames > kLongFrames ||
          (c.frames >= kHopelessFrames && c.odds_sum < kHopelessOdds * static_cast<float>(c.frames));
@@ -107,7 +94,7 @@ Detection Sensor::without_person(const Detection& refused, MaskImage mask) {
     if (refused.users[static_cast<std::size_t>(i)].id != refused.person.id)
       detection.users[static_cast<std::size_t>(detection.user_count++)] = refused.users[static_cast<std::size_t>(i)];
   detection.person.people_count = std::max(0, refused.person.people_count - 1);
-  // What is too near to be told from furniture is too near.
+  // Too near to distinguish a person from furniture: report too_near.
   const auto near = refused.person.guidance & static_cast<GuidanceSet>(Guidance::too_near);
   detection.guidance = detection.person.guidance = near != 0 ? near : static_cast<GuidanceSet>(Guidance::no_person);
   previous_user_ = 0;

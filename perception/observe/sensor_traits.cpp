@@ -8,7 +8,7 @@
 namespace im2fit {
 namespace {
 
-constexpr float kNearestM = 1.6F;  // nobody is measured nearer; below 1.2 m the two kinds are alike
+constexpr float kNearestM = 1.6F;  // no person is measured nearer; below 1.2 m the two kinds are alike
 
 // Axial standard deviation in mm, z in m. Nguyen, Izadi, Lovell 2012, "Modeling Kinect sensor noise for improved 3D
 // reconstruction and tracking", eq. 3; Fankhauser 2015, "Kinect v2 for mobile robot navigation: evaluation and
@@ -37,15 +37,15 @@ struct Shares {
   float kinect = 0, tof = 0, silent = 0;
 };
 
-Shares told_by(const SensorSigns& signs, float z) {
+Shares shares_of(const SensorSigns& signs, float z) {
   const float loses = std::isnan(signs.lost) ? 0.0F : ramp(signs.lost, 0.03F, 0.08F);
   Shares s;
   if (std::isnan(signs.noise_mm)) {
     s.silent = 1;
   } else {
-    const float way = (signs.noise_mm - tof_noise_mm(z)) / (kinect_noise_mm(z) - tof_noise_mm(z));
+    const float towards_kinect = (signs.noise_mm - tof_noise_mm(z)) / (kinect_noise_mm(z) - tof_noise_mm(z));
     s.silent = ramp(signs.noise_mm, 2.0F, 1.0F);
-    s.tof = std::max(1.0F - s.silent - ramp(way, 0.15F, 0.45F), 0.0F);
+    s.tof = std::max(1.0F - s.silent - ramp(towards_kinect, 0.15F, 0.45F), 0.0F);
   }
   s.tof += s.silent * loses;
   s.silent -= s.silent * loses;
@@ -71,7 +71,7 @@ std::array<float, kSensorTraits> sensor_traits(const SensorSigns& signs, float d
     constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
     return {kUnknown, pixel_mm, kUnknown, kUnknown, kUnknown, kUnknown};
   } else {
-    s = told_by(signs, z);
+    s = shares_of(signs, z);
   }
   const float least_mm = s.kinect * least_kinect_mm(z) + s.tof * least_tof_mm(z);
   const float noise_mm = signs.noise_mm > least_mm ? signs.noise_mm : least_mm;  // not measured: the least

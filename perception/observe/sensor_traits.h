@@ -26,14 +26,14 @@ struct SensorSigns {
 //   1 for a sensor without noise; that times the pixel's width
 //   1 for time of flight; that times the pixel's width
 // Those two and a Kinect share out one. A kind that is known is taken at its word. Else
-//   who loses pixels on one side more (0.10 to 0.16) projects patterns: a Kinect;
-//   without noise is who shows none (up to 1 mm, falling to 0 at 2) and loses none (3 to 8 in 100);
-//   a Kinect is told from time of flight by where its noise is between what is published of both: 0.5 to 0.8 of the
-//   way, of which 0.45 are asked for and from 0.15 on some believed. Who loses pixels and shows no noise is the
-//   latter.
+//   a sensor that loses more pixels on one side (0.10 to 0.16) projects patterns: a Kinect;
+//   without noise is a sensor that shows none (up to 1 mm, falling to 0 at 2) and loses none (3 to 8 in 100);
+//   a Kinect and time of flight differ in where the noise lies between the published figures of both: a Kinect 0.5
+//   to 0.8 of the distance; 0.45 counts as one, 0.15 as none, the weight rises between. A sensor that loses pixels
+//   and shows no noise is time of flight.
 // Before a wall a Kinect loses 0.12 to 0.45 of those pixels, one side 0.13 to 0.47 more; time of flight 0.10 to 0.25
-// and 0.09 at most; a sensor without noise 0.02 at most (100 people each of im2fit-lab eval at 640x480, printed by a
-// study build). Neither noise nor losses measured: NaN but for the width.
+// and 0.09 at most; a sensor without noise 0.02 at most (100 people each of im2fit-lab eval at 640x480, printed by an
+// unpublished experiment). Neither noise nor losses measured: NaN but for the width.
 std::array<float, kSensorTraits> sensor_traits(const SensorSigns& signs, float distance_mm, float focal_px,
                                                SensorKind kind = SensorKind::unknown);
 

@@ -21,7 +21,7 @@ namespace im2fit {
 // Principal axes of the rigid torso: u down the spine (NE->TO), v = LS->RS, w = u x v (section 3.2 of the paper).
 struct BodyFrame {
   Vec3f u, v, w;         // unit
-  float lateral = 1.0F;  // sqrt(1 - (u.d)^2), d = TO -> mid-hips: the mended Eq. (1); upright below 0.1
+  float lateral = 1.0F;  // sqrt(1 - (u.d)^2), d = TO -> mid-hips: the corrected Eq. (1); upright below 0.1
   bool upright = false;  // and the hips lie below the torso: u.d > 0
 };
 inline constexpr float kUprightMax = 0.1F;  // epsilon 1

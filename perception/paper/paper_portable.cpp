@@ -69,7 +69,7 @@ class Measurer {
   CoordinateMm distance(Joint a, Joint b) const { return length(fixed_point(joints_[a]) - fixed_point(joints_[b])); }
   // The contour point of row v nearest to the axis, of those that count; false where there is none.
   bool nearest_on_contour(int v, const FixedAxis& lateral, FixedPoint3 torso, FixedPoint3& nearest) const;
-  void gather_sections(const std::array<Vec3f, kPaperSectionCount>& centres, int* counts);
+  void collect_sections(const std::array<Vec3f, kPaperSectionCount>& centres, int* counts);
   float girth(const SectionPoint* points, int count, float z_mm) const;
 
   ImageView<const std::uint16_t> depth_;
@@ -131,7 +131,7 @@ void Measurer::sleeve_and_leg(PaperMeasurements& m) const {
   m.shoulder_mm = real(distance(LS, RS));
 }
 
-void Measurer::gather_sections(const std::array<Vec3f, kPaperSectionCount>& centres_mm, int* counts) {
+void Measurer::collect_sections(const std::array<Vec3f, kPaperSectionCount>& centres_mm, int* counts) {
   // Across the section: v made perpendicular to u, and w.
   const Vec3f across = cross(frame_.w, frame_.u);
   work_.spine.set(work_.rays, frame_.u);
@@ -184,7 +184,7 @@ float Measurer::girth(const SectionPoint* points, int count, float z_mm) const {
 std::array<float, kPaperSectionCount> Measurer::girths() {
   const auto centres = paper_detail::section_centres(joints_);
   std::array<int, kPaperSectionCount> counts;
-  gather_sections(centres, counts.data());
+  collect_sections(centres, counts.data());
   std::array<float, kPaperSectionCount> out;
   for (std::size_t s = 0; s < kPaperSectionCount; ++s) {
     const std::size_t at = s * static_cast<std::size_t>(work_.point_capacity + kSectionSlack);

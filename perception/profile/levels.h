@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of trunk, legs and head gathered into levels at fixed parts of the stature.
+// Rows of trunk, legs and head accumulated into levels at fixed parts of the stature.
 #pragma once
 
 #include "perception/profile/profile.h"

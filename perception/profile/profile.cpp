@@ -123,7 +123,7 @@ ProfileWorkspace::ProfileWorkspace(int width_max, int height_max)
 
 namespace {
 
-void gather_levels(const Scene& s, ProfileWorkspace& work, std::span<float> out) {
+void accumulate_levels(const Scene& s, ProfileWorkspace& work, std::span<float> out) {
   std::fill(work.level_sum.begin(), work.level_sum.end(), 0.0F);
   std::fill(work.level_weight.begin(), work.level_weight.end(), 0.0F);
   const float torso_side = s.frame.side(s.joint(Joint::TO));
@@ -168,7 +168,7 @@ void section_profile(ImageView<const std::uint16_t> depth_q4, MaskView mask, con
   s.stature_mm = crown[1] - s.base_mm;
   if (s.stature_mm < 800.0F || s.stature_mm > 2600.0F) return;
   s.set_axes();
-  gather_levels(s, work, out);
+  accumulate_levels(s, work, out);
 
   arm_widths(s, part(L::kArms, L::kArmValues));
   joints_and_bones(s, part(L::kJoints, 3 * static_cast<int>(kJointCount)), part(L::kBoneLengths, L::kBones));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section profile: level cuts of trunk, legs and head (half widths, front relief, arc length), arm widths, crown
-// and sole heights, joints and bone lengths. Many sections together beat one ellipse (docs/profile.md); the values
+// and sole heights, joints and bone lengths. Many sections together beat one ellipse; the values
 // are raw material for the index' learned projection, so none of them needs to be a measurement by itself.
 #pragma once
 

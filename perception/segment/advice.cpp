@@ -4,26 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace im2fit::segment {
-namespace {
+#include "perception/segment/advice_limits.h"
 
-constexpr float kNearMm = 1000.0F;
-constexpr float kHoleShareMax = 0.30F;
-constexpr float kFeetMissingMm = 220.0F;  // lowest visible part this far above the floor: the feet are hidden
-constexpr float kWholeBodyMinMm = 1250.0F;
-constexpr int kNearShare = 8;  // of the picture: what is near fills an eighth at least
-constexpr float kNearHalfMm = 180.0F;
-constexpr float kNearDepthMm = 300.0F;
-constexpr int kNearRowsMin = 16;
-constexpr float kNearBulgeMinMm = 15.0F;
-constexpr float kNearBulgeMaxMm = 140.0F;
-constexpr float kNearRoundMin = 0.6F;  // half way out, of the bulge in the middle
-constexpr float kHeadWideMinMm = 90.0F;
-constexpr float kHeadWideMaxMm = 290.0F;
-constexpr float kHeadTallMinMm = 50.0F;  // of it seen
-constexpr float kHeadRimMinMm = 20.0F;
-constexpr float kShoulderReachMm = 45.0F;  // beyond the head
-constexpr int kDeadBorderPx = 12;          // sensors leave some columns at the border without data
+namespace im2fit::segment {
+
+using namespace advice_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -75,7 +62,7 @@ float hole_share(const Grid& grid, DepthView depth, std::span<const std::uint8_t
   return total > 0 ? static_cast<float>(lost) / static_cast<float>(total) : 1.0F;
 }
 
-// Somebody too near shows a trunk and little else: rounded across. In inverse depth a wall is straight over the
+// A person too near shows a trunk and little else: rounded across. In inverse depth a wall is straight over the
 // picture's rows, however it is turned, and a box has one corner: whichever side of the middle that is on, half way
 // out on the other side a corner rises half as far over its chord as in the middle, and a circle three quarters.
 bool round_body(const Grid& grid, const Blob& blob) {
@@ -225,7 +212,7 @@ GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, Mask
   return out;
 }
 
-GuidanceSet advise_nobody(const Grid& grid, std::span<const Blob> blobs) {
+GuidanceSet advise_none_found(const Grid& grid, std::span<const Blob> blobs) {
   for (const Blob& blob : blobs) {
     const bool large = blob.cell_count * kNearShare > static_cast<int>(grid.depth.size());
     if (large && blob.centroid_mm.z < kNearMm && (round_body(grid, blob) || head_over_shoulders(grid, blob)))

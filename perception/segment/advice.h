@@ -15,7 +15,7 @@ void mark_dead_borders(const Grid& grid, int image_width, int image_height, Pers
 // Of a person found, whose mask is `mask` and whose cells are `chosen`; `disturbed`: by another person.
 GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, MaskView mask,
                    std::span<const std::uint8_t> chosen, bool disturbed);
-// Of a frame in which nobody is to be measured: no_person, or too_near alone of somebody too near to be found.
-GuidanceSet advise_nobody(const Grid& grid, std::span<const Blob> blobs);
+// Of a frame without a person to measure: no_person, or too_near alone for a person too near to be found.
+GuidanceSet advise_none_found(const Grid& grid, std::span<const Blob> blobs);
 
 }  // namespace im2fit::segment

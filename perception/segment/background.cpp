@@ -5,16 +5,13 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace im2fit::segment {
-namespace {
+#include "perception/segment/background_limits.h"
 
-constexpr int kLearnedFrames = 60;    // two seconds: longer than people stand unrecognised
-constexpr int kEvidenceMax = 240;     // frames something nearer must stay to be the background
-constexpr float kKeepoutMm = 350.0F;  // beside and before people
-constexpr float kKeepoutDepthMm = 700.0F;
-constexpr int kKnownMin = 1000;    // cells that can tell whether the camera moved
-constexpr float kTurnMax = 0.02F;  // of the floor's normal: 1.1 degrees
-constexpr float kLiftMaxMm = 40.0F;
+namespace im2fit::segment {
+
+using namespace background_limits;
+
+namespace {
 
 // Noise and rounding of a still surface, mm: 10 and some more than a disparity step.
 int tolerance_mm(std::uint16_t z) {
@@ -81,7 +78,7 @@ void Background::keep_out(const Grid& grid, std::span<const Keepout> keepouts) {
   }
 }
 
-void Background::look(const Grid& grid, const FloorPlane& floor) {
+void Background::observe(const Grid& grid, const FloorPlane& floor) {
   if (compare(grid) || floor_moved(floor)) reset();
   if (!floor_.known) floor_ = floor;
 }

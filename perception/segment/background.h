@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What stands still in the room while the camera does: the farthest depth of each cell that lasts. Learned only where
-// nobody is or was lately, so that who stands still does not become furniture.
+// no person is or was lately, so that a person who stands still does not become furniture.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace im2fit::segment {
 
-// Columns of cells, inclusive, and the depth about which somebody stands.
+// Columns of cells, inclusive, and the depth at which a person stands.
 struct Keepout {
   int c_min = 0, c_max = 0;
   float z_mm = 0;
@@ -21,8 +21,8 @@ class Background {
  public:
   explicit Background(const Grid& grid);
   void reset();
-  // Looks at a new frame; forgets all when its camera seems to have moved.
-  void look(const Grid& grid, const FloorPlane& floor);
+  // Compares a new frame; forgets all when its camera seems to have moved.
+  void observe(const Grid& grid, const FloorPlane& floor);
   // 1 per cell of this frame that shows the background.
   std::span<const std::uint8_t> shown() const { return shown_; }
   // Takes the frame in. Cells about the keepouts are not learned, and those with `taken` != 0 unlearned.

@@ -175,8 +175,9 @@ void BlobFinder::label(const Grid& grid) {
   describe(grid);
 }
 
-// Who touches one of a room's further walls is one surface with it: more than a person, and it reaches above all
-// heads or out of the picture. From less than that a wall's corner sets coats on chairs free to look like somebody.
+// A person who touches one of a room's further walls is one surface with it: more than a person, and it reaches above
+// all heads or out of the picture. From less than that a wall's corner would detach coats on chairs, which resemble
+// people.
 bool BlobFinder::close_further_walls(const Grid& grid, const FloorPlane& floor) {
   bool closed = false;
   for (int b = 0; b < blob_count_; ++b) {

@@ -43,15 +43,15 @@ struct Head {
   int c = 0, r = 0;  // cell of its top
   Vec3f top_mm;
   float width_mm = 0;
-  bool seen = true;    // false: where somebody's head is expected
-  bool vague = false;  // rather flat, or too far to tell: counts only where there is no better one
+  bool seen = true;    // false: where a tracked person's head is expected
+  bool vague = false;  // rather flat, or too far to judge: counts only where there is no better one
 };
 
 class BlobFinder {
  public:
   explicit BlobFinder(const Grid& grid);
   // Labels every cell: blob index + 1, or 0 for floor, no data, specks and where `background` is 1. `expected`:
-  // crowns of people known, who are told apart also where their heads are not seen.
+  // crowns of people known, who are kept apart also where their heads are not seen.
   void run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
            std::span<const Vec3f> expected);
   std::span<const std::uint16_t> labels() const { return labels_; }
@@ -115,7 +115,7 @@ class BlobFinder {
   WallRemover wall_;
   Components components_;
   std::vector<std::uint16_t> labels_;
-  std::vector<std::int16_t> top_;  // per column, for the blob looked at
+  std::vector<std::int16_t> top_;  // per column, for the blob in hand
   std::vector<FloorEquations> planes_;
   std::array<Blob, kBlobCountMax> blobs_;
   int blob_count_ = 0;

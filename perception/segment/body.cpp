@@ -7,31 +7,13 @@
 #include <cstdlib>
 
 #include "perception/segment/blobs.h"
+#include "perception/segment/body_limits.h"
 
 namespace im2fit::segment {
-namespace {
 
-constexpr float kBaseMm = 70.0F;  // either side of a point; less than a thigh is wide, more than depth noise hides
-constexpr int kStepMaxMm = 150;   // to the side points: no outline between
-constexpr int kRunCells = 4;      // averaged along the other axis
-constexpr int kBinZero = 128;
-constexpr int kBinCount = 256;  // of 1 mm, from -128
-constexpr float kBodyFarMm = 4000.0F;
-constexpr float kBodyTallMinMm = 900.0F;
-constexpr float kBodyTopMinMm = 1000.0F;  // above the floor
-constexpr float kBodyTopMaxMm = 2200.0F;
-constexpr float kBodyLowMaxMm = 250.0F;
-constexpr float kBodyReliefMaxMm = 180.0F;
-constexpr float kBodyRoundMin = 28.0F;
-constexpr float kLegsBonus = 10.0F;
-constexpr float kWholeTopMinMm = 1000.0F;  // above the floor
-constexpr float kWholeLeglessTopMinMm = 1150.0F;
-constexpr float kWholeWideMinMm = 240.0F;
-constexpr float kWholeLowMaxMm = 420.0F;
-constexpr float kWholeNearMm = 1100.0F;
-constexpr float kSlenderWideMm = 370.0F;  // in profile: rounder at the sides than from before
-constexpr float kSlenderRoundMax = 1.5F;  // of log-odds, for being so
-constexpr float kOddsMax = 9.0F;
+using namespace body_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -115,7 +97,7 @@ BlobFinder::Roundness BlobFinder::roundness(const Grid& grid, int b, int row_las
   Roundness round;
   round.share = static_cast<float>(kRunCells * across.total()) / static_cast<float>(blob.cell_count);
   round.sides_mm = across.quantile(75);
-  round.score = across.quantile(50) + 4.0F * along.quantile(50) + 0.3F * along.quantile(75);
+  round.score = across.quantile(50) + kAlongWeight * along.quantile(50) + kAlongUpperWeight * along.quantile(75);
   return round;
 }
 
@@ -127,20 +109,22 @@ bool BlobFinder::round_body(const Grid& grid, int b, const FloorPlane& floor) co
   const int box = (blob.c_max - blob.c_min + 1) * (blob.r_max - blob.r_min + 1);
   const bool stands = !floor.known || blob.height_min_mm < kBodyLowMaxMm || blob.r_max >= grid.height - 2;
   const bool high = !floor.known || (blob.height_max_mm > kBodyTopMinMm && blob.height_max_mm < kBodyTopMaxMm);
-  const bool sized = tall > kBodyTallMinMm && wide > 250.0F && blob.area_m2 > 0.28F && blob.area_m2 < 0.95F &&
-                     static_cast<float>(blob.cell_count) < 0.7F * static_cast<float>(box);
+  const bool sized = tall > kBodyTallMinMm && wide > kBodyWideMinMm && blob.area_m2 > kBodyAreaMinM2 &&
+                     blob.area_m2 < kBodyAreaMaxM2 &&
+                     static_cast<float>(blob.cell_count) < kBodyFillMax * static_cast<float>(box);
   if (!stands || !high || !sized || blob.relief_mm > kBodyReliefMaxMm || blob.centroid_mm.z > kBodyFarMm)
     return false;
   if (floats(grid, b, floor) || on_pole(grid, b, floor)) return false;
   const Roundness round = roundness(grid, b, blob.r_max);
-  const bool even = round.share > 0.1F && round.share < 0.6F && round.sides_mm > 14.0F && round.sides_mm < 45.0F;
+  const bool even = round.share > kBodyShareMin && round.share < kBodyShareMax && round.sides_mm > kBodySidesMinMm &&
+                    round.sides_mm < kBodySidesMaxMm;
   return even && round.score + (has_legs(grid, b) ? kLegsBonus : 0.0F) >= kBodyRoundMin;
 }
 
 // A logistic regression on 1,100 furnished rooms without people and 1,180 people (calm, free, turned by 40 to 80
 // degrees, bent by 28 to 50, seated; whole in the picture, some of them from anywhere), weighed with their joints'
-// person_score (perception/observe/sensor.cpp). What is slender was let be rounder later, after a look at people in
-// profile. Said of what is whole, on the floor and of a person's size. How well: docs/tracker-evaluation.md.
+// person_score (perception/observe/sensor.cpp). Slender blobs may be rounder since people in profile were tried.
+// Known only of blobs that are whole, on the floor and of a person's size. How well: docs/tracker-evaluation.md.
 float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) const {
   const Blob& blob = blobs_[at(b)];
   const float mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
@@ -149,13 +133,13 @@ float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) c
   const int box = (blob.c_max - blob.c_min + 1) * (blob.r_max - blob.r_min + 1);
   const float fill = static_cast<float>(blob.cell_count) / static_cast<float>(box);
   const bool whole = floor.known && top > kWholeTopMinMm && blob.height_min_mm < kWholeLowMaxMm;
-  const bool sized = blob.area_m2 > 0.15F && blob.area_m2 < 1.1F && wide > kWholeWideMinMm && fill < 0.75F &&
-                     blob.centroid_mm.z > kWholeNearMm && blob.centroid_mm.z < kBodyFarMm;
+  const bool sized = blob.area_m2 > kWholeAreaMinM2 && blob.area_m2 < kWholeAreaMaxM2 && wide > kWholeWideMinMm &&
+                     fill < kWholeFillMax && blob.centroid_mm.z > kWholeNearMm && blob.centroid_mm.z < kBodyFarMm;
   if (!whole || !sized || floats(grid, b, floor)) return kShapeUnknown;
   const bool legs = has_legs(grid, b);
   const Roundness round = roundness(grid, b, blob.r_max);
-  if (!legs && (top < kWholeLeglessTopMinMm || fill < 0.3F)) return kShapeUnknown;
-  if (round.share < 0.02F) return kShapeUnknown;
+  if (!legs && (top < kWholeLeglessTopMinMm || fill < kWholeLeglessFillMin)) return kShapeUnknown;
+  if (round.share < kWholeShareMin) return kShapeUnknown;
   const auto above = [](float value, float limit) { return std::max(0.0F, value - limit); };
   const auto below = [](float value, float limit) { return std::max(0.0F, limit - value); };
   float odds = -2.0F + 0.16F * std::clamp(round.score, -5.0F, 40.0F) - 0.0018F * wide;

@@ -5,15 +5,13 @@
 #include <cmath>
 #include <cstring>
 
-namespace im2fit::segment {
-namespace {
+#include "perception/segment/feet_limits.h"
 
-constexpr float kFootTopMm = 160.0F;   // feet are grown from mask pixels below this height
-constexpr float kFootClearMm = 18.0F;  // above the floor's noise
-constexpr int kFootReachPx = 48;       // at 640 px: sideways and downwards from the mask
-constexpr float kMaskReachMm =
-    500.0F;                       // a mask pixel is no further in depth from one of the person's cells beside it
-constexpr float kSlackMm = 1.0F;  // far above what rounding does to a height
+namespace im2fit::segment {
+
+using namespace feet_limits;
+
+namespace {
 
 struct Box {
   int u_first, u_last, v_first, v_last;  // inclusive
@@ -36,7 +34,9 @@ struct Grower {
     const Intrinsics& k = grid.intrinsics;
     return dot(floor.up, unproject(k, static_cast<float>(u), static_cast<float>(v), z)) + floor.camera_height_mm;
   }
-  float clear_mm(float z) const { return kFootClearMm + 0.6F * quantum_mm(z) * floor.camera_height_mm / z; }
+  float clear_mm(float z) const {
+    return kFootClearMm + kFootClearQuanta * quantum_mm(z) * floor.camera_height_mm / z;
+  }
   bool is_barred(int u, int v) const {
     const int c = std::min(u / grid.step, grid.width - 1), r = std::min(v / grid.step, grid.height - 1);
     return barred[static_cast<std::size_t>(grid.index(c, r))] != 0;
@@ -47,7 +47,7 @@ struct Grower {
     if (raw == 0 || raw > kDepthMaxMm) return false;
     const float z = static_cast<float>(raw);
     const float from = static_cast<float>(depth.at(from_u, from_v));
-    if (std::fabs(z - from) > 30.0F + quantum_mm(z)) return false;
+    if (std::fabs(z - from) > kFootStepMm + quantum_mm(z)) return false;
     const float height = height_of(u, v, z);
     if (height > kFootTopMm || height < clear_mm(z) || is_barred(u, v)) return false;
     mask.at(u, v) = 255;
@@ -108,7 +108,7 @@ Box Grower::low_box(std::span<const std::uint8_t> chosen) const {
   return box;
 }
 
-constexpr int kWord = 8;  // pixels looked at together
+constexpr int kWord = 8;  // pixels tested together
 
 std::uint64_t word(const std::uint8_t* p) {
   std::uint64_t w = 0;
@@ -176,13 +176,13 @@ void Grower::close_to_floor(const Box& box, std::span<std::int16_t> lowest) cons
     const int v = lowest[static_cast<std::size_t>(u)];
     if (v < 0) continue;
     const float front = static_cast<float>(depth.at(u, v));
-    if (height_of(u, v, front) > 70.0F) continue;
+    if (height_of(u, v, front) > kToeTopMm) continue;
     for (int down = v + 1; down <= box.v_last; ++down) {
       const std::uint16_t raw = depth.at(u, down);
       if (raw == 0 || raw > kDepthMaxMm) break;
       const float z = static_cast<float>(raw);
-      if (height_of(u, down, z) < 0.0F || z < front - 15.0F - 0.5F * quantum_mm(z) ||
-          z > front + 30.0F + quantum_mm(z) || is_barred(u, down))
+      if (height_of(u, down, z) < 0.0F || z < front - kToeNearMm - 0.5F * quantum_mm(z) ||
+          z > front + kFootStepMm + quantum_mm(z) || is_barred(u, down))
         break;
       mask.at(u, down) = 255;
     }

@@ -4,25 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace im2fit::segment {
-namespace {
+#include "perception/segment/floor_limits.h"
 
-constexpr float kUpXMax = 0.22F;  // roll up to 12 degrees
-constexpr float kUpZMax = 0.42F;  // pitch up to 25 degrees
-constexpr float kLevelSlope = 0.5F;
-constexpr float kSteepUpZMax =
-    0.64F;  // up to 40, where nothing else is found: at such a tilt seats and laps look level
-constexpr float kSteepSlope = 0.9F;
-constexpr float kCameraHeightMinMm = 420.0F;
-constexpr float kCameraHeightMaxMm = 2500.0F;
-constexpr int kHypothesisCount = 120;
-constexpr int kScoredCount = 400;
-constexpr int kSupportMin = 60;  // cells
-constexpr float kSupportWidthMm = 450.0F;
-constexpr float kSupportLengthMm = 250.0F;
-constexpr float kGateMm = 12.0F;
-constexpr float kGateQuanta = 0.8F;
-constexpr float kJumpMm = 12.0F;  // the camera was moved
+namespace im2fit::segment {
+
+using namespace floor_limits;
+
+namespace {
 
 // Whether the rays of a row of cells all look up from the floor: what they meet is far above it.
 bool looks_up(const Grid& grid, const FloorPlane& plane, int row) {
@@ -47,7 +35,7 @@ bool plausible(const FloorPlane& plane, float up_z_max = kSteepUpZMax) {
 bool plane_through(Vec3f a, Vec3f b, Vec3f c, float up_z_max, FloorPlane& out) {
   Vec3f n = cross(b - a, c - a);
   const float length = norm(n);
-  if (!(length > 1.0e4F)) return false;  // mm^2: three points in a line say nothing
+  if (!(length > 1.0e4F)) return false;  // mm^2: three points in a line span no plane
   n = n * (1.0F / length);
   if (n.y > 0) n = -n;
   out.known = true;
@@ -105,11 +93,11 @@ FloorFinder::FloorFinder(const Grid& grid)
 
 void FloorFinder::reset() {
   tracked_ = {};
-  has_gathered_ = false;
+  has_accumulated_ = false;
 }
 
 // A level cell: two cells further up the picture the surface has gone away from the camera, not up.
-void FloorFinder::gather(const Grid& grid, float slope) {
+void FloorFinder::collect_level_cells(const Grid& grid, float slope) {
   Candidates& out = candidates_;
   const std::size_t width = level_.size();
   const float* ray_x = grid.ray_x.data();
@@ -124,7 +112,8 @@ void FloorFinder::gather(const Grid& grid, float slope) {
       const float z = static_cast<float>(here[c]), above_z = static_cast<float>(above[c]);
       const float dz = above_z - z, dy = above_ry * above_z - ry * z;
       // A cell above without data makes dz negative; this one may have none.
-      level[c] = static_cast<std::uint8_t>((dz > 0) & (std::fabs(dy) < slope * dz + 8.0F) & (dz < 800.0F) & (z > 0));
+      level[c] = static_cast<std::uint8_t>((dz > 0) & (std::fabs(dy) < slope * dz + kLevelRiseMm) &
+                                           (dz < kLevelRunMaxMm) & (z > 0));
     }
     for (std::size_t c = 0; c < width; ++c) {
       if (c % kTogether == 0 && c + kTogether <= width && none(level + c)) {
@@ -175,7 +164,7 @@ FloorPlane FloorFinder::search(const Grid& grid, float up_z_max) const {
     for (int n = 0; n < cells; n += cell_stride) {
       if (grid.depth[static_cast<std::size_t>(n)] == 0) continue;
       const Vec3f p = grid.point(n);
-      if (height_of(plane, p) < -60.0F - quantum_mm(p.z)) score -= 3;
+      if (height_of(plane, p) < -kBelowMm - quantum_mm(p.z)) score -= 3;
     }
     if (score <= best_score) continue;
     best_score = score;
@@ -195,7 +184,7 @@ void FloorFinder::mark_on(const FloorPlane& plane, float share) {
 FloorPlane FloorFinder::fit_cells(FloorPlane plane) {
   const Candidates& all = candidates_;
   for (int pass = 0; pass < 3 && plane.known; ++pass) {
-    mark_on(plane, pass == 0 ? 1.5F : 1.0F);
+    mark_on(plane, pass == 0 ? kFirstPassShare : 1.0F);
     PointSums sums;
     for (std::size_t i = 0; i < all.count; ++i)
       if (all.on[i] != 0) sums.add(all.ray_x[i], all.ray_y[i], all.inverse_z[i]);
@@ -232,7 +221,7 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) {
     for (int c = 0; c < grid.width; ++c) {
       const float z = static_cast<float>(depth[c]);
       const Vec3f p = {grid.ray_x[static_cast<std::size_t>(c)] * z, ry * z, z};
-      below += (z > 0) & (height_of(plane, p) < -60.0F - quantum_mm(z)) ? 1 : 0;
+      below += (z > 0) & (height_of(plane, p) < -kBelowMm - quantum_mm(z)) ? 1 : 0;
     }
   }
   return below * 20 <= grid.valid_count && below <= 3 * count;
@@ -240,15 +229,15 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) {
 
 FloorPlane FloorFinder::find(const Grid& grid) {
   if (tracked_.known) {
-    gather(grid, plausible(tracked_, kUpZMax) ? kLevelSlope : kSteepSlope);
+    collect_level_cells(grid, plausible(tracked_, kUpZMax) ? kLevelSlope : kSteepSlope);
     const FloorPlane followed = fit_cells(tracked_);
     if (supported(grid, followed)) return tracked_ = followed;
   }
-  has_gathered_ = false;
-  gather(grid, kLevelSlope);
+  has_accumulated_ = false;
+  collect_level_cells(grid, kLevelSlope);
   tracked_ = fit_cells(search(grid, kUpZMax));
   if (supported(grid, tracked_)) return tracked_;
-  gather(grid, kSteepSlope);
+  collect_level_cells(grid, kSteepSlope);
   tracked_ = fit_cells(search(grid, kSteepUpZMax));
   if (!supported(grid, tracked_)) tracked_ = {};
   return tracked_;
@@ -263,7 +252,7 @@ int FloorFinder::list_cells(const Grid& grid, const FloorPlane& plane, Vec3f fee
     if (looks_up(grid, plane, r)) continue;
     for (int c = 0; c < grid.width; ++c) {
       const auto i = static_cast<std::size_t>(grid.index(c, r));
-      if (grid.depth[i] == 0 || taken[i] != 0 || std::fabs(grid.height_mm[i]) > 60.0F) continue;
+      if (grid.depth[i] == 0 || taken[i] != 0 || std::fabs(grid.height_mm[i]) > kBandMm) continue;
       const Vec3f p = grid.point(c, r);
       const float away_x = p.x - feet.x;
       const float away_z = p.z - feet.z;
@@ -302,7 +291,7 @@ FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPla
   for (int pass = 0; pass < 2; ++pass) {
     if (pass == 1) list_more_pixels(grid, count);
     for (std::size_t v = 0; v < row_up_.size(); ++v) row_up_[v] = plane.up.y * pixel_ray_y_[v] + plane.up.z;
-    const float share = pass == 0 ? 1.5F : 1.0F;
+    const float share = pass == 0 ? kFirstPassShare : 1.0F;
     const FloorGate gate = {plane.up.x,          plane.camera_height_mm,
                             share * kGateMm,     share * kGateQuanta * quantum_mm(1.0F) * plane.camera_height_mm,
                             pixel_ray_x_.data(), pixel_ray_y_.data(),
@@ -314,15 +303,15 @@ FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPla
     if (equations.weight < 30.0 || !equations.solve(next)) return coarse;
     plane = next;
   }
-  if (has_gathered_) {
+  if (has_accumulated_) {
     FloorPlane before;
-    if (gathered_.solve(before) && std::fabs(height_of(before, feet) - height_of(plane, feet)) < kJumpMm) {
-      equations.blend(gathered_, 0.85);  // about seven frames' worth
+    if (accumulated_.solve(before) && std::fabs(height_of(before, feet) - height_of(plane, feet)) < kJumpMm) {
+      equations.blend(accumulated_, kFrameKeep);
       if (!equations.solve(plane)) return coarse;
     }
   }
-  gathered_ = equations;
-  has_gathered_ = true;
+  accumulated_ = equations;
+  has_accumulated_ = true;
   return tracked_ = plane;
 }
 

@@ -92,16 +92,16 @@ class FloorFinder {
                     std::span<const std::uint8_t> taken);
 
  private:
-  // The cells that look level, the first `count` of each.
+  // The cells that are level, the first `count` of each.
   struct Candidates {
     std::vector<float> x, y, z;  // mm
     std::vector<float> ray_x, ray_y, inverse_z;
-    std::vector<std::uint8_t> on;  // 1: on the plane last asked for
+    std::vector<std::uint8_t> on;  // 1: on the plane last queried
     std::size_t count = 0;
     Vec3f point(std::size_t i) const { return {x[i], y[i], z[i]}; }
   };
 
-  void gather(const Grid& grid, float slope);  // rise over run in the picture's axes
+  void collect_level_cells(const Grid& grid, float slope);  // rise over run in the picture's axes
   void mark_on(const FloorPlane& plane, float share);
   FloorPlane search(const Grid& grid, float up_z_max) const;
   bool supported(const Grid& grid, const FloorPlane& plane);
@@ -115,8 +115,8 @@ class FloorFinder {
   std::vector<float> away_;  // of those: their squared distance from the feet, in units of its weight's
   std::vector<float> pixel_ray_x_, pixel_ray_y_, row_up_;
   FloorPlane tracked_;
-  FloorEquations gathered_;
-  bool has_gathered_ = false;
+  FloorEquations accumulated_;
+  bool has_accumulated_ = false;
 };
 
 }  // namespace im2fit::segment

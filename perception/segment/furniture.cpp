@@ -5,44 +5,15 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "perception/segment/furniture_limits.h"
+
 namespace im2fit::segment {
+
+using namespace furniture_limits;
+
 namespace {
 
-constexpr float kLedgeLowMm = 130.0F;   // above the floor: shoes are lower
-constexpr float kLedgeHighMm = 800.0F;  // hands hang above, and are no ledge
-constexpr float kLedgeShare = 0.5F;     // of the height of who stands
-constexpr float kSeatedShare = 0.33F;   // of who sits: the thighs are higher
-constexpr float kSeatShare = 0.36F;     // their seats are lower, between the thighs
-constexpr float kSeatedMaxMm = 1450.0F;
-constexpr float kSeatedTallMm = 1600.0F;  // the tallest sit as high as others stand, ...
-constexpr float kSeatedAheadMm = 250.0F;  // ... with the shins that far before the trunk: a step is shorter
-constexpr float kClearMm = 80.0F;         // above a ledge: nothing of the person
-constexpr float kLevelStepMm = 28.0F;     // from column to column
-constexpr float kLevelMm = 50.0F;         // along a ledge
-constexpr float kLedgeMinMm = 110.0F;     // long
-constexpr float kTopFaceMm = 30.0F;       // in height
-constexpr int kFrontCells = 4;            // tell a front's distance
-constexpr int kEdgeCells = 2;             // about an edge, of either face
-constexpr float kBandMm = 60.0F;          // a front in the floor band, which noise lifts
-constexpr float kBesideMm = 200.0F;
-constexpr float kPartMm = 22.0F;  // and a disparity step: apart in depth
-constexpr int kFlatCellsMin = 4;
-constexpr float kTrunkLow = 0.55F;  // of a seated person's height
-constexpr float kTrunkHigh = 0.8F;
-constexpr float kBehindMm = 150.0F;     // trunks are 230 deep: their sides end half way
-constexpr float kArmBehindMm = 150.0F;  // beyond that
-constexpr float kArmStepMm = 8.0F;      // and half a disparity step: of a surface that goes on
-constexpr float kBendsMm = 60.0F;
-constexpr float kDistanceBinMm = 10.0F;
-constexpr int kDistanceBins = 1000;
-constexpr float kPostMm = 50.0F;
-constexpr float kPostLowMm = 200.0F;  // above the floor: ankles are as thin
-constexpr float kPostTallMm = 60.0F;  // ankles seen that thin are shorter
-constexpr std::int32_t kThin = -1;
-constexpr float kShinThickMinMm = 70.0F;  // of its area over its height
-constexpr float kShinThickMaxMm = 125.0F;
-constexpr float kShinTallMinMm = 120.0F;
-constexpr float kFlatBaseMm = 50.0F;  // calves bulge by 25 mm over twice that, boxes by nothing
+constexpr std::int32_t kNarrow = -1;  // in island_: a cell of a row narrower than a shin
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -53,7 +24,7 @@ float cell_mm(const Grid& grid, float z) {
 }
 
 float front_tolerance_mm(float z) {
-  return 14.0F + 0.8F * quantum_mm(z);
+  return kFrontToleranceMm + kFrontToleranceQuanta * quantum_mm(z);
 }
 
 }  // namespace
@@ -161,7 +132,7 @@ bool FurnitureCutter::flat(const Grid& grid, const Ledge& ledge) const {
     if (top_[at(c)] < 0 || top_[at(c - base)] < 0 || top_[at(c + base)] < 0) continue;
     const float bulge = 0.5F * (front_mm_[at(c - base)] + front_mm_[at(c + base)]) - front_mm_[at(c)];
     ++total;
-    flat += std::fabs(bulge) < 7.0F + 0.4F * quantum_mm(z) ? 1 : 0;
+    flat += std::fabs(bulge) < kFlatBulgeMm + kFlatBulgeQuanta * quantum_mm(z) ? 1 : 0;
   }
   return total > 0 && flat * 2 > total;
 }
@@ -202,16 +173,18 @@ void FurnitureCutter::take_beside(const Grid& grid, Vec3f ahead, const Ledge& le
   const auto first = at(grid.index(ledge.c_first, top_[at(ledge.c_first)]));
   const float mm = cell_mm(grid, static_cast<float>(grid.depth[first]));
   const int reach = static_cast<int>(kBesideMm / mm);
-  for (const int way : {-1, 1}) {
-    const int edge = way < 0 ? ledge.c_first : ledge.c_last;
+  for (const int side : {-1, 1}) {
+    const int edge = side < 0 ? ledge.c_first : ledge.c_last;
     for (int r = top_[at(edge)]; r <= bottom_[at(edge)]; ++r) {
       for (int step = 1; step <= reach; ++step) {
-        const int c = edge + way * step;
+        const int c = edge + side * step;
         if (c < 0 || c >= grid.width) break;
         const auto i = at(grid.index(c, r));
         const Vec3f p = grid.point(c, r);
         const float line = start + slope * static_cast<float>(c - ledge.c_first);
-        if (chosen[i] == 0 || std::fabs(dot(ahead, p) - line) > 10.0F + 0.4F * quantum_mm(p.z)) break;
+        if (chosen[i] == 0 ||
+            std::fabs(dot(ahead, p) - line) > kBesideToleranceMm + kBesideToleranceQuanta * quantum_mm(p.z))
+          break;
         chosen[i] = 0;
         cut_[i] = 1;
       }
@@ -241,8 +214,9 @@ void FurnitureCutter::cut_row(const Grid& grid, int row, float limit_mm, std::sp
     const int behind_right = !mine(last + 1) ? 0 : jump(last) > 0 ? -1 : 1;
     const int middle = (first + last) / 2;
     const float bulge = 0.5F * (z(first) + z(last)) - z(middle);
-    const bool flat = last - first + 1 >= kFlatCellsMin && std::fabs(bulge) < 5.0F + 0.4F * quantum_mm(z(middle));
-    const bool shin = last - first + 1 >= kFlatCellsMin && bulge > 10.0F + 0.4F * quantum_mm(z(middle));
+    const bool flat =
+        last - first + 1 >= kFlatCellsMin && std::fabs(bulge) < kRowFlatMm + kRowQuanta * quantum_mm(z(middle));
+    const bool shin = last - first + 1 >= kFlatCellsMin && bulge > kRowRoundMm + kRowQuanta * quantum_mm(z(middle));
     const bool between = behind_left > 0 && behind_right > 0 && !shin;
     const bool beside = behind_left + behind_right == 1 && flat;
     if (between || beside)
@@ -252,7 +226,7 @@ void FurnitureCutter::cut_row(const Grid& grid, int row, float limit_mm, std::sp
   }
 }
 
-// Legs of chairs, in a row: thinner than shins. A hole of one cell parts nothing.
+// Legs of chairs, in a row: narrower than shins. A hole of one cell parts nothing.
 void FurnitureCutter::find_posts(const Grid& grid, int row, float limit_mm, std::span<const std::uint8_t> chosen) {
   const auto mine = [&](int c) { return c >= 0 && c < grid.width && chosen[at(grid.index(c, row))] != 0; };
   const auto z = [&](int c) { return static_cast<float>(grid.depth[at(grid.index(c, row))]); };
@@ -267,36 +241,36 @@ void FurnitureCutter::find_posts(const Grid& grid, int row, float limit_mm, std:
     const float wide = static_cast<float>(last - first + 1) * cell_mm(grid, z(first));
     if (wide < kPostMm && height > kPostLowMm && height < limit_mm)
       for (int c = first; c <= last; ++c)
-        if (mine(c)) island_[at(grid.index(c, row))] = kThin;
+        if (mine(c)) island_[at(grid.index(c, row))] = kNarrow;
     first = last;
   }
 }
 
-// Those that stay so thin for longer than an ankle.
+// Those that stay so narrow for longer than an ankle.
 void FurnitureCutter::cut_posts(const Grid& grid, float limit_mm, std::span<const std::uint8_t> chosen) {
   std::fill(island_.begin(), island_.end(), 0);
   for (int r = 0; r < grid.height; ++r) find_posts(grid, r, limit_mm, chosen);
-  const auto thin = [&](int c, int r) {
+  const auto narrow = [&](int c, int r) {
     for (int beside = std::max(0, c - 1); beside <= std::min(grid.width - 1, c + 1); ++beside)
-      if (island_[at(grid.index(beside, r))] == kThin) return true;
+      if (island_[at(grid.index(beside, r))] == kNarrow) return true;
     return false;
   };
   for (int c = 0; c < grid.width; ++c) {
     for (int first = 0; first < grid.height; ++first) {
-      if (!thin(c, first)) continue;
+      if (!narrow(c, first)) continue;
       int last = first;
-      while (last + 1 < grid.height && thin(c, last + 1)) ++last;
+      while (last + 1 < grid.height && narrow(c, last + 1)) ++last;
       int count = 0;
       float mm = 0;
       for (int r = first; r <= last; ++r) {
         const auto i = at(grid.index(c, r));
-        if (island_[i] != kThin) continue;
+        if (island_[i] != kNarrow) continue;
         ++count;
         mm = cell_mm(grid, static_cast<float>(grid.depth[i]));
       }
       if (count > 0 && static_cast<float>(last - first + 1) * mm > kPostTallMm)
         for (int r = first; r <= last; ++r)
-          if (island_[at(grid.index(c, r))] == kThin) cut_[at(grid.index(c, r))] = 1;
+          if (island_[at(grid.index(c, r))] == kNarrow) cut_[at(grid.index(c, r))] = 1;
       first = last + 1;
     }
   }
@@ -350,7 +324,7 @@ float FurnitureCutter::distance_between(const Grid& grid, Vec3f ahead, float low
   return kDistanceBinMm * static_cast<float>(median);
 }
 
-// Who sits has them there; who bends is not tall either, but has them behind.
+// A seated person has them there; one who bends is no taller, but has them behind.
 float FurnitureCutter::shins_before_trunk_mm(const Grid& grid, Vec3f ahead, float tall_mm,
                                              std::span<const std::uint8_t> chosen) {
   return distance_between(grid, ahead, kTrunkLow * tall_mm, kTrunkHigh * tall_mm, chosen) -
@@ -384,7 +358,8 @@ void FurnitureCutter::cut_behind(const Grid& grid, Vec3f ahead, float tall_mm, s
       const int other = cell + step;
       if (other < 0 || other >= cells || (step == -1 && c == 0) || (step == 1 && c + 1 == grid.width)) continue;
       if (island_[at(other)] != 0 || !suspect(other) || beyond(other) > kArmBehindMm) continue;
-      if (std::fabs(static_cast<float>(grid.depth[at(other)]) - z) > kArmStepMm + 0.5F * quantum_mm(z)) continue;
+      if (std::fabs(static_cast<float>(grid.depth[at(other)]) - z) > kArmStepMm + kArmStepQuanta * quantum_mm(z))
+        continue;
       island_[at(other)] = 1;
       stack_[at(size++)] = other;
     }

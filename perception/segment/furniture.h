@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes, stools and the like that stand at somebody's legs and are one surface with them.
+// Boxes, stools and the like that stand at a person's legs and are one surface with them.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ class FurnitureCutter {
  public:
   explicit FurnitureCutter(const Grid& grid);
   // Takes from `chosen` (1 to 0) what begins at a level edge low above the floor, with nothing of the person above,
-  // and goes down flat; of who sits also what lies behind the shins and between or flat beside them. Does nothing
-  // without a floor.
+  // and goes down flat; of a seated person also what lies behind the shins and between or flat beside them. Does
+  // nothing without a floor.
   void run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> chosen);
   // 1 per cell taken away by the last run.
   std::span<const std::uint8_t> cut() const { return cut_; }
@@ -47,7 +47,7 @@ class FurnitureCutter {
   std::vector<std::uint8_t> cut_;
   std::vector<std::int32_t> top_, bottom_;  // rows, per column; -1: none
   std::vector<float> front_mm_;             // distance along the floor
-  std::vector<std::int32_t> island_;        // per cell, 0: not looked at
+  std::vector<std::int32_t> island_;        // per cell, 0: not visited
   std::vector<std::int32_t> stack_;
   std::vector<std::int32_t> distances_;  // cells by distance along the floor
 };

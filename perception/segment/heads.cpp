@@ -3,22 +3,13 @@
 #include <cmath>
 
 #include "perception/segment/blobs.h"
+#include "perception/segment/heads_limits.h"
 
 namespace im2fit::segment {
-namespace {
 
-constexpr float kHeadHeightMinMm = 1100.0F;  // above the floor: a seated adult's
-constexpr float kHeadReliefMinMm = 33.0F;    // heads recede by 50 to 65 mm to their outline, cupboard corners by 20
-constexpr float kVagueMm = 4500.0F;
-constexpr float kNeckEndMm = 280.0F;  // below the crown
-constexpr float kNeckWidthMinMm = 90.0F;
-constexpr float kMisfitMax = 1.0F;
-constexpr float kMisfitOnLegsMax = 3.0F;
-constexpr float kTrunkBeginMm = 270.0F;
-constexpr float kTrunkEndMm = 650.0F;   // below the crown
-constexpr float kHeadDepthMm = 280.0F;  // of what hangs together with a head, from its depth
-constexpr float kTrunkHalfMm = 180.0F;
-constexpr float kHeadApartMm = 320.0F;  // two heads side by side
+using namespace heads_limits;
+
+namespace {
 
 float cell_mm(const Grid& grid, float z) {
   return static_cast<float>(grid.step) * z / grid.intrinsics.fx;
@@ -133,17 +124,17 @@ bool BlobFinder::HeadProbe::measure() {
     if (below > kTrunkEndMm) break;
     Run run;
     if (!find_run(row, run)) {
-      if (below < kNeckEndMm && below > 20.0F) return false;
+      if (below < kNeckEndMm && below > kGapBelowTopMm) return false;
       continue;
     }
-    if (below <= 170.0F) shape_.centre = (run.lo + run.hi) / 2;
-    if (below >= 55.0F && below <= 165.0F) add_head(run);
-    if (below >= 165.0F && below < kNeckEndMm) {
+    if (below <= kCentreEndMm) shape_.centre = (run.lo + run.hi) / 2;
+    if (below >= kHeadBeginMm && below <= kHeadEndMm) add_head(run);
+    if (below >= kHeadEndMm && below < kNeckEndMm) {
       if (run.width_mm < kNeckWidthMinMm - cell_mm_) return false;
       shape_.neck_mm = std::min(shape_.neck_mm, run.width_mm);
     }
     if (below >= kTrunkBeginMm) add_bulge(run);
-    if (below >= kTrunkBeginMm && below <= 430.0F) add_shoulders(run);
+    if (below >= kTrunkBeginMm && below <= kShouldersEndMm) add_shoulders(run);
   }
   if (head_rows_ == 0) return false;
   shape_.width_mm /= static_cast<float>(head_rows_);
@@ -168,24 +159,29 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   if (!rows.measure()) return false;
   const HeadShape& head = rows.shape();
   const float width = head.width_mm;
-  if (head.cut || head.narrowest_mm < 0.45F * head.widest_mm) return false;  // cut in two; a cupboard's corner
-  if (head.neck_mm > 1.25F * width + mm) return false;  // widens steadily, as a cupboard's top seen over its corner
-  if (head.narrowest_mm < 85.0F - mm || head.widest_mm > 330.0F + mm || width < 105.0F || width > 270.0F + 0.5F * mm)
+  if (head.cut || head.narrowest_mm < kNarrowestShareMin * head.widest_mm)
+    return false;  // cut in two; a cupboard's corner
+  if (head.neck_mm > kNeckShareMax * width + mm)
+    return false;  // widens steadily, as a cupboard's top seen over its corner
+  if (head.narrowest_mm < kNarrowestMinMm - mm || head.widest_mm > kWidestMaxMm + mm || width < kWidthMinMm ||
+      width > kWidthMaxMm + 0.5F * mm)
     return false;
-  if (head.shoulders_mm < std::max(220.0F, 1.2F * width)) return false;
-  if (std::max(head.left_mm, head.right_mm) < 40.0F || std::min(head.left_mm, head.right_mm) < -0.25F * width)
+  if (head.shoulders_mm < std::max(kShouldersMinMm, kShouldersShareMin * width)) return false;
+  if (std::max(head.left_mm, head.right_mm) < kShoulderReachMinMm ||
+      std::min(head.left_mm, head.right_mm) < -kShoulderLackShareMax * width)
     return false;
-  if (head.relief_mm < kHeadReliefMinMm - 0.2F * quantum_mm(z_head)) return false;
+  if (head.relief_mm < kHeadReliefMinMm - kHeadReliefQuanta * quantum_mm(z_head)) return false;
   // Some backs are as flat as a coat.
-  if (head.bulge_mm < 10.0F + 0.35F * quantum_mm(z_head)) return false;
+  if (head.bulge_mm < kBackBulgeMinMm + kBackBulgeQuanta * quantum_mm(z_head)) return false;
   // Each limit keeps 95 % of 250 dressed people's heads in furnished rooms; hats on chairs and stands miss several.
   const int trunk_first = r + static_cast<int>(kTrunkBeginMm / mm);
   const int trunk_last = r + static_cast<int>(kTrunkEndMm / mm);
   const float misfit = trunk_misfit(trunk_shape(grid, blob, head.centre, trunk_first, trunk_last, z_head)) +
-                       std::max(0.0F, (width - 192.0F) / 25.0F) + std::max(0.0F, (head.neck_mm - 150.0F) / 25.0F) +
-                       std::max(0.0F, (2.2F - head.shoulders_mm / width) / 0.25F);
+                       std::max(0.0F, (width - kUsualWidthMm) / kSpreadMm) +
+                       std::max(0.0F, (head.neck_mm - kUsualNeckMm) / kSpreadMm) +
+                       std::max(0.0F, (kUsualShouldersShare - head.shoulders_mm / width) / kShouldersShareSpread);
   if (misfit > kMisfitMax && (misfit > kMisfitOnLegsMax || !has_legs(grid, blob))) return false;
-  out.vague = head.bulge_mm < 14.0F + 0.5F * quantum_mm(z_head) || z_head > kVagueMm;
+  out.vague = head.bulge_mm < kVagueBulgeMm + kVagueBulgeQuanta * quantum_mm(z_head) || z_head > kVagueMm;
   out.blob = blob;
   out.c = head.centre;
   out.r = r;
@@ -208,7 +204,7 @@ void BlobFinder::find_heads(const Grid& grid, int b, const FloorPlane& floor) {
     const int r = top_[at(c)];
     if (r >= grid.height) continue;
     const float z = static_cast<float>(grid.depth[at(grid.index(c, r))]);
-    const int reach = std::max(1, static_cast<int>(90.0F / cell_mm(grid, z)));
+    const int reach = std::max(1, static_cast<int>(kPeakReachMm / cell_mm(grid, z)));
     bool peak = true;
     for (int d = -reach; d <= reach && peak; ++d) {
       const int other = c + d;

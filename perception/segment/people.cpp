@@ -3,24 +3,13 @@
 #include <cmath>
 
 #include "perception/segment/blobs.h"
+#include "perception/segment/people_limits.h"
 
 namespace im2fit::segment {
-namespace {
 
-constexpr float kShinLowMm = 200.0F;  // above the floor
-constexpr float kThighMm = 900.0F;
-constexpr float kHangsFarMm = 3300.0F;  // beyond, depth steps make coats round: who is that far must be seen to stand
-constexpr float kPoleMm = 50.0F;        // thick at most, with its edges; calves one behind the other are 65
-constexpr float kPoleCells = 1.2F;
-constexpr float kPoleMaxMm = 80.0F;
-constexpr float kTrunkMisfitMax = 0.5F;
-constexpr float kHeadRoundMin = 6.0F;       // of the whole or, where furniture hangs on it, the upper half
-constexpr float kShapeRoundMin = 14.0F;     // of 274 people without a head 99 % are above
-constexpr float kCutRoundMin = 8.0F;        // of trunks cut off above: coats against the border are below 6
-constexpr float kShapeFarMm = 4000.0F;      // beyond, a disparity step is as deep as a leg is round
-constexpr float kCandidateOddsMin = -5.0F;  // bent people in gowns have -3; the joints tell
-constexpr float kTrunkBulgeMinMm = 5.0F;
-constexpr float kTrunkBulgeMaxMm = 110.0F;
+using namespace people_limits;
+
+namespace {
 
 float cell_mm(const Grid& grid, float z) {
   return static_cast<float>(grid.step) * z / grid.intrinsics.fx;
@@ -52,15 +41,15 @@ bool BlobFinder::floats(const Grid& grid, int b, const FloorPlane& floor) const 
   return hidden < open;
 }
 
-// Stands on something thinner than a leg.
+// Stands on something narrower than a leg.
 bool BlobFinder::on_pole(const Grid& grid, int b, const FloorPlane& floor) const {
   const Blob& blob = blobs_[at(b)];
   if (!floor.known || blob.height_min_mm > kShinLowMm) return false;
   const auto label = static_cast<std::uint16_t>(b + 1);
-  const float thin_mm = std::min(kPoleMaxMm, kPoleMm + kPoleCells * cell_mm(grid, blob.centroid_mm.z));
-  int thin_rows = 0;  // in succession
+  const float narrow_mm = std::min(kPoleMaxMm, kPoleMm + kPoleCells * cell_mm(grid, blob.centroid_mm.z));
+  int narrow_rows = 0;  // in succession
   for (int r = blob.r_min; r <= blob.r_max; ++r) {
-    // The whole row's width: cut at a height, the slanting edge of a thigh would look thin.
+    // The whole row's width: cut at a height, the slanting edge of a thigh would be narrow.
     float width = 0;
     bool low = false;
     for (int c = blob.c_min; c <= blob.c_max; ++c) {
@@ -69,8 +58,8 @@ bool BlobFinder::on_pole(const Grid& grid, int b, const FloorPlane& floor) const
       low = low || (grid.height_mm[cell] > kShinLowMm && grid.height_mm[cell] < kThighMm);
       width += cell_mm(grid, static_cast<float>(grid.depth[cell]));
     }
-    thin_rows = low && width < thin_mm ? thin_rows + 1 : 0;
-    if (thin_rows == 3) return true;
+    narrow_rows = low && width < narrow_mm ? narrow_rows + 1 : 0;
+    if (narrow_rows == kPoleRows) return true;
   }
   return false;
 }
@@ -84,7 +73,8 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
       const int b = heads_[at(h)].blob;
       Blob& blob = blobs_[at(b)];
       const float tall = blob.height_max_mm - blob.height_min_mm;
-      const bool sized = blob.area_m2 > 0.06F && blob.area_m2 < kPersonAreaMaxM2 && tall > 300.0F;
+      const bool sized =
+          blob.area_m2 > kHeadedAreaMinM2 && blob.area_m2 < kPersonAreaMaxM2 && tall > kHeadedTallMinMm;
       const bool hangs = floor.known && blob.height_min_mm > kFloatingMm && blob.centroid_mm.z > kHangsFarMm;
       if (!sized || hangs || floats(grid, b, floor) || on_pole(grid, b, floor)) continue;
       const int middle = blob.r_min + (blob.r_max - blob.r_min) / 2;
@@ -118,7 +108,7 @@ BlobFinder::TrunkShape BlobFinder::trunk_of(const Grid& grid, int b) const {
   return trunk_shape(grid, b, c, blob.r_min + tall / 4, blob.r_min + tall / 2, z);
 }
 
-// Of those without a head: furniture has a person's size and relief, but neither trunk nor legs. Who is cut off above
+// Of those without a head: furniture has a person's size and relief, but neither trunk nor legs. A body cut off above
 // and below has no legs to show; what is cut off at a side as well may be anything.
 bool BlobFinder::person_shaped(const Grid& grid, int b) const {
   const Blob& blob = blobs_[at(b)];
@@ -140,14 +130,15 @@ bool BlobFinder::person_sized(const Grid& grid, const Blob& blob, const FloorPla
   const int box = (blob.c_max - blob.c_min + 1) * (blob.r_max - blob.r_min + 1);
   const bool top_cut = blob.r_min <= 1;
   const float fill = static_cast<float>(blob.cell_count) / static_cast<float>(box);
-  const float relief_min = 14.0F + 0.5F * quantum_mm(blob.centroid_mm.z);
-  const bool stands = !floor.known || blob.height_min_mm < 250.0F || blob.r_max >= grid.height - 2;
-  if (blob.relief_mm < relief_min || blob.relief_mm > 220.0F || !stands) return false;
+  const float relief_min = kReliefMinMm + kReliefQuanta * quantum_mm(blob.centroid_mm.z);
+  const bool stands = !floor.known || blob.height_min_mm < kLowMaxMm || blob.r_max >= grid.height - 2;
+  if (blob.relief_mm < relief_min || blob.relief_mm > kReliefMaxMm || !stands) return false;
   if (top_cut)
-    return tall > 600.0F && wide > 250.0F && wide < 1500.0F && blob.area_m2 > 0.18F && blob.area_m2 < 1.6F &&
-           fill < 0.86F && fill > 0.25F;
-  return tall > 1250.0F && tall < 2500.0F && wide > 250.0F && wide < 1700.0F && blob.area_m2 > 0.22F &&
-         blob.area_m2 < 1.3F && fill < 0.72F && fill > 0.18F;
+    return tall > kCutTallMinMm && wide > kWideMinMm && wide < kCutWideMaxMm && blob.area_m2 > kCutAreaMinM2 &&
+           blob.area_m2 < kCutAreaMaxM2 && fill < kCutFillMax && fill > kCutFillMin;
+  return tall > kWholeTallMinMm && tall < kWholeTallMaxMm && wide > kWideMinMm && wide < kWholeWideMaxMm &&
+         blob.area_m2 > kWholeAreaMinM2 && blob.area_m2 < kWholeAreaMaxM2 && fill < kWholeFillMax &&
+         fill > kWholeFillMin;
 }
 
 }  // namespace im2fit::segment

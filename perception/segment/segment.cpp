@@ -25,9 +25,9 @@ using segment::Grid;
 namespace {
 
 constexpr float kHeadlessMm = 700.0F;            // one without a head must be that much nearer to be chosen
-constexpr float kUnconfirmedCostMm = 20'000.0F;  // whoever else is there comes before furniture
-constexpr float kStayMm = 300.0F;                // advantage of who was chosen in the last frame
-constexpr float kFarBehindMm = 1500.0F;          // who is further behind the person measured disturbs nobody
+constexpr float kUnconfirmedCostMm = 20'000.0F;  // any confirmed user comes before a candidate
+constexpr float kStayMm = 300.0F;                // advantage of the user chosen in the last frame
+constexpr float kFarBehindMm = 1500.0F;          // a user further behind the person measured does not disturb
 // Log-odds of a person's shape. Of 1,000 people with furniture about them none had anything above -0.7 within that
 // reach; of 7 people beside others who were not confirmed 5 were above.
 constexpr float kDisturbingOdds = 0.0F;
@@ -66,7 +66,7 @@ struct Segmenter::Workspace {
   segment::Background background;
   segment::BlobFinder blobs;
   segment::UserTracker users;
-  segment::SplitLimbJoiner fragments;
+  segment::SplitLimbJoiner split_limbs;
   segment::FurnitureCutter furniture;
   segment::MaskRefiner refiner;
   segment::FootGrower feet;
@@ -77,7 +77,7 @@ struct Segmenter::Workspace {
   std::array<int, kUserCountMax> rejected{};  // 0: free
 };
 
-// Index of the user to be measured, -1: nobody. Nearest and most central; the person of the last frame keeps an
+// Index of the user to be measured, -1: none. Nearest and most central; the person of the last frame keeps an
 // advantage, so that the choice does not flicker.
 int Segmenter::Workspace::choose() const {
   int best = -1;
@@ -107,8 +107,8 @@ int Segmenter::Workspace::people_count() const {
   return count;
 }
 
-// By another person near enough to touch, hide or be taken for the one measured. The joints of others are not looked
-// at: who is not confirmed has to be shaped like one.
+// By another person near enough to touch, hide or be taken for the one measured. The joints of others are not
+// estimated: an unconfirmed candidate counts only if shaped like a person.
 bool Segmenter::Workspace::disturbed(int chosen_user) const {
   const auto list = users.users();
   const float limit = list[at(chosen_user)].centroid_mm.z + kFarBehindMm;
@@ -172,20 +172,20 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   w.grid.sample(depth, intrinsics);
   person.floor = w.floor.find(w.grid);
   w.grid.measure_heights(person.floor);
-  w.background.look(w.grid, person.floor);
+  w.background.observe(w.grid, person.floor);
   w.blobs.run(w.grid, person.floor, w.background.shown(), w.users.expected());
   w.users.run(w.grid, w.blobs, person.floor, std::max(seconds, kSecondsMin));
   person.people_count = w.people_count();
 
   int who = w.choose();
-  // Who is too near to be found comes before what may be furniture.
-  const GuidanceSet nobody =
-      who >= 0 && w.users.users()[at(who)].confirmed ? 0 : segment::advise_nobody(w.grid, w.blobs.blobs());
-  if (has(nobody, Guidance::too_near)) who = -1;
+  // A person too near to be found comes before an unconfirmed candidate.
+  const GuidanceSet none_found =
+      who >= 0 && w.users.users()[at(who)].confirmed ? 0 : segment::advise_none_found(w.grid, w.blobs.blobs());
+  if (has(none_found, Guidance::too_near)) who = -1;
   if (who < 0) {
     std::fill(w.chosen.begin(), w.chosen.end(), std::uint8_t{0});
-    person.guidance = nobody;
-    // Who stands too near to be found must not become the room.
+    person.guidance = none_found;
+    // A person too near to be found must not become the background.
     if (!has(person.guidance, Guidance::too_near)) w.background.learn(w.grid, w.users.keepouts(), w.chosen);
     w.refiner.run(w.grid, depth, w.chosen, mask);
     w.last_id = 0;
@@ -194,7 +194,7 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, MaskImage m
   const User& user = w.users.users()[at(who)];
   person.people_count = std::max(1, person.people_count);  // one without a head may be chosen
   w.last_id = user.id;
-  w.fragments.run(w.grid, w.blobs, person.floor.known, w.users.blob_of(at(who)), w.chosen);
+  w.split_limbs.run(w.grid, w.blobs, person.floor.known, w.users.blob_of(at(who)), w.chosen);
   w.furniture.run(w.grid, person.floor, w.chosen);
   w.background.learn(w.grid, w.users.keepouts(), w.chosen);
   if (person.floor.known) {

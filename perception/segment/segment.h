@@ -28,7 +28,7 @@ inline constexpr int kUserCountMax = 8;
 
 struct Person {
   bool found = false;
-  int id = 0;                                        // of the User measured; 0: nobody
+  int id = 0;                                        // of the User measured; 0: none
   int people_count = 0;                              // people in view, the chosen one included
   int u_min = 0, v_min = 0, u_max = -1, v_max = -1;  // px, box of the mask, inclusive
   int pixel_count = 0;
@@ -51,17 +51,18 @@ class Segmenter {
   Person run(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = 1.0F / 30.0F);
   // The people of the last frame, at most kUserCountMax, nearest first; valid until the next run or reset.
   std::span<const User> users() const;
-  // Whom to measure from the next frame on: the user of this id and nobody else, even while he is hidden or gone;
+  // Whom to measure from the next frame on: the user of this id and no other, even while hidden or gone;
   // 0 (default): the nearest and most central one.
   void select(int id);
-  // That user looks like furniture, or after all does not: from the next frame on others are chosen before, and
-  // nobody is disturbed by it. Who does not is confirmed by it. Ends with reset().
+  // Unconfirmed candidates stay selectable until rejected. true: that user is furniture; from the next frame on
+  // others are chosen before it, and it does not count as another person in view. false: it is a person, and
+  // confirmed by this. Ends with reset().
   void set_rejected(int id, bool rejected);
   // How much more that user's surface is shaped like a person's than like furniture, mean over the last frames:
-  // log-odds, from -9 to 9; 0 of who is not seen whole or unknown. Somebody may be found who is not confirmed: then
-  // the shape alone does not tell, others are chosen before, and whoever asks should look at the joints.
+  // log-odds, from -9 to 9; 0 for a user not seen whole or unknown. An unconfirmed candidate may be found: its shape
+  // alone does not decide, so confirmed users are chosen before it, and the caller should judge it by its joints.
   float shape_odds(int id) const;
-  void reset();  // forgets the floor, the background and everybody; ids go on; the selection ends
+  void reset();  // forgets the floor, the background and all users; ids go on; the selection ends
 
  private:
   struct Workspace;

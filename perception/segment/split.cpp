@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "perception/segment/blobs.h"
+#include "perception/segment/split_limits.h"
 
 namespace im2fit::segment {
-namespace {
 
-constexpr float kSeenNearMm = 400.0F;  // of an expected head: it is the one seen
-constexpr float kUnderMm = 160.0F;     // half a trunk's width
-constexpr float kUnderAreaMinM2 = 0.1F;
+using namespace split_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -83,7 +83,7 @@ void BlobFinder::split_between_heads(const Grid& grid) {
       int owner = first;
       for (int i = 0; i < count; ++i) {
         const Vec3f d = p - heads_[at(mine[at(i)])].top_mm;
-        const float cost = std::fabs(d.x) + 0.7F * std::fabs(d.z);
+        const float cost = std::fabs(d.x) + kDepthWeight * std::fabs(d.z);
         if (cost < best) {
           best = cost;
           owner = mine[at(i)];

@@ -1,33 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies in halves: a hand, a hem, a belly bent over hides where the trunk joins the legs, or the head the trunk, and
-// neither part has a person's size alone.
+// Bodies split in two components: a hand, a hem, a belly bent over hides where the trunk joins the legs, or the head
+// the trunk, and neither part has a person's size alone.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
 
 #include "perception/segment/blobs.h"
+#include "perception/segment/split_bodies_limits.h"
 
 namespace im2fit::segment {
-namespace {
 
-constexpr float kLowMaxMm = 250.0F;  // the lower half stands on the floor
-constexpr float kLowerTallMinMm = 500.0F;
-constexpr float kTopMinMm = 1100.0F;  // of both, above the floor
-constexpr float kTopMaxMm = 2200.0F;
-constexpr float kOverMm = 200.0F;        // what the upper half reaches beyond the lower
-constexpr float kPartAreaMinM2 = 0.03F;  // a head's
-constexpr float kPartAreaMaxM2 = 0.6F;
-constexpr float kLowerWideMaxMm = 700.0F;
-constexpr float kAstrideMaxMm = 1000.0F;    // of what is told to be legs
-constexpr float kUpperWideMaxMm = 1300.0F;  // with arms held out
-constexpr float kAsideMm = 280.0F;          // of the middles
-constexpr float kBehindMm = 550.0F;         // a trunk bent forwards is that far before its legs
-constexpr float kBehindHeadMm = 250.0F;     // where a head is seen: another's legs may be behind
-constexpr int kStepMaxMm = 600;             // where they meet: a hand before the hip
-constexpr int kMeetRows = 4;                // between them, of noise
-constexpr int kMeetCellsMin = 4;
-constexpr float kRoundMin = 11.0F;
+using namespace split_bodies_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -35,7 +21,7 @@ std::size_t at(int i) {
 
 }  // namespace
 
-// What begins under something, over two fifths of its upper half's width and more, at about its depth: -1 where there
+// What begins under something, over two fifths of its upper part's width and more, at about its depth: -1 where there
 // is no such thing. Feet astride reach beyond what is above them.
 int BlobFinder::blob_over(const Grid& grid, int b) const {
   const Blob& blob = blobs_[at(b)];

@@ -4,37 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace im2fit::segment {
-namespace {
+#include "perception/segment/split_limbs_limits.h"
 
-constexpr float kFragmentAreaMaxM2 = 0.12F;  // a forearm pointing at the camera
-constexpr float kForearmMaxMm = 600.0F;      // with the hand
-constexpr float kForearmThickMinMm = 70.0F;  // table tops are thinner
-constexpr float kForearmAreaMaxM2 = 0.08F;
-constexpr float kHandHeightMinMm = 400.0F;  // above the floor: below it stand boxes and chairs
-constexpr float kFlatAreaMinM2 = 0.02F;     // a palm is smaller
-constexpr float kFlatReliefMaxMm = 5.0F;
-constexpr float kHandGapMaxMm = 280.0F;  // held towards the camera, the forearm is hidden
-constexpr float kPointingMm = 250.0F;    // a hand this far before the body may hide its whole arm
-constexpr float kPointingGapMaxMm = 450.0F;
-constexpr float kHandMaxMm = 320.0F;
-constexpr float kElbowGapMaxMm = 100.0F;
-constexpr int kGapReachCells = 9;
-constexpr float kLimbMinMm = 150.0F;
-constexpr float kLimbMaxMm = 900.0F;
-constexpr float kLimbThickMinMm = 38.0F;  // of its area over its length; legs of chairs are thinner
-constexpr float kArmThickMaxMm = 95.0F;
-constexpr float kLegThickMaxMm = 120.0F;
-constexpr float kLimbSlender = 1.6F;
-constexpr float kLimbReliefMinMm = 12.0F;  // fronts of boxes are flatter
-constexpr float kArmGapMaxMm = 250.0F;     // behind the trunk
-constexpr float kLegGapMaxMm = 130.0F;     // behind the hem of a skirt
-constexpr int kLimbTouchMin = 2;           // cells
-constexpr float kLegTopMaxMm = 1000.0F;    // above the floor
-constexpr float kLegEndMaxMm = 200.0F;
-constexpr float kArmEndMinMm = 350.0F;
-constexpr float kEnclosedMinMm = 400.0F;  // above the floor: boxes stand between legs
-constexpr float kHeldMm = 120.0F;         // what goes on below is no further in depth
+namespace im2fit::segment {
+
+using namespace split_limbs_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -76,12 +52,13 @@ void SplitLimbJoiner::list_candidates(const Grid& grid, std::span<const Blob> li
       kind_[b] = Kind::arm;
       gap_max_mm_[b] = kArmGapMaxMm;
     }
-    if (other.area_m2 >= kFragmentAreaMaxM2) continue;
+    if (other.area_m2 >= kIslandAreaMaxM2) continue;
     if (kind_[b] == Kind::no && (!floor_known || other.height_min_mm > kEnclosedMinMm)) kind_[b] = Kind::enclosed;
     const float reach = static_cast<float>(std::max(other.c_max - other.c_min, other.r_max - other.r_min)) * cell;
     const bool off_floor = !floor_known || other.height_min_mm > kHandHeightMinMm;
     // Boxes on stools are as large, but flat.
-    const bool flat = other.area_m2 > kFlatAreaMinM2 && other.relief_mm < kFlatReliefMaxMm + 0.3F * quantum_mm(z);
+    const bool flat =
+        other.area_m2 > kFlatAreaMinM2 && other.relief_mm < kFlatReliefMaxMm + kFlatReliefQuanta * quantum_mm(z);
     if (flat) {
       kind_[b] = Kind::no;
       continue;
@@ -101,7 +78,7 @@ void SplitLimbJoiner::list_candidates(const Grid& grid, std::span<const Blob> li
 
 // What goes on beneath as something else, at the same depth, lies on it: boxes on stools. What begins under the
 // person hangs there: legs.
-void SplitLimbJoiner::look_along(const Grid& grid, std::span<const std::uint16_t> labels,
+void SplitLimbJoiner::scan_along(const Grid& grid, std::span<const std::uint16_t> labels,
                                  std::span<const std::uint8_t> chosen, int r_first, int r_last) {
   std::fill(ends_.begin(), ends_.end(), 0);
   std::fill(held_.begin(), held_.end(), 0);
@@ -146,9 +123,9 @@ bool SplitLimbJoiner::belongs(const Blob& blob, std::size_t index, const Blob& b
 }
 
 // A hand or forearm held towards the camera is an island of its own: no larger than that, before the body, off the
-// floor, and a short way in space from what is already the person. So are legs below the hem of a skirt and arms
-// behind the back: slender, beside the person in the picture, a short way behind. Islands inside the outline belong
-// as well.
+// floor, and a short distance in space from what is already the person. So are legs below the hem of a skirt and arms
+// behind the back: slender, beside the person in the picture, a short distance behind. Islands inside the outline
+// belong as well.
 void SplitLimbJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_known, int person,
                           std::span<std::uint8_t> chosen) {
   const auto labels = found.labels();
@@ -164,7 +141,7 @@ void SplitLimbJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_
     r_last = std::max(r_last, list[b].r_max);
   }
   if (r_last < 0) return;
-  look_along(grid, labels, chosen, r_first, r_last);
+  scan_along(grid, labels, chosen, r_first, r_last);
   for (int pass = 0; pass < 2; ++pass) {  // a hand may hang on a wrist that is an island itself
     std::fill(touch_.begin(), touch_.end(), 0);
     std::fill(border_.begin(), border_.end(), 0);
@@ -174,7 +151,7 @@ void SplitLimbJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_
         const int cell = grid.index(c, r);
         const std::uint16_t own = labels[at(cell)];
         if (own == 0 || chosen[at(cell)] != 0 || kind_[at(own - 1)] == Kind::no) continue;
-        look_around(grid, labels, chosen, c, r);
+        scan_around(grid, labels, chosen, c, r);
       }
     }
     for (std::size_t b = 0; b < list.size(); ++b) {
@@ -188,7 +165,7 @@ void SplitLimbJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_
 }
 
 // How much of a candidate's border faces the person, and how near in space it comes.
-void SplitLimbJoiner::look_around(const Grid& grid, std::span<const std::uint16_t> labels,
+void SplitLimbJoiner::scan_around(const Grid& grid, std::span<const std::uint16_t> labels,
                                   std::span<const std::uint8_t> chosen, int c, int r) {
   const int cell = grid.index(c, r);
   const std::uint16_t own = labels[at(cell)];

@@ -21,10 +21,10 @@ class SplitLimbJoiner {
   enum class Kind : std::uint8_t { no, enclosed, hand, arm, leg };
 
   void list_candidates(const Grid& grid, std::span<const Blob> list, bool floor_known, int person);
-  void look_along(const Grid& grid, std::span<const std::uint16_t> labels, std::span<const std::uint8_t> chosen,
+  void scan_along(const Grid& grid, std::span<const std::uint16_t> labels, std::span<const std::uint8_t> chosen,
                   int r_first, int r_last);
   bool belongs(const Blob& blob, std::size_t index, const Blob& body) const;
-  void look_around(const Grid& grid, std::span<const std::uint16_t> labels, std::span<const std::uint8_t> chosen,
+  void scan_around(const Grid& grid, std::span<const std::uint16_t> labels, std::span<const std::uint8_t> chosen,
                    int c, int r);
 
   // Per blob.

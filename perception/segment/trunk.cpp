@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// How round trunks and legs are: what tells people from coats, chairs and shelves.
+// How round trunks and legs are: what distinguishes people from coats, chairs and shelves.
 #include <algorithm>
 #include <cmath>
 
 #include "perception/segment/blobs.h"
+#include "perception/segment/trunk_limits.h"
 
 namespace im2fit::segment {
-namespace {
 
-constexpr float kHalfMm = 180.0F;
-constexpr float kDepthMm = 280.0F;  // from the depth looked about
-constexpr int kWidthMinCells = 6;
-constexpr int kRowsMin = 8;
-constexpr float kLegWideMinMm = 80.0F;
-constexpr float kLegWideMaxMm = 240.0F;  // with trousers
-constexpr float kLegBulgeMinMm = 17.0F;
-constexpr float kLegBulgeMaxMm = 75.0F;
-constexpr int kLegCellsMin = 4;  // of a row across a leg, to see it round
+using namespace trunk_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -68,12 +62,12 @@ BlobFinder::TrunkShape BlobFinder::trunk_shape(const Grid& grid, int blob, int c
 // 0 for most people, above 1 for most of what is none. Trunks of people are 18..80 mm deep over their width and
 // rounder than an edge seen from before (whose sides are straight) or a step; fronts of furniture are flat.
 float BlobFinder::trunk_misfit(const TrunkShape& shape) {
-  if (shape.row_count < kRowsMin) return 2.0F;
-  const float share = shape.bulge_mm > 1.0F ? shape.edge_mm / shape.bulge_mm : 2.0F;
-  const float flat = std::max(0.0F, (18.0F - shape.bulge_mm) / 8.0F);
-  const float deep = std::max(0.0F, (shape.bulge_mm - 80.0F) / 30.0F);
-  const float straight = std::max(0.0F, (0.58F - share) / 0.2F);
-  const float stepped = std::max(0.0F, (share - 0.93F) / 0.08F);
+  if (shape.row_count < kRowsMin) return kUnknownMisfit;
+  const float share = shape.bulge_mm > 1.0F ? shape.edge_mm / shape.bulge_mm : kFlatShare;
+  const float flat = std::max(0.0F, (kBulgeMinMm - shape.bulge_mm) / kBulgeMinSpreadMm);
+  const float deep = std::max(0.0F, (shape.bulge_mm - kBulgeMaxMm) / kBulgeMaxSpreadMm);
+  const float straight = std::max(0.0F, (kEdgeShareMin - share) / kEdgeShareMinSpread);
+  const float stepped = std::max(0.0F, (share - kEdgeShareMax) / kEdgeShareMaxSpread);
   return flat + deep + straight + stepped;
 }
 
@@ -115,7 +109,7 @@ bool BlobFinder::has_legs(const Grid& grid, int b) const {
   const float runs = static_cast<float>(run_count) / rows;
   const float wide_mm = static_cast<float>(widest_sum) / rows * cell_mm;
   const float bulge_mm = bulge_sum / static_cast<float>(round_count);
-  return runs >= 1.4F && runs <= 2.35F && wide_mm >= kLegWideMinMm && wide_mm <= kLegWideMaxMm &&
+  return runs >= kLegRunsMin && runs <= kLegRunsMax && wide_mm >= kLegWideMinMm && wide_mm <= kLegWideMaxMm &&
          bulge_mm >= kLegBulgeMinMm && bulge_mm <= kLegBulgeMaxMm;
 }
 

@@ -4,36 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace im2fit::segment {
-namespace {
+#include "perception/segment/users_limits.h"
 
-constexpr float kHiddenMaxS = 5.0F;
-constexpr float kUnconfirmedHiddenMaxS = 1.0F;
-constexpr int kSeenGain = 4;                 // of a frame that shows a person there
-constexpr int kConfirmed = 12;               // three frames
-constexpr int kUnconfirmedBelow = 6;         // no longer confirmed below
-constexpr int kSeenMax = 32;                 // beyond doubt
-constexpr float kGateMm = 350.0F;            // a head's jump when a raised arm is taken for it
-constexpr float kGateGrowthMmPerS = 600.0F;  // who is hidden may stop or turn
-constexpr float kGateMaxMm = 1400.0F;
-constexpr float kOverHeadMm = 150.0F;
-constexpr float kTopGateMm = 250.0F;  // two people of unlike height are not one
-constexpr float kPlaceGain = 0.6F;    // of an alpha-beta filter; heads are seen to a cell, 20 mm
-constexpr float kSpeedGain = 0.12F;
-constexpr float kSpeedMaxMmPerS = 3000.0F;
-constexpr float kHeadlessGateMm = 350.0F;
-constexpr float kHeadlessMaxS = 1.0F;  // of what has a person's place but not a person's size
-constexpr float kExpectedMaxS = 1.0F;
-constexpr float kHeadlessHiddenMaxS = 1.5F;  // later, who comes out of hiding may be furniture
-constexpr float kHeadlessTallMm = 300.0F;
-constexpr float kHeadlessAreaMin = 0.35F;  // of the most seen of the person
-constexpr float kHeadlessAreaMax = 1.4F;
-constexpr float kCandidateHiddenMaxS = 0.3F;
-constexpr float kBesideMm = 1000.0F;
-constexpr float kUnprovenMm = 600.0F;
-constexpr int kShapeFramesMax = 12;
-constexpr float kShapelessOdds = -3.0F;
-constexpr float kAreaKeep = 0.999F;  // per frame
+namespace im2fit::segment {
+
+using namespace users_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -46,10 +23,10 @@ Vec3f along_floor(Vec3f p, const FloorPlane& floor) {
 
 // From p to the line between a and b.
 float distance_to(Vec3f p, Vec3f a, Vec3f b) {
-  const Vec3f way = b - a;
-  const float length2 = dot(way, way);
-  const float share = length2 > 1.0F ? std::clamp(dot(p - a, way) / length2, 0.0F, 1.0F) : 0.0F;
-  return norm(p - (a + way * share));
+  const Vec3f path = b - a;
+  const float length2 = dot(path, path);
+  const float share = length2 > 1.0F ? std::clamp(dot(p - a, path) / length2, 0.0F, 1.0F) : 0.0F;
+  return norm(p - (a + path * share));
 }
 
 }  // namespace
@@ -59,7 +36,7 @@ void UserTracker::reset() {
   first_ = true;
 }
 
-UserTracker::BlobDetection UserTracker::sight(const Blob& blob, int index, const FloorPlane& floor) {
+UserTracker::BlobDetection UserTracker::describe(const Blob& blob, int index, const FloorPlane& floor) {
   BlobDetection s;
   s.blob = index;
   s.centroid_mm = along_floor(blob.centroid_mm, floor);
@@ -86,7 +63,7 @@ void UserTracker::list_detections(const BlobFinder& found, const FloorPlane& flo
     if (where == kUserCountMax) continue;
     detection_count_ = std::min(detection_count_ + 1, kUserCountMax);
     for (int i = detection_count_ - 1; i > where; --i) detections_[at(i)] = detections_[at(i - 1)];
-    detections_[at(where)] = sight(blob, static_cast<int>(b), floor);
+    detections_[at(where)] = describe(blob, static_cast<int>(b), floor);
   }
 }
 
@@ -116,7 +93,7 @@ void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor
       best = static_cast<int>(b);
     }
     if (best < 0) continue;
-    detections_[at(detection_count_)] = sight(list[at(best)], best, floor);
+    detections_[at(detection_count_)] = describe(list[at(best)], best, floor);
     detections_[at(detection_count_)].track = t;
     track.detection = detection_count_++;
   }
@@ -127,12 +104,12 @@ bool UserTracker::taken(int blob) const {
                      [blob](const BlobDetection& s) { return s.blob == blob; });
 }
 
-// What may be people: as who is not told from furniture yet, as who was seen a moment ago, or as somebody new.
+// Unconfirmed candidates: continue one of the last frames, a person seen a moment ago, or a new one.
 void UserTracker::list_candidates(const BlobFinder& found, const FloorPlane& floor) {
   const auto list = found.blobs();
   for (std::size_t b = 0; b < list.size() && detection_count_ < kUserCountMax; ++b) {
     if (!list[b].candidate || taken(static_cast<int>(b))) continue;
-    BlobDetection s = sight(list[b], static_cast<int>(b), floor);
+    BlobDetection s = describe(list[b], static_cast<int>(b), floor);
     float nearest = kHeadlessGateMm;
     for (int t = 0; t < track_count_; ++t) {
       const Track& track = tracks_[at(t)];
@@ -148,26 +125,26 @@ void UserTracker::list_candidates(const BlobFinder& found, const FloorPlane& flo
   }
 }
 
-// What shows up there is a part of them, seen past somebody else, sooner than one more person.
+// What appears there is more likely a part of that person, seen past another one, than one more person.
 bool UserTracker::beside_person(Vec3f place_mm) const {
   return std::any_of(tracks_.begin(), tracks_.begin() + track_count_, [&](const Track& track) {
     return track.confirmed && distance_to(place_mm, track.seen_mm, track.expected_mm) < kBesideMm;
   });
 }
 
-// Millimetres of doubt that the track is what is sighted; negative: it is not.
+// Association cost of a track and a detection, mm; negative: they do not match.
 float UserTracker::cost(const Track& track, const BlobDetection& detection) {
   const float gate = std::min(kGateMaxMm, kGateMm + kGateGrowthMmPerS * track.hidden_s);
   const Vec3f place = detection.has_head ? detection.place_mm : detection.place_mm + track.lean_mm;
   const float away = distance_to(place, track.seen_mm, track.expected_mm);
   if (away > gate) return -1.0F;
-  if (!track.has_top || !detection.has_top) return away + 60.0F;
+  if (!track.has_top || !detection.has_top) return away + kNoTopMm;
   const float taller = std::fabs(track.top_mm - detection.top_mm);
   if (track.hidden_s > 0.3F && taller > kTopGateMm) return -1.0F;
   return away + std::min(taller, kTopGateMm);
 }
 
-// Least doubt first. People are apart by more than they move in a frame: no better pairing is missed.
+// Least cost first. People are apart by more than they move in a frame: no better pairing is missed.
 void UserTracker::match() {
   for (int t = 0; t < track_count_; ++t) tracks_[at(t)].detection = -1;
   for (;;) {
@@ -178,10 +155,10 @@ void UserTracker::match() {
       if (tracks_[at(t)].detection >= 0) continue;
       for (int s = 0; s < detection_count_; ++s) {
         if (detections_[at(s)].track >= 0) continue;
-        // Who was seen a frame ago comes before who is hidden.
+        // A track seen a frame ago comes before a hidden one.
         const float cost_mm = cost(tracks_[at(t)], detections_[at(s)]);
-        const float late = tracks_[at(t)].hidden_s > 0 ? 100.0F : 0.0F;
-        // What never had a person's shape may be a part of who is hidden: that one comes first.
+        const float late = tracks_[at(t)].hidden_s > 0 ? kLateMm : 0.0F;
+        // What never had a person's shape may be a part of a hidden person, whose track comes first.
         const float unproven = tracks_[at(t)].evidence == 0 ? kUnprovenMm : 0.0F;
         if (cost_mm < 0 || cost_mm + late + unproven >= best) continue;
         best = cost_mm + late + unproven;
@@ -195,8 +172,8 @@ void UserTracker::match() {
   }
 }
 
-// Furniture has a person's shape for a frame now and then: not to have it, or not to be seen, speaks against who is
-// not confirmed.
+// Furniture has a person's shape for a frame now and then: a frame without it, or without a detection, counts against
+// an unconfirmed user.
 void UserTracker::note_shape(Track& track, const Blob* blob) {
   const bool chance = blob != nullptr && (blob->person || blob->candidate);
   track.chances = chance ? std::min(track.chances + kSeenGain, kSeenMax) : std::max(track.chances - 1, 0);
@@ -238,13 +215,13 @@ void UserTracker::follow(Track& track, const BlobDetection& detection, const Blo
   if (detection.has_head) track.lean_mm = detection.place_mm - detection.centroid_mm;
   track.headless_s = detection.has_head ? 0.0F : track.headless_s + since;
   if (detection.has_top) {
-    track.top_mm = track.has_top ? track.top_mm + 0.2F * (detection.top_mm - track.top_mm) : detection.top_mm;
+    track.top_mm = track.has_top ? track.top_mm + kTopGain * (detection.top_mm - track.top_mm) : detection.top_mm;
     track.has_top = true;
   }
   track.expected_mm = track.seen_mm;
   track.area_m2 = std::max(blob.area_m2, track.area_m2 * kAreaKeep);
   track.hidden_s = 0;
-  // Furniture may look like a person once, and stands there ever after.
+  // Furniture may resemble a person in one frame, and stands there ever after.
   if (track.evidence < kSeenMax)
     track.evidence = blob.person ? std::min(track.evidence + kSeenGain, kSeenMax) : std::max(track.evidence - 1, 0);
   track.confirmed = track.evidence >= (track.confirmed ? kUnconfirmedBelow : kConfirmed);

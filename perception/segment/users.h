@@ -14,16 +14,16 @@ namespace im2fit::segment {
 
 class UserTracker {
  public:
-  void reset();  // forgets everybody; ids go on
+  void reset();  // forgets all users; ids go on
   // Gives the people among the blobs their ids. `seconds` since the frame before.
   void run(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds);
   std::span<const User> users() const { return {users_.data(), static_cast<std::size_t>(user_count_)}; }
   int blob_of(std::size_t user) const { return user_blobs_[user]; }
-  // Not confirmed, but seen often enough, and not shaped like furniture.
+  // A candidate: not confirmed, but seen often enough, and not shaped like furniture.
   bool is_candidate(std::size_t user) const { return user_candidates_[user]; }
   float shape_odds(int id) const;  // mean over the last frames; 0: unknown
   void confirm(int id);            // it is a person
-  // Crowns of those seen within the last second, where they should be by now.
+  // Crowns of the people seen within the last second, where they should be by now.
   std::span<const Vec3f> expected() const { return {expected_.data(), static_cast<std::size_t>(expected_count_)}; }
   // Where people are, or were when last seen, and what has a person's size; until the next run.
   std::span<const Keepout> keepouts() const { return {keepouts_.data(), static_cast<std::size_t>(keepout_count_)}; }
@@ -61,7 +61,7 @@ class UserTracker {
   };
 
   void list_detections(const BlobFinder& found, const FloorPlane& floor);
-  static BlobDetection sight(const Blob& blob, int index, const FloorPlane& floor);
+  static BlobDetection describe(const Blob& blob, int index, const FloorPlane& floor);
   void match();
   void find_headless(const BlobFinder& found, const FloorPlane& floor);
   void list_candidates(const BlobFinder& found, const FloorPlane& floor);

@@ -6,15 +6,13 @@
 
 #include "kernels/votes/votes.h"
 #include "perception/segment/floor.h"
+#include "perception/segment/wall_limits.h"
 
 namespace im2fit::segment {
-namespace {
 
-constexpr int kOpenCountMin = 400;
-constexpr int kHypothesisCount = 60;
-constexpr int kScoredCount = 400;
-constexpr float kWidthMinMm = 1300.0F;
-constexpr float kAreaMinM2 = 1.2F;  // more than a person with both arms out
+using namespace wall_limits;
+
+namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -43,7 +41,7 @@ void WallRemover::collect_voters(const Grid& grid, std::span<const std::uint8_t>
     ray_x_[i] = grid.ray_x[at(cell % grid.width)];
     ray_y_[i] = grid.ray_y[at(cell / grid.width)];
     z_mm_[i] = z;
-    near_mm_[i] = 20.0F + quantum_mm(z);
+    near_mm_[i] = kOnMm + quantum_mm(z);
     far_mm_[i] = 2.0F * quantum_mm(z);
   }
 }
@@ -74,7 +72,7 @@ bool WallRemover::search(const Grid& grid, Vec3f up, std::span<const std::uint8_
     if (!(length > 4.0e4F)) continue;
     n = n * (1.0F / length);
     const float offset = -dot(n, a);
-    if (std::fabs(dot(n, up)) > 0.25F || std::fabs(offset) < 300.0F) continue;
+    if (std::fabs(dot(n, up)) > kUprightMax || std::fabs(offset) < kDistanceMinMm) continue;
     const std::array<float, 3> q = {n.x / offset, n.y / offset, n.z / offset};
     Votes count;
     votes(voters, q.data(), count);
@@ -85,7 +83,7 @@ bool WallRemover::search(const Grid& grid, Vec3f up, std::span<const std::uint8_
   return best_support > 0;
 }
 
-void WallRemover::gather_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row) {
+void WallRemover::collect_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row) {
   const std::uint16_t* depth = grid.depth.data() + grid.index(0, row);
   const std::uint8_t* is_open = open.data() + grid.index(0, row);
   const float* ray_x = grid.ray_x.data();
@@ -95,7 +93,7 @@ void WallRemover::gather_on(const Grid& grid, std::span<const std::uint8_t> open
   for (std::size_t c = 0; c < width; ++c) {
     const float z = static_cast<float>(depth[c]);
     const float nearness = wall.nearness(ray_x[c]);
-    const bool near = std::fabs(z - 1.0F / nearness) <= 20.0F + quantum_mm(z);
+    const bool near = std::fabs(z - 1.0F / nearness) <= kOnMm + quantum_mm(z);
     on[c] = static_cast<std::uint8_t>((nearness > kNearnessMin) & near & (is_open[c] != 0));
   }
   float *x = row_on_.ray_x.data(), *z = row_on_.z_mm.data(), *inverse = row_on_.inverse_z.data();
@@ -126,7 +124,7 @@ bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, P
     PointSums sums;
     area_m2 = 0;
     for (int r = 0; r < grid.height; ++r) {
-      gather_on(grid, open, plane, r);
+      collect_on(grid, open, plane, r);
       const float ray_y = grid.ray_y[at(r)];
       for (std::size_t i = 0; i < row_on_.count; ++i) {
         const float ray_x = row_on_.ray_x[i], z = row_on_.z_mm[i], x = ray_x * z;
@@ -161,7 +159,7 @@ bool WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::
     for (int c = 0, width = grid.width; c < width; ++c) {
       const float z = static_cast<float>(depth[c]);
       const float nearness = wall.nearness(ray_x[c]);
-      const bool behind = z > 1.0F / nearness - 45.0F - 2.0F * quantum_mm(z);
+      const bool behind = z > 1.0F / nearness - kBehindMm - 2.0F * quantum_mm(z);
       is_open[c] = static_cast<std::uint8_t>(is_open[c] & !((nearness > kNearnessMin) & behind));
     }
   }

@@ -23,7 +23,7 @@ class WallRemover {
 
   void collect_voters(const Grid& grid, std::span<const std::uint8_t> open);
   bool search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best);
-  void gather_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row);
+  void collect_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row);
   bool refine(const Grid& grid, std::span<const std::uint8_t> open, Plane& plane);
 
   std::vector<float> ray_x_, ray_y_, z_mm_, near_mm_, far_mm_;  // of the open cells that vote

@@ -46,7 +46,7 @@ JointSet leaning(double degrees) {
 TEST(PoseGate, StandingStraightPasses) {
   EXPECT_EQ(pose_gate(standing(), kLevelFloor), 0U);
   EXPECT_EQ(pose_gate(turned(180), kLevelFloor), 0U) << "seen from behind";
-  EXPECT_EQ(pose_gate(turned(8), kLevelFloor), 0U) << "nobody stands quite square";
+  EXPECT_EQ(pose_gate(turned(8), kLevelFloor), 0U) << "no person stands quite square";
 }
 
 TEST(PoseGate, TurnedIsNotFrontal) {
@@ -71,8 +71,8 @@ TEST(ViewSide, FrontBackSideByTheJointsThemselves) {
     EXPECT_EQ(view_side(turned(degrees), kLevelFloor), ViewSide::side) << degrees;
 }
 
-TEST(ViewSide, WhoSeesFacesMaySayBack) {
-  const JointSet joints = standing();  // left and right as of somebody facing the camera
+TEST(ViewSide, TheTrackersBackProbabilityMayDecide) {
+  const JointSet joints = standing();  // left and right as of a person facing the camera
   EXPECT_EQ(view_side(joints, kLevelFloor, 0.1F), ViewSide::front);
   EXPECT_EQ(view_side(joints, kLevelFloor, 0.9F), ViewSide::back);
   EXPECT_EQ(view_side(joints, kLevelFloor, 0.5F), ViewSide::unknown);
@@ -81,7 +81,7 @@ TEST(ViewSide, WhoSeesFacesMaySayBack) {
   EXPECT_EQ(view_side(turned(180), kLevelFloor, 0.7F), ViewSide::back);
 }
 
-TEST(ViewSide, JointsThatSpanNothingSayNothing) {
+TEST(ViewSide, JointsThatSpanNoLineLeaveItUnknown) {
   EXPECT_EQ(view_side(JointSet{}, kLevelFloor), ViewSide::unknown);
   JointSet broken = standing();
   broken[Joint::LS].x = std::numeric_limits<float>::quiet_NaN();
@@ -108,7 +108,7 @@ TEST(PoseGate, IsHeardWhereThePoseCanBeSeen) {
   EXPECT_EQ(seen(Guidance::side_cut), trunk) << "the hand is outside";
   for (const ViewSide view : {ViewSide::front, ViewSide::back, ViewSide::unknown})
     EXPECT_EQ(seen(Guidance::head_cut, view), all & ~static_cast<GuidanceSet>(Guidance::not_frontal))
-        << "nothing tells a front from a back";
+        << "front and back cannot be distinguished";
   EXPECT_EQ(seen(Guidance::head_cut, ViewSide::side), all);
   for (const Guidance unseen : {Guidance::too_near, Guidance::too_far, Guidance::too_noisy})
     EXPECT_EQ(seen(unseen), 0U);
@@ -147,7 +147,7 @@ TEST(PoseGate, UprightMeansAgainstTheFloorNotThePicture) {
   EXPECT_FALSE(has(pose_gate(joints, rolled), Guidance::not_upright));
 }
 
-// Joints straighten who bends: what is seen decides, where it is seen.
+// Joints straighten a bent person: the lean seen decides, where it is seen.
 TEST(PoseGate, TheLeanSeenDecides) {
   const GuidanceSet bent = static_cast<GuidanceSet>(Guidance::not_upright);
   EXPECT_EQ(pose_gate(standing(), kLevelFloor, ViewSide::front, {true, 0.3F}), bent);
@@ -155,7 +155,7 @@ TEST(PoseGate, TheLeanSeenDecides) {
   EXPECT_EQ(pose_gate(bowing(25), kLevelFloor, ViewSide::front, {false, 0.05F}), bent);
 }
 
-TEST(PoseGate, WhichWaySomebodyBentFacesIsNotTold) {
+TEST(PoseGate, TheDirectionABentPersonFacesIsNotJudged) {
   for (const ViewSide view : {ViewSide::side, ViewSide::unknown}) {
     EXPECT_EQ(pose_gate(standing(), kLevelFloor, view, {true, 0.3F}),
               static_cast<GuidanceSet>(Guidance::not_upright));

@@ -32,7 +32,7 @@ struct SplitRecord {
   std::int16_t threshold = 0;
 };
 struct BinRecord {
-  std::uint16_t doubt = 0, chance = 0;
+  std::uint16_t spread = 0, chance = 0;
 };
 
 struct ModelRecords {
@@ -77,7 +77,7 @@ struct ModelRecords {
 
 // Every tree of the forest is one leaf: each jump moves by (jx, jy, jz) mm. Bones are zero. The cascade's leaves are
 // first coefficients are all `leaf`, and that coefficient's unit is 1 mm along every axis of every joint. Confidence:
-// 0.75 up to 500 mm of doubt, then 0.25. Somebody, with log-odds of 8, is whose person_score is above 0.7; others
+// 0.75 up to 500 mm of spread, then 0.25. A person, with log-odds of 8, has a person_score above 0.7; others
 // have -8.
 inline ModelRecords constant_model(std::int16_t jx, std::int16_t jy, std::int16_t jz, std::int8_t leaf) {
   ModelRecords m;

@@ -39,7 +39,7 @@ struct Seen {
   JointTracker tracker;
 };
 
-TEST(PersonVotes, WithoutTreesNothingIsSaid) {
+TEST(PersonVotes, WithoutTreesTheOddsAreZero) {
   test::ModelRecords records = test::constant_model(0, 0, 0, 0);
   records.meta.person_trees = 0;
   records.person_anchor.clear();
@@ -50,7 +50,7 @@ TEST(PersonVotes, WithoutTreesNothingIsSaid) {
   EXPECT_EQ(seen.tracker.person_odds(3), 0.0F);
 }
 
-TEST(PersonVotes, AnEmptyMaskIsNobodyWhoeverWasSeenBefore) {
+TEST(PersonVotes, AnEmptyMaskIsNoPersonWhoeverWasSeenBefore) {
   Seen seen(person_model({1, 0, 500}, 512, -256));
   Board board;
   board.track(seen.tracker);
@@ -64,7 +64,7 @@ TEST(PersonVotes, AnEmptyMaskIsNobodyWhoeverWasSeenBefore) {
   EXPECT_EQ(seen.tracker.person_odds(0), 2.0F);
 }
 
-TEST(PersonVotes, DepthsTell) {
+TEST(PersonVotes, DepthsDecide) {
   Seen seen(person_model({1, 0, 500}, 512, -256));
   Board board;
   board.track(seen.tracker);
@@ -74,7 +74,7 @@ TEST(PersonVotes, DepthsTell) {
   EXPECT_EQ(seen.tracker.person_odds(0), -1.0F);
 }
 
-TEST(PersonVotes, TheShapesOddsTell) {
+TEST(PersonVotes, TheShapesOddsDecide) {
   Seen seen(person_model({kShape, kZero, 256}, 512, -256));
   Board().track(seen.tracker);
   EXPECT_EQ(seen.tracker.person_odds(1.25F), 2.0F);
@@ -83,7 +83,7 @@ TEST(PersonVotes, TheShapesOddsTell) {
   EXPECT_EQ(seen.tracker.person_odds(-1e9F), -1.0F);
 }
 
-TEST(PersonVotes, PersonScoreTells) {
+TEST(PersonVotes, PersonScoreDecides) {
   // The builder's table: of runs that agree 0.75 by 0.708, 1.059.
   Seen below(person_model({kPersonScore, kZero, 4300}, 512, -256));
   Seen above(person_model({kPersonScore, kZero, 4400}, 512, -256));
@@ -93,7 +93,7 @@ TEST(PersonVotes, PersonScoreTells) {
   EXPECT_EQ(above.tracker.person_odds(0), -1.0F);
 }
 
-TEST(PersonVotes, HeightsAboveTheFloorTell) {
+TEST(PersonVotes, HeightsAboveTheFloorDecide) {
   Board board;
   board.person.floor.known = true;
   board.person.floor.up = {0, -1, 0};

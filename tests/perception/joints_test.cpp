@@ -104,7 +104,7 @@ TEST(JointTracker, AnAnchorBetweenTwoJointsFollowsBoth) {
   EXPECT_NEAR(joints::joint_of(shape, static_cast<int>(Joint::NE)).x, 400, 0.01);
   constexpr auto kTorso = static_cast<std::uint8_t>(Joint::TO);
   constexpr auto kNeck = static_cast<std::uint8_t>(Joint::NE);
-  // The board ends 139 mm to the right: a quarter of the way is on it, a half is not.
+  // The board ends 139 mm to the right: a quarter of the distance is on it, a half is not.
   const joints::Anchor anchors[] = {{0, 0, kTorso, kNeck, 0},
                                     {0, 0, kTorso, kNeck, 64},
                                     {0, 0, kTorso, kNeck, 128},
@@ -154,7 +154,7 @@ TEST(JointTracker, AMirrorShowsTheSameJointsOnTheOtherSide) {
   }
 }
 
-TEST(JointTracker, ConfidenceFollowsDoubtAndMask) {
+TEST(JointTracker, ConfidenceFollowsSpreadAndMask) {
   const auto still_bytes = constant_model(0, 0, 0, 0).bytes();
   const JointModel still = parse(still_bytes);
   const JointSet sure = Board().track(still);
@@ -179,7 +179,7 @@ TEST(JointTracker, EmptyMaskGivesNoConfidence) {
   for (const float c : board.track(model).confidence) EXPECT_EQ(c, 0);
 }
 
-TEST(JointView, ThinningKeepsMetricPositions) {
+TEST(JointView, DownsamplingKeepsMetricPositions) {
   // The same 400 x 600 mm board at 2 m with twice the pixels.
   const int w = 640, h = 480;
   std::vector<std::uint16_t> depth(static_cast<std::size_t>(w * h), 0);
@@ -261,8 +261,8 @@ TEST(JointModel, DamagedFilesAreRefusedByName) {
       {"basis", [](ModelRecords& m) { m.basis[50] = std::numeric_limits<float>::quiet_NaN(); }},
       {"basis too large", [](ModelRecords& m) { m.basis[51] = -1e9F; }},
       {"side trees", [](ModelRecords& m) { m.meta.side_trees = 1; }},
-      {"somebody trees", [](ModelRecords& m) { m.meta.person_trees = 2; }},
-      {"many somebody trees", [](ModelRecords& m) { m.meta.person_trees = 1025; }},
+      {"person trees", [](ModelRecords& m) { m.meta.person_trees = 2; }},
+      {"many person trees", [](ModelRecords& m) { m.meta.person_trees = 1025; }},
       {"somebody anchor joint", [](ModelRecords& m) { m.person_anchor[3].towards = 15; }},
       {"somebody anchor count", [](ModelRecords& m) { m.person_anchor.pop_back(); }},
       {"somebody split", [](ModelRecords& m) { m.person_split[30].a = 4 + joints::kClueCount; }},

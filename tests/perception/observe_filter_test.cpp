@@ -237,7 +237,7 @@ TEST(MotionFilter, TremorIsNoMovement) {
   EXPECT_NEAR(std::sqrt(sum2 / kCount), 1.875 * 5, 0.5);
 }
 
-TEST(MotionFilter, UnseenAndJumpingLimbsSayNothing) {
+TEST(MotionFilter, UnseenAndJumpingLimbsAreIgnored) {
   MotionFilter unseen;
   MotionFilter jumping;
   for (int i = 0; i < 20; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures full of holes: filled for finding people, never where nothing tells what is there; and a person in them is
-// not nobody.
+// Pictures full of holes: filled for finding people, never where no data lie near; and a person in them is
+// still found.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -60,7 +60,7 @@ TEST(HoleFiller, LeavesAPictureWithFewHolesAlone) {
   EXPECT_FALSE(holes.filled());
 }
 
-TEST(HoleFiller, MendsAPlaneToWithinItsSlopeTimesTheReach) {
+TEST(HoleFiller, FillsAPlaneToWithinItsSlopeTimesTheReach) {
   Frame frame = plane_picture();
   riddle(frame.depth, kWidth, 0.5, 2);
   HoleFiller holes(kWidth, kHeight);
@@ -120,7 +120,7 @@ TEST(HoleFiller, PixelsWithoutDataLeaveTheMask) {
   EXPECT_EQ(drop_lost_pixels({depth.data(), 3, 2}, {mask.data(), 3, 2}), 0.0F);
 }
 
-// A Sensor whose joints mean nothing: what it says of the mask counts.
+// A Sensor whose joints mean nothing: its guidance about the mask counts.
 class RiddledRoom : public testing::Test {
  protected:
   RiddledRoom() : bytes_(test::constant_model(0, 0, 0, 0).bytes()), model_(JointModel::parse(bytes_, "model")) {
@@ -131,12 +131,12 @@ class RiddledRoom : public testing::Test {
     scene_.pitch_deg = 3;
     scene_.wall_z = 4500;
   }
-  Detection look(double share) {
+  Detection sense(double share) {
     Sensor sensor(kWidth, kHeight, *model_);
     Detection detection;
     mask_.assign(kWidth * kHeight, 0);
     for (std::uint64_t frame = 0; frame < 4; ++frame) {
-      room_test::Picture picture = room_test::look(scene_, 0.5, frame + 1);
+      room_test::Picture picture = room_test::render(scene_, 0.5, frame + 1);
       if (share > 0) riddle(picture.depth, kWidth, share, frame + 10);
       detection = sensor.sense(picture.view(), scene_.intrinsics(), MaskImage(mask_.data(), kWidth, kHeight));
       picture_ = picture;
@@ -151,11 +151,11 @@ class RiddledRoom : public testing::Test {
   std::vector<std::uint8_t> mask_;
 };
 
-TEST_F(RiddledRoom, SomebodyFullOfHolesIsTooNoisyAndNotNobody) {
+TEST_F(RiddledRoom, APersonFullOfHolesIsTooNoisyAndStillFound) {
   ASSERT_TRUE(static_cast<bool>(model_));
   room_test::add(scene_, room_test::person_at(0, 2900));
   for (const double share : {0.45, 0.55}) {
-    const Detection detection = look(share);
+    const Detection detection = sense(share);
     EXPECT_TRUE(detection.person.found) << share;
     EXPECT_EQ(detection.guidance, static_cast<GuidanceSet>(Guidance::too_noisy)) << share;
     int off = 0, on = 0;
@@ -168,10 +168,10 @@ TEST_F(RiddledRoom, SomebodyFullOfHolesIsTooNoisyAndNotNobody) {
   }
 }
 
-TEST_F(RiddledRoom, NobodyFullOfHolesIsNobody) {
+TEST_F(RiddledRoom, ARoomFullOfHolesHasNoPerson) {
   ASSERT_TRUE(static_cast<bool>(model_));
   scene_.boxes.push_back({{-300, 0, 2700}, {300, 900, 3100}});
-  const Detection detection = look(0.5);
+  const Detection detection = sense(0.5);
   EXPECT_FALSE(detection.person.found);
   EXPECT_TRUE(has(detection.guidance, Guidance::no_person));
   EXPECT_FALSE(has(detection.guidance, Guidance::too_noisy));
@@ -181,7 +181,7 @@ TEST_F(RiddledRoom, AFewHolesAreNotNoise) {
   ASSERT_TRUE(static_cast<bool>(model_));
   room_test::add(scene_, room_test::person_at(0, 2900));
   for (const double share : {0.0, 0.05}) {
-    const Detection detection = look(share);
+    const Detection detection = sense(share);
     EXPECT_TRUE(detection.person.found) << share;
     EXPECT_FALSE(has(detection.guidance, Guidance::too_noisy)) << share;
   }

@@ -48,14 +48,14 @@ std::vector<Capsule> bent(float degrees, float aside) {
 }
 
 // The true mask and floor: nothing of the segmenter.
-struct Looked {
+struct Observed {
   room_test::Picture picture;
   std::vector<std::uint8_t> mask;
   Person person;
 };
-Looked look_at(const Scene& s) {
-  Looked l;
-  l.picture = room_test::look(s, 0.5, 7);
+Observed observe(const Scene& s) {
+  Observed l;
+  l.picture = room_test::render(s, 0.5, 7);
   l.mask.resize(l.picture.depth.size());
   Person& p = l.person;
   p.floor = {true, s.up_in_camera(), s.camera_height};
@@ -79,11 +79,11 @@ Looked look_at(const Scene& s) {
   p.centroid_mm = sum * (1.0F / static_cast<float>(p.pixel_count));
   return l;
 }
-Lean lean_in(const Scene& s, const Looked& l, const User* head = nullptr) {
+Lean lean_in(const Scene& s, const Observed& l, const User* head = nullptr) {
   return lean_of(l.picture.view(), {l.mask.data(), s.width, s.height}, s.intrinsics(), l.person, head);
 }
 Lean lean_in(const Scene& s, const User* head = nullptr) {
-  return lean_in(s, look_at(s), head);
+  return lean_in(s, observe(s), head);
 }
 bool not_upright(const Lean& lean) {
   return has(pose_gate(JointSet{}, {true, {0, -1, 0}, 1000}, ViewSide::front, lean), Guidance::not_upright);
@@ -145,7 +145,7 @@ TEST(Lean, ARaisedHandIsNoHead) {
 TEST(Lean, NeedsFloorHeadAndLegs) {
   Scene s = room();
   room_test::add(s, room_test::person_at(0, kZ));
-  Looked l = look_at(s);
+  Observed l = observe(s);
   ASSERT_TRUE(lean_in(s, l).seen);
   for (int v = 0; v < s.height; ++v)  // a table before the legs
     for (int u = 0; u < s.width; ++u) {
@@ -155,7 +155,7 @@ TEST(Lean, NeedsFloorHeadAndLegs) {
       if (dot(s.up_in_camera(), p) + s.camera_height < 750) l.mask[i] = 0;
     }
   EXPECT_FALSE(lean_in(s, l).seen);
-  Looked unknown = look_at(s);
+  Observed unknown = observe(s);
   unknown.person.floor.known = false;
   EXPECT_FALSE(lean_in(s, unknown).seen);
 }

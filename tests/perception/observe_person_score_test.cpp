@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is taken for a person, and by what: the joints' doubt. Models written by hand: one whose runs agree everywhere,
-// one whose runs never do.
+// Who is taken for a person, and by what: the joints' ensemble spread. Models written by hand: one whose runs agree
+// everywhere, one whose runs never do.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,8 +19,8 @@ namespace {
 using room_test::add;
 using room_test::Capsule;
 using room_test::kKinectNoise;
-using room_test::look;
 using room_test::person_at;
+using room_test::render;
 using room_test::Scene;
 
 struct Model {
@@ -49,7 +49,7 @@ class PersonScore : public testing::Test {
  protected:
   Detection show(Sensor& sensor, const Scene& s) {
     mask_.assign(static_cast<std::size_t>(s.width * s.height), 7);
-    const auto picture = look(s, kKinectNoise, ++seed_);
+    const auto picture = render(s, kKinectNoise, ++seed_);
     return sensor.sense(picture.view(), s.intrinsics(), MaskImage(mask_.data(), s.width, s.height));
   }
   bool mask_empty() const {
@@ -59,7 +59,7 @@ class PersonScore : public testing::Test {
   std::uint64_t seed_ = 0;
 };
 
-// The builder's table: 0.75 up to 500 mm of doubt in eleven bins, 0.25 beyond in one; 0.708 on the mean.
+// The builder's table: 0.75 up to 500 mm of spread in eleven bins, 0.25 beyond in one; 0.708 on the mean.
 TEST_F(PersonScore, IsTheMeanConfidenceByTheUsualOne) {
   const Model agreed(0), apart(100);
   const test::Board board;
@@ -71,7 +71,7 @@ TEST_F(PersonScore, IsTheMeanConfidenceByTheUsualOne) {
   EXPECT_NEAR(torn.person_score(), 0.25 / kUsual, 1e-3);
 }
 
-TEST_F(PersonScore, WhatTheModelCannotAgreeOnIsNobody) {
+TEST_F(PersonScore, WhatTheModelCannotAgreeOnIsNoPerson) {
   const Model agreed(0), apart(100);
   Scene s = room();
   add(s, person_at(0, 2700, 1));
@@ -79,10 +79,10 @@ TEST_F(PersonScore, WhatTheModelCannotAgreeOnIsNobody) {
   EXPECT_TRUE(show(sure, s).person.found);
   EXPECT_FALSE(mask_empty());
   for (int frame = 0; frame < 20; ++frame) {
-    const Detection nobody = show(torn, s);
-    EXPECT_FALSE(nobody.person.found);
-    EXPECT_EQ(nobody.guidance, static_cast<GuidanceSet>(Guidance::no_person));
-    EXPECT_EQ(nobody.user_count, 0);
+    const Detection none = show(torn, s);
+    EXPECT_FALSE(none.person.found);
+    EXPECT_EQ(none.guidance, static_cast<GuidanceSet>(Guidance::no_person));
+    EXPECT_EQ(none.user_count, 0);
     EXPECT_TRUE(mask_empty());
   }
 }
@@ -94,7 +94,7 @@ TEST_F(PersonScore, TheSelectedUserIsNotRejected) {
   Sensor torn(s.width, s.height, *apart.model);
   Segmenter ids(s.width, s.height);
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
-  const auto picture = look(s, kKinectNoise, 1);
+  const auto picture = render(s, kKinectNoise, 1);
   const Person person = ids.run(picture.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
   ASSERT_TRUE(person.found);
   torn.select(person.id);  // both count from the same number
@@ -109,7 +109,7 @@ TEST_F(PersonScore, ARejectedUserIsPassedOverForAnother) {
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
   std::uint64_t seed = 0;
   const auto run = [&] {
-    const auto picture = look(s, kKinectNoise, ++seed);
+    const auto picture = render(s, kKinectNoise, ++seed);
     return segmenter.run(picture.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
   };
   const Person near = run();
@@ -119,9 +119,9 @@ TEST_F(PersonScore, ARejectedUserIsPassedOverForAnother) {
   const Person other = run();
   EXPECT_TRUE(other.found);
   EXPECT_NE(other.id, near.id);
-  EXPECT_FALSE(has(other.guidance, Guidance::several_people)) << "furniture disturbs nobody";
+  EXPECT_FALSE(has(other.guidance, Guidance::several_people)) << "furniture disturbs no measurement";
   segmenter.set_rejected(other.id, true);
-  EXPECT_EQ(run().id, near.id) << "of two doubted ones the nearer";
+  EXPECT_EQ(run().id, near.id) << "of two rejected ones the nearer";
   segmenter.set_rejected(near.id, false);
   segmenter.set_rejected(other.id, false);
   EXPECT_TRUE(has(run().guidance, Guidance::several_people));
@@ -143,7 +143,7 @@ std::vector<Capsule> profile_at(float z) {
           {at(-90, 40, 70), at(60, 35, 70), 36, 1}};
 }
 
-TEST_F(PersonScore, WhoseShapeDoesNotTellIsFoundByTheJointsInSixFrames) {
+TEST_F(PersonScore, ACandidateIsFoundByTheJointsInSixFrames) {
   const Model agreed(0), apart(100);
   Scene s = room();
   add(s, profile_at(2600));
@@ -153,18 +153,18 @@ TEST_F(PersonScore, WhoseShapeDoesNotTellIsFoundByTheJointsInSixFrames) {
     const Detection seen = show(sure, s);
     if (seen.person.found && first < 0) first = frame;
     if (first < 0) continue;
-    EXPECT_TRUE(seen.person.found) << "frame " << frame << ": somebody once, somebody for good";
+    EXPECT_TRUE(seen.person.found) << "frame " << frame << ": accepted once, accepted for good";
     if (frame == first) continue;
     ASSERT_EQ(seen.user_count, 1);
     EXPECT_TRUE(seen.users[0].confirmed);
   }
-  EXPECT_GE(first, 5) << "six frames tell more than one";
+  EXPECT_GE(first, 5) << "six frames decide more than one";
   EXPECT_LE(first, 7);
   for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(show(torn, s).person.found);
 }
 
 // A hand before the hip, or a hem, hides where the legs join the trunk: they are a surface of their own.
-TEST_F(PersonScore, WhoseLegsArePartedFromTheTrunkIsFoundWhole) {
+TEST_F(PersonScore, ABodySplitFromItsLegsIsFoundWhole) {
   const Model agreed(0), apart(100);
   Scene s = room();
   add(s, profile_at(2500));
@@ -177,7 +177,7 @@ TEST_F(PersonScore, WhoseLegsArePartedFromTheTrunkIsFoundWhole) {
     if (seen.person.found && first < 0) first = frame;
     EXPECT_EQ(seen.person.found, first >= 0) << frame;
     if (!seen.person.found) continue;
-    const auto picture = look(s, 0, 1);
+    const auto picture = render(s, 0, 1);
     double both = 0, either = 0;
     for (std::size_t i = 0; i < mask_.size(); ++i) {
       both += mask_[i] != 0 && picture.owner[i] == 1 ? 1 : 0;
@@ -190,7 +190,7 @@ TEST_F(PersonScore, WhoseLegsArePartedFromTheTrunkIsFoundWhole) {
   for (int frame = 0; frame < 30; ++frame) EXPECT_FALSE(show(torn, s).person.found);
 }
 
-TEST_F(PersonScore, AThingOnABoxIsNoBodyInHalves) {
+TEST_F(PersonScore, AnObjectOnABoxIsNoSplitBody) {
   const Model agreed(0);
   Scene s = room();
   add(s, {{{0, 1150, 2600}, {0, 1500, 2600}, 130, 1}});  // as round as a trunk
@@ -204,11 +204,11 @@ TEST_F(PersonScore, APersonsShapeIsLikelierThanFurnitures) {
   add(s, person_at(0, 2700, 1));
   Segmenter segmenter(s.width, s.height);
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
-  const auto picture = look(s, kKinectNoise, 1);
+  const auto picture = render(s, kKinectNoise, 1);
   const Person person = segmenter.run(picture.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
   ASSERT_TRUE(person.found);
   EXPECT_GT(segmenter.shape_odds(person.id), 1.0F);
-  EXPECT_EQ(segmenter.shape_odds(person.id + 1), 0.0F) << "of nobody known";
+  EXPECT_EQ(segmenter.shape_odds(person.id + 1), 0.0F) << "of an unknown id";
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ constexpr int kWidth = 320, kHeight = 240;
 constexpr int kLeft = 120, kRight = 180, kTop = 40, kBottom = 200;  // the person, inclusive
 constexpr int kPx = 5;                                              // of a shadow
 
-// Somebody before a wall. `wall` 0: out of range.
+// A person before a wall. `wall` 0: out of range.
 struct Picture {
   explicit Picture(std::uint16_t wall = 3000) : depth(kWidth * kHeight, wall), mask(kWidth * kHeight, 0) {
     for (int v = kTop; v <= kBottom; ++v)
@@ -48,7 +48,7 @@ struct Picture {
   std::vector<std::uint8_t> mask;
 };
 
-// Looked at are rows 40, 48 .. 200 and columns 120, 128 .. 176, two pixels at each end: 42, 42, 16 and 16.
+// Read are rows 40, 48 .. 200 and columns 120, 128 .. 176, two pixels at each end: 42, 42, 16 and 16.
 TEST(OutlineLosses, AShadowOnAnySideIsSeen) {
   EXPECT_EQ(Picture().seen().one_sided(), 0);
   EXPECT_EQ(Picture().seen().lost(), 0);
@@ -67,11 +67,11 @@ TEST(OutlineLosses, WhatIsLostOnBothSidesIsNoShadow) {
 }
 
 TEST(OutlineLosses, CountsShares) {
-  // Of the left side rows 40 to 119, ten of the 21 that are looked at.
+  // Of the left side rows 40 to 119, ten of the 21 that are read.
   EXPECT_FLOAT_EQ(Picture().lose(kLeft - kPx, kTop, kLeft - 1, kTop + 79).seen().one_sided(), 10.0F / 21);
 }
 
-TEST(OutlineLosses, ABackgroundOutOfRangeSaysNothing) {
+TEST(OutlineLosses, ABackgroundOutOfRangeLeavesItUnknown) {
   EXPECT_TRUE(std::isnan(Picture(0).seen().lost()));
   EXPECT_EQ(Picture(0).seen().one_sided(), 0);
   // To one side the room is out of range, to the other it is not.
@@ -80,7 +80,7 @@ TEST(OutlineLosses, ABackgroundOutOfRangeSaysNothing) {
   EXPECT_EQ(half.lost(), 0);
 }
 
-TEST(OutlineLosses, FewPixelsSayNothing) {
+TEST(OutlineLosses, FewPixelsLeaveItUnknown) {
   const Picture p = Picture().lose_left();
   OutlineLosses losses;
   EXPECT_EQ(losses.one_sided(), 0);
@@ -124,7 +124,7 @@ TEST(OutlineLosses, StaysWithinThePicture) {
 }
 
 // After a few thousand pixels the answer stands.
-TEST(OutlineLosses, LooksAtTheFirstFrames) {
+TEST(OutlineLosses, ReadsTheFirstFrames) {
   const Picture shaded = Picture().lose_left();
   OutlineLosses losses;
   for (int i = 0; i < 60; ++i) shaded.add_to(losses);

@@ -56,7 +56,7 @@ TEST(PaperBodyFrame, AxesOfAnUprightPerson) {
   EXPECT_NEAR(f.w.z, 1, 1e-6);
 }
 
-TEST(PaperBodyFrame, MendedEquationOne) {
+TEST(PaperBodyFrame, CorrectedEquationOne) {
   struct Case {
     const char* what;
     Vec3f hips_from_torso;

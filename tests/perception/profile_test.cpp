@@ -85,7 +85,7 @@ TEST_F(CylinderProfile, ReliefFollowsTheCircle) {
 
 TEST_F(CylinderProfile, CrownAndSolesCountFromTheFloor) {
   run();
-  // 1500 mm^2 of a 300 mm wide front begin 5 mm below the top edge; the head's 280 mm are looked at.
+  // 1500 mm^2 of a 300 mm wide front begin 5 mm below the top edge; the head's 280 mm are read.
   EXPECT_NEAR(value(L::kCrown + 2), kTop - 1500.0 / 280.0, 4.0);
   EXPECT_NEAR(value(L::kSoles + 1), 1500.0 / 300.0, 4.0);
 }
@@ -97,7 +97,7 @@ TEST_F(CylinderProfile, WithoutAFloorHeightsCountFromTheSoles) {
   EXPECT_NEAR(value(L::kCrown + 1), with_floor, 4.0F);
 }
 
-TEST_F(CylinderProfile, LegsOfOneRunMeetHalfWay) {
+TEST_F(CylinderProfile, LegsOfOneRunMeetInTheMiddle) {
   run();
   const int at = L::kLegs + 10 * L::kLegValues;
   EXPECT_NEAR(value(at), kRadius, 3.0);
@@ -116,7 +116,7 @@ TEST_F(CylinderProfile, AJointThatIsNowhereGivesNothing) {
   }
 }
 
-// Pixels that are masked but hold no depth are nobody's crown and nobody's soles.
+// Pixels that are masked but hold no depth are no crown and no soles.
 TEST_F(CylinderProfile, MaskWithoutDepthChangesNothing) {
   run();
   const std::vector<float> before = out;
@@ -129,7 +129,7 @@ TEST_F(CylinderProfile, MaskWithoutDepthChangesNothing) {
   }
 }
 
-TEST_F(CylinderProfile, NobodyGivesNothing) {
+TEST_F(CylinderProfile, AnEmptyMaskGivesNothing) {
   std::fill(mask.begin(), mask.end(), std::uint8_t{0});
   run();
   for (const float v : out) EXPECT_TRUE(std::isnan(v));

@@ -47,9 +47,9 @@ TEST(SegmentAllocation, NoneAfterConstruction) {
   room_test::Scene scene;
   scene.wall_z = 3500;
   add(scene, room_test::person_at(0, 2600));
-  const room_test::Picture person = look(scene, 0.5);
+  const room_test::Picture person = render(scene, 0.5);
   scene.capsules.clear();
-  const room_test::Picture nobody = look(scene, 0.5);
+  const room_test::Picture empty = render(scene, 0.5);
   const auto bytes = test::constant_model(1, 1, 1, 1).bytes();
   const auto model = JointModel::parse(bytes, "model");
   ASSERT_TRUE(model);
@@ -61,7 +61,7 @@ TEST(SegmentAllocation, NoneAfterConstruction) {
   JointSet joints;
 
   const long before = allocation_count;
-  for (const room_test::Picture* p : {&person, &nobody, &person, &person}) {
+  for (const room_test::Picture* p : {&person, &empty, &person, &person}) {
     const Person who = segmenter.run(p->view(), k, MaskImage(mask.data(), p->width, p->height));
     joints = tracker.track(p->view(), MaskView(mask.data(), p->width, p->height), k, who, found);
     found = who.found;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// People at a room's side walls, people whose halves are surfaces of their own, and others who are hardly told.
+// People at a room's side walls, bodies split in two components, and others who are hardly seen.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -14,25 +14,25 @@ namespace {
 using room_test::add;
 using room_test::Capsule;
 using room_test::kKinectNoise;
-using room_test::look;
 using room_test::person_at;
 using room_test::Picture;
+using room_test::render;
 using room_test::Scene;
 
-struct Look {
+struct Outcome {
   Person person;
   double overlap = 0;  // of the true mask of `owner` and ours, over both
   std::vector<User> users;
 };
 
-// The last of `frames` looks; `chosen` is selected after the first, 0: nobody.
-Look look_at(const Scene& s, int owner, int chosen = 0, int frames = 3) {
-  Look seen;
+// The last of `frames` frames; `chosen` is selected after the first, 0: none.
+Outcome observe(const Scene& s, int owner, int chosen = 0, int frames = 3) {
+  Outcome seen;
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
   Segmenter segmenter(s.width, s.height);
   Picture p;
   for (int i = 0; i < frames; ++i) {
-    p = look(s, kKinectNoise, static_cast<std::uint64_t>(i + 1));
+    p = render(s, kKinectNoise, static_cast<std::uint64_t>(i + 1));
     seen.person = segmenter.run(p.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
     segmenter.select(chosen);
   }
@@ -69,7 +69,7 @@ TEST(SegmentCompany, WhoTouchesASideWallIsFound) {
   for (const float z : {3200.0F, 3400.0F, 3600.0F}) {
     Scene s = room_with_side_wall();
     add(s, person_at(690, z));
-    const Look seen = look_at(s, 1);
+    const Outcome seen = observe(s, 1);
     ASSERT_TRUE(seen.person.found) << z;
     EXPECT_GT(seen.overlap, 0.93) << z;
   }
@@ -78,13 +78,13 @@ TEST(SegmentCompany, WhoTouchesASideWallIsFound) {
 TEST(SegmentCompany, WhoTouchesASideWallDisturbs) {
   Scene s = room_with_side_wall();
   add(s, person_at(-250, 2500, 1));
-  EXPECT_FALSE(has(look_at(s, 1).person.guidance, Guidance::several_people));
+  EXPECT_FALSE(has(observe(s, 1).person.guidance, Guidance::several_people));
   add(s, person_at(690, 3300, 2));
-  const Look seen = look_at(s, 1);
+  const Outcome seen = observe(s, 1);
   EXPECT_TRUE(has(seen.person.guidance, Guidance::several_people));
   EXPECT_GT(seen.overlap, 0.93);
   ASSERT_EQ(seen.users.size(), 2U);
-  EXPECT_GT(look_at(s, 2, seen.users[1].id).overlap, 0.93);
+  EXPECT_GT(observe(s, 2, seen.users[1].id).overlap, 0.93);
 }
 
 // A forearm before the belt hides where the trunk joins the legs; a hood is no head; the feet stand apart.
@@ -108,7 +108,7 @@ TEST(SegmentCompany, ATrunkOverLegsAstrideIsOnePerson) {
   for (const float foot : {250.0F, 320.0F, 380.0F}) {
     Scene s = room(4200);
     add(s, astride_at(100, 2600, foot));
-    const Look seen = look_at(s, 1);
+    const Outcome seen = observe(s, 1);
     ASSERT_TRUE(seen.person.found) << foot;
     EXPECT_GT(seen.overlap, 0.9) << foot;
   }
@@ -116,16 +116,16 @@ TEST(SegmentCompany, ATrunkOverLegsAstrideIsOnePerson) {
 
 // Of the other one, behind, both forearms leave the legs alone: shaped like a person's, and no person by the rules.
 // As much of a chest of drawers is neither.
-TEST(SegmentCompany, WhoIsNotConfirmedButShapedLikeAPersonDisturbs) {
+TEST(SegmentCompany, AnUnconfirmedUserShapedLikeAPersonDisturbs) {
   Scene s = room(4800);
   add(s, person_at(-300, 2500, 1));
   Scene furnished = s;
   furnished.boxes = {{{420, 0, 3100}, {880, 1010, 3400}}, {{520, 1010, 3150}, {780, 1300, 3350}}};
-  EXPECT_FALSE(has(look_at(furnished, 1).person.guidance, Guidance::several_people));
+  EXPECT_FALSE(has(observe(furnished, 1).person.guidance, Guidance::several_people));
   add(s, astride_at(650, 2900, 380, 2));
   const float x = 650, z = 2900;
   s.capsules.push_back({{x - 270, 1380, z - 120}, {x + 120, 1530, z - 190}, 60, 2});
-  const Look seen = look_at(s, 1);
+  const Outcome seen = observe(s, 1);
   EXPECT_TRUE(has(seen.person.guidance, Guidance::several_people));
   EXPECT_GT(seen.overlap, 0.93);
   ASSERT_EQ(seen.users.size(), 2U);

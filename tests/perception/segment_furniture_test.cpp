@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Furniture that is one surface with a person, furniture that looks like one, and people who hardly do.
+// Furniture that is one surface with a person, furniture that resembles one, and people who hardly do.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,9 +18,9 @@ using room_test::add;
 using room_test::Box;
 using room_test::Capsule;
 using room_test::kKinectNoise;
-using room_test::look;
 using room_test::person_at;
 using room_test::Picture;
+using room_test::render;
 using room_test::Scene;
 
 struct Shares {
@@ -30,8 +30,8 @@ struct Shares {
 };
 
 // Of the first frame: nothing is known before.
-Shares first_look(const Scene& s, std::uint64_t seed = 1) {
-  const Picture p = look(s, kKinectNoise, seed);
+Shares first_frame(const Scene& s, std::uint64_t seed = 1) {
+  const Picture p = render(s, kKinectNoise, seed);
   std::vector<std::uint8_t> mask(p.depth.size());
   Segmenter segmenter(s.width, s.height);
   const Person person = segmenter.run(p.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
@@ -60,7 +60,7 @@ TEST(SegmentFurniture, ABoxAtTheLegIsNotThePerson) {
   for (const float side : {-1.0F, 1.0F}) {
     const float near = side * 165, far = side * 465;
     const Box box = {{std::min(near, far), 0, 2590}, {std::max(near, far), 420, 2890}};
-    const Shares s = first_look(room_with(person_at(0, 2600), {box}));
+    const Shares s = first_frame(room_with(person_at(0, 2600), {box}));
     ASSERT_TRUE(s.found);
     EXPECT_LT(s.furniture, 0.04) << side;
     EXPECT_GT(s.overlap, 0.95) << side;
@@ -79,7 +79,7 @@ TEST(SegmentFurniture, WhoBendsDownKeepsTheLegs) {
     }
     bent.push_back(c);
   }
-  const Shares s = first_look(room_with(bent));
+  const Shares s = first_frame(room_with(bent));
   ASSERT_TRUE(s.found);
   EXPECT_GT(s.overlap, 0.95);
 }
@@ -91,7 +91,7 @@ TEST(SegmentFurniture, ABoxBetweenTheLegsIsNotThePerson) {
       if (end->y < 900) end->x *= 1.0F + 1.2F * (900 - end->y) / 900;
     wide.push_back(c);
   }
-  const Shares s = first_look(room_with(wide, {{{-160, 0, 2600}, {160, 330, 2850}}}));
+  const Shares s = first_frame(room_with(wide, {{{-160, 0, 2600}, {160, 330, 2850}}}));
   ASSERT_TRUE(s.found);
   EXPECT_LT(s.furniture, 0.03);
   EXPECT_GT(s.overlap, 0.94);
@@ -99,7 +99,7 @@ TEST(SegmentFurniture, ABoxBetweenTheLegsIsNotThePerson) {
 
 TEST(SegmentFurniture, NothingOfAPersonWithoutFurnitureIsCut) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const Shares s = first_look(room_with(person_at(0, 2600)), seed);
+    const Shares s = first_frame(room_with(person_at(0, 2600)), seed);
     ASSERT_TRUE(s.found);
     EXPECT_GT(s.overlap, 0.96) << seed;
   }
@@ -134,7 +134,7 @@ std::vector<Box> chair_at(float x, float z) {
 }
 
 TEST(SegmentFurniture, TheChairIsNotWhoSitsOnIt) {
-  const Shares s = first_look(room_with(seated_at(0, 2700), chair_at(0, 2700)));
+  const Shares s = first_frame(room_with(seated_at(0, 2700), chair_at(0, 2700)));
   ASSERT_TRUE(s.found);
   EXPECT_LT(s.furniture, 0.03);
   EXPECT_GT(s.overlap, 0.94);
@@ -150,7 +150,7 @@ TEST(SegmentFurniture, TheTallestSitAsWell) {
   std::vector<Box> chair = chair_at(0, 0);
   for (Box& b : chair)
     for (Vec3f* end : {&b.low, &b.high}) *end = *end * 1.2F + Vec3f{0, 0, 2700};
-  const Shares s = first_look(room_with(person, chair));
+  const Shares s = first_frame(room_with(person, chair));
   ASSERT_TRUE(s.found);
   EXPECT_LT(s.furniture, 0.03);
   EXPECT_GT(s.overlap, 0.94);
@@ -167,7 +167,7 @@ TEST(SegmentFurniture, FeetBelowThinAnklesStay) {
     person.push_back({{x, 200, c.a.z}, {x, 60, c.a.z}, 48, 1});
     break;
   }
-  const Shares s = first_look(room_with(person, chair_at(0, 2700)));
+  const Shares s = first_frame(room_with(person, chair_at(0, 2700)));
   ASSERT_TRUE(s.found);
   EXPECT_LT(s.furniture, 0.03);
   EXPECT_GT(s.overlap, 0.95);
@@ -180,7 +180,7 @@ TEST(SegmentFurniture, LegsOfChairsAreThinnerThanShins) {
     boxes.push_back({{x - 15, 0, 2250}, {x + 15, 600, 2280}});
     boxes.push_back({{x - 15, 570, 2250}, {x + 15, 600, 2700}});  // under the forearm
   }
-  const Shares s = first_look(room_with(seated_at(0, 2700), boxes));
+  const Shares s = first_frame(room_with(seated_at(0, 2700), boxes));
   ASSERT_TRUE(s.found);
   EXPECT_LT(s.furniture, 0.03);
   EXPECT_GT(s.overlap, 0.94) << "the shins stay";
@@ -188,14 +188,14 @@ TEST(SegmentFurniture, LegsOfChairsAreThinnerThanShins) {
 
 // The head hides where the trunk begins: that is an edge as well, once the head is gone.
 TEST(SegmentFurniture, ABoxBehindAnotherBoxAtTheLegIsNotThePerson) {
-  const Shares s = first_look(
+  const Shares s = first_frame(
       room_with(person_at(0, 2600), {{{165, 180, 2560}, {400, 520, 3000}}, {{215, 500, 2390}, {350, 740, 2561}}}));
   ASSERT_TRUE(s.found);
   EXPECT_LT(s.furniture, 0.03);
   EXPECT_GT(s.overlap, 0.94);
 }
 
-// In profile, a leg behind the other, forearms crossed before and above the head: neither head nor legs to be told.
+// In profile, a leg behind the other, forearms crossed before and above the head: neither head nor legs to be seen.
 std::vector<Capsule> hidden_head_at(float x, float z) {
   const auto at = [&](float dx, float y, float dz = 0) { return Vec3f{x + dx, y, z + dz}; };
   return {{at(0, 1560), at(0, 1610), 90, 1},
@@ -219,14 +219,14 @@ std::vector<Capsule> hidden_head_at(float x, float z) {
 
 TEST(SegmentFurniture, WhoHidesTheHeadIsFoundByTheRoundBody) {
   for (const float x : {-250.0F, 0.0F, 250.0F}) {
-    const Shares s = first_look(room_with(hidden_head_at(x, 2500)));
+    const Shares s = first_frame(room_with(hidden_head_at(x, 2500)));
     EXPECT_TRUE(s.found) << x;
     EXPECT_GT(s.overlap, 0.9) << x;
   }
 }
 
 // Chests, coats and hats where a person would be: of a person's size, with a head of a kind, but flat.
-TEST(SegmentFurniture, WhatIsFlatIsNobody) {
+TEST(SegmentFurniture, WhatIsFlatIsNoPerson) {
   const std::vector<Box> chair = chair_at(0, 2700);
   std::vector<Box> coat = chair;
   coat.push_back({{-230, 60, 2830}, {230, 1180, 2960}});
@@ -242,7 +242,7 @@ TEST(SegmentFurniture, WhatIsFlatIsNobody) {
                                  {{-240, 800, 2500}, {200, 1180, 2850}},
                                  {{-100, 1180, 2560}, {90, 1400, 2750}}})}};
   for (const auto& [name, scene] : scenes)
-    for (std::uint64_t seed = 1; seed <= 4; ++seed) EXPECT_FALSE(first_look(scene, seed).found) << name << seed;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) EXPECT_FALSE(first_frame(scene, seed).found) << name << seed;
 }
 
 }  // namespace

@@ -17,9 +17,9 @@ namespace im2fit {
 namespace {
 
 using room_test::add;
-using room_test::look;
 using room_test::person_at;
 using room_test::Picture;
+using room_test::render;
 using room_test::Scene;
 
 // room_test's own noise uses log and cos, which differ between C libraries; this one only + - * / and rounding.
@@ -100,7 +100,7 @@ std::vector<Sequence> sequences() {
   out.push_back({"pointing", s, 0});
   s = standing(2600, 3500);
   s.capsules.clear();
-  out.push_back({"nobody", s, 0});
+  out.push_back({"no person", s, 0});
   s = standing(2600, 3500);
   s.width = 160;
   s.height = 120;
@@ -115,7 +115,7 @@ std::vector<Sequence> sequences() {
 TEST(Golden, SegmentedSequences) {
   for (const Sequence& q : sequences()) {
     Segmenter segmenter(q.scene.width, q.scene.height);
-    const Picture exact = look(q.scene, 0);
+    const Picture exact = render(q.scene, 0);
     std::uint32_t sum = 0, input = 0;
     for (std::uint64_t frame = 0; frame < 3; ++frame) {
       const Picture p = sensed(exact, 11 + frame);

@@ -15,9 +15,9 @@ namespace {
 using room_test::add;
 using room_test::Capsule;
 using room_test::kKinectNoise;
-using room_test::look;
 using room_test::person_at;
 using room_test::Picture;
+using room_test::render;
 using room_test::Scene;
 
 Scene small_room(float wall_z = 4800) {
@@ -35,7 +35,7 @@ class SegmentPeople : public testing::Test {
  protected:
   Person run(const Scene& s, float seconds = 1.0F / 30.0F) {
     if (mask_.empty()) mask_.resize(static_cast<std::size_t>(s.width * s.height));
-    picture_ = look(s, kKinectNoise, ++seed_);
+    picture_ = render(s, kKinectNoise, ++seed_);
     return segmenter_.run(picture_.view(), s.intrinsics(), MaskImage(mask_.data(), s.width, s.height), seconds);
   }
   // Id of the user whose crown is nearest to where the figure at (x, z) has it; 0: none within 250 mm.
@@ -71,8 +71,8 @@ class SegmentPeople : public testing::Test {
 TEST_F(SegmentPeople, IdsStayThroughACrossing) {
   int left = 0, right = 0;
   for (int frame = 0; frame < 60; ++frame) {
-    const float way = static_cast<float>(frame) / 59;
-    const float x1 = -700 + 1400 * way, x2 = 700 - 1400 * way;
+    const float share = static_cast<float>(frame) / 59;
+    const float x1 = -700 + 1400 * share, x2 = 700 - 1400 * share;
     Scene s = small_room();
     add(s, person_at(x1, 2700, 1));
     add(s, person_at(x2, 3500, 2));
@@ -112,7 +112,7 @@ TEST_F(SegmentPeople, WhoReturnsSoonIsTheSameAndWhoReturnsLateIsNot) {
   ASSERT_TRUE(person.found);
   EXPECT_EQ(person.id, id);
   for (int i = 0; i < 10; ++i) run(empty, 1.0F);
-  for (int i = 0; i < 3; ++i) {  // a newcomer is believed at the third sight
+  for (int i = 0; i < 3; ++i) {  // a newcomer is confirmed in the third frame
     EXPECT_FALSE(person.found && i > 0) << i;
     person = run(s);
   }
@@ -145,12 +145,12 @@ TEST_F(SegmentPeople, ResetForgetsPeopleButNotTheirNumbers) {
   segmenter_.select(before);
   segmenter_.reset();
   EXPECT_TRUE(segmenter_.users().empty());
-  const Person after = run(s);  // nobody is selected any more
+  const Person after = run(s);  // none is selected any more
   ASSERT_TRUE(after.found);
   EXPECT_GT(after.id, before);
 }
 
-TEST_F(SegmentPeople, TheSelectedOneIsMeasuredAndNobodyElse) {
+TEST_F(SegmentPeople, TheSelectedOneIsMeasuredAndNoOther) {
   Scene s = small_room();
   add(s, person_at(-400, 2500, 1));
   add(s, person_at(500, 3300, 2));
@@ -203,7 +203,7 @@ TEST_F(SegmentPeople, UsersAreListedNearestFirstWithTheirBoxes) {
   }
 }
 
-TEST_F(SegmentPeople, SomebodyFarBehindDisturbsNobody) {
+TEST_F(SegmentPeople, APersonFarBehindDoesNotDisturb) {
   Scene s = small_room(6400);
   add(s, person_at(-300, 2400, 1));
   add(s, person_at(700, 4300, 2));
@@ -258,7 +258,7 @@ TEST_F(SegmentPeople, AMovedCameraHasNoBackground) {
     s.pitch_deg = 9;
     add(s, person_at(100, 2650));
     const Person person = run(s);
-    if (i < 2) continue;  // a newcomer is believed at the third sight
+    if (i < 2) continue;  // a newcomer is confirmed in the third frame
     ASSERT_TRUE(person.found);
     EXPECT_GT(overlap(1), 0.95) << i;
   }

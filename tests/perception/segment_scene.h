@@ -24,7 +24,7 @@ struct Box {
   Vec3f low, high;
 };
 
-inline constexpr double kKinectNoise = 0.5;  // raw steps, for look()
+inline constexpr double kKinectNoise = 0.5;  // raw steps, for render()
 
 struct Scene {
   int width = 480, height = 640;  // portrait
@@ -114,7 +114,7 @@ inline PixelBounds bounds_of(const Scene& s, const Capsule& c) {
 }
 
 // `noise_raw`: spread in 11-bit disparity steps (0: exact, rounded to mm); Kinect's is about 0.5 and it quantises.
-inline Picture look(const Scene& s, double noise_raw = 0, std::uint64_t seed = 1) {
+inline Picture render(const Scene& s, double noise_raw = 0, std::uint64_t seed = 1) {
   Picture p;
   p.width = s.width;
   p.height = s.height;

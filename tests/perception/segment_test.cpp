@@ -13,9 +13,9 @@ namespace {
 using room_test::add;
 using room_test::Box;
 using room_test::kKinectNoise;
-using room_test::look;
 using room_test::person_at;
 using room_test::Picture;
+using room_test::render;
 using room_test::Scene;
 
 GuidanceSet bit(Guidance g) {
@@ -35,7 +35,7 @@ Answer segment(const Picture& p, const Intrinsics& k) {
   return a;
 }
 Answer segment(const Scene& s, double noise = kKinectNoise) {
-  return segment(look(s, noise), s.intrinsics());
+  return segment(render(s, noise), s.intrinsics());
 }
 
 double overlap(const Answer& a, const Picture& p, int owner) {
@@ -66,7 +66,7 @@ TEST_P(SegmentFloor, HeightAtTheFeetIsRight) {
   s.camera_height = c.camera_height;
   s.pitch_deg = c.pitch_deg;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const Answer a = segment(look(s, kKinectNoise, seed), s.intrinsics());
+    const Answer a = segment(render(s, kKinectNoise, seed), s.intrinsics());
     ASSERT_TRUE(a.person.floor.known);
     for (const float x : {-150.0F, 150.0F}) {
       const Vec3f foot = s.to_camera({x, 0, c.z - 100});
@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Mountings, SegmentFloor,
 
 TEST(Segment, MaskFollowsThePersonDownToTheFloor) {
   const Scene s = standing();
-  const Picture p = look(s, kKinectNoise);
+  const Picture p = render(s, kKinectNoise);
   const Answer a = segment(p, s.intrinsics());
   ASSERT_TRUE(a.person.found);
   EXPECT_EQ(a.person.people_count, 1);
@@ -102,7 +102,7 @@ TEST(Segment, MaskFollowsThePersonDownToTheFloor) {
 
 TEST(Segment, BoxCountAndCentroidDescribeTheMask) {
   const Scene s = standing();
-  const Picture p = look(s);
+  const Picture p = render(s);
   const Answer a = segment(p, s.intrinsics());
   int count = 0, u_min = 9999, v_min = 9999, u_max = -1, v_max = -1;
   double x = 0, y = 0, z = 0;
@@ -180,7 +180,7 @@ TEST(Segment, GuidanceSaysWhatIsWrong) {
   }
 }
 
-TEST(Segment, TooNearIsSaidEvenWhenNothingLooksLikeAPerson) {
+TEST(Segment, TooNearIsReportedEvenWhenNothingResemblesAPerson) {
   Scene s;
   s.camera_height = 1300;
   s.wall_z = 2600;
@@ -190,7 +190,7 @@ TEST(Segment, TooNearIsSaidEvenWhenNothingLooksLikeAPerson) {
 
 TEST(Segment, HolesAreTooNoisy) {
   const Scene s = standing();
-  Picture p = look(s, kKinectNoise);
+  Picture p = render(s, kKinectNoise);
   Rng rng(5);
   for (std::size_t i = 0; i < p.depth.size(); ++i)
     if (rng.uniform() < 0.45) p.depth[i] = 0;
@@ -199,7 +199,7 @@ TEST(Segment, HolesAreTooNoisy) {
   EXPECT_FALSE(has(segment(s).person.guidance, Guidance::too_noisy));
 }
 
-TEST(Segment, NobodyInRoomsWithoutPeople) {
+TEST(Segment, NoPersonInRoomsWithoutPeople) {
   Scene room;
   room.wall_z = 3500;
   Scene furnished = room;
@@ -232,7 +232,7 @@ TEST(Segment, NobodyInRoomsWithoutPeople) {
   }
 }
 
-TEST(Segment, EmptyAndSaturatedFramesShowNobody) {
+TEST(Segment, EmptyAndSaturatedFramesShowNoPerson) {
   const Scene s;
   for (const std::uint16_t value : {std::uint16_t{0}, std::uint16_t{65535}, std::uint16_t{1}}) {
     Picture p;
@@ -251,7 +251,7 @@ TEST(Segment, FurnitureBesideAndBehindStaysOutOfTheMask) {
   s.boxes = {{{450, 0, 2500}, {900, 760, 3000}},      // a chest 30 mm beside the hand
              {{-800, 700, 2300}, {-440, 740, 2900}},  // a table edge
              {{-300, 0, 2900}, {300, 1000, 3100}}};   // a box close behind the legs
-  const Picture p = look(s, kKinectNoise);
+  const Picture p = render(s, kKinectNoise);
   const Answer a = segment(p, s.intrinsics());
   ASSERT_TRUE(a.person.found);
   EXPECT_EQ(a.person.people_count, 1);
@@ -261,7 +261,7 @@ TEST(Segment, FurnitureBesideAndBehindStaysOutOfTheMask) {
 TEST(Segment, AWallCloseBehindIsNotThePerson) {
   Scene s = standing(2400);
   s.wall_z = 2400 + 115 + 300;
-  const Picture p = look(s, kKinectNoise);
+  const Picture p = render(s, kKinectNoise);
   const Answer a = segment(p, s.intrinsics());
   ASSERT_TRUE(a.person.found);
   EXPECT_GT(overlap(a, p, 1), 0.96);
@@ -274,7 +274,7 @@ TEST(Segment, PeopleWhoseHandsTouchAreTwo) {
   s.wall_z = 4200;
   add(s, person_at(-100, 3000, 1));
   add(s, person_at(640, 3000, 2));  // hands at 280 and 260
-  const Picture p = look(s, kKinectNoise);
+  const Picture p = render(s, kKinectNoise);
   const Answer a = segment(p, s.intrinsics());
   ASSERT_TRUE(a.person.found);
   EXPECT_EQ(a.person.people_count, 2);
@@ -285,7 +285,7 @@ TEST(Segment, TheNearerPersonIsChosen) {
   Scene s = standing(2300);
   add(s, person_at(-700, 3300, 2));
   s.wall_z = 4200;
-  const Picture p = look(s, kKinectNoise);
+  const Picture p = render(s, kKinectNoise);
   const Answer a = segment(p, s.intrinsics());
   EXPECT_GT(overlap(a, p, 1), 0.96);
 }
@@ -293,7 +293,7 @@ TEST(Segment, TheNearerPersonIsChosen) {
 TEST(Segment, BackgroundAlreadyRemoved) {
   Scene s = standing(1250);
   s.camera_height = 1350;
-  Picture p = look(s, kKinectNoise);
+  Picture p = render(s, kKinectNoise);
   for (std::size_t i = 0; i < p.depth.size(); ++i)
     if (p.owner[i] != 1) p.depth[i] = 0;
   const Answer a = segment(p, s.intrinsics());
@@ -308,7 +308,7 @@ TEST(Segment, SmallLandscapeFramesWork) {
   s.width = 320;
   s.height = 240;
   s.focal = 287.9F;
-  const Picture p = look(s, kKinectNoise);
+  const Picture p = render(s, kKinectNoise);
   const Answer a = segment(p, s.intrinsics());
   ASSERT_TRUE(a.person.found);
   EXPECT_EQ(a.person.guidance, 0U);
@@ -317,7 +317,7 @@ TEST(Segment, SmallLandscapeFramesWork) {
 
 TEST(Segment, ResetForgetsAndTheSameFramesGiveTheSameAnswer) {
   const Scene s = standing();
-  const Picture first = look(s, kKinectNoise, 1), second = look(s, kKinectNoise, 2);
+  const Picture first = render(s, kKinectNoise, 1), second = render(s, kKinectNoise, 2);
   const Intrinsics k = s.intrinsics();
   Segmenter segmenter(s.width, s.height);
   std::vector<std::uint8_t> a(first.depth.size()), b(first.depth.size());
@@ -336,12 +336,12 @@ TEST(Segment, AMovedCameraIsFollowed) {
   Segmenter segmenter(s.width, s.height);
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
   for (std::uint64_t i = 0; i < 5; ++i)
-    segmenter.run(look(s, kKinectNoise, i).view(), k, MaskImage(mask.data(), s.width, s.height));
+    segmenter.run(render(s, kKinectNoise, i).view(), k, MaskImage(mask.data(), s.width, s.height));
   s.camera_height = 1300;
   s.pitch_deg = 6;
   Person person;
   for (std::uint64_t i = 0; i < 2; ++i)
-    person = segmenter.run(look(s, kKinectNoise, i).view(), k, MaskImage(mask.data(), s.width, s.height));
+    person = segmenter.run(render(s, kKinectNoise, i).view(), k, MaskImage(mask.data(), s.width, s.height));
   ASSERT_TRUE(person.floor.known);
   EXPECT_NEAR(person.floor.camera_height_mm, 1300, 12);
 }

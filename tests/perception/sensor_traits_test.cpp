@@ -37,7 +37,7 @@ TEST(SensorTraits, AKinectIsNeitherSilentNorTimeOfFlight) {
 }
 
 // 2 + 0.3 z^2: 3.2, 4.7 and 6.8 mm.
-TEST(SensorTraits, TimeOfFlightIsTold) {
+TEST(SensorTraits, TimeOfFlightIsRecognised) {
   for (const SensorSigns& losses : {kTofLosses, kUnseen})
     for (const auto& [z_mm, noise_mm] : {std::pair{2000.0F, 3.2F}, {3000.0F, 4.7F}, {4000.0F, 6.8F}})
       for (const float seen : {0.8F, 1.0F, 1.1F}) {
@@ -49,7 +49,7 @@ TEST(SensorTraits, TimeOfFlightIsTold) {
       }
 }
 
-TEST(SensorTraits, NoNoiseIsTold) {
+TEST(SensorTraits, NoNoiseIsRecognised) {
   for (const SensorSigns& losses : {kNoLosses, kUnseen})
     for (const float noise_mm : {0.0F, 0.3F, 1.0F}) {
       const auto traits = sensor_traits(with_noise(losses, noise_mm), 2300, kFocalPx);

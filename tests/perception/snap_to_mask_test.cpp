@@ -32,7 +32,7 @@ class SnappedJoint : public testing::Test {
     person.found = true;
     person.u_max = kWidth - 1;
     person.v_max = kHeight - 1;
-    ok_ = thin(depth(), {mask_.data(), kWidth, kHeight}, kCamera, person, view_);
+    ok_ = downsample(depth(), {mask_.data(), kWidth, kHeight}, kCamera, person, view_);
   }
   struct Place {
     float x, y;
@@ -52,10 +52,10 @@ class SnappedJoint : public testing::Test {
 TEST_F(SnappedJoint, BesideTheMaskGoesToTheNearestOfIt) {
   ASSERT_TRUE(ok_);
   for (const float angle : {-1.2F, -0.6F, 0.0F, 0.4F, 1.1F}) {
-    const Vec3f way{std::cos(angle), std::sin(angle), 0};
-    const Vec3f p = snap(way * (kRadiusMm + 70) + Vec3f{0, 0, kDiscMm});
+    const Vec3f direction{std::cos(angle), std::sin(angle), 0};
+    const Vec3f p = snap(direction * (kRadiusMm + 70) + Vec3f{0, 0, kDiscMm});
     EXPECT_NEAR(std::hypot(p.x, p.y), kRadiusMm, 1.5F * kPixelMm) << angle;
-    EXPECT_NEAR(p.x * way.y - p.y * way.x, 0, 3 * kPixelMm) << angle;
+    EXPECT_NEAR(p.x * direction.y - p.y * direction.x, 0, 3 * kPixelMm) << angle;
     EXPECT_EQ(p.z, kDiscMm);
   }
 }

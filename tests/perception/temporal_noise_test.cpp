@@ -53,14 +53,14 @@ TEST(TemporalNoise, WidensWithinWhatCountsAsTheSameSurface) {
   EXPECT_LT(much, 25);
 }
 
-TEST(TemporalNoise, OneFrameSaysNothing) {
+TEST(TemporalNoise, OneFrameLeavesItUnknown) {
   Rng rng(9);
   EXPECT_TRUE(std::isnan(measured(5, 1, rng)));
   TemporalNoise noise(kWidth, kHeight);
   EXPECT_TRUE(std::isnan(noise.sd_mm()));
 }
 
-TEST(TemporalNoise, LooksAtMaskedPixelsOfTheBoxAndOneSurfaceAlone) {
+TEST(TemporalNoise, ReadsMaskedPixelsOfTheBoxAndOneSurfaceAlone) {
   TemporalNoise noise(kWidth, kHeight);
   Frame f;
   constexpr int kLeft = 10, kRight = 70, kTop = 5, kBottom = 60;

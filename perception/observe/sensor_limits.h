@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The constants of sensor.cpp: when a user is accepted as a person. What breaks when one moves by 20 %:
+// docs/notebook/perception-thresholds.md. Sources:
+//   [613]  of 613 objects in 2,500 rooms that nothing learned from, four had a person score of 0.76, all with
+//          log-odds below -4 (docs/tracker.md, Joints 6); false users: docs/tracker-evaluation.md
+//   [mean] where the mean of six frames had to exceed 3 a person with arms crossed was lost (see
+//          docs/tracker-evaluation.md)
+//   [six]  two rooms of 667 had coats found by the mean of twelve frames, none of 200 turned or bent people was
+//          (commit cb455a6)
+//   [none] chosen on synthetic rooms, no measurement on record
+#pragma once
+
+namespace im2fit::sensor_limits {
+
+// Accepted at once, where the segmenter confirms the user too.
+inline constexpr float kPersonScoreSure = 0.76F;           // JointTracker::person_score, least; [613]
+inline constexpr float kPersonScoreSureShapeless = 0.82F;  // where the shape is unknown (cut off, far); [none]
+inline constexpr float kOddsSure = -1.0F;                  // JointTracker::person_odds, least; [613]
+
+// Accepted by several frames.
+inline constexpr int kOddsFrames = 6;    // least; [six]
+inline constexpr float kOddsMin = 1.5F;  // mean of person_odds, least; [mean]
+
+// Rejected.
+inline constexpr int kLongFrames = 12;         // a candidate is judged for so many, then rejected; [six]
+inline constexpr int kHopelessFrames = 4;      // a hopeless one for so many; [none]
+inline constexpr float kHopelessOdds = -2.0F;  // mean of person_odds below which it is hopeless; [none]
+
+// Holes.
+inline constexpr float kLostShareMax = 0.30F;  // pixels without data: as in segment/advice_limits.h
+
+}  // namespace im2fit::sensor_limits

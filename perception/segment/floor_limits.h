@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The constants of floor.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
+// docs/notebook/perception-thresholds.md. Sources:
+//   [mount] how a camera may stand: the engine's promise, not a measurement
+//   [steep] cameras that look down by 25 to 40 degrees found no floor before (commit c186dfc); no figures on
+//           record
+//   [rooms] chosen on synthetic rooms, no measurement on record
+#pragma once
+
+namespace im2fit::segment::floor_limits {
+
+// How a camera may stand.
+inline constexpr float kUpXMax = 0.22F;  // sine of its roll: 12 degrees; [mount]
+inline constexpr float kUpZMax = 0.42F;  // sine of its pitch: 25 degrees; [mount]
+inline constexpr float kSteepUpZMax =
+    0.64F;  // 40 degrees, where nothing else is found: seats and laps are level then; [steep]
+inline constexpr float kCameraHeightMinMm = 420.0F;   // above the floor; [mount]
+inline constexpr float kCameraHeightMaxMm = 2500.0F;  // and most; [mount]
+
+// Level cells, and the search among them.
+inline constexpr float kLevelSlope = 0.5F;       // rise over run in the picture's axes, most; [rooms]
+inline constexpr float kSteepSlope = 0.9F;       // the same under a steep camera; [steep]
+inline constexpr float kLevelRiseMm = 8.0F;      // and so much rise, which noise makes; [rooms]
+inline constexpr float kLevelRunMaxMm = 800.0F;  // run, most: beyond, it is another surface; [rooms]
+inline constexpr int kHypothesisCount = 120;     // planes tried; [rooms]
+inline constexpr int kScoredCount = 400;         // cells that vote on each; [rooms]
+inline constexpr float kBelowMm = 60.0F;         // and a disparity step, below a plane: speaks against it; [rooms]
+
+// What a floor needs.
+inline constexpr int kSupportMin = 60;             // cells, least; [rooms]
+inline constexpr float kSupportWidthMm = 450.0F;   // across, least; [rooms]
+inline constexpr float kSupportLengthMm = 250.0F;  // in depth, least; [rooms]
+inline constexpr float kGateMm = 12.0F;            // off the plane, most; [rooms]
+inline constexpr float kGateQuanta = 0.8F;         // and so many disparity steps, as heights; [rooms]
+inline constexpr float kFirstPassShare = 1.5F;     // of the gate, in the pass that centres it; [rooms]
+inline constexpr float kJumpMm = 12.0F;     // of the height at the feet, between frames: the camera moved; [rooms]
+inline constexpr float kBandMm = 60.0F;     // from the coarse floor: cells of the precise fit; [rooms]
+inline constexpr double kFrameKeep = 0.85;  // weight the frames before keep: about seven frames' worth; [rooms]
+
+}  // namespace im2fit::segment::floor_limits
