@@ -250,7 +250,8 @@ std::string markdown_of(const Measured& all, const std::string& plot_file) {
       " rendered models, " + thousands(all.queries) + " held-out people who ask; features of " +
       thousands(all.feature_size) + " values, of which peers take the paper's 501. Peak memory " +
       number(all.memory_peak_gb, 1) + " GB, " + number(all.seconds / 60, 1) +
-      " minutes in all. What the words mean and how to rerun: [docs/index-peers.md](../../docs/index-peers.md).\n\n";
+      " minutes in all. What the words mean and how to rerun: "
+      "[notebook](../../docs/notebook/index-references.md).\n\n";
   text += "| what | bar | measured | met |\n|---|---:|---:|---|\n";
   for (const Bar& bar : bars_of(all))
     text += "| " + bar.what + " | " + bar.bar + " | " + bar.measured + " | " +

@@ -17,7 +17,7 @@ constexpr std::size_t kFileBytesMax = 1U << 20;  // a calibration is a page of t
 
 Error lacks(const std::string& path, const std::string& key, const std::string& expected) {
   return {ErrorCode::invalid_argument, path + ": " + key + " is missing or not " + expected +
-                                           "; write it as ROS or OpenCV calibration does (docs/cameras.md)"};
+                                           "; write it as ROS or OpenCV calibration does (docs/cameras)"};
 }
 
 // Errors may quote the file, which may hold anything.
@@ -118,7 +118,7 @@ Result<CameraFile> parse_camera_yaml(const std::string& text, const std::string&
     return file;
   } catch (const YAML::Exception& e) {
     return Error{ErrorCode::corrupt, path + " line " + std::to_string(e.mark.line + 1) + ": " + one_line(e.msg) +
-                                         "; expected a camera calibration in YAML (docs/cameras.md)"};
+                                         "; expected a camera calibration in YAML (docs/cameras)"};
   }
 }
 

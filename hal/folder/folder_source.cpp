@@ -142,8 +142,7 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
   if (!camera) {
     Error error = camera.error();
     if (error.code == ErrorCode::not_found)
-      error.message =
-          yaml + " is missing; put the camera's calibration there or give --camera FILE (docs/cameras.md)";
+      error.message = yaml + " is missing; put the camera's calibration there or give --camera FILE (docs/cameras)";
     return error;
   }
   if (auto ok = source->check_frames(camera->intrinsics); !ok) return ok.error();

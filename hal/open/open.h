@@ -31,7 +31,7 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
 // Opens the live camera `uri` again and again, without leaking what its library leaks at each beginning. Empty when
 // `uri` is no live camera.
 ReconnectingSource::Opener camera_opener(const std::string& uri, const OpenOptions& options);
-// The same as open_source; a camera may then be unplugged and come back (ReconnectingSource, docs/cameras.md). What
+// The same as open_source; a camera may then be unplugged and come back (ReconnectingSource, docs/cameras). What
 // is no live camera is returned as it is.
 Result<std::unique_ptr<Source>> open_reconnecting(const std::string& uri, const OpenOptions& options,
                                                   const ReconnectOptions& reconnect);

@@ -49,8 +49,7 @@ Error libusb_error(int code, const std::string& what) {
     case LIBUSB_ERROR_PIPE:
       return {ErrorCode::unsupported, text + ": the device stalls"};
     case LIBUSB_ERROR_ACCESS:
-      return {ErrorCode::io,
-              text + "; install hal/usb/60-im2fit-kinect.rules (docs/cameras.md) and plug it in again"};
+      return {ErrorCode::io, text + "; install hal/usb/60-im2fit-kinect.rules (docs/cameras) and plug it in again"};
     case LIBUSB_ERROR_BUSY:
       return {ErrorCode::io, text + "; is another program using it?"};
     default:
