@@ -8,6 +8,8 @@
 #include "engine/engine.h"
 
 #include <limits>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -78,9 +80,20 @@ class PipelineEngine final : public Engine {
         fit_(settings, *stages_),
         snapshot_(fit_.result()) {
     for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) free_.try_push(slot);
-    if (settings_.single_thread) return;
-    sense_thread_ = std::thread([this] { sense_loop(); });
-    fit_thread_ = std::thread([this] { fit_loop(); });
+  }
+
+  // Once, before the first frame. Error: a thread cannot be started; the destructor ends the one that was.
+  Status start() {
+    if (settings_.single_thread) return Ok{};
+    try {
+      sense_thread_ = std::thread([this] { sense_loop(); });
+      fit_thread_ = std::thread([this] { fit_loop(); });
+    } catch (const std::system_error& error) {
+      return Error{ErrorCode::io, std::string("the engine's two threads cannot be started (") + error.what() +
+                                      "); end other programs, raise the limit on processes (ulimit -u), or measure "
+                                      "on a single thread"};
+    }
+    return Ok{};
   }
 
   ~PipelineEngine() override {
@@ -319,7 +332,9 @@ Status check_settings(const EngineSettings& s) {
 
 Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages) {
   if (auto ok = check_settings(settings); !ok) return ok.error();
-  return std::unique_ptr<Engine>(std::make_unique<PipelineEngine>(settings, std::move(stages)));
+  auto engine = std::make_unique<PipelineEngine>(settings, std::move(stages));
+  if (auto started = engine->start(); !started) return started.error();
+  return std::unique_ptr<Engine>(std::move(engine));
 }
 
 }  // namespace im2fit

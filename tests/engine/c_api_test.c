@@ -7,6 +7,7 @@
 
 #include "c_api_fake.h"
 #include "c_check.h"
+#include "tests/devices/thread_starts.h"
 
 enum { WIDTH = 16, HEIGHT = 12, PIXELS = WIDTH * HEIGHT };
 
@@ -213,8 +214,8 @@ static void structs_may_grow(void) {
   im2fit_close(handle);
 }
 
-/* A caller built with the header before user_id: the field is not read. */
-static void settings_of_the_first_header_still_open(void) {
+/* A caller whose struct ends before user_id: the fields from there on are not read. */
+static void shorter_settings_still_open(void) {
   struct {
     im2fit_settings settings;
     char more[16];
@@ -234,6 +235,15 @@ static void settings_of_the_first_header_still_open(void) {
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_NOT_FOUND);
   newer.more[15] = 1;
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_UNSUPPORTED);
+}
+
+static void threads_that_cannot_be_started_are_an_error(void) {
+  const im2fit_settings settings = small_settings();
+  for (int started = 0; started < 2; ++started) {
+    fail_thread_start_after(started);
+    CHECK(status_of_opening(&settings) == IM2FIT_ERROR_IO);
+  }
+  CHECK(status_of_opening(&settings) == IM2FIT_OK);
 }
 
 static void push_person(im2fit_handle* handle, int found, int user, int view, int x_mm, int count) {
@@ -353,7 +363,8 @@ int main(void) {
   refuses_bad_frames_and_says_why();
   pumps_an_attached_source();
   structs_may_grow();
-  settings_of_the_first_header_still_open();
+  shorter_settings_still_open();
+  threads_that_cannot_be_started_are_an_error();
   one_person_after_the_other(0);
   one_person_after_the_other(1);
   only_the_user_asked_for();

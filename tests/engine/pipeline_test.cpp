@@ -10,6 +10,8 @@
 #include "engine/engine.h"
 #include "engine/user_lock.h"
 #include "pipeline_rig.h"
+#include "tests/devices/process_state.h"
+#include "tests/devices/thread_starts.h"
 
 namespace im2fit {
 namespace {
@@ -24,6 +26,25 @@ constexpr GuidanceSet kMoving = static_cast<GuidanceSet>(Guidance::moving);
 
 using test::Rig;
 using test::with;
+
+// Neither the program nor a thread is left behind: not one, and not the other with the first already running.
+TEST(Engine, SaysThatAThreadCannotBeStarted) {
+  std::thread([] {}).join();  // the thread sanitizer keeps one of its own from the first on
+  const int threads = devices::threads();
+  FakeStages::Control control;
+  for (const int started : {0, 1}) {
+    fail_thread_start_after(started);
+    const auto engine = create_engine(small_settings(), std::make_unique<FakeStages>(control));
+    ASSERT_FALSE(engine) << started;
+    EXPECT_EQ(engine.error().code, ErrorCode::io);
+    EXPECT_NE(engine.error().message.find("single thread"), std::string::npos) << engine.error().message;
+    // A joined thread may be seen for a moment more.
+    for (int i = 0; i < 200 && devices::threads() > threads; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_EQ(devices::threads(), threads) << started;
+  }
+  EXPECT_TRUE(create_engine(small_settings(), std::make_unique<FakeStages>(control)));
+}
 
 class BothWays : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Threads, BothWays, testing::Values(false, true),
