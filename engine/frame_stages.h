@@ -53,7 +53,7 @@ class FrameStages {
 Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages);
 
 // As the engine's settings.
-struct MeasuringOptions {
+struct StageOptions {
   Turn turn = Turn::none;
   bool clothed = false;
   const body::ShapeSpace* shape_space = nullptr;
@@ -62,6 +62,6 @@ struct MeasuringOptions {
 // Sensor, Fuser and Index. Model, index and space must outlive the stages.
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
                                                             const index::Index& index,
-                                                            const MeasuringOptions& options = {});
+                                                            const StageOptions& options = {});
 
 }  // namespace im2fit

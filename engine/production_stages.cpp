@@ -12,7 +12,7 @@ namespace {
 class ProductionStages final : public SensingStages {
  public:
   ProductionStages(int width, int height, const JointModel& joint_model, const index::Index& index,
-                   const MeasuringOptions& options)
+                   const StageOptions& options)
       : SensingStages(width, height, joint_model, options.turn),
         sensor_(options.sensor),
         query_(index, options.shape_space, options.clothed) {}
@@ -50,8 +50,7 @@ class ProductionStages final : public SensingStages {
 }  // namespace
 
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
-                                                            const index::Index& index,
-                                                            const MeasuringOptions& options) {
+                                                            const index::Index& index, const StageOptions& options) {
   if (index.feature_size() != kFeatureSize)
     return Error{ErrorCode::unsupported, "the index was built for features of " +
                                              std::to_string(index.feature_size()) + " values, this program makes " +

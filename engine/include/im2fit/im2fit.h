@@ -104,12 +104,10 @@ typedef struct im2fit_settings {
   int32_t pool_frames;     /* 8: frames held, 3..64, three bytes a pixel each */
   im2fit_log_fn log;       /* NULL: none */
   void* log_user;
-  int32_t user_id;    /* 0: whoever stands right first. Else only the person with this im2fit_result.user_id */
-  int32_t reserved;   /* 0; where 64-bit callers of the header before have padding */
-  int32_t turn;       /* 0: the front is measured. 1: then the person is asked to turn round, and the back as well */
-  int32_t reserved_2; /* 0, as `reserved` */
-  int32_t clothed;    /* 0: underwear or close-fitting sportswear. 1: dressed; needs body_path, intervals are wider */
-  int32_t sensor;     /* IM2FIT_SENSOR_...: how the camera senses depth. 0: told from the frames */
+  int32_t user_id; /* 0: whoever stands right first. Else only the person with this im2fit_result.user_id */
+  int32_t turn;    /* 0: the front is measured. 1: then the person is asked to turn round, and the back as well */
+  int32_t clothed; /* 0: underwear or close-fitting sportswear. 1: dressed; needs body_path, intervals are wider */
+  int32_t sensor;  /* IM2FIT_SENSOR_...: how the camera senses depth. 0: told from the frames */
 } im2fit_settings;
 
 /* How a camera senses depth, where the caller knows: people's outlines come out differently. */
