@@ -275,7 +275,7 @@ int im2fit_select_user(im2fit_handle* handle, int32_t user_id) {
   return guarded(handle, [&](im2fit_handle& h) {
     if (user_id < 0)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT,
-                  "user id " + std::to_string(user_id) + ": ids are 1 and up, 0 means anybody");
+                  "user id " + std::to_string(user_id) + ": ids are 1 and up, 0 means any person");
     h.engine->select_user(user_id);
     return static_cast<int>(IM2FIT_OK);
   });
@@ -294,7 +294,7 @@ int im2fit_attach(im2fit_handle* handle, const char* uri) {
     if (uri == nullptr) return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the URI is NULL");
     if (h.opener == nullptr)
       return fail(&h, IM2FIT_ERROR_UNSUPPORTED,
-                  std::string("nobody opens ") + uri + ": call im2fit_set_opener first, or push frames");
+                  std::string("no opener for ") + uri + ": call im2fit_set_opener first, or push frames");
     h.close_source();
     h.source_pixels.resize(static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height));
     im2fit_source source{};

@@ -113,8 +113,8 @@ Result<Recorded> record_folder(FrameTap& tap, const std::string& path) {
   return record_with(**writer, tap, [&] { return path; });
 }
 
-Result<int> run_record(const RecordOptions& asked) {
-  RecordOptions options = asked;
+Result<int> run_record(const RecordOptions& given) {
+  RecordOptions options = given;
   std::uint64_t losses = 0;
   options.input.camera_changed = [&](const hal::ReconnectStats& stats, const hal::SourceInfo& source) {
     losses = stats.lost;

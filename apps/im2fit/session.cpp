@@ -9,7 +9,7 @@
 namespace im2fit::apps {
 namespace {
 
-// The synthetic person cannot hear TURN_ROUND, but turns when the front has long been gathered.
+// The synthetic person cannot hear TURN_ROUND, but turns when the front has long been accumulated.
 constexpr int kTurnSpareFrames = 60;
 
 double now_ms() {
@@ -28,7 +28,7 @@ void add_session_options(CLI::App& sub, SessionOptions& options) {
   sub.add_option("--frames", options.frames, "Good frames behind a measurement; with --turn, of each side")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  sub.add_option("--calibration", options.calibration, "Pose asked for first: none, or psi as in the paper")
+  sub.add_option("--calibration", options.calibration, "Pose required first: none, or psi as in the paper")
       ->check(CLI::IsMember({"none", "psi"}))
       ->capture_default_str();
   sub.add_flag("--turn", options.turn,

@@ -54,8 +54,8 @@ int main(int argc, char** argv) {
   app.add_flag("--check", words.check, "Look at the configuration only");
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& asked) {
-    return app.exit(asked);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
   } catch (const CLI::ParseError& error) {
     log(Level::error, std::string(error.what()) + " (see im2fitd --help)");
     return 2;

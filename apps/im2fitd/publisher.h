@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The local socket: whoever connects is told every event, one line each. Nobody is ever waited for.
+// The local socket: every client gets every event, one line each. No client is ever waited for.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The C interface as a C program uses it, on stages that read their story from the pixels: the first four say whether
- * somebody is there, the guidance, whether the fuser refuses, and the pose. */
+ * a person is there, the guidance, whether the fuser refuses, and the pose. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -341,7 +341,7 @@ static void front_then_back(int single_thread) {
   im2fit_result r;
   size_t count = 0;
   push_person(handle, 1, 4, IM2FIT_VIEW_FRONT, 0, 12);
-  CHECK(im2fit_select_user(handle, 0) == IM2FIT_OK); /* no change, but waits for the frames under way */
+  CHECK(im2fit_select_user(handle, 0) == IM2FIT_OK); /* no change, but waits for the frames in the pipeline */
   CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
   CHECK(r.state == IM2FIT_STATE_TURNING && strcmp(im2fit_state_name(r.state), "TURNING") == 0);
   CHECK(r.guidance == IM2FIT_GUIDANCE_TURN_ROUND && strcmp(im2fit_guidance_name(13), "TURN_ROUND") == 0);

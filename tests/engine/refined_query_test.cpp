@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which index a fit may be asked of.
+// Which index may be queried with a fit.
 #include "engine/refined_query.h"
 
 #include <gtest/gtest.h>

@@ -16,7 +16,7 @@
 
 namespace im2fit::apps {
 
-// `see` on the engine's thread, the rest on one other. Nothing is drawn while nobody watches.
+// `see` on the engine's thread, the rest on one other. Nothing is drawn while no browser watches.
 class LivePage {
  public:
   // Errors: as PageServer::open().

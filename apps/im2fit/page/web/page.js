@@ -22,8 +22,8 @@ function showState() {
   document.body.dataset.state = seen.state;
   at('wish').textContent = seen.camera || (seen.over ? 'The recording is over' : wishFor(seen.state, seen.guidance));
   at('codes').textContent = seen.over ? '' : seen.guidance.join(', ');
-  const gathered = seen.state === 'TURNING' ? seen.back : seen.used;
-  at('gathered').value = seen.state === 'MEASURED' ? 1 : Math.min(1, gathered / seen.wanted);
+  const accumulated = seen.state === 'TURNING' ? seen.back : seen.used;
+  at('accumulated').value = seen.state === 'MEASURED' ? 1 : Math.min(1, accumulated / seen.wanted);
 }
 
 function showSize() {
