@@ -72,7 +72,7 @@ Result<FrameInfo> ReconnectingSource::next(DepthImage depth, int timeout_ms) {
     if (about_.presence == Presence::given_up) return give_up();
     const std::int64_t now_ns = options_.clock.now_ns();
     if (source_ != nullptr) {
-      if (auto answer = ask(depth, std::max<std::int64_t>(0, deadline_ns - now_ns))) return *std::move(answer);
+      if (auto answer = try_next(depth, std::max<std::int64_t>(0, deadline_ns - now_ns))) return *std::move(answer);
       continue;
     }
     const std::int64_t patience_ns = options_.give_up_ms < 0 ? std::numeric_limits<std::int64_t>::max()
@@ -89,8 +89,8 @@ Result<FrameInfo> ReconnectingSource::next(DepthImage depth, int timeout_ms) {
   }
 }
 
-// None: ask again, or the camera is lost now.
-std::optional<Result<FrameInfo>> ReconnectingSource::ask(DepthImage depth, std::int64_t left_ns) {
+// None: call again, or the camera is lost now.
+std::optional<Result<FrameInfo>> ReconnectingSource::try_next(DepthImage depth, std::int64_t left_ns) {
   auto frame = source_->next(depth, static_cast<int>(left_ns / kNsPerMs));
   if (frame) return Result<FrameInfo>(accept(*frame));
   const ErrorCode code = frame.error().code;

@@ -47,7 +47,7 @@ int fail(int fd, std::string message) {
   return 1;
 }
 
-// Ends the process when nobody reads any more, also while the runtime hangs.
+// Ends the process when no process reads any more, also while the runtime hangs.
 void leave_with_the_reader(int fd) {
   std::thread([fd] {
     for (;;) {
@@ -109,7 +109,7 @@ std::string open(const std::string& path, Player& player) {
   hello.frame_count = get(player.stream, ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES, frames) ? frames : -1;
   OniBool mirror = FALSE;
   player.mirrored = get(player.stream, ONI_STREAM_PROPERTY_MIRRORING, mirror) && mirror != FALSE;
-  // Speed -1 makes a frame only when one is asked for: none is lost, whatever the reader's pace (0 loses some).
+  // Speed -1 makes a frame only when one is requested: none is lost, whatever the reader's pace (0 loses some).
   const float on_demand = -1;
   const OniBool once = FALSE;
   oniDeviceSetProperty(player.device, ONI_DEVICE_PROPERTY_PLAYBACK_SPEED, &on_demand, sizeof on_demand);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a Kinect camera is told and asked, over control transfers.
+// Commands to a Kinect camera and queries of it, over control transfers.
 #pragma once
 
 #include <cstdint>

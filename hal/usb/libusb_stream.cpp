@@ -120,7 +120,7 @@ void LibusbStream::done(libusb_transfer* transfer) {
     const std::lock_guard lock(mutex_);
     failures_ = transfer->status == LIBUSB_TRANSFER_COMPLETED ? 0 : failures_ + 1;
     if (!stopping_) {
-      // Unplugging shows as NO_DEVICE, or as a cancellation nobody asked for.
+      // Unplugging shows as NO_DEVICE, or as a cancellation that was not requested.
       if (transfer->status == LIBUSB_TRANSFER_NO_DEVICE || transfer->status == LIBUSB_TRANSFER_CANCELLED)
         why = Error{ErrorCode::no_device, "the device was unplugged"};
       else if (failures_ > kFailuresMax)
@@ -132,7 +132,7 @@ void LibusbStream::done(libusb_transfer* transfer) {
         return;
     }
     over_ = over_ || why;
-    // Told below, while this transfer still keeps the stream from being taken apart.
+    // Reported below, while this transfer still keeps the stream from being taken apart.
     if (!why) {
       --in_flight_;
       return;

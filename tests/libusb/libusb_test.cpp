@@ -279,8 +279,8 @@ TEST_F(Libusb, StreamsTwoAtOnce) {
   for (int n = 0; n < 5; ++n) EXPECT_TRUE(a->next(image(), 5000)) << "only the other one was pulled out";
 }
 
-// Android: no bus may be looked at, a descriptor is all there is.
-TEST_F(Libusb, OpensWhatSomebodyElseOpened) {
+// Android: no bus may be listed, a descriptor is all there is.
+TEST_F(Libusb, OpensWhatAnotherProcessOpened) {
   fake::no_usb(true);
   fake::plug("1-1.1", camera_);
   fake::plug("1-1.2", motor_);
