@@ -53,7 +53,8 @@ TEST(LimbAxes, OfAPelvisThatLiesOnItsSidePointUpAlone) {
   for (std::size_t i = 0; i < kLimbValues; ++i) EXPECT_EQ(axes[i], i % 3 == 1 ? 1 : 0) << i;
 }
 
-// The same person with arms at 12 and at 30 degrees: the fit says which way each upper arm moved, in both views.
+// The same person with arms at 12 and at 30 degrees: the fit says in which direction each upper arm moved, in both
+// views.
 TEST(LimbAxes, OfAFitSayHowArmsAreHeld) {
   IM2FIT_NEEDS_SPACE();
   ShapeFitter fitter(real_body()->shape_space());
