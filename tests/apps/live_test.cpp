@@ -9,7 +9,7 @@
 namespace im2fit {
 namespace {
 
-// Nobody, two people apart, made once.
+// No person, two people apart, made once.
 class Live : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -91,7 +91,7 @@ TEST_F(Live, DrawsThePicturesAskedFor) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::vector<std::string> names = test::files_in(pictures);
   std::sort(names.begin(), names.end());
-  EXPECT_EQ(names, (std::vector<std::string>{"000000.png", "000003.png"})) << "five frames were looked at";
+  EXPECT_EQ(names, (std::vector<std::string>{"000000.png", "000003.png"})) << "five frames were processed";
   EXPECT_TRUE(test::partial_files_in(pictures).empty());
 }
 
@@ -109,8 +109,8 @@ TEST_F(Live, ShowsItselfInTheTerminalAndLeavesItAsItWas) {
   EXPECT_NE(run.out.find("stature"), std::string::npos);
 }
 
-TEST_F(Live, NobodyMeasuredIsExitCodeThreeWithTheGuidance) {
-  const std::string out = folder_->path("nobody");
+TEST_F(Live, NoPersonMeasuredIsExitCodeThreeWithTheGuidance) {
+  const std::string out = folder_->path("no-person");
   const test::Run run = live({"--json", "--user", "77", "--out", out});
   EXPECT_EQ(run.exit_code, 3) << run.err;
   const auto all = events(run.out);
