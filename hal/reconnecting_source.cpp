@@ -133,7 +133,7 @@ FrameInfo ReconnectingSource::accept(const FrameInfo& frame) {
     about_.lost_ns = heard_ns_ - lost_since_ns_;
     ++about_.recovered;
     ++closed_stats_.gaps;
-    tell();
+    notify();
   }
   return out;
 }
@@ -162,7 +162,7 @@ void ReconnectingSource::lose(const std::string& why) {
     lost_since_ns_ = now_ns;
     wait_ms_ = options_.wait_first_ms;
     about_.lost_ns = 0;
-    tell();
+    notify();
   }
   attempt_ns_ = now_ns + kNsPerMs * wait_ms_;
 }
@@ -204,14 +204,14 @@ void ReconnectingSource::attempt() {
   about_.refused += refused ? 1 : 0;
   about_.last_error = wrong->message;
   about_.lost_ns = now_ns - lost_since_ns_;
-  if (news) tell();
+  if (news) notify();
 }
 
 Error ReconnectingSource::give_up() {
   if (about_.presence != Presence::given_up) {
     about_.presence = Presence::given_up;
     about_.lost_ns = options_.clock.now_ns() - lost_since_ns_;
-    tell();
+    notify();
   }
   return {ErrorCode::no_device, describe(info_) + " went away and did not come back within " +
                                     std::to_string(options_.give_up_ms / 1000) + " s (" + about_.last_error +
@@ -238,7 +238,7 @@ std::optional<Vec3f> ReconnectingSource::down() const {
   return source_ != nullptr ? source_->down() : std::nullopt;
 }
 
-void ReconnectingSource::tell() const {
+void ReconnectingSource::notify() const {
   if (options_.changed) options_.changed(about_);
 }
 

@@ -78,7 +78,7 @@ class ReconnectingSource final : public Source {
   std::optional<Error> objection(const Source& candidate) const;
   Error give_up();
   void close();
-  void tell() const;
+  void notify() const;
 
   Opener open_;
   ReconnectOptions options_;

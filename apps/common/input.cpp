@@ -28,9 +28,9 @@ Result<std::unique_ptr<hal::Source>> open_patiently(const InputOptions& options,
   hal::ReconnectOptions reconnect;
   reconnect.give_up_ms = options.reconnect_s < 0 ? -1 : 1000 * options.reconnect_s;
   auto about = std::make_shared<hal::SourceInfo>();
-  reconnect.changed = [about, tell = options.camera_changed](const hal::ReconnectStats& stats) {
-    if (tell)
-      tell(stats, *about);
+  reconnect.changed = [about, notify = options.camera_changed](const hal::ReconnectStats& stats) {
+    if (notify)
+      notify(stats, *about);
     else if (stats.presence != hal::Presence::given_up)  // that is an error of its own
       print_error(camera_words(stats, *about));
   };

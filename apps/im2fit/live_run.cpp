@@ -58,14 +58,15 @@ class LiveRun {
     if (auto done = handle_result(outcome_.engine->result()); !done) return done.error();
     if (error_) return *error_;
     if (persons_ == 0) return report_no_person();
-    if (auto sent = tell({{"event", "end"}, {"frame", frames_}, {"persons", persons_}}); !sent) return sent.error();
+    if (auto sent = publish({{"event", "end"}, {"frame", frames_}, {"persons", persons_}}); !sent)
+      return sent.error();
     return kExitOk;
   }
   const std::string& tables() const { return tables_; }
 
  private:
-  Status tell(const Json& event) {
-    if (listener_ != nullptr) listener_->tell(event);
+  Status publish(const Json& event) {
+    if (listener_ != nullptr) listener_->publish(event);
     return options_.session.json ? print_event(event) : Ok{};
   }
 
@@ -92,7 +93,7 @@ class LiveRun {
     if (state_known_ && state == state_) return Ok{};
     state_known_ = true;
     state_ = state;
-    if (auto sent = tell(state_event(frames_, result)); !sent) return sent;
+    if (auto sent = publish(state_event(frames_, result)); !sent) return sent;
     if (!options_.session.json && !options_.preview_renderer.view)
       fmt::print(stderr, "{}  needed: {}\n", state_words(result, options_.session.frames),
                  guidance_words(result.guidance));
@@ -100,7 +101,7 @@ class LiveRun {
   }
 
   Status report_left() {
-    if (auto sent = tell(left_event(frames_, persons_)); !sent) return sent;
+    if (auto sent = publish(left_event(frames_, persons_)); !sent) return sent;
     if (!options_.session.json && !options_.preview_renderer.view)
       fmt::print(stderr, "person {} has left\n", persons_);
     return Ok{};
@@ -124,7 +125,7 @@ class LiveRun {
     if (!out.empty()) event["out"] = out;
     if (listener_ != nullptr)
       if (auto seen = listener_->measured(outcome_); !seen) return seen;
-    if (auto sent = tell(event); !sent) return sent;
+    if (auto sent = publish(event); !sent) return sent;
     if (options_.session.json) return Ok{};
     std::string table = fmt::format("person {}\n{}", persons_, result_table(outcome_));
     if (!out.empty()) table += fmt::format("written to {}\n", out);
@@ -146,7 +147,7 @@ class LiveRun {
       if (auto written = write_outputs(outcome_, options_.session.out); !written) return written.error();
     Json event = {{"event", "end"}, {"frame", frames_}, {"persons", 0}};
     event["result"] = Json::parse(result_json(outcome_.report));
-    if (auto sent = tell(event); !sent) return sent.error();
+    if (auto sent = publish(event); !sent) return sent.error();
     return options_.session.json ? kExitNoMeasurement : report_session(outcome_, options_.session);
   }
 
@@ -179,7 +180,7 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
   SessionOptions session = options.session;
   session.input.camera_changed = [&](const hal::ReconnectStats& stats, const hal::SourceInfo& source) {
     const Json event = camera_event(stats, source);
-    if (listener != nullptr) listener->tell(event);
+    if (listener != nullptr) listener->publish(event);
     if (session.json)
       (void)print_event(event);  // a closed pipe is noticed with the next event
     else if (options.preview_renderer.view)

@@ -82,7 +82,7 @@ Error with_kept(Error error, const std::string& path, std::uint64_t frames) {
   return error;
 }
 
-// `kept` tells where the frames are once the writer has finished.
+// `kept` says where the frames are once the writer has finished.
 template <class Writer, class Kept>
 Result<Recorded> record_with(Writer& writer, FrameTap& tap, const Kept& kept) {
   if (const auto started = tap.start(); !started) return started.error();

@@ -28,7 +28,7 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  // Takes in who waits outside, telling each `greeting` first; sends what is left; sees who has gone.
+  // Accepts waiting clients, sending each `greeting` first; sends what is left; drops clients that have gone.
   void serve(const std::string& greeting);
   void publish(const std::string& line);
   // Waits at most so long for clients to take what is left; for the end of the program.

@@ -93,7 +93,7 @@ std::string open(const std::string& path, Player& player) {
   if (oniDeviceGetSensorInfo(player.device, ONI_SENSOR_DEPTH) == nullptr ||
       oniDeviceCreateStream(player.device, ONI_SENSOR_DEPTH, &player.stream) != ONI_STATUS_OK)
     return "it holds no depth stream";
-  if (!get(player.stream, ONI_STREAM_PROPERTY_VIDEO_MODE, player.mode)) return "it does not tell its picture size";
+  if (!get(player.stream, ONI_STREAM_PROPERTY_VIDEO_MODE, player.mode)) return "it does not report its picture size";
   const OniPixelFormat format = player.mode.pixelFormat;
   if (format != ONI_PIXEL_FORMAT_DEPTH_1_MM && format != ONI_PIXEL_FORMAT_DEPTH_100_UM)
     return "its depth is in format " + std::to_string(format) + ", expected 1 mm or 100 um";

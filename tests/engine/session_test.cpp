@@ -371,7 +371,7 @@ TEST(Turning, SaysWhatTheBackNeeds) {
       {"facing, too near", false, from(ViewSide::front, kNear), kTurnRound | kNear, false, false, false},
       {"moves, being asked to", false, from(ViewSide::front, 0, 0, 400), kTurnRound, false, false, false},
       {"half turned", false, from(ViewSide::side, kNotFrontal), kTurnRound | kNotFrontal, false, false, false},
-      {"no telling", false, from(ViewSide::unknown, kNotFrontal), kTurnRound | kNotFrontal, false, false, false},
+      {"side unknown", false, from(ViewSide::unknown, kNotFrontal), kTurnRound | kNotFrontal, false, false, false},
       {"the back", false, from(ViewSide::back), 0, true, false, true},
       {"the back, too near", false, from(ViewSide::back, kNear), kNear, false, false, true},
       {"the back of who bends is a guess", false, from(ViewSide::back, bent), bent, false, false, false},

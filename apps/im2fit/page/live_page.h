@@ -26,8 +26,8 @@ class LivePage {
   // Before the first frame.
   void begin(const Intrinsics& intrinsics, int frames_wanted);
   void see(const FrameSeen& frame);
-  void tell(const Json& event);
-  // Before the event that tells it.
+  void publish(const Json& event);
+  // Before its event.
   Status measured(const body::Avatar& avatar);
 
  private:

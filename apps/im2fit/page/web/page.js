@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program tells at /events, shown. Its events are those of docs/result.md and docs/page.md.
+// What the program publishes at /events, shown. Its events are those of docs/result.md and docs/page.md.
 'use strict';
 
 const at = (id) => document.getElementById(id);
