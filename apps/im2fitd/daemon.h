@@ -34,7 +34,7 @@ class Daemon {
  private:
   Daemon(const Config& config, std::string config_path, Notifier& notifier, apps::MeasuringData data)
       : config_(config), config_path_(std::move(config_path)), notifier_(notifier), data_(std::move(data)) {}
-  bool told_to_end();
+  bool end_requested();
   Result<std::unique_ptr<hal::Source>> open_source();
   Result<std::unique_ptr<hal::Source>> wait_for_camera(const hal::ReconnectingSource::Opener& opener);
   void camera_changed(const hal::ReconnectStats& stats);

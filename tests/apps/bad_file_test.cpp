@@ -173,7 +173,7 @@ TEST(CutRecording, IsRefused) {
 #endif
 
 // Refused to root as well: below a regular file, and in the kernel's own file systems.
-TEST(UnwritableOut, IsSaidInOneLine) {
+TEST(UnwritableOut, IsReportedInOneLine) {
   IM2FIT_NEED_DATA();
   const test::TestFolder folder;
   const std::string wall = wall_folder(folder);

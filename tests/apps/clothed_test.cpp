@@ -12,7 +12,7 @@ class InClothes : public test::MeasuredClip {
   static void SetUpTestSuite() { render({"--frames", "20", "--clothed"}); }
 };
 
-TEST_F(InClothes, TheBodyUnderneathIsMeasuredWhenTold) {
+TEST_F(InClothes, TheBodyUnderneathIsMeasuredWithTheOption) {
   const auto given = measured({"--clothed", "--frames", "12"});
   const auto untold = measured({"--frames", "12"});
   EXPECT_EQ(given["clothed"], true);

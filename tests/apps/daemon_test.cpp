@@ -187,7 +187,7 @@ TEST_F(Daemon, ReadsItsConfigurationAgainAndKeepsASoundOne) {
   EXPECT_FALSE(std::filesystem::exists(socket()));
 }
 
-TEST_F(Daemon, AKilledOneLeavesNothingInTheWayOfTheNext) {
+TEST_F(Daemon, AKilledOneLeavesNothingThatBlocksTheNext) {
   {
     DaemonRun daemon(config(camera("&fps=15")), {}, err());
     Client client(socket());

@@ -85,7 +85,7 @@ TEST_F(Live, CountEndsItAndOneNeedsNoFolderOfItsOwn) {
   EXPECT_EQ(run.out.find("person 2"), std::string::npos);
 }
 
-TEST_F(Live, DrawsThePicturesAskedFor) {
+TEST_F(Live, DrawsTheRequestedPictures) {
   const std::string pictures = folder_->path("pictures");
   const test::Run run = live({"--overlay", pictures, "--overlay-every", "3", "--count", "1", "--threads", "1"});
   EXPECT_EQ(run.exit_code, 0) << run.err;

@@ -16,7 +16,7 @@ class TurnRound : public test::MeasuredClip {
   static void SetUpTestSuite() { render({"--frames", kFrames, "--turn-after", std::to_string(kTurnAfter)}); }
 };
 
-TEST_F(TurnRound, IsMeasuredFromBothSidesWhenAskedFor) {
+TEST_F(TurnRound, IsMeasuredFromBothSidesWithTheOption) {
   const auto both = measured({"--turn", "--frames", "12"});
   EXPECT_EQ(both["state"], "MEASURED");
   EXPECT_EQ(both["views"], "front+back");

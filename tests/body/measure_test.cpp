@@ -64,7 +64,7 @@ TEST(Solve, ThirtyPeopleGetTheirStatureAndWeight) {
 }
 
 // Where the weight slider ends a set of modifiers goes on, each with a kink where it changes sign.
-TEST(Solve, ThinAndHeavyPeopleGetTheirsWhicheverWayTheirModifiersPoint) {
+TEST(Solve, LightAndHeavyPeopleGetTheirsWhereverTheirModifiersPoint) {
   IM2FIT_NEEDS_BODY();
   const BodyModel& model = *real_body();
   int light = 0, heavy = 0;

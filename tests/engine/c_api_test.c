@@ -301,7 +301,7 @@ static void one_person_after_the_other(int single_thread) {
   im2fit_close(handle);
 }
 
-static void only_the_user_asked_for(void) {
+static void only_the_requested_user(void) {
   im2fit_settings settings = small_settings();
   settings.user_id = 2;
   im2fit_handle* handle = open_with_fake_stages(&settings);
@@ -367,7 +367,7 @@ int main(void) {
   threads_that_cannot_be_started_are_an_error();
   one_person_after_the_other(0);
   one_person_after_the_other(1);
-  only_the_user_asked_for();
+  only_the_requested_user();
   front_then_back(0);
   front_then_back(1);
   return check_failures == 0 ? 0 : 1;

@@ -491,7 +491,7 @@ TEST(Pipeline, LiveDropsTheOldestAndCountsIt) {
   EXPECT_EQ(r.joints[Joint::HE].z, 1199.0F) << "the newest frame survives";
 }
 
-TEST(Pipeline, LiveWithASlowFitHalfNeverBlocksTheCamera) {
+TEST(Pipeline, LiveWithASlowFitStageNeverBlocksTheCamera) {
   EngineSettings settings = with(false);
   settings.live = true;
   settings.frames_wanted = 1000;
@@ -505,7 +505,7 @@ TEST(Pipeline, LiveWithASlowFitHalfNeverBlocksTheCamera) {
   EXPECT_GT(r.frames_dropped, 0U);
 }
 
-TEST(Pipeline, ClosesFromAnyStateWithFramesUnderWay) {
+TEST(Pipeline, ClosesFromAnyStateWithFramesInThePipeline) {
   for (int frames = 0; frames < 12; ++frames) {
     Rig rig(with(false));
     rig.control.sense_delay_us = 500;

@@ -196,7 +196,7 @@ TEST(Session, MovementIsNotAccumulatedAndTakesItsFirstFramesWithIt) {
   }
 }
 
-TEST(Session, MovementIsSaidWhenItCanBeKnown) {
+TEST(Session, MovementIsReportedWhenItCanBeKnown) {
   struct Case {
     Guidance other;
     float body, limb;
@@ -240,7 +240,7 @@ TEST(UserLock, HoldsFromTheFirstGoodFrameUntilTheUserIsGone) {
   EXPECT_EQ(lock.selected(), 0) << "lost";
 }
 
-TEST(UserLock, AUserAskedForIsNeverGivenUp) {
+TEST(UserLock, ARequestedUserIsNeverGivenUp) {
   UserLock lock(7);
   EXPECT_EQ(lock.selected(), 7);
   for (int i = 0; i < 100; ++i) lock.saw(preview_of(false, 0));
@@ -336,7 +336,7 @@ SessionView from(ViewSide side, GuidanceSet guidance = 0, int accumulated = 0, f
   return view;
 }
 
-TEST(Turning, FollowsTheFrontWhenAsked) {
+TEST(Turning, FollowsTheFrontWhenRequested) {
   EXPECT_EQ(after_measuring(rules(false), at(State::tracking), true).next.state, State::measured);
   Session session = at(State::tracking);
   session.rejected_frames = 2;
@@ -457,7 +457,7 @@ TEST(Turning, ABackThatShiftsIsAccumulatedAnewWithoutAnotherAttempt) {
   EXPECT_FALSE(measure_at_end(turn_rules(), session, 2));
 }
 
-TEST(Turning, IsAskedForInNoOtherState) {
+TEST(Turning, IsRequestedInNoOtherState) {
   for (const Transition& t : kTransitions)
     for (const ViewSide side : {ViewSide::front, ViewSide::back, ViewSide::side, ViewSide::unknown}) {
       SCOPED_TRACE(t.name);

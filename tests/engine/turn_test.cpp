@@ -167,7 +167,7 @@ TEST_P(TurnThreading, AFrontTakenForABackIsNotAccumulated) {
   EXPECT_EQ(rig.engine->result().frames_back, 10U);
 }
 
-TEST_P(TurnThreading, ATurnUnderWayIsForgottenWithThePerson) {
+TEST_P(TurnThreading, ATurnInProgressIsForgottenWithThePerson) {
   for (const bool reset : {true, false}) {
     Rig rig(turning(GetParam()));
     for (int i = 0; i < 10; ++i) rig.push({.value = 3500});

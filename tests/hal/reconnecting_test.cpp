@@ -212,7 +212,7 @@ TEST_F(Reconnecting, AnotherModeOrCalibrationIsRefused) {
   EXPECT_TRUE(frame_within(3));
 }
 
-TEST_F(Reconnecting, GivesUpWhenAskedToAndStaysSo) {
+TEST_F(Reconnecting, GivesUpWhenSetToAndStaysSo) {
   options_.give_up_ms = 2000;
   open();
   ASSERT_TRUE(next());

@@ -149,7 +149,7 @@ TEST(UsbDepthPackets, AnyStretchLostIsNeverDelivered) {
 }
 
 // 128 pictures are 121 times 256 packets: number, flag and size fit again. The clock does not.
-TEST(UsbDepthPackets, ALossThatFitsInEveryOtherWayIsSeenByTheClock) {
+TEST(UsbDepthPackets, ALossThatFitsInAllElseIsSeenByTheClock) {
   Wire wire;
   Reader reader;
   reader.read_some(wire, 100);

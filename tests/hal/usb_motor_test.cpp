@@ -10,7 +10,7 @@
 namespace im2fit::hal {
 namespace {
 
-TEST(UsbKinect, KnowsWhichWayIsDown) {
+TEST(UsbKinect, KnowsTheDirectionOfDown) {
   Rig rig;
   expect_ok(rig.open());
   expect_direction(rig.source->down(), 0, 1, 0);

@@ -172,7 +172,7 @@ TEST_F(RealStages, AnIndexOfAnotherTrackerIsRefused) {
   EXPECT_NE(engine.error().message.find("another tracker"), std::string::npos) << engine.error().message;
 }
 
-TEST_F(RealStages, AKinectIsKnownToldOrNotAndTimeOfFlightIsBelieved) {
+TEST_F(RealStages, AKinectIsKnownGivenOrNotAndTimeOfFlightIsTakenAsGiven) {
   std::vector<MeasurementValues> reported;
   for (const SensorKind kind : {SensorKind::unknown, SensorKind::structured_light, SensorKind::time_of_flight}) {
     auto engine = make_engine(true, Turn::none, nullptr, kind);
