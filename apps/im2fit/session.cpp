@@ -28,7 +28,7 @@ void add_session_options(CLI::App& sub, SessionOptions& options) {
   sub.add_option("--frames", options.frames, "Good frames behind a measurement; with --turn, of each side")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  sub.add_option("--calibration", options.calibration, "Pose required first: none, or psi as in the paper")
+  sub.add_option("--calibration", options.calibration, "Pose asked for first: none, or psi as in the paper")
       ->check(CLI::IsMember({"none", "psi"}))
       ->capture_default_str();
   sub.add_flag("--turn", options.turn,
@@ -41,7 +41,7 @@ void add_session_options(CLI::App& sub, SessionOptions& options) {
   sub.add_option(
          "--sensor", options.sensor,
          "How the camera senses depth; people's outlines depend on it. auto: as the camera's driver says, else "
-         "as judged from the frames, by their noise and by what they lack beside the person")
+         "as the frames tell by their noise and by what they lack beside the person")
       ->check(CLI::IsMember(std::vector<std::string>(kSensorKindNames.begin(), kSensorKindNames.end())))
       ->capture_default_str();
   sub.add_option("--size-chart", options.size_charts, "Size chart file(s), see docs/result.md (default: EN 13402-3)")
