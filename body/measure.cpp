@@ -63,7 +63,7 @@ class Standing {
   std::vector<Vec3f> neck() {
     const Vec3f root = mean_of_list(d_, kHeadLists + at(Segment::neck), v_);
     const Vec3f axis = mean_of_list(d_, kHeadLists + at(Segment::head), v_) - root;
-    gather_neck(root, axis);
+    collect_neck(root, axis);
     std::vector<Vec3f> best;
     float best_share = 0.5F;
     double best_mm = 1e9;
@@ -119,7 +119,7 @@ class Standing {
     return rearmost.y;
   }
 
-  void gather_neck(Vec3f root, Vec3f axis) {
+  void collect_neck(Vec3f root, Vec3f axis) {
     neck_.clear();
     const Vec3f n = normalized(axis);
     heights_along(body_of(model_, v_), n, neck_heights_);

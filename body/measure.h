@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measurements of a mesh by the definitions of DESIGN section 3: the truth of every evaluation.
+// Measurements of a mesh by the definitions of ISO 8559-1 (core/measurement.h): the truth of every evaluation.
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a .i2b file holds, as views into its bytes (layout: docs/formats-body.md). For the files of this room, for
+// What a .i2b file holds, as views into its bytes (layout: docs/formats-body.md). For the files of this folder, for
 // exporters and for renderers that dress the body; everyone else uses model.h.
 #pragma once
 

@@ -95,7 +95,7 @@ Params draw_params(const BodyModel& model, Family family, const Drawn& drawn, co
   p.race = draw_race(family, rng);
   const double metres = build.stature_mm / 1000;
   const double bmi = build.weight_kg / (metres * metres);
-  // Much mass needs little muscle (the weight slider saturates, facts/makehuman.md); each failed attempt goes on
+  // Much mass needs little muscle (the weight slider saturates); each failed attempt goes on
   // in the direction that reaches farther.
   const double muscle = (drawn.woman ? 0.42 : 0.48) - 0.025 * (bmi - 24) - 0.04 * attempt;
   const bool varied = family != Family::paper;

@@ -13,7 +13,7 @@ struct Flat {
   std::size_t index;
 };
 
-// Twice the signed area, in double: float coordinates of a metre leave the sign of thin triangles to chance.
+// Twice the signed area, in double: float coordinates of a metre leave the sign of narrow triangles to chance.
 double turn(const Flat& o, const Flat& a, const Flat& b) {
   return (static_cast<double>(a.u) - o.u) * (static_cast<double>(b.v) - o.v) -
          (static_cast<double>(a.v) - o.v) * (static_cast<double>(b.u) - o.u);

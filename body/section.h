@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plane sections of a triangle mesh and the tape measure's way round them: the convex hull.
+// Plane sections of a triangle mesh and the tape round them: the convex hull.
 #pragma once
 
 #include <array>

@@ -21,7 +21,7 @@ struct ModifierSpread {
   float woman_mean = 0;
   bool paired = false;  // held_out draws left and right apart ("group/l-name", "group/r-name")
 };
-// Rows with training_sd 0 exist in held_out only and the other way round: shapes the index has never seen.
+// Rows with training_sd 0 exist in held_out only and vice versa: shapes the index has never seen.
 std::span<const ModifierSpread> modifier_spreads();
 
 enum class SpreadUse { training, held_out };

@@ -136,7 +136,7 @@ class Solver {
     for (std::size_t i = 0; i < 3 * body_count_; ++i) here[i] = here[i] + by_height[i] * height + by_build[i] * build;
   }
 
-  // here_ and, where asked for, by_height_ and by_build_: movement of each vertex per unit of a slider.
+  // here_ and, where wanted, by_height_ and by_build_: movement of each vertex per unit of a slider.
   void move(Sliders s, bool by_height, bool by_build) {
     std::array<BodyModel::BodyMove, BodyModel::kBodyMovesMax> moves;
     std::size_t count = 0;
@@ -260,7 +260,7 @@ class Solver {
   int height_piece_ = -1;
   int build_piece_ = -1;
   std::size_t body_count_;
-  Mesh here_, by_height_, by_build_;  // of the helpers nothing is asked
+  Mesh here_, by_height_, by_build_;  // without the helpers
   std::size_t low_ = 0, high_ = 0;    // vertices of here_: the soles' and the crown's
   double volume_l_ = 0;
   Response response_{};

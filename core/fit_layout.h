@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many values of what kind a fitted shape is told by (body/fit), as indexes learn from them (index).
+// How many values of what kind describe a fitted shape (body/fit), as indexes learn from them (index).
 #pragma once
 
 #include <cstddef>

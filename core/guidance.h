@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the engine needs of the person or scene, as codes (DESIGN section 2): never free text.
+// What the engine needs of the person or scene, as codes: never free text.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one table of measurement ids: result JSON, C header, index, evaluation and docs all use it.
-// Definitions: DESIGN section 3 (naked body, relaxed standing, girths on the convex hull of the section).
+// Of the naked body, relaxed standing; girths on the convex hull of the section. body/measure.cpp takes each.
 #pragma once
 
 #include <array>

@@ -10,7 +10,7 @@
 namespace im2fit {
 
 enum class SensorKind : std::uint8_t {
-  unknown,           // to be told from the frames
+  unknown,           // to be judged from the frames
   structured_light,  // Kinect for Xbox 360, Xtion, Astra: a projector beside the camera
   time_of_flight,    // Kinect v2, Azure Kinect
 };

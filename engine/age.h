@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How old somebody is, by the ages of the people in the index who look alike.
+// How old a person is, by the ages of the people in the index who look alike.
 #pragma once
 
 #include <array>

@@ -37,13 +37,7 @@ static_assert(IM2FIT_VIEW_SIDE == static_cast<int>(im2fit::ViewSide::side));
 static_assert(IM2FIT_GUIDANCE_MOVING == static_cast<int>(im2fit::Guidance::moving));
 static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guidance::calibration_pose));
 static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::turn_round));
-// Structs of headers before ended with user_id, and with turn, and padding, which may hold anything: what came later
-// lies past it.
-constexpr std::size_t padded(std::size_t size) {
-  return (size + alignof(im2fit_settings) - 1) / alignof(im2fit_settings) * alignof(im2fit_settings);
-}
-static_assert(offsetof(im2fit_settings, turn) >= padded(offsetof(im2fit_settings, reserved)));
-static_assert(offsetof(im2fit_settings, clothed) >= padded(offsetof(im2fit_settings, reserved_2)));
+// No padding at the end, which callers never set: a field that comes later would be read from it.
 static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, sensor) + sizeof(int32_t));
 
 #define IM2FIT_TEXT_OF(x) #x
@@ -84,7 +78,7 @@ int guarded(im2fit_handle* handle, Body body) noexcept {
   }
 }
 
-// Up to `log_user`: what the first header had. Later fields are 0 for callers built with it.
+// Up to `log_user`: what every caller has. Fields past the caller's size are 0.
 constexpr std::size_t kSettingsSizeMin = offsetof(im2fit_settings, user_id);
 
 // A struct a newer caller made: what we do not know must be unset.
@@ -235,7 +229,7 @@ int im2fit_open(const im2fit_settings* settings, im2fit_handle** handle) {
   } catch (const std::bad_alloc&) {
     return fail(nullptr, IM2FIT_ERROR_NO_MEMORY, "out of memory");
   } catch (...) {
-    return fail(nullptr, IM2FIT_ERROR_INTERNAL, "internal error: can threads be started?");
+    return fail(nullptr, IM2FIT_ERROR_INTERNAL, "internal error");
   }
 }
 
@@ -281,7 +275,7 @@ int im2fit_select_user(im2fit_handle* handle, int32_t user_id) {
   return guarded(handle, [&](im2fit_handle& h) {
     if (user_id < 0)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT,
-                  "user id " + std::to_string(user_id) + ": ids are 1 and up, 0 means anybody");
+                  "user id " + std::to_string(user_id) + ": ids are 1 and up, 0 means any person");
     h.engine->select_user(user_id);
     return static_cast<int>(IM2FIT_OK);
   });
@@ -300,7 +294,7 @@ int im2fit_attach(im2fit_handle* handle, const char* uri) {
     if (uri == nullptr) return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the URI is NULL");
     if (h.opener == nullptr)
       return fail(&h, IM2FIT_ERROR_UNSUPPORTED,
-                  std::string("nobody opens ") + uri + ": call im2fit_set_opener first, or push frames");
+                  std::string("no opener for ") + uri + ": call im2fit_set_opener first, or push frames");
     h.close_source();
     h.source_pixels.resize(static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height));
     im2fit_source source{};

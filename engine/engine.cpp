@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two threads and three rings (DESIGN section 2):
+// Two threads and three rings:
 //
 //   push() --input--> SENSE --sensed--> FIT --free--> push()
 //
 // A slot index is in exactly one ring or hand. `processed_` tells the producer when all it pushed came through; while
-// nothing is under way both halves sleep, and the producer may touch what is theirs (finish, reset).
+// no frame is in the pipeline both stages sleep, and the producer may touch what is theirs (finish, reset).
 #include "engine/engine.h"
 
 #include <limits>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -78,9 +80,20 @@ class PipelineEngine final : public Engine {
         fit_(settings, *stages_),
         snapshot_(fit_.result()) {
     for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) free_.try_push(slot);
-    if (settings_.single_thread) return;
-    sense_thread_ = std::thread([this] { sense_loop(); });
-    fit_thread_ = std::thread([this] { fit_loop(); });
+  }
+
+  // Once, before the first frame. Error: a thread cannot be started; the destructor ends the one that was.
+  Status start() {
+    if (settings_.single_thread) return Ok{};
+    try {
+      sense_thread_ = std::thread([this] { sense_loop(); });
+      fit_thread_ = std::thread([this] { fit_loop(); });
+    } catch (const std::system_error& error) {
+      return Error{ErrorCode::io, std::string("the engine's two threads cannot be started (") + error.what() +
+                                      "); end other programs, raise the limit on processes (ulimit -u), or measure "
+                                      "on a single thread"};
+    }
+    return Ok{};
   }
 
   ~PipelineEngine() override {
@@ -146,7 +159,7 @@ class PipelineEngine final : public Engine {
   void next_person() override {
     drain();
     if (!fit_.over()) lock_.reset();
-    clock_.reset();  // frames were not looked at meanwhile: that is no silence
+    clock_.reset();  // frames were not processed meanwhile: that is no frame gap
     fit_.next_person();
     begin_again();
   }
@@ -160,8 +173,8 @@ class PipelineEngine final : public Engine {
 
   void select_user(int user) override {
     drain();
-    if (lock_.asked_for() == user) return;
-    lock_.ask_for(user);
+    if (lock_.requested() == user) return;
+    lock_.request(user);
     fit_.begin_next();
     begin_again();
   }
@@ -211,8 +224,8 @@ class PipelineEngine final : public Engine {
     slot.sensed = !over_.load(std::memory_order_relaxed);
     if (!slot.sensed) return;
     slot.seconds = clock_.step(slot.info.host_ns);
-    slot.after_silence = slot.seconds > kSilenceSecondsMax;
-    if (slot.after_silence) {
+    slot.after_frame_gap = slot.seconds > kFrameGapSecondsMax;
+    if (slot.after_frame_gap) {
       stages_->reset_sense();
       lock_.reset();
       slot.seconds = kFramePeriodS;
@@ -272,9 +285,9 @@ class PipelineEngine final : public Engine {
   SpscRing input_;
   SpscRing sensed_;
   SpscRing free_;
-  UserLock lock_;     // SENSE's, or the producer's while nothing is under way
+  UserLock lock_;     // SENSE's, or the producer's while no frame is in the pipeline
   FrameClock clock_;  // the same
-  FitStage fit_;      // FIT's, or the producer's while nothing is under way
+  FitStage fit_;      // FIT's, or the producer's while no frame is in the pipeline
   Snapshot<EngineResult> snapshot_;
 
   // The producer's.
@@ -319,7 +332,9 @@ Status check_settings(const EngineSettings& s) {
 
 Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages) {
   if (auto ok = check_settings(settings); !ok) return ok.error();
-  return std::unique_ptr<Engine>(std::make_unique<PipelineEngine>(settings, std::move(stages)));
+  auto engine = std::make_unique<PipelineEngine>(settings, std::move(stages));
+  if (auto started = engine->start(); !started) return started.error();
+  return std::unique_ptr<Engine>(std::move(engine));
 }
 
 }  // namespace im2fit

@@ -24,12 +24,12 @@ namespace im2fit {
 
 enum class SessionState : int { searching, user_found, calibrating, tracking, measured, lost, turning };
 
-// A longer gap between two frames by the source's clock (a camera that was unplugged) is another moment: what was
-// being gathered is dropped and the session is LOST, ids and floor are found anew. TURNING ends with the front alone,
-// and who was measured before counts as having left.
-inline constexpr float kSilenceSecondsMax = 2.0F;
+// After a longer gap between two frames by the source's clock (a camera that was unplugged) the scene may be another:
+// what was accumulated is dropped and the session is LOST, ids and floor are found anew. TURNING ends with the front
+// alone, and who was measured before counts as having left.
+inline constexpr float kFrameGapSecondsMax = 2.0F;
 
-// Whether the person is asked to turn round once the front is gathered, so that both sides are measured.
+// Whether the person is asked to turn round once the front is accumulated, so that both sides are measured.
 enum class Turn : int { none, asked };
 
 // What an answer rests on.
@@ -51,12 +51,13 @@ struct EngineSettings {
   // index that has learned such people. Needs `shape_space`.
   bool clothed = false;
   // Of the body file the index was made with (body::BodyModel::shape_space()), which must outlive the engine: the
-  // shape is fitted to what was gathered, and refines the answer. Null, empty or another: the features answer alone.
+  // shape is fitted to what was accumulated, and refines the answer. Null, empty or another: the features answer
+  // alone.
   const body::ShapeSpace* shape_space = nullptr;
-  SensorKind sensor = SensorKind::unknown;  // where it is known: a driver may smooth away what tells it
+  SensorKind sensor = SensorKind::unknown;  // where it is known: a driver may smooth away what shows it
   int user = 0;                             // measure the user of this id only; 0: whoever stands right first
   bool live = false;                        // live: drop the oldest frame when behind; else wait (replay never drops)
-  bool single_thread = false;               // both halves on the caller's thread in push(): same bits
+  bool single_thread = false;               // both stages on the caller's thread in push(): same bits
   int pool_frames = 8;                      // 3..64 frames of 3 bytes a pixel
   FrameWatch watch;                         // none by default
 };
@@ -70,20 +71,20 @@ struct EngineResult {
   GuidanceSet guidance_seen = 0;                                // of all frames so far
   std::array<std::uint32_t, kGuidanceCount> guidance_frames{};  // frames that carried each code, in bit order
   std::uint64_t frames_seen = 0;                                // processed
-  std::uint64_t frames_used = 0;                                // gathered behind the answer (or so far)
+  std::uint64_t frames_used = 0;                                // accumulated behind the answer (or so far)
   std::uint64_t frames_back = 0;                                // of frames_used: those of the back
   std::uint64_t frames_dropped = 0;         // given up unread because the engine was behind (live only)
   std::uint64_t sequence_gaps = 0;          // sequence numbers skipped
   std::uint64_t sequence_repeats = 0;       // frames whose sequence number did not grow
   std::uint64_t time_reversals = 0;         // frames whose host time did not grow
-  std::array<User, kUserCountMax> users{};  // everybody in view, nearest first; user_count are set
+  std::array<User, kUserCountMax> users{};  // all people in view, nearest first; user_count are set
   int user_count = 0;
-  int user = 0;                       // whose joints and guidance these are; 0: nobody is in view
+  int user = 0;                       // whose joints and guidance these are; 0: no person is in view
   ViewSide view = ViewSide::unknown;  // of the latest frame
   bool has_joints = false;
   JointSet joints;                 // latest; those of little confidence held by the skeleton (ChainFilter)
   JointFlags joints_inferred = 0;  // which those are
-  JointSet display_joints;         // the same, steadied for the eye (JointFilter)
+  JointSet display_joints;         // the same, smoothed for display (JointFilter)
   FloorPlane floor;
   bool measured = false;
   // From TURNING on: answer, paper and measured_joints hold what the front alone says, preliminary until `measured`.
@@ -99,7 +100,7 @@ struct FrameSeen {
   DepthView depth;
   MaskView mask;
   hal::FrameInfo info;
-  std::span<const User> users;  // everybody in view
+  std::span<const User> users;  // all people in view
   const EngineResult& result;
 };
 
@@ -113,20 +114,21 @@ class Engine {
   // Copies the frame into the pool; blocks when full unless live. Live: gives up the oldest frame not yet begun (the
   // new one when all are begun). Errors: another size than the settings', after finish(), fault().
   virtual Status push(DepthView depth, const hal::FrameInfo& info) = 0;
-  // No more frames: waits until both halves are idle and measures with what there is. Again: does nothing.
+  // No more frames: waits until both stages are idle and measures with what there is. Again: does nothing.
   virtual void finish() = 0;
-  // What keeps the engine from measuring: the index was found damaged where it was asked. Nothing is measured then
-  // until reset(), next_person() or select_user(), which may ask it elsewhere. From the producer thread.
+  // What keeps the engine from measuring: the index was found damaged where it was read. Nothing is measured then
+  // until reset(), next_person() or select_user(), after which other parts of it may be read. From the producer
+  // thread.
   virtual Status fault() const = 0;
   // Any thread, any time, never blocks the pipeline.
   virtual EngineResult result() const = 0;
-  virtual void reset() = 0;  // a new person; after finish() or between frames. Waits for frames under way
-  // The next person, after MEASURED: frames are looked at again, the answer stands until who was measured has left
+  virtual void reset() = 0;  // a new person; after finish() or between frames. Waits for frames in the pipeline
+  // The next person, after MEASURED: frames are processed again, the answer stands until who was measured has left
   // the picture (kAbsentFramesMax frames), then a new session begins by itself. The floor and the ids are kept.
   // Before MEASURED: the same as reset(), but for floor and ids; a preliminary answer goes with it. From the producer
   // thread; waits as reset() does.
   virtual void next_person() = 0;
-  // From the next frame on the user of this id and nobody else, 0: whoever stands right first. Another than before
+  // From the next frame on only the user of this id, 0: whoever stands right first. Another than before
   // begins anew, as next_person() before MEASURED does. From the producer thread; waits as reset() does.
   virtual void select_user(int user) = 0;
   // For overlays, after finish(): the fused picture of the front. Empty views when there is none.
@@ -136,8 +138,8 @@ class Engine {
 
 // Starts `source`, pulls from it until its end, its loss or `measured`, stops it and finishes the engine. Damaged
 // frames are left out. Errors: the source's (after finishing with what came before); the engine's fault(); timeout
-// when a source that is not lost() stays silent for kSilenceMs. The end of a stream is Ok, measured or not.
-inline constexpr int kSilenceMs = 5000;
+// when a source that is not lost() gives no frame for kFrameGapMsMax. The end of a stream is Ok, measured or not.
+inline constexpr int kFrameGapMsMax = 5000;
 Status run(Engine& engine, hal::Source& source, bool stop_when_measured);
 // The same, until `go_on`, called on this thread after every frame pushed, says false; it may call the engine.
 Status run(Engine& engine, hal::Source& source, const std::function<bool()>& go_on);

@@ -62,7 +62,7 @@ void FitStage::begin_next() {
   result_.session = session;
 }
 
-// A silence: nobody knows who is seen after it.
+// After a frame gap the person seen may be another.
 void FitStage::end_moment() {
   chain_.reset();
   steady_.reset();
@@ -73,7 +73,7 @@ void FitStage::end_moment() {
   } else if (session_.state == SessionState::turning) {
     end_turning(false, false);
     result_.state = session_.state;
-    count_gathered();
+    count_accumulated();
   } else if (session_.state != SessionState::searching) {
     stages_.reset_fit();
     session_ = {};
@@ -82,7 +82,7 @@ void FitStage::end_moment() {
 }
 
 void FitStage::process(const FrameSlot& slot) {
-  if (slot.after_silence) end_moment();
+  if (slot.after_frame_gap) end_moment();
   if (over()) return;
   show(slot);
   if (leaving_) {
@@ -96,7 +96,7 @@ void FitStage::process(const FrameSlot& slot) {
   view.guidance = detection.guidance;
   view.user = detection.person.id;
   view.view = detection.view;
-  view.frames_gathered = stages_.frame_count();
+  view.frames_accumulated = stages_.frame_count();
   if (view.found) view.motion = motion_.step(detection.person.centroid_mm, detection.joints, slot.seconds);
   view.psi =
       rules_.calibration_psi && view.found && is_psi_pose(detection.joints, floor.known ? floor.up : Vec3f{0, -1, 0});
@@ -108,7 +108,7 @@ void FitStage::process(const FrameSlot& slot) {
   ++result_.frames_seen;
   take_counts(slot.counts);
   result_.guidance = step.guidance;
-  const bool enough = step.use_frame && gather(slot);
+  const bool enough = step.use_frame && accumulate(slot);
   take_guidance(result_.guidance);
   if (step.measure) {
     end_turning(!step.drop_back, false);
@@ -116,7 +116,7 @@ void FitStage::process(const FrameSlot& slot) {
     measure(false);
   }
   result_.state = session_.state;
-  count_gathered();
+  count_accumulated();
 }
 
 // While turning: of the back; the front is kept.
@@ -130,7 +130,7 @@ void FitStage::forget() {
   front_frames_ = 0;
 }
 
-bool FitStage::gather(const FrameSlot& slot) {
+bool FitStage::accumulate(const FrameSlot& slot) {
   const GuidanceSet refusal = stages_.add(slot.depth, slot.mask, intrinsics_, slot.detection);
   result_.guidance |= refusal;
   const OfferStep offer = after_offer(rules_, session_, refusal != 0, stages_.frame_count());
@@ -188,10 +188,10 @@ void FitStage::measure(bool ended) {
   take_guidance(result_.guidance);
 }
 
-void FitStage::count_gathered() {
-  const int gathered = stages_.frame_count();
-  result_.frames_used = static_cast<std::uint64_t>(front_frames_ + gathered);
-  result_.frames_back = front_frames_ > 0 ? static_cast<std::uint64_t>(gathered) : 0;
+void FitStage::count_accumulated() {
+  const int accumulated = stages_.frame_count();
+  result_.frames_used = static_cast<std::uint64_t>(front_frames_ + accumulated);
+  result_.frames_back = front_frames_ > 0 ? static_cast<std::uint64_t>(accumulated) : 0;
 }
 
 void FitStage::end(const ArrivalCounts& counts) {
@@ -203,7 +203,7 @@ void FitStage::end(const ArrivalCounts& counts) {
   else if (enough)
     measure(true);
   result_.state = session_.state;
-  count_gathered();
+  count_accumulated();
 }
 
 void FitStage::reset() {

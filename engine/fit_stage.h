@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What FIT does with a frame that was sensed: session step, gathering, and the measurement once a session.
+// What FIT does with a frame that was sensed: session step, accumulation, and the measurement once a session.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ class FitStage {
  public:
   FitStage(const EngineSettings& settings, FrameStages& stages);
   void process(const FrameSlot& slot);
-  // The stream has ended: measures when enough is gathered.
+  // The stream has ended: measures when enough is accumulated.
   void end(const ArrivalCounts& counts);
   void reset();
   // After MEASURED: waits for the person to leave, then begins anew. Before: begins anew.
@@ -37,11 +37,11 @@ class FitStage {
   void end_moment();
   void show(const FrameSlot& slot);
   void wait_for_leaving(const FrameSlot& slot);
-  bool gather(const FrameSlot& slot);  // true: enough to measure
+  bool accumulate(const FrameSlot& slot);  // true: enough to measure
   void measure(bool ended);
   void end_turning(bool with_back, bool ended);
   void forget();
-  void count_gathered();
+  void count_accumulated();
   void take_counts(const ArrivalCounts& counts);
   void take_guidance(GuidanceSet guidance);
 
@@ -53,7 +53,7 @@ class FitStage {
   ChainFilter chain_;
   JointFilter steady_;
   MotionFilter motion_;
-  int front_frames_ = 0;  // gathered before TURNING; 0 when the front is being gathered
+  int front_frames_ = 0;  // accumulated before TURNING; 0 while the front is being accumulated
   std::optional<Error> fault_;
   bool leaving_ = false;
   int leaving_absent_frames_ = 0;

@@ -27,8 +27,8 @@ struct FrameSlot {
   MaskImage mask;
   hal::FrameInfo info;
   ArrivalCounts counts;
-  float seconds = 0;           // since the frame sensed before
-  bool after_silence = false;  // more than kSilenceSecondsMax: whoever is seen now may be anybody
+  float seconds = 0;             // since the frame sensed before
+  bool after_frame_gap = false;  // more than kFrameGapSecondsMax: the person seen now may be another
   Detection detection;
   bool sensed = false;  // false: passed through unread because the session is over
 };

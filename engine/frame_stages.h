@@ -19,28 +19,28 @@ struct MeasuredPerson {
   FloorPlane floor;
 };
 
-// Methods of one half are called from one thread at a time; the two halves run at the same time. No allocation.
+// Methods of one stage are called from one thread at a time; the two stages run at the same time. No allocation.
 class FrameStages {
  public:
   virtual ~FrameStages() = default;
 
-  // Half SENSE.
+  // Stage SENSE.
   // Before each frame: `seconds` since the one before it, and whom to sense (0: the nearest and most central).
   virtual void before_sense([[maybe_unused]] float seconds, [[maybe_unused]] int user) {}
   virtual Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) = 0;
   virtual void reset_sense() = 0;
 
-  // Half FIT. `add` returns guidance of its own instead of adding.
+  // Stage FIT. `add` returns guidance of its own instead of adding.
   virtual GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics,
                           const Detection& detection) = 0;
-  virtual int frame_count() const = 0;  // of the side being gathered: the front until turn(), then the back
-  // The expensive step, once a session; with a turn asked, once for the front and once for both. False when what is
-  // gathered cannot be described.
+  virtual int frame_count() const = 0;  // of the side being accumulated: the front until turn(), then the back
+  // The expensive step, once a session; with Turn::asked once for the front and once for both. False when what is
+  // accumulated cannot be described.
   virtual bool measure(MeasuredPerson& person) = 0;
-  // Why the last measure() failed, when it is not for what is gathered: a file is damaged. Else null.
+  // Why the last measure() failed, when it is not for what is accumulated: a file is damaged. Else null.
   virtual const Error* fault() const { return nullptr; }
-  // What is gathered is the front: keep it, gather the back from now on; measure() means both. Not called unless
-  // EngineSettings::turn asks for it.
+  // What is accumulated is the front: keep it, accumulate the back from now on; measure() means both. Not called
+  // unless EngineSettings::turn asks for it.
   virtual void turn() = 0;
   // Forgets the back: measure() and frame_count() mean the front alone again, until turn() begins the back anew.
   virtual void drop_back() = 0;
@@ -52,8 +52,8 @@ class FrameStages {
 
 Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages);
 
-// As the engine's settings.
-struct MeasuringOptions {
+// What the stages need of the engine's settings.
+struct StageOptions {
   Turn turn = Turn::none;
   bool clothed = false;
   const body::ShapeSpace* shape_space = nullptr;
@@ -62,6 +62,6 @@ struct MeasuringOptions {
 // Sensor, Fuser and Index. Model, index and space must outlive the stages.
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
                                                             const index::Index& index,
-                                                            const MeasuringOptions& options = {});
+                                                            const StageOptions& options = {});
 
 }  // namespace im2fit

@@ -12,7 +12,7 @@ namespace {
 class ProductionStages final : public SensingStages {
  public:
   ProductionStages(int width, int height, const JointModel& joint_model, const index::Index& index,
-                   const MeasuringOptions& options)
+                   const StageOptions& options)
       : SensingStages(width, height, joint_model, options.turn),
         sensor_(options.sensor),
         query_(index, options.shape_space, options.clothed) {}
@@ -26,7 +26,7 @@ class ProductionStages final : public SensingStages {
       behind.emplace(RefinedQuery::Side{*back(), back()->describe(sensor_)});
       if (!behind->description.valid) return false;
     }
-    auto answer = query_.ask({front(), described}, behind);
+    auto answer = query_.query({front(), described}, behind);
     if (!answer) {
       fault_ = answer.error();
       return false;
@@ -50,15 +50,15 @@ class ProductionStages final : public SensingStages {
 }  // namespace
 
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
-                                                            const index::Index& index,
-                                                            const MeasuringOptions& options) {
+                                                            const index::Index& index, const StageOptions& options) {
   if (index.feature_size() != kFeatureSize)
     return Error{ErrorCode::unsupported, "the index was built for features of " +
                                              std::to_string(index.feature_size()) + " values, this program makes " +
                                              std::to_string(kFeatureSize) + ": build the index again"};
   if (options.clothed && !index.knows_clothed())
-    return Error{ErrorCode::unsupported,
-                 "the index knows nobody in clothes: measure without them, or build it again with im2fit-lab index"};
+    return Error{
+        ErrorCode::unsupported,
+        "the index holds no people in clothes: measure without them, or build it again with im2fit-lab index"};
   if (options.clothed && !RefinedQuery::fits(index, options.shape_space))
     return Error{
         ErrorCode::unsupported,
@@ -73,7 +73,8 @@ Result<std::unique_ptr<Engine>> Engine::create(const EngineSettings& settings, c
     return Error{ErrorCode::invalid_argument, "engine frames of " + std::to_string(settings.width) + "x" +
                                                   std::to_string(settings.height) + ": sides are 1 to " +
                                                   std::to_string(kImageSideMax)};
-  // Features lean on the joints: what was learned behind other joints answers millimetres off and does not know it.
+  // Features rest on the joints: what was learned with another tracker is millimetres off and its intervals do not
+  // show it.
   if (index.info().tracker_key != 0 && index.info().tracker_key != joint_model.key())
     return Error{ErrorCode::invalid_argument,
                  "the index was made with another tracker than this one and would measure people wrong; take the two "

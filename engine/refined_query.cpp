@@ -39,7 +39,7 @@ std::span<const float> RefinedQuery::unknown_fit() {
   return values;
 }
 
-// In a small index many would hardly be alike.
+// Of a small index a large count would hold people who are hardly alike.
 Result<AgeAnswer> RefinedQuery::age_of(const index::Seen& seen) {
   constexpr std::size_t kAlikeMin = 32, kShareOfIndex = 40;
   const std::size_t wanted = std::clamp(index_.size() / kShareOfIndex, kAlikeMin, kAlikeMax);
@@ -55,20 +55,20 @@ Result<AgeAnswer> RefinedQuery::age_of(const index::Seen& seen) {
   return age_among(std::span(ages_).first(*found));
 }
 
-Result<RefinedQuery::Asked> RefinedQuery::asked(const index::Seen& seen, const index::QueryOptions& options) {
+Result<RefinedQuery::Queried> RefinedQuery::queried(const index::Seen& seen, const index::QueryOptions& options) {
   const auto answer = index_.query(seen, options, *scratch_);
   if (!answer) return answer.error();
   const auto age = age_of(seen);
   if (!age) return age.error();
-  return Asked{*answer, *age};
+  return Queried{*answer, *age};
 }
 
-Result<RefinedQuery::Asked> RefinedQuery::ask(const Side& front, const std::optional<Side>& back) {
+Result<RefinedQuery::Queried> RefinedQuery::query(const Side& front, const std::optional<Side>& back) {
   index::QueryOptions options;
   options.frame_count = front.fuser.frame_count();
   options.distance_mm = front.description.distance_mm;
   index::Seen seen{front.description.feature, {}, {}, {}, clothed_, options.frame_count};
-  if (fitter_ == nullptr) return asked(seen, options);
+  if (fitter_ == nullptr) return queried(seen, options);
   if (back) {
     const std::array<body::FitView, 2> views = {view_of(front), view_of(*back)};
     seen.fit_both = values_of(fitter_->run(views), both_fit_);
@@ -85,7 +85,7 @@ Result<RefinedQuery::Asked> RefinedQuery::ask(const Side& front, const std::opti
     // Without a fit the others are answered by features alone; of people in clothes these say too little.
     seen.fit = unknown_fit();
   }
-  return asked(seen, options);
+  return queried(seen, options);
 }
 
 }  // namespace im2fit

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The index asked with all that was seen of a person: features of the sides, and the shapes fitted to them.
+// The index queried with all that was seen of a person: features of the sides, and the shapes fitted to them.
 #pragma once
 
 #include <array>
@@ -23,18 +23,18 @@ class RefinedQuery {
   // Whether shapes can be fitted for this index.
   static bool fits(const index::Index& index, const body::ShapeSpace* space);
 
-  // A side that was gathered and described.
+  // A side that was accumulated and described.
   struct Side {
     const Fuser& fuser;
     const Fuser::Description& description;
   };
-  struct Asked {
+  struct Queried {
     index::Answer answer;
     AgeAnswer age;
   };
   // Some tens of milliseconds with a shape space, for each side.
-  // Errors: the index is damaged where it was asked, or of people this program cannot draw.
-  Result<Asked> ask(const Side& front, const std::optional<Side>& back);
+  // Errors: the index is damaged where it was read, or of people this program cannot draw.
+  Result<Queried> query(const Side& front, const std::optional<Side>& back);
   bool refines() const { return fitter_ != nullptr; }
 
  private:
@@ -42,14 +42,14 @@ class RefinedQuery {
   std::span<const float> values_of(const body::ShapeFit& fit, FitValues& out) const;
   std::span<const float> unknown_fit();
   Result<AgeAnswer> age_of(const index::Seen& seen);
-  Result<Asked> asked(const index::Seen& seen, const index::QueryOptions& options);
+  Result<Queried> queried(const index::Seen& seen, const index::QueryOptions& options);
 
   const index::Index& index_;
   const body::ShapeSpace* space_;
   const bool clothed_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
-  // Of a fit to the front, and to both sides; what is said of a fit where there is none.
+  // Of a fit to the front, and to both sides; the values given where there is no fit.
   FitValues front_fit_{}, both_fit_{};
   static constexpr std::size_t kAlikeMax = 256;
   std::array<std::uint32_t, kAlikeMax> alike_{};

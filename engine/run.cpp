@@ -12,7 +12,7 @@ Status pull(Engine& engine, hal::Source& source, const std::function<bool()>& go
   const Intrinsics& k = source.info().intrinsics;
   std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
   const DepthImage depth(pixels.data(), k.width, k.height);
-  int silent_ms = 0;
+  int gap_ms = 0;
   for (;;) {
     auto info = source.next(depth, kWaitMs);
     if (!info) {
@@ -20,13 +20,14 @@ Status pull(Engine& engine, hal::Source& source, const std::function<bool()>& go
       if (code == ErrorCode::end_of_stream) return Ok{};
       if (code == ErrorCode::corrupt) continue;
       if (code != ErrorCode::timeout) return info.error();
-      silent_ms = source.lost() ? 0 : silent_ms + kWaitMs;
-      if (silent_ms >= kSilenceMs)
-        return Error{ErrorCode::timeout, source.info().uri + ": no frame for " + std::to_string(kSilenceMs / 1000) +
+      gap_ms = source.lost() ? 0 : gap_ms + kWaitMs;
+      if (gap_ms >= kFrameGapMsMax)
+        return Error{ErrorCode::timeout, source.info().uri + ": no frame for " +
+                                             std::to_string(kFrameGapMsMax / 1000) +
                                              " s; is the camera still connected?"};
       continue;
     }
-    silent_ms = 0;
+    gap_ms = 0;
     if (auto pushed = engine.push(depth, *info); !pushed) return pushed;
     if (!go_on()) return Ok{};
   }

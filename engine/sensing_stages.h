@@ -11,7 +11,7 @@ namespace im2fit {
 
 class SensingStages : public FrameStages {
  public:
-  // The model must outlive the stages. `turn`: as the engine's settings; memory for the back only when asked.
+  // The model must outlive the stages. `turn`: as the engine's settings; memory for the back only with Turn::asked.
   SensingStages(int width, int height, const JointModel& joint_model, Turn turn = Turn::none)
       : sensor_(width, height, joint_model), front_(width, height) {
     if (turn == Turn::asked) back_.emplace(width, height);
@@ -27,7 +27,7 @@ class SensingStages : public FrameStages {
   void reset_sense() override { sensor_.reset(); }
 
   GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Detection& detection) override {
-    return gathering().add(depth, mask, intrinsics, detection);
+    return accumulating().add(depth, mask, intrinsics, detection);
   }
   int frame_count() const override { return turned_ ? back_->frame_count() : front_.frame_count(); }
   bool measure(MeasuredPerson& /*person*/) override { return false; }
@@ -45,10 +45,10 @@ class SensingStages : public FrameStages {
 
  protected:
   Fuser& front() { return front_; }
-  Fuser* back() { return turned_ ? &*back_ : nullptr; }  // null: the front alone is gathered
+  Fuser* back() { return turned_ ? &*back_ : nullptr; }  // null: the front alone is accumulated
 
  private:
-  Fuser& gathering() { return turned_ ? *back_ : front_; }
+  Fuser& accumulating() { return turned_ ? *back_ : front_; }
 
   Sensor sensor_;
   Fuser front_;

@@ -8,11 +8,11 @@ constexpr GuidanceSet bit(Guidance g) {
   return static_cast<GuidanceSet>(g);
 }
 
-// An absent person: flicker is waited for, a loss ends the attempt. What is gathered is kept until somebody is
-// found again, so that a stream that ends with an empty room still measures who stood there.
+// An absent person: flicker is waited for, a loss ends the attempt. What is accumulated is kept until a person
+// is found again, so that a stream that ends with an empty room still measures who stood there.
 SessionStep on_absence(const SessionRules& rules, SessionStep step) {
   Session& next = step.next;
-  // Somebody too near to be found is not nobody.
+  // A person too near to be found is not an absent one.
   if (!has(step.guidance, Guidance::too_near)) step.guidance |= bit(Guidance::no_person);
   if (next.state == SessionState::searching || next.state == SessionState::lost) return step;
   next.psi_frames = 0;
@@ -32,9 +32,9 @@ void begin_attempt(Session& next, int user) {
   next.rejected_frames = 0;
 }
 
-// Limbs count when nothing else is wrong: the joints of who is turned, bent or cut off leap about by themselves. So
-// does the middle of what is seen of them, a little: only plain movement is told beside something else. Of a picture
-// that is mostly holes even the middle says nothing.
+// Limbs count when nothing else is wrong: the joints of a person who is turned, bent or cut off jump by themselves.
+// So does the centroid, a little: beside other guidance only plain movement is reported. In a picture that is mostly
+// holes even the centroid means nothing.
 bool is_moving(const SessionRules& rules, const SessionView& view) {
   if (has(view.guidance, Guidance::too_noisy)) return false;
   if (view.guidance != 0) return view.motion.body_mm_s > rules.body_speed_plain_mm_s;
@@ -53,7 +53,7 @@ SessionStep on_calibrating(const SessionRules& rules, SessionStep step, const Se
   return step;
 }
 
-// What the back needs. Until it is seen the person is on the way: neither movement nor the side is held against it.
+// What the back needs. Until it is seen the person is still turning: neither movement nor the side is rejected.
 SessionStep on_turning(const SessionRules& rules, SessionStep step, const SessionView& view, bool guessed) {
   Session& next = step.next;
   const bool back = view.view == ViewSide::back;
@@ -64,21 +64,22 @@ SessionStep on_turning(const SessionRules& rules, SessionStep step, const Sessio
   if (next.turned && is_moving(rules, view)) step.guidance |= bit(Guidance::moving);
   // A back seen for a moment before a front was no back, or was moving.
   const bool unsteady = front || has(step.guidance, Guidance::moving);
-  if (unsteady && view.frames_gathered > 0 && view.frames_gathered <= rules.unsteady_frames_max) step.forget = true;
+  if (unsteady && view.frames_accumulated > 0 && view.frames_accumulated <= rules.unsteady_frames_max)
+    step.forget = true;
   step.use_frame = back && step.guidance == 0;
   return step;
 }
 
 // Every frame of TURNING counts, also those without the person.
 void bound_turning(const SessionRules& rules, SessionStep& step, const SessionView& view) {
-  if (++step.next.turning_frames - view.frames_gathered <= rules.turn_wait_frames_max || step.measure) return;
+  if (++step.next.turning_frames - view.frames_accumulated <= rules.turn_wait_frames_max || step.measure) return;
   step.use_frame = false;
   step.measure = true;
-  step.drop_back = step.forget || view.frames_gathered < rules.frames_min;
+  step.drop_back = step.forget || view.frames_accumulated < rules.frames_min;
   step.forget = false;
 }
 
-SessionStep sighted(const SessionRules& rules, const Session& session, const SessionView& view) {
+SessionStep step_of(const SessionRules& rules, const Session& session, const SessionView& view) {
   SessionStep step;
   step.next = session;
   step.guidance = view.guidance;
@@ -102,18 +103,18 @@ SessionStep sighted(const SessionRules& rules, const Session& session, const Ses
     begin_attempt(next, view.user);
   }
   next.user = view.user;
-  // Which way somebody bent faces, or whose head is outside the picture, is a guess.
+  // The side seen is a guess while the person is bent or the head is outside the picture.
   const bool guessed = has(view.guidance, Guidance::not_upright) || has(view.guidance, Guidance::head_cut);
   if (next.state == SessionState::turning) return on_turning(rules, step, view, guessed);
   if (is_moving(rules, view)) {
     step.guidance |= bit(Guidance::moving);
-    if (view.frames_gathered > 0 && view.frames_gathered <= rules.unsteady_frames_max) step.forget = true;
+    if (view.frames_accumulated > 0 && view.frames_accumulated <= rules.unsteady_frames_max) step.forget = true;
   }
   if (view.view == ViewSide::back && !guessed) step.guidance |= bit(Guidance::not_frontal);
   if (next.state == SessionState::user_found && step.guidance == 0)
     next.state = rules.calibration_psi ? SessionState::calibrating : SessionState::tracking;
   if (next.state == SessionState::calibrating) return on_calibrating(rules, step, view);
-  // Arms still raised after calibration: the person is on the way to standing relaxed.
+  // Arms still raised after calibration: the person is lowering them.
   if (next.state == SessionState::tracking && rules.calibration_psi && view.psi)
     step.guidance |= bit(Guidance::moving);
   step.use_frame = next.state == SessionState::tracking && step.guidance == 0;
@@ -123,24 +124,24 @@ SessionStep sighted(const SessionRules& rules, const Session& session, const Ses
 }  // namespace
 
 SessionStep on_detection(const SessionRules& rules, const Session& session, const SessionView& view) {
-  SessionStep step = sighted(rules, session, view);
+  SessionStep step = step_of(rules, session, view);
   if (session.state == SessionState::turning) bound_turning(rules, step, view);
   return step;
 }
 
-OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_gathered) {
+OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_accumulated) {
   OfferStep step;
   step.next = session;
   if (!rejected) {
     step.next.rejected_frames = 0;
-    step.measure = frames_gathered >= rules.frames_wanted;
+    step.measure = frames_accumulated >= rules.frames_wanted;
     return step;
   }
   if (++step.next.rejected_frames <= rules.rejected_frames_max) return step;
   // Standing still, but not as before. Enough frames are measured now (waiting for the old pose may last for ever);
   // too few are given up for the new pose.
   step.next.rejected_frames = 0;
-  if (frames_gathered >= rules.frames_min) {
+  if (frames_accumulated >= rules.frames_min) {
     step.measure = true;
   } else if (session.state == SessionState::turning) {
     step.forget = true;  // TURNING has a bound of its own
@@ -171,8 +172,8 @@ MeasuringStep after_measuring(const SessionRules& rules, const Session& session,
   return step;
 }
 
-bool measure_at_end(const SessionRules& rules, const Session& session, int frames_gathered) {
-  return session.state != SessionState::measured && frames_gathered > 0 && frames_gathered >= rules.frames_min;
+bool measure_at_end(const SessionRules& rules, const Session& session, int frames_accumulated) {
+  return session.state != SessionState::measured && frames_accumulated > 0 && frames_accumulated >= rules.frames_min;
 }
 
 bool is_psi_pose(const JointSet& joints, Vec3f up) {

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The session as a pure function: what state follows, and what to do with the frame, given the state, what was
-// sighted and the counts. No clock, no I/O, no memory besides Session: time is counted in frames.
+// detected and the counts. No clock, no I/O, no memory besides Session: time is counted in frames.
 //
 //   SEARCHING -> USER_FOUND -> [CALIBRATING ->] TRACKING -> [TURNING ->] MEASURED
-//   LOST from USER_FOUND, CALIBRATING and TRACKING; back to USER_FOUND when somebody is found again, at most
+//   LOST from USER_FOUND, CALIBRATING and TRACKING; back to USER_FOUND when a person is found again, at most
 //   attempts_max times. MEASURED ends the session.
 //
-// TURNING: the front is measured, the person is asked to turn round, and the back is gathered. It ends in MEASURED
-// whatever the person does: with both sides when frames_wanted frames of the back are gathered, or frames_min of them
-// by the end of the stream or of turn_wait_frames_max; with the front alone when there are fewer, or the person left.
+// TURNING: the front is measured, the person is asked to turn round, and the back is accumulated. It ends in MEASURED
+// whatever the person does: with both sides when frames_wanted frames of the back are accumulated, or frames_min of
+// them by the end of the stream or of turn_wait_frames_max; with the front alone when there are fewer, or the person
+// left.
 //
-// From CALIBRATING on the session belongs to one user: while another is sighted, that user is absent.
+// From CALIBRATING on the session belongs to one user: while another is detected, that user is absent.
 #pragma once
 
 #include "engine/engine.h"
@@ -27,14 +28,14 @@ struct SessionRules {
   int absent_frames_max = kAbsentFramesMax;
   int psi_frames = 5;              // in a row
   int psi_wait_frames_max = 300;   // ten seconds to take the pose
-  int turn_wait_frames_max = 450;  // fifteen seconds in TURNING without a frame gathered
-  int rejected_frames_max = 30;    // in a row: the person stands still, but no longer as gathered
-  int unsteady_frames_max = MotionFilter::kFrameCount;  // gathered before movement shows: part of that movement
-  // Of people told to stand still, seen at 320x240, the middle sways by up to 20 mm/s and the tracker's hands tremble
-  // by 180.
+  int turn_wait_frames_max = 450;  // fifteen seconds in TURNING without a frame accumulated
+  int rejected_frames_max = 30;    // in a row: the person stands still, but no longer as accumulated
+  int unsteady_frames_max = MotionFilter::kFrameCount;  // accumulated before movement shows: part of that movement
+  // Of people standing still as instructed, seen at 320x240, the middle sways by up to 20 mm/s and the tracker's
+  // hands tremble by 180.
   float body_speed_max_mm_s = 60;
   float limb_speed_max_mm_s = 300;
-  float body_speed_plain_mm_s = 150;  // movement that is told beside something else
+  float body_speed_plain_mm_s = 150;  // movement that is reported beside other guidance
   int attempts_max = 8;               // beginnings after the first, by loss or by a pose that changed
 };
 
@@ -50,7 +51,7 @@ struct Session {
   int user = 0;            // whose session it is; 0 before USER_FOUND
 };
 
-// The part of a Detection the session looks at.
+// The part of a Detection the session uses.
 struct SessionView {
   bool found = false;
   GuidanceSet guidance = 0;
@@ -58,13 +59,13 @@ struct SessionView {
   int user = 0;
   ViewSide view = ViewSide::unknown;
   Motion motion = {};
-  int frames_gathered = 0;  // before this frame; in TURNING: of the back
+  int frames_accumulated = 0;  // before this frame; in TURNING: of the back
 };
 
 struct SessionStep {
   Session next;
   GuidanceSet guidance = 0;  // the detection's and the session's own
-  bool forget = false;       // drop what is gathered (in TURNING: of the back), before using this frame
+  bool forget = false;       // drop what is accumulated (in TURNING: of the back), before using this frame
   bool use_frame = false;    // offer the frame to the fuser, then call after_offer
   bool measure = false;      // TURNING is over: call after_measuring
   bool drop_back = false;    // before measuring: the front alone
@@ -76,19 +77,20 @@ struct OfferStep {
   bool forget = false;
   bool measure = false;  // then call after_measuring
 };
-// `rejected`: the fuser's own guidance was not zero. `frames_gathered`: after the offer.
-OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_gathered);
+// `rejected`: the fuser's own guidance was not zero. `frames_accumulated`: after the offer.
+OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_accumulated);
 
 struct MeasuringStep {
   Session next;
   bool forget = false;  // all of it
-  bool turn = false;    // what was measured is the front: keep it, gather the back
+  bool turn = false;    // what was measured is the front: keep it, accumulate the back
 };
-// `succeeded`: what was gathered could be described. `ended`: the stream is over, nobody can turn round any more.
+// `succeeded`: what was accumulated could be described. `ended`: the stream is over, no person can turn round any
+// more.
 MeasuringStep after_measuring(const SessionRules& rules, const Session& session, bool succeeded, bool ended = false);
 
-// At the end of the stream: is what is gathered enough? In TURNING: of the back, to be measured with the front.
-bool measure_at_end(const SessionRules& rules, const Session& session, int frames_gathered);
+// At the end of the stream: is what is accumulated enough? In TURNING: of the back, to be measured with the front.
+bool measure_at_end(const SessionRules& rules, const Session& session, int frames_accumulated);
 
 // The calibration pose of the paper: both hands above the elbows, both upper arms level within 30 degrees, forearms
 // upright within 45. `up`: unit, camera axes. False when one of the six joints has no confidence.

@@ -2,7 +2,7 @@
 // The latest value of one writer for any number of readers; neither ever waits for the other to be scheduled.
 //
 // Two copies, each under a sequence lock. The writer always writes the copy that is not current, so a writer
-// stopped half-way leaves the current copy readable. Words are atomics with release stores and acquire loads: a
+// stopped midway leaves the current copy readable. Words are atomics with release stores and acquire loads: a
 // reader that meets any new word must also see the odd count before it, without fences (which TSan cannot follow).
 // Boehm, "Can seqlocks get along with programming language memory models?", MSPC 2012.
 #pragma once

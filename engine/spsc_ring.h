@@ -3,7 +3,7 @@
 // waiting (engine/event.h does that). Positions only grow, 64 bit, so they never come round.
 //
 // Beyond a plain single-producer single-consumer ring the producer may take back the oldest item (a live camera
-// drops what nobody has begun to process). Both ends therefore claim by compare-exchange on `head_`; cells are
+// drops what no consumer has begun to process). Both ends therefore claim by compare-exchange on `head_`; cells are
 // atomics because a claim that loses may have read a cell the producer is rewriting.
 #pragma once
 
@@ -54,7 +54,7 @@ class SpscRing {  // NOLINT(clang-analyzer-optin.performance.Padding): the paddi
     }
   }
 
-  // Producer only: removes the oldest item nobody has claimed. False when there is none.
+  // Producer only: removes the oldest item no consumer has claimed. False when there is none.
   bool take_back_oldest(std::uint32_t& item) {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
     std::uint64_t head = head_.load(std::memory_order_relaxed);

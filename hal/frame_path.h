@@ -11,7 +11,7 @@
 
 namespace im2fit::hal {
 
-// The camera's picture on its way to upright; allocates only when made.
+// Turns the camera's picture upright; allocates only when made.
 class UprightPath {
  public:
   UprightPath() = default;

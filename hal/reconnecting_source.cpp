@@ -72,7 +72,7 @@ Result<FrameInfo> ReconnectingSource::next(DepthImage depth, int timeout_ms) {
     if (about_.presence == Presence::given_up) return give_up();
     const std::int64_t now_ns = options_.clock.now_ns();
     if (source_ != nullptr) {
-      if (auto answer = ask(depth, std::max<std::int64_t>(0, deadline_ns - now_ns))) return *std::move(answer);
+      if (auto answer = try_next(depth, std::max<std::int64_t>(0, deadline_ns - now_ns))) return *std::move(answer);
       continue;
     }
     const std::int64_t patience_ns = options_.give_up_ms < 0 ? std::numeric_limits<std::int64_t>::max()
@@ -89,8 +89,8 @@ Result<FrameInfo> ReconnectingSource::next(DepthImage depth, int timeout_ms) {
   }
 }
 
-// None: ask again, or the camera is lost now.
-std::optional<Result<FrameInfo>> ReconnectingSource::ask(DepthImage depth, std::int64_t left_ns) {
+// None: call again, or the camera is lost now.
+std::optional<Result<FrameInfo>> ReconnectingSource::try_next(DepthImage depth, std::int64_t left_ns) {
   auto frame = source_->next(depth, static_cast<int>(left_ns / kNsPerMs));
   if (frame) return Result<FrameInfo>(accept(*frame));
   const ErrorCode code = frame.error().code;
@@ -133,7 +133,7 @@ FrameInfo ReconnectingSource::accept(const FrameInfo& frame) {
     about_.lost_ns = heard_ns_ - lost_since_ns_;
     ++about_.recovered;
     ++closed_stats_.gaps;
-    tell();
+    notify();
   }
   return out;
 }
@@ -162,7 +162,7 @@ void ReconnectingSource::lose(const std::string& why) {
     lost_since_ns_ = now_ns;
     wait_ms_ = options_.wait_first_ms;
     about_.lost_ns = 0;
-    tell();
+    notify();
   }
   attempt_ns_ = now_ns + kNsPerMs * wait_ms_;
 }
@@ -204,14 +204,14 @@ void ReconnectingSource::attempt() {
   about_.refused += refused ? 1 : 0;
   about_.last_error = wrong->message;
   about_.lost_ns = now_ns - lost_since_ns_;
-  if (news) tell();
+  if (news) notify();
 }
 
 Error ReconnectingSource::give_up() {
   if (about_.presence != Presence::given_up) {
     about_.presence = Presence::given_up;
     about_.lost_ns = options_.clock.now_ns() - lost_since_ns_;
-    tell();
+    notify();
   }
   return {ErrorCode::no_device, describe(info_) + " went away and did not come back within " +
                                     std::to_string(options_.give_up_ms / 1000) + " s (" + about_.last_error +
@@ -238,7 +238,7 @@ std::optional<Vec3f> ReconnectingSource::down() const {
   return source_ != nullptr ? source_->down() : std::nullopt;
 }
 
-void ReconnectingSource::tell() const {
+void ReconnectingSource::notify() const {
   if (options_.changed) options_.changed(about_);
 }
 

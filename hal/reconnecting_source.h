@@ -52,7 +52,7 @@ struct ReconnectOptions {
 // number, so that the gap is counted. No thread of its own; waits by sleeping.
 class ReconnectingSource final : public Source {
  public:
-  // `lost`: null for the first opening, else what the camera that went away said of itself.
+  // `lost`: null for the first opening, else the info of the camera that went away.
   using Opener = std::function<Result<std::unique_ptr<Source>>(const SourceInfo* lost)>;
 
   // Opens at once. Errors: the opener's.
@@ -71,14 +71,14 @@ class ReconnectingSource final : public Source {
 
  private:
   ReconnectingSource(Opener open, ReconnectOptions options);
-  std::optional<Result<FrameInfo>> ask(DepthImage depth, std::int64_t left_ns);
+  std::optional<Result<FrameInfo>> try_next(DepthImage depth, std::int64_t left_ns);
   FrameInfo accept(const FrameInfo& frame);
   void lose(const std::string& why);
   void attempt();
   std::optional<Error> objection(const Source& candidate) const;
   Error give_up();
   void close();
-  void tell() const;
+  void notify() const;
 
   Opener open_;
   ReconnectOptions options_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A depth source: a camera, a recording, a folder, a synthetic person, or frames the caller pushes.
+// A depth source: a camera, a recording, a folder or a synthetic person.
 #pragma once
 
 #include <cstdint>
@@ -56,8 +56,8 @@ class Source {
   virtual Result<FrameInfo> next(DepthImage depth, int timeout_ms) = 0;
   virtual void stop() = 0;
   virtual SourceStats stats() const = 0;
-  // Which way is down, a unit vector in the axes of the frames delivered (x right, y down, z forward), from a camera
-  // with an accelerometer at rest. None: it has none, or is being moved.
+  // The direction of down, a unit vector in the axes of the frames delivered (x right, y down, z forward), from a
+  // camera with an accelerometer at rest. None: it has none, or is being moved.
   virtual std::optional<Vec3f> down() const { return std::nullopt; }
   // The camera is away and may come back (ReconnectingSource): next() gives timeout meanwhile, however long it takes.
   virtual bool lost() const { return false; }

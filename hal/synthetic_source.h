@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames made by a function: the virtual camera, wrapped by whoever may depend on synth.
+// Frames made by a function: the virtual camera, wrapped by whoever may depend on the lab.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@ class SyntheticSource final : public Source {
 
   // `info`: uri, name, serial, rotate_deg, live, frame_count. Its intrinsics are computed from `camera` and its
   // origin becomes synthetic. A live source keeps to 30 frames a second and, when the reader is late, skips frames as
-  // a camera would; others make frames as fast as they are asked for.
+  // a camera would; others make frames as fast as they are read.
   static Result<std::unique_ptr<SyntheticSource>> create(const Intrinsics& camera, SourceInfo info,
                                                          Generator generator);
 

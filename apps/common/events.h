@@ -13,7 +13,8 @@ namespace im2fit::apps {
 
 using Json = nlohmann::ordered_json;
 
-// {"event": "state", ...} tells what a display shows; only these four of a result are worth telling about.
+// {"event": "state", ...} holds what a display shows; a new one is sent only when one of these four of a result
+// changes.
 struct ShownState {
   SessionState state = SessionState::searching;
   GuidanceSet guidance = 0;

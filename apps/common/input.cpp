@@ -28,9 +28,9 @@ Result<std::unique_ptr<hal::Source>> open_patiently(const InputOptions& options,
   hal::ReconnectOptions reconnect;
   reconnect.give_up_ms = options.reconnect_s < 0 ? -1 : 1000 * options.reconnect_s;
   auto about = std::make_shared<hal::SourceInfo>();
-  reconnect.changed = [about, tell = options.camera_changed](const hal::ReconnectStats& stats) {
-    if (tell)
-      tell(stats, *about);
+  reconnect.changed = [about, notify = options.camera_changed](const hal::ReconnectStats& stats) {
+    if (notify)
+      notify(stats, *about);
     else if (stats.presence != hal::Presence::given_up)  // that is an error of its own
       print_error(camera_words(stats, *about));
   };
@@ -97,7 +97,7 @@ FrameTap::FrameTap(hal::Source& source, std::uint64_t frame_count_max, Watch wat
 Result<hal::FrameInfo> FrameTap::next(DepthImage depth, int timeout_ms) {
   if (interrupted()) return Error{ErrorCode::end_of_stream, "stopped by the user"};
   if (frame_count_max_ > 0 && frame_count_ >= frame_count_max_)
-    return Error{ErrorCode::end_of_stream, "the number of frames asked for is reached"};
+    return Error{ErrorCode::end_of_stream, "the requested number of frames is reached"};
   auto frame = source_.next(depth, timeout_ms);
   if (!frame) {
     if (frame.error().code == ErrorCode::corrupt && !first_damage_) first_damage_ = frame.error();

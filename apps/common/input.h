@@ -25,7 +25,7 @@ struct InputOptions {
   bool clothed = false;                    // the synthetic person
   std::string truth_path;                  // "": truth.json in the folder, NAME.truth.json beside NAME.oni
   int reconnect_s = 0;                     // a camera that went away is waited for so long; -1: for ever
-  // Told when the camera went away or came back; unset: a line on stderr.
+  // Called when the camera went away or came back; unset: a line on stderr.
   std::function<void(const hal::ReconnectStats&, const hal::SourceInfo&)> camera_changed;
 };
 void add_input_options(cli::App& sub, InputOptions& options);

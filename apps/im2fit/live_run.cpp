@@ -43,7 +43,7 @@ class LiveRun {
   // After every frame pushed; false ends the run.
   bool go_on() {
     ++frames_;
-    if (auto done = look(outcome_.engine->result()); !done) error_ = done.error();
+    if (auto done = handle_result(outcome_.engine->result()); !done) error_ = done.error();
     if (error_ || (options_.count > 0 && persons_ >= options_.count)) return false;
     // A recording is watched at the speed it was made.
     if ((options_.preview_renderer.view || listener_ != nullptr) && !outcome_.input.source->info().live)
@@ -55,28 +55,29 @@ class LiveRun {
   Result<int> conclude_run() {
     if (error_) return *error_;
     if (preview_.error()) return *preview_.error();
-    if (auto done = look(outcome_.engine->result()); !done) return done.error();
+    if (auto done = handle_result(outcome_.engine->result()); !done) return done.error();
     if (error_) return *error_;
-    if (persons_ == 0) return report_nobody();
-    if (auto told = tell({{"event", "end"}, {"frame", frames_}, {"persons", persons_}}); !told) return told.error();
+    if (persons_ == 0) return report_no_person();
+    if (auto sent = publish({{"event", "end"}, {"frame", frames_}, {"persons", persons_}}); !sent)
+      return sent.error();
     return kExitOk;
   }
   const std::string& tables() const { return tables_; }
 
  private:
-  Status tell(const Json& event) {
-    if (listener_ != nullptr) listener_->tell(event);
+  Status publish(const Json& event) {
+    if (listener_ != nullptr) listener_->publish(event);
     return options_.session.json ? print_event(event) : Ok{};
   }
 
-  Status look(const EngineResult& result) {
+  Status handle_result(const EngineResult& result) {
     if (preview_.error()) return *preview_.error();
     if (result.session != session_) {
       session_ = result.session;
       const bool left = std::exchange(reported_, false);
-      if (auto said = left ? say_left() : Ok{}; !said) return said;
+      if (auto reported = left ? report_left() : Ok{}; !reported) return reported;
     }
-    if (auto said = say_state(result); !said) return said;
+    if (auto reported = report_state(result); !reported) return reported;
     if (is_stuck(result)) outcome_.engine->next_person();
     if (!result.measured || reported_) return Ok{};
     reported_ = true;
@@ -87,26 +88,26 @@ class LiveRun {
     return Ok{};
   }
 
-  Status say_state(const EngineResult& result) {
+  Status report_state(const EngineResult& result) {
     const ShownState state = shown_state(result);
-    if (said_ && state == state_) return Ok{};
-    said_ = true;
+    if (state_known_ && state == state_) return Ok{};
+    state_known_ = true;
     state_ = state;
-    if (auto told = tell(state_event(frames_, result)); !told) return told;
+    if (auto sent = publish(state_event(frames_, result)); !sent) return sent;
     if (!options_.session.json && !options_.preview_renderer.view)
       fmt::print(stderr, "{}  needed: {}\n", state_words(result, options_.session.frames),
                  guidance_words(result.guidance));
     return Ok{};
   }
 
-  Status say_left() {
-    if (auto told = tell(left_event(frames_, persons_)); !told) return told;
+  Status report_left() {
+    if (auto sent = publish(left_event(frames_, persons_)); !sent) return sent;
     if (!options_.session.json && !options_.preview_renderer.view)
       fmt::print(stderr, "person {} has left\n", persons_);
     return Ok{};
   }
 
-  // --out itself for the only person asked for, else a folder for each.
+  // --out itself for the only person wanted, else a folder for each.
   std::string folder() const {
     if (options_.session.out.empty() || options_.count == 1) return options_.session.out;
     return fmt::format("{}/person-{:03}", options_.session.out, persons_);
@@ -124,7 +125,7 @@ class LiveRun {
     if (!out.empty()) event["out"] = out;
     if (listener_ != nullptr)
       if (auto seen = listener_->measured(outcome_); !seen) return seen;
-    if (auto told = tell(event); !told) return told;
+    if (auto sent = publish(event); !sent) return sent;
     if (options_.session.json) return Ok{};
     std::string table = fmt::format("person {}\n{}", persons_, result_table(outcome_));
     if (!out.empty()) table += fmt::format("written to {}\n", out);
@@ -137,7 +138,7 @@ class LiveRun {
     return flush_output();
   }
 
-  Result<int> report_nobody() {
+  Result<int> report_no_person() {
     if (auto concluded = conclude(outcome_); !concluded) return concluded.error();
     const EngineResult& result = outcome_.report.result;
     // Damaged frames among good ones are left out; nothing but damage is no stream.
@@ -146,7 +147,7 @@ class LiveRun {
       if (auto written = write_outputs(outcome_, options_.session.out); !written) return written.error();
     Json event = {{"event", "end"}, {"frame", frames_}, {"persons", 0}};
     event["result"] = Json::parse(result_json(outcome_.report));
-    if (auto told = tell(event); !told) return told.error();
+    if (auto sent = publish(event); !sent) return sent.error();
     return options_.session.json ? kExitNoMeasurement : report_session(outcome_, options_.session);
   }
 
@@ -159,7 +160,7 @@ class LiveRun {
   int persons_ = 0;
   std::uint32_t session_ = 0;
   bool reported_ = false;
-  bool said_ = false;
+  bool state_known_ = false;
   ShownState state_;
   std::string tables_;
   std::optional<Error> error_;
@@ -179,7 +180,7 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
   SessionOptions session = options.session;
   session.input.camera_changed = [&](const hal::ReconnectStats& stats, const hal::SourceInfo& source) {
     const Json event = camera_event(stats, source);
-    if (listener != nullptr) listener->tell(event);
+    if (listener != nullptr) listener->publish(event);
     if (session.json)
       (void)print_event(event);  // a closed pipe is noticed with the next event
     else if (options.preview_renderer.view)
@@ -204,8 +205,8 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
 
 }  // namespace
 
-Result<int> run_live(const LiveOptions& asked, LiveListener* listener) {
-  LiveOptions options = asked;
+Result<int> run_live(const LiveOptions& given, LiveListener* listener) {
+  LiveOptions options = given;
   options.session.user = user_of(options.user).value_or(0);
   std::string tables;
   auto code = run_live_shown(options, listener, tables);

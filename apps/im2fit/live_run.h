@@ -25,7 +25,7 @@ class LiveListener {
   virtual ~LiveListener() = default;
   virtual void begin(const SessionOutcome& session) = 0;       // before the first frame
   virtual void see(const FrameSeen& frame) = 0;                // on the engine's thread
-  virtual void tell(const Json& event) = 0;                    // apps/common/events.h
+  virtual void publish(const Json& event) = 0;                 // apps/common/events.h
   virtual Status measured(const SessionOutcome& session) = 0;  // a person; before the event
 };
 

@@ -94,7 +94,7 @@ Status write_outputs(const SessionOutcome& outcome, const std::string& directory
 std::string result_table(const SessionOutcome& outcome) {
   const EngineResult& result = outcome.report.result;
   const auto& truth = outcome.input.truth;
-  std::vector<std::string> header = {"measurement", "value", "95 % interval", "paper's way"};
+  std::vector<std::string> header = {"measurement", "value", "95 % interval", "paper's method"};
   if (truth) header.insert(header.end(), {"truth", "error", "paper's error"});
   TextTable table(header);
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {

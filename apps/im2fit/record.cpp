@@ -82,7 +82,7 @@ Error with_kept(Error error, const std::string& path, std::uint64_t frames) {
   return error;
 }
 
-// `kept` tells where the frames are once the writer has finished.
+// `kept` says where the frames are once the writer has finished.
 template <class Writer, class Kept>
 Result<Recorded> record_with(Writer& writer, FrameTap& tap, const Kept& kept) {
   if (const auto started = tap.start(); !started) return started.error();
@@ -113,8 +113,8 @@ Result<Recorded> record_folder(FrameTap& tap, const std::string& path) {
   return record_with(**writer, tap, [&] { return path; });
 }
 
-Result<int> run_record(const RecordOptions& asked) {
-  RecordOptions options = asked;
+Result<int> run_record(const RecordOptions& given) {
+  RecordOptions options = given;
   std::uint64_t losses = 0;
   options.input.camera_changed = [&](const hal::ReconnectStats& stats, const hal::SourceInfo& source) {
     losses = stats.lost;

@@ -27,7 +27,7 @@ class PageListener final : public LiveListener {
     print_error("open " + page_.url() + " in a browser; Ctrl-C ends this");
   }
   void see(const FrameSeen& frame) override { page_.see(frame); }
-  void tell(const Json& event) override { page_.tell(event); }
+  void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
     if (!session.body) return Ok{};
     return page_.measured({&session.data.body_model, session.body->params, session.body->pose, true});

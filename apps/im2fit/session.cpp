@@ -9,7 +9,7 @@
 namespace im2fit::apps {
 namespace {
 
-// The synthetic person cannot hear TURN_ROUND, but turns when the front has long been gathered.
+// The synthetic person cannot hear TURN_ROUND, but turns when the front has long been accumulated.
 constexpr int kTurnSpareFrames = 60;
 
 double now_ms() {

@@ -19,7 +19,7 @@ struct SessionOptions : MeasuringOptions {
 };
 void add_session_options(cli::App& sub, SessionOptions& options);
 
-// Called for every frame read, with what the engine last said.
+// Called for every frame read, with the engine's latest result.
 using SessionWatch = std::function<void(std::uint64_t frame_count, const EngineResult& result)>;
 
 // What a session ends with; owns all the report views into.

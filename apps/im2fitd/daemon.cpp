@@ -56,7 +56,7 @@ Result<std::unique_ptr<Daemon>> Daemon::create(const Config& config, const std::
   return made;
 }
 
-bool Daemon::told_to_end() {
+bool Daemon::end_requested() {
   if (Wishes::stop) return true;
   if (!Wishes::reload.exchange(false)) return false;
   auto config = load_config(config_path_);
@@ -83,7 +83,7 @@ Result<std::optional<Config>> Daemon::run() {
   return std::move(reloaded_);
 }
 
-// Null: told to end meanwhile.
+// Null: the end was requested meanwhile.
 Result<std::unique_ptr<hal::Source>> Daemon::open_source() {
   std::unique_ptr<hal::Source> source;
   if (const auto opener = hal::camera_opener(config_.source, opening_of(config_))) {
@@ -109,19 +109,19 @@ Result<std::unique_ptr<hal::Source>> Daemon::open_source() {
 Result<std::unique_ptr<hal::Source>> Daemon::wait_for_camera(const hal::ReconnectingSource::Opener& opener) {
   hal::ReconnectOptions reconnect;
   reconnect.changed = [this](const hal::ReconnectStats& stats) { camera_changed(stats); };
-  std::string said;
+  std::string reason;
   for (int pause_ms = kRetryFirstMs;; pause_ms = std::min(2 * pause_ms, kRetryMaxMs)) {
     auto source = hal::ReconnectingSource::open(opener, reconnect);
     if (source) return std::unique_ptr<hal::Source>(std::move(*source));
     if (!may_pass(source.error())) return source.error();
-    if (said != source.error().message) {
-      said = source.error().message;
-      log(Level::warning, "waiting for the camera: " + said);
-      status("waiting for the camera: " + said);
-      say({{"event", "camera"}, {"state", "WAITING"}, {"reason", said}});
+    if (reason != source.error().message) {
+      reason = source.error().message;
+      log(Level::warning, "waiting for the camera: " + reason);
+      status("waiting for the camera: " + reason);
+      say({{"event", "camera"}, {"state", "WAITING"}, {"reason", reason}});
     }
     for (int slept_ms = 0; slept_ms < pause_ms; slept_ms += kWaitMs) {
-      if (told_to_end()) return std::unique_ptr<hal::Source>();
+      if (end_requested()) return std::unique_ptr<hal::Source>();
       feed_watchdog(true);
       publisher_->serve(greeting());
       std::this_thread::sleep_for(std::chrono::milliseconds(kWaitMs));
@@ -148,14 +148,14 @@ Status Daemon::measure_people(hal::Source& source) {
   const DepthImage depth(pixels.data(), k.width, k.height);
   Status status = Ok{};
   bool ended = false;
-  while (status && !ended && !told_to_end()) {
+  while (status && !ended && !end_requested()) {
     publisher_->serve(greeting());
     const auto info = source.next(depth, kWaitMs);
     feed_watchdog(source.lost());
     if (info) {
       ++frames_;
       status = engine_->push(depth, *info);
-      if (status) status = look(source);
+      if (status) status = handle_result(source);
     } else if (info.error().code == ErrorCode::end_of_stream) {
       ended = true;
     } else if (info.error().code != ErrorCode::timeout && info.error().code != ErrorCode::corrupt) {
@@ -165,10 +165,10 @@ Status Daemon::measure_people(hal::Source& source) {
   source.stop();
   if (!status || !ended) return status;
   engine_->finish();
-  return look(source);
+  return handle_result(source);
 }
 
-Status Daemon::look(const hal::Source& source) {
+Status Daemon::handle_result(const hal::Source& source) {
   const EngineResult result = engine_->result();
   if (result.session != session_) {
     session_ = result.session;
@@ -201,7 +201,7 @@ Status Daemon::report_person(const hal::Source& source) {
 void Daemon::keep(const std::string& result) {
   if (state_directory_.empty()) return;
   const auto written = write_file_atomically(state_directory_ + "/last-result.json", result);
-  if (!written && !keeping_fails_) log(Level::error, written.error().message + "; results are only told");
+  if (!written && !keeping_fails_) log(Level::error, written.error().message + "; results are only published");
   keeping_fails_ = !written;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures one person after the other before a camera and tells the socket, until it is told to stop.
+// Measures one person after the other before a camera and publishes at the socket, until it is stopped.
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,7 @@ struct Wishes {
 
 class Daemon {
  public:
-  // `config_path` is read again at SIGHUP. Loads all data and makes the socket. Errors: anybody's below.
+  // `config_path` is read again at SIGHUP. Loads all data and makes the socket. Errors: those of the parts below.
   static Result<std::unique_ptr<Daemon>> create(const Config& config, const std::string& config_path,
                                                 Notifier& notifier);
   // Until SIGTERM or the end of a recording (nothing), or a new sound configuration (that). Waits for a camera that
@@ -34,12 +34,12 @@ class Daemon {
  private:
   Daemon(const Config& config, std::string config_path, Notifier& notifier, apps::MeasuringData data)
       : config_(config), config_path_(std::move(config_path)), notifier_(notifier), data_(std::move(data)) {}
-  bool told_to_end();
+  bool end_requested();
   Result<std::unique_ptr<hal::Source>> open_source();
   Result<std::unique_ptr<hal::Source>> wait_for_camera(const hal::ReconnectingSource::Opener& opener);
   void camera_changed(const hal::ReconnectStats& stats);
   Status measure_people(hal::Source& source);
-  Status look(const hal::Source& source);
+  Status handle_result(const hal::Source& source);
   Status report_person(const hal::Source& source);
   void keep(const std::string& result);
   void feed_watchdog(bool waiting);

@@ -12,7 +12,7 @@ void log(Level level, const std::string& text) {
   line += text;
   std::replace(line.begin(), line.end(), '\n', ' ');
   line += '\n';
-  // One call, so that lines of several threads do not mix. A journal that takes none is nobody's to tell.
+  // One call, so that lines of several threads do not mix. That a journal takes none cannot be reported anywhere.
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
 }
 

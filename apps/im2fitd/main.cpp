@@ -46,7 +46,7 @@ Status serve(const Words& words) {
 
 int main(int argc, char** argv) {
   using namespace im2fit::daemon;
-  CLI::App app{"Measures one person after the other before a camera and tells a local socket.", "im2fitd"};
+  CLI::App app{"Measures one person after the other before a camera and publishes at a local socket.", "im2fitd"};
   app.footer(
       "Made for systemd: see im2fitd.service and docs/daemon.md. Exit codes: 0 stopped, 1 failed, 2 wrong use.");
   Words words;
@@ -54,8 +54,8 @@ int main(int argc, char** argv) {
   app.add_flag("--check", words.check, "Look at the configuration only");
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& asked) {
-    return app.exit(asked);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
   } catch (const CLI::ParseError& error) {
     log(Level::error, std::string(error.what()) + " (see im2fitd --help)");
     return 2;

@@ -30,7 +30,7 @@ sockaddr_un address_of(const std::string& path) {
   return address;
 }
 
-// A socket a killed daemon left behind is in the way; one that answers is not ours to take.
+// A socket a killed daemon left behind blocks the address; one that answers is not ours to take.
 Status clear_away(const std::string& path) {
   struct stat about {};
   if (::lstat(path.c_str(), &about) != 0) return Ok{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The local socket: whoever connects is told every event, one line each. Nobody is ever waited for.
+// The local socket: every client gets every event, one line each. No client is ever waited for.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  // Takes in who waits outside, telling each `greeting` first; sends what is left; sees who has gone.
+  // Accepts waiting clients, sending each `greeting` first; sends what is left; drops clients that have gone.
   void serve(const std::string& greeting);
   void publish(const std::string& line);
   // Waits at most so long for clients to take what is left; for the end of the program.

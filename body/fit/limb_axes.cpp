@@ -11,7 +11,7 @@ LimbAxes limb_axes(const Pose& pose) {
   const Vec3f forward{-left.z, 0, left.x};
   LimbAxes out{};
   auto* at = out.data();
-  for (const Segment limb : kToldLimbs) {
+  for (const Segment limb : kGirthLimbs) {
     const Vec3f axis = x_axis(limb);
     *at++ = dot(axis, left);
     *at++ = axis.y;

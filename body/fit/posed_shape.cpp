@@ -129,7 +129,7 @@ void PosedShape::set(const Pose& pose) {
   set_offset_moves();
 }
 
-// A posed head moves as its parent's and as the way between the two rest heads, turned with the parent.
+// A posed head moves as its parent's and as the difference between the two rest heads, turned with the parent.
 void PosedShape::set_offset_moves() {
   const std::size_t count = space_.shape_count;
   const auto rest = [&](std::size_t s, std::size_t axis) {

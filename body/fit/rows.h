@@ -26,7 +26,7 @@ struct RowGroup {
   const float* weight;    // eight
   const float* residual;  // eight
 };
-// Of matrices that move a point: `parts` of three rows of `count` slopes each, and the direction asked for in each
+// Of matrices that move a point: `parts` of three rows of `count` slopes each, and the direction wanted in each
 // part.
 inline constexpr std::size_t kPartsMax = 5;
 struct SlopeParts {

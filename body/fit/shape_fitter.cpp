@@ -14,10 +14,9 @@
 namespace im2fit::body {
 namespace {
 
-// Steps to the first view alone: some look at joints only, then points look for their surface further away, then
-// near.
+// Steps to the first view alone: some use joints only, then points search their surface further away, then near.
 constexpr int kJointSteps = 2, kEarlySteps = 1, kNearSteps = 2;
-// Then to both views, from there: what the first one said of the body puts the second one's pose nearly right.
+// Then to both views, from there: what the first one showed of the body puts the second one's pose nearly right.
 constexpr int kEarlyStepsTogether = 1, kNearStepsTogether = 1;
 constexpr float kGateEarlyMm = 150, kGateMm = 80;
 constexpr float kReachEarlyMm = 90, kReachMm = 45;
@@ -35,7 +34,7 @@ constexpr float kSoleSdMm = 6;
 constexpr float kCorrelated = 6;  // neighbouring distances err together: each counts for so much less
 constexpr float kSurfaceOutlierSds = 3;
 
-// Cosine between a point's normal and the way to the camera.
+// Cosine between a point's normal and the direction to the camera.
 constexpr float kFacingMin = 0.35F;     // a surface
 constexpr float kRimFacingMax = 0.25F;  // an outline, from either side
 constexpr float kSoleDown = -0.8F;      // of a normal's height
@@ -65,7 +64,7 @@ constexpr Attached kJoints[] = {
 constexpr std::size_t kSpineCount = 3;
 static_assert(kTurning[0] == Segment::pelvis && kTurning[1] == Segment::abdomen && kTurning[2] == Segment::chest);
 
-// The spread of a value of a pose's step, from where the pose began. What way somebody faces is the joints' guess.
+// The spread of a value of a pose's step, from where the pose began. The facing direction comes from the joints.
 float pose_sd(std::size_t value, bool straight) {
   constexpr std::size_t kFacing = 3 + 1;  // of the pelvis about the upright axis
   if (value < 3) return kShiftSdMm;
@@ -73,7 +72,7 @@ float pose_sd(std::size_t value, bool straight) {
 }
 
 // Upright trunk, facing where hips and shoulders say. Joints of the trunk err by 15 mm over lengths of 200, which is
-// more than somebody who was asked to stand bends; and what a trunk leans is taken from how thick it is. False, and
+// more than a person standing upright bends; and the lean of a trunk is confounded with its depth. False, and
 // nothing done, when the joints do not say a direction.
 bool stand_straight(const JointSet& joints, Pose& pose) {
   Vec3f left = normalized(joints[Joint::LH] - joints[Joint::RH]) + normalized(joints[Joint::LS] - joints[Joint::RS]);

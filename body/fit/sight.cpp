@@ -57,7 +57,7 @@ bool Sight::surface_over(Vec3f p, float gate_mm, Vec3f& seen) const {
   return true;
 }
 
-// Walks in half pixels to where the mask changes; the edge is taken half-way.
+// Walks in half pixels to where the mask changes; the edge is taken in the middle.
 bool Sight::outline_beside(Vec3f p, Vec3f normal, float reach_mm, float& distance_mm) const {
   if (!(p.z > kNearMm)) return false;
   const Intrinsics& k = view_->intrinsics;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Patches of the skin, about equally large: what a fit leaves over is told patch by patch. The same for a space on
+// Patches of the skin, about equally large: the residual of a fit is reported patch by patch. The same for a space on
 // every machine: + - * and comparisons in written order.
 #pragma once
 

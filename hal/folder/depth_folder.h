@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth folders in and out (DESIGN section 5): NNNNNN.png or .pgm in mm, camera.yaml, optional timestamps.csv.
+// Depth folders in and out (docs/formats.md): NNNNNN.png or .pgm in mm, camera.yaml, optional timestamps.csv.
 //
 // timestamps.csv: a header naming its columns, then a row a frame. Columns: frame (the file's number) and host_ns,
 // device_us or both; times must grow from row to row. Without it frames are taken to be 1/30 s apart.
@@ -20,7 +20,7 @@ struct FolderOptions {
   std::string camera_yaml_path;   // "" for camera.yaml in the folder
 };
 
-// Replays every frame in order of number, as fast as it is asked for; a missing number is counted as a gap. Sizes and
+// Replays every frame in order of number, as fast as it is read; a missing number is counted as a gap. Sizes and
 // formats of all frames are checked by open(), pixels by next(): a damaged picture gives `corrupt` once and the frame
 // after it comes next.
 class FolderSource final : public Source {

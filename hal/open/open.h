@@ -20,7 +20,7 @@ struct OpenOptions {
   int height = 480;
   int stall_ms = 5000;  // a recording that gives nothing for so long is damaged
   // Opens `synthetic[:seed]`; `seed` is "" when not given. Unset: such a source is refused. Kept out of hal because
-  // the synthetic person needs the body and synth.
+  // the synthetic person needs the body and the lab.
   std::function<Result<std::unique_ptr<Source>>(const std::string& seed, const OpenOptions& options)> synthetic;
 };
 
@@ -41,7 +41,7 @@ struct DeviceEntry {
   std::string name;  // vendor and model
 };
 // Cameras now connected. An empty list is no error; a runtime that cannot be started is, when there is no camera by
-// any other way.
+// any other backend.
 Result<std::vector<DeviceEntry>> list_devices();
 
 }  // namespace im2fit::hal

@@ -122,7 +122,7 @@ std::string ChildProcess::finish(bool kill) {
   const pid_t pid = std::exchange(pid_, -1);
   int status = 0;
   pid_t done = 0;
-  // A child whose pipe is closed is on its way out; one that is not after a second never will be.
+  // A child whose pipe is closed is about to exit; one that has not after a second never will.
   for (int i = 0; !kill && i < 100; ++i) {
     done = ::waitpid(pid, &status, WNOHANG);
     if (done != 0) break;

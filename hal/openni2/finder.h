@@ -19,8 +19,8 @@ class OpenNi2Finder {
  public:
   // Opens `uri` as OpenNi2Source::open does; a camera that is not there may be when this is called again.
   Result<std::unique_ptr<OpenNi2Source>> open(const std::string& uri, const OpenNi2Options& options);
-  // Opens the camera that said `lost` of itself, wherever it is plugged in now: of the cameras of that name the one
-  // with its serial. A stranger is returned when there is no better; the caller compares.
+  // Opens the camera described by `lost`, wherever it is plugged in now: of the cameras of that name the one
+  // with its serial. Another camera is returned when there is no better; the caller compares.
   Result<std::unique_ptr<OpenNi2Source>> find(const SourceInfo& lost, const OpenNi2Options& options);
 
  private:

@@ -34,7 +34,7 @@ struct Frame {  // followed by width x height depths in mm
 };
 
 struct End {
-  std::uint32_t complete = 0;  // 0: frames ran out before the file said so, or it does not say
+  std::uint32_t complete = 0;  // 0: frames ran out before the number the file states, or it states none
 };
 
 inline constexpr std::uint32_t kFailureBytesMax = 1024;  // one line of text

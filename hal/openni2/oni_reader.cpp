@@ -47,7 +47,7 @@ int fail(int fd, std::string message) {
   return 1;
 }
 
-// Ends the process when nobody reads any more, also while the runtime hangs.
+// Ends the process when no process reads any more, also while the runtime hangs.
 void leave_with_the_reader(int fd) {
   std::thread([fd] {
     for (;;) {
@@ -93,7 +93,7 @@ std::string open(const std::string& path, Player& player) {
   if (oniDeviceGetSensorInfo(player.device, ONI_SENSOR_DEPTH) == nullptr ||
       oniDeviceCreateStream(player.device, ONI_SENSOR_DEPTH, &player.stream) != ONI_STATUS_OK)
     return "it holds no depth stream";
-  if (!get(player.stream, ONI_STREAM_PROPERTY_VIDEO_MODE, player.mode)) return "it does not tell its picture size";
+  if (!get(player.stream, ONI_STREAM_PROPERTY_VIDEO_MODE, player.mode)) return "it does not report its picture size";
   const OniPixelFormat format = player.mode.pixelFormat;
   if (format != ONI_PIXEL_FORMAT_DEPTH_1_MM && format != ONI_PIXEL_FORMAT_DEPTH_100_UM)
     return "its depth is in format " + std::to_string(format) + ", expected 1 mm or 100 um";
@@ -109,7 +109,7 @@ std::string open(const std::string& path, Player& player) {
   hello.frame_count = get(player.stream, ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES, frames) ? frames : -1;
   OniBool mirror = FALSE;
   player.mirrored = get(player.stream, ONI_STREAM_PROPERTY_MIRRORING, mirror) && mirror != FALSE;
-  // Speed -1 makes a frame only when one is asked for: none is lost, whatever the reader's pace (0 loses some).
+  // Speed -1 makes a frame only when one is requested: none is lost, whatever the reader's pace (0 loses some).
   const float on_demand = -1;
   const OniBool once = FALSE;
   oniDeviceSetProperty(player.device, ONI_DEVICE_PROPERTY_PLAYBACK_SPEED, &on_demand, sizeof on_demand);

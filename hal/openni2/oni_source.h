@@ -45,7 +45,7 @@ class OniSource final : public Source {
   Result<oni::Header> receive(int timeout_ms);
   Result<FrameInfo> accept_frame(DepthImage depth);
   Error cannot_be_played(const oni::Header& failure);  // in the reader's own words
-  Error give_up(const std::string& why);               // ends the child; every later call fails the same way
+  Error give_up(const std::string& why);               // ends the child; every later call fails the same
 
   SourceInfo info_;
   OniOptions options_;

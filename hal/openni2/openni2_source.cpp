@@ -150,7 +150,7 @@ Result<Calibration> OpenNi2Source::Impl::find_calibration(const OpenNi2Options& 
   float vertical_rad = 0;
   if (!get(stream, ONI_STREAM_PROPERTY_HORIZONTAL_FOV, horizontal_rad) ||
       !get(stream, ONI_STREAM_PROPERTY_VERTICAL_FOV, vertical_rad))
-    return Error{ErrorCode::unsupported, info.name + " does not tell its field of view; give --camera FILE"};
+    return Error{ErrorCode::unsupported, info.name + " does not report its field of view; give --camera FILE"};
   const auto k =
       intrinsics_from_field_of_view(mode.resolutionX, mode.resolutionY, horizontal_rad, vertical_rad, info.name);
   if (!k) return k.error();

@@ -17,8 +17,8 @@ struct OpenNi2Options {
   int width = 640;  // wanted; the nearest depth mode is taken
   int height = 480;
   int fps = 30;
-  bool fine_units = false;                 // prefer 100 um to 1 mm; delivered frames are mm either way
-  std::optional<Calibration> calibration;  // instead of the field of view the device tells; of the mode's size. Its
+  bool fine_units = false;                 // prefer 100 um to 1 mm; delivered frames are mm in both cases
+  std::optional<Calibration> calibration;  // instead of the field of view the device reports; of the mode's size. Its
                                            // rotate_deg is not looked at
 };
 

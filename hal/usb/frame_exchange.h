@@ -15,7 +15,7 @@
 namespace im2fit::hal {
 
 // A buffer belongs to one side at a time, so its bytes are touched without the lock: only indices change hands under
-// it. One producer, one consumer. Nothing allocates after construction. When nobody takes them the oldest frame is
+// it. One producer, one consumer. Nothing allocates after construction. When they are not taken the oldest frame is
 // dropped for the newest.
 class FrameExchange {
  public:

@@ -106,7 +106,7 @@ Result<std::uint16_t> KinectCommands::read_register(Register which) {
 }
 
 Result<std::optional<ZeroPlane>> KinectCommands::zero_plane() {
-  // A camera that does not know a command stalls or refuses it: then it does not tell. One that is gone or hangs is
+  // A camera that does not know a command stalls or refuses it: then it reports none. One that is gone or hangs is
   // an error.
   const auto silent = [](const Error& e) { return e.code == ErrorCode::unsupported || e.code == ErrorCode::io; };
   const std::optional<ZeroPlane> none;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a Kinect camera is told and asked, over control transfers.
+// Commands to a Kinect camera and queries of it, over control transfers.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ class KinectCommands {
   Status write_register(kinect::Register which, std::uint16_t value);
   Result<std::uint16_t> read_register(kinect::Register which);
 
-  // What the camera was calibrated with in the factory. None: it does not tell, or tells what no camera has.
+  // What the camera was calibrated with in the factory. None: it does not report it, or reports what no camera has.
   Result<std::optional<ZeroPlane>> zero_plane();
 
   // 640 x 480 at 11 bits and 30 frames a second, not mirrored, projector steadily on. Packets follow at once.

@@ -25,7 +25,7 @@ float counts(const std::uint8_t* p) {
 Result<KinectMotor::State> KinectMotor::state() {
   std::array<std::uint8_t, kMotorStateBytes> bytes{};
   const auto got = transport_->control_in({kRequestIn, kMotorState, 0, 0}, bytes, kTransfer_ms);
-  if (!got) return Error{got.error().code, what_ + ": the motor does not tell its state: " + got.error().message};
+  if (!got) return Error{got.error().code, what_ + ": the motor does not report its state: " + got.error().message};
   if (*got != bytes.size())
     return Error{ErrorCode::io, what_ + ": the motor tells its state in " + std::to_string(*got) +
                                     " bytes, expected " + std::to_string(bytes.size())};

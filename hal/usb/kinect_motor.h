@@ -25,7 +25,7 @@ class KinectMotor {
   };
   // Errors: no_device, io, timeout.
   Result<State> state();
-  // Starts the head on its way to `tilt_deg`, -31 to 31; a second or two. Errors: invalid_argument, and as above.
+  // Starts tilting the head to `tilt_deg`, -31 to 31; a second or two. Errors: invalid_argument, and as above.
   Status set_tilt(float tilt_deg);
   // Down in the axes of the unrotated picture (x right, y down, z forward), a unit vector. None: the head is moving,
   // the acceleration is not gravity's, or the motor does not answer.

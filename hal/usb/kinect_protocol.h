@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Kinect for Xbox 360 on the wire: facts found and published by the OpenKinect project (its wiki's "Protocol
-// Documentation" and libfreenect's sources). All numbers are little-endian but where said.
+// Documentation" and libfreenect's sources). All numbers are little-endian unless noted.
 #pragma once
 
 #include <cstddef>

@@ -7,8 +7,8 @@ namespace im2fit::hal {
 namespace {
 
 constexpr std::uint32_t kTicksPerFrame = 1'000'000 / kinect::kFps * kinect::kTicksPerUs;
-// A longer silence is a clock that was set anew, not frames that were missed.
-constexpr std::uint32_t kSilenceMax_ticks = 20U * 1'000'000U * kinect::kTicksPerUs;
+// A longer frame gap is a clock that was set anew, not frames that were missed.
+constexpr std::uint32_t kFrameGapMax_ticks = 20U * 1'000'000U * kinect::kTicksPerUs;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ void KinectReceiver::frame_ended(std::uint32_t ticks) {
     const std::uint32_t step = ticks - last_ticks_;
     ticks_ += step;
     const std::uint64_t frames = (std::uint64_t{step} + kTicksPerFrame / 2) / kTicksPerFrame;
-    if (step <= kSilenceMax_ticks && frames > 1 + damaged_since_) {
+    if (step <= kFrameGapMax_ticks && frames > 1 + damaged_since_) {
       const std::uint64_t missed = frames - 1 - damaged_since_;
       number_ += missed;
       const std::lock_guard lock(mutex_);

@@ -19,14 +19,14 @@ KinectSource::KinectSource(std::unique_ptr<UsbTransport> camera, std::unique_ptr
 }
 
 Status KinectSource::set_up(const KinectOptions& options) {
-  const auto told = commands_.zero_plane();
-  if (!told) return told.error();
-  if (*told) plane_ = **told;
+  const auto reported = commands_.zero_plane();
+  if (!reported) return reported.error();
+  if (*reported) plane_ = **reported;
   table_ = shift_table(plane_);
   const float focal_px = focal_length_px(plane_);
   Calibration camera;
   camera.intrinsics = {kWidth, kHeight, focal_px, focal_px, 0.5F * (kWidth - 1), 0.5F * (kHeight - 1)};
-  camera.origin = *told ? IntrinsicsOrigin::device : IntrinsicsOrigin::field_of_view;
+  camera.origin = *reported ? IntrinsicsOrigin::device : IntrinsicsOrigin::field_of_view;
   if (options.calibration) {
     const Intrinsics& k = options.calibration->intrinsics;
     if (k.width != kWidth || k.height != kHeight)

@@ -41,7 +41,7 @@ class KinectSource final : public Source {
 
   const SourceInfo& info() const override { return info_; }
   Status start() override;
-  // `corrupt`: packets of this frame were lost; it is counted and skipped. Frames are held while nobody asks: three,
+  // `corrupt`: packets of this frame were lost; it is counted and skipped. Frames not taken yet are held: three,
   // then the oldest goes and is counted as a gap.
   Result<FrameInfo> next(DepthImage depth, int timeout_ms) override;
   void stop() override;

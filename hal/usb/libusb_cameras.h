@@ -11,7 +11,7 @@
 namespace im2fit::hal {
 
 // `device`: what follows "usb:": a serial number or port, "" for the first camera, or fd=N[,M] for a camera (and its
-// motor) opened by somebody else, whose file descriptors stay theirs.
+// motor) opened by another process, which keeps the file descriptors.
 Result<std::unique_ptr<KinectSource>> open_usb_camera(const std::string& device, const KinectOptions& options);
 Result<std::vector<KinectEntry>> list_usb_cameras();
 

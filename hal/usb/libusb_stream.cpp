@@ -6,6 +6,8 @@
 #include <chrono>
 #include <optional>
 #include <span>
+#include <string>
+#include <system_error>
 #include <utility>
 
 namespace im2fit::hal {
@@ -26,6 +28,7 @@ Result<std::unique_ptr<LibusbStream>> LibusbStream::start(LibusbContext context,
 Status LibusbStream::submit(libusb_device_handle* handle, const UsbStreamSettings& settings, int packet_bytes) {
   const int transfer_bytes = settings.packets_per_transfer * packet_bytes;
   buffer_.resize(static_cast<std::size_t>(settings.transfers) * static_cast<std::size_t>(transfer_bytes));
+  transfers_.reserve(static_cast<std::size_t>(settings.transfers));  // one allocated is never lost
   std::optional<Error> failed;
   {
     const std::lock_guard lock(mutex_);
@@ -47,8 +50,13 @@ Status LibusbStream::submit(libusb_device_handle* handle, const UsbStreamSetting
         ++in_flight_;
     }
   }
-  events_ = std::thread([this] { handle_events(); });
   if (failed) return *failed;
+  try {
+    events_ = std::thread([this] { handle_events(); });
+  } catch (const std::system_error& error) {
+    return Error{ErrorCode::io, std::string("no thread can be started for its transfers (") + error.what() +
+                                    "); end other programs or raise the limit on processes (ulimit -u)"};
+  }
   return Ok{};
 }
 
@@ -60,7 +68,12 @@ LibusbStream::~LibusbStream() {
   // No transfer is submitted from here on; those that are back already are not found, which is fine.
   for (libusb_transfer* transfer : transfers_) libusb_cancel_transfer(transfer);
   libusb_interrupt_event_handler(context_.get());
-  if (events_.joinable()) events_.join();
+  // Without a thread (start() failed) whoever destroys this handles what comes back: libusb must own no transfer when
+  // they are freed.
+  if (events_.joinable())
+    events_.join();
+  else
+    handle_events();
   for (libusb_transfer* transfer : transfers_) libusb_free_transfer(transfer);
 }
 
@@ -107,7 +120,7 @@ void LibusbStream::done(libusb_transfer* transfer) {
     const std::lock_guard lock(mutex_);
     failures_ = transfer->status == LIBUSB_TRANSFER_COMPLETED ? 0 : failures_ + 1;
     if (!stopping_) {
-      // Unplugging shows as NO_DEVICE, or as a cancellation nobody asked for.
+      // Unplugging shows as NO_DEVICE, or as a cancellation that was not requested.
       if (transfer->status == LIBUSB_TRANSFER_NO_DEVICE || transfer->status == LIBUSB_TRANSFER_CANCELLED)
         why = Error{ErrorCode::no_device, "the device was unplugged"};
       else if (failures_ > kFailuresMax)
@@ -119,7 +132,7 @@ void LibusbStream::done(libusb_transfer* transfer) {
         return;
     }
     over_ = over_ || why;
-    // Told below, while this transfer still keeps the stream from being taken apart.
+    // Reported below, while this transfer still keeps the stream from being taken apart.
     if (!why) {
       --in_flight_;
       return;

@@ -47,7 +47,7 @@ class UsbTransport {
   virtual Result<std::size_t> control_in(const UsbRequest& request, std::span<std::uint8_t> data, int timeout_ms) = 0;
   virtual Status control_out(const UsbRequest& request, std::span<const std::uint8_t> data, int timeout_ms) = 0;
   // Chooses the alternate setting that carries such packets and keeps the transfers in flight. Packets that came
-  // damaged or not at all are not told of: their numbers are missing. `sink` must live until stop_stream() returns.
+  // damaged or not at all are not reported: their numbers are missing. `sink` must live until stop_stream() returns.
   // Errors: no_device, unsupported (no such endpoint), io.
   virtual Status start_stream(const UsbStreamSettings& settings, UsbPacketSink& sink) = 0;
   // Returns when no more calls to the sink can come. Nothing to stop is fine.
@@ -58,7 +58,7 @@ struct UsbDeviceEntry {
   std::uint16_t vendor = 0;
   std::uint16_t product = 0;
   std::string port;    // where it is plugged in, "1-2.3" as the kernel says it: bus, then ports
-  std::string serial;  // "" when it has none or does not let itself be asked
+  std::string serial;  // "" when it has none or refuses the query
 };
 
 // The devices plugged in now.

@@ -8,7 +8,7 @@
 
 namespace im2fit::hal {
 
-// The serial number of the USB device behind /dev/videoN, "" when there is none or the kernel does not tell.
+// The serial number of the USB device behind /dev/videoN, "" when there is none or the kernel does not report it.
 std::string v4l2_serial(const std::string& path);
 // The node `path`, or when "" the first depth camera; with `serial` not "" the one with that number: nodes are
 // numbered anew with every plugging in. Error: no_device, listing what is there.

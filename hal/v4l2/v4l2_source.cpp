@@ -125,7 +125,7 @@ Status V4l2Source::map_buffers() {
   request.memory = V4L2_MEMORY_MMAP;
   if (const int error = device_->request(VIDIOC_REQBUFS, &request); error != 0)
     return fail(error, "asking for buffers");
-  // A driver may give fewer than asked for, or more; two are the least with which frames flow.
+  // A driver may give fewer than requested, or more; two are the least with which frames flow.
   const auto count = std::min(request.count, static_cast<__u32>(options_.buffer_count));
   if (count < 2)
     return Error{ErrorCode::io, info_.name + " gives " + std::to_string(count) + " buffers, expected at least 2"};

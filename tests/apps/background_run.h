@@ -24,7 +24,7 @@ class BackgroundRun {
     std::vector<char*> argv;
     for (std::string& word : command) argv.push_back(word.data());
     argv.push_back(nullptr);
-    // Emptied before there are two of us: said() must not find what a run before this one has left there.
+    // Emptied before there are two of us: messages() must not find what a run before this one has left there.
     const int err = ::open(stderr_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     pid_ = ::fork();
     if (pid_ != 0) {
@@ -44,7 +44,7 @@ class BackgroundRun {
   BackgroundRun& operator=(const BackgroundRun&) = delete;
   void signal(int number) const { ::kill(pid_, number); }
   pid_t pid() const { return pid_; }
-  std::string said() const { return read_text(stderr_path_); }
+  std::string messages() const { return read_text(stderr_path_); }
   // Its exit code; -1 when it was killed or does not end.
   int wait() {
     for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {

@@ -13,8 +13,8 @@ std::string wall_folder(const test::TestFolder& folder) {
   return folder.path("wall");
 }
 
-// One run of im2fit-lab that must fail with one line holding `said`.
-void expect_lab_fails(const Words& words, const std::string& said, const test::RunOptions& options = {}) {
+// One run of im2fit-lab that must fail with one line holding `expected`.
+void expect_lab_fails(const Words& words, const std::string& expected, const test::RunOptions& options = {}) {
   Words command = {test::kLab};
   command.insert(command.end(), words.begin(), words.end());
   SCOPED_TRACE("im2fit-lab " + words[0]);
@@ -22,7 +22,7 @@ void expect_lab_fails(const Words& words, const std::string& said, const test::R
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.out, "");
   EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit-lab")) << run.err;
-  EXPECT_THAT(run.err, testing::HasSubstr(said));
+  EXPECT_THAT(run.err, testing::HasSubstr(expected));
 }
 
 // What can happen to a file of ours. `other` is a file of another kind of ours.
@@ -97,8 +97,8 @@ TEST(IndexOfAnotherTracker, IsRefusedByName) {
                          test::body_path(), "--tracker", tracker, "--index", test::index_path()});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit")) << run.err;
-  for (const std::string& said : {tracker, test::index_path(), std::string("another tracker")})
-    EXPECT_THAT(run.err, testing::HasSubstr(said));
+  for (const std::string& expected : {tracker, test::index_path(), std::string("another tracker")})
+    EXPECT_THAT(run.err, testing::HasSubstr(expected));
   EXPECT_THAT(test::files_in(folder.path("out")), testing::IsEmpty());
 }
 
@@ -173,7 +173,7 @@ TEST(CutRecording, IsRefused) {
 #endif
 
 // Refused to root as well: below a regular file, and in the kernel's own file systems.
-TEST(UnwritableOut, IsSaidInOneLine) {
+TEST(UnwritableOut, IsReportedInOneLine) {
   IM2FIT_NEED_DATA();
   const test::TestFolder folder;
   const std::string wall = wall_folder(folder);
@@ -237,7 +237,7 @@ TEST(FullDisk, LeavesNothingHalfWritten) {
   }
 }
 
-TEST(FullDisk, BehindStdoutIsSaid) {
+TEST(FullDisk, BehindStdoutIsReported) {
   IM2FIT_NEED_DATA();
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   const test::TestFolder folder;

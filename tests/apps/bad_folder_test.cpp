@@ -42,7 +42,7 @@ struct Case {
   const char* name;
   std::function<void(const std::string& folder)> make;
   int exit_code;
-  const char* said;  // a part of the line on stderr: the file, key or code that is wrong
+  const char* expected;  // a part of the line on stderr: the file, key or code that is wrong
   std::vector<std::string> more = {};
 };
 
@@ -232,12 +232,12 @@ TEST_P(BadFolder, IsAnsweredWithOneLineOrGuidance) {
   bad.make(folder.path("depth"));
   const test::Run run = test::measure(folder.path("depth"), folder.path("out"), bad.more);
   EXPECT_EQ(run.exit_code, bad.exit_code) << run.err;
-  EXPECT_THAT(run.err, testing::HasSubstr(bad.said));
+  EXPECT_THAT(run.err, testing::HasSubstr(bad.expected));
   test::expect_honest(run, folder.path("out"));
   if (bad.exit_code == 1) {
     EXPECT_THAT(test::files_in(folder.path("out")), testing::IsEmpty());
   } else {
-    EXPECT_THAT(test::guidance_in(folder.path("out")), testing::Contains(bad.said));
+    EXPECT_THAT(test::guidance_in(folder.path("out")), testing::Contains(bad.expected));
   }
 }
 

@@ -12,15 +12,15 @@ class InClothes : public test::MeasuredClip {
   static void SetUpTestSuite() { render({"--frames", "20", "--clothed"}); }
 };
 
-TEST_F(InClothes, TheBodyUnderneathIsMeasuredWhenTold) {
-  const auto told = measured({"--clothed", "--frames", "12"});
-  const auto untold = measured({"--frames", "12"});
-  EXPECT_EQ(told["clothed"], true);
-  EXPECT_EQ(untold["clothed"], false);
+TEST_F(InClothes, TheBodyUnderneathIsMeasuredWithTheOption) {
+  const auto with_option = measured({"--clothed", "--frames", "12"});
+  const auto without_option = measured({"--frames", "12"});
+  EXPECT_EQ(with_option["clothed"], true);
+  EXPECT_EQ(without_option["clothed"], false);
   const auto truth = nlohmann::json::parse(test::read_text(clip() + "/truth.json"), nullptr, false)["measurements"];
   for (const char* girth : {"chest_girth", "waist_girth", "hip_girth"}) {
-    const auto& under = told["measurements"][girth];
-    const double cloth = untold["measurements"][girth]["value"].get<double>();
+    const auto& under = with_option["measurements"][girth];
+    const double cloth = without_option["measurements"][girth]["value"].get<double>();
     // Everyday clothes stand off by 4 to 20 mm: some centimetres of girth.
     EXPECT_GT(cloth - under["value"].get<double>(), 15) << girth;
     EXPECT_LT(std::abs(under["value"].get<double>() - truth[girth]["value"].get<double>()), 80) << girth;

@@ -179,7 +179,7 @@ TEST_F(DaemonSocket, AClientThatDoesNotReadIsDroppedAndTheOthersAreServed) {
   EXPECT_EQ(publisher_->dropped(), 1U);
   publisher_->publish(line);
   EXPECT_EQ(quick.next()["n"].get<std::string>().size(), 4000U);
-  // What the slow one was told is whole lines up to where it was cut off.
+  // What the slow one received is whole lines up to where it was cut off.
   EXPECT_EQ(slow.next()["event"], "hello");
 }
 
@@ -193,7 +193,7 @@ TEST_F(DaemonSocket, ClientsComeAndGoAndAreCounted) {
     EXPECT_EQ(publisher_->clients(), 2U);
     EXPECT_EQ(a.next()["event"], "hello");
     EXPECT_TRUE(c.next().is_null()) << "one too many";
-    // Nothing a client says matters; one that has said its last may still read.
+    // Nothing a client says matters; one that has closed its sending side may still read.
     ASSERT_EQ(::write(a.fd(), "GET / HTTP/1.1\n", 15), 15);
     ::shutdown(a.fd(), SHUT_WR);
     publisher_->serve(kHello);

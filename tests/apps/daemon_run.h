@@ -101,7 +101,7 @@ class Manager {
     const ssize_t count = ::recv(fd_, buffer.data(), buffer.size(), 0);
     return std::string(buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(0, count)));
   }
-  // How often it was told that, within a time.
+  // How often it received that, within a time.
   int count(const std::string& message, std::chrono::milliseconds time) {
     int found = 0;
     for (const auto end = Clock::now() + time; Clock::now() < end;)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// im2fitd before the virtual OpenNI2 camera, which shows two people round and round and loses its cable when told to.
+// im2fitd before the virtual OpenNI2 camera, which shows two people round and round and loses its cable on a signal.
 #include <sys/stat.h>
 
 #include "daemon_run.h"
@@ -57,7 +57,7 @@ class Daemon : public testing::Test {
 TEST_F(Daemon, TellsEveryClientOfOnePersonAfterTheOther) {
   DaemonRun daemon(config(camera("&fps=15")), {}, err());
   Client first(socket());
-  ASSERT_TRUE(first.connected()) << daemon.said();
+  ASSERT_TRUE(first.connected()) << daemon.messages();
   Client second(socket());
   struct stat about {};
   ASSERT_EQ(::stat(socket().c_str(), &about), 0);
@@ -67,11 +67,11 @@ TEST_F(Daemon, TellsEveryClientOfOnePersonAfterTheOther) {
     EXPECT_EQ(hello["event"], "hello");
     EXPECT_EQ(hello["protocol"], "im2fitd/1");
   }
-  ASSERT_FALSE(first.next("camera", "PRESENT").is_null()) << daemon.said();
+  ASSERT_FALSE(first.next("camera", "PRESENT").is_null()) << daemon.messages();
   nlohmann::json one;
   for (const int person : {1, 2, 3}) {
     const auto event = first.next("measured");
-    ASSERT_FALSE(event.is_null()) << daemon.said();
+    ASSERT_FALSE(event.is_null()) << daemon.messages();
     EXPECT_EQ(event["person"], person);
     EXPECT_EQ(event["result"]["schema"], "im2fit.result/1");
     EXPECT_EQ(event["result"]["state"], "MEASURED");
@@ -80,51 +80,51 @@ TEST_F(Daemon, TellsEveryClientOfOnePersonAfterTheOther) {
     EXPECT_EQ(first.next("left")["person"], person);
     if (person == 1) one = event;
   }
-  EXPECT_EQ(second.next("measured"), one) << "the other client was told the same";
+  EXPECT_EQ(second.next("measured"), one) << "the other client got the same";
   const auto kept = nlohmann::json::parse(test::read_text(own_.path("state") + "/last-result.json"), nullptr, false);
   EXPECT_EQ(kept["schema"], "im2fit.result/1");
   EXPECT_EQ(test::files_in(own_.path("state")).size(), 1U) << "nothing else is written";
   daemon.signal(SIGTERM);
   const auto end = first.next("end");
   EXPECT_GE(end["persons"].get<int>(), 3);
-  EXPECT_EQ(daemon.wait(), 0) << daemon.said();
+  EXPECT_EQ(daemon.wait(), 0) << daemon.messages();
   EXPECT_FALSE(std::filesystem::exists(socket()));
-  // Lines for the journal: a priority each, and nobody's measurements.
-  EXPECT_EQ(daemon.said().rfind("<6>", 0), 0U) << daemon.said();
-  EXPECT_NE(daemon.said().find("person 1 is measured"), std::string::npos);
-  EXPECT_EQ(daemon.said().find("mm"), std::string::npos);
+  // Lines for the journal: a priority each, and no measurements.
+  EXPECT_EQ(daemon.messages().rfind("<6>", 0), 0U) << daemon.messages();
+  EXPECT_NE(daemon.messages().find("person 1 is measured"), std::string::npos);
+  EXPECT_EQ(daemon.messages().find("mm"), std::string::npos);
 }
 
 TEST_F(Daemon, SurvivesTheLossOfItsCameraAgainAndAgain) {
   Manager manager(own_.path("notify"));
   DaemonRun daemon(config(camera("&fps=15&unplug_ms=900&replug_ms=300")),
                    {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "2000000"}}, err());
-  ASSERT_TRUE(manager.wait_for("READY=1")) << daemon.said();
+  ASSERT_TRUE(manager.wait_for("READY=1")) << daemon.messages();
   Client client(socket());
   for (int loss = 1; loss <= 5; ++loss) {
     const auto lost = client.next("camera", "LOST");
-    ASSERT_FALSE(lost.is_null()) << daemon.said();
+    ASSERT_FALSE(lost.is_null()) << daemon.messages();
     EXPECT_EQ(lost["serial"], "9");
     EXPECT_GE(lost["lost"].get<int>(), loss);
     const auto back = client.next("camera", "PRESENT");
-    ASSERT_FALSE(back.is_null()) << daemon.said();
+    ASSERT_FALSE(back.is_null()) << daemon.messages();
     EXPECT_EQ(back["recovered"], lost["lost"]);
   }
   daemon.signal(SIGTERM);
   EXPECT_TRUE(manager.wait_for("STOPPING=1"));
-  EXPECT_EQ(daemon.wait(), 0) << daemon.said();
+  EXPECT_EQ(daemon.wait(), 0) << daemon.messages();
 }
 
 TEST_F(Daemon, WaitsForACameraThatIsNotThereAndFeedsTheWatchdogMeanwhile) {
   Manager manager(own_.path("notify"));
   DaemonRun daemon(config("openni2:im2fit-virtual://9?folder=" + own_.path("no-such-folder")),
                    {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "400000"}}, err());
-  ASSERT_TRUE(manager.wait_for("READY=1")) << daemon.said();
+  ASSERT_TRUE(manager.wait_for("READY=1")) << daemon.messages();
   Client client(socket());
   EXPECT_EQ(client.next("camera")["state"], "WAITING");
-  EXPECT_GE(manager.count("WATCHDOG=1", std::chrono::seconds(3)), 4) << daemon.said();
+  EXPECT_GE(manager.count("WATCHDOG=1", std::chrono::seconds(3)), 4) << daemon.messages();
   daemon.signal(SIGTERM);
-  EXPECT_EQ(daemon.wait(), 0) << daemon.said();
+  EXPECT_EQ(daemon.wait(), 0) << daemon.messages();
 }
 
 // One frame a second: a watchdog fed by the loop instead of by frames would be fed ten times as often.
@@ -132,8 +132,8 @@ TEST_F(Daemon, TheWatchdogIsFedByFramesOnly) {
   Manager manager(own_.path("notify"));
   DaemonRun daemon(config(camera("&fps=1")), {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "400000"}}, err());
   Client client(socket());
-  ASSERT_FALSE(client.next("state").is_null()) << daemon.said();
-  (void)manager.count("", std::chrono::milliseconds(100));  // what was said before
+  ASSERT_FALSE(client.next("state").is_null()) << daemon.messages();
+  (void)manager.count("", std::chrono::milliseconds(100));  // what came before
   const int fed = manager.count("WATCHDOG=1", std::chrono::seconds(4));
   EXPECT_GE(fed, 1);
   EXPECT_LE(fed, 8);
@@ -152,10 +152,10 @@ TEST_F(Daemon, ASilentRecordingStarvesTheWatchdog) {
       config(own_.path("r.oni")),
       {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "400000"}, {"IM2FIT_ONI_READER", own_.path("slow.sh")}},
       err());
-  ASSERT_TRUE(manager.wait_for("READY=1")) << daemon.said();
+  ASSERT_TRUE(manager.wait_for("READY=1")) << daemon.messages();
   EXPECT_EQ(manager.count("WATCHDOG=1", std::chrono::seconds(3)), 0);
   EXPECT_EQ(daemon.wait(), 1) << "a recording that gives nothing is an error";
-  EXPECT_NE(daemon.said().find("<3>"), std::string::npos) << daemon.said();
+  EXPECT_NE(daemon.messages().find("<3>"), std::string::npos) << daemon.messages();
 #else
   GTEST_SKIP() << "no OpenNI2 in this build";
 #endif
@@ -163,31 +163,31 @@ TEST_F(Daemon, ASilentRecordingStarvesTheWatchdog) {
 
 TEST_F(Daemon, EndsWithItsRecording) {
   DaemonRun daemon(config(folder_->path("two")), {}, err());
-  EXPECT_EQ(daemon.wait(), 0) << daemon.said();
-  EXPECT_NE(daemon.said().find("person 2 is measured"), std::string::npos) << daemon.said();
+  EXPECT_EQ(daemon.wait(), 0) << daemon.messages();
+  EXPECT_NE(daemon.messages().find("person 2 is measured"), std::string::npos) << daemon.messages();
 }
 
 TEST_F(Daemon, ReadsItsConfigurationAgainAndKeepsASoundOne) {
   DaemonRun daemon(config(camera("&fps=15")), {}, err());
   Client client(socket());
-  ASSERT_FALSE(client.next("camera", "PRESENT").is_null()) << daemon.said();
+  ASSERT_FALSE(client.next("camera", "PRESENT").is_null()) << daemon.messages();
   const std::string sound = test::read_text(own_.path("im2fitd.yaml"));
   test::write_text(own_.path("im2fitd.yaml"), sound + "colour: red\n");
   daemon.signal(SIGHUP);
-  ASSERT_FALSE(client.next("measured").is_null()) << "a wrong file changes nothing: " << daemon.said();
-  EXPECT_NE(daemon.said().find("line 9: unknown key \"colour\""), std::string::npos) << daemon.said();
+  ASSERT_FALSE(client.next("measured").is_null()) << "a wrong file changes nothing: " << daemon.messages();
+  EXPECT_NE(daemon.messages().find("line 9: unknown key \"colour\""), std::string::npos) << daemon.messages();
   std::string moved = sound;
   moved.replace(moved.find(socket()), socket().size(), own_.path("t"));
   test::write_text(own_.path("im2fitd.yaml"), moved);
   daemon.signal(SIGHUP);
   EXPECT_FALSE(client.next("end").is_null());
   Client again(own_.path("t"));
-  ASSERT_TRUE(again.connected()) << daemon.said();
-  EXPECT_FALSE(again.next("measured").is_null()) << daemon.said();
+  ASSERT_TRUE(again.connected()) << daemon.messages();
+  EXPECT_FALSE(again.next("measured").is_null()) << daemon.messages();
   EXPECT_FALSE(std::filesystem::exists(socket()));
 }
 
-TEST_F(Daemon, AKilledOneLeavesNothingInTheWayOfTheNext) {
+TEST_F(Daemon, AKilledOneLeavesNothingThatBlocksTheNext) {
   {
     DaemonRun daemon(config(camera("&fps=15")), {}, err());
     Client client(socket());
@@ -198,10 +198,10 @@ TEST_F(Daemon, AKilledOneLeavesNothingInTheWayOfTheNext) {
   EXPECT_TRUE(std::filesystem::exists(socket()));
   DaemonRun daemon(config(camera("&fps=15")), {}, err());
   Client client(socket());
-  EXPECT_FALSE(client.next("camera", "PRESENT").is_null()) << daemon.said();
+  EXPECT_FALSE(client.next("camera", "PRESENT").is_null()) << daemon.messages();
   DaemonRun other(config(camera("&fps=15")), {}, own_.path("other"));
   EXPECT_EQ(other.wait(), 1) << "two daemons at one socket";
-  EXPECT_NE(other.said().find("another program listens"), std::string::npos) << other.said();
+  EXPECT_NE(other.messages().find("another program listens"), std::string::npos) << other.messages();
   EXPECT_FALSE(client.next("measured").is_null()) << "the first one did not notice";
 }
 

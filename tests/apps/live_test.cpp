@@ -9,7 +9,7 @@
 namespace im2fit {
 namespace {
 
-// Nobody, two people apart, made once.
+// No person, two people apart, made once.
 class Live : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -85,13 +85,13 @@ TEST_F(Live, CountEndsItAndOneNeedsNoFolderOfItsOwn) {
   EXPECT_EQ(run.out.find("person 2"), std::string::npos);
 }
 
-TEST_F(Live, DrawsThePicturesAskedFor) {
+TEST_F(Live, DrawsTheRequestedPictures) {
   const std::string pictures = folder_->path("pictures");
   const test::Run run = live({"--overlay", pictures, "--overlay-every", "3", "--count", "1", "--threads", "1"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::vector<std::string> names = test::files_in(pictures);
   std::sort(names.begin(), names.end());
-  EXPECT_EQ(names, (std::vector<std::string>{"000000.png", "000003.png"})) << "five frames were looked at";
+  EXPECT_EQ(names, (std::vector<std::string>{"000000.png", "000003.png"})) << "five frames were processed";
   EXPECT_TRUE(test::partial_files_in(pictures).empty());
 }
 
@@ -109,8 +109,8 @@ TEST_F(Live, ShowsItselfInTheTerminalAndLeavesItAsItWas) {
   EXPECT_NE(run.out.find("stature"), std::string::npos);
 }
 
-TEST_F(Live, NobodyMeasuredIsExitCodeThreeWithTheGuidance) {
-  const std::string out = folder_->path("nobody");
+TEST_F(Live, NoPersonMeasuredIsExitCodeThreeWithTheGuidance) {
+  const std::string out = folder_->path("no-person");
   const test::Run run = live({"--json", "--user", "77", "--out", out});
   EXPECT_EQ(run.exit_code, 3) << run.err;
   const auto all = events(run.out);

@@ -18,20 +18,20 @@ inline constexpr const char* kLab = IM2FIT_LAB_PROGRAM;
 
 // Failed (1): one line, nothing written. No measurement (3): one line, and result.json says what is needed.
 inline void expect_honest(const Run& run, const std::string& out) {
-  const std::string said = "stdout: " + run.out + "stderr: " + run.err;
-  EXPECT_THAT(partial_files_in(out), testing::IsEmpty()) << said;
+  const std::string printed = "stdout: " + run.out + "stderr: " + run.err;
+  EXPECT_THAT(partial_files_in(out), testing::IsEmpty()) << printed;
   if (run.exit_code == 0) {
     EXPECT_EQ(run.err, "");
     return;
   }
-  EXPECT_TRUE(is_one_line_of(run.err, "im2fit")) << said;
+  EXPECT_TRUE(is_one_line_of(run.err, "im2fit")) << printed;
   if (run.exit_code != 3) {
-    EXPECT_EQ(run.exit_code, 1) << said;
+    EXPECT_EQ(run.exit_code, 1) << printed;
     EXPECT_EQ(run.out, "");
     return;
   }
   const auto result = nlohmann::json::parse(read_text(out + "/result.json"), nullptr, false);
-  ASSERT_TRUE(result.is_object()) << said;
+  ASSERT_TRUE(result.is_object()) << printed;
   EXPECT_EQ(result["schema"], "im2fit.result/1");
   EXPECT_NE(result["state"], "MEASURED");
   EXPECT_TRUE(result["measurements"].is_object() && result["measurements"].empty()) << result["measurements"];

@@ -105,7 +105,7 @@ class Model {
   Result<JointModel> model_;
 };
 
-void look(const char* file, const Model& model, Seen& seen) {
+void detect(const char* file, const Model& model, Seen& seen) {
   const auto bytes = read_file((folder() / (std::string("depth-data-") + file)).string());
   ASSERT_TRUE(bytes);
   ASSERT_EQ(bytes->size(), std::size_t{2} * kWidth * kHeight);
@@ -113,12 +113,12 @@ void look(const char* file, const Model& model, Seen& seen) {
     seen.depth.push_back(static_cast<std::uint16_t>(std::to_integer<unsigned>((*bytes)[i]) |
                                                     std::to_integer<unsigned>((*bytes)[i + 1]) << 8U));
   Sensor sensor(kWidth, kHeight, model.joints());
-  // A still is a clip that stands still: who has no clear head is believed after six frames.
+  // A still is a clip that stands still: a person without a clear head is confirmed after six frames.
   for (int i = 0; i < 8; ++i)
     seen.detection = sensor.sense({seen.depth.data(), kWidth, kHeight}, kKinect, {seen.mask.data(), kWidth, kHeight});
 }
 
-// The model of a quick set-up (4,000 renders) may doubt somebody whom the full one (30,000) does not: of 24 looks
+// The model of a quick set-up (4,000 renders) may reject a person whom the full one (30,000) confirms: of 24 frames
 // with two seeds at 2,500 renders it did in four, at 4,000 in one.
 TEST(RealPeople, AreFoundAllByTheFullModelAndMostByAQuickOne) {
   if (const std::string why = missing(); !why.empty()) GTEST_SKIP() << why;
@@ -126,7 +126,7 @@ TEST(RealPeople, AreFoundAllByTheFullModelAndMostByAQuickOne) {
   int found = 0;
   for (const RealFrame& frame : kFrames) {
     Seen seen;
-    ASSERT_NO_FATAL_FAILURE(look(frame.file, model, seen));
+    ASSERT_NO_FATAL_FAILURE(detect(frame.file, model, seen));
     found += seen.detection.person.found ? 1 : 0;
   }
   EXPECT_GE(found, model.full() ? 12 : 10);
@@ -137,9 +137,9 @@ class RealFrames : public testing::TestWithParam<RealFrame> {
   void SetUp() override {
     if (const std::string why = missing(); !why.empty()) GTEST_SKIP() << why;
     model_.emplace();
-    ASSERT_NO_FATAL_FAILURE(look(GetParam().file, *model_, seen_));
+    ASSERT_NO_FATAL_FAILURE(detect(GetParam().file, *model_, seen_));
     if (!full_model() && !seen_.detection.person.found)
-      GTEST_SKIP() << "a quick model doubts it; RealPeople counts these";
+      GTEST_SKIP() << "a quick model rejects it; RealPeople counts these";
   }
 
   // A quick model takes 3 of 24 hands or elbows for the next joint of their arm, and 7

@@ -85,12 +85,12 @@ TEST_F(Record, AnOniHoldsWhatAFolderDoes) {
       const auto into_folder = record(source, plain, words);
       ASSERT_EQ(into_oni.exit_code, 0) << into_oni.err;
       ASSERT_EQ(into_folder.exit_code, 0) << into_folder.err;
-      auto said = nlohmann::json::parse(into_oni.out);
+      auto reported = nlohmann::json::parse(into_oni.out);
       auto expected = nlohmann::json::parse(into_folder.out);
-      EXPECT_EQ(said["path"], oni);
-      said.erase("path");
+      EXPECT_EQ(reported["path"], oni);
+      reported.erase("path");
       expected.erase("path");
-      EXPECT_EQ(said, expected);
+      EXPECT_EQ(reported, expected);
       ASSERT_EQ(record(oni, copy, {"--frames", "0"}).exit_code, 0);
       EXPECT_EQ(test::files_in(copy), test::files_in(plain));
       EXPECT_EQ(frame_files(copy), 28);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starting a program as a shell does, with what it said.
+// Starting a program as a shell does, with what it printed.
 #pragma once
 
 #include <fcntl.h>

@@ -16,7 +16,7 @@ class TurnRound : public test::MeasuredClip {
   static void SetUpTestSuite() { render({"--frames", kFrames, "--turn-after", std::to_string(kTurnAfter)}); }
 };
 
-TEST_F(TurnRound, IsMeasuredFromBothSidesWhenAskedFor) {
+TEST_F(TurnRound, IsMeasuredFromBothSidesWithTheOption) {
   const auto both = measured({"--turn", "--frames", "12"});
   EXPECT_EQ(both["state"], "MEASURED");
   EXPECT_EQ(both["views"], "front+back");
@@ -36,7 +36,7 @@ TEST_F(TurnRound, LiveAsksForItAndTellsTheStates) {
                                            test::tracker_path(), "--index", test::index_path()});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::vector<std::string> states;
-  bool asked = false;
+  bool requested = false;
   std::istringstream lines(run.out);
   for (std::string line; std::getline(lines, line);) {
     const auto event = nlohmann::json::parse(line, nullptr, false);
@@ -49,9 +49,9 @@ TEST_F(TurnRound, LiveAsksForItAndTellsTheStates) {
     const auto& codes = event["guidance"];
     const bool now = std::find(codes.begin(), codes.end(), "TURN_ROUND") != codes.end();
     EXPECT_FALSE(now && event["state"] != "TURNING") << line;
-    asked = asked || now;
+    requested = requested || now;
   }
-  EXPECT_TRUE(asked);
+  EXPECT_TRUE(requested);
   ASSERT_GE(states.size(), 2U);
   EXPECT_EQ(states.back(), "MEASURED");
   EXPECT_EQ(states[states.size() - 2], "TURNING");

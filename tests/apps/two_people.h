@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A depth folder of two rendered people who come one after the other, with nobody between.
+// A depth folder of two rendered people who come one after the other, with no person between.
 #pragma once
 
 #include <string>
@@ -29,7 +29,7 @@ inline void append_person(const body::BodyModel& model, std::uint64_t person, in
   }
 }
 
-// `empty_end`: nobody after the second either, for a folder that is played round and round.
+// `empty_end`: no person after the second either, for a folder that is played round and round.
 inline void write_two_people(const std::string& folder, int frames_each = kFramesEach, bool empty_end = false) {
   const auto model = body::BodyModel::load(body_path());
   ASSERT_TRUE(model) << model.error().message;

@@ -50,7 +50,7 @@ TEST(DamagedBody, AttacksAreRefusedOrGiveFiniteMeshes) {
     ++accepted;
     ASSERT_TRUE(*sane) << "attack " << i;
   }
-  EXPECT_GT(accepted, 2000);  // else the checksums still stood in the way
+  EXPECT_GT(accepted, 2000);  // else the checksums still refuse them
 }
 
 }  // namespace

@@ -61,19 +61,19 @@ TEST(FitRows, SlopesAreThoseOfEachCoefficientAlone) {
     const auto count = static_cast<std::size_t>(1 + rng.index(64));
     const std::size_t parts = 1 + static_cast<std::size_t>(trial) % kPartsMax;
     std::vector<std::vector<float>> rows;
-    SlopeParts asked{{}, {}, parts, count};
+    SlopeParts wanted{{}, {}, parts, count};
     for (std::size_t p = 0; p < parts; ++p) {
       rows.push_back(random_values(rng, 3 * count, 20));
-      for (float& n : asked.along[p]) n = static_cast<float>(rng.uniform(-1, 1));
+      for (float& n : wanted.along[p]) n = static_cast<float>(rng.uniform(-1, 1));
     }
-    for (std::size_t p = 0; p < parts; ++p) asked.rows[p] = rows[p].data();
+    for (std::size_t p = 0; p < parts; ++p) wanted.rows[p] = rows[p].data();
     for (const FitLoops* loops : variants()) {
       std::vector<float> out(count, 99);
-      loops->add_slopes(asked, out.data());
+      loops->add_slopes(wanted, out.data());
       for (std::size_t k = 0; k < count; ++k) {
         float expected = 0;
         for (std::size_t p = 0; p < parts; ++p) {
-          const auto& n = asked.along[p];
+          const auto& n = wanted.along[p];
           const float slope = n[0] * rows[p][k] + n[1] * rows[p][count + k] + n[2] * rows[p][2 * count + k];
           expected = p == 0 ? slope : expected + slope;
         }

@@ -69,7 +69,7 @@ TEST_F(Jacobian, IsTheDifferenceOfPlaces) {
 
       const auto expect_slopes = [&](const Place& less, const Place& more, float step, float of_point,
                                      float of_bone) {
-        // Places are a metre in float32 (0.06 um), turns bend the way by a third of the step's square.
+        // Places are a metre in float32 (0.06 um), turns bend the path by a third of the step's square.
         EXPECT_NEAR(dot(n, more.point - less.point) / (2 * step), of_point, 0.05 + 1e-3 * std::fabs(of_point));
         EXPECT_NEAR(dot(n, more.bone - less.bone) / (2 * step), of_bone, 0.05 + 1e-3 * std::fabs(of_bone));
       };
@@ -179,7 +179,7 @@ TEST(ShapeFitter, FindsPeopleAPerfectCameraSeesFromBothSides) {
 }
 
 // Of each point of the fit: along the true skin's normal, how far it lies outside the nearest vertex' plane; both as
-// camera `view` sees them. Nothing for points off the `back` of the trunk, when asked.
+// camera `view` sees them. Nothing for points off the `back` of the trunk, with it set.
 std::vector<double> off_the_skin(ShapeFitter& fitter, const SeenPerson& person, std::size_t view, bool back) {
   const ShapeSpace& space = real_body()->shape_space();
   const std::vector<Vec3f>& mesh = person.in_camera[view];
@@ -195,8 +195,8 @@ std::vector<double> off_the_skin(ShapeFitter& fitter, const SeenPerson& person, 
     std::size_t nearest = 0;
     float best = 1e9F;
     for (std::size_t v = 0; v < mesh.size(); ++v)
-      if (const Vec3f way = mesh[v] - points[i]; dot(way, way) < best) {
-        best = dot(way, way);
+      if (const Vec3f offset = mesh[v] - points[i]; dot(offset, offset) < best) {
+        best = dot(offset, offset);
         nearest = v;
       }
     const Vec3f n = normalized(normals[nearest]);

@@ -21,10 +21,10 @@ Mat3f turned(float about_y, float about_z) {
   return m;
 }
 
-constexpr std::size_t kUpperArm = 3;  // of the left, in kToldLimbs
-static_assert(kToldLimbs[kUpperArm / 3] == Segment::left_upper_arm);
+constexpr std::size_t kUpperArm = 3;  // of the left, in kGirthLimbs
+static_assert(kGirthLimbs[kUpperArm / 3] == Segment::left_upper_arm);
 
-TEST(LimbAxes, FollowALimbAndNotTheWayTheBodyFaces) {
+TEST(LimbAxes, FollowALimbAndNotTheFacingDirection) {
   constexpr float kPi = 3.14159265F;
   for (const float facing : {0.0F, 0.3F, kPi / 2, kPi}) {
     Pose pose;
@@ -53,7 +53,8 @@ TEST(LimbAxes, OfAPelvisThatLiesOnItsSidePointUpAlone) {
   for (std::size_t i = 0; i < kLimbValues; ++i) EXPECT_EQ(axes[i], i % 3 == 1 ? 1 : 0) << i;
 }
 
-// The same person with arms at 12 and at 30 degrees: the fit says which way each upper arm moved, in both views.
+// The same person with arms at 12 and at 30 degrees: the fit says in which direction each upper arm moved, in both
+// views.
 TEST(LimbAxes, OfAFitSayHowArmsAreHeld) {
   IM2FIT_NEEDS_SPACE();
   ShapeFitter fitter(real_body()->shape_space());
@@ -67,8 +68,8 @@ TEST(LimbAxes, OfAFitSayHowArmsAreHeld) {
     for (const float v : fitter.first_alone().limbs[1]) EXPECT_TRUE(std::isnan(v));
   }
   const std::size_t at =
-      3 * static_cast<std::size_t>(std::find(kToldLimbs.begin(), kToldLimbs.end(), Segment::right_upper_arm) -
-                                   kToldLimbs.begin());
+      3 * static_cast<std::size_t>(std::find(kGirthLimbs.begin(), kGirthLimbs.end(), Segment::right_upper_arm) -
+                                   kGirthLimbs.begin());
   for (std::size_t v = 0; v < kFitViewMax; ++v) {
     // Along the arms x points outwards on the left and inwards on the right: raised, it turns up there and down here.
     const auto raised_deg = [&](std::size_t value, std::size_t i) {

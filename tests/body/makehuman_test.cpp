@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kStray = "breast/female-old-minmuscle-minweight-maxcup-averagefirmness";
 
-// Weight of a macro target read off its name, the way docs/makehuman.md words it.
+// Weight of a macro target read off its name, as docs/makehuman.md words it.
 double weight_by_name(const std::string& path, const Params& p) {
   const auto tri = [](double v, const std::string& word) {
     const double max = std::max(0.0, 2 * v - 1), min = std::max(0.0, 1 - 2 * v);
@@ -166,7 +166,7 @@ TEST_P(Layout, StomachToneIsSwappedBackInTheNpmPackageOnly) {
   EXPECT_NEAR(moved(model, p, incr), npm() ? 10 : 0, 1e-3);
 }
 
-TEST_P(Layout, BrokenHalvesMirrorTheSoundOnesInTheNpmPackageOnly) {
+TEST_P(Layout, BrokenSidesMirrorTheSoundOnesInTheNpmPackageOnly) {
   constexpr int kLeft = 200, kRight = 201;  // a mirror pair
   fake_.base[kLeft] = {0.9, 3.3, 0.4};
   fake_.base[kRight] = {-0.9, 3.3, 0.4};
@@ -199,7 +199,7 @@ TEST_P(Layout, ModifiersAnswerToOneNameInBothLayouts) {
   const int arm = both("measure/measure-upperarm-length-decr", "measure/measure-upperarmlenght-decrease");
   const int left = both("armslegs/l-upperleg-fat-incr", "armslegs/l-upperleg-fat");
   const int right = both("armslegs/r-upperleg-fat-incr", "armslegs/r-upperleg-fat");
-  const int thin = both("armslegs/r-upperleg-fat-decr", "armslegs/r-upperleg-skinny");
+  const int slim = both("armslegs/r-upperleg-fat-decr", "armslegs/r-upperleg-skinny");
   const int legs = both("armslegs/upperlegs-height-incr", "legs/legs-upperlegheight-incr");
   const int round = both("head/head-round", "head/head-round");
   const BodyModel model = pack();
@@ -215,7 +215,7 @@ TEST_P(Layout, ModifiersAnswerToOneNameInBothLayouts) {
   EXPECT_NEAR(moved(model, with("measure/measure-upperarm-length", -1), arm), 10, 1e-3);
   EXPECT_NEAR(moved(model, with("armslegs/upperleg-fat", 1), left), 10, 1e-3);
   EXPECT_NEAR(moved(model, with("armslegs/upperleg-fat", 1), right), 10, 1e-3);
-  EXPECT_NEAR(moved(model, with("armslegs/upperleg-fat", -1), thin), 10, 1e-3);
+  EXPECT_NEAR(moved(model, with("armslegs/upperleg-fat", -1), slim), 10, 1e-3);
   EXPECT_NEAR(moved(model, with("armslegs/l-upperleg-fat", 1), left), 10, 1e-3);
   EXPECT_NEAR(moved(model, with("armslegs/l-upperleg-fat", 1), right), 0, 1e-6);
   EXPECT_NEAR(moved(model, with("armslegs/upperlegs-height", 1), legs), 10, 1e-3);

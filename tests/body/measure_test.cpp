@@ -64,10 +64,10 @@ TEST(Solve, ThirtyPeopleGetTheirStatureAndWeight) {
 }
 
 // Where the weight slider ends a set of modifiers goes on, each with a kink where it changes sign.
-TEST(Solve, ThinAndHeavyPeopleGetTheirsWhicheverWayTheirModifiersPoint) {
+TEST(Solve, LightAndHeavyPeopleGetTheirsWhereverTheirModifiersPoint) {
   IM2FIT_NEEDS_BODY();
   const BodyModel& model = *real_body();
-  int thin = 0, heavy = 0;
+  int light = 0, heavy = 0;
   const auto solve = [&](float others, float buttocks, float muscle, double index) {
     Params p;
     p.gender = 1;
@@ -83,7 +83,7 @@ TEST(Solve, ThinAndHeavyPeopleGetTheirsWhicheverWayTheirModifiersPoint) {
     set("buttocks/buttocks-volume", buttocks);
     const double weight_kg = index * 1.76 * 1.76;
     if (!solve_stature_and_weight(model, p, 1760, weight_kg)) return;
-    thin += p.weight == 0 ? 1 : 0;
+    light += p.weight == 0 ? 1 : 0;
     heavy += p.weight == 1 ? 1 : 0;
     const MeasurementValues got = measure_person(model, p);
     ASSERT_NEAR(value(got, Measurement::stature), 1760, 0.5) << others << " " << buttocks << " " << index;
@@ -93,7 +93,7 @@ TEST(Solve, ThinAndHeavyPeopleGetTheirsWhicheverWayTheirModifiersPoint) {
     for (const float buttocks : {-0.3F, 0.3F})
       for (const float others : {-0.4F, 0.0F, 0.4F})
         for (double index = 17; index < 36; index += 0.4) solve(others, buttocks, muscle, index);
-  EXPECT_GT(thin, 20);
+  EXPECT_GT(light, 20);
   EXPECT_GT(heavy, 100);
 }
 
@@ -118,7 +118,7 @@ TEST(Solve, WhatCannotBeReachedSaysSoAndGivesTheNearest) {
 TEST(Density, FallsFromLeanToObese) {
   EXPECT_EQ(density_kg_m3(1800, 50), 1010);
   EXPECT_EQ(density_kg_m3(1600, 150), 985);
-  EXPECT_NEAR(density_kg_m3(1000, 30), 997.5, 1e-9);  // half way between 18 and 42 l/m^2
+  EXPECT_NEAR(density_kg_m3(1000, 30), 997.5, 1e-9);  // midway between 18 and 42 l/m^2
 }
 
 // The tape's length by Cauchy's formula on every crossing of the level y with triangles that `keep` allows.

@@ -81,7 +81,7 @@ TEST(RealBody, StatureDoesNotDependOnAgesBrokenHeightTargets) {
         low.muscle = high.muscle = muscle;
         low.weight = high.weight = weight;
         const auto a = morphed(model, low), b = morphed(model, high);
-        // The same head lift for everybody: the crown's way from the lowest to the highest slider.
+        // The same head lift for all: how far the crown moves from the lowest to the highest slider.
         EXPECT_NEAR(stature_mm(model, b) - stature_mm(model, a), 2454 - 1364, 2.5) << age << muscle << weight;
       }
 }
@@ -182,7 +182,7 @@ TEST(RealBody, MovesBetweenTwoPeopleAreTheDifferencesOfTheirMeshes) {
   b.modifiers.assign(model.modifier_names().size(), 0.0F);
   b.modifiers[3] = -0.5F;
   const auto from = morphed(model, a), to = morphed(model, b);
-  // The mesh of one; from it half of the way, begun at zero; all of the way, begun at the other's mesh.
+  // The mesh of one; from it half of the step, begun at zero; the whole step, begun at the other's mesh.
   std::vector<Vec3f> mesh(from.size()), half(from.size()), whole = from;
   const std::array<BodyModel::BodyMove, BodyModel::kBodyMovesMax> moves = {
       {{nullptr, &b, 1, mesh}, {&a, &b, 0.5F, half}, {&a, &b, 1, whole}}};

@@ -43,7 +43,7 @@ TEST(Rotation, BetweenTakesOneDirectionToTheOther) {
     EXPECT_LT(norm(r * a - b), 5e-3F);
     EXPECT_LT(distance_to_identity(r * transpose(r)), 1e-4);
     EXPECT_NEAR(determinant(r), 1, 1e-4);
-    // Smallest: it turns nothing about its own way, so the trace is 1 + 2 cos of the angle between them.
+    // Smallest: it turns nothing about its own axis, so the trace is 1 + 2 cos of the angle between them.
     EXPECT_NEAR(r.m[0] + r.m[4] + r.m[8], 1 + 2 * dot(a, b), 1e-3);
   }
   EXPECT_EQ(distance_to_identity(rotation_between({}, {0, 1, 0})), 0);

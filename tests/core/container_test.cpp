@@ -127,8 +127,8 @@ TEST(PagedSection, EveryFlippedByteIsFoundWhereItIsRead) {
     const auto all = pages->check_all();
     ASSERT_FALSE(all);
     EXPECT_EQ(all.error().code, ErrorCode::corrupt);
-    for (const char* said : {"bodies.i2f", "'large'"})
-      EXPECT_NE(all.error().message.find(said), std::string::npos) << all.error().message;
+    for (const char* expected : {"bodies.i2f", "'large'"})
+      EXPECT_NE(all.error().message.find(expected), std::string::npos) << all.error().message;
     EXPECT_TRUE(reader->section("small"));
   }
 }

@@ -34,7 +34,7 @@ Raw vqrdmulh(Raw a, Raw b) {
   return static_cast<Raw>(value > kMax ? kMax : value);
 }
 
-// What overflows traps in a checked build (fixed_checked_test), so only a plain one may be asked.
+// What overflows traps in a checked build (fixed_checked_test), so only a plain one is tested.
 bool may_try(bool fits) {
   return fits || !kFixedIsChecked;
 }

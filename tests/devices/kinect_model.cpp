@@ -260,7 +260,7 @@ void KinectCameraModel::step() {
   ++frames_ended_;
 }
 
-// What nobody fetches in time is gone, the numbers of its packets with it.
+// What is not fetched in time is gone, the numbers of its packets with it.
 void KinectCameraModel::catch_up(std::int64_t now_us) {
   while (now_us - (frame_start_us(frame_) + packet_ * kMicroframe_us) > kPatience_us) {
     (packet_ == 0 ? unsent_ : spoiled_).insert(frame_);

@@ -72,7 +72,7 @@ class KinectCameraModel final : public UsbDevice {
   KinectFaults& faults() { return settings_.faults; }
   bool streaming() const;  // all registers are as they must be for packed 11-bit depth
   // Since the stream's start: frames whose last packet's turn is over; those of them with a packet lost or cut; those
-  // nobody fetched anything of.
+  // nothing was fetched of.
   std::uint64_t frames_ended() const { return frames_ended_; }
   const std::set<std::uint64_t>& spoiled() const { return spoiled_; }
   const std::set<std::uint64_t>& unsent() const { return unsent_; }

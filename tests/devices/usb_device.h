@@ -35,7 +35,7 @@ class UsbDevice {
                                                            std::span<const std::uint8_t> out,
                                                            std::int64_t now_us) = 0;
   // The next packet of an isochronous or bulk IN endpoint at `now_us`, at most `size_max` bytes. Empty: nothing to
-  // send yet (isochronous: an empty packet; bulk: the device answers NAK and is asked again).
+  // send yet (isochronous: an empty packet; bulk: the device answers NAK and is polled again).
   virtual std::vector<std::uint8_t> read_packet(std::uint8_t endpoint, std::size_t size_max, std::int64_t now_us) = 0;
 };
 

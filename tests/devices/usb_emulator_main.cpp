@@ -155,7 +155,7 @@ void say(const char* what) {
   std::fflush(stdout);
 }
 
-// Plugged in for `duration_ms` (0: until told to end). True when the program is to end.
+// Plugged in for `duration_ms` (0: until a signal). True when the program is to end.
 Result<bool> plug_in(UsbDevice& device, long long duration_ms) {
   const auto attached = attach_to_vhci();
   if (!attached) return attached.error();

@@ -107,7 +107,7 @@ TEST(UsbipHost, AnswersControlRequestsAndStalls) {
   EXPECT_THAT(kernel.answer(), testing::ElementsAre(3, 5, 0, 0, 0, 0, 4, 0, 0, 0, 0, 0));
   EXPECT_THAT(kernel.bytes(4), testing::ElementsAre(18, 1, 0, 2));
   kernel.submit(6, true, 0, 3, {}, {0xC0, 1, 0, 0, 0, 0, 3, 0});
-  EXPECT_EQ(kernel.answer()[6], 3) << "no more than was asked for";
+  EXPECT_EQ(kernel.answer()[6], 3) << "no more than was requested";
   EXPECT_THAT(kernel.bytes(3), testing::ElementsAre(9, 8, 7));
   kernel.submit(7, false, 0, 2, {}, {0x40, 1, 0, 0, 0, 0, 2, 0}, {0xAB, 0xCD});
   EXPECT_THAT(kernel.answer(), testing::ElementsAre(3, 7, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0));

@@ -43,7 +43,8 @@ UvcModel::UvcModel(const UvcSettings& settings, std::vector<std::vector<std::uin
     : settings_(settings), frames_(std::move(frames)), rng_(settings.seed) {}
 
 Bytes UvcModel::device_descriptor() const {
-  // A miscellaneous device with interface associations, as UVC asks for; Intel's number, a product of nobody.
+  // A miscellaneous device with interface associations, as UVC requires; Intel's number, a product that does not
+  // exist.
   Bytes d;
   put(d, {18, 1, 0x00, 0x02, 0xEF, 2, 1, 64, 0x86, 0x80, 0x01, 0x0A, 0x00, 0x01, 2, 1, 3, 1});
   return d;

@@ -16,7 +16,7 @@ struct UvcSettings {
   int fps = 30;
   bool isochronous = false;
   std::string serial = "Z16-0001";
-  // Of payloads, parts in a million: lost on the way, or marked by the camera as damaged (and then filled with
+  // Of payloads, parts in a million: lost in transit, or marked by the camera as damaged (and then filled with
   // nonsense).
   int loss_ppm = 0;
   int damage_ppm = 0;
@@ -64,8 +64,8 @@ class UvcModel final : public UsbDevice {
   Rng rng_;
   Counts counts_;
   bool streaming_ = false;
-  bool begun_ = false;       // the clock of the stream runs from the first packet asked for
-  std::uint64_t index_ = 0;  // of the frame under way
+  bool begun_ = false;       // the clock of the stream runs from the first packet requested
+  std::uint64_t index_ = 0;  // of the frame being sent
   std::size_t sent_ = 0;     // its bytes
   std::int64_t due_us_ = 0;  // when it may begin
 };

@@ -23,7 +23,7 @@ TEST(Age, HundredPeopleOfOneToAHundredYears) {
   EXPECT_NEAR(age.bands[3], 36.0 / 101, 1e-5);
 }
 
-TEST(Age, OneAndNobody) {
+TEST(Age, OneAndNone) {
   std::vector<float> one = {30};
   const AgeAnswer age = age_among(one);
   EXPECT_EQ(age.years.low, 30);

@@ -5,8 +5,21 @@
 #include "engine/c_handle.h"
 #include "fake_stages.h"
 
-extern "C" im2fit_handle* open_with_fake_stages(const im2fit_settings* settings) {
+namespace {
+
+im2fit::Result<std::unique_ptr<im2fit_handle>> open_on_fake_stages(const im2fit_settings& settings) {
   static im2fit::test::FakeStages::Control control;
-  auto handle = im2fit::open_c_handle(*settings, std::make_unique<im2fit::test::FakeStages>(control));
+  return im2fit::open_c_handle(settings, std::make_unique<im2fit::test::FakeStages>(control));
+}
+
+}  // namespace
+
+extern "C" im2fit_handle* open_with_fake_stages(const im2fit_settings* settings) {
+  auto handle = open_on_fake_stages(*settings);
   return handle ? handle->release() : nullptr;
+}
+
+extern "C" int status_of_opening(const im2fit_settings* settings) {
+  const auto handle = open_on_fake_stages(*settings);
+  return handle ? static_cast<int>(IM2FIT_OK) : im2fit::status_of(handle.error().code);
 }

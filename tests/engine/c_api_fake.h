@@ -7,7 +7,8 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-im2fit_handle* open_with_fake_stages(const im2fit_settings* settings);
+im2fit_handle* open_with_fake_stages(const im2fit_settings* settings); /* NULL: it failed */
+int status_of_opening(const im2fit_settings* settings);                /* opens and closes again */
 #ifdef __cplusplus
 }
 #endif

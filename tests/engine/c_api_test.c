@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The C interface as a C program uses it, on stages that read their story from the pixels: the first four say whether
- * somebody is there, the guidance, whether the fuser refuses, and the pose. */
+ * a person is there, the guidance, whether the fuser refuses, and the pose. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "c_api_fake.h"
 #include "c_check.h"
+#include "tests/devices/thread_starts.h"
 
 enum { WIDTH = 16, HEIGHT = 12, PIXELS = WIDTH * HEIGHT };
 
@@ -213,8 +214,8 @@ static void structs_may_grow(void) {
   im2fit_close(handle);
 }
 
-/* A caller built with the header before user_id: the field is not read. */
-static void settings_of_the_first_header_still_open(void) {
+/* A caller whose struct ends before user_id: the fields from there on are not read. */
+static void shorter_settings_still_open(void) {
   struct {
     im2fit_settings settings;
     char more[16];
@@ -234,6 +235,15 @@ static void settings_of_the_first_header_still_open(void) {
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_NOT_FOUND);
   newer.more[15] = 1;
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_UNSUPPORTED);
+}
+
+static void threads_that_cannot_be_started_are_an_error(void) {
+  const im2fit_settings settings = small_settings();
+  for (int started = 0; started < 2; ++started) {
+    fail_thread_start_after(started);
+    CHECK(status_of_opening(&settings) == IM2FIT_ERROR_IO);
+  }
+  CHECK(status_of_opening(&settings) == IM2FIT_OK);
 }
 
 static void push_person(im2fit_handle* handle, int found, int user, int view, int x_mm, int count) {
@@ -291,7 +301,7 @@ static void one_person_after_the_other(int single_thread) {
   im2fit_close(handle);
 }
 
-static void only_the_user_asked_for(void) {
+static void only_the_requested_user(void) {
   im2fit_settings settings = small_settings();
   settings.user_id = 2;
   im2fit_handle* handle = open_with_fake_stages(&settings);
@@ -331,7 +341,7 @@ static void front_then_back(int single_thread) {
   im2fit_result r;
   size_t count = 0;
   push_person(handle, 1, 4, IM2FIT_VIEW_FRONT, 0, 12);
-  CHECK(im2fit_select_user(handle, 0) == IM2FIT_OK); /* no change, but waits for the frames under way */
+  CHECK(im2fit_select_user(handle, 0) == IM2FIT_OK); /* no change, but waits for the frames in the pipeline */
   CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
   CHECK(r.state == IM2FIT_STATE_TURNING && strcmp(im2fit_state_name(r.state), "TURNING") == 0);
   CHECK(r.guidance == IM2FIT_GUIDANCE_TURN_ROUND && strcmp(im2fit_guidance_name(13), "TURN_ROUND") == 0);
@@ -353,10 +363,11 @@ int main(void) {
   refuses_bad_frames_and_says_why();
   pumps_an_attached_source();
   structs_may_grow();
-  settings_of_the_first_header_still_open();
+  shorter_settings_still_open();
+  threads_that_cannot_be_started_are_an_error();
   one_person_after_the_other(0);
   one_person_after_the_other(1);
-  only_the_user_asked_for();
+  only_the_requested_user();
   front_then_back(0);
   front_then_back(1);
   return check_failures == 0 ? 0 : 1;

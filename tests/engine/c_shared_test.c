@@ -84,7 +84,7 @@ static void opening_fails_cleanly(void) {
   im2fit_close(NULL);
 }
 
-static void an_empty_room_has_nobody(void) {
+static void an_empty_room_has_no_person(void) {
   im2fit_settings s = kinect_settings();
   s.tracker_path = getenv("IM2FIT_TRACKER");
   s.index_path = getenv("IM2FIT_INDEX");
@@ -123,7 +123,7 @@ int main(void) {
   names_and_version();
   opening_fails_cleanly();
   if (names_a_file("IM2FIT_TRACKER") && names_a_file("IM2FIT_INDEX") && names_a_file("IM2FIT_BODY"))
-    an_empty_room_has_nobody();
+    an_empty_room_has_no_person();
   else
     puts("IM2FIT_TRACKER, IM2FIT_INDEX, IM2FIT_BODY name no files: the session on real files is left out");
   return check_failures == 0 ? 0 : 1;

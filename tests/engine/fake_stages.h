@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stages that read what they "see" from the first pixels of a frame, so that a test writes the whole story of a
-// session as frames. The answer is an exact function of the frames gathered, worked out again by the tests. With both
-// sides it is the front's value plus a hundredth of the back's.
+// session as frames. The answer is an exact function of the frames accumulated, worked out again by the tests. With
+// both sides it is the front's value plus a hundredth of the back's.
 #pragma once
 
 #include <atomic>
@@ -68,19 +68,19 @@ class FakeStages final : public FrameStages {
     std::atomic<int> fit_delay_us{0};
     std::atomic<bool> describable{true};
     std::atomic<bool> back_describable{true};
-    std::atomic<bool> damaged{false};  // the index, where the person measured would ask it
+    std::atomic<bool> damaged{false};  // the index, where the person measured would read it
   };
   explicit FakeStages(Control& control) : control_(control) {}
 
   void before_sense(float, int user) override { user_ = user; }
-  // Who stands there is seen by who asks for him, or for anybody.
+  // The person is found when selected by id, or when any person is wanted.
   Detection sense(DepthView depth, const Intrinsics&, MaskImage mask) override {
     ++control_.sense_calls;
     pause(control_.sense_delay_us);
     Detection detection;
     detection.person.found = depth.at(0, 0) != 0 && (user_ == 0 || user_ == depth.at(4, 0));
     detection.person.id = detection.person.found ? depth.at(4, 0) : 0;
-    // Everybody in view: the one asked for or not.
+    // All people in view: the one selected or not.
     if (depth.at(0, 0) != 0) {
       detection.user_count = 1;
       detection.users[0].id = depth.at(4, 0);

@@ -10,6 +10,8 @@
 #include "engine/engine.h"
 #include "engine/user_lock.h"
 #include "pipeline_rig.h"
+#include "tests/devices/process_state.h"
+#include "tests/devices/thread_starts.h"
 
 namespace im2fit {
 namespace {
@@ -25,14 +27,33 @@ constexpr GuidanceSet kMoving = static_cast<GuidanceSet>(Guidance::moving);
 using test::Rig;
 using test::with;
 
-class BothWays : public testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(Threads, BothWays, testing::Values(false, true),
+// Neither the program nor a thread is left behind: not one, and not the other with the first already running.
+TEST(Engine, SaysThatAThreadCannotBeStarted) {
+  std::thread([] {}).join();  // the thread sanitizer keeps one of its own from the first on
+  const int threads = devices::threads();
+  FakeStages::Control control;
+  for (const int started : {0, 1}) {
+    fail_thread_start_after(started);
+    const auto engine = create_engine(small_settings(), std::make_unique<FakeStages>(control));
+    ASSERT_FALSE(engine) << started;
+    EXPECT_EQ(engine.error().code, ErrorCode::io);
+    EXPECT_NE(engine.error().message.find("single thread"), std::string::npos) << engine.error().message;
+    // A joined thread may be seen for a moment more.
+    for (int i = 0; i < 200 && devices::threads() > threads; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_EQ(devices::threads(), threads) << started;
+  }
+  EXPECT_TRUE(create_engine(small_settings(), std::make_unique<FakeStages>(control)));
+}
+
+class Threading : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Threads, Threading, testing::Values(false, true),
                          [](const auto& info) { return info.param ? "one" : "two"; });
 
-// A damaged index is asked once; then every push says so, until somebody else is measured.
-TEST_P(BothWays, ADamagedIndexEndsTheSessionWithItsError) {
+// A damaged index is queried once; then every push fails, until another person is measured.
+TEST_P(Threading, ADamagedIndexEndsTheSessionWithItsError) {
   Rig rig(with(GetParam()));
-  const auto told = [&](const Status& status) {
+  const auto reported = [&](const Status& status) {
     return !status && status.error().code == ErrorCode::corrupt &&
            status.error().message.find("people.i2f") != std::string::npos;
   };
@@ -46,7 +67,7 @@ TEST_P(BothWays, ADamagedIndexEndsTheSessionWithItsError) {
   rig.control.damaged = true;
   for (int i = 0; i < 25; ++i) (void)push();
   rig.engine->finish();
-  EXPECT_TRUE(told(rig.engine->fault()));
+  EXPECT_TRUE(reported(rig.engine->fault()));
   EXPECT_FALSE(rig.engine->result().measured);
   EXPECT_EQ(rig.control.measure_calls, 1);
   rig.engine->reset();
@@ -54,14 +75,14 @@ TEST_P(BothWays, ADamagedIndexEndsTheSessionWithItsError) {
 
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(push());
   rig.engine->finish();  // enough to measure with
-  EXPECT_TRUE(told(rig.engine->fault()));
+  EXPECT_TRUE(reported(rig.engine->fault()));
   EXPECT_EQ(rig.control.measure_calls, 2);
   rig.engine->reset();
 
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(push());
   Status last = Ok{};
   for (int i = 0; i < 10000 && last; ++i) last = push();
-  EXPECT_TRUE(told(last));
+  EXPECT_TRUE(reported(last));
 
   rig.control.damaged = false;
   rig.engine->next_person();
@@ -72,7 +93,7 @@ TEST_P(BothWays, ADamagedIndexEndsTheSessionWithItsError) {
   EXPECT_TRUE(rig.engine->result().measured);
 }
 
-TEST_P(BothWays, MeasuresAfterTheWantedFramesAndOnlyOnce) {
+TEST_P(Threading, MeasuresAfterTheWantedFramesAndOnlyOnce) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 4; ++i) rig.push({.found = false});
   for (int i = 0; i < 3; ++i) rig.push({.guidance = kNear});
@@ -103,7 +124,7 @@ TEST_P(BothWays, MeasuresAfterTheWantedFramesAndOnlyOnce) {
   EXPECT_EQ(rig.engine->fused_mask().width, 1);
 }
 
-TEST_P(BothWays, TheEndOfTheStreamMeasuresFromTheFewestFramesOn) {
+TEST_P(Threading, TheEndOfTheStreamMeasuresFromTheFewestFramesOn) {
   for (const int frames : {2, 3, 9}) {
     Rig rig(with(GetParam()));
     for (int i = 0; i < frames; ++i) rig.push({});
@@ -118,7 +139,7 @@ TEST_P(BothWays, TheEndOfTheStreamMeasuresFromTheFewestFramesOn) {
   }
 }
 
-TEST_P(BothWays, WithoutFramesFinishGivesNoMeasurement) {
+TEST_P(Threading, WithoutFramesFinishGivesNoMeasurement) {
   Rig rig(with(GetParam()));
   rig.engine->finish();
   rig.engine->finish();
@@ -131,7 +152,7 @@ TEST_P(BothWays, WithoutFramesFinishGivesNoMeasurement) {
   EXPECT_THAT(late.error().message, testing::HasSubstr("reset()"));
 }
 
-TEST_P(BothWays, WhatCannotBeDescribedIsGatheredAgainAndSaysTooNoisy) {
+TEST_P(Threading, WhatCannotBeDescribedIsAccumulatedAgainAndSaysTooNoisy) {
   Rig rig(with(GetParam()));
   rig.control.describable = false;
   for (int i = 0; i < 25; ++i) rig.push({});
@@ -142,7 +163,7 @@ TEST_P(BothWays, WhatCannotBeDescribedIsGatheredAgainAndSaysTooNoisy) {
   EXPECT_EQ(rig.control.measure_calls, 3) << "after 10, after 20, and the 5 at the end";
 }
 
-TEST_P(BothWays, ResetForgetsThePersonAndStartsAgain) {
+TEST_P(Threading, ResetForgetsThePersonAndStartsAgain) {
   Rig rig(with(GetParam()));
   for (int round = 0; round < 3; ++round) {
     for (int i = 0; i < 12; ++i) rig.push({.value = 2000});
@@ -160,7 +181,7 @@ TEST_P(BothWays, ResetForgetsThePersonAndStartsAgain) {
   EXPECT_EQ(rig.engine->result().measured_joints[Joint::HE].x, 9.0F) << "the sensor was reset too";
 }
 
-TEST_P(BothWays, CalibrationAsksForPsiAndThenForRelaxedStanding) {
+TEST_P(Threading, CalibrationAsksForPsiAndThenForRelaxedStanding) {
   EngineSettings settings = with(GetParam());
   settings.calibration_psi = true;
   Rig rig(settings);
@@ -175,10 +196,10 @@ TEST_P(BothWays, CalibrationAsksForPsiAndThenForRelaxedStanding) {
   EXPECT_EQ(r.frames_seen, 21U);
 }
 
-TEST_P(BothWays, StaysWithItsUserAndIsLostWithHim) {
+TEST_P(Threading, StaysWithItsUserAndIsLostWithHim) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 4; ++i) rig.push({.user = 2});
-  for (int i = 0; i < 3; ++i) rig.push({.user = 9});  // somebody steps before him
+  for (int i = 0; i < 3; ++i) rig.push({.user = 9});  // another steps in front
   for (int i = 0; i < 3; ++i) rig.push({.user = 2});
   for (int i = 0; i <= kAbsentFramesMax; ++i) rig.push({.user = 9});
   for (int i = 0; i < 10; ++i) rig.push({.value = 3000, .user = 9});
@@ -190,7 +211,7 @@ TEST_P(BothWays, StaysWithItsUserAndIsLostWithHim) {
   EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550) << "the first user's frames are forgotten";
 }
 
-TEST_P(BothWays, TheNextPersonIsAwaitedOutsideThePicture) {
+TEST_P(Threading, TheNextPersonIsAwaitedOutsideThePicture) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 12; ++i) rig.push({.value = 2000, .user = 1});
   rig.engine->finish();
@@ -227,7 +248,7 @@ TEST_P(BothWays, TheNextPersonIsAwaitedOutsideThePicture) {
 }
 
 // The camera was away: whoever stands there after it is not taken for who stood there before.
-TEST_P(BothWays, ASilenceOfSecondsEndsWhatWasGathered) {
+TEST_P(Threading, AFrameGapOfSecondsEndsWhatWasAccumulated) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 9; ++i) rig.push(Shot{.value = 2000});
   rig.next += 62;  // 2.07 s at 30 Hz
@@ -238,7 +259,7 @@ TEST_P(BothWays, ASilenceOfSecondsEndsWhatWasGathered) {
   EXPECT_EQ(rig.engine->result().answer.measurements[0].value, 45 * 1000 + 9 * 255) << "of the second alone";
 }
 
-TEST_P(BothWays, AShortSilenceEndsNothing) {
+TEST_P(Threading, AShortFrameGapEndsNothing) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 9; ++i) rig.push(Shot{});
   rig.next += 58;  // 1.97 s
@@ -247,7 +268,7 @@ TEST_P(BothWays, AShortSilenceEndsNothing) {
   EXPECT_EQ(rig.engine->result().frames_used, 10U);
 }
 
-TEST_P(BothWays, AfterASilenceNobodyWhoWasThereFindsTheSessionLost) {
+TEST_P(Threading, AfterAFrameGapWithoutAPersonWhoWasThereFindsTheSessionLost) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 5; ++i) rig.push(Shot{});
   rig.next += 100;
@@ -257,7 +278,7 @@ TEST_P(BothWays, AfterASilenceNobodyWhoWasThereFindsTheSessionLost) {
   EXPECT_FALSE(rig.engine->result().measured);
 }
 
-TEST_P(BothWays, SilencesAreNoAttempts) {
+TEST_P(Threading, FrameGapsAreNoAttempts) {
   Rig rig(with(GetParam()));
   for (int loss = 0; loss < 30; ++loss) {
     for (int i = 0; i < 4; ++i) rig.push(Shot{});
@@ -268,13 +289,13 @@ TEST_P(BothWays, SilencesAreNoAttempts) {
   EXPECT_TRUE(rig.engine->result().measured);
 }
 
-TEST_P(BothWays, WhoWasMeasuredBeforeASilenceHasLeft) {
+TEST_P(Threading, WhoWasMeasuredBeforeAFrameGapHasLeft) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 10; ++i) rig.push(Shot{});
   rig.engine->finish();
   ASSERT_TRUE(rig.engine->result().measured);
   rig.engine->next_person();
-  rig.next += 200;  // what passes while the answer is written is no silence
+  rig.next += 200;  // what passes while the answer is written is no frame gap
   for (int i = 0; i < 10; ++i) rig.push(Shot{});
   rig.engine->finish();
   EXPECT_EQ(rig.engine->result().session, 0U);
@@ -287,7 +308,7 @@ TEST_P(BothWays, WhoWasMeasuredBeforeASilenceHasLeft) {
   EXPECT_TRUE(rig.engine->result().measured);
 }
 
-TEST_P(BothWays, WhoeverWaitsBesideIsMeasuredWhenTheFirstLeaves) {
+TEST_P(Threading, WhoeverWaitsBesideIsMeasuredWhenTheFirstLeaves) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 12; ++i) rig.push({.user = 1});
   rig.engine->finish();
@@ -301,7 +322,7 @@ TEST_P(BothWays, WhoeverWaitsBesideIsMeasuredWhenTheFirstLeaves) {
   EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550);
 }
 
-TEST_P(BothWays, AUserMayBeChosenWhileOthersAreThere) {
+TEST_P(Threading, AUserMayBeChosenWhileOthersAreThere) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 5; ++i) rig.push({.user = 1});
   rig.engine->select_user(2);
@@ -320,7 +341,7 @@ TEST_P(BothWays, AUserMayBeChosenWhileOthersAreThere) {
   EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550);
 }
 
-TEST_P(BothWays, AWalkIsNotGathered) {
+TEST_P(Threading, AWalkIsNotAccumulated) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 9; ++i) rig.push({.shift_mm = 5 * i});  // 150 mm/s; seen after 16 frames
   for (int i = 9; i < 20; ++i) rig.push({.guidance = kNear, .shift_mm = 5 * i});
@@ -332,7 +353,7 @@ TEST_P(BothWays, AWalkIsNotGathered) {
   EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550) << "only what came after it";
 }
 
-TEST_P(BothWays, JointsForTheEyeAreSteadiedAndTheOthersAreNot) {
+TEST_P(Threading, DisplayJointsAreSmoothedAndTheOthersAreNot) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 8; ++i) rig.push({.guidance = kNear});
   rig.push({.guidance = kNear, .shift_mm = 100});
@@ -352,7 +373,7 @@ TEST_P(BothWays, JointsForTheEyeAreSteadiedAndTheOthersAreNot) {
   EXPECT_EQ(rig.engine->result().display_joints[Joint::LS].x, 280.0F) << "a loss begins anew";
 }
 
-TEST_P(BothWays, TheWatchSeesEveryFrameInOrder) {
+TEST_P(Threading, TheWatchSeesEveryFrameInOrder) {
   EngineSettings settings = with(GetParam());
   std::vector<std::uint64_t> sequences;
   std::vector<int> depths;
@@ -370,7 +391,7 @@ TEST_P(BothWays, TheWatchSeesEveryFrameInOrder) {
   EXPECT_THAT(depths, testing::ElementsAre(1000, 1002, 1004, 1006, 1008, 1010));
 }
 
-TEST_P(BothWays, OddArrivalsAreCounted) {
+TEST_P(Threading, OddArrivalsAreCounted) {
   Rig rig(with(GetParam()));
   const FramePixels frame(Shot{.found = false});
   const std::pair<std::uint64_t, std::int64_t> arrivals[] = {{10, 100}, {11, 200}, {15, 150}, {15, 150}, {14, 300}};
@@ -388,7 +409,7 @@ TEST_P(BothWays, OddArrivalsAreCounted) {
   EXPECT_EQ(r.frames_seen, 5U);
 }
 
-TEST_P(BothWays, StridesAreHonoured) {
+TEST_P(Threading, StridesAreHonoured) {
   Rig rig(with(GetParam()));
   std::vector<std::uint16_t> wide(static_cast<std::size_t>(test::kHeight) * 40, 9);
   const FramePixels frame(Shot{.value = 1500});
@@ -470,7 +491,7 @@ TEST(Pipeline, LiveDropsTheOldestAndCountsIt) {
   EXPECT_EQ(r.joints[Joint::HE].z, 1199.0F) << "the newest frame survives";
 }
 
-TEST(Pipeline, LiveWithASlowFitHalfNeverBlocksTheCamera) {
+TEST(Pipeline, LiveWithASlowFitStageNeverBlocksTheCamera) {
   EngineSettings settings = with(false);
   settings.live = true;
   settings.frames_wanted = 1000;
@@ -484,7 +505,7 @@ TEST(Pipeline, LiveWithASlowFitHalfNeverBlocksTheCamera) {
   EXPECT_GT(r.frames_dropped, 0U);
 }
 
-TEST(Pipeline, ClosesFromAnyStateWithFramesUnderWay) {
+TEST(Pipeline, ClosesFromAnyStateWithFramesInThePipeline) {
   for (int frames = 0; frames < 12; ++frames) {
     Rig rig(with(false));
     rig.control.sense_delay_us = 500;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which index a fit may be asked of.
+// Which index may be queried with a fit.
 #include "engine/refined_query.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ body::ShapeSpace space_of(std::size_t shapes, std::uint32_t key = kKey, std::siz
 }
 
 // Whoever says yes to another size has a query read or write past the values.
-TEST(RefinedQuery, FitsAreAskedOfAnIndexOfTheirSpaceAndSizeAlone) {
+TEST(RefinedQuery, FitsQueryAnIndexOfTheirSpaceAndSizeAlone) {
   const std::size_t size = refined_index().fit_layout().shapes;
   ASSERT_GT(size, 1U);
   ASSERT_EQ(refined_index().fit_layout().patches, body::kShapePointMin);

@@ -82,7 +82,7 @@ TEST(Run, ReportsALostCameraAfterMeasuringWhatCameBefore) {
   EXPECT_TRUE(rig.engine->result().measured);
 }
 
-TEST(Run, GivesUpOnASilentCamera) {
+TEST(Run, GivesUpOnACameraThatGivesNoFrames) {
   Rig rig(with(false));
   StorySource source(std::vector<std::string>(100, "timeout"));
   const Status status = run(*rig.engine, source, false);

@@ -10,7 +10,7 @@ namespace {
 
 using State = SessionState;
 constexpr GuidanceSet kNear = static_cast<GuidanceSet>(Guidance::too_near);
-constexpr GuidanceSet kNobody = static_cast<GuidanceSet>(Guidance::no_person);
+constexpr GuidanceSet kNoPerson = static_cast<GuidanceSet>(Guidance::no_person);
 constexpr GuidanceSet kPose = static_cast<GuidanceSet>(Guidance::calibration_pose);
 constexpr GuidanceSet kMoving = static_cast<GuidanceSet>(Guidance::moving);
 
@@ -57,8 +57,8 @@ constexpr SessionView kPsi{true, 0, true};
 
 const Transition kTransitions[] = {
     // name, calibration, from, view, to, guidance, forget, use, attempts
-    {"nobody keeps searching", false, at(State::searching), kAbsent, State::searching, kNobody, false, false, 0},
-    {"too near to be found is somebody", false, at(State::searching), kTooNearToBeFound, State::searching, kNear,
+    {"no person keeps searching", false, at(State::searching), kAbsent, State::searching, kNoPerson, false, false, 0},
+    {"too near to be found is a person", false, at(State::searching), kTooNearToBeFound, State::searching, kNear,
      false, false, 0},
     {"comes too near to be found", false, at(State::tracking, 2), kTooNearToBeFound, State::lost, kNear, false, false,
      0},
@@ -68,22 +68,22 @@ const Transition kTransitions[] = {
     {"user too near stays", false, at(State::user_found), kTooNear, State::user_found, kNear, false, false, 0},
     {"user steps back", false, at(State::user_found), kGood, State::tracking, 0, false, true, 0},
     {"user steps back, calibrates", true, at(State::user_found), kGood, State::calibrating, kPose, false, false, 0},
-    {"user flickers", false, at(State::user_found, 1), kAbsent, State::user_found, kNobody, false, false, 0},
-    {"user leaves", false, at(State::user_found, 2), kAbsent, State::lost, kNobody, false, false, 0},
+    {"user flickers", false, at(State::user_found, 1), kAbsent, State::user_found, kNoPerson, false, false, 0},
+    {"user leaves", false, at(State::user_found, 2), kAbsent, State::lost, kNoPerson, false, false, 0},
     {"first frame of Psi", true, at(State::calibrating), kPsi, State::calibrating, kPose, false, false, 0},
     {"enough frames of Psi", true, at(State::calibrating, 0, 1), kPsi, State::tracking, 0, false, false, 0},
     {"Psi broken off", true, at(State::calibrating, 0, 1), kGood, State::calibrating, kPose, false, false, 0},
     {"Psi wanted, too near", true, at(State::calibrating), kTooNear, State::calibrating, kPose | kNear, false, false,
      0},
     {"never takes the pose", true, at(State::calibrating, 0, 0, 4), kGood, State::lost, kPose, false, false, 0},
-    {"leaves while calibrating", true, at(State::calibrating, 2), kAbsent, State::lost, kNobody, false, false, 0},
+    {"leaves while calibrating", true, at(State::calibrating, 2), kAbsent, State::lost, kNoPerson, false, false, 0},
     {"tracked and fine", false, at(State::tracking), kGood, State::tracking, 0, false, true, 0},
     {"tracked, comes near", false, at(State::tracking), kTooNear, State::tracking, kNear, false, false, 0},
     {"tracked, arms still up", true, at(State::tracking), kPsi, State::tracking, kMoving, false, false, 0},
     {"tracked, arms up unasked", false, at(State::tracking), kPsi, State::tracking, 0, false, true, 0},
-    {"tracked, flickers", false, at(State::tracking, 1), kAbsent, State::tracking, kNobody, false, false, 0},
-    {"tracked, leaves", false, at(State::tracking, 2), kAbsent, State::lost, kNobody, false, false, 0},
-    {"lost stays lost", false, at(State::lost), kAbsent, State::lost, kNobody, false, false, 0},
+    {"tracked, flickers", false, at(State::tracking, 1), kAbsent, State::tracking, kNoPerson, false, false, 0},
+    {"tracked, leaves", false, at(State::tracking, 2), kAbsent, State::lost, kNoPerson, false, false, 0},
+    {"lost stays lost", false, at(State::lost), kAbsent, State::lost, kNoPerson, false, false, 0},
     {"lost and found", false, at(State::lost), kTooNear, State::user_found, kNear, true, false, 1},
     {"lost and found, fine", false, at(State::lost), kGood, State::tracking, 0, true, true, 1},
     {"lost and found, calibrates", true, at(State::lost, 0, 1, 4), kGood, State::calibrating, kPose, true, false, 1},
@@ -135,7 +135,7 @@ TEST(Session, AnotherUserIsAnAbsence) {
     EXPECT_EQ(step.next.state, state);
     EXPECT_EQ(step.next.user, 3);
     EXPECT_EQ(step.next.absent_frames, 1);
-    EXPECT_EQ(step.guidance, kNobody) << "not what the other should do";
+    EXPECT_EQ(step.guidance, kNoPerson) << "not what the other should do";
     EXPECT_FALSE(step.use_frame);
     step = on_detection(rules(true), of_user(state, 3, 2), other);
     EXPECT_EQ(step.next.state, State::lost);
@@ -160,7 +160,7 @@ TEST(Session, ABackIsAskedToTurnRound) {
   }
 }
 
-TEST(Session, WhichWaySomebodyBentOrWithoutAHeadFacesIsNotTold) {
+TEST(Session, ThePersonsSideIsNotReportedWhenBentOrWithoutAHead) {
   for (const Guidance wrong : {Guidance::not_upright, Guidance::head_cut}) {
     SessionView view = kGood;
     view.view = ViewSide::back;
@@ -171,11 +171,11 @@ TEST(Session, WhichWaySomebodyBentOrWithoutAHeadFacesIsNotTold) {
   }
 }
 
-TEST(Session, MovementIsNotGatheredAndTakesItsFirstFramesWithIt) {
+TEST(Session, MovementIsNotAccumulatedAndTakesItsFirstFramesWithIt) {
   const SessionRules r = rules(false);
   struct Case {
     float trunk, limb;
-    int gathered;
+    int accumulated;
     bool moving, forget;
   };
   const Case cases[] = {{59, 299, 9, false, false},
@@ -187,7 +187,7 @@ TEST(Session, MovementIsNotGatheredAndTakesItsFirstFramesWithIt) {
     SCOPED_TRACE(c.trunk);
     SessionView view = kGood;
     view.motion = {c.trunk, c.limb};
-    view.frames_gathered = c.gathered;
+    view.frames_accumulated = c.accumulated;
     const SessionStep step = on_detection(r, at(State::tracking), view);
     EXPECT_EQ(step.guidance, c.moving ? kMoving : 0U);
     EXPECT_EQ(step.use_frame, !c.moving);
@@ -196,7 +196,7 @@ TEST(Session, MovementIsNotGatheredAndTakesItsFirstFramesWithIt) {
   }
 }
 
-TEST(Session, MovementIsSaidWhenItCanBeKnown) {
+TEST(Session, MovementIsReportedWhenItCanBeKnown) {
   struct Case {
     Guidance other;
     float body, limb;
@@ -221,14 +221,14 @@ Detection preview_of(bool found, int user, GuidanceSet guidance = 0) {
   Detection detection;
   detection.person.found = found;
   detection.person.id = found ? user : 0;
-  detection.guidance = found ? guidance : kNobody;
+  detection.guidance = found ? guidance : kNoPerson;
   return detection;
 }
 
 TEST(UserLock, HoldsFromTheFirstGoodFrameUntilTheUserIsGone) {
   UserLock lock(0);
   lock.saw(preview_of(true, 3, kNear));
-  EXPECT_EQ(lock.selected(), 0) << "somebody may still come nearer";
+  EXPECT_EQ(lock.selected(), 0) << "another may still come nearer";
   lock.saw(preview_of(true, 4));
   EXPECT_EQ(lock.selected(), 4);
   for (int i = 0; i < kAbsentFramesMax; ++i) lock.saw(preview_of(false, 0));
@@ -240,7 +240,7 @@ TEST(UserLock, HoldsFromTheFirstGoodFrameUntilTheUserIsGone) {
   EXPECT_EQ(lock.selected(), 0) << "lost";
 }
 
-TEST(UserLock, AUserAskedForIsNeverGivenUp) {
+TEST(UserLock, ARequestedUserIsNeverGivenUp) {
   UserLock lock(7);
   EXPECT_EQ(lock.selected(), 7);
   for (int i = 0; i < 100; ++i) lock.saw(preview_of(false, 0));
@@ -263,7 +263,7 @@ struct Offer {
   int rejected_before;
   int attempts;
   bool rejected;
-  int gathered;
+  int accumulated;
   bool measure;
   bool forget;
   int rejected_after;
@@ -283,7 +283,7 @@ TEST(Session, EveryOutcomeOfAnOffer) {
     SCOPED_TRACE(o.name);
     Session session = at(State::tracking, 0, 0, 0, o.attempts);
     session.rejected_frames = o.rejected_before;
-    const OfferStep step = after_offer(rules(false), session, o.rejected, o.gathered);
+    const OfferStep step = after_offer(rules(false), session, o.rejected, o.accumulated);
     EXPECT_EQ(step.measure, o.measure);
     EXPECT_EQ(step.forget, o.forget);
     EXPECT_EQ(step.next.rejected_frames, o.rejected_after);
@@ -327,16 +327,16 @@ Session in_turning(bool turned, int turning_frames = 0, int absent = 0) {
   s.turning_frames = turning_frames;
   return s;
 }
-SessionView from(ViewSide side, GuidanceSet guidance = 0, int gathered = 0, float body_mm_s = 0) {
+SessionView from(ViewSide side, GuidanceSet guidance = 0, int accumulated = 0, float body_mm_s = 0) {
   SessionView view = kGood;
   view.view = side;
   view.guidance = guidance;
-  view.frames_gathered = gathered;
+  view.frames_accumulated = accumulated;
   view.motion.body_mm_s = body_mm_s;
   return view;
 }
 
-TEST(Turning, FollowsTheFrontWhenAsked) {
+TEST(Turning, FollowsTheFrontWhenRequested) {
   EXPECT_EQ(after_measuring(rules(false), at(State::tracking), true).next.state, State::measured);
   Session session = at(State::tracking);
   session.rejected_frames = 2;
@@ -350,7 +350,7 @@ TEST(Turning, FollowsTheFrontWhenAsked) {
   EXPECT_EQ(step.next.turning_frames, 0);
   EXPECT_FALSE(step.next.turned);
   const MeasuringStep last = after_measuring(turn_rules(), session, true, true);
-  EXPECT_EQ(last.next.state, State::measured) << "at the end of the stream nobody turns any more";
+  EXPECT_EQ(last.next.state, State::measured) << "at the end of the stream no person turns any more";
   EXPECT_FALSE(last.turn);
   EXPECT_EQ(after_measuring(turn_rules(), at(State::turning), true).next.state, State::measured);
   EXPECT_EQ(after_measuring(turn_rules(), at(State::turning), false).next.state, State::tracking) << "all anew";
@@ -370,8 +370,8 @@ TEST(Turning, SaysWhatTheBackNeeds) {
       {"still facing", false, from(ViewSide::front), kTurnRound, false, false, false},
       {"facing, too near", false, from(ViewSide::front, kNear), kTurnRound | kNear, false, false, false},
       {"moves, being asked to", false, from(ViewSide::front, 0, 0, 400), kTurnRound, false, false, false},
-      {"half way", false, from(ViewSide::side, kNotFrontal), kTurnRound | kNotFrontal, false, false, false},
-      {"no telling", false, from(ViewSide::unknown, kNotFrontal), kTurnRound | kNotFrontal, false, false, false},
+      {"half turned", false, from(ViewSide::side, kNotFrontal), kTurnRound | kNotFrontal, false, false, false},
+      {"side unknown", false, from(ViewSide::unknown, kNotFrontal), kTurnRound | kNotFrontal, false, false, false},
       {"the back", false, from(ViewSide::back), 0, true, false, true},
       {"the back, too near", false, from(ViewSide::back, kNear), kNear, false, false, true},
       {"the back of who bends is a guess", false, from(ViewSide::back, bent), bent, false, false, false},
@@ -400,10 +400,10 @@ TEST(Turning, WhoLeavesIsMeasuredFromTheFront) {
   SessionView other = from(ViewSide::front, kNear, 9);
   other.user = 4;
   for (SessionView gone : {kAbsent, other}) {
-    gone.frames_gathered = 9;
+    gone.frames_accumulated = 9;
     SessionStep step = on_detection(turn_rules(), in_turning(true, 0, 1), gone);
     EXPECT_FALSE(step.measure) << "a flicker";
-    EXPECT_EQ(step.guidance, kNobody);
+    EXPECT_EQ(step.guidance, kNoPerson);
     step = on_detection(turn_rules(), in_turning(true, 0, 2), gone);
     EXPECT_TRUE(step.measure);
     EXPECT_TRUE(step.drop_back);
@@ -425,9 +425,9 @@ TEST(Turning, IsBoundedWhateverThePersonDoes) {
       {"not yet", from(ViewSide::front), 19, false, false},
       {"never turns", from(ViewSide::front), 20, true, true},
       {"comes and goes", absent, 20, true, true},
-      {"what is gathered is no waiting", from(ViewSide::back, 0, 2), 21, false, false},
+      {"accumulating is no waiting", from(ViewSide::back, 0, 2), 21, false, false},
       {"too little of the back", from(ViewSide::back, 0, 2), 22, true, true},
-      {"a back just doubted", from(ViewSide::back, 0, 4, 61), 24, true, true},
+      {"a back just rejected", from(ViewSide::back, 0, 4, 61), 24, true, true},
       {"enough of the back", from(ViewSide::side, kNotFrontal, 3), 23, true, false},
   };
   for (const Case& c : cases) {
@@ -442,7 +442,7 @@ TEST(Turning, IsBoundedWhateverThePersonDoes) {
   }
 }
 
-TEST(Turning, ABackThatShiftsIsGatheredAnewWithoutAnotherAttempt) {
+TEST(Turning, ABackThatShiftsIsAccumulatedAnewWithoutAnotherAttempt) {
   Session session = in_turning(true);
   session.rejected_frames = 3;
   OfferStep step = after_offer(turn_rules(), session, true, 2);
@@ -457,7 +457,7 @@ TEST(Turning, ABackThatShiftsIsGatheredAnewWithoutAnotherAttempt) {
   EXPECT_FALSE(measure_at_end(turn_rules(), session, 2));
 }
 
-TEST(Turning, IsAskedForInNoOtherState) {
+TEST(Turning, IsRequestedInNoOtherState) {
   for (const Transition& t : kTransitions)
     for (const ViewSide side : {ViewSide::front, ViewSide::back, ViewSide::side, ViewSide::unknown}) {
       SCOPED_TRACE(t.name);

@@ -15,8 +15,8 @@ using test::with;
 
 constexpr GuidanceSet kNear = static_cast<GuidanceSet>(Guidance::too_near);
 
-class TurnBothWays : public testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(Threads, TurnBothWays, testing::Values(false, true),
+class TurnThreading : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Threads, TurnThreading, testing::Values(false, true),
                          [](const auto& info) { return info.param ? "one" : "two"; });
 
 EngineSettings turning(bool single) {
@@ -29,7 +29,7 @@ constexpr std::size_t kTurnRoundBit = 13;
 constexpr float kFront = 2000.0F * 55 + 2550;  // of ten frames of 2000 mm, and of the back's hundredth
 constexpr float kBoth = kFront + (3000.0F * 55 + 2550) / 100;
 
-TEST_P(TurnBothWays, FrontThenBackIsMeasuredWithBoth) {
+TEST_P(TurnThreading, FrontThenBackIsMeasuredWithBoth) {
   EngineSettings settings = turning(GetParam());
   std::vector<SessionState> states;
   std::vector<EngineResult> seen;
@@ -73,7 +73,7 @@ TEST_P(TurnBothWays, FrontThenBackIsMeasuredWithBoth) {
   }
 }
 
-TEST_P(TurnBothWays, WhoDoesNotTurnOrLeavesIsMeasuredFromTheFront) {
+TEST_P(TurnThreading, WhoDoesNotTurnOrLeavesIsMeasuredFromTheFront) {
   struct Case {
     const char* name;
     Shot shot;
@@ -105,7 +105,7 @@ TEST_P(TurnBothWays, WhoDoesNotTurnOrLeavesIsMeasuredFromTheFront) {
   }
 }
 
-TEST_P(TurnBothWays, TheEndOfTheStreamTakesTheBackFromTheFewestFramesOn) {
+TEST_P(TurnThreading, TheEndOfTheStreamTakesTheBackFromTheFewestFramesOn) {
   for (const int frames : {2, 3, 9}) {
     Rig rig(turning(GetParam()));
     for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
@@ -124,7 +124,7 @@ TEST_P(TurnBothWays, TheEndOfTheStreamTakesTheBackFromTheFewestFramesOn) {
   EXPECT_EQ(rig.engine->result().frames_used, 5U);
 }
 
-TEST_P(TurnBothWays, ABackThatCannotBeDescribedIsLeftOut) {
+TEST_P(TurnThreading, ABackThatCannotBeDescribedIsLeftOut) {
   Rig rig(turning(GetParam()));
   rig.control.back_describable = false;
   for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
@@ -137,7 +137,7 @@ TEST_P(TurnBothWays, ABackThatCannotBeDescribedIsLeftOut) {
   EXPECT_EQ(r.frames_used, 10U);
 }
 
-TEST_P(TurnBothWays, WhatCannotBeDescribedAnyMoreTakesThePreliminaryAnswerWithIt) {
+TEST_P(TurnThreading, WhatCannotBeDescribedAnyMoreTakesThePreliminaryAnswerWithIt) {
   Rig rig(turning(GetParam()));
   for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
   for (int i = 0; i < 9; ++i) rig.push({.value = 3000, .view = ViewSide::back});
@@ -154,7 +154,7 @@ TEST_P(TurnBothWays, WhatCannotBeDescribedAnyMoreTakesThePreliminaryAnswerWithIt
   EXPECT_EQ(r.guidance, static_cast<GuidanceSet>(Guidance::too_noisy));
 }
 
-TEST_P(TurnBothWays, AFrontTakenForABackIsNotGathered) {
+TEST_P(TurnThreading, AFrontTakenForABackIsNotAccumulated) {
   Rig rig(turning(GetParam()));
   for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
   for (int i = 0; i < 3; ++i) {
@@ -167,7 +167,7 @@ TEST_P(TurnBothWays, AFrontTakenForABackIsNotGathered) {
   EXPECT_EQ(rig.engine->result().frames_back, 10U);
 }
 
-TEST_P(TurnBothWays, ATurnUnderWayIsForgottenWithThePerson) {
+TEST_P(TurnThreading, ATurnInProgressIsForgottenWithThePerson) {
   for (const bool reset : {true, false}) {
     Rig rig(turning(GetParam()));
     for (int i = 0; i < 10; ++i) rig.push({.value = 3500});
@@ -190,7 +190,7 @@ TEST_P(TurnBothWays, ATurnUnderWayIsForgottenWithThePerson) {
   }
 }
 
-TEST_P(TurnBothWays, ASilenceEndsTheTurnWithTheFront) {
+TEST_P(TurnThreading, AFrameGapEndsTheTurnWithTheFront) {
   Rig rig(turning(GetParam()));
   for (int i = 0; i < 10; ++i) rig.push({.value = 2000});
   for (int i = 0; i < 9; ++i) rig.push({.value = 3000, .view = ViewSide::back});
@@ -202,7 +202,7 @@ TEST_P(TurnBothWays, ASilenceEndsTheTurnWithTheFront) {
   EXPECT_EQ(rig.engine->result().frames_used, 10U);
 }
 
-TEST_P(TurnBothWays, WithoutATurnAskedABackIsRefusedAsBefore) {
+TEST_P(TurnThreading, WithoutATurnRequestedABackIsRefusedAsBefore) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 9; ++i) rig.push({.value = 2000});
   for (int i = 0; i < 5; ++i) rig.push({.value = 3000, .view = ViewSide::back});

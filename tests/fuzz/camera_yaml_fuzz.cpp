@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// camera.yaml as somebody may have written it: refused with one line, or a calibration a picture can be made upright
+// camera.yaml as a user may have written it: refused with one line, or a calibration a picture can be made upright
 // with.
 #include <cmath>
 #include <cstdint>
@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!(k.width >= 1 && k.width <= 2048 && k.height >= 1 && k.height <= 2048 && k.fx > 0 && k.fy > 0 &&
         std::isfinite(k.fx) && std::isfinite(k.fy) && std::isfinite(k.cx) && std::isfinite(k.cy)))
     __builtin_trap();
-  if (k.width * k.height > 64 * 48) return 0;  // larger ones take the same way, slower
+  if (k.width * k.height > 64 * 48) return 0;  // larger ones take the same path, slower
   auto path = im2fit::hal::UprightPath::make(*file, file->rotate_deg.value_or(0), "camera.yaml");
   if (!path) return 0;
   std::vector<std::uint16_t> out(path->pixel_count());

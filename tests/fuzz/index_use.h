@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything one can ask of an index, asked of a file that may be damaged.
+// Every query an index has, made of a file that may be damaged.
 #pragma once
 
 #include <cmath>
@@ -33,8 +33,8 @@ inline std::vector<std::byte> small_index() {
   return bytes ? std::move(*bytes) : std::vector<std::byte>{};
 }
 
-// The answers to a few features; nothing when the file is refused, or was found damaged where it was asked. `sane`:
-// every number is finite and every interval the right way round, which a file that was accepted must keep to.
+// The answers to a few features; nothing when the file is refused, or was found damaged where it was read. `sane`:
+// every number is finite and every interval ordered, which a file that was accepted must keep to.
 // `verified`: what looking at all of it says.
 struct Answers {
   std::vector<index::Answer> answers;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a reader of a hostile recording may send its parent: frames of the size it said, or one error, and an end.
+// What a reader of a hostile recording may send its parent: frames of the size it announced, or one error, and an
+// end.
 #include <fcntl.h>
 #include <unistd.h>
 

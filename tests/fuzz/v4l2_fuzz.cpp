@@ -56,7 +56,7 @@ class Liar final : public VideoDevice {
       value = input_.byte() % 2 == 0 ? input_.word() : value + static_cast<std::uint32_t>(input_.byte()) - 128;
       std::memcpy(static_cast<char*>(argument) + at * 4, &value, 4);
     }
-    // What the driver said of its format is what its memory is made by.
+    // Buffers are sized by the format the driver reported.
     if (code == VIDIOC_S_FMT) fake_.pix = static_cast<v4l2_format*>(argument)->fmt.pix;
     return error;
   }

@@ -349,14 +349,14 @@ TEST(FolderWriter, RefusesAFolderThatHoldsFramesAndOneItCannotMake) {
   const auto again = FolderWriter::create(folder.path("rec"), camera_of(kWidth, kHeight), {});
   ASSERT_FALSE(again);
   EXPECT_TRUE(contains(again.error().message, "already holds frames")) << again.error().message;
-  put(folder.path("file"), "a file in the way");
+  put(folder.path("file"), "a file, not a folder");
   const auto blocked = FolderWriter::create(folder.path("file/rec"), camera_of(kWidth, kHeight), {});
   ASSERT_FALSE(blocked);
   EXPECT_TRUE(contains(blocked.error().message, folder.path("file/rec"))) << blocked.error().message;
   EXPECT_FALSE(FolderWriter::create("/proc/im2fit", camera_of(kWidth, kHeight), {}));
 }
 
-// The file-size limit stands in for a full disk: write() fails half-way through a file all the same.
+// The file-size limit stands in for a full disk: write() fails midway through a file all the same.
 TEST(FolderWriter, AFullDiskGivesOneLineAndLeavesNoHalfFrame) {
   const TestFolder folder;
   FolderWriter::Options options;
@@ -407,7 +407,7 @@ TEST(OpenSource, TheSyntheticFactoryGetsTheSeedAndTheOptions) {
   options.synthetic = [&](const std::string& word, const OpenOptions& given) -> Result<std::unique_ptr<Source>> {
     seed = word;
     rotate_deg = given.rotate_deg.value_or(-1);
-    return Error{ErrorCode::not_found, "asked"};
+    return Error{ErrorCode::not_found, "called"};
   };
   EXPECT_FALSE(open_source("synthetic:42", options));
   EXPECT_EQ(seed, "42");

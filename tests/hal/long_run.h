@@ -17,7 +17,7 @@ inline int frames_to_test(const char* variable, int usual = 200) {
   return text != nullptr ? std::atoi(text) : usual;
 }
 
-// Memory at the end against memory after a tenth of the frames, within 1 MB. Of short runs nothing is said: buffers
+// Memory at the end against memory after a tenth of the frames, within 1 MB. Short runs are not judged: buffers
 // and tables still fill.
 class Growth {
  public:

@@ -201,7 +201,7 @@ TEST_F(OniWriterTest, AnOpenFileIsWholeUpToItsLastFrame) {
 }
 
 TEST_F(OniWriterTest, ARecordingThatWasNeverClosedIsNotOverwritten) {
-  ASSERT_TRUE(write_file_atomically(oni_ + ".part", std::string("somebody's")));
+  ASSERT_TRUE(write_file_atomically(oni_ + ".part", std::string("unfinished")));
   const auto refused = create();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::invalid_argument);

@@ -81,7 +81,7 @@ class Reconnecting : public testing::Test {
                         ++world_.sleeps;
                         world_.now_ns += ns;
                       }};
-    options_.changed = [this](const ReconnectStats& stats) { told_.push_back(stats); };
+    options_.changed = [this](const ReconnectStats& stats) { changes_.push_back(stats); };
     auto made = ReconnectingSource::open(
         [this](const SourceInfo*) -> Result<std::unique_ptr<Source>> {
           ++world_.openings;
@@ -106,7 +106,7 @@ class Reconnecting : public testing::Test {
 
   World world_;
   ReconnectOptions options_;
-  std::vector<ReconnectStats> told_;
+  std::vector<ReconnectStats> changes_;
   std::unique_ptr<ReconnectingSource> source_;
   Picture picture_{kWidth, kHeight};
 };
@@ -144,10 +144,10 @@ TEST_F(Reconnecting, GoesOnWithGrowingNumbersWhenTheSameCameraReturns) {
   EXPECT_EQ(about.lost, 1U);
   EXPECT_EQ(about.recovered, 1U);
   EXPECT_EQ(about.presence, Presence::present);
-  ASSERT_EQ(told_.size(), 2U);
-  EXPECT_EQ(told_[0].presence, Presence::lost);
-  EXPECT_EQ(told_[0].last_error, "fake camera was pulled out");
-  EXPECT_EQ(told_[1].presence, Presence::present);
+  ASSERT_EQ(changes_.size(), 2U);
+  EXPECT_EQ(changes_[0].presence, Presence::lost);
+  EXPECT_EQ(changes_[0].last_error, "fake camera was pulled out");
+  EXPECT_EQ(changes_[1].presence, Presence::present);
 }
 
 TEST_F(Reconnecting, PausesDoubleUpToTheLargest) {
@@ -174,11 +174,11 @@ TEST_F(Reconnecting, AnotherCameraIsRefusedAndNamed) {
   const auto none = next(5000);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, ErrorCode::timeout);
-  EXPECT_EQ(world_.alive, 0) << "the stranger is closed again";
+  EXPECT_EQ(world_.alive, 0) << "the foreign camera is closed again";
   EXPECT_GE(source_->reconnect_stats().refused, 3U);
   EXPECT_TRUE(contains(source_->reconnect_stats().last_error, "serial B2")) << source_->reconnect_stats().last_error;
   EXPECT_TRUE(contains(source_->reconnect_stats().last_error, "serial A1"));
-  EXPECT_EQ(told_.size(), 2U) << "lost, and the stranger once";
+  EXPECT_EQ(changes_.size(), 2U) << "lost, and the foreign camera once";
   world_.serial = "A1";
   EXPECT_TRUE(frame_within(3));
 }
@@ -212,7 +212,7 @@ TEST_F(Reconnecting, AnotherModeOrCalibrationIsRefused) {
   EXPECT_TRUE(frame_within(3));
 }
 
-TEST_F(Reconnecting, GivesUpWhenAskedToAndStaysSo) {
+TEST_F(Reconnecting, GivesUpWhenSetToAndStaysSo) {
   options_.give_up_ms = 2000;
   open();
   ASSERT_TRUE(next());
@@ -226,10 +226,10 @@ TEST_F(Reconnecting, GivesUpWhenAskedToAndStaysSo) {
   world_.plugged = true;
   EXPECT_EQ(next().error().code, ErrorCode::no_device);
   EXPECT_FALSE(source_->lost());
-  EXPECT_EQ(told_.back().presence, Presence::given_up);
+  EXPECT_EQ(changes_.back().presence, Presence::given_up);
 }
 
-TEST_F(Reconnecting, SilenceAndRepeatedErrorsCountAsLossSingleErrorsDoNot) {
+TEST_F(Reconnecting, AFrameGapAndRepeatedErrorsCountAsLossSingleErrorsDoNot) {
   open();
   ASSERT_TRUE(next());
   world_.io_errors = 2;

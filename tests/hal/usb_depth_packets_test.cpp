@@ -105,7 +105,7 @@ TEST(UsbDepthPackets, JoinedInMidPictureWaitForTheNext) {
   Reader reader;
   wire.skip(100);
   EXPECT_EQ(reader.read_some(wire, kPackets - 100), Outcome::none);
-  EXPECT_EQ(reader.damaged, 0) << "nothing was lost: it was never asked for";
+  EXPECT_EQ(reader.damaged, 0) << "nothing was lost: it was never requested";
   EXPECT_EQ(reader.read_some(wire, kPackets), Outcome::frame);
   EXPECT_TRUE(reader.holds(1));
 }
@@ -143,13 +143,13 @@ TEST(UsbDepthPackets, AnyStretchLostIsNeverDelivered) {
           ASSERT_TRUE(reader.holds(picture)) << lost << " lost at " << place;
         }
       }
-      EXPECT_GE(reader.frames, 3) << lost << " lost at " << place << ": it finds the way back";
+      EXPECT_GE(reader.frames, 3) << lost << " lost at " << place << ": it synchronises again";
     }
   }
 }
 
 // 128 pictures are 121 times 256 packets: number, flag and size fit again. The clock does not.
-TEST(UsbDepthPackets, ALossThatFitsInEveryOtherWayIsSeenByTheClock) {
+TEST(UsbDepthPackets, ALossThatFitsInAllElseIsSeenByTheClock) {
   Wire wire;
   Reader reader;
   reader.read_some(wire, 100);

@@ -243,7 +243,7 @@ TEST(UsbKinect, NeverDeliversAWrongFrameHoweverBadTheCable) {
   }
 }
 
-TEST(UsbKinect, DropsTheOldestWhenNobodyAsksAndCountsThem) {
+TEST(UsbKinect, DropsTheOldestWhenNoneAreTakenAndCountsThem) {
   Rig rig;
   expect_ok(rig.open());
   expect_ok(rig.source->start());
@@ -522,7 +522,7 @@ TEST(UsbKinect, IsFoundBySerialPortOrAtAll) {
   EXPECT_EQ((*two)[0].id, "1-2.3") << "zeros are no serial number";
   EXPECT_EQ((*two)[1].id, "TWIN");
   bus.plug("2-1", third);
-  EXPECT_EQ((*list_kinects(bus))[1].id, "1-4") << "two of one name are told apart by where they are";
+  EXPECT_EQ((*list_kinects(bus))[1].id, "1-4") << "two of one name are distinguished by where they are";
   for (const char* id : {"", "1-2.3"}) {
     const auto opened = open_kinect(bus, id, {});
     ASSERT_TRUE(opened) << id;

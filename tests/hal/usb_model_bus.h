@@ -124,7 +124,7 @@ class ModelBus final : public UsbBus {
     }
   }
 
-  // The host is busy elsewhere: time goes by and nobody fetches.
+  // The host is busy elsewhere: time goes by and no packets are fetched.
   void idle(const std::string& name, std::int64_t us) {
     ports_.at(name)->now_us += us;
     ports_.at(name)->until_us += us;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Kinect's motor and accelerometer: which way is down, and tilting.
+// The Kinect's motor and accelerometer: the direction of down, and tilting.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace im2fit::hal {
 namespace {
 
-TEST(UsbKinect, KnowsWhichWayIsDown) {
+TEST(UsbKinect, KnowsTheDirectionOfDown) {
   Rig rig;
   expect_ok(rig.open());
   expect_direction(rig.source->down(), 0, 1, 0);
@@ -88,7 +88,7 @@ TEST(UsbKinect, Tilts) {
   EXPECT_NEAR(state->acceleration_g.y, 1, 1e-6);
   for (const float beyond : {31.5F, -32.0F, NAN})
     EXPECT_EQ(motor->set_tilt(beyond).error().code, ErrorCode::invalid_argument);
-  EXPECT_EQ(rig.motor.target_half_deg(), -25) << "beyond its range the motor is not asked";
+  EXPECT_EQ(rig.motor.target_half_deg(), -25) << "beyond its range the motor gets no command";
   expect_ok(motor->set_tilt(31));
   rig.bus.idle("1-1.2", 9'000'000);
   EXPECT_TRUE(motor->state()->at_limit);

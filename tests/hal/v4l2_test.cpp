@@ -216,7 +216,7 @@ TEST(V4l2, TakesTheNearestSizeAndTheRate) {
   EXPECT_EQ((*source)->mode().fps, 15.0F);
 }
 
-TEST(V4l2, ADriverThatListsNoSizesIsAskedForTheWantedOne) {
+TEST(V4l2, OfADriverThatListsNoSizesTheWantedOneIsRequested) {
   FakeVideo fake;
   fake.formats[0].sizes.clear();
   fake.errors[VIDIOC_G_PARM] = ENOTTY;

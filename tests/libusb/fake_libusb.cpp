@@ -83,7 +83,7 @@ std::uint16_t word(const Bytes& bytes, std::size_t i) {
 }
 
 // The oldest transfer of this context comes back. False: there is none. The world is unlocked while its owner is
-// told.
+// called.
 bool complete_one(libusb_context* context) {
   std::unique_lock lock(world().mutex);
   auto& flights = world().flights;
@@ -382,7 +382,7 @@ void LIBUSB_CALL libusb_free_config_descriptor(struct libusb_config_descriptor* 
 int LIBUSB_CALL libusb_control_transfer(libusb_device_handle* handle, std::uint8_t type, std::uint8_t request,
                                         std::uint16_t value, std::uint16_t index, unsigned char* data,
                                         std::uint16_t length, unsigned) {
-  // Whoever waits for libusb handles events meanwhile, when nobody else does.
+  // A thread that waits for libusb handles events meanwhile, when no other does.
   if (std::unique_lock events(world().events, std::try_to_lock); events.owns_lock())
     complete_one(handle->device.context);
   const std::lock_guard lock(world().mutex);

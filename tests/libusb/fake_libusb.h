@@ -14,7 +14,7 @@ namespace im2fit::fake {
 struct Port {
   std::string name;  // "1-1.2"
   devices::UsbDevice* device = nullptr;
-  bool kernel_driver = true;  // has the interface when nobody claimed it
+  bool kernel_driver = true;  // has the interface while it is not claimed
   bool forbidden = false;     // may not be opened
   bool busy = false;          // another program has claimed it
   int refuse_submits_after = -1;
@@ -26,7 +26,7 @@ struct Port {
 
 // What is plugged in, one test at a time.
 void reset();
-Port& plug(const std::string& name, devices::UsbDevice& device);  // to be changed before anybody opens it
+Port& plug(const std::string& name, devices::UsbDevice& device);  // to be changed before it is opened
 void unplug(const std::string& name);
 Port port(const std::string& name);  // as it is now
 void fail_transfers(const std::string& name, int count);

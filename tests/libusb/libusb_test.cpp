@@ -10,6 +10,7 @@
 #include "hal/usb/libusb_cameras.h"
 #include "tests/devices/kinect_model.h"
 #include "tests/devices/process_state.h"
+#include "tests/devices/thread_starts.h"
 #include "tests/libusb/fake_libusb.h"
 
 namespace im2fit::hal {
@@ -199,6 +200,23 @@ TEST_F(Libusb, SaysWhyItDoesNotOpenOrStart) {
   EXPECT_EQ(source->motor(), nullptr);
 }
 
+// Transfers are in flight by then, and the kernel writes into them until they are cancelled and handled.
+TEST_F(Libusb, WithoutAThreadForItsEventsTakesItsTransfersBack) {
+  fake::plug("1-1.1", camera_);
+  const auto source = opened("");
+  ASSERT_TRUE(source);
+  fail_thread_start_after(0);
+  const auto started = source->start();
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().code, ErrorCode::io);
+  EXPECT_TRUE(says(started.error(), "thread")) << started.error().message;
+  EXPECT_GE(fake::most_in_flight(), 16) << "it failed before there was anything to take back";
+  EXPECT_EQ(fake::debts().in_flight, 0);
+  EXPECT_EQ(fake::debts().transfers, 0);
+  ASSERT_TRUE(source->start());
+  EXPECT_TRUE(source->next(image(), 5000));
+}
+
 TEST_F(Libusb, AMachineWithoutUsbHasNoCameras) {
   fake::plug("1-1.1", camera_);
   fake::no_usb(true);
@@ -261,8 +279,8 @@ TEST_F(Libusb, StreamsTwoAtOnce) {
   for (int n = 0; n < 5; ++n) EXPECT_TRUE(a->next(image(), 5000)) << "only the other one was pulled out";
 }
 
-// Android: no bus may be looked at, a descriptor is all there is.
-TEST_F(Libusb, OpensWhatSomebodyElseOpened) {
+// Android: no bus may be listed, a descriptor is all there is.
+TEST_F(Libusb, OpensWhatAnotherProcessOpened) {
   fake::no_usb(true);
   fake::plug("1-1.1", camera_);
   fake::plug("1-1.2", motor_);

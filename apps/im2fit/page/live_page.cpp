@@ -88,7 +88,7 @@ void LivePage::draw(const FrameSeen& frame) {
   board_.publish("picture", Json{{"event", "picture"}, {"number", ++pictures_}}.dump());
 }
 
-void LivePage::tell(const Json& event) {
+void LivePage::publish(const Json& event) {
   const std::string kind = event["event"];
   if (kind == "measured") board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
   if (kind == "left") {

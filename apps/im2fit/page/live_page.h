@@ -16,7 +16,7 @@
 
 namespace im2fit::apps {
 
-// `see` on the engine's thread, the rest on one other. Nothing is drawn while nobody watches.
+// `see` on the engine's thread, the rest on one other. Nothing is drawn while no browser watches.
 class LivePage {
  public:
   // Errors: as PageServer::open().
@@ -26,8 +26,8 @@ class LivePage {
   // Before the first frame.
   void begin(const Intrinsics& intrinsics, int frames_wanted);
   void see(const FrameSeen& frame);
-  void tell(const Json& event);
-  // Before the event that tells it.
+  void publish(const Json& event);
+  // Before its event.
   Status measured(const body::Avatar& avatar);
 
  private:

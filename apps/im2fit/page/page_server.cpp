@@ -16,7 +16,7 @@
 namespace im2fit::apps {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds(10);  // then a comment shows whether anybody is still there
+constexpr auto kPatience = std::chrono::seconds(10);  // then a comment shows whether the client is still there
 constexpr int kThreads = PageServer::kWatchersMax + 4;
 
 bool is_local(std::string_view host) {

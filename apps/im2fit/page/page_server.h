@@ -21,7 +21,7 @@ class PageServer {
 
   // Answers from here on, on threads of its own. `board` must outlive it. At an address of this machine alone (127.*,
   // ::1, localhost) only requests that name such a host are answered: pages from elsewhere whose name was made to
-  // lead here (DNS rebinding) see nothing. Errors: nobody may listen there.
+  // lead here (DNS rebinding) see nothing. Errors: the address cannot be listened at.
   static Result<std::unique_ptr<PageServer>> open(const PageAddress& address, Board& board);
   ~PageServer();  // closes the board
   PageServer(const PageServer&) = delete;

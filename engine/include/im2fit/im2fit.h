@@ -83,7 +83,7 @@ IM2FIT_API const char* im2fit_last_error(const im2fit_handle* handle);
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
-/* Every failure is also told here, on the thread of the failing call. The text is valid during the call. */
+/* Every failure is also reported here, on the thread of the failing call. The text is valid during the call. */
 typedef void (*im2fit_log_fn)(void* user, int status, const char* text);
 
 typedef struct im2fit_settings {
@@ -104,17 +104,15 @@ typedef struct im2fit_settings {
   int32_t pool_frames;     /* 8: frames held, 3..64, three bytes a pixel each */
   im2fit_log_fn log;       /* NULL: none */
   void* log_user;
-  int32_t user_id;    /* 0: whoever stands right first. Else only the person with this im2fit_result.user_id */
-  int32_t reserved;   /* 0; where 64-bit callers of the header before have padding */
-  int32_t turn;       /* 0: the front is measured. 1: then the person is asked to turn round, and the back as well */
-  int32_t reserved_2; /* 0, as `reserved` */
-  int32_t clothed;    /* 0: underwear or close-fitting sportswear. 1: dressed; needs body_path, intervals are wider */
-  int32_t sensor;     /* IM2FIT_SENSOR_...: how the camera senses depth. 0: told from the frames */
+  int32_t user_id; /* 0: whoever stands right first. Else only the person with this im2fit_result.user_id */
+  int32_t turn;    /* 0: the front is measured. 1: then the person is asked to turn round, and the back as well */
+  int32_t clothed; /* 0: underwear or close-fitting sportswear. 1: dressed; needs body_path, intervals are wider */
+  int32_t sensor;  /* IM2FIT_SENSOR_...: how the camera senses depth. 0: judged from the frames */
 } im2fit_settings;
 
 /* How a camera senses depth, where the caller knows: people's outlines come out differently. */
 enum {
-  IM2FIT_SENSOR_UNKNOWN = 0,          /* told from the frames: docs/cameras.md says where that is not enough */
+  IM2FIT_SENSOR_UNKNOWN = 0,          /* judged from the frames: docs/cameras.md says where that is not enough */
   IM2FIT_SENSOR_STRUCTURED_LIGHT = 1, /* Kinect for Xbox 360, Xtion, Astra */
   IM2FIT_SENSOR_TIME_OF_FLIGHT = 2    /* Kinect v2, Azure Kinect */
 };
@@ -126,7 +124,7 @@ IM2FIT_API void im2fit_settings_init(im2fit_settings* settings, size_t struct_si
 /* Loads the files, allocates everything, starts the threads. *handle is NULL after a failure. */
 IM2FIT_API int im2fit_open(const im2fit_settings* settings, im2fit_handle** handle);
 
-/* Stops the threads and frees everything, from any state; frames under way are given up. NULL is fine. */
+/* Stops the threads and frees everything, from any state; frames in the pipeline are given up. NULL is fine. */
 IM2FIT_API void im2fit_close(im2fit_handle* handle);
 
 /* ---- Frames ---------------------------------------------------------------------------------------------------- */
@@ -137,19 +135,19 @@ IM2FIT_API void im2fit_close(im2fit_handle* handle);
 IM2FIT_API int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height,
                            size_t stride, uint64_t sequence, int64_t time_ns);
 
-/* No more frames: waits for those under way and measures with what there is. Fine to call twice. CORRUPT: the index
- * is damaged where it was asked (a large one is checked where it is read, not when it is opened). */
+/* No more frames: waits for those in the pipeline and measures with what there is. Fine to call twice. CORRUPT: the
+ * index is damaged where it was read (a large one is checked where it is read, not when it is opened). */
 IM2FIT_API int im2fit_finish(im2fit_handle* handle);
 
 /* A new person: forgets everything seen. After im2fit_finish or between frames. */
 IM2FIT_API int im2fit_reset(im2fit_handle* handle);
 
-/* The next person, after IM2FIT_STATE_MEASURED: frames are looked at again, and the answer stands until the person
+/* The next person, after IM2FIT_STATE_MEASURED: frames are processed again, and the answer stands until the person
  * measured has left the picture for half a second; then a new session begins by itself (im2fit_result.session counts
  * it). Before the measurement: begins anew at once. The floor and the ids are kept, unlike with im2fit_reset. */
 IM2FIT_API int im2fit_next(im2fit_handle* handle);
 
-/* From the next frame on the person of this user_id and nobody else; 0: whoever stands right first, as at the start.
+/* From the next frame on only the person of this user_id; 0: whoever stands right first, as at the start.
  * Another than before begins anew. INVALID_ARGUMENT for a negative id. */
 IM2FIT_API int im2fit_select_user(im2fit_handle* handle, int32_t user_id);
 
@@ -168,7 +166,7 @@ typedef struct im2fit_source {
 /* Opens `uri` into *source. Returns IM2FIT_OK or an error, then *source is not used. */
 typedef int (*im2fit_opener_fn)(void* opener_user, const char* uri, im2fit_source* source);
 
-/* Who opens URIs for this handle; NULL: nobody. The library itself knows none of the cameras yet. */
+/* Who opens URIs for this handle; NULL: none. The library itself knows none of the cameras yet. */
 IM2FIT_API int im2fit_set_opener(im2fit_handle* handle, im2fit_opener_fn opener, void* opener_user);
 
 /* Opens `uri` through the opener, after closing what was attached. UNSUPPORTED without an opener. Allocates. */
@@ -184,13 +182,13 @@ IM2FIT_API int im2fit_detach(im2fit_handle* handle);
 /* ---- Results --------------------------------------------------------------------------------------------------- */
 
 enum {
-  IM2FIT_STATE_SEARCHING = 0, /* nobody yet */
-  IM2FIT_STATE_USER_FOUND,    /* somebody, not yet as needed: see the guidance */
+  IM2FIT_STATE_SEARCHING = 0, /* no person yet */
+  IM2FIT_STATE_USER_FOUND,    /* a person, not yet as needed: see the guidance */
   IM2FIT_STATE_CALIBRATING,   /* waiting for the calibration pose */
-  IM2FIT_STATE_TRACKING,      /* gathering frames */
+  IM2FIT_STATE_TRACKING,      /* accumulating frames */
   IM2FIT_STATE_MEASURED,      /* the answer stands until im2fit_reset; further frames are ignored */
   IM2FIT_STATE_LOST,          /* gone; begins again when found, a limited number of times until im2fit_reset */
-  /* settings.turn: the front is measured (im2fit_result.front_measured), the back is being gathered. MEASURED
+  /* settings.turn: the front is measured (im2fit_result.front_measured), the back is being accumulated. MEASURED
    * follows: with both sides; or with the front alone when the person leaves or does not turn within 450 frames. */
   IM2FIT_STATE_TURNING
 };
@@ -210,7 +208,7 @@ enum {
   IM2FIT_GUIDANCE_TOO_NOISY = 1 << 10,
   IM2FIT_GUIDANCE_SIDE_CUT = 1 << 11,
   IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12, /* raise the arms: upper arms level, hands up */
-  IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13        /* show the back; to be said before whatever else is needed */
+  IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13        /* show the back; to be shown before all other guidance */
 };
 #define IM2FIT_GUIDANCE_COUNT 14
 
@@ -260,7 +258,7 @@ typedef struct im2fit_joint {
   float confidence; /* 0..1: chance of being within 50 mm; below 0.25 the joint is inferred, not seen */
 } im2fit_joint;
 
-/* Somebody in view: pixels of the upright picture, inclusive; mm, camera axes. */
+/* A person in view: pixels of the upright picture, inclusive; mm, camera axes. */
 typedef struct im2fit_user {
   int32_t id; /* >= 1 */
   int32_t left, top, right, bottom;
@@ -287,16 +285,16 @@ typedef struct im2fit_result {
   float paper[IM2FIT_MEASUREMENT_COUNT]; /* the published method's own, NaN where it has none */
   uint32_t index_entry;                  /* the stored body nearest to the answer */
   float index_distance;
-  int32_t user_id; /* whose joints and guidance these are: >= 1, never given to two people; 0: nobody is in view */
+  int32_t user_id; /* whose joints and guidance these are: >= 1, never given to two people; 0: no person is in view */
   int32_t view;    /* IM2FIT_VIEW_..., of the latest frame */
   uint32_t joints_inferred; /* bit per joint of display_joints: not seen, held by the skeleton where it was last */
   uint32_t session;         /* counts the sessions begun after im2fit_next, from 0 */
-  /* The latest frame's, to draw, once measured too; zero confidence without has_joints. Steadied: a joint at rest is
+  /* The latest frame's, to draw, once measured too; zero confidence without has_joints. Smoothed: a joint at rest is
    * shown 0.11 s late, at 1 m/s 0.02 s. `joints` is not. */
   im2fit_joint display_joints[IM2FIT_JOINT_COUNT];
-  int32_t user_count; /* everybody in view, nearest first */
+  int32_t user_count; /* all people in view, nearest first */
   im2fit_user users[IM2FIT_USER_COUNT_MAX];
-  int32_t front_measured; /* 1: from TURNING on; until `measured` the values are what the front alone says */
+  int32_t front_measured; /* 1: from TURNING on; until `measured` the values are those of the front alone */
   int32_t views;          /* IM2FIT_VIEWS_..., of the answer */
   uint32_t frames_back;   /* of frames_used: those of the back */
   im2fit_estimate age;    /* years: median and 95 % of the people in the index who look alike */

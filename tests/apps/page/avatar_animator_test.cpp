@@ -51,8 +51,8 @@ body::Mat3f matrix(const std::array<float, 4>& q) {
            1 - 2 * (x * x + y * y)}};
 }
 
-// Somebody in a known pose before a camera a metre above the floor: the animator of the same body stands where they
-// do, but for the way from the camera.
+// A person in a known pose before a camera a metre above the floor: the animator of the same body stands where they
+// do, but for the distance from the camera.
 TEST_F(AvatarAnimators, StandsAsTheJointsSay) {
   for (const body::Pose& pose :
        {body::psi_pose(skeleton_), body::relaxed_pose(skeleton_, 15), body::a_pose(skeleton_)}) {

@@ -21,20 +21,20 @@ TEST(Board, TellsTheLatestOfEachKindInOrder) {
   EXPECT_EQ(board.wait(seen, milliseconds(1)), "");
   board.publish("frame", "d");
   EXPECT_EQ(board.wait(seen, kLong), "data: d\n\n");
-  std::uint64_t late = 0;  // who comes later is told the same
+  std::uint64_t late = 0;  // a later client gets the same
   EXPECT_EQ(board.wait(late, kLong), "data: c\n\ndata: d\n\n");
 }
 
 TEST(Board, WhoWaitsIsWoken) {
   Board board;
-  std::string told;
+  std::string got;
   std::thread reader([&] {
     std::uint64_t seen = 0;
-    told = board.wait(seen, kLong);
+    got = board.wait(seen, kLong);
   });
   board.publish("state", "now");
   reader.join();
-  EXPECT_EQ(told, "data: now\n\n");
+  EXPECT_EQ(got, "data: now\n\n");
 
   std::string after = "unset";
   std::thread patient([&] {

@@ -27,8 +27,8 @@ class Browser {
     const std::regex started("started successfully on port ([0-9]+)");
     std::smatch found;
     for (const auto end = Clock::now() + kPatience; Clock::now() < end && client_ == nullptr;) {
-      const std::string said = driver_.said();
-      if (std::regex_search(said, found, started))
+      const std::string printed = driver_.messages();
+      if (std::regex_search(printed, found, started))
         client_ = std::make_unique<httplib::Client>("127.0.0.1", std::stoi(found[1]));
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
@@ -60,7 +60,7 @@ class Browser {
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
   bool ready() const { return !session_.empty(); }
-  std::string said() const { return driver_.said(); }
+  std::string messages() const { return driver_.messages(); }
 
   void go(const std::string& url) { ask(session_ + "/url", {{"url", url}}); }
   // What `return ...;` gives.

@@ -28,7 +28,7 @@ class Served : public testing::Test {
     c.set_read_timeout(20);
     return c;
   }
-  // Somebody who reads the stream until it ends or holds `enough`.
+  // A client that reads the stream until it ends or holds `enough`.
   struct Watcher {
     Watcher(httplib::Client c, std::string enough)
         : thread([this, client = std::make_shared<httplib::Client>(std::move(c)), enough = std::move(enough)] {
@@ -60,9 +60,9 @@ TEST_F(Served, ThePageAndAllItAsksForAreThere) {
   EXPECT_EQ(page->status, 200);
   EXPECT_THAT(page->get_header_value("Content-Type"), HasSubstr("text/html"));
   EXPECT_THAT(page->get_header_value("Content-Security-Policy"), HasSubstr("default-src 'self'"));
-  const std::regex asked(R"re((?:src|href)="(/[^"]+\.(?:js|css))")re");
+  const std::regex linked(R"re((?:src|href)="(/[^"]+\.(?:js|css))")re");
   int found = 0;
-  for (std::sregex_iterator at(page->body.begin(), page->body.end(), asked), end; at != end; ++at, ++found) {
+  for (std::sregex_iterator at(page->body.begin(), page->body.end(), linked), end; at != end; ++at, ++found) {
     const auto file = client().Get((*at)[1].str());
     ASSERT_TRUE(file) << (*at)[1];
     EXPECT_EQ(file->status, 200) << (*at)[1];
@@ -122,7 +122,7 @@ TEST_F(Served, APortInUseAndAnAddressThatIsNotOursAreErrors) {
   ASSERT_FALSE(again);
   EXPECT_THAT(again.error().message, HasSubstr("--port"));
   EXPECT_THAT(again.error().message, HasSubstr("in use"));
-  EXPECT_FALSE(PageServer::open({"192.0.2.1", 0}, other));  // RFC 5737: nobody's
+  EXPECT_FALSE(PageServer::open({"192.0.2.1", 0}, other));  // RFC 5737: no machine's
 }
 
 }  // namespace

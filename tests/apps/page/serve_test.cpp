@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `im2fit serve` over a recording of two people, asked as a browser does, and by a browser.
+// `im2fit serve` over a recording of two people, queried as a browser does, and by a browser.
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Each stands there for long enough (at 30 Hz) that a slow start misses nobody.
+// Each stands there for long enough (at 30 Hz) that a slow start misses no person.
 constexpr int kFramesOfEach = 75;
 
 class Serve : public testing::Test {
@@ -42,22 +42,22 @@ class Serve : public testing::Test {
         std::vector<std::string>{IM2FIT_PROGRAM, "serve", folder_->path("two"), "--port", "0", "--frames", "5",
                                  "--body", test::body_path(), "--tracker", test::tracker_path(), "--index",
                                  test::index_path(), "--out", folder_->path("out")},
-        std::vector<std::pair<std::string, std::string>>{}, folder_->path("said"));
+        std::vector<std::pair<std::string, std::string>>{}, folder_->path("stderr"));
     const std::regex address("open (http://[^/]+)/");
     std::smatch found;
     for (const auto end = test::Clock::now() + test::kPatience; test::Clock::now() < end && url_.empty();) {
-      const std::string said = run_->said();
-      if (std::regex_search(said, found, address)) url_ = found[1];
+      const std::string printed = run_->messages();
+      if (std::regex_search(printed, found, address)) url_ = found[1];
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    ASSERT_FALSE(url_.empty()) << run_->said();
+    ASSERT_FALSE(url_.empty()) << run_->messages();
   }
   httplib::Client client() const {
     httplib::Client c(url_);
     c.set_read_timeout(40);
     return c;
   }
-  // Everything told until the recording is over.
+  // Every event until the recording is over.
   std::vector<nlohmann::json> events() const {
     std::string text;
     client().Get("/events", [&](const char* data, std::size_t size) {
@@ -111,14 +111,14 @@ TEST_F(Serve, ShowsOnePersonAfterTheOtherAndTheirBodies) {
   EXPECT_TRUE(test::is_whole_png(folder_->path("picture.png")));
 
   run_->signal(SIGTERM);
-  EXPECT_EQ(run_->wait(), 0) << run_->said();
+  EXPECT_EQ(run_->wait(), 0) << run_->messages();
 }
 
 // Words, the table, and the body on the stage, in Chromium.
 TEST_F(Serve, ABrowserShowsIt) {
   if (!test::Browser::installed()) GTEST_SKIP() << "no chromium: scripts/deps browser";
   test::Browser browser(folder_->path(""));
-  ASSERT_TRUE(browser.ready()) << browser.said();
+  ASSERT_TRUE(browser.ready()) << browser.messages();
   ASSERT_NO_FATAL_FAILURE(serve());
   browser.go(url_ + "/");
   ASSERT_TRUE(browser.wait_for("return document.body.dataset.avatar === '2'")) << browser.run(
@@ -161,7 +161,7 @@ TEST_F(Serve, ABrowserShowsIt) {
 
   // The program ends, and the page says so.
   run_->signal(SIGINT);
-  EXPECT_EQ(run_->wait(), 0) << run_->said();
+  EXPECT_EQ(run_->wait(), 0) << run_->messages();
   EXPECT_TRUE(browser.wait_for("return document.getElementById('wish').textContent.startsWith('The program has')"));
 }
 

@@ -154,7 +154,7 @@ TEST_F(RealStages, ClothesNeedAnIndexThatKnowsThem) {
   const auto engine = Engine::create(settings, *data_->tracker, *data_->index);
   ASSERT_FALSE(engine);
   EXPECT_EQ(engine.error().code, ErrorCode::unsupported);
-  EXPECT_NE(engine.error().message.find("nobody in clothes"), std::string::npos) << engine.error().message;
+  EXPECT_NE(engine.error().message.find("no people in clothes"), std::string::npos) << engine.error().message;
 }
 
 TEST_F(RealStages, AnIndexOfAnotherTrackerIsRefused) {
@@ -172,20 +172,20 @@ TEST_F(RealStages, AnIndexOfAnotherTrackerIsRefused) {
   EXPECT_NE(engine.error().message.find("another tracker"), std::string::npos) << engine.error().message;
 }
 
-TEST_F(RealStages, AKinectIsKnownToldOrNotAndTimeOfFlightIsBelieved) {
-  std::vector<MeasurementValues> told;
+TEST_F(RealStages, AKinectIsKnownGivenOrNotAndTimeOfFlightIsTakenAsGiven) {
+  std::vector<MeasurementValues> reported;
   for (const SensorKind kind : {SensorKind::unknown, SensorKind::structured_light, SensorKind::time_of_flight}) {
     auto engine = make_engine(true, Turn::none, nullptr, kind);
     for (std::uint64_t i = 0; i < kFrameCount; ++i) ASSERT_TRUE(push(*engine, i));
     engine->finish();
     const EngineResult result = engine->result();
     ASSERT_TRUE(result.measured);
-    MeasurementValues& values = told.emplace_back();
+    MeasurementValues& values = reported.emplace_back();
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
       values[m] = static_cast<float>(result.answer.measurements[m].value);
   }
-  EXPECT_EQ(told[0], told[1]);
-  EXPECT_NE(told[1], told[2]);
+  EXPECT_EQ(reported[0], reported[1]);
+  EXPECT_NE(reported[1], reported[2]);
 }
 
 TEST_F(RealStages, MeasureWithTheSameBytesOnOneAndTwoThreadsAndTwice) {
@@ -233,7 +233,7 @@ TEST_F(RealStages, NothingAllocatesOver300Frames) {
   EXPECT_TRUE(engine->result().measured);
 }
 
-// What a session said, frame by frame.
+// What a session reported, frame by frame.
 struct Story {
   std::vector<SessionState> states;  // without repeats
   std::vector<EngineResult> frames;
@@ -270,11 +270,11 @@ TEST_F(RealStages, APersonWhoTurnsRoundIsMeasuredFromBothSides) {
     const std::vector<SessionState> last(story.states.end() - 3, story.states.end());
     EXPECT_EQ(last,
               (std::vector<SessionState>{SessionState::tracking, SessionState::turning, SessionState::measured}));
-    bool asked = false;
+    bool requested = false;
     int lost = 0;
     for (const EngineResult& frame : story.frames) {
       const bool now = has(frame.guidance, Guidance::turn_round);
-      asked = asked || now;
+      requested = requested || now;
       EXPECT_FALSE(now && frame.state != SessionState::turning) << frame.frames_seen;
       EXPECT_FALSE(now && frame.frames_seen > kTurnFirst + kTurnFrames) << frame.frames_seen;
       if (frame.state == SessionState::turning) {
@@ -282,7 +282,7 @@ TEST_F(RealStages, APersonWhoTurnsRoundIsMeasuredFromBothSides) {
         lost += frame.user == 0 ? 1 : 0;
       }
     }
-    EXPECT_TRUE(asked);
+    EXPECT_TRUE(requested);
     EXPECT_LE(lost, 2) << "frames that flicker; the id stays";
     EXPECT_EQ(engine->fused_mask().width, data_->intrinsics.width);
     ResultReport report;
@@ -296,7 +296,7 @@ TEST_F(RealStages, WhoLeavesInsteadOfTurningGetsTheFrontsOwnAnswer) {
   Story story;
   auto engine = make_engine(true, Turn::asked, story.watch());
   auto plain = make_engine(true);
-  const std::vector<std::uint16_t> nobody(data_->frames[0].size(), 0);
+  const std::vector<std::uint16_t> empty_room(data_->frames[0].size(), 0);
   std::uint64_t n = 0;
   while (engine->result().state != SessionState::turning && n < kTurnFirst) {
     ASSERT_TRUE(push(*plain, n, data_->turn_frames[n]));
@@ -306,7 +306,7 @@ TEST_F(RealStages, WhoLeavesInsteadOfTurningGetsTheFrontsOwnAnswer) {
   ASSERT_EQ(engine->result().state, SessionState::turning);
   const EngineResult preliminary = engine->result();
   EXPECT_TRUE(preliminary.front_measured);
-  for (int i = 0; i < 40 && !engine->result().measured; ++i) ASSERT_TRUE(push(*engine, n++, nobody));
+  for (int i = 0; i < 40 && !engine->result().measured; ++i) ASSERT_TRUE(push(*engine, n++, empty_room));
   const EngineResult r = engine->result();
   ASSERT_TRUE(r.measured) << "before the end of the stream";
   EXPECT_EQ(r.views, AnswerViews::front);
@@ -314,7 +314,7 @@ TEST_F(RealStages, WhoLeavesInsteadOfTurningGetsTheFrontsOwnAnswer) {
   EXPECT_EQ(r.frames_back, 0U);
   EXPECT_EQ(values_of(r), values_of(preliminary));
   ASSERT_TRUE(plain->result().measured);
-  EXPECT_EQ(values_of(r), values_of(plain->result())) << "as if no turn had been asked for";
+  EXPECT_EQ(values_of(r), values_of(plain->result())) << "as if no turn had been requested";
 }
 
 TEST_F(RealStages, NothingAllocatesInATurn) {

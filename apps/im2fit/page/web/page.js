@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program tells at /events, shown. Its events are those of docs/result.md and docs/page.md.
+// What the program publishes at /events, shown. Its events are those of docs/result.md and docs/page.md.
 'use strict';
 
 const at = (id) => document.getElementById(id);
@@ -22,8 +22,8 @@ function showState() {
   document.body.dataset.state = seen.state;
   at('wish').textContent = seen.camera || (seen.over ? 'The recording is over' : wishFor(seen.state, seen.guidance));
   at('codes').textContent = seen.over ? '' : seen.guidance.join(', ');
-  const gathered = seen.state === 'TURNING' ? seen.back : seen.used;
-  at('gathered').value = seen.state === 'MEASURED' ? 1 : Math.min(1, gathered / seen.wanted);
+  const accumulated = seen.state === 'TURNING' ? seen.back : seen.used;
+  at('accumulated').value = seen.state === 'MEASURED' ? 1 : Math.min(1, accumulated / seen.wanted);
 }
 
 function showSize() {

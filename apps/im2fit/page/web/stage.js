@@ -17,7 +17,7 @@ class Stage {
     this.orbit.target.set(0, 0.92, 0);
     this.orbit.minDistance = 1;
     this.orbit.maxDistance = 8;
-    this.orbit.addEventListener('change', () => this.ask());
+    this.orbit.addEventListener('change', () => this.requestDraw());
     this.orbit.update();
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a8f98, 0.6));
     const sun = new THREE.DirectionalLight(0xffffff, 0.7);
@@ -29,12 +29,12 @@ class Stage {
     this.scene.add(grid);
     this.lines = null;
     this.avatar = null;
-    this.avatarsAsked = 0;
+    this.avatarsRequested = 0;
     this.nodes = [];
     this.wanted = null;
-    this.asked = false;
-    new ResizeObserver(() => this.ask()).observe(canvas);
-    this.ask();
+    this.drawRequested = false;
+    new ResizeObserver(() => this.requestDraw()).observe(canvas);
+    this.requestDraw();
   }
 
   // `bones`: [from, to, whose colour] of the joints' numbers.
@@ -72,14 +72,14 @@ class Stage {
       });
       position.needsUpdate = true;
     }
-    this.ask();
+    this.requestDraw();
   }
 
-  // Resolves to whether it is on the stage: not when another was asked for, or none, meanwhile.
+  // Resolves to whether it is on the stage: not when another was requested, or none, meanwhile.
   loadAvatar(url, segments) {
-    const asked = ++this.avatarsAsked;
+    const request = ++this.avatarsRequested;
     return new Promise((resolve, reject) => new THREE.GLTFLoader().load(url, (gltf) => {
-      if (asked !== this.avatarsAsked) {
+      if (request !== this.avatarsRequested) {
         resolve(false);
         return;
       }
@@ -88,33 +88,33 @@ class Stage {
       this.avatar.traverse((o) => { o.frustumCulled = false; });  // bones move it out of the box it was made in
       this.nodes = segments.map((name) => this.avatar.getObjectByName(name));
       this.scene.add(this.avatar);
-      this.ask();
+      this.requestDraw();
       resolve(true);
     }, undefined, reject));
   }
 
   removeAvatar() {
-    ++this.avatarsAsked;
+    ++this.avatarsRequested;
     if (!this.avatar) return;
     this.scene.remove(this.avatar);
     this.avatar.traverse((o) => { if (o.geometry) o.geometry.dispose(); });
     this.avatar = null;
     this.nodes = [];
     this.wanted = null;
-    this.ask();
+    this.requestDraw();
   }
 
   // `root` and the rotation of each segment relative to its parent, as the .glb's nodes have them.
   pose(root, rotations) {
     if (!this.avatar) return;
     this.wanted = {root: new THREE.Vector3(...root), rotations: rotations.map((q) => new THREE.Quaternion(...q))};
-    this.ask();
+    this.requestDraw();
   }
 
-  ask() {
-    if (this.asked) return;
-    this.asked = true;
-    requestAnimationFrame(() => { this.asked = false; this.draw(); });
+  requestDraw() {
+    if (this.drawRequested) return;
+    this.drawRequested = true;
+    requestAnimationFrame(() => { this.drawRequested = false; this.draw(); });
   }
 
   // Frames come thirty times a second at most; in between the body glides.
@@ -127,7 +127,7 @@ class Stage {
       this.nodes[i].quaternion.slerp(q, share);
       left = Math.max(left, 1 - Math.abs(this.nodes[i].quaternion.dot(q)));
     });
-    if (left > 1e-5) this.ask();
+    if (left > 1e-5) this.requestDraw();
   }
 
   draw() {
