@@ -67,6 +67,7 @@ Option* Option::real_range(double least, double most) {
 
 App::App(const std::string& description, const std::string& name)
     : owned_(std::make_unique<CLI::App>(description, name)), app_(owned_.get()) {}
+App::App(CLI::App& subcommand) : app_(&subcommand) {}
 App::~App() = default;
 
 Option* App::keep(CLI::Option* option) {

@@ -76,7 +76,7 @@ class App {
   CLI::App& native() { return *app_; }
 
  private:
-  explicit App(CLI::App& subcommand) : app_(&subcommand) {}
+  explicit App(CLI::App& subcommand);
   Option* keep(CLI::Option* option);
   std::unique_ptr<CLI::App> owned_;
   CLI::App* app_;
