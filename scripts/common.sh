@@ -21,45 +21,56 @@ when_free() {
 }
 
 say() { printf '\n== %s\n' "$*" >&2; }
+# skipped WHY: ends a script that cannot do its work here. Where nothing may be skipped, as in .ci/run, that is a failure.
+skipped() {
+  echo "skipped: $(basename "$0"): $*" >&2
+  [ -z "${IM2FIT_NO_SKIPS:-}" ] || exit 1
+  exit 0
+}
 die() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
 
-# A digest of every source that shapes trained data: when it changes, trackers and indexes are made anew.
-# IM2FIT_KEEP_DATA=1 keeps what is there while one works on code that does not change the numbers.
-data_digest() {
-  (cd "$root" && find core kernels perception body index lab apps/im2fit-lab -name '*.cpp' -o -name '*.h' | LC_ALL=C sort |
-    xargs cat | sha256sum | cut -c1-16)
+# fingerprint LAB WHAT: `im2fit-lab fingerprint`, remembered for each build of the program.
+fingerprint() {
+  local lab=$1 what=$2 known
+  known=$cache/fingerprints/$(cat "$lab" "$IM2FIT_BODY" | sha256sum | cut -c1-24)-$what
+  [ "$what" != index ] || known+=-$(sha256sum "$IM2FIT_TRACKER" | cut -c1-12)
+  if [ ! -s "$known" ]; then
+    mkdir -p "$cache/fingerprints"
+    "$lab" fingerprint "$what" --body "$IM2FIT_BODY" --tracker "$IM2FIT_TRACKER" > "$known.new" || return 1
+    mv "$known.new" "$known"
+  fi
+  cat "$known"
 }
 
-# made FILE WORDS...: true when FILE was made by this code with these words. mark FILE WORDS... says so.
-made() {
-  local file=$1; shift
-  [ -s "$file" ] || return 1
-  [ "${IM2FIT_KEEP_DATA:-0}" = 1 ] && return 0
-  [ "$(cat "$file.made" 2>/dev/null)" = "$digest $*" ]
-}
-mark() { local file=$1; shift; printf '%s %s\n' "$digest" "$*" > "$file.made"; }
+# made FILE KEY: FILE is there and was made with this key. mark FILE KEY says so. IM2FIT_KEEP_DATA=1 keeps what is there
+# whatever made it.
+made() { [ -s "$1" ] && { [ "${IM2FIT_KEEP_DATA:-0}" = 1 ] || [ "$(cat "$1.made" 2>/dev/null)" = "$2" ]; }; }
+mark() { printf '%s\n' "$2" > "$1.made"; }
 
 # prepare LAB DIRECTORY SUBJECTS TRAINING_IMAGES LEVEL_TREES: body data, tracker and index into DIRECTORY, each made
-# once.
+# once and made again when its key changes: the file before it, the settings here, and the program's fingerprint, which
+# a change of arithmetic changes and a comment does not.
 prepare() {
-  local lab=$1 directory=$2 subjects=$3 images=$4 trees=$5
-  digest=$(data_digest)
+  local lab=$1 directory=$2 subjects=$3 images=$4 trees=$5 key
   mkdir -p "$directory"
   export IM2FIT_BODY=$cache/body.i2b IM2FIT_TRACKER=$directory/tracker.i2t IM2FIT_INDEX=$directory/index.i2f
-  if ! made "$IM2FIT_BODY" body; then
+  # The trial needs a body: one that cannot be read is no longer good.
+  if [ ! -s "$IM2FIT_BODY" ] || ! key=$(fingerprint "$lab" body) || ! made "$IM2FIT_BODY" "$key"; then
     say "body data"
     "$lab" fetch --out "$IM2FIT_BODY"
-    mark "$IM2FIT_BODY" body
+    mark "$IM2FIT_BODY" "$(fingerprint "$lab" body)"
   fi
-  if ! made "$IM2FIT_TRACKER" "tracker $images $trees"; then
+  key="$(fingerprint "$lab" tracker), $images renders, $trees trees, body $(sha256sum "$IM2FIT_BODY" | cut -c1-16)"
+  if ! made "$IM2FIT_TRACKER" "$key"; then
     say "tracker from $images renders"
     "$lab" train --images "$images" --level-trees "$trees" --out "$IM2FIT_TRACKER"
-    mark "$IM2FIT_TRACKER" "tracker $images $trees"
+    mark "$IM2FIT_TRACKER" "$key"
   fi
-  if ! made "$IM2FIT_INDEX" "index $subjects $images $trees"; then
+  key="$(fingerprint "$lab" index), $subjects subjects, tracker $(sha256sum "$IM2FIT_TRACKER" | cut -c1-16)"
+  if ! made "$IM2FIT_INDEX" "$key"; then
     say "index of $subjects models"
     "$lab" index --subjects "$subjects" --out "$IM2FIT_INDEX"
-    mark "$IM2FIT_INDEX" "index $subjects $images $trees"
+    mark "$IM2FIT_INDEX" "$key"
   fi
 }
 

@@ -41,21 +41,21 @@ Result<std::unique_ptr<hal::Source>> open_patiently(const InputOptions& options,
 
 }  // namespace
 
-void add_input_options(CLI::App& sub, InputOptions& options) {
+void add_input_options(cli::App& sub, InputOptions& options) {
   sub.add_option("SOURCE", options.source,
                  "openni2[:URI] | usb[:SERIAL] | v4l2:/dev/videoN | synthetic[:SEED] | PATH.oni | DEPTH_FOLDER")
       ->required();
   sub.add_option("--rotate", options.rotate_deg, "How the camera is mounted, degrees (default: as recorded)")
-      ->check(CLI::IsMember({0, 90, 180, 270}));
+      ->one_of({0, 90, 180, 270});
   sub.add_option("--camera", options.camera_yaml, "Calibration (ROS/OpenCV YAML) that overrides the source's own")
       ->type_name("YAML");
   sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
 }
 
-void add_reconnect_option(CLI::App& sub, InputOptions& options) {
+void add_reconnect_option(cli::App& sub, InputOptions& options) {
   sub.add_option("--reconnect", options.reconnect_s,
                  "Seconds to wait for a camera that was unplugged; 0: end with an error, -1: for ever")
-      ->check(CLI::Range(-1, 2'000'000))
+      ->range(-1, 2'000'000)
       ->capture_default_str();
 }
 

@@ -28,9 +28,9 @@ struct InputOptions {
   // Told when the camera went away or came back; unset: a line on stderr.
   std::function<void(const hal::ReconnectStats&, const hal::SourceInfo&)> camera_changed;
 };
-void add_input_options(CLI::App& sub, InputOptions& options);
+void add_input_options(cli::App& sub, InputOptions& options);
 // --reconnect; the default is options.reconnect_s.
-void add_reconnect_option(CLI::App& sub, InputOptions& options);
+void add_reconnect_option(cli::App& sub, InputOptions& options);
 
 struct Input {
   std::unique_ptr<hal::Source> source;

@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -34,7 +36,8 @@ void print_error(const std::string& text) {
   fmt::print(stderr, "{}: {}\n", program_name(), line);
 }
 
-int run_program(CLI::App& app, Command& chosen, int argc, char** argv) {
+int run_program(cli::App& program, Command& chosen, int argc, char** argv) {
+  CLI::App& app = program.native();
   program_name() = app.get_name();
   app.require_subcommand(1);
   try {

@@ -2,10 +2,10 @@
 // What both programs share: exit codes, one-line errors, and the way from the command line to a command.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 
+#include "apps/common/cli.h"
 #include "core/status.h"
 
 namespace im2fit::apps {
@@ -20,14 +20,14 @@ using Command = std::function<Result<int>()>;
 
 // Parses, runs what the parsed subcommand put into `chosen`, prints an error as one line on stderr. --help exits 0,
 // bad words exit 2, errors exit 1.
-int run_program(CLI::App& app, Command& chosen, int argc, char** argv);
+int run_program(cli::App& app, Command& chosen, int argc, char** argv);
 
 // A subcommand whose options live in `Options` and whose work is `run(options)`.
 template <class Options>
-CLI::App* add_command(CLI::App& app, Command& chosen, const std::string& name, const std::string& description,
+cli::App* add_command(cli::App& app, Command& chosen, const std::string& name, const std::string& description,
                       const std::string& examples, std::shared_ptr<Options> options,
                       Result<int> (*run)(const Options&)) {
-  CLI::App* sub = app.add_subcommand(name, description);
+  cli::App* sub = app.add_subcommand(name, description);
   sub->footer("Examples:\n" + examples);
   sub->callback([&chosen, options, run] { chosen = [options, run] { return run(*options); }; });
   return sub;

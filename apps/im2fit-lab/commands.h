@@ -10,14 +10,15 @@ namespace im2fit::apps {
 
 using namespace lab;  // what commands are about
 
-void add_fetch(CLI::App& app, Command& chosen);
-void add_population(CLI::App& app, Command& chosen);
-void add_train(CLI::App& app, Command& chosen);
-void add_dataset(CLI::App& app, Command& chosen);
-void add_index(CLI::App& app, Command& chosen);
-void add_render(CLI::App& app, Command& chosen);
-void add_import_raw(CLI::App& app, Command& chosen);
-void add_eval(CLI::App& app, Command& chosen);
-void add_ellipse(CLI::App& app, Command& chosen);
+void add_fetch(cli::App& app, Command& chosen);
+void add_fingerprint(cli::App& app, Command& chosen);
+void add_population(cli::App& app, Command& chosen);
+void add_train(cli::App& app, Command& chosen);
+void add_dataset(cli::App& app, Command& chosen);
+void add_index(cli::App& app, Command& chosen);
+void add_render(cli::App& app, Command& chosen);
+void add_import_raw(cli::App& app, Command& chosen);
+void add_eval(cli::App& app, Command& chosen);
+void add_ellipse(cli::App& app, Command& chosen);
 
 }  // namespace im2fit::apps

@@ -45,7 +45,7 @@ Result<int> run_check(const std::vector<std::string>& folders) {
 
 }  // namespace
 
-void add_dataset(CLI::App& app, Command& chosen) {
+void add_dataset(cli::App& app, Command& chosen) {
   auto options = std::make_shared<DatasetCommand>();
   auto* sub = add_command<DatasetCommand>(
       app, chosen, "dataset", "Synthetic people to features and labels, in shards; resumes where it stopped",
@@ -57,7 +57,7 @@ void add_dataset(CLI::App& app, Command& chosen) {
   add_sample_options(*sub, options->samples);
   auto* out = sub->add_option("--out", options->samples.work_dir, "Folder of shards")->type_name("DIR");
   sub->add_option("--chunk", options->samples.chunk, "People in a shard (default: as in the folder, else 1000)")
-      ->check(CLI::Range(1, 1'000'000));
+      ->range(1, 1'000'000);
   sub->add_option("--shard", options->shard,
                   "Only part I of N, I from 0: a job array's share; all parts together make what one run makes")
       ->type_name("I/N")
@@ -76,7 +76,7 @@ void add_dataset(CLI::App& app, Command& chosen) {
       chosen = [folders] { return run_check(*folders); };
       return;
     }
-    if (out->count() == 0) throw CLI::RequiredError("--out");
+    if (out->count() == 0) cli::App::missing("--out");
     chosen = [options] { return run_dataset(*options); };
   });
 }

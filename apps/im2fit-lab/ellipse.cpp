@@ -43,7 +43,7 @@ Result<int> run_ellipse(const EllipseOptions& options) {
 
 }  // namespace
 
-void add_ellipse(CLI::App& app, Command& chosen) {
+void add_ellipse(cli::App& app, Command& chosen) {
   auto options = std::make_shared<EllipseOptions>();
   auto* sub = add_command<EllipseOptions>(
       app, chosen, "ellipse", "From breadth and depth to girth: the paper's ellipse and others, on real people",
@@ -55,14 +55,14 @@ void add_ellipse(CLI::App& app, Command& chosen) {
       ->required();
   sub->add_option("--synthetic", options->synthetic,
                   "Synthetic people that one estimator is fitted to; 0: leave it out")
-      ->check(CLI::Range(0, 100000))
+      ->range(0, 100000)
       ->capture_default_str();
   sub->add_option("--noise", options->noise_mm, "SD of what is added to every breadth and depth, mm")
-      ->check(CLI::Range(0.0, 100.0))
+      ->range(0.0, 100.0)
       ->capture_default_str();
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
   sub->add_option("--threads", options->threads, "Threads; the result does not depend on them")
-      ->check(CLI::Range(1, 256))
+      ->range(1, 256)
       ->capture_default_str();
   sub->add_option("--figure", options->figure, "Picture of it, SVG")->type_name("FILE");
   sub->add_flag("--json", options->json, "Print as JSON");

@@ -148,7 +148,7 @@ Result<int> run_eval(const EvalCommand& options) {
 }
 
 // Everything that has no meaning beside --tracker.
-std::vector<CLI::Option*> add_measuring_options(CLI::App& sub, EvalCommand& o) {
+std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
   auto* condition =
       sub.add_option("--condition", o.condition, "One condition, a word or several joined by +: " + condition_help())
           ->check([](const std::string& name) {
@@ -166,7 +166,7 @@ std::vector<CLI::Option*> add_measuring_options(CLI::App& sub, EvalCommand& o) {
   auto* all =
       sub.add_flag("--all", o.all, "Every condition, one at a time")->excludes(condition)->excludes(conditions);
   auto* frames = sub.add_option("--frames", o.evaluation.frames, "Accepted frames behind a measurement")
-                     ->check(CLI::Range(1, 1000))
+                     ->range(1, 1000)
                      ->capture_default_str();
   auto* twice = sub.add_flag("--twice", o.evaluation.twice,
                              "Show everybody a second time in a new pose, room and noise: repeatability (TEM)");
@@ -186,10 +186,10 @@ std::vector<CLI::Option*> add_measuring_options(CLI::App& sub, EvalCommand& o) {
   auto* runtime_references =
       sub.add_option("--runtime-references", o.runtime_references, "Beside them: bench/results/index-peers.json")
           ->type_name("FILE");
-  auto* icp = sub.add_option("--icp", o.icp_people, "Register so many people's depth with their body by ICP")
-                  ->check(CLI::Range(1, 100));
+  auto* icp =
+      sub.add_option("--icp", o.icp_people, "Register so many people's depth with their body by ICP")->range(1, 100);
   auto* icp_references = sub.add_option("--icp-references", o.icp_references,
-                                        "Instead: curves of bench/peers/icp_peers, ours beside PCL")
+                                        "Instead: what bench/peers/icp_peers wrote, ours beside PCL")
                              ->type_name("FILE")
                              ->excludes(icp);
   return {condition, conditions,    all,     frames,  twice,
@@ -200,7 +200,7 @@ std::vector<CLI::Option*> add_measuring_options(CLI::App& sub, EvalCommand& o) {
 
 }  // namespace
 
-void add_eval(CLI::App& app, Command& chosen) {
+void add_eval(cli::App& app, Command& chosen) {
   auto options = std::make_shared<EvalCommand>();
   auto& evaluation = options->evaluation;
   evaluation.threads = default_threads();
@@ -214,12 +214,10 @@ void add_eval(CLI::App& app, Command& chosen) {
       "  im2fit-lab eval --tracker --only joints,segmentation --scenes full --subjects 50\n"
       "  im2fit-lab eval --tracker --only guidance --scenes TOO_NEAR,OK --joint-model my.i2t",
       options, run_eval);
-  sub->add_option("--subjects", evaluation.subjects, "Held-out people")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  sub->add_option("--subjects", evaluation.subjects, "Held-out people")->range(1, 100000)->capture_default_str();
   sub->add_option("--seed", evaluation.seed, "Seed of people and rooms")->capture_default_str();
   sub->add_option("--threads", evaluation.threads, "Threads; the result does not depend on them")
-      ->check(CLI::Range(1, 256))
+      ->range(1, 256)
       ->capture_default_str();
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
   sub->add_option("--joint-model", options->joint_model, "Tracker file")->type_name("FILE")->capture_default_str();

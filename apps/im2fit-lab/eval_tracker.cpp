@@ -70,30 +70,30 @@ TrackerEvaluationOptions options_of(const TrackerEvalWords& words, const Tracker
 
 }  // namespace
 
-void add_tracker_words(CLI::App& sub, TrackerEvalWords& words, const std::vector<CLI::Option*>& others) {
-  CLI::Option* tracker = sub.add_flag("--tracker", words.wanted, "Judge the tracker: masks, joints, guidance");
-  for (CLI::Option* other : others) tracker->excludes(other);
-  const auto add = [&](CLI::Option* option) { return option->needs(tracker); };
+void add_tracker_words(cli::App& sub, TrackerEvalWords& words, const std::vector<cli::Option*>& others) {
+  cli::Option* tracker = sub.add_flag("--tracker", words.wanted, "Judge the tracker: masks, joints, guidance");
+  for (cli::Option* other : others) tracker->excludes(other);
+  const auto add = [&](cli::Option* option) { return option->needs(tracker); };
   add(sub.add_option("--only", words.only, "With --tracker: these sections")->delimiter(','))
-      ->check(CLI::IsMember(section_words()));
+      ->one_of(section_words());
   add(sub.add_option("--scenes", words.scenes,
                      "With --tracker: these conditions (full, bare, wide) or guidance codes")
           ->delimiter(','))
-      ->check(CLI::IsMember(scene_words()));
+      ->one_of(scene_words());
   add(sub.add_option("--scenes-per-subject", words.scenes_per_subject, "With --tracker: of each condition"))
-      ->check(CLI::Range(1, 1000))
+      ->range(1, 1000)
       ->capture_default_str();
   add(sub.add_option("--clips", words.clips, "With --tracker: two-person clips"))
-      ->check(CLI::Range(1, 100000))
+      ->range(1, 100000)
       ->capture_default_str();
   add(sub.add_option("--clip-frames", words.clip_frames, "With --tracker: of such a clip, 30 a second"))
-      ->check(CLI::Range(20, 100000))
+      ->range(20, 100000)
       ->capture_default_str();
   add(sub.add_option("--empty-frames", words.empty_frames, "With --tracker: frames of empty rooms"))
-      ->check(CLI::Range(1, 10000000))
+      ->range(1, 10000000)
       ->capture_default_str();
   add(sub.add_option("--guidance-scenes", words.guidance_scenes, "With --tracker: scenes per guidance code"))
-      ->check(CLI::Range(1, 100000))
+      ->range(1, 100000)
       ->capture_default_str();
   add(sub.add_option("--pictures", words.pictures, "With --tracker: contact sheets (PNG) into this folder"))
       ->type_name("DIR");

@@ -2,11 +2,11 @@
 // `eval --tracker`: the words of the command line, and the run.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "apps/common/cli.h"
 #include "body/model.h"
 #include "core/status.h"
 #include "perception/joints/tracker.h"
@@ -30,7 +30,7 @@ struct TrackerEvalWords {
 };
 
 // `others`: what has no meaning beside --tracker.
-void add_tracker_words(CLI::App& sub, TrackerEvalWords& words, const std::vector<CLI::Option*>& others);
+void add_tracker_words(cli::App& sub, TrackerEvalWords& words, const std::vector<cli::Option*>& others);
 
 struct TrackerEvalRun {
   int subjects = 200;

@@ -142,7 +142,7 @@ Result<int> run_fetch(const FetchOptions& options) {
 
 }  // namespace
 
-void add_fetch(CLI::App& app, Command& chosen) {
+void add_fetch(cli::App& app, Command& chosen) {
   auto options = std::make_shared<FetchOptions>();
   auto* sub = add_command<FetchOptions>(
       app, chosen, "fetch", "Body data (.i2b) from MakeHuman's assets",
@@ -155,7 +155,7 @@ void add_fetch(CLI::App& app, Command& chosen) {
       ->type_name("DIR")
       ->capture_default_str();
   sub->add_option("--threads", options->threads, "Threads; the file does not depend on them")
-      ->check(CLI::PositiveNumber)
+      ->range(1, 1'000'000'000)
       ->capture_default_str();
 }
 

@@ -69,7 +69,7 @@ Result<int> run_import(const ImportOptions& options) {
 
 }  // namespace
 
-void add_import_raw(CLI::App& app, Command& chosen) {
+void add_import_raw(cli::App& app, Command& chosen) {
   auto options = std::make_shared<ImportOptions>();
   auto* sub = add_command<ImportOptions>(app, chosen, "import-raw",
                                          "Raw uint16 depth frames (little-endian, mm) into a depth folder",
@@ -78,13 +78,13 @@ void add_import_raw(CLI::App& app, Command& chosen) {
                                          options, run_import);
   sub->add_option("FILES", options->files, "Raw frames, in order")->required();
   sub->add_option("--out", options->out, "Folder to make")->required()->type_name("DIR");
-  sub->add_option("--width", options->width, "Pixels a row")->check(CLI::Range(1, 2048))->capture_default_str();
-  sub->add_option("--height", options->height, "Rows")->check(CLI::Range(1, 2048))->capture_default_str();
+  sub->add_option("--width", options->width, "Pixels a row")->range(1, 2048)->capture_default_str();
+  sub->add_option("--height", options->height, "Rows")->range(1, 2048)->capture_default_str();
   sub->add_option("--focal", options->focal, "Focal length, px (Kinect depth 575.8; registered to colour 525)")
-      ->check(CLI::Range(50.0, 10000.0))
+      ->range(50.0, 10000.0)
       ->capture_default_str();
   sub->add_option("--rotate", options->rotate_deg, "How the camera was mounted, degrees")
-      ->check(CLI::IsMember({0, 90, 180, 270}))
+      ->one_of({0, 90, 180, 270})
       ->capture_default_str();
 }
 

@@ -87,7 +87,7 @@ Result<int> run_build(const IndexCommand& options) {
 
 }  // namespace
 
-void add_index(CLI::App& app, Command& chosen) {
+void add_index(cli::App& app, Command& chosen) {
   auto options = std::make_shared<IndexCommand>();
   auto* sub = add_command<IndexCommand>(
       app, chosen, "index", "Build an index (.i2f) from synthetic people, or inspect one",
@@ -102,11 +102,11 @@ void add_index(CLI::App& app, Command& chosen) {
       ->type_name("DIR")
       ->excludes("--samples");
   sub->add_option("--dimensions", options->dimensions, "Of the projected space; 0: chosen by held-out error")
-      ->check(CLI::Range(0, 16))
+      ->range(0, 16)
       ->capture_default_str();
   sub->add_option("--densify", options->densify_to,
                   "Entries to reach by mixing pairs of real ones: for measuring speed and size only")
-      ->check(CLI::Range(0, 16'000'000))
+      ->range(0, 16'000'000)
       ->type_name("N");
   sub->add_option("--out", options->out, "Index file to write")->type_name("FILE")->capture_default_str();
 

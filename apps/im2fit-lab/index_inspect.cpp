@@ -199,10 +199,10 @@ Result<int> query(const InspectOptions& options) {
   return kExitOk;
 }
 
-CLI::App* add_inspection(CLI::App& index, Command& chosen, const std::shared_ptr<InspectOptions>& options,
+cli::App* add_inspection(cli::App& index, Command& chosen, const std::shared_ptr<InspectOptions>& options,
                          const std::string& name, const std::string& about,
                          Result<int> (*run)(const InspectOptions&)) {
-  CLI::App* sub = add_command<InspectOptions>(index, chosen, name, about, "  im2fit-lab index " + name + " index.i2f",
+  cli::App* sub = add_command<InspectOptions>(index, chosen, name, about, "  im2fit-lab index " + name + " index.i2f",
                                               options, run);
   sub->add_option("FILE", options->path, "Index file")->required();
   return sub;
@@ -210,13 +210,13 @@ CLI::App* add_inspection(CLI::App& index, Command& chosen, const std::shared_ptr
 
 }  // namespace
 
-void add_index_inspect(CLI::App& index, Command& chosen) {
+void add_index_inspect(cli::App& index, Command& chosen) {
   const auto options = std::make_shared<InspectOptions>();
   auto* inspects = add_inspection(index, chosen, options, "inspect", "What is in an index", inspect);
   inspects->add_flag("--json", options->json, "As JSON");
   auto* verifies = add_inspection(index, chosen, options, "verify", "Checksums, tree and search of an index", verify);
   verifies->add_option("--trials", options->trials, "Searches held against exhaustive ones")
-      ->check(CLI::Range(1, 1'000'000))
+      ->range(1, 1'000'000)
       ->capture_default_str();
   auto* query_command = add_inspection(index, chosen, options, "query", "Query an index with features", query);
   query_command
@@ -224,13 +224,13 @@ void add_index_inspect(CLI::App& index, Command& chosen) {
                    "Text file, a feature a line: numbers, '-' where not measured; - is stdin")
       ->capture_default_str();
   query_command->add_option("--neighbours", options->query.neighbour_count, "0: as the index was made")
-      ->check(CLI::Range(0, 512))
+      ->range(0, 512)
       ->capture_default_str();
   query_command->add_option("--frames", options->query.frame_count, "Frames fused behind the feature")
-      ->check(CLI::Range(1, 10000))
+      ->range(1, 10000)
       ->capture_default_str();
   query_command->add_option("--distance", options->query.distance_mm, "From camera to person; 0: not known")
-      ->check(CLI::Range(0, 10000))
+      ->range(0, 10000)
       ->type_name("MM")
       ->capture_default_str();
   query_command->add_flag("--exhaustive", options->query.exhaustive, "Scan every entry: the same answer");

@@ -10,6 +10,6 @@ namespace im2fit::apps {
 
 using namespace lab;  // what commands are about
 
-void add_index_inspect(CLI::App& index, Command& chosen);
+void add_index_inspect(cli::App& index, Command& chosen);
 
 }  // namespace im2fit::apps

@@ -3,11 +3,17 @@
 
 int main(int argc, char** argv) {
   using namespace im2fit::apps;
-  CLI::App app{"Workstation side of im2fit: body data, synthetic people, training, evaluation.", "im2fit-lab"};
-  app.footer("Start with: im2fit-lab fetch, then im2fit-lab train, then im2fit-lab index --subjects 20000");
+  cli::App app{"Workstation side of im2fit: body data, synthetic people, training, evaluation.", "im2fit-lab"};
+  std::string footer = "Start with: im2fit-lab fetch, then im2fit-lab train, then im2fit-lab index --subjects 20000";
   Command chosen;
-  for (auto* add : {add_fetch, add_population, add_train, add_dataset, add_index, add_render, add_import_raw,
-                    add_eval, add_ellipse})
+  for (auto* add :
+       {add_fetch, add_population, add_train, add_dataset, add_index, add_render, add_import_raw, add_fingerprint})
     add(app, chosen);
+#if IM2FIT_HAVE_EVALUATION
+  for (auto* add : {add_eval, add_ellipse}) add(app, chosen);
+#else
+  footer += "\nThis build has no eval and no ellipse: they come with IM2FIT_BUILD_EVALUATION, as in preset release.";
+#endif
+  app.footer(footer);
   return run_program(app, chosen, argc, argv);
 }

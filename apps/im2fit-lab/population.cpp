@@ -116,7 +116,7 @@ Result<int> run_population(const PopulationOptions& options) {
 
 }  // namespace
 
-void add_population(CLI::App& app, Command& chosen) {
+void add_population(cli::App& app, Command& chosen) {
   auto options = std::make_shared<PopulationOptions>();
   auto* sub = add_command<PopulationOptions>(app, chosen, "population",
                                              "Draw synthetic people; truth as CSV, means and spreads as a table",
@@ -124,9 +124,9 @@ void add_population(CLI::App& app, Command& chosen) {
                                              "  im2fit-lab population --preset paper --subjects 200\n"
                                              "  im2fit-lab population --subjects 4000 --ansur DIR --plot people.png",
                                              options, run_population);
-  sub->add_option("--subjects", options->subjects, "How many")->check(CLI::Range(1, 1000000))->capture_default_str();
+  sub->add_option("--subjects", options->subjects, "How many")->range(1, 1000000)->capture_default_str();
   sub->add_option("--preset", options->preset, "Which population")
-      ->check(CLI::IsMember({"paper", "training", "held_out"}))
+      ->one_of({"paper", "training", "held_out"})
       ->capture_default_str();
   sub->add_option("--seed", options->seed, "Seed")->capture_default_str();
   sub->add_option("--out", options->out, "CSV file to write")->type_name("FILE");
@@ -136,7 +136,7 @@ void add_population(CLI::App& app, Command& chosen) {
   ansur->type_name("DIR");
   sub->add_option("--plot", options->plot, "PNG of that comparison")->type_name("FILE")->needs(ansur);
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
-  sub->add_option("--threads", options->threads, "Threads")->check(CLI::Range(1, 256))->capture_default_str();
+  sub->add_option("--threads", options->threads, "Threads")->range(1, 256)->capture_default_str();
   sub->add_flag("--json", options->json, "Summary as JSON");
 }
 

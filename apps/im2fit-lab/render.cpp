@@ -107,7 +107,7 @@ Result<int> run_render(const RenderOptions& options) {
 
 }  // namespace
 
-void add_render(CLI::App& app, Command& chosen) {
+void add_render(cli::App& app, Command& chosen) {
   auto options = std::make_shared<RenderOptions>();
   options->person.scene = furnished_room();
   auto* sub = add_command<RenderOptions>(
@@ -121,30 +121,30 @@ void add_render(CLI::App& app, Command& chosen) {
   sub->add_option("--seed", person.seed, "Seed of the person, the room and the noise")->capture_default_str();
   sub->add_option("--subject", person.subject, "Number of the person within the seed")->capture_default_str();
   sub->add_option("--family", options->family, "Population")
-      ->check(CLI::IsMember({"paper", "training", "held_out"}))
+      ->one_of({"paper", "training", "held_out"})
       ->capture_default_str();
-  sub->add_option("--frames", options->frames, "Frames")->check(CLI::Range(1, 100000))->capture_default_str();
+  sub->add_option("--frames", options->frames, "Frames")->range(1, 100000)->capture_default_str();
   sub->add_option("--rotate", person.scene.rotate_deg, "How the camera is mounted, degrees")
-      ->check(CLI::IsMember({0, 90, 180, 270}))
+      ->one_of({0, 90, 180, 270})
       ->capture_default_str();
   sub->add_option("--condition", options->condition, "noise: a Kinect in a furnished room; bare: a perfect sensor")
-      ->check(CLI::IsMember({"noise", "bare"}))
+      ->one_of({"noise", "bare"})
       ->capture_default_str();
   sub->add_option("--pose", options->pose, "How the person stands")
-      ->check(CLI::IsMember({"relaxed", "a_pose", "psi", "free", "bowed"}))
+      ->one_of({"relaxed", "a_pose", "psi", "free", "bowed"})
       ->capture_default_str();
   sub->add_option("--distance", person.scene.distance_mm, "Camera to person, mm; 0: so that the whole person fits")
-      ->check(CLI::Range(0, 8000))
+      ->range(0, 8000)
       ->capture_default_str();
   sub->add_option("--furniture", person.scene.furniture_count, "Pieces of furniture")
-      ->check(CLI::Range(0, 20))
+      ->range(0, 20)
       ->capture_default_str();
   sub->add_option("--size", options->size, "Picture of the sensor")
-      ->check(CLI::IsMember({"640x480", "320x240"}))
+      ->one_of({"640x480", "320x240"})
       ->capture_default_str();
   sub->add_flag("--back", person.scene.back_view, "Seen from behind");
   sub->add_option("--turn-after", options->turn_after, "The person turns round after so many frames; 0: never")
-      ->check(CLI::Range(0, 100000))
+      ->range(0, 100000)
       ->capture_default_str();
   sub->add_flag("--clothed", options->clothed, "In clothes, shoes and hair; the truth stays the body's");
   sub->add_flag("--paper-files", options->paper_files, "Also sample.obj, .skel, .bvh and .txt as the paper has them");

@@ -46,18 +46,18 @@ SampleOptions default_samples() {
   return options;
 }
 
-void add_sample_options(CLI::App& sub, SampleOptions& options) {
+void add_sample_options(cli::App& sub, SampleOptions& options) {
   sub.add_option("--subjects", options.subjects,
                  "Models: synthetic people in the index (of the first 14,336 drawn, one in three only teaches "
                  "answers and intervals)")
-      ->check(CLI::Range(1, 900'000'000))
+      ->range(1, 900'000'000)
       ->capture_default_str();
   sub.add_option("--captures", options.captures, "Captures of each: other pose, place and noise")
-      ->check(CLI::Range(1, 64))
+      ->range(1, 64)
       ->capture_default_str();
   sub.add_option("--seed", options.seed, "Seed")->capture_default_str();
   sub.add_option("--threads", options.threads, "Threads; the result does not depend on them")
-      ->check(CLI::Range(1, 256))
+      ->range(1, 256)
       ->capture_default_str();
   sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();

@@ -32,7 +32,7 @@ struct SampleOptions {
 
 // Defaults of this machine.
 SampleOptions default_samples();
-void add_sample_options(CLI::App& sub, SampleOptions& options);
+void add_sample_options(cli::App& sub, SampleOptions& options);
 
 // Makes or reuses the samples, in order, with progress on a terminal, and notes in `work_dir` how they were made.
 Result<lab::DatasetReport> make_samples(const SampleOptions& options,

@@ -38,7 +38,7 @@ Result<int> run_train(const TrainCommand& options) {
 
 }  // namespace
 
-void add_train(CLI::App& app, Command& chosen) {
+void add_train(cli::App& app, Command& chosen) {
   auto options = std::make_shared<TrainCommand>();
   options->train.thread_count = default_threads();
   auto* sub =
@@ -47,18 +47,18 @@ void add_train(CLI::App& app, Command& chosen) {
                                 "small.i2t   a quick one, for tests",
                                 options, run_train);
   sub->add_option("--images", options->train.image_count, "Renders to learn from")
-      ->check(CLI::Range(40, 200000))
+      ->range(40, 200000)
       ->capture_default_str();
   sub->add_option("--seed", options->train.seed, "Seed")->capture_default_str();
   sub->add_option("--threads", options->train.thread_count, "Threads; the result does not depend on them")
-      ->check(CLI::Range(1, 256))
+      ->range(1, 256)
       ->capture_default_str();
   sub->add_option("--levels", options->train.level_count, "Levels of the refining cascade")
-      ->check(CLI::Range(1, 32))
+      ->range(1, 32)
       ->capture_default_str();
   sub->add_option("--level-trees", options->train.level_tree_count,
                   "Trees of each level; the file's size is 1.2 kB for each of levels x trees, and the forest")
-      ->check(CLI::Range(1, 4096))
+      ->range(1, 4096)
       ->capture_default_str();
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
   sub->add_option("--out", options->out, "Tracker file to write")->type_name("FILE")->capture_default_str();

@@ -6,12 +6,12 @@
 
 namespace im2fit::apps {
 
-void add_devices(CLI::App& app, Command& chosen);
-void add_measure(CLI::App& app, Command& chosen);
-void add_live(CLI::App& app, Command& chosen);
+void add_devices(cli::App& app, Command& chosen);
+void add_measure(cli::App& app, Command& chosen);
+void add_live(cli::App& app, Command& chosen);
 #if IM2FIT_HAVE_PAGE
-void add_serve(CLI::App& app, Command& chosen);
+void add_serve(cli::App& app, Command& chosen);
 #endif
-void add_record(CLI::App& app, Command& chosen);
+void add_record(cli::App& app, Command& chosen);
 
 }  // namespace im2fit::apps

@@ -29,7 +29,7 @@ Result<int> run_devices(const DevicesOptions& options) {
 
 }  // namespace
 
-void add_devices(CLI::App& app, Command& chosen) {
+void add_devices(cli::App& app, Command& chosen) {
   auto options = std::make_shared<DevicesOptions>();
   auto* sub = add_command<DevicesOptions>(app, chosen, "devices", "List connected depth cameras",
                                           "  im2fit devices\n  im2fit devices --json", options, run_devices);

@@ -14,7 +14,7 @@ Result<int> run_alone(const LiveOptions& options) {
 
 }  // namespace
 
-void add_live(CLI::App& app, Command& chosen) {
+void add_live(cli::App& app, Command& chosen) {
   auto options = std::make_shared<LiveOptions>();
   auto* sub = add_command<LiveOptions>(
       app, chosen, "live", "Guide and measure one person after the other before a camera, until Ctrl-C",
@@ -26,7 +26,7 @@ void add_live(CLI::App& app, Command& chosen) {
                   "Folder for a picture of every frame: skeleton over depth")
       ->type_name("DIR");
   sub->add_option("--overlay-every", options->preview_renderer.overlay_every, "Only every so many frames")
-      ->check(CLI::Range(1, 1'000'000))
+      ->range(1, 1'000'000)
       ->capture_default_str();
   sub->add_flag("--view", options->preview_renderer.view,
                 "Show the same in this terminal (on stderr), ten times a second");

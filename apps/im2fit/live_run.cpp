@@ -213,7 +213,7 @@ Result<int> run_live(const LiveOptions& asked, LiveListener* listener) {
   return code;
 }
 
-void add_live_options(CLI::App& sub, LiveOptions& options) {
+void add_live_options(cli::App& sub, LiveOptions& options) {
   options.session.live = true;
   options.session.input.reconnect_s = -1;
   add_session_options(sub, options.session);
@@ -224,7 +224,7 @@ void add_live_options(CLI::App& sub, LiveOptions& options) {
       "Print events on stdout, one JSON object a line: state, measured, left, camera, end");
   sub.remove_option(sub.get_option("--timing"));
   sub.add_option("--count", options.count, "End after so many people; 0: at Ctrl-C or the source's end")
-      ->check(CLI::Range(0, 1'000'000))
+      ->range(0, 1'000'000)
       ->capture_default_str();
   sub.add_option("--user", options.user, "Whom to measure: nearest, or one id only")
       ->type_name("nearest|ID")

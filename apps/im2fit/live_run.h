@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "apps/common/cli.h"
 #include "apps/common/events.h"
 #include "apps/im2fit/preview_renderer.h"
 #include "apps/im2fit/session.h"
@@ -16,7 +17,7 @@ struct LiveOptions {
   int count = 0;  // 0: until Ctrl-C or the end
   std::string user = "nearest";
 };
-void add_live_options(CLI::App& sub, LiveOptions& options);
+void add_live_options(cli::App& sub, LiveOptions& options);
 
 // Follows a run beside the terminal. A recording then runs at the speed it was made.
 class LiveListener {

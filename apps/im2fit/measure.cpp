@@ -21,7 +21,7 @@ Result<int> run_measure(const SessionOptions& options) {
 
 }  // namespace
 
-void add_measure(CLI::App& app, Command& chosen) {
+void add_measure(cli::App& app, Command& chosen) {
   auto options = std::make_shared<SessionOptions>();
   options->input.reconnect_s = 10;
   auto* sub =

@@ -140,7 +140,7 @@ Result<int> run_record(const RecordOptions& asked) {
 
 }  // namespace
 
-void add_record(CLI::App& app, Command& chosen) {
+void add_record(cli::App& app, Command& chosen) {
   auto options = std::make_shared<RecordOptions>();
   auto* sub = add_command<RecordOptions>(
       app, chosen, "record", "Record a source to an OpenNI2 .oni file or a depth folder",
@@ -154,7 +154,7 @@ void add_record(CLI::App& app, Command& chosen) {
       ->required()
       ->type_name("PATH");
   sub->add_option("--frames", options->frames, "Frames; 0: until the source ends or Ctrl-C")
-      ->check(CLI::Range(0, 1'000'000'000))
+      ->range(0, 1'000'000'000)
       ->capture_default_str();
 }
 

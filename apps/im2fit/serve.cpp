@@ -50,7 +50,7 @@ Result<int> run_serve(const ServeOptions& options) {
 
 }  // namespace
 
-void add_serve(CLI::App& app, Command& chosen) {
+void add_serve(cli::App& app, Command& chosen) {
   auto options = std::make_shared<ServeOptions>();
   auto* sub = add_command<ServeOptions>(
       app, chosen, "serve", "live, shown on a page for a browser: guidance, measurements, a 3D body that follows",
@@ -62,7 +62,7 @@ void add_serve(CLI::App& app, Command& chosen) {
   sub->add_option("--host", options->address.host, "Address to listen at; another than 127.0.0.1 lets others look")
       ->capture_default_str();
   sub->add_option("--port", options->address.port, "Port; 0: any that is free")
-      ->check(CLI::Range(0, 65535))
+      ->range(0, 65535)
       ->capture_default_str();
 }
 

@@ -18,7 +18,7 @@ double now_ms() {
 
 }  // namespace
 
-void add_session_options(CLI::App& sub, SessionOptions& options) {
+void add_session_options(cli::App& sub, SessionOptions& options) {
   add_input_options(sub, options.input);
   add_reconnect_option(sub, options.input);
   sub.add_option("--out", options.out, "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png")
@@ -26,10 +26,10 @@ void add_session_options(CLI::App& sub, SessionOptions& options) {
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
   sub.add_option("--index", options.index, "Index file")->type_name("FILE")->capture_default_str();
   sub.add_option("--frames", options.frames, "Good frames behind a measurement; with --turn, of each side")
-      ->check(CLI::Range(1, 1000))
+      ->range(1, 1000)
       ->capture_default_str();
   sub.add_option("--calibration", options.calibration, "Pose asked for first: none, or psi as in the paper")
-      ->check(CLI::IsMember({"none", "psi"}))
+      ->one_of({"none", "psi"})
       ->capture_default_str();
   sub.add_flag("--turn", options.turn,
                "Front, then back: asks the person to turn round (TURN_ROUND) and measures with both; with the front "
@@ -42,14 +42,14 @@ void add_session_options(CLI::App& sub, SessionOptions& options) {
          "--sensor", options.sensor,
          "How the camera senses depth; people's outlines depend on it. auto: as the camera's driver says, else "
          "as the frames tell by their noise and by what they lack beside the person")
-      ->check(CLI::IsMember(std::vector<std::string>(kSensorKindNames.begin(), kSensorKindNames.end())))
+      ->one_of(std::vector<std::string>(kSensorKindNames.begin(), kSensorKindNames.end()))
       ->capture_default_str();
   sub.add_option("--size-chart", options.size_charts, "Size chart file(s), see docs/result.md (default: EN 13402-3)")
       ->type_name("CSV");
   sub.add_option("--truth", options.input.truth_path, "truth.json of a rendered person, to print errors")
       ->type_name("FILE");
   sub.add_option("--threads", options.threads, "1 or 2; the result does not depend on it")
-      ->check(CLI::IsMember({1, 2}))
+      ->one_of({1, 2})
       ->capture_default_str();
   sub.add_flag("--timing", options.timing, "Add times to the result");
   sub.add_flag("--json", options.json, "Print result.json, and nothing else, on stdout");

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/common/cli.h"
 #include "apps/common/input.h"
 #include "apps/common/measuring.h"
 
@@ -16,7 +17,7 @@ struct SessionOptions : MeasuringOptions {
   bool json = false;
   bool timing = false;
 };
-void add_session_options(CLI::App& sub, SessionOptions& options);
+void add_session_options(cli::App& sub, SessionOptions& options);
 
 // Called for every frame read, with what the engine last said.
 using SessionWatch = std::function<void(std::uint64_t frame_count, const EngineResult& result)>;

@@ -37,7 +37,7 @@
 #include <stdint.h>
 
 #define IM2FIT_VERSION_MAJOR 0
-#define IM2FIT_VERSION_MINOR 1
+#define IM2FIT_VERSION_MINOR 2
 #define IM2FIT_VERSION_PATCH 0
 
 #if defined(_WIN32)
@@ -71,7 +71,7 @@ enum {
   IM2FIT_ERROR_INTERNAL = -12
 };
 
-/* "0.1.0": of the library in use, which may be newer than this header. */
+/* "0.2.0": of the library in use, which may be newer than this header. */
 IM2FIT_API const char* im2fit_version(void);
 
 /* A short name, "no_device"; "unknown" for other numbers. */

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/fingerprint.h"
+
+#include <fmt/core.h>
+
+#include "apps/im2fit-lab/commands.h"
+#include "engine/data_files.h"
+#include "engine/paths.h"
+
+namespace im2fit::apps {
+namespace {
+
+struct FingerprintCommand {
+  std::string what;
+  std::string body = default_body_path();
+  std::string tracker = default_tracker_path();
+};
+
+Result<std::string> fingerprint_of(const FingerprintCommand& options) {
+  const auto model = load_body(options.body);
+  if (!model) return model.error();
+  if (options.what == "body") return body_fingerprint(*model);
+  if (options.what == "tracker") return tracker_fingerprint(*model);
+  const auto tracker = Tracker::load(options.tracker);
+  if (!tracker) return tracker.error();
+  return index_fingerprint(*model, tracker->model());
+}
+
+Result<int> run_fingerprint(const FingerprintCommand& options) {
+  const auto text = fingerprint_of(options);
+  if (!text) return text.error();
+  fmt::print("{}\n", *text);
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_fingerprint(cli::App& app, Command& chosen) {
+  auto options = std::make_shared<FingerprintCommand>();
+  auto* sub = add_command<FingerprintCommand>(
+      app, chosen, "fingerprint",
+      "Versions, and a checksum of a small trial run, of what makes data: whether data made earlier is still good",
+      "  im2fit-lab fingerprint tracker", options, run_fingerprint);
+  sub->add_option("WHAT", options->what, "body, tracker or index")->one_of({"body", "tracker", "index"})->required();
+  sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
+  sub->add_option("--tracker", options->tracker, "Tracker file")->type_name("FILE")->capture_default_str();
+}
+
+}  // namespace im2fit::apps

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * A folder of 16-bit depth pictures (000000.png ..., mm, upright) to measurements.
+ *   measure_folder FOLDER TRACKER.i2t INDEX.i2f FX FY CX CY     the depth camera's intrinsics, pixels */
+#include <im2fit/im2fit.h>
+#include <png.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef struct picture {
+  int32_t width, height;
+  uint16_t* depth_mm;
+} picture;
+
+/* 1: read; 0: there is no such file or it is no 16-bit grey PNG. */
+static int read_picture(const char* path, picture* out) {
+  FILE* file = fopen(path, "rb");
+  if (file == NULL) return 0;
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+  png_infop info = png_create_info_struct(png);
+  int good = 0;
+  out->depth_mm = NULL;
+  if (setjmp(png_jmpbuf(png)) == 0) {
+    png_init_io(png, file);
+    png_read_png(png, info, PNG_TRANSFORM_SWAP_ENDIAN, NULL);
+    out->width = (int32_t)png_get_image_width(png, info);
+    out->height = (int32_t)png_get_image_height(png, info);
+    good = png_get_bit_depth(png, info) == 16 && png_get_channels(png, info) == 1;
+    size_t row = (size_t)out->width;
+    out->depth_mm = malloc(row * (size_t)out->height * sizeof(uint16_t));
+    for (int32_t v = 0; good && v < out->height; ++v)
+      for (size_t u = 0; u < row; ++u)
+        out->depth_mm[(size_t)v * row + u] = ((const uint16_t*)(void*)png_get_rows(png, info)[v])[u];
+  }
+  png_destroy_read_struct(&png, &info, NULL);
+  fclose(file);
+  return good;
+}
+
+static int failed(const im2fit_handle* handle, const char* what) {
+  fprintf(stderr, "measure_folder: %s: %s\n", what, im2fit_last_error(handle));
+  return 1;
+}
+
+int main(int argc, char** argv) {
+  char path[4096];
+  picture frame = {0, 0, NULL};
+  im2fit_settings settings;
+  im2fit_handle* handle = NULL;
+  if (argc != 8) return fprintf(stderr, "usage: measure_folder FOLDER TRACKER INDEX FX FY CX CY\n"), 2;
+  snprintf(path, sizeof path, "%s/000000.png", argv[1]);
+  if (!read_picture(path, &frame)) return fprintf(stderr, "measure_folder: %s: no 16-bit PNG\n", path), 1;
+
+  im2fit_settings_init(&settings, sizeof settings);
+  settings.tracker_path = argv[2];
+  settings.index_path = argv[3];
+  settings.width = frame.width;
+  settings.height = frame.height;
+  settings.fx = strtof(argv[4], NULL), settings.fy = strtof(argv[5], NULL);
+  settings.cx = strtof(argv[6], NULL), settings.cy = strtof(argv[7], NULL);
+  if (im2fit_open(&settings, &handle) != IM2FIT_OK) return failed(NULL, "open");
+  for (unsigned number = 0; number == 0 || read_picture(path, &frame);) {
+    if (im2fit_push(handle, frame.depth_mm, frame.width, frame.height, 0, number, 0) != IM2FIT_OK)
+      return failed(handle, path);
+    free(frame.depth_mm);
+    snprintf(path, sizeof path, "%s/%06u.png", argv[1], ++number);
+  }
+
+  im2fit_result result;
+  if (im2fit_finish(handle) != IM2FIT_OK) return failed(handle, "finish");
+  if (im2fit_poll(handle, &result, sizeof result) != IM2FIT_OK) return failed(handle, "poll");
+  printf("%s, %d of %d frames used\n", im2fit_state_name(result.state), (int)result.frames_used, (int)result.frames_seen);
+  for (int i = 0; result.measured && i < IM2FIT_MEASUREMENT_COUNT; ++i)
+    printf("%-17s %7.1f %s  [%.1f, %.1f]\n", im2fit_measurement_name(i), (double)result.measurements[i].value,
+           im2fit_measurement_unit(i), (double)result.measurements[i].low, (double)result.measurements[i].high);
+  im2fit_close(handle);
+  return result.measured ? 0 : 3;
+}
