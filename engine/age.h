@@ -18,7 +18,7 @@ inline constexpr std::array<std::string_view, kAgeBandCount> kAgeBandNames = {"1
 std::size_t age_band_of(float years);  // those younger and older than the groups belong to the first and last
 
 struct AgeAnswer {
-  index::Estimate years;                     // the median of those alike, and what 95 % of them are within
+  index::IntervalEstimate years;             // the median of those alike, and what 95 % of them are within
   std::array<float, kAgeBandCount> bands{};  // probabilities; they sum to 1
 };
 

@@ -134,7 +134,7 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   out.age = {r.age.years.value, r.age.years.low, r.age.years.high};
   std::copy(r.age.bands.begin(), r.age.bands.end(), out.age_bands);
   for (std::size_t i = 0; i < im2fit::kMeasurementCount; ++i) {
-    const im2fit::index::Estimate& e = r.answer.measurements[i];
+    const im2fit::index::IntervalEstimate& e = r.answer.measurements[i];
     out.measurements[i] = {e.value, e.low, e.high};
     out.paper[i] = r.paper[i];
   }

@@ -210,7 +210,7 @@ double normal_cdf(double x) {
   return 1 - 0.5 / (eighth * eighth);
 }
 
-SizeAnswer size_probabilities(const SizeSystem& system, const index::Estimate& chest_mm, float female) {
+SizeAnswer size_probabilities(const SizeSystem& system, const index::IntervalEstimate& chest_mm, float female) {
   const double mean = static_cast<double>(chest_mm.value);
   const double width = static_cast<double>(chest_mm.high) - static_cast<double>(chest_mm.low);
   // An interval of no width still leaves the tape's own millimetre.

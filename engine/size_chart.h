@@ -64,7 +64,7 @@ struct SizeAnswer {
 // The chest's error is taken as normal with the interval as its 95 %. Both sexes' charts are mixed by `female`
 // (0..1): a size's probability is that of the wearer taking that label, whichever rack they shop from. Bit-exact on
 // every machine.
-SizeAnswer size_probabilities(const SizeSystem& system, const index::Estimate& chest_mm, float female);
+SizeAnswer size_probabilities(const SizeSystem& system, const index::IntervalEstimate& chest_mm, float female);
 
 // Standard normal distribution function by Abramowitz and Stegun 26.2.19: absolute error below 1.5e-7, from
 // + - * / alone.

@@ -91,16 +91,16 @@ const Refiner* Answerer::refiner_for(const Seen& seen) const {
   return nullptr;
 }
 
-// Whoever is in clothes is looked for where the refined answer puts him, without the beyond of measurements.
-Targets Answerer::asked_of(const Seen& seen, const Refiner* refiner, Workspace& work) const {
+// People in clothes are searched for at the refined answer; it has no shape latents, so these stay zero.
+Targets Answerer::position_targets_of(const Seen& seen, const Refiner* refiner, Workspace& work) const {
   if (!seen.clothed || refiner == nullptr) return regressed(seen.front, work);
-  Targets asked{};
-  refiner->apply(seen, *work.refining[static_cast<std::size_t>(refiner->kind())], asked);
-  return asked;
+  Targets sought{};
+  refiner->apply(seen, *work.refining[static_cast<std::size_t>(refiner->kind())], sought);
+  return sought;
 }
 
 Result<std::span<const Neighbour>> Answerer::alike(const Seen& seen, std::size_t count, Workspace& work) const {
-  const Coordinates grid = grid_of(asked_of(seen, refiner_for(seen), work));
+  const Coordinates grid = grid_of(position_targets_of(seen, refiner_for(seen), work));
   const std::span<const Neighbour> found = work.search.nearest(grid, std::min<std::size_t>(count, kNeighbourMax));
   if (!work.search.intact()) return work.search.damage();
   return found;
@@ -109,11 +109,11 @@ Result<std::span<const Neighbour>> Answerer::alike(const Seen& seen, std::size_t
 Result<Answer> Answerer::answer(const Seen& seen, const QueryOptions& options, Workspace& work) const {
   const Refiner* refiner = refiner_for(seen);
   Refiner::Work* refining = refiner ? &*work.refining[static_cast<std::size_t>(refiner->kind())] : nullptr;
-  const Targets asked = asked_of(seen, refiner, work);
-  auto found = this->corrected(asked, options, work);
+  const Targets sought = position_targets_of(seen, refiner, work);
+  auto found = this->corrected(sought, options, work);
   if (!found) return found.error();
   Corrected& corrected = *found;
-  if (seen.clothed && refiner) corrected.value = asked;
+  if (seen.clothed && refiner) corrected.value = sought;
   const MetaRecord& meta = contents_.meta;
   Uncertainty uncertainty{meta.noise, meta.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
                           contents_.interval, contents_.spread_floor, contents_.sex_table};

@@ -25,7 +25,7 @@ class Answerer {
   // A feature of the wrong size counts as not measured.
   Targets regressed(std::span<const float> feature, Workspace& work) const;
   // The best answer that what is seen allows: turned, fitted, or of the front's feature alone; to people in clothes
-  // by what was learned of such, where the index has learned it. Errors: what was asked of the file is damaged.
+  // by the refinements for them, where the index has these. Errors: what is read of the file is damaged.
   Result<Answer> answer(const Seen& seen, const QueryOptions& options, Workspace& work) const;
 
   // The nearest of all entries, `count` or kNeighbourMax of them.
@@ -36,17 +36,18 @@ class Answerer {
     Targets value{};
     Targets spread{};                       // of the residuals nearby
     Position shift{};                       // of the place, by the surface
-    std::span<const Neighbour> neighbours;  // that were asked; until the workspace's next search
+    std::span<const Neighbour> neighbours;  // that were used; valid until the workspace's next search
   };
   Result<Corrected> corrected(const Targets& regressed, const QueryOptions& options, Workspace& work) const;
 
  private:
   const Refiner* refiner_for(const Seen& seen) const;
-  Targets asked_of(const Seen& seen, const Refiner* refiner, Workspace& work) const;
+  // Where in the projected space neighbours are searched: at the refined answer for people in clothes.
+  Targets position_targets_of(const Seen& seen, const Refiner* refiner, Workspace& work) const;
   Coordinates grid_of(const Targets& targets) const;
   Position place_of(const Targets& targets) const;
   void fill_nearest(const Corrected& corrected, Answer& out) const;
-  // How far answers are off, as the file says it of one way of answering.
+  // How far answers are off: what the file holds for one estimator (plain or a refinement).
   struct Uncertainty {
     NoiseModel noise;
     bool local;

@@ -114,7 +114,7 @@ void CodeSearch::scan(std::size_t first, std::size_t last, const CodeQuery& quer
     std::int32_t distance[kChunk], least[kChunk / kCodeBlock];
     code_distance(tree_.blocks.data() + block * block_bytes, static_cast<int>(blocks_of(end - base, kCodeBlock)),
                   query, distance, least);
-    // Few points are near enough: most blocks are done with one look at their nearest.
+    // Few points are near enough: most blocks are done once their nearest is compared.
     for (std::size_t at = base; at < end; at += kCodeBlock) {
       if (least[(at - base) / kCodeBlock] > reach_) continue;
       const std::size_t stop = std::min(end, at + kCodeBlock);

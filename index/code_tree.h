@@ -34,7 +34,7 @@ struct Neighbour {
   friend bool operator==(const Neighbour&, const Neighbour&) = default;
 };
 
-// Views; whoever made them sees to their sizes (format.cpp, PackedTree).
+// Views; whoever made them sees to their sizes (format.cpp, or PackedTree of lab/index_building).
 struct CodeTree {
   std::size_t point_count = 0;
   int dimension_count = 0;
@@ -63,19 +63,6 @@ struct CodeTree {
 std::size_t code_block_bytes(std::size_t point_count, int dimension_count);
 std::size_t box_values(std::size_t box_count, int dimension_count);
 
-// A tree as the builder makes it.
-struct PackedTree {
-  std::vector<std::uint32_t> order;  // of each stored point, its row in the codes given
-  std::vector<std::int8_t> blocks;
-  std::vector<std::uint32_t> leaf_first;
-  std::vector<std::int16_t> leaf_boxes, group_boxes;
-  Coordinates steps{};
-  int dimension_count = 0;
-  CodeTree view() const;
-};
-// `codes`: dimension_count per point, at least one point. Deterministic.
-PackedTree pack_tree(std::span<const std::int8_t> codes, int dimension_count, const Coordinates& steps);
-
 // What one thread needs to search a tree, whose arrays must outlive it.
 class CodeSearch {
  public:
@@ -83,7 +70,7 @@ class CodeSearch {
   // The min(count, point_count) nearest, nearest first, ties to the smaller index; count 1..count_max. Coordinates
   // are clamped to +-kCoordinateMax. The result is the caller's until the next call. No allocation.
   std::span<Neighbour> nearest(const Coordinates& query, std::size_t count);
-  // The same by looking at every point: the truth, and faster for few points.
+  // The same by scanning every point: the reference, and faster for few points.
   std::span<Neighbour> exhaustive(const Coordinates& query, std::size_t count);
   // Whether the last search read codes as they were written; else what it gave is not to be used.
   bool intact() const { return damaged_.count == 0; }

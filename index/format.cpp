@@ -30,7 +30,7 @@ class SectionReader {
     }
     return *values;
   }
-  // To be checked as it is read.
+  // Checked page by page as it is read.
   template <class T>
   std::span<const T> take_paged(const char* name, std::size_t count, PagedBytes& pages) {
     if (error_) return {};
@@ -54,7 +54,7 @@ class SectionReader {
     if (!error_) std::memcpy(static_cast<void*>(&out), bytes.data(), sizeof(T));
     return out;
   }
-  // `why` becomes a string in failing only: millions of values are looked at.
+  // `why` becomes a string in failing only: millions of values are checked.
   void require(bool holds, const char* name, const char* why) {
     if (!holds) fail(name, why);
   }
@@ -85,20 +85,20 @@ bool possible(const NoiseModel& n) {
 }
 
 void check_meta(SectionReader& in, const MetaRecord& m) {
-  in.require(within(m.feature_size, 1, kFeatureMax), "meta", "says an impossible feature size");
-  in.require(within(m.target_count, kTargetMin, kTargetMax), "meta", "says an impossible number of targets");
-  in.require(within(m.dimensions, 1, kDimensionMax), "meta", "says an impossible number of dimensions");
-  in.require(within(m.entry_count, 1, kEntryMax), "meta", "says an impossible number of entries");
+  in.require(within(m.feature_size, 1, kFeatureMax), "meta", "has an impossible feature size");
+  in.require(within(m.target_count, kTargetMin, kTargetMax), "meta", "has an impossible number of targets");
+  in.require(within(m.dimensions, 1, kDimensionMax), "meta", "has an impossible number of dimensions");
+  in.require(within(m.entry_count, 1, kEntryMax), "meta", "has an impossible number of entries");
   in.require(m.subject_count <= m.entry_count && m.densified_count <= m.entry_count, "meta",
-             "says an impossible number of people");
-  in.require(within(m.leaf_count, 1, m.entry_count), "meta", "says an impossible number of leaves");
-  in.require(within(m.group_count, 1, kGroupMax), "meta", "says an impossible number of groups");
+             "has an impossible number of people");
+  in.require(within(m.leaf_count, 1, m.entry_count), "meta", "has an impossible number of leaves");
+  in.require(within(m.group_count, 1, kGroupMax), "meta", "has an impossible number of groups");
   in.require(m.local_method <= 2 && m.quadratic <= 1 && m.interval_kind <= 1, "meta", "names an unknown method");
-  in.require(within(m.neighbour_count, 1, kNeighbourMax), "meta", "says an impossible number of neighbours");
-  in.require(within(m.grid_unit, 1e-9, 1e9), "meta", "says an impossible grid unit");
+  in.require(within(m.neighbour_count, 1, kNeighbourMax), "meta", "has an impossible number of neighbours");
+  in.require(within(m.grid_unit, 1e-9, 1e9), "meta", "has an impossible grid unit");
   in.require(within(m.intercept_penalty, 0, 1e9) && within(m.slope_penalty, 0, 1e9), "meta",
-             "says an impossible penalty");
-  in.require(possible(m.noise), "meta", "says an impossible noise model");
+             "has an impossible penalty");
+  in.require(possible(m.noise), "meta", "has an impossible noise model");
 }
 
 CodeTree take_tree(SectionReader& in, const MetaRecord& m) {
@@ -158,10 +158,10 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
   const FitLayout& fit = c.record.fit;
   in.require(
       within(fit.shapes, 1, kFitMax) && fit.patches <= kFitMax && fit.limbs <= kFitMax && fit.size() <= kFitMax,
-      name("about").c_str(), "says an impossible fit");
+      name("about").c_str(), "has an impossible fit");
   in.require(c.record.interval_kind <= 1, name("about").c_str(), "names an unknown method");
   for (const float share : c.record.share) in.require(within(share, 0, 1), name("about").c_str(), "mixes impossibly");
-  in.require(possible(c.record.noise), name("about").c_str(), "says an impossible noise model");
+  in.require(possible(c.record.noise), name("about").c_str(), "has an impossible noise model");
   if (in.failed()) return c;
   const std::size_t size = refined_size(kind, m.feature_size, fit);
   c.mean = in.take<std::uint16_t>(name("mean").c_str(), size);

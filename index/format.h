@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections of a .i2f (docs/formats-index.md) and their validation: what parse_contents accepts can be queried
-// without reading out of bounds, dividing by zero or recursing deeply. What there is of each entry (`code`,
-// `residual`, `person`) is held to its checksums when it is read, not when the file is opened: whatever stands there
-// is in range.
+// without reading out of bounds, dividing by zero or recursing deeply. The sections with a value per entry
+// (`code`, `residual`, `person`) are checked against their checksums when they are read, not when the file is opened:
+// any value in them is in range.
 #pragma once
 
 #include <array>
@@ -77,7 +77,7 @@ struct ReportRecord {
 };
 static_assert(sizeof(ReportRecord) == 4 * (5 * 11 + 2 + 16));
 
-// Views into the file. Of what there is of each entry: to be asked whether it is intact before it is read.
+// Views into the file. Per-entry sections (PagedBytes): check that they are intact before reading them.
 struct Contents {
   MetaRecord meta;
   ReportRecord report;

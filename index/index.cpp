@@ -157,10 +157,10 @@ std::uint32_t Index::shape_key() const {
   return 0;
 }
 
-Result<Person> Index::person_of(std::uint32_t entry) const {
+Result<IndexedPerson> Index::person_of(std::uint32_t entry) const {
   const Contents& c = data_->contents;
   if (auto sound = c.person_pages.check(c.number_of(entry)); !sound) return sound.error();
-  return Person{c.meta.population_version, c.meta.population_seed, c.person_of(entry)};
+  return IndexedPerson{c.meta.population_version, c.meta.population_seed, c.person_of(entry)};
 }
 
 Result<MeasurementValues> Index::measurements_of(std::uint32_t entry) const {

@@ -17,9 +17,10 @@
 
 namespace im2fit::index {
 
-struct Estimate {
+// A value and the interval it lies in with 95 % probability.
+struct IntervalEstimate {
   float value = 0;
-  float low = 0;  // 95 % interval
+  float low = 0;
   float high = 0;
 };
 
@@ -27,7 +28,7 @@ struct Estimate {
 enum class AnsweredFrom { front, fitted_front, front_and_back };
 
 struct Answer {
-  std::array<Estimate, kMeasurementCount> measurements;
+  std::array<IntervalEstimate, kMeasurementCount> measurements;
   float female = 0.5F;  // probability
   AnsweredFrom from = AnsweredFrom::front;
   bool clothed = false;        // by what was learned of people in clothes
@@ -42,18 +43,18 @@ struct QueryOptions {
   int frame_count = 1;      // frames fused behind the feature: widens the interval when few
   // Camera to person, as perception/observe sees it: widens the interval when far; 0: not known, as if 4 m.
   int distance_mm = 0;
-  bool exhaustive = false;  // look at every entry: the same answer, for checking the search
+  bool exhaustive = false;  // scans every entry: the same answer, for checking the search
 };
 
-// A person of a population: its draw is named by these three (body/population.h).
-struct Person {
-  std::uint32_t version = 0;  // of the way people are drawn
+// Whose body an entry holds: these three name the draw that makes it again (body/population.h).
+struct IndexedPerson {
+  std::uint32_t version = 0;  // of the rules by which people are drawn
   std::uint64_t seed = 0;
   std::uint64_t number = 0;
 };
 
-// What the builder learned and measured, for people to read. Every error is cross-fitted: the subject asked about
-// had no part in the regression that answered.
+// What the builder learned and measured, for people to read. Every error is cross-fitted: no subject had a part
+// in the regression that answered it.
 struct Info {
   struct Group {
     std::string name;
@@ -105,22 +106,23 @@ class Index {
   class Scratch;
   std::unique_ptr<Scratch, void (*)(Scratch*)> make_scratch() const;
   // No allocation. NaN in the feature means "not measured" and is imputed by the training mean; a feature of
-  // another size than feature_size() is read as if all of it were NaN. Errors: the part of the file that was asked
-  // for is damaged (parts are held to their checksums when they are first asked for).
+  // another size than feature_size() is read as if all of it were NaN. Errors: a part of the file that the
+  // query reads is damaged (parts are checked against their checksums when they are first read).
   Result<Answer> query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
-  // The same from all that is seen: refined (index/refinement.h) where the index has learned how and the sizes fit.
+  // The same from all that is seen: refined (index/refinement.h) where the index was trained for it and the sizes
+  // fit.
   Result<Answer> query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const;
   // Entries whose features resemble these most, nearest first, into `entries`: as many as fit, 512 at most;
   // returns how many. What is known of them holds for the one seen with the share of them it holds for. Errors: as of
   // query().
   Result<std::size_t> alike(const Seen& seen, std::span<std::uint32_t> entries, Scratch& scratch) const;
-  // The fit that refinements ask for, and the key of the shape space it must be of; 0: the index has none.
+  // The layout of the fit that refinements need, and the key of the shape space it must be of; 0: the index has none.
   FitLayout fit_layout() const;
-  // Whether it has learned to answer people in clothes, from the front and from both sides.
+  // Whether it was trained to answer people in clothes, from the front and from both sides.
   bool knows_clothed() const;
   std::uint32_t shape_key() const;
   // Whose body an entry is. `entry` < size(), as below. Errors: as of query().
-  Result<Person> person_of(std::uint32_t entry) const;
+  Result<IndexedPerson> person_of(std::uint32_t entry) const;
   // Truth of an entry to within the rounding of its codes: a seventh of the regression's error, and what the
   // projected space leaves out.
   Result<MeasurementValues> measurements_of(std::uint32_t entry) const;
@@ -130,9 +132,9 @@ class Index {
     std::uint64_t size = 0;
   };
   std::vector<Section> sections() const;
-  // What opening a file does not look at: the checksums of what there is of each entry, that every entry lies in its
+  // What opening a file does not check: the checksums of what there is of each entry, that every entry lies in its
   // leaf's box and every leaf in its group's, and that the search finds what an exhaustive one finds, at `trials`
-  // entries. An error says what is wrong where. Opening has already held the other sections to their CRC and the
+  // entries. An error names what is wrong where. Opening has already held the other sections to their CRC and the
   // records to their ranges.
   Status verify(int trials) const;
   // How much of the file the scratch's last query read.

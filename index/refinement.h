@@ -4,12 +4,12 @@
 //   feature of the front | feature of the back | coefficients of the fit | of the fit to the front, where there is a
 //   back | products of the fit's strongest coefficients | how far off patches of the skin are | how limbs lie | one
 //   over the frames
-// to measurements and sex. The products stand for girths growing with width times depth; the patches for what nobody
-// among those behind the shape space was like; the limbs for what raised shoulders make of a chest; the frames for
+// to measurements and sex. The products stand for girths growing with width times depth; the patches for shapes that
+// none of the people behind the shape space had; the limbs for what raised shoulders make of a chest; the frames for
 // what noise adds to widths, above all of people in clothes. How far off a fit is on the whole has no part in it:
-// with more frames or pixels it falls, and would make the clothes of whoever is well seen look tight. The answer is a
-// mixture of this and the plain one, in shares learned on people neither has learned from: the plain one knows more
-// people. Of people in clothes the plain one knows nothing: their answer is the refined one alone.
+// with more frames or pixels it falls, and would then read as tighter clothes on a person seen well. The answer is a
+// mixture of this and the plain one, in shares learned on people that neither was trained on: the plain one was
+// trained on more people. It was trained on none in clothes: their answer is the refined one alone.
 #pragma once
 
 #include <array>
@@ -48,8 +48,8 @@ constexpr std::size_t refined_size(Refinement kind, std::size_t feature_size, co
   return (feature_size + fit.shapes + fit.patches + fit.limbs) * views + squared_count(fit.shapes) + 1;
 }
 
-// What is known of a person. `back` and the fits may be empty; `fit` is to the front alone, and with fit_both asked
-// for as well.
+// What is known of a person. `back` and the fits may be empty; `fit` is to the front alone, and needed
+// with fit_both as well.
 struct Seen {
   std::span<const float> front;
   std::span<const float> fit;
@@ -109,9 +109,9 @@ class Refiner {
     std::vector<float> values;
     std::vector<std::int16_t> standardised;
   };
-  // Whether all that it asks for is there, in the right sizes.
+  // Whether all that it needs is there, in the right sizes.
   bool applies(const Seen& seen) const;
-  // Mixes what it says into the plain answer: standardised measurements and sex, the first kTargetMin of `targets`.
+  // Mixes its answer into the plain one: standardised measurements and sex, the first kTargetMin of `targets`.
   // No allocation.
   void apply(const Seen& seen, Work& work, Targets& targets) const;
   const RefinementContents& contents() const { return contents_; }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Items shared out over threads. Each item must depend on its index only, so that the count of threads never shows.
 #pragma once
 
 #include <atomic>
@@ -8,8 +9,6 @@
 #include <thread>
 #include <vector>
 
-#include "engine/report/progress.h"
-
 namespace im2fit::lab {
 
 inline int default_threads() {
@@ -17,24 +16,24 @@ inline int default_threads() {
   return cores > 0 ? static_cast<int>(cores) : 1;
 }
 
-// work(i) for every i below `count`, on `threads` threads, with progress. Items must not depend on each other.
-inline void parallel_items(const std::string& what, std::uint64_t count, int threads,
-                           const std::function<void(std::uint64_t)>& work) {
-  Progress progress(what, count);
-  std::atomic<std::uint64_t> next{0};
-  std::uint64_t done = 0;
+// work(i) for every i below `count`. `on_done`, with the number of items done so far, is called one call at a time.
+template <class Index, class Work>
+void for_each_item(Index count, int thread_count, const Work& work,
+                   const std::function<void(std::uint64_t)>& on_done = {}) {
+  std::atomic<Index> next{0};
   std::mutex mutex;
+  std::uint64_t done = 0;
   const auto worker = [&] {
-    for (std::uint64_t i = next++; i < count; i = next++) {
+    for (Index i = next++; i < count; i = next++) {
       work(i);
+      if (!on_done) continue;
       const std::lock_guard lock(mutex);
-      progress.update(++done);
+      on_done(++done);
     }
   };
-  std::vector<std::thread> helpers;
-  for (int t = 1; t < threads; ++t) helpers.emplace_back(worker);
+  std::vector<std::jthread> helpers;
+  for (int t = 1; t < thread_count && static_cast<Index>(t) < count; ++t) helpers.emplace_back(worker);
   worker();
-  for (auto& helper : helpers) helper.join();
 }
 
 }  // namespace im2fit::lab

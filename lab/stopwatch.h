@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Processor time of the calling thread: what a part costs, whoever else the machine serves meanwhile.
+// Processor time of the calling thread: what a part costs, whatever else runs meanwhile.
 #pragma once
 
 #include <ctime>

@@ -53,7 +53,8 @@ void add_ellipse(cli::App& app, Command& chosen) {
   sub->add_option("--ansur", options->ansur, "Folder of ANSUR_II_{FEMALE,MALE}_Public.csv")
       ->type_name("DIR")
       ->required();
-  sub->add_option("--synthetic", options->synthetic, "Synthetic people one way is fitted to; 0: leave it out")
+  sub->add_option("--synthetic", options->synthetic,
+                  "Synthetic people that one estimator is fitted to; 0: leave it out")
       ->range(0, 100000)
       ->capture_default_str();
   sub->add_option("--noise", options->noise_mm, "SD of what is added to every breadth and depth, mm")

@@ -25,18 +25,18 @@ struct EvalCommand {
   std::string samples;
   std::string json_path, html_path, csv_path, people_path, figures_path;
   std::vector<std::string> runtime_indexes;
-  std::string runtime_peers, icp_peers;
+  std::string runtime_references, icp_references;
   TrackerEvalWords tracker;
   int icp_people = 0;
   bool all = false, no_raw = false, runtime = false, json = false;
 
   bool full() const {
     return all || !conditions.empty() || !html_path.empty() || !figures_path.empty() || runtime ||
-           !runtime_indexes.empty() || !runtime_peers.empty() || icp_people > 0 || !icp_peers.empty();
+           !runtime_indexes.empty() || !runtime_references.empty() || icp_people > 0 || !icp_references.empty();
   }
 };
 
-// The samples behind the index, for the paper's way of answering. Absent shards leave that column empty.
+// The samples behind the index, for the paper's nearest neighbour. Absent shards leave that column empty.
 Result<std::optional<index::RawNearest>> load_raw(const EvalCommand& options) {
   if (options.no_raw) return std::optional<index::RawNearest>{};
   const std::string work_dir = options.samples.empty() ? options.index + ".samples" : options.samples;
@@ -75,13 +75,13 @@ Status add_machine_figures(const EvalCommand& options, const SessionModels& mode
     if (!rows) return rows.error();
     report.runtime = std::move(*rows);
   }
-  if (!options.runtime_peers.empty()) {
-    auto peers = read_index_peers(options.runtime_peers);
-    if (!peers) return peers.error();
-    report.peers = std::move(*peers);
+  if (!options.runtime_references.empty()) {
+    auto references = read_index_references(options.runtime_references);
+    if (!references) return references.error();
+    report.references = std::move(*references);
   }
-  if (!options.icp_peers.empty()) {
-    auto curves = read_icp_curves(options.icp_peers);
+  if (!options.icp_references.empty()) {
+    auto curves = read_icp_curves(options.icp_references);
     if (!curves) return curves.error();
     report.icp = std::move(*curves);
   } else if (options.icp_people > 0) {
@@ -183,17 +183,19 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
   auto* runtime = sub.add_flag("--runtime", o.runtime, "Time answers of the index: the paper's runtime figure");
   auto* indexes =
       sub.add_option("--runtime-index", o.runtime_indexes, "The same with further indexes")->type_name("FILE");
-  auto* runtime_peers =
-      sub.add_option("--runtime-peers", o.runtime_peers, "Beside them: bench/results/index-peers.json")
+  auto* runtime_references =
+      sub.add_option("--runtime-references", o.runtime_references, "Beside them: bench/results/index-peers.json")
           ->type_name("FILE");
-  auto* icp = sub.add_option("--icp", o.icp_people, "Register so many people's depth with their body by ICP")
-                  ->range(1, 100);
-  auto* icp_peers =
-      sub.add_option("--icp-peers", o.icp_peers, "Instead: what bench/peers/icp_peers wrote, ours beside PCL")
-          ->type_name("FILE")
-          ->excludes(icp);
-  return {condition, conditions, all,     frames,  twice,   samples,       no_raw, index,    html,
-          csv,       people,     figures, runtime, indexes, runtime_peers, icp,    icp_peers};
+  auto* icp =
+      sub.add_option("--icp", o.icp_people, "Register so many people's depth with their body by ICP")->range(1, 100);
+  auto* icp_references = sub.add_option("--icp-references", o.icp_references,
+                                        "Instead: what bench/peers/icp_peers wrote, ours beside PCL")
+                             ->type_name("FILE")
+                             ->excludes(icp);
+  return {condition, conditions,    all,     frames,  twice,
+          samples,   no_raw,        index,   html,    csv,
+          people,    figures,       runtime, indexes, runtime_references,
+          icp,       icp_references};
 }
 
 }  // namespace
@@ -212,9 +214,7 @@ void add_eval(cli::App& app, Command& chosen) {
       "  im2fit-lab eval --tracker --only joints,segmentation --scenes full --subjects 50\n"
       "  im2fit-lab eval --tracker --only guidance --scenes TOO_NEAR,OK --joint-model my.i2t",
       options, run_eval);
-  sub->add_option("--subjects", evaluation.subjects, "Held-out people")
-      ->range(1, 100000)
-      ->capture_default_str();
+  sub->add_option("--subjects", evaluation.subjects, "Held-out people")->range(1, 100000)->capture_default_str();
   sub->add_option("--seed", evaluation.seed, "Seed of people and rooms")->capture_default_str();
   sub->add_option("--threads", evaluation.threads, "Threads; the result does not depend on them")
       ->range(1, 256)

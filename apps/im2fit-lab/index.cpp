@@ -90,7 +90,7 @@ Result<int> run_build(const IndexCommand& options) {
 void add_index(cli::App& app, Command& chosen) {
   auto options = std::make_shared<IndexCommand>();
   auto* sub = add_command<IndexCommand>(
-      app, chosen, "index", "Build an index (.i2f) from synthetic people, or look into one",
+      app, chosen, "index", "Build an index (.i2f) from synthetic people, or inspect one",
       "  im2fit-lab index --subjects 20000 --out index.i2f\n  im2fit-lab index inspect index.i2f\n"
       "  im2fit-lab index --subjects 50000 --densify 5000000 --out large.i2f   # for measuring speed",
       options, run_build);

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct LookOptions {
+struct InspectOptions {
   std::string path = default_index_path();
   bool json = false;
   int trials = 1000;
@@ -69,7 +69,7 @@ void show_refined(const index::Info& info, const char* heading, index::Refinemen
   fmt::print("\n{}", table.text());
 }
 
-Result<int> inspect(const LookOptions& options) {
+Result<int> inspect(const InspectOptions& options) {
   const auto index = load_index(options.path);
   if (!index) return index.error();
   if (options.json) {
@@ -103,12 +103,13 @@ Result<int> inspect(const LookOptions& options) {
     errors.add({measurement_label(i), number(info.answer_mae[i], 1), number(info.ridge_mae[i], 1),
                 number(info.nearest_mae[i], 1), number(info.prior_mae[i], 1), number(100 * info.coverage[i], 1)});
   fmt::print("{}\n{}\n{}", sections.text(), groups.text(), errors.text());
-  show_refined(info, "on strangers, with a fitted shape", index::Refinement::fitted, index::Refinement::turned);
+  show_refined(info, "on out-of-distribution subjects, with a fitted shape", index::Refinement::fitted,
+               index::Refinement::turned);
   show_refined(info, "the same, in clothes", index::Refinement::clothed, index::Refinement::clothed_turned);
   return kExitOk;
 }
 
-Result<int> verify(const LookOptions& options) {
+Result<int> verify(const InspectOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const auto index = load_index(options.path);
   if (!index) return index.error();
@@ -144,10 +145,10 @@ Result<std::vector<float>> feature_of(std::string line, const std::string& where
   return out;
 }
 
-Json answered(const index::Answer& a, const index::Person& person) {
+Json answered(const index::Answer& a, const index::IndexedPerson& person) {
   Json json;
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {
-    const index::Estimate& e = a.measurements[i];
+    const index::IntervalEstimate& e = a.measurements[i];
     json["measurements"][std::string(kMeasurementTable[i].id)] = {
         {"value", e.value}, {"unit", kMeasurementTable[i].unit}, {"interval", {e.low, e.high}}};
   }
@@ -158,7 +159,7 @@ Json answered(const index::Answer& a, const index::Person& person) {
   return json;
 }
 
-Result<int> query(const LookOptions& options) {
+Result<int> query(const InspectOptions& options) {
   const auto index = load_index(options.path);
   if (!index) return index.error();
   const auto text = text_of(options.features);
@@ -173,8 +174,8 @@ Result<int> query(const LookOptions& options) {
     if (!feature) return feature.error();
     if (feature->empty()) continue;
     if (feature->size() != index->feature_size())
-      return Error{ErrorCode::invalid_argument, fmt::format("{}: {} values, the index asks for {}", where,
-                                                            feature->size(), index->feature_size())};
+      return Error{ErrorCode::invalid_argument,
+                   fmt::format("{}: {} values, the index needs {}", where, feature->size(), index->feature_size())};
     const auto answer = index->query(*feature, options.query, *scratch);
     if (!answer) return answer.error();
     const index::Answer& a = *answer;
@@ -198,10 +199,11 @@ Result<int> query(const LookOptions& options) {
   return kExitOk;
 }
 
-cli::App* add_look(cli::App& index, Command& chosen, const std::shared_ptr<LookOptions>& options,
-                   const std::string& name, const std::string& about, Result<int> (*run)(const LookOptions&)) {
-  cli::App* sub =
-      add_command<LookOptions>(index, chosen, name, about, "  im2fit-lab index " + name + " index.i2f", options, run);
+cli::App* add_inspection(cli::App& index, Command& chosen, const std::shared_ptr<InspectOptions>& options,
+                         const std::string& name, const std::string& about,
+                         Result<int> (*run)(const InspectOptions&)) {
+  cli::App* sub = add_command<InspectOptions>(index, chosen, name, about, "  im2fit-lab index " + name + " index.i2f",
+                                              options, run);
   sub->add_option("FILE", options->path, "Index file")->required();
   return sub;
 }
@@ -209,29 +211,30 @@ cli::App* add_look(cli::App& index, Command& chosen, const std::shared_ptr<LookO
 }  // namespace
 
 void add_index_inspect(cli::App& index, Command& chosen) {
-  const auto options = std::make_shared<LookOptions>();
-  auto* inspects = add_look(index, chosen, options, "inspect", "What is in an index", inspect);
+  const auto options = std::make_shared<InspectOptions>();
+  auto* inspects = add_inspection(index, chosen, options, "inspect", "What is in an index", inspect);
   inspects->add_flag("--json", options->json, "As JSON");
-  auto* verifies = add_look(index, chosen, options, "verify", "Checksums, tree and search of an index", verify);
+  auto* verifies = add_inspection(index, chosen, options, "verify", "Checksums, tree and search of an index", verify);
   verifies->add_option("--trials", options->trials, "Searches held against exhaustive ones")
       ->range(1, 1'000'000)
       ->capture_default_str();
-  auto* asks = add_look(index, chosen, options, "query", "Ask an index about features", query);
-  asks->add_option("FEATURES", options->features,
+  auto* query_command = add_inspection(index, chosen, options, "query", "Query an index with features", query);
+  query_command
+      ->add_option("FEATURES", options->features,
                    "Text file, a feature a line: numbers, '-' where not measured; - is stdin")
       ->capture_default_str();
-  asks->add_option("--neighbours", options->query.neighbour_count, "0: as the index was made")
+  query_command->add_option("--neighbours", options->query.neighbour_count, "0: as the index was made")
       ->range(0, 512)
       ->capture_default_str();
-  asks->add_option("--frames", options->query.frame_count, "Frames fused behind the feature")
+  query_command->add_option("--frames", options->query.frame_count, "Frames fused behind the feature")
       ->range(1, 10000)
       ->capture_default_str();
-  asks->add_option("--distance", options->query.distance_mm, "From camera to person; 0: not known")
+  query_command->add_option("--distance", options->query.distance_mm, "From camera to person; 0: not known")
       ->range(0, 10000)
       ->type_name("MM")
       ->capture_default_str();
-  asks->add_flag("--exhaustive", options->query.exhaustive, "Look at every entry: the same answer");
-  asks->add_flag("--json", options->json, "A line of JSON a feature");
+  query_command->add_flag("--exhaustive", options->query.exhaustive, "Scan every entry: the same answer");
+  query_command->add_flag("--json", options->json, "A line of JSON a feature");
 }
 
 }  // namespace im2fit::apps

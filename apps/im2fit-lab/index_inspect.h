@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// index inspect, verify and query: looking into an index that exists.
+// index inspect, verify and query: inspecting an index that exists.
 #pragma once
 
 #include "apps/common/program.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// N subjects with their truth as CSV, and what the population looks like.
+// N subjects with their truth as CSV, and statistics and a plot of the population.
 #include <fmt/core.h>
 
 #include <cmath>
@@ -9,6 +9,7 @@
 #include "core/file.h"
 #include "engine/data_files.h"
 #include "engine/paths.h"
+#include "engine/report/progress.h"
 #include "engine/report/text_table.h"
 #include "lab/camera/synthetic_person.h"
 #include "lab/parallel.h"
@@ -90,8 +91,11 @@ Result<int> run_population(const PopulationOptions& options) {
   const auto model = load_body(options.body);
   if (!model) return model.error();
   std::vector<lab::Subject> subjects(options.subjects);
-  parallel_items("subjects", options.subjects, options.threads,
-                 [&](std::uint64_t i) { subjects[i] = lab::draw_subject(*model, *family, options.seed, i); });
+  Progress progress("subjects", options.subjects);
+  lab::for_each_item(
+      options.subjects, options.threads,
+      [&](std::uint64_t i) { subjects[i] = lab::draw_subject(*model, *family, options.seed, i); },
+      [&](std::uint64_t done) { progress.update(done); });
   if (!options.out.empty())
     if (const auto written = write_file_atomically(options.out, csv_of(subjects)); !written) return written.error();
   print_summary(subjects, options.json);

@@ -20,7 +20,7 @@ std::string note_path(const std::string& work_dir) {
   return work_dir + "/samples.json";
 }
 
-// Shards made from another body or tracker must not be taken for these.
+// So that shards made from another body or tracker are refused.
 Result<std::uint64_t> key_of_files(const std::string& body, const std::string& tracker) {
   const auto a = MappedFile::open(body);
   if (!a) return a.error();
@@ -82,7 +82,7 @@ Result<lab::DatasetReport> make_samples(const SampleOptions& options,
   dataset.chunk_size = chunk_of(options, dataset.chunk_size);
   dataset.part = options.part;
   dataset.part_count = options.part_count;
-  // First, so that who reads the folder of a run that was killed learns how much is missing.
+  // First, so that a reader of the folder of a killed run can report how much is missing.
   const nlohmann::ordered_json note = {{"subjects", options.subjects},
                                        {"captures", options.captures},
                                        {"seed", options.seed},
@@ -142,7 +142,8 @@ Result<SampleOptions> noted_samples(const std::string& work_dir) {
   const auto* text = reinterpret_cast<const char*>(bytes->data());
   const auto json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
   if (!json.is_object() || !json.contains("subjects") || !json.contains("captures") || !json.contains("seed"))
-    return Error{ErrorCode::corrupt, path + ": expected subjects, captures and seed; build the index again"};
+    return Error{ErrorCode::corrupt,
+                 path + ": expected subjects, captures and seed; make the samples again with im2fit-lab dataset"};
   SampleOptions options = default_samples();
   options.subjects = json["subjects"].get<int>();
   options.captures = json["captures"].get<int>();

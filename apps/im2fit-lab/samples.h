@@ -39,7 +39,7 @@ Result<lab::DatasetReport> make_samples(const SampleOptions& options,
                                         const std::function<void(const index::Sample&)>& sink);
 
 // All samples of one run from any number of folders, in the order of subjects, one shard in memory at a time. Nothing
-// is made: shards that are damaged, of other runs, doubled or missing are errors that say which. How many subjects
+// is made: shards that are damaged, of other runs, doubled or missing are errors that name them. How many subjects
 // there must be stands in the folders' notes.
 Result<lab::DatasetReport> read_samples(const std::vector<std::string>& folders,
                                         const std::function<bool(const index::Sample&)>& take);

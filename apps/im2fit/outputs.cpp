@@ -99,7 +99,7 @@ std::string result_table(const SessionOutcome& outcome) {
   TextTable table(header);
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {
     const int decimals = i == measurement_index(Measurement::weight) ? 1 : 0;
-    const index::Estimate& e = result.answer.measurements[i];
+    const index::IntervalEstimate& e = result.answer.measurements[i];
     std::vector<std::string> row = {
         fmt::format("{} {}", kMeasurementTable[i].id, kMeasurementTable[i].unit), number(e.value, decimals),
         number(e.low, decimals) + " .. " + number(e.high, decimals), number(result.paper[i], decimals)};
@@ -114,7 +114,7 @@ std::string result_table(const SessionOutcome& outcome) {
   std::string text = table.text();
   text += fmt::format("\nsex   female with probability {:.2f}{}\n", result.answer.female,
                       truth ? (truth->woman ? " (truth: woman)" : " (truth: man)") : "");
-  const index::Estimate& age = result.age.years;
+  const index::IntervalEstimate& age = result.age.years;
   text += fmt::format("age   {:.0f} years, {:.0f} to {:.0f}\n", age.value, age.low, age.high);
   if (outcome.report.size) {
     auto entries = outcome.report.size->entries;

@@ -30,7 +30,7 @@ constexpr int kUnitsPer_mm = 10;  // in the 100 um mode
 
 class Driver;
 
-// Copies a property out as OpenNI2 asks: the caller's size must be the property's.
+// Copies a property out as OpenNI2 requires: the caller's size must be the property's.
 template <class T>
 OniStatus give(const T& value, void* data, int* size) {
   if (*size != static_cast<int>(sizeof value)) return ONI_STATUS_BAD_PARAMETER;
@@ -153,7 +153,7 @@ class Driver final : public oni::driver::DriverBase {
  public:
   explicit Driver(OniDriverServices* services) : DriverBase(services), unplugged_(std::make_shared<Unplugged>()) {}
 
-  // The runtime's current directory is the driver's folder during this call: no path may be looked at here.
+  // The runtime's current directory is the driver's folder during this call: no path may be opened here.
   OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
                        oni::driver::DeviceDisconnectedCallback disconnected,
                        oni::driver::DeviceStateChangedCallback state_changed, void* cookie) override {
@@ -296,7 +296,7 @@ void Stream::send(std::uint64_t index) {
   frame->dataSize = static_cast<int>(pixels_.size() * sizeof(std::uint16_t));
   auto* out = static_cast<std::uint16_t*>(frame->data);
   if (mode_.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_100_UM) {
-    // 16 bits end at 6.5 m; what is beyond is no data, as a sensor of that mode says it.
+    // 16 bits end at 6.5 m; what is beyond is no data, as a sensor of that mode reports it.
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
       const int units = pixels_[i] * kUnitsPer_mm;
       out[i] = static_cast<std::uint16_t>(units <= 65535 ? units : 0);

@@ -36,7 +36,7 @@ lab::SensorOptions sensor_of(const Settings& settings) {
   return {real, real, real, real};
 }
 
-// Keeps the model beside the scene that looks at it.
+// Keeps the model beside the scene that uses it.
 class PersonPictures final : public Pictures {
  public:
   PersonPictures(body::BodyModel model, const Settings& settings)

@@ -30,7 +30,7 @@ struct Settings {
   int plug = 0;             // plug=: how often it was put back: nothing but another URI
 };
 
-// The URI the driver announces of itself: only when the environment asks for a virtual camera, so that a real camera
+// The URI the driver announces of itself: only when the environment names a virtual camera, so that a real camera
 // stays the default device. "" when it does not.
 std::string announced_uri();
 // The URI of the same device when it was unplugged and plugged in again.

@@ -47,7 +47,7 @@ Json measurements_json(const EngineResult& result) {
   if (!result.measured) return all;
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {
     const MeasurementInfo& info = kMeasurementTable[i];
-    const index::Estimate& e = result.answer.measurements[i];
+    const index::IntervalEstimate& e = result.answer.measurements[i];
     const double steps = steps_of(info);
     all[std::string(info.id)] = {
         {"value", rounded(e.value, steps)},

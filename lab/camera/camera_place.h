@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the camera of a scene is: drawn or given, looking at the person.
+// Where the camera of a scene is: drawn or given, pointed at the person.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "lab/camera/depth_sensor_model.h"
-#include "lab/population/clones.h"
+#include "lab/simd_clones.h"
 
 namespace im2fit::lab {
 namespace {
@@ -158,7 +158,7 @@ void DepthSensor::change(const SensorOptions& options) {
   make_tables();
 }
 
-IM2FIT_CLONES void DepthSensor::shadow_rows(const CleanView& view, int v0, int v1) {
+IM2FIT_SIMD_CLONES void DepthSensor::shadow_rows(const CleanView& view, int v0, int v1) {
   const std::size_t first = view.at(0, v0), width = static_cast<std::size_t>(k_.width);
   const float* in = &view.inverse_depth[first];
   float* out = &source_[first];
@@ -187,7 +187,7 @@ IM2FIT_CLONES void DepthSensor::shadow_rows(const CleanView& view, int v0, int v
   for (; v < v1; ++v) several(std::array{kFar});
 }
 
-IM2FIT_CLONES void DepthSensor::edge_rows(const CleanView& view, int v0, int v1) {
+IM2FIT_SIMD_CLONES void DepthSensor::edge_rows(const CleanView& view, int v0, int v1) {
   const int w = k_.width;
   const int first = std::max(0, v0 - kEdgeReachPx);
   const int last = std::min(k_.height, v1 + kEdgeReachPx);
@@ -222,7 +222,7 @@ IM2FIT_CLONES void DepthSensor::edge_rows(const CleanView& view, int v0, int v1)
 }
 
 // 1/z is affine over a plane's picture and convex across a concave corner: its second difference is zero away from
-// corners and grows towards them. Room only: on anything else it speaks of outlines.
+// corners and grows towards them. Room only: on anything else it would mark outlines.
 void DepthSensor::bias_rows(const CleanView& view, int v0, int v1) {
   const int reach = std::max(2, static_cast<int>(std::lround(kMultipathReachPx * pixel_scale_)));
   const auto bend = [&](std::size_t low, std::size_t here, std::size_t high) {
@@ -256,7 +256,7 @@ void DepthSensor::prepare(const CleanView& view, const PixelBox& box) {
 }
 
 // All of deliver() that no noise changes, so that frames of a scene that stands still share it.
-IM2FIT_CLONES void DepthSensor::expect_rows(const CleanView& view, int v0, int v1) {
+IM2FIT_SIMD_CLONES void DepthSensor::expect_rows(const CleanView& view, int v0, int v1) {
   const std::size_t first = view.at(0, v0);
   const auto count = static_cast<int>(view.at(0, v1) - first);
   const float* __restrict source = &source_[first];

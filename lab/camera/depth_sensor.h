@@ -18,9 +18,9 @@
 //    in the form Fankhauser 2015 ("Kinect v2 for mobile robot navigation: evaluation and modeling") fitted to
 //    Kinect v2; the base of 2 mm stands for its 1.5 - 0.5 z, since cloth and skin answer less than a white target.
 //    Stays below Azure Kinect's stated 17 mm random error. A quarter of the variance is shared by patches.
-//  - Flying pixels: beside a depth step, 45 % of the pixels see both surfaces and deliver a depth up to half way
+//  - Flying pixels: beside a depth step, 45 % of the pixels see both surfaces and deliver a depth up to halfway
 //    between, even over the mixture; 15 % are given up as invalid.
-//  - Multipath: light from the other wall lengthens the way in the room's concave corners: up to +20 mm in the
+//  - Multipath: light from the other wall lengthens the light path in the room's concave corners: up to +20 mm in the
 //  corner,
 //    fading within about 100 mm at 2.5 m.
 //  - Holes: grazing surfaces (from 70 degrees), dark hair in patches, single pixels.
@@ -39,7 +39,7 @@ namespace im2fit::lab {
 
 inline constexpr float kKinectFocalPx = 575.8F;  // depth camera, 640 px wide (not 525: that is registered depth)
 inline constexpr float kProjectorBaselineMm = 75;
-inline constexpr float kMixedMm = 50;  // flying pixels further than this off their surface are nobody's
+inline constexpr float kMixedMm = 50;  // flying pixels further than this off their surface belong to no person
 inline constexpr int kPatchMaxPx = 4;  // side of a noise patch at 640 wide; 2 at 320
 inline constexpr double kRawStepPerMm = 0.1042 / 4 / 9000;  // of 1/z: pixel 0.1042 mm, zero plane 1200 mm, 7.5 cm
 
@@ -104,7 +104,7 @@ class DepthSensor {
   void make_buffers();
   void make_tables();
   void scale_depth(float depth_scale);
-  // A row of the frame under way: pixels u0 .. u1 of row v; `row` seeds its draws.
+  // A row of the current frame: pixels u0 .. u1 of row v; `row` seeds its draws.
   struct RowOfFrame {
     int v, u0, u1;
     std::uint64_t row, seed, frame;
@@ -133,7 +133,7 @@ class DepthSensor {
   std::vector<std::uint8_t> step_;
   // Patch noise: two rows of the lattice and what lies between them, row of the frame.
   std::vector<float> lattice_low_, lattice_row_low_, lattice_row_high_, patch_;
-  int lattice_cell_ = -1;  // whose rows those are, of the frame under way
+  int lattice_cell_ = -1;  // whose rows those are, of the current frame
   // In steps: what noise does not change, by pixel.
   std::vector<float> exact_, sigma_;
   std::vector<std::int32_t> lost_, step_row_;

@@ -8,7 +8,7 @@
 
 #include "lab/camera/depth_sensor.h"
 #include "lab/camera/depth_sensor_model.h"
-#include "lab/population/clones.h"
+#include "lab/simd_clones.h"
 
 namespace im2fit::lab {
 namespace {
@@ -70,14 +70,14 @@ inline __attribute__((always_inline)) void spread(const float* __restrict lattic
 
 }  // namespace
 
-IM2FIT_CLONES void DepthSensor::lattice_row(std::uint64_t seed, std::uint64_t frame, int cell,
-                                            std::vector<float>& out) {
+IM2FIT_SIMD_CLONES void DepthSensor::lattice_row(std::uint64_t seed, std::uint64_t frame, int cell,
+                                                 std::vector<float>& out) {
   const std::uint64_t row = row_seed(seed, kLattice, frame, cell);
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = normal_of_bits(draw(row, static_cast<int>(i)));
 }
 
 // Rows of a frame from top to bottom: those of one cell share the lattice's two rows.
-IM2FIT_CLONES void DepthSensor::patch_row(std::uint64_t seed, std::uint64_t frame, int v) {
+IM2FIT_SIMD_CLONES void DepthSensor::patch_row(std::uint64_t seed, std::uint64_t frame, int v) {
   const int cell = v / patch_px_;
   if (cell != lattice_cell_) {
     if (cell == lattice_cell_ + 1 && lattice_cell_ >= 0)
@@ -137,7 +137,7 @@ DepthSensor::Sample DepthSensor::flying(const CleanView& view, int u, int v, std
   const double kind = rng.uniform();
   if (kind < kGivenUpShare) return {};
   if (kind > kGivenUpShare + kFlyingShare) return own;
-  // Half of the way at most: the pixel's own surface fills more of it.
+  // Halfway at most: the pixel's own surface fills more of it.
   const auto mix = static_cast<float>(rng.uniform(0, 0.5));
   const float own_z = 1 / own.inverse_depth, other_z = 1 / other.inverse_depth;
   Sample mixed = own;
@@ -192,8 +192,8 @@ void DepthSensor::expose(const CleanView& view, const PixelBox& box, std::uint64
   if (options_.holes) punch_blobs(box, seed, frame, out, person);
 }
 
-IM2FIT_CLONES void DepthSensor::expose_steps(const CleanView& view, const RowOfFrame& where, std::uint16_t* pixels,
-                                             std::uint8_t* person) {
+IM2FIT_SIMD_CLONES void DepthSensor::expose_steps(const CleanView& view, const RowOfFrame& where,
+                                                  std::uint16_t* pixels, std::uint8_t* person) {
   const std::size_t first = view.at(where.u0, where.v);
   const float own = options_.noise ? std::sqrt(1 - kPatchShare) : 0.0F;
   const float shared = options_.noise ? std::sqrt(kPatchShare) : 0.0F;
@@ -238,7 +238,7 @@ IM2FIT_CLONES void DepthSensor::expose_steps(const CleanView& view, const RowOfF
 }
 
 // Whose value each of the pixels beside a step delivers: displaced() of them all, in passes for the vectoriser.
-IM2FIT_CLONES void DepthSensor::displace(const CleanView& view, const RowOfFrame& where) {
+IM2FIT_SIMD_CLONES void DepthSensor::displace(const CleanView& view, const RowOfFrame& where) {
   const auto count = static_cast<int>(beside_.count);
   const std::int32_t* u = beside_.u.data();
   std::uint64_t* __restrict bits = beside_.bits.data();

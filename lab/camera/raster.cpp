@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "lab/population/clones.h"
+#include "lab/simd_clones.h"
 
 namespace im2fit::lab {
 namespace {
@@ -122,8 +122,8 @@ inline __attribute__((always_inline)) void incidence_row(const RoomRow& row, int
 
 }  // namespace
 
-IM2FIT_CLONES void draw_room(std::span<const Plane> planes, const Intrinsics& k, const PixelBox& box,
-                             CleanView& view) {
+IM2FIT_SIMD_CLONES void draw_room(std::span<const Plane> planes, const Intrinsics& k, const PixelBox& box,
+                                  CleanView& view) {
   if (box.empty()) return;
   const int count = box.u1 - box.u0;
   std::vector<float> distance(static_cast<std::size_t>(count));
@@ -262,9 +262,9 @@ void MeshRaster::fill(std::span<const Vec3f> vertices, const Triangle& triangle,
   }
 }
 
-IM2FIT_CLONES PixelBox MeshRaster::draw(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
-                                        std::span<const std::uint8_t> labels, bool closed, const Intrinsics& k,
-                                        const PixelBox& clip, CleanView& view) {
+IM2FIT_SIMD_CLONES PixelBox MeshRaster::draw(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                                             std::span<const std::uint8_t> labels, bool closed, const Intrinsics& k,
+                                             const PixelBox& clip, CleanView& view) {
   projected_.resize(vertices.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const Vec3f p = vertices[i];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/camera/raw_row_loop.h"
-#include "lab/population/clones.h"
+#include "lab/simd_clones.h"
 
 namespace im2fit::lab {
 
-IM2FIT_CLONES void raw_row_avx2(const RawRow& row, int count, std::int32_t* out) {
+IM2FIT_SIMD_CLONES void raw_row_avx2(const RawRow& row, int count, std::int32_t* out) {
   raw_row_loop(row, count, out);
 }
 

@@ -63,7 +63,7 @@ struct RoomOptions {
   int furniture_count = 0;
   bool touching = false;     // one or two pieces at the person's feet or lower legs
   int decoy_count = 0;       // what fools detectors: coat stands, chairs with a coat, dog-sized boxes
-  bool empty_place = false;  // nobody there: decoys may stand at the origin
+  bool empty_place = false;  // no person there: decoys may stand at the origin
 };
 Room draw_room_plan(const RoomOptions& options, const Standing& person, Rng& rng);
 // Chair with or without arms, or a stool.

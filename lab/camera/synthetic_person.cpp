@@ -58,7 +58,7 @@ Result<StandingPose> pose_of(const std::string& word) {
 SyntheticPerson::SyntheticPerson(const body::BodyModel& model, const PersonOptions& options)
     : options_(options),
       subject_(draw_subject(model, options.family, options.seed, options.subject)),
-      // The OpenNI2 virtual camera seeds its scene the same way, so both show the same frames.
+      // The OpenNI2 virtual camera seeds its scene alike, so that both show the same frames.
       scene_(model, subject_, options.scene, sensor_of(options.noise),
              kinect_intrinsics(options.width, options.height), options.seed + options.subject) {}
 

@@ -177,7 +177,7 @@ void VirtualScene::Impl::furnish() {
   // A drawn wall stands behind everyone, whatever the pose; a given one is taken at its word.
   if (scene.wall_distance_mm <= 0) {
     options.wall_distance_mm = std::max(drawn, place.behind_mm + 150);
-    // Walls are turned by a few degrees: a tenth of the way aside on top.
+    // Walls are turned by a few degrees: a tenth of the sideways distance on top.
     for (const Vec3f& spot : place.others)
       options.wall_distance_mm =
           std::max(options.wall_distance_mm, kOthersClearMm - spot.z + 0.1F * std::fabs(spot.x));
@@ -204,7 +204,7 @@ void VirtualScene::Impl::draw_background(const PixelBox& box, CleanView& into) {
   raster.draw(furniture, room.furniture.triangles, kLabels, true, intrinsics, box, into);
 }
 
-// Some rows more than asked for: the next frame's box will have moved a little.
+// Some rows more than requested: the next frame's box will have moved a little.
 void VirtualScene::Impl::ensure_background(const PixelBox& band) {
   if (!room_done.empty() && band.v0 >= room_done.v0 && band.v1 <= room_done.v1) return;
   constexpr int kSpareRows = 16;
@@ -288,7 +288,7 @@ void VirtualScene::render(std::uint64_t index, DepthImage out) {
     for (int v = 0; v < out.height; ++v) std::fill_n(out.row(v), out.width, std::uint16_t{0});
     std::fill(s.mask.begin(), s.mask.end(), std::uint8_t{0});
   }
-  // Rows of the box whole, and some above and below: the shadow looks along the row, the edges across it.
+  // Rows of the box whole, and some above and below: the shadow needs the row, the edges the rows beside it.
   const PixelBox band = intersect(frame, {0, wanted.v0 - 4, s.intrinsics.width, wanted.v1 + 4});
   if (!s.view_ready || s.moves() || boxed) {
     PixelBox changed = band;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A depth camera looking at a room: z-buffer, Kinect intrinsics, structured-light noise (Nguyen 2012),
+// A depth camera that renders a room: z-buffer, Kinect intrinsics, structured-light noise (Nguyen 2012),
 // disparity quantisation (Khoshelham 2012), shadow, holes, floor, wall, furniture.
 //
 // Mounting. The sensor always delivers its own landscape frame `in` (W x H). With rotate_deg the camera hangs
@@ -36,7 +36,7 @@ Intrinsics upright_intrinsics(const Intrinsics& sensor, int rotate_deg);
 // A point or direction in the upright picture's camera axes, in the sensor's own.
 Vec3f upright_to_sensor(Vec3f upright, int rotate_deg);
 
-// Somebody else in the room. The subject is draw_subject(model, family, subject_seed, subject_index).
+// Another person in the room. The subject is draw_subject(model, family, subject_seed, subject_index).
 struct Bystander {
   Family family = Family::training;
   std::uint64_t subject_seed = 0;
@@ -44,7 +44,7 @@ struct Bystander {
   StandingPose pose = StandingPose::relaxed;
   Clothing clothing = Clothing::none;
   bool hair = false;
-  float yaw_deg = 1e9F;  // 0 faces the camera; 1e9: along the path on the way, else drawn by pose class
+  float yaw_deg = 1e9F;  // 0 faces the camera; 1e9: along the path while walking, else drawn by pose class
   FloorPath path;        // {x, z} alone: stands there
 };
 inline constexpr std::size_t kBystandersMax = 30;
@@ -70,7 +70,7 @@ struct SceneOptions {
   std::uint64_t outfit_seed = 0;       // of clothes, shoes and hair; 0: the scene's
   bool person = true;                  // false: the room (and `others`) without the main person, who is still drawn
                                        // for the camera's place; mask empty, joints of confidence 0
-  FloorPath walk;                      // of the main person; yaw 1e9: along it on the way. Camera and room are
+  FloorPath walk;                      // of the main person; yaw 1e9: along it while walking. Camera and room are
                                        // placed as for a person standing at the origin
   AboutTurn turn;                      // of the main person, on the spot
   std::vector<Bystander> others;       // at most kBystandersMax
@@ -78,7 +78,7 @@ struct SceneOptions {
   int decoy_count = 0;          // coat stands, chairs with a coat, dog-sized boxes; without a person also where
                                 // one would stand
   bool enlarge_to_fit = false;  // a given distance_mm, too, grows until the whole person fits (4.5 m at most)
-  float pitch_limit_deg = 90;   // of a drawn pitch, either way
+  float pitch_limit_deg = 90;   // of a drawn pitch, up or down
 };
 
 // A scene drawn once; frames differ by sensor noise and by sway. Not shareable between threads; the model must
@@ -102,7 +102,7 @@ class VirtualScene {
   // size, before any --rotate. Frame times are index/30 s.
   void render(std::uint64_t index, DepthImage out);
   // Frame `index` again with other noise than the one rendered last, the same but for that (SceneOptions::sway off,
-  // nobody walking): its pixels of `box` alone; others of `out` stay as they are.
+  // no person walking): its pixels of `box` alone; others of `out` stay as they are.
   void render_part(std::uint64_t index, const PixelBox& box, DepthImage out);
   const Intrinsics& intrinsics() const;
   // Truth in camera axes of the *upright* image, the one the program sees after undoing rotate_deg. `who`: 0 the main

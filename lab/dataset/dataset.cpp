@@ -12,15 +12,15 @@
 #include "core/file.h"
 #include "index/refinement.h"
 #include "lab/dataset/dataset_shard.h"
+#include "lab/parallel.h"
 #include "lab/population/ood_subjects.h"
 #include "lab/stopwatch.h"
-#include "lab/tracker_training/tracker_parallel.h"
 
 namespace im2fit::lab {
 namespace {
 
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 16;  // raise when the way to a feature changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 16;  // raise when a sample of a subject changes: shards are then made again
 constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
 constexpr int kClothedCaptures = 8192;         // of those in clothes
 constexpr int kAgainCaptures = 16384;          // and of people seen again
@@ -63,23 +63,24 @@ struct SubjectResult {
   std::array<std::int64_t, kGuidanceCount> refused{};
 };
 
-struct Person {
+struct RenderedSubject {
   Subject subject;
   std::vector<Vec3f> rest;  // mesh
 };
 
-// What is seen of a person.
-struct Look {
+// Names one capture of a person.
+struct CaptureKey {
   int capture = 0;  // below captures_per_subject
   bool clothed = false;
   bool again = false;
 };
 
-CaptureOptions draw_look(const DatasetOptions& o, std::uint64_t number, const Look& look, bool behind, int attempt) {
-  const int drawn = look.capture * kAttempts + attempt + (behind ? kBackCaptures : 0) +
-                    (look.clothed ? kClothedCaptures : 0) + (look.again ? kAgainCaptures : 0);
+CaptureOptions draw_capture_of(const DatasetOptions& o, std::uint64_t number, const CaptureKey& key, bool behind,
+                               int attempt) {
+  const int drawn = key.capture * kAttempts + attempt + (behind ? kBackCaptures : 0) +
+                    (key.clothed ? kClothedCaptures : 0) + (key.again ? kAgainCaptures : 0);
   CaptureVariety variety = o.variety;
-  if (look.again) variety.frames_min = variety.frames_max = kAgainFrames;
+  if (key.again) variety.frames_min = variety.frames_max = kAgainFrames;
   return draw_capture(variety, o.seed, number, drawn);
 }
 
@@ -108,12 +109,12 @@ CaptureOptions from_behind(const CaptureOptions& front, CaptureOptions back) {
 }
 
 // The view from behind and the fits into the sample, unless the captures fail.
-void turn_round(CaptureRig& rig, const Person& person, const CaptureOptions& front, const DatasetOptions& o,
-                std::uint64_t number, const Look& look, index::Sample& sample) {
+void turn_round(CaptureRig& rig, const RenderedSubject& person, const CaptureOptions& front, const DatasetOptions& o,
+                std::uint64_t number, const CaptureKey& key, index::Sample& sample) {
   rig.keep_front();
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const Capture& back =
-        rig.run(person.subject, from_behind(front, draw_look(o, number, look, true, attempt)), person.rest);
+        rig.run(person.subject, from_behind(front, draw_capture_of(o, number, key, true, attempt)), person.rest);
     if (!back.valid) continue;
     CaptureRig::Fits fits = rig.fit_both();
     if (fits.front.empty()) return;
@@ -165,15 +166,15 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
   SubjectResult result;
   Stopwatch watch;
   const Views views = views_of(model, o, number);
-  Person person;
-  person.subject = views.ood ? draw_ood_subject(model, o.seed, number, kStrangeTrunk, person.rest)
+  RenderedSubject person;
+  person.subject = views.ood ? draw_ood_subject(model, o.seed, number, kOodTrunk, person.rest)
                              : draw_subject(model, o.family, o.seed, number, person.rest);
   rig.cost.draw += watch.lap();
   // The front before scenes drawn until one gives enough frames.
-  const auto shoot = [&](const Look& look, CaptureOptions& options) -> const Capture* {
+  const auto shoot = [&](const CaptureKey& key, CaptureOptions& options) -> const Capture* {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      options = draw_look(o, number, look, false, attempt);
-      if (look.clothed) dress(options.scene, o.seed, number, look.again);
+      options = draw_capture_of(o, number, key, false, attempt);
+      if (key.clothed) dress(options.scene, o.seed, number, key.again);
       const Capture& taken = rig.run(person.subject, options, person.rest);
       result.frames_seen += taken.frames_seen;
       for (std::size_t g = 0; g < kGuidanceCount; ++g) result.refused[g] += taken.refused[g];
@@ -183,28 +184,28 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
     ++result.missing;
     return nullptr;
   };
-  const auto look_at = [&](const Look& look) {
+  const auto take_capture = [&](const CaptureKey& key) {
     CaptureOptions options;
-    const Capture* capture = shoot(look, options);
+    const Capture* capture = shoot(key, options);
     if (capture == nullptr) return;
     index::Sample s = sample_of(model, person.subject, number, *capture);
     s.calibrate_only = views.ood;
-    s.clothed = look.clothed;
-    s.again = look.again;
-    if (look.clothed || views.turns) turn_round(rig, person, options, o, number, look, s);
+    s.clothed = key.clothed;
+    s.again = key.again;
+    if (key.clothed || views.turns) turn_round(rig, person, options, o, number, key, s);
     fit_to_shard(s);  // made now or read again, it is the same
     if (s.refines() || !(s.clothed || s.again)) result.samples.push_back(std::move(s));
   };
   for (int c = 0; c < o.captures_per_subject; ++c)
     for (const bool again : {false, true}) {
       if (again && !views.again) continue;
-      if (!again || views.turns) look_at({c, false, again});
-      if (views.clothed) look_at({c, true, again});
+      if (!again || views.turns) take_capture({c, false, again});
+      if (views.clothed) take_capture({c, true, again});
     }
   return result;
 }
 
-Chunk gather(std::vector<SubjectResult>& results) {
+Chunk sum_up(std::vector<SubjectResult>& results) {
   Chunk chunk;
   ChunkCounts& counts = chunk.counts;
   for (SubjectResult& r : results) {
@@ -219,24 +220,25 @@ Chunk gather(std::vector<SubjectResult>& results) {
   return chunk;
 }
 
-// Counts finished subjects and tells, not too often.
+// Counts finished subjects and reports them, not too often.
 class Reporter {
  public:
-  Reporter(int total, const std::function<void(const DatasetProgress&)>& tell) : total_(total), tell_(tell) {}
+  Reporter(int total, const std::function<void(const DatasetProgress&)>& listener)
+      : total_(total), listener_(listener) {}
   void reused(int count) {
     const std::lock_guard lock(mutex_);
     reused_ += count;
-    say(true);
+    report(true);
   }
   void made() {
     const std::lock_guard lock(mutex_);
     ++made_;
-    say(made_ + reused_ == total_);
+    report(made_ + reused_ == total_);
   }
 
  private:
-  void say(bool now) {
-    if (!tell_ || (!now && seconds_since(last_) < kReportSeconds)) return;
+  void report(bool now) {
+    if (!listener_ || (!now && seconds_since(last_) < kReportSeconds)) return;
     last_ = Clock::now();
     DatasetProgress p{made_ + reused_, total_, 0, 0};
     const double elapsed = seconds_since(start_);
@@ -244,7 +246,7 @@ class Reporter {
       p.subjects_per_second = made_ / elapsed;
       p.seconds_left = (total_ - p.done) / p.subjects_per_second;
     }
-    tell_(p);
+    listener_(p);
   }
   std::mutex mutex_;
   int total_;
@@ -252,7 +254,7 @@ class Reporter {
   int made_ = 0;
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_ = start_;
-  const std::function<void(const DatasetProgress&)>& tell_;
+  const std::function<void(const DatasetProgress&)>& listener_;
 };
 
 // The rigs of threads that are not at work.
@@ -306,7 +308,7 @@ Chunk make_chunk(const body::BodyModel& model, const DatasetOptions& options, co
     rigs.give_back(std::move(rig));
     reporter.made();
   });
-  return gather(results);
+  return sum_up(results);
 }
 
 }  // namespace

@@ -22,20 +22,20 @@ struct DatasetOptions {
   Family family = Family::training;
   std::uint64_t seed = 1;
   CaptureVariety variety;
-  // Every n-th subject is a stranger (lab/population/ood_subjects.h): no model, but intervals are fitted on them, and
-  // refined answers learn from them, the better the more there are. Training family only, and only subjects numbered
-  // below `ood_below`; 0: none.
+  // Every n-th subject is out of distribution (lab/population/ood_subjects.h): no model, but intervals are fitted on
+  // them and refined answers learn from them, the better the more there are. Training family only, and only subjects
+  // numbered below `ood_below`; 0: none.
   int ood_every = 3;  // odd: both sexes
   std::uint32_t ood_below = 14336;
-  // Of every n-th pair of a man and a woman, and of every stranger, the sample also has the view from behind and the
-  // fitted shapes; 0: of nobody. Needs a body file with a shape space. Only subjects numbered below `turn_below`:
+  // Of every n-th pair of a man and a woman, and of every OOD subject, the sample also has the view from behind and
+  // the fitted shapes; 0: of none. Needs a body file with a shape space. Only subjects numbered below `turn_below`:
   // what is learned from these needs thousands of people, not millions, and a rule by number lets a run grow.
   int turn_every = 2;
-  // Of every n-th pair, counted from the second, and of every stranger there is another sample in clothes, with the
-  // view from behind and the fitted shapes; 0: of nobody. The same people as above only.
+  // Of every n-th pair, counted from the second, and of every OOD subject there is another sample in clothes, with
+  // the view from behind and the fitted shapes; 0: of none. The same people as above only.
   int clothed_every = 2;
   std::uint32_t turn_below = 14336;
-  // Whoever of these is numbered below is seen a second time, in another pose, place, room and outfit and in as many
+  // Of these, subjects numbered below have a repeat capture, in another pose, place, room and outfit and in as many
   // frames as a device takes: answers learn from it what is not of the body, intervals what frames take away.
   std::uint32_t again_below = 2048;
   int thread_count = 2;  // does not change the result
@@ -74,9 +74,9 @@ struct DatasetReport {
   void add(const ChunkCounts& counts, const SubjectRange& range);
 };
 
-// Whether the options make a stranger of this subject, of the training family.
+// Whether these options make this subject of the training family out of distribution.
 bool is_ood(std::uint64_t number, int ood_every, std::uint32_t ood_below);
-// How many subjects, from 0 on, hold `models` that are no strangers.
+// How many subjects, from 0 on, hold `models` that are in distribution.
 int subjects_with(int models, int ood_every, std::uint32_t ood_below);
 
 // What shards of these options are recognised by.
@@ -84,7 +84,7 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& options);
 
 // `progress` is called from worker threads, one at a time, a few times a second; `sink` from the calling thread, in
 // the order of subjects. Memory: the samples of one chunk. Errors: options out of range, work_dir that cannot be
-// written. A damaged or foreign shard is made again.
+// written. A shard that is damaged or of another run is made again.
 Result<DatasetReport> make_dataset(const body::BodyModel& model, const JointModel& joint_model,
                                    const DatasetOptions& options,
                                    const std::function<void(const DatasetProgress&)>& progress,

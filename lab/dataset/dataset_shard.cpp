@@ -145,7 +145,7 @@ void fit_to_shard(index::Sample& sample) {
       const int exponent = feature_exponent(i);
       float& value = (*feature)[i];
       const float rounded = std::ldexp(float_of(half_of(std::ldexp(value, -exponent))), exponent);
-      if (std::isfinite(rounded) || !std::isfinite(value)) value = rounded;  // else write_shard() says so
+      if (std::isfinite(rounded) || !std::isfinite(value)) value = rounded;  // else write_shard() reports it
     }
 }
 
@@ -192,11 +192,11 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
       ++row.body_values;
     }
     rows.push_back(row);
-    for (const auto& [feature, halves] : {std::pair(&s.feature, &features), std::pair(&s.back, &backs)})
+    for (const auto& [feature, half_floats] : {std::pair(&s.feature, &features), std::pair(&s.back, &backs)})
       for (std::size_t i = 0; i < feature->size(); ++i) {
         const float value = (*feature)[i];
-        halves->push_back(half_of(std::ldexp(value, -exponents[i])));
-        if (std::isfinite(value) && !std::isfinite(float_of(halves->back())))
+        half_floats->push_back(half_of(std::ldexp(value, -exponents[i])));
+        if (std::isfinite(value) && !std::isfinite(float_of(half_floats->back())))
           return wrong(path, "feature " + std::to_string(i) + " is " + std::to_string(value) +
                                  ", beyond half precision; give it a feature_exponent");
       }
@@ -222,7 +222,9 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
 Result<Chunk> read_shard(const std::string& path, const RunKey& run, const SubjectRange& range) {
   const auto shard = open_shard(path, true);
   if (!shard) return shard.error();
-  if (!(shard->head.run == run)) return wrong(path, "of another run: " + shard->head.run.difference(run));
+  if (!(shard->head.run == run))
+    return wrong(path, "of another run: " + shard->head.run.difference(run) +
+                           "; make the samples again with im2fit-lab dataset");
   if (!(shard->head.range == range))
     return wrong(path, "holds " + words(shard->head.range) + ", not " + words(range));
   const auto& sections = shard->container;
@@ -250,12 +252,13 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
   Chunk chunk;
   chunk.counts = shard->head.counts;
   if (n != static_cast<std::size_t>(std::max(0, chunk.counts.samples)))
-    return damaged(path, "not as many rows as said");
+    return damaged(path, "another number of rows than its head states");
   std::size_t at = 0, turn = 0;
   const auto read_feature = [&](std::span<const std::uint16_t> all, std::size_t which, std::vector<float>& out) {
-    const auto halves = all.subspan(which * run.feature_size, run.feature_size);
-    out.reserve(halves.size());
-    for (std::size_t f = 0; f < halves.size(); ++f) out.push_back(std::ldexp(float_of(halves[f]), (*exponents)[f]));
+    const auto half_floats = all.subspan(which * run.feature_size, run.feature_size);
+    out.reserve(half_floats.size());
+    for (std::size_t f = 0; f < half_floats.size(); ++f)
+      out.push_back(std::ldexp(float_of(half_floats[f]), (*exponents)[f]));
   };
   for (std::size_t i = 0; i < n; ++i) {
     const Row& row = (*rows)[i];

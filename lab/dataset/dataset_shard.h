@@ -18,7 +18,7 @@ namespace im2fit::lab {
 
 // All that a sample depends on besides its subject's number. Shards of one run share it.
 struct RunKey {
-  std::uint64_t dataset_version = 0;  // of the way from a subject to its samples
+  std::uint64_t dataset_version = 0;  // kDatasetVersion: how a subject becomes samples
   std::uint64_t input_key = 0;        // of the body and tracker files
   std::uint64_t seed = 0;
   std::uint32_t family = 0;
@@ -34,7 +34,7 @@ struct RunKey {
   std::uint32_t feature_size = 0;
   std::uint32_t body_size = 0;
   std::uint32_t turn_every = 0;
-  FitLayout fit;                 // of a fitted shape; of size 0: nobody has one
+  FitLayout fit;                 // of a fitted shape; of size 0: no sample has one
   std::uint32_t shape_key = 0;   // of the shape space behind the fits
   std::uint32_t turn_below = 0;  // subjects numbered below
   std::uint32_t clothed_every = 0;
@@ -56,7 +56,7 @@ struct SubjectRange {
   bool operator==(const SubjectRange&) const = default;
 };
 
-// What happened on the way.
+// What came of the subjects of a shard.
 struct ChunkCounts {
   std::int32_t subjects = 0;  // with at least one sample
   std::int32_t samples = 0;

@@ -18,8 +18,9 @@ constexpr double kMoreFramesShare = 1.0 / 3;
 constexpr double kNearestMm = 1800;  // people fit from about 1.9 m on
 // Of captures by another sensor than a Kinect: what their outlines lose goes by the pixel.
 constexpr double kOtherWideShare = 0.1;
-constexpr int kCaptureAttempts = 4;  // before a capture is given up: who is doubtful at first may not be after some
-constexpr int kMarginShare = 20;     // of the picture's width: about the person's box, where frames differ
+// Of sensing the median before a capture is given up: a candidate of the first may be confirmed by the next.
+constexpr int kCaptureAttempts = 4;
+constexpr int kMarginShare = 20;  // of the picture's width: about the person's box, where frames differ
 
 template <class T>
 ImageView<T> part_of(ImageView<T> image, const PixelBox& box) {
@@ -80,7 +81,7 @@ struct CaptureRig::Station {
   PixelBox box;                  // of the parts
 };
 
-// Copies: the rig's next run overwrites what it has gathered.
+// Copies: the rig's next run overwrites what it has fused.
 struct CaptureRig::Kept {
   std::vector<std::uint16_t> depth;
   std::vector<std::uint8_t> mask;
@@ -112,8 +113,8 @@ VirtualScene& CaptureRig::stage(const Subject& subject, const CaptureOptions& op
   return scenes_.emplace_back(model_, subject, options.scene, options.sensor, k, options.seed);
 }
 
-// The frames of a capture differ by noise alone, so that one look at their median finds whom looks at each would
-// find; noise about the person is made for all of them, that of the room for the first.
+// The frames of a capture differ by noise alone, so that sensing their median once detects the person that sensing
+// each would; noise about the person is made for all of them, that of the room for the first.
 void CaptureRig::shoot(Station& at, VirtualScene& scene, const CaptureOptions& options) {
   const Intrinsics& k = options.intrinsics;
   delivered_.resize(static_cast<std::size_t>(k.width) * k.height);
@@ -158,7 +159,7 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
   const DepthImage median = at.image(Station::kMedian), frame = at.image(Station::kFrame);
   const MaskImage mask = at.mask(Station::kMedianMask), frame_mask = at.mask(Station::kFrameMask);
   Detection detection;
-  for (int look = 0; look < kCaptureAttempts; ++look) {
+  for (int attempt = 0; attempt < kCaptureAttempts; ++attempt) {
     detection = at.sensor.sense(median, upright, mask);
     for (std::size_t g = 0; g < kGuidanceCount; ++g)
       capture_.refused[g] += static_cast<int>(detection.guidance >> g & 1U);
@@ -186,7 +187,7 @@ const Capture& CaptureRig::run(const Subject& subject, const CaptureOptions& opt
   return capture_;
 }
 
-const Fuser* CaptureRig::gathered() const {
+const Fuser* CaptureRig::fused() const {
   return last_ == nullptr ? nullptr : &last_->fuser;
 }
 

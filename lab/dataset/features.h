@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A rendered person through the device's own path: frames -> upright -> Sensor -> Fuser -> feature. Never a shortcut
-// from the mesh. One thing is another: the person stands still while a capture is taken, so that the Sensor looks at
-// the median of the frames, once, and not at each.
+// from the mesh. One difference: the person stands still while a capture is taken, so the Sensor runs once, on the
+// median of the frames, and not on each.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace im2fit::lab {
 
-// One person standing still (SceneOptions::sway is not heard) before one camera for a few frames.
+// One person standing still (SceneOptions::sway is ignored) before one camera for a few frames.
 struct CaptureOptions {
   SceneOptions scene;
   SensorOptions sensor;
@@ -29,7 +29,7 @@ struct CaptureOptions {
 struct Capture {
   bool valid = false;                         // at least kCaptureFramesMin frames were accepted and described
   int frame_count = 0;                        // accepted
-  int frames_seen = 0;                        // looks at their median
+  int frames_seen = 0;                        // of which the median was sensed
   std::array<int, kGuidanceCount> refused{};  // frames, by guidance code
   JointSet joints;
   FloorPlane floor;
@@ -60,8 +60,8 @@ class CaptureRig {
   // Depends on the subject and the options only. The result is valid until the next call. `rest`: the subject's rest
   // mesh (morph_subject) where the caller has it.
   const Capture& run(const Subject& subject, const CaptureOptions& options, std::span<const Vec3f> rest = {});
-  // What the last run gathered, for other descriptors of the same frames; null before the first run.
-  const Fuser* gathered() const;
+  // What the last run fused, for other descriptors of the same frames; null before the first run.
+  const Fuser* fused() const;
   // The last run was valid and of the front: keeps it, to be seen together with a run from behind.
   void keep_front();
   // After keep_front() and a valid run of the back: shapes fitted to the front and to both, as index::Sample has

@@ -5,21 +5,21 @@
 #include <cstddef>
 
 #include "kernels/average/average.h"
-#include "lab/population/clones.h"
+#include "lab/simd_clones.h"
 
 namespace im2fit::lab {
 namespace {
 
-// Written so that the vectoriser takes them: it does not look through std::min here.
+// Written so that the vectoriser takes them: it does not vectorise std::min here.
 
 // No data, 0, becomes the largest value and back; modulo 2^16.
-IM2FIT_CLONES void shift_row(const std::uint16_t* __restrict in, std::uint16_t by, int count,
-                             std::uint16_t* __restrict out) {
+IM2FIT_SIMD_CLONES void shift_row(const std::uint16_t* __restrict in, std::uint16_t by, int count,
+                                  std::uint16_t* __restrict out) {
   for (int i = 0; i < count; ++i) out[i] = static_cast<std::uint16_t>(in[i] + by);
 }
 
 // The smaller of each pair into `low`.
-IM2FIT_CLONES void order_rows(std::uint16_t* __restrict low, std::uint16_t* __restrict high, int count) {
+IM2FIT_SIMD_CLONES void order_rows(std::uint16_t* __restrict low, std::uint16_t* __restrict high, int count) {
   for (int i = 0; i < count; ++i) {
     const std::uint16_t a = low[i], b = high[i];
     const std::uint16_t least = a < b ? a : b, most = a < b ? b : a;
@@ -28,8 +28,8 @@ IM2FIT_CLONES void order_rows(std::uint16_t* __restrict low, std::uint16_t* __re
   }
 }
 
-IM2FIT_CLONES void near_row(const std::uint16_t* __restrict frame, const std::uint16_t* __restrict median,
-                            const std::uint8_t* __restrict mask, int count, std::uint8_t* __restrict out) {
+IM2FIT_SIMD_CLONES void near_row(const std::uint16_t* __restrict frame, const std::uint16_t* __restrict median,
+                                 const std::uint8_t* __restrict mask, int count, std::uint8_t* __restrict out) {
   constexpr auto kReach = static_cast<std::uint16_t>(kOutlierMm);
   for (int i = 0; i < count; ++i) {
     const std::uint16_t a = frame[i], b = median[i];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames that differ by noise alone, as one: whom the device finds in half of them stands in their median.
+// Frames that differ by noise alone, as one: a person the device detects in half of them is in their median.
 #pragma once
 
 #include <cstdint>

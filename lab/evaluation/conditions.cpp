@@ -17,7 +17,7 @@ struct Word {
   void (*change)(EvaluationOptions&);
 };
 
-// Near is where Kinect's field just holds a tall person in portrait mount, far most of the way to TOO_FAR.
+// Near is where Kinect's field just holds a tall person in portrait mount, far close to where TOO_FAR begins.
 constexpr float kNearMm = 1900, kFarMm = 3600;
 
 constexpr std::array<Word, 19> kWords = {{
@@ -25,7 +25,8 @@ constexpr std::array<Word, 19> kWords = {{
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},
     {"smoothed", "a driver that smooths the depth over time", false, [](EvaluationOptions& o) { o.smoothed = true; }},
-    {"told", "the engine is told what kind of sensor it is", false, [](EvaluationOptions& o) { o.told = true; }},
+    {"reported", "the driver reports what kind of sensor it is", false,
+     [](EvaluationOptions& o) { o.sensor_reported = true; }},
     {"clothed", "in clothes, shoes and hair", true, [](EvaluationOptions& o) { o.clothed = true; }},
     {"frames1", "one frame", true, [](EvaluationOptions& o) { o.frames = 1; }},
     {"frames5", "5 frames", true, [](EvaluationOptions& o) { o.frames = 5; }},

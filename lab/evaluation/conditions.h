@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an evaluation's people are put under, by name: each word changes one thing of the options given.
+// Conditions of an evaluation by name: each word changes one option of those given.
 #pragma once
 
 #include <string>
@@ -21,7 +21,7 @@ Result<Condition> condition_of(const std::string& name, const EvaluationOptions&
 // The words, and what each means, a line each.
 std::string condition_help();
 
-// What --all runs: every word that says something else than the plain condition does, one at a time.
+// The conditions of --all: every word that differs from the plain condition, one at a time.
 std::vector<std::string> all_conditions();
 
 }  // namespace im2fit::lab

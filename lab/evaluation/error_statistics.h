@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said about a set of errors in every accuracy table.
+// Statistics of a set of errors, the same in every accuracy table.
 #pragma once
 
 #include <array>

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/rng.h"
+#include "engine/report/progress.h"
 #include "lab/camera/synthetic_person.h"
 #include "lab/dataset/features.h"
 #include "lab/evaluation/session.h"
@@ -84,7 +85,7 @@ Result<Outcome> outcome_of(const SessionModels& models, const index::RawNearest*
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing) {
   HeldOutPerson person{
-      draw_subject(model, Family::held_out, options.seed, index), {}, options.smoothed, options.told};
+      draw_subject(model, Family::held_out, options.seed, index), {}, options.smoothed, options.sensor_reported};
   auto& scene = person.capture.scene;
   scene = options.noise ? furnished_room() : SceneOptions{};
   if (options.clothed) dress(scene, options.seed, index);
@@ -92,7 +93,7 @@ HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions&
     scene.distance_mm = options.distance_mm;
     scene.enlarge_to_fit = true;
   }
-  // Even and odd people are men and women: every other one of each turns the other way.
+  // Even and odd people are men and women: every other one of each turns to the other side.
   if (options.yaw_deg >= 0) scene.yaw_deg = index / 2 % 2 == 0 ? options.yaw_deg : -options.yaw_deg;
   person.capture.sensor = options.tof ? tof_sensor() : sensor_of(options.noise);
   person.capture.intrinsics = kinect_intrinsics(options.width, options.height);
@@ -110,15 +111,19 @@ Result<std::vector<Outcome>> evaluate(const body::BodyModel& model, const JointM
   std::vector<Outcome> outcomes(count);
   std::mutex mutex;
   std::optional<Error> failure;
-  parallel_items(what, count, options.threads, [&](std::uint64_t i) {
-    auto outcome = outcome_of(models, raw, options, i);
-    if (outcome) {
-      outcomes[i] = *outcome;
-      return;
-    }
-    const std::lock_guard lock(mutex);
-    failure = outcome.error();
-  });
+  Progress progress(what, count);
+  for_each_item(
+      count, options.threads,
+      [&](std::uint64_t i) {
+        auto outcome = outcome_of(models, raw, options, i);
+        if (outcome) {
+          outcomes[i] = *outcome;
+          return;
+        }
+        const std::lock_guard lock(mutex);
+        failure = outcome.error();
+      },
+      [&](std::uint64_t done) { progress.update(done); });
   if (failure) return *failure;
   return outcomes;
 }

@@ -16,18 +16,19 @@
 
 namespace im2fit::lab {
 
-// Which sides of the person the camera is shown. `both`: front first, then, once asked to turn, the back.
+// Which sides of the person the camera is shown. `both`: front first, then the back, once the engine requests the
+// turn.
 enum class Views { front, back, both };
 
 struct EvaluationOptions {
   int subjects = 200;
   std::uint64_t seed = 20'260'101;
-  bool noise = true;      // false: a perfect sensor in an empty room
-  bool tof = false;       // a time-of-flight sensor in place of a Kinect
-  bool smoothed = false;  // by a driver, over time (smoothing.h)
-  bool told = false;      // the engine knows what kind of sensor it is
-  bool clothed = false;   // tight, normal or loose clothes, shoes and hair; the truth stays the body's
-  int frames = 30;        // accepted frames wanted; three times as many are shown at most
+  bool noise = true;             // false: a perfect sensor in an empty room
+  bool tof = false;              // a time-of-flight sensor in place of a Kinect
+  bool smoothed = false;         // by a driver, over time (smoothing.h)
+  bool sensor_reported = false;  // the driver reports what kind of sensor it is
+  bool clothed = false;          // tight, normal or loose clothes, shoes and hair; the truth stays the body's
+  int frames = 30;               // accepted frames wanted; three times as many are shown at most
   int width = 640, height = 480;
   float distance_mm = 0;  // of the camera, grown until the whole person fits; 0: drawn
   float yaw_deg = -1;     // of the person, to either side by turns; below 0: drawn
@@ -41,7 +42,7 @@ struct EvaluationOptions {
 struct HeldOutPerson {
   Subject subject;
   CaptureOptions capture;
-  bool smoothed = false, told = false;
+  bool smoothed = false, sensor_reported = false;
 };
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing = 0);
@@ -67,7 +68,8 @@ struct Outcome {
   double joint_error_sum_mm = 0;
 };
 
-// `raw`: the paper's nearest neighbour, or null. Depends on the options except threads. `what` is told on a terminal.
+// `raw`: the paper's nearest neighbour, or null. Depends on the options except threads. `what` is shown with the
+// progress.
 Result<std::vector<Outcome>> evaluate(const body::BodyModel& model, const JointModel& joint_model,
                                       const index::Index& index, const index::RawNearest* raw,
                                       const EvaluationOptions& options, const std::string& what = "people");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The figures of an evaluation: the paper's, and ours. Each says in its own words what it shows.
+// The figures of an evaluation: the paper's, and ours. Each comes with a text that explains it.
 #pragma once
 
 #include <string>
@@ -31,8 +31,9 @@ Figure repeatability_figure(const ConditionRun& run);  // TEM
 Figure conditions_figure(const std::vector<ConditionRun>& runs);
 Figure calibration_figure(const std::vector<ConditionRun>& runs);
 
-Figure runtime_figure(const std::vector<RuntimeRow>& rows, const std::vector<PeerLine>& peers);  // the paper's
-Figure icp_figure(const std::vector<IcpCurve>& curves);                                          // the paper's
+Figure runtime_figure(const std::vector<RuntimeRow>& rows,
+                      const std::vector<ReferenceLine>& references);  // the paper's
+Figure icp_figure(const std::vector<IcpCurve>& curves);               // the paper's
 
 // "chest girth"
 std::string words_of(std::size_t measurement);

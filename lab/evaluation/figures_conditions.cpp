@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What changes with the condition: errors beside other ways to an answer, and whether intervals keep their word.
+// What changes with the condition: errors beside other estimators', and whether intervals hold their nominal
+// coverage.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 namespace im2fit::lab {
 namespace {
 
-constexpr std::array<const char*, kWayCount> kWayColours = {kBlue, kSky, kOrange, kRed};
+constexpr std::array<const char*, kEstimatorCount> kEstimatorColours = {kBlue, kSky, kOrange, kRed};
 
 void draw_measurement(Svg& svg, const Frame& frame, const std::vector<ConditionRun>& runs, std::size_t m,
                       bool names) {
@@ -24,7 +25,7 @@ void draw_measurement(Svg& svg, const Frame& frame, const std::vector<ConditionR
   svg.text({frame.x, frame.y - 8}, fmt::format("{}, {}", words_of(m), kMeasurementTable[m].unit),
            {Lettering::Anchor::start, 12, kInk, true});
   if (high <= 0) return;
-  // At least a decade, so that small differences look small.
+  // At least a decade, so that small differences appear small.
   low = std::min(low / 1.3, high / 10);
   const Panel panel(svg, frame, {low, 1.3 * high, "", true, 4}, {0, 1, "", false, 0});
   const double step = frame.height / static_cast<double>(runs.size());
@@ -33,11 +34,12 @@ void draw_measurement(Svg& svg, const Frame& frame, const std::vector<ConditionR
     const double y = frame.y + step * (static_cast<double>(i) + 0.5);
     svg.line({frame.x, y}, {frame.x + frame.width, y}, {kFaint, 0.8});
     if (names) svg.text({frame.x - 8, y + 4}, report.condition, {Lettering::Anchor::end});
-    for (std::size_t way = kWayCount; way-- > 0;) {
-      const ErrorStatistics& s = report.measurements[m].errors[way];
+    for (std::size_t estimator = kEstimatorCount; estimator-- > 0;) {
+      const ErrorStatistics& s = report.measurements[m].errors[estimator];
       if (s.count > 0)
-        svg.disc({panel.x(s.mae), y}, way == 0 ? 5 : 3.6, kWayColours[way], 0.95,
-                 fmt::format("{}, {}, {}: {:.1f}", report.condition, words_of(m), kWays[way].words, s.mae));
+        svg.disc(
+            {panel.x(s.mae), y}, estimator == 0 ? 5 : 3.6, kEstimatorColours[estimator], 0.95,
+            fmt::format("{}, {}, {}: {:.1f}", report.condition, words_of(m), kEstimators[estimator].words, s.mae));
     }
   }
 }
@@ -45,7 +47,7 @@ void draw_measurement(Svg& svg, const Frame& frame, const std::vector<ConditionR
 // Covered by nominal share, a line a measurement.
 void draw_levels(Svg& svg, const Frame& frame, const ConditionRun& run) {
   constexpr double kLeast = 20;
-  const Panel panel(svg, frame, {40, 100, "interval asked for, %", false, 6},
+  const Panel panel(svg, frame, {40, 100, "nominal coverage, %", false, 6},
                     {kLeast, 100, "truth inside, %", false, 8});
   svg.line(panel.at(40, 40), panel.at(100, 100), {kInk, 1, "5 4"});
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
@@ -58,7 +60,7 @@ void draw_levels(Svg& svg, const Frame& frame, const ConditionRun& run) {
     svg.polyline(points, {colour, 1.3});
     for (std::size_t i = 0; i < kLevels.size(); ++i)
       svg.disc(points[i], 2.6, colour, 1,
-               fmt::format("{}: {:.0f} % asked, {:.1f} % inside", words_of(m), 100 * kLevels[i].share,
+               fmt::format("{}: {:.0f} % nominal, {:.1f} % inside", words_of(m), 100 * kLevels[i].share,
                            100 * run.report.measurements[m].covered[i]));
   }
   draw_legend(svg, {frame.x, frame.y - 12}, {{"lengths", kBlue}, {"girths", kRed}, {"weight", kGreen}});
@@ -97,8 +99,8 @@ Figure conditions_figure(const std::vector<ConditionRun>& runs) {
   Svg svg(930, 44 + step_y * std::ceil(static_cast<double>(kMeasurementCount) / kColumns),
           "Mean absolute error by condition");
   std::vector<LegendEntry> legend;
-  for (std::size_t way = 0; way < kWayCount; ++way)
-    legend.push_back({std::string(kWays[way].words), kWayColours[way]});
+  for (std::size_t estimator = 0; estimator < kEstimatorCount; ++estimator)
+    legend.push_back({std::string(kEstimators[estimator].words), kEstimatorColours[estimator]});
   draw_legend(svg, {left, 14}, legend);
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     const std::size_t column = m % kColumns, row = m / kColumns;
@@ -123,7 +125,8 @@ Figure calibration_figure(const std::vector<ConditionRun>& runs) {
   return {"calibration", "Do the intervals keep their word?",
           fmt::format(
               "Left, the first condition: the stated interval is one of 95 %; other shares read it as a normal's, as "
-              "the probability of a size does. On the dashed line they hold what they say, below it they promise "
+              "the probability of a size does. On the dashed line they hold their nominal coverage, below it they "
+              "promise "
               "too much. Right: the stated 95 % by condition, a dot a measurement, the black mark their mean, green "
               "the goal. Of {0} people a true 95 % shows as 95 ± {1:.1f} %.",
               people, people > 0 ? 196 * std::sqrt(0.95 * 0.05 / people) : 100.0),

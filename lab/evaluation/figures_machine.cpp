@@ -18,7 +18,7 @@ struct Series {
   std::vector<SvgPoint> values;  // models, ms
 };
 
-std::vector<Series> series_of(const std::vector<RuntimeRow>& rows, const std::vector<PeerLine>& peers) {
+std::vector<Series> series_of(const std::vector<RuntimeRow>& rows, const std::vector<ReferenceLine>& references) {
   std::vector<Series> all = {{"clothed body", kPink, "", {}},
                              {"naked body", kGreen, "", {}},
                              {"measurements only", kSky, "", {}},
@@ -30,10 +30,10 @@ std::vector<Series> series_of(const std::vector<RuntimeRow>& rows, const std::ve
     all[2].values.push_back({models, row.measurements_ms});
     all[3].values.push_back({models, row.query_p50_ms});
   }
-  for (const PeerLine& peer : peers) {
-    const bool ours = peer.peer == "im2fit";
-    Series line{ours ? "query, bench/index" : peer.peer + ", bench/index", ours ? kBlue : kOrange, "5 4", {}};
-    for (const auto& point : peer.points) line.values.push_back({point.models, point.p50_ms});
+  for (const ReferenceLine& reference : references) {
+    const bool ours = reference.name == "im2fit";
+    Series line{ours ? "query, bench/index" : reference.name + ", bench/index", ours ? kBlue : kOrange, "5 4", {}};
+    for (const auto& point : reference.points) line.values.push_back({point.models, point.p50_ms});
     all.push_back(std::move(line));
   }
   std::erase_if(all, [](const Series& s) { return s.values.empty(); });
@@ -42,8 +42,8 @@ std::vector<Series> series_of(const std::vector<RuntimeRow>& rows, const std::ve
 
 }  // namespace
 
-Figure runtime_figure(const std::vector<RuntimeRow>& rows, const std::vector<PeerLine>& peers) {
-  const std::vector<Series> all = series_of(rows, peers);
+Figure runtime_figure(const std::vector<RuntimeRow>& rows, const std::vector<ReferenceLine>& references) {
+  const std::vector<Series> all = series_of(rows, references);
   Svg svg(930, 420, "Runtime against the number of models");
   const Panel panel(svg, {70, 24, 600, 330}, {100, 1e7, "models", true, 5}, {1e-3, 2e3, "ms, one thread", true, 5});
   std::vector<LineEnd> ends;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How two ways of measuring agree: Bland-Altman, the bias of ISO 20685, repeatability.
+// How two methods of measuring agree: Bland-Altman, the bias of ISO 20685, repeatability.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ void draw_agreement(Svg& svg, const Frame& frame, const ConditionRun& run, std::
   double low = 1e9, high = -1e9, reach = 1e-6;
   for (const Outcome& o : run.outcomes) {
     if (!o.measured) continue;
-    const double value = value_of(o, Way::ours, m), truth = o.truth[m];
+    const double value = value_of(o, Estimator::ours, m), truth = o.truth[m];
     low = std::min(low, (value + truth) / 2);
     high = std::max(high, (value + truth) / 2);
     reach = std::max(reach, 1.15 * std::abs(value - truth));
@@ -32,7 +32,7 @@ void draw_agreement(Svg& svg, const Frame& frame, const ConditionRun& run, std::
     svg.line(panel.at(low - margin, limit), panel.at(high + margin, limit), {kBlue, 1, "5 4"});
   for (const Outcome& o : run.outcomes) {
     if (!o.measured) continue;
-    const double value = value_of(o, Way::ours, m), truth = o.truth[m];
+    const double value = value_of(o, Estimator::ours, m), truth = o.truth[m];
     svg.disc(panel.at((value + truth) / 2, value - truth), 2, o.woman ? kPink : kSky, 0.85,
              fmt::format("{}: measured {:.1f}, true {:.1f}", o.woman ? "woman" : "man", value, truth));
   }
@@ -56,7 +56,7 @@ Figure agreement_figure(const ConditionRun& run) {
   return {
       "bland-altman", "Where we and the truth disagree",
       "Bland and Altman's plot: error (upright) against the mean of measured and true. The band holds 95 % of the "
-      "errors if they are normal; a slope says that large people err otherwise than small ones.",
+      "errors if they are normal; a slope means that errors of large people differ from those of small ones.",
       std::move(svg)};
 }
 
@@ -68,7 +68,7 @@ Figure bias_figure(const ConditionRun& run) {
     const double limit = iso_20685_limit_mm(static_cast<Measurement>(m));
     if (limit <= 0) continue;
     limited.push_back(m);
-    const ErrorStatistics& s = run.report.measurements[m].of(Way::ours);
+    const ErrorStatistics& s = run.report.measurements[m].of(Estimator::ours);
     reach = std::max({reach, 1.1 * std::abs(s.mean_low) / limit, 1.1 * std::abs(s.mean_high) / limit});
   }
   const double high = kStep * static_cast<double>(limited.size());
@@ -81,7 +81,7 @@ Figure bias_figure(const ConditionRun& run) {
   for (std::size_t i = 0; i < limited.size(); ++i) {
     const std::size_t m = limited[i];
     const double limit = iso_20685_limit_mm(static_cast<Measurement>(m));
-    const ErrorStatistics& s = run.report.measurements[m].of(Way::ours);
+    const ErrorStatistics& s = run.report.measurements[m].of(Estimator::ours);
     const bool good = within_iso_20685(s, static_cast<Measurement>(m));
     inside += good ? 1 : 0;
     const double y = 20 + kStep * (static_cast<double>(i) + 0.5);
@@ -94,7 +94,7 @@ Figure bias_figure(const ConditionRun& run) {
   }
   return {"bias", fmt::format("{} of {} biases inside ISO 20685's limits", inside, limited.size()),
           "The standard for body scanners limits the mean error: its 95 % interval (bar) must lie inside the limit "
-          "(green). Reported, not claimed: it asks for real people and a tape.",
+          "(green). Reported, not claimed: it requires real people and a tape.",
           std::move(svg)};
 }
 

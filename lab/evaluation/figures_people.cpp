@@ -79,7 +79,7 @@ Figure distribution_figure(const ConditionRun& run) {
   for (std::size_t m = 0; m < kWeight; ++m) {
     const double middle = panel.x(static_cast<double>(m) + 0.5);
     const auto measured =
-        box_statistics(of_measured(run, [&](const Outcome& o) { return value_of(o, Way::ours, m) / 10; }));
+        box_statistics(of_measured(run, [&](const Outcome& o) { return value_of(o, Estimator::ours, m) / 10; }));
     const auto truth = box_statistics(of_measured(run, [&](const Outcome& o) { return o.truth[m] / 10.0; }));
     draw_box(svg, panel, middle - 15, 24, measured, kBlue,
              words_of(m) + ", measured, cm: " + spread_words(measured, 1));
@@ -102,7 +102,7 @@ Figure distribution_figure(const ConditionRun& run) {
 Figure height_error_figure(const ConditionRun& run) {
   constexpr double kBin = 50;
   std::vector<double> errors =
-      of_measured(run, [](const Outcome& o) { return value_of(o, Way::ours, kStature) - o.truth[kStature]; });
+      of_measured(run, [](const Outcome& o) { return value_of(o, Estimator::ours, kStature) - o.truth[kStature]; });
   double reach = 1.3 * kPaperStatureMaeMm, low = 1500, high = 1900;
   for (const double e : errors) reach = std::max(reach, 1.1 * std::abs(e));
   for (const Outcome& o : run.outcomes) {
@@ -125,18 +125,18 @@ Figure height_error_figure(const ConditionRun& run) {
     for (const Outcome& o : run.outcomes) {
       const double stature = o.truth[kStature];
       if (!o.measured || stature < from || stature >= from + kBin) continue;
-      const double error = value_of(o, Way::ours, kStature) - stature;
+      const double error = value_of(o, Estimator::ours, kStature) - stature;
       here.push_back(error);
       svg.disc(panel.at(stature, error), 2.4, o.woman ? kPink : kSky, 0.8, person_words(o));
     }
-    // A box of fewer says less than its dots.
+    // A box of fewer shows less than its dots.
     if (here.size() < 5) continue;
     const auto box = box_statistics(here);
     draw_box(svg, panel, panel.x(from + kBin / 2), 0.45 * (panel.x(from + kBin) - panel.x(from)), box, kBlue,
              fmt::format("{:.0f} to {:.0f} mm, {} people: {}", from, from + kBin, box.count, spread_words(box, 1)));
   }
   draw_legend(svg, {60, 372}, {{"women", kPink}, {"men", kSky}, {"box of each 50 mm", kBlue}});
-  const ErrorStatistics& s = run.report.measurements[kStature].of(Way::ours);
+  const ErrorStatistics& s = run.report.measurements[kStature].of(Estimator::ours);
   return {
       "height-error", fmt::format("Height is off by {:.1f} mm on average", s.mae),
       fmt::format("The paper's height estimation error by height range. Bias {:+.1f} mm, SD {:.1f} mm, 95 % within "
@@ -168,7 +168,8 @@ Figure sex_and_size_figure(const ConditionRun& run) {
   }
   return {"sex-and-size",
           fmt::format("Sex {:.1f} % right, letter size {:.1f} %", 100 * r.sex_accuracy, 100 * r.size_accuracy),
-          "The paper told all 83 people's sex and 87.5 % of their T-shirt sizes. Ours are synthetic people and the "
+          "The paper got the sex of all 83 people and 87.5 % of their T-shirt sizes right. Ours are synthetic people "
+          "and the "
           "chart of EN 13402-3; at the right, by the chest alone, how many labels too small or too large.",
           std::move(svg)};
 }

@@ -43,7 +43,7 @@ double mean_girth_mae(const Report& r) {
   int count = 0;
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
     if (kMeasurementTable[m].id.ends_with("girth")) {
-      sum += r.measurements[m].of(Way::ours).mae;
+      sum += r.measurements[m].of(Estimator::ours).mae;
       ++count;
     }
   return sum / count;
@@ -56,7 +56,7 @@ double mean_coverage(const Report& r) {
 }
 
 std::string cards_of(const Report& r) {
-  const auto mae = [&](Measurement m) { return r.measurements[measurement_index(m)].of(Way::ours).mae; };
+  const auto mae = [&](Measurement m) { return r.measurements[measurement_index(m)].of(Estimator::ours).mae; };
   return "<div class=\"cards\">\n" +
          card(fmt::format("{:.1f} mm", mae(Measurement::stature)), "stature, mean error",
               fmt::format("paper: {:.1f} mm, {} real people", kPaperStatureMaeMm, kPaperPeople)) +
@@ -88,7 +88,7 @@ std::string table_of(const Report& r) {
       "<th>paper MAE</th></tr>\n";
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     const MeasurementReport& row = r.measurements[m];
-    const ErrorStatistics& s = row.of(Way::ours);
+    const ErrorStatistics& s = row.of(Estimator::ours);
     html += "<tr>" + cell(words_of(m) + ", " + std::string(kMeasurementTable[m].unit));
     for (const double value : {s.bias, s.mae, s.sd, s.p95, s.max}) html += cell(fmt::format("{:.1f}", value));
     const double limit = iso_20685_limit_mm(static_cast<Measurement>(m));
@@ -101,7 +101,8 @@ std::string table_of(const Report& r) {
     const double covered = 100 * row.coverage();
     html += cell(fmt::format("{:.1f} %", covered), covered >= 93 && covered <= 97 ? "in" : "over");
     html += cell(fmt::format("{:.1f}", row.interval_width));
-    html += mae_cell(row.of(Way::nearest)) + mae_cell(row.of(Way::raw)) + mae_cell(row.of(Way::paper)) + "</tr>\n";
+    html += mae_cell(row.of(Estimator::nearest)) + mae_cell(row.of(Estimator::raw)) +
+            mae_cell(row.of(Estimator::paper)) + "</tr>\n";
   }
   return html + "</table></div>\n";
 }
@@ -118,7 +119,7 @@ std::string conditions_table(const std::vector<ConditionRun>& runs) {
     const Report& r = run.report;
     html += fmt::format("<tr><td><b>{}</b><br><span class=\"quiet\">{}</span></td><td>{} of {}</td>",
                         escaped_for_xml(r.condition), escaped_for_xml(r.what), r.measured, r.subjects);
-    for (const MeasurementReport& m : r.measurements) html += mae_cell(m.of(Way::ours));
+    for (const MeasurementReport& m : r.measurements) html += mae_cell(m.of(Estimator::ours));
     if (r.measured == 0) {
       html += cell("–") + cell("–") + cell("–") + cell("–") + "</tr>\n";
       continue;
@@ -131,13 +132,13 @@ std::string conditions_table(const std::vector<ConditionRun>& runs) {
   return html + "</table></div>\n";
 }
 
-// Who was not measured, and what they had been told.
+// People who were not measured, and the guidance they were given.
 std::string refusals_of(const std::vector<ConditionRun>& runs) {
   std::string html;
   for (const ConditionRun& run : runs) {
     const Report& r = run.report;
     if (r.measured == r.subjects) continue;
-    html += fmt::format("<p>{}: {} of {} not measured, having been told", escaped_for_xml(r.condition),
+    html += fmt::format("<p>{}: {} of {} not measured; guidance given:", escaped_for_xml(r.condition),
                         r.subjects - r.measured, r.subjects);
     for (std::size_t g = 0; g < kGuidanceCount; ++g)
       if (r.not_measured_because[g] > 0)
@@ -168,8 +169,8 @@ std::vector<Figure> figures_of(const FullReport& report) {
     figures.push_back(agreement_figure(first));
     if (first.report.has_repeats()) figures.push_back(repeatability_figure(first));
   }
-  if (!report.runtime.empty() || !report.peers.empty())
-    figures.push_back(runtime_figure(report.runtime, report.peers));
+  if (!report.runtime.empty() || !report.references.empty())
+    figures.push_back(runtime_figure(report.runtime, report.references));
   if (!report.icp.empty()) figures.push_back(icp_figure(report.icp));
   return figures;
 }

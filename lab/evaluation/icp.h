@@ -13,7 +13,7 @@
 
 namespace im2fit::lab {
 
-// Closest points on a triangle mesh. Looks at the triangles round the few vertices nearest to the point: exact where
+// Closest points on a triangle mesh. Compares the triangles round the few vertices nearest to the point: exact where
 // triangles are of about one size, as a body's are.
 class MeshSurface {
  public:

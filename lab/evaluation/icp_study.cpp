@@ -31,9 +31,9 @@ Cloud fused_cloud(const Engine& engine, const Intrinsics& upright, const body::P
       all.push_back(vec_of(axes.to_mesh(unproject(upright, static_cast<float>(u), static_cast<float>(v), z_mm))));
     }
   const std::size_t step = std::max<std::size_t>(1, (all.size() + kIcpPointsMost - 1) / kIcpPointsMost);
-  Cloud thinned;
-  for (std::size_t i = 0; i < all.size(); i += step) thinned.push_back(all[i]);
-  return thinned;
+  Cloud downsampled;
+  for (std::size_t i = 0; i < all.size(); i += step) downsampled.push_back(all[i]);
+  return downsampled;
 }
 
 Result<std::optional<IcpCase>> icp_case(const SessionModels& models, const HeldOutPerson& person, Views views) {

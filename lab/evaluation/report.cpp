@@ -11,7 +11,7 @@ namespace im2fit::lab {
 namespace {
 
 // `sds`: how far the interval of 95 % reaches when it is read as a normal's of that many standard deviations.
-bool covers(const index::Estimate& estimate, double truth, double sds) {
+bool covers(const index::IntervalEstimate& estimate, double truth, double sds) {
   const double scale = sds / kLevels[kStatedLevel].sds;
   return truth >= estimate.value - scale * (estimate.value - estimate.low) &&
          truth <= estimate.value + scale * (estimate.high - estimate.value);
@@ -19,25 +19,26 @@ bool covers(const index::Estimate& estimate, double truth, double sds) {
 
 MeasurementReport measurement_report(const std::vector<const Outcome*>& measured, std::size_t m) {
   MeasurementReport report;
-  std::array<std::vector<double>, kWayCount> errors;
+  std::array<std::vector<double>, kEstimatorCount> errors;
   std::vector<std::array<double, 2>> with_truth, with_itself;
   const auto n = static_cast<double>(measured.size());
   for (const Outcome* o : measured) {
     const double truth = o->truth[m];
-    const index::Estimate& estimate = o->answer.measurements[m];
-    for (std::size_t way = 0; way < kWayCount; ++way)
-      errors[way].push_back(value_of(*o, static_cast<Way>(way), m) - truth);
+    const index::IntervalEstimate& estimate = o->answer.measurements[m];
+    for (std::size_t estimator = 0; estimator < kEstimatorCount; ++estimator)
+      errors[estimator].push_back(value_of(*o, static_cast<Estimator>(estimator), m) - truth);
     with_truth.push_back({estimate.value, truth});
     if (o->measured_again) with_itself.push_back({estimate.value, o->again[m]});
     for (std::size_t level = 0; level < kLevels.size(); ++level) {
-      // The stated interval to the bit, not by way of its scale.
+      // The stated interval to the bit, not recomputed from its scale.
       const bool inside = level == kStatedLevel ? truth >= estimate.low && truth <= estimate.high
                                                 : covers(estimate, truth, kLevels[level].sds);
       if (inside) report.covered[level] += 1 / n;
     }
     report.interval_width += (estimate.high - estimate.low) / n;
   }
-  for (std::size_t way = 0; way < kWayCount; ++way) report.errors[way] = error_statistics(errors[way]);
+  for (std::size_t estimator = 0; estimator < kEstimatorCount; ++estimator)
+    report.errors[estimator] = error_statistics(errors[estimator]);
   report.agreement = agreement(with_truth);
   report.repeatability = repeatability(with_itself);
   return report;
@@ -121,16 +122,16 @@ void add_ages(const std::vector<const Outcome*>& measured, Report& report) {
 
 }  // namespace
 
-double value_of(const Outcome& outcome, Way way, std::size_t measurement) {
-  switch (way) {
-    case Way::ours:
+double value_of(const Outcome& outcome, Estimator estimator, std::size_t measurement) {
+  switch (estimator) {
+    case Estimator::ours:
       return outcome.answer.measurements[measurement].value;
-    case Way::nearest:
+    case Estimator::nearest:
       return outcome.answer.nearest_values[measurement];
-    case Way::raw:
+    case Estimator::raw:
       if (outcome.has_raw) return outcome.raw.values[measurement];
       break;
-    case Way::paper:
+    case Estimator::paper:
       return outcome.paper[measurement];
   }
   return std::numeric_limits<double>::quiet_NaN();

@@ -14,23 +14,23 @@
 
 namespace im2fit::lab {
 
-// Ways to an answer from the same frames, ours first.
-enum class Way : int {
+// Estimators that answer from the same frames, ours first.
+enum class Estimator : int {
   ours,
   nearest,  // the nearest entry of our projection, before regression
   raw,      // the paper's answer: nearest neighbour of raw features
   paper,    // the paper's estimators: joint sums, one ellipse a girth
 };
-inline constexpr std::size_t kWayCount = 4;
-struct WayName {
+inline constexpr std::size_t kEstimatorCount = 4;
+struct EstimatorName {
   std::string_view json, words;
 };
-inline constexpr std::array<WayName, kWayCount> kWays = {{{"ours", "ours"},
-                                                          {"projected_nearest", "nearest entry"},
-                                                          {"raw_nearest", "raw nearest neighbour"},
-                                                          {"paper", "paper's estimators"}}};
+inline constexpr std::array<EstimatorName, kEstimatorCount> kEstimators = {{{"ours", "ours"},
+                                                                            {"projected_nearest", "nearest entry"},
+                                                                            {"raw_nearest", "raw nearest neighbour"},
+                                                                            {"paper", "paper's estimators"}}};
 
-// Shares an interval is asked to hold. Ours states 95 %; the others read it as a normal's, as the size does.
+// Nominal coverages. Our interval states 95 %; the others take it for a normal distribution's, as the size does.
 struct Level {
   double share, sds;
 };
@@ -39,16 +39,16 @@ inline constexpr std::array<Level, 6> kLevels = {
 inline constexpr std::size_t kStatedLevel = 4;
 
 struct MeasurementReport {
-  std::array<ErrorStatistics, kWayCount> errors;  // count 0: that way does not answer it
-  std::array<double, kLevels.size()> covered{};   // share of truths inside, 0..1
-  double interval_width = 0;                      // mean
+  std::array<ErrorStatistics, kEstimatorCount> errors;  // count 0: that estimator does not answer it
+  std::array<double, kLevels.size()> covered{};         // share of truths inside, 0..1
+  double interval_width = 0;                            // mean
   Agreement agreement;
   Repeatability repeatability;  // pairs 0: shown once
-  const ErrorStatistics& of(Way way) const { return errors[static_cast<std::size_t>(way)]; }
+  const ErrorStatistics& of(Estimator estimator) const { return errors[static_cast<std::size_t>(estimator)]; }
   double coverage() const { return covered[kStatedLevel]; }
 };
 
-// Labels between the right size and the one answered: -1 one too small; the outer ones gather all beyond.
+// Labels between the right size and the one answered: -1 one too small; the outer ones count all beyond.
 inline constexpr int kSizeStepMost = 2;
 
 struct Report {
@@ -68,7 +68,7 @@ struct Report {
   std::array<int, 2 * kSizeStepMost + 1> size_steps{};  // people, by labels off: too small first
   double joint_error_mm = 0;                            // mean over frames and joints
   double joints_within_100mm = 0;
-  bool has_raw() const { return measurements[0].of(Way::raw).count > 0; }
+  bool has_raw() const { return measurements[0].of(Estimator::raw).count > 0; }
   bool has_repeats() const { return measurements[0].repeatability.pairs > 0; }
 };
 
@@ -80,7 +80,8 @@ struct ConditionRun {
 };
 
 Report report_of(const std::vector<Outcome>& outcomes, const std::string& condition, const std::string& what = "");
-double value_of(const Outcome& outcome, Way way, std::size_t measurement);  // NaN where that way has none
+double value_of(const Outcome& outcome, Estimator estimator,
+                std::size_t measurement);  // NaN where that estimator has none
 
 std::string text_of(const Report& report);
 // Several conditions side by side: mean absolute error by condition.

@@ -23,7 +23,7 @@ std::string csv_of(const std::vector<ConditionRun>& runs) {
   for (const ConditionRun& run : runs)
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
       const MeasurementReport& r = run.report.measurements[m];
-      const ErrorStatistics& s = r.of(Way::ours);
+      const ErrorStatistics& s = r.of(Estimator::ours);
       csv += fmt::format("{},{},{},{}", run.report.condition, kMeasurementTable[m].id, kMeasurementTable[m].unit,
                          s.count);
       const double none = std::nan("");
@@ -34,8 +34,8 @@ std::string csv_of(const std::vector<ConditionRun>& runs) {
             r.interval_width, r.agreement.low, r.agreement.high, again ? r.repeatability.tem : none,
             again ? r.repeatability.percent : none, again ? r.repeatability.reliability : none})
         csv += "," + cell(s.count > 0 ? value : none);
-      for (const Way way : {Way::nearest, Way::raw, Way::paper})
-        csv += "," + cell(r.of(way).count > 0 ? r.of(way).mae : none);
+      for (const Estimator estimator : {Estimator::nearest, Estimator::raw, Estimator::paper})
+        csv += "," + cell(r.of(estimator).count > 0 ? r.of(estimator).mae : none);
       csv += "\n";
     }
   return csv;
@@ -51,12 +51,12 @@ std::string people_csv_of(const std::vector<ConditionRun>& runs) {
         const Outcome& o = run.outcomes[i];
         csv += fmt::format("{},{},{},{},{},{:.2f}", run.report.condition, i, o.woman ? 1 : 0, o.measured ? 1 : 0,
                            kMeasurementTable[m].id, o.truth[m]);
-        const index::Estimate& e = o.answer.measurements[m];
+        const index::IntervalEstimate& e = o.answer.measurements[m];
         const double none = std::nan("");
         for (const double value :
              {static_cast<double>(e.value), static_cast<double>(e.low), static_cast<double>(e.high),
-              o.measured_again ? static_cast<double>(o.again[m]) : none, value_of(o, Way::nearest, m),
-              value_of(o, Way::raw, m), value_of(o, Way::paper, m)})
+              o.measured_again ? static_cast<double>(o.again[m]) : none, value_of(o, Estimator::nearest, m),
+              value_of(o, Estimator::raw, m), value_of(o, Estimator::paper, m)})
           csv += "," + (o.measured ? precise(value) : "");
         csv += "\n";
       }

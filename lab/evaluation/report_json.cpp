@@ -22,7 +22,7 @@ Json levels_json(const MeasurementReport& r) {
 
 Json measurement_json(const MeasurementReport& r, std::size_t m) {
   const auto id = static_cast<Measurement>(m);
-  const ErrorStatistics& ours = r.of(Way::ours);
+  const ErrorStatistics& ours = r.of(Estimator::ours);
   Json entry;
   entry["unit"] = kMeasurementTable[m].unit;
   entry["ours"] = statistics_json(ours);
@@ -43,8 +43,8 @@ Json measurement_json(const MeasurementReport& r, std::size_t m) {
                               {"tem", r.repeatability.tem},
                               {"tem_percent", r.repeatability.percent},
                               {"reliability", r.repeatability.reliability}};
-  for (const Way way : {Way::paper, Way::raw, Way::nearest})
-    entry[std::string(kWays[static_cast<std::size_t>(way)].json)] = statistics_json(r.of(way));
+  for (const Estimator estimator : {Estimator::paper, Estimator::raw, Estimator::nearest})
+    entry[std::string(kEstimators[static_cast<std::size_t>(estimator)].json)] = statistics_json(r.of(estimator));
   return entry;
 }
 

@@ -41,7 +41,7 @@ std::string table_of(const Report& report) {
   TextTable table(header);
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     const MeasurementReport& r = report.measurements[m];
-    const ErrorStatistics& ours = r.of(Way::ours);
+    const ErrorStatistics& ours = r.of(Estimator::ours);
     const auto& info = kMeasurementTable[m];
     std::vector<std::string> row = {fmt::format("{} {}", info.id, info.unit),
                                     number(ours.bias, 1),
@@ -51,9 +51,9 @@ std::string table_of(const Report& report) {
                                     number(ours.max, 1),
                                     iso_cell(ours, static_cast<Measurement>(m)),
                                     number(100 * r.coverage(), 1),
-                                    mae_cell(r.of(Way::paper)),
-                                    mae_cell(r.of(Way::raw)),
-                                    mae_cell(r.of(Way::nearest))};
+                                    mae_cell(r.of(Estimator::paper)),
+                                    mae_cell(r.of(Estimator::raw)),
+                                    mae_cell(r.of(Estimator::nearest))};
     if (report.has_repeats()) row.push_back(number(r.repeatability.tem, 1));
     table.add(row);
   }
@@ -67,7 +67,7 @@ std::string text_of(const Report& report) {
   const double measured = report.subjects > 0 ? 100.0 * report.measured / report.subjects : 0;
   text += fmt::format("\nmeasured     {} of {} held-out synthetic people ({:.1f} %)\n", report.measured,
                       report.subjects, measured);
-  if (report.measured < report.subjects) text += "not, having been told" + refusals(report) + "\n";
+  if (report.measured < report.subjects) text += "not measured; guidance given:" + refusals(report) + "\n";
   if (report.measured == 0) return text;
   text += fmt::format(
       "sex          {:.1f} % right{}\n", 100 * report.sex_accuracy,
@@ -95,7 +95,7 @@ std::string text_of(const std::vector<ConditionRun>& runs) {
   };
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
     row(fmt::format("{} {}", kMeasurementTable[m].id, kMeasurementTable[m].unit),
-        [&](const Report& r) { return mae_cell(r.measurements[m].of(Way::ours)); });
+        [&](const Report& r) { return mae_cell(r.measurements[m].of(Estimator::ours)); });
   row("in 95 % interval", [](const Report& r) {
     double sum = 0;
     for (const auto& m : r.measurements) sum += m.coverage();

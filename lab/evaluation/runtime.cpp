@@ -106,17 +106,17 @@ Result<RuntimeRow> runtime_of(const SessionModels& models, const index::Index& i
   RuntimeRow row;
   row.file = file;
   row.models = index.size();
-  if (people.empty()) return Error{ErrorCode::invalid_argument, "runtime: nobody could be described"};
+  if (people.empty()) return Error{ErrorCode::invalid_argument, "runtime: no person could be described"};
   if (index.feature_size() != people[0].feature.size())
     return Error{ErrorCode::unsupported, file + ": made for " + std::to_string(index.feature_size()) +
                                              " features, these programs compute " +
                                              std::to_string(people[0].feature.size())};
-  if (auto asked = time_queries(index, people, row); !asked) return asked.error();
+  if (auto timed = time_queries(index, people, row); !timed) return timed.error();
   std::vector<double> describe_ms;
   describe_ms.reserve(people.size());
   for (const Asker& asker : people) describe_ms.push_back(asker.describe_ms);
   row.measurements_ms = median_of(describe_ms) + row.query_p50_ms;
-  // Indexes made to measure speed name nobody who could be drawn.
+  // Entries of indexes made to measure speed name no person that could be drawn.
   if (const auto timed = time_bodies(models, index, people, row);
       !timed && timed.error().code != ErrorCode::unsupported)
     return timed.error();
@@ -144,17 +144,17 @@ Result<std::vector<RuntimeRow>> measure_runtime(const SessionModels& models, con
   return rows;
 }
 
-Result<std::vector<PeerLine>> read_index_peers(const std::string& path) {
+Result<std::vector<ReferenceLine>> read_index_references(const std::string& path) {
   const auto bytes = read_file(path);
   if (!bytes) return bytes.error();
   const auto* text = reinterpret_cast<const char*>(bytes->data());
   const auto json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
   if (!json.is_object() || !json.contains("rows") || !json["rows"].is_array())
     return Error{ErrorCode::corrupt, path + ": expected the JSON of bench/index/index_peers, with `rows`"};
-  std::vector<PeerLine> lines = {{"im2fit", {}}, {"brute force, 501 float", {}}};
+  std::vector<ReferenceLine> lines = {{"im2fit", {}}, {"brute force, 501 float", {}}};
   for (const auto& row : json["rows"])
-    for (PeerLine& line : lines)
-      if (row.value("peer", "") == line.peer && row.contains("p50_us") && row.contains("p99_us"))
+    for (ReferenceLine& line : lines)
+      if (row.value("peer", "") == line.name && row.contains("p50_us") && row.contains("p99_us"))
         line.points.push_back(
             {row.value("models", 0.0), row.value("p50_us", 0.0) / 1e3, row.value("p99_us", 0.0) / 1e3});
   return lines;

@@ -18,22 +18,23 @@ struct RuntimeRow {
   double measurements_ms = 0, naked_ms = 0, clothed_ms = 0;  // medians over people; bodies 0 where it has none
 };
 
-// The index of `models`, then those of `files`, asked by the same few people, in the order of their sizes. `options`:
-// who they are and how they are seen. Errors: files that are no index, or of another feature. Indexes of people this
-// program cannot draw (bench/index' own) have no bodies.
+// The index of `models`, then those of `files`, queried with the same few people, in the order of their sizes.
+// `options`: who they are and how they are seen. Errors: files that are no index, or of another feature. Indexes of
+// people this program cannot draw (bench/index' own) have no bodies.
 Result<std::vector<RuntimeRow>> measure_runtime(const SessionModels& models, const std::string& name,
                                                 const std::vector<std::string>& files,
                                                 const EvaluationOptions& options);
 
-// A line of bench/results/index-peers.json, as `bench/index/index_peers` writes it: query time by models.
-struct PeerLine {
-  std::string peer;
+// A line of bench/results/index-peers.json, as `bench/index/index_peers` writes it: query time by models of us and of
+// a reference implementation.
+struct ReferenceLine {
+  std::string name;
   struct Point {
     double models = 0, p50_ms = 0, p99_ms = 0;
   };
   std::vector<Point> points;
 };
-// Ours and the paper's way of searching (every model's 501 values). Errors name the file.
-Result<std::vector<PeerLine>> read_index_peers(const std::string& path);
+// Ours and the paper's search (every model's 501 values). Errors name the file.
+Result<std::vector<ReferenceLine>> read_index_references(const std::string& path);
 
 }  // namespace im2fit::lab

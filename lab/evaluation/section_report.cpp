@@ -18,9 +18,9 @@ std::string text_of(const SectionStudy& study) {
   for (const char* sex : kSexes)
     for (const auto girth : kTrunkGirthNames) header.push_back(fmt::format("{} {}", sex, girth));
   TextTable table(header);
-  for (std::size_t way = 0; way < kSectionWays; ++way) {
-    std::vector<std::string> row = {std::string(kSectionWayNames[way])};
-    for (const auto& sex : study.errors[way])
+  for (std::size_t estimator = 0; estimator < kSectionEstimatorCount; ++estimator) {
+    std::vector<std::string> row = {std::string(kSectionEstimatorNames[estimator])};
+    for (const auto& sex : study.errors[estimator])
       for (const ErrorStatistics& s : sex)
         row.push_back(s.count > 0 ? number(s.bias, 1) + " / " + number(s.mae, 1) : "-");
     table.add(row);
@@ -43,10 +43,10 @@ std::string json_of(const SectionStudy& study, double noise_mm) {
     for (std::size_t g = 0; g < kTrunkGirths; ++g) {
       auto& out = json[kSexes[s]][std::string(kTrunkGirthNames[g])];
       out = {{"factor", study.factor[s][g]}, {"exponent", study.exponent[s][g]}};
-      for (std::size_t way = 0; way < kSectionWays; ++way) {
-        const ErrorStatistics& e = study.errors[way][s][g];
+      for (std::size_t estimator = 0; estimator < kSectionEstimatorCount; ++estimator) {
+        const ErrorStatistics& e = study.errors[estimator][s][g];
         if (e.count > 0)
-          out["ways"][std::string(kSectionWayNames[way])] = {
+          out["estimators"][std::string(kSectionEstimatorNames[estimator])] = {
               {"people", e.count}, {"bias", e.bias}, {"mae", e.mae}, {"sd", e.sd}, {"p95", e.p95}};
       }
     }
@@ -54,7 +54,7 @@ std::string json_of(const SectionStudy& study, double noise_mm) {
 }
 
 Svg picture_of(const SectionStudy& study) {
-  constexpr double kWide = 210, kStepX = 240, kLeft = 180, kStepY = 22, kHigh = kStepY * kSectionWays;
+  constexpr double kWide = 210, kStepX = 240, kLeft = 180, kStepY = 22, kHigh = kStepY * kSectionEstimatorCount;
   Svg svg(kLeft + 3 * kStepX + 10, 2 * (kHigh + 92), "Girth from breadth and depth on real people");
   for (std::size_t s = 0; s < 2; ++s)
     for (std::size_t g = 0; g < kTrunkGirths; ++g) {
@@ -63,17 +63,17 @@ Svg picture_of(const SectionStudy& study) {
                {Lettering::Anchor::start, 12, kInk, true});
       const Panel panel(svg, {x, y, kWide, kHigh}, {10, 300, g == 1 ? "mean absolute error, mm" : "", true, 5},
                         {0, 1, "", false, 0});
-      for (std::size_t way = 0; way < kSectionWays; ++way) {
-        const double row = y + kStepY * (static_cast<double>(way) + 0.5);
-        const ErrorStatistics& e = study.errors[way][s][g];
-        if (g == 0) svg.text({kLeft - 8, row + 4}, kSectionWayNames[way], {Lettering::Anchor::end});
+      for (std::size_t estimator = 0; estimator < kSectionEstimatorCount; ++estimator) {
+        const double row = y + kStepY * (static_cast<double>(estimator) + 0.5);
+        const ErrorStatistics& e = study.errors[estimator][s][g];
+        if (g == 0) svg.text({kLeft - 8, row + 4}, kSectionEstimatorNames[estimator], {Lettering::Anchor::end});
         svg.line({x, row}, {x + kWide, row}, {kFaint, 0.8});
         if (e.count == 0) continue;
-        const char* colour = way == 0                                                 ? kRed
-                             : way == static_cast<std::size_t>(SectionWay::synthetic) ? kOrange
-                                                                                      : kBlue;
+        const char* colour = estimator == 0                                                       ? kRed
+                             : estimator == static_cast<std::size_t>(SectionEstimator::synthetic) ? kOrange
+                                                                                                  : kBlue;
         svg.disc({panel.x(std::max(10.0, e.mae)), row}, 5, colour, 1,
-                 fmt::format("{}: bias {:+.1f}, MAE {:.1f} mm", kSectionWayNames[way], e.bias, e.mae));
+                 fmt::format("{}: bias {:+.1f}, MAE {:.1f} mm", kSectionEstimatorNames[estimator], e.bias, e.mae));
         const bool right = panel.x(e.mae) > x + kWide - 40;
         svg.text({panel.x(e.mae) + (right ? -9 : 9), row + 4}, fmt::format("{:.1f}", e.mae),
                  {right ? Lettering::Anchor::end : Lettering::Anchor::start, 11, kGrey});

@@ -10,6 +10,7 @@
 #include "body/measure.h"
 #include "body/skeleton.h"
 #include "core/rng.h"
+#include "engine/report/progress.h"
 #include "lab/parallel.h"
 #include "lab/population/population.h"
 
@@ -118,27 +119,27 @@ double fitted_exponent(const People& people, std::size_t g) {
   return (low + high) / 2;
 }
 
-Guess fitted(SectionWay way, const People& people, const People& synthetic, std::size_t g) {
-  switch (way) {
-    case SectionWay::ellipse:
+Guess fitted(SectionEstimator estimator, const People& people, const People& synthetic, std::size_t g) {
+  switch (estimator) {
+    case SectionEstimator::ellipse:
       break;
-    case SectionWay::scaled: {
+    case SectionEstimator::scaled: {
       const double factor = fitted_factor(people, g);
       return [factor, g](const auto& p) { return factor * ellipse_girth_mm(p.breadth_mm[g], p.depth_mm[g]); };
     }
-    case SectionWay::superellipse: {
+    case SectionEstimator::superellipse: {
       const Superellipse shape(fitted_exponent(people, g));
       return [shape, g](const auto& p) { return shape.girth_mm(p.breadth_mm[g], p.depth_mm[g]); };
     }
-    case SectionWay::quadratic:
+    case SectionEstimator::quadratic:
       return linear_fit(people, g, quadratic_features);
-    case SectionWay::synthetic:
+    case SectionEstimator::synthetic:
       return linear_fit(synthetic, g, quadratic_features);
-    case SectionWay::front:
+    case SectionEstimator::front:
       return linear_fit(people, g, front_features);
-    case SectionWay::all_round:
+    case SectionEstimator::all_round:
       return linear_fit(people, g, all_round_features);
-    case SectionWay::all_weighed:
+    case SectionEstimator::all_weighed:
       return linear_fit(people, g, all_weighed_features);
   }
   return [g](const auto& p) { return ellipse_girth_mm(p.breadth_mm[g], p.depth_mm[g]); };
@@ -162,12 +163,12 @@ People pointers(const std::vector<SectionPerson>& people, const std::function<bo
   return out;
 }
 
-ErrorStatistics cross_fitted(SectionWay way, const std::vector<SectionPerson>& people, const People& synthetic,
-                             std::size_t g) {
+ErrorStatistics cross_fitted(SectionEstimator estimator, const std::vector<SectionPerson>& people,
+                             const People& synthetic, std::size_t g) {
   std::vector<double> errors;
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
     const People others = pointers(people, [&](std::size_t i) { return i % kFolds != fold; });
-    const Guess guess = fitted(way, others, synthetic, g);
+    const Guess guess = fitted(estimator, others, synthetic, g);
     for (std::size_t i = fold; i < people.size(); i += kFolds)
       errors.push_back(guess(people[i]) - people[i].girth_mm[g]);
   }
@@ -243,10 +244,14 @@ Result<SectionPeople> read_section_people(const std::string& ansur_folder) {
 SectionPeople synthetic_section_people(const body::BodyModel& model, int count, int threads) {
   constexpr std::uint64_t kSeed = 0x5EC7104;
   std::vector<std::pair<bool, SectionPerson>> drawn(static_cast<std::size_t>(count));
-  parallel_items("sections", drawn.size(), threads, [&](std::uint64_t i) {
-    const Subject subject = draw_subject(model, Family::training, kSeed, i);
-    drawn[i] = {subject.woman, section_person(model, subject)};
-  });
+  Progress progress("sections", drawn.size());
+  for_each_item(
+      drawn.size(), threads,
+      [&](std::uint64_t i) {
+        const Subject subject = draw_subject(model, Family::training, kSeed, i);
+        drawn[i] = {subject.woman, section_person(model, subject)};
+      },
+      [&](std::uint64_t done) { progress.update(done); });
   SectionPeople people;
   for (const auto& [woman, person] : drawn) people[woman ? 0 : 1].push_back(person);
   return people;
@@ -261,9 +266,9 @@ SectionStudy study_sections(const SectionPeople& people, const SectionPeople& sy
     for (std::size_t g = 0; g < kTrunkGirths; ++g) {
       study.factor[s][g] = fitted_factor(pointers(seen, all), g);
       study.exponent[s][g] = fitted_exponent(pointers(seen, all), g);
-      for (std::size_t way = 0; way < kSectionWays; ++way)
-        if (static_cast<SectionWay>(way) != SectionWay::synthetic || !drawn.empty())
-          study.errors[way][s][g] = cross_fitted(static_cast<SectionWay>(way), seen, drawn, g);
+      for (std::size_t estimator = 0; estimator < kSectionEstimatorCount; ++estimator)
+        if (static_cast<SectionEstimator>(estimator) != SectionEstimator::synthetic || !drawn.empty())
+          study.errors[estimator][s][g] = cross_fitted(static_cast<SectionEstimator>(estimator), seen, drawn, g);
     }
   }
   return study;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the breadth and depth of a section to the tape's way round it: the paper's ellipse and what could take its
+// From the breadth and depth of a section to its girth by tape: the paper's ellipse and what could take its
 // place, on real people (ANSUR II), whose breadths, depths and girths were all measured by hand.
 #pragma once
 
@@ -35,9 +35,9 @@ Result<SectionPeople> read_section_people(const std::string& ansur_folder);
 // People of the index' family, sections of their meshes in the relaxed pose.
 SectionPeople synthetic_section_people(const body::BodyModel& model, int count, int threads);
 
-// Ways from section to girth, all but the first and `synthetic` fitted to nine tenths of the people and asked about
-// the tenth, sex by sex.
-enum class SectionWay : int {
+// Estimators of a girth from a section, all but the first and `synthetic` fitted to nine tenths of the people and
+// tested on the tenth, sex by sex.
+enum class SectionEstimator : int {
   ellipse,       // as the paper does
   scaled,        // ellipse times a factor
   superellipse,  // one exponent
@@ -47,15 +47,15 @@ enum class SectionWay : int {
   all_round,     // with the three depths
   all_weighed,   // with the weight from a scale
 };
-inline constexpr std::size_t kSectionWays = 8;
-inline constexpr std::array<std::string_view, kSectionWays> kSectionWayNames = {
+inline constexpr std::size_t kSectionEstimatorCount = 8;
+inline constexpr std::array<std::string_view, kSectionEstimatorCount> kSectionEstimatorNames = {
     "ellipse (paper)",           "ellipse x factor",     "superellipse", "quadratic",
     "quadratic, from synthetic", "breadths and stature", "and depths",   "and weight"};
 
 struct SectionStudy {
-  // By way, sex (women first) and girth; count 0: not asked.
-  std::array<std::array<std::array<ErrorStatistics, kTrunkGirths>, 2>, kSectionWays> errors;
-  std::array<std::array<double, kTrunkGirths>, 2> factor{}, exponent{};  // fitted to everybody
+  // By estimator, sex (women first) and girth; count 0: not tested.
+  std::array<std::array<std::array<ErrorStatistics, kTrunkGirths>, 2>, kSectionEstimatorCount> errors;
+  std::array<std::array<double, kTrunkGirths>, 2> factor{}, exponent{};  // fitted to all people
 };
 inline constexpr double kBreadthNoiseMm = 4;  // of every breadth and depth, as a sensor would add
 // `synthetic`: may be empty. `noise_mm`: SD added to breadths and depths; seeded.

@@ -9,7 +9,7 @@ namespace im2fit::lab {
 namespace {
 
 constexpr int kShownPerWanted = 3;
-constexpr int kShownMin = 15;  // finding somebody takes some frames, however few are wanted
+constexpr int kShownMin = 15;  // detecting a person takes some frames, however few are wanted
 
 // Frames of one scene as the engine wants them.
 class Camera {
@@ -50,7 +50,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   settings.frames_wanted = capture.frame_count;
   settings.frames_min = std::min(settings.frames_min, settings.frames_wanted);
   settings.single_thread = true;
-  if (person.told) settings.sensor = capture.sensor.kind;
+  if (person.sensor_reported) settings.sensor = capture.sensor.kind;
   settings.shape_space = models.shape_space;
   settings.clothed = capture.scene.clothing != Clothing::none && models.shape_space != nullptr;
   if (views == Views::both) settings.turn = Turn::asked;

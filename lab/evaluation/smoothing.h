@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A driver that smooths depth over time, as many do when they are asked to.
+// A driver that smooths depth over time, an option of many drivers.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace im2fit::lab {
 
-// Exponential smoothing, pixel by pixel: each frame moves what is delivered by kShare of the way, and a step beyond
-// kOutlierMm, another surface, all of it. Pixels without data stay without, and begin anew.
+// Exponential smoothing, pixel by pixel: each frame moves the delivered depth by kShare of the difference, and a step
+// beyond kOutlierMm, another surface, all of it. Pixels without data stay without, and begin anew.
 class TemporalSmoothing {
  public:
   static constexpr float kShare = 0.25F;

@@ -15,6 +15,7 @@
 #include "lab/index_building/learning.h"
 #include "lab/index_building/refinement_builder.h"
 #include "lab/index_building/ridge.h"
+#include "lab/index_building/tree_packing.h"
 #include "lab/index_building/tuner.h"
 
 namespace im2fit::index {
@@ -430,7 +431,7 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
   return out.finish();
 }
 
-// The finished index, asked about people it was not made for.
+// Answers of the finished index to out-of-distribution subjects.
 std::vector<HeldOut> Builder::answer_ood(std::span<const std::byte> file) const {
   std::vector<HeldOut> out;
   const auto contents = parse_contents(file, "index");

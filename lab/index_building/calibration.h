@@ -29,14 +29,15 @@ struct IntervalModel {
   MeasurementValues coverage{};  // calibrated on every second subject, counted on the others
 };
 
-// Of those whom intervals are judged on, strangers are this share: of the plain answer, and by kind of refinement
-// (docs/formats-index.md). Where more is seen ordinary people's errors are the smaller beside those of others.
+// Share of out-of-distribution subjects among those that intervals are calibrated on: of the plain answer, and by
+// kind of refinement (docs/formats-index.md). The more is seen, the smaller the errors of in-distribution people
+// beside theirs.
 inline constexpr double kOodShare = 0.17;
 inline constexpr std::array<double, kRefinementCount> kRefinedOodShare = {0.17, 0.4, 0.16, 0.22};
-inline constexpr std::size_t kOodMin = 200;  // fewer say too little about 2.5 % quantiles
+inline constexpr std::size_t kOodMin = 200;  // fewer determine 2.5 % quantiles too badly
 
-// Which of so many strangers are to be judged beside the ordinary people for strangers to be `share` of all: evenly
-// spaced; all of them when there are too few. Strangers are stranger than who is measured, ordinary people less so.
+// Which of so many out-of-distribution subjects to add to the in-distribution ones for them to be `share` of all:
+// evenly spaced; all of them when there are too few. People who are measured lie between the two kinds.
 std::vector<std::size_t> ood_beside(std::size_t ordinary, std::size_t ood_count, double share);
 
 // Split conformal prediction on signed errors over a width that may follow the local spread (normalised scores;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workstation side: millions of entries from tens of thousands of real ones, to measure speed and size on. Nobody was
-// rendered for them: what rests on them must say so.
+// Workstation side: millions of entries from tens of thousands of real ones, to measure speed and size on. No person
+// was rendered for them: results that rest on them must state it.
 //
 // A densified entry mixes two real captures i and j of one sex: value = mean + cos(a) (value_i - mean) +
 // sin(a) (value_j - mean), a uniform in 15..75 degrees, mean that sex's. Means and covariances of features, errors

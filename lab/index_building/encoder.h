@@ -30,7 +30,7 @@ struct Encoder {
   void encode_residual(const Position& error, std::span<std::uint8_t> out) const;
 };
 
-// Entries under way to a file: codes and residuals, in the order they came.
+// Entries before they are written: codes and residuals, in the order they came.
 struct Entries {
   explicit Entries(const Encoder& encoder) : encoder(encoder) {}
   const Encoder& encoder;

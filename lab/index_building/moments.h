@@ -27,7 +27,7 @@ struct Moments {
   Moments& operator+=(const Moments& other);
 };
 
-// Gathers rows, fold by fold.
+// Accumulates rows, fold by fold.
 class FoldMoments {
  public:
   FoldMoments(std::ptrdiff_t features, std::ptrdiff_t targets, int fold_count);

@@ -13,7 +13,7 @@ namespace im2fit::index {
 
 class RawNearest {
  public:
-  // Only the first `feature_size` values of every feature are looked at.
+  // Only the first `feature_size` values of every feature are compared.
   explicit RawNearest(std::size_t feature_size = 501) : feature_size_(feature_size) {}
   // Samples with shorter features, and those that only calibrate, are refused (false).
   bool add(const Sample& sample);

@@ -21,8 +21,8 @@ constexpr double kPenalties[] = {0.003, 0.01, 0.03, 0.1, 0.3};  // in variances 
 constexpr double kFitPenalty = 0.03, kHistogramPenalty = 3, kFramesPenalty = 0.1, kSensorPenalty = 0.1;
 // A row's variance where people stand beyond kWellSeenMm, in squares of that distance over this: what it counts by.
 constexpr double kFarVariance = 11;
-// What differs between two looks at the same body counts by this much of its variance as a penalty: poses and noise
-// answer for less of what is said (errors in variables; docs/formats-index.md has what other values cost).
+// What differs between two captures of the same body counts by this much of its variance as a penalty, so that poses
+// and noise move the answer less (errors in variables; docs/formats-index.md has what other values cost).
 constexpr double kSameBody = 0.25;
 
 // Standardised as a query does it.
@@ -93,7 +93,7 @@ struct Sums {
   }
 };
 
-// `unlike`: lower triangle, what two looks at the same body differ by.
+// `unlike`: lower triangle, covariance of the difference between two captures of the same body.
 LinearFit solve(const Sums& s, const Eigen::MatrixXd& unlike, const Eigen::VectorXd& penalties) {
   const Eigen::VectorXd z = s.z / s.weight, y = s.y / s.weight;
   Eigen::MatrixXd a = s.gram / s.weight;
@@ -124,7 +124,7 @@ struct Table {
   std::array<std::vector<std::ptrdiff_t>, kFolds> of_fold;  // rows
   std::vector<Sums> folds;
   Sums all;
-  Eigen::MatrixXd unlike;  // mean of d d^T, lower triangle; d between looks at the same body
+  Eigen::MatrixXd unlike;  // mean of d d^T, lower triangle; d between captures of the same body
 
   Table(const std::vector<const std::vector<float>*>& values, Eigen::MatrixXd targets, Eigen::VectorXd weights,
         const std::vector<int>& fold_of_row)
@@ -146,13 +146,13 @@ struct Table {
     if (!rows.empty()) sums.add(z(rows, Eigen::all), y(rows, Eigen::all), weight(rows));
     return sums;
   }
-  // `looks`: pairs of rows.
-  void learn_unlike(const std::vector<std::array<std::ptrdiff_t, 2>>& looks) {
-    if (looks.empty()) return;
-    RowMatrixF rows(static_cast<std::ptrdiff_t>(looks.size()), z.cols());
+  // `repeats`: pairs of rows.
+  void learn_unlike(const std::vector<std::array<std::ptrdiff_t, 2>>& repeats) {
+    if (repeats.empty()) return;
+    RowMatrixF rows(static_cast<std::ptrdiff_t>(repeats.size()), z.cols());
     double sum = 0;
-    for (std::size_t i = 0; i < looks.size(); ++i) {
-      const auto [a, b] = looks[i];
+    for (std::size_t i = 0; i < repeats.size(); ++i) {
+      const auto [a, b] = repeats[i];
       const double counts = std::min(weight(a), weight(b));
       rows.row(static_cast<std::ptrdiff_t>(i)) = (z.row(a) - z.row(b)) * static_cast<float>(std::sqrt(counts));
       sum += counts;
@@ -235,7 +235,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   const auto count = static_cast<std::ptrdiff_t>(people.size());
   std::vector<const std::vector<float>*> values;
   std::vector<int> fold_of_row;
-  std::vector<std::array<std::ptrdiff_t, 2>> looks;  // at the same body, one after the other
+  std::vector<std::array<std::ptrdiff_t, 2>> repeats;  // rows of the same body, one after the other
   Eigen::MatrixXd y(count, kTargetMin);
   Eigen::VectorXd weights(count);
   FoldDealer dealer(seed, kFolds);
@@ -245,10 +245,10 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
     weights(at) = weight_at(row.distance_mm[sees_back(kind) ? 1 : 0]);
     values.push_back(&row.values[sees_back(kind) ? 1 : 0]);
     fold_of_row.push_back(dealer.fold_of(row.subject));
-    if (at > 0 && people[static_cast<std::size_t>(at - 1)].subject == row.subject) looks.push_back({at - 1, at});
+    if (at > 0 && people[static_cast<std::size_t>(at - 1)].subject == row.subject) repeats.push_back({at - 1, at});
   }
   Table table(values, std::move(y), std::move(weights), fold_of_row);
-  table.learn_unlike(looks);
+  table.learn_unlike(repeats);
   const Eigen::VectorXd shares = penalty_shares(kind, feature_size_, fit_);
   CrossFit cross = choose_penalty(table, shares);
 
@@ -259,8 +259,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
   out.round(solve(table.all, table.unlike, cross.penalty * shares));
 
-  // By regressions that have learned from other people, strangers as well as ordinary ones, as the one in the file
-  // has.
+  // By regressions trained on other people, out-of-distribution ones among them, as the one in the file is.
   std::vector<std::ptrdiff_t> ordinary, ood;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const Row& row = people[static_cast<std::size_t>(i)];
@@ -288,14 +287,14 @@ void RefinementBuilder::Learned::round(const LinearFit& fit) {
 void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
                                        const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets,
                                        const PlainAnswers& plain, const Eigen::MatrixXd& truth,
-                                       const Eigen::MatrixXd& said) {
+                                       const Eigen::MatrixXd& answered) {
   // Of people in clothes there is no plain answer to mix with.
   record.share.fill(1.0F);
   for (std::ptrdiff_t t = 0; !is_of_clothed(kind) && t < kTargetMin; ++t) {
     double change_square = 1e-12, change_right = 0;
     for (const std::ptrdiff_t i : unlike) {
       const double before = plain.at(people[static_cast<std::size_t>(i)].subject)[static_cast<std::size_t>(t)];
-      const double change = said(i, t) - before;
+      const double change = answered(i, t) - before;
       change_square += change * change;
       change_right += change * (truth(i, t) - before);
     }
@@ -312,7 +311,7 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     for (std::size_t t = 0; t < kTargetMin; ++t) {
       const auto column = static_cast<std::ptrdiff_t>(t);
       h.truth[t] = truth(i, column);
-      h.answer[t] = said(i, column);
+      h.answer[t] = answered(i, column);
       if (!is_of_clothed(kind)) {
         const double before = plain.at(row.subject)[t];
         h.answer[t] = before + static_cast<double>(record.share[t]) * (h.answer[t] - before);
@@ -334,7 +333,7 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
 void RefinementBuilder::write(ContainerWriter& out) const {
   for (const Refinement kind : kRefinements) {
     const auto& learned = learned_[static_cast<std::size_t>(kind)];
-    if (!learned || learned->sex_table.empty()) continue;  // nobody to judge it on
+    if (!learned || learned->sex_table.empty()) continue;  // no person to judge it on
     const auto add = [&](const char* name, const auto& values) {
       using Value = typename std::decay_t<decltype(values)>::value_type;
       out.add_array(section_of(kind, name), std::span<const Value>(values));

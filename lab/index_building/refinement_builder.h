@@ -29,7 +29,7 @@ class RefinementBuilder {
   static constexpr std::size_t kSampleMax = 16384;
   // Keeps what it needs of a sample that refines.
   void add(const Sample& sample);
-  // The index' plain answers, standardised, to the first look at subjects that had no part in them.
+  // The index' plain answers, standardised, to the first capture of subjects that had no part in them.
   using PlainAnswers = std::map<std::uint64_t, Targets>;
   // `targets`: as the index standardises them. A kind of people with fewer than kSampleMin samples is left out.
   void learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed, std::uint32_t shape_key);
@@ -53,11 +53,12 @@ class RefinementBuilder {
     RoundedWeights weights;
     std::vector<float> bias, interval, spread_floor, sex_table;
     void round(const LinearFit& fit);
-    // Intervals from the rows `judged`, shares from those of people `unlike` whom the plain answer knows. `truth`,
-    // and what was `said` by a regression that has not learned from them: standardised, a row for each of the people.
+    // Intervals from the rows `judged`, shares from the rows `unlike` (out-of-distribution subjects, where there are
+    // enough). `truth`, and what a regression that was not trained on them `answered`: standardised, a row for each
+    // of the people.
     void judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
                const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets, const PlainAnswers& plain,
-               const Eigen::MatrixXd& truth, const Eigen::MatrixXd& said);
+               const Eigen::MatrixXd& truth, const Eigen::MatrixXd& answered);
   };
   Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
                     std::uint64_t seed) const;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::ptrdiff_t kBlockRows = 512;
 constexpr std::size_t kNoiseRowMax = 8192;  // enough for a covariance of 1,100 features
-constexpr double kLeftOut = 1e7;            // a penalty that silences a group
+constexpr double kLeftOut = 1e7;            // a penalty that leaves a group without effect
 constexpr std::array<double, 6> kCommonPenalties = {1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0};
 constexpr double kWorthwhile = 0.999;  // a choice must gain a thousandth, else the simpler one stays
 
@@ -67,7 +67,7 @@ void RidgeTrainer::accumulate_noise() {
     used.insert(used.end(), members.begin(), members.end());
     noise_count_ += static_cast<double>(members.size() - 1);
   }
-  if (noise_count_ < 100) {  // too few to say anything
+  if (noise_count_ < 100) {  // too few for a covariance
     noise_count_ = 0;
     return;
   }

@@ -33,7 +33,7 @@ struct Sample {
   bool again = false;
   // More that was seen of some subjects, for index/refinement.h; else empty. The same sizes in every sample that has
   // them.
-  std::vector<float> fit;       // shape fitted to the front, as fit_layout says
+  std::vector<float> fit;       // shape fitted to the front, in the order of fit_layout
   std::vector<float> back;      // the feature of a view from behind
   std::vector<float> fit_both;  // shape fitted to front and back
   FitLayout fit_layout;         // of either fit
@@ -52,8 +52,8 @@ struct FeatureGroup {
 // least 501 values; else one group.
 std::vector<FeatureGroup> default_groups(std::size_t feature_size);
 
-// Hands over all samples, the same in the same order each time it is called, until there are no more or `take` says
-// false.
+// Hands over all samples, the same in the same order each time it is called, until there are no more or `take`
+// returns false.
 using SampleSource = std::function<Status(const std::function<bool(const Sample&)>& take)>;
 // Of samples in memory, which must outlive it.
 SampleSource source_of(const std::vector<Sample>& samples);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workstation side: nanoflann cuts the points, and what it cut is laid out for CodeSearch.
+// nanoflann cuts the points into leaves; only its cuts are kept.
+#include "lab/index_building/tree_packing.h"
+
 #include <algorithm>
 #include <nanoflann.hpp>
-
-#include "index/code_tree.h"
 
 namespace im2fit::index {
 namespace {

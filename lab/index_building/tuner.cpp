@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lab/index_building/tree_packing.h"
+
 namespace im2fit::index {
 namespace {
 
@@ -15,7 +17,7 @@ constexpr double kQuadraticPenalty = 10;              // captures
 constexpr double kInterceptPenalty = 3;               // neighbours of full weight
 constexpr double kSlopePenalty = 0.02;
 constexpr double kWorthwhile = 0.997;  // a costlier correction must gain three thousandths
-constexpr int kNeighbours = 32;        // for the local spread and the nearest body when nothing asks for more
+constexpr int kNeighbours = 32;        // for the local spread and the nearest body when no correction needs more
 constexpr double kResidualStep = 0.5;  // standard deviations
 constexpr double kSmall = 1e-9;
 

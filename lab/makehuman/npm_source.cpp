@@ -82,7 +82,7 @@ class NpmSource : public Source {
     DenseTarget rows = stored(name.npm);
     if (rows.empty()) return rows;
     for (const HalfBroken& h : kHalfBroken)
-      if (name.npm == h.name) mend(h, rows);
+      if (name.npm == h.name) correct(h, rows);
     return rows;
   }
 
@@ -95,7 +95,7 @@ class NpmSource : public Source {
     return rows;
   }
 
-  void mend(const HalfBroken& h, DenseTarget& rows) const {
+  void correct(const HalfBroken& h, DenseTarget& rows) const {
     const DenseTarget good = stored(h.from);
     if (good.empty()) return;
     const bool other_target = std::string_view(h.from) != h.name;

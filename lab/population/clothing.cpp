@@ -52,7 +52,7 @@ struct Tailor::Cut {
   float flare = 1;               // of the trouser leg at its end
   float slack_mm = 0;            // TrunkHang
   bool skirt = false;
-  float skirt_end = 1;  // share of the way from hips to ankles
+  float skirt_end = 1;  // share of the length from hips to ankles
 };
 
 Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {

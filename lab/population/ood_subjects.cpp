@@ -38,28 +38,28 @@ bool is_shape(std::string_view name) {
 }  // namespace
 
 Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
-                         const Strangeness& strangeness) {
+                         const OodVariation& variation) {
   std::vector<Vec3f> rest;
-  return draw_ood_subject(model, seed, index, strangeness, rest);
+  return draw_ood_subject(model, seed, index, variation, rest);
 }
 
 Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
-                         const Strangeness& strangeness, std::vector<Vec3f>& rest) {
+                         const OodVariation& variation, std::vector<Vec3f>& rest) {
   Subject subject = draw_unmeasured(model, Family::training, seed ^ kOodStream, index, rest);
   Rng rng = Rng::for_item(subject.seed, kOodStream, index);
   const auto names = model.modifier_names();
   subject.params.modifiers.resize(names.size(), 0.0F);
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const double sd = strangeness.modifier_sd;
+    const double sd = variation.modifier_sd;
     const double value = std::clamp(rng.normal(0, sd), -2.2 * sd, 2.2 * sd);
     if (!used(names[i]) && is_shape(names[i])) subject.params.modifiers[i] += static_cast<float>(value);
   }
   model.morph(subject.params, rest);
   subject.rest_offset_mm.resize(static_cast<std::size_t>(model.body_vertex_count()));
   const double amplitude_mm =
-      rng.uniform(static_cast<double>(strangeness.bump_least_mm), static_cast<double>(strangeness.bump_most_mm));
-  add_bumps(model, rest, strangeness.bumps, static_cast<float>(amplitude_mm), rng, subject.rest_offset_mm);
-  for (const Mirrored* part : {&strangeness.trunk, &strangeness.neck})
+      rng.uniform(static_cast<double>(variation.bump_least_mm), static_cast<double>(variation.bump_most_mm));
+  add_bumps(model, rest, variation.bumps, static_cast<float>(amplitude_mm), rng, subject.rest_offset_mm);
+  for (const Mirrored* part : {&variation.trunk, &variation.neck})
     add_mirrored(model, rest, *part, rng, subject.rest_offset_mm);
   for (std::size_t i = 0; i < subject.rest_offset_mm.size(); ++i) rest[i] = rest[i] + subject.rest_offset_mm[i];
   subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// People unlike the index' population, to learn from and to fit intervals on: a training subject changed by modifiers
-// and smooth changes of shape that neither the training nor the held-out family uses. Not the held-out family, which
-// is for the evaluation alone.
+// Out-of-distribution subjects: people unlike the index' population, to train and to calibrate on. A training subject
+// changed by modifiers and smooth changes of shape that neither the training nor the held-out family uses. Not the
+// held-out family, which is for the evaluation alone.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace im2fit::lab {
 
 // How they differ: modifiers that no family uses, bumps, and what is alike on both sides.
-struct Strangeness {
+struct OodVariation {
   double modifier_sd;
   Bumps bumps;
   float bump_least_mm, bump_most_mm;  // of a person's bumps, drawn evenly
@@ -23,8 +23,9 @@ struct Strangeness {
 // Refined answers learn from these and intervals are fitted on them: trunks differ where a camera in front does not
 // see it, limbs hardly. Left and right differ alike, mostly, and whole parts are wider, deeper or farther forward, as
 // people are: bumps alone, each on one side, teach less (docs/dataset.md). People measured by tape differ from any
-// model by a girth error of 13..17 mm even when breadths and depths are known (facts: ANSUR II bound).
-inline constexpr Strangeness kStrangeTrunk = {
+// model by a girth error of 13..17 mm even when breadths and depths are known (ANSUR II,
+// docs/evaluation-sections.md).
+inline constexpr OodVariation kOodTrunk = {
     .modifier_sd = 0.15,
     .bumps = {.count = 3, .reach_least_mm = 200, .reach_most_mm = 400, .low = 0.45F, .high = 0.8F, .aside_mm = 170},
     .bump_least_mm = 3,
@@ -52,14 +53,14 @@ inline constexpr Strangeness kStrangeTrunk = {
              .warp_reach_least_mm = 90,
              .warp_reach_most_mm = 220}};
 // The shape space knows these as well: different all over.
-inline constexpr Strangeness kStrangeAllOver = {
+inline constexpr OodVariation kOodAllOver = {
     .modifier_sd = 0.3, .bumps = {.count = 14}, .bump_least_mm = 5, .bump_most_mm = 17, .trunk = {}, .neck = {}};
 
-// Deterministic: depends on the model, seed and index only. `family` says training; truth is measured on the mesh.
+// Deterministic: depends on the model, seed and index only. `family` is training; truth is measured on the mesh.
 Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
-                         const Strangeness& strangeness = kStrangeTrunk);
+                         const OodVariation& variation = kOodTrunk);
 // The same; `rest` becomes what morph_subject() would make of it.
 Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
-                         const Strangeness& strangeness, std::vector<Vec3f>& rest);
+                         const OodVariation& variation, std::vector<Vec3f>& rest);
 
 }  // namespace im2fit::lab

@@ -35,7 +35,7 @@ Subject draw_subject(const body::BodyModel& model, Family family, std::uint64_t 
 Subject draw_unmeasured(const body::BodyModel& model, Family family, std::uint64_t seed, std::uint64_t index,
                         std::vector<Vec3f>& rest);
 
-// Whom a camera shows that is given a seed and nothing else: a woman for odd seeds, a man for even ones.
+// The subject a camera shows when only a seed is given: a woman for odd seeds, a man for even ones.
 constexpr std::uint64_t subject_of_seed(std::uint64_t seed) {
   return seed % 2;
 }

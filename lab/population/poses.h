@@ -11,7 +11,7 @@
 namespace im2fit::lab {
 
 enum class StandingPose {
-  relaxed,  // asked to hold the arms a little away from the body: abducted 12..25 degrees
+  relaxed,  // arms held a little away from the body: abducted 12..25 degrees
   a_pose,   // the rest pose: upper arms 41 degrees from down, elbows bent
   psi,      // upper arms level, forearms up
   free,     // arms anywhere before the body and beside it, legs in stride, trunk bent and turned
@@ -21,7 +21,7 @@ enum class StandingPose {
 };
 
 // The pose before the person's turn towards the camera (draw_yaw_deg). Elbows and hands of free poses keep out of
-// the trunk. `arm_spread_min_deg`: least abduction of relaxed arms; heavy people need more (facts: 12 slim .. 22
+// the trunk. `arm_spread_min_deg`: least abduction of relaxed arms; heavy people need more (12 slim .. 22
 // obese, see arm_spread_deg). The pelvis is not moved: put the lowest vertex on the floor after skinning.
 // `trunk`: where hands of crossed and seated poses rest; without it, on a trunk of usual depth.
 body::Pose draw_pose(const body::Skeleton& rest, StandingPose pose, Rng& rng, float arm_spread_min_deg = 12,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arms that reach for a point: two bones, the elbow where it is in nobody's way.
+// Arms that reach for a point: two bones, the elbow where it stays outside the body.
 #pragma once
 
 #include <functional>

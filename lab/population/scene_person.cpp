@@ -48,7 +48,7 @@ std::vector<std::uint8_t> hair_labels(const body::BodyModel& model, std::span<co
   return labels;
 }
 
-// 0 at both ends of the way, 1 in between, over `frames`.
+// 0 at both ends of the path, 1 in between, over `frames`.
 float ramp(std::uint64_t index, const FloorPath& path, int frames) {
   const auto i = static_cast<std::int64_t>(index) - path.frame_first;
   const auto left = path.frame_count - i;

@@ -19,8 +19,8 @@
 
 namespace im2fit::lab {
 
-// A straight way over the floor at even speed, world axes: mm from where the main person stands by default, x to the
-// camera's right, z towards the camera. Stands at `from` before and at `to` after; legs and arms swing on the way.
+// A straight path over the floor at even speed, world axes: mm from where the main person stands by default, x to the
+// camera's right, z towards the camera. Stands at `from` before and at `to` after; legs and arms swing while walking.
 struct FloorPath {
   float from_x_mm = 0, from_z_mm = 0;
   float to_x_mm = 0, to_z_mm = 0;

@@ -9,9 +9,9 @@
 
 #include "body/model_data.h"
 #include "body/skeleton.h"
+#include "lab/parallel.h"
 #include "lab/population/ood_subjects.h"
 #include "lab/population/population.h"
-#include "lab/tracker_training/tracker_parallel.h"
 
 namespace im2fit::lab {
 namespace {
@@ -48,7 +48,7 @@ bool is_hand(const SkinRecord& skin) {
   return segment == body::Segment::left_hand || segment == body::Segment::right_hand;
 }
 
-// Quads at equal steps of skin area, hands left out: fingers are bent and nobody measures them.
+// Quads at equal steps of skin area, hands left out: fingers are bent and no measurement uses them.
 std::vector<Quad> choose_quads(const body::BodyModel& model, std::span<const Vec3f> mesh, int count) {
   std::vector<Quad> all;
   std::vector<double> area_before;
@@ -109,8 +109,8 @@ body::ShapeSpace build_shape_space(const body::BodyModel& model, const ShapeSpac
   for_each_item(options.people, options.threads, [&](int i) {
     const auto number = static_cast<std::uint64_t>(i);
     // Pairs of a man and a woman by turns.
-    const Subject subject = i % 6 < 2   ? draw_ood_subject(model, options.seed, number, kStrangeTrunk)
-                            : i % 6 < 4 ? draw_ood_subject(model, options.seed, number, kStrangeAllOver)
+    const Subject subject = i % 6 < 2   ? draw_ood_subject(model, options.seed, number, kOodTrunk)
+                            : i % 6 < 4 ? draw_ood_subject(model, options.seed, number, kOodAllOver)
                                         : draw_subject(model, Family::training, options.seed, number);
     std::vector<Vec3f> own(static_cast<std::size_t>(model.vertex_count()));
     morph_subject(model, subject, own);

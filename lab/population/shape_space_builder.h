@@ -9,8 +9,8 @@
 namespace im2fit::lab {
 
 struct ShapeSpaceOptions {
-  // A third of them strangers in the trunk, a third all over (lab/population/ood_subjects.h): more kinds of
-  // difference than the index has.
+  // A third of them out of distribution in the trunk, a third all over (lab/population/ood_subjects.h): more kinds
+  // of difference than the index has.
   int people = 1800;
   int points = 2400;
   int shapes = 64;

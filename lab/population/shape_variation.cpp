@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "lab/population/clones.h"
+#include "lab/simd_clones.h"
 
 namespace im2fit::lab {
 namespace {
@@ -40,8 +40,8 @@ Height height_of(const body::BodyModel& model, std::span<const Vec3f> rest) {
 }
 
 // Marks the points within reach, and perhaps some at its very end.
-IM2FIT_CLONES void mark_within(std::span<const Vec3f> points, Vec3f centre, float reach,
-                               std::uint8_t* __restrict mark) {
+IM2FIT_SIMD_CLONES void mark_within(std::span<const Vec3f> points, Vec3f centre, float reach,
+                                    std::uint8_t* __restrict mark) {
   const Vec3f* __restrict point = points.data();
   const auto count = static_cast<int>(points.size());
   const float most = reach * reach * 1.00001F;
@@ -58,7 +58,8 @@ struct Pair {
   float reach = 0;
   float image = 1;  // times its own weight
 };
-IM2FIT_CLONES void add_weights(std::span<const Vec3f> points, const Pair& pair, float size, float* __restrict sum) {
+IM2FIT_SIMD_CLONES void add_weights(std::span<const Vec3f> points, const Pair& pair, float size,
+                                    float* __restrict sum) {
   const Vec3f* __restrict point = points.data();
   const auto count = static_cast<int>(points.size());
   const Vec3f c = pair.centre;
@@ -80,7 +81,7 @@ struct Warp {
   // Of a millimetre from the centre: of width, more so forwards and upwards; of depth; forwards by height.
   float wider = 0, wider_forward = 0, wider_up = 0, deeper = 0, leaning = 0;
 };
-IM2FIT_CLONES void add_warp(std::span<const Vec3f> points, const Warp& warp, Vec3f* __restrict offset) {
+IM2FIT_SIMD_CLONES void add_warp(std::span<const Vec3f> points, const Warp& warp, Vec3f* __restrict offset) {
   constexpr float kFlat = 0.5F;                 // widths and depths count for less than heights
   constexpr float kHeightToWidth = 1 / 100.0F;  // what is wider forwards is so by this of a millimetre
   const Vec3f* __restrict point = points.data();

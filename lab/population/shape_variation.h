@@ -33,7 +33,7 @@ struct Mirrored {
   float bump_least_mm = 0, bump_most_mm = 0;  // of a person's, drawn evenly
   float bump_reach_least_mm = 110, bump_reach_most_mm = 330;
   double uneven_share = 0.2;  // of bumps whose image has a size of its own
-  // Up or down with all that lies within reach: where a navel is says little of the shape about it.
+  // Up or down with all that lies within reach: the height of a navel depends little on the shape about it.
   int slides = 0;
   double slide_sd_mm = 0;
   float slide_reach_least_mm = 120, slide_reach_most_mm = 250;

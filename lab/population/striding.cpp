@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Legs and arms of somebody who walks.
+// Legs and arms of a walking person.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

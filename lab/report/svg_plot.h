@@ -33,11 +33,11 @@ using SvgPoint = std::pair<double, double>;
 
 class Svg {
  public:
-  // `title` is what a screen reader says.
+  // `title` is what a screen reader reads out.
   Svg(double width, double height, std::string title);
   void line(SvgPoint from, SvgPoint to, Stroke stroke);
   void polyline(const std::vector<SvgPoint>& points, Stroke stroke);
-  // `hover`: what the mouse is told; none when empty.
+  // `hover`: shown under the mouse; none when empty.
   void rectangle(SvgPoint corner, double width, double height, const char* fill, double opacity = 1,
                  std::string_view hover = {});
   void disc(SvgPoint centre, double radius, const char* fill, double opacity = 1, std::string_view hover = {});

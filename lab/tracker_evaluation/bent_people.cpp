@@ -22,7 +22,7 @@ Subject bent(const body::BodyModel& model, const Subject& subject, float bend_de
   constexpr float kBendStartMm = 20, kBendSpanMm = 160;
   constexpr float kArmsFromMm = 330;  // sideways; no thigh reaches there
   Subject out = subject;
-  // Also the helper vertices that say where the joints are.
+  // Also the helper vertices that mark where the joints are.
   out.rest_offset_mm.resize(rest.size());
   for (std::size_t i = 0; i < out.rest_offset_mm.size(); ++i) {
     const Vec3f from_hips = rest[i] - hips;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// People who do not stand upright: poses know no bow, but a rest mesh may have one.
+// People who do not stand upright: no pose bows, so the rest mesh is bent.
 #pragma once
 
 #include "body/model.h"

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/rng.h"
+#include "engine/report/progress.h"
 #include "lab/parallel.h"
 #include "lab/tracker_evaluation/upright_scene.h"
 #include "perception/observe/observe.h"
@@ -16,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kClipStream = 0xC119;
 constexpr std::size_t kPeople = 2;
-constexpr int kChoiceFrame = 10;      // whoever is found then is to be kept
+constexpr int kChoiceFrame = 10;      // the person found then is to be kept
 constexpr float kHeadMm = 300;        // a user's crown and the true head joint: one person's
 constexpr double kInViewShare = 0.3;  // of the pixels a person showed at most: in view
 
@@ -24,7 +25,7 @@ float draw(Rng& rng, double low, double high) {
   return static_cast<float>(rng.uniform(low, high));
 }
 
-// Two people who cross each other's way once, one before the other, at different times of the clip and speeds.
+// Two people whose paths cross once, one before the other, at different times of the clip and speeds.
 Shot draw_clip(std::uint64_t seed, std::uint64_t clip, int frames) {
   Rng rng = Rng::for_item(seed, kClipStream, clip);
   Shot shot;
@@ -41,14 +42,14 @@ Shot draw_clip(std::uint64_t seed, std::uint64_t clip, int frames) {
   scene.hair = rng.uniform() < 0.5;
   const float side = rng.uniform() < 0.5 ? -1.0F : 1.0F;
   const auto path = [&](float from_side, double z_low, double z_high) {
-    FloorPath way;
-    way.from_x_mm = from_side * draw(rng, 700, 1000);
-    way.to_x_mm = -from_side * draw(rng, 700, 1000);
-    way.from_z_mm = draw(rng, z_low, z_high);
-    way.to_z_mm = draw(rng, z_low, z_high);
-    way.frame_count = std::min(frames, 60 + rng.index(90));
-    way.frame_first = std::min(30 + rng.index(60), std::max(0, frames - way.frame_count));
-    return way;
+    FloorPath path;
+    path.from_x_mm = from_side * draw(rng, 700, 1000);
+    path.to_x_mm = -from_side * draw(rng, 700, 1000);
+    path.from_z_mm = draw(rng, z_low, z_high);
+    path.to_z_mm = draw(rng, z_low, z_high);
+    path.frame_count = std::min(frames, 60 + rng.index(90));
+    path.frame_first = std::min(30 + rng.index(60), std::max(0, frames - path.frame_count));
+    return path;
   };
   const bool main_in_front = rng.uniform() < 0.5;
   scene.walk = main_in_front ? path(side, 100, 500) : path(side, -900, -500);
@@ -67,7 +68,7 @@ std::uint64_t count_of(MaskView mask) {
   return static_cast<std::uint64_t>(person_of_mask(mask).pixel_count);
 }
 
-// Who the frame's users are by the truth, and what changed.
+// Matches the frame's users to the true people and counts what changed.
 class IdBook {
  public:
   // Changes: an id seen on another person than before, or a person in view under another id.
@@ -115,7 +116,7 @@ ClipOutcome run_clip(const body::BodyModel& model, const JointModel& joint_model
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
   IdBook book;
   std::array<std::uint64_t, kPeople> most{};
-  std::size_t kept = kPeople;  // whom the clip stays with; kPeople: not chosen yet
+  std::size_t kept = kPeople;  // the person to stay with; kPeople: not chosen yet
   ClipOutcome outcome;
   outcome.clip = clip;
   bool astray = false;
@@ -156,9 +157,13 @@ ClipOutcome run_clip(const body::BodyModel& model, const JointModel& joint_model
 std::vector<ClipOutcome> run_clips(const body::BodyModel& model, const JointModel& joint_model,
                                    const ClipOptions& options) {
   std::vector<ClipOutcome> outcomes(static_cast<std::size_t>(options.clips));
-  parallel_items("two-person clips", outcomes.size(), options.threads, [&](std::uint64_t clip) {
-    outcomes[static_cast<std::size_t>(clip)] = run_clip(model, joint_model, options, clip);
-  });
+  Progress progress("two-person clips", outcomes.size());
+  for_each_item(
+      outcomes.size(), options.threads,
+      [&](std::uint64_t clip) {
+        outcomes[static_cast<std::size_t>(clip)] = run_clip(model, joint_model, options, clip);
+      },
+      [&](std::uint64_t done) { progress.update(done); });
   return outcomes;
 }
 

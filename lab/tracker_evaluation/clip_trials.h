@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two people crossing each other's way: does the tracker stay with the one it began with?
+// Two people whose paths cross: does the tracker stay with the one it began with?
 #pragma once
 
 #include <cstdint>

@@ -136,7 +136,7 @@ SheetCell trial_cell(const JudgedPicture& picture, const TrialOutcome& outcome) 
   const JointFrame& frame = outcome.converged;
   JointTally tally;
   tally.add(frame);
-  std::string verdict = "nobody found";
+  std::string verdict = "no person found";
   if (frame.finding == Finding::other) verdict = "something else taken";
   if (frame.finding == Finding::person) verdict = fmt::format("mean {:.0f} mm", tally.summary().mean_mm);
   std::vector<std::string> words = {verdict,

@@ -18,7 +18,7 @@ struct SheetCell {
 };
 
 // Depth in grey (near is light), the mask's outline in yellow, true bones green; found bones orange (person's left),
-// blue (right) and white. True joints of no confidence belong to nobody shown.
+// blue (right) and white. True joints of no confidence belong to no person shown.
 Canvas draw_judged(const JudgedPicture& picture);
 
 // The frame, its error and its classes; or what was raised.

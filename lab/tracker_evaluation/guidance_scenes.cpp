@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t kGuidanceStream = 0x6D1DA;
 constexpr std::uint64_t kSpoilStream = 0x6D1DB;
-constexpr int kDrawsMax = 200;       // until a scene is what its name says
+constexpr int kDrawsMax = 200;       // until a scene is of its kind
 constexpr float kHandReachMm = 150;  // from the hand's joint to the finger tips, and some
 constexpr float kDegree = std::numbers::pi_v<float> / 180;
 
@@ -34,7 +34,7 @@ float either_sign(Rng& rng, float value) {
   return rng.uniform() < 0.5 ? -value : value;
 }
 
-// Who the scene is drawn for, and the scene so far: somebody dressed, standing as asked, whole in the picture.
+// The subject of the scene, and the scene so far: a dressed person, posed as given, whole in the picture.
 class Maker {
  public:
   Maker(const body::BodyModel& model, Rng& rng, const Subject& subject)
@@ -116,7 +116,7 @@ void Maker::too_far() {
 }
 
 // The picture's lower edge meets the person between ankle and knee; the head stays inside. Without a floor in view
-// nothing tells a camera that looks up from a person who leans back: the camera looks up by 12 degrees at most.
+// a camera pitched up cannot be distinguished from a person who leans back: it is pitched up by 12 degrees at most.
 void Maker::feet_cut() {
   for (int i = 0; i < kDrawsMax; ++i) {
     const float distance = draw(rng_, 1500, 2600), height = draw(rng_, 900, 1500);
@@ -172,7 +172,7 @@ void Maker::side_cut() {
 }
 
 // A hand before the body or on it: by the truth, not further out than the hip joint beside it. The person faces the
-// camera within what the program lets pass (12 degrees): who folds the arms and turns aside shows two things.
+// camera within what the program lets pass (12 degrees): folded arms and a turn aside are two codes at once.
 void Maker::arms_close() {
   options().pose = StandingPose::crossed;
   for (int i = 0; i < kDrawsMax; ++i) {
@@ -202,14 +202,14 @@ void Maker::not_upright() {
 
 // Walks for the whole clip and faces the camera more or less; never leaves the picture.
 void Maker::moving() {
-  // Standing the person fits; half the way nearer still does.
+  // Standing the person fits; halfway nearer still does.
   options().distance_mm = UprightScene(model_, scene_.subject, scene_.shot).staged().distance_mm() + 450;
   options().wall_distance_mm = draw(rng_, 1500, 2500);
   options().yaw_deg = static_cast<float>(rng_.normal(0, 5));
-  const float way = draw(rng_, 350, 750);  // mm in the clip's 28 frames: 0.37 to 0.8 m/s
+  const float path = draw(rng_, 350, 750);  // mm in the clip's 28 frames: 0.37 to 0.8 m/s
   const float angle = draw(rng_, -70, 70) * kDegree;
   const float sign = either_sign(rng_, 1);
-  const float x = sign * way * std::sin(angle) / 2, z = sign * way * std::cos(angle) / 2;
+  const float x = sign * path * std::sin(angle) / 2, z = sign * path * std::cos(angle) / 2;
   options().walk = {-x, -z, x, z, 0, 28};
 }
 
@@ -241,8 +241,8 @@ struct Kind {
   void (Maker::*make)();
 };
 
-// Companions are what is true of such a scene as well: nobody fits into the picture nearer than a metre; who turns
-// aside or bends has the arms before the body, who walks swings them past it.
+// Companions are what is true of such a scene as well: no person fits into the picture nearer than a metre; a person
+// turned aside or bent has the arms before the body, one who walks swings them past it.
 const std::array<Kind, 13>& kinds() {
   using G = Guidance;
   static const std::array<Kind, 13> kKinds = {{

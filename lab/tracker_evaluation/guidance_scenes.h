@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One scene maker per guidance code: who stands where before which camera so that this code, and no other but its
-// companions, is what the program should say.
+// One scene maker per guidance code: person, place and camera for which this code, and no other but its
+// companions, is what the engine should raise.
 #pragma once
 
 #include <cstdint>

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 
+#include "engine/report/progress.h"
 #include "engine/sensing_stages.h"
 #include "lab/parallel.h"
 #include "lab/tracker_evaluation/guidance_scenes.h"
@@ -68,22 +69,26 @@ Result<std::vector<GuidanceOutcome>> run_guidance(const body::BodyModel& model, 
   std::vector<GuidanceOutcome> outcomes(kinds.size() * static_cast<std::size_t>(scenes));
   std::mutex mutex;
   std::optional<Error> failure;
-  parallel_items("guidance scenes", outcomes.size(), options.threads, [&](std::uint64_t i) {
-    GuidanceOutcome& outcome = outcomes[static_cast<std::size_t>(i)];
-    outcome.kind = kinds[static_cast<std::size_t>(i / scenes)];
-    outcome.scene = i % scenes;
-    const auto raised =
-        raised_by(model, joint_model, draw_guidance_scene(model, outcome.kind, options.seed, outcome.scene), nullptr);
-    if (!raised) {
-      const std::lock_guard lock(mutex);
-      failure = raised.error();
-      return;
-    }
-    const GuidanceRule rule = guidance_rule(outcome.kind);
-    outcome.raised = *raised;
-    outcome.named = rule.named == 0 || (outcome.raised & rule.named) == rule.named;
-    outcome.unrelated = outcome.raised & ~(rule.named | rule.companions);
-  });
+  Progress progress("guidance scenes", outcomes.size());
+  for_each_item(
+      outcomes.size(), options.threads,
+      [&](std::uint64_t i) {
+        GuidanceOutcome& outcome = outcomes[static_cast<std::size_t>(i)];
+        outcome.kind = kinds[static_cast<std::size_t>(i / scenes)];
+        outcome.scene = i % scenes;
+        const auto raised = raised_by(model, joint_model,
+                                      draw_guidance_scene(model, outcome.kind, options.seed, outcome.scene), nullptr);
+        if (!raised) {
+          const std::lock_guard lock(mutex);
+          failure = raised.error();
+          return;
+        }
+        const GuidanceRule rule = guidance_rule(outcome.kind);
+        outcome.raised = *raised;
+        outcome.named = rule.named == 0 || (outcome.raised & rule.named) == rule.named;
+        outcome.unrelated = outcome.raised & ~(rule.named | rule.companions);
+      },
+      [&](std::uint64_t done) { progress.update(done); });
   if (failure) return *failure;
   return outcomes;
 }

@@ -30,7 +30,7 @@ struct GuidanceOutcome {
   bool right() const { return named && unrelated == 0; }
 };
 
-// Shown to the whole engine but for the index. Error: the engine refuses a frame, which says there is a bug.
+// Shown to the whole engine but for the index. Error: the engine refuses a frame, which is a bug.
 Result<std::vector<GuidanceOutcome>> run_guidance(const body::BodyModel& model, const JointModel& joint_model,
                                                   const GuidanceOptions& options);
 

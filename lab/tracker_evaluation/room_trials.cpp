@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/rng.h"
+#include "engine/report/progress.h"
 #include "lab/parallel.h"
 #include "lab/tracker_evaluation/upright_scene.h"
 #include "perception/observe/observe.h"
@@ -36,7 +37,7 @@ class Watch {
  public:
   Watch(const body::BodyModel& model, const JointModel& joint_model, const RoomTrialOptions& options,
         std::uint64_t room)
-      // Nobody is shown, but the camera is placed as for this person.
+      // No person is shown, but the camera is placed as for this person.
       : scene_(model, draw_subject(model, Family::held_out, options.seed, room % kPlacingPeople),
                draw_room(options.seed, room, kind_)),
         sensor_(scene_.intrinsics().width, scene_.intrinsics().height, joint_model),
@@ -70,16 +71,20 @@ std::vector<RoomOutcome> run_rooms(const body::BodyModel& model, const JointMode
                                    const RoomTrialOptions& options) {
   const int rooms = (options.frames + kFramesPerRoom - 1) / kFramesPerRoom;
   std::vector<RoomOutcome> outcomes(static_cast<std::size_t>(rooms));
-  parallel_items("empty rooms", outcomes.size(), options.threads, [&](std::uint64_t room) {
-    RoomOutcome& outcome = outcomes[static_cast<std::size_t>(room)];
-    Watch watch(model, joint_model, options, room);
-    outcome.room = room;
-    outcome.kind = watch.kind();
-    outcome.frames = static_cast<std::uint64_t>(
-        std::min(kFramesPerRoom, options.frames - static_cast<int>(room) * kFramesPerRoom));
-    for (std::uint64_t frame = 0; frame < outcome.frames; ++frame)
-      if (watch.finds_person(frame) && outcome.false_users++ == 0) outcome.first_false = frame;
-  });
+  Progress progress("empty rooms", outcomes.size());
+  for_each_item(
+      outcomes.size(), options.threads,
+      [&](std::uint64_t room) {
+        RoomOutcome& outcome = outcomes[static_cast<std::size_t>(room)];
+        Watch watch(model, joint_model, options, room);
+        outcome.room = room;
+        outcome.kind = watch.kind();
+        outcome.frames = static_cast<std::uint64_t>(
+            std::min(kFramesPerRoom, options.frames - static_cast<int>(room) * kFramesPerRoom));
+        for (std::uint64_t frame = 0; frame < outcome.frames; ++frame)
+          if (watch.finds_person(frame) && outcome.false_users++ == 0) outcome.first_false = frame;
+      },
+      [&](std::uint64_t done) { progress.update(done); });
   return outcomes;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rooms without anybody: chairs, coat stands, boxes, a box the size of a dog. Who is found there is a false user.
+// Rooms without people: chairs, coat stands, boxes, a box the size of a dog. Every user found there is false.
 #pragma once
 
 #include <cstdint>
@@ -23,14 +23,14 @@ struct RoomOutcome {
   std::uint64_t room = 0;
   std::string kind;
   std::uint64_t frames = 0;
-  std::uint64_t false_users = 0;  // frames with somebody found
+  std::uint64_t false_users = 0;  // frames with a person found
   std::uint64_t first_false = 0;  // the first of them
 };
 
 std::vector<RoomOutcome> run_rooms(const body::BodyModel& model, const JointModel& joint_model,
                                    const RoomTrialOptions& options);
 
-// One room again: the first frame with somebody found, else its last.
+// One room again: the first frame with a person found, else its last.
 JudgedPicture picture_of(const body::BodyModel& model, const JointModel& joint_model, const RoomTrialOptions& options,
                          const RoomOutcome& outcome);
 

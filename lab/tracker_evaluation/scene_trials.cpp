@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "engine/report/progress.h"
 #include "lab/parallel.h"
 #include "lab/tracker_evaluation/trial_scenes.h"
 #include "perception/observe/observe.h"
@@ -10,7 +11,7 @@
 namespace im2fit::lab {
 namespace {
 
-// The device's way; for bare scenes the joint tracker alone, on the true mask.
+// As on the device; for bare scenes the joint tracker alone, on the true mask.
 class Observer {
  public:
   Observer(const Intrinsics& k, const JointModel& joint_model, TrialCondition condition)
@@ -20,7 +21,7 @@ class Observer {
         tracker_(joint_model),
         mask_(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height)) {}
 
-  void look(UprightScene& scene) {
+  void observe(UprightScene& scene) {
     if (own_mask_) {
       const Detection detection = sensor_.sense(scene.depth(), k_, mask());
       found_ = detection.person.found;
@@ -70,7 +71,7 @@ TrialOutcome run_trial(const body::BodyModel& model, const Subject& subject, con
   outcome.trial = trial;
   for (std::uint64_t frame = 0; frame <= kConvergedFrame; ++frame) {
     scene.show(frame);
-    observer.look(scene);
+    observer.observe(scene);
     if (frame == 0) outcome.cold = judge(scene, observer, outcome.iou_cold);
   }
   outcome.converged = judge(scene, observer, outcome.iou_converged);
@@ -96,12 +97,16 @@ std::vector<TrialOutcome> run_trials(const body::BodyModel& model, const JointMo
   const auto subjects = static_cast<std::uint64_t>(options.subjects);
   const std::size_t per_subject = trials_of(options, 0).size();
   std::vector<TrialOutcome> outcomes(static_cast<std::size_t>(subjects) * per_subject);
-  parallel_items("people", subjects, options.threads, [&](std::uint64_t s) {
-    const Subject subject = draw_subject(model, Family::held_out, options.seed, s);
-    std::size_t place = static_cast<std::size_t>(s) * per_subject;
-    for (const Trial& trial : trials_of(options, s))
-      outcomes[place++] = run_trial(model, subject, joint_model, options, trial);
-  });
+  Progress progress("people", subjects);
+  for_each_item(
+      subjects, options.threads,
+      [&](std::uint64_t s) {
+        const Subject subject = draw_subject(model, Family::held_out, options.seed, s);
+        std::size_t place = static_cast<std::size_t>(s) * per_subject;
+        for (const Trial& trial : trials_of(options, s))
+          outcomes[place++] = run_trial(model, subject, joint_model, options, trial);
+      },
+      [&](std::uint64_t done) { progress.update(done); });
   return outcomes;
 }
 
@@ -112,7 +117,7 @@ JudgedPicture picture_of(const body::BodyModel& model, const JointModel& joint_m
   Observer observer(scene.intrinsics(), joint_model, trial.condition);
   for (std::uint64_t frame = 0; frame <= (converged ? kConvergedFrame : 0); ++frame) {
     scene.show(frame);
-    observer.look(scene);
+    observer.observe(scene);
   }
   const DepthView depth = scene.depth();
   const MaskView mask = observer.mask();

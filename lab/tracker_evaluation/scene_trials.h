@@ -27,7 +27,7 @@ constexpr const char* name_of(TrialCondition condition) {
 inline constexpr int kTrialWidths[] = {640, 320};
 inline constexpr std::uint64_t kConvergedFrame = 5;  // "after five frames"
 
-inline constexpr const char* kPoseGroup = "pose group";  // the label bars look at: calm, free, ...
+inline constexpr const char* kPoseGroup = "pose group";  // the label targets select by: calm, free, ...
 
 // What a frame is counted under: ("pose", "free"), ("view", "back") ...
 using Labels = std::vector<std::pair<std::string, std::string>>;
@@ -49,7 +49,7 @@ struct Trial {
 
 // Of our mask and the true one, 0..1.
 struct Ious {
-  double clear = 0;       // without flying pixels, whose depth is nobody's (VirtualScene::mixed_mask)
+  double clear = 0;       // without flying pixels, whose depth belongs to no person (VirtualScene::mixed_mask)
   double with_mixed = 0;  // which count as the person's
 };
 

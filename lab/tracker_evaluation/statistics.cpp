@@ -90,11 +90,11 @@ void Reliability::add(const JointFrame& frame) {
   if (frame.finding != Finding::person) return;
   for (std::size_t j = 0; j < kJointCount; ++j) {
     if (!frame.in_picture[j]) continue;
-    const double said = std::clamp(static_cast<double>(frame.confidence[j]), 0.0, 1.0);
-    Sum& sum = sums_[static_cast<std::size_t>(std::lround(said * (kBins - 1)))];
+    const double stated = std::clamp(static_cast<double>(frame.confidence[j]), 0.0, 1.0);
+    Sum& sum = sums_[static_cast<std::size_t>(std::lround(stated * (kBins - 1)))];
     ++sum.joints;
     ++joints_;
-    sum.said += said;
+    sum.stated += stated;
     if (frame.error_mm[j] <= kSureMm) ++sum.within;
   }
 }
@@ -103,7 +103,7 @@ std::array<ReliabilityBin, Reliability::kBins> Reliability::bins() const {
   std::array<ReliabilityBin, kBins> out;
   for (std::size_t i = 0; i < kBins; ++i) {
     const Sum& sum = sums_[i];
-    out[i] = {sum.joints, sum.joints > 0 ? sum.said / static_cast<double>(sum.joints) : kNaN,
+    out[i] = {sum.joints, sum.joints > 0 ? sum.stated / static_cast<double>(sum.joints) : kNaN,
               share(sum.within, sum.joints)};
   }
   return out;
@@ -112,7 +112,7 @@ std::array<ReliabilityBin, Reliability::kBins> Reliability::bins() const {
 double Reliability::calibration_error() const {
   double sum = 0;
   for (const ReliabilityBin& bin : bins())
-    if (bin.joints > 0) sum += static_cast<double>(bin.joints) * std::abs(bin.said - bin.within);
+    if (bin.joints > 0) sum += static_cast<double>(bin.joints) * std::abs(bin.stated - bin.within);
   return joints_ > 0 ? sum / static_cast<double>(joints_) : kNaN;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said about the tracker in every table: errors of joints, overlaps of masks, and whether a stated chance is
-// the share that comes true.
+// Statistics of the tracker, the same in every table: errors of joints, overlaps of masks, and whether a stated
+// chance is the share that comes true.
 #pragma once
 
 #include <array>
@@ -23,13 +23,13 @@ double share(std::uint64_t part, std::uint64_t whole);
 
 enum class Finding : std::uint8_t {
   person,  // the mask is the person's: more of it on the person than beside
-  nobody,
-  other,  // the mask is somebody or something else's
+  none,
+  other,  // the mask is another person's or a thing's
 };
 
 // One frame's joints against the truth.
 struct JointFrame {
-  Finding finding = Finding::nobody;
+  Finding finding = Finding::none;
   std::array<float, kJointCount> error_mm{};    // meaningful when the person was found
   std::array<float, kJointCount> confidence{};  // meaningful when the person was found
   std::array<bool, kJointCount> in_picture{};   // the true joint; the others are not counted
@@ -42,11 +42,11 @@ struct JointSummary {
   std::uint64_t joints = 0;  // in the picture, of all frames
   double mean_mm = 0;        // of found people
   double median_mm = 0, p95_mm = 0;
-  double within_100mm = 0;  // 0..1, of all frames: who is not found is not within
+  double within_100mm = 0;  // 0..1, of all frames: a person not found is not within
   double within_50mm = 0;
 };
 
-// Gathers frames, or one joint of them.
+// Accumulates frames, or one joint of them.
 class JointTally {
  public:
   void add(const JointFrame& frame);
@@ -72,7 +72,7 @@ class PairedMeans {
 // Stated chance against the share that came true, in bins about 0, 10 % ... 100 %.
 struct ReliabilityBin {
   std::uint64_t joints = 0;
-  double said = 0;    // mean of the stated chances, 0..1
+  double stated = 0;  // mean of the stated chances, 0..1
   double within = 0;  // share within kSureMm
 };
 class Reliability {
@@ -80,14 +80,14 @@ class Reliability {
   static constexpr std::size_t kBins = 11;
   void add(const JointFrame& frame);
   std::array<ReliabilityBin, kBins> bins() const;
-  // Mean distance of said and within, weighted by joints; NaN for none.
+  // Mean distance of stated and within, weighted by joints; NaN for none.
   double calibration_error() const;
   std::uint64_t joints() const { return joints_; }
 
  private:
   struct Sum {
     std::uint64_t joints = 0, within = 0;
-    double said = 0;
+    double stated = 0;
   };
   std::array<Sum, kBins> sums_{};
   std::uint64_t joints_ = 0;

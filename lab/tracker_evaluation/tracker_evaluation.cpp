@@ -18,10 +18,10 @@ namespace {
 constexpr std::size_t kSheetPictures = 20;
 constexpr std::uint64_t kRandomStream = 0x5A3B1E;
 
-// A frame's badness: the mean error of its joints; who is not found, or taken for another, is worse than any joint.
+// A frame's badness: the mean error of its joints; not found, or another taken, is worse than any joint.
 double badness_mm(const JointFrame& frame) {
   if (frame.finding == Finding::other) return 3e4;
-  if (frame.finding == Finding::nobody) return 2e4;
+  if (frame.finding == Finding::none) return 2e4;
   double sum = 0;
   int count = 0;
   for (std::size_t j = 0; j < kJointCount; ++j)
@@ -104,7 +104,7 @@ std::vector<const RoomOutcome*> with_false_users(const std::vector<RoomOutcome>&
   return out;
 }
 
-// Where sheets go, and the first thing that went wrong on the way.
+// Where sheets go, and the first error met.
 class Sheets {
  public:
   explicit Sheets(std::string folder) : folder_(std::move(folder)), status_(make_directory(folder_)) {}

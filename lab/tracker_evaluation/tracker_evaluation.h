@@ -22,8 +22,8 @@ struct TrackerEvaluationOptions {
 Result<TrackerOutcomes> evaluate_tracker(const body::BodyModel& model, const JointModel& joint_model,
                                          const TrackerEvaluationOptions& options);
 
-// The judged frames worth looking at, into `folder`: the twenty worst of each condition (worst.png, worst-bare.png,
-// worst-wide.png), twenty random ones (random.png), empty rooms with somebody found (false-users.png), a guidance
+// The judged frames worth inspecting, into `folder`: the twenty worst of each condition (worst.png, worst-bare.png,
+// worst-wide.png), twenty random ones (random.png), empty rooms with a person found (false-users.png), a guidance
 // scene of each kind (guidance.png) and three of each that were wrong (guidance-wrong.png).
 Status write_pictures(const body::BodyModel& model, const JointModel& joint_model,
                       const TrackerEvaluationOptions& options, const TrackerOutcomes& outcomes,

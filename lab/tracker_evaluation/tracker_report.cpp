@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Rows stand in the order their class is first met, so that reports of one seed look alike.
+// Rows stand in the order their class is first met, so that reports of one seed are alike.
 template <class Tally>
 class Classes {
  public:
@@ -169,21 +169,21 @@ std::vector<GuidanceRow> guidance_rows(const std::vector<GuidanceOutcome>& outco
   return rows;
 }
 
-class Bars {
+class Targets {
  public:
-  explicit Bars(std::vector<Bar>& bars) : bars_(bars) {}
+  explicit Targets(std::vector<Target>& targets) : targets_(targets) {}
   void at_most(const std::string& name, double figure, double limit, int decimals = 1) {
-    bars_.push_back({name, figure, limit, true, decimals});
+    targets_.push_back({name, figure, limit, true, decimals});
   }
   void at_least(const std::string& name, double figure, double limit, int decimals = 1) {
-    bars_.push_back({name, figure, limit, false, decimals});
+    targets_.push_back({name, figure, limit, false, decimals});
   }
 
  private:
-  std::vector<Bar>& bars_;
+  std::vector<Target>& targets_;
 };
 
-void add_joint_bars(const TrackerReport& report, const std::vector<TrialOutcome>& trials, Bars bars) {
+void add_joint_targets(const TrackerReport& report, const std::vector<TrialOutcome>& trials, Targets targets) {
   struct Limit {
     TrialCondition condition;
     const char* group;
@@ -199,60 +199,60 @@ void add_joint_bars(const TrackerReport& report, const std::vector<TrialOutcome>
     });
     if (row == report.joints.end()) continue;
     const std::string name = std::string(name_of(limit.condition)) + ", " + limit.group;
-    bars.at_most(name + ": mean error, mm", row->converged.mean_mm, limit.mean_mm);
-    bars.at_least(name + ": within 10 cm, %", 100 * row->converged.within_100mm, limit.within);
+    targets.at_most(name + ": mean error, mm", row->converged.mean_mm, limit.mean_mm);
+    targets.at_least(name + ": within 10 cm, %", 100 * row->converged.within_100mm, limit.within);
   }
   for (const TrialCondition condition : {TrialCondition::full, TrialCondition::bare}) {
     const double ratio = half_resolution_ratio(trials, condition);
-    if (ratio > 0) bars.at_most(std::string(name_of(condition)) + ": 320x240 worse by, %", 100 * (ratio - 1), 15);
+    if (ratio > 0) targets.at_most(std::string(name_of(condition)) + ": 320x240 worse by, %", 100 * (ratio - 1), 15);
   }
 }
 
-void add_confidence_bars(const TrackerReport& report, Bars bars) {
+void add_confidence_targets(const TrackerReport& report, Targets targets) {
   if (report.reliability.empty()) return;
   const ReliabilityBin& ninety = report.reliability.front().bins[9];
-  bars.at_least("joints said 90 % sure: within 5 cm, %", 100 * ninety.within, 85);
-  bars.at_most("joints said 90 % sure: within 5 cm, %", 100 * ninety.within, 95);
+  targets.at_least("joints stated 90 % sure: within 5 cm, %", 100 * ninety.within, 85);
+  targets.at_most("joints stated 90 % sure: within 5 cm, %", 100 * ninety.within, 95);
 }
 
 }  // namespace
 
 TrackerReport tracker_report(const TrackerOutcomes& outcomes, const TrackerSections& sections) {
   TrackerReport report;
-  Bars bars(report.bars);
+  Targets targets(report.targets);
   if (outcomes.trials) {
     if (sections.joints) {
       add_joint_rows(*outcomes.trials, TrialCondition::full, report.joints);
       add_joint_rows(*outcomes.trials, TrialCondition::bare, report.joints);
       add_joint_rows(*outcomes.trials, TrialCondition::wide, report.joints);
-      add_joint_bars(report, *outcomes.trials, bars);
+      add_joint_targets(report, *outcomes.trials, targets);
     }
     if (sections.segmentation) {
       report.masks = mask_rows(*outcomes.trials);
       if (!report.masks.empty()) {
-        bars.at_least("mask IoU, median", report.masks.front().converged.median, 0.98, 3);
-        bars.at_least("mask IoU, p5", report.masks.front().converged.p5, 0.95, 3);
+        targets.at_least("mask IoU, median", report.masks.front().converged.median, 0.98, 3);
+        targets.at_least("mask IoU, p5", report.masks.front().converged.p5, 0.95, 3);
       }
     }
     if (sections.confidence) {
       report.reliability = reliability(*outcomes.trials);
-      add_confidence_bars(report, bars);
+      add_confidence_targets(report, targets);
     }
   }
   if (outcomes.clips) {
     report.people = people_report(*outcomes.clips);
-    bars.at_most("identity switches in two-person clips",
-                 static_cast<double>(report.people->switches + report.people->id_switches), 0, 0);
+    targets.at_most("identity switches in two-person clips",
+                    static_cast<double>(report.people->switches + report.people->id_switches), 0, 0);
   }
   if (outcomes.rooms) {
     report.empty = empty_report(*outcomes.rooms);
     const double rate = share(report.empty->false_users, report.empty->frames);
-    bars.at_most("false users in 10,000 frames", report.empty->frames > 0 ? 10'000 * rate : kNaN, 1);
+    targets.at_most("false users in 10,000 frames", report.empty->frames > 0 ? 10'000 * rate : kNaN, 1);
   }
   if (outcomes.guidance) {
     report.guidance = guidance_rows(*outcomes.guidance);
     for (const GuidanceRow& row : report.guidance)
-      bars.at_least("guidance right, " + row.kind + ", %", 100 * share(row.right, row.scenes), 97);
+      targets.at_least("guidance right, " + row.kind + ", %", 100 * share(row.right, row.scenes), 97);
   }
   return report;
 }

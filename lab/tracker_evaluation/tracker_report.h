@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What was judged, summed up: rows by class, bars, text for people, JSON for machines. All figures are synthetic.
+// What was judged, summed up: rows by class, targets, text for people, JSON for machines. All figures are synthetic.
 #pragma once
 
 #include <optional>
@@ -69,7 +69,7 @@ struct GuidanceRow {
   std::uint64_t nothing = 0;  // scenes that raised no code
 };
 
-struct Bar {
+struct Target {
   std::string name;
   double figure = 0;  // NaN: not measured in this run
   double limit = 0;
@@ -88,7 +88,7 @@ struct TrackerReport {
   std::optional<PeopleReport> people;
   std::optional<EmptyReport> empty;
   std::vector<GuidanceRow> guidance;
-  std::vector<Bar> bars;
+  std::vector<Target> targets;
 };
 
 TrackerReport tracker_report(const TrackerOutcomes& outcomes, const TrackerSections& sections);

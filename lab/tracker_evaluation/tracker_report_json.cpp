@@ -61,7 +61,7 @@ Json reliability_json(const std::vector<ReliabilityReport>& reports) {
     Json bins = Json::array();
     for (const ReliabilityBin& bin : report.bins)
       bins.push_back(
-          {{"joints", bin.joints}, {"said", rounded(bin.said, 1e6)}, {"within_50mm", rounded(bin.within, 1e6)}});
+          {{"joints", bin.joints}, {"stated", rounded(bin.stated, 1e6)}, {"within_50mm", rounded(bin.within, 1e6)}});
     out.push_back({{"of", report.of},
                    {"joints", report.joints},
                    {"calibration_error", rounded(report.calibration_error, 1e6)},
@@ -103,13 +103,13 @@ Json guidance_json(const std::vector<GuidanceRow>& rows) {
   return out;
 }
 
-Json bars_json(const std::vector<Bar>& bars) {
+Json targets_json(const std::vector<Target>& targets) {
   Json out = Json::array();
-  for (const Bar& bar : bars)
-    out.push_back({{"name", bar.name},
-                   {"figure", rounded(bar.figure)},
-                   {bar.at_most ? "at_most" : "at_least", bar.limit},
-                   {"met", bar.met()}});
+  for (const Target& target : targets)
+    out.push_back({{"name", target.name},
+                   {"figure", rounded(target.figure)},
+                   {target.at_most ? "at_most" : "at_least", target.limit},
+                   {"met", target.met()}});
   return out;
 }
 
@@ -127,7 +127,7 @@ std::string json_of(const TrackerReport& report) {
   if (report.people) json["people"] = people_json(*report.people);
   if (report.empty) json["empty"] = empty_json(*report.empty);
   if (!report.guidance.empty()) json["guidance"] = guidance_json(report.guidance);
-  json["bars"] = bars_json(report.bars);
+  json["targets"] = targets_json(report.targets);
   return json.dump(2) + "\n";
 }
 

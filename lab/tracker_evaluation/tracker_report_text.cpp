@@ -49,17 +49,17 @@ std::string mask_table(const std::vector<MaskRow>& rows) {
   return table.text() + "\n";
 }
 
-// Stated chances down, classes across; how many joints said so in the first column only.
+// Stated chances down, classes across; how many joints stated so in the first column only.
 std::string reliability_table(const std::vector<ReliabilityReport>& reports) {
   if (reports.empty()) return "";
-  std::vector<std::string> header = {"confidence: within 5 cm, %", "joints", "said %"};
+  std::vector<std::string> header = {"confidence: within 5 cm, %", "joints", "stated %"};
   for (const ReliabilityReport& report : reports) header.push_back(report.of);
   TextTable table(header);
   for (std::size_t i = 0; i < Reliability::kBins; ++i) {
     const ReliabilityBin& all = reports.front().bins[i];
     if (all.joints == 0) continue;
-    std::vector<std::string> cells = {fmt::format("said about {} %", 10 * i), std::to_string(all.joints),
-                                      percent(all.said)};
+    std::vector<std::string> cells = {fmt::format("stated about {} %", 10 * i), std::to_string(all.joints),
+                                      percent(all.stated)};
     for (const ReliabilityReport& report : reports) cells.push_back(percent(report.bins[i].within));
     table.add(cells);
   }
@@ -109,11 +109,12 @@ std::string guidance_table(const std::vector<GuidanceRow>& rows) {
   return table.text() + "\n";
 }
 
-std::string bar_table(const std::vector<Bar>& bars) {
-  TextTable table({"bar", "figure", "limit", ""});
-  for (const Bar& bar : bars)
-    table.add({bar.name, number(bar.figure, bar.decimals),
-               (bar.at_most ? "<= " : ">= ") + number(bar.limit, bar.decimals), bar.met() ? "met" : "MISSED"});
+std::string target_table(const std::vector<Target>& targets) {
+  TextTable table({"target", "figure", "limit", ""});
+  for (const Target& target : targets)
+    table.add({target.name, number(target.figure, target.decimals),
+               (target.at_most ? "<= " : ">= ") + number(target.limit, target.decimals),
+               target.met() ? "met" : "MISSED"});
   return table.text();
 }
 
@@ -128,7 +129,7 @@ std::string text_of(const TrackerReport& report) {
   text += mask_table(report.masks) + reliability_table(report.reliability);
   if (report.people) text += people_text(*report.people);
   if (report.empty) text += empty_text(*report.empty);
-  return text + guidance_table(report.guidance) + bar_table(report.bars);
+  return text + guidance_table(report.guidance) + target_table(report.targets);
 }
 
 }  // namespace im2fit::lab

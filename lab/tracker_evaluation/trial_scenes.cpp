@@ -45,7 +45,7 @@ const char* clothing_name(Clothing clothing) {
   return "loose";
 }
 
-// The bars speak of calm standing, which Psi is as well, and of free poses.
+// The targets distinguish calm standing, which Psi is as well, and of free poses.
 std::string pose_group(PoseClass pose) {
   if (pose == PoseClass::psi) return "calm";
   return std::string(kPoseClassNames[static_cast<std::size_t>(pose)]);

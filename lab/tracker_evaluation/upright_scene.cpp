@@ -89,7 +89,7 @@ double Overlap::iou() const {
 }
 
 Finding Overlap::finding() const {
-  if (ours == 0) return Finding::nobody;
+  if (ours == 0) return Finding::none;
   return 2 * both > ours ? Finding::person : Finding::other;
 }
 
@@ -101,11 +101,11 @@ Overlap overlap_of(DepthView depth, MaskView ours, MaskView truth) {
   return o;
 }
 
-Overlap overlap_of(DepthView depth, MaskView ours, MaskView truth, MaskView nobodys) {
+Overlap overlap_of(DepthView depth, MaskView ours, MaskView truth, MaskView unowned) {
   Overlap o;
   for (int v = 0; v < depth.height; ++v)
     for (int u = 0; u < depth.width; ++u)
-      if (depth.at(u, v) != 0 && nobodys.at(u, v) == 0) o.count(ours.at(u, v) != 0, truth.at(u, v) != 0);
+      if (depth.at(u, v) != 0 && unowned.at(u, v) == 0) o.count(ours.at(u, v) != 0, truth.at(u, v) != 0);
   return o;
 }
 

@@ -27,10 +27,10 @@ class UprightScene {
   UprightScene(const body::BodyModel& model, const Subject& subject, const Shot& shot);
   void show(std::uint64_t frame);
   const Intrinsics& intrinsics() const { return upright_; }
-  // Of the frame shown last. The depth may be spoilt on purpose before it is looked at.
+  // Of the frame shown last. The depth may be spoilt on purpose before it is judged.
   DepthImage depth() { return {depth_.data(), upright_.width, upright_.height}; }
   // Where that frame's depth is the main person's; or another's (SceneOptions::others from 1), valid until
-  // another is asked for.
+  // another is requested.
   MaskView truth_mask() const { return {mask_.data(), upright_.width, upright_.height}; }
   MaskView other_mask(std::size_t who);
   // Those of truth_mask() whose depth is a mixture with another surface (VirtualScene::mixed_mask).
@@ -71,8 +71,8 @@ struct Overlap {
   Finding finding() const;
 };
 Overlap overlap_of(DepthView depth, MaskView ours, MaskView truth);
-// Without the pixels of `nobodys`.
-Overlap overlap_of(DepthView depth, MaskView ours, MaskView truth, MaskView nobodys);
+// Without the pixels of `unowned`: mixed depth that belongs to no person.
+Overlap overlap_of(DepthView depth, MaskView ours, MaskView truth, MaskView unowned);
 
 // Joints found against the true ones; `finding` and confidence are taken over.
 JointFrame judge_joints(const JointSet& found, const JointSet& truth, const Intrinsics& k, Finding finding);

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/rng.h"
-#include "lab/tracker_training/tracker_parallel.h"
+#include "lab/parallel.h"
 
 namespace im2fit::lab {
 namespace {
@@ -24,7 +24,7 @@ constexpr std::uint64_t kAnchorStream = 0x616E6368;
 constexpr std::uint64_t kLevelStream = 0x6C65766C;
 constexpr int kBatchTreeCount = 8;  // trees that learn on the same residuals; any thread count gives the same
 constexpr int kCandidateCount = 90;
-constexpr int kLookedMax = 1200;
+constexpr int kExaminedMax = 1200;
 constexpr int kScoreSize = 6;  // two joints' residuals judge a split
 constexpr double kShrinkage = 0.11;
 constexpr double kLeafPrior = 12;      // samples' worth of "no correction" in every leaf
@@ -98,7 +98,7 @@ class TreeGrower {
   }
 
  private:
-  // Joints with more left to go are asked more often.
+  // Joints with larger residuals are drawn more often.
   int draw_joint() {
     double left = rng_.uniform();
     for (std::size_t j = 0; j + 1 < kJointCount; ++j) {
@@ -125,21 +125,21 @@ class TreeGrower {
     Split best;
     best.b = 1;
     if (mine.size() < 20) return best;
-    const std::size_t looked = std::min<std::size_t>(mine.size(), kLookedMax);
-    const std::size_t stride = mine.size() / looked;
+    const std::size_t examined = std::min<std::size_t>(mine.size(), kExaminedMax);
+    const std::size_t stride = mine.size() / examined;
     std::array<int, kScoreSize> dims{};
     for (int half = 0; half < 2; ++half) {
       const int joint = draw_joint();
       for (int k = 0; k < 3; ++k)
         dims[3 * static_cast<std::size_t>(half) + static_cast<std::size_t>(k)] = 3 * joint + k;
     }
-    scores_.resize(looked * kScoreSize);
-    for (std::size_t n = 0; n < looked; ++n) {
+    scores_.resize(examined * kScoreSize);
+    for (std::size_t n = 0; n < examined; ++n) {
       const float* r = level_.left_to_go(mine[n * stride]);
       for (std::size_t d = 0; d < kScoreSize; ++d) scores_[n * kScoreSize + d] = r[dims[d]];
     }
     std::array<float, kScoreSize> total{};
-    for (std::size_t n = 0; n < looked; ++n)
+    for (std::size_t n = 0; n < examined; ++n)
       for (std::size_t d = 0; d < kScoreSize; ++d) total[d] += scores_[n * kScoreSize + d];
     float best_gain = -1;
     for (int c = 0; c < kCandidateCount; ++c) {
@@ -148,13 +148,13 @@ class TreeGrower {
       s.threshold = static_cast<std::int16_t>(p[s.a] - p[s.b] + static_cast<int>(rng_.normal(0, 10)));
       float high_count = 0;
       std::array<float, kScoreSize> high{};
-      for (std::size_t n = 0; n < looked; ++n) {
+      for (std::size_t n = 0; n < examined; ++n) {
         const std::int16_t* q = level_.row(mine[n * stride]);
         const float w = q[s.a] - q[s.b] > s.threshold ? 1.0F : 0.0F;
         high_count += w;
         for (std::size_t d = 0; d < kScoreSize; ++d) high[d] += w * scores_[n * kScoreSize + d];
       }
-      const float low_count = static_cast<float>(looked) - high_count;
+      const float low_count = static_cast<float>(examined) - high_count;
       if (high_count < 5 || low_count < 5) continue;
       float gain = 0;
       for (std::size_t d = 0; d < kScoreSize; ++d) {

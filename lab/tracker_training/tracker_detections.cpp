@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/rng.h"
+#include "lab/parallel.h"
 #include "lab/tracker_training/tracker_images.h"
-#include "lab/tracker_training/tracker_parallel.h"
 #include "perception/joints/person_votes.h"
 #include "perception/segment/segment.h"
 
@@ -20,29 +20,30 @@ constexpr std::uint64_t kRoomStream = 0x736D6232;
 constexpr std::uint64_t kSubjectStream = 0x736D6233;
 constexpr int kPicturesPerSubject = 7;
 constexpr int kRoomsPerStudio = 64;
-constexpr int kThingsMax = 4;  // looked at in a room
+constexpr int kThingsMax = 4;  // examined in a room
 
 // One worker's: rows of examples in the order found.
-class Gatherer {
+class ExampleCollector {
  public:
-  Gatherer(const body::BodyModel& model, const JointModel& joint_model, std::span<const joints::Anchor> anchors)
+  ExampleCollector(const body::BodyModel& model, const JointModel& joint_model,
+                   std::span<const joints::Anchor> anchors)
       : studio_(model), tracker_(joint_model), anchors_(anchors) {
     found_.value_count = static_cast<int>(anchors.size()) + joints::kClueCount;
   }
 
-  void look_at_person(const Subject& subject, Rng& rng) {
+  void add_person(const Subject& subject, Rng& rng) {
     const UprightFrame frame = studio_.render(subject, draw_tracker_scene(person_mix(), rng));
     Segmenter segmenter(frame.intrinsics.width, frame.intrinsics.height);
-    const Person person = look(segmenter, frame);
+    const Person person = detect(segmenter, frame);
     if (person.found && overlap(mask_, frame.truth_mask)) add(frame, person, segmenter.shape_odds(person.id), true);
   }
 
-  void look_at_room(const Subject& subject, Rng& rng) {
+  void add_room(const Subject& subject, Rng& rng) {
     const UprightFrame frame = studio_.render(subject, draw_empty_room(rng));
     Segmenter segmenter(frame.intrinsics.width, frame.intrinsics.height);
     std::vector<int> seen;
     while (static_cast<int>(seen.size()) < kThingsMax) {
-      const Person person = look(segmenter, frame);
+      const Person person = detect(segmenter, frame);
       if (!person.found || std::find(seen.begin(), seen.end(), person.id) != seen.end()) return;
       add(frame, person, segmenter.shape_odds(person.id), false);
       seen.push_back(person.id);
@@ -53,7 +54,7 @@ class Gatherer {
   VoteExamples take() { return std::move(found_); }
 
  private:
-  Person look(Segmenter& segmenter, const UprightFrame& frame) {
+  Person detect(Segmenter& segmenter, const UprightFrame& frame) {
     mask_.resize(frame.depth.size());
     return segmenter.run(depth_of(frame), frame.intrinsics,
                          MaskImage(mask_.data(), frame.intrinsics.width, frame.intrinsics.height));
@@ -108,7 +109,7 @@ VoteExamples collect_detections(const body::BodyModel& model, const JointModel& 
   std::mutex report;
   int done = 0;
   for_each_item(person_items + room_items, plan.thread_count, [&](int item) {
-    Gatherer gatherer(model, joint_model, anchors);
+    ExampleCollector collector(model, joint_model, anchors);
     const Subject subject = draw_subject(model, Family::training, subject_seed, static_cast<std::uint64_t>(item));
     const bool people = item < person_items;
     const int per_item = people ? kPicturesPerSubject : kRoomsPerStudio;
@@ -117,11 +118,11 @@ VoteExamples collect_detections(const body::BodyModel& model, const JointModel& 
     for (int i = first; i < last; ++i) {
       Rng rng = Rng::for_item(plan.seed, people ? kPeopleStream : kRoomStream, static_cast<std::uint64_t>(i));
       if (people)
-        gatherer.look_at_person(subject, rng);
+        collector.add_person(subject, rng);
       else
-        gatherer.look_at_room(subject, rng);
+        collector.add_room(subject, rng);
     }
-    parts[static_cast<std::size_t>(item)] = gatherer.take();
+    parts[static_cast<std::size_t>(item)] = collector.take();
     const std::lock_guard lock(report);
     if (progress) progress(static_cast<double>(++done) / (person_items + room_items));
   });

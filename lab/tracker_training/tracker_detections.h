@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the segmenter takes for people, in pictures of people and of empty rooms, as votes for somebody see it.
+// What the segmenter detects in pictures of people and of empty rooms, as examples for the person votes.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,9 @@ struct DetectionPlan {
   int thread_count = 1;  // does not change the result
 };
 
-// Whoever the segmenter's first look takes for somebody, or may, each followed by the mirror image, every second of
-// these as where no floor is seen and no shape known; yes: the person shown. The model's own votes are not asked.
+// Every detection of the segmenter in a first frame, confirmed or candidate, each followed by its mirror image; every
+// second mirror image as if no floor were seen and no shape known. yes: the person shown. The model's own votes are
+// not used.
 VoteExamples collect_detections(const body::BodyModel& model, const JointModel& joint_model,
                                 std::span<const joints::Anchor> anchors, const DetectionPlan& plan,
                                 const std::function<void(double)>& progress);

@@ -7,7 +7,7 @@
 
 #include "core/rng.h"
 #include "core/skeleton.h"
-#include "lab/tracker_training/tracker_parallel.h"
+#include "lab/parallel.h"
 
 namespace im2fit::lab {
 namespace {
@@ -85,19 +85,19 @@ class TreeTrainer {
   // Best of the drawn probes and thresholds on a subsample: greatest drop of the jumps' variance.
   bool best_split(const Task& task, JumpNode& best) {
     const int count = task.last - task.first;
-    const int looked = std::min(count, task.depth < 6 ? 2400 : 1200);
-    chosen_.resize(static_cast<std::size_t>(looked));
-    values_.resize(static_cast<std::size_t>(looked));
-    for (int i = 0; i < looked; ++i)
-      chosen_[static_cast<std::size_t>(i)] = task.first + (looked == count ? i : rng_.index(count));
-    const double least = static_cast<double>(kLeafSamplesMin) * looked / count + 3;
+    const int examined = std::min(count, task.depth < 6 ? 2400 : 1200);
+    chosen_.resize(static_cast<std::size_t>(examined));
+    values_.resize(static_cast<std::size_t>(examined));
+    for (int i = 0; i < examined; ++i)
+      chosen_[static_cast<std::size_t>(i)] = task.first + (examined == count ? i : rng_.index(count));
+    const double least = static_cast<double>(kLeafSamplesMin) * examined / count + 3;
     double best_gain = -1;
     for (int c = 0; c < kCandidateCount; ++c) {
       JumpNode n = draw_candidate();
       for (std::size_t i = 0; i < chosen_.size(); ++i)
         values_[i] = feature(samples_[static_cast<std::size_t>(chosen_[i])], n);
       for (int t = 0; t < kThresholdCount; ++t) {
-        const int threshold = values_[static_cast<std::size_t>(rng_.index(looked))];
+        const int threshold = values_[static_cast<std::size_t>(rng_.index(examined))];
         Sums low;
         Sums high;
         for (std::size_t i = 0; i < chosen_.size(); ++i)

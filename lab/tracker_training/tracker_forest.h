@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Learning the jump forest: per joint, trees that look about a point and say how far the joint is.
+// Learning the jump forest: per joint, trees that probe about a point and estimate how far the joint is.
 #pragma once
 
 #include <cstdint>

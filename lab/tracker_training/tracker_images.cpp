@@ -5,7 +5,7 @@
 #include <mutex>
 
 #include "core/rng.h"
-#include "lab/tracker_training/tracker_parallel.h"
+#include "lab/parallel.h"
 #include "perception/joints/side.h"
 #include "perception/segment/segment.h"
 

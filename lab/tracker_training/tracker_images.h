@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures the tracker learns from: rendered, segmented and thinned exactly as on the device.
+// Pictures the tracker learns from: rendered, segmented and downsampled exactly as on the device.
 #pragma once
 
 #include <array>

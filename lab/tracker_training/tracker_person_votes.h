@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Learning to tell people from what the segmenter takes for people in rooms without any.
+// Training the person score: people against false detections of the segmenter in empty rooms.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,8 @@
 
 namespace im2fit::lab {
 
-// `joint_model` has no votes for somebody yet. Pictures are new ones, of `options.image_count` empty rooms and a
-// quarter as many of people: on its own images the model is surer of its joints than of anybody else's. No trees when
+// `joint_model` has no person votes yet. Pictures are new ones, of `options.image_count` empty rooms and a
+// quarter as many of people: on its training images the model's confidence is too high. No trees when
 // they show one kind only.
 VoteTrees train_person_votes(const body::BodyModel& model, const JointModel& joint_model, const TrainOptions& options,
                              const std::function<void(double)>& progress);

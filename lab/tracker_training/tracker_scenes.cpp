@@ -109,7 +109,7 @@ void draw_camera(const TrackerMix& mix, Rng& rng, SceneOptions& scene) {
 
 TrackerMix training_mix() {
   TrackerMix mix;
-  // Who is turned or bent is not measured, but is somebody, and is told so.
+  // A person turned or bent is not measured but must still be detected, to get the right guidance.
   mix.pose_weight = {0.25, 0.07, 0.32, 0.11, 0.08, 0.11, 0.06};
   mix.turned_max_deg = 85;
   mix.clothed_share = 0.75;

@@ -53,9 +53,9 @@ struct TrackerMix {
 };
 TrackerMix training_mix();         // everything, half of it from where cameras are advised to stand
 TrackerMix full_conditions_mix();  // clothing, hair, furniture, sensor noise, others behind; whole, usual distances
-TrackerMix bare_mix();             // naked, alone, no furniture; calm and Psi : free = 1 : 1 (facts/algorithms.md)
+TrackerMix bare_mix();             // naked, alone, no furniture; calm and Psi : free = 1 : 1
 
-TrackerMix person_mix();  // training_mix() with more who are hard to tell from things: turned, bent, seated
+TrackerMix person_mix();  // training_mix() with more poses that resemble things: turned, bent, seated
 
 struct TrackerScene {
   SceneOptions scene;
@@ -83,7 +83,7 @@ struct TrackerScene {
 // `family`: of the further people (the main subject is the caller's): pass the main subject's.
 TrackerScene draw_tracker_scene(const TrackerMix& mix, Rng& rng, Family family = Family::training);
 
-// Nobody there; many coat stands and chairs with coats. The camera is placed as for the subject staged.
+// No person; many coat stands and chairs with coats. The camera is placed as for the subject staged.
 TrackerScene draw_empty_room(Rng& rng);
 
 }  // namespace im2fit::lab

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/rng.h"
-#include "lab/tracker_training/tracker_parallel.h"
+#include "lab/parallel.h"
 
 namespace im2fit::lab {
 namespace {

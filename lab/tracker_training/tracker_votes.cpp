@@ -14,7 +14,7 @@ using joints::kSplitCount;
 using joints::Split;
 
 constexpr int kCandidateCount = 120;
-constexpr int kLookedMax = 1500;
+constexpr int kExaminedMax = 1500;
 constexpr double kShrinkage = 0.15;
 constexpr double kLeafPrior = 4;  // of the Hessian
 constexpr double kStepMax = 2;    // log-odds a leaf may add before shrinkage
@@ -66,7 +66,7 @@ class VoteTrainer {
     Split best;
     best.b = 1;
     if (mine.size() < 20) return best;
-    const std::size_t stride = std::max<std::size_t>(1, mine.size() / kLookedMax);
+    const std::size_t stride = std::max<std::size_t>(1, mine.size() / kExaminedMax);
     float best_gain = -1;
     for (int c = 0; c < kCandidateCount; ++c) {
       Split s = draw_pair_(rng_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Learning votes of two kinds (back or front, somebody or a thing): boosted trees with logistic loss (Friedman 2001)
+// Learning votes of two kinds (back or front, person or thing): boosted trees with logistic loss (Friedman 2001)
 // on differences of two values.
 #pragma once
 

@@ -8,10 +8,10 @@
 
 #include "core/container.h"
 #include "core/rng.h"
+#include "lab/parallel.h"
 #include "lab/tracker_training/tracker_cascade.h"
 #include "lab/tracker_training/tracker_forest.h"
 #include "lab/tracker_training/tracker_images.h"
-#include "lab/tracker_training/tracker_parallel.h"
 #include "lab/tracker_training/tracker_person_votes.h"
 #include "lab/tracker_training/tracker_side.h"
 #include "perception/joints/estimate.h"
@@ -38,8 +38,7 @@ Status check(const TrainOptions& o) {
   const auto bad = [](const std::string& detail) {
     return Error{ErrorCode::invalid_argument, "tracker training: " + detail};
   };
-  if (o.image_count < 40)
-    return bad("at least 40 images are needed, " + std::to_string(o.image_count) + " asked for");
+  if (o.image_count < 40) return bad("at least 40 images are needed, " + std::to_string(o.image_count) + " given");
   if (o.images_per_subject < 1 || o.samples_per_image < 1 || o.starts_per_image < 1)
     return bad("images per subject, samples and starts per image must be 1 or more");
   if (o.thread_count < 1 || o.thread_count > 256) return bad("thread count must be 1..256");
@@ -81,7 +80,7 @@ std::vector<CascadeStart> make_starts(std::span<const TrackerImage> images, cons
   return starts;
 }
 
-// Twelve bins of equal count in order of doubt, chances made to fall (pool adjacent violators).
+// Twelve bins of equal count in order of ensemble spread, chances made to fall (pool adjacent violators).
 void fit_bins(std::vector<std::pair<float, bool>>& seen, joints::ConfidenceBin* bins) {
   std::stable_sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   const std::size_t bin_count = static_cast<std::size_t>(joints::kConfidenceBinCount);
@@ -209,16 +208,15 @@ Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const
   const std::vector<joints::ConfidenceBin> bins = calibrate(unseen, data);
   images.clear();
   images.shrink_to_fit();
-  // Votes for somebody are learnt on what the finished joint model says.
+  // Person votes are learnt on the answers of the finished joint model.
   const std::vector<std::byte> voteless = pack(meta, forest, cascade, side, {}, bins, {});
   const auto joint_model = JointModel::parse(voteless, "the model so far");
   if (!joint_model) return joint_model.error();
   const VoteTrees person_votes =
-      train_person_votes(model, *joint_model, options, Progress{progress, 0.8, 0.99, "somebody"});
+      train_person_votes(model, *joint_model, options, Progress{progress, 0.8, 0.99, "person votes"});
   if (person_votes.tree_count() == 0)
-    return Error{ErrorCode::invalid_argument,
-                 "tracker training: " + std::to_string(options.image_count) +
-                     " images do not show both people and things like them; ask for more"};
+    return Error{ErrorCode::invalid_argument, "tracker training: " + std::to_string(options.image_count) +
+                                                  " images do not show both people and things like them; give more"};
   meta.person_tree_count = static_cast<std::uint32_t>(person_votes.tree_count());
   if (progress) progress(1.0, "done");
   return pack(meta, forest, cascade, side, person_votes, bins, describe(options));

@@ -34,7 +34,7 @@ struct TrainOptions {
 using TrainProgress = std::function<void(double share, std::string_view stage)>;
 
 // The bytes of a .i2t file. Depends on the model and the options except thread_count. Errors: options out of range.
-// With the defaults 17 minutes of processor time for the joints, about 4 for the votes for somebody.
+// With the defaults 17 minutes of processor time for the joints, about 4 for the person votes.
 Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const TrainOptions& options,
                                              const TrainProgress& progress = {});
 

@@ -30,7 +30,7 @@ std::string html_fault(const std::string& html) {
   return test::xml_fault(std::string_view(html).substr(head.size()), {"meta", "br"});
 }
 
-// A page that needs a network asks for something by address.
+// A page that needs a network requests something by address.
 void expect_self_contained(const std::string& html) {
   for (const char* word : {"http:", "https:", "src=", "@import", "url(", "<script", "<link"})
     EXPECT_EQ(html.find(word), std::string::npos) << word;
@@ -49,7 +49,7 @@ TEST(Eval, WrongWordsExitWithTwoAndOneLine) {
                          {"--conditions", "noise", "--all"},
                          {"--frames", "0"},
                          {"--icp", "0"},
-                         {"--icp", "2", "--icp-peers", "x.json"}};
+                         {"--icp", "2", "--icp-references", "x.json"}};
   for (const Words& words : table) {
     const test::Run run = eval(words);
     EXPECT_EQ(run.exit_code, 2) << words.back();
@@ -94,7 +94,7 @@ TEST(Eval, WritesEverythingOnAnyNumberOfThreads) {
   EXPECT_EQ(std::count(people.begin(), people.end(), '\n'), 1 + 2 * 2 * static_cast<int>(kMeasurementCount));
 }
 
-// Nobody measured, hostile names: still a page.
+// No person measured, hostile names: still a page.
 TEST(EvalPage, StandsWithoutData) {
   lab::FullReport report;
   report.provenance = "<b> & \"quotes\"";
@@ -111,8 +111,8 @@ TEST(EvalPage, ShowsTheMachinesFiguresItIsGiven) {
   lab::FullReport report;
   report.runs.push_back({{"noise", "", {}}, {}, {}});
   report.runtime = {{"a.i2f", 1000, 0.01, 0.02, 3, 9, 20}, {"b.i2f", 50'000, 0.02, 0.04, 3, 9, 20}};
-  report.peers = {{"im2fit", {{1000, 0.01, 0.02}, {5e6, 0.16, 0.35}}},
-                  {"brute force, 501 float", {{1000, 0.02, 0.04}}}};
+  report.references = {{"im2fit", {{1000, 0.01, 0.02}, {5e6, 0.16, 0.35}}},
+                       {"brute force, 501 float", {{1000, 0.02, 0.04}}}};
   report.icp = {{"ours, point to plane", "a man", {40, 20, 12}}, {"PCL", "a man", {40, 30, 25}}};
   const std::string page = lab::html_of(report);
   EXPECT_EQ(html_fault(page), "");

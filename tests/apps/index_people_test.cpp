@@ -23,12 +23,12 @@ TEST(IndexPeople, DrawnAgainMeasureAsTheIndexSays) {
   std::array<double, kMeasurementCount> off{};
   for (std::uint32_t i = 0; i < kPeople; ++i) {
     const auto entry = static_cast<std::uint32_t>(index->size() * i / kPeople);
-    const index::Person person = *index->person_of(entry);
+    const index::IndexedPerson person = *index->person_of(entry);
     const auto params = body::params_of_person(*model, person.version, person.seed, person.number);
     ASSERT_TRUE(params) << params.error().message;
-    const MeasurementValues drawn = body::measure_person(*model, *params), said = *index->measurements_of(entry);
+    const MeasurementValues drawn = body::measure_person(*model, *params), stored = *index->measurements_of(entry);
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
-      off[m] += std::abs(static_cast<double>(drawn[m] - said[m])) / kPeople;
+      off[m] += std::abs(static_cast<double>(drawn[m] - stored[m])) / kPeople;
   }
   // The codes round, and people had bumps of up to 3 mm; anybody else is more than three times as far off, as the
   // mean person is.

@@ -50,34 +50,37 @@ SectionPeople made_people() {
   return people;
 }
 
-const ErrorStatistics& errors_of(const SectionStudy& study, SectionWay way, bool woman, TrunkGirth girth) {
-  return study.errors[static_cast<std::size_t>(way)][woman ? 0 : 1][static_cast<std::size_t>(girth)];
+const ErrorStatistics& errors_of(const SectionStudy& study, SectionEstimator estimator, bool woman,
+                                 TrunkGirth girth) {
+  return study.errors[static_cast<std::size_t>(estimator)][woman ? 0 : 1][static_cast<std::size_t>(girth)];
 }
 
 TEST(SectionStudy, FindsTheShapeItsPeopleWereMadeOf) {
   const SectionPeople people = made_people();
   const SectionStudy study = study_sections(people, {}, 0);
   EXPECT_NEAR(study.exponent[1][0], 2.6, 0.01);
-  EXPECT_LT(errors_of(study, SectionWay::superellipse, false, TrunkGirth::hip).mae, 0.2);
-  EXPECT_LT(errors_of(study, SectionWay::ellipse, false, TrunkGirth::chest).bias, -20);
-  EXPECT_EQ(errors_of(study, SectionWay::ellipse, false, TrunkGirth::chest).count, 200);
-  EXPECT_NEAR(errors_of(study, SectionWay::scaled, false, TrunkGirth::chest).bias, 0, 0.5);
-  EXPECT_LT(errors_of(study, SectionWay::quadratic, true, TrunkGirth::waist).mae, 0.3);
-  EXPECT_EQ(errors_of(study, SectionWay::synthetic, true, TrunkGirth::waist).count, 0);
+  EXPECT_LT(errors_of(study, SectionEstimator::superellipse, false, TrunkGirth::hip).mae, 0.2);
+  EXPECT_LT(errors_of(study, SectionEstimator::ellipse, false, TrunkGirth::chest).bias, -20);
+  EXPECT_EQ(errors_of(study, SectionEstimator::ellipse, false, TrunkGirth::chest).count, 200);
+  EXPECT_NEAR(errors_of(study, SectionEstimator::scaled, false, TrunkGirth::chest).bias, 0, 0.5);
+  EXPECT_LT(errors_of(study, SectionEstimator::quadratic, true, TrunkGirth::waist).mae, 0.3);
+  EXPECT_EQ(errors_of(study, SectionEstimator::synthetic, true, TrunkGirth::waist).count, 0);
 }
 
 TEST(SectionStudy, WhatWasFittedToOthersKeepsTheirBias) {
   const SectionPeople people = made_people();
-  // Men of the study asked about by women's fit: 8 mm too much.
+  // Men of the study estimated by women's fit: 8 mm too much.
   const SectionStudy study = study_sections({people[1], people[1]}, {people[0], people[1]}, 0);
-  EXPECT_NEAR(errors_of(study, SectionWay::synthetic, true, TrunkGirth::chest).bias, 8, 0.3);
-  EXPECT_NEAR(errors_of(study, SectionWay::synthetic, false, TrunkGirth::chest).bias, 0, 0.3);
+  EXPECT_NEAR(errors_of(study, SectionEstimator::synthetic, true, TrunkGirth::chest).bias, 8, 0.3);
+  EXPECT_NEAR(errors_of(study, SectionEstimator::synthetic, false, TrunkGirth::chest).bias, 0, 0.3);
 }
 
 TEST(SectionStudy, NoiseCostsWhatItAdds) {
   const SectionPeople people = made_people();
-  const double quiet = errors_of(study_sections(people, {}, 0), SectionWay::quadratic, false, TrunkGirth::chest).sd;
-  const double noisy = errors_of(study_sections(people, {}, 10), SectionWay::quadratic, false, TrunkGirth::chest).sd;
+  const double quiet =
+      errors_of(study_sections(people, {}, 0), SectionEstimator::quadratic, false, TrunkGirth::chest).sd;
+  const double noisy =
+      errors_of(study_sections(people, {}, 10), SectionEstimator::quadratic, false, TrunkGirth::chest).sd;
   EXPECT_LT(quiet, 1);
   // The girth grows by 1.5 to 1.9 mm with each mm of breadth and of depth.
   EXPECT_GT(noisy, 15);
@@ -89,7 +92,7 @@ TEST(SectionStudy, PictureIsWellFormed) {
   EXPECT_EQ(test::xml_fault(picture_of(study).file()), "");
 }
 
-TEST(Ellipse, SaysWhatIsMissing) {
+TEST(Ellipse, ReportsWhatIsMissing) {
   const test::TestFolder folder;
   const test::Run run = test::run_program({test::kLab, "ellipse", "--ansur", folder.path()});
   EXPECT_EQ(run.exit_code, 1);
@@ -117,7 +120,7 @@ TEST(Ellipse, ReadsTheSurveysColumns) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto json = nlohmann::json::parse(run.out, nullptr, false);
   ASSERT_TRUE(json.is_object());
-  const auto& plain = json.at("men").at("hip").at("ways").at("ellipse (paper)");
+  const auto& plain = json.at("men").at("hip").at("estimators").at("ellipse (paper)");
   EXPECT_EQ(plain.at("people"), 120);
   EXPECT_NEAR(plain.at("bias").get<double>(), -5, 0.1);
 }

@@ -91,7 +91,7 @@ TEST(TrackerEval, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(test::read_text(folder.path(std::string("sheets/") + sheet)).substr(1, 3), "PNG") << sheet;
 }
 
-TEST(TrackerEval, JudgesOnlyWhatIsAskedFor) {
+TEST(TrackerEval, JudgesOnlyWhatIsGiven) {
   IM2FIT_NEED_TRACKER();
   const test::Run run = eval(words_of("--tracker --only guidance --scenes OK,NO_PERSON --guidance-scenes 1 --json"));
   ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -98,7 +98,7 @@ TEST(Words, HelpIsEverywhere) {
       EXPECT_EQ(run.exit_code, 0);
       EXPECT_EQ(run.err, "");
       EXPECT_THAT(run.out, testing::HasSubstr("Usage"));
-      // Help names the command that was asked about.
+      // Help names the command it is about.
       if (words.size() > 1) {
         EXPECT_THAT(run.out, testing::HasSubstr(words[words.size() - 2]));
       }
@@ -116,19 +116,19 @@ TEST(Words, SourcesThatDoNotExistFail) {
       {"v4l2:/dev/video9", "v4l2"},
       {"/dev/null", "/dev/null"},
   };
-  for (const auto& [source, said] : table) {
+  for (const auto& [source, message] : table) {
     SCOPED_TRACE(source);
     const test::TestFolder folder;
     const test::Run run = test::measure(source, folder.path("out"));
     EXPECT_EQ(run.exit_code, 1);
-    EXPECT_THAT(run.err, testing::HasSubstr(said));
+    EXPECT_THAT(run.err, testing::HasSubstr(message));
     test::expect_honest(run, folder.path("out"));
     EXPECT_THAT(test::files_in(folder.path("out")), testing::IsEmpty());
   }
 }
 
-// On a fresh machine every command says what makes the file it lacks.
-TEST(Words, AFreshMachineIsToldWhatToDo) {
+// On a fresh machine every command names what makes the file it lacks.
+TEST(Words, AFreshMachineGetsAdvice) {
   const test::TestFolder folder;
   test::RunOptions fresh;
   fresh.environment = {

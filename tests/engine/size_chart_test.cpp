@@ -79,7 +79,7 @@ TEST(SizeProbabilities, FollowTheInterval) {
 
 TEST(SizeProbabilities, AreMixedByTheSexes) {
   // 1000 +- 4 mm: M for a man (940-1020), L for a woman (980-1070).
-  const index::Estimate chest{1000, 996, 1004};
+  const index::IntervalEstimate chest{1000, 996, 1004};
   EXPECT_EQ(size_probabilities(builtin_size_system(), chest, 0).best, "M");
   EXPECT_EQ(size_probabilities(builtin_size_system(), chest, 1).best, "L");
   const auto p = as_map(size_probabilities(builtin_size_system(), chest, 0.3F));

@@ -58,7 +58,7 @@ inline std::optional<Answers> use_index(std::vector<std::byte> bytes) {
           index->query(feature, {.neighbour_count = 0, .frame_count = 3, .exhaustive = exhaustive}, *scratch);
       if (!answer) return std::nullopt;
       const index::Answer& a = *answer;
-      for (const index::Estimate& e : a.measurements)
+      for (const index::IntervalEstimate& e : a.measurements)
         out.sane &= std::isfinite(e.value) && std::isfinite(e.low) && std::isfinite(e.high) && e.low <= e.high;
       out.sane &= a.female >= 0 && a.female <= 1 && a.nearest < index->size();
       const auto values = index->measurements_of(a.nearest);

@@ -116,7 +116,7 @@ void add_answer(Lines& lines, const index::Index& index, std::span<const float> 
   options.distance_mm = distance_mm;
   const index::Answer answer = *index.query(feature, options, *scratch);
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {
-    const index::Estimate& e = answer.measurements[i];
+    const index::IntervalEstimate& e = answer.measurements[i];
     lines.add("answer %s %.9g interval %.9g %.9g", std::string(kMeasurementTable[i].id).c_str(), exact(e.value),
               exact(e.low), exact(e.high));
   }

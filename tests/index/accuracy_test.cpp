@@ -102,11 +102,11 @@ TEST(IndexAccuracy, FewerFramesWidenTheIntervalWhereFramesWereSeenToMatter) {
   EXPECT_NEAR(covered_many / total, 0.95, 0.03);
 }
 
-// Strangers differ from the index' people by more than the features show: the intervals must then hold for a mixture
-// of which they are a sixth, and nothing else may change.
+// Out-of-distribution subjects differ from the index' people by more than the features show: the intervals must then
+// hold for a mixture of which they are a sixth, and nothing else may change.
 TEST(IndexAccuracy, OutOfDistributionSubjectsWidenTheIntervalsAndNothingElse) {
   const World world;
-  const auto stranger = [&](std::uint64_t subject) {
+  const auto ood_subject = [&](std::uint64_t subject) {
     Sample s = world.sample(subject, 0);
     Rng rng = Rng::for_item(9, 9, subject);
     for (float& v : s.truth) v += static_cast<float>(rng.normal(0, 60));
@@ -117,17 +117,17 @@ TEST(IndexAccuracy, OutOfDistributionSubjectsWidenTheIntervalsAndNothingElse) {
   for (std::uint64_t s = 0; s < 500; ++s) {
     plain.push_back(world.sample(s, 0));
     wary.push_back(world.sample(s, 0));
-    wary.push_back(stranger(kFreshSubjects + s));
+    wary.push_back(ood_subject(kFreshSubjects + s));
   }
   const auto a = Index::parse(*build_index(testing::options_for(world), source_of(plain)), "plain");
   const auto b = Index::parse(*build_index(testing::options_for(world), source_of(wary)), "wary");
   ASSERT_TRUE(a && b);
   EXPECT_EQ(b->size(), 500U);
   auto scratch = a->make_scratch();
-  constexpr std::uint64_t kAsked = 600, kOodQueried = 102;  // 17 %
+  constexpr std::uint64_t kQueried = 600, kOodQueried = 102;  // 17 %
   int inside = 0;
-  for (std::uint64_t i = 0; i < kAsked; ++i) {
-    const Sample q = i < kOodQueried ? stranger(2 * kFreshSubjects + i) : world.sample(2 * kFreshSubjects + i, 0);
+  for (std::uint64_t i = 0; i < kQueried; ++i) {
+    const Sample q = i < kOodQueried ? ood_subject(2 * kFreshSubjects + i) : world.sample(2 * kFreshSubjects + i, 0);
     const Answer x = *a->query(q.feature, {}, *scratch);
     const Answer y = *b->query(q.feature, {}, *scratch);
     EXPECT_EQ(x.nearest, y.nearest);
@@ -136,7 +136,7 @@ TEST(IndexAccuracy, OutOfDistributionSubjectsWidenTheIntervalsAndNothingElse) {
       inside += q.truth[m] >= y.measurements[m].low && q.truth[m] <= y.measurements[m].high ? 1 : 0;
     }
   }
-  EXPECT_NEAR(inside / static_cast<double>(kAsked * kMeasurementCount), 0.95, 0.025);
+  EXPECT_NEAR(inside / static_cast<double>(kQueried * kMeasurementCount), 0.95, 0.025);
 }
 
 TEST(IndexAccuracy, CorrectsWhatALinearMapCannot) {
@@ -150,7 +150,7 @@ TEST(IndexAccuracy, CorrectsWhatALinearMapCannot) {
     answer += static_cast<double>(index->info().answer_mae[m]);
   }
   EXPECT_LT(answer, 0.9 * ridge);
-  // What the file says about itself must hold for people it never saw.
+  // The coverage stated in the file must hold for people it never saw.
   auto scratch = index->make_scratch();
   double fresh = 0;
   const int count = 400;
@@ -162,7 +162,7 @@ TEST(IndexAccuracy, CorrectsWhatALinearMapCannot) {
 }
 
 TEST(IndexAccuracy, RepeatsOfASubjectAreNeverBothTrainedOnAndHeldOut) {
-  // Features say nothing about shape but name the subject. Split by sample, ridge would look good; by subject it
+  // Features hold nothing about shape but name the subject. Split by sample, ridge would seem good; by subject it
   // cannot beat the mean.
   std::vector<Sample> samples;
   const World world;

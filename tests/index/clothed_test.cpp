@@ -30,7 +30,7 @@ Sample in_clothes(const World& world, std::uint64_t subject) {
   return s;
 }
 
-// Of every third person a sample in clothes follows the bare one, if asked for.
+// Of every third person a sample in clothes follows the bare one, if wanted.
 const Index& index_with(bool clothed) {
   const auto make = [](bool dressed) {
     const World world;
@@ -53,9 +53,9 @@ TEST(Clothed, TheBodyUnderneathIsAnswered) {
   const World world;
   const Index& index = index_with(true);
   ASSERT_TRUE(index.knows_clothed());
-  EXPECT_EQ(index.size(), 2400U) << "nobody in clothes is an entry";
+  EXPECT_EQ(index.size(), 2400U) << "no person in clothes is an entry";
   auto scratch = index.make_scratch();
-  double told = 0, untold = 0, both = 0;
+  double informed = 0, uninformed = 0, both = 0;
   int inside = 0;
   const int count = 400;
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -66,17 +66,17 @@ TEST(Clothed, TheBodyUnderneathIsAnswered) {
       EXPECT_EQ(a.clothed, seen.clothed);
       return std::abs(static_cast<double>(a.measurements[kWaist].value - s.truth[kWaist])) / count;
     };
-    told += error();
+    informed += error();
     seen.clothed = false;
-    untold += error();
+    uninformed += error();
     seen = seen_of(s);
     both += error();
     const Answer a = *index.query(seen, {}, *scratch);
     EXPECT_EQ(a.from, AnsweredFrom::front_and_back);
     inside += a.measurements[kWaist].low <= s.truth[kWaist] && s.truth[kWaist] <= a.measurements[kWaist].high ? 1 : 0;
   }
-  EXPECT_LT(told, 0.4 * untold);
-  EXPECT_LT(both, told);
+  EXPECT_LT(informed, 0.4 * uninformed);
+  EXPECT_LT(both, informed);
   EXPECT_GT(inside, 0.91 * count);
 }
 

@@ -66,7 +66,7 @@ TEST(DamagedIndex, AttacksAreRefusedOrAnsweredWithNumbers) {
     ++accepted;
     ASSERT_TRUE(found->sane) << "attack " << i;
   }
-  EXPECT_GT(accepted, 6000);  // else the checksums still stood in the way
+  EXPECT_GT(accepted, 6000);  // else the checksums still refused it
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ TEST(IndexFile, PeopleAndTruthsComeBack) {
   std::vector<int> seen(400);
   double off = 0, error = 0;
   for (std::uint32_t entry = 0; entry < index->size(); ++entry) {
-    const Person person = *index->person_of(entry);
+    const IndexedPerson person = *index->person_of(entry);
     EXPECT_EQ(person.version, 7U);
     EXPECT_EQ(person.seed, 77U);
     ASSERT_LT(person.number, 400U);
@@ -145,7 +145,7 @@ TEST(IndexFile, AnswersAnyFeatureWithNumbers) {
        {std::vector<float>(120, kNaN), std::vector<float>(120, kInf), std::vector<float>(120, -kInf),
         std::vector<float>(120, 3e38F), std::vector<float>(3, 0.0F), std::vector<float>()}) {
     const Answer a = *index->query(feature, {.neighbour_count = -5, .frame_count = -5}, *scratch);
-    for (const Estimate& e : a.measurements) {
+    for (const IntervalEstimate& e : a.measurements) {
       EXPECT_TRUE(std::isfinite(e.value) && std::isfinite(e.low) && std::isfinite(e.high));
       EXPECT_LE(e.low, e.high);
     }
@@ -314,14 +314,14 @@ TEST(IndexFile, DamageIsNoticedWhereItIsRead) {
       expect_named(found.error());
       const auto all = index->query(world.sample(testing::kFreshSubjects, 0).feature, {.exhaustive = true}, *scratch);
       if (std::string(section) == "code") {
-        EXPECT_FALSE(all) << "looks at every code";
+        EXPECT_FALSE(all) << "compares every code";
       }
     }
     EXPECT_GT(answered, 0) << section;
     EXPECT_GT(named, 0) << section;
     EXPECT_GT(unnamed, 0) << section;
     if (std::string(section) == "person")
-      EXPECT_EQ(refused, 0) << "answers name nobody";
+      EXPECT_EQ(refused, 0) << "answers name no person";
     else
       EXPECT_GT(refused, 0) << section;
   }
@@ -378,7 +378,7 @@ TEST(IndexBuild, RefusesWhatCannotBeLearnedFrom) {
   EXPECT_NE(message(thirty).find("subject number"), std::string::npos);
 }
 
-TEST(IndexBuild, SaysWhatTheSourceSays) {
+TEST(IndexBuild, ReportsErrorsOfTheSource) {
   const auto torn = [](const auto&) -> Status { return Error{ErrorCode::io, "shard 7 is gone"}; };
   const auto built = build_index({}, torn);
   ASSERT_FALSE(built);

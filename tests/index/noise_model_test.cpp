@@ -41,13 +41,13 @@ std::vector<HeldOut> people(std::uint64_t seed, int count) {
   return rows;
 }
 
-// Share of truths inside, by bands of distance, as the model says it to who knows the distance or does not.
-std::array<double, kBands> coverage(const IntervalModel& model, const std::vector<HeldOut>& rows, bool told) {
+// Share of truths inside, by bands of distance, as the model states it with the distance known or not.
+std::array<double, kBands> coverage(const IntervalModel& model, const std::vector<HeldOut>& rows, bool informed) {
   std::array<double, kBands> inside{}, all{};
   for (const HeldOut& row : rows) {
     std::size_t band = 0;
     while (row.distance_mm >= kBandEdgesMm[band + 1]) ++band;
-    const double noise = model.noise.width(row.frame_count, told ? row.distance_mm : 0);
+    const double noise = model.noise.width(row.frame_count, informed ? row.distance_mm : 0);
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
       const auto floor = static_cast<double>(model.spread_floor[m]);
       const double width = noise * (model.kind == IntervalKind::constant ? floor : 0.5 * (floor + row.spread[m]));
@@ -86,7 +86,7 @@ TEST(NoiseModel, FindsTheLawItWasDrawnBy) {
   };
   const double at_best = noise.width(9, 2000);
   EXPECT_NEAR(noise.width(9, 4000) / at_best, std::sqrt(variance(9, 1.5) / variance(9, 0)), 0.1);
-  for (const int frames : {1, 3, 30})  // 1 and 30: as nobody was seen
+  for (const int frames : {1, 3, 30})  // 1 and 30: as no person was seen
     EXPECT_NEAR(noise.width(frames, 2000) / at_best, std::sqrt(variance(frames, 0) / variance(9, 0)), 0.06) << frames;
   EXPECT_EQ(noise.width(3, 0), noise.width(3, 4000)) << "a distance that is not known is taken for the farthest";
 }

@@ -25,9 +25,9 @@ inline Sample turned(const World& world, std::uint64_t subject) {
   return s;
 }
 
-// A person whose waist is by a normal of 20 mm wider than shape and features say, which value `shown_at` of what fits
-// tell of views shows to 1 mm: 0 is the front's first patch, 2 * patches its first value of limbs. Those of the back
-// are not seen from the front.
+// A person whose waist is by a normal of 20 mm wider than shape and features show, which value `shown_at` of what
+// fits tell of views shows to 1 mm: 0 is the front's first patch, 2 * patches its first value of limbs. Those of the
+// back are not seen from the front.
 inline Sample turned_with_views(const World& world, std::uint64_t subject, std::uint32_t patches, std::uint32_t limbs,
                                 std::size_t shown_at) {
   Sample s = turned(world, subject);

@@ -122,7 +122,7 @@ TEST(Refinement, OtherSizesThanLearnedAreNotUsed) {
 }
 
 // By shapes alone, and with the value of the patches or limbs that shows it.
-void expect_told(std::uint32_t patches, std::uint32_t limbs, std::size_t shown_at) {
+void expect_used(std::uint32_t patches, std::uint32_t limbs, std::size_t shown_at) {
   const World world;
   const auto shapes_alone = [&](Sample& s) {
     for (auto* fit : {&s.fit, &s.fit_both}) fit->resize(static_cast<std::size_t>(world.shapes));
@@ -160,38 +160,38 @@ void expect_told(std::uint32_t patches, std::uint32_t limbs, std::size_t shown_a
 }
 
 TEST(Refinement, PatchesTellWhatShapesDoNot) {
-  expect_told(4, 0, 0);
+  expect_used(4, 0, 0);
 }
 
 TEST(Refinement, LimbsTellWhatShapesDoNot) {
-  expect_told(2, 3, 4);
+  expect_used(2, 3, 4);
 }
 
-// A look in a pose of its own, which all that is seen of the front and the fits follows.
-Sample posed(const World& world, std::uint64_t subject, std::uint64_t look) {
+// A capture in a pose of its own, which the feature of the front and the fits follow.
+Sample posed(const World& world, std::uint64_t subject, std::uint64_t capture) {
   Sample s = turned(world, subject);
-  Rng rng = Rng::for_item(41, look, subject);
+  Rng rng = Rng::for_item(41, capture, subject);
   const auto pose = static_cast<float>(rng.normal(0, 0.4));
   for (auto* values : {&s.feature, &s.fit, &s.fit_both})
     for (std::size_t i = 0; i < values->size(); i += 2) (*values)[i] += pose;
-  s.again = look > 0;
+  s.again = capture > 0;
   return s;
 }
 
-TEST(Refinement, LooksAtTheSameBodySayWhatIsOfThePose) {
+TEST(Refinement, RepeatCapturesShowWhatThePoseChanges) {
   const World world;
-  const auto build = [&](bool told) {
+  const auto build = [&](bool informed) {
     std::vector<Sample> samples;
     for (std::uint64_t i = 0; i < 1500; ++i)
-      for (std::uint64_t look = 0; look < 2; ++look) {
-        samples.push_back(posed(world, i, look));
-        if (!told && look > 0) samples.back().subject += 10'000;  // of somebody else, as far as it knows
+      for (std::uint64_t capture = 0; capture < 2; ++capture) {
+        samples.push_back(posed(world, i, capture));
+        if (!informed && capture > 0) samples.back().subject += 10'000;  // of another person, as far as it knows
       }
-    return std::move(*Index::parse(*build_index(options_for(world), source_of(samples)), "looks"));
+    return std::move(*Index::parse(*build_index(options_for(world), source_of(samples)), "captures"));
   };
-  const Index told = build(true), untold = build(false);
-  EXPECT_EQ(told.size(), 1500U) << "who is seen again is no second entry";
-  EXPECT_EQ(told.info().refined[0].sample_count, 3000U);
+  const Index informed = build(true), uninformed = build(false);
+  EXPECT_EQ(informed.size(), 1500U) << "who is seen again is no second entry";
+  EXPECT_EQ(informed.info().refined[0].sample_count, 3000U);
   const auto differences_and_errors = [&](const Index& index) {
     auto scratch = index.make_scratch();
     std::array<double, 2> sums{};
@@ -204,7 +204,7 @@ TEST(Refinement, LooksAtTheSameBodySayWhatIsOfThePose) {
     }
     return sums;
   };
-  const auto with = differences_and_errors(told), without = differences_and_errors(untold);
+  const auto with = differences_and_errors(informed), without = differences_and_errors(uninformed);
   EXPECT_LT(with[0], 0.9 * without[0]);
   EXPECT_LT(with[1], 1.05 * without[1]);
 }

@@ -9,6 +9,7 @@
 
 #include "core/rng.h"
 #include "kernels/standardise/standardise.h"
+#include "lab/index_building/tree_packing.h"
 
 namespace im2fit::index {
 namespace {
@@ -83,7 +84,7 @@ struct World {
   }
 };
 
-// The textbook way: minimise sum w (r - b0 - b x)^2 + penalties by the normal equations, one column at a time.
+// As in a textbook: minimise sum w (r - b0 - b x)^2 + penalties by the normal equations, one column at a time.
 Targets by_normal_equations(const World& w, const LocalOptions& options, Targets& spread) {
   const int order = options.method == LocalMethod::linear ? World::kDimensions + 1 : 1;
   const auto n = static_cast<Eigen::Index>(w.neighbours.size());

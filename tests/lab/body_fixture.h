@@ -12,7 +12,7 @@
 
 namespace im2fit::lab {
 
-// What the environment variable says, else the file in the cache.
+// The file the environment variable names, else the file in the cache.
 inline std::string data_path(const char* variable, const char* file) {
   if (const char* given = std::getenv(variable)) return given;
   const char* cache = std::getenv("XDG_CACHE_HOME");

@@ -7,7 +7,7 @@
 namespace im2fit::lab {
 namespace {
 
-TEST(CaptureDraws, VaryAsAskedAndRepeat) {
+TEST(CaptureDraws, VaryAsGivenAndRepeat) {
   CaptureVariety variety;
   int wide = 0, landscape = 0, anywhere = 0, far = 0;
   for (std::uint64_t s = 0; s < 2000; ++s) {

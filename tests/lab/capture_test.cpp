@@ -10,7 +10,7 @@
 namespace im2fit::lab {
 namespace {
 
-// As the device goes about it: each frame is looked at.
+// As on the device: each frame is sensed.
 struct FrameByFrame {
   FrameByFrame(const body::BodyModel& model, const JointModel& tracker, const Subject& subject,
                const CaptureOptions& options)
@@ -38,7 +38,7 @@ struct FrameByFrame {
 
 class Captures : public WithTracker {};
 
-// One look at the median in place of a look at each frame: the same outline, the same depth, the same joints, but for
+// The median sensed once in place of each frame: the same outline, the same depth, the same joints, but for
 // what noise does to either.
 TEST_F(Captures, FuseToWhatTheDeviceFuses) {
   CaptureRig rig(model(), tracker());
@@ -52,14 +52,14 @@ TEST_F(Captures, FuseToWhatTheDeviceFuses) {
     FrameByFrame device(model(), tracker(), subject, options);
     if (!capture.valid || device.fuser.frame_count() < options.frame_count) continue;
     ++compared;
-    const Fuser::Description& told = device.fuser.describe();
+    const Fuser::Description& expected = device.fuser.describe();
     EXPECT_EQ(capture.frame_count, 9);
-    EXPECT_NEAR(capture.distance_mm, told.distance_mm, 25) << who;
+    EXPECT_NEAR(capture.distance_mm, expected.distance_mm, 25) << who;
     for (std::size_t j = 0; j < kJointCount; ++j)
-      EXPECT_LT(norm(capture.joints.position_mm[j] - told.joints.position_mm[j]), 60) << who << " joint " << j;
+      EXPECT_LT(norm(capture.joints.position_mm[j] - expected.joints.position_mm[j]), 60) << who << " joint " << j;
 
-    const MaskView ours = rig.gathered()->mask(), theirs = device.fuser.mask();
-    const auto depth = rig.gathered()->depth_q4(), its = device.fuser.depth_q4();
+    const MaskView ours = rig.fused()->mask(), theirs = device.fuser.mask();
+    const auto depth = rig.fused()->depth_q4(), its = device.fuser.depth_q4();
     int both = 0, either = 0, area = 0, its_area = 0;
     double off = 0;
     for (int v = 0; v < ours.height; ++v)

@@ -92,8 +92,8 @@ TEST_F(Clothes, HandsFaceAndFeetStayBare) {
   }
 }
 
-// At rest cloth is nowhere deeper than 2 mm inside the body, except in armpits and groin, where the way out along the
-// cloth runs into the body again within two layers.
+// At rest cloth is nowhere deeper than 2 mm inside the body, except in armpits and groin, where the path out along
+// the cloth runs into the body again within two layers.
 TEST_F(Clothes, NeverInsideTheBody) {
   for (std::uint64_t i = 0; i < 6; ++i) {
     const Dressed d = dress(i, i % 3 == 0 ? Clothing::tight : i % 3 == 1 ? Clothing::normal : Clothing::loose, true);
@@ -101,10 +101,10 @@ TEST_F(Clothes, NeverInsideTheBody) {
     int checked = 0, met = 0;
     for (std::size_t v = i; v < body_count(); v += 37) {
       if (d.outfit.cover[v] == Cover::bare) continue;
-      const Vec3f way = d.outfit.rest[v] - d.rest[v];
-      const Vec3f out = normalized(way);
+      const Vec3f path = d.outfit.rest[v] - d.rest[v];
+      const Vec3f out = normalized(path);
       const float again = first_hit(d.rest[v] + out * 2, out, d.rest, triangles);
-      if (again > 0 && again < 2.5F * norm(way)) {
+      if (again > 0 && again < 2.5F * norm(path)) {
         ++met;
         continue;
       }

@@ -65,7 +65,7 @@ TEST(DatasetShard, ComesBackAsWritten) {
   EXPECT_EQ(back->counts.refused, chunk.counts.refused);
 }
 
-TEST(DatasetShard, SaysWhatItIs) {
+TEST(DatasetShard, StatesWhatItIs) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_shard(folder / "a.i2d", small_run(), kSmallRange, small_chunk()));
   const auto about = about_shard(folder / "a.i2d");
@@ -178,8 +178,7 @@ TEST_F(Shards, MixedDoubledMissingAndNoneAreRefused) {
   ASSERT_TRUE(make_directory(folder_ / "empty"));
   refuse({"empty"}, "no shards");
   refuse({"absent"}, "absent");
-  ASSERT_TRUE(
-      write_file_atomically(folder_ / "empty/x.i2d", std::string("not a shard at all, whatever its name says")));
+  ASSERT_TRUE(write_file_atomically(folder_ / "empty/x.i2d", std::string("not a shard at all, whatever its name")));
   refuse({"a", "empty"}, "x.i2d");
 }
 

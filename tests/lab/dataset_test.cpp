@@ -74,7 +74,7 @@ TEST_F(Dataset, DoesNotDependOnThreadsOrOnChunks) {
 
 TEST_F(Dataset, EverySecondPairIsSeenInClothesToo) {
   DatasetOptions o = small();
-  o.seed = 2;  // nobody fails to be seen
+  o.seed = 2;  // no capture fails
   o.again_below = 0;
   const auto bare = [&] {
     o.clothed_every = 0;
@@ -231,7 +231,7 @@ TEST_F(Dataset, LowNumbersTurnRoundAndKeepTheirFrontsFrames) {
   ASSERT_EQ(turned.size(), plain.size());
   for (std::size_t i = 0; i < plain.size(); ++i) {
     const std::uint64_t number = turned[i].subject;
-    // Every second pair, and 2, a stranger; 5, another, is not low enough.
+    // Every second pair, and 2, out of distribution; 5 is so, too, but not low enough.
     EXPECT_EQ(turned[i].refines(), number < 5 && (number / 2 % 2 == 0 || number == 2)) << number;
     EXPECT_EQ(turned[i].back_frame_count >= kCaptureFramesMin, turned[i].refines()) << number;
     EXPECT_EQ(turned[i].frame_count, plain[i].frame_count) << number;
@@ -243,23 +243,24 @@ TEST_F(Dataset, LowNumbersTurnRoundAndKeepTheirFrontsFrames) {
 TEST_F(Dataset, WhoTurnsIsSeenAgain) {
   if (model().shape_space().point_count == 0) GTEST_SKIP() << "the body file has no shape space";
   DatasetOptions o = small();
-  o.seed = 2;           // nobody fails to be seen
-  o.subject_count = 3;  // 0 and 1 turn, 2 is a stranger and is seen in clothes as well
-  const auto looks_of = [](const std::vector<index::Sample>& samples) {
-    std::map<std::tuple<std::uint64_t, bool, bool>, const index::Sample*> looks;
-    for (const index::Sample& s : samples) EXPECT_TRUE(looks.try_emplace({s.subject, s.clothed, s.again}, &s).second);
-    return looks;
+  o.seed = 2;           // no capture fails
+  o.subject_count = 3;  // 0 and 1 turn, 2 is out of distribution and is seen in clothes as well
+  const auto captures_of = [](const std::vector<index::Sample>& samples) {
+    std::map<std::tuple<std::uint64_t, bool, bool>, const index::Sample*> captures;
+    for (const index::Sample& s : samples)
+      EXPECT_TRUE(captures.try_emplace({s.subject, s.clothed, s.again}, &s).second);
+    return captures;
   };
   const auto twice = make(o);
-  const auto looks = looks_of(twice);
+  const auto captures = captures_of(twice);
   int pairs = 0;
-  for (const auto& [key, again] : looks) {
+  for (const auto& [key, again] : captures) {
     const auto& [number, clothed, is_again] = key;
     if (!is_again) continue;
     EXPECT_TRUE(again->refines());
     EXPECT_FALSE(again->is_entry());
-    const auto first = looks.find({number, clothed, false});
-    ASSERT_NE(first, looks.end()) << number;
+    const auto first = captures.find({number, clothed, false});
+    ASSERT_NE(first, captures.end()) << number;
     EXPECT_EQ(again->truth, first->second->truth);  // the same body
     EXPECT_NE(again->feature, first->second->feature);
     EXPECT_NE(again->fit, first->second->fit);
@@ -271,8 +272,8 @@ TEST_F(Dataset, WhoTurnsIsSeenAgain) {
   // Who is seen once is seen as the first time.
   o.again_below = 0;
   for (const index::Sample& s : make(o)) {
-    const auto first = looks.find({s.subject, s.clothed, false});
-    ASSERT_NE(first, looks.end());
+    const auto first = captures.find({s.subject, s.clothed, false});
+    ASSERT_NE(first, captures.end());
     EXPECT_TRUE(same(s, *first->second)) << s.subject;
   }
 }

@@ -21,7 +21,7 @@ std::uint64_t fnv1a(std::uint64_t hash, const void* bytes, std::size_t count) {
 constexpr std::uint64_t kStart = 0xCBF29CE484222325ULL;
 
 // Depth, mask and joints of two frames, made again whenever people are drawn otherwise (last: hips that follow body
-// mass). The mesh says whether this body pack and C library are the ones they were made with.
+// mass). The mesh shows whether this body pack and C library are the ones they were made with.
 struct Before {
   std::uint64_t mesh, frames;
 };

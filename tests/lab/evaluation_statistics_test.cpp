@@ -81,10 +81,10 @@ TEST(Conditions, AreWordsThatChangeOneThingEach) {
   EXPECT_EQ(both->options.frames, 17);
   EXPECT_FALSE(condition_of("foggy", base));
   EXPECT_FALSE(condition_of("noise+", base));
-  const auto smoothed = condition_of("smoothed+told", base);
+  const auto smoothed = condition_of("smoothed+reported", base);
   ASSERT_TRUE(smoothed);
-  EXPECT_TRUE(smoothed->options.smoothed && smoothed->options.told);
-  EXPECT_FALSE(plain->options.smoothed || plain->options.told);
+  EXPECT_TRUE(smoothed->options.smoothed && smoothed->options.sensor_reported);
+  EXPECT_FALSE(plain->options.smoothed || plain->options.sensor_reported);
   for (const std::string& name : all_conditions()) EXPECT_TRUE(condition_of(name, base)) << name;
 }
 
@@ -119,11 +119,11 @@ TEST(Report, CountsWhatItIsGiven) {
   EXPECT_EQ(r.subjects, 4);
   EXPECT_EQ(r.measured, 3);
   const MeasurementReport& stature = r.measurements[kStature];
-  EXPECT_NEAR(stature.of(Way::ours).bias, 10, 1e-4);
-  EXPECT_NEAR(stature.of(Way::nearest).bias, 20, 1e-4);
-  EXPECT_EQ(stature.of(Way::paper).count, 1);
-  EXPECT_NEAR(stature.of(Way::paper).mae, 100, 1e-4);
-  EXPECT_EQ(stature.of(Way::raw).count, 0);
+  EXPECT_NEAR(stature.of(Estimator::ours).bias, 10, 1e-4);
+  EXPECT_NEAR(stature.of(Estimator::nearest).bias, 20, 1e-4);
+  EXPECT_EQ(stature.of(Estimator::paper).count, 1);
+  EXPECT_NEAR(stature.of(Estimator::paper).mae, 100, 1e-4);
+  EXPECT_EQ(stature.of(Estimator::raw).count, 0);
   EXPECT_NEAR(stature.coverage(), 2.0 / 3, 1e-9);
   // 10 off of 20 at 1.96 SD: inside from 0.98 SD on, so at 68 % (0.994) and not at 50 % (0.674); 30 off never.
   EXPECT_NEAR(stature.covered[0], 0, 1e-9);

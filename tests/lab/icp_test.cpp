@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ICP brings back a motion it was not told, and measures distances that are known.
+// ICP recovers a motion it was not given, and measures distances that are known.
 #include "lab/evaluation/icp.h"
 
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ TEST(Icp, FindsAKnownMotionAgain) {
   EXPECT_LT(Eigen::AngleAxisd(left.linear()).angle(), 1e-4);
 }
 
-TEST(Icp, FarPairsPullNobody) {
+TEST(Icp, FarPairsPullNothing) {
   const Mesh mesh = ellipsoid(250, 800, 150);
   const MeshSurface surface(mesh.vertices, mesh.triangles);
   Cloud cloud;

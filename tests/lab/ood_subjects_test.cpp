@@ -67,7 +67,7 @@ TEST_F(OodSubjects, MirroredChangesAreTheSameOnBothSides) {
     return most;
   };
   for (const bool neck : {false, true}) {
-    Mirrored part = neck ? kStrangeTrunk.neck : kStrangeTrunk.trunk;
+    Mirrored part = neck ? kOodTrunk.neck : kOodTrunk.trunk;
     std::vector<Vec3f> even(rest.size()), uneven(rest.size());
     Rng rng(3), again(3);
     part.uneven_share = 0;

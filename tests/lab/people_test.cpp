@@ -36,7 +36,7 @@ class People : public WithBody {
             kinect_intrinsics(kWidth, kHeight),
             seed};
   }
-  static Bystander somebody(float x, float z, std::uint64_t index) {
+  static Bystander bystander(float x, float z, std::uint64_t index) {
     Bystander b;
     b.subject_seed = 8;
     b.subject_index = index;
@@ -62,7 +62,7 @@ class People : public WithBody {
 TEST_F(People, MasksAreDisjointAndEachPixelIsOnItsPerson) {
   SceneOptions options = landscape();
   options.clothing = Clothing::loose;
-  options.others = {somebody(350, -600, 1), somebody(-700, 100, 2)};
+  options.others = {bystander(350, -600, 1), bystander(-700, 100, 2)};
   VirtualScene scene = make(options, exact_sensor(), 3);
   ASSERT_EQ(scene.people_count(), 3U);
   const Shot shot = take(scene, 0);
@@ -99,7 +99,7 @@ TEST_F(People, MasksAreDisjointAndEachPixelIsOnItsPerson) {
 TEST_F(People, CompanyLeavesTheMainPersonAlone) {
   SceneOptions options = landscape();
   VirtualScene alone = make(options, exact_sensor(), 4);
-  options.others = {somebody(900, -800, 5)};
+  options.others = {bystander(900, -800, 5)};
   VirtualScene together = make(options, exact_sensor(), 4);
   EXPECT_EQ(take(alone, 0).masks[0], take(together, 0).masks[0]);
   EXPECT_EQ(alone.distance_mm(), together.distance_mm());
@@ -108,13 +108,13 @@ TEST_F(People, CompanyLeavesTheMainPersonAlone) {
   EXPECT_EQ(together.joints(0, 2).confidence[0], 0);
 }
 
-// Walls make way: in a walled room everybody far behind and aside is seen as in one without walls.
-TEST_F(People, NobodyStandsInAWall) {
+// Walls are moved back: in a walled room everybody far behind and aside is seen as in one without walls.
+TEST_F(People, NoPersonStandsInAWall) {
   for (std::uint64_t i = 0; i < 8; ++i) {
     SceneOptions options = landscape();
     options.distance_mm = 3000;
     options.camera_height_mm = 1000;
-    options.others = {somebody(i % 2 == 0 ? 1300 : -1300, -1800, 1)};
+    options.others = {bystander(i % 2 == 0 ? 1300 : -1300, -1800, 1)};
     VirtualScene walled = make(options, exact_sensor(), i);
     options.wall = false;
     VirtualScene open = make(options, exact_sensor(), i);
@@ -134,15 +134,15 @@ TEST_F(People, WalksAlongItsPath) {
   const FloorPlane floor = scene.floor();
   const JointSet start = scene.joints(0), end = scene.joints(60);
   const auto hips = [](const JointSet& j) { return (j[Joint::LH] + j[Joint::RH]) * 0.5F; };
-  const Vec3f way = hips(end) - hips(start);
-  EXPECT_NEAR(norm(way), std::hypot(1200, 600), 40);
-  EXPECT_LT(way.z, -500);  // towards the camera
-  EXPECT_GT(way.x, 1100);
+  const Vec3f path = hips(end) - hips(start);
+  EXPECT_NEAR(norm(path), std::hypot(1200, 600), 40);
+  EXPECT_LT(path.z, -500);  // towards the camera
+  EXPECT_GT(path.x, 1100);
   float stride = 0;
   for (std::uint64_t frame = 0; frame <= 50; frame += 5) {
     const float t = std::clamp((static_cast<float>(frame) - 10) / 30, 0.0F, 1.0F);
     const JointSet j = scene.joints(frame);
-    const Vec3f expected = hips(start) + way * t;
+    const Vec3f expected = hips(start) + path * t;
     EXPECT_NEAR(hips(j).x, expected.x, 30) << frame;
     EXPECT_NEAR(hips(j).z, expected.z, 30) << frame;
     stride = std::max(stride, norm(j[Joint::LF] - j[Joint::RF]));
@@ -152,9 +152,9 @@ TEST_F(People, WalksAlongItsPath) {
     EXPECT_NEAR(lowest, 0, 0.5) << frame;
   }
   EXPECT_GT(stride, 450);
-  // Half way the left hip lies to the left of the way: the person's left is its right hand side turned about.
+  // Halfway the left hip lies to the left of the path: the person's left is its right hand side turned about.
   const JointSet half = scene.joints(25);
-  const Vec3f across = normalized(half[Joint::LH] - half[Joint::RH]), ahead = normalized({way.x, 0, way.z});
+  const Vec3f across = normalized(half[Joint::LH] - half[Joint::RH]), ahead = normalized({path.x, 0, path.z});
   EXPECT_LT(std::fabs(dot(across, ahead)), 0.35F);
   EXPECT_GT(dot(cross(ahead, across), floor.up), 0.8F);
 }
@@ -193,7 +193,7 @@ TEST_F(People, TurnsRoundOnTheSpot) {
 TEST_F(People, FramesOfAWalkDoNotDependOnTheOrder) {
   SceneOptions options = landscape();
   options.walk = {-500, 0, 500, 0, 0, 40};
-  options.others = {somebody(400, -700, 3)};
+  options.others = {bystander(400, -700, 3)};
   options.others[0].path = {700, -700, -700, -700, 5, 30};
   options.furniture_count = 2;
   VirtualScene a = make(options, kinect_sensor(), 7), b = make(options, kinect_sensor(), 7);
@@ -210,11 +210,11 @@ TEST_F(People, RestagedIsAsNewWithEverythingOn) {
   SceneOptions first = landscape(), second = landscape();
   first.clothing = Clothing::loose;
   first.hair = true;
-  first.others = {somebody(700, -300, 1), somebody(-800, -300, 2)};
+  first.others = {bystander(700, -300, 1), bystander(-800, -300, 2)};
   first.pose = StandingPose::seated;
   second.pose = StandingPose::crossed;
   second.clothing = Clothing::normal;
-  second.others = {somebody(800, 0, 2)};
+  second.others = {bystander(800, 0, 2)};
   second.furniture_touching = true;
   second.decoy_count = 1;
   for (const bool dressed : {true, false}) {
@@ -229,7 +229,7 @@ TEST_F(People, RestagedIsAsNewWithEverythingOn) {
   }
 }
 
-// What one person wears is made once for front and back, and anew for somebody else or in something else.
+// What one person wears is made once for front and back, and anew for another person or in something else.
 TEST_F(People, RestagedInTheSameClothesIsAsNew) {
   std::vector<Vec3f> rest, others_rest;
   const Subject one = draw_subject(model(), Family::training, 40, 2, rest);
@@ -259,7 +259,7 @@ TEST_F(People, RestagedInTheSameClothesIsAsNew) {
     }
 }
 
-TEST_F(People, AnEmptyRoomHasNobodyInIt) {
+TEST_F(People, AnEmptyRoomHasNoPersonInIt) {
   SceneOptions options = landscape();
   options.person = false;
   options.furniture_count = 3;

@@ -97,11 +97,11 @@ TEST_F(Poses, BowedTrunksLeanAndLegsStand) {
     Rng rng(seed);
     const JointSet j = joints(draw_pose(skeleton_, StandingPose::bowed, rng));
     const Vec3f hips = (j[Joint::LH] + j[Joint::RH]) * 0.5F;
-    const Vec3f way = normalized((j[Joint::LS] + j[Joint::RS]) * 0.5F - hips);
-    const float lean_deg = std::acos(way.y) * 57.29578F;
+    const Vec3f path = normalized((j[Joint::LS] + j[Joint::RS]) * 0.5F - hips);
+    const float lean_deg = std::acos(path.y) * 57.29578F;
     EXPECT_GT(lean_deg, 12) << seed;
     EXPECT_LT(lean_deg, 62) << seed;
-    (way.z > std::fabs(way.x) ? forwards : aside) += 1;
+    (path.z > std::fabs(path.x) ? forwards : aside) += 1;
     for (const Joint foot : {Joint::LF, Joint::RF}) {
       EXPECT_NEAR(j[foot].z, hips.z, 200) << seed;
       EXPECT_LT(j[foot].y, hips.y - 600) << seed;

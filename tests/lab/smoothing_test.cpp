@@ -52,7 +52,7 @@ TEST(TemporalSmoothing, HidesWhatTellsASensor) {
   for (int i = 0; i < 40; ++i) {
     for (auto& z : depth) z = static_cast<std::uint16_t>(std::lround(2000 + kSdMm * rng.normal()));
     smoothing.run(frame);
-    if (i < 20) continue;  // settled
+    if (i < 20) continue;  // converged
     noise.add(frame, {mask.data(), kWidth, kHeight}, 0, 0, kWidth - 1, kHeight - 1);
     for (const auto z : depth) square += (z - 2000.0) * (z - 2000.0) / (20.0 * static_cast<double>(depth.size()));
   }

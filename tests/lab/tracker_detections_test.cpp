@@ -18,7 +18,7 @@ constexpr std::size_t kClues = static_cast<std::size_t>(joints::kClueCount);
 
 class TrackerDetections : public WithBody {
  protected:
-  VoteExamples gather(int people, int rooms, int threads = 2) const {
+  VoteExamples collect(int people, int rooms, int threads = 2) const {
     const auto bytes = test::constant_model(0, 0, 0, 0).bytes();
     const auto joint_model = JointModel::parse(bytes, "by hand");
     const std::vector<joints::Anchor> anchors = {{0, 0, 2, 2, 0}, {150, -90, 0, 0, 0}};
@@ -27,7 +27,7 @@ class TrackerDetections : public WithBody {
 };
 
 TEST_F(TrackerDetections, PeopleAreFoundAndEachIsFollowedByItsMirrorImage) {
-  const VoteExamples seen = gather(14, 0);
+  const VoteExamples seen = collect(14, 0);
   ASSERT_GE(seen.size(), 24U) << "nearly everybody";
   ASSERT_EQ(seen.size() % 2, 0U);
   const auto width = static_cast<std::size_t>(seen.value_count);
@@ -46,14 +46,14 @@ TEST_F(TrackerDetections, PeopleAreFoundAndEachIsFollowedByItsMirrorImage) {
   EXPECT_GE(shapeless, 5);
 }
 
-TEST_F(TrackerDetections, InEmptyRoomsNobodyIsSomebody) {
-  const VoteExamples seen = gather(0, 64);
-  EXPECT_GT(seen.size(), 4U) << "but some things look like it";
+TEST_F(TrackerDetections, EmptyRoomsHoldNoPeople) {
+  const VoteExamples seen = collect(0, 64);
+  EXPECT_GT(seen.size(), 4U) << "but some things are detected";
   EXPECT_EQ(std::count(seen.yes.begin(), seen.yes.end(), 1), 0);
 }
 
 TEST_F(TrackerDetections, ThreadCountDoesNotShow) {
-  const VoteExamples one = gather(8, 70, 1), two = gather(8, 70, 2);
+  const VoteExamples one = collect(8, 70, 1), two = collect(8, 70, 2);
   EXPECT_EQ(one.values, two.values);
   EXPECT_EQ(one.yes, two.yes);
 }

@@ -22,7 +22,7 @@ JointFrame frame_of(float error_mm, float confidence = 0.9F) {
   return frame;
 }
 
-JointFrame missed(Finding finding = Finding::nobody) {
+JointFrame missed(Finding finding = Finding::none) {
   JointFrame frame = frame_of(5);
   frame.finding = finding;
   return frame;
@@ -95,7 +95,7 @@ TEST(Reliability, BinsStandAboutTheTens) {
   reliability.add(missed());
   const auto bins = reliability.bins();
   EXPECT_EQ(bins[9].joints, 30U);
-  EXPECT_NEAR(bins[9].said, 0.90, 1e-6);
+  EXPECT_NEAR(bins[9].stated, 0.90, 1e-6);
   EXPECT_DOUBLE_EQ(bins[9].within, 0.5);
   EXPECT_EQ(bins[10].joints, 15U);
   EXPECT_DOUBLE_EQ(bins[10].within, 1);
@@ -112,16 +112,16 @@ TEST(Overlap, CountsPixelsWithDataOnly) {
   EXPECT_EQ(o.both, 1U);
   EXPECT_DOUBLE_EQ(o.iou(), 1.0 / 3);
   EXPECT_EQ(o.finding(), Finding::other);  // half of it is not more than half
-  EXPECT_EQ((Overlap{0, 0, 7}.finding()), Finding::nobody);
+  EXPECT_EQ((Overlap{0, 0, 7}.finding()), Finding::none);
   EXPECT_EQ((Overlap{2, 3, 7}.finding()), Finding::person);
   EXPECT_DOUBLE_EQ((Overlap{0, 0, 0}.iou()), 0);
 }
 
-TEST(Overlap, LeavesNobodysPixelsOut) {
+TEST(Overlap, LeavesUnownedPixelsOut) {
   std::vector<std::uint16_t> depth = {1, 1, 1, 1};
-  std::vector<std::uint8_t> ours = {255, 255, 0, 255}, truth = {255, 0, 255, 255}, nobodys = {0, 0, 255, 255};
+  std::vector<std::uint8_t> ours = {255, 255, 0, 255}, truth = {255, 0, 255, 255}, unowned = {0, 0, 255, 255};
   const Overlap o = overlap_of(DepthView(depth.data(), 4, 1), MaskView(ours.data(), 4, 1),
-                               MaskView(truth.data(), 4, 1), MaskView(nobodys.data(), 4, 1));
+                               MaskView(truth.data(), 4, 1), MaskView(unowned.data(), 4, 1));
   EXPECT_EQ(o.both, 1U);
   EXPECT_EQ(o.ours, 2U);
   EXPECT_EQ(o.truth, 1U);
@@ -150,11 +150,11 @@ TrialOutcome trial(TrialCondition condition, int width, const char* group, float
   return outcome;
 }
 
-const Bar& bar_of(const TrackerReport& report, const std::string& name) {
-  for (const Bar& bar : report.bars)
-    if (bar.name == name) return bar;
-  ADD_FAILURE() << "no bar " << name;
-  static const Bar kNone;
+const Target& target_of(const TrackerReport& report, const std::string& name) {
+  for (const Target& target : report.targets)
+    if (target.name == name) return target;
+  ADD_FAILURE() << "no target " << name;
+  static const Target kNone;
   return kNone;
 }
 
@@ -171,19 +171,19 @@ TEST(TrackerReport, HoldsFiguresAgainstTheBars) {
   unrelated.raised = Guidance::moving | Guidance::too_far;
   outcomes.guidance = {named, silent, unrelated};
   const TrackerReport report = tracker_report(outcomes, {});
-  EXPECT_NEAR(bar_of(report, "full, calm: mean error, mm").figure, 22, 1e-9);
-  EXPECT_TRUE(bar_of(report, "full, calm: mean error, mm").met());
-  EXPECT_FALSE(bar_of(report, "full, free: mean error, mm").met());
-  EXPECT_NEAR(bar_of(report, "full: 320x240 worse by, %").figure, 20, 1e-6);
-  EXPECT_FALSE(bar_of(report, "full: 320x240 worse by, %").met());
-  EXPECT_TRUE(bar_of(report, "mask IoU, median").met());
+  EXPECT_NEAR(target_of(report, "full, calm: mean error, mm").figure, 22, 1e-9);
+  EXPECT_TRUE(target_of(report, "full, calm: mean error, mm").met());
+  EXPECT_FALSE(target_of(report, "full, free: mean error, mm").met());
+  EXPECT_NEAR(target_of(report, "full: 320x240 worse by, %").figure, 20, 1e-6);
+  EXPECT_FALSE(target_of(report, "full: 320x240 worse by, %").met());
+  EXPECT_TRUE(target_of(report, "mask IoU, median").met());
   const auto flying = std::find_if(report.masks.begin(), report.masks.end(),
                                    [](const MaskRow& row) { return row.dimension == "flying pixels"; });
   ASSERT_NE(flying, report.masks.end());
   EXPECT_EQ(flying->converged.median, 0.95);
-  EXPECT_NEAR(bar_of(report, "false users in 10,000 frames").figure, 250, 1e-9);
-  EXPECT_EQ(bar_of(report, "identity switches in two-person clips").figure, 3);
-  EXPECT_NEAR(bar_of(report, "guidance right, TOO_FAR, %").figure, 100.0 / 3, 1e-9);
+  EXPECT_NEAR(target_of(report, "false users in 10,000 frames").figure, 250, 1e-9);
+  EXPECT_EQ(target_of(report, "identity switches in two-person clips").figure, 3);
+  EXPECT_NEAR(target_of(report, "guidance right, TOO_FAR, %").figure, 100.0 / 3, 1e-9);
   ASSERT_EQ(report.guidance.size(), 1U);
   EXPECT_EQ(report.guidance[0].silent, 1U);
   EXPECT_EQ(report.guidance[0].unrelated, 1U);
@@ -196,7 +196,7 @@ TEST(TrackerReport, HoldsFiguresAgainstTheBars) {
   EXPECT_NE(text_of(report).find("MISSED"), std::string::npos);
 }
 
-TEST(TrackerReport, HasOnlyTheSectionsAskedFor) {
+TEST(TrackerReport, HasOnlyTheSectionsGiven) {
   TrackerOutcomes outcomes;
   outcomes.trials = {trial(TrialCondition::full, 640, "calm", 20)};
   TrackerSections sections;

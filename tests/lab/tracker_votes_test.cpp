@@ -44,7 +44,7 @@ TEST(TrackerVotes, ARuleIsLearntWithItsChance) {
   train_votes(drawn(1, 6000), 60, any_pair(), Rng(2), trees);
   EXPECT_EQ(trees.tree_count(), 60U);
   const VoteExamples unseen = drawn(3, 3000);
-  double said = 0;
+  double stated = 0;
   int right = 0, clear = 0;
   for (std::size_t i = 0; i < unseen.size(); ++i) {
     const std::int16_t* v = unseen.values.data() + i * kValues;
@@ -53,10 +53,10 @@ TEST(TrackerVotes, ARuleIsLearntWithItsChance) {
     const double odds = log_odds(trees, unseen, i);
     ++clear;
     right += (odds > 0) == (beyond > 0) ? 1 : 0;
-    said += std::fabs(odds);
+    stated += std::fabs(odds);
   }
   EXPECT_GT(right, 0.98 * clear);
-  EXPECT_NEAR(said / clear, std::log(9), 0.6) << "nine in ten";
+  EXPECT_NEAR(stated / clear, std::log(9), 0.6) << "nine in ten";
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #if IM2FIT_HAVE_AVX2 && defined(__GLIBC__) && defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__) && !defined(__clang__)
-#define IM2FIT_CLONES __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
+#define IM2FIT_SIMD_CLONES __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 #else
-#define IM2FIT_CLONES
+#define IM2FIT_SIMD_CLONES
 #endif
