@@ -22,10 +22,10 @@
 #define IM2FIT_HAVE_NEON 0
 #endif
 
-// One row of a kernels.inc: IM2FIT_KERNEL(unproject, neon) is the function unproject_neon.
+// One row of a kernels.inc: IM2FIT_KERNEL(contour, neon) is the function contour_neon.
 #define IM2FIT_KERNEL(kernel, tier) {#tier, kernel##_##tier, ::im2fit::Tier::tier},
 
-// Declares what is chosen by dispatch: `IM2FIT_CHOSEN_ONCE best = fastest(kUnprojectKernels);`
+// Declares what is chosen by dispatch: `IM2FIT_CHOSEN_ONCE best = fastest(kContourKernels);`
 #if defined(IM2FIT_TIER_SWITCH) || (IM2FIT_HAVE_AVX2 && !defined(__AVX2__))
 #define IM2FIT_TIER_AT_RUN_TIME 1
 #define IM2FIT_CHOSEN_ONCE static const auto
