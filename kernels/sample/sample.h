@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A depth image thinned to cells of step x step pixels, one robust depth each.
+// A depth image downsampled to cells of step x step pixels, one robust depth each.
 #pragma once
 
 #include <cstdint>

@@ -14,7 +14,7 @@ namespace {
 
 class Sample : public testing::TestWithParam<SampleKernel> {
  protected:
-  // One cell of 4 x 4 with these five looks; the eleven pixels nobody looks at hold nonsense.
+  // One cell of 4 x 4 with these five samples; the eleven pixels not sampled hold nonsense.
   std::uint16_t cell(std::array<std::uint16_t, 5> looks) const {
     std::vector<std::uint16_t> pixels(16, 3);
     const std::array<std::size_t, 5> at = {0, 3, 10, 12, 15};

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <thread>
 
-#include "bench/index/peer.h"
+#include "bench/index/reference.h"
 #include "bench/index/search_alone.h"
 
 namespace im2fit::bench {
@@ -19,7 +19,7 @@ double bytes_of(const hnswlib::HierarchicalNSW<float>& graph, std::size_t size) 
   return static_cast<double>(size) * (static_cast<double>(graph.size_data_per_element_) + links);
 }
 
-class Hnswlib : public Peer {
+class Hnswlib : public Reference {
  public:
   std::string name() const override { return "hnswlib M16 ef64"; }
   double build(const Models& models) override {
@@ -84,7 +84,7 @@ std::unique_ptr<PlaceSearch> make_hnswlib_places() {
   return std::make_unique<HnswlibPlaces>();
 }
 
-std::unique_ptr<Peer> make_hnswlib() {
+std::unique_ptr<Reference> make_hnswlib() {
   return std::make_unique<Hnswlib>();
 }
 

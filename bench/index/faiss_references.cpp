@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "bench/index/peer.h"
+#include "bench/index/reference.h"
 
 namespace im2fit::bench {
 namespace {
@@ -48,13 +48,13 @@ double add_all(faiss::Index& index, const Models& models) {
   });
 }
 
-class FaissIvfPq : public Peer {
+class FaissIvfPq : public Reference {
  public:
   std::string name() const override { return "FAISS IVF-PQ"; }
   std::string note() const override { return note_; }
   double build(const Models& models) override {
     size_ = models.size();
-    // np: no annealing of codes for polysemous search, which nobody asks for here.
+    // np: no annealing of codes for polysemous search, which is not used here.
     // Lists as their makers advise (4 sqrt N and a power of two), PCA instead of a learned rotation where that would
     // take longer than all the rest.
     std::string recipe = "PCA64,IVF64,PQ32np";
@@ -106,7 +106,7 @@ class FaissIvfPq : public Peer {
   std::unique_ptr<faiss::Index> index_;
 };
 
-class FaissHnsw : public Peer {
+class FaissHnsw : public Reference {
  public:
   std::string name() const override { return "FAISS HNSW32 ef32"; }
   double build(const Models& models) override {
@@ -134,11 +134,11 @@ class FaissHnsw : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> make_faiss_ivf_pq() {
+std::unique_ptr<Reference> make_faiss_ivf_pq() {
   return std::make_unique<FaissIvfPq>();
 }
 
-std::unique_ptr<Peer> make_faiss_hnsw() {
+std::unique_ptr<Reference> make_faiss_hnsw() {
   return std::make_unique<FaissHnsw>();
 }
 

@@ -6,7 +6,7 @@
 #include "lab/camera/virtual_camera.h"
 #include "perception/fuse/decimate.h"
 #include "tests/body/body_pack.h"
-#include "tests/peers/pcl_fpfh.h"
+#include "tests/references/pcl_fpfh.h"
 
 namespace im2fit {
 namespace {

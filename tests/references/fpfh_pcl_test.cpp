@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // FPFH against PCL's on a figure whose every point and normal is known.
-#include "tests/peers/pcl_fpfh.h"
 #include "tests/perception/analytic_figure.h"
+#include "tests/references/pcl_fpfh.h"
 
 namespace im2fit {
 namespace {

@@ -5,7 +5,7 @@
 #include <open3d/pipelines/registration/Feature.h>
 #include <open3d/pipelines/registration/Registration.h>
 
-#include "bench/peers/peer.h"
+#include "bench/references/reference.h"
 
 namespace im2fit::bench {
 namespace {
@@ -29,7 +29,7 @@ Vec3f back(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-class Open3d : public Peer {
+class Open3d : public Reference {
  public:
   Open3d() { omp_set_num_threads(1); }
   std::string name() const override { return "Open3D " OPEN3D_VERSION; }
@@ -57,10 +57,10 @@ class Open3d : public Peer {
   double voxels(const Points& points, double edge_m, Points& out) override {
     const PointCloud cloud = cloud_of({points.position_m, {}});
     const double start = cpu_ms();
-    const auto thinned = cloud.VoxelDownSample(edge_m);
+    const auto downsampled = cloud.VoxelDownSample(edge_m);
     const double spent = cpu_ms() - start;
     out = {};
-    for (const Eigen::Vector3d& p : thinned->points_) out.position_m.push_back(back(p));
+    for (const Eigen::Vector3d& p : downsampled->points_) out.position_m.push_back(back(p));
     return spent;
   }
 
@@ -76,7 +76,7 @@ class Open3d : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> make_open3d() {
+std::unique_ptr<Reference> make_open3d() {
   return std::make_unique<Open3d>();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a user would pick instead, behind one interface. Each call converts outside the clock and returns the
-// processor time of the library's own work in ms, its search tree included. One thread.
+// Reference implementations (PCL, Open3D), what a user would pick instead, behind one interface. Each call converts
+// outside the clock and returns the processor time of the library's own work in ms, its search tree included. One
+// thread.
 #pragma once
 
 #include <ctime>
@@ -26,9 +27,9 @@ inline double cpu_ms() {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-class Peer {
+class Reference {
  public:
-  virtual ~Peer() = default;
+  virtual ~Reference() = default;
   virtual std::string name() const = 0;
   virtual double normals(const Points& points, double radius_m, std::vector<Vec3f>& normals) = 0;
   // `out`: 33 values a keypoint, or empty where the library describes its own points only.
@@ -39,8 +40,8 @@ class Peer {
 };
 
 // nullptr where the library was not there when this was built.
-std::unique_ptr<Peer> make_pcl();
-std::unique_ptr<Peer> make_open3d();
+std::unique_ptr<Reference> make_pcl();
+std::unique_ptr<Reference> make_open3d();
 
 // PCL's normals of an organised cloud by integral images: width * height points, NaN where there is none.
 double pcl_integral_normals(const Points& organised, int width, int height, std::vector<Vec3f>& normals);

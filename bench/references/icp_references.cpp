@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The paper's last figure with PCL beside us: the same people's fused depth against the same retrieved bodies, the
 // same error after each iteration.
-//   icp_peers --out FILE [--people 4] [--condition noise] [--body FILE] [--joint-model FILE] [--index FILE]
-// `im2fit-lab eval --icp-peers FILE` draws it.
+//   icp_references --out FILE [--people 4] [--condition noise] [--body FILE] [--joint-model FILE] [--index FILE]
+// `im2fit-lab eval --icp-references FILE` draws it.
 #include <pcl/point_types.h>
 #include <pcl/registration/icp.h>
 
@@ -83,8 +83,8 @@ Result<std::vector<lab::IcpCurve>> measure(const Options& options) {
 int main(int argc, char** argv) {
   using namespace im2fit;
   bench::Options options;
-  CLI::App app{"ICP of depth and retrieved body: ours beside PCL's", "icp_peers"};
-  app.add_option("--out", options.out, "JSON to write, for im2fit-lab eval --icp-peers")->required();
+  CLI::App app{"ICP of depth and retrieved body: ours beside PCL's", "icp_references"};
+  app.add_option("--out", options.out, "JSON to write, for im2fit-lab eval --icp-references")->required();
   app.add_option("--people", options.people)->check(CLI::Range(1, 100))->capture_default_str();
   app.add_option("--condition", options.condition)->capture_default_str();
   app.add_option("--body", options.body)->capture_default_str();
@@ -95,7 +95,7 @@ int main(int argc, char** argv) {
   const auto written =
       curves ? write_file_atomically(options.out, lab::icp_json_of(*curves)) : Status(curves.error());
   if (!written) {
-    std::fprintf(stderr, "icp_peers: %s\n", written.error().message.c_str());
+    std::fprintf(stderr, "icp_references: %s\n", written.error().message.c_str());
     return 1;
   }
   for (const auto& curve : *curves)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact peers over raw features, and plain principal components. Compiled for the machine this runs on, as a user of
-// these headers would.
+// Exact references over raw features, and plain principal components. Compiled for the machine this runs on, as a
+// user of these headers would.
 #include <chrono>
 #include <limits>
 #include <nanoflann.hpp>
 
-#include "bench/index/peer.h"
 #include "bench/index/plain_pca.h"
+#include "bench/index/reference.h"
 
 namespace im2fit::bench {
 namespace {
@@ -42,7 +42,7 @@ struct RawRows {
   double bytes() const { return 4.0 * static_cast<double>(values.size()); }
 };
 
-class BruteForce : public Peer {
+class BruteForce : public Reference {
  public:
   std::string name() const override { return "brute force, 501 float"; }
   double build(const Models& models) override {
@@ -66,7 +66,7 @@ class BruteForce : public Peer {
   RawRows rows_;
 };
 
-class NanoflannRaw : public Peer {
+class NanoflannRaw : public Reference {
  public:
   std::string name() const override { return "nanoflann, 501 float"; }
   double build(const Models& models) override {
@@ -89,14 +89,14 @@ class NanoflannRaw : public Peer {
   std::unique_ptr<Tree> tree_;
 };
 
-class NanoflannPca : public Peer {
+class NanoflannPca : public Reference {
  public:
   std::string name() const override {
     return "nanoflann, plain PCA-16 float" + (rerank_ == 0 ? "" : ", best " + std::to_string(rerank_) + " by raw L2");
   }
   std::string note() const override { return note_; }
-  std::size_t way_count() const override { return 2; }
-  void use_way(std::size_t way) override { rerank_ = way == 1 ? kReranked : 0; }
+  std::size_t method_count() const override { return 2; }
+  void use_method(std::size_t method) override { rerank_ = method == 1 ? kReranked : 0; }
   double build(const Models& models) override {
     models_ = &models;
     const auto start = std::chrono::steady_clock::now();
@@ -144,15 +144,15 @@ class NanoflannPca : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> make_brute_force() {
+std::unique_ptr<Reference> make_brute_force() {
   return std::make_unique<BruteForce>();
 }
 
-std::unique_ptr<Peer> make_nanoflann_raw() {
+std::unique_ptr<Reference> make_nanoflann_raw() {
   return std::make_unique<NanoflannRaw>();
 }
 
-std::unique_ptr<Peer> make_nanoflann_pca() {
+std::unique_ptr<Reference> make_nanoflann_pca() {
   return std::make_unique<NanoflannPca>();
 }
 

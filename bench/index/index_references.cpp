@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our index against what a user would pick instead, over the same models and asked by the same people.
-//   index_peers --samples DIR --out bench/results
-//   index_peers --self-check
+// Our index against what a user would pick instead, over the same models and queried by the same people.
+//   index_references --samples DIR --out bench/results
+//   index_references --self-check
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
@@ -22,7 +22,7 @@ namespace {
 struct Options {
   std::string samples, out;
   std::vector<std::size_t> sizes = {1'000, 10'000, 50'000, 500'000, 5'000'000};
-  std::vector<std::string> peers;
+  std::vector<std::string> references;
   std::size_t queries = 1000;
   double seconds = 5;
   bool full = false, self_check = false;
@@ -55,36 +55,36 @@ std::string processor() {
 
 void tell_row(const Row& row) {
   char text[160];
-  std::snprintf(text, sizeof text, "  %-52s %9.1f us p50 %9.1f us p99", row.peer.c_str(), row.p50_us.value_or(0),
+  std::snprintf(text, sizeof text, "  %-52s %9.1f us p50 %9.1f us p99", row.reference.c_str(), row.p50_us.value_or(0),
                 row.p99_us.value_or(0));
   tell(text);
 }
 
-void measure_peer(const Options& options, const PeerKind& kind, const People& people, const Exam& exam,
-                  Measured& all) {
-  const auto peer = kind.make(people);
-  tell("  " + peer->name() + ": building");
-  const double build_s = peer->build(exam.models);
-  for (std::size_t way = 0; way < peer->way_count(); ++way) {
-    peer->use_way(way);
-    Row row = measure(*peer, exam);
+void measure_reference(const Options& options, const ReferenceKind& kind, const People& people, const Exam& exam,
+                       Measured& all) {
+  const auto reference = kind.make(people);
+  tell("  " + reference->name() + ": building");
+  const double build_s = reference->build(exam.models);
+  for (std::size_t method = 0; method < reference->method_count(); ++method) {
+    reference->use_method(method);
+    Row row = measure(*reference, exam);
     row.kind = kind.id;
     row.build_s = build_s;
-    // The same answers as the exact search's, which more may have asked.
-    if (row.kind == "brute" && row.recall_raw == 1.0) row.error = unasked_row(exam, 1).error;
+    // The same answers as the exact search's, which may have had more queries.
+    if (row.kind == "brute" && row.recall_raw == 1.0) row.error = untimed_row(exam, 1).error;
     tell_row(row);
     all.rows.push_back(row);
   }
   if (kind.id != "ours") return;
   for (const Row& row :
-       search_alone(peer->file(), exam, exam.models.size() <= (options.full ? kind.to_full : kGraphMax))) {
+       search_alone(reference->file(), exam, exam.models.size() <= (options.full ? kind.to_full : kGraphMax))) {
     tell_row(row);
     all.searches.push_back(row);
   }
 }
 
-bool wanted(const Options& options, const PeerKind& kind, std::size_t size) {
-  const auto& chosen = options.peers;
+bool wanted(const Options& options, const ReferenceKind& kind, std::size_t size) {
+  const auto& chosen = options.references;
   if (!chosen.empty() && std::find(chosen.begin(), chosen.end(), kind.id) == chosen.end()) return false;
   return size >= kind.from && size <= (options.full ? kind.to_full : kind.to);
 }
@@ -97,26 +97,26 @@ void measure_size(const Options& options, const People& people, std::size_t size
        " of them densified: exact answers");
   const Exam exam = make_exam(models, people.queries, options.seconds);
   bool brute_force_timed = false;
-  for (const PeerKind& kind : all_peers()) {
+  for (const ReferenceKind& kind : all_references()) {
     if (!wanted(options, kind, size)) continue;
-    measure_peer(options, kind, people, exam, all);
+    measure_reference(options, kind, people, exam, all);
     brute_force_timed = brute_force_timed || kind.id == "brute";
   }
-  if (!brute_force_timed) all.rows.push_back(unasked_row(exam, 1));
-  all.rows.push_back(unasked_row(exam, kAveraged));
+  if (!brute_force_timed) all.rows.push_back(untimed_row(exam, 1));
+  all.rows.push_back(untimed_row(exam, kAveraged));
   if (width == kRawSize) return;
   const Models whole(people.models, size, seed, width);
   const Exam with_all = make_exam(whole, people.queries, options.seconds / 2);
-  all.rows.push_back(unasked_row(with_all, 1));
-  all.rows.push_back(unasked_row(with_all, kAveraged));
+  all.rows.push_back(untimed_row(with_all, 1));
+  all.rows.push_back(untimed_row(with_all, kAveraged));
 }
 
 Status write(const Options& options, const Measured& all) {
   if (auto made = make_directory(options.out); !made) return made;
-  const std::string base = options.out + "/index-peers";
+  const std::string base = options.out + "/index-references";
   if (auto s = write_file_atomically(base + ".json", json_of(all)); !s) return s;
   if (auto s = write_file_atomically(base + ".svg", plot_of(all)); !s) return s;
-  return write_file_atomically(base + ".md", markdown_of(all, "index-peers.svg"));
+  return write_file_atomically(base + ".md", markdown_of(all, "index-references.svg"));
 }
 
 // What holds at any size and speed.
@@ -124,14 +124,14 @@ int judge(const Measured& all) {
   int failed = 0;
   const auto expect = [&](bool holds, const std::string& what) {
     if (holds) return;
-    std::fprintf(stderr, "index_peers: %s\n", what.c_str());
+    std::fprintf(stderr, "index_references: %s\n", what.c_str());
     failed = 1;
   };
   std::size_t ours_seen = 0;
   for (const Row& ours : all.rows) {
     if (ours.kind != "ours" && ours.kind != "ours501") continue;
     ++ours_seen;
-    const std::string at = ours.peer + " at " + std::to_string(ours.models);
+    const std::string at = ours.reference + " at " + std::to_string(ours.models);
     expect(ours.recall_own == 1.0, at + " answers otherwise than its exhaustive search");
     for (const Row& raw : all.rows) {
       if (raw.kind != "brute" || raw.models != ours.models) continue;
@@ -176,9 +176,9 @@ int run(Options options) {
   all.memory_peak_gb = memory_peak_gb();
   if (!options.out.empty())
     if (const auto written = write(options, all); !written) throw std::runtime_error(written.error().message);
-  for (const Bar& bar : bars_of(all))
-    std::printf("%-80s %14s  %s%s\n", bar.what.c_str(), bar.bar.c_str(), bar.measured.c_str(),
-                bar.met == false ? "  MISSED" : "");
+  for (const Target& target : targets_of(all))
+    std::printf("%-80s %14s  %s%s\n", target.what.c_str(), target.target.c_str(), target.measured.c_str(),
+                target.met == false ? "  MISSED" : "");
   return options.self_check ? judge(all) : 0;
 }
 
@@ -187,14 +187,15 @@ int run(Options options) {
 
 int main(int argc, char** argv) {
   im2fit::bench::Options options;
-  CLI::App app{"The index and its peers: time, size and measurement error over the same models"};
+  CLI::App app{"The index and its references: time, size and measurement error over the same models"};
   app.add_option("--samples", options.samples, "Shards of one run of im2fit-lab dataset")->type_name("DIR");
-  app.add_option("--out", options.out, "Writes index-peers.json, .md and .svg there")->type_name("DIR");
+  app.add_option("--out", options.out, "Writes index-references.json, .md and .svg there")->type_name("DIR");
   app.add_option("--sizes", options.sizes, "Models")->delimiter(',')->check(CLI::Range(100, 16'000'000));
-  app.add_option("--peers", options.peers, "Of ours ours501 brute nanoflann pca ivfpq hnsw hnswlib; default all")
+  app.add_option("--references", options.references,
+                 "Of ours ours501 brute nanoflann pca ivfpq hnsw hnswlib; default all")
       ->delimiter(',');
-  app.add_option("--queries", options.queries, "Held-out people to ask about, at most")->capture_default_str();
-  app.add_option("--seconds", options.seconds, "To spend on asking, for each row")->capture_default_str();
+  app.add_option("--queries", options.queries, "Held-out people to query, at most")->capture_default_str();
+  app.add_option("--seconds", options.seconds, "To spend on queries, for each row")->capture_default_str();
   app.add_flag("--full", options.full, "Graphs and trees over raw features also at 500,000 (about an hour)");
   app.add_flag("--self-check", options.self_check,
                "A few seconds; fails unless ours is exact and better than the nearest raw feature");
@@ -202,7 +203,7 @@ int main(int argc, char** argv) {
   try {
     return im2fit::bench::run(options);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "index_peers: %s\n", error.what());
+    std::fprintf(stderr, "index_references: %s\n", error.what());
     return 1;
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Our kernels against what a user would pick instead: the same cloud, the same run, one thread, processor time.
-//   peers_bench [--full] [--json FILE]
-// --full adds FPFH of the whole 640x480 cloud, which takes the peers a minute or more each. Machines drift by a
+//   references_bench [--full] [--json FILE]
+// --full adds FPFH of the whole 640x480 cloud, which takes the references a minute or more each. Machines drift by a
 // factor of two while this runs, so ours is timed before and after theirs and only the ratio is to be quoted.
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/peers/peer.h"
+#include "bench/references/reference.h"
 #include "kernels/fpfh/fpfh.h"
 #include "kernels/normals/normals.h"
 #include "perception/fuse/decimate.h"
@@ -89,16 +89,17 @@ double theirs_median_ms(const std::function<double()>& run) {
 
 class Report {
  public:
-  void print(const std::string& what, const std::string& peer, double theirs_ms, const std::string& tier,
+  void print(const std::string& what, const std::string& reference, double theirs_ms, const std::string& tier,
              double ours_ms, const std::string& note) {
-    std::printf("%-34s %-14s %10.2f ms   %-9s", what.c_str(), peer.c_str(), theirs_ms, tier.c_str());
+    std::printf("%-34s %-14s %10.2f ms   %-9s", what.c_str(), reference.c_str(), theirs_ms, tier.c_str());
     if (ours_ms > 0)
       std::printf(" %10.3f ms %8.1fx", ours_ms, theirs_ms / ours_ms);
     else
       std::printf(" %13s %9s", "", "");
     std::printf("   %s\n", note.c_str());
     std::fflush(stdout);
-    nlohmann::json row = {{"what", what}, {"peer", peer}, {"theirs_ms", theirs_ms}, {"tier", tier}, {"note", note}};
+    nlohmann::json row = {
+        {"what", what}, {"reference", reference}, {"theirs_ms", theirs_ms}, {"tier", tier}, {"note", note}};
     if (ours_ms > 0) row.update({{"ours_ms", ours_ms}, {"ratio", theirs_ms / ours_ms}});
     rows_.push_back(row);
   }
@@ -112,12 +113,12 @@ class Report {
   nlohmann::json rows_ = nlohmann::json::array();
 };
 
-// Every tier of a kernel that can run here, before and after the peers; `note` judges its last answer. `run` calls
-// the variant it is given.
+// Every tier of a kernel that can run here, before and after the references; `note` judges its last answer. `run`
+// calls the variant it is given.
 template <class Variants, class Run>
 void compare(Report& report, const std::string& what, const Variants& variants, Run run,
-             const std::vector<std::pair<std::string, std::function<double()>>>& peers,
-             const std::function<std::string(const std::string& peer)>& note) {
+             const std::vector<std::pair<std::string, std::function<double()>>>& references,
+             const std::function<std::string(const std::string& reference)>& note) {
   const auto measure = [&] {
     std::map<std::string, double> ms;
     for (const auto& variant : variants) {
@@ -126,11 +127,11 @@ void compare(Report& report, const std::string& what, const Variants& variants, 
     }
     return ms;
   };
-  for (const auto& [peer, theirs] : peers) {
+  for (const auto& [reference, theirs] : references) {
     auto ours = measure();
     const double theirs_ms = theirs_median_ms(theirs);
     for (const auto& [tier, ms] : measure()) ours[tier] = (ours[tier] + ms) / 2;
-    for (const auto& [tier, ms] : ours) report.print(what, peer, theirs_ms, tier, ms, note(peer));
+    for (const auto& [tier, ms] : ours) report.print(what, reference, theirs_ms, tier, ms, note(reference));
   }
 }
 
@@ -168,19 +169,19 @@ std::string angle_note(std::span<const Vec3f> normals, std::span<const Vec3f> tr
   return text;
 }
 
-using Peers = std::vector<std::unique_ptr<Peer>>;
+using References = std::vector<std::unique_ptr<Reference>>;
 using Contenders = std::vector<std::pair<std::string, std::function<double()>>>;
 
-void normals(Report& report, const Scene& s, const Peers& peers) {
+void normals(Report& report, const Scene& s, const References& references) {
   const Intrinsics& k = s.cloud.intrinsics;
   const int radius_px = static_cast<int>(std::lround(kNormalRadiusM * 1000 * double{k.fx} / double{kDistanceMm}));
   const std::size_t size = s.cloud.x.size();
   std::vector<float> nx(size), ny(size), nz(size);
   std::vector<Vec3f> theirs;
   Contenders contenders;
-  for (const auto& peer : peers)
-    contenders.push_back({peer->name(), [&] { return peer->normals(s.points, kNormalRadiusM, theirs); }});
-#ifdef IM2FIT_PEERS_PCL
+  for (const auto& reference : references)
+    contenders.push_back({reference->name(), [&] { return reference->normals(s.points, kNormalRadiusM, theirs); }});
+#ifdef IM2FIT_REFERENCES_PCL
   contenders.push_back({"PCL integral", [&] {
                           std::vector<Vec3f> all;
                           const double ms = pcl_integral_normals(s.organised, k.width, k.height, all);
@@ -205,13 +206,14 @@ void normals(Report& report, const Scene& s, const Peers& peers) {
       });
 }
 
-void exact_fpfh(Report& report, const Scene& s, const Peers& peers) {
+void exact_fpfh(Report& report, const Scene& s, const References& references) {
   FpfhWorkspace work(s.cloud.intrinsics.width, s.cloud.intrinsics.height);
   std::array<float, kFpfhSize * kJointCount> ours{};
   std::vector<float> theirs;
   Contenders contenders;
-  for (const auto& peer : peers)
-    contenders.push_back({peer->name(), [&] { return peer->fpfh(s.points, s.keypoints_m, kRadiusM, theirs); }});
+  for (const auto& reference : references)
+    contenders.push_back(
+        {reference->name(), [&] { return reference->fpfh(s.points, s.keypoints_m, kRadiusM, theirs); }});
   compare(
       report, "exact FPFH, 15 joints, " + s.name, kFpfhKernels,
       [&](auto* function) { function(s.organised_cloud(), s.figure.joints.position_mm, kFpfhRadiusMm, work, ours); },
@@ -219,7 +221,7 @@ void exact_fpfh(Report& report, const Scene& s, const Peers& peers) {
 }
 
 // Ours: the 20 mm grid of the fused depth, its normals, FPFH at the joints. Theirs: 2 cm voxels, normals, FPFH.
-void device_descriptor(Report& report, const Scene& s, const Peers& peers) {
+void device_descriptor(Report& report, const Scene& s, const References& references) {
   const int step = grid_step_px(s.cloud.intrinsics, kDistanceMm);
   const Intrinsics k = grid_intrinsics(s.cloud.intrinsics, step);
   const auto size = static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height);
@@ -228,7 +230,7 @@ void device_descriptor(Report& report, const Scene& s, const Peers& peers) {
   FpfhWorkspace work(k.width, k.height);
   std::array<float, kFpfhSize * kJointCount> ours{};
   const Intrinsics& full = s.cloud.intrinsics;
-  const auto thin = [&] {
+  const auto downsample = [&] {
     decimate({s.depth_q4.data(), full.width, full.height}, {s.mask.data(), full.width, full.height}, k, step,
              plane[0], plane[1], plane[2]);
   };
@@ -239,7 +241,7 @@ void device_descriptor(Report& report, const Scene& s, const Peers& peers) {
   };
   // The variant of the FPFH is named; grid and normals are the best of the machine.
   const auto whole = [&](auto* function) {
-    thin();
+    downsample();
     fastest(kNormalsKernels)(k, plane[0].data(), plane[1].data(), plane[2].data(), 1, kMaxStepMm, plane[3].data(),
                              plane[4].data(), plane[5].data());
     describe(function);
@@ -254,65 +256,67 @@ void device_descriptor(Report& report, const Scene& s, const Peers& peers) {
     grid_points.position_m.push_back(Vec3f{plane[0][i], plane[1][i], plane[2][i]} * 0.001F);
     grid_points.normal.push_back({plane[3][i], plane[4][i], plane[5][i]});
   }
-  for (const auto& peer : peers) {
-    Points& own = voxels[peer->name()];
-    all.push_back({peer->name(), [&] {
-                     double ms = peer->voxels(s.points, kVoxelM, own);
-                     ms += peer->normals(own, kNormalRadiusM, own.normal);
-                     return ms + peer->fpfh(own, s.keypoints_m, kRadiusM, out);
+  for (const auto& reference : references) {
+    Points& own = voxels[reference->name()];
+    all.push_back({reference->name(), [&] {
+                     double ms = reference->voxels(s.points, kVoxelM, own);
+                     ms += reference->normals(own, kNormalRadiusM, own.normal);
+                     return ms + reference->fpfh(own, s.keypoints_m, kRadiusM, out);
                    }});
-    fpfh_only.push_back({peer->name(), [&] { return peer->fpfh(own, s.keypoints_m, kRadiusM, out); }});
-    same_points.push_back({peer->name(), [&] { return peer->fpfh(grid_points, s.keypoints_m, kRadiusM, out); }});
+    fpfh_only.push_back({reference->name(), [&] { return reference->fpfh(own, s.keypoints_m, kRadiusM, out); }});
+    same_points.push_back(
+        {reference->name(), [&] { return reference->fpfh(grid_points, s.keypoints_m, kRadiusM, out); }});
   }
-  const auto note = [&](const std::string& peer) {
+  const auto note = [&](const std::string& reference) {
     return std::to_string(grid_points.position_m.size()) + " grid points, " +
-           std::to_string(voxels[peer].position_m.size()) + " voxels";
+           std::to_string(voxels[reference].position_m.size()) + " voxels";
   };
   compare(report, "20 mm descriptor, " + s.name, kFpfhKernels, whole, all, note);
   compare(report, "20 mm FPFH only, " + s.name, kFpfhKernels, describe, fpfh_only, note);
   compare(report, "FPFH of our grid's points, " + s.name, kFpfhKernels, describe, same_points,
           [&](const std::string&) { return l1_note(ours, out); });
 
-  Contenders thinning;
-  for (const auto& peer : peers)
-    thinning.push_back({peer->name(), [&] { return peer->voxels(s.points, kVoxelM, voxels[peer->name()]); }});
-  for (const auto& [peer, theirs] : thinning) {
+  Contenders downsamplers;
+  for (const auto& reference : references)
+    downsamplers.push_back(
+        {reference->name(), [&] { return reference->voxels(s.points, kVoxelM, voxels[reference->name()]); }});
+  for (const auto& [reference, theirs] : downsamplers) {
     const double theirs_ms = theirs_median_ms(theirs);
-    report.print("20 mm grid, " + s.name, peer, theirs_ms, "best", median_ms(thin), note(peer));
+    report.print("20 mm grid, " + s.name, reference, theirs_ms, "best", median_ms(downsample), note(reference));
   }
 }
 
 // We register nothing: the index answers. What it would cost.
-void icp(Report& report, const Scene& s, const Peers& peers) {
+void icp(Report& report, const Scene& s, const References& references) {
   Points model;
   for (std::size_t i = 0; i < s.points.position_m.size(); i += 3)
     model.position_m.push_back(s.points.position_m[i] + Vec3f{0.01F, 0.005F, 0.015F});
-  for (const auto& peer : peers) {
-    const double ms = theirs_median_ms([&] { return peer->icp(s.points, model, 0.05, 6); });
-    report.print("ICP, 6 iterations, " + s.name, peer->name(), ms, "none", 0,
+  for (const auto& reference : references) {
+    const double ms = theirs_median_ms([&] { return reference->icp(s.points, model, 0.05, 6); });
+    report.print("ICP, 6 iterations, " + s.name, reference->name(), ms, "none", 0,
                  "we have no ICP: the index answers instead");
   }
 }
 
 int run(bool full, const char* json_path) {
-  Peers peers;
-#ifdef IM2FIT_PEERS_PCL
-  peers.push_back(make_pcl());
+  References references;
+#ifdef IM2FIT_REFERENCES_PCL
+  references.push_back(make_pcl());
 #endif
-#ifdef IM2FIT_PEERS_OPEN3D
-  peers.push_back(make_open3d());
+#ifdef IM2FIT_REFERENCES_OPEN3D
+  references.push_back(make_open3d());
 #endif
   Report report;
   for (const Intrinsics& k : {k320, k640}) {
     const Scene scene(k);
     std::printf("%s: %zu points\n", scene.name.c_str(), scene.points.position_m.size());
-    normals(report, scene, peers);
-    device_descriptor(report, scene, peers);
-    icp(report, scene, peers);
-    if (full || k.width < 480) exact_fpfh(report, scene, peers);
+    normals(report, scene, references);
+    device_descriptor(report, scene, references);
+    icp(report, scene, references);
+    if (full || k.width < 480) exact_fpfh(report, scene, references);
   }
   if (json_path != nullptr && !report.write(json_path)) {
-    std::fprintf(stderr, "peers_bench: cannot write %s\n", json_path);
+    std::fprintf(stderr, "references_bench: cannot write %s\n", json_path);
     return 1;
   }
   return 0;
@@ -330,7 +334,7 @@ int main(int argc, char** argv) {
     } else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
       json_path = argv[++i];
     } else {
-      std::fprintf(stderr, "use: peers_bench [--full] [--json FILE]\n");
+      std::fprintf(stderr, "use: references_bench [--full] [--json FILE]\n");
       return 2;
     }
   }

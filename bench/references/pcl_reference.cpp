@@ -7,7 +7,7 @@
 #include <pcl/registration/icp.h>
 #include <pcl/search/kdtree.h>
 
-#include "bench/peers/peer.h"
+#include "bench/references/reference.h"
 
 namespace im2fit::bench {
 namespace {
@@ -26,7 +26,7 @@ void take(const Normals& from, std::vector<Vec3f>& to) {
   for (const pcl::Normal& n : from) to.push_back({n.normal_x, n.normal_y, n.normal_z});
 }
 
-class Pcl : public Peer {
+class Pcl : public Reference {
  public:
   std::string name() const override { return "PCL " PCL_VERSION_PRETTY; }
 
@@ -68,12 +68,12 @@ class Pcl : public Peer {
     pcl::VoxelGrid<pcl::PointXYZ> grid;
     grid.setInputCloud(cloud_of(points.position_m));
     grid.setLeafSize(edge, edge, edge);
-    Cloud thinned;
+    Cloud downsampled;
     const double start = cpu_ms();
-    grid.filter(thinned);
+    grid.filter(downsampled);
     const double spent = cpu_ms() - start;
     out = {};
-    for (const auto& p : thinned) out.position_m.push_back({p.x, p.y, p.z});
+    for (const auto& p : downsampled) out.position_m.push_back({p.x, p.y, p.z});
     return spent;
   }
 
@@ -92,7 +92,7 @@ class Pcl : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> make_pcl() {
+std::unique_ptr<Reference> make_pcl() {
   return std::make_unique<Pcl>();
 }
 

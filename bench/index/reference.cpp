@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/index/peer.h"
+#include "bench/index/reference.h"
 
 namespace im2fit::bench {
 namespace {
@@ -10,18 +10,18 @@ constexpr std::size_t kMemory = 1'000'000;  // above it raw features and their g
 
 }  // namespace
 
-std::vector<PeerKind> all_peers() {
+std::vector<ReferenceKind> all_references() {
   return {
       {"ours", 0, kAll, kAll, [](const People& p) { return make_ours(p, false); }},
       {"ours501", 0, kMinutes, kAll, [](const People& p) { return make_ours(p, true); }},
       {"brute", 0, kMemory, kMemory, [](const People&) { return make_brute_force(); }},
       {"nanoflann", 0, kMinutes, kMemory, [](const People&) { return make_nanoflann_raw(); }},
       {"pca", 0, kAll, kAll, [](const People&) { return make_nanoflann_pca(); }},
-#ifdef IM2FIT_PEERS_FAISS
+#ifdef IM2FIT_REFERENCES_FAISS
       {"ivfpq", 4'000, kAll, kAll, [](const People&) { return make_faiss_ivf_pq(); }},
       {"hnsw", 0, kMinutes, kMemory, [](const People&) { return make_faiss_hnsw(); }},
 #endif
-#ifdef IM2FIT_PEERS_HNSWLIB
+#ifdef IM2FIT_REFERENCES_HNSWLIB
       {"hnswlib", 0, kMinutes, kMemory, [](const People&) { return make_hnswlib(); }},
 #endif
   };
