@@ -162,20 +162,20 @@ void add(Cases& cases, const char* name, Floor floor, std::function<void()> run)
 // Sense and add; `describe` and `query` on top when an index is given.
 void add_whole(Cases& cases, const Bench& b) {
   const auto sensor = std::make_shared<Sensor>(kCamera.width, kCamera.height, *b.tracker);
-  const auto look = [b, sensor] {
+  const auto sense_frame = [b, sensor] {
     const DepthView depth = b.room->frame();
     const Detection detection = sensor->sense(depth, kCamera, b.room->mask_image());
     if (b.fuser->frame_count() >= kAccumulated) b.fuser->reset();
     b.fuser->add(depth, b.room->mask_image(), kCamera, detection);
   };
-  for (int i = 0; i < kWarmUp; ++i) look();
-  add(cases, "guided", {0.13e3, "depth read twice, mask written and read: 1.5 MB at 11.6 GB/s"}, look);
+  for (int i = 0; i < kWarmUp; ++i) sense_frame();
+  add(cases, "guided", {0.13e3, "depth read twice, mask written and read: 1.5 MB at 11.6 GB/s"}, sense_frame);
   if (b.index == nullptr) return;
   const std::shared_ptr<index::Index::Scratch> scratch = b.index->make_scratch();
   add(cases, "measuring",
       {0.45e3, "guided; the grid's 0.14 M pairs at 19 vector operations, four a cycle; the mean's 0.8 MB"},
-      [b, look, scratch] {
-        look();
+      [b, sense_frame, scratch] {
+        sense_frame();
         index::QueryOptions options;
         options.frame_count = kAccumulated;
         keep(b.index->query(b.fuser->describe().feature, options, *scratch));

@@ -36,7 +36,7 @@ double elapsed_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - kStart).count();
 }
 
-void tell(const std::string& words) {
+void log_line(const std::string& words) {
   std::fprintf(stderr, "[%4.0f s] %s\n", elapsed_s(), words.c_str());
 }
 
@@ -53,17 +53,17 @@ std::string processor() {
   return "unknown processor";
 }
 
-void tell_row(const Row& row) {
+void log_row(const Row& row) {
   char text[160];
   std::snprintf(text, sizeof text, "  %-52s %9.1f us p50 %9.1f us p99", row.reference.c_str(), row.p50_us.value_or(0),
                 row.p99_us.value_or(0));
-  tell(text);
+  log_line(text);
 }
 
 void measure_reference(const Options& options, const ReferenceKind& kind, const People& people, const Exam& exam,
                        Measured& all) {
   const auto reference = kind.make(people);
-  tell("  " + reference->name() + ": building");
+  log_line("  " + reference->name() + ": building");
   const double build_s = reference->build(exam.models);
   for (std::size_t method = 0; method < reference->method_count(); ++method) {
     reference->use_method(method);
@@ -72,13 +72,13 @@ void measure_reference(const Options& options, const ReferenceKind& kind, const 
     row.build_s = build_s;
     // The same answers as the exact search's, which may have had more queries.
     if (row.kind == "brute" && row.recall_raw == 1.0) row.error = untimed_row(exam, 1).error;
-    tell_row(row);
+    log_row(row);
     all.rows.push_back(row);
   }
   if (kind.id != "ours") return;
   for (const Row& row :
        search_alone(reference->file(), exam, exam.models.size() <= (options.full ? kind.to_full : kGraphMax))) {
-    tell_row(row);
+    log_row(row);
     all.searches.push_back(row);
   }
 }
@@ -93,8 +93,8 @@ void measure_size(const Options& options, const People& people, std::size_t size
   const std::uint64_t seed = index::BuildOptions{}.seed;
   const std::size_t width = people.models.front().feature.size();
   const Models models(people.models, size, seed);
-  tell(std::to_string(models.size()) + " models, " + std::to_string(models.densified_count()) +
-       " of them densified: exact answers");
+  log_line(std::to_string(models.size()) + " models, " + std::to_string(models.densified_count()) +
+           " of them densified: exact answers");
   const Exam exam = make_exam(models, people.queries, options.seconds);
   bool brute_force_timed = false;
   for (const ReferenceKind& kind : all_references()) {

@@ -41,7 +41,7 @@ TEST(Standardise, PortableIsWithinAStepOfRef) {
       scale[i] = i % 9 < 5 ? special[i % 9] : trial.between(1e-3F, 10);
       const float reach = scale[i] > 1e-3F ? 6 / scale[i] : 1;
       feature[i] = mean[i] + trial.between(-reach, reach);
-      // Denormals, infinities, no numbers, and ties: halves of a step.
+      // Denormals, infinities, no numbers, and ties: half steps.
       switch (trial.rng().index(12)) {
         case 0:
           feature[i] = std::numeric_limits<float>::quiet_NaN();
