@@ -5,8 +5,8 @@
 // variants, and dispatch, tests and benchmarks all walk that table, so that a variant cannot exist untested.
 //
 // Which variant runs: on a target whose instruction set is fixed when it is compiled (ARM with NEON; x86-64 built for
-// AVX2) and in every build without IM2FIT_TIER_SWITCH the choice is a constant and the call direct. Plain x86-64 asks
-// the processor, once. Test builds (IM2FIT_TIER_SWITCH) obey the environment: IM2FIT_DISABLE_TIERS=avx2,neon.
+// AVX2) and in every build without IM2FIT_TIER_SWITCH the choice is a constant and the call direct. Plain x86-64
+// queries the processor, once. Test builds (IM2FIT_TIER_SWITCH) obey the environment: IM2FIT_DISABLE_TIERS=avx2,neon.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +22,10 @@
 #define IM2FIT_HAVE_NEON 0
 #endif
 
-// One row of a kernels.inc: IM2FIT_KERNEL(unproject, neon) is the function unproject_neon.
+// One row of a kernels.inc: IM2FIT_KERNEL(contour, neon) is the function contour_neon.
 #define IM2FIT_KERNEL(kernel, tier) {#tier, kernel##_##tier, ::im2fit::Tier::tier},
 
-// Declares what is chosen by dispatch: `IM2FIT_CHOSEN_ONCE best = fastest(kUnprojectKernels);`
+// Declares what is chosen by dispatch: `IM2FIT_CHOSEN_ONCE best = fastest(kContourKernels);`
 #if defined(IM2FIT_TIER_SWITCH) || (IM2FIT_HAVE_AVX2 && !defined(__AVX2__))
 #define IM2FIT_TIER_AT_RUN_TIME 1
 #define IM2FIT_CHOSEN_ONCE static const auto
@@ -39,7 +39,7 @@ namespace im2fit {
 // `ref` is never chosen by dispatch: it is written to be read. `neon` serves AArch64 and ARMv7.
 enum class Tier { ref, portable, neon, avx2 };
 
-// Whether this build on this machine can run the tier and nobody disabled it. ref and portable always can.
+// Whether this build on this machine can run the tier and it is not disabled. ref and portable always can.
 #if IM2FIT_TIER_AT_RUN_TIME
 bool tier_available(Tier tier);
 #else

@@ -184,12 +184,12 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
   auto* indexes =
       sub.add_option("--runtime-index", o.runtime_indexes, "The same with further indexes")->type_name("FILE");
   auto* runtime_references =
-      sub.add_option("--runtime-references", o.runtime_references, "Beside them: bench/results/index-peers.json")
+      sub.add_option("--runtime-references", o.runtime_references, "Beside them: bench/results/index-references.json")
           ->type_name("FILE");
   auto* icp =
       sub.add_option("--icp", o.icp_people, "Register so many people's depth with their body by ICP")->range(1, 100);
   auto* icp_references = sub.add_option("--icp-references", o.icp_references,
-                                        "Instead: what bench/peers/icp_peers wrote, ours beside PCL")
+                                        "Instead: what bench/references/icp_references wrote, ours beside PCL")
                              ->type_name("FILE")
                              ->excludes(icp);
   return {condition, conditions,    all,     frames,  twice,

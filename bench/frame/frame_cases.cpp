@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One whole frame at 640x480 (portrait: 480 wide), and its parts, as the engine runs them: a guided frame is
-// Sensor::sense and Fuser::add, a measuring frame describes and asks the index as well. The variant is the best tier
-// the build, the machine and IM2FIT_DISABLE_TIERS allow.
+// Sensor::sense and Fuser::add, a measuring frame describes and queries the index as well. The variant is the best
+// tier the build, the machine and IM2FIT_DISABLE_TIERS allow.
 //
 // Tracker and index: IM2FIT_TRACKER, IM2FIT_INDEX, else where scripts/test puts the small ones. Where they are absent
 // the cases that need them are left out, and standard error says so.
@@ -32,8 +32,8 @@ namespace {
 constexpr Intrinsics kCamera = {480, 640, 575.8F, 575.8F, 239.5F, 319.5F};
 constexpr float kDistanceMm = 2300;
 constexpr double kFloorMm = 900, kWallMm = 3900;  // the figure's soles, and a wall behind it
-constexpr int kGathered = 15;                     // frames of a session, and of the fused picture that is described
-constexpr int kWarmUp = 8;                        // frames before the first measured one: floor and tracker settle
+constexpr int kAccumulated = 15;                  // frames of a session, and of the fused picture that is described
+constexpr int kWarmUp = 8;                        // frames before the first measured one: floor and tracker converge
 constexpr std::size_t kFrames = 2;                // with noise of their own
 
 std::string file_of(const char* variable, const char* name) {
@@ -94,7 +94,7 @@ struct Grid {
         k(grid_intrinsics(kCamera, step)),
         work(k.width, k.height) {
     const Person& p = room.person;
-    for (int i = 0; i < kGathered; ++i)
+    for (int i = 0; i < kAccumulated; ++i)
       fusion.add(room.frame(), room.mask_image(), p.u_min, p.v_min, p.u_max, p.v_max);
     fusion.finish();
     for (auto& plane : planes) plane.resize(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
@@ -162,29 +162,29 @@ void add(Cases& cases, const char* name, Floor floor, std::function<void()> run)
 // Sense and add; `describe` and `query` on top when an index is given.
 void add_whole(Cases& cases, const Bench& b) {
   const auto sensor = std::make_shared<Sensor>(kCamera.width, kCamera.height, *b.tracker);
-  const auto look = [b, sensor] {
+  const auto sense_frame = [b, sensor] {
     const DepthView depth = b.room->frame();
     const Detection detection = sensor->sense(depth, kCamera, b.room->mask_image());
-    if (b.fuser->frame_count() >= kGathered) b.fuser->reset();
+    if (b.fuser->frame_count() >= kAccumulated) b.fuser->reset();
     b.fuser->add(depth, b.room->mask_image(), kCamera, detection);
   };
-  for (int i = 0; i < kWarmUp; ++i) look();
-  add(cases, "guided", {0.13e3, "depth read twice, mask written and read: 1.5 MB at 11.6 GB/s"}, look);
+  for (int i = 0; i < kWarmUp; ++i) sense_frame();
+  add(cases, "guided", {0.13e3, "depth read twice, mask written and read: 1.5 MB at 11.6 GB/s"}, sense_frame);
   if (b.index == nullptr) return;
   const std::shared_ptr<index::Index::Scratch> scratch = b.index->make_scratch();
   add(cases, "measuring",
       {0.45e3, "guided; the grid's 0.14 M pairs at 19 vector operations, four a cycle; the mean's 0.8 MB"},
-      [b, look, scratch] {
-        look();
+      [b, sense_frame, scratch] {
+        sense_frame();
         index::QueryOptions options;
-        options.frame_count = kGathered;
+        options.frame_count = kAccumulated;
         keep(b.index->query(b.fuser->describe().feature, options, *scratch));
       });
   const auto feature = std::make_shared<Feature>(b.fuser->describe().feature);
   add(cases, "query", {10, "the feature times 40 targets: 50 k multiplications, 8 a cycle; one tree walk"},
       [b, feature, scratch] {
         index::QueryOptions options;
-        options.frame_count = kGathered;
+        options.frame_count = kAccumulated;
         keep(b.index->query(*feature, options, *scratch));
       });
 }
@@ -205,16 +205,17 @@ void add_sense_parts(Cases& cases, const Bench& b) {
     });
   }
   add(cases, "fuse", {0.06e3, "box of 92 k pixels: 8 bytes read and written"}, [b, room] {
-    if (b.fuser->frame_count() >= kGathered) b.fuser->reset();
+    if (b.fuser->frame_count() >= kAccumulated) b.fuser->reset();
     b.fuser->add(room->last(), room->mask_image(), kCamera, room->detection());
   });
 }
 
 void add_describe_parts(Cases& cases, const Bench& b) {
   const auto room = b.room;
-  const auto gathered = std::make_shared<Fuser>(kCamera.width, kCamera.height);
-  for (int i = 0; i < kGathered; ++i) gathered->add(room->last(), room->mask_image(), kCamera, room->detection());
-  add(cases, "describe", {}, [gathered] { keep(gathered->describe()); });
+  const auto accumulated = std::make_shared<Fuser>(kCamera.width, kCamera.height);
+  for (int i = 0; i < kAccumulated; ++i)
+    accumulated->add(room->last(), room->mask_image(), kCamera, room->detection());
+  add(cases, "describe", {}, [accumulated] { keep(accumulated->describe()); });
 
   const auto grid = std::make_shared<Grid>(*room);
   add(cases, "describe/finish", {0.06e3, "one byte of mask a pixel, of the person's 14 more, at 11.6 GB/s"},

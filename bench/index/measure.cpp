@@ -49,11 +49,11 @@ Errors mean(Errors errors, std::size_t count) {
 }
 
 // Share of the first replies that looking at every model agrees with, bit for bit where values are answered.
-std::optional<double> own_recall(Peer& peer, const Exam& exam, const std::vector<Reply>& replies) {
+std::optional<double> own_recall(Reference& reference, const Exam& exam, const std::vector<Reply>& replies) {
   const Budget budget(exam.seconds / 2);
   std::size_t checked = 0, same = 0;
   for (; checked < replies.size() && (checked < kAskedMin || budget.left()); ++checked) {
-    const auto truth = peer.ask_exhaustively({exam.queries[checked].feature, exam.raw[checked]});
+    const auto truth = reference.ask_exhaustively({exam.queries[checked].feature, exam.raw[checked]});
     if (!truth) return std::nullopt;
     same += truth->model == replies[checked].model && truth->values == replies[checked].values ? 1 : 0;
   }
@@ -88,26 +88,26 @@ Times timed(std::size_t count, double seconds, const std::function<void(std::siz
   return {percentile(us, 0.5), percentile(us, 0.99)};
 }
 
-Row measure(Peer& peer, const Exam& exam) {
+Row measure(Reference& reference, const Exam& exam) {
   Row row;
-  row.peer = peer.name();
-  row.note = peer.note();
+  row.reference = reference.name();
+  row.note = reference.note();
   row.models = exam.models.size();
   row.densified = exam.models.densified_count();
-  row.bytes_a_model = peer.bytes() / static_cast<double>(row.models);
+  row.bytes_a_model = reference.bytes() / static_cast<double>(row.models);
   std::vector<Reply> replies;
   replies.reserve(exam.queries.size());
   Reply reply;
   const Times times = timed(
       exam.queries.size(), exam.seconds,
       [&](std::size_t q) {
-        reply = peer.ask({exam.queries[q].feature, exam.raw[q]});
+        reply = reference.ask({exam.queries[q].feature, exam.raw[q]});
       },
       [&](std::size_t) {
         replies.push_back(reply);
         return true;
       });
-  row.asked = replies.size();
+  row.queries = replies.size();
   row.p50_us = times.p50_us;
   row.p99_us = times.p99_us;
 
@@ -127,20 +127,20 @@ Row measure(Peer& peer, const Exam& exam) {
   } else {
     row.recall_raw = static_cast<double>(right) / static_cast<double>(judged);
   }
-  row.recall_own = own_recall(peer, exam, replies);
+  row.recall_own = own_recall(reference, exam, replies);
   if (!row.recall_own) row.recall_own = row.recall_raw;
   return row;
 }
 
-Row unasked_row(const Exam& exam, std::size_t averaged) {
+Row untimed_row(const Exam& exam, std::size_t averaged) {
   Row row;
-  row.peer = "brute force, " + std::to_string(exam.models.width()) + " float";
-  if (averaged > 1) row.peer += ", mean of " + std::to_string(averaged);
-  row.kind = "unasked";
+  row.reference = "brute force, " + std::to_string(exam.models.width()) + " float";
+  if (averaged > 1) row.reference += ", mean of " + std::to_string(averaged);
+  row.kind = "untimed";
   row.note = "error only";
   row.models = exam.models.size();
   row.densified = exam.models.densified_count();
-  row.asked = exam.raw_nearest.size();
+  row.queries = exam.raw_nearest.size();
   for (std::size_t q = 0; q < exam.raw_nearest.size(); ++q) {
     const std::size_t count = std::min(averaged, exam.raw_nearest[q].size());
     MeasurementValues sum{};
@@ -150,7 +150,7 @@ Row unasked_row(const Exam& exam, std::size_t averaged) {
     }
     add_errors(row.error, sum, exam.queries[q].truth);
   }
-  row.error = mean(row.error, row.asked);
+  row.error = mean(row.error, row.queries);
   return row;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One peer at one size: how fast it answers people it does not know, and how wrong.
+// One reference at one size: how fast it answers people it does not know, and how wrong.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/index/peer.h"
+#include "bench/index/reference.h"
 
 namespace im2fit::bench {
 
@@ -19,26 +19,26 @@ inline constexpr std::array<Measurement, 4> kJudged = {Measurement::stature, Mea
 using Errors = std::array<double, kJudged.size()>;  // mean absolute, mm
 
 struct Row {
-  std::string kind, peer, note;
+  std::string kind, reference, note;
   std::size_t models = 0, densified = 0;
   std::optional<double> build_s, bytes_a_model;
-  std::size_t asked = 0;
+  std::size_t queries = 0;
   std::optional<double> p50_us, p99_us;  // processor time of one thread
-  std::optional<double> recall_own;      // the same nearest as by looking at every model in the peer's own space
+  std::optional<double> recall_own;      // the same nearest as by looking at every model in the reference's own space
   std::optional<double> recall_raw;      // the same nearest as by the raw 501 features
   Errors error{};
   std::optional<Errors> error_of_nearest;  // of ours, before the regression
 };
 
-inline constexpr std::size_t kAveraged = 32;  // as many as our own regression asks, give or take
+inline constexpr std::size_t kAveraged = 32;  // about as many as our own regression uses
 
-// Who asks, and what is right at one size.
+// The queries, and what is right at one size.
 struct Exam {
   const Models& models;
   std::vector<std::vector<float>> raw;                  // of every query
   std::vector<std::vector<std::uint32_t>> raw_nearest;  // kAveraged of the first so many, as time allowed
   const std::vector<index::Sample>& queries;
-  double seconds;  // to spend on asking, for each row; a hundred queries are asked in any case
+  double seconds;  // to spend on queries, for each row; at least a hundred are made
 };
 Exam make_exam(const Models& models, const std::vector<index::Sample>& queries, double seconds);
 
@@ -51,8 +51,8 @@ Times timed(std::size_t count, double seconds, const std::function<void(std::siz
             const std::function<bool(std::size_t)>& judge);
 
 // Every query once, in turn, until time is up.
-Row measure(Peer& peer, const Exam& exam);
+Row measure(Reference& reference, const Exam& exam);
 // Errors only, of what brute force would answer. `averaged`: the mean of so many nearest, up to kAveraged.
-Row unasked_row(const Exam& exam, std::size_t averaged);
+Row untimed_row(const Exam& exam, std::size_t averaged);
 
 }  // namespace im2fit::bench

@@ -31,9 +31,9 @@ class Models {
 
   void feature(std::size_t model, float* out) const;  // width() values
   MeasurementValues truth(std::size_t model) const;
-  // Of somebody who asks: what was not measured counts as the mean of all.
+  // Of a query: what was not measured counts as the mean of all.
   std::vector<float> query(std::span<const float> feature) const;
-  // All features in order, `rows` at a time. The time it took, which is nobody's build time, in s.
+  // All features in order, `rows` at a time. The time it took, which counts as no build time, in s.
   double each_block(std::size_t rows,
                     const std::function<void(std::size_t first, std::span<const float> features)>& take) const;
   // Every (size / count)-th feature.

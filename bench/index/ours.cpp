@@ -3,14 +3,14 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "bench/index/peer.h"
+#include "bench/index/reference.h"
 #include "index/index.h"
 #include "lab/index_building/builder.h"
 
 namespace im2fit::bench {
 namespace {
 
-class Ours : public Peer {
+class Ours : public Reference {
  public:
   Ours(const People& people, bool raw_only)
       : groups_(raw_only ? index::default_groups(kRawSize) : people.groups), raw_only_(raw_only) {}
@@ -18,8 +18,8 @@ class Ours : public Peer {
     return std::string("im2fit") + (raw_only_ ? ", 501 features" : "") + (exhaustive_ ? ", exhaustive" : "");
   }
   std::string note() const override { return note_; }
-  std::size_t way_count() const override { return raw_only_ ? 1 : 2; }
-  void use_way(std::size_t way) override { exhaustive_ = way == 1; }
+  std::size_t method_count() const override { return raw_only_ ? 1 : 2; }
+  void use_method(std::size_t method) override { exhaustive_ = method == 1; }
 
   double build(const Models& models) override {
     const auto start = std::chrono::steady_clock::now();
@@ -59,9 +59,9 @@ class Ours : public Peer {
     index::QueryOptions options;
     options.exhaustive = exhaustive;
     const auto feature = raw_only_ ? question.feature.first(kRawSize) : question.feature;
-    auto asked = index_->query(feature, options, **scratch_);
-    if (!asked) throw std::runtime_error(asked.error().message);
-    const index::Answer& answer = *asked;
+    auto answered = index_->query(feature, options, **scratch_);
+    if (!answered) throw std::runtime_error(answered.error().message);
+    const index::Answer& answer = *answered;
     MeasurementValues values{};
     for (std::size_t m = 0; m < kMeasurementCount; ++m) values[m] = answer.measurements[m].value;
     return {answer.nearest, values, answer.nearest_values};
@@ -77,7 +77,7 @@ class Ours : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> make_ours(const People& people, bool raw_only) {
+std::unique_ptr<Reference> make_ours(const People& people, bool raw_only) {
   return std::make_unique<Ours>(people, raw_only);
 }
 

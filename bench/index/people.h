@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is in the index, and who asks.
+// Who is in the index, and who is queried.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace im2fit::bench {
 
-inline constexpr std::uint64_t kHeldOutEvery = 20;  // of the subjects one is in no index and only asked about
+inline constexpr std::uint64_t kHeldOutEvery = 20;  // of the subjects one is in no index and only queried
 
 struct People {
   std::vector<index::Sample> models, queries;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Query time against models, log-log: one line a peer, p50 drawn through and p99 dashed.
+// Query time against models, log-log: one line a reference, p50 drawn through and p99 dashed.
 #include <array>
 #include <map>
 #include <tuple>
@@ -38,10 +38,10 @@ std::vector<SvgPoint> points_of(const Panel& panel, const std::vector<const Row*
   return points;
 }
 
-// The bars: p50 at 50,000 and p99 at 5,000,000.
+// The targets: p50 at 50,000 and p99 at 5,000,000.
 void draw_bars(Svg& svg, const Panel& panel) {
   for (const auto& [models, ms, words] :
-       {std::tuple{5e4, 0.02, "p50 bar, 20 µs"}, std::tuple{5e6, 1.0, "p99 bar, 1 ms"}}) {
+       {std::tuple{5e4, 0.02, "p50 target, 20 µs"}, std::tuple{5e6, 1.0, "p99 target, 1 ms"}}) {
     const auto [x, y] = panel.at(models, ms);
     svg.line({x - 18, y}, {x + 18, y}, {lab::kRed, 3});
     svg.text({x + 18, y + 16}, words, {Lettering::Anchor::end, 12, lab::kRed});
@@ -51,12 +51,12 @@ void draw_bars(Svg& svg, const Panel& panel) {
 }  // namespace
 
 std::string plot_of(const Measured& all) {
-  std::vector<std::string> peers;
+  std::vector<std::string> references;
   std::map<std::string, std::vector<const Row*>> rows;
   for (const Row& row : all.rows) {
     if (!row.p50_us) continue;
-    if (rows[row.peer].empty()) peers.push_back(row.peer);
-    rows[row.peer].push_back(&row);
+    if (rows[row.reference].empty()) references.push_back(row.reference);
+    rows[row.reference].push_back(&row);
   }
   constexpr double kLeft = 76, kTop = 44, kWidth = 560, kHeight = 440;
   Svg svg(980, kTop + kHeight + 60, "Query time against models");
@@ -64,14 +64,14 @@ std::string plot_of(const Measured& all) {
   const Panel panel(svg, {kLeft, kTop, kWidth, kHeight}, kModels, kTime);
   draw_bars(svg, panel);
   std::vector<lab::LineEnd> ends;
-  for (std::size_t p = 0; p < peers.size(); ++p) {
+  for (std::size_t p = 0; p < references.size(); ++p) {
     const char* colour = kColours[p % kColours.size()];
-    const auto& of = rows[peers[p]];
+    const auto& of = rows[references[p]];
     const auto p50 = points_of(panel, of, &Row::p50_us);
-    svg.polyline(p50, {colour, peers[p] == "im2fit" ? 3.5 : 1.8});
+    svg.polyline(p50, {colour, references[p] == "im2fit" ? 3.5 : 1.8});
     svg.polyline(points_of(panel, of, &Row::p99_us), {colour, 1.2, "5 4"});
     for (const SvgPoint& point : p50) svg.disc(point, 3, colour);
-    ends.push_back({p50.back(), peers[p], colour});
+    ends.push_back({p50.back(), references[p], colour});
   }
   name_line_ends(svg, ends, kLeft + kWidth + 24, kTop, kTop + kHeight);
   return svg.file();

@@ -37,9 +37,9 @@ std::string or_dash(const std::optional<double>& value, Format format) {
   return value ? format(*value) : "–";
 }
 
-const Row* find(const Measured& all, const std::string& peer, std::size_t models) {
+const Row* find(const Measured& all, const std::string& reference, std::size_t models) {
   for (const Row& row : all.rows)
-    if (row.peer == peer && row.models == models) return &row;
+    if (row.reference == reference && row.models == models) return &row;
   return nullptr;
 }
 
@@ -50,10 +50,10 @@ std::vector<std::size_t> sizes_of(const Measured& all) {
   return sizes;
 }
 
-Bar at_most(const std::string& what, double bar, const std::string& unit, const std::optional<double>& measured,
-            int digits) {
-  if (!measured) return {what, "≤ " + number(bar, digits) + unit, "not measured", {}};
-  return {what, "≤ " + number(bar, digits) + unit, number(*measured, digits) + unit, *measured <= bar};
+Target at_most(const std::string& what, double target, const std::string& unit, const std::optional<double>& measured,
+               int digits) {
+  if (!measured) return {what, "≤ " + number(target, digits) + unit, "not measured", {}};
+  return {what, "≤ " + number(target, digits) + unit, number(*measured, digits) + unit, *measured <= target};
 }
 
 // Least gain over the judged measurements.
@@ -70,24 +70,24 @@ bool as_accurate(const Row& theirs, const Row& ours) {
   return true;
 }
 
-void compare_with_peers(const Measured& all, std::size_t models, std::vector<Bar>& bars) {
+void compare_with_references(const Measured& all, std::size_t models, std::vector<Target>& targets) {
   const Row* ours = find(all, "im2fit", models);
   if (ours == nullptr) return;
   const std::string at = " at " + thousands(models);
-  std::string slower_than_us = "no peer is as accurate";
+  std::string slower_than_us = "no reference is as accurate";
   bool met = true;
   const Row* fastest = nullptr;
   for (const Row& row : all.rows) {
-    if (row.models != models || !row.p50_us || row.peer.starts_with("im2fit")) continue;
+    if (row.models != models || !row.p50_us || row.reference.starts_with("im2fit")) continue;
     if (fastest == nullptr || *row.p50_us < *fastest->p50_us) fastest = &row;
     if (!as_accurate(row, *ours)) continue;
-    slower_than_us = row.peer + " is, and takes " + duration(*row.p50_us);
+    slower_than_us = row.reference + " is, and takes " + duration(*row.p50_us);
     met = met && *row.p50_us > *ours->p50_us && *row.p99_us > *ours->p99_us;
   }
   if (fastest == nullptr) return;
-  bars.push_back({"faster than every peer of equal or less error" + at, "all", slower_than_us, met});
-  bars.push_back({"the fastest peer of any error" + at + ", over ours, p50", "–",
-                  number(*fastest->p50_us / *ours->p50_us, 1) + "x (" + fastest->peer + ")", std::nullopt});
+  targets.push_back({"faster than every reference of equal or less error" + at, "all", slower_than_us, met});
+  targets.push_back({"the fastest reference of any error" + at + ", over ours, p50", "–",
+                     number(*fastest->p50_us / *ours->p50_us, 1) + "x (" + fastest->reference + ")", std::nullopt});
 }
 
 Json errors_json(const Errors& errors) {
@@ -102,11 +102,11 @@ void put(Json& json, const char* name, const std::optional<double>& value) {
 }
 
 Json row_json(const Row& row) {
-  Json out = {{"peer", row.peer},
+  Json out = {{"peer", row.reference},
               {"note", row.note},
               {"models", row.models},
               {"densified", row.densified},
-              {"asked", row.asked}};
+              {"asked", row.queries}};
   put(out, "build_s", row.build_s);
   put(out, "bytes_a_model", row.bytes_a_model);
   put(out, "p50_us", row.p50_us);
@@ -128,32 +128,32 @@ std::string search_table_of(const Measured& all) {
   std::string text =
       "\n## The search alone\nThe same neighbours in our projected space, found by others over the same places. "
       "Exact "
-      "ones give the same answer as ours.\n\n| models | who (what) | build s | B/model | p50 | p99 | asked | "
+      "ones give the same answer as ours.\n\n| models | who (what) | build s | B/model | p50 | p99 | queries | "
       "neighbours found |\n|---:|---|---:|---:|---:|---:|---:|---:|\n";
   for (const Row& row : all.searches)
-    text += "| " + thousands(row.models) + " | " + row.peer + " (" + row.note + ") | " +
+    text += "| " + thousands(row.models) + " | " + row.reference + " (" + row.note + ") | " +
             or_dash(row.build_s, [](double s) { return number(s, 1); }) + " | " +
             or_dash(row.bytes_a_model, [](double b) { return number(b, 1); }) + " | " +
             or_dash(row.p50_us, duration) + " | " + or_dash(row.p99_us, duration) + " | " +
-            std::to_string(row.asked) + " | " + or_dash(row.recall_own, [](double v) { return number(v, 4); }) +
+            std::to_string(row.queries) + " | " + or_dash(row.recall_own, [](double v) { return number(v, 4); }) +
             " |\n";
   return text;
 }
 
-// The fastest that finds what ours finds: a peer of equal error, were our regression put behind it.
-void compare_searches(const Measured& all, std::size_t models, std::vector<Bar>& bars) {
+// The fastest that finds what ours finds: a reference of equal error, were our regression put behind it.
+void compare_searches(const Measured& all, std::size_t models, std::vector<Target>& targets) {
   const Row* ours = nullptr;
   const Row* best = nullptr;
   for (const Row& row : all.searches) {
     if (row.models != models) continue;
-    if (row.peer == "im2fit, int8") ours = &row;
-    if (!row.peer.starts_with("im2fit") && (best == nullptr || *row.p50_us < *best->p50_us)) best = &row;
+    if (row.reference == "im2fit, int8") ours = &row;
+    if (!row.reference.starts_with("im2fit") && (best == nullptr || *row.p50_us < *best->p50_us)) best = &row;
   }
   if (ours == nullptr || best == nullptr) return;
   const double gain = *best->p50_us / *ours->p50_us;
-  bars.push_back(
-      {"the search alone at " + thousands(models) + ": fastest peer over ours, p50", "> 1x",
-       number(gain, 2) + "x (" + best->peer + ", finds " + number(100 * best->recall_own.value_or(0), 1) + " %)",
+  targets.push_back(
+      {"the search alone at " + thousands(models) + ": fastest reference over ours, p50", "> 1x",
+       number(gain, 2) + "x (" + best->reference + ", finds " + number(100 * best->recall_own.value_or(0), 1) + " %)",
        gain > 1});
 }
 
@@ -170,18 +170,18 @@ std::string size_line(const Measured& all, std::size_t models) {
 std::string table_of(const Measured& all, std::size_t models) {
   std::string text =
       "\n**" + size_line(all, models) + "**\n\n" +
-      "| method | build s | B/model | p50 | p99 | asked | recall own / raw | stature | chest | waist | "
+      "| method | build s | B/model | p50 | p99 | queries | recall own / raw | stature | chest | waist | "
       "hip mm |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   const auto share = [](double v) { return number(v, 3); };
   for (const Row& row : all.rows) {
     if (row.models != models) continue;
-    text += "| " + row.peer + (row.note.empty() ? "" : " (" + row.note + ")") + " | " +
+    text += "| " + row.reference + (row.note.empty() ? "" : " (" + row.note + ")") + " | " +
             or_dash(row.build_s, [](double s) { return number(s, 1); }) + " | " +
             or_dash(row.bytes_a_model, [](double b) { return number(b, b < 100 ? 1 : 0); }) + " | " +
             or_dash(row.p50_us, duration) + " | " + or_dash(row.p99_us, duration) + " | " +
-            std::to_string(row.asked) + " | " + or_dash(row.recall_own, share) + " / " +
+            std::to_string(row.queries) + " | " + or_dash(row.recall_own, share) + " / " +
             or_dash(row.recall_raw, share) + " |" + error_cells(row.error) + "\n";
-    if (row.error_of_nearest && row.peer == "im2fit")
+    if (row.error_of_nearest && row.reference == "im2fit")
       text +=
           "| – its nearest model, without the regression | | | | | | |" + error_cells(*row.error_of_nearest) + "\n";
   }
@@ -190,21 +190,21 @@ std::string table_of(const Measured& all, std::size_t models) {
 
 }  // namespace
 
-std::vector<Bar> bars_of(const Measured& all) {
-  std::vector<Bar> bars;
+std::vector<Target> targets_of(const Measured& all) {
+  std::vector<Target> targets;
   const Row* small = find(all, "im2fit", kSmall);
   const Row* large = find(all, "im2fit", kLarge);
   const auto field = [](const Row* row, std::optional<double> Row::*f) { return row ? row->*f : std::nullopt; };
-  bars.push_back(at_most("query at 50,000, p50", 20, " µs", field(small, &Row::p50_us), 1));
-  bars.push_back(at_most("query at 5,000,000, p99", 1000, " µs", field(large, &Row::p99_us), 0));
+  targets.push_back(at_most("query at 50,000, p50", 20, " µs", field(small, &Row::p50_us), 1));
+  targets.push_back(at_most("query at 5,000,000, p99", 1000, " µs", field(large, &Row::p99_us), 0));
   std::optional<double> growth50, growth99;
   if (small && large) {
     growth50 = *large->p50_us / *small->p50_us;
     growth99 = *large->p99_us / *small->p99_us;
   }
-  bars.push_back(at_most("growth of p50 from 50,000 to 5,000,000", 10, "x", growth50, 1));
-  bars.push_back(at_most("growth of p99 from 50,000 to 5,000,000", 10, "x", growth99, 1));
-  bars.push_back(at_most("bytes a model at 5,000,000", 24, "", field(large, &Row::bytes_a_model), 2));
+  targets.push_back(at_most("growth of p50 from 50,000 to 5,000,000", 10, "x", growth50, 1));
+  targets.push_back(at_most("growth of p99 from 50,000 to 5,000,000", 10, "x", growth99, 1));
+  targets.push_back(at_most("bytes a model at 5,000,000", 24, "", field(large, &Row::bytes_a_model), 2));
   for (const std::size_t models : sizes_of(all)) {
     const Row* ours = find(all, "im2fit", models);
     const Row* raw = find(all, "brute force, 501 float", models);
@@ -212,16 +212,16 @@ std::vector<Bar> bars_of(const Measured& all) {
     const std::string at = " at " + thousands(models);
     // Exact is 1.000x: the answers are the same to the bit.
     const double same = ours->recall_own.value_or(0);
-    bars.push_back({"answers the same as by exhaustive search" + at, "error ≤ 1.02x",
-                    number(100 * same, 2) + " % to the bit", same == 1.0});
+    targets.push_back({"answers the same as by exhaustive search" + at, "error ≤ 1.02x",
+                       number(100 * same, 2) + " % to the bit", same == 1.0});
     if (raw == nullptr) continue;
     const double gain = least_gain(raw->error, ours->error);
-    bars.push_back(
+    targets.push_back(
         {"error of raw nearest over ours" + at + ", least of four", "≥ 2.5x", number(gain, 2) + "x", gain >= 2.5});
-    compare_with_peers(all, models, bars);
-    compare_searches(all, models, bars);
+    compare_with_references(all, models, targets);
+    compare_searches(all, models, targets);
   }
-  return bars;
+  return targets;
 }
 
 std::string json_of(const Measured& all) {
@@ -234,28 +234,28 @@ std::string json_of(const Measured& all) {
               {"memory_peak_gb", all.memory_peak_gb}};
   for (const Row& row : all.rows) out["rows"].push_back(row_json(row));
   for (const Row& row : all.searches) out["searches"].push_back(row_json(row));
-  for (const Bar& bar : bars_of(all)) {
-    Json b = {{"what", bar.what}, {"bar", bar.bar}, {"measured", bar.measured}};
-    if (bar.met) b["met"] = *bar.met;
-    out["bars"].push_back(b);
+  for (const Target& target : targets_of(all)) {
+    Json b = {{"what", target.what}, {"target", target.target}, {"measured", target.measured}};
+    if (target.met) b["met"] = *target.met;
+    out["targets"].push_back(b);
   }
   return out.dump(1) + "\n";
 }
 
 std::string markdown_of(const Measured& all, const std::string& plot_file) {
   std::string text =
-      "<!-- SPDX-License-Identifier: Apache-2.0 -->\n<!-- Written by index_peers. -->\n# The index and its "
-      "peers\n\n" +
+      "<!-- SPDX-License-Identifier: Apache-2.0 -->\n<!-- Written by index_references. -->\n# The index beside "
+      "reference implementations\n\n" +
       all.processor + ", processor time of one thread. " + all.origin + ": " + thousands(all.models_real) +
-      " rendered models, " + thousands(all.queries) + " held-out people who ask; features of " +
-      thousands(all.feature_size) + " values, of which peers take the paper's 501. Peak memory " +
+      " rendered models, " + thousands(all.queries) + " held-out people queried; features of " +
+      thousands(all.feature_size) + " values, of which reference implementations take the paper's 501. Peak memory " +
       number(all.memory_peak_gb, 1) + " GB, " + number(all.seconds / 60, 1) +
-      " minutes in all. What the words mean and how to rerun: "
-      "[notebook](../../docs/notebook/index-references.md).\n\n";
-  text += "| what | bar | measured | met |\n|---|---:|---:|---|\n";
-  for (const Bar& bar : bars_of(all))
-    text += "| " + bar.what + " | " + bar.bar + " | " + bar.measured + " | " +
-            (bar.met ? *bar.met ? "yes" : "**no**" : "–") + " |\n";
+      " minutes in all. What the words mean and how to rerun: [docs/notebook/"
+      "index-references.md](../../docs/notebook/index-references.md).\n\n";
+  text += "| what | target | measured | met |\n|---|---:|---:|---|\n";
+  for (const Target& target : targets_of(all))
+    text += "| " + target.what + " | " + target.target + " | " + target.measured + " | " +
+            (target.met ? *target.met ? "yes" : "**no**" : "–") + " |\n";
   text += "\n![query time against models](" + plot_file + ")\n";
   for (const std::size_t models : sizes_of(all)) text += table_of(all, models);
   if (!all.searches.empty()) text += search_table_of(all);

@@ -18,11 +18,11 @@ struct Measured {
   std::vector<Row> searches;  // without errors
 };
 
-struct Bar {
-  std::string what, bar, measured;
+struct Target {
+  std::string what, target, measured;
   std::optional<bool> met;  // none: was not measured
 };
-std::vector<Bar> bars_of(const Measured& all);
+std::vector<Target> targets_of(const Measured& all);
 
 std::string json_of(const Measured& all);
 std::string markdown_of(const Measured& all, const std::string& plot_file);

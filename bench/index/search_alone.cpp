@@ -31,11 +31,11 @@ class Contest {
   Row measure(const std::string& name, const std::function<void(std::size_t query, Found& found)>& search) {
     Row row;
     row.kind = "search";
-    row.peer = name;
+    row.reference = name;
     row.models = exam_.models.size();
     row.densified = exam_.models.densified_count();
     Found found(count_);
-    std::size_t right = 0, asked = 0;
+    std::size_t right = 0, queries = 0;
     const Times times = timed(
         exam_.queries.size(), exam_.seconds / 2, [&](std::size_t q) { search(q, found); },
         [&](std::size_t q) {
@@ -46,13 +46,13 @@ class Contest {
           std::set_intersection(sorted.begin(), sorted.end(), truth_[q].begin(), truth_[q].end(),
                                 std::back_inserter(both));
           right += both.size();
-          ++asked;
-          return asked < truth_.size() || truth_.size() == q + 1;
+          ++queries;
+          return queries < truth_.size() || truth_.size() == q + 1;
         });
-    row.asked = asked;
+    row.queries = queries;
     row.p50_us = times.p50_us;
     row.p99_us = times.p99_us;
-    row.recall_own = static_cast<double>(right) / static_cast<double>(asked * count_);
+    row.recall_own = static_cast<double>(right) / static_cast<double>(queries * count_);
     return row;
   }
 
@@ -97,21 +97,21 @@ std::vector<Row> search_alone(std::span<const std::byte> file, const Exam& exam,
   rows.push_back(contest.measure(
       "im2fit, int8", [&](std::size_t q, Found& found) { keep(work.search.nearest(grid[q], count), found); }));
   for (Row& row : rows) row.bytes_a_model = code_bytes;
-  std::vector<std::unique_ptr<PlaceSearch>> peers;
-  peers.push_back(make_nanoflann_places());
-#ifdef IM2FIT_PEERS_HNSWLIB
-  if (graphs) peers.push_back(make_hnswlib_places());
+  std::vector<std::unique_ptr<PlaceSearch>> references;
+  references.push_back(make_nanoflann_places());
+#ifdef IM2FIT_REFERENCES_HNSWLIB
+  if (graphs) references.push_back(make_hnswlib_places());
 #endif
-  for (auto& peer : peers) {
+  for (auto& reference : references) {
     auto all = places_of(*contents, width);
     const auto start = std::chrono::steady_clock::now();
-    peer->build(std::move(all), width);
+    reference->build(std::move(all), width);
     const double build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    rows.push_back(
-        contest.measure(peer->name(), [&](std::size_t q, Found& found) { peer->find(&places[q * width], found); }));
+    rows.push_back(contest.measure(reference->name(),
+                                   [&](std::size_t q, Found& found) { reference->find(&places[q * width], found); }));
     rows.back().build_s = build_s;
-    rows.back().bytes_a_model = peer->bytes() / static_cast<double>(exam.models.size());
-    peer.reset();
+    rows.back().bytes_a_model = reference->bytes() / static_cast<double>(exam.models.size());
+    reference.reset();
   }
   for (Row& row : rows)
     row.note = std::to_string(count) + " neighbours in " + std::to_string(dimensions) + " dimensions";

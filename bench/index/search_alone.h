@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The search alone: who finds the neighbours fastest once our projection has done its part. With the same neighbours
-// our regression gives the same answer, so these are the peers of equal error.
+// our regression gives the same answer, so these are the references of equal error.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,9 @@ class PlaceSearch {
 std::unique_ptr<PlaceSearch> make_nanoflann_places();
 std::unique_ptr<PlaceSearch> make_hnswlib_places();
 
-// `file`: an index over the exam's models. Rows of ours, its exhaustive search, and peers over the same places as
-// floats; recall_own is the share of the neighbours found, of those exhaustive search finds. `graphs`: hnswlib too.
+// `file`: an index over the exam's models. Rows of ours, its exhaustive search, and references over the same places
+// as floats; recall_own is the share of the neighbours found, of those exhaustive search finds. `graphs`: hnswlib
+// too.
 std::vector<Row> search_alone(std::span<const std::byte> file, const Exam& exam, bool graphs);
 
 }  // namespace im2fit::bench

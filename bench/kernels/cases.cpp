@@ -17,10 +17,8 @@ void add_silhouette_cases(Cases& cases);
 void add_membership_cases(Cases& cases);
 void add_fuse_cases(Cases& cases);
 void add_segment_cases(Cases& cases);
-void add_edge_cases(Cases& cases);
 void add_unpack11_cases(Cases& cases);
 void add_undistort_cases(Cases& cases);
-void add_unproject_cases(Cases& cases);
 void add_contour_cases(Cases& cases);
 void add_height_cases(Cases& cases);
 void add_section_cases(Cases& cases);
@@ -49,10 +47,8 @@ constexpr Topic kTopics[] = {
     {"membership", add_membership_cases},
     {"fuse", add_fuse_cases},
     {"segment", add_segment_cases},
-    {"edge", add_edge_cases},
     {"unpack11", add_unpack11_cases},
     {"undistort", add_undistort_cases},
-    {"unproject", add_unproject_cases},
     {"contour", add_contour_cases},
     {"height", add_height_cases},
     {"section", add_section_cases},

@@ -23,7 +23,7 @@ struct Floor {
 };
 
 struct Case {
-  std::string kernel;   // "unproject/640x480": topic and size
+  std::string kernel;   // "contour/480x640": topic and size
   std::string variant;  // the row's name in kernels.inc; "frame" cases: how the whole was chosen
   Tier tier = Tier::portable;
   double items = 0;  // what one run handles, for a rate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times every case: kernels_bench --benchmark_filter=unproject. Rates are per second, floors in microseconds.
+// Times every case: kernels_bench --benchmark_filter=contour. Rates are per second, floors in microseconds.
 #include <benchmark/benchmark.h>
 
 #include "bench/kernels/cases.h"

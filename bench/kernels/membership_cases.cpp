@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A person's cells and those beside them. Most cells lie inside and one comparison settles their pixels.
+// A person's cells and those beside them. Most cells lie inside and one comparison decides their pixels.
 #include "bench/kernels/cases.h"
 #include "bench/kernels/room_picture.h"
 #include "kernels/membership/membership.h"

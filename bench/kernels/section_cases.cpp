@@ -53,7 +53,7 @@ void add_moments_cases(Cases& cases) {
   const SectionPoint* points = data->points.data() + 3 * (Cuts::kCapacity + kSectionSlack);
   const int count = data->counts[3];
   const Floor floor = {instructions_us(count / 8.0 * 57),
-                       "57 instructions for 8 points: two halves of 9 sums of 64 bits"};
+                       "57 instructions for 8 points: two groups of 9 sums of 64 bits"};
   add_variants(cases, "moments/waist", kMomentsKernels, count, "point", floor, true, [&](auto* function) {
     return [data, function, points, count] {
       std::array<std::int64_t, kMomentCount> sums;

@@ -21,7 +21,7 @@ struct Anchor {
 };
 static_assert(sizeof(Anchor) == 8);
 
-inline constexpr int kAnchorLanes = 16;  // joints, and places that nobody asks for
+inline constexpr int kAnchorLanes = 16;  // joints, and unused places
 static_assert(kJointCount <= kAnchorLanes);
 struct AnchorJoints {
   alignas(32) float x[kAnchorLanes] = {}, y[kAnchorLanes] = {};  // mm
@@ -29,17 +29,17 @@ struct AnchorJoints {
 };
 // A box of the picture: its pixel (0, 0) is the picture's (u_first, v_first).
 struct AnchorBox {
-  const std::uint16_t* depth;  // mm, 0: nobody; width * height >= 1 values
+  const std::uint16_t* depth;  // mm, 0: no person; width * height >= 1 values
   int width, height, u_first, v_first;
   float fx, fy, cx, cy;
   int reference_mm;
 };
 inline constexpr int kAnchorFarMm = 600;
 
-// out[i * out_step]: depth under anchor i from the reference, within +-kAnchorFarMm; that where nobody is. The place
-// is p = from
-// + (to - from) share + (dx, dy) over 1/z interpolated likewise. Joints of all anchors < kAnchorLanes; places within
-// 10^7 px. No allocation, thread-safe. Every product and sum is rounded once: all tiers agree bit for bit.
+// out[i * out_step]: depth under anchor i from the reference, within +-kAnchorFarMm; that where there is no person.
+// The place is p = from + (to - from) share + (dx, dy) over 1/z interpolated likewise. Joints of all anchors <
+// kAnchorLanes; places within 10^7 px. No allocation, thread-safe. Every product and sum is rounded once: all tiers
+// agree bit for bit.
 using AnchorDepthsFunction = void(const Anchor* anchors, int count, const AnchorJoints& joints, const AnchorBox& box,
                                   std::int16_t* out, std::ptrdiff_t out_step);
 AnchorDepthsFunction anchor_depths_ref, anchor_depths_portable, anchor_depths_avx2, anchor_depths;

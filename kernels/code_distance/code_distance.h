@@ -19,7 +19,7 @@ inline constexpr std::int32_t kCodePlaceMax = 16256;
 // far nearer; among points this far away the order is of no use.
 inline constexpr std::int32_t kCodeGapMax = 11585;
 
-// What is asked for, prepared; coordinates beyond kCodePlaceMax are clamped.
+// The query, prepared; coordinates beyond kCodePlaceMax are clamped.
 struct CodeQuery {
   // Steps 0..kCodeStepMax; at most kCodeDimensionMax dimensions.
   CodeQuery(const std::int32_t* steps, const std::int32_t* place, int dimension_count);

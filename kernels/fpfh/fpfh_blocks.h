@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the hand-written tiers share around their loop over the pairs of one source.
 //
-// They take the candidates as they lie, in row order and without gathering: a candidate out of range costs a lane but
-// no branch. A pair is counted by adding 32 bytes, read from a table by its three bins, to the 32 byte counters of
-// each of its two points. Byte b of the 32 is bin b of the 33; the last bin of f3 is what the others leave of the
+// They take the candidates as they lie, in row order and without collecting: a candidate out of range costs a lane
+// but no branch. A pair is counted by adding 32 bytes, read from a table by its three bins, to the 32 byte counters
+// of each of its two points. Byte b of the 32 is bin b of the 33; the last bin of f3 is what the others leave of the
 // number of pairs. Byte counters overflow after 255 pairs, hence they are emptied into the 32-bit counts after as
 // many sources, each of which adds at most one to any other point, and a source's own after as many lanes.
 //

@@ -15,11 +15,11 @@ using GeodesicMm = Fixed<std::int32_t, 7>;
 // nearest 1/128 mm. x, y, z: GeodesicMm raws within +-2^30; the parts of a step saturate at +-256 mm (a surface seen
 // that coarsely is another one): their squares' sum is at most 3 * 2^30, its root 56756, so 75,000 steps fit the
 // result. Roots are rounded to the nearest, not down: what that adds and takes cancels. 0 for fewer than two points.
-// Integers in all tiers, the same ones; ref, in double, differs by at most half a unit a step. No allocation,
+// Integers; ref, in double, differs by at most half a unit a step. No allocation,
 // thread-safe.
 using GeodesicFunction = std::uint32_t(const std::int32_t* x, const std::int32_t* y, const std::int32_t* z,
                                        int count);
-GeodesicFunction geodesic_ref, geodesic_portable, geodesic_neon, geodesic_avx2, geodesic;
+GeodesicFunction geodesic_ref, geodesic_portable, geodesic;
 
 inline constexpr KernelVariant<GeodesicFunction> kGeodesicKernels[] = {
 #include "kernels/geodesic/kernels.inc"

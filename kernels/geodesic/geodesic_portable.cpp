@@ -30,8 +30,7 @@ std::uint32_t geodesic_portable(const std::int32_t* x, const std::int32_t* y, co
 }
 
 std::uint32_t geodesic(const std::int32_t* x, const std::int32_t* y, const std::int32_t* z, int count) {
-  IM2FIT_CHOSEN_ONCE best = fastest(kGeodesicKernels);
-  return best(x, y, z, count);
+  return geodesic_portable(x, y, z, count);
 }
 
 }  // namespace im2fit

@@ -18,8 +18,7 @@ void add_gram_portable(const double* rows, const double* weights, int count, int
 }
 
 void add_gram(const double* rows, const double* weights, int count, int used, double* sums, double* products) {
-  IM2FIT_CHOSEN_ONCE best = fastest(kAddGramKernels);
-  best(rows, weights, count, used, sums, products);
+  add_gram_portable(rows, weights, count, used, sums, products);
 }
 
 }  // namespace im2fit

@@ -30,11 +30,11 @@ inline constexpr std::int32_t kHeightNone = INT32_MAX;
 
 // Sets kHeightBins sums of squared depths: in 1/256 mm^2 of a pixel's area times fx fy. Points outside the bins are
 // left out; 2^22 pixels of 2^32 stay below 2^54. Returns the lowest height of all that count, in or outside the bins,
-// as a CoordinateMm raw; kHeightNone where nothing counts. Integers in all tiers, the same ones. No allocation,
+// as a CoordinateMm raw; kHeightNone where nothing counts. Integers. No allocation,
 // thread-safe. `ref`: in double from the same tables; a point within 2^-10 mm of a bin's or the side's edge may fall
 // to either side.
 using HeightFunction = std::int32_t(const HeightScan& scan, std::uint64_t* squares);
-HeightFunction height_ref, height_portable, height_neon, height_avx2, height;
+HeightFunction height_ref, height_portable, height;
 
 inline constexpr KernelVariant<HeightFunction> kHeightKernels[] = {
 #include "kernels/height/kernels.inc"

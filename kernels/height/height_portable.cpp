@@ -49,8 +49,7 @@ std::int32_t height_portable(const HeightScan& s, std::uint64_t* squares) {
 }
 
 std::int32_t height(const HeightScan& scan, std::uint64_t* squares) {
-  IM2FIT_CHOSEN_ONCE best = fastest(kHeightKernels);
-  return best(scan, squares);
+  return height_portable(scan, squares);
 }
 
 }  // namespace im2fit

@@ -22,8 +22,7 @@ void moments_portable(const SectionPoint* points, int count, int first_x, int la
 }
 
 void moments(const SectionPoint* points, int count, int first_x, int last_x, std::int64_t* sums) {
-  IM2FIT_CHOSEN_ONCE best = fastest(kMomentsKernels);
-  best(points, count, first_x, last_x, sums);
+  moments_portable(points, count, first_x, last_x, sums);
 }
 
 }  // namespace im2fit

@@ -13,8 +13,7 @@ void project_portable(const std::int16_t* feature, const std::int16_t* weights, 
 }
 
 void project(const std::int16_t* feature, const std::int16_t* weights, int stride, int row_count, std::int64_t* out) {
-  IM2FIT_CHOSEN_ONCE best = fastest(kProjectKernels);
-  best(feature, weights, stride, row_count, out);
+  project_portable(feature, weights, stride, row_count, out);
 }
 
 }  // namespace im2fit

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen cells at a time. Steps 4 and 2 are pictures of 640 and 320 pixels; others pick their looks one by one and
+// Sixteen cells at a time. Steps 4 and 2 are pictures of 640 and 320 pixels; others pick their samples one by one and
 // share the median.
 #include <immintrin.h>
 
@@ -14,7 +14,7 @@ __m256i load(const std::uint16_t* p) {
   return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p));
 }
 
-__m256i look(__m256i z) {
+__m256i sort_key(__m256i z) {
   const __m256i less = _mm256_sub_epi16(z, _mm256_set1_epi16(1));
   const __m256i far = _mm256_set1_epi16(kSampleDepthMaxMm);
   return _mm256_or_si256(less, _mm256_cmpeq_epi16(_mm256_max_epu16(less, far), less));
@@ -27,11 +27,11 @@ void order(__m256i& a, __m256i& b) {
 }
 
 void median(__m256i a, __m256i b, __m256i c, __m256i d, __m256i e, std::uint16_t* out) {
-  a = look(a);
-  b = look(b);
-  c = look(c);
-  d = look(d);
-  e = look(e);
+  a = sort_key(a);
+  b = sort_key(b);
+  c = sort_key(c);
+  d = sort_key(d);
+  e = sort_key(e);
   order(a, b);
   order(d, e);
   order(c, e);
@@ -92,17 +92,17 @@ void cells_of_2(const Rows& p, std::uint16_t* out) {
 
 // Any step, and what is left of a row: `count` cells from 1 to 16.
 void cells_one_by_one(const Rows& p, int step, int count, std::uint16_t* out) {
-  alignas(32) std::uint16_t looks[5][kLanes] = {};
+  alignas(32) std::uint16_t samples[5][kLanes] = {};
   for (int c = 0; c < count; ++c) {
     const int u = c * step;
-    looks[0][c] = p.top[u];
-    looks[1][c] = p.top[u + step - 1];
-    looks[2][c] = p.middle[u + step / 2];
-    looks[3][c] = p.bottom[u];
-    looks[4][c] = p.bottom[u + step - 1];
+    samples[0][c] = p.top[u];
+    samples[1][c] = p.top[u + step - 1];
+    samples[2][c] = p.middle[u + step / 2];
+    samples[3][c] = p.bottom[u];
+    samples[4][c] = p.bottom[u + step - 1];
   }
   alignas(32) std::uint16_t medians[kLanes];
-  median(load(looks[0]), load(looks[1]), load(looks[2]), load(looks[3]), load(looks[4]), medians);
+  median(load(samples[0]), load(samples[1]), load(samples[2]), load(samples[3]), load(samples[4]), medians);
   for (int c = 0; c < count; ++c) out[c] = medians[c];
 }
 
@@ -126,7 +126,7 @@ void sample_avx2(DepthView depth, int step, std::uint16_t* out) {
     }
     out += width;
   }
-  // GCC 12 forgets this after a call of median(). With the upper halves in use, all SSE code that follows waits for
+  // GCC 12 forgets this after a call of median(). With the upper parts in use, all SSE code that follows waits for
   // registers it does not need: the search for the floor took two and a half times as long.
   _mm256_zeroupper();
 }

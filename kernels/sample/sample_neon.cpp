@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kLanes = 8;
 
-uint16x8_t look(uint16x8_t z) {
+uint16x8_t sort_key(uint16x8_t z) {
   const uint16x8_t less = vsubq_u16(z, vdupq_n_u16(1));
   return vorrq_u16(less, vcgeq_u16(less, vdupq_n_u16(kSampleDepthMaxMm)));
 }
@@ -21,11 +21,11 @@ void order(uint16x8_t& a, uint16x8_t& b) {
 }
 
 void median(uint16x8_t a, uint16x8_t b, uint16x8_t c, uint16x8_t d, uint16x8_t e, std::uint16_t* out) {
-  a = look(a);
-  b = look(b);
-  c = look(c);
-  d = look(d);
-  e = look(e);
+  a = sort_key(a);
+  b = sort_key(b);
+  c = sort_key(c);
+  d = sort_key(d);
+  e = sort_key(e);
   order(a, b);
   order(d, e);
   order(c, e);
@@ -59,18 +59,18 @@ void cells_of_2(const Rows& p, std::uint16_t* out) {
 
 // Any step, and what is left of a row: `count` cells from 1 to 8.
 void cells_one_by_one(const Rows& p, int step, int count, std::uint16_t* out) {
-  std::uint16_t looks[5][kLanes] = {};
+  std::uint16_t samples[5][kLanes] = {};
   for (int c = 0; c < count; ++c) {
     const int u = c * step;
-    looks[0][c] = p.top[u];
-    looks[1][c] = p.top[u + step - 1];
-    looks[2][c] = p.middle[u + step / 2];
-    looks[3][c] = p.bottom[u];
-    looks[4][c] = p.bottom[u + step - 1];
+    samples[0][c] = p.top[u];
+    samples[1][c] = p.top[u + step - 1];
+    samples[2][c] = p.middle[u + step / 2];
+    samples[3][c] = p.bottom[u];
+    samples[4][c] = p.bottom[u + step - 1];
   }
   std::uint16_t medians[kLanes];
-  median(vld1q_u16(looks[0]), vld1q_u16(looks[1]), vld1q_u16(looks[2]), vld1q_u16(looks[3]), vld1q_u16(looks[4]),
-         medians);
+  median(vld1q_u16(samples[0]), vld1q_u16(samples[1]), vld1q_u16(samples[2]), vld1q_u16(samples[3]),
+         vld1q_u16(samples[4]), medians);
   for (int c = 0; c < count; ++c) out[c] = medians[c];
 }
 

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint16_t kNone = 65535;
 
 // Depth less one: no data, be it 0 or too far, sorts last, and one added to "none" gives 0 again.
-std::uint16_t look(std::uint16_t z) {
+std::uint16_t sort_key(std::uint16_t z) {
   const auto less = static_cast<std::uint16_t>(z - 1);
   return less < kSampleDepthMaxMm ? less : kNone;
 }
@@ -47,7 +47,8 @@ void sample_portable(DepthView depth, int step, std::uint16_t* out) {
     const std::uint16_t* bottom = depth.row(r * step + last);
     for (int c = 0; c < width; ++c) {
       const std::ptrdiff_t u = std::ptrdiff_t{c} * step;
-      out[c] = median(look(top[u]), look(top[u + last]), look(middle[u]), look(bottom[u]), look(bottom[u + last]));
+      out[c] = median(sort_key(top[u]), sort_key(top[u + last]), sort_key(middle[u]), sort_key(bottom[u]),
+                      sort_key(bottom[u + last]));
     }
     out += width;
   }

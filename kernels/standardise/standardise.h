@@ -23,7 +23,7 @@ inline constexpr std::int16_t kStandardFeatureRawMax = 5 * 4096;
 // allocation, thread-safe.
 using StandardiseFunction = void(const float* feature, const float* mean, const float* scale, int count,
                                  std::int16_t* out);
-StandardiseFunction standardise_ref, standardise_portable, standardise_neon, standardise_avx2, standardise;
+StandardiseFunction standardise_ref, standardise_portable, standardise;
 
 inline constexpr KernelVariant<StandardiseFunction> kStandardiseKernels[] = {
 #include "kernels/standardise/kernels.inc"

@@ -50,7 +50,7 @@ struct LeafBatch {
   }
 };
 
-// A model is larger than the caches of a tablet: a leaf's 32 bytes are asked for as soon as they are known.
+// A model is larger than the caches of a tablet: a leaf's 32 bytes are prefetched as soon as they are known.
 inline void find_leaves(const Split* splits, const std::int16_t* pixels, int run_count, LeafBatch& batch) {
   for (int t = 0; t < batch.count; ++t) {
     const Lanes at = leaf_under<0, kSplitDepth>(splits + std::ptrdiff_t{t} * kSplitCount, pixels) *

@@ -32,7 +32,7 @@ ShiftTable shift_table(const ZeroPlane& plane) {
     const std::int64_t k = 2 * raw - 8 * plane.constant_shift - 3;
     const std::int64_t denominator = 8 * plane.emitter_nm - k * plane.pixel_nm;
     if (denominator <= 0) continue;  // beyond infinity
-    // Halves of a millimetre are whole numbers of nanometres: nothing is lost by dividing twice.
+    // Half millimetres are whole numbers of nanometres: nothing is lost by dividing twice.
     const std::int64_t z_mm = (numerator / denominator + kNmPerMm / 2) / kNmPerMm;
     if (z_mm <= kDepthMax_mm) table[static_cast<std::size_t>(raw)] = static_cast<std::uint16_t>(z_mm);
   }

@@ -49,12 +49,10 @@ class RayTable {
 // x, y, z: width*height values in mm, NaN in all three where depth is 0. `depth` has the table's size; fraction_bits
 // 0..10 of its values (0: mm, 4: 1/16 mm). No allocation, thread-safe. Portable (fixed point) is within 1e-3 mm of
 // ref up to 16 m: slope rounded to 2^-30 (1.5e-5 mm at 16 m), product to 2^-11 mm, float to 2^-10 mm between 8 and 16
-// m. The product is an integer and the conversion one rounding: all tiers but ref agree bit for bit.
+// m. The frame path takes points one by one from RayTable; whole clouds are for tests and the golden run.
 using UnprojectFunction = void(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y,
                                float* z);
-UnprojectFunction unproject_ref, unproject_portable, unproject_neon, unproject_avx2;
-// The fastest here.
-void unproject(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y, float* z);
+UnprojectFunction unproject_ref, unproject_portable;
 
 using UnprojectKernel = KernelVariant<UnprojectFunction>;
 inline constexpr UnprojectKernel kUnprojectKernels[] = {

@@ -61,9 +61,4 @@ void unproject_portable(DepthView depth, int fraction_bits, const RayTable& rays
   }
 }
 
-void unproject(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y, float* z) {
-  IM2FIT_CHOSEN_ONCE best = fastest(kUnprojectKernels);
-  best(depth, fraction_bits, rays, x, y, z);
-}
-
 }  // namespace im2fit

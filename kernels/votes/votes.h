@@ -19,11 +19,9 @@ struct VotingPoints {
 
 // The plane is q . (x/z, y/z, 1) = -1/z; rays that meet it beyond 100 m, or not at all, do not vote. Float, in this
 // order: inverse = -((q0 x + q1 y) + q2), plane = 1 / inverse, |z - plane| < near, z > (plane + 80) + far. No
-// allocation, thread-safe. Every tier gives portable's counts, and ref's but for points on an edge to 1e-3 mm;
-// ARMv7's NEON cannot divide, so portable runs there.
+// allocation, thread-safe. Portable gives ref's counts but for points on an edge to 1e-3 mm.
 using VotesFunction = void(const VotingPoints& points, const float* q, Votes& out);
-VotesFunction votes_ref, votes_portable, votes_neon, votes_avx2;
-VotesFunction votes;  // the fastest here
+VotesFunction votes_ref, votes_portable, votes;
 
 using VotesKernel = KernelVariant<VotesFunction>;
 inline constexpr VotesKernel kVotesKernels[] = {

@@ -19,8 +19,7 @@ void votes_portable(const VotingPoints& points, const float* q, Votes& out) {
 }
 
 void votes(const VotingPoints& points, const float* q, Votes& out) {
-  IM2FIT_CHOSEN_ONCE best = fastest(kVotesKernels);
-  best(points, q, out);
+  votes_portable(points, q, out);
 }
 
 }  // namespace im2fit

@@ -150,7 +150,7 @@ Result<std::vector<ReferenceLine>> read_index_references(const std::string& path
   const auto* text = reinterpret_cast<const char*>(bytes->data());
   const auto json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
   if (!json.is_object() || !json.contains("rows") || !json["rows"].is_array())
-    return Error{ErrorCode::corrupt, path + ": expected the JSON of bench/index/index_peers, with `rows`"};
+    return Error{ErrorCode::corrupt, path + ": expected the JSON of bench/index/index_references, with `rows`"};
   std::vector<ReferenceLine> lines = {{"im2fit", {}}, {"brute force, 501 float", {}}};
   for (const auto& row : json["rows"])
     for (ReferenceLine& line : lines)

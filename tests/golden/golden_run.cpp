@@ -75,14 +75,15 @@ void add_frame(Lines& lines, std::size_t frame, const Detection& detection, Mask
             static_cast<unsigned>(detection.guidance));
 }
 
-// Points and normals of the whole fused picture: the production path thins it first, so these name the two kernels.
+// Points and normals of the whole fused picture: the production path downsamples it first, so these name the two
+// kernels.
 void add_cloud(Lines& lines, const Intrinsics& k, DepthView fused_q4) {
   const auto size = static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height);
   std::vector<float> values(6 * size);
   const auto plane = [&](std::size_t i) { return std::span(values).subspan(i * size, size); };
   RayTable rays(k.width, k.height);
   rays.set(k);
-  fastest(kUnprojectKernels)(fused_q4, 4, rays, plane(0).data(), plane(1).data(), plane(2).data());
+  unproject_portable(fused_q4, 4, rays, plane(0).data(), plane(1).data(), plane(2).data());
   lines.add_checksum("fused points", checksum(std::span(values).first(3 * size)));
   fastest(kNormalsKernels)(k, plane(0).data(), plane(1).data(), plane(2).data(), 2, 30, plane(3).data(),
                            plane(4).data(), plane(5).data());

@@ -3,11 +3,9 @@
 
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "hal/intrinsics.h"
 #include "hal/known_sensors.h"
-#include "hal/push_source.h"
 #include "hal/synthetic_source.h"
 #include "support.h"
 
@@ -129,73 +127,6 @@ TEST(Intrinsics, FieldOfViewComesBack) {
   EXPECT_NEAR(right->fy, 320, 1e-3);
   for (const float bad : {0.0F, -1.0F, 4.0F, std::numeric_limits<float>::quiet_NaN()})
     EXPECT_FALSE(intrinsics_from_field_of_view(640, 480, bad, 0.8F, "test"));
-}
-
-TEST(PushSource, GivesWhatWasPushedTurnedUpright) {
-  PushSource::Options options;
-  options.rotate_deg = 90;
-  auto source = PushSource::create(camera_of(64, 48), options);
-  ASSERT_TRUE(source) << source.error().message;
-  ASSERT_TRUE((*source)->start());
-  EXPECT_EQ((*source)->info().intrinsics.width, 48);
-  const Picture in = random_picture(64, 48, 3);
-  ASSERT_TRUE((*source)->push(in.view(), FrameInfo{7, 1000, 33}));
-  ASSERT_TRUE((*source)->push(in.view(), FrameInfo{9, 2000, 66}));
-  (*source)->finish();
-  Picture out(48, 64);
-  const auto first = (*source)->next(out.image(), 100);
-  ASSERT_TRUE(first) << first.error().message;
-  EXPECT_EQ(first->sequence, 7U);
-  EXPECT_EQ(first->device_us, 33);
-  EXPECT_EQ(out.pixels, turned(in, 90).pixels);
-  ASSERT_TRUE((*source)->next(out.image(), 100));
-  EXPECT_EQ((*source)->next(out.image(), 100).error().code, ErrorCode::end_of_stream);
-  EXPECT_EQ((*source)->stats().delivered, 2U);
-  EXPECT_EQ((*source)->stats().gaps, 1U);
-  EXPECT_EQ((*source)->push(in.view(), FrameInfo{}).error().code, ErrorCode::end_of_stream);
-}
-
-TEST(PushSource, WrongSizesAndSilenceAreErrors) {
-  auto source = PushSource::create(camera_of(64, 48), {});
-  ASSERT_TRUE(source);
-  Picture small(32, 48);
-  EXPECT_EQ((*source)->push(small.view(), 0).error().code, ErrorCode::invalid_argument);
-  EXPECT_EQ((*source)->next(small.image(), 1).error().code, ErrorCode::invalid_argument);
-  Picture right(64, 48);
-  EXPECT_EQ((*source)->next(right.image(), 1).error().code, ErrorCode::timeout);
-  PushSource::Options crooked;
-  crooked.rotate_deg = 45;
-  EXPECT_FALSE(PushSource::create(camera_of(64, 48), crooked));
-}
-
-TEST(PushSource, ReplayWaitsForTheReaderAndLosesNothing) {
-  auto source = PushSource::create(camera_of(16, 12), {});
-  ASSERT_TRUE(source);
-  std::thread producer([&] {
-    for (std::uint64_t i = 0; i < 200; ++i) {
-      const Picture in = random_picture(16, 12, i);
-      ASSERT_TRUE((*source)->push(in.view(), static_cast<std::int64_t>(i)));
-    }
-    (*source)->finish();
-  });
-  Picture out(16, 12);
-  std::uint64_t count = 0;
-  while ((*source)->next(out.image(), 10'000)) EXPECT_EQ(out.pixels, random_picture(16, 12, count++).pixels);
-  producer.join();
-  EXPECT_EQ(count, 200U);
-}
-
-TEST(PushSource, LiveDropsTheOldestAndCountsIt) {
-  PushSource::Options options;
-  options.live = true;
-  options.ring_frames = 2;
-  auto source = PushSource::create(camera_of(16, 12), options);
-  ASSERT_TRUE(source);
-  for (std::uint64_t i = 0; i < 5; ++i) ASSERT_TRUE((*source)->push(random_picture(16, 12, i).view(), 0));
-  Picture out(16, 12);
-  EXPECT_EQ((*source)->next(out.image(), 100)->sequence, 3U);
-  EXPECT_EQ(out.pixels, random_picture(16, 12, 3).pixels);
-  EXPECT_EQ((*source)->next(out.image(), 100)->sequence, 4U);
 }
 
 TEST(KnownSensors, AreThoseThatProjectPatterns) {

@@ -21,7 +21,7 @@ INSTANTIATE_TEST_SUITE_P(Tiers, Mean, testing::ValuesIn(kMeanKernels), kName);
 
 TEST_P(Average, AddsWhatLiesWithinFiftyMillimetresOfTheMean) {
   if (!tier_available(GetParam().tier)) GTEST_SKIP() << "not on this machine";
-  struct Look {
+  struct Sample {
     std::uint16_t depth;
     std::uint8_t mask;
     std::uint32_t sum;
@@ -29,26 +29,26 @@ TEST_P(Average, AddsWhatLiesWithinFiftyMillimetresOfTheMean) {
     bool added;
   };
   // The mean of 2000 and 2001 is 2000.5: whole depths up to 2050 and from 1951 are within 50 of it.
-  const std::vector<Look> looks = {{2050, 255, 4001, 2, true},
-                                   {2051, 255, 4001, 2, false},
-                                   {1951, 255, 4001, 2, true},
-                                   {1950, 255, 4001, 2, false},
-                                   {2000, 0, 4001, 2, false},
-                                   {0, 255, 0, 0, false},
-                                   {1, 255, 0, 0, true},
-                                   {4095, 255, 0, 0, true},
-                                   {4096, 255, 0, 0, false},
-                                   {65535, 255, 0, 0, false},
-                                   {4095, 255, 4095U * 4094, 4094, true}};
-  for (const Look& look : looks) {
-    const std::vector<std::uint16_t> depth(9, look.depth);
-    const std::vector<std::uint8_t> mask(9, look.mask);
-    std::vector<std::uint32_t> sum(9, look.sum);
-    std::vector<std::uint16_t> seen(9, look.seen);
+  const std::vector<Sample> samples = {{2050, 255, 4001, 2, true},
+                                       {2051, 255, 4001, 2, false},
+                                       {1951, 255, 4001, 2, true},
+                                       {1950, 255, 4001, 2, false},
+                                       {2000, 0, 4001, 2, false},
+                                       {0, 255, 0, 0, false},
+                                       {1, 255, 0, 0, true},
+                                       {4095, 255, 0, 0, true},
+                                       {4096, 255, 0, 0, false},
+                                       {65535, 255, 0, 0, false},
+                                       {4095, 255, 4095U * 4094, 4094, true}};
+  for (const Sample& sample : samples) {
+    const std::vector<std::uint16_t> depth(9, sample.depth);
+    const std::vector<std::uint8_t> mask(9, sample.mask);
+    std::vector<std::uint32_t> sum(9, sample.sum);
+    std::vector<std::uint16_t> seen(9, sample.seen);
     GetParam().function(depth.data(), mask.data(), 9, sum.data(), seen.data());
     for (std::size_t i = 0; i < 9; ++i) {
-      ASSERT_EQ(sum[i], look.sum + (look.added ? look.depth : 0U)) << look.depth;
-      ASSERT_EQ(seen[i], look.seen + (look.added ? 1 : 0)) << look.depth;
+      ASSERT_EQ(sum[i], sample.sum + (sample.added ? sample.depth : 0U)) << sample.depth;
+      ASSERT_EQ(seen[i], sample.seen + (sample.added ? 1 : 0)) << sample.depth;
     }
   }
 }

@@ -21,38 +21,34 @@ HeightScan scan_of(const test::RayPicture& p, std::int32_t up_offset, std::int32
           p.rows1.data(), up_offset, side_offset,       side_max};
 }
 
-void compare_tiers(const HeightScan& scan, checkasm::Trial& trial) {
-  checkasm::Buffer<std::uint64_t> want(kHeightBins, trial.next_end());
-  const std::int32_t lowest = height_portable(scan, want.data());
-  checkasm::each_simd(kHeightKernels, [&](const auto& variant) {
-    checkasm::Buffer<std::uint64_t> got(kHeightBins, trial.next_end());
-    EXPECT_EQ(variant.function(scan, got.data()), lowest);
-    checkasm::expect_same_bits(want, got);
-  });
+// Between guard pages: what is read or written outside faults.
+void run_guarded(const HeightScan& scan, checkasm::Trial& trial) {
+  checkasm::Buffer<std::uint64_t> squares(kHeightBins, trial.next_end());
+  height_portable(scan, squares.data());
 }
 
-TEST(Height, TiersAgree) {
+TEST(Height, StaysInItsBuffers) {
   checkasm::Trial trial;
   for (const int width : checkasm::odd_sizes(80)) {
     IM2FIT_CHECK_PARAMETERS(trial, width);
     // Slopes of a camera, so that most heights fall into the bins.
     const test::RayPicture p(width, 6, kSlopeOne / 4, 16000, 40000, trial);
-    compare_tiers(scan_of(p, 900 << 10, trial.biased(-300000, 300000), 400 << 10), trial);
+    run_guarded(scan_of(p, 900 << 10, trial.biased(-300000, 300000), 400 << 10), trial);
     if (HasFailure()) return;
   }
 }
 
 // The largest tables, depths and offsets the contract allows.
-TEST(Height, TiersAgreeAtTheExtremes) {
+TEST(Height, StaysInItsBuffersAtTheExtremes) {
   checkasm::Trial trial;
   for (int turn = 0; turn < 40; ++turn) {
     IM2FIT_CHECK_PARAMETERS(trial, turn);
     const test::RayPicture p(37, 3, kSlopeOne / 8 * 23, 1, 65535, trial);
-    compare_tiers(
+    run_guarded(
         scan_of(p, trial.biased(-kFormOffsetMax, kFormOffsetMax), trial.biased(-kFormOffsetMax, kFormOffsetMax),
                 turn % 2 == 0 ? std::numeric_limits<std::int32_t>::max() : trial.biased(0, kFormOffsetMax)),
         trial);
-    compare_tiers(scan_of(p, trial.biased(-4000000, 4000000), 0, std::numeric_limits<std::int32_t>::max()), trial);
+    run_guarded(scan_of(p, trial.biased(-4000000, 4000000), 0, std::numeric_limits<std::int32_t>::max()), trial);
     if (HasFailure()) return;
   }
 }

@@ -26,7 +26,7 @@ TEST(AnchorDepths, RefReadsThePixelUnderThePlace) {
                             {4, -4, 0, 0, 0},    // still (0, 0)
                             {0, 0, 0, 1, 256},   // (16, 0)
                             {-6, 0, 0, 0, 0},    // (-1, 0)
-                            {20, 0, 0, 0, 0},    // nobody
+                            {20, 0, 0, 0, 0},    // no person
                             {10, 10, 0, 0, 0},   // far behind
                             {20, 10, 0, 0, 0}};  // far before
   constexpr std::int16_t kExpected[] = {0, 19, 3, 0, 600, 600, 600, 600, -600};

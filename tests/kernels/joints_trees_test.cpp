@@ -7,7 +7,7 @@ namespace {
 
 using checkasm::Buffer;
 
-// A tree whose every split asks "pixel 0 - pixel 1 > threshold" with the same threshold at every node goes all right
+// A tree whose every split tests "pixel 0 - pixel 1 > threshold" with the same threshold at every node goes all right
 // or all left; alternating along the path spells the leaf's number in binary.
 TEST(SumLeaves, RefFollowsThePathAndAddsTheLeaf) {
   for (int leaf = 0; leaf < kLeafCount; ++leaf) {

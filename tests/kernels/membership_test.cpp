@@ -40,24 +40,24 @@ INSTANTIATE_TEST_SUITE_P(Tiers, Membership, testing::ValuesIn(kMembershipKernels
 // The person's cell at 2000 mm beside one of another thing at 2030: the limit there is 40 + 1.5 x 11.4 = 57.1 mm.
 TEST_P(Membership, NearestSurfaceWithinTheLimit) {
   if (!tier_available(GetParam().tier)) GTEST_SKIP() << "not on this machine";
-  struct Look {
+  struct Sample {
     std::uint16_t z;
     bool alone, beside;
   };
-  const std::vector<Look> looks = {{0, false, false},    {1944, true, true},   {1943, false, false},
-                                   {2000, true, true},   {2015, true, true},   {2016, true, false},
-                                   {2039, true, false},  {2057, true, false},  {2058, true, false},
-                                   {2059, false, false}, {10001, false, false}};
-  for (const Look& look : looks) {
+  const std::vector<Sample> samples = {{0, false, false},    {1944, true, true},   {1943, false, false},
+                                       {2000, true, true},   {2015, true, true},   {2016, true, false},
+                                       {2039, true, false},  {2057, true, false},  {2058, true, false},
+                                       {2059, false, false}, {10001, false, false}};
+  for (const Sample& sample : samples) {
     for (const bool beside : {false, true}) {
       Cells cells(2, 1, 4);
       cells.person[cells.at(0, 0)] = 2000;
       if (beside) cells.other[cells.at(1, 0)] = 2030;
-      const std::vector<std::uint16_t> depth(8 * 4, look.z);
+      const std::vector<std::uint16_t> depth(8 * 4, sample.z);
       std::vector<std::uint8_t> mask(depth.size(), 7);
       GetParam().function({depth.data(), 8, 4}, cells.view(), cells.list.data(), 2, {mask.data(), 8, 4});
       for (const std::uint8_t m : mask)
-        ASSERT_EQ(m, (beside ? look.beside : look.alone) ? 255 : 0) << look.z << ' ' << beside;
+        ASSERT_EQ(m, (beside ? sample.beside : sample.alone) ? 255 : 0) << sample.z << ' ' << beside;
     }
   }
 }

@@ -24,9 +24,6 @@ void compare_tiers(const SectionPoint* points, int count, int first_x, int last_
   const checkasm::Guard guard = trial.next_end();
   const Sums want = run(moments_portable, points, count, first_x, last_x, guard);
   EXPECT_EQ(want, run(moments_ref, points, count, first_x, last_x, guard));
-  checkasm::each_simd(kMomentsKernels, [&](const auto& variant) {
-    EXPECT_EQ(want, run(variant.function, points, count, first_x, last_x, guard));
-  });
 }
 
 TEST(Moments, TiersAgree) {

@@ -14,11 +14,11 @@ namespace {
 
 class Sample : public testing::TestWithParam<SampleKernel> {
  protected:
-  // One cell of 4 x 4 with these five looks; the eleven pixels nobody looks at hold nonsense.
-  std::uint16_t cell(std::array<std::uint16_t, 5> looks) const {
+  // One cell of 4 x 4 with these five samples; the eleven pixels not sampled hold nonsense.
+  std::uint16_t cell(std::array<std::uint16_t, 5> samples) const {
     std::vector<std::uint16_t> pixels(16, 3);
     const std::array<std::size_t, 5> at = {0, 3, 10, 12, 15};
-    for (std::size_t i = 0; i < at.size(); ++i) pixels[at[i]] = looks[i];
+    for (std::size_t i = 0; i < at.size(); ++i) pixels[at[i]] = samples[i];
     std::uint16_t out = 7;
     GetParam().function({pixels.data(), 4, 4}, 4, &out);
     return out;

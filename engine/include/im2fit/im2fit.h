@@ -112,7 +112,7 @@ typedef struct im2fit_settings {
 
 /* How a camera senses depth, where the caller knows: people's outlines come out differently. */
 enum {
-  IM2FIT_SENSOR_UNKNOWN = 0,          /* judged from the frames: docs/cameras.md says where that is not enough */
+  IM2FIT_SENSOR_UNKNOWN = 0,          /* judged from the frames: docs/cameras says where that is not enough */
   IM2FIT_SENSOR_STRUCTURED_LIGHT = 1, /* Kinect for Xbox 360, Xtion, Astra */
   IM2FIT_SENSOR_TIME_OF_FLIGHT = 2    /* Kinect v2, Azure Kinect */
 };
