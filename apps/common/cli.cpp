@@ -103,6 +103,9 @@ Option* App::add_flag(const std::string& name, bool& value, const std::string& d
 Option* App::get_option(const std::string& name) {
   return keep(app_->get_option(name));
 }
+void App::remove_option(Option* option) {
+  app_->remove_option(option->option_);
+}
 App* App::add_subcommand(const std::string& name, const std::string& description) {
   return subcommands_.emplace_back(new App(*app_->add_subcommand(name, description))).get();
 }
@@ -114,6 +117,9 @@ void App::footer(const std::string& text) {
 }
 bool App::parsed() const {
   return app_->parsed();
+}
+bool App::any_subcommand() const {
+  return !app_->get_subcommands().empty();
 }
 void App::missing(const std::string& option) {
   throw CLI::RequiredError(option);

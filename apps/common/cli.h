@@ -44,6 +44,7 @@ class Option {
   std::size_t count() const;  // how often it was given
 
  private:
+  friend class App;
   Option* whole_range(std::int64_t least, std::int64_t most);
   Option* real_range(double least, double most);
   CLI::Option* option_;
@@ -67,10 +68,12 @@ class App {
   Option* add_option(const std::string& name, std::vector<std::string>& values, const std::string& description);
   Option* add_flag(const std::string& name, bool& value, const std::string& description);
   Option* get_option(const std::string& name);  // throws for a name that was not added
+  void remove_option(Option* option);
   App* add_subcommand(const std::string& name, const std::string& description);
   void callback(std::function<void()> chosen);
   void footer(const std::string& text);
   bool parsed() const;
+  bool any_subcommand() const;  // was given; CLI11: !get_subcommands().empty()
   // For callbacks: the command line lacks this option. Ends parsing.
   [[noreturn]] static void missing(const std::string& option);
   CLI::App& native() { return *app_; }

@@ -19,6 +19,5 @@ void add_index(cli::App& app, Command& chosen);
 void add_render(cli::App& app, Command& chosen);
 void add_import_raw(cli::App& app, Command& chosen);
 void add_eval(cli::App& app, Command& chosen);
-void add_ellipse(cli::App& app, Command& chosen);
 
 }  // namespace im2fit::apps

@@ -113,7 +113,7 @@ void add_index(cli::App& app, Command& chosen) {
   // A parent's callback runs after its subcommand's: it may only choose where none of them did.
   add_index_inspect(*sub, chosen);
   sub->callback([&chosen, options, sub] {
-    if (sub->get_subcommands().empty()) chosen = [options] { return run_build(*options); };
+    if (!sub->any_subcommand()) chosen = [options] { return run_build(*options); };
   });
 }
 

@@ -10,9 +10,9 @@ int main(int argc, char** argv) {
        {add_fetch, add_population, add_train, add_dataset, add_index, add_render, add_import_raw, add_fingerprint})
     add(app, chosen);
 #if IM2FIT_HAVE_EVALUATION
-  for (auto* add : {add_eval, add_ellipse}) add(app, chosen);
+  add_eval(app, chosen);
 #else
-  footer += "\nThis build has no eval and no ellipse: they come with IM2FIT_BUILD_EVALUATION, as in preset release.";
+  footer += "\nThis build has no eval: it comes with IM2FIT_BUILD_EVALUATION, as in preset release.";
 #endif
   app.footer(footer);
   return run_program(app, chosen, argc, argv);

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/report/text_table.h"
-#include "lab/evaluation/ansur.h"
+#include "lab/population/ansur.h"
 
 namespace im2fit::lab {
 namespace {

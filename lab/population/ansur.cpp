@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lab/evaluation/ansur.h"
+#include "lab/population/ansur.h"
 
 #include <fmt/core.h>
 
