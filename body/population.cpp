@@ -181,8 +181,8 @@ Drawn draw_person(const BodyModel& model, Family family, std::uint64_t seed, std
   const Build build = draw_build(family, drawn.woman, drawn.seed);
   const double stature_mm = std::round(build.stature_mm * 256) / 256,
                weight_kg = std::round(build.weight_kg * 4096) / 4096;
-  // Stature and weight stay as drawn (else there would be too few heavy people); the rest is redrawn until they can be
-  // met. After the last attempt the nearest body stands in: its truth is measured like every other's.
+  // Stature and weight stay as drawn (else there would be too few heavy people); the rest is redrawn until they can
+  // be met. After the last attempt the nearest body stands in: its truth is measured like every other's.
   for (int attempt = 0; attempt < kAttemptCount; ++attempt) {
     drawn.params = draw_params(model, family, drawn, build, attempt);
     put_on_grid(drawn.params);

@@ -57,7 +57,8 @@ int main(int argc, char** argv) {
   if (im2fit_open(&settings, &opened) != IM2FIT_OK) return fail(nullptr);
   const Handle handle(opened, im2fit_close);
 
-  std::vector<std::uint16_t> depth(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height));
+  std::vector<std::uint16_t> depth(static_cast<std::size_t>(settings.width) *
+                                   static_cast<std::size_t>(settings.height));
   im2fit_result result{};
   std::string shown;
   for (std::uint64_t sequence = 0; std::fread(depth.data(), 2, depth.size(), stdin) == depth.size(); ++sequence) {

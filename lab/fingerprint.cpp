@@ -103,15 +103,16 @@ Result<std::string> index_fingerprint(const body::BodyModel& model, const JointM
   Checksum sum;
   DatasetOptions options;
   options.subject_count = 4;
-  const auto report =
-      make_dataset(model, joint_model, options, [](const DatasetProgress&) {}, [&](const index::Sample& sample) { add_sample(sum, sample); });
+  const auto report = make_dataset(
+      model, joint_model, options, [](const DatasetProgress&) {},
+      [&](const index::Sample& sample) { add_sample(sum, sample); });
   if (!report) return report.error();
   const std::vector<index::Sample> samples = invented_samples();
   const auto bytes = index::build_index({}, index::source_of(samples));
   if (!bytes) return bytes.error();
   sum.add(*bytes);
-  return "index " + std::to_string(index::kVersion) + " dataset " + std::to_string(run_key_of(model, options).dataset_version) +
-         " trial " + sum.hex();
+  return "index " + std::to_string(index::kVersion) + " dataset " +
+         std::to_string(run_key_of(model, options).dataset_version) + " trial " + sum.hex();
 }
 
 }  // namespace im2fit::lab

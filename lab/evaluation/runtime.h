@@ -25,8 +25,8 @@ Result<std::vector<RuntimeRow>> measure_runtime(const SessionModels& models, con
                                                 const std::vector<std::string>& files,
                                                 const EvaluationOptions& options);
 
-// A line of bench/results/index-references.json, as `bench/index/index_references` writes it: query time by models of us and of
-// a reference implementation.
+// A line of bench/results/index-references.json, as `bench/index/index_references` writes it: query time by models of
+// us and of a reference implementation.
 struct ReferenceLine {
   std::string name;
   struct Point {
