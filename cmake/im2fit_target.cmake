@@ -7,8 +7,10 @@ function(im2fit_target name)
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   target_compile_features(${name} PUBLIC cxx_std_20)
   target_compile_options(${name} PUBLIC -ffp-contract=off
-                                 PRIVATE -Wall -Wextra -Wconversion -Wno-psabi
-                                         $<$<BOOL:${IM2FIT_WARNINGS_ARE_ERRORS}>:-Werror>)
+                                 PRIVATE -Wall -Wextra -Wconversion -Wno-psabi)
+  if(IM2FIT_WARNINGS_ARE_ERRORS)
+    target_compile_options(${name} PRIVATE -Werror)
+  endif()
   # GCC 12 sees overlapping copies in "text" + std::string at -O3 where there are none (GCC bug 105651).
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     target_compile_options(${name} PRIVATE -Wno-restrict)

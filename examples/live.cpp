@@ -13,10 +13,9 @@
 #include <vector>
 
 namespace {
-
 using Handle = std::unique_ptr<im2fit_handle, decltype(&im2fit_close)>;
 
-// What the person is to do, once for each change.
+// What the person is to do, once a change.
 void guide(const im2fit_result& result, std::string& shown) {
   std::string text = im2fit_state_name(result.state);
   for (int bit = 0; bit < IM2FIT_GUIDANCE_COUNT; ++bit)
@@ -28,7 +27,7 @@ void guide(const im2fit_result& result, std::string& shown) {
 void print(const im2fit_result& result) {
   std::cout << "person " << result.session + 1 << '\n';
   for (int i = 0; i < IM2FIT_MEASUREMENT_COUNT; ++i) {
-    const im2fit_estimate& m = result.measurements[i];
+    const auto& m = result.measurements[i];
     std::printf("  %-17s %7.1f %s  [%.1f, %.1f]\n", im2fit_measurement_name(i), static_cast<double>(m.value),
                 im2fit_measurement_unit(i), static_cast<double>(m.low), static_cast<double>(m.high));
   }
@@ -52,7 +51,9 @@ int main(int argc, char** argv) {
   settings.fx = std::strtof(argv[5], nullptr), settings.fy = std::strtof(argv[6], nullptr);
   settings.cx = std::strtof(argv[7], nullptr), settings.cy = std::strtof(argv[8], nullptr);
   settings.frames_wanted = 6;
-  settings.live = std::getenv("LIVE_WAITS") == nullptr ? 1 : 0;  // a recording on standard input loses no frame
+  const bool recording = std::getenv("LIVE_RECORDING") != nullptr;  // on standard input: no frame is dropped
+  settings.live = recording ? 0 : 1;
+  settings.single_thread = recording ? 1 : 0;
   im2fit_handle* opened = nullptr;
   if (im2fit_open(&settings, &opened) != IM2FIT_OK) return fail(nullptr);
   const Handle handle(opened, im2fit_close);
@@ -72,6 +73,8 @@ int main(int argc, char** argv) {
     print(result);
     if (im2fit_next(handle.get()) != IM2FIT_OK) return fail(handle.get());  // the next one, once this one has left
   }
-  if (im2fit_finish(handle.get()) != IM2FIT_OK) return fail(handle.get());
+  if (im2fit_finish(handle.get()) != IM2FIT_OK || im2fit_poll(handle.get(), &result, sizeof result) != IM2FIT_OK)
+    return fail(handle.get());
+  if (result.state == IM2FIT_STATE_MEASURED) print(result);  // with what there was before the stream ended
   return 0;
 }

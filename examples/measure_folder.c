@@ -69,7 +69,8 @@ int main(int argc, char** argv) {
   im2fit_result result;
   if (im2fit_finish(handle) != IM2FIT_OK) return failed(handle, "finish");
   if (im2fit_poll(handle, &result, sizeof result) != IM2FIT_OK) return failed(handle, "poll");
-  printf("%s, %d of %d frames used\n", im2fit_state_name(result.state), (int)result.frames_used, (int)result.frames_seen);
+  printf("%s, %d of %d frames used\n", im2fit_state_name(result.state), (int)result.frames_used,
+         (int)result.frames_seen);
   for (int i = 0; result.measured && i < IM2FIT_MEASUREMENT_COUNT; ++i)
     printf("%-17s %7.1f %s  [%.1f, %.1f]\n", im2fit_measurement_name(i), (double)result.measurements[i].value,
            im2fit_measurement_unit(i), (double)result.measurements[i].low, (double)result.measurements[i].high);
