@@ -51,22 +51,26 @@ mark() { printf '%s\n' "$2" > "$1.made"; }
 # once and made again when its key changes: the file before it, the settings here, and the program's fingerprint, which
 # a change of arithmetic changes and a comment does not.
 prepare() {
-  local lab=$1 directory=$2 subjects=$3 images=$4 trees=$5 key
+  local lab=$1 directory=$2 subjects=$3 images=$4 trees=$5 key print
   mkdir -p "$directory"
   export IM2FIT_BODY=$cache/body.i2b IM2FIT_TRACKER=$directory/tracker.i2t IM2FIT_INDEX=$directory/index.i2f
   # The trial needs a body: one that cannot be read is no longer good.
   if [ ! -s "$IM2FIT_BODY" ] || ! key=$(fingerprint "$lab" body) || ! made "$IM2FIT_BODY" "$key"; then
     say "body data"
     "$lab" fetch --out "$IM2FIT_BODY"
-    mark "$IM2FIT_BODY" "$(fingerprint "$lab" body)"
+    key=$(fingerprint "$lab" body)
+    mark "$IM2FIT_BODY" "$key"
   fi
-  key="$(fingerprint "$lab" tracker), $images renders, $trees trees, body $(sha256sum "$IM2FIT_BODY" | cut -c1-16)"
+  # An assignment of its own: a trial that fails ends the script, where it would vanish inside a longer text.
+  print=$(fingerprint "$lab" tracker)
+  key="$print, $images renders, $trees trees, body $(sha256sum "$IM2FIT_BODY" | cut -c1-16)"
   if ! made "$IM2FIT_TRACKER" "$key"; then
     say "tracker from $images renders"
     "$lab" train --images "$images" --level-trees "$trees" --out "$IM2FIT_TRACKER"
     mark "$IM2FIT_TRACKER" "$key"
   fi
-  key="$(fingerprint "$lab" index), $subjects subjects, tracker $(sha256sum "$IM2FIT_TRACKER" | cut -c1-16)"
+  print=$(fingerprint "$lab" index)
+  key="$print, $subjects subjects, tracker $(sha256sum "$IM2FIT_TRACKER" | cut -c1-16)"
   if ! made "$IM2FIT_INDEX" "$key"; then
     say "index of $subjects models"
     "$lab" index --subjects "$subjects" --out "$IM2FIT_INDEX"
