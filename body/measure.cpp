@@ -190,6 +190,10 @@ float relaxed_spread_deg(const BodyModel& model, std::span<const Vec3f> rest_ver
   return spread_deg(stature_mm(model, rest_vertices), volume_litres(model, rest_vertices));
 }
 
+double neck_girth_mm(const BodyModel& model, std::span<const Vec3f> posed_vertices) {
+  return perimeter_mm(Standing(model, posed_vertices, 0.5F).neck());
+}
+
 MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3f> rest_vertices, float gender) {
   MeasurementValues out{};
   const auto set = [&](Measurement m, double value) { out[measurement_index(m)] = static_cast<float>(value); };

@@ -18,12 +18,15 @@ MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3
 
 // Closed-mesh volume (signed tetrahedra), litres.
 double volume_litres(const BodyModel& model, std::span<const Vec3f> vertices);
-inline constexpr double kLeanDensityKgM3 = 1010;
-inline constexpr double kObeseDensityKgM3 = 985;
+inline constexpr double kLeanDensityKgM3 = 1025;
+inline constexpr double kObeseDensityKgM3 = 1000;
 inline constexpr double kLeanIndex = 18;  // litres per square metre of stature; density falls linearly between these
 inline constexpr double kObeseIndex = 42;
 double density_kg_m3(double stature_mm, double volume_l);
 double stature_mm(const BodyModel& model, std::span<const Vec3f> vertices);
+
+// The smallest section square to the neck's axis, of a posed mesh.
+double neck_girth_mm(const BodyModel& model, std::span<const Vec3f> posed_vertices);
 
 // Arm abduction of the relaxed pose for this build: 10 (slim) to 22 degrees (obese).
 float relaxed_spread_deg(const BodyModel& model, std::span<const Vec3f> rest_vertices);

@@ -326,6 +326,7 @@ void BodyModel::morph(const Params& params, std::span<Vec3f> out) const {
     const BlendInto into = {scale_of(weights[t]), &out[0].x};
     if (into.scale != 0) add_target(d, t, d.targets[t].run_count, {&into, 1});
   }
+  if (!params.warp.is_none()) apply_warp(*this, params.warp, out);
 }
 
 // A run may cross from the body into the helpers, which therefore need places that hold numbers. The meshes that a

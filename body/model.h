@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "body/warp.h"
 #include "core/joints.h"
 #include "core/status.h"
 #include "core/vec3.h"
@@ -55,6 +56,7 @@ struct Params {
   float firmness = 0.5F;
   std::array<float, 3> race = {1.0F / 3, 1.0F / 3, 1.0F / 3};  // african, asian, caucasian; sums to 1
   std::vector<float> modifiers;  // in BodyModel::modifier_names() order; shorter means zeros
+  Warp warp;                     // of the mesh the sliders make
 };
 
 struct ShapeSpace;  // body/fit/shape_space.h

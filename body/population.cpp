@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "body/measure.h"
+#include "body/proportions.h"
 #include "body/shape_spread.h"
 #include "core/rng.h"
 
@@ -26,7 +28,7 @@ constexpr std::array<AgeGroup, 4> kWomen = {{{18, 25, 0.13, 162.8, 0.3, 71.1, 0.
 // Family tags keep the families' seed spaces apart: the same seed and index never meet.
 constexpr std::array<std::uint64_t, 3> kFamilyTag = {0x7061706572000001ULL, 0x747261696E000002ULL,
                                                      0x68656C646F757403ULL};
-enum Stream : std::uint64_t { kBuildStream = 0x9001, kShapeStream = 0x9002 };
+enum Stream : std::uint64_t { kBuildStream = 0x9001, kShapeStream = 0x9002, kProportionsStream = 0x9005 };
 constexpr int kAttemptCount = 8;
 
 double limited_normal(Rng& rng, double sd_max) {
@@ -126,6 +128,18 @@ void put_on_grid(Params& p) {
   for (float& modifier : p.modifiers) modifier = gridded(modifier);
 }
 
+// Dimensions as they go together in measured people of this stature, weight and age, put on the body the sliders make.
+void give_proportions(const BodyModel& model, const Build& build, Drawn& drawn) {
+  Rng rng = Rng::for_item(drawn.seed, kProportionsStream, 0);
+  std::array<double, kDimensionCount> z{};
+  for (double& value : z) value = limited_normal(rng, 2.6);
+  const Dimensions wanted = likely_dimensions(drawn.woman, build.stature_mm, build.weight_kg, build.age_years, z);
+  const Variety variety = draw_variety(rng);
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(drawn.params, rest);
+  drawn.params.warp = warp_to(model, rest, wanted, variety);
+}
+
 std::uint64_t seed_of_person(Family family, std::uint64_t seed, std::uint64_t number) {
   return Rng::for_item(seed, kFamilyTag[static_cast<std::size_t>(family)], number).next();
 }
@@ -188,6 +202,7 @@ Drawn draw_person(const BodyModel& model, Family family, std::uint64_t seed, std
     put_on_grid(drawn.params);
     if (solve_stature_and_weight(model, drawn.params, stature_mm, weight_kg)) break;
   }
+  if (family == Family::training) give_proportions(model, build, drawn);
   return drawn;
 }
 

@@ -13,7 +13,7 @@ namespace im2fit::body {
 
 enum class Family {
   paper,     // Table 1 means taken literally (spreads are standard errors: near-clones), macros only
-  training,  // real spreads (NHANES/ANSUR-like), local modifiers: index and tracker
+  training,  // real spreads (NHANES), proportions of measured people (ANSUR II), local modifiers: index and tracker
   held_out,  // evaluation: other seeds, other race mixture, mixed gender sliders, modifier groups training lacks
 };
 
@@ -46,7 +46,7 @@ struct Drawn {
 Drawn draw_person(const BodyModel& model, Family family, std::uint64_t seed, std::uint64_t number);
 
 // Raise when draw_person changes: an index of other people is then refused instead of misread.
-inline constexpr std::uint32_t kPopulationVersion = 2;
+inline constexpr std::uint32_t kPopulationVersion = 3;
 // A person of the training family as an index names it. Error: the version is not this one. A few milliseconds.
 Result<Params> params_of_person(const BodyModel& model, std::uint32_t version, std::uint64_t seed,
                                 std::uint64_t number);
