@@ -11,13 +11,14 @@
 namespace im2fit::body {
 
 // Morphs, poses relaxed (arm spread by girth) and measures. Weight from the rest pose's volume.
-// Density 1010..985 kg/m^3 falls with body mass index: see density_kg_m3.
+// Density 1025..1000 kg/m^3 falls with body mass index: see density_kg_m3.
 MeasurementValues measure_person(const BodyModel& model, const Params& params);
 // The same on an already morphed rest mesh.
 MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3f> rest_vertices, float gender);
 
 // Closed-mesh volume (signed tetrahedra), litres.
 double volume_litres(const BodyModel& model, std::span<const Vec3f> vertices);
+// So that bodies with the dimensions of ANSUR II's people weigh what those do (docs/makehuman.md).
 inline constexpr double kLeanDensityKgM3 = 1025;
 inline constexpr double kObeseDensityKgM3 = 1000;
 inline constexpr double kLeanIndex = 18;  // litres per square metre of stature; density falls linearly between these

@@ -11,6 +11,7 @@ std::vector<float> pack_params(const Params& params, std::size_t modifier_count)
   values.resize(params_vector_size(modifier_count), 0.0F);
   const std::size_t given = std::min(modifier_count, params.modifiers.size());
   std::copy_n(params.modifiers.begin(), given, values.begin() + kMacroParamCount);
+  std::copy(params.warp.values.begin(), params.warp.values.end(), values.end() - kWarpCount);
   return values;
 }
 

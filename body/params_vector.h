@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // body::Params as the row of floats a dataset sample stores:
 //   gender, age_years, muscle, weight, height, proportions, cup, firmness, race[3], then one value per local modifier
-//   in BodyModel::modifier_names() order.
+//   in BodyModel::modifier_names() order, then the warp's values (body/warp.h).
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
 #include "body/model.h"
+#include "body/warp.h"
 
 namespace im2fit::body {
 
 inline constexpr std::size_t kMacroParamCount = 11;
 
 constexpr std::size_t params_vector_size(std::size_t modifier_count) {
-  return kMacroParamCount + modifier_count;
+  return kMacroParamCount + modifier_count + kWarpCount;
 }
 
 // Modifiers missing in `params` are zeros, those beyond `modifier_count` are left out.

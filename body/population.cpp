@@ -128,16 +128,11 @@ void put_on_grid(Params& p) {
   for (float& modifier : p.modifiers) modifier = gridded(modifier);
 }
 
-// Dimensions as they go together in measured people of this stature, weight and age, put on the body the sliders make.
 void give_proportions(const BodyModel& model, const Build& build, Drawn& drawn) {
   Rng rng = Rng::for_item(drawn.seed, kProportionsStream, 0);
-  std::array<double, kDimensionCount> z{};
-  for (double& value : z) value = limited_normal(rng, 2.6);
-  const Dimensions wanted = likely_dimensions(drawn.woman, build.stature_mm, build.weight_kg, build.age_years, z);
-  const Variety variety = draw_variety(rng);
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
   model.morph(drawn.params, rest);
-  drawn.params.warp = warp_to(model, rest, wanted, variety);
+  drawn.params.warp = draw_warp(model, drawn.woman, build, rng, rest);
 }
 
 std::uint64_t seed_of_person(Family family, std::uint64_t seed, std::uint64_t number) {
@@ -186,6 +181,13 @@ Build draw_build(Family family, bool woman, std::uint64_t person_seed) {
   const double square_metres = b.stature_mm * b.stature_mm * 1e-6;
   b.weight_kg = std::clamp(b.weight_kg, 16.5 * square_metres, 45 * square_metres);
   return b;
+}
+
+Warp draw_warp(const BodyModel& model, bool woman, const Build& build, Rng& rng, std::span<const Vec3f> rest) {
+  std::array<double, kDimensionCount> z{};
+  for (double& value : z) value = limited_normal(rng, 2.6);
+  const Dimensions wanted = likely_dimensions(woman, build.stature_mm, build.weight_kg, build.age_years, z);
+  return warp_to(model, rest, wanted, draw_variety(rng));
 }
 
 Drawn draw_person(const BodyModel& model, Family family, std::uint64_t seed, std::uint64_t number) {

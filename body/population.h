@@ -7,6 +7,8 @@
 #include <span>
 
 #include "body/model.h"
+#include "body/warp.h"
+#include "core/rng.h"
 #include "core/status.h"
 
 namespace im2fit::body {
@@ -35,6 +37,10 @@ struct Build {
 // Weight is log-normal and goes with stature (correlation of the logarithm .42 men, .28 women); body mass index
 // kept within 16.5..45, stature within 3 sd.
 Build draw_build(Family family, bool woman, std::uint64_t person_seed);
+
+// Dimensions as they go together in measured people (ANSUR II) of this stature, weight and age, as the warp that
+// gives them to a rest mesh without one.
+Warp draw_warp(const BodyModel& model, bool woman, const Build& build, Rng& rng, std::span<const Vec3f> rest);
 
 // One person of a family, without measurements. Deterministic: depends on the model, family, seed and number only.
 // Even numbers are men, odd ones women.

@@ -117,7 +117,8 @@ struct SectionGoal {
 constexpr float kFactorMax = 0.4F;
 constexpr int kSectionSteps = 8;
 
-SectionWarp reach(const Hull& hull, const SectionFrame& frame, const SectionGoal& goal, const SectionVariety& variety) {
+SectionWarp reach(const Hull& hull, const SectionFrame& frame, const SectionGoal& goal,
+                  const SectionVariety& variety) {
   SectionWarp warp;
   if (hull.size() < 3) return warp;
   warp.square = variety.square;
@@ -160,7 +161,8 @@ void set_rises(const WarpLandmarks& marks, const Dimensions& wanted, float head_
                           Dimension::chest_height, Dimension::acromial_height, Dimension::cervicale_height};
   float below_own = marks.floor, below_new = marks.floor;
   for (std::size_t i = 0; i < std::size(own); ++i) {
-    const float rise = limited(static_cast<float>(wanted[to[i]]) + marks.floor - own[i], -kRiseMax * tall, kRiseMax * tall);
+    const float rise =
+        limited(static_cast<float>(wanted[to[i]]) + marks.floor - own[i], -kRiseMax * tall, kRiseMax * tall);
     const float placed = std::max(own[i] + rise, below_new + kGapLeast * (own[i] - below_own));
     warp.values[static_cast<std::size_t>(WarpValue::knee_rise) + i] = (placed - own[i]) / tall;
     below_own = own[i];
@@ -193,7 +195,8 @@ std::vector<Vec3f> relax(const BodyModel& model, std::span<const Vec3f> rest, co
 Dimensions likely_dimensions(bool woman, double stature_mm, double weight_kg, double age_years,
                              const std::array<double, kDimensionCount>& z) {
   const Law& law = kLaws[woman ? 0 : 1];
-  const double given[] = {1, std::log(stature_mm / 1700), std::log(weight_kg / 75), (std::min(age_years, kAgeMost) - 30) / 10};
+  const double given[] = {1, std::log(stature_mm / 1700), std::log(weight_kg / 75),
+                          (std::min(age_years, kAgeMost) - 30) / 10};
   Dimensions out;
   std::size_t next = 0;
   for (std::size_t d = 0; d < kDimensionCount; ++d) {
@@ -206,7 +209,9 @@ Dimensions likely_dimensions(bool woman, double stature_mm, double weight_kg, do
 }
 
 Variety draw_variety(Rng& rng) {
-  const auto normal = [&](double mean, double sd) { return static_cast<float>(mean + sd * std::clamp(rng.normal(), -2.5, 2.5)); };
+  const auto normal = [&](double mean, double sd) {
+    return static_cast<float>(mean + sd * std::clamp(rng.normal(), -2.5, 2.5));
+  };
   Variety v;
   for (SectionVariety* section : {&v.hip, &v.waist, &v.chest}) {
     section->square = normal(0.01, 0.025);
@@ -233,23 +238,26 @@ class Fitting {
     Warp warp;
     set_rises(marks_, wanted, variety.head_rise, warp);
     const auto ratio = [&](Dimension breadth, Dimension depth) { return wanted[breadth] / wanted[depth]; };
-    const auto section = [&](WarpValue first, const Hull& hull, float y, const SectionGoal& goal, const SectionVariety& v) {
+    const auto section = [&](WarpValue first, const Hull& hull, float y, const SectionGoal& goal,
+                             const SectionVariety& v) {
       set_section(warp, first, reach(hull, section_frame(model_, rest_, y), goal, v));
     };
     section(WarpValue::hip_breadth, sections_.hip, marks_.buttock,
-            {wanted[Dimension::buttock_girth], ratio(Dimension::hip_breadth, Dimension::buttock_depth), 0}, variety.hip);
+            {wanted[Dimension::buttock_girth], ratio(Dimension::hip_breadth, Dimension::buttock_depth), 0},
+            variety.hip);
     section(WarpValue::waist_breadth, sections_.waist, marks_.navel,
-            {wanted[Dimension::waist_girth], ratio(Dimension::waist_breadth, Dimension::waist_depth), 0}, variety.waist);
+            {wanted[Dimension::waist_girth], ratio(Dimension::waist_breadth, Dimension::waist_depth), 0},
+            variety.waist);
     section(WarpValue::chest_breadth, sections_.chest, marks_.nipple,
             {wanted[Dimension::chest_girth], 0, wanted[Dimension::chest_depth]}, variety.chest);
     for (const Scaled& s : kScaled) factor(warp, s.value, wanted[s.dimension], own_[s.dimension], s.most);
     // What the shoulders' breadth leaves to the muscles beyond the joints.
-    const double joints = static_cast<double>(bones_.head[at(Segment::left_upper_arm)].x -
-                                              bones_.head[at(Segment::right_upper_arm)].x);
-    factor(warp, WarpValue::deltoid_girth,
-           wanted[Dimension::bideltoid_breadth] -
-               joints * (1 + static_cast<double>(warp[WarpValue::shoulder_breadth])),
-           own_[Dimension::bideltoid_breadth] - joints, kLimbFactorMax);
+    const double joints =
+        static_cast<double>(bones_.head[at(Segment::left_upper_arm)].x - bones_.head[at(Segment::right_upper_arm)].x);
+    factor(
+        warp, WarpValue::deltoid_girth,
+        wanted[Dimension::bideltoid_breadth] - joints * (1 + static_cast<double>(warp[WarpValue::shoulder_breadth])),
+        own_[Dimension::bideltoid_breadth] - joints, kLimbFactorMax);
     for (float& value : warp.values) value = gridded(value);
     return warp;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Proportions of measured people: dimensions drawn as they go together in ANSUR II, and the warp that gives a mesh them.
+// Proportions of measured people: dimensions drawn as they go together in ANSUR II, and the warp that gives a mesh
+// them.
 #pragma once
 
 #include <array>
@@ -52,8 +53,8 @@ struct Dimensions {
 Dimensions likely_dimensions(bool woman, double stature_mm, double weight_kg, double age_years,
                              const std::array<double, kDimensionCount>& z);
 
-// What no survey by tape and calliper says of a section, and so is varied: how far out its corners are, and how much of
-// its depth lies in front of the middle.
+// What no survey by tape and calliper says of a section, and so is varied: how far out its corners are, and how much
+// of its depth lies in front of the middle.
 struct SectionVariety {
   float square = 0, front_more = 0;
 };
@@ -63,12 +64,13 @@ struct Variety {
 };
 Variety draw_variety(Rng& rng);
 
-// The warp after which a rest mesh without one has these dimensions at its own stature: level sections to a millimetre,
-// limbs and heights to a few. A dimension far from the mesh's own is met as far as the warp's limits go. Two milliseconds.
+// The warp after which a rest mesh without one has these dimensions at its own stature: level sections to a
+// millimetre, limbs and heights to a few. A dimension far from the mesh's own is met as far as the warp's limits go.
+// Two milliseconds.
 Warp warp_to(const BodyModel& model, std::span<const Vec3f> rest, const Dimensions& wanted, const Variety& variety);
 
-// The same dimensions of a mesh, taken as a tape and a calliper would be put round it: hulls of sections; breadths and
-// depths of the trunk's sections are those of the hull (chest depth, too).
+// The same dimensions of a mesh, taken as a tape and a calliper would be put round it: hulls of sections; breadths
+// and depths of the trunk's sections are those of the hull (chest depth, too).
 Dimensions dimensions_of(const BodyModel& model, std::span<const Vec3f> rest);
 
 }  // namespace im2fit::body

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <string_view>
+#include <vector>
 
 #include "body/measure.h"
 #include "body/model_data.h"
@@ -11,6 +13,7 @@ namespace {
 
 constexpr int kStepCountMax = 24;
 constexpr int kFirstLikelyStep = 2;  // goals are mostly met at it, and derivatives would be for nothing
+constexpr int kWarpStepCountMax = 8;
 constexpr double kStatureToleranceMm = 0.1;
 constexpr double kVolumeToleranceL = 0.01;
 constexpr float kFatnessMax = 1.6F;  // beyond it folds tear
@@ -293,10 +296,22 @@ Sliders likely_sliders(const Params& p, double stature_mm, double weight_kg) {
 bool solve_stature_and_weight(const BodyModel& model, Params& params, double stature_mm, double weight_kg) {
   if (!(stature_mm > 0 && stature_mm < 1e5 && weight_kg > 0 && weight_kg < 1e5)) return false;
   Solver solver(model, params);
-  Sliders sliders = likely_sliders(params, stature_mm, weight_kg);
-  const bool solved = solver.solve(stature_mm, volume_of_weight(stature_mm, weight_kg), sliders);
-  params = solver.at(sliders);
-  return solved;
+  const double volume_l = volume_of_weight(stature_mm, weight_kg);
+  const bool warped = !params.warp.is_none();
+  std::vector<Vec3f> mesh(warped ? static_cast<std::size_t>(model.vertex_count()) : 0);
+  double goal_l =
+      volume_l;  // of the mesh before the warp, which changes volumes by nearly the same factor everywhere
+  for (int step = 0; step < kWarpStepCountMax; ++step) {
+    Sliders sliders = likely_sliders(params, stature_mm, weight_kg);
+    const bool solved = solver.solve(stature_mm, goal_l, sliders);
+    params = solver.at(sliders);
+    if (!warped || !solved) return solved;
+    model.morph(params, mesh);
+    const double got_l = volume_litres(model, mesh);
+    if (std::fabs(got_l - volume_l) < kVolumeToleranceL) return true;
+    goal_l *= volume_l / got_l;
+  }
+  return false;
 }
 
 }  // namespace im2fit::body

@@ -42,14 +42,18 @@ bool is_arm(const BodyModel::Data& d, std::size_t vertex) {
          (s >= Segment::right_upper_arm && s <= Segment::right_hand);
 }
 
-constexpr float kExtentBandMm = 15;  // vertices this near a level tell its extents: rings lie 10 to 20 mm apart
+constexpr float kExtentBandMm = 15;      // vertices this near a level tell its extents: rings lie 10 to 20 mm apart
 constexpr float kLegsBeginBelowMm = 90;  // the crotch: a shorter passage from one trunk to two legs shows as a step
 constexpr float kShoulderDepthShare = 0.3F;  // of the chest's, at the height of the shoulder joints
 
 class Field {
  public:
   Field(const BodyModel& model, const Warp& warp, std::span<const Vec3f> rest)
-      : d_(model.data()), warp_(warp), rest_(rest), skeleton_(rest_skeleton(model, rest)), marks_(warp_landmarks(model, rest)) {
+      : d_(model.data()),
+        warp_(warp),
+        rest_(rest),
+        skeleton_(rest_skeleton(model, rest)),
+        marks_(warp_landmarks(model, rest)) {
     list_nodes(model);
     list_rises();
     for (const bool left : {true, false}) place_arm(left);
@@ -95,16 +99,16 @@ class Field {
     neck.middle_z = middle_z(skeleton_.head[at(Segment::neck)], skeleton_.head[at(Segment::head)]);
     head.middle_z = middle_z(skeleton_.head[at(Segment::head)], skeleton_.tail[at(Segment::head)]);
     const float length = warp_[WarpValue::head_length];
-    nodes_ = {low,
-              hip,
-              {marks_.navel, trunk_warp(WarpValue::waist_breadth), frame(marks_.navel)},
-              {marks_.nipple, chest, frame(marks_.nipple)},
-              {marks_.shoulder,
-               {warp_[WarpValue::shoulder_breadth], kShoulderDepthShare * chest.front,
-                kShoulderDepthShare * chest.back, 0},
-               frame(marks_.shoulder)},
-              {0.5F * (marks_.neck + marks_.head), even(warp_[WarpValue::neck_girth]), neck},
-              {between(marks_.head, marks_.crown, 0.4F), {warp_[WarpValue::head_breadth], length, length, 0}, head}};
+    nodes_ = {
+        low,
+        hip,
+        {marks_.navel, trunk_warp(WarpValue::waist_breadth), frame(marks_.navel)},
+        {marks_.nipple, chest, frame(marks_.nipple)},
+        {marks_.shoulder,
+         {warp_[WarpValue::shoulder_breadth], kShoulderDepthShare * chest.front, kShoulderDepthShare * chest.back, 0},
+         frame(marks_.shoulder)},
+        {0.5F * (marks_.neck + marks_.head), even(warp_[WarpValue::neck_girth]), neck},
+        {between(marks_.head, marks_.crown, 0.4F), {warp_[WarpValue::head_breadth], length, length, 0}, head}};
   }
 
   void list_rises() {
@@ -135,9 +139,9 @@ class Field {
       const Node &a = nodes_[i - 1], &b = nodes_[i];
       if (p.y > b.y) continue;
       const float share = smooth_step(p.y, a.y, b.y);
-      const SectionWarp warp = {
-          between(a.warp.breadth, b.warp.breadth, share), between(a.warp.front, b.warp.front, share),
-          between(a.warp.back, b.warp.back, share), between(a.warp.square, b.warp.square, share)};
+      const SectionWarp warp = {between(a.warp.breadth, b.warp.breadth, share),
+                                between(a.warp.front, b.warp.front, share), between(a.warp.back, b.warp.back, share),
+                                between(a.warp.square, b.warp.square, share)};
       const SectionFrame frame = {between(a.frame.middle_z, b.frame.middle_z, share),
                                   between(a.frame.half_breadth, b.frame.half_breadth, share),
                                   between(a.frame.half_depth, b.frame.half_depth, share)};
@@ -160,7 +164,8 @@ class Field {
     if (above)
       wider = between(middle, thigh, smooth_step(share, 0, 0.75F));
     else  // the calf is thickest a third below the knee; ankles and feet stay
-      wider = share > 0.67F ? between(calf, middle, smooth_step(share, 0.67F, 1)) : calf * smooth_step(share, 0, 0.67F);
+      wider =
+          share > 0.67F ? between(calf, middle, smooth_step(share, 0.67F, 1)) : calf * smooth_step(share, 0, 0.67F);
     const float outwards = warp_[WarpValue::hip_breadth] * smooth_step(p.y, knee.y, marks_.crotch);
     return {(p.x - axis.x) * wider + axis.x * outwards, 0, (p.z - axis.z) * wider};
   }
@@ -194,8 +199,8 @@ class Field {
     const float t = along(p, a.shoulder, bone);
     const float deltoid = warp_[WarpValue::deltoid_girth], middle = warp_[WarpValue::upper_arm_girth];
     const float elbow = 0.5F * (middle + warp_[WarpValue::forearm_girth]);
-    const float wider =
-        t < 0.5F ? between(deltoid, middle, smooth_step(t, 0.15F, 0.5F)) : between(middle, elbow, smooth_step(t, 0.5F, 1));
+    const float wider = t < 0.5F ? between(deltoid, middle, smooth_step(t, 0.15F, 0.5F))
+                                 : between(middle, elbow, smooth_step(t, 0.5F, 1));
     const Vec3f aside = p - a.shoulder - bone * t;
     return a.shoulder_move + bone * (warp_[WarpValue::upper_arm_length] * limited(t, 0, 1)) + aside * wider;
   }
@@ -204,7 +209,8 @@ class Field {
     const float t = along(p, a.elbow, bone);
     const float thick = warp_[WarpValue::forearm_girth];
     const float elbow = 0.5F * (thick + warp_[WarpValue::upper_arm_girth]);
-    const float wider = t < 0.25F ? between(elbow, thick, smooth_step(t, 0, 0.25F)) : thick * (1 - smooth_step(t, 0.25F, 1));
+    const float wider =
+        t < 0.25F ? between(elbow, thick, smooth_step(t, 0, 0.25F)) : thick * (1 - smooth_step(t, 0.25F, 1));
     const Vec3f aside = p - a.elbow - bone * t;
     return a.shoulder_move + (a.elbow - a.shoulder) * warp_[WarpValue::upper_arm_length] +
            bone * (warp_[WarpValue::forearm_length] * limited(t, 0, 1)) + aside * wider;

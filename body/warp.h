@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes of a rest mesh that no slider makes: at which height landmarks lie, and how broad, deep and angular sections
-// are. With them a body has the proportions of measured people (body/proportions.h); MakeHuman's own trunks are rounder.
+// Changes of a rest mesh that no slider makes: at which height landmarks lie, and how broad, deep and angular
+// sections are. With them a body has the proportions of measured people (body/proportions.h); MakeHuman's own trunks
+// are rounder.
 #pragma once
 
 #include <array>
@@ -60,7 +61,8 @@ struct Warp {
 
 // Heights of the landmarks the warp moves, rest mesh, mm; rising from the floor on.
 struct WarpLandmarks {
-  float floor = 0, knee = 0, crotch = 0, buttock = 0, navel = 0, nipple = 0, shoulder = 0, neck = 0, head = 0, crown = 0;
+  float floor = 0, knee = 0, crotch = 0, buttock = 0, navel = 0, nipple = 0, shoulder = 0, neck = 0, head = 0,
+        crown = 0;
 };
 WarpLandmarks warp_landmarks(const BodyModel& model, std::span<const Vec3f> rest);
 
@@ -76,8 +78,8 @@ SectionFrame section_frame(const BodyModel& model, std::span<const Vec3f> rest, 
 // How far a point of the section moves; level.
 Vec3f section_move(const SectionWarp& warp, const SectionFrame& frame, Vec3f p);
 
-// Changes a rest mesh of model.vertex_count() vertices, joints' and garments' helpers included. + - * / and sqrt only, so
-// the mesh has the same bits on every machine. No allocation.
+// Changes a rest mesh of model.vertex_count() vertices, joints' and garments' helpers included. + - * / and sqrt
+// only, so the mesh has the same bits on every machine. No allocation.
 void apply_warp(const BodyModel& model, const Warp& warp, std::span<Vec3f> rest);
 
 }  // namespace im2fit::body

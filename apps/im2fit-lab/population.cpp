@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/im2fit-lab/commands.h"
+#include "body/proportions.h"
 #include "core/file.h"
 #include "engine/data_files.h"
 #include "engine/paths.h"
@@ -14,6 +15,7 @@
 #include "lab/camera/synthetic_person.h"
 #include "lab/parallel.h"
 #include "lab/population/population_check.h"
+#include "lab/population/proportions_check.h"
 
 namespace im2fit::apps {
 namespace {
@@ -25,6 +27,7 @@ struct PopulationOptions {
   std::string out;
   std::string ansur;
   std::string plot;
+  std::string proportions_plot;
   std::string body = default_body_path();
   int threads = default_threads();
   bool json = false;
@@ -52,15 +55,20 @@ Moments moments(const std::vector<lab::Subject>& subjects, bool woman, std::size
   return m;
 }
 
-std::string csv_of(const std::vector<lab::Subject>& subjects) {
+std::string csv_of(const std::vector<lab::Subject>& subjects, const std::vector<body::Dimensions>& dimensions) {
   std::string csv = "subject,woman,age_years,gender,muscle,weight_slider,height_slider,proportions";
   for (const auto& info : kMeasurementTable) csv += fmt::format(",{}_{}", info.id, info.unit);
+  for (std::size_t d = 0; d < body::kDimensionCount; ++d)
+    csv += fmt::format(",ansur_{}", lab::ansur_column(static_cast<body::Dimension>(d)).name);
   csv += "\n";
   for (std::size_t i = 0; i < subjects.size(); ++i) {
     const auto& s = subjects[i];
     csv += fmt::format("{},{},{:.2f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}", i, s.woman ? 1 : 0, s.params.age_years,
                        s.params.gender, s.params.muscle, s.params.weight, s.params.height, s.params.proportions);
     for (const float value : s.truth) csv += fmt::format(",{:.2f}", value);
+    for (std::size_t d = 0; d < body::kDimensionCount; ++d)  // as ANSUR II would have them
+      csv += fmt::format(",{:.2f}",
+                         dimensions[i].mm[d] / lab::ansur_column(static_cast<body::Dimension>(d)).mesh_factor);
     csv += "\n";
   }
   return csv;
@@ -91,27 +99,40 @@ Result<int> run_population(const PopulationOptions& options) {
   const auto model = load_body(options.body);
   if (!model) return model.error();
   std::vector<lab::Subject> subjects(options.subjects);
+  std::vector<body::Dimensions> dimensions(options.subjects);
   Progress progress("subjects", options.subjects);
   lab::for_each_item(
       options.subjects, options.threads,
-      [&](std::uint64_t i) { subjects[i] = lab::draw_subject(*model, *family, options.seed, i); },
+      [&](std::uint64_t i) {
+        std::vector<Vec3f> rest;
+        subjects[i] = lab::draw_subject(*model, *family, options.seed, i, rest);
+        dimensions[i] = body::dimensions_of(*model, rest);
+      },
       [&](std::uint64_t done) { progress.update(done); });
   if (!options.out.empty())
-    if (const auto written = write_file_atomically(options.out, csv_of(subjects)); !written) return written.error();
+    if (const auto written = write_file_atomically(options.out, csv_of(subjects, dimensions)); !written)
+      return written.error();
   print_summary(subjects, options.json);
   if (options.ansur.empty()) return kExitOk;
-  const auto comparison = compare_population(subjects, options.ansur);
+  const auto comparison = compare_population(subjects, dimensions, options.ansur);
   if (!comparison) return comparison.error();
-  fmt::print("{}{}", options.json ? "" : "\n", options.json ? "" : text_of(*comparison));
+  const auto proportions = compare_proportions(subjects, dimensions, options.ansur);
+  if (!proportions) return proportions.error();
+  if (!options.json) fmt::print("\n{}\n{}", text_of(*comparison), text_of(*proportions));
   if (!options.plot.empty()) {
     const auto picture = plot_of(*comparison);
     if (!picture) return picture.error();
     if (const auto written = write_file_atomically(options.plot, *picture); !written) return written.error();
   }
-  if (comparison->broken.empty()) return kExitOk;
+  if (!options.proportions_plot.empty())
+    if (const auto written = write_file_atomically(options.proportions_plot, plot_of(*proportions)); !written)
+      return written.error();
+  std::vector<std::string> broken = comparison->broken;
+  broken.insert(broken.end(), proportions->broken.begin(), proportions->broken.end());
+  if (broken.empty()) return kExitOk;
   return Error{ErrorCode::invalid_argument,
-               fmt::format("population: {} of its figures are beyond tolerance, the first: {}",
-                           comparison->broken.size(), comparison->broken.front())};
+               fmt::format("population: {} of its figures are beyond tolerance, the first: {}", broken.size(),
+                           broken.front())};
 }
 
 }  // namespace
@@ -135,6 +156,9 @@ void add_population(cli::App& app, Command& chosen) {
                                 "a tolerance is broken");
   ansur->type_name("DIR");
   sub->add_option("--plot", options->plot, "PNG of that comparison")->type_name("FILE")->needs(ansur);
+  sub->add_option("--proportions-plot", options->proportions_plot, "SVG of all dimensions beside ANSUR II's")
+      ->type_name("FILE")
+      ->needs(ansur);
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
   sub->add_option("--threads", options->threads, "Threads")->range(1, 256)->capture_default_str();
   sub->add_flag("--json", options->json, "Summary as JSON");

@@ -20,7 +20,7 @@ namespace im2fit::lab {
 namespace {
 
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 16;  // raise when a sample of a subject changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 17;  // raise when a sample of a subject changes: shards are then made again
 constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
 constexpr int kClothedCaptures = 8192;         // of those in clothes
 constexpr int kAgainCaptures = 16384;          // and of people seen again

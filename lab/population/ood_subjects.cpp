@@ -3,17 +3,20 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <vector>
 
 #include "body/measure.h"
+#include "body/population.h"
 #include "body/shape_spread.h"
 #include "core/rng.h"
 #include "lab/population/shape_variation.h"
+#include "lab/population/surface_smoother.h"
 
 namespace im2fit::lab {
 namespace {
 
-constexpr std::uint64_t kOodStream = 0x57A6;
+constexpr std::uint64_t kOodStream = 0x57A6, kMakeStream = 0x57A7;
 
 // Spread of a modifier in either family; "l-" and "r-" variants belong to the pair's row.
 bool used(std::string_view name) {
@@ -33,6 +36,18 @@ bool is_shape(std::string_view name) {
   for (const std::string_view word : {"hand", "foot", "trans-horiz", "vert", "height", "arm-scale"})
     if (name.find(word) != name.npos) return false;
   return true;
+}
+
+// Another surface under other dimensions, of the same stature, weight and age.
+void make_anew(const body::BodyModel& model, const Subject& subject, const OodVariation& variation, Rng& rng,
+               std::vector<Vec3f>& rest) {
+  const double share = rng.uniform();  // most are smoothed little: passes are drawn by their logarithm
+  const double passes =
+      variation.passes_least * std::pow(static_cast<double>(variation.passes_most) / variation.passes_least, share);
+  SurfaceSmoother(model).run(rest, static_cast<int>(passes));
+  const body::Warp warp = body::draw_warp(model, subject.woman,
+                                          body::draw_build(Family::training, subject.woman, subject.seed), rng, rest);
+  body::apply_warp(model, warp, rest);
 }
 
 }  // namespace
@@ -61,7 +76,20 @@ Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::
   add_bumps(model, rest, variation.bumps, static_cast<float>(amplitude_mm), rng, subject.rest_offset_mm);
   for (const Mirrored* part : {&variation.trunk, &variation.neck})
     add_mirrored(model, rest, *part, rng, subject.rest_offset_mm);
+  if (variation.crown_sd_mm > 0)
+    raise_crown(model, rest, static_cast<float>(rng.normal()) * variation.crown_sd_mm, subject.rest_offset_mm);
   for (std::size_t i = 0; i < subject.rest_offset_mm.size(); ++i) rest[i] = rest[i] + subject.rest_offset_mm[i];
+  Rng make = Rng::for_item(subject.seed, kMakeStream, index);
+  if (make.uniform() < variation.smoothed_share) {
+    std::vector<Vec3f> plain(rest.size());
+    model.morph(subject.params, plain);
+    make_anew(model, subject, variation, make, rest);
+    // Of all vertices: joints move with the surface.
+    subject.rest_offset_mm.resize(rest.size());
+    for (std::size_t i = 0; i < rest.size(); ++i) subject.rest_offset_mm[i] = rest[i] - plain[i];
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      rest[i] = plain[i] + subject.rest_offset_mm[i];  // as morph_subject()
+  }
   subject.truth = body::measure_rest_mesh(model, rest, subject.params.gender);
   return subject;
 }

@@ -19,6 +19,11 @@ struct OodVariation {
   float bump_least_mm, bump_most_mm;  // of a person's bumps, drawn evenly
   Mirrored trunk;                     // alike on both sides
   Mirrored neck;                      // with the head
+  // Of people whose surface is smoothed, and then given dimensions of their own again: another make of body, of which
+  // no detail of MakeHuman's meshes is left, so that none can be learned.
+  double smoothed_share = 0;
+  int passes_least = 10, passes_most = 120;
+  float crown_sd_mm = 0;  // how far crowns are higher or flatter than the mesh's
 };
 // Refined answers learn from these and intervals are fitted on them: trunks differ where a camera in front does not
 // see it, limbs hardly. Left and right differ alike, mostly, and whole parts are wider, deeper or farther forward, as
@@ -51,7 +56,9 @@ inline constexpr OodVariation kOodTrunk = {
              .warp_sd_mm = 6,
              .warp_stretch_sd = 0.05,
              .warp_reach_least_mm = 90,
-             .warp_reach_most_mm = 220}};
+             .warp_reach_most_mm = 220},
+    .smoothed_share = 0.5,
+    .crown_sd_mm = 8};
 // The shape space knows these as well: different all over.
 inline constexpr OodVariation kOodAllOver = {
     .modifier_sd = 0.3, .bumps = {.count = 14}, .bump_least_mm = 5, .bump_most_mm = 17, .trunk = {}, .neck = {}};

@@ -11,6 +11,7 @@ namespace im2fit::lab {
 namespace {
 
 constexpr std::uint64_t kOffsetStream = 0x9003;
+constexpr double kCrownSdMm = 5;  // skulls differ more than MakeHuman's (ANSUR II: tragion to crown 131 +- 6 mm)
 
 void draw_offsets(const body::BodyModel& model, Subject& subject, std::span<const Vec3f> rest) {
   if (subject.family == Family::paper) return;
@@ -19,6 +20,7 @@ void draw_offsets(const body::BodyModel& model, Subject& subject, std::span<cons
   const bool held_out = subject.family == Family::held_out;
   const auto amplitude = static_cast<float>(held_out ? rng.uniform(2, 6) : rng.uniform(0.5, 3));
   add_bumps(model, rest, {.count = held_out ? 10 : 6}, amplitude, rng, subject.rest_offset_mm);
+  if (!held_out) raise_crown(model, rest, static_cast<float>(rng.normal(0, kCrownSdMm)), subject.rest_offset_mm);
   if (held_out) add_asymmetry(model, rest, static_cast<float>(rng.uniform(2, 6)), rng, subject.rest_offset_mm);
 }
 

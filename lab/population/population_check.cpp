@@ -74,6 +74,14 @@ void judge(const PopulationComparison::Sex& sex, const PopulationTolerances& t, 
   }
 }
 
+ComparedRow row_of(const Subject& subject, const body::Dimensions& dimensions) {
+  using body::Dimension;
+  return {static_cast<double>(subject.truth[measurement_index(Measurement::stature)]),
+          static_cast<double>(subject.truth[measurement_index(Measurement::weight)]),
+          dimensions[Dimension::chest_girth], dimensions[Dimension::waist_girth],
+          dimensions[Dimension::buttock_girth]};
+}
+
 }  // namespace
 
 PeopleMoments moments_of(const std::vector<ComparedRow>& rows, const std::vector<double>& weights) {
@@ -111,7 +119,9 @@ Result<std::vector<ComparedRow>> read_ansur(const std::string& folder, bool woma
   return rows;
 }
 
-Result<PopulationComparison> compare_population(const std::vector<Subject>& subjects, const std::string& ansur_folder,
+Result<PopulationComparison> compare_population(const std::vector<Subject>& subjects,
+                                                const std::vector<body::Dimensions>& dimensions,
+                                                const std::string& ansur_folder,
                                                 const PopulationTolerances& tolerances) {
   PopulationComparison comparison;
   for (std::size_t s = 0; s < 2; ++s) {
@@ -120,12 +130,8 @@ Result<PopulationComparison> compare_population(const std::vector<Subject>& subj
     auto real = read_ansur(ansur_folder, sex.woman);
     if (!real) return real.error();
     sex.ansur_rows = std::move(*real);
-    for (const Subject& subject : subjects) {
-      if (subject.woman != sex.woman) continue;
-      ComparedRow& row = sex.rows.emplace_back();
-      for (std::size_t c = 0; c < kComparedCount; ++c)
-        row[c] = static_cast<double>(subject.truth[measurement_index(kCompared[c].id)]);
-    }
+    for (std::size_t i = 0; i < subjects.size(); ++i)
+      if (subjects[i].woman == sex.woman) sex.rows.push_back(row_of(subjects[i], dimensions[i]));
     if (sex.rows.size() < 100)
       return Error{ErrorCode::invalid_argument, "population: too few people to compare; draw at least 1000"};
     const StatureAndWeight here(sex.rows), there(sex.ansur_rows);

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "body/proportions.h"
 #include "core/status.h"
 #include "lab/population/population.h"
 
@@ -20,16 +21,15 @@ namespace im2fit::lab {
 inline constexpr std::size_t kComparedCount = 5;
 struct Compared {
   std::string_view name, unit;
-  Measurement id;
   std::string_view ansur;  // column
   double ansur_unit;       // of a column's value
 };
 inline constexpr std::array<Compared, kComparedCount> kCompared = {{
-    {"stature", "mm", Measurement::stature, "stature", 1},
-    {"weight", "kg", Measurement::weight, "weightkg", 0.1},
-    {"chest", "mm", Measurement::chest_girth, "chestcircumference", 1},
-    {"waist", "mm", Measurement::waist_girth, "waistcircumference", 1},
-    {"hip", "mm", Measurement::hip_girth, "buttockcircumference", 1},
+    {"stature", "mm", "stature", 1},
+    {"weight", "kg", "weightkg", 0.1},
+    {"chest", "mm", "chestcircumference", 1},
+    {"waist", "mm", "waistcircumference", 1},  // at the navel, unlike waist_girth
+    {"hip", "mm", "buttockcircumference", 1},
 }};
 using ComparedRow = std::array<double, kComparedCount>;
 
@@ -62,7 +62,10 @@ struct PopulationComparison {
   std::array<Sex, 2> sexes;         // women, men
   std::vector<std::string> broken;  // tolerances, a line each
 };
-Result<PopulationComparison> compare_population(const std::vector<Subject>& subjects, const std::string& ansur_folder,
+// `dimensions`: of each subject.
+Result<PopulationComparison> compare_population(const std::vector<Subject>& subjects,
+                                                const std::vector<body::Dimensions>& dimensions,
+                                                const std::string& ansur_folder,
                                                 const PopulationTolerances& tolerances = {});
 std::string text_of(const PopulationComparison& comparison);
 // Weight against stature and girths against weight, by sex: synthetic people as dots, both populations' ellipses of

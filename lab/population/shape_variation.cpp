@@ -148,6 +148,15 @@ void add_asymmetry(const body::BodyModel& model, std::span<const Vec3f> rest, fl
   }
 }
 
+void raise_crown(const body::BodyModel& model, std::span<const Vec3f> rest, float up_mm, std::span<Vec3f> offset_mm) {
+  constexpr float kCrownMm = 120;  // from the ears to the crown
+  const Height height = height_of(model, rest);
+  for (std::size_t v = 0; v < static_cast<std::size_t>(model.body_vertex_count()); ++v) {
+    const float share = (rest[v].y - (height.high - kCrownMm)) / kCrownMm;
+    if (share > 0) offset_mm[v].y += up_mm * share * share * (3 - 2 * share);
+  }
+}
+
 namespace {
 
 constexpr float kAsideMm = 190;  // of centres: arms hang farther

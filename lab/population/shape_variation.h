@@ -24,6 +24,9 @@ void add_bumps(const body::BodyModel& model, std::span<const Vec3f> rest, const 
 void add_asymmetry(const body::BodyModel& model, std::span<const Vec3f> rest, float amplitude_mm, Rng& rng,
                    std::span<Vec3f> offset_mm);
 
+// A crown that is higher, or flatter: all of it above the ears, smoothly less towards them.
+void raise_crown(const body::BodyModel& model, std::span<const Vec3f> rest, float up_mm, std::span<Vec3f> offset_mm);
+
 // What makes people differ as people do, alike on both sides of x = 0. Smooth, drawn anew for each person; of no
 // modifier.
 struct Mirrored {

@@ -40,13 +40,23 @@ std::vector<std::map<std::string, std::string>> rows_of(const std::string& csv) 
 void write_soldiers(const test::TestFolder& folder, const std::string& people, double waist_factor) {
   std::ofstream files[2] = {std::ofstream(folder.path("ANSUR_II_MALE_Public.csv")),
                             std::ofstream(folder.path("ANSUR_II_FEMALE_Public.csv"))};
-  for (auto& file : files)
-    file << "subjectid,waistcircumference,Weightkg,stature,buttockcircumference,chestcircumference,Branch\r\n";
-  for (const auto& row : rows_of(people))
-    files[row.at("woman") == "1" ? 1 : 0]
-        << row.at("subject") << ',' << waist_factor * std::stod(row.at("waist_girth_mm")) << ','
-        << 10 * std::stod(row.at("weight_kg")) << ',' << row.at("stature_mm") << ',' << row.at("hip_girth_mm") << ','
-        << row.at("chest_girth_mm") << ",x\r\n";
+  const auto rows = rows_of(people);
+  std::vector<std::string> columns;  // those of ANSUR II
+  for (const auto& [name, value] : rows.front())
+    if (name.starts_with("ansur_")) columns.push_back(name);
+  for (auto& file : files) {
+    file << "subjectid,Weightkg,stature,Age";
+    for (const std::string& column : columns) file << ',' << column.substr(6);
+    file << ",Branch\r\n";
+  }
+  for (const auto& row : rows) {
+    auto& file = files[row.at("woman") == "1" ? 1 : 0];
+    file << row.at("subject") << ',' << 10 * std::stod(row.at("weight_kg")) << ',' << row.at("stature_mm") << ','
+         << row.at("age_years");
+    for (const std::string& column : columns)
+      file << ',' << std::stod(row.at(column)) * (column == "ansur_waistcircumference" ? waist_factor : 1);
+    file << ",x\r\n";
+  }
 }
 
 TEST(Population, IsComparedWithRealPeople) {
@@ -64,13 +74,15 @@ TEST(Population, IsComparedWithRealPeople) {
   write_soldiers(folder, people, 1);
   const test::Run alike = with({"--ansur", folder.path(), "--plot", folder.path("plot.png")});
   EXPECT_EQ(alike.exit_code, 0) << alike.err;
-  EXPECT_THAT(alike.out, testing::HasSubstr("all within tolerance"));
+  EXPECT_THAT(alike.out, testing::AllOf(testing::HasSubstr("all within tolerance"),
+                                        testing::HasSubstr("all dimensions within tolerance")));
   EXPECT_TRUE(test::is_whole_png(folder.path("plot.png")));
 
   write_soldiers(folder, people, 1.06);
   const test::Run wide = with({"--ansur", folder.path()});
   EXPECT_EQ(wide.exit_code, 1);
   EXPECT_THAT(wide.err, testing::HasSubstr("women's waist, mean"));
+  EXPECT_THAT(wide.out, testing::HasSubstr("women's waistcircumference, mean at equal stature"));
 
   std::ofstream(folder.path("ANSUR_II_FEMALE_Public.csv")) << "subjectid,stature\n1,1600\n";
   const test::Run damaged = with({"--ansur", folder.path()});

@@ -116,8 +116,8 @@ TEST(Solve, WhatCannotBeReachedSaysSoAndGivesTheNearest) {
 }
 
 TEST(Density, FallsFromLeanToObese) {
-  EXPECT_EQ(density_kg_m3(1800, 50), 1010);
-  EXPECT_EQ(density_kg_m3(1600, 150), 985);
+  EXPECT_EQ(density_kg_m3(1800, 50), 1025);
+  EXPECT_EQ(density_kg_m3(1600, 150), 1000);
   EXPECT_NEAR(density_kg_m3(1000, 30), 997.5, 1e-9);  // midway between 18 and 42 l/m^2
 }
 

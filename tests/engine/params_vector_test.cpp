@@ -19,8 +19,14 @@ TEST(ParamsVector, LayoutIsAsDocumented) {
   p.firmness = 0.8F;
   p.race = {0.5F, 0.3F, 0.2F};
   p.modifiers = {-0.25F, 1.5F};
-  EXPECT_THAT(pack_params(p, 3),
+  p.warp.values.front() = 0.01F;
+  p.warp.values.back() = -0.02F;
+  const std::vector<float> packed = pack_params(p, 3);
+  EXPECT_THAT(std::vector(packed.begin(), packed.begin() + 14),
               testing::ElementsAre(0.1F, 42, 0.3F, 0.4F, 0.5F, 0.6F, 0.7F, 0.8F, 0.5F, 0.3F, 0.2F, -0.25F, 1.5F, 0));
+  ASSERT_EQ(packed.size(), 14 + kWarpCount);
+  EXPECT_EQ(packed[14], 0.01F);
+  EXPECT_EQ(packed.back(), -0.02F);
   EXPECT_EQ(pack_params(p, 1).size(), params_vector_size(1));
 }
 
