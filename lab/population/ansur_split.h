@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ANSUR II in two halves: one may teach (densities and laws that training people are drawn from), the other only
+// ANSUR II split in two: one part may teach (densities and laws that training people are drawn from), the other only
 // judges (the evaluation's family `ansur`). Decided by the row alone, so that neither side depends on what the other
 // reads or in which order.
 #pragma once
