@@ -135,7 +135,7 @@ constexpr double kPairMm = 5, kSingleMm = 2;
 // How far the back lies behind the sides, as a share of the depth: SD about the mean mesh'. The survey is silent.
 constexpr double kBackShareSd = 0.05;
 // Squared tolerance of the energy against the dimensions': 1 of energy costs as much as 1 / kEnergySd tolerances.
-constexpr double kEnergySd = 50;
+constexpr double kEnergySd = 40;
 constexpr int kSteps = 12, kMoreSteps = 6, kRounds = 4;
 constexpr double kBreadthOfGirth = 0.4;              // at the chest
 constexpr double kPostureMm = 10, kPostureSd = 0.8;  // forwards or back: tolerance, and what people vary by in it

@@ -48,6 +48,8 @@ TEST(Eval, WrongWordsExitWithTwoAndOneLine) {
                          {"--conditions", "noise,foggy"},
                          {"--conditions", "noise", "--all"},
                          {"--frames", "0"},
+                         {"--family", "twins"},
+                         {"--ansur-ends", "1.5"},
                          {"--icp", "0"},
                          {"--icp", "2", "--icp-references", "x.json"}};
   for (const Words& words : table) {
