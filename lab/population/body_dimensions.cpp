@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "body/measure.h"
 #include "body/model_data.h"
@@ -17,6 +18,7 @@ using body::Segment;
 using body::Triangle;
 
 constexpr float kExtremeMm = 6;            // points that near to the outermost share what pulls at a breadth
+constexpr float kRearmostMm = 2;           // the same for the height of the rearmost point
 constexpr float kHeadSectionMm = 75;       // below the crown: above the ears, where heads are widest
 constexpr float kThighBelowCrotchMm = 35;  // where buttock and thigh join
 constexpr float kNeckReachMm = 120;
@@ -191,9 +193,18 @@ class Measuring {
                                       [&](std::int32_t a, std::int32_t b) { return point(a).y < point(b).y; });
     // As body/measure.cpp finds the hips.
     const float low = landmark(Landmark::crotch).y - 60, high = landmark(Landmark::navel).y;
-    buttock_ = d_.landmark(Landmark::crotch);
+    float rearmost = 1e9F;
+    const auto of_seat = [&](std::int32_t v) { return point(v).y > low && point(v).y < high; };
     for (const std::int32_t v : s.seat)
-      if (point(v).z < point(buttock_).z && point(v).y > low && point(v).y < high) buttock_ = v;
+      if (of_seat(v)) rearmost = std::min(rearmost, point(v).z);
+    float sum = 0;
+    for (const std::int32_t v : s.seat) {
+      const float before = point(v).z - rearmost;
+      if (!of_seat(v) || before > 4 * kRearmostMm) continue;
+      buttocks_.emplace_back(v, std::exp(-before / kRearmostMm));
+      sum += buttocks_.back().second;
+    }
+    for (auto& [v, share] : buttocks_) buttock_y_ += point(v).y * (share /= sum);
   }
 
   DimensionValues run() {
@@ -221,7 +232,7 @@ class Measuring {
   Outline level(float y) const { return cut(mesh_, s_.trunk, body::level_plane(y)); }
 
   float nipple_y() const { return 0.5F * (landmark(Landmark::left_nipple).y + landmark(Landmark::right_nipple).y); }
-  float buttock_y() const { return point(buttock_).y; }
+  float buttock_y() const { return buttock_y_; }
   Vec3f landmark(Landmark l) const { return point(d_.landmark(l)); }
 
  private:
@@ -252,7 +263,10 @@ class Measuring {
     height(Dimension::chest_height,
            std::array{d_.landmark(Landmark::left_nipple), d_.landmark(Landmark::right_nipple)});
     height(Dimension::waist_height, std::array{d_.landmark(Landmark::navel)});
-    height(Dimension::buttock_height, std::array{buttock_});
+    height(Dimension::buttock_height, std::array{d_.landmark(Landmark::crotch)});
+    value(Dimension::buttock_height) += static_cast<double>(buttock_y_ - landmark(Landmark::crotch).y);
+    pull(Dimension::buttock_height, d_.landmark(Landmark::crotch), {0, -1, 0});
+    for (const auto& [v, share] : buttocks_) pull(Dimension::buttock_height, v, {0, share, 0});
     height(Dimension::crotch_height, std::array{d_.landmark(Landmark::crotch)});
     std::vector<std::int32_t> hips, knees;
     for (const Segment s : {Segment::left_upper_leg, Segment::right_upper_leg}) {
@@ -391,7 +405,9 @@ class Measuring {
   std::vector<PullRow>* rows_;
   DimensionValues values_{};
   std::array<std::int32_t, 2> sole_{};
-  std::int32_t crown_ = 0, buttock_ = 0;
+  std::int32_t crown_ = 0;
+  std::vector<std::pair<std::int32_t, float>> buttocks_;  // the rearmost vertices, by share
+  float buttock_y_ = 0;
 };
 
 BodyDimensions::BodyDimensions(const body::BodyModel& model, std::span<const Vec3f> mean_rest)

@@ -83,6 +83,7 @@ constexpr std::uint64_t kSeed = 7, kCount = 24;
 TEST_F(AnsurPeopleTest, DimensionsAreMet) {
   std::array<std::vector<double>, kDimensionCount> off;
   std::array<double, kDimensionCount> wanted_mean{};
+  double hips_off = 0;
   std::vector<Vec3f> rest;
   for (std::uint64_t i = 0; i < kCount; ++i) {
     const AnsurPeople::Made made = people()->make(kSeed, i, rest);
@@ -95,11 +96,13 @@ TEST_F(AnsurPeopleTest, DimensionsAreMet) {
     const auto truth = [&](Measurement m) { return static_cast<double>(made.subject.truth[measurement_index(m)]); };
     const auto wanted = [&](Dimension d) { return made.wanted[dimension_index(d)]; };
     EXPECT_NEAR(truth(Measurement::stature), wanted(Dimension::stature), 4) << i;
-    EXPECT_NEAR(truth(Measurement::chest_girth), wanted(Dimension::chest_girth), 35) << i;
-    EXPECT_NEAR(truth(Measurement::hip_girth), wanted(Dimension::hip_girth), 15) << i;
+    EXPECT_NEAR(truth(Measurement::chest_girth), wanted(Dimension::chest_girth), 20) << i;
+    // Where buttocks are flat, the rearmost point is a matter of a millimetre, its height of many.
+    hips_off += (truth(Measurement::hip_girth) - wanted(Dimension::hip_girth)) / kCount;
     EXPECT_NEAR(truth(Measurement::neck_girth), wanted(Dimension::neck_girth), 7) << i;
     EXPECT_NEAR(truth(Measurement::inside_leg), wanted(Dimension::crotch_height), 7) << i;
   }
+  EXPECT_NEAR(hips_off, 0, 8);
   std::printf("%-24s %10s %7s %7s\n", "achieved less wanted", "wanted", "bias", "SD");
   for (std::size_t d = 0; d < kDimensionCount; ++d) {
     double bias = 0, squares = 0;
@@ -114,14 +117,14 @@ TEST_F(AnsurPeopleTest, DimensionsAreMet) {
     // Wanted of the hanging pose; or of a landmark that is not the survey's.
     if (one_of({Dimension::chest_girth, Dimension::chest_breadth, Dimension::acromion_breadth,
                 Dimension::acromial_height, Dimension::trochanter_height, Dimension::chest_back,
-                Dimension::waist_back, Dimension::hip_back, Dimension::buttock_height}))
+                Dimension::waist_back, Dimension::hip_back}))
       continue;
     const bool trunk =
         one_of({Dimension::chest_depth, Dimension::waist_breadth, Dimension::waist_depth, Dimension::waist_girth,
                 Dimension::hip_breadth, Dimension::hip_depth, Dimension::hip_girth, Dimension::stature,
                 Dimension::chest_height, Dimension::waist_height});
-    EXPECT_LT(std::fabs(bias), trunk ? 2.5 : 7) << dimension_table()[d].name;
-    EXPECT_LT(sd, trunk ? 5 : 8) << dimension_table()[d].name;
+    EXPECT_LT(std::fabs(bias), trunk ? 2.5 : 8) << dimension_table()[d].name;
+    EXPECT_LT(sd, trunk ? 4 : 8) << dimension_table()[d].name;
   }
 }
 
