@@ -24,7 +24,7 @@ inline constexpr double kAnsurEndShare = 0.25;  // of people, carried to BMI 17.
 
 class AnsurPeople {
  public:
-  // A second or two; about 150 MB. `model` must outlive it. `folder`: of ANSUR II's two files.
+  // About five seconds, 150 MB; then 0.2 s a person. `model` must outlive it. `folder`: of ANSUR II's two files.
   static Result<AnsurPeople> load(const body::BodyModel& model, const std::string& folder,
                                   double end_share = kAnsurEndShare);
   AnsurPeople(AnsurPeople&&) noexcept;

@@ -6,7 +6,7 @@
 // longer by (mean, SD of the survey): waist 1.054 .018 (men), 1.061 .022 (women); hip 1.090, 1.097;
 // chest 1.238, 1.165.
 // - Waist and hip: breadth and depth are honoured, for a camera sees those. Of what the tape has beyond the ellipse,
-//   kTapeShare is met by a squarer section, varied by person; the rest (about 2 % of the girth, as much as calipers
+//   kTapeShare is asked of a squarer section, varied by person; the rest (about 2 % of the girth, as much as calipers
 //   pressed in by 3 mm a side would make) is not.
 // - Chest: girth and depth are honoured. The survey's breadth cannot be of the section its tape goes round (it would
 //   have to be a rectangle): its blades lie against the ribs below the arms. A constant by sex is added so that
