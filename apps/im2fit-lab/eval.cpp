@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <memory>
 #include <optional>
 
 #include "apps/im2fit-lab/commands.h"
@@ -23,6 +25,9 @@ struct EvalCommand {
   std::string joint_model = default_tracker_path();
   std::string index = default_index_path();
   std::string samples;
+  std::vector<std::string> families = {"modifiers"};
+  std::string ansur = default_ansur_folder();
+  double ansur_ends = kAnsurEndShare;
   std::string json_path, html_path, csv_path, people_path, figures_path;
   std::vector<std::string> runtime_indexes;
   std::string runtime_references, icp_references;
@@ -31,8 +36,9 @@ struct EvalCommand {
   bool all = false, no_raw = false, runtime = false, json = false;
 
   bool full() const {
-    return all || !conditions.empty() || !html_path.empty() || !figures_path.empty() || runtime ||
-           !runtime_indexes.empty() || !runtime_references.empty() || icp_people > 0 || !icp_references.empty();
+    return all || !conditions.empty() || families.size() > 1 || !html_path.empty() || !figures_path.empty() ||
+           runtime || !runtime_indexes.empty() || !runtime_references.empty() || icp_people > 0 ||
+           !icp_references.empty();
   }
 };
 
@@ -66,6 +72,40 @@ Result<std::vector<Condition>> wanted_conditions(const EvalCommand& options) {
     conditions.push_back(std::move(*condition));
   }
   return conditions;
+}
+
+// The survey is read, and mean bodies made, only where they are needed.
+Result<std::shared_ptr<const AnsurPeople>> ansur_people(const EvalCommand& options, const body::BodyModel& model) {
+  const bool needed = std::any_of(options.families.begin(), options.families.end(),
+                                  [](const std::string& name) { return name != "modifiers"; });
+  if (!needed) return std::shared_ptr<const AnsurPeople>{};
+  auto people = AnsurPeople::load(model, options.ansur, options.ansur_ends);
+  if (!people) return people.error();
+  return std::shared_ptr<const AnsurPeople>(std::make_shared<AnsurPeople>(std::move(*people)));
+}
+
+// One condition with every family, the worse first.
+Result<std::vector<ConditionRun>> run_condition(const EvalCommand& options, const Condition& condition,
+                                                const SessionModels& models, const index::RawNearest* raw,
+                                                const std::shared_ptr<const AnsurPeople>& ansur) {
+  std::vector<ConditionRun> runs;
+  for (const std::string& name : options.families) {
+    Condition of_family = condition;
+    const auto family = people_family_of(name);
+    if (!family) return family.error();
+    of_family.options.family = *family;
+    of_family.options.ansur = ansur;
+    auto outcomes =
+        evaluate(models.body, models.joints, models.index, raw, of_family.options, condition.name + " of " + name);
+    if (!outcomes) return outcomes.error();
+    ConditionRun run{of_family, std::move(*outcomes), {}};
+    run.report = report_of(run.outcomes, condition.name, condition.what, name);
+    runs.push_back(std::move(run));
+  }
+  std::stable_sort(runs.begin(), runs.end(), [](const ConditionRun& a, const ConditionRun& b) {
+    return girth_error_mm(a.report) > girth_error_mm(b.report);
+  });
+  return runs;
 }
 
 Status add_machine_figures(const EvalCommand& options, const SessionModels& models, FullReport& report) {
@@ -130,16 +170,17 @@ Result<int> run_eval(const EvalCommand& options) {
   report.provenance =
       fmt::format("seed {}, {} people a condition, index of {} models in {} dimensions: {}", options.evaluation.seed,
                   options.evaluation.subjects, index->size(), index->dimensions(), index->info().provenance);
-  for (const Condition& condition : *conditions) {
-    auto outcomes = evaluate(*model, tracker->model(), *index, raw->has_value() ? &**raw : nullptr, condition.options,
-                             condition.name);
-    if (!outcomes) return outcomes.error();
-    ConditionRun run{condition, std::move(*outcomes), {}};
-    run.report = report_of(run.outcomes, condition.name, condition.what);
-    if (!options.json) fmt::print("{}{}", report.runs.empty() ? "" : "\n", text_of(run.report));
-    report.runs.push_back(std::move(run));
-  }
   const SessionModels models{*model, tracker->model(), *index, &model->shape_space()};
+  const auto ansur = ansur_people(options, *model);
+  if (!ansur) return ansur.error();
+  for (const Condition& condition : *conditions) {
+    auto runs = run_condition(options, condition, models, raw->has_value() ? &**raw : nullptr, *ansur);
+    if (!runs) return runs.error();
+    for (ConditionRun& run : *runs) {
+      if (!options.json) fmt::print("{}{}", report.runs.empty() ? "" : "\n", text_of(run.report));
+      report.runs.push_back(std::move(run));
+    }
+  }
   if (const auto added = add_machine_figures(options, models, report); !added) return added.error();
   if (const auto written = write_outputs(options, report); !written) return written.error();
   if (options.json) fmt::print("{}", options.full() ? json_of(report) : json_of(report.runs.front().report));
@@ -165,6 +206,24 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                          ->excludes(condition);
   auto* all =
       sub.add_flag("--all", o.all, "Every condition, one at a time")->excludes(condition)->excludes(conditions);
+  auto* family =
+      sub.add_option("--family", o.families,
+                     "Who is measured: modifiers (the body model's held-out family), ansur (people of "
+                     "measured dimensions, made in another way), mixed (both in turns); several, separated "
+                     "by commas, the worse is shown first")
+          ->delimiter(',')
+          ->check([](const std::string& name) {
+            const auto known = people_family_of(name);
+            return known ? "" : known.error().message;
+          });
+  auto* ansur = sub.add_option("--ansur", o.ansur, "Folder of ANSUR_II_{FEMALE,MALE}_Public.csv, for those families")
+                    ->type_name("DIR")
+                    ->capture_default_str();
+  auto* ends = sub.add_option("--ansur-ends", o.ansur_ends,
+                              "Share of people of ansur carried to a BMI of 17 to 19 or 32 to 42, which the survey "
+                              "hardly has")
+                   ->range(0.0, 1.0)
+                   ->capture_default_str();
   auto* frames = sub.add_option("--frames", o.evaluation.frames, "Accepted frames behind a measurement")
                      ->range(1, 1000)
                      ->capture_default_str();
@@ -192,9 +251,8 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                                         "Instead: what bench/references/icp_references wrote, ours beside PCL")
                              ->type_name("FILE")
                              ->excludes(icp);
-  return {condition, conditions,    all,     frames,  twice,
-          samples,   no_raw,        index,   html,    csv,
-          people,    figures,       runtime, indexes, runtime_references,
+  return {condition, conditions,    all,  family, ansur,  ends,    frames,  twice,   samples,
+          no_raw,    index,         html, csv,    people, figures, runtime, indexes, runtime_references,
           icp,       icp_references};
 }
 
@@ -209,6 +267,7 @@ void add_eval(cli::App& app, Command& chosen) {
       "  im2fit-lab eval --subjects 200 --condition noise\n"
       "  im2fit-lab eval --subjects 40 --condition bare --out eval.json\n"
       "  im2fit-lab eval --all --twice --html eval.html --runtime --icp 4\n"
+      "  im2fit-lab eval --family ansur,modifiers --conditions noise,both --subjects 100\n"
       "  im2fit-lab eval --conditions noise,clothed,clothed+320 --csv eval.csv\n"
       "  im2fit-lab eval --tracker --out tracker.json --pictures sheets\n"
       "  im2fit-lab eval --tracker --only joints,segmentation --scenes full --subjects 50\n"

@@ -36,6 +36,7 @@ void add_joint_errors(const JointSet& found, const JointSet& truth, Outcome& out
 }
 
 Status measure_once(const SessionModels& models, const HeldOutPerson& person, Views views, Outcome& outcome) {
+  outcome.family = person.family;
   outcome.woman = person.subject.woman;
   outcome.truth = person.subject.truth;
   outcome.true_age_years = person.subject.params.age_years;
@@ -82,10 +83,25 @@ Result<Outcome> outcome_of(const SessionModels& models, const index::RawNearest*
 
 }  // namespace
 
+Result<PeopleFamily> people_family_of(std::string_view name) {
+  for (std::size_t i = 0; i < kPeopleFamilyNames.size(); ++i)
+    if (kPeopleFamilyNames[i] == name) return static_cast<PeopleFamily>(i);
+  return Error{ErrorCode::invalid_argument,
+               "no family '" + std::string(name) + "'; there are modifiers, ansur and mixed"};
+}
+
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing) {
-  HeldOutPerson person{
-      draw_subject(model, Family::held_out, options.seed, index), {}, options.smoothed, options.sensor_reported};
+  HeldOutPerson person{{}, {}, options.smoothed, options.sensor_reported, options.family};
+  // A man and a woman of each.
+  if (options.family == PeopleFamily::mixed)
+    person.family = index / 2 % 2 == 0 ? PeopleFamily::ansur : PeopleFamily::modifiers;
+  if (person.family == PeopleFamily::ansur) {
+    std::vector<Vec3f> rest;
+    person.subject = options.ansur->draw(options.seed, index, rest);
+  } else {
+    person.subject = draw_subject(model, Family::held_out, options.seed, index);
+  }
   auto& scene = person.capture.scene;
   scene = options.noise ? furnished_room() : SceneOptions{};
   if (options.clothed) dress(scene, options.seed, index);

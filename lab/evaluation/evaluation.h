@@ -2,8 +2,11 @@
 // Held-out synthetic people through the whole device path, against the truth measured on their meshes.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "body/model.h"
@@ -12,6 +15,7 @@
 #include "index/index.h"
 #include "lab/dataset/features.h"
 #include "lab/index_building/raw_nearest.h"
+#include "lab/population/ansur_people.h"
 #include "perception/joints/tracker.h"
 
 namespace im2fit::lab {
@@ -19,6 +23,16 @@ namespace im2fit::lab {
 // Which sides of the person the camera is shown. `both`: front first, then the back, once the engine requests the
 // turn.
 enum class Views { front, back, both };
+
+// Who is measured (docs/evaluation.md). `modifiers`: the body model's held-out family, of the same sliders as
+// training people. `ansur`: people of measured dimensions made in another way (lab/population/ansur_people.h).
+// `mixed`: two of one, two of the other, in turns.
+enum class PeopleFamily { modifiers, ansur, mixed };
+inline constexpr std::array<std::string_view, 3> kPeopleFamilyNames = {"modifiers", "ansur", "mixed"};
+constexpr std::string_view name_of(PeopleFamily family) {
+  return kPeopleFamilyNames[static_cast<std::size_t>(family)];
+}
+Result<PeopleFamily> people_family_of(std::string_view name);
 
 struct EvaluationOptions {
   int subjects = 200;
@@ -36,6 +50,8 @@ struct EvaluationOptions {
   bool fit = true;     // false: features answer alone, no shape is fitted
   bool twice = false;  // shown again in a new pose, room and noise
   int threads = 1;     // does not change the result
+  PeopleFamily family = PeopleFamily::modifiers;
+  std::shared_ptr<const AnsurPeople> ansur;  // not null unless the family is modifiers
 };
 
 // The person `index` of an evaluation, and where the camera stands. `showing` 1: the second time.
@@ -43,12 +59,14 @@ struct HeldOutPerson {
   Subject subject;
   CaptureOptions capture;
   bool smoothed = false, sensor_reported = false;
+  PeopleFamily family = PeopleFamily::modifiers;  // never mixed
 };
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing = 0);
 
 // One person, one session; a second one for the sake of repeatability.
 struct Outcome {
+  PeopleFamily family = PeopleFamily::modifiers;  // never mixed
   bool woman = false;
   bool measured = false;
   GuidanceSet guidance_seen = 0;

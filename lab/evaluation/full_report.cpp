@@ -107,6 +107,25 @@ std::string table_of(const Report& r) {
   return html + "</table></div>\n";
 }
 
+std::string groups_table(const Report& r) {
+  std::string html =
+      "<p>By sex and thirds of body mass index: bias / mean absolute error / share of truths in the "
+      "95 % interval. Last row: how the error grows with body mass index, per kg/m², with its standard "
+      "error.</p>\n<div class=\"wide\"><table><tr><th>people</th><th>number</th>";
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) html += "<th>" + words_of(m) + "</th>";
+  html += "</tr>\n";
+  for (const GroupReport& group : r.groups) {
+    html += "<tr>" + cell(group.name) + cell(fmt::format("{}", group.people));
+    for (const GroupReport::Row& row : group.rows)
+      html += cell(fmt::format("{:+.1f} / {:.1f} / {:.0f} %", row.bias, row.mae, 100 * row.coverage),
+                   row.coverage >= 0.9 && row.coverage <= 0.98 ? "in" : "over");
+    html += "</tr>\n";
+  }
+  html += "<tr>" + cell("error by BMI") + cell(fmt::format("{}", r.measured));
+  for (const IndexSlope& s : r.slopes) html += cell(fmt::format("{:+.2f} ± {:.2f}", s.slope, s.standard_error));
+  return html + "</tr>\n</table></div>\n";
+}
+
 std::string conditions_table(const std::vector<ConditionRun>& runs) {
   std::string html = "<div class=\"wide\"><table><tr><th>condition</th><th>measured</th>";
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
@@ -118,7 +137,7 @@ std::string conditions_table(const std::vector<ConditionRun>& runs) {
   for (const ConditionRun& run : runs) {
     const Report& r = run.report;
     html += fmt::format("<tr><td><b>{}</b><br><span class=\"quiet\">{}</span></td><td>{} of {}</td>",
-                        escaped_for_xml(r.condition), escaped_for_xml(r.what), r.measured, r.subjects);
+                        escaped_for_xml(title_of(r)), escaped_for_xml(r.what), r.measured, r.subjects);
     for (const MeasurementReport& m : r.measurements) html += mae_cell(m.of(Estimator::ours));
     if (r.measured == 0) {
       html += cell("–") + cell("–") + cell("–") + cell("–") + "</tr>\n";
@@ -138,7 +157,7 @@ std::string refusals_of(const std::vector<ConditionRun>& runs) {
   for (const ConditionRun& run : runs) {
     const Report& r = run.report;
     if (r.measured == r.subjects) continue;
-    html += fmt::format("<p>{}: {} of {} not measured; guidance given:", escaped_for_xml(r.condition),
+    html += fmt::format("<p>{}: {} of {} not measured; guidance given:", escaped_for_xml(title_of(r)),
                         r.subjects - r.measured, r.subjects);
     for (std::size_t g = 0; g < kGuidanceCount; ++g)
       if (r.not_measured_because[g] > 0)
@@ -187,7 +206,7 @@ std::string html_of(const FullReport& report) {
       "Kinect, through the whole device path; the truth is measured on their meshes by ISO 8559-1. None of it is a "
       "claim "
       "against a tape. Condition of the figures: <b>{}</b>, {}.</p>\n<p class=\"quiet\">{}</p>\n",
-      first.subjects, escaped_for_xml(first.condition), escaped_for_xml(first.what),
+      first.subjects, escaped_for_xml(title_of(first)), escaped_for_xml(first.what),
       escaped_for_xml(report.provenance));
   if (first.measured > 0) html += cards_of(first);
   html += "<nav>";
@@ -195,7 +214,8 @@ std::string html_of(const FullReport& report) {
   html += "<a href=\"#tables\">tables</a></nav>\n";
   for (const Figure& figure : figures)
     html += section(figure.id, figure.heading, "<p>" + figure.words + "</p>\n" + figure.picture.embedded());
-  html += section("tables", "Every measurement, " + first.condition, first.measured > 0 ? table_of(first) : "");
+  html += section("tables", "Every measurement, " + title_of(first), first.measured > 0 ? table_of(first) : "");
+  if (first.measured > 0) html += section("table-groups", "Who errs how", groups_table(first));
   html += section("table-conditions", "Mean absolute error by condition",
                   conditions_table(report.runs) + refusals_of(report.runs));
   return html + "</main></body></html>\n";

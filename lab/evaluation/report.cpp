@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/size_chart.h"
+#include "lab/evaluation/report_groups.h"
 
 namespace im2fit::lab {
 namespace {
@@ -137,9 +138,23 @@ double value_of(const Outcome& outcome, Estimator estimator, std::size_t measure
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-Report report_of(const std::vector<Outcome>& outcomes, const std::string& condition, const std::string& what) {
+double girth_error_mm(const Report& report) {
+  double sum = 0;
+  for (const Measurement m :
+       {Measurement::chest_girth, Measurement::waist_girth, Measurement::hip_girth, Measurement::neck_girth})
+    sum += report.measurements[measurement_index(m)].of(Estimator::ours).mae / 4;
+  return sum;
+}
+
+std::string title_of(const Report& report) {
+  return report.family.empty() ? report.condition : report.condition + " of " + report.family;
+}
+
+Report report_of(const std::vector<Outcome>& outcomes, const std::string& condition, const std::string& what,
+                 const std::string& family) {
   Report report;
   report.condition = condition;
+  report.family = family;
   report.what = what;
   report.subjects = static_cast<int>(outcomes.size());
   std::vector<const Outcome*> measured;
@@ -158,6 +173,8 @@ Report report_of(const std::vector<Outcome>& outcomes, const std::string& condit
   report.size_accuracy = share_of(measured, [](const Outcome* o) { return size_rank(*o) == 0; });
   report.size_top_two = share_of(measured, [](const Outcome* o) { return size_rank(*o) <= 1; });
   for (const Outcome* o : measured) ++report.size_steps[static_cast<std::size_t>(size_steps_off(*o) + kSizeStepMost)];
+  report.groups = groups_of(measured);
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) report.slopes[m] = index_slope(measured, m);
   add_joints(outcomes, report);
   return report;
 }

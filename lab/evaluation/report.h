@@ -48,11 +48,27 @@ struct MeasurementReport {
   double coverage() const { return covered[kStatedLevel]; }
 };
 
+// Some of the people, by their truth: a sex and a third of it by body mass index, or a family of a mixed run.
+struct GroupReport {
+  std::string name;  // "men, BMI to 24.3"
+  int people = 0;
+  double mass_index_low = 0, mass_index_high = 0;
+  struct Row {
+    double bias = 0, mae = 0, coverage = 0;  // coverage: of the stated 95 % interval, 0..1
+  };
+  std::array<Row, kMeasurementCount> rows{};
+};
+// How an error grows with body mass index: 0 where the heavy err as the slim do.
+struct IndexSlope {
+  double slope = 0;           // mm (kg) a kg/m^2
+  double standard_error = 0;  // of the slope
+};
+
 // Labels between the right size and the one answered: -1 one too small; the outer ones count all beyond.
 inline constexpr int kSizeStepMost = 2;
 
 struct Report {
-  std::string condition, what;
+  std::string condition, what, family;
   int subjects = 0;
   int measured = 0;
   std::array<int, kGuidanceCount> not_measured_because{};  // subjects, by guidance seen
@@ -66,7 +82,9 @@ struct Report {
   double size_accuracy = 0;                             // letter size by the default chart, outright
   double size_top_two = 0;                              // true size among the two most probable
   std::array<int, 2 * kSizeStepMost + 1> size_steps{};  // people, by labels off: too small first
-  double joint_error_mm = 0;                            // mean over frames and joints
+  std::vector<GroupReport> groups;                      // sex by thirds of body mass index; then families, if several
+  std::array<IndexSlope, kMeasurementCount> slopes{};
+  double joint_error_mm = 0;  // mean over frames and joints
   double joints_within_100mm = 0;
   bool has_raw() const { return measurements[0].of(Estimator::raw).count > 0; }
   bool has_repeats() const { return measurements[0].repeatability.pairs > 0; }
@@ -79,7 +97,12 @@ struct ConditionRun {
   Report report;
 };
 
-Report report_of(const std::vector<Outcome>& outcomes, const std::string& condition, const std::string& what = "");
+Report report_of(const std::vector<Outcome>& outcomes, const std::string& condition, const std::string& what = "",
+                 const std::string& family = "");
+// Mean absolute error of chest, waist, hip and neck girth: which of two families is the worse.
+double girth_error_mm(const Report& report);
+// "noise", or "noise of ansur" where a family is named.
+std::string title_of(const Report& report);
 double value_of(const Outcome& outcome, Estimator estimator,
                 std::size_t measurement);  // NaN where that estimator has none
 

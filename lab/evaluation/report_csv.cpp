@@ -17,15 +17,15 @@ std::string cell(double value) {
 
 std::string csv_of(const std::vector<ConditionRun>& runs) {
   std::string csv =
-      "condition,measurement,unit,people,bias,mae,sd,p95,max,iso_20685_limit,mean_low,mean_high,coverage_95,"
+      "family,condition,measurement,unit,people,bias,mae,sd,p95,max,iso_20685_limit,mean_low,mean_high,coverage_95,"
       "interval_width,agreement_low,agreement_high,tem,tem_percent,reliability,mae_nearest,mae_raw_nearest,"
       "mae_paper\n";
   for (const ConditionRun& run : runs)
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
       const MeasurementReport& r = run.report.measurements[m];
       const ErrorStatistics& s = r.of(Estimator::ours);
-      csv += fmt::format("{},{},{},{}", run.report.condition, kMeasurementTable[m].id, kMeasurementTable[m].unit,
-                         s.count);
+      csv += fmt::format("{},{},{},{},{}", run.report.family, run.report.condition, kMeasurementTable[m].id,
+                         kMeasurementTable[m].unit, s.count);
       const double none = std::nan("");
       const double limit = iso_20685_limit_mm(static_cast<Measurement>(m));
       const bool again = r.repeatability.pairs > 0;
@@ -43,14 +43,14 @@ std::string csv_of(const std::vector<ConditionRun>& runs) {
 
 std::string people_csv_of(const std::vector<ConditionRun>& runs) {
   std::string csv =
-      "condition,person,woman,measured,measurement,truth,value,low,high,again,nearest,raw_nearest,paper\n";
+      "family,condition,person,woman,measured,measurement,truth,value,low,high,again,nearest,raw_nearest,paper\n";
   const auto precise = [](double value) { return std::isfinite(value) ? fmt::format("{:.2f}", value) : ""; };
   for (const ConditionRun& run : runs)
     for (std::size_t i = 0; i < run.outcomes.size(); ++i)
       for (std::size_t m = 0; m < kMeasurementCount; ++m) {
         const Outcome& o = run.outcomes[i];
-        csv += fmt::format("{},{},{},{},{},{:.2f}", run.report.condition, i, o.woman ? 1 : 0, o.measured ? 1 : 0,
-                           kMeasurementTable[m].id, o.truth[m]);
+        csv += fmt::format("{},{},{},{},{},{},{:.2f}", name_of(o.family), run.report.condition, i, o.woman ? 1 : 0,
+                           o.measured ? 1 : 0, kMeasurementTable[m].id, o.truth[m]);
         const index::IntervalEstimate& e = o.answer.measurements[m];
         const double none = std::nan("");
         for (const double value :

@@ -48,12 +48,28 @@ Json measurement_json(const MeasurementReport& r, std::size_t m) {
   return entry;
 }
 
+Json groups_json(const Report& report) {
+  Json groups = Json::array();
+  for (const GroupReport& group : report.groups) {
+    Json entry = {{"name", group.name},
+                  {"people", group.people},
+                  {"bmi_low", group.mass_index_low},
+                  {"bmi_high", group.mass_index_high}};
+    for (std::size_t m = 0; m < kMeasurementCount; ++m)
+      entry["measurements"][std::string(kMeasurementTable[m].id)] = {
+          {"bias", group.rows[m].bias}, {"mae", group.rows[m].mae}, {"coverage_95", group.rows[m].coverage}};
+    groups.push_back(std::move(entry));
+  }
+  return groups;
+}
+
 }  // namespace
 
 Json json_value_of(const Report& report) {
   Json json;
   json["schema"] = "im2fit.evaluation/1";
   json["label"] = "synthetic";
+  if (!report.family.empty()) json["family"] = report.family;
   json["condition"] = report.condition;
   if (!report.what.empty()) json["what"] = report.what;
   json["subjects"] = report.subjects;
@@ -64,6 +80,10 @@ Json json_value_of(const Report& report) {
       json["not_measured_because"][std::string(kGuidanceNames[g])] = report.not_measured_because[g];
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
     json["measurements"][std::string(kMeasurementTable[m].id)] = measurement_json(report.measurements[m], m);
+  for (std::size_t m = 0; m < kMeasurementCount; ++m)
+    json["measurements"][std::string(kMeasurementTable[m].id)]["error_by_bmi"] = {
+        {"slope", report.slopes[m].slope}, {"standard_error", report.slopes[m].standard_error}};
+  json["groups"] = groups_json(report);
   json["sex_accuracy"] = report.sex_accuracy;
   if (report.has_raw()) json["raw_nearest_sex_accuracy"] = report.raw_sex_accuracy;
   json["age"] = {{"mean_error_years", report.age_error_years},

@@ -26,7 +26,7 @@ std::string refusals(const Report& report) {
 }
 
 std::string table_of(const Report& report) {
-  std::vector<std::string> header = {"synthetic, " + report.condition,
+  std::vector<std::string> header = {"synthetic, " + title_of(report),
                                      "bias",
                                      "MAE",
                                      "SD",
@@ -60,10 +60,37 @@ std::string table_of(const Report& report) {
   return table.text();
 }
 
+constexpr std::array kGrouped = {Measurement::stature,     Measurement::neck_girth, Measurement::chest_girth,
+                                 Measurement::waist_girth, Measurement::hip_girth,  Measurement::weight};
+
+// Bias, mean absolute error and share of truths inside the 95 % interval, by sex and body mass index.
+std::string groups_table(const Report& report) {
+  std::vector<std::string> header = {"bias / MAE / in 95 % int.", "people"};
+  for (const Measurement m : kGrouped)
+    header.push_back(fmt::format("{} {}", kMeasurementTable[measurement_index(m)].id,
+                                 kMeasurementTable[measurement_index(m)].unit));
+  TextTable table(header);
+  for (const GroupReport& group : report.groups) {
+    std::vector<std::string> row = {group.name, fmt::format("{}", group.people)};
+    for (const Measurement m : kGrouped) {
+      const GroupReport::Row& r = group.rows[measurement_index(m)];
+      row.push_back(fmt::format("{:+.1f} / {:.1f} / {:.0f}", r.bias, r.mae, 100 * r.coverage));
+    }
+    table.add(row);
+  }
+  std::vector<std::string> slopes = {"error a kg/m2 of BMI", fmt::format("{}", report.measured)};
+  for (const Measurement m : kGrouped) {
+    const IndexSlope& s = report.slopes[measurement_index(m)];
+    slopes.push_back(fmt::format("{:+.2f} +- {:.2f}", s.slope, s.standard_error));
+  }
+  table.add(slopes);
+  return table.text();
+}
+
 }  // namespace
 
 std::string text_of(const Report& report) {
-  std::string text = report.measured > 0 ? table_of(report) : "synthetic, " + report.condition + "\n";
+  std::string text = report.measured > 0 ? table_of(report) : "synthetic, " + title_of(report) + "\n";
   const double measured = report.subjects > 0 ? 100.0 * report.measured / report.subjects : 0;
   text += fmt::format("\nmeasured     {} of {} held-out synthetic people ({:.1f} %)\n", report.measured,
                       report.subjects, measured);
@@ -81,12 +108,12 @@ std::string text_of(const Report& report) {
                       100 * report.size_accuracy, 100 * report.size_top_two);
   text += fmt::format("joints       {:.1f} mm mean error, {:.1f} % within 100 mm\n", report.joint_error_mm,
                       100 * report.joints_within_100mm);
-  return text;
+  return text + "\n" + groups_table(report);
 }
 
 std::string text_of(const std::vector<ConditionRun>& runs) {
   std::vector<std::string> header = {"MAE, synthetic"};
-  for (const ConditionRun& run : runs) header.push_back(run.report.condition);
+  for (const ConditionRun& run : runs) header.push_back(title_of(run.report));
   TextTable table(header);
   const auto row = [&](const std::string& name, const auto& cell) {
     std::vector<std::string> cells = {name};

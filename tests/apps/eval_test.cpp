@@ -48,6 +48,8 @@ TEST(Eval, WrongWordsExitWithTwoAndOneLine) {
                          {"--conditions", "noise,foggy"},
                          {"--conditions", "noise", "--all"},
                          {"--frames", "0"},
+                         {"--family", "twins"},
+                         {"--ansur-ends", "1.5"},
                          {"--icp", "0"},
                          {"--icp", "2", "--icp-references", "x.json"}};
   for (const Words& words : table) {
@@ -56,6 +58,15 @@ TEST(Eval, WrongWordsExitWithTwoAndOneLine) {
     EXPECT_EQ(run.out, "");
     EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit-lab")) << run.err;
   }
+}
+
+TEST(Eval, FamilyWithoutItsSurveySaysWhereItBelongs) {
+  IM2FIT_NEED_DATA();
+  const test::Run run = eval({"--family", "modifiers,ansur", "--ansur", "/no/such/folder", "--subjects", "1"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit-lab")) << run.err;
+  EXPECT_NE(run.err.find("/no/such/folder"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("--ansur"), std::string::npos) << run.err;
 }
 
 TEST(Eval, WritesEverythingOnAnyNumberOfThreads) {
@@ -78,6 +89,8 @@ TEST(Eval, WritesEverythingOnAnyNumberOfThreads) {
   ASSERT_EQ(json.at("conditions").size(), 2U);
   EXPECT_EQ(json.at("conditions").at(1).at("condition"), "clothed+frames5+320");
   EXPECT_EQ(json.at("conditions").at(0).at("subjects"), 2);
+  EXPECT_EQ(json.at("conditions").at(0).at("family"), "modifiers");
+  EXPECT_EQ(json.at("conditions").at(0).at("groups").size(), 2U);  // a man and a woman: a third of one each
 
   const std::string page = test::read_text(folder.path("page.html"));
   EXPECT_EQ(html_fault(page), "");

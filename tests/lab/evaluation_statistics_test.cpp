@@ -137,6 +137,39 @@ TEST(Report, CountsWhatItIsGiven) {
   EXPECT_EQ(steps[0] + steps[1] + steps[2] + steps[3] + steps[4], 3);
 }
 
+// Six men of 2 m and BMI 20 to 30 and one woman: errors grow by 3 mm a unit.
+TEST(Report, TellsWhoErrsHow) {
+  std::vector<Outcome> outcomes;
+  for (const float index : {28.0F, 20.0F, 22.0F, 26.0F, 24.0F, 30.0F}) {
+    Outcome o = outcome(2000, 0, 10);
+    o.truth[measurement_index(Measurement::weight)] = 4 * index;
+    const float error = 3 * (index - 25);
+    o.answer.measurements[kChest] = {2000 + error, 2000 + error - 10, 2000 + error + 10};
+    outcomes.push_back(o);
+  }
+  outcomes.push_back(outcome(2000, 0, 10, true));
+  outcomes.back().truth[measurement_index(Measurement::weight)] = 100;
+  const Report r = report_of(outcomes, "noise", "", "ansur");
+  ASSERT_EQ(r.groups.size(), 4U);
+  EXPECT_EQ(r.groups[0].name, "men, BMI 20.0 to 22.0");
+  EXPECT_EQ(r.groups[0].people, 2);
+  EXPECT_NEAR(r.groups[0].rows[kChest].bias, -12, 1e-3);
+  EXPECT_NEAR(r.groups[0].rows[kChest].mae, 12, 1e-3);
+  EXPECT_NEAR(r.groups[0].rows[kChest].coverage, 0.5, 1e-9);  // 15 off and 9 off, of 10
+  EXPECT_NEAR(r.groups[1].rows[kChest].bias, 0, 1e-3);
+  EXPECT_NEAR(r.groups[1].rows[kChest].coverage, 1, 1e-9);
+  EXPECT_EQ(r.groups[3].people, 1);
+  EXPECT_NEAR(r.slopes[kChest].slope, 3, 1e-3);
+  EXPECT_NEAR(r.slopes[kStature].slope, 0, 1e-3);
+  EXPECT_EQ(title_of(r), "noise of ansur");
+  // A mixed run says how either family fares.
+  outcomes.front().family = PeopleFamily::ansur;
+  const Report mixed = report_of(outcomes, "noise");
+  ASSERT_EQ(mixed.groups.size(), 6U);
+  EXPECT_EQ(mixed.groups[4].name, "all of ansur");
+  EXPECT_EQ(mixed.groups[4].people, 1);
+}
+
 // EN 13402-3 men: M 94 to 102 cm.
 TEST(Report, SizesAreLabelsOffTheTrueOne) {
   std::vector<Outcome> outcomes = {outcome(1000, 0, 5), outcome(1000, 40, 5), outcome(1000, -300, 5)};

@@ -1,0 +1,538 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/population/ansur_people.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+
+#include "body/measure.h"
+#include "body/model_data.h"
+#include "body/skeleton.h"
+#include "core/rng.h"
+#include "lab/population/deformation_graph.h"
+
+namespace im2fit::lab {
+namespace {
+
+using body::Segment;
+
+constexpr std::uint64_t kPersonStream = 0xA2501, kRowStream = 0xA2502, kShapeStream = 0xA2503, kMeanStream = 0xA2504;
+
+// Tolerances: what a camera sees most of must be met; joints inside are not the survey's landmarks.
+constexpr std::array<DimensionInfo, kDimensionCount> kTable = {{
+    {"stature", 1},        {"cervicale height", 3}, {"acromial height", 8},   {"chest height", 2},
+    {"waist height", 2},   {"buttock height", 3},   {"crotch height", 1.5},   {"trochanter height", 8},
+    {"knee height", 5},    {"chest breadth", 4},    {"chest depth", 1},       {"chest girth", 2},
+    {"chest back", 3},     {"waist breadth", 1},    {"waist depth", 1},       {"waist girth", 2},
+    {"waist back", 3},     {"hip breadth", 1},      {"hip depth", 1},         {"hip girth", 2},
+    {"hip back", 3},       {"neck girth", 1.5},     {"thigh girth", 2},       {"lower thigh girth", 2},
+    {"calf girth", 1.5},   {"ankle girth", 2},      {"upper arm girth", 1.5}, {"forearm girth", 1.5},
+    {"wrist girth", 1.5},  {"acromion breadth", 4}, {"deltoid breadth", 3},   {"upper arm length", 5},
+    {"forearm length", 5}, {"hand length", 5},      {"head breadth", 1.5},    {"head length", 2},
+    {"crown height", 4},   {"foot length", 3},      {"foot breadth", 3},      {"weight", 1.2},
+}};
+
+// A fixed mean mesh: the build, and what is done to the model's head, hands and feet.
+struct MeanBuild {
+  bool woman;
+  double stature_mm, weight_kg, index_most;  // body mass index up to which it serves
+  float age_years, muscle, cup;
+  std::array<float, 3> race;
+  Vec3f head, hand, foot;  // scales along the mesh' axes
+  float crown_mm, occiput_mm;
+};
+constexpr std::array<MeanBuild, 6> kMeans = {{
+    {false,
+     1755,
+     63,
+     23,
+     27,
+     0.52F,
+     0.5F,
+     {0.5F, 0.3F, 0.2F},
+     {1.04F, 0.97F, 0.96F},
+     {1.05F, 1.04F, 0.97F},
+     {1.06F, 1.1F, 1.03F},
+     7,
+     -4},
+    {false,
+     1755,
+     84,
+     30.5,
+     33,
+     0.55F,
+     0.5F,
+     {0.2F, 0.2F, 0.6F},
+     {0.96F, 1.03F, 1.05F},
+     {0.95F, 0.97F, 1.08F},
+     {0.95F, 0.92F, 1.05F},
+     -5,
+     6},
+    {false,
+     1755,
+     113,
+     99,
+     44,
+     0.4F,
+     0.5F,
+     {0.2F, 0.5F, 0.3F},
+     {1.05F, 0.98F, 1.02F},
+     {1.08F, 1.02F, 1.06F},
+     {1.08F, 1.06F, 0.97F},
+     4,
+     5},
+    {true,
+     1630,
+     52,
+     23,
+     25,
+     0.45F,
+     0.42F,
+     {0.2F, 0.6F, 0.2F},
+     {1.03F, 0.98F, 0.95F},
+     {1.04F, 1.02F, 0.96F},
+     {1.05F, 1.08F, 1.04F},
+     6,
+     -3},
+    {true,
+     1630,
+     68,
+     30.5,
+     34,
+     0.42F,
+     0.5F,
+     {0.3F, 0.1F, 0.6F},
+     {0.97F, 1.02F, 1.04F},
+     {0.96F, 0.98F, 1.06F},
+     {0.96F, 0.94F, 1.03F},
+     -4,
+     5},
+    {true,
+     1630,
+     97,
+     99,
+     45,
+     0.35F,
+     0.58F,
+     {0.6F, 0.2F, 0.2F},
+     {1.04F, 1.0F, 1.03F},
+     {1.05F, 1.05F, 1.04F},
+     {1.07F, 1.05F, 0.98F},
+     5,
+     6},
+}};
+constexpr double kIndexSpread = 1.2;  // of the border between builds, so that no border shows
+
+constexpr int kSmoothings = 6;
+constexpr float kSmoothShare = 0.5F;
+
+// Free shape: pairs and single places on the skin, pushed along the normal.
+constexpr int kPairs = 20, kSingles = 10;
+constexpr double kPairMm = 5, kSingleMm = 2;
+// How far the back lies behind the sides, as a share of the depth: SD about the mean mesh'. The survey is silent.
+constexpr double kBackShareSd = 0.05;
+// Squared tolerance of the energy against the dimensions': 1 of energy costs as much as 1 / kEnergySd tolerances.
+constexpr double kEnergySd = 40;
+constexpr int kSteps = 12, kMoreSteps = 6, kRounds = 4;
+constexpr double kBreadthOfGirth = 0.4;              // at the chest
+constexpr double kPostureMm = 10, kPostureSd = 0.8;  // forwards or back: tolerance, and what people vary by in it
+
+using Basis = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+bool is_of(Segment s, Segment left, Segment right) {
+  return s == left || s == right;
+}
+
+void reshape_ends(const body::BodyModel& model, const MeanBuild& build, std::vector<Vec3f>& rest) {
+  const body::Skeleton bones = body::rest_skeleton(model, rest);
+  const auto skin = model.data().skin;
+  float crown = 0;
+  for (std::size_t v = 0; v < static_cast<std::size_t>(model.body_vertex_count()); ++v)
+    crown = std::max(crown, rest[v].y);
+  const Vec3f neck_top = bones.head[static_cast<std::size_t>(Segment::head)];
+  for (std::size_t v = 0; v < rest.size(); ++v) {
+    Vec3f move;
+    for (std::size_t e = 0; e < 4; ++e) {
+      const float w = skin[v].weight[e];
+      const auto s = static_cast<Segment>(skin[v].segment[e]);
+      if (w <= 0) continue;
+      const bool head = s == Segment::head;
+      const bool hand = is_of(s, Segment::left_hand, Segment::right_hand);
+      const bool foot = is_of(s, Segment::left_foot, Segment::right_foot);
+      if (!head && !hand && !foot) continue;
+      const Vec3f scale = head ? build.head : hand ? build.hand : build.foot;
+      const Vec3f d = rest[v] - bones.head[static_cast<std::size_t>(s)];
+      move = move + Vec3f{d.x * (scale.x - 1), d.y * (scale.y - 1), d.z * (scale.z - 1)} * w;
+      if (!head) continue;
+      const float up = std::clamp((rest[v].y - neck_top.y) / (crown - neck_top.y), 0.0F, 1.0F);
+      move.y += w * build.crown_mm * up * up * up;
+      const float back = std::clamp((neck_top.z - rest[v].z) / 80, 0.0F, 1.0F);
+      move.z -= w * build.occiput_mm * back * 4 * up * (1 - up);
+    }
+    rest[v] = rest[v] + move;
+  }
+}
+
+// Neighbours' means, except on hands and feet, which would waste away.
+void smooth(const body::BodyModel& model, std::vector<Vec3f>& rest) {
+  const auto skin = model.data().skin;
+  const auto count = static_cast<std::size_t>(model.body_vertex_count());
+  const auto kept = [&](std::size_t v) {
+    const auto s = static_cast<Segment>(skin[v].segment[0]);
+    return is_of(s, Segment::left_hand, Segment::right_hand) || is_of(s, Segment::left_foot, Segment::right_foot);
+  };
+  for (int round = 0; round < kSmoothings; ++round) {
+    std::vector<Vec3f> sum(count);
+    std::vector<float> neighbours(count, 0.0F);
+    for (const auto& quad : model.body_quads())
+      for (std::size_t i = 0; i < 4; ++i) {
+        const auto a = static_cast<std::size_t>(quad[i]), b = static_cast<std::size_t>(quad[(i + 1) % 4]);
+        sum[a] = sum[a] + rest[b], sum[b] = sum[b] + rest[a];
+        neighbours[a] += 1, neighbours[b] += 1;
+      }
+    for (std::size_t v = 0; v < count; ++v)
+      if (!kept(v) && neighbours[v] > 0) rest[v] = rest[v] + (sum[v] * (1 / neighbours[v]) - rest[v]) * kSmoothShare;
+  }
+}
+
+std::vector<Vec3f> normals_of(const body::BodyModel& model, std::span<const Vec3f> rest) {
+  std::vector<Vec3f> normal(static_cast<std::size_t>(model.body_vertex_count()));
+  for (const auto& t : model.body_triangles()) {
+    const auto i = [&](std::size_t c) { return static_cast<std::size_t>(t[c]); };
+    const Vec3f n = cross(rest[i(1)] - rest[i(0)], rest[i(2)] - rest[i(0)]);
+    for (std::size_t c = 0; c < 3; ++c) normal[i(c)] = normal[i(c)] + n;
+  }
+  for (Vec3f& n : normal) n = normalized(n);
+  return normal;
+}
+
+// A joint that stays where the mean mesh has it, nearly: posture is not the survey's business, and a few millimetres
+// of dimension must not be met by leaning.
+struct Stay {
+  PullRow row;
+  double tolerance_mm;
+};
+std::vector<Stay> stays_of(const body::BodyModel& model) {
+  const auto& d = model.data();
+  std::vector<Stay> stays;
+  const auto stay = [&](std::size_t list, double aside_mm, double forwards_mm) {
+    const auto of = d.list_vertices.subspan(d.lists[list].first, d.lists[list].count);
+    for (const auto& [axis, mm] : {std::pair{Vec3f{1, 0, 0}, aside_mm}, std::pair{Vec3f{0, 0, 1}, forwards_mm}}) {
+      Stay& s = stays.emplace_back(Stay{{}, mm});
+      for (const std::int32_t v : of) s.row.push_back({v, axis * (1.0F / static_cast<float>(of.size()))});
+    }
+  };
+  const auto head = [](Segment s) { return body::kHeadLists + static_cast<std::size_t>(s); };
+  const auto tail = [](Segment s) { return body::kTailLists + static_cast<std::size_t>(s); };
+  for (const Segment s : {Segment::pelvis, Segment::abdomen, Segment::chest, Segment::neck, Segment::head})
+    stay(head(s), 1.5, kPostureMm);
+  stay(tail(Segment::head), 1.5, kPostureMm);
+  for (const Segment s : {Segment::left_upper_leg, Segment::right_upper_leg, Segment::left_lower_leg,
+                          Segment::right_lower_leg, Segment::left_foot, Segment::right_foot})
+    stay(head(s), 8, kPostureMm);
+  // Level: the left one is no higher than the right one.
+  for (const auto& [left, right] : {std::pair{Segment::left_foot, Segment::right_foot},
+                                    std::pair{Segment::left_lower_leg, Segment::right_lower_leg},
+                                    std::pair{Segment::left_upper_leg, Segment::right_upper_leg},
+                                    std::pair{Segment::left_upper_arm, Segment::right_upper_arm}}) {
+    Stay& level = stays.emplace_back(Stay{{}, 1});
+    for (const auto& [list, sign] : {std::pair{head(left), 1.0F}, std::pair{head(right), -1.0F}})
+      for (const std::int32_t v : d.list_vertices.subspan(d.lists[list].first, d.lists[list].count))
+        level.row.push_back({v, {0, sign / static_cast<float>(d.lists[list].count), 0}});
+    stays.emplace_back(Stay{{}, 1});  // pairs: aside or level first, then forwards
+  }
+  return stays;
+}
+
+struct Mean {
+  body::Params params;
+  std::vector<Vec3f> rest;
+  std::unique_ptr<BodyDimensions> dimensions;
+  DimensionValues own{};
+  Basis basis;                  // a row a coordinate, a column a response of unit energy
+  Eigen::MatrixXd products;     // of responses, by energy
+  Eigen::MatrixXd stay;         // a row a joint coordinate, in tolerances: it moves by this along the responses
+  int free_first = 0;           // columns that free shape is drawn of
+  std::vector<double> free_mm;  // what one of the column moves its own place by, mm
+};
+
+std::vector<PullRow> free_rows(const body::BodyModel& model, std::span<const Vec3f> rest, Rng& rng) {
+  const auto normal = normals_of(model, rest);
+  const auto skin = model.data().skin;
+  std::vector<PullRow> rows;
+  while (rows.size() < kPairs + kSingles) {
+    const int v = rng.index(model.body_vertex_count());
+    const auto at = static_cast<std::size_t>(v);
+    const auto s = static_cast<Segment>(skin[at].segment[0]);
+    if (s == Segment::head || is_of(s, Segment::left_hand, Segment::right_hand) ||
+        is_of(s, Segment::left_foot, Segment::right_foot))
+      continue;
+    PullRow row = {{v, normal[at]}};
+    if (rows.size() < kPairs) {
+      const Vec3f mirrored = {-rest[at].x, rest[at].y, rest[at].z};
+      std::int32_t other = v;
+      for (std::int32_t o = 0; o < model.body_vertex_count(); ++o)
+        if (norm(rest[static_cast<std::size_t>(o)] - mirrored) <
+            norm(rest[static_cast<std::size_t>(other)] - mirrored))
+          other = o;
+      row.push_back({other, normal[static_cast<std::size_t>(other)]});
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+// Sum over pulls of the gradient's product with each response.
+Eigen::RowVectorXd along_basis(const Basis& basis, const PullRow& row) {
+  Eigen::RowVectorXf sum = Eigen::RowVectorXf::Zero(basis.cols());
+  for (const Pull& pull : row) {
+    const auto at = static_cast<Eigen::Index>(3 * pull.vertex);
+    sum +=
+        pull.gradient.x * basis.row(at) + pull.gradient.y * basis.row(at + 1) + pull.gradient.z * basis.row(at + 2);
+  }
+  return sum.cast<double>();
+}
+
+Mean make_mean(const body::BodyModel& model, const MeanBuild& build, std::uint64_t number) {
+  Mean mean;
+  body::Params& p = mean.params;
+  p.gender = build.woman ? 0 : 1;
+  p.age_years = build.age_years;
+  p.muscle = build.muscle;
+  p.cup = build.cup;
+  p.race = build.race;
+  p.modifiers.assign(model.modifier_names().size(), 0.0F);
+  body::solve_stature_and_weight(model, p, build.stature_mm, build.weight_kg);
+  mean.rest.resize(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(p, mean.rest);
+  reshape_ends(model, build, mean.rest);
+  std::vector<Vec3f> before = mean.rest;
+  smooth(model, mean.rest);
+  DeformationGraph graph(model, mean.rest);
+  std::vector<Vec3f> moved(mean.rest.size());
+  for (std::size_t v = 0; v < moved.size(); ++v) moved[v] = mean.rest[v] - before[v];
+  graph.carry_helpers(moved);
+  for (std::size_t v = 0; v < moved.size(); ++v) mean.rest[v] = before[v] + moved[v];
+
+  mean.dimensions = std::make_unique<BodyDimensions>(model, mean.rest);
+  std::vector<PullRow> rows;
+  mean.own = mean.dimensions->measure(mean.rest, &rows);
+  for (PullRow& row : mean.dimensions->squaring_rows(mean.rest)) rows.push_back(std::move(row));
+  const std::vector<Stay> stays = stays_of(model);
+  for (const Stay& s : stays) rows.push_back(s.row);
+  mean.free_first = static_cast<int>(rows.size());
+  Rng rng = Rng::for_item(kMeanStream, kMeanStream, number);
+  for (PullRow& row : free_rows(model, mean.rest, rng)) rows.push_back(std::move(row));
+
+  const auto columns = static_cast<Eigen::Index>(rows.size());
+  mean.basis.resize(static_cast<Eigen::Index>(3 * mean.rest.size()), columns);
+  for (Eigen::Index c = 0; c < columns; ++c) {
+    const PullRow& row = rows[static_cast<std::size_t>(c)];
+    const std::vector<Vec3f> response = graph.response(row);
+    for (std::size_t v = 0; v < response.size(); ++v) {
+      const auto at = static_cast<Eigen::Index>(3 * v);
+      mean.basis(at, c) = response[v].x, mean.basis(at + 1, c) = response[v].y, mean.basis(at + 2, c) = response[v].z;
+    }
+    if (c < mean.free_first) continue;
+    double own = 0;
+    for (const Pull& pull : row)
+      own += static_cast<double>(dot(pull.gradient, response[static_cast<std::size_t>(pull.vertex)])) /
+             static_cast<double>(row.size());
+    mean.free_mm.push_back(own);
+  }
+  mean.products.resize(columns, columns);
+  for (Eigen::Index i = 0; i < columns; ++i)
+    for (Eigen::Index j = 0; j < columns; ++j)
+      mean.products(i, j) = graph.product(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
+  mean.stay.resize(static_cast<Eigen::Index>(stays.size()), columns);
+  for (std::size_t s = 0; s < stays.size(); ++s)
+    mean.stay.row(static_cast<Eigen::Index>(s)) = along_basis(mean.basis, stays[s].row) / stays[s].tolerance_mm;
+  return mean;
+}
+
+void deform(const Mean& mean, const Eigen::VectorXd& c, std::span<Vec3f> rest) {
+  const Eigen::VectorXf moved = mean.basis * c.cast<float>();
+  for (std::size_t v = 0; v < rest.size(); ++v) {
+    const auto at = static_cast<Eigen::Index>(3 * v);
+    rest[v] = mean.rest[v] + Vec3f{moved[at], moved[at + 1], moved[at + 2]};
+  }
+}
+
+// Least energy about `start` plus squared misses of the dimensions and of joints that stay, in tolerances:
+// Levenberg and Marquardt, since a hull's points change as it moves.
+class Solver {
+ public:
+  Solver(const Mean& mean, const DimensionValues& wanted, const Eigen::VectorXd& start,
+         const Eigen::VectorXd& posture, std::span<Vec3f> rest)
+      : mean_(mean),
+        wanted_(wanted),
+        start_(start),
+        posture_(posture),
+        rest_(rest),
+        energy_(mean.products / (kEnergySd * kEnergySd)) {}
+
+  // From `c` on, which becomes the answer.
+  DimensionValues run(int steps, Eigen::VectorXd& c) {
+    double damping = 1;
+    double cost = measure(c);
+    for (int step = 0; step < steps; ++step) {
+      Eigen::MatrixXd normal = energy_;
+      Eigen::VectorXd right = energy_ * (start_ - c);
+      normal.noalias() += mean_.stay.transpose() * mean_.stay;
+      right += mean_.stay.transpose() * (posture_ - mean_.stay * c);
+      for (std::size_t d = 0; d < kDimensionCount; ++d) {
+        if (!std::isfinite(wanted_[d])) continue;
+        const Eigen::RowVectorXd along = along_basis(mean_.basis, rows_[d]) / kTable[d].tolerance;
+        normal.noalias() += along.transpose() * along;
+        right += along.transpose() * miss(d);
+      }
+      const DimensionValues before = now_;
+      while (true) {
+        const Eigen::MatrixXd damped =
+            normal + damping * energy_ + 1e-9 * Eigen::MatrixXd::Identity(normal.rows(), normal.cols());
+        const Eigen::VectorXd next = c + damped.ldlt().solve(right);
+        const double cost_next = measure(next);
+        if (cost_next < cost) {
+          const bool done = cost_next > 0.995 * cost;
+          c = next;
+          cost = cost_next;
+          damping *= 0.2;
+          if (done) step = steps;
+          break;
+        }
+        damping = std::max(damping, 1e-3) * 8;
+        if (damping > 1e6) {
+          deform(mean_, c, rest_);
+          return before;
+        }
+      }
+    }
+    return now_;
+  }
+
+ private:
+  double miss(std::size_t d) const { return (wanted_[d] - now_[d]) / kTable[d].tolerance; }
+  double measure(const Eigen::VectorXd& c) {
+    deform(mean_, c, rest_);
+    now_ = mean_.dimensions->measure(rest_, &rows_);
+    const Eigen::VectorXd off = c - start_;
+    double cost = off.dot(energy_ * off) + (mean_.stay * c - posture_).squaredNorm();
+    for (std::size_t d = 0; d < kDimensionCount; ++d)
+      if (std::isfinite(wanted_[d])) cost += miss(d) * miss(d);
+    return cost;
+  }
+
+  const Mean& mean_;
+  const DimensionValues& wanted_;
+  const Eigen::VectorXd& start_;
+  const Eigen::VectorXd& posture_;
+  std::span<Vec3f> rest_;
+  Eigen::MatrixXd energy_;
+  DimensionValues now_{};
+  std::vector<PullRow> rows_;
+};
+
+}  // namespace
+
+struct AnsurPeople::State {
+  const body::BodyModel& model;
+  AnsurRows rows;
+  double end_share;
+  std::vector<Mean> means;
+
+  const Mean& mean_for(const WantedPerson& person, Rng& rng) const {
+    const double metres = person.wanted[dimension_index(Dimension::stature)] / 1000;
+    const double index =
+        person.wanted[dimension_index(Dimension::weight)] / (metres * metres) + rng.normal(0, kIndexSpread);
+    std::size_t m = 0;
+    while (kMeans[m].woman != person.woman || index > kMeans[m].index_most) ++m;
+    return means[m];
+  }
+};
+
+AnsurPeople::AnsurPeople(std::unique_ptr<State> state) : state_(std::move(state)) {}
+AnsurPeople::AnsurPeople(AnsurPeople&&) noexcept = default;
+AnsurPeople::~AnsurPeople() = default;
+
+Result<AnsurPeople> AnsurPeople::load(const body::BodyModel& model, const std::string& folder, double end_share) {
+  auto rows = AnsurRows::load(folder);
+  if (!rows) return rows.error();
+  std::unique_ptr<State> state(
+      new State{.model = model, .rows = std::move(*rows), .end_share = end_share, .means = {}});
+  for (std::size_t m = 0; m < kMeans.size(); ++m) state->means.push_back(make_mean(model, kMeans[m], m));
+  return AnsurPeople(std::move(state));
+}
+
+Subject AnsurPeople::draw(std::uint64_t seed, std::uint64_t index, std::vector<Vec3f>& rest) const {
+  return make(seed, index, rest).subject;
+}
+
+AnsurPeople::Made AnsurPeople::make(std::uint64_t seed, std::uint64_t index, std::vector<Vec3f>& rest) const {
+  Made made;
+  Subject& subject = made.subject;
+  subject.seed = Rng::for_item(seed, kPersonStream, index).next();
+  subject.family = Family::held_out;
+  subject.woman = index % 2 == 1;
+  Rng row_rng = Rng::for_item(subject.seed, kRowStream, 0);
+  const WantedPerson person = state_->rows.draw(subject.woman, state_->end_share, row_rng);
+  Rng rng = Rng::for_item(subject.seed, kShapeStream, 0);
+  const Mean& mean = state_->mean_for(person, rng);
+  made.wanted = person.wanted;
+  for (const auto& [back, depth] : {std::pair{Dimension::chest_back, Dimension::chest_depth},
+                                    std::pair{Dimension::waist_back, Dimension::waist_depth},
+                                    std::pair{Dimension::hip_back, Dimension::hip_depth}}) {
+    const double share = mean.own[dimension_index(back)] / mean.own[dimension_index(depth)];
+    made.wanted[dimension_index(back)] =
+        (share + std::clamp(rng.normal(), -2.5, 2.5) * kBackShareSd) * made.wanted[dimension_index(depth)];
+  }
+  Eigen::VectorXd start = Eigen::VectorXd::Zero(mean.products.rows());
+  for (std::size_t f = 0; f < mean.free_mm.size(); ++f) {
+    const double mm = std::clamp(rng.normal(), -2.5, 2.5) * (f < kPairs ? kPairMm : kSingleMm);
+    start[mean.free_first + static_cast<Eigen::Index>(f)] = mm / mean.free_mm[f];
+  }
+  Eigen::VectorXd posture = Eigen::VectorXd::Zero(mean.stay.rows());
+  for (Eigen::Index s = 1; s < posture.size(); s += 2) posture[s] = kPostureSd * std::clamp(rng.normal(), -2.5, 2.5);
+  rest.resize(mean.rest.size());
+  // Chest and shoulders change as the arms come down from the rest pose: what is wanted is wanted of the pose that is
+  // measured.
+  DimensionValues goal = made.wanted;
+  const auto of = [](DimensionValues& values, Dimension d) -> double& { return values[dimension_index(d)]; };
+  Eigen::VectorXd c = start;
+  for (int round = 0; round < kRounds; ++round) {
+    made.achieved = Solver(mean, goal, start, posture, rest).run(round == 0 ? kSteps : kMoreSteps, c);
+    subject.truth = body::measure_rest_mesh(state_->model, rest, subject.woman ? 0.0F : 1.0F);
+    const auto more_at_rest = [&](Dimension d, Measurement m) {
+      return of(made.achieved, d) - static_cast<double>(subject.truth[measurement_index(m)]);
+    };
+    const double chest_mm = more_at_rest(Dimension::chest_girth, Measurement::chest_girth);
+    of(goal, Dimension::chest_girth) = of(made.wanted, Dimension::chest_girth) + chest_mm;
+    of(goal, Dimension::chest_breadth) = of(made.wanted, Dimension::chest_breadth) + kBreadthOfGirth * chest_mm;
+    of(goal, Dimension::acromion_breadth) = of(made.wanted, Dimension::acromion_breadth) +
+                                            more_at_rest(Dimension::acromion_breadth, Measurement::shoulder_breadth);
+  }
+
+  subject.params = mean.params;
+  subject.params.age_years = static_cast<float>(std::clamp(person.age_years, 18.0, 90.0));
+  std::vector<Vec3f> morphed(rest.size());
+  state_->model.morph(subject.params, morphed);
+  subject.rest_offset_mm.resize(rest.size());
+  for (std::size_t v = 0; v < rest.size(); ++v) {
+    subject.rest_offset_mm[v] = rest[v] - morphed[v];
+    rest[v] = morphed[v] + subject.rest_offset_mm[v];
+  }
+  return made;
+}
+
+std::string default_ansur_folder() {
+  const char* shared = std::getenv("IM2FIT_SHARED");
+  return (shared != nullptr ? std::string(shared) : std::string("../shared")) + "/data/ansur2";
+}
+
+const std::array<DimensionInfo, kDimensionCount>& dimension_table() {
+  return kTable;
+}
+
+}  // namespace im2fit::lab
