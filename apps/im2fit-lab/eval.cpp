@@ -27,7 +27,7 @@ struct EvalCommand {
   std::string samples;
   std::vector<std::string> families = {"modifiers"};
   std::string ansur = default_ansur_folder();
-  double ansur_ends = kAnsurEndShare;
+  AnsurSettings ansur_settings;
   std::string json_path, html_path, csv_path, people_path, figures_path;
   std::vector<std::string> runtime_indexes;
   std::string runtime_references, icp_references;
@@ -79,7 +79,7 @@ Result<std::shared_ptr<const AnsurPeople>> ansur_people(const EvalCommand& optio
   const bool needed = std::any_of(options.families.begin(), options.families.end(),
                                   [](const std::string& name) { return name != "modifiers"; });
   if (!needed) return std::shared_ptr<const AnsurPeople>{};
-  auto people = AnsurPeople::load(model, options.ansur, options.ansur_ends);
+  auto people = AnsurPeople::load(model, options.ansur, options.ansur_settings);
   if (!people) return people.error();
   return std::shared_ptr<const AnsurPeople>(std::make_shared<AnsurPeople>(std::move(*people)));
 }
@@ -219,11 +219,17 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
   auto* ansur = sub.add_option("--ansur", o.ansur, "Folder of ANSUR_II_{FEMALE,MALE}_Public.csv, for those families")
                     ->type_name("DIR")
                     ->capture_default_str();
-  auto* ends = sub.add_option("--ansur-ends", o.ansur_ends,
+  auto* ends = sub.add_option("--ansur-ends", o.ansur_settings.end_share,
                               "Share of people of ansur carried to a BMI of 17 to 19 or 32 to 42, which the survey "
                               "hardly has")
                    ->range(0.0, 1.0)
                    ->capture_default_str();
+  auto* tape =
+      sub.add_option("--ansur-tape", o.ansur_settings.tape_share,
+                     "How much of what a tape measures beyond the ellipse of breadth and depth the bodies of "
+                     "ansur have, by squarer sections")
+          ->range(0.0, 1.0)
+          ->capture_default_str();
   auto* frames = sub.add_option("--frames", o.evaluation.frames, "Accepted frames behind a measurement")
                      ->range(1, 1000)
                      ->capture_default_str();
@@ -251,9 +257,27 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                                         "Instead: what bench/references/icp_references wrote, ours beside PCL")
                              ->type_name("FILE")
                              ->excludes(icp);
-  return {condition, conditions,    all,  family, ansur,  ends,    frames,  twice,   samples,
-          no_raw,    index,         html, csv,    people, figures, runtime, indexes, runtime_references,
-          icp,       icp_references};
+  return {condition,
+          conditions,
+          all,
+          family,
+          ansur,
+          ends,
+          tape,
+          frames,
+          twice,
+          samples,
+          no_raw,
+          index,
+          html,
+          csv,
+          people,
+          figures,
+          runtime,
+          indexes,
+          runtime_references,
+          icp,
+          icp_references};
 }
 
 }  // namespace

@@ -440,7 +440,7 @@ class Solver {
 struct AnsurPeople::State {
   const body::BodyModel& model;
   AnsurRows rows;
-  double end_share;
+  AnsurSettings settings;
   std::vector<Mean> means;
 
   const Mean& mean_for(const WantedPerson& person, Rng& rng) const {
@@ -457,11 +457,12 @@ AnsurPeople::AnsurPeople(std::unique_ptr<State> state) : state_(std::move(state)
 AnsurPeople::AnsurPeople(AnsurPeople&&) noexcept = default;
 AnsurPeople::~AnsurPeople() = default;
 
-Result<AnsurPeople> AnsurPeople::load(const body::BodyModel& model, const std::string& folder, double end_share) {
+Result<AnsurPeople> AnsurPeople::load(const body::BodyModel& model, const std::string& folder,
+                                      const AnsurSettings& settings) {
   auto rows = AnsurRows::load(folder);
   if (!rows) return rows.error();
   std::unique_ptr<State> state(
-      new State{.model = model, .rows = std::move(*rows), .end_share = end_share, .means = {}});
+      new State{.model = model, .rows = std::move(*rows), .settings = settings, .means = {}});
   for (std::size_t m = 0; m < kMeans.size(); ++m) state->means.push_back(make_mean(model, kMeans[m], m));
   return AnsurPeople(std::move(state));
 }
@@ -477,7 +478,7 @@ AnsurPeople::Made AnsurPeople::make(std::uint64_t seed, std::uint64_t index, std
   subject.family = Family::held_out;
   subject.woman = index % 2 == 1;
   Rng row_rng = Rng::for_item(subject.seed, kRowStream, 0);
-  const WantedPerson person = state_->rows.draw(subject.woman, state_->end_share, row_rng);
+  const WantedPerson person = state_->rows.draw(subject.woman, state_->settings, row_rng);
   Rng rng = Rng::for_item(subject.seed, kShapeStream, 0);
   const Mean& mean = state_->mean_for(person, rng);
   made.wanted = person.wanted;

@@ -20,13 +20,11 @@
 
 namespace im2fit::lab {
 
-inline constexpr double kAnsurEndShare = 0.25;  // of people, carried to BMI 17..19 or 32..42
-
 class AnsurPeople {
  public:
   // About five seconds, 150 MB; then 0.2 s a person. `model` must outlive it. `folder`: of ANSUR II's two files.
   static Result<AnsurPeople> load(const body::BodyModel& model, const std::string& folder,
-                                  double end_share = kAnsurEndShare);
+                                  const AnsurSettings& settings = {});
   AnsurPeople(AnsurPeople&&) noexcept;
   ~AnsurPeople();
 

@@ -142,24 +142,24 @@ Result<AnsurRows> AnsurRows::load(const std::string& folder) {
   return out;
 }
 
-WantedPerson AnsurRows::draw(bool woman, double end_share, Rng& rng) const {
+WantedPerson AnsurRows::draw(bool woman, const AnsurSettings& settings, Rng& rng) const {
   const Sex& sex = sexes_[woman ? 1 : 0];
   const auto people = static_cast<int>(sex.people.size());
-  // The same draws whichever way, so that `end_share` changes only those it takes.
-  const bool to_end = rng.uniform() < end_share;
+  // The same draws whichever way, so that the share changes only those it takes.
+  const bool to_end = rng.uniform() < settings.end_share;
   const bool heavy = rng.uniform() < 0.5;
   const double index_wanted = heavy ? rng.uniform(32, 42) : rng.uniform(17, 19);
   const int any = rng.index(people), in_third = rng.index(people / 3);
-  if (!to_end) return wanted_of(woman, sex.people[static_cast<std::size_t>(any)], rng);
+  if (!to_end) return wanted_of(woman, sex.people[static_cast<std::size_t>(any)], settings.tape_share, rng);
   const auto place = static_cast<std::size_t>(heavy ? people - 1 - in_third : in_third);
   std::vector<double> row = sex.people[sex.by_mass_index[place]];
   const double times = index_wanted / mass_index(row);
   for (std::size_t c = 0; c < kSources.size(); ++c)
     if (c != kStature) row[c] *= c == kWeight ? times : std::pow(times, sex.elasticity[c]);
-  return wanted_of(woman, row, rng);
+  return wanted_of(woman, row, settings.tape_share, rng);
 }
 
-WantedPerson AnsurRows::wanted_of(bool woman, const std::vector<double>& row, Rng& rng) const {
+WantedPerson AnsurRows::wanted_of(bool woman, const std::vector<double>& row, double tape_share, Rng& rng) const {
   WantedPerson person;
   person.woman = woman;
   person.age_years = row[kAge];
@@ -171,7 +171,7 @@ WantedPerson AnsurRows::wanted_of(bool woman, const std::vector<double>& row, Rn
   for (const auto& [breadth, depth, girth] :
        {std::array{Dimension::waist_breadth, Dimension::waist_depth, Dimension::waist_girth},
         std::array{Dimension::hip_breadth, Dimension::hip_depth, Dimension::hip_girth}}) {
-    const double share = std::clamp(rng.normal(kTapeShare, kTapeShareSd), 0.2, 1.0);
+    const double share = std::clamp(rng.normal(tape_share, kTapeShareSd), 0.0, 1.0);
     const double ellipse = ellipse_perimeter(value(breadth), value(depth));
     value(girth) = ellipse + share * std::max(0.0, value(girth) - ellipse);
   }

@@ -6,8 +6,8 @@
 // longer by (mean, SD of the survey): waist 1.054 .018 (men), 1.061 .022 (women); hip 1.090, 1.097;
 // chest 1.238, 1.165.
 // - Waist and hip: breadth and depth are honoured, for a camera sees those. Of what the tape has beyond the ellipse,
-//   kTapeShare is asked of a squarer section, varied by person; the rest (about 2 % of the girth, as much as calipers
-//   pressed in by 3 mm a side would make) is not.
+//   `tape_share` is asked of a squarer section, varied by person; the rest (about 2 % of the girth, as much as
+//   calipers pressed in by 3 mm a side would make) is not.
 // - Chest: girth and depth are honoured. The survey's breadth cannot be of the section its tape goes round (it would
 //   have to be a rectangle): its blades lie against the ribs below the arms. A constant by sex is added so that
 //   sections are superellipses of exponent 2.5 on average; persons differ in it as they do in the survey.
@@ -25,9 +25,14 @@
 
 namespace im2fit::lab {
 
-inline constexpr double kTapeShare = 0.8, kTapeShareSd = 0.15;
+inline constexpr double kTapeShareSd = 0.15;
 // Perimeter of a superellipse of exponent 2.5 over that of the ellipse: 1.040 for axes like a chest's.
 inline constexpr double kChestOverEllipse = 1.040;
+
+struct AnsurSettings {
+  double end_share = 0.25;  // of people, carried to the ends of body mass
+  double tape_share = 0.8;  // mean over people; kTapeShareSd about it
+};
 
 // A person to be made. Weight is the survey's own, kg.
 struct WantedPerson {
@@ -41,10 +46,10 @@ class AnsurRows {
   // Of the judging part, both sexes. Errors name the file and say what is missing.
   static Result<AnsurRows> load(const std::string& folder);
 
-  // A row drawn with replacement. `end_share` of people are carried to an end instead, evenly to either: from a row
+  // A row drawn with replacement. A share of people are carried to an end instead, evenly to either: from a row
   // of the lighter or heavier third, every dimension by its elasticity on weight at equal stature, to a body mass
   // index drawn evenly from 17..19 or 32..42.
-  WantedPerson draw(bool woman, double end_share, Rng& rng) const;
+  WantedPerson draw(bool woman, const AnsurSettings& settings, Rng& rng) const;
 
   std::size_t count(bool woman) const { return sexes_[woman ? 1 : 0].people.size(); }
 
@@ -55,7 +60,7 @@ class AnsurRows {
     std::vector<std::size_t> by_mass_index;   // lightest first
     double chest_wider_mm = 0;
   };
-  WantedPerson wanted_of(bool woman, const std::vector<double>& row, Rng& rng) const;
+  WantedPerson wanted_of(bool woman, const std::vector<double>& row, double tape_share, Rng& rng) const;
 
   std::vector<Sex> sexes_;  // men, women
 };
