@@ -40,6 +40,7 @@ constexpr float kThighBelowCrotchMm = 20;  // the gluteal furrow is not on meshe
 constexpr float kCalfShare = 0.33F;        // of the way from the knee to the ankle
 constexpr float kBicepsShare = 0.5F;       // of the upper arm
 constexpr float kForearmShare = 0.25F;
+constexpr float kSkullShare = 0.034F;   // above the skull's base, of the stature: over the ears
 constexpr float kDeltoidShare = 0.25F;  // the broadest of the shoulders lies above this share of the upper arm
 
 struct Extents {
@@ -149,7 +150,7 @@ SectionWarp reach(const Hull& hull, const SectionFrame& frame, const SectionGoal
   return warp;
 }
 
-constexpr float kLimbFactorMax = 0.35F, kLengthFactorMax = 0.25F, kRiseMax = 0.05F;
+constexpr float kLimbFactorMax = 0.35F, kDeltoidFactorMax = 0.5F, kLengthFactorMax = 0.25F, kRiseMax = 0.05F;
 constexpr float kGapLeast = 0.4F;  // of what lay between two landmarks
 
 // New heights of the landmarks, each no nearer to the one below than a share of what it was.
@@ -208,15 +209,22 @@ Dimensions likely_dimensions(bool woman, double stature_mm, double weight_kg, do
   return out;
 }
 
+// Of squareness. In ANSUR II a tape is 1.057 (waist) and 1.093 (hips) times the ellipse of the calliper's breadth and
+// depth, on MakeHuman's meshes 1.02 and 1.03. How much of it is the calliper's pressure and how much that people are
+// squarer nobody has measured: half to each, and people differ.
+constexpr double kHipSquare = 0.035, kWaistSquare = 0.04, kChestSquare = 0.02, kSquareSd = 0.03;
+// Where the widest line of a section lies between front and back no survey tells: widely varied.
+constexpr double kFrontMoreSd = 0.06;
+
 Variety draw_variety(Rng& rng) {
   const auto normal = [&](double mean, double sd) {
     return static_cast<float>(mean + sd * std::clamp(rng.normal(), -2.5, 2.5));
   };
   Variety v;
-  for (SectionVariety* section : {&v.hip, &v.waist, &v.chest}) {
-    section->square = normal(0.01, 0.025);
-    section->front_more = normal(0, 0.06);
-  }
+  v.hip.square = normal(kHipSquare, kSquareSd);
+  v.waist.square = normal(kWaistSquare, kSquareSd);
+  v.chest.square = normal(kChestSquare, kSquareSd);
+  for (SectionVariety* section : {&v.hip, &v.waist, &v.chest}) section->front_more = normal(0, kFrontMoreSd);
   v.head_rise = normal(0, 0.004);
   return v;
 }
@@ -251,13 +259,7 @@ class Fitting {
     section(WarpValue::chest_breadth, sections_.chest, marks_.nipple,
             {wanted[Dimension::chest_girth], 0, wanted[Dimension::chest_depth]}, variety.chest);
     for (const Scaled& s : kScaled) factor(warp, s.value, wanted[s.dimension], own_[s.dimension], s.most);
-    // What the shoulders' breadth leaves to the muscles beyond the joints.
-    const double joints =
-        static_cast<double>(bones_.head[at(Segment::left_upper_arm)].x - bones_.head[at(Segment::right_upper_arm)].x);
-    factor(
-        warp, WarpValue::deltoid_girth,
-        wanted[Dimension::bideltoid_breadth] - joints * (1 + static_cast<double>(warp[WarpValue::shoulder_breadth])),
-        own_[Dimension::bideltoid_breadth] - joints, kLimbFactorMax);
+    set_shoulders(warp, wanted);
     for (float& value : warp.values) value = gridded(value);
     return warp;
   }
@@ -269,7 +271,6 @@ class Fitting {
     float most;
   };
   static constexpr Scaled kScaled[] = {
-      {WarpValue::shoulder_breadth, Dimension::biacromial_breadth, kLimbFactorMax},
       {WarpValue::neck_girth, Dimension::neck_girth, kLimbFactorMax},
       {WarpValue::head_breadth, Dimension::head_breadth, kLengthFactorMax},
       {WarpValue::head_length, Dimension::head_length, kLengthFactorMax},
@@ -280,6 +281,33 @@ class Fitting {
       {WarpValue::upper_arm_length, Dimension::upper_arm_length, kLengthFactorMax},
       {WarpValue::forearm_length, Dimension::forearm_length, kLengthFactorMax},
   };
+  // The acromion's skin follows the shoulder joints in part, and in part the muscle over them: both breadths at once.
+  void set_shoulders(Warp& warp, const Dimensions& wanted) const {
+    const auto vertex = static_cast<std::size_t>(model_.data().landmark(Landmark::left_acromion));
+    const SkinRecord& skin = model_.data().skin[vertex];
+    double arm = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      if (skin.segment[i] == static_cast<std::uint8_t>(Segment::left_upper_arm))
+        arm += static_cast<double>(skin.weight[i]);
+    const Vec3f joint = bones_.head[at(Segment::left_upper_arm)],
+                bone = bones_.tail[at(Segment::left_upper_arm)] - joint;
+    const Vec3f skin_at = rest_[vertex];
+    const Vec3f aside = skin_at - joint - bone * (dot(skin_at - joint, bone) / dot(bone, bone));
+    const auto x = [](Vec3f p) { return static_cast<double>(p.x); };
+    const double half = 0.5 * own_[Dimension::bideltoid_breadth];
+    // Of the joints' factor and the muscle's: how far the acromion goes, and the broadest of the shoulder.
+    const double acromion[] = {(1 - arm) * x(skin_at) + arm * x(joint), arm * x(aside)};
+    const double broadest[] = {x(joint), half - x(joint)};
+    const double acromion_by =
+        x(skin_at) * (wanted[Dimension::biacromial_breadth] / std::max(own_[Dimension::biacromial_breadth], 1.0) - 1);
+    const double broadest_by = 0.5 * wanted[Dimension::bideltoid_breadth] - half;
+    const double determinant = acromion[0] * broadest[1] - acromion[1] * broadest[0];
+    if (!(std::fabs(determinant) > 1)) return;
+    const double by_joints = (acromion_by * broadest[1] - acromion[1] * broadest_by) / determinant;
+    const double by_muscle = (acromion[0] * broadest_by - acromion_by * broadest[0]) / determinant;
+    warp[WarpValue::shoulder_breadth] = limited(static_cast<float>(by_joints), -kLimbFactorMax, kLimbFactorMax);
+    warp[WarpValue::deltoid_girth] = limited(static_cast<float>(by_muscle), -kDeltoidFactorMax, kDeltoidFactorMax);
+  }
   static void factor(Warp& warp, WarpValue value, double to, double from, float most) {
     warp[value] = from > 0 ? limited(static_cast<float>(to / from - 1), -most, most) : 0;
   }
@@ -349,7 +377,7 @@ Dimensions dimensions_of(const BodyModel& model, std::span<const Vec3f> rest) {
   out[Dimension::forearm_length] =
       length(posed_bones.head[at(Segment::left_lower_arm)], posed_bones.head[at(Segment::left_hand)]);
   Extents head({});
-  const float skull = marks.head + 0.3F * (marks.crown - marks.head);
+  const float skull = marks.head + kSkullShare * (marks.crown - marks.floor);
   std::vector<Vec3f> skin_of_head;
   for (std::size_t v = 0; v < static_cast<std::size_t>(model.body_vertex_count()); ++v)
     if (mesh[v].y > skull && model.data().skin[v].segment[0] == static_cast<std::uint8_t>(Segment::head))

@@ -32,8 +32,9 @@ struct IntervalModel {
 // Share of out-of-distribution subjects among those that intervals are calibrated on: of the plain answer, and by
 // kind of refinement (docs/formats-index.md). The more is seen, the smaller the errors of in-distribution people
 // beside theirs.
-inline constexpr double kOodShare = 0.17;
-inline constexpr std::array<double, kRefinementCount> kRefinedOodShare = {0.17, 0.4, 0.16, 0.22};
+// Most of them, since half of these are of another make of body: intervals must hold for people of no make known here.
+inline constexpr double kOodShare = 0.6;
+inline constexpr std::array<double, kRefinementCount> kRefinedOodShare = {0.6, 0.7, 0.6, 0.6};
 inline constexpr std::size_t kOodMin = 200;  // fewer determine 2.5 % quantiles too badly
 
 // Which of so many out-of-distribution subjects to add to the in-distribution ones for them to be `share` of all:

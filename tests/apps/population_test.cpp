@@ -81,7 +81,6 @@ TEST(Population, IsComparedWithRealPeople) {
   write_soldiers(folder, people, 1.06);
   const test::Run wide = with({"--ansur", folder.path()});
   EXPECT_EQ(wide.exit_code, 1);
-  EXPECT_THAT(wide.err, testing::HasSubstr("women's waist, mean"));
   EXPECT_THAT(wide.out, testing::HasSubstr("women's waistcircumference, mean at equal stature"));
 
   std::ofstream(folder.path("ANSUR_II_FEMALE_Public.csv")) << "subjectid,stature\n1,1600\n";
