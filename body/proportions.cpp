@@ -211,7 +211,7 @@ Dimensions likely_dimensions(bool woman, double stature_mm, double weight_kg, do
 
 // Of squareness. In ANSUR II a tape is 1.057 (waist) and 1.093 (hips) times the ellipse of the calliper's breadth and
 // depth, on MakeHuman's meshes 1.02 and 1.03. How much of it is the calliper's pressure and how much that people are
-// squarer nobody has measured: half to each, and people differ.
+// squarer no survey tells: half to each, and people differ.
 constexpr double kHipSquare = 0.035, kWaistSquare = 0.04, kChestSquare = 0.02, kSquareSd = 0.03;
 // Where the widest line of a section lies between front and back no survey tells: widely varied.
 constexpr double kFrontMoreSd = 0.06;
