@@ -106,7 +106,7 @@ bool Sensor::looks_like_person(const Person& person, bool confirmed) {
   ++c.frames;
   const float sure = shape == 0 ? kPersonScoreSureShapeless : kPersonScoreSure;
   if (confirmed && tracker_.person_score() >= sure && odds >= kOddsSure) return true;
-  const float least = confirmed ? kOddsSure : person.floor.known ? kOddsMin : kOddsMinFloorless;
+  const float least = !person.floor.known ? kOddsMinFloorless : confirmed ? kOddsSure : kOddsMin;
   return c.frames >= kOddsFrames && mean_odds(c) >= least;
 }
 
