@@ -98,7 +98,7 @@ bool Sensor::looks_like_person(const Person& person, bool confirmed) {
   Candidate& c = candidate(person.id);
   const float shape = segmenter_.shape_odds(person.id);
   // With the shape and without: real clothes are flatter than those the shape's odds were fitted on, and what
-  // somebody touches counts with the shape; without it furniture comes too near to people.
+  // a person touches counts with the shape; without it furniture comes too near to people.
   const float odds = 0.5F * (tracker_.person_odds(shape) + tracker_.person_odds(0));
   // The latest frames': who raised the arms before may be found with them down.
   if (c.frames >= kLongFrames) c.odds_sum -= c.odds_sum / static_cast<float>(kLongFrames);
