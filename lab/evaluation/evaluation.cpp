@@ -26,6 +26,23 @@ void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t index) {
   scene.hair = true;
 }
 
+float body_mass_index(const Subject& subject) {
+  const float metres = subject.truth[measurement_index(Measurement::stature)] * 1e-3F;
+  return subject.truth[measurement_index(Measurement::weight)] / (metres * metres);
+}
+
+// The subject of this index; of those who are heavy enough, when only they are wanted.
+Subject draw_heavy_enough(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index) {
+  constexpr std::uint64_t kDrawsMax = 2000;
+  Subject subject = draw_subject(model, Family::held_out, options.seed, index);
+  for (std::uint64_t draw = 1; draw < kDrawsMax && body_mass_index(subject) < options.body_mass_index_min; ++draw) {
+    // An even number of steps: men stay men.
+    const auto other = index + 2 * draw * static_cast<std::uint64_t>(options.subjects);
+    subject = draw_subject(model, Family::held_out, options.seed, other);
+  }
+  return subject;
+}
+
 void add_joint_errors(const JointSet& found, const JointSet& truth, Outcome& outcome) {
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const float error_mm = norm(found.position_mm[j] - truth.position_mm[j]);
@@ -84,10 +101,10 @@ Result<Outcome> outcome_of(const SessionModels& models, const index::RawNearest*
 
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing) {
-  HeldOutPerson person{
-      draw_subject(model, Family::held_out, options.seed, index), {}, options.smoothed, options.sensor_reported};
+  HeldOutPerson person{draw_heavy_enough(model, options, index), {}, options.smoothed, options.sensor_reported};
   auto& scene = person.capture.scene;
   scene = options.noise ? furnished_room() : SceneOptions{};
+  scene.pose = options.pose;
   if (options.clothed) dress(scene, options.seed, index);
   if (options.distance_mm > 0) {
     scene.distance_mm = options.distance_mm;

@@ -32,6 +32,8 @@ struct EvaluationOptions {
   int width = 640, height = 480;
   float distance_mm = 0;  // of the camera, grown until the whole person fits; 0: drawn
   float yaw_deg = -1;     // of the person, to either side by turns; below 0: drawn
+  StandingPose pose = StandingPose::relaxed;
+  float body_mass_index_min = 0;  // only people of at least that much; 0: all
   Views views = Views::front;
   bool fit = true;     // false: features answer alone, no shape is fitted
   bool twice = false;  // shown again in a new pose, room and noise
