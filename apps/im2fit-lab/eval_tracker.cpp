@@ -61,6 +61,7 @@ TrackerEvaluationOptions options_of(const TrackerEvalWords& words, const Tracker
   options.clips.clips = words.clips;
   options.clips.frames = words.clip_frames;
   options.rooms.frames = words.empty_frames;
+  options.trials.hidden_floor = options.rooms.hidden_floor = words.hidden_floor;
   options.guidance.scenes = words.guidance_scenes;
   options.guidance.kinds = chosen(guidance_kinds(), words.scenes);
   options.trials.seed = options.clips.seed = options.rooms.seed = options.guidance.seed = run.seed;
@@ -95,6 +96,8 @@ void add_tracker_words(cli::App& sub, TrackerEvalWords& words, const std::vector
   add(sub.add_option("--guidance-scenes", words.guidance_scenes, "With --tracker: scenes per guidance code"))
       ->range(1, 100000)
       ->capture_default_str();
+  add(sub.add_flag("--hidden-floor", words.hidden_floor,
+                   "With --tracker: the floor gives no depth, in empty rooms and in scenes of people"));
   add(sub.add_option("--pictures", words.pictures, "With --tracker: contact sheets (PNG) into this folder"))
       ->type_name("DIR");
 }

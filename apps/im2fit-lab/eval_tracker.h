@@ -26,6 +26,7 @@ struct TrackerEvalWords {
   int clip_frames = 300;
   int empty_frames = 10'000;
   int guidance_scenes = 100;
+  bool hidden_floor = false;
   std::string pictures;
 };
 

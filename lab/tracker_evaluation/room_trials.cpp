@@ -14,14 +14,15 @@ namespace {
 
 constexpr std::uint64_t kRoomStream = 0xE3927;
 
-Shot draw_room(std::uint64_t seed, std::uint64_t room, std::string& kind) {
-  Rng rng = Rng::for_item(seed, kRoomStream, room);
+Shot draw_room(const RoomTrialOptions& options, std::uint64_t room, std::string& kind) {
+  Rng rng = Rng::for_item(options.seed, kRoomStream, room);
   Shot shot;
   shot.seed = rng.next();
   shot.sensor = rng.uniform() < 0.7 ? kinect_sensor() : tof_sensor();
   shot.intrinsics = rng.uniform() < 0.25 ? kinect_intrinsics(640, 480) : kinect_intrinsics(320, 240);
   SceneOptions& scene = shot.scene;
   scene.person = false;
+  scene.floor = !options.hidden_floor;
   scene.rotate_deg = rng.uniform() < 0.5 ? 90 : 0;
   scene.camera_height_mm = static_cast<float>(rng.uniform(600, 2000));
   scene.pitch_limit_deg = 20;
@@ -39,7 +40,7 @@ class Watch {
         std::uint64_t room)
       // No person is shown, but the camera is placed as for this person.
       : scene_(model, draw_subject(model, Family::held_out, options.seed, room % kPlacingPeople),
-               draw_room(options.seed, room, kind_)),
+               draw_room(options, room, kind_)),
         sensor_(scene_.intrinsics().width, scene_.intrinsics().height, joint_model),
         mask_(static_cast<std::size_t>(scene_.intrinsics().width) *
               static_cast<std::size_t>(scene_.intrinsics().height)) {}

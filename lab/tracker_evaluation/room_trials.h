@@ -15,7 +15,8 @@ namespace im2fit::lab {
 struct RoomTrialOptions {
   int frames = 10'000;  // in rooms of kFramesPerRoom
   std::uint64_t seed = 20'260'101;
-  int threads = 1;  // does not change the result
+  int threads = 1;            // does not change the result
+  bool hidden_floor = false;  // the floor gives no depth
 };
 inline constexpr int kFramesPerRoom = 20;
 

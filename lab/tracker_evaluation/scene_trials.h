@@ -38,6 +38,7 @@ struct TrialOptions {
   std::uint64_t seed = 20'260'101;
   int threads = 1;                                                // does not change the result
   std::array<bool, kConditionCount> wanted = {true, true, true};  // by TrialCondition
+  bool hidden_floor = false;  // the floor gives no depth: black carpet, glossy tiles, a masked background
 };
 
 struct Trial {

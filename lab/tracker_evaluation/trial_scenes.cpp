@@ -58,6 +58,7 @@ TrackerScene draw_trial_scene(const TrialOptions& options, const Trial& trial) {
   Rng rng = Rng::for_item(options.seed, kTrialStream + static_cast<std::uint64_t>(trial.condition), number);
   TrackerScene plan = draw_tracker_scene(mix_of(trial.condition), rng, Family::held_out);
   plan.intrinsics = kinect_intrinsics(trial.width, trial.width * 3 / 4);
+  if (options.hidden_floor) plan.scene.floor = false;
   return plan;
 }
 

@@ -124,15 +124,18 @@ bool BlobFinder::round_body(const Grid& grid, int b, const FloorPlane& floor) co
 // A logistic regression on 1,100 furnished rooms without people and 1,180 people (calm, free, turned by 40 to 80
 // degrees, bent by 28 to 50, seated; whole in the picture, some of them from anywhere), weighed with their joints'
 // person_score (perception/observe/sensor.cpp). Slender blobs may be rounder since people in profile were tried.
-// Known only of blobs that are whole, on the floor and of a person's size. How well: docs/tracker-evaluation.md.
+// Known only of blobs that are whole, on the floor and of a person's size. Without a floor (masked backgrounds, black
+// carpets, glossy tiles) a blob is taken to stand on its lowest point. How well: docs/tracker-evaluation.md.
 float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) const {
   const Blob& blob = blobs_[at(b)];
   const float mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
   const float wide = static_cast<float>(blob.c_max - blob.c_min + 1) * mm;
-  const float top = blob.height_max_mm;
+  const float low = floor.known ? blob.height_min_mm : 0.0F;
+  const float top = floor.known ? blob.height_max_mm : blob.height_max_mm - blob.height_min_mm;
   const int box = (blob.c_max - blob.c_min + 1) * (blob.r_max - blob.r_min + 1);
   const float fill = static_cast<float>(blob.cell_count) / static_cast<float>(box);
-  const bool whole = floor.known && top > kWholeTopMinMm && blob.height_min_mm < kWholeLowMaxMm;
+  const bool cut_off = !floor.known && blob.r_max >= grid.height - 2;
+  const bool whole = top > (cut_off ? kCutOffTallMinMm : kWholeTopMinMm) && low < kWholeLowMaxMm;
   const bool sized = blob.area_m2 > kWholeAreaMinM2 && blob.area_m2 < kWholeAreaMaxM2 && wide > kWholeWideMinMm &&
                      fill < kWholeFillMax && blob.centroid_mm.z > kWholeNearMm && blob.centroid_mm.z < kBodyFarMm;
   if (!whole || !sized || floats(grid, b, floor)) return kShapeUnknown;

@@ -163,6 +163,28 @@ TEST_F(PersonScore, ACandidateIsFoundByTheJointsInSixFrames) {
   for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(show(torn, s).person.found);
 }
 
+// Masked backgrounds, black carpets and glossy tiles show no floor: the second chance does without one.
+TEST_F(PersonScore, ACandidateNeedsNoFloor) {
+  const Model agreed(0), apart(100);
+  for (const float wall_z : {0.0F, 4800.0F}) {
+    Scene s = room();
+    s.floor = false;
+    s.wall_z = wall_z;
+    add(s, profile_at(2600));
+    Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
+    int first = -1;
+    for (int frame = 0; frame < 12; ++frame) {
+      const Detection seen = show(sure, s);
+      EXPECT_FALSE(seen.person.floor.known);
+      if (seen.person.found && first < 0) first = frame;
+      EXPECT_EQ(seen.person.found, first >= 0) << frame;
+    }
+    EXPECT_GE(first, 5) << "six frames decide more than one";
+    EXPECT_LE(first, 7);
+    for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(show(torn, s).person.found);
+  }
+}
+
 // A hand before the hip, or a hem, hides where the legs join the trunk: they are a surface of their own.
 TEST_F(PersonScore, ABodySplitFromItsLegsIsFoundWhole) {
   const Model agreed(0), apart(100);
