@@ -130,7 +130,7 @@ class Arms:
                     found += 1
                     if "ARMS_CLOSE" not in codes:
                         silent.append(name)
-                    elif not result["guidance_details"].get("arms_close"):
+                    elif not result.get("guidance_details", {}).get("arms_close"):
                         self.miss(f"{name}: ARMS_CLOSE names no arm")
         share = 100 * (found - len(silent)) / max(1, found)
         print(f"starts: {count} with arms on the body, {found} found, {len(measured)} MEASURED, {share:.0f} % of those found are told "
@@ -171,7 +171,7 @@ class Arms:
                 count += 1
                 fine += "ARMS_CLOSE" not in codes
                 if "ARMS_CLOSE" in codes:
-                    refused.append(f"{sequence.name}:{k} {'+'.join(result['guidance_details'].get('arms_close', []))}")
+                    refused.append(f"{sequence.name}:{k} {'+'.join(result.get('guidance_details', {}).get('arms_close', []))}")
                 if result["measurements"]:
                     girths[sequence.person].append(
                         {g: result["measurements"][f"{g}_girth"]["value"] for g in ("chest", "waist", "hip")})
@@ -195,13 +195,13 @@ class Arms:
         for i in range(30):
             shutil.copy(real / "000000.png", folder / f"{i:06d}.png")
         result = self.program.measure(folder)
-        print(f"cases: arms-on-body-real {result['state']} {result['guidance']} {result['guidance_details']}", flush=True)
-        if result["state"] == "MEASURED" or result["guidance_details"].get("arms_close") != ["left", "right"]:
+        print(f"cases: arms-on-body-real {result['state']} {result['guidance']} {result.get('guidance_details')}", flush=True)
+        if result["state"] == "MEASURED" or result.get("guidance_details", {}).get("arms_close") != ["left", "right"]:
             self.miss("arms-on-body-real: ARMS_CLOSE of both arms wanted")
         folder = self.scratch / "made"
         shutil.copytree(made, folder, ignore=shutil.ignore_patterns("truth.json"))
         result = self.program.measure(folder)
-        print(f"cases: arms-touch-made {result['state']} {result['guidance']} {result['guidance_details']}", flush=True)
+        print(f"cases: arms-touch-made {result['state']} {result['guidance']} {result.get('guidance_details')}", flush=True)
         if result["state"] == "MEASURED":
             truth = json.loads((made / "truth.json").read_text())
             for girth in ("chest_girth", "waist_girth", "hip_girth"):
