@@ -56,7 +56,7 @@ class Sensor {
  private:
   bool accepted(int id) const;
   void accept(int id);
-  bool looks_like_person(int id, bool confirmed);
+  bool looks_like_person(const Person& person, bool confirmed);
   Detection without_person(const Detection& refused, MaskImage mask);
 
   HoleFiller holes_;
@@ -67,8 +67,9 @@ class Sensor {
   struct Candidate {                           // not yet accepted
     int id = 0;
     int frames = 0;      // judged
-    float odds_sum = 0;  // of the log-odds that it is a person
+    float odds_sum = 0;  // of the log-odds that it is a person, of the latest frames
   };
+  static float mean_odds(const Candidate& c);
   Candidate& candidate(int id);
   bool judged_enough() const;
   std::array<Candidate, kUserCountMax> candidates_{};  // the latest judged comes first

@@ -10,6 +10,30 @@ namespace im2fit {
 
 using namespace sensor_limits;
 
+namespace {
+
+// Level, under the lowest row of a mask that ends in the picture; for the votes on a person, which know heights above
+// a floor. Unknown where the feet are cut off.
+FloorPlane assumed_floor(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person) {
+  FloorPlane floor;
+  if (person.cut_bottom) return floor;
+  const int v = person.v_max;
+  float sum_mm = 0;
+  int count = 0;
+  for (int u = person.u_min; u <= person.u_max; ++u) {
+    if (mask.at(u, v) == 0 || depth.at(u, v) == 0) continue;
+    sum_mm += static_cast<float>(depth.at(u, v));
+    ++count;
+  }
+  if (count == 0) return floor;
+  floor.known = true;
+  floor.up = {0, -1, 0};
+  floor.camera_height_mm = (static_cast<float>(v) - k.cy) / k.fy * (sum_mm / static_cast<float>(count));
+  return floor;
+}
+
+}  // namespace
+
 Sensor::Sensor(int width, int height, const JointModel& model)
     : holes_(width, height), segmenter_(width, height), tracker_(model) {}
 
@@ -25,12 +49,15 @@ Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage
     return detection;
   }
   const bool follows = previous_user_ != 0 && previous_user_ == detection.person.id;
-  detection.joints = tracker_.track(filled, mask, intrinsics, detection.person, follows);
-  if (!accepted(detection.person.id)) {
+  const bool judged = !accepted(detection.person.id);
+  Person standing = detection.person;
+  if (judged && !standing.floor.known) standing.floor = assumed_floor(filled, mask, intrinsics, standing);
+  detection.joints = tracker_.track(filled, mask, intrinsics, standing, follows);
+  if (judged) {
     const auto listed = std::find_if(detection.users.begin(), detection.users.end(),
                                      [&](const User& user) { return user.id == detection.person.id; });
     const bool confirmed = listed != detection.users.end() && listed->confirmed;
-    const bool person_like = looks_like_person(detection.person.id, confirmed);
+    const bool person_like = looks_like_person(detection.person, confirmed);
     // Unconfirmed candidates stay selectable until rejected, and they are rejected only after enough frames.
     if (person_like || confirmed || judged_enough()) segmenter_.set_rejected(detection.person.id, !person_like);
     if (!person_like) return without_person(detection, mask);
@@ -68,22 +95,29 @@ Sensor::Candidate& Sensor::candidate(int id) {
   return candidates_.front();
 }
 
-bool Sensor::looks_like_person(int id, bool confirmed) {
-  Candidate& c = candidate(id);
-  const float shape = segmenter_.shape_odds(id);
-  const float odds = tracker_.person_odds(shape);
+float Sensor::mean_odds(const Candidate& c) {
+  return c.odds_sum / static_cast<float>(std::min(c.frames, kLongFrames));
+}
+
+bool Sensor::looks_like_person(const Person& person, bool confirmed) {
+  Candidate& c = candidate(person.id);
+  const float shape = segmenter_.shape_odds(person.id);
+  // With the shape and without: real clothes are flatter than those the shape's odds were fitted on, and what
+  // somebody touches counts with the shape; without it furniture comes too near to people.
+  const float odds = 0.5F * (tracker_.person_odds(shape) + tracker_.person_odds(0));
+  // The latest frames': who raised the arms before may be found with them down.
+  if (c.frames >= kLongFrames) c.odds_sum -= c.odds_sum / static_cast<float>(kLongFrames);
   c.odds_sum += odds;
   ++c.frames;
   const float sure = shape == 0 ? kPersonScoreSureShapeless : kPersonScoreSure;
   if (confirmed && tracker_.person_score() >= sure && odds >= kOddsSure) return true;
-  return c.frames >= kOddsFrames && c.odds_sum >= kOddsMin * static_cast<float>(c.frames);
+  return c.frames >= kOddsFrames && mean_odds(c) >= (person.floor.known ? kOddsMin : kOddsMinFloorless);
 }
 
 // Of the candidate judged last.
 bool Sensor::judged_enough() const {
   const Candidate& c = candidates_.front();
-  return c.frames > kLongFrames ||
-         (c.frames >= kHopelessFrames && c.odds_sum < kHopelessOdds * static_cast<float>(c.frames));
+  return c.frames > kLongFrames || (c.frames >= kHopelessFrames && mean_odds(c) < kHopelessOdds);
 }
 
 void Sensor::accept(int id) {

@@ -93,10 +93,8 @@ void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
   }
   for (int b = 0; b < blob_count_; ++b) {
     Blob& blob = blobs_[at(b)];
-    const float odds = shape_odds(grid, b, floor);
-    blob.candidate = !blob.person && odds >= kCandidateOddsMin;
-    // On an assumed floor the shape says who may be examined; it is no evidence, which the joints weigh without it.
-    blob.shape_odds = floor.known ? odds : kShapeUnknown;
+    blob.shape_odds = shape_odds(grid, b, floor);
+    blob.candidate = !blob.person && blob.shape_odds >= kCandidateOddsMin;
   }
 }
 

@@ -178,7 +178,7 @@ void UserTracker::note_shape(Track& track, const Blob* blob) {
   const bool chance = blob != nullptr && (blob->person || blob->candidate);
   track.chances = chance ? std::min(track.chances + kSeenGain, kSeenMax) : std::max(track.chances - 1, 0);
   const bool known = blob != nullptr && blob->shape_odds != kShapeUnknown;
-  if (!known && (track.confirmed || chance)) return;
+  if (!known && (track.confirmed || (blob != nullptr && blob->person))) return;
   track.shape_frames = std::min(track.shape_frames + 1, kShapeFramesMax);
   track.shape_odds +=
       ((known ? blob->shape_odds : kShapelessOdds) - track.shape_odds) / static_cast<float>(track.shape_frames);
