@@ -55,6 +55,7 @@ struct Outcome {
   bool measured = false;
   GuidanceSet guidance_seen = 0;
   std::uint64_t frames_seen = 0;
+  bool lifted_arms = false;  // told to (session.h)
   MeasurementValues truth{};
   float true_age_years = 0;
   index::Answer answer;

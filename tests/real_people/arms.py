@@ -8,9 +8,9 @@
 Whether an arm is apart from the trunk is judged here by the outline alone, without any joint: in half of the rows about the hips
 and of those about the waist background lies between the widest piece and a piece beside it, on both sides.
 
-starts: one frame held for 45 frames. Nobody whose arms are not apart is MEASURED, and who is found and refused is told ARMS_CLOSE.
+starts: one frame held for 45 frames. A person whose arms are not apart is not MEASURED but told ARMS_CLOSE.
 played: the recording as it is behind a start held for 15 frames: not MEASURED unless most of its frames show arms apart.
-apart: frames that do show arms apart are not told ARMS_CLOSE, so that the check does not pass by refusing everybody.
+apart: frames that do show arms apart are not told ARMS_CLOSE, so that the check does not pass by refusing all people.
 cases: ../shared/cases/arms-on-body-real and arms-touch-made.
 """
 import argparse
