@@ -111,7 +111,8 @@ bool Sensor::looks_like_person(const Person& person, bool confirmed) {
   ++c.frames;
   const float sure = shape == 0 ? kPersonScoreSureShapeless : kPersonScoreSure;
   if (confirmed && tracker_.person_score() >= sure && odds >= kOddsSure) return true;
-  return c.frames >= kOddsFrames && mean_odds(c) >= (person.floor.known ? kOddsMin : kOddsMinFloorless);
+  const float least = confirmed ? kOddsSure : person.floor.known ? kOddsMin : kOddsMinFloorless;
+  return c.frames >= kOddsFrames && mean_odds(c) >= least;
 }
 
 // Of the candidate judged last.

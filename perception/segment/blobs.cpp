@@ -208,6 +208,7 @@ void BlobFinder::run(const Grid& grid, const FloorPlane& floor, std::span<const 
   join_trunks(grid, floor);
   expect_heads(grid, floor, expected);
   split_between_heads(grid);
+  detach_furniture(grid, floor);
   join_split_bodies(grid, floor);
   judge(grid, floor);
 }

@@ -97,6 +97,9 @@ class BlobFinder {
   void join_trunks(const Grid& grid, const FloorPlane& floor);
   int blob_over(const Grid& grid, int blob) const;
   void join_split_bodies(const Grid& grid, const FloorPlane& floor);
+  void detach_furniture(const Grid& grid, const FloorPlane& floor);
+  bool detach_side(const Grid& grid, const Head& head, int side);
+  bool rises_from_floor(const Grid& grid, int blob, int c) const;
   bool on_pole(const Grid& grid, int blob, const FloorPlane& floor) const;
   bool floats(const Grid& grid, int blob, const FloorPlane& floor) const;
   void judge(const Grid& grid, const FloorPlane& floor);

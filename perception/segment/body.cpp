@@ -141,7 +141,9 @@ float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) c
   if (!whole || !sized || floats(grid, b, floor)) return kShapeUnknown;
   const bool legs = has_legs(grid, b);
   const Roundness round = roundness(grid, b, blob.r_max);
-  if (!legs && (top < kWholeLeglessTopMinMm || fill < kWholeLeglessFillMin)) return kShapeUnknown;
+  // Arms held out widen the box.
+  const float fill_min = wide > kArmsOutWideMm ? kArmsOutFillMin : kWholeLeglessFillMin;
+  if (!legs && (top < kWholeLeglessTopMinMm || fill < fill_min)) return kShapeUnknown;
   if (round.share < kWholeShareMin) return kShapeUnknown;
   const auto above = [](float value, float limit) { return std::max(0.0F, value - limit); };
   const auto below = [](float value, float limit) { return std::max(0.0F, limit - value); };

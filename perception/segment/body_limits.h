@@ -53,6 +53,8 @@ inline constexpr float kWholeAreaMinM2 = 0.15F;      // area, least; [odds]
 inline constexpr float kWholeAreaMaxM2 = 1.1F;       // and most; [odds]
 inline constexpr float kWholeFillMax = 0.75F;        // of its box, most; [odds]
 inline constexpr float kWholeLeglessFillMin = 0.3F;  // and least, without legs; [odds]
+inline constexpr float kArmsOutWideMm = 1000.0F;     // wider than that the arms are out, if it is a person; [calm]
+inline constexpr float kArmsOutFillMin = 0.15F;      // of the box, least, then; a real person had 0.23; [calm]
 inline constexpr float kWholeShareMin = 0.02F;       // cells with the surface on both sides, least; [odds]
 inline constexpr float kSlenderWideMm =
     370.0F;  // narrower: in profile, rounder at the sides than from the front; [slim]

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -65,6 +66,31 @@ TEST(SegmentFurniture, ABoxAtTheLegIsNotThePerson) {
     EXPECT_LT(s.furniture, 0.04) << side;
     EXPECT_GT(s.overlap, 0.95) << side;
   }
+}
+
+TEST(SegmentFurniture, ACupboardThatAHandTouchesIsNotThePerson) {
+  for (const float side : {-1.0F, 1.0F}) {
+    const float near = side * 405, far = side * 800;
+    const Box box = {{std::min(near, far), 0, 2570}, {std::max(near, far), 900, 2870}};
+    const Shares s = first_frame(room_with(person_at(0, 2600), {box}));
+    ASSERT_TRUE(s.found);
+    EXPECT_LT(s.furniture, 0.04) << side;
+    EXPECT_GT(s.overlap, 0.95) << side;
+  }
+}
+
+// Legs apart and arms out reach as far, but not from the floor up.
+TEST(SegmentFurniture, LegsApartAndArmsOutStay) {
+  std::vector<Capsule> person = person_at(0, 2900);
+  for (Capsule& part : person) {
+    const auto spread = [](Vec3f& p) { p.x += (p.x < 0 ? -1.0F : 1.0F) * std::max(0.0F, 0.6F * (900 - p.y)); };
+    if (part.a.y <= 900 && std::fabs(part.a.x) < 150) spread(part.a), spread(part.b);
+    if (part.a.y > 1000 && part.b.y < 1200 && std::fabs(part.b.x) > 200)
+      part.a.y = part.b.y = 1380, part.b.x *= 1.6F, part.a.x *= part.a.x > 200 || part.a.x < -200 ? 1.6F : 1.0F;
+  }
+  const Shares s = first_frame(room_with(person));
+  ASSERT_TRUE(s.found);
+  EXPECT_GT(s.overlap, 0.95);
 }
 
 // Bent forward by 55 degrees about the hips: no taller than who sits, but nothing of it is a chair.
