@@ -38,6 +38,19 @@ constexpr GuidanceSet operator|(Guidance a, Guidance b) {
 constexpr bool has(GuidanceSet set, Guidance g) {
   return (set & static_cast<GuidanceSet>(g)) != 0;
 }
+// The person's own arms, or-ed: which of them ARMS_CLOSE is about.
+using ArmSet = std::uint32_t;
+inline constexpr ArmSet kLeftArm = 1U << 0, kRightArm = 1U << 1;
+inline constexpr std::size_t kArmCount = 2;
+inline constexpr std::array<std::string_view, kArmCount> kArmNames = {"left", "right"};
+
+inline std::vector<std::string_view> names_of_arms(ArmSet set) {
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < kArmCount; ++i)
+    if ((set >> i & 1U) != 0) names.push_back(kArmNames[i]);
+  return names;
+}
+
 // The codes of a set, in the order of their bits.
 inline std::vector<std::string_view> names_of(GuidanceSet set) {
   std::vector<std::string_view> names;

@@ -129,6 +129,7 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   out.measured = r.measured ? 1 : 0;
   out.front_measured = r.front_measured ? 1 : 0;
   out.views = static_cast<std::int32_t>(r.views);
+  out.arms_close = r.arms_close;
   out.frames_back = static_cast<std::uint32_t>(r.frames_back);
   out.female = r.answer.female;
   out.age = {r.age.years.value, r.age.years.low, r.age.years.high};

@@ -70,9 +70,11 @@ struct EngineResult {
   GuidanceSet guidance = 0;                                     // of the latest frame
   GuidanceSet guidance_seen = 0;                                // of all frames so far
   std::array<std::uint32_t, kGuidanceCount> guidance_frames{};  // frames that carried each code, in bit order
-  std::uint64_t frames_seen = 0;                                // processed
-  std::uint64_t frames_used = 0;                                // accumulated behind the answer (or so far)
-  std::uint64_t frames_back = 0;                                // of frames_used: those of the back
+  ArmSet arms_close = 0;  // which arms ARMS_CLOSE is about, of the latest frame; 0 without that code
+  std::array<std::uint32_t, kArmCount> arms_close_frames{};  // frames in which it was about each
+  std::uint64_t frames_seen = 0;                             // processed
+  std::uint64_t frames_used = 0;                             // accumulated behind the answer (or so far)
+  std::uint64_t frames_back = 0;                             // of frames_used: those of the back
   std::uint64_t frames_dropped = 0;         // given up unread because the engine was behind (live only)
   std::uint64_t sequence_gaps = 0;          // sequence numbers skipped
   std::uint64_t sequence_repeats = 0;       // frames whose sequence number did not grow

@@ -96,6 +96,7 @@ void FitStage::process(const FrameSlot& slot) {
   view.guidance = detection.guidance;
   view.user = detection.person.id;
   view.view = detection.view;
+  view.arms_close = detection.arms_close;
   view.frames_accumulated = stages_.frame_count();
   if (view.found) view.motion = motion_.step(detection.person.centroid_mm, detection.joints, slot.seconds);
   view.psi =
@@ -108,6 +109,7 @@ void FitStage::process(const FrameSlot& slot) {
   ++result_.frames_seen;
   take_counts(slot.counts);
   result_.guidance = step.guidance;
+  result_.arms_close = step.arms_close;
   const bool enough = step.use_frame && accumulate(slot);
   take_guidance(result_.guidance);
   if (step.measure) {
@@ -171,6 +173,7 @@ void FitStage::measure(bool ended) {
     result_.age = {};
     result_.paper.fill(std::numeric_limits<float>::quiet_NaN());
     result_.guidance = static_cast<GuidanceSet>(Guidance::too_noisy);
+    result_.arms_close = 0;
     take_guidance(result_.guidance);
     return;
   }
@@ -181,6 +184,7 @@ void FitStage::measure(bool ended) {
   result_.measured_joints = person.joints;
   if (person.floor.known) result_.floor = person.floor;
   result_.guidance = 0;  // nothing more is needed
+  result_.arms_close = 0;
   if (!step.turn) return;
   front_frames_ = stages_.frame_count();
   stages_.turn();
@@ -237,6 +241,9 @@ void FitStage::take_guidance(GuidanceSet guidance) {
   result_.guidance_seen |= guidance;
   for (std::size_t i = 0; i < kGuidanceCount; ++i)
     if ((guidance >> i & 1U) != 0) ++result_.guidance_frames[i];
+  if (!has(guidance, Guidance::arms_close)) return;
+  for (std::size_t arm = 0; arm < kArmCount; ++arm)
+    if ((result_.arms_close >> arm & 1U) != 0) ++result_.arms_close_frames[arm];
 }
 
 }  // namespace im2fit

@@ -26,10 +26,17 @@ SessionStep on_absence(const SessionRules& rules, SessionStep step) {
 
 void begin_attempt(Session& next, int user) {
   next.state = SessionState::user_found;
+  next.arms = {};
   next.user = user;
   next.psi_frames = 0;
   next.psi_wait_frames = 0;
   next.rejected_frames = 0;
+}
+
+// Arms held close keep their code until they have been apart for some frames.
+void add_arms(SessionStep& step, const SessionView& view) {
+  step.arms_close = remember_arms(step.next.arms, view.guidance, view.arms_close, view.frames_accumulated);
+  if (step.arms_close != 0) step.guidance |= bit(Guidance::arms_close);
 }
 
 // Limbs count when nothing else is wrong: the joints of a person who is turned, bent or cut off jump by themselves.
@@ -58,10 +65,14 @@ SessionStep on_turning(const SessionRules& rules, SessionStep step, const Sessio
   Session& next = step.next;
   const bool back = view.view == ViewSide::back;
   const bool front = view.view == ViewSide::front && !guessed;
-  if (back && !guessed) next.turned = true;
+  if (back && !guessed && !next.turned) {
+    next.turned = true;
+    next.arms = {};
+  }
   if (front) next.turned = false;
   if (!next.turned && !back) step.guidance |= bit(Guidance::turn_round);
   if (next.turned && is_moving(rules, view)) step.guidance |= bit(Guidance::moving);
+  if (next.turned) add_arms(step, view);
   // A back seen for a moment before a front was no back, or was moving.
   const bool unsteady = front || has(step.guidance, Guidance::moving);
   if (unsteady && view.frames_accumulated > 0 && view.frames_accumulated <= rules.unsteady_frames_max)
@@ -102,10 +113,12 @@ SessionStep step_of(const SessionRules& rules, const Session& session, const Ses
     step.forget = true;
     begin_attempt(next, view.user);
   }
+  if (next.user != view.user) next.arms = {};
   next.user = view.user;
   // The side seen is a guess while the person is bent or the head is outside the picture.
   const bool guessed = has(view.guidance, Guidance::not_upright) || has(view.guidance, Guidance::head_cut);
   if (next.state == SessionState::turning) return on_turning(rules, step, view, guessed);
+  add_arms(step, view);
   if (is_moving(rules, view)) {
     step.guidance |= bit(Guidance::moving);
     if (view.frames_accumulated > 0 && view.frames_accumulated <= rules.unsteady_frames_max) step.forget = true;
@@ -129,12 +142,23 @@ SessionStep on_detection(const SessionRules& rules, const Session& session, cons
   return step;
 }
 
+namespace {
+
+void give_up_close_arms(OfferStep& step) {
+  if (!step.measure || !mostly_close(step.next.arms.capture)) return;
+  step.measure = false;
+  step.forget = true;
+}
+
+}  // namespace
+
 OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_accumulated) {
   OfferStep step;
   step.next = session;
   if (!rejected) {
     step.next.rejected_frames = 0;
     step.measure = frames_accumulated >= rules.frames_wanted;
+    give_up_close_arms(step);
     return step;
   }
   if (++step.next.rejected_frames <= rules.rejected_frames_max) return step;
@@ -143,6 +167,7 @@ OfferStep after_offer(const SessionRules& rules, const Session& session, bool re
   step.next.rejected_frames = 0;
   if (frames_accumulated >= rules.frames_min) {
     step.measure = true;
+    give_up_close_arms(step);
   } else if (session.state == SessionState::turning) {
     step.forget = true;  // TURNING has a bound of its own
   } else if (step.next.attempts < rules.attempts_max) {
@@ -173,7 +198,8 @@ MeasuringStep after_measuring(const SessionRules& rules, const Session& session,
 }
 
 bool measure_at_end(const SessionRules& rules, const Session& session, int frames_accumulated) {
-  return session.state != SessionState::measured && frames_accumulated > 0 && frames_accumulated >= rules.frames_min;
+  return session.state != SessionState::measured && frames_accumulated > 0 &&
+         frames_accumulated >= rules.frames_min && !mostly_close(session.arms.session);
 }
 
 bool is_psi_pose(const JointSet& joints, Vec3f up) {

@@ -11,9 +11,12 @@
 // them by the end of the stream or of turn_wait_frames_max; with the front alone when there are fewer, or the person
 // left.
 //
+// Arms that touch the trunk are remembered over frames: arms_memory.h has the rule.
+//
 // From CALIBRATING on the session belongs to one user: while another is detected, that user is absent.
 #pragma once
 
+#include "engine/arms_memory.h"
 #include "engine/engine.h"
 #include "engine/user_lock.h"
 #include "perception/observe/motion_filter.h"
@@ -49,6 +52,7 @@ struct Session {
   int turning_frames = 0;  // in TURNING
   bool turned = false;     // in TURNING: the back has been seen, and no front since
   int user = 0;            // whose session it is; 0 before USER_FOUND
+  ArmsMemory arms;         // of that user, since USER_FOUND; in TURNING: since the back was seen
 };
 
 // The part of a Detection the session uses.
@@ -60,11 +64,13 @@ struct SessionView {
   ViewSide view = ViewSide::unknown;
   Motion motion = {};
   int frames_accumulated = 0;  // before this frame; in TURNING: of the back
+  ArmSet arms_close = 0;
 };
 
 struct SessionStep {
   Session next;
   GuidanceSet guidance = 0;  // the detection's and the session's own
+  ArmSet arms_close = 0;     // which arms arms_close is about
   bool forget = false;       // drop what is accumulated (in TURNING: of the back), before using this frame
   bool use_frame = false;    // offer the frame to the fuser, then call after_offer
   bool measure = false;      // TURNING is over: call after_measuring

@@ -13,14 +13,17 @@ std::string camera_name(const hal::SourceInfo& source) {
 }  // namespace
 
 ShownState shown_state(const EngineResult& result) {
-  return {result.state, result.guidance, result.user};
+  return {result.state, result.guidance, result.arms_close, result.user};
 }
 
 Json state_event(std::uint64_t frame, const EngineResult& result) {
+  Json details = Json::object();
+  if (result.arms_close != 0) details["arms_close"] = names_of_arms(result.arms_close);
   return {{"event", "state"},
           {"frame", frame},
           {"state", std::string(im2fit::name_of(result.state))},
           {"guidance", names_of(result.guidance)},
+          {"guidance_details", details},
           {"user", result.user},
           {"view", std::string(im2fit::name_of(result.view))},
           {"frames_used", result.frames_used}};

@@ -18,6 +18,7 @@ using Json = nlohmann::ordered_json;
 struct ShownState {
   SessionState state = SessionState::searching;
   GuidanceSet guidance = 0;
+  ArmSet arms_close = 0;
   int user = 0;
   bool operator==(const ShownState&) const = default;
 };

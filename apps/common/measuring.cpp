@@ -109,8 +109,18 @@ std::string summary(const ResultReport& report) {
   return words;
 }
 
-std::string guidance_words(GuidanceSet guidance) {
-  return guidance == 0 ? "none" : fmt::format("{}", fmt::join(names_of(guidance), ", "));
+std::string guidance_words(GuidanceSet guidance, ArmSet arms_close) {
+  if (guidance == 0) return "none";
+  std::string words;
+  for (std::size_t i = 0; i < kGuidanceCount; ++i) {
+    const GuidanceSet code = guidance & 1U << i;
+    if (code == 0) continue;
+    if (!words.empty()) words += ", ";
+    words += kGuidanceNames[i];
+    const auto arms = names_of_arms(arms_close);
+    if (has(code, Guidance::arms_close) && arms.size() == 1) words.append(" ").append(arms.front());
+  }
+  return words;
 }
 
 }  // namespace im2fit::apps

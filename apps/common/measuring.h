@@ -56,7 +56,8 @@ bool is_stuck(const EngineResult& result);
 
 // "1743 mm, 72.1 kg, chest 980 mm, size M"
 std::string summary(const ResultReport& report);
-// Guidance codes in words of the enum, "ARMS_CLOSE, MOVING"; "none" for none.
-std::string guidance_words(GuidanceSet guidance);
+// Guidance codes in words of the enum, "ARMS_CLOSE left, MOVING"; "none" for none. `arms_close`: which arms that code
+// is about; one of them alone is named.
+std::string guidance_words(GuidanceSet guidance, ArmSet arms_close);
 
 }  // namespace im2fit::apps

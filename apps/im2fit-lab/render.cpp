@@ -131,7 +131,7 @@ void add_render(cli::App& app, Command& chosen) {
       ->one_of({"noise", "bare"})
       ->capture_default_str();
   sub->add_option("--pose", options->pose, "How the person stands")
-      ->one_of({"relaxed", "a_pose", "psi", "free", "bowed"})
+      ->one_of({"relaxed", "arms_out", "a_pose", "psi", "free", "bowed"})
       ->capture_default_str();
   sub->add_option("--distance", person.scene.distance_mm, "Camera to person, mm; 0: so that the whole person fits")
       ->range(0, 8000)

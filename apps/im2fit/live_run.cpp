@@ -96,7 +96,7 @@ class LiveRun {
     if (auto sent = publish(state_event(frames_, result)); !sent) return sent;
     if (!options_.session.json && !options_.preview_renderer.view)
       fmt::print(stderr, "{}  needed: {}\n", state_words(result, options_.session.frames),
-                 guidance_words(result.guidance));
+                 guidance_words(result.guidance, result.arms_close));
     return Ok{};
   }
 

@@ -68,7 +68,7 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
                         fmt::format("WEIGHT {:.1f} KG", weight.value)};
     if (outcome.report.size) overlay.captions.push_back("SIZE " + outcome.report.size->best);
   } else {
-    overlay.captions = {"NOT MEASURED", upper(guidance_words(reported_guidance(result)))};
+    overlay.captions = {"NOT MEASURED", upper(guidance_words(reported_guidance(result), reported_arms(result)))};
   }
   const auto png = draw_overlay(overlay).png();
   if (!png) return png.error();
@@ -140,7 +140,7 @@ Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& 
   if (const auto flushed = flush_output(); !flushed) return flushed.error();
   if (!result.measured) {
     print_error(fmt::format("no measurement after {} frames ({} good ones); needed: {}", result.frames_seen,
-                            result.frames_used, guidance_words(reported_guidance(result))));
+                            result.frames_used, guidance_words(reported_guidance(result), reported_arms(result))));
     return kExitNoMeasurement;
   }
   if (!options.json) {

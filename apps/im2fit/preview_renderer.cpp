@@ -53,7 +53,7 @@ void PreviewRenderer::see(const FrameSeen& frame) {
 void PreviewRenderer::write_picture(const FrameSeen& frame) {
   PreviewInput input = preview_of(frame, intrinsics_);
   input.captions = {upper(state_words(frame.result, frames_wanted_))};
-  if (frame.result.guidance != 0) input.captions.push_back(upper(guidance_words(frame.result.guidance)));
+  if (frame.result.guidance != 0) input.captions.push_back(upper(guidance_words(frame.result.guidance, frame.result.arms_close)));
   const auto png = draw_preview(input, kPictureHeightPx).png();
   if (!png) {
     error_ = png.error();
@@ -70,7 +70,7 @@ void PreviewRenderer::show_picture(const FrameSeen& frame) {
   const PreviewInput input = preview_of(frame, intrinsics_);
   const int height = view_->picture_height(intrinsics_.width, intrinsics_.height, kLineCount);
   const bool measured = frame.result.state == SessionState::measured;
-  std::string needed = "needed: " + guidance_words(frame.result.guidance);
+  std::string needed = "needed: " + guidance_words(frame.result.guidance, frame.result.arms_close);
   if (has(frame.result.guidance, Guidance::turn_round)) needed = "please turn round; " + needed;
   if (measured) needed = "measured: please step out of the picture";
   view_->show(draw_preview(input, height, false), {state_words(frame.result, frames_wanted_), needed, last_word_});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/report/result_json.h"
 
+#include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -212,12 +213,25 @@ GuidanceSet reported_guidance(const EngineResult& result) {
   return set;
 }
 
+ArmSet reported_arms(const EngineResult& result) {
+  if (!has(reported_guidance(result), Guidance::arms_close)) return 0;
+  if (result.arms_close != 0) return result.arms_close;
+  ArmSet set = 0;
+  constexpr auto kBit = static_cast<std::size_t>(std::countr_zero(static_cast<GuidanceSet>(Guidance::arms_close)));
+  const std::uint64_t said = result.guidance_frames[kBit];
+  for (std::size_t arm = 0; arm < kArmCount; ++arm)
+    if (2 * std::uint64_t{result.arms_close_frames[arm]} >= said) set |= 1U << arm;
+  return set;
+}
+
 std::string result_json(const ResultReport& report) {
   const EngineResult& r = report.result;
   Json json;
   json["schema"] = std::string(kResultSchema);
   json["state"] = std::string(name_of(r.state));
   json["guidance"] = names_of(reported_guidance(r));
+  json["guidance_details"] = Json::object();
+  if (const ArmSet arms = reported_arms(r); arms != 0) json["guidance_details"]["arms_close"] = names_of_arms(arms);
   json["frames"] = {{"seen", r.frames_seen}, {"used", r.frames_used}, {"dropped", r.frames_dropped}};
   json["source"] = source_json(report.source);
   if (r.measured) json["views"] = std::string(name_of(r.views));

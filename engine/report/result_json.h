@@ -43,5 +43,8 @@ std::string result_json(const ResultReport& report);
 // What the person or scene needs, as in the file: once measured nothing; else the codes of the latest frame and
 // those that at least half of the frames carried (the last frame alone may show an empty room).
 GuidanceSet reported_guidance(const EngineResult& result);
+// Which arms its ARMS_CLOSE is about: those of the latest frame, else those named in at least half of the frames with
+// that code.
+ArmSet reported_arms(const EngineResult& result);
 
 }  // namespace im2fit

@@ -52,7 +52,9 @@ Result<StandingPose> pose_of(const std::string& word) {
   if (word == "psi") return StandingPose::psi;
   if (word == "free") return StandingPose::free;
   if (word == "bowed") return StandingPose::bowed;
-  return Error{ErrorCode::invalid_argument, "no pose '" + word + "'; use relaxed, a_pose, psi, free or bowed"};
+  if (word == "arms_out") return StandingPose::arms_out;
+  return Error{ErrorCode::invalid_argument,
+               "no pose '" + word + "'; use relaxed, arms_out, a_pose, psi, free or bowed"};
 }
 
 SyntheticPerson::SyntheticPerson(const body::BodyModel& model, const PersonOptions& options)

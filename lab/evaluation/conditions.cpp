@@ -20,7 +20,9 @@ struct Word {
 // Near is where Kinect's field just holds a tall person in portrait mount, far close to where TOO_FAR begins.
 constexpr float kNearMm = 1900, kFarMm = 3600;
 
-constexpr std::array<Word, 19> kWords = {{
+constexpr float kHeavyMin = 38;  // kg/m^2: arms that hang rest on the body
+
+constexpr std::array<Word, 21> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},
@@ -39,6 +41,10 @@ constexpr std::array<Word, 19> kWords = {{
     {"far", "3.6 m away", true, [](EvaluationOptions& o) { o.distance_mm = kFarMm; }},
     {"yaw0", "facing the camera", true, [](EvaluationOptions& o) { o.yaw_deg = 0; }},
     {"yaw10", "turned 10 degrees to a side", true, [](EvaluationOptions& o) { o.yaw_deg = 10; }},
+    {"arms_out", "arms held 30 to 40 degrees off the body", false,
+     [](EvaluationOptions& o) { o.pose = StandingPose::arms_out; }},
+    {"heavy", "people of a body mass index of 38 and more", false,
+     [](EvaluationOptions& o) { o.body_mass_index_min = kHeavyMin; }},
     {"back", "seen from behind", false, [](EvaluationOptions& o) { o.views = Views::back; }},
     {"both", "front, then back", true, [](EvaluationOptions& o) { o.views = Views::both; }},
     {"features", "features answer alone, no shape is fitted", true, [](EvaluationOptions& o) { o.fit = false; }},

@@ -3,6 +3,7 @@
 
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "core/rng.h"
 #include "engine/report/progress.h"
@@ -26,6 +27,23 @@ void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t index) {
   scene.hair = true;
 }
 
+float body_mass_index(const Subject& subject) {
+  const float metres = subject.truth[measurement_index(Measurement::stature)] * 1e-3F;
+  return subject.truth[measurement_index(Measurement::weight)] / (metres * metres);
+}
+
+// The first who is heavy enough of those who could stand in for the subject of this index.
+Subject heavy_enough(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
+                     Subject subject) {
+  constexpr std::uint64_t kDrawsMax = 2000;
+  for (std::uint64_t draw = 1; draw < kDrawsMax && body_mass_index(subject) < options.body_mass_index_min; ++draw) {
+    // An even number of steps: men stay men.
+    const auto other = index + 2 * draw * static_cast<std::uint64_t>(options.subjects);
+    subject = draw_subject(model, Family::held_out, options.seed, other);
+  }
+  return subject;
+}
+
 void add_joint_errors(const JointSet& found, const JointSet& truth, Outcome& outcome) {
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const float error_mm = norm(found.position_mm[j] - truth.position_mm[j]);
@@ -45,6 +63,7 @@ Status measure_once(const SessionModels& models, const HeldOutPerson& person, Vi
   });
   if (!engine) return engine.error();
   const EngineResult result = (*engine)->result();
+  outcome.lifted_arms = told_to_lift_arms(result, person.capture.frame_count);
   outcome.measured = result.measured;
   outcome.guidance_seen = result.guidance_seen;
   outcome.frames_seen = result.frames_seen;
@@ -104,6 +123,9 @@ HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions&
   }
   auto& scene = person.capture.scene;
   scene = options.noise ? furnished_room() : SceneOptions{};
+  scene.pose = options.pose;
+  if (options.body_mass_index_min > 0)
+    person.subject = heavy_enough(model, options, index, std::move(person.subject));
   if (options.clothed) dress(scene, options.seed, index);
   if (options.distance_mm > 0) {
     scene.distance_mm = options.distance_mm;

@@ -46,6 +46,8 @@ struct EvaluationOptions {
   int width = 640, height = 480;
   float distance_mm = 0;  // of the camera, grown until the whole person fits; 0: drawn
   float yaw_deg = -1;     // of the person, to either side by turns; below 0: drawn
+  StandingPose pose = StandingPose::relaxed;
+  float body_mass_index_min = 0;  // only people of at least that much; 0: all
   Views views = Views::front;
   bool fit = true;     // false: features answer alone, no shape is fitted
   bool twice = false;  // shown again in a new pose, room and noise
@@ -71,6 +73,7 @@ struct Outcome {
   bool measured = false;
   GuidanceSet guidance_seen = 0;
   std::uint64_t frames_seen = 0;
+  bool lifted_arms = false;  // told to (session.h)
   MeasurementValues truth{};
   float true_age_years = 0;
   index::Answer answer;

@@ -71,6 +71,7 @@ struct Report {
   std::string condition, what, family;
   int subjects = 0;
   int measured = 0;
+  int lifted_arms = 0;                                     // of the measured: told to, first
   std::array<int, kGuidanceCount> not_measured_because{};  // subjects, by guidance seen
   std::array<MeasurementReport, kMeasurementCount> measurements;
   double sex_accuracy = 0;  // shares of the measured, 0..1

@@ -74,6 +74,7 @@ Json json_value_of(const Report& report) {
   if (!report.what.empty()) json["what"] = report.what;
   json["subjects"] = report.subjects;
   json["measured"] = report.measured;
+  json["lifted_arms"] = report.lifted_arms;
   json["not_measured_because"] = Json::object();
   for (std::size_t g = 0; g < kGuidanceCount; ++g)
     if (report.not_measured_because[g] > 0)

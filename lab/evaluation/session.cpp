@@ -2,6 +2,7 @@
 #include "lab/evaluation/session.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "lab/evaluation/smoothing.h"
 
@@ -40,6 +41,11 @@ class Camera {
 
 }  // namespace
 
+bool told_to_lift_arms(const EngineResult& result, int frames_wanted) {
+  constexpr auto kBit = static_cast<std::size_t>(std::countr_zero(static_cast<GuidanceSet>(Guidance::arms_close)));
+  return static_cast<int>(result.guidance_frames[kBit]) >= std::max(frames_wanted, kShownMin / kShownPerWanted);
+}
+
 Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const HeldOutPerson& person, Views views,
                                             const JointWatch& watch) {
   const auto& capture = person.capture;
@@ -62,9 +68,11 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   if (views != Views::front) sides.push_back(true);
   const int shown_a_side = std::max(kShownMin, capture.frame_count * kShownPerWanted);
   std::uint64_t frame = 0;
+  StandingPose pose = capture.scene.pose;
   for (const bool back : sides) {
     SceneOptions options = capture.scene;
     options.back_view = back;
+    options.pose = pose;
     VirtualScene scene(models.body, person.subject, options, capture.sensor, capture.intrinsics, capture.seed);
     Camera camera(capture.intrinsics, capture.scene.rotate_deg, person.smoothed);
     for (int i = 0; i < shown_a_side && !(*engine)->result().measured; ++i, ++frame) {
@@ -75,6 +83,10 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
       const EngineResult now = (*engine)->result();
       if (now.has_joints && watch) watch(now.joints, scene.joints(frame));
       if (!back && now.state == SessionState::turning) break;  // the turn itself is not shown
+      if (pose == StandingPose::relaxed && told_to_lift_arms(now, capture.frame_count)) {
+        options.pose = pose = StandingPose::arms_out;
+        scene.restage(person.subject, options, capture.sensor, capture.seed);
+      }
     }
   }
   (*engine)->finish();

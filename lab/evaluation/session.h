@@ -20,6 +20,10 @@ struct SessionModels {
 // Called after each frame with a person found: joints of the engine, and the truth.
 using JointWatch = std::function<void(const JointSet& found, const JointSet& truth)>;
 
+// Who is told ARMS_CLOSE in as many frames as are wanted lifts the arms, as anybody would: shown from then on in the
+// pose arms_out. Whether that happened:
+bool told_to_lift_arms(const EngineResult& result, int frames_wanted);
+
 // The engine as it stands after the session, finished. `watch` may be empty.
 Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const HeldOutPerson& person, Views views,
                                             const JointWatch& watch);

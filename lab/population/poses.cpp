@@ -54,6 +54,9 @@ ArmAngles draw_arm(StandingPose pose, Rng& rng, float spread_min_deg) {
               gauss(rng, 8)};
     case StandingPose::psi:
       return {90 + gauss(rng, 8), gauss(rng, 6), 88 + gauss(rng, 9), 90 + gauss(rng, 9), gauss(rng, 8)};
+    case StandingPose::arms_out:
+      return {draw(rng, 30, 40), gauss(rng, 4), std::clamp(8 + gauss(rng, 5), 2.0F, 20.0F), gauss(rng, 12),
+              gauss(rng, 8)};
     case StandingPose::crossed:
     case StandingPose::seated:
     case StandingPose::bowed:

@@ -11,13 +11,14 @@
 namespace im2fit::lab {
 
 enum class StandingPose {
-  relaxed,  // arms held a little away from the body: abducted 12..25 degrees
-  a_pose,   // the rest pose: upper arms 41 degrees from down, elbows bent
-  psi,      // upper arms level, forearms up
-  free,     // arms anywhere before the body and beside it, legs in stride, trunk bent and turned
-  crossed,  // calm; one or both hands on belly, chest or hips, or folded arms
-  seated,   // thighs level within 12 degrees, shanks upright, hands on the thighs, in the lap or beside
-  bowed,    // trunk bent from the hips by 24..56 degrees, forwards or to a side; arms relaxed or as when free
+  relaxed,   // arms held a little away from the body: abducted 12..25 degrees
+  a_pose,    // the rest pose: upper arms 41 degrees from down, elbows bent
+  psi,       // upper arms level, forearms up
+  free,      // arms anywhere before the body and beside it, legs in stride, trunk bent and turned
+  crossed,   // calm; one or both hands on belly, chest or hips, or folded arms
+  seated,    // thighs level within 12 degrees, shanks upright, hands on the thighs, in the lap or beside
+  bowed,     // trunk bent from the hips by 24..56 degrees, forwards or to a side; arms relaxed or as when free
+  arms_out,  // as asked of those whose arms rest on the body when they hang: abducted 30..40 degrees, nearly straight
 };
 
 // The pose before the person's turn towards the camera (draw_yaw_deg). Elbows and hands of free poses keep out of

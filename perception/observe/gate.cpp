@@ -45,6 +45,18 @@ GuidanceSet pose_codes_seen(GuidanceSet of_mask, ViewSide view) {
   return seen;
 }
 
+ArmSet hands_close(const JointSet& joints, const FloorPlane& floor) {
+  const PersonFrame frame = person_frame(floor, joints[Joint::TO]);
+  // By the joints' own left and right, whatever the view: the gap is measured outwards.
+  const bool facing = frame.side(joints[Joint::LS]) > frame.side(joints[Joint::RS]);
+  const auto close = [&](Joint hand, Joint hip) {
+    const float outwards = frame.side(joints[hand]) - frame.side(joints[hip]);
+    const bool sure = joints.confidence[joint_index(hand)] >= kHandSureMin;
+    return (facing == is_left(hand) ? outwards : -outwards) < (sure ? kHandGapMinMm : kHandGapUnsureMinMm);
+  };
+  return (close(Joint::LA, Joint::LH) ? kLeftArm : 0) | (close(Joint::RA, Joint::RH) ? kRightArm : 0);
+}
+
 GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view, const Lean& lean) {
   GuidanceSet guidance = 0;
   const PersonFrame frame = person_frame(floor, joints[Joint::TO]);
@@ -53,18 +65,7 @@ GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide 
   else if (view != ViewSide::front && view != ViewSide::back)
     guidance |= static_cast<GuidanceSet>(Guidance::not_frontal);
 
-  // By the joints' own left and right, whatever the view: the gap is measured outwards.
-  const bool facing = frame.side(joints[Joint::LS]) > frame.side(joints[Joint::RS]);
-  const auto gap = [&](Joint hand, Joint hip) {
-    const float outwards = frame.side(joints[hand]) - frame.side(joints[hip]);
-    return facing == is_left(hand) ? outwards : -outwards;
-  };
-  const auto close = [&](Joint hand, Joint hip) {
-    const bool sure = joints.confidence[joint_index(hand)] >= kHandSureMin;
-    return gap(hand, hip) < (sure ? kHandGapMinMm : kHandGapUnsureMinMm);
-  };
-  if (close(Joint::LA, Joint::LH) || close(Joint::RA, Joint::RH))
-    guidance |= static_cast<GuidanceSet>(Guidance::arms_close);
+  if (hands_close(joints, floor) != 0) guidance |= static_cast<GuidanceSet>(Guidance::arms_close);
   return guidance;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "perception/observe/arm_gap.h"
 #include "perception/observe/gate.h"
 #include "perception/observe/observe.h"
 #include "perception/observe/sensor_limits.h"
@@ -72,8 +73,12 @@ Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage
                          static_cast<GuidanceSet>(Guidance::too_noisy);
   detection.back_chance = tracker_.back_chance();
   detection.view = view_side(detection.joints, detection.person.floor, detection.back_chance);
-  detection.guidance |= pose_gate(detection.joints, detection.person.floor, detection.view, lean) &
-                        pose_codes_seen(detection.guidance, detection.view);
+  GuidanceSet pose = pose_gate(detection.joints, detection.person.floor, detection.view, lean);
+  detection.arms_close =
+      hands_close(detection.joints, detection.person.floor) | arms_joined(filled, mask, intrinsics, detection.joints);
+  if (detection.arms_close != 0) pose |= static_cast<GuidanceSet>(Guidance::arms_close);
+  detection.guidance |= pose & pose_codes_seen(detection.guidance, detection.view);
+  if (!has(detection.guidance, Guidance::arms_close)) detection.arms_close = 0;
   previous_user_ = detection.person.id;
   return detection;
 }

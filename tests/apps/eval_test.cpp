@@ -107,6 +107,20 @@ TEST(Eval, WritesEverythingOnAnyNumberOfThreads) {
   EXPECT_EQ(std::count(people.begin(), people.end(), '\n'), 1 + 2 * 2 * static_cast<int>(kMeasurementCount));
 }
 
+// The pose that guidance asks of people whose arms rest on the body when they hang.
+TEST(Eval, HeavyPeopleWithTheirArmsOutAreMeasured) {
+  IM2FIT_NEED_DATA();
+  const test::Run run = eval({"--conditions", "heavy+arms_out+frames5,heavy+arms_out+frames5+clothed", "--subjects",
+                              "6", "--no-raw", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << run.out;
+  for (const auto& condition : json.at("conditions")) {
+    EXPECT_EQ(condition.at("measured"), 6);
+    EXPECT_EQ(condition.at("lifted_arms"), 0) << "they are out already";
+  }
+}
+
 // No person measured, hostile names: still a page.
 TEST(EvalPage, StandsWithoutData) {
   lab::FullReport report;

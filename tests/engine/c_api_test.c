@@ -41,6 +41,7 @@ static void make_frame(uint16_t* depth, int found, unsigned guidance) {
   depth[4] = 1; /* user */
   depth[6] = IM2FIT_VIEW_FRONT;
   depth[7] = 0; /* where the person stands, mm to the right */
+  depth[8] = 0; /* arms that are close */
 }
 
 static void measures_a_person(int single_thread) {
@@ -357,7 +358,25 @@ static void front_then_back(int single_thread) {
   im2fit_close(handle);
 }
 
+/* ARMS_CLOSE says which arm; one good frame does not take it away. */
+static void arms_close_are_named(void) {
+  im2fit_settings settings = small_settings();
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  uint16_t depth[PIXELS];
+  im2fit_result r;
+  for (int i = 0; i < 8; ++i) {
+    make_frame(depth, 1, i < 7 ? IM2FIT_GUIDANCE_ARMS_CLOSE : 0);
+    depth[8] = i < 7 ? IM2FIT_ARM_RIGHT : 0;
+    CHECK(im2fit_push(handle, depth, WIDTH, HEIGHT, 0, (uint64_t)(i + 1), i * 33333333LL) == IM2FIT_OK);
+  }
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.guidance == IM2FIT_GUIDANCE_ARMS_CLOSE && r.arms_close == IM2FIT_ARM_RIGHT && r.frames_used == 0);
+  im2fit_close(handle);
+}
+
 int main(void) {
+  arms_close_are_named();
   measures_a_person(0);
   measures_a_person(1);
   refuses_bad_frames_and_says_why();

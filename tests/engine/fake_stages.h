@@ -27,6 +27,7 @@ struct Shot {
   int user = 1;
   ViewSide view = ViewSide::front;
   int shift_mm = 0;  // of all joints, sideways
+  ArmSet arms_close = 0;
 };
 
 struct FramePixels {
@@ -38,6 +39,7 @@ struct FramePixels {
     pixels[4] = static_cast<std::uint16_t>(shot.user);
     pixels[6] = static_cast<std::uint16_t>(shot.view);
     pixels[7] = static_cast<std::uint16_t>(shot.shift_mm);
+    pixels[8] = static_cast<std::uint16_t>(shot.arms_close);
   }
   DepthView view() const { return {pixels.data(), kWidth, kHeight}; }
   std::vector<std::uint16_t> pixels;
@@ -91,6 +93,7 @@ class FakeStages final : public FrameStages {
     detection.person.centroid_mm = {static_cast<float>(depth.at(7, 0)), 0, 2000};
     detection.person.floor = {true, {0, -1, 0}, 900};
     detection.guidance = depth.at(1, 0);
+    detection.arms_close = depth.at(8, 0);
     detection.joints = standing_joints(depth.at(3, 0) != 0);
     detection.joints[Joint::HE] = {static_cast<float>(sense_state_++), 0, depth.at(5, 5) * 1.0F};
     for (Vec3f& p : detection.joints.position_mm) p.x += static_cast<float>(depth.at(7, 0));

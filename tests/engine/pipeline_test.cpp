@@ -124,6 +124,27 @@ TEST_P(Threading, MeasuresAfterTheWantedFramesAndOnlyOnce) {
   EXPECT_EQ(rig.engine->fused_mask().width, 1);
 }
 
+// Five frames of thirty show the arms apart: none of them is measured, and the result says which arm it is.
+TEST_P(Threading, LuckyFramesOfCloseArmsAreNotMeasured) {
+  constexpr GuidanceSet kClose = static_cast<GuidanceSet>(Guidance::arms_close);
+  constexpr std::size_t kArmsBit = 5;
+  Rig rig(with(GetParam()));
+  for (int i = 0; i < 30; ++i) {
+    if (i % 6 == 3)
+      rig.push({});
+    else
+      rig.push({.guidance = kClose, .arms_close = kLeftArm});
+  }
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_FALSE(r.measured);
+  EXPECT_EQ(r.guidance, kClose);
+  EXPECT_EQ(r.arms_close, kLeftArm);
+  EXPECT_EQ(r.arms_close_frames[0], r.guidance_frames[kArmsBit]);
+  EXPECT_EQ(r.arms_close_frames[1], 0U);
+  EXPECT_LE(r.frames_used, 1U);
+}
+
 TEST_P(Threading, TheEndOfTheStreamMeasuresFromTheFewestFramesOn) {
   for (const int frames : {2, 3, 9}) {
     Rig rig(with(GetParam()));

@@ -126,8 +126,30 @@ TEST(ResultJson, KeysComeInTheOrderOfTheDesign) {
   const auto v = nlohmann::ordered_json::parse(result_json(measured_report()));
   std::vector<std::string> keys;
   for (const auto& [key, unused] : v.items()) keys.push_back(key);
-  EXPECT_THAT(keys, testing::ElementsAre("schema", "state", "guidance", "frames", "source", "views", "estimator",
-                                         "clothed", "measurements", "sex", "age", "size", "joints", "body", "paper"));
+  EXPECT_THAT(keys, testing::ElementsAre("schema", "state", "guidance", "guidance_details", "frames", "source",
+                                         "views", "estimator", "clothed", "measurements", "sex", "age", "size",
+                                         "joints", "body", "paper"));
+}
+
+TEST(ResultJson, ArmsCloseNamesTheArms) {
+  constexpr std::size_t kArmsBit = 5;
+  ResultReport report;
+  report.source = measured_report().source;
+  report.result.frames_seen = 40;
+  report.result.guidance = static_cast<GuidanceSet>(Guidance::arms_close);
+  report.result.guidance_frames[kArmsBit] = 30;
+  report.result.arms_close = kRightArm;
+  report.result.arms_close_frames = {29, 30};
+  json v = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
+  EXPECT_EQ(v["guidance_details"], json({{"arms_close", {"right"}}})) << "of the latest frame";
+  report.result.guidance = static_cast<GuidanceSet>(Guidance::no_person);
+  report.result.arms_close = 0;
+  v = json::parse(result_json(report));
+  EXPECT_EQ(v["guidance_details"], json({{"arms_close", {"left", "right"}}})) << "of most frames with that code";
+  report.result.guidance_frames[kArmsBit] = 10;
+  v = json::parse(result_json(report));
+  EXPECT_EQ(v["guidance_details"], json::object()) << "few frames had the code";
 }
 
 TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {

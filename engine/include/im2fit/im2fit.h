@@ -212,6 +212,9 @@ enum {
 };
 #define IM2FIT_GUIDANCE_COUNT 14
 
+/* The person's own arms. */
+enum { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 };
+
 /* Which side of the person the camera sees. */
 enum {
   IM2FIT_VIEW_UNKNOWN = 0,
@@ -299,6 +302,7 @@ typedef struct im2fit_result {
   uint32_t frames_back;   /* of frames_used: those of the back */
   im2fit_estimate age;    /* years: median and 95 % of the people in the index who look alike */
   float age_bands[IM2FIT_AGE_BAND_COUNT]; /* probabilities of 18-25, 25-45, 45-65, 65-75 years */
+  uint32_t arms_close; /* IM2FIT_ARM_... or-ed: which of the person's arms ARMS_CLOSE of `guidance` is about */
 } im2fit_result;
 
 /* A consistent copy of the latest state; never waits for the threads at work. `struct_size` is sizeof *result: a

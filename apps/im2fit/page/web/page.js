@@ -3,7 +3,7 @@
 'use strict';
 
 const at = (id) => document.getElementById(id);
-const seen = {state: 'SEARCHING', guidance: ['NO_PERSON'], camera: null, wanted: 30, used: 0, back: 0, over: false};
+const seen = {state: 'SEARCHING', guidance: ['NO_PERSON'], details: {}, camera: null, wanted: 30, used: 0, back: 0, over: false};
 const failures = [];  // what went wrong here, for who looks into it
 for (const kind of ['error', 'unhandledrejection']) {
   window.addEventListener(kind, (e) => failures.push(String(e.message || e.reason)));
@@ -20,7 +20,7 @@ try {
 
 function showState() {
   document.body.dataset.state = seen.state;
-  at('wish').textContent = seen.camera || (seen.over ? 'The recording is over' : wishFor(seen.state, seen.guidance));
+  at('wish').textContent = seen.camera || (seen.over ? 'The recording is over' : wishFor(seen.state, seen.guidance, seen.details));
   at('codes').textContent = seen.over ? '' : seen.guidance.join(', ');
   const accumulated = seen.state === 'TURNING' ? seen.back : seen.used;
   at('accumulated').value = seen.state === 'MEASURED' ? 1 : Math.min(1, accumulated / seen.wanted);
@@ -64,6 +64,7 @@ const on = {
   state(event) {
     seen.state = event.state;
     seen.guidance = event.guidance;
+    seen.details = event.guidance_details;
     seen.used = event.frames_used;
     showState();
   },

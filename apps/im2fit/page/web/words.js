@@ -15,15 +15,20 @@ const kWishes = [
   ['CALIBRATION_POSE', 'Please raise your hands, upper arms level'],
   ['NOT_FRONTAL', 'Please face the camera'],
   ['NOT_UPRIGHT', 'Please stand straight'],
-  ['ARMS_CLOSE', 'Hold your arms a little away from your body'],
+  ['ARMS_CLOSE', 'Hold your arms well away from your body'],
   ['MOVING', 'Please stand still'],
   ['TOO_NOISY', 'The camera does not see well enough'],
 ];
 
-function wishFor(state, guidance) {
+function armsWish(arms) {
+  const which = arms && arms.length === 1 ? `${arms[0]} arm` : 'arms';
+  return `Hold your ${which} well away from your body`;
+}
+
+function wishFor(state, guidance, details = {}) {
   if (state === 'MEASURED') return 'Done. Please step out of the picture';
   const found = kWishes.find(([code]) => guidance.includes(code));
-  if (found) return found[1];
+  if (found) return found[0] === 'ARMS_CLOSE' ? armsWish(details.arms_close) : found[1];
   return state === 'SEARCHING' || state === 'LOST' ? 'Please step in front of the camera' : 'Good, stay like this';
 }
 
