@@ -53,7 +53,8 @@ void PreviewRenderer::see(const FrameSeen& frame) {
 void PreviewRenderer::write_picture(const FrameSeen& frame) {
   PreviewInput input = preview_of(frame, intrinsics_);
   input.captions = {upper(state_words(frame.result, frames_wanted_))};
-  if (frame.result.guidance != 0) input.captions.push_back(upper(guidance_words(frame.result.guidance, frame.result.arms_close)));
+  if (frame.result.guidance != 0)
+    input.captions.push_back(upper(guidance_words(frame.result.guidance, frame.result.arms_close)));
   const auto png = draw_preview(input, kPictureHeightPx).png();
   if (!png) {
     error_ = png.error();
