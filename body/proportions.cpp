@@ -210,9 +210,9 @@ Dimensions likely_dimensions(bool woman, double stature_mm, double weight_kg, do
 }
 
 // Of squareness. In ANSUR II a tape is 1.057 (waist) and 1.093 (hips) times the ellipse of the calliper's breadth and
-// depth, on MakeHuman's meshes 1.02 and 1.03. How much of it is the calliper's pressure and how much that people are
-// squarer no survey tells: half to each, and people differ.
-constexpr double kHipSquare = 0.035, kWaistSquare = 0.04, kChestSquare = 0.02, kSquareSd = 0.03;
+// depth; on meshes made from scans of people, which nothing presses, about 1.01, on MakeHuman's 1.02 and 1.03. Scans
+// are believed: callipers press. People differ.
+constexpr double kSquare = 0.01, kSquareSd = 0.03;
 // Where the widest line of a section lies between front and back no survey tells: widely varied.
 constexpr double kFrontMoreSd = 0.06;
 
@@ -221,10 +221,10 @@ Variety draw_variety(Rng& rng) {
     return static_cast<float>(mean + sd * std::clamp(rng.normal(), -2.5, 2.5));
   };
   Variety v;
-  v.hip.square = normal(kHipSquare, kSquareSd);
-  v.waist.square = normal(kWaistSquare, kSquareSd);
-  v.chest.square = normal(kChestSquare, kSquareSd);
-  for (SectionVariety* section : {&v.hip, &v.waist, &v.chest}) section->front_more = normal(0, kFrontMoreSd);
+  for (SectionVariety* section : {&v.hip, &v.waist, &v.chest}) {
+    section->square = normal(kSquare, kSquareSd);
+    section->front_more = normal(0, kFrontMoreSd);
+  }
   v.head_rise = normal(0, 0.004);
   return v;
 }

