@@ -2,6 +2,7 @@
 #include "lab/dataset/dataset.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <iterator>
@@ -19,8 +20,10 @@
 namespace im2fit::lab {
 namespace {
 
+constexpr auto kArmsClose =
+    static_cast<std::size_t>(std::countr_zero(static_cast<GuidanceSet>(Guidance::arms_close)));
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 17;  // raise when a sample of a subject changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 18;  // raise when a sample of a subject changes: shards are then made again
 constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
 constexpr int kClothedCaptures = 8192;         // of those in clothes
 constexpr int kAgainCaptures = 16384;          // and of people seen again
@@ -172,14 +175,18 @@ SubjectResult make_subject(const body::BodyModel& model, CaptureRig& rig, const 
   rig.cost.draw += watch.lap();
   // The front before scenes drawn until one gives enough frames.
   const auto shoot = [&](const CaptureKey& key, CaptureOptions& options) -> const Capture* {
+    bool arms_close = false;  // most frames of the attempt before
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       options = draw_capture_of(o, number, key, false, attempt);
       if (key.clothed) dress(options.scene, o.seed, number, key.again);
+      // Asked to, people hold their arms out.
+      if (arms_close) options.scene.pose = StandingPose::arms_out;
       const Capture& taken = rig.run(person.subject, options, person.rest);
       result.frames_seen += taken.frames_seen;
       for (std::size_t g = 0; g < kGuidanceCount; ++g) result.refused[g] += taken.refused[g];
       if (taken.valid) return &taken;
       ++result.failed;
+      arms_close = 2 * taken.refused[kArmsClose] > taken.frames_seen;
     }
     ++result.missing;
     return nullptr;
