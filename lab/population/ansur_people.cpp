@@ -22,7 +22,7 @@ using body::Segment;
 constexpr std::uint64_t kPersonStream = 0xA2501, kRowStream = 0xA2502, kShapeStream = 0xA2503, kMeanStream = 0xA2504;
 
 // Tolerances: what a camera sees most of must be met; joints inside are not the survey's landmarks.
-constexpr std::array<DimensionInfo, kDimensionCount> kTable = {{
+constexpr std::array<DimensionInfo, kSurveyDimensionCount> kTable = {{
     {"stature", 1},        {"cervicale height", 3}, {"acromial height", 8},   {"chest height", 2},
     {"waist height", 2},   {"buttock height", 3},   {"crotch height", 1.5},   {"trochanter height", 8},
     {"knee height", 5},    {"chest breadth", 4},    {"chest depth", 1},       {"chest girth", 2},
@@ -383,7 +383,7 @@ class Solver {
       Eigen::VectorXd right = energy_ * (start_ - c);
       normal.noalias() += mean_.stay.transpose() * mean_.stay;
       right += mean_.stay.transpose() * (posture_ - mean_.stay * c);
-      for (std::size_t d = 0; d < kDimensionCount; ++d) {
+      for (std::size_t d = 0; d < kSurveyDimensionCount; ++d) {
         if (!std::isfinite(wanted_[d])) continue;
         const Eigen::RowVectorXd along = along_basis(mean_.basis, rows_[d]) / kTable[d].tolerance;
         normal.noalias() += along.transpose() * along;
@@ -420,7 +420,7 @@ class Solver {
     now_ = mean_.dimensions->measure(rest_, &rows_);
     const Eigen::VectorXd off = c - start_;
     double cost = off.dot(energy_ * off) + (mean_.stay * c - posture_).squaredNorm();
-    for (std::size_t d = 0; d < kDimensionCount; ++d)
+    for (std::size_t d = 0; d < kSurveyDimensionCount; ++d)
       if (std::isfinite(wanted_[d])) cost += miss(d) * miss(d);
     return cost;
   }
@@ -444,9 +444,9 @@ struct AnsurPeople::State {
   std::vector<Mean> means;
 
   const Mean& mean_for(const WantedPerson& person, Rng& rng) const {
-    const double metres = person.wanted[dimension_index(Dimension::stature)] / 1000;
+    const double metres = person.wanted[dimension_index(SurveyDimension::stature)] / 1000;
     const double index =
-        person.wanted[dimension_index(Dimension::weight)] / (metres * metres) + rng.normal(0, kIndexSpread);
+        person.wanted[dimension_index(SurveyDimension::weight)] / (metres * metres) + rng.normal(0, kIndexSpread);
     std::size_t m = 0;
     while (kMeans[m].woman != person.woman || index > kMeans[m].index_most) ++m;
     return means[m];
@@ -482,9 +482,9 @@ AnsurPeople::Made AnsurPeople::make(std::uint64_t seed, std::uint64_t index, std
   Rng rng = Rng::for_item(subject.seed, kShapeStream, 0);
   const Mean& mean = state_->mean_for(person, rng);
   made.wanted = person.wanted;
-  for (const auto& [back, depth] : {std::pair{Dimension::chest_back, Dimension::chest_depth},
-                                    std::pair{Dimension::waist_back, Dimension::waist_depth},
-                                    std::pair{Dimension::hip_back, Dimension::hip_depth}}) {
+  for (const auto& [back, depth] : {std::pair{SurveyDimension::chest_back, SurveyDimension::chest_depth},
+                                    std::pair{SurveyDimension::waist_back, SurveyDimension::waist_depth},
+                                    std::pair{SurveyDimension::hip_back, SurveyDimension::hip_depth}}) {
     const double share = mean.own[dimension_index(back)] / mean.own[dimension_index(depth)];
     made.wanted[dimension_index(back)] =
         (share + std::clamp(rng.normal(), -2.5, 2.5) * kBackShareSd) * made.wanted[dimension_index(depth)];
@@ -500,19 +500,21 @@ AnsurPeople::Made AnsurPeople::make(std::uint64_t seed, std::uint64_t index, std
   // Chest and shoulders change as the arms come down from the rest pose: what is wanted is wanted of the pose that is
   // measured.
   DimensionValues goal = made.wanted;
-  const auto of = [](DimensionValues& values, Dimension d) -> double& { return values[dimension_index(d)]; };
+  const auto of = [](DimensionValues& values, SurveyDimension d) -> double& { return values[dimension_index(d)]; };
   Eigen::VectorXd c = start;
   for (int round = 0; round < kRounds; ++round) {
     made.achieved = Solver(mean, goal, start, posture, rest).run(round == 0 ? kSteps : kMoreSteps, c);
     subject.truth = body::measure_rest_mesh(state_->model, rest, subject.woman ? 0.0F : 1.0F);
-    const auto more_at_rest = [&](Dimension d, Measurement m) {
+    const auto more_at_rest = [&](SurveyDimension d, Measurement m) {
       return of(made.achieved, d) - static_cast<double>(subject.truth[measurement_index(m)]);
     };
-    const double chest_mm = more_at_rest(Dimension::chest_girth, Measurement::chest_girth);
-    of(goal, Dimension::chest_girth) = of(made.wanted, Dimension::chest_girth) + chest_mm;
-    of(goal, Dimension::chest_breadth) = of(made.wanted, Dimension::chest_breadth) + kBreadthOfGirth * chest_mm;
-    of(goal, Dimension::acromion_breadth) = of(made.wanted, Dimension::acromion_breadth) +
-                                            more_at_rest(Dimension::acromion_breadth, Measurement::shoulder_breadth);
+    const double chest_mm = more_at_rest(SurveyDimension::chest_girth, Measurement::chest_girth);
+    of(goal, SurveyDimension::chest_girth) = of(made.wanted, SurveyDimension::chest_girth) + chest_mm;
+    of(goal, SurveyDimension::chest_breadth) =
+        of(made.wanted, SurveyDimension::chest_breadth) + kBreadthOfGirth * chest_mm;
+    of(goal, SurveyDimension::acromion_breadth) =
+        of(made.wanted, SurveyDimension::acromion_breadth) +
+        more_at_rest(SurveyDimension::acromion_breadth, Measurement::shoulder_breadth);
   }
 
   subject.params = mean.params;
@@ -532,7 +534,7 @@ std::string default_ansur_folder() {
   return (shared != nullptr ? std::string(shared) : std::string("../shared")) + "/data/ansur2";
 }
 
-const std::array<DimensionInfo, kDimensionCount>& dimension_table() {
+const std::array<DimensionInfo, kSurveyDimensionCount>& dimension_table() {
   return kTable;
 }
 

@@ -54,6 +54,6 @@ struct DimensionInfo {
   std::string_view name;
   double tolerance;  // mm; kg
 };
-const std::array<DimensionInfo, kDimensionCount>& dimension_table();
+const std::array<DimensionInfo, kSurveyDimensionCount>& dimension_table();
 
 }  // namespace im2fit::lab

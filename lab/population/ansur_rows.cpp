@@ -17,7 +17,7 @@ namespace im2fit::lab {
 namespace {
 
 struct Source {
-  Dimension dimension;
+  SurveyDimension dimension;
   std::string_view column;
   double man = 1, woman = 1;  // times the survey's value
 };
@@ -25,52 +25,52 @@ struct Source {
 constexpr double kArmMan = 0.92, kArmWoman = 0.95, kForearm = 0.97;
 constexpr double kKgOfWeight = 0.1;
 constexpr std::array kSources = {
-    Source{Dimension::stature, "stature"},
-    Source{Dimension::cervicale_height, "cervicaleheight"},
-    Source{Dimension::acromial_height, "acromialheight"},
-    Source{Dimension::chest_height, "chestheight"},
-    Source{Dimension::waist_height, "waistheightomphalion"},
-    Source{Dimension::buttock_height, "buttockheight"},
-    Source{Dimension::crotch_height, "crotchheight"},
-    Source{Dimension::trochanter_height, "trochanterionheight"},
-    Source{Dimension::knee_height, "kneeheightmidpatella"},
-    Source{Dimension::chest_breadth, "chestbreadth"},
-    Source{Dimension::chest_depth, "chestdepth"},
-    Source{Dimension::chest_girth, "chestcircumference"},
-    Source{Dimension::waist_breadth, "waistbreadth"},
-    Source{Dimension::waist_depth, "waistdepth"},
-    Source{Dimension::waist_girth, "waistcircumference"},
-    Source{Dimension::hip_breadth, "hipbreadth"},
-    Source{Dimension::hip_depth, "buttockdepth"},
-    Source{Dimension::hip_girth, "buttockcircumference"},
-    Source{Dimension::neck_girth, "neckcircumference"},
-    Source{Dimension::thigh_girth, "thighcircumference"},
-    Source{Dimension::lower_thigh_girth, "lowerthighcircumference"},
-    Source{Dimension::calf_girth, "calfcircumference"},
-    Source{Dimension::ankle_girth, "anklecircumference"},
-    Source{Dimension::upper_arm_girth, "bicepscircumferenceflexed", kArmMan, kArmWoman},
-    Source{Dimension::forearm_girth, "forearmcircumferenceflexed", kForearm, kForearm},
-    Source{Dimension::wrist_girth, "wristcircumference"},
-    Source{Dimension::acromion_breadth, "biacromialbreadth"},
-    Source{Dimension::deltoid_breadth, "bideltoidbreadth"},
-    Source{Dimension::upper_arm_length, "acromionradialelength"},
-    Source{Dimension::forearm_length, "radialestylionlength"},
-    Source{Dimension::hand_length, "handlength"},
-    Source{Dimension::head_breadth, "headbreadth"},
-    Source{Dimension::head_length, "headlength"},
-    Source{Dimension::crown_height, "tragiontopofhead"},
-    Source{Dimension::foot_length, "footlength"},
-    Source{Dimension::foot_breadth, "footbreadthhorizontal"},
-    Source{Dimension::weight, "weightkg", kKgOfWeight, kKgOfWeight},
+    Source{SurveyDimension::stature, "stature"},
+    Source{SurveyDimension::cervicale_height, "cervicaleheight"},
+    Source{SurveyDimension::acromial_height, "acromialheight"},
+    Source{SurveyDimension::chest_height, "chestheight"},
+    Source{SurveyDimension::waist_height, "waistheightomphalion"},
+    Source{SurveyDimension::buttock_height, "buttockheight"},
+    Source{SurveyDimension::crotch_height, "crotchheight"},
+    Source{SurveyDimension::trochanter_height, "trochanterionheight"},
+    Source{SurveyDimension::knee_height, "kneeheightmidpatella"},
+    Source{SurveyDimension::chest_breadth, "chestbreadth"},
+    Source{SurveyDimension::chest_depth, "chestdepth"},
+    Source{SurveyDimension::chest_girth, "chestcircumference"},
+    Source{SurveyDimension::waist_breadth, "waistbreadth"},
+    Source{SurveyDimension::waist_depth, "waistdepth"},
+    Source{SurveyDimension::waist_girth, "waistcircumference"},
+    Source{SurveyDimension::hip_breadth, "hipbreadth"},
+    Source{SurveyDimension::hip_depth, "buttockdepth"},
+    Source{SurveyDimension::hip_girth, "buttockcircumference"},
+    Source{SurveyDimension::neck_girth, "neckcircumference"},
+    Source{SurveyDimension::thigh_girth, "thighcircumference"},
+    Source{SurveyDimension::lower_thigh_girth, "lowerthighcircumference"},
+    Source{SurveyDimension::calf_girth, "calfcircumference"},
+    Source{SurveyDimension::ankle_girth, "anklecircumference"},
+    Source{SurveyDimension::upper_arm_girth, "bicepscircumferenceflexed", kArmMan, kArmWoman},
+    Source{SurveyDimension::forearm_girth, "forearmcircumferenceflexed", kForearm, kForearm},
+    Source{SurveyDimension::wrist_girth, "wristcircumference"},
+    Source{SurveyDimension::acromion_breadth, "biacromialbreadth"},
+    Source{SurveyDimension::deltoid_breadth, "bideltoidbreadth"},
+    Source{SurveyDimension::upper_arm_length, "acromionradialelength"},
+    Source{SurveyDimension::forearm_length, "radialestylionlength"},
+    Source{SurveyDimension::hand_length, "handlength"},
+    Source{SurveyDimension::head_breadth, "headbreadth"},
+    Source{SurveyDimension::head_length, "headlength"},
+    Source{SurveyDimension::crown_height, "tragiontopofhead"},
+    Source{SurveyDimension::foot_length, "footlength"},
+    Source{SurveyDimension::foot_breadth, "footbreadthhorizontal"},
+    Source{SurveyDimension::weight, "weightkg", kKgOfWeight, kKgOfWeight},
 };
 constexpr std::size_t kAge = kSources.size();  // the last column
 
-constexpr std::size_t column_of(Dimension d) {
+constexpr std::size_t column_of(SurveyDimension d) {
   for (std::size_t i = 0; i < kSources.size(); ++i)
     if (kSources[i].dimension == d) return i;
   return kSources.size();
 }
-constexpr std::size_t kStature = column_of(Dimension::stature), kWeight = column_of(Dimension::weight);
+constexpr std::size_t kStature = column_of(SurveyDimension::stature), kWeight = column_of(SurveyDimension::weight);
 
 double mass_index(const std::vector<double>& row) {
   return row[kWeight] * kKgOfWeight / (row[kStature] * row[kStature] * 1e-6);
@@ -132,10 +132,10 @@ Result<AnsurRows> AnsurRows::load(const std::string& folder) {
       return mass_index(sex.people[a]) < mass_index(sex.people[b]);
     });
     for (const auto& row : sex.people) {
-      const double breadth = breadth_for(row[column_of(Dimension::chest_girth)] / kChestOverEllipse,
-                                         row[column_of(Dimension::chest_depth)]);
+      const double breadth = breadth_for(row[column_of(SurveyDimension::chest_girth)] / kChestOverEllipse,
+                                         row[column_of(SurveyDimension::chest_depth)]);
       sex.chest_wider_mm +=
-          (breadth - row[column_of(Dimension::chest_breadth)]) / static_cast<double>(sex.people.size());
+          (breadth - row[column_of(SurveyDimension::chest_breadth)]) / static_cast<double>(sex.people.size());
     }
     out.sexes_.push_back(std::move(sex));
   }
@@ -164,13 +164,13 @@ WantedPerson AnsurRows::wanted_of(bool woman, const std::vector<double>& row, do
   person.woman = woman;
   person.age_years = row[kAge];
   person.wanted.fill(std::numeric_limits<double>::quiet_NaN());
-  const auto value = [&](Dimension d) -> double& { return person.wanted[dimension_index(d)]; };
+  const auto value = [&](SurveyDimension d) -> double& { return person.wanted[dimension_index(d)]; };
   for (std::size_t c = 0; c < kSources.size(); ++c)
     value(kSources[c].dimension) = row[c] * (woman ? kSources[c].woman : kSources[c].man);
-  value(Dimension::chest_breadth) += sexes_[woman ? 1 : 0].chest_wider_mm;
+  value(SurveyDimension::chest_breadth) += sexes_[woman ? 1 : 0].chest_wider_mm;
   for (const auto& [breadth, depth, girth] :
-       {std::array{Dimension::waist_breadth, Dimension::waist_depth, Dimension::waist_girth},
-        std::array{Dimension::hip_breadth, Dimension::hip_depth, Dimension::hip_girth}}) {
+       {std::array{SurveyDimension::waist_breadth, SurveyDimension::waist_depth, SurveyDimension::waist_girth},
+        std::array{SurveyDimension::hip_breadth, SurveyDimension::hip_depth, SurveyDimension::hip_girth}}) {
     const double share = std::clamp(rng.normal(tape_share, kTapeShareSd), 0.0, 1.0);
     const double ellipse = ellipse_perimeter(value(breadth), value(depth));
     value(girth) = ellipse + share * std::max(0.0, value(girth) - ellipse);

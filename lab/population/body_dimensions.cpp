@@ -187,7 +187,7 @@ class Measuring {
  public:
   Measuring(const BodyDimensions::State& s, std::span<const Vec3f> mesh, std::vector<PullRow>* rows)
       : s_(s), d_(s.model.data()), mesh_(mesh), rows_(rows) {
-    if (rows_ != nullptr) rows_->assign(kDimensionCount, {});
+    if (rows_ != nullptr) rows_->assign(kSurveyDimensionCount, {});
     for (std::size_t side = 0; side < 2; ++side)
       sole_[side] = *std::min_element(s.foot[side].begin(), s.foot[side].end(),
                                       [&](std::int32_t a, std::int32_t b) { return point(a).y < point(b).y; });
@@ -209,10 +209,10 @@ class Measuring {
 
   DimensionValues run() {
     heights();
-    trunk(Dimension::chest_breadth, nipple_y());
-    trunk(Dimension::waist_breadth, landmark(Landmark::navel).y);
-    trunk(Dimension::hip_breadth, buttock_y());
-    value(Dimension::neck_girth) = girth(neck(s_.neck_share), 1, row(Dimension::neck_girth));
+    trunk(SurveyDimension::chest_breadth, nipple_y());
+    trunk(SurveyDimension::waist_breadth, landmark(Landmark::navel).y);
+    trunk(SurveyDimension::hip_breadth, buttock_y());
+    value(SurveyDimension::neck_girth) = girth(neck(s_.neck_share), 1, row(SurveyDimension::neck_girth));
     for (std::size_t side = 0; side < 2; ++side) limbs(side);
     shoulders();
     head();
@@ -237,13 +237,13 @@ class Measuring {
 
  private:
   Vec3f point(std::int32_t v) const { return mesh_[static_cast<std::size_t>(v)]; }
-  PullRow* row(Dimension d) { return rows_ != nullptr ? &(*rows_)[dimension_index(d)] : nullptr; }
-  double& value(Dimension d) { return values_[dimension_index(d)]; }
-  void pull(Dimension d, std::int32_t v, Vec3f gradient) {
+  PullRow* row(SurveyDimension d) { return rows_ != nullptr ? &(*rows_)[dimension_index(d)] : nullptr; }
+  double& value(SurveyDimension d) { return values_[dimension_index(d)]; }
+  void pull(SurveyDimension d, std::int32_t v, Vec3f gradient) {
     if (PullRow* r = row(d)) r->push_back({v, gradient});
   }
 
-  void height(Dimension d, std::span<const std::int32_t> of) {
+  void height(SurveyDimension d, std::span<const std::int32_t> of) {
     const float floor = 0.5F * (point(sole_[0]).y + point(sole_[1]).y);
     value(d) = static_cast<double>(mean(mesh_, of).y - floor);
     pull_mean(of, {0, 1, 0}, row(d));
@@ -256,30 +256,30 @@ class Measuring {
     for (std::int32_t v = 0; v < body_count; ++v)
       if (point(v).y > point(crown).y) crown = v;
     crown_ = crown;
-    height(Dimension::stature, std::array{crown});
-    height(Dimension::cervicale_height, std::array{d_.landmark(Landmark::c7)});
-    height(Dimension::acromial_height,
+    height(SurveyDimension::stature, std::array{crown});
+    height(SurveyDimension::cervicale_height, std::array{d_.landmark(Landmark::c7)});
+    height(SurveyDimension::acromial_height,
            std::array{d_.landmark(Landmark::left_acromion), d_.landmark(Landmark::right_acromion)});
-    height(Dimension::chest_height,
+    height(SurveyDimension::chest_height,
            std::array{d_.landmark(Landmark::left_nipple), d_.landmark(Landmark::right_nipple)});
-    height(Dimension::waist_height, std::array{d_.landmark(Landmark::navel)});
-    height(Dimension::buttock_height, std::array{d_.landmark(Landmark::crotch)});
-    value(Dimension::buttock_height) += static_cast<double>(buttock_y_ - landmark(Landmark::crotch).y);
-    pull(Dimension::buttock_height, d_.landmark(Landmark::crotch), {0, -1, 0});
-    for (const auto& [v, share] : buttocks_) pull(Dimension::buttock_height, v, {0, share, 0});
-    height(Dimension::crotch_height, std::array{d_.landmark(Landmark::crotch)});
+    height(SurveyDimension::waist_height, std::array{d_.landmark(Landmark::navel)});
+    height(SurveyDimension::buttock_height, std::array{d_.landmark(Landmark::crotch)});
+    value(SurveyDimension::buttock_height) += static_cast<double>(buttock_y_ - landmark(Landmark::crotch).y);
+    pull(SurveyDimension::buttock_height, d_.landmark(Landmark::crotch), {0, -1, 0});
+    for (const auto& [v, share] : buttocks_) pull(SurveyDimension::buttock_height, v, {0, share, 0});
+    height(SurveyDimension::crotch_height, std::array{d_.landmark(Landmark::crotch)});
     std::vector<std::int32_t> hips, knees;
     for (const Segment s : {Segment::left_upper_leg, Segment::right_upper_leg}) {
       hips.insert(hips.end(), s_.head_of(s).begin(), s_.head_of(s).end());
       knees.insert(knees.end(), s_.tail_of(s).begin(), s_.tail_of(s).end());
     }
-    height(Dimension::trochanter_height, hips);
-    height(Dimension::knee_height, knees);
+    height(SurveyDimension::trochanter_height, hips);
+    height(SurveyDimension::knee_height, knees);
   }
 
   // Breadth, depth, girth and back, in the enumeration's order from `breadth`.
-  void trunk(Dimension breadth, float y) {
-    const auto next = [&](int n) { return static_cast<Dimension>(static_cast<int>(breadth) + n); };
+  void trunk(SurveyDimension breadth, float y) {
+    const auto next = [&](int n) { return static_cast<SurveyDimension>(static_cast<int>(breadth) + n); };
     const Outline o = level(y);
     // u is z (front), v is x (the person's left): level_plane().
     const Extreme left = extreme(o, 0, 1), right = extreme(o, 0, -1), front = extreme(o, 1, 0),
@@ -299,16 +299,16 @@ class Measuring {
     for (const Extreme* e : {&left, &right}) pull_extreme(*e, {0, 0, 0.5F}, row(next(3)));
   }
 
-  void limb(Dimension d, const Outline& o) { value(d) += girth(o, 0.5F, row(d)); }
+  void limb(SurveyDimension d, const Outline& o) { value(d) += girth(o, 0.5F, row(d)); }
 
-  void distance(Dimension d, std::span<const std::int32_t> from, std::span<const std::int32_t> to) {
+  void distance(SurveyDimension d, std::span<const std::int32_t> from, std::span<const std::int32_t> to) {
     const Vec3f apart = mean(mesh_, to) - mean(mesh_, from);
     value(d) += 0.5 * static_cast<double>(norm(apart));
     pull_mean(to, normalized(apart) * 0.5F, row(d));
     pull_mean(from, normalized(apart) * -0.5F, row(d));
   }
 
-  void extent(Dimension d, std::span<const std::int32_t> vertices, Vec3f along) {
+  void extent(SurveyDimension d, std::span<const std::int32_t> vertices, Vec3f along) {
     const auto less = [&](std::int32_t a, std::int32_t b) { return dot(point(a), along) < dot(point(b), along); };
     const auto [low, high] = std::minmax_element(vertices.begin(), vertices.end(), less);
     value(d) += 0.5 * static_cast<double>(dot(point(*high) - point(*low), along));
@@ -321,23 +321,24 @@ class Measuring {
     const Segment thigh = sided(Segment::left_upper_leg);
     const Vec3f hip = mean(mesh_, s_.head_of(thigh)), knee = mean(mesh_, s_.tail_of(thigh));
     const float thigh_share = (hip.y - landmark(Landmark::crotch).y + kThighBelowCrotchMm) / (hip.y - knee.y);
-    limb(Dimension::thigh_girth, across(Segment::left_upper_leg, side, s_.thigh[side], thigh_share));
-    limb(Dimension::lower_thigh_girth, across(Segment::left_upper_leg, side, s_.thigh[side], 0.87F));
-    limb(Dimension::calf_girth, across(Segment::left_lower_leg, side, s_.shank[side], s_.calf_share));
-    limb(Dimension::ankle_girth, across(Segment::left_lower_leg, side, s_.shank[side], s_.ankle_share));
-    limb(Dimension::upper_arm_girth, across(Segment::left_upper_arm, side, s_.upper_arm[side], s_.upper_arm_share));
-    limb(Dimension::forearm_girth, across(Segment::left_lower_arm, side, s_.forearm[side], s_.forearm_share));
-    limb(Dimension::wrist_girth, across(Segment::left_lower_arm, side, s_.forearm[side], s_.wrist_share));
+    limb(SurveyDimension::thigh_girth, across(Segment::left_upper_leg, side, s_.thigh[side], thigh_share));
+    limb(SurveyDimension::lower_thigh_girth, across(Segment::left_upper_leg, side, s_.thigh[side], 0.87F));
+    limb(SurveyDimension::calf_girth, across(Segment::left_lower_leg, side, s_.shank[side], s_.calf_share));
+    limb(SurveyDimension::ankle_girth, across(Segment::left_lower_leg, side, s_.shank[side], s_.ankle_share));
+    limb(SurveyDimension::upper_arm_girth,
+         across(Segment::left_upper_arm, side, s_.upper_arm[side], s_.upper_arm_share));
+    limb(SurveyDimension::forearm_girth, across(Segment::left_lower_arm, side, s_.forearm[side], s_.forearm_share));
+    limb(SurveyDimension::wrist_girth, across(Segment::left_lower_arm, side, s_.forearm[side], s_.wrist_share));
     const std::array acromion = {d_.landmark(side == 0 ? Landmark::left_acromion : Landmark::right_acromion)};
     const Segment lower_arm = sided(Segment::left_lower_arm), hand = sided(Segment::left_hand);
-    distance(Dimension::upper_arm_length, acromion, s_.head_of(lower_arm));
-    distance(Dimension::forearm_length, s_.head_of(lower_arm), s_.head_of(hand));
+    distance(SurveyDimension::upper_arm_length, acromion, s_.head_of(lower_arm));
+    distance(SurveyDimension::forearm_length, s_.head_of(lower_arm), s_.head_of(hand));
     hand_length(side, s_.head_of(hand));
     const Segment foot = sided(Segment::left_foot);
     Vec3f toes = mean(mesh_, s_.tail_of(foot)) - mean(mesh_, s_.head_of(foot));
     toes = normalized({toes.x, 0, toes.z});
-    extent(Dimension::foot_length, s_.foot[side], toes);
-    extent(Dimension::foot_breadth, s_.foot[side], {toes.z, 0, -toes.x});
+    extent(SurveyDimension::foot_length, s_.foot[side], toes);
+    extent(SurveyDimension::foot_breadth, s_.foot[side], {toes.z, 0, -toes.x});
   }
 
   void hand_length(std::size_t side, std::span<const std::int32_t> wrist) {
@@ -345,14 +346,14 @@ class Measuring {
     const auto tip = *std::max_element(
         s_.hand[side].begin(), s_.hand[side].end(),
         [&](std::int32_t a, std::int32_t b) { return norm(point(a) - from) < norm(point(b) - from); });
-    distance(Dimension::hand_length, wrist, std::array{tip});
+    distance(SurveyDimension::hand_length, wrist, std::array{tip});
   }
 
   void shoulders() {
     const std::array left = {d_.landmark(Landmark::left_acromion)}, right = {d_.landmark(Landmark::right_acromion)};
-    for (int i = 0; i < 2; ++i) distance(Dimension::acromion_breadth, right, left);
+    for (int i = 0; i < 2; ++i) distance(SurveyDimension::acromion_breadth, right, left);
     const auto joint_left = s_.head_of(Segment::left_upper_arm), joint_right = s_.head_of(Segment::right_upper_arm);
-    for (int i = 0; i < 2; ++i) distance(Dimension::deltoid_breadth, joint_right, joint_left);
+    for (int i = 0; i < 2; ++i) distance(SurveyDimension::deltoid_breadth, joint_right, joint_left);
     for (std::size_t side = 0; side < 2; ++side) {
       const Segment s = BodyDimensions::State::sided(Segment::left_upper_arm, side);
       const Vec3f from = mean(mesh_, s_.head_of(s)), to = mean(mesh_, s_.tail_of(s));
@@ -361,10 +362,10 @@ class Measuring {
       // Outwards of the arm in the frontal plane: sideways when it hangs.
       const Vec3f out = normalized(side == 0 ? Vec3f{-arm.y, arm.x, 0} : Vec3f{arm.y, -arm.x, 0});
       const Extreme e = extreme(o, dot(out, o.plane.u), dot(out, o.plane.v));
-      value(Dimension::deltoid_breadth) +=
+      value(SurveyDimension::deltoid_breadth) +=
           e.reach + static_cast<double>(kArmOutShare * kDeltoidShare * norm(to - from));
-      pull_extreme(e, out, row(Dimension::deltoid_breadth));
-      pull_mean(s_.head_of(s), -out, row(Dimension::deltoid_breadth));
+      pull_extreme(e, out, row(SurveyDimension::deltoid_breadth));
+      pull_mean(s_.head_of(s), -out, row(SurveyDimension::deltoid_breadth));
     }
   }
 
@@ -373,22 +374,23 @@ class Measuring {
     const Outline o = cut(mesh_, s_.head, body::level_plane(crown_y - kHeadSectionMm));
     const Extreme left = extreme(o, 0, 1), right = extreme(o, 0, -1), front = extreme(o, 1, 0),
                   back = extreme(o, -1, 0);
-    value(Dimension::head_breadth) = left.reach + right.reach;
-    pull_extreme(left, {1, 0, 0}, row(Dimension::head_breadth));
-    pull_extreme(right, {-1, 0, 0}, row(Dimension::head_breadth));
-    value(Dimension::head_length) = front.reach + back.reach;
-    pull_extreme(front, {0, 0, 1}, row(Dimension::head_length));
-    pull_extreme(back, {0, 0, -1}, row(Dimension::head_length));
-    value(Dimension::crown_height) = static_cast<double>(crown_y - 0.5F * (point(s_.ear[0]).y + point(s_.ear[1]).y));
-    pull(Dimension::crown_height, crown_, {0, 1, 0});
-    for (const std::int32_t v : s_.ear) pull(Dimension::crown_height, v, {0, -0.5F, 0});
+    value(SurveyDimension::head_breadth) = left.reach + right.reach;
+    pull_extreme(left, {1, 0, 0}, row(SurveyDimension::head_breadth));
+    pull_extreme(right, {-1, 0, 0}, row(SurveyDimension::head_breadth));
+    value(SurveyDimension::head_length) = front.reach + back.reach;
+    pull_extreme(front, {0, 0, 1}, row(SurveyDimension::head_length));
+    pull_extreme(back, {0, 0, -1}, row(SurveyDimension::head_length));
+    value(SurveyDimension::crown_height) =
+        static_cast<double>(crown_y - 0.5F * (point(s_.ear[0]).y + point(s_.ear[1]).y));
+    pull(SurveyDimension::crown_height, crown_, {0, 1, 0});
+    for (const std::int32_t v : s_.ear) pull(SurveyDimension::crown_height, v, {0, -0.5F, 0});
   }
 
   void weight() {
     const double litres = body::volume_litres(s_.model, mesh_);
     const double density = body::density_kg_m3(body::stature_mm(s_.model, mesh_), litres);
-    value(Dimension::weight) = litres * 1e-3 * density;
-    PullRow* r = row(Dimension::weight);
+    value(SurveyDimension::weight) = litres * 1e-3 * density;
+    PullRow* r = row(SurveyDimension::weight);
     if (r == nullptr) return;
     std::vector<Vec3f> sum(static_cast<std::size_t>(s_.model.body_vertex_count()));
     for (const auto& t : s_.model.body_triangles()) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The dimensions a survey takes, on a rest mesh, with how each grows as vertices move: what a solver needs to make a
-// body of given dimensions. The truth of an evaluation is not measured here but by body/measure.h.
+// body of given dimensions. Apart from body/proportions.h on purpose, which makes training people: what judges shares
+// no tape with what teaches. The truth of an evaluation is measured by neither but by body/measure.h.
 #pragma once
 
 #include <array>
@@ -15,7 +16,7 @@
 
 namespace im2fit::lab {
 
-enum class Dimension : int {
+enum class SurveyDimension : int {
   stature,
   cervicale_height,
   acromial_height,
@@ -57,11 +58,11 @@ enum class Dimension : int {
   foot_breadth,
   weight,  // kg; the others mm
 };
-inline constexpr std::size_t kDimensionCount = 40;
-constexpr std::size_t dimension_index(Dimension d) {
+inline constexpr std::size_t kSurveyDimensionCount = 40;
+constexpr std::size_t dimension_index(SurveyDimension d) {
   return static_cast<std::size_t>(d);
 }
-using DimensionValues = std::array<double, kDimensionCount>;
+using DimensionValues = std::array<double, kSurveyDimensionCount>;
 
 // Which triangles a section may cut and where limbs are thickest is decided once, on the mesh all others are
 // deformations of. Limbs: the mean of left and right.
@@ -71,7 +72,7 @@ class BodyDimensions {
   BodyDimensions(BodyDimensions&&) noexcept;
   ~BodyDimensions();
 
-  // `gradients`: null, or kDimensionCount rows to be filled. Weight by the density law of body/measure.h.
+  // `gradients`: null, or kSurveyDimensionCount rows to be filled. Weight by the density law of body/measure.h.
   DimensionValues measure(std::span<const Vec3f> rest, std::vector<PullRow>* gradients = nullptr) const;
 
   // A row that squares (positive) or rounds (negative) a trunk section without pulling at its sides, front or back:

@@ -81,48 +81,49 @@ constexpr std::uint64_t kSeed = 7, kCount = 24;
 // Bias and SD of achieved less wanted, as a table. Limits are twice what 100 people have (seed 7): a solver that
 // stops early or a dimension whose gradient is wrong misses them by far.
 TEST_F(AnsurPeopleTest, DimensionsAreMet) {
-  std::array<std::vector<double>, kDimensionCount> off;
-  std::array<double, kDimensionCount> wanted_mean{};
+  std::array<std::vector<double>, kSurveyDimensionCount> off;
+  std::array<double, kSurveyDimensionCount> wanted_mean{};
   double hips_off = 0;
   std::vector<Vec3f> rest;
   for (std::uint64_t i = 0; i < kCount; ++i) {
     const AnsurPeople::Made made = people()->make(kSeed, i, rest);
     EXPECT_EQ(made.subject.woman, i % 2 == 1);
-    for (std::size_t d = 0; d < kDimensionCount; ++d) {
+    for (std::size_t d = 0; d < kSurveyDimensionCount; ++d) {
       off[d].push_back(made.achieved[d] - made.wanted[d]);
       wanted_mean[d] += made.wanted[d] / kCount;
     }
     // The poses that are measured: chest and hips are those of the survey, the waist is the tape's own, higher up.
     const auto truth = [&](Measurement m) { return static_cast<double>(made.subject.truth[measurement_index(m)]); };
-    const auto wanted = [&](Dimension d) { return made.wanted[dimension_index(d)]; };
-    EXPECT_NEAR(truth(Measurement::stature), wanted(Dimension::stature), 4) << i;
-    EXPECT_NEAR(truth(Measurement::chest_girth), wanted(Dimension::chest_girth), 20) << i;
+    const auto wanted = [&](SurveyDimension d) { return made.wanted[dimension_index(d)]; };
+    EXPECT_NEAR(truth(Measurement::stature), wanted(SurveyDimension::stature), 4) << i;
+    EXPECT_NEAR(truth(Measurement::chest_girth), wanted(SurveyDimension::chest_girth), 20) << i;
     // Where buttocks are flat, the rearmost point is a matter of a millimetre, its height of many.
-    hips_off += (truth(Measurement::hip_girth) - wanted(Dimension::hip_girth)) / kCount;
-    EXPECT_NEAR(truth(Measurement::neck_girth), wanted(Dimension::neck_girth), 7) << i;
-    EXPECT_NEAR(truth(Measurement::inside_leg), wanted(Dimension::crotch_height), 7) << i;
+    hips_off += (truth(Measurement::hip_girth) - wanted(SurveyDimension::hip_girth)) / kCount;
+    EXPECT_NEAR(truth(Measurement::neck_girth), wanted(SurveyDimension::neck_girth), 7) << i;
+    EXPECT_NEAR(truth(Measurement::inside_leg), wanted(SurveyDimension::crotch_height), 7) << i;
   }
   EXPECT_NEAR(hips_off, 0, 8);
   std::printf("%-24s %10s %7s %7s\n", "achieved less wanted", "wanted", "bias", "SD");
-  for (std::size_t d = 0; d < kDimensionCount; ++d) {
+  for (std::size_t d = 0; d < kSurveyDimensionCount; ++d) {
     double bias = 0, squares = 0;
     for (const double x : off[d]) bias += x / kCount;
     for (const double x : off[d]) squares += (x - bias) * (x - bias) / (kCount - 1);
     const double sd = std::sqrt(squares);
     std::printf("%-24s %10.1f %7.1f %7.2f\n", std::string(dimension_table()[d].name).c_str(), wanted_mean[d], bias,
                 sd);
-    const auto one_of = [&](std::initializer_list<Dimension> list) {
-      return std::any_of(list.begin(), list.end(), [&](Dimension x) { return dimension_index(x) == d; });
+    const auto one_of = [&](std::initializer_list<SurveyDimension> list) {
+      return std::any_of(list.begin(), list.end(), [&](SurveyDimension x) { return dimension_index(x) == d; });
     };
     // Wanted of the hanging pose; or of a landmark that is not the survey's.
-    if (one_of({Dimension::chest_girth, Dimension::chest_breadth, Dimension::acromion_breadth,
-                Dimension::acromial_height, Dimension::trochanter_height, Dimension::chest_back,
-                Dimension::waist_back, Dimension::hip_back}))
+    if (one_of({SurveyDimension::chest_girth, SurveyDimension::chest_breadth, SurveyDimension::acromion_breadth,
+                SurveyDimension::acromial_height, SurveyDimension::trochanter_height, SurveyDimension::chest_back,
+                SurveyDimension::waist_back, SurveyDimension::hip_back}))
       continue;
     const bool trunk =
-        one_of({Dimension::chest_depth, Dimension::waist_breadth, Dimension::waist_depth, Dimension::waist_girth,
-                Dimension::hip_breadth, Dimension::hip_depth, Dimension::hip_girth, Dimension::stature,
-                Dimension::chest_height, Dimension::waist_height});
+        one_of({SurveyDimension::chest_depth, SurveyDimension::waist_breadth, SurveyDimension::waist_depth,
+                SurveyDimension::waist_girth, SurveyDimension::hip_breadth, SurveyDimension::hip_depth,
+                SurveyDimension::hip_girth, SurveyDimension::stature, SurveyDimension::chest_height,
+                SurveyDimension::waist_height});
     EXPECT_LT(std::fabs(bias), trunk ? 2.5 : 8) << dimension_table()[d].name;
     EXPECT_LT(sd, trunk ? 4 : 8) << dimension_table()[d].name;
   }
@@ -134,9 +135,9 @@ TEST_F(AnsurPeopleTest, TrunksAreAsFlatAsTheSurveys) {
   std::array<double, 2> waist{}, hip{};
   for (std::uint64_t i = 0; i < kCount; ++i) {
     const AnsurPeople::Made made = people()->make(kSeed, i, rest);
-    const auto has = [&](Dimension d) { return made.achieved[dimension_index(d)]; };
-    waist[i % 2] += has(Dimension::waist_breadth) / has(Dimension::waist_depth) / (kCount / 2);
-    hip[i % 2] += has(Dimension::hip_breadth) / has(Dimension::hip_depth) / (kCount / 2);
+    const auto has = [&](SurveyDimension d) { return made.achieved[dimension_index(d)]; };
+    waist[i % 2] += has(SurveyDimension::waist_breadth) / has(SurveyDimension::waist_depth) / (kCount / 2);
+    hip[i % 2] += has(SurveyDimension::hip_breadth) / has(SurveyDimension::hip_depth) / (kCount / 2);
   }
   // The survey: waist 1.383, 1.418, hip 1.415, 1.527; SD .10 to .11, so .03 of a mean of twelve; a quarter of people
   // is carried to the ends of body mass, where men are rounder.
