@@ -183,10 +183,23 @@ Build draw_build(Family family, bool woman, std::uint64_t person_seed) {
   return b;
 }
 
-Warp draw_warp(const BodyModel& model, bool woman, const Build& build, Rng& rng, std::span<const Vec3f> rest) {
+// Girth by tape over the ellipse of the calliper's breadth and depth, means of ANSUR II; a mesh's own over its own.
+constexpr double kWaistTapeOverEllipse = 1.057, kHipTapeOverEllipse = 1.093, kMeshOverEllipse = 1.01;
+
+Warp draw_warp(const BodyModel& model, bool woman, const Build& build, Rng& rng, std::span<const Vec3f> rest,
+               double tape_share, double girth_sd) {
   std::array<double, kDimensionCount> z{};
   for (double& value : z) value = limited_normal(rng, 2.6);
-  const Dimensions wanted = likely_dimensions(woman, build.stature_mm, build.weight_kg, build.age_years, z);
+  Dimensions wanted = likely_dimensions(woman, build.stature_mm, build.weight_kg, build.age_years, z);
+  if (tape_share != 1 || girth_sd > 0) {
+    const auto scale = [&](Dimension girth, double excess) {
+      wanted[girth] *=
+          (1 - (1 - tape_share) * (1 - kMeshOverEllipse / excess)) * (1 + girth_sd * limited_normal(rng, 2.5));
+    };
+    scale(Dimension::waist_girth, kWaistTapeOverEllipse);
+    scale(Dimension::buttock_girth, kHipTapeOverEllipse);
+    scale(Dimension::chest_girth, kMeshOverEllipse);
+  }
   return warp_to(model, rest, wanted, draw_variety(rng));
 }
 

@@ -40,7 +40,11 @@ Build draw_build(Family family, bool woman, std::uint64_t person_seed);
 
 // Dimensions as they go together in measured people (ANSUR II) of this stature, weight and age, as the warp that
 // gives them to a rest mesh without one.
-Warp draw_warp(const BodyModel& model, bool woman, const Build& build, Rng& rng, std::span<const Vec3f> rest);
+// `tape_share`: of what a tape measures beyond the ellipse of a calliper's breadth and depth at waist and hips, how
+// much the section has; 1: the tape is right, 0: the callipers are. `girth_sd`: spread of the trunk's girths beyond
+// people's, as a share of them.
+Warp draw_warp(const BodyModel& model, bool woman, const Build& build, Rng& rng, std::span<const Vec3f> rest,
+               double tape_share = 1, double girth_sd = 0);
 
 // One person of a family, without measurements. Deterministic: depends on the model, family, seed and number only.
 // Even numbers are men, odd ones women.
@@ -52,7 +56,7 @@ struct Drawn {
 Drawn draw_person(const BodyModel& model, Family family, std::uint64_t seed, std::uint64_t number);
 
 // Raise when draw_person changes: an index of other people is then refused instead of misread.
-inline constexpr std::uint32_t kPopulationVersion = 3;
+inline constexpr std::uint32_t kPopulationVersion = 4;
 // A person of the training family as an index names it. Error: the version is not this one. A few milliseconds.
 Result<Params> params_of_person(const BodyModel& model, std::uint32_t version, std::uint64_t seed,
                                 std::uint64_t number);

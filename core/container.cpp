@@ -15,7 +15,7 @@ constexpr std::uint32_t kEndianMark = 0x01020304;
 constexpr std::size_t kHeaderSize = 32;
 constexpr std::size_t kEntrySize = 40;
 constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kSectionCountMax = 64;
+constexpr std::size_t kSectionCountMax = 128;
 
 std::size_t align_up(std::size_t n) {
   return (n + kAlignment - 1) / kAlignment * kAlignment;

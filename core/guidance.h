@@ -25,12 +25,14 @@ enum class Guidance : std::uint32_t {
   side_cut = 1U << 11,          // an arm or side leaves the picture
   calibration_pose = 1U << 12,  // raise the arms: Psi
   turn_round = 1U << 13,        // show the back: the session's wish, never the sensor's
+  clothed = 1U << 14,           // said to be bare and seen dressed; beside a measurement
 };
 inline constexpr int kTooFarMm = 4000;  // people further away than this are too_far
-inline constexpr std::size_t kGuidanceCount = 14;
+inline constexpr std::size_t kGuidanceCount = 15;
 inline constexpr std::array<std::string_view, kGuidanceCount> kGuidanceNames = {
-    "NO_PERSON",   "TOO_NEAR", "TOO_FAR",        "FEET_CUT",  "HEAD_CUT", "ARMS_CLOSE",       "NOT_FRONTAL",
-    "NOT_UPRIGHT", "MOVING",   "SEVERAL_PEOPLE", "TOO_NOISY", "SIDE_CUT", "CALIBRATION_POSE", "TURN_ROUND"};
+    "NO_PERSON",  "TOO_NEAR",    "TOO_FAR",          "FEET_CUT",   "HEAD_CUT",
+    "ARMS_CLOSE", "NOT_FRONTAL", "NOT_UPRIGHT",      "MOVING",     "SEVERAL_PEOPLE",
+    "TOO_NOISY",  "SIDE_CUT",    "CALIBRATION_POSE", "TURN_ROUND", "CLOTHED"};
 using GuidanceSet = std::uint32_t;  // Guidance values or-ed
 constexpr GuidanceSet operator|(Guidance a, Guidance b) {
   return static_cast<GuidanceSet>(a) | static_cast<GuidanceSet>(b);

@@ -37,6 +37,8 @@ static_assert(IM2FIT_VIEW_SIDE == static_cast<int>(im2fit::ViewSide::side));
 static_assert(IM2FIT_GUIDANCE_MOVING == static_cast<int>(im2fit::Guidance::moving));
 static_assert(IM2FIT_GUIDANCE_CALIBRATION_POSE == static_cast<int>(im2fit::Guidance::calibration_pose));
 static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::turn_round));
+static_assert(IM2FIT_GUIDANCE_CLOTHED == static_cast<int>(im2fit::Guidance::clothed));
+static_assert(IM2FIT_CLOTHING_DRESSED == static_cast<int>(im2fit::ClothingGiven::dressed));
 // No padding at the end, which callers never set: a field that comes later would be read from it.
 static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, sensor) + sizeof(int32_t));
 
@@ -130,6 +132,8 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   out.front_measured = r.front_measured ? 1 : 0;
   out.views = static_cast<std::int32_t>(r.views);
   out.arms_close = r.arms_close;
+  out.clothing_probability = r.answer.clothing.probability;
+  out.clothing_ease_mm = r.answer.clothing.ease_mm;
   out.frames_back = static_cast<std::uint32_t>(r.frames_back);
   out.female = r.answer.female;
   out.age = {r.age.years.value, r.age.years.low, r.age.years.high};

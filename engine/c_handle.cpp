@@ -20,7 +20,7 @@ EngineSettings engine_settings(const im2fit_settings& s) {
   settings.user = s.user_id;
   settings.calibration_psi = s.calibration_psi != 0;
   settings.turn = s.turn != 0 ? Turn::asked : Turn::none;
-  settings.clothed = s.clothed != 0;
+  settings.clothing = static_cast<ClothingGiven>(s.clothing);
   settings.sensor = static_cast<SensorKind>(s.sensor);
   settings.live = s.live != 0;
   settings.single_thread = s.single_thread != 0;
@@ -89,6 +89,9 @@ Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& sett
   if (settings.sensor < IM2FIT_SENSOR_UNKNOWN || settings.sensor > IM2FIT_SENSOR_TIME_OF_FLIGHT)
     return Error{ErrorCode::invalid_argument,
                  "settings.sensor is " + std::to_string(settings.sensor) + ", expected one of IM2FIT_SENSOR_..."};
+  if (settings.clothing < IM2FIT_CLOTHING_UNKNOWN || settings.clothing > IM2FIT_CLOTHING_DRESSED)
+    return Error{ErrorCode::invalid_argument, "settings.clothing is " + std::to_string(settings.clothing) +
+                                                  ", expected one of IM2FIT_CLOTHING_..."};
   auto handle = std::make_unique<im2fit_handle>();
   handle->log = settings.log;
   handle->log_user = settings.log_user;

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "body/model.h"
+#include "core/clothing.h"
 #include "core/guidance.h"
 #include "core/joints.h"
 #include "core/status.h"
@@ -47,9 +48,11 @@ struct EngineSettings {
   int frames_min = 5;            // fewest a measurement, and each of its sides, may rest on when the stream ends
   bool calibration_psi = false;  // ask for the Psi pose first, as the paper does
   Turn turn = Turn::none;        // asked: TURNING follows the front, see engine/session.h
-  // The person wears more than close-fitting clothes: body measurements are estimated through them, less well, by an
-  // index that has learned such people. Needs `shape_space`.
-  bool clothed = false;
+  // What the person wears. dressed: more than close-fitting clothes; the body is estimated through them, less well,
+  // by an index that has learned such people; needs `shape_space`. unknown: estimated from the frames, where index
+  // and shape space allow it, and answered by how likely it is; else as bare. bare: whoever is seen dressed all the
+  // same gets wider intervals and CLOTHED.
+  ClothingGiven clothing = ClothingGiven::unknown;
   // Of the body file the index was made with (body::BodyModel::shape_space()), which must outlive the engine: the
   // shape is fitted to what was accumulated, and refines the answer. Null, empty or another: the features answer
   // alone.

@@ -24,7 +24,11 @@ EngineResult empty_result() {
 }  // namespace
 
 FitStage::FitStage(const EngineSettings& settings, FrameStages& stages)
-    : intrinsics_(settings.intrinsics), rules_(rules_of(settings)), stages_(stages), result_(empty_result()) {}
+    : intrinsics_(settings.intrinsics),
+      clothing_(settings.clothing),
+      rules_(rules_of(settings)),
+      stages_(stages),
+      result_(empty_result()) {}
 
 // What callers and overlays see of the latest frame, whatever the session makes of it.
 void FitStage::show(const FrameSlot& slot) {
@@ -183,12 +187,17 @@ void FitStage::measure(bool ended) {
   result_.paper = person.paper;
   result_.measured_joints = person.joints;
   if (person.floor.known) result_.floor = person.floor;
-  result_.guidance = 0;  // nothing more is needed
+  // Nothing more is needed, unless clothes were said to be none.
+  result_.guidance =
+      clothing_ == ClothingGiven::bare && person.answer.clothed ? static_cast<GuidanceSet>(Guidance::clothed) : 0;
   result_.arms_close = 0;
-  if (!step.turn) return;
+  if (!step.turn) {
+    take_guidance(result_.guidance);
+    return;
+  }
   front_frames_ = stages_.frame_count();
   stages_.turn();
-  result_.guidance = static_cast<GuidanceSet>(Guidance::turn_round);
+  result_.guidance |= static_cast<GuidanceSet>(Guidance::turn_round);
   take_guidance(result_.guidance);
 }
 

@@ -46,6 +46,7 @@ class FitStage {
   void take_guidance(GuidanceSet guidance);
 
   const Intrinsics intrinsics_;
+  const ClothingGiven clothing_;
   const SessionRules rules_;
   FrameStages& stages_;
   Session session_;

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "core/clothing.h"
 #include "core/status.h"
 #include "engine/engine.h"
 
@@ -55,7 +56,7 @@ Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, st
 // What the stages need of the engine's settings.
 struct StageOptions {
   Turn turn = Turn::none;
-  bool clothed = false;
+  ClothingGiven clothing = ClothingGiven::unknown;
   const body::ShapeSpace* shape_space = nullptr;
   SensorKind sensor = SensorKind::unknown;
 };

@@ -15,7 +15,7 @@ class ProductionStages final : public SensingStages {
                    const StageOptions& options)
       : SensingStages(width, height, joint_model, options.turn),
         sensor_(options.sensor),
-        query_(index, options.shape_space, options.clothed) {}
+        query_(index, options.shape_space, options.clothing) {}
 
   bool measure(MeasuredPerson& person) override {
     fault_.reset();
@@ -55,11 +55,11 @@ Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int heigh
     return Error{ErrorCode::unsupported, "the index was built for features of " +
                                              std::to_string(index.feature_size()) + " values, this program makes " +
                                              std::to_string(kFeatureSize) + ": build the index again"};
-  if (options.clothed && !index.knows_clothed())
+  if (options.clothing == ClothingGiven::dressed && !index.knows_clothed())
     return Error{
         ErrorCode::unsupported,
         "the index holds no people in clothes: measure without them, or build it again with im2fit-lab index"};
-  if (options.clothed && !RefinedQuery::fits(index, options.shape_space))
+  if (options.clothing == ClothingGiven::dressed && !RefinedQuery::fits(index, options.shape_space))
     return Error{
         ErrorCode::unsupported,
         "people in clothes are measured by a fitted shape, which needs the body file the index was made with"};
@@ -80,7 +80,7 @@ Result<std::unique_ptr<Engine>> Engine::create(const EngineSettings& settings, c
                  "the index was made with another tracker than this one and would measure people wrong; take the two "
                  "that were made together, or make the index again with this tracker (im2fit-lab index --tracker)"};
   auto stages = make_production_stages(settings.width, settings.height, joint_model, index,
-                                       {settings.turn, settings.clothed, settings.shape_space, settings.sensor});
+                                       {settings.turn, settings.clothing, settings.shape_space, settings.sensor});
   if (!stages) return stages.error();
   return create_engine(settings, std::move(*stages));
 }

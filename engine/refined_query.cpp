@@ -21,8 +21,8 @@ bool RefinedQuery::fits(const index::Index& index, const body::ShapeSpace* space
          index.fit_layout() == body::fit_layout(*space);
 }
 
-RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* space, bool clothed)
-    : index_(index), space_(space), clothed_(clothed), scratch_(index.make_scratch()) {
+RefinedQuery::RefinedQuery(const index::Index& index, const body::ShapeSpace* space, ClothingGiven clothing)
+    : index_(index), space_(space), clothing_(clothing), scratch_(index.make_scratch()) {
   if (fits(index, space)) fitter_ = std::make_unique<body::ShapeFitter>(*space);
 }
 
@@ -55,9 +55,10 @@ Result<AgeAnswer> RefinedQuery::age_of(const index::Seen& seen) {
   return age_among(std::span(ages_).first(*found));
 }
 
-Result<RefinedQuery::Queried> RefinedQuery::queried(const index::Seen& seen, const index::QueryOptions& options) {
+Result<RefinedQuery::Queried> RefinedQuery::queried(index::Seen seen, const index::QueryOptions& options) {
   const auto answer = index_.query(seen, options, *scratch_);
   if (!answer) return answer.error();
+  seen.clothing = answer->clothed ? ClothingGiven::dressed : ClothingGiven::bare;
   const auto age = age_of(seen);
   if (!age) return age.error();
   return Queried{*answer, *age};
@@ -67,7 +68,7 @@ Result<RefinedQuery::Queried> RefinedQuery::query(const Side& front, const std::
   index::QueryOptions options;
   options.frame_count = front.fuser.frame_count();
   options.distance_mm = front.description.distance_mm;
-  index::Seen seen{front.description.feature, {}, {}, {}, clothed_, options.frame_count};
+  index::Seen seen{front.description.feature, {}, {}, {}, clothing_, options.frame_count};
   if (fitter_ == nullptr) return queried(seen, options);
   if (back) {
     const std::array<body::FitView, 2> views = {view_of(front), view_of(*back)};
@@ -81,7 +82,7 @@ Result<RefinedQuery::Queried> RefinedQuery::query(const Side& front, const std::
     seen.back = back->description.feature;
     seen.frame_count = options.frame_count = std::min(options.frame_count, back->fuser.frame_count());
     options.distance_mm = std::max(options.distance_mm, back->description.distance_mm);
-  } else if (clothed_ && seen.fit.empty()) {
+  } else if (clothing_ == ClothingGiven::dressed && seen.fit.empty()) {
     // Without a fit the others are answered by features alone; of people in clothes these say too little.
     seen.fit = unknown_fit();
   }

@@ -17,9 +17,8 @@ namespace im2fit {
 class RefinedQuery {
  public:
   // `space`: of the body file; null, or another than the index was made with: the front's feature answers alone.
-  // `clothed`: the person is in clothes; needs an index that knows such people, and its space. Index and space must
-  // outlive this.
-  RefinedQuery(const index::Index& index, const body::ShapeSpace* space, bool clothed);
+  // `clothing`: dressed needs an index that knows such people, and its space. Index and space must outlive this.
+  RefinedQuery(const index::Index& index, const body::ShapeSpace* space, ClothingGiven clothing);
   // Whether shapes can be fitted for this index.
   static bool fits(const index::Index& index, const body::ShapeSpace* space);
 
@@ -42,11 +41,11 @@ class RefinedQuery {
   std::span<const float> values_of(const body::ShapeFit& fit, FitValues& out) const;
   std::span<const float> unknown_fit();
   Result<AgeAnswer> age_of(const index::Seen& seen);
-  Result<Queried> queried(const index::Seen& seen, const index::QueryOptions& options);
+  Result<Queried> queried(index::Seen seen, const index::QueryOptions& options);
 
   const index::Index& index_;
   const body::ShapeSpace* space_;
-  const bool clothed_;
+  const ClothingGiven clothing_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
   // Of a fit to the front, and to both sides; the values given where there is no fit.

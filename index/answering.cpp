@@ -13,16 +13,6 @@ double squared(double x) {
   return x * x;
 }
 
-float female_probability(std::span<const float> table, double score) {
-  const double last = static_cast<double>(kSexTableSize - 1);
-  const double place = std::clamp((score + kSexScoreMax) / (2 * kSexScoreMax) * last, 0.0, last);
-  const auto cell = std::min(static_cast<std::size_t>(place), kSexTableSize - 2);
-  const double part = place - static_cast<double>(cell);
-  const auto low = static_cast<double>(table[cell]);
-  const auto high = static_cast<double>(table[cell + 1]);
-  return static_cast<float>(low + part * (high - low));
-}
-
 }  // namespace
 
 Answerer::Answerer(const Contents& contents)
@@ -30,12 +20,17 @@ Answerer::Answerer(const Contents& contents)
   for (const Refinement kind : kRefinements)
     if (const auto& c = contents.refinements[static_cast<std::size_t>(kind)])
       refiners_[static_cast<std::size_t>(kind)].emplace(kind, *c, contents.meta.feature_size);
+  for (std::size_t v = 0; v < kClothingViews.size(); ++v)
+    if (const auto& c = contents.clothing[v])
+      clothing_estimators_[v].emplace(kClothingViews[v], *c, contents.meta.feature_size);
 }
 
 Answerer::Workspace::Workspace(const Answerer& answerer)
     : standardised(answerer.regressor_.padded_size()), search(answerer.contents_.tree) {
   for (std::size_t i = 0; i < kRefinementCount; ++i)
     if (answerer.refiners_[i]) refining[i].emplace(*answerer.refiners_[i]);
+  for (std::size_t v = 0; v < kClothingViews.size(); ++v)
+    if (answerer.clothing_estimators_[v]) clothing[v].emplace(*answerer.clothing_estimators_[v]);
 }
 
 Targets Answerer::regressed(std::span<const float> feature, Workspace& work) const {
@@ -83,49 +78,75 @@ Result<Answerer::Corrected> Answerer::corrected(const Targets& regressed, const 
   return out;
 }
 
-const Refiner* Answerer::refiner_for(const Seen& seen) const {
-  for (const Refinement kind :
-       {Refinement::turned, Refinement::fitted, Refinement::clothed_turned, Refinement::clothed})
+const Refiner* Answerer::refiner_for(const Seen& seen, bool dressed) const {
+  constexpr std::array kBare = {Refinement::turned, Refinement::fitted};
+  constexpr std::array kDressed = {Refinement::clothed_turned, Refinement::clothed};
+  for (const Refinement kind : dressed ? kDressed : kBare)
     if (const auto& refiner = refiners_[static_cast<std::size_t>(kind)]; refiner && refiner->applies(seen))
       return &*refiner;
   return nullptr;
 }
 
+const ClothingEstimator* Answerer::clothing_estimator_for(const Seen& seen, std::size_t& view) const {
+  for (view = kClothingViews.size(); view-- > 0;)
+    if (const auto& estimator = clothing_estimators_[view]; estimator && estimator->applies(seen)) return &*estimator;
+  return nullptr;
+}
+
 // People in clothes are searched for at the refined answer; it has no shape latents, so these stay zero.
 Targets Answerer::position_targets_of(const Seen& seen, const Refiner* refiner, Workspace& work) const {
-  if (!seen.clothed || refiner == nullptr) return regressed(seen.front, work);
+  if (refiner == nullptr || !is_of_clothed(refiner->kind())) return regressed(seen.front, work);
   Targets sought{};
   refiner->apply(seen, *work.refining[static_cast<std::size_t>(refiner->kind())], sought);
   return sought;
 }
 
 Result<std::span<const Neighbour>> Answerer::alike(const Seen& seen, std::size_t count, Workspace& work) const {
-  const Coordinates grid = grid_of(position_targets_of(seen, refiner_for(seen), work));
+  const Coordinates grid =
+      grid_of(position_targets_of(seen, refiner_for(seen, seen.clothing == ClothingGiven::dressed), work));
   const std::span<const Neighbour> found = work.search.nearest(grid, std::min<std::size_t>(count, kNeighbourMax));
   if (!work.search.intact()) return work.search.damage();
   return found;
 }
 
 Result<Answer> Answerer::answer(const Seen& seen, const QueryOptions& options, Workspace& work) const {
-  const Refiner* refiner = refiner_for(seen);
+  std::size_t view = 0;
+  const ClothingEstimator* estimator = clothing_estimator_for(seen, view);
+  if (estimator == nullptr || refiner_for(seen, true) == nullptr)
+    return answer_as(seen.clothing == ClothingGiven::dressed, seen, options, work);
+  const float seen_dressed = estimator->probability(seen, *work.clothing[view]);
+  const float probability = with_given(seen_dressed, seen.clothing);
+  const auto bare = answer_as(false, seen, options, work);
+  if (!bare) return bare.error();
+  const auto dressed = answer_as(true, seen, options, work);
+  if (!dressed) return dressed.error();
+  Answer out = probability >= 0.5F ? *dressed : *bare;  // the entry nearest to either
+  if (probability > 0 && probability < 1) mix_answers(*bare, *dressed, probability, out);
+  out.clothing = {seen_dressed, probability * ease_between_mm(*bare, *dressed)};
+  return out;
+}
+
+Result<Answer> Answerer::answer_as(bool dressed, const Seen& seen, const QueryOptions& options,
+                                   Workspace& work) const {
+  const Refiner* refiner = refiner_for(seen, dressed);
   Refiner::Work* refining = refiner ? &*work.refining[static_cast<std::size_t>(refiner->kind())] : nullptr;
   const Targets sought = position_targets_of(seen, refiner, work);
   auto found = this->corrected(sought, options, work);
   if (!found) return found.error();
   Corrected& corrected = *found;
-  if (seen.clothed && refiner) corrected.value = sought;
+  if (dressed && refiner) corrected.value = sought;
   const MetaRecord& meta = contents_.meta;
   Uncertainty uncertainty{meta.noise, meta.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
                           contents_.interval, contents_.spread_floor, contents_.sex_table};
   Answer out;
   if (refiner != nullptr) {
-    if (!seen.clothed) refiner->apply(seen, *refining, corrected.value);
+    if (!dressed) refiner->apply(seen, *refining, corrected.value);
     corrected.spread = {};  // of the regression's residuals, not of these
     const RefinementContents& c = refiner->contents();
     uncertainty = {c.record.noise, c.record.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
                    c.interval, c.spread_floor, c.sex_table};
     out.from = sees_back(refiner->kind()) ? AnsweredFrom::front_and_back : AnsweredFrom::fitted_front;
-    out.clothed = seen.clothed;
+    out.clothed = dressed;
   }
   fill_estimates(corrected.value, corrected.spread, uncertainty, options, out);
   fill_nearest(corrected, out);
@@ -164,9 +185,9 @@ void Answerer::fill_estimates(const Targets& targets, const Targets& spread, con
                            static_cast<float>(value + width * static_cast<double>(uncertainty.interval[2 * m])),
                            static_cast<float>(value + width * static_cast<double>(uncertainty.interval[2 * m + 1]))};
   }
-  out.female = female_probability(uncertainty.sex_table,
-                                  static_cast<double>(c.target_mean[kSexTarget]) +
-                                      static_cast<double>(c.target_scale[kSexTarget]) * targets[kSexTarget]);
+  out.female = probability_at(uncertainty.sex_table,
+                              static_cast<double>(c.target_mean[kSexTarget]) +
+                                  static_cast<double>(c.target_scale[kSexTarget]) * targets[kSexTarget]);
 }
 
 }  // namespace im2fit::index

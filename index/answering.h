@@ -21,11 +21,13 @@ class Answerer {
     std::vector<std::int16_t> standardised;
     CodeSearch search;
     std::array<std::optional<Refiner::Work>, kRefinementCount> refining;
+    std::array<std::optional<ClothingEstimator::Work>, kClothingViews.size()> clothing;
   };
   // A feature of the wrong size counts as not measured.
   Targets regressed(std::span<const float> feature, Workspace& work) const;
   // The best answer that what is seen allows: turned, fitted, or of the front's feature alone; to people in clothes
-  // by the refinements for them, where the index has these. Errors: what is read of the file is damaged.
+  // by the refinements for them, where the index has these, and of both by how likely clothes are where that is to be
+  // estimated. Errors: what is read of the file is damaged.
   Result<Answer> answer(const Seen& seen, const QueryOptions& options, Workspace& work) const;
 
   // The nearest of all entries, `count` or kNeighbourMax of them.
@@ -41,7 +43,10 @@ class Answerer {
   Result<Corrected> corrected(const Targets& regressed, const QueryOptions& options, Workspace& work) const;
 
  private:
-  const Refiner* refiner_for(const Seen& seen) const;
+  const Refiner* refiner_for(const Seen& seen, bool dressed) const;
+  Result<Answer> answer_as(bool dressed, const Seen& seen, const QueryOptions& options, Workspace& work) const;
+  // Of both sides where they are seen; null: the index has none, or too little is seen.
+  const ClothingEstimator* clothing_estimator_for(const Seen& seen, std::size_t& view) const;
   // Where in the projected space neighbours are searched: at the refined answer for people in clothes.
   Targets position_targets_of(const Seen& seen, const Refiner* refiner, Workspace& work) const;
   Coordinates grid_of(const Targets& targets) const;
@@ -59,6 +64,7 @@ class Answerer {
   Contents contents_;
   Regressor regressor_;
   std::array<std::optional<Refiner>, kRefinementCount> refiners_;
+  std::array<std::optional<ClothingEstimator>, kClothingViews.size()> clothing_estimators_;
 };
 
 }  // namespace im2fit::index

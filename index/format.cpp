@@ -130,7 +130,7 @@ CodeTree take_tree(SectionReader& in, const MetaRecord& m) {
   return tree;
 }
 
-void check_sex_table(SectionReader& in, std::span<const float> table, const char* name) {
+void check_probabilities(SectionReader& in, std::span<const float> table, const char* name) {
   float last = 0;
   for (const float p : table) {
     in.require(p >= last && p <= 1, name, "is not a rising table of probabilities");
@@ -151,14 +151,49 @@ void check_weights(SectionReader& in, std::span<const std::int16_t> weights, con
              "holds a weight out of range");
 }
 
+// Upper halves of floats, as standardise() takes them.
+void check_scaling(SectionReader& in, std::span<const std::uint16_t> mean, std::span<const std::uint16_t> scale,
+                   const char* mean_name, const char* scale_name) {
+  in.require(std::all_of(mean.begin(), mean.end(), [](auto m) { return std::abs(float_of_upper(m)) <= 1e9F; }),
+             mean_name, "holds a mean out of range");
+  in.require(std::all_of(scale.begin(), scale.end(),
+                         [](auto s) { return s == 0 || (float_of_upper(s) >= 1e-30F && float_of_upper(s) <= 1e9F); }),
+             scale_name, "holds an impossible scale");
+}
+
+void check_fit(SectionReader& in, const FitLayout& fit, const char* name) {
+  in.require(
+      within(fit.shapes, 1, kFitMax) && fit.patches <= kFitMax && fit.limbs <= kFitMax && fit.size() <= kFitMax, name,
+      "has an impossible fit");
+}
+
+ClothingContents take_clothing(SectionReader& in, Refinement view, const MetaRecord& m) {
+  const auto name = [&](const char* part) { return clothing_section_of(view, part); };
+  ClothingContents c;
+  c.record = in.record<ClothingRecord>(name("about").c_str());
+  check_fit(in, c.record.fit, name("about").c_str());
+  in.require(within(c.record.right_share, 0, 1), name("about").c_str(), "has an impossible share");
+  if (in.failed()) return c;
+  const std::size_t size = refined_size(view, m.feature_size, c.record.fit);
+  c.mean = in.take<std::uint16_t>(name("mean").c_str(), size);
+  c.scale = in.take<std::uint16_t>(name("scale").c_str(), size);
+  c.weights = in.take<std::int16_t>(name("weights").c_str(), size);
+  c.unit = in.take<float>(name("unit").c_str(), 1);
+  c.bias = in.take<float>(name("bias").c_str(), 1);
+  c.table = in.take<float>(name("table").c_str(), kScoreTableSize);
+  if (in.failed()) return c;
+  check_scaling(in, c.mean, c.scale, name("mean").c_str(), name("scale").c_str());
+  check_weights(in, c.weights, name("weights").c_str());
+  check_probabilities(in, c.table, name("table").c_str());
+  return c;
+}
+
 RefinementContents take_refinement(SectionReader& in, Refinement kind, const MetaRecord& m) {
   const auto name = [&](const char* part) { return section_of(kind, part); };
   RefinementContents c;
   c.record = in.record<RefinementRecord>(name("about").c_str());
   const FitLayout& fit = c.record.fit;
-  in.require(
-      within(fit.shapes, 1, kFitMax) && fit.patches <= kFitMax && fit.limbs <= kFitMax && fit.size() <= kFitMax,
-      name("about").c_str(), "has an impossible fit");
+  check_fit(in, fit, name("about").c_str());
   in.require(c.record.interval_kind <= 1, name("about").c_str(), "names an unknown method");
   for (const float share : c.record.share) in.require(within(share, 0, 1), name("about").c_str(), "mixes impossibly");
   in.require(possible(c.record.noise), name("about").c_str(), "has an impossible noise model");
@@ -171,16 +206,12 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
   c.bias = in.take<float>(name("bias").c_str(), kTargetMin);
   c.interval = in.take<float>(name("interval").c_str(), 2 * kMeasurementCount);
   c.spread_floor = in.take<float>(name("spread").c_str(), kMeasurementCount);
-  c.sex_table = in.take<float>(name("sex").c_str(), kSexTableSize);
+  c.sex_table = in.take<float>(name("sex").c_str(), kScoreTableSize);
   if (in.failed()) return c;
-  in.require(std::all_of(c.mean.begin(), c.mean.end(), [](auto m) { return std::abs(float_of_upper(m)) <= 1e9F; }),
-             name("mean").c_str(), "holds a mean out of range");
-  in.require(std::all_of(c.scale.begin(), c.scale.end(),
-                         [](auto s) { return s == 0 || (float_of_upper(s) >= 1e-30F && float_of_upper(s) <= 1e9F); }),
-             name("scale").c_str(), "holds an impossible scale");
+  check_scaling(in, c.mean, c.scale, name("mean").c_str(), name("scale").c_str());
   check_weights(in, c.weights, name("weights").c_str());
   check_intervals(in, c.interval, c.spread_floor, name("interval").c_str());
-  check_sex_table(in, c.sex_table, name("sex").c_str());
+  check_probabilities(in, c.sex_table, name("sex").c_str());
   return c;
 }
 
@@ -192,7 +223,7 @@ void check_values(SectionReader& in, const Contents& c) {
   for (const float s : c.residual_scale) in.require(s >= 0, "residual.scale", "holds a negative scale");
   check_weights(in, c.ridge, "ridge");
   check_intervals(in, c.interval, c.spread_floor, "interval");
-  check_sex_table(in, c.sex_table, "sex.table");
+  check_probabilities(in, c.sex_table, "sex.table");
   for (const GroupRecord& g : c.groups) {
     in.require(g.first <= c.meta.feature_size && g.count <= c.meta.feature_size - g.first, "groups",
                "names features that do not exist");
@@ -246,6 +277,16 @@ MeasurementValues Contents::measurements_of_entry(std::uint32_t entry) const {
   return out;
 }
 
+float probability_at(std::span<const float> table, double score) {
+  const double last = static_cast<double>(kScoreTableSize - 1);
+  const double place = std::clamp((score + kScoreMax) / (2 * kScoreMax) * last, 0.0, last);
+  const auto cell = std::min(static_cast<std::size_t>(place), kScoreTableSize - 2);
+  const double part = place - static_cast<double>(cell);
+  const auto low = static_cast<double>(table[cell]);
+  const auto high = static_cast<double>(table[cell + 1]);
+  return static_cast<float>(low + part * (high - low));
+}
+
 Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::string& what) {
   auto container = ContainerReader::parse(bytes, kMagic, kVersion, what);
   if (!container) return container.error();
@@ -285,12 +326,15 @@ Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::str
   c.person = in.take_paged<std::uint8_t>("person", c.person_bytes * entries, c.person_pages);
   c.interval = in.take<float>("interval", 2 * kMeasurementCount);
   c.spread_floor = in.take<float>("spread.floor", kMeasurementCount);
-  c.sex_table = in.take<float>("sex.table", kSexTableSize);
+  c.sex_table = in.take<float>("sex.table", kScoreTableSize);
   if (in.failed()) return in.error();
   check_values(in, c);
   for (const Refinement kind : kRefinements)
     if (container->section(section_of(kind, "about")))
       c.refinements[static_cast<std::size_t>(kind)] = take_refinement(in, kind, m);
+  for (std::size_t v = 0; v < kClothingViews.size(); ++v)
+    if (container->section(clothing_section_of(kClothingViews[v], "about")))
+      c.clothing[v] = take_clothing(in, kClothingViews[v], m);
   const auto provenance = container->section("provenance");
   if (!provenance) return provenance.error();
   in.require(provenance->size() <= kProvenanceMax, "provenance", "is too long");

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "core/status.h"
+#include "index/clothing_estimate.h"
 #include "index/code_tree.h"
 #include "index/noise_model.h"
 #include "index/refinement.h"
@@ -21,13 +22,16 @@
 namespace im2fit::index {
 
 inline constexpr char kMagic[] = "I2FX";
-inline constexpr std::uint32_t kVersion = 11;
+inline constexpr std::uint32_t kVersion = 12;
 inline constexpr std::uint32_t kFeatureMax = 16384;
 inline constexpr std::uint32_t kEntryMax = 1U << 24;
 inline constexpr std::uint32_t kGroupMax = 16;
 inline constexpr std::size_t kProvenanceMax = 65536;
-inline constexpr std::size_t kSexTableSize = 129;  // scores -2 .. 2
-inline constexpr double kSexScoreMax = 2.0;
+inline constexpr std::size_t kScoreTableSize = 129;  // scores -2 .. 2
+inline constexpr double kScoreMax = 2.0;
+
+// Of a table of kScoreTableSize, between its places.
+float probability_at(std::span<const float> table, double score);
 
 enum class IntervalKind : std::uint32_t { constant, local_spread };
 
@@ -104,8 +108,9 @@ struct Contents {
   PagedBytes person_pages;
   std::span<const float> interval;      // kMeasurementCount x {low, high} in units of the spread
   std::span<const float> spread_floor;  // kMeasurementCount, standardised units
-  std::span<const float> sex_table;     // kSexTableSize probabilities, rising
+  std::span<const float> sex_table;     // kScoreTableSize probabilities, rising
   std::array<std::optional<RefinementContents>, kRefinementCount> refinements;
+  std::array<std::optional<ClothingContents>, kClothingViews.size()> clothing;  // as kClothingViews
 
   LocalData local_data() const;
   Surface surface() const;

@@ -45,6 +45,8 @@ Info make_info(const Contents& c) {
   for (std::size_t i = 0; i < kRefinementCount; ++i)
     if (const auto& r = c.refinements[i])
       info.refined[i] = {r->record.sample_count, r->record.mae, r->record.coverage};
+  for (std::size_t v = 0; v < kClothingViews.size(); ++v)
+    if (const auto& k = c.clothing[v]) info.clothing[v] = {k->record.sample_count, k->record.right_share};
   return info;
 }
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -31,7 +32,13 @@ struct Answer {
   std::array<IntervalEstimate, kMeasurementCount> measurements;
   float female = 0.5F;  // probability
   AnsweredFrom from = AnsweredFrom::front;
-  bool clothed = false;        // by what was learned of people in clothes
+  bool clothed = false;  // mostly by what was learned of people in clothes
+  struct Clothing {
+    float probability =
+        std::numeric_limits<float>::quiet_NaN();              // of being dressed, by the frames alone; NaN: unknown
+    float ease_mm = std::numeric_limits<float>::quiet_NaN();  // of cloth off the trunk's skin, expected
+  };
+  Clothing clothing;
   std::uint32_t nearest = 0;   // entry: of the neighbours, the one whose true body is closest to the estimate
   float nearest_distance = 0;  // in the projected space, whose unit is one standard deviation of the error
   // For the evaluation: the nearest entry's own measurements, without the regression that follows.
@@ -87,6 +94,12 @@ struct Info {
     MeasurementValues coverage{};
   };
   std::array<Refined, kRefinementCount> refined;
+  // Of how likely people are dressed, from the front and from both sides; sample count 0: none.
+  struct Clothing {
+    std::uint32_t sample_count = 0;
+    float right_share = 0;  // of people it was not learned from
+  };
+  std::array<Clothing, 2> clothing;
 };
 
 class Index {

@@ -7,15 +7,12 @@
 #include "kernels/standardise/standardise.h"
 
 namespace im2fit::index {
-namespace {
 
 std::vector<float> floats_of(std::span<const std::uint16_t> uppers) {
   std::vector<float> out;
   for (const std::uint16_t upper : uppers) out.push_back(float_of_upper(upper));
   return out;
 }
-
-}  // namespace
 
 std::string section_of(Refinement kind, const char* name) {
   constexpr std::array<const char*, kRefinementCount> kPrefix = {"fitted.", "turned.", "cloth1.", "cloth2."};
@@ -54,8 +51,7 @@ Refiner::Work::Work(const Refiner& refiner)
 
 bool Refiner::applies(const Seen& seen) const {
   const bool back = sees_back(kind_);
-  return seen.clothed == is_of_clothed(kind_) && seen.front.size() == feature_size_ &&
-         seen.fit.size() == contents_.record.fit.size() &&
+  return seen.front.size() == feature_size_ && seen.fit.size() == contents_.record.fit.size() &&
          (!back || (seen.back.size() == feature_size_ && seen.fit_both.size() == contents_.record.fit.size()));
 }
 

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "core/clothing.h"
 #include "core/fit_layout.h"
 #include "index/noise_model.h"
 #include "index/regression.h"
@@ -55,7 +56,7 @@ struct Seen {
   std::span<const float> fit;
   std::span<const float> back;
   std::span<const float> fit_both;
-  bool clothed = false;
+  ClothingGiven clothing = ClothingGiven::bare;
   int frame_count = 0;  // fused, of the side with fewer; 0: not known
 };
 // Puts the values in order. out: refined_size(); the fits are of `layout`.
@@ -89,6 +90,8 @@ constexpr float float_of_upper(std::uint16_t upper) {
   return std::bit_cast<float>(std::uint32_t{upper} << 16);
 }
 
+std::vector<float> floats_of(std::span<const std::uint16_t> uppers);
+
 // Views into the file.
 struct RefinementContents {
   RefinementRecord record;
@@ -97,7 +100,7 @@ struct RefinementContents {
   std::span<const float> unit, bias;           // kTargetMin: standardised target per weight and value; constant
   std::span<const float> interval;             // kMeasurementCount x {low, high} in units of the spread
   std::span<const float> spread_floor;         // kMeasurementCount, standardised
-  std::span<const float> sex_table;            // kSexTableSize
+  std::span<const float> sex_table;            // kScoreTableSize
 };
 
 // Applies one. Its bytes must outlive it. Shareable between threads; `work` is not.
@@ -109,7 +112,7 @@ class Refiner {
     std::vector<float> values;
     std::vector<std::int16_t> standardised;
   };
-  // Whether all that it needs is there, in the right sizes.
+  // Whether all that it needs is there, in the right sizes, whatever is worn.
   bool applies(const Seen& seen) const;
   // Mixes its answer into the plain one: standardised measurements and sex, the first kTargetMin of `targets`.
   // No allocation.

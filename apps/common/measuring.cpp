@@ -61,7 +61,7 @@ Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, con
   settings.frames_min = std::min(settings.frames_min, options.frames);
   settings.calibration_psi = options.calibration == "psi";
   settings.turn = options.turn ? Turn::asked : Turn::none;
-  settings.clothed = options.clothed;
+  settings.clothing = clothing_of(options.clothing);
   settings.sensor = named_sensor(options.sensor).value_or(source.sensor);
   settings.user = options.user;
   settings.live = options.live && source.live;

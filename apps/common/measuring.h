@@ -22,7 +22,7 @@ struct MeasuringOptions {
   int frames = 30;
   std::string calibration = "none";      // or "psi"
   bool turn = false;                     // front, then back
-  bool clothed = false;                  // dressed for the street
+  std::string clothing = "auto";         // or another of kClothingGivenNames
   std::string sensor = "auto";           // or another of kSensorKindNames; auto: as the source says
   std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
   int threads = 2;

@@ -224,12 +224,16 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                               "hardly has")
                    ->range(0.0, 1.0)
                    ->capture_default_str();
-  auto* tape =
-      sub.add_option("--ansur-tape", o.ansur_settings.tape_share,
-                     "How much of what a tape measures beyond the ellipse of breadth and depth the bodies of "
-                     "ansur have, by squarer sections")
-          ->range(0.0, 1.0)
-          ->capture_default_str();
+  auto* pressed = sub.add_option("--ansur-pressed", o.ansur_settings.pressed_share,
+                                 "Of what a tape measures beyond the ellipse of breadth and depth: how much is there "
+                                 "because callipers press")
+                      ->range(0.0, 1.0)
+                      ->capture_default_str();
+  auto* square = sub.add_option("--ansur-square", o.ansur_settings.square_share,
+                                "How much of it because sections are squarer than ellipses; what is left of it the "
+                                "bodies of ansur do not have")
+                     ->range(0.0, 1.0)
+                     ->capture_default_str();
   auto* frames = sub.add_option("--frames", o.evaluation.frames, "Accepted frames behind a measurement")
                      ->range(1, 1000)
                      ->capture_default_str();
@@ -257,27 +261,9 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                                         "Instead: what bench/references/icp_references wrote, ours beside PCL")
                              ->type_name("FILE")
                              ->excludes(icp);
-  return {condition,
-          conditions,
-          all,
-          family,
-          ansur,
-          ends,
-          tape,
-          frames,
-          twice,
-          samples,
-          no_raw,
-          index,
-          html,
-          csv,
-          people,
-          figures,
-          runtime,
-          indexes,
-          runtime_references,
-          icp,
-          icp_references};
+  return {condition, conditions,    all,   family, ansur, ends,   pressed, square,  frames,  twice,
+          samples,   no_raw,        index, html,   csv,   people, figures, runtime, indexes, runtime_references,
+          icp,       icp_references};
 }
 
 }  // namespace

@@ -69,6 +69,13 @@ void show_refined(const index::Info& info, const char* heading, index::Refinemen
   fmt::print("\n{}", table.text());
 }
 
+void show_clothing(const index::Info& info) {
+  const auto& [front, both] = info.clothing;
+  if (front.sample_count == 0 || both.sample_count == 0) return;
+  fmt::print("\nbare or dressed: {:.1f} % right from the front, {:.1f} % from both sides (synthetic, cross-fitted)\n",
+             100 * front.right_share, 100 * both.right_share);
+}
+
 Result<int> inspect(const InspectOptions& options) {
   const auto index = load_index(options.path);
   if (!index) return index.error();
@@ -105,6 +112,7 @@ Result<int> inspect(const InspectOptions& options) {
   fmt::print("{}\n{}\n{}", sections.text(), groups.text(), errors.text());
   show_refined(info, "on out-of-distribution subjects, with a fitted shape", index::Refinement::fitted,
                index::Refinement::turned);
+  show_clothing(info);
   show_refined(info, "the same, in clothes", index::Refinement::clothed, index::Refinement::clothed_turned);
   return kExitOk;
 }

@@ -34,10 +34,12 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
   sub.add_flag("--turn", options.turn,
                "Front, then back: asks the person to turn round (TURN_ROUND) and measures with both; with the front "
                "alone if the person does not within 15 s or leaves");
-  sub.add_flag(
-      "--clothed", options.clothed,
-      "The person is dressed: measures the body underneath, with wider intervals. Without this, underwear or "
-      "close-fitting sportswear is expected");
+  sub.add_option(
+         "--clothing", options.clothing,
+         "What the person wears. bare: underwear or close-fitting sportswear. dressed: the body underneath is "
+         "measured, with wider intervals. auto: as it looks; intervals are as wide as that is unsure")
+      ->one_of(std::vector<std::string>(kClothingGivenNames.begin(), kClothingGivenNames.end()))
+      ->capture_default_str();
   sub.add_option(
          "--sensor", options.sensor,
          "How the camera senses depth; people's outlines depend on it. auto: as the camera's driver says, else "
@@ -62,7 +64,7 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
     if (const auto made = make_directory(options.out); !made) return made.error();
   InputOptions opening = options.input;
   opening.turn_after_frames = options.turn ? options.frames + kTurnSpareFrames : 0;
-  opening.clothed = options.clothed;
+  opening.clothed = clothing_of(options.clothing) == ClothingGiven::dressed;
   auto input = open_input(opening);
   if (!input) return input.error();
   if (!data->warning.empty()) fmt::print(stderr, "{}\n", data->warning);

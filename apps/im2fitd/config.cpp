@@ -137,7 +137,7 @@ Config interpret(const YAML::Node& root) {
   const Readers measure = {{"frames", whole(m.frames, 1, 1000)},
                            {"calibration", one_of(m.calibration, {"none", "psi"})},
                            {"turn", truth(m.turn)},
-                           {"clothed", truth(m.clothed)},
+                           {"clothing", one_of(m.clothing, {kClothingGivenNames.begin(), kClothingGivenNames.end()})},
                            {"sensor", one_of(m.sensor, {kSensorKindNames.begin(), kSensorKindNames.end()})},
                            {"threads", whole(m.threads, 1, 2)},
                            {"size_charts", texts(m.size_charts)}};

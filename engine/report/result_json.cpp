@@ -59,6 +59,12 @@ Json measurements_json(const EngineResult& result) {
   return all;
 }
 
+Json clothing_json(const index::Answer& answer) {
+  return {{"probability", rounded(answer.clothing.probability, kTenThousandths)},
+          {"ease_mm", rounded(answer.clothing.ease_mm, kTenths)},
+          {"answered_as", answer.clothed ? "dressed" : "bare"}};
+}
+
 Json age_json(const AgeAnswer& age) {
   Json bands = Json::object();
   for (std::size_t i = 0; i < kAgeBandCount; ++i)
@@ -205,7 +211,7 @@ std::string_view name_of(hal::IntrinsicsOrigin origin) {
 }
 
 GuidanceSet reported_guidance(const EngineResult& result) {
-  if (result.measured) return 0;
+  if (result.measured) return result.guidance & static_cast<GuidanceSet>(Guidance::clothed);
   GuidanceSet set = result.guidance;
   for (std::size_t i = 0; i < kGuidanceCount; ++i)
     if (result.guidance_frames[i] > 0 && 2 * std::uint64_t{result.guidance_frames[i]} >= result.frames_seen)
@@ -236,7 +242,7 @@ std::string result_json(const ResultReport& report) {
   json["source"] = source_json(report.source);
   if (r.measured) json["views"] = std::string(name_of(r.views));
   if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));
-  if (r.measured) json["clothed"] = r.answer.clothed;
+  if (r.measured) json["clothing"] = clothing_json(r.answer);
   json["measurements"] = measurements_json(r);
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured) json["age"] = age_json(r.age);

@@ -22,7 +22,7 @@ constexpr float kNearMm = 1900, kFarMm = 3600;
 
 constexpr float kHeavyMin = 38;  // kg/m^2: arms that hang rest on the body
 
-constexpr std::array<Word, 21> kWords = {{
+constexpr std::array<Word, 22> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},
@@ -30,6 +30,8 @@ constexpr std::array<Word, 21> kWords = {{
     {"reported", "the driver reports what kind of sensor it is", false,
      [](EvaluationOptions& o) { o.sensor_reported = true; }},
     {"clothed", "in clothes, shoes and hair", true, [](EvaluationOptions& o) { o.clothed = true; }},
+    {"untold", "what is worn is not reported to the device", false,
+     [](EvaluationOptions& o) { o.clothing_reported = false; }},
     {"frames1", "one frame", true, [](EvaluationOptions& o) { o.frames = 1; }},
     {"frames5", "5 frames", true, [](EvaluationOptions& o) { o.frames = 5; }},
     {"frames10", "10 frames", true, [](EvaluationOptions& o) { o.frames = 10; }},

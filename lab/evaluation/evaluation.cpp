@@ -63,6 +63,7 @@ Status measure_once(const SessionModels& models, const HeldOutPerson& person, Vi
   });
   if (!engine) return engine.error();
   const EngineResult result = (*engine)->result();
+  outcome.dressed = person.capture.scene.clothing != Clothing::none;
   outcome.lifted_arms = told_to_lift_arms(result, person.capture.frame_count);
   outcome.measured = result.measured;
   outcome.guidance_seen = result.guidance_seen;
@@ -111,7 +112,7 @@ Result<PeopleFamily> people_family_of(std::string_view name) {
 
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing) {
-  HeldOutPerson person{{}, {}, options.smoothed, options.sensor_reported, options.family};
+  HeldOutPerson person{{}, {}, options.smoothed, options.sensor_reported, options.clothing_reported, options.family};
   // A man and a woman of each.
   if (options.family == PeopleFamily::mixed)
     person.family = index / 2 % 2 == 0 ? PeopleFamily::ansur : PeopleFamily::modifiers;

@@ -37,12 +37,13 @@ Result<PeopleFamily> people_family_of(std::string_view name);
 struct EvaluationOptions {
   int subjects = 200;
   std::uint64_t seed = 20'260'101;
-  bool noise = true;             // false: a perfect sensor in an empty room
-  bool tof = false;              // a time-of-flight sensor in place of a Kinect
-  bool smoothed = false;         // by a driver, over time (smoothing.h)
-  bool sensor_reported = false;  // the driver reports what kind of sensor it is
-  bool clothed = false;          // tight, normal or loose clothes, shoes and hair; the truth stays the body's
-  int frames = 30;               // accepted frames wanted; three times as many are shown at most
+  bool noise = true;              // false: a perfect sensor in an empty room
+  bool tof = false;               // a time-of-flight sensor in place of a Kinect
+  bool smoothed = false;          // by a driver, over time (smoothing.h)
+  bool sensor_reported = false;   // the driver reports what kind of sensor it is
+  bool clothing_reported = true;  // the device is told what is worn
+  bool clothed = false;           // tight, normal or loose clothes, shoes and hair; the truth stays the body's
+  int frames = 30;                // accepted frames wanted; three times as many are shown at most
   int width = 640, height = 480;
   float distance_mm = 0;  // of the camera, grown until the whole person fits; 0: drawn
   float yaw_deg = -1;     // of the person, to either side by turns; below 0: drawn
@@ -60,7 +61,7 @@ struct EvaluationOptions {
 struct HeldOutPerson {
   Subject subject;
   CaptureOptions capture;
-  bool smoothed = false, sensor_reported = false;
+  bool smoothed = false, sensor_reported = false, clothing_reported = true;
   PeopleFamily family = PeopleFamily::modifiers;  // never mixed
 };
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
@@ -74,6 +75,7 @@ struct Outcome {
   GuidanceSet guidance_seen = 0;
   std::uint64_t frames_seen = 0;
   bool lifted_arms = false;  // told to (session.h)
+  bool dressed = false;
   MeasurementValues truth{};
   float true_age_years = 0;
   index::Answer answer;

@@ -169,6 +169,15 @@ Report report_of(const std::vector<Outcome>& outcomes, const std::string& condit
   report.measured = static_cast<int>(measured.size());
   for (std::size_t m = 0; m < kMeasurementCount; ++m) report.measurements[m] = measurement_report(measured, m);
   report.sex_accuracy = share_of(measured, [](const Outcome* o) { return (o->answer.female > 0.5F) == o->woman; });
+  std::vector<const Outcome*> estimated;
+  for (const Outcome* o : measured)
+    if (std::isfinite(o->answer.clothing.probability)) estimated.push_back(o);
+  report.clothing_estimated = static_cast<int>(estimated.size());
+  report.clothing_right =
+      share_of(estimated, [](const Outcome* o) { return (o->answer.clothing.probability > 0.5F) == o->dressed; });
+  for (const Outcome* o : estimated)
+    report.clothing_ease_mm +=
+        static_cast<double>(o->answer.clothing.ease_mm) / static_cast<double>(estimated.size());
   report.raw_sex_accuracy = share_of(with_raw, [](const Outcome* o) { return o->raw.woman == o->woman; });
   add_ages(measured, report);
   report.size_accuracy = share_of(measured, [](const Outcome* o) { return size_rank(*o) == 0; });

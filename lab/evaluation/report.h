@@ -74,6 +74,9 @@ struct Report {
   int lifted_arms = 0;                                     // of the measured: told to, first
   std::array<int, kGuidanceCount> not_measured_because{};  // subjects, by guidance seen
   std::array<MeasurementReport, kMeasurementCount> measurements;
+  // Of those whose clothes are estimated: share told right by the frames alone, and the mean ease, mm.
+  int clothing_estimated = 0;
+  double clothing_right = 0, clothing_ease_mm = 0;
   double sex_accuracy = 0;  // shares of the measured, 0..1
   double raw_sex_accuracy = 0;
   double age_error_years = 0;  // mean absolute, of the median

@@ -86,6 +86,10 @@ Json json_value_of(const Report& report) {
         {"slope", report.slopes[m].slope}, {"standard_error", report.slopes[m].standard_error}};
   json["groups"] = groups_json(report);
   json["sex_accuracy"] = report.sex_accuracy;
+  if (report.clothing_estimated > 0)
+    json["clothing"] = {{"people", report.clothing_estimated},
+                        {"right", report.clothing_right},
+                        {"ease_mm", report.clothing_ease_mm}};
   if (report.has_raw()) json["raw_nearest_sex_accuracy"] = report.raw_sex_accuracy;
   json["age"] = {{"mean_error_years", report.age_error_years},
                  {"coverage", report.age_coverage},

@@ -101,6 +101,9 @@ std::string text_of(const Report& report) {
   text += fmt::format(
       "sex          {:.1f} % right{}\n", 100 * report.sex_accuracy,
       report.has_raw() ? fmt::format(" (raw nearest neighbour {:.1f} %)", 100 * report.raw_sex_accuracy) : "");
+  if (report.clothing_estimated > 0)
+    text += fmt::format("clothing     bare or dressed: {:.1f} % right by the frames alone, expected ease {:.1f} mm\n",
+                        100 * report.clothing_right, report.clothing_ease_mm);
   text += fmt::format(
       "age          {:.1f} years mean error, {:.1f} % in the 95 % interval; group {:.1f} % right, {:.1f} % "
       "promised\n",

@@ -58,7 +58,9 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   settings.single_thread = true;
   if (person.sensor_reported) settings.sensor = capture.sensor.kind;
   settings.shape_space = models.shape_space;
-  settings.clothed = capture.scene.clothing != Clothing::none && models.shape_space != nullptr;
+  const bool dressed = capture.scene.clothing != Clothing::none && models.shape_space != nullptr;
+  settings.clothing =
+      person.clothing_reported ? dressed ? ClothingGiven::dressed : ClothingGiven::bare : ClothingGiven::unknown;
   if (views == Views::both) settings.turn = Turn::asked;
   auto engine = Engine::create(settings, models.joints, models.index);
   if (!engine) return engine.error();

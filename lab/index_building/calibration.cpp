@@ -139,19 +139,25 @@ IntervalModel calibrate_intervals(const std::vector<HeldOut>& rows) {
 }
 
 std::vector<float> calibrate_sex(const std::vector<HeldOut>& rows, double mean, double unit) {
+  std::vector<LabelledScore> scores;
+  for (const HeldOut& row : rows)
+    scores.push_back({mean + unit * row.answer[kSexTarget], mean + unit * row.truth[kSexTarget] > 0});
+  return calibrate_probability(scores);
+}
+
+std::vector<float> calibrate_probability(const std::vector<LabelledScore>& rows) {
   // Newton's method on the penalised log likelihood; the penalty (one pseudo-subject of slope 4) keeps separable
-  // sexes from an infinite slope.
+  // labels from an infinite slope.
   double a = 0;
   double b = 4;
   for (int round = 0; round < 30; ++round) {
     double ga = 0.01 * -a, gb = 0.1 * (4 - b), haa = 0.01, hab = 0, hbb = 0.1;
-    for (const HeldOut& row : rows) {
-      const double x = mean + unit * row.answer[kSexTarget];
-      const double woman = mean + unit * row.truth[kSexTarget] > 0 ? 1.0 : 0.0;
+    for (const LabelledScore& row : rows) {
+      const double x = row.score;
       const double p = 1 / (1 + std::exp(-std::clamp(a + b * x, -30.0, 30.0)));
       const double w = std::max(p * (1 - p), 1e-9);
-      ga += woman - p;
-      gb += (woman - p) * x;
+      ga += (row.label ? 1.0 : 0.0) - p;
+      gb += ((row.label ? 1.0 : 0.0) - p) * x;
       haa += w;
       hab += w * x;
       hbb += w * x * x;
@@ -163,9 +169,9 @@ std::vector<float> calibrate_sex(const std::vector<HeldOut>& rows, double mean, 
     b = std::max(b + std::clamp(step_b, -2.0, 2.0), 0.0);
     if (std::abs(step_a) + std::abs(step_b) < 1e-9) break;
   }
-  std::vector<float> table(kSexTableSize);
-  for (std::size_t i = 0; i < kSexTableSize; ++i) {
-    const double x = (static_cast<double>(i) / (kSexTableSize - 1) * 2 - 1) * kSexScoreMax;
+  std::vector<float> table(kScoreTableSize);
+  for (std::size_t i = 0; i < kScoreTableSize; ++i) {
+    const double x = (static_cast<double>(i) / (kScoreTableSize - 1) * 2 - 1) * kScoreMax;
     const double p = 1 / (1 + std::exp(-std::clamp(a + b * x, -30.0, 30.0)));
     table[i] = static_cast<float>(p);
     if (i > 0) table[i] = std::max(table[i], table[i - 1]);

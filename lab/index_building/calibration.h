@@ -47,7 +47,14 @@ std::vector<std::size_t> ood_beside(std::size_t ordinary, std::size_t ood_count,
 // (Gneiting & Raftery 2007) wins.
 IntervalModel calibrate_intervals(const std::vector<HeldOut>& rows);
 
-// Probability of a woman by regressed score (+1 woman, -1 man): logistic regression, tabulated for the device.
+// Probability that `label` is 1 by `score`: logistic regression with a rising slope, tabulated for the device.
+struct LabelledScore {
+  double score = 0;
+  bool label = false;
+};
+std::vector<float> calibrate_probability(const std::vector<LabelledScore>& rows);
+
+// Probability of a woman by regressed score (+1 woman, -1 man).
 // `unit` and `mean` turn the standardised target into the score.
 std::vector<float> calibrate_sex(const std::vector<HeldOut>& rows, double mean, double unit);
 

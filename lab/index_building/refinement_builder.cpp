@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/rng.h"
 #include "index/format.h"
 #include "lab/index_building/ridge.h"
 
@@ -15,6 +16,7 @@ namespace im2fit::index {
 namespace {
 
 constexpr int kFolds = 3;
+constexpr std::uint64_t kClothingStream = 0xC107;
 constexpr double kPenalties[] = {0.003, 0.01, 0.03, 0.1, 0.3};  // in variances of a value
 // Times these: a fit's coefficients have been shrunk to the population once, by the fit; histograms of FPFH are many
 // and noisy; the frames stand for themselves, as does what kind of sensor they are of (docs/formats-index.md).
@@ -132,7 +134,7 @@ struct Table {
         z(standardised_rows(scale, values)),
         y(std::move(targets)),
         weight(std::move(weights)),
-        all(z.cols(), kTargetMin),
+        all(z.cols(), y.cols()),
         unlike(Eigen::MatrixXd::Zero(z.cols(), z.cols())) {
     for (std::size_t i = 0; i < fold_of_row.size(); ++i)
       of_fold[static_cast<std::size_t>(fold_of_row[i])].push_back(static_cast<std::ptrdiff_t>(i));
@@ -142,7 +144,7 @@ struct Table {
     }
   }
   Sums sums_of(const std::vector<std::ptrdiff_t>& rows) const {
-    Sums sums(z.cols(), kTargetMin);
+    Sums sums(z.cols(), y.cols());
     if (!rows.empty()) sums.add(z(rows, Eigen::all), y(rows, Eigen::all), weight(rows));
     return sums;
   }
@@ -180,7 +182,7 @@ CrossFit choose_penalty(const Table& table, const Eigen::VectorXd& shares) {
   CrossFit best;
   double least = 1e300;
   for (const double tried : kPenalties) {
-    Eigen::MatrixXd answer(table.z.rows(), kTargetMin);
+    Eigen::MatrixXd answer(table.z.rows(), table.y.cols());
     for (std::size_t f = 0; f < kFolds; ++f)
       table.answer(solve(table.without(table.folds[f]), table.unlike, tried * shares), table.of_fold[f], answer);
     const double error = (answer - table.y).cwiseAbs().sum();
@@ -225,7 +227,7 @@ void RefinementBuilder::add(const Sample& sample) {
   row.ood = sample.calibrate_only;
   row.woman = sample.woman;
   row.truth = sample.truth;
-  Seen seen{sample.feature, sample.fit, sample.back, sample.fit_both, sample.clothed, 0};
+  Seen seen{sample.feature, sample.fit, sample.back, sample.fit_both, ClothingGiven::unknown, 0};
   for (const Refinement kind : {Refinement::fitted, Refinement::turned}) {
     seen.frame_count = row.frame_count[sees_back(kind) ? 1 : 0];
     auto& values = row.values[sees_back(kind) ? 1 : 0];
@@ -236,6 +238,8 @@ void RefinementBuilder::add(const Sample& sample) {
 
 void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed,
                               std::uint32_t shape_key) {
+  if (rows_[0].size() >= kSampleMin && rows_[1].size() >= kSampleMin)
+    for (std::size_t v = 0; v < kClothingViews.size(); ++v) clothing_[v] = learn_clothing(kClothingViews[v], seed);
   for (const Refinement kind : kRefinements) {
     Rows& rows = rows_[is_of_clothed(kind) ? 1 : 0];
     if (rows.size() < kSampleMin) continue;
@@ -304,11 +308,61 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   return out;
 }
 
-void RefinementBuilder::Learned::round(const LinearFit& fit) {
+RoundedWeights rounded(const LinearFit& fit) {
   const RowMatrixF rows = fit.weights.transpose().cast<float>();
-  weights =
-      round_weights({rows.data(), static_cast<std::size_t>(rows.size())}, static_cast<std::size_t>(rows.cols()));
+  return round_weights({rows.data(), static_cast<std::size_t>(rows.size())}, static_cast<std::size_t>(rows.cols()));
+}
+
+void RefinementBuilder::Learned::round(const LinearFit& fit) {
+  weights = rounded(fit);
   for (std::ptrdiff_t t = 0; t < kTargetMin; ++t) bias.push_back(static_cast<float>(fit.bias(t)));
+}
+
+// Bare and dressed people, who count alike in sum. Neither the shape nor the sex of a person may stand for clothes:
+// most subjects are seen both ways, so what differs between them is what is worn.
+RefinementBuilder::LearnedClothing RefinementBuilder::learn_clothing(Refinement view, std::uint64_t seed) const {
+  const auto count = static_cast<std::ptrdiff_t>(rows_[0].size() + rows_[1].size());
+  std::vector<const std::vector<float>*> values;
+  std::vector<int> fold_of_row;
+  std::vector<bool> dressed;
+  Eigen::MatrixXd y(count, 1);
+  Eigen::VectorXd weights(count);
+  for (const bool is_dressed : {false, true}) {
+    const Rows& people = rows_[is_dressed ? 1 : 0];
+    for (const Row& row : people) {
+      const auto at = static_cast<std::ptrdiff_t>(values.size());
+      y(at, 0) = is_dressed ? 1 : -1;
+      weights(at) = weight_at(row.distance_mm[sees_back(view) ? 1 : 0]) / static_cast<double>(people.size());
+      values.push_back(&row.values[sees_back(view) ? 1 : 0]);
+      // Not dealt in turn: a subject's rows, bare and dressed, belong in one fold.
+      fold_of_row.push_back(Rng::for_item(seed, kClothingStream, row.subject).index(kFolds));
+      dressed.push_back(is_dressed);
+    }
+  }
+  weights *= static_cast<double>(count) / weights.sum();
+  const Table table(values, std::move(y), std::move(weights), fold_of_row);
+  const Eigen::VectorXd shares = penalty_shares(view, feature_size_, fit_);
+  const CrossFit cross = choose_penalty(table, shares);
+  LearnedClothing out;
+  out.record.fit = fit_;
+  out.record.sample_count = static_cast<std::uint32_t>(count);
+  out.record.penalty_millionths = static_cast<std::uint32_t>(std::lround(cross.penalty * 1e6));
+  for (const float m : table.scale.mean) out.mean.push_back(upper_of_float(m));
+  for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
+  const LinearFit fit = solve(table.all, table.unlike, cross.penalty * shares);
+  out.weights = rounded(fit);
+  out.bias.push_back(static_cast<float>(fit.bias(0)));
+  std::vector<LabelledScore> scores;
+  double right[2] = {0, 0};
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const bool label = dressed[static_cast<std::size_t>(i)];
+    scores.push_back({cross.answer(i, 0), label});
+    if ((cross.answer(i, 0) > 0) == label) right[label ? 1 : 0] += 1;
+  }
+  out.record.right_share = static_cast<float>(
+      0.5 * (right[0] / static_cast<double>(rows_[0].size()) + right[1] / static_cast<double>(rows_[1].size())));
+  out.table = calibrate_probability(scores);
+  return out;
 }
 
 void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
@@ -374,6 +428,22 @@ void RefinementBuilder::write(ContainerWriter& out) const {
     add("interval", learned->interval);
     add("spread", learned->spread_floor);
     add("sex", learned->sex_table);
+  }
+  for (std::size_t v = 0; v < kClothingViews.size(); ++v) {
+    const auto& learned = clothing_[v];
+    if (!learned) continue;
+    const auto add = [&](const char* name, const auto& values) {
+      using Value = typename std::decay_t<decltype(values)>::value_type;
+      out.add_array(clothing_section_of(kClothingViews[v], name), std::span<const Value>(values));
+    };
+    out.add_array(clothing_section_of(kClothingViews[v], "about"),
+                  std::span<const ClothingRecord>(&learned->record, 1));
+    add("mean", learned->mean);
+    add("scale", learned->scale);
+    add("weights", learned->weights.weights);
+    add("unit", learned->weights.unit);
+    add("bias", learned->bias);
+    add("table", learned->table);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/container.h"
+#include "index/clothing_estimate.h"
 #include "index/refinement.h"
 #include "lab/index_building/calibration.h"
 #include "lab/index_building/learning.h"
@@ -33,7 +34,7 @@ class RefinementBuilder {
   using PlainAnswers = std::map<std::uint64_t, Targets>;
   // `targets`: as the index standardises them. A kind of people with fewer than kSampleMin samples is left out.
   void learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed, std::uint32_t shape_key);
-  // Sections of every kind that was learned.
+  // Sections of every kind that was learned, and of how clothes are told.
   void write(ContainerWriter& out) const;
 
  private:
@@ -63,10 +64,19 @@ class RefinementBuilder {
   Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
                     std::uint64_t seed) const;
 
+  struct LearnedClothing {
+    ClothingRecord record;
+    std::vector<std::uint16_t> mean, scale;
+    RoundedWeights weights;
+    std::vector<float> bias, table;
+  };
+  LearnedClothing learn_clothing(Refinement view, std::uint64_t seed) const;
+
   std::array<Rows, 2> rows_;  // of people undressed, and in clothes
   std::size_t feature_size_ = 0;
   FitLayout fit_;
   std::array<std::optional<Learned>, kRefinementCount> learned_;
+  std::array<std::optional<LearnedClothing>, kClothingViews.size()> clothing_;  // as kClothingViews
 };
 
 }  // namespace im2fit::index

@@ -150,16 +150,17 @@ WantedPerson AnsurRows::draw(bool woman, const AnsurSettings& settings, Rng& rng
   const bool heavy = rng.uniform() < 0.5;
   const double index_wanted = heavy ? rng.uniform(32, 42) : rng.uniform(17, 19);
   const int any = rng.index(people), in_third = rng.index(people / 3);
-  if (!to_end) return wanted_of(woman, sex.people[static_cast<std::size_t>(any)], settings.tape_share, rng);
+  if (!to_end) return wanted_of(woman, sex.people[static_cast<std::size_t>(any)], settings, rng);
   const auto place = static_cast<std::size_t>(heavy ? people - 1 - in_third : in_third);
   std::vector<double> row = sex.people[sex.by_mass_index[place]];
   const double times = index_wanted / mass_index(row);
   for (std::size_t c = 0; c < kSources.size(); ++c)
     if (c != kStature) row[c] *= c == kWeight ? times : std::pow(times, sex.elasticity[c]);
-  return wanted_of(woman, row, settings.tape_share, rng);
+  return wanted_of(woman, row, settings, rng);
 }
 
-WantedPerson AnsurRows::wanted_of(bool woman, const std::vector<double>& row, double tape_share, Rng& rng) const {
+WantedPerson AnsurRows::wanted_of(bool woman, const std::vector<double>& row, const AnsurSettings& settings,
+                                  Rng& rng) const {
   WantedPerson person;
   person.woman = woman;
   person.age_years = row[kAge];
@@ -171,9 +172,15 @@ WantedPerson AnsurRows::wanted_of(bool woman, const std::vector<double>& row, do
   for (const auto& [breadth, depth, girth] :
        {std::array{SurveyDimension::waist_breadth, SurveyDimension::waist_depth, SurveyDimension::waist_girth},
         std::array{SurveyDimension::hip_breadth, SurveyDimension::hip_depth, SurveyDimension::hip_girth}}) {
-    const double share = std::clamp(rng.normal(tape_share, kTapeShareSd), 0.0, 1.0);
+    const double square =
+        settings.square_share > 0 ? std::clamp(rng.normal(settings.square_share, kSquareShareSd), 0.0, 1.0) : 0.0;
+    const double pressed = std::min(settings.pressed_share, 1 - square);
     const double ellipse = ellipse_perimeter(value(breadth), value(depth));
-    value(girth) = ellipse + share * std::max(0.0, value(girth) - ellipse);
+    const double excess = std::max(0.0, value(girth) - ellipse);
+    const double larger = 1 + pressed * excess / ellipse;
+    value(breadth) *= larger;
+    value(depth) *= larger;
+    value(girth) = ellipse + (pressed + square) * excess;
   }
   return person;
 }

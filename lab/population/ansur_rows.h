@@ -5,9 +5,12 @@
 // What calipers and tape say of one section does not agree. Against the ellipse of breadth and depth the tape is
 // longer by (mean, SD of the survey): waist 1.054 .018 (men), 1.061 .022 (women); hip 1.090, 1.097;
 // chest 1.238, 1.165.
-// - Waist and hip: breadth and depth are honoured, for a camera sees those. Of what the tape has beyond the ellipse,
-//   `tape_share` is asked of a squarer section, varied by person; the rest (about 2 % of the girth, as much as
-//   calipers pressed in by 3 mm a side would make) is not.
+// - Waist and hip: the tape's excess is shared out. `pressed_share` of it: calipers press, so breadth and depth are
+// of a
+//   larger section of the same ratio. `square_share`, varied by person: the section is squarer than an ellipse. The
+//   rest: the tape is longer than the hull. Sections of scanned people are about 1.01 of their ellipse, which leaves
+//   a fifth of the excess to squareness; scans read waists longer than tapes do, not shorter, which leaves nothing to
+//   the rest. No survey settles it: other shares are an option of the evaluation.
 // - Chest: girth and depth are honoured. The survey's breadth cannot be of the section its tape goes round (it would
 //   have to be a rectangle): its blades lie against the ribs below the arms. A constant by sex is added so that
 //   sections are superellipses of exponent 2.5 on average; persons differ in it as they do in the survey.
@@ -25,13 +28,15 @@
 
 namespace im2fit::lab {
 
-inline constexpr double kTapeShareSd = 0.15;
+inline constexpr double kSquareShareSd = 0.15;
 // Perimeter of a superellipse of exponent 2.5 over that of the ellipse: 1.040 for axes like a chest's.
 inline constexpr double kChestOverEllipse = 1.040;
 
 struct AnsurSettings {
   double end_share = 0.25;  // of people, carried to the ends of body mass
-  double tape_share = 0.8;  // mean over people; kTapeShareSd about it
+  // Of what the tape has beyond the ellipse, by calipers that press and by squareness (mean over people;
+  // kSquareShareSd about it); together 1 at most.
+  double pressed_share = 0.8, square_share = 0.2;
 };
 
 // A person to be made. Weight is the survey's own, kg.
@@ -60,7 +65,7 @@ class AnsurRows {
     std::vector<std::size_t> by_mass_index;   // lightest first
     double chest_wider_mm = 0;
   };
-  WantedPerson wanted_of(bool woman, const std::vector<double>& row, double tape_share, Rng& rng) const;
+  WantedPerson wanted_of(bool woman, const std::vector<double>& row, const AnsurSettings& settings, Rng& rng) const;
 
   std::vector<Sex> sexes_;  // men, women
 };

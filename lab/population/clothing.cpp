@@ -14,8 +14,9 @@ namespace {
 
 constexpr float kLimbMostMm = 20;  // of loose clothes, off the trunk
 constexpr int kDrapePasses = 5;
-constexpr float kStiffness = 0.3F;   // how much of its own ease the cloth keeps in a pass
-constexpr double kSkirtShare = 0.3;  // of women not in tight clothes
+constexpr float kStiffness = 0.3F;      // how much of its own ease the cloth keeps in a pass
+constexpr double kBarefootShare = 0.2;  // of people in clothes, so that shoes do not stand for these: judgement
+constexpr double kSkirtShare = 0.3;     // of women not in tight clothes
 
 float draw(Rng& rng, double low, double high) {
   return static_cast<float>(rng.uniform(low, high));
@@ -258,8 +259,14 @@ void Tailor::dress(std::span<const Vec3f> rest, const body::Skeleton& skeleton, 
     const Cut cut = draw_cut(clothing, woman, rng);
     clothe(rest, cut, rng, out);
     if (cut.skirt) hang_skirt(rest, cut, rng, out);
+    const bool shod = rng.uniform() >= kBarefootShare;
     out.sole_mm = draw(rng, kSoleLeastMm, kSoleMostMm);
     make_shoes(model_, rest, skeleton, draw(rng, 4, 8), out.sole_mm, out.shoe, out.shoe_body);
+    if (!shod) {
+      out.sole_mm = 0;
+      out.shoe.clear();
+      out.shoe_body.clear();
+    }
   }
   if (hair) grow_hair(rest, skeleton, woman, rng, out);
   float crown = -1e9F;

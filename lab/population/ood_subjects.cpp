@@ -40,13 +40,17 @@ bool is_shape(std::string_view name) {
 
 // Another surface under other dimensions, of the same stature, weight and age.
 void make_anew(const body::BodyModel& model, const Subject& subject, const OodVariation& variation, Rng& rng,
-               std::vector<Vec3f>& rest) {
+               const SurfaceSmoother* smoother, std::vector<Vec3f>& rest) {
   const double share = rng.uniform();  // most are smoothed little: passes are drawn by their logarithm
   const double passes =
       variation.passes_least * std::pow(static_cast<double>(variation.passes_most) / variation.passes_least, share);
-  SurfaceSmoother(model).run(rest, static_cast<int>(passes));
-  const body::Warp warp = body::draw_warp(model, subject.woman,
-                                          body::draw_build(Family::training, subject.woman, subject.seed), rng, rest);
+  if (smoother != nullptr)
+    smoother->run(rest, static_cast<int>(passes));
+  else
+    SurfaceSmoother(model).run(rest, static_cast<int>(passes));
+  const body::Warp warp =
+      body::draw_warp(model, subject.woman, body::draw_build(Family::training, subject.woman, subject.seed), rng,
+                      rest, rng.uniform(variation.tape_share_least, 1), variation.girth_sd);
   body::apply_warp(model, warp, rest);
 }
 
@@ -59,7 +63,7 @@ Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::
 }
 
 Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
-                         const OodVariation& variation, std::vector<Vec3f>& rest) {
+                         const OodVariation& variation, std::vector<Vec3f>& rest, const SurfaceSmoother* smoother) {
   Subject subject = draw_unmeasured(model, Family::training, seed ^ kOodStream, index, rest);
   Rng rng = Rng::for_item(subject.seed, kOodStream, index);
   const auto names = model.modifier_names();
@@ -83,7 +87,7 @@ Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::
   if (make.uniform() < variation.smoothed_share) {
     std::vector<Vec3f> plain(rest.size());
     model.morph(subject.params, plain);
-    make_anew(model, subject, variation, make, rest);
+    make_anew(model, subject, variation, make, smoother, rest);
     // Of all vertices: joints move with the surface.
     subject.rest_offset_mm.resize(rest.size());
     for (std::size_t i = 0; i < rest.size(); ++i) subject.rest_offset_mm[i] = rest[i] - plain[i];

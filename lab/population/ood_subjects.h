@@ -12,6 +12,8 @@
 
 namespace im2fit::lab {
 
+class SurfaceSmoother;
+
 // How they differ: modifiers that no family uses, bumps, and what is alike on both sides.
 struct OodVariation {
   double modifier_sd;
@@ -23,6 +25,8 @@ struct OodVariation {
   // no detail of MakeHuman's meshes is left, so that none can be learned.
   double smoothed_share = 0;
   int passes_least = 10, passes_most = 120;
+  double tape_share_least = 1;  // of those: body::draw_warp's share is drawn from here to 1
+  double girth_sd = 0;
   float crown_sd_mm = 0;  // how far crowns are higher or flatter than the mesh's
 };
 // Refined answers learn from these and intervals are fitted on them: trunks differ where a camera in front does not
@@ -58,6 +62,8 @@ inline constexpr OodVariation kOodTrunk = {
              .warp_reach_least_mm = 90,
              .warp_reach_most_mm = 220},
     .smoothed_share = 0.5,
+    .tape_share_least = 0,
+    .girth_sd = 0.02,
     .crown_sd_mm = 8};
 // The shape space knows these as well: different all over.
 inline constexpr OodVariation kOodAllOver = {
@@ -66,8 +72,9 @@ inline constexpr OodVariation kOodAllOver = {
 // Deterministic: depends on the model, seed and index only. `family` is training; truth is measured on the mesh.
 Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
                          const OodVariation& variation = kOodTrunk);
-// The same; `rest` becomes what morph_subject() would make of it.
+// The same; `rest` becomes what morph_subject() would make of it. `smoother`: of the model, for those who make many.
 Subject draw_ood_subject(const body::BodyModel& model, std::uint64_t seed, std::uint64_t index,
-                         const OodVariation& variation, std::vector<Vec3f>& rest);
+                         const OodVariation& variation, std::vector<Vec3f>& rest,
+                         const SurfaceSmoother* smoother = nullptr);
 
 }  // namespace im2fit::lab

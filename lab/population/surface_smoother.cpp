@@ -10,7 +10,8 @@
 namespace im2fit::lab {
 namespace {
 
-constexpr float kPassShare = 0.5F;
+// Every second pass goes back, a little farther: what is broad keeps its size (Taubin 1995, pass band 0.1).
+constexpr float kPassShare = 0.5F, kBackShare = -0.526F;
 constexpr float kHeadShare = 0.15F;  // of the trunk's: faces are narrow things
 
 // Of a vertex' skin, by how much smoothing it takes.
@@ -53,20 +54,21 @@ SurfaceSmoother::SurfaceSmoother(const body::BodyModel& model) {
   }
   for (std::size_t v = 0; v < count; ++v) {
     first_[v + 1] += first_[v];
-    share_.push_back(kPassShare * smoothed_share(model.data().skin[v]));
+    share_.push_back(smoothed_share(model.data().skin[v]));
   }
 }
 
 void SurfaceSmoother::run(std::span<Vec3f> rest, int passes) const {
   std::vector<Vec3f> before(share_.size());
-  for (int pass = 0; pass < passes; ++pass) {
+  for (int pass = 0; pass < 2 * passes; ++pass) {
+    const float by = pass % 2 == 0 ? kPassShare : kBackShare;
     std::copy_n(rest.begin(), before.size(), before.begin());
     for (std::size_t v = 0; v < before.size(); ++v) {
       Vec3f sum;
       for (std::int32_t i = first_[v]; i < first_[v + 1]; ++i)
         sum = sum + before[static_cast<std::size_t>(neighbours_[static_cast<std::size_t>(i)])];
       const auto neighbour_count = static_cast<float>(first_[v + 1] - first_[v]);
-      if (neighbour_count > 0) rest[v] = before[v] + (sum * (1 / neighbour_count) - before[v]) * share_[v];
+      if (neighbour_count > 0) rest[v] = before[v] + (sum * (1 / neighbour_count) - before[v]) * (by * share_[v]);
     }
   }
 }

@@ -13,10 +13,9 @@ class InClothes : public test::MeasuredClip {
 };
 
 TEST_F(InClothes, TheBodyUnderneathIsMeasuredWithTheOption) {
-  const auto with_option = measured({"--clothed", "--frames", "12"});
-  const auto without_option = measured({"--frames", "12"});
-  EXPECT_EQ(with_option["clothed"], true);
-  EXPECT_EQ(without_option["clothed"], false);
+  const auto with_option = measured({"--clothing", "dressed", "--frames", "12"});
+  const auto without_option = measured({"--clothing", "bare", "--frames", "12"});
+  EXPECT_EQ(with_option["clothing"]["answered_as"], "dressed");
   const auto truth = nlohmann::json::parse(test::read_text(clip() + "/truth.json"), nullptr, false)["measurements"];
   for (const char* girth : {"chest_girth", "waist_girth", "hip_girth"}) {
     const auto& under = with_option["measurements"][girth];

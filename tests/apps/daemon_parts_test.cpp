@@ -35,7 +35,7 @@ TEST_F(DaemonConfig, TheFileThatIsInstalledSaysTheDefaults) {
   EXPECT_EQ(shipped->measuring.frames, d.measuring.frames);
   EXPECT_EQ(shipped->measuring.calibration, d.measuring.calibration);
   EXPECT_EQ(shipped->measuring.turn, d.measuring.turn);
-  EXPECT_EQ(shipped->measuring.clothed, d.measuring.clothed);
+  EXPECT_EQ(shipped->measuring.clothing, d.measuring.clothing);
   EXPECT_EQ(shipped->measuring.sensor, d.measuring.sensor);
   EXPECT_EQ(shipped->measuring.threads, d.measuring.threads);
   EXPECT_EQ(shipped->measuring.size_charts, d.measuring.size_charts);
@@ -51,7 +51,7 @@ TEST_F(DaemonConfig, TheFileThatIsInstalledSaysTheDefaults) {
 TEST_F(DaemonConfig, EveryKeyIsTaken) {
   const auto c = load(
       "source: v4l2:/dev/video0\nrotate: 270\ncamera: c.yaml\nbody: b\ntracker: t\nindex: i\n"
-      "measure: {frames: 7, calibration: psi, turn: true, clothed: yes, sensor: time-of-flight,\n"
+      "measure: {frames: 7, calibration: psi, turn: true, clothing: dressed, sensor: time-of-flight,\n"
       " threads: 1, size_charts: [a.csv, b.csv]}\n"
       "socket:\n  path: /x\n  mode: \"0666\"\n  group: video\n  clients: 3\n  client_buffer_kib: 17\n"
       "state_directory: /s\n");
@@ -62,7 +62,7 @@ TEST_F(DaemonConfig, EveryKeyIsTaken) {
   EXPECT_EQ(c->body + c->measuring.tracker + c->measuring.index, "bti");
   EXPECT_EQ(c->measuring.frames, 7);
   EXPECT_EQ(c->measuring.calibration, "psi");
-  EXPECT_TRUE(c->measuring.turn && c->measuring.clothed);
+  EXPECT_TRUE(c->measuring.turn && c->measuring.clothing == "dressed");
   EXPECT_EQ(c->measuring.sensor, "time-of-flight");
   EXPECT_EQ(c->measuring.threads, 1);
   EXPECT_EQ(c->measuring.size_charts, (std::vector<std::string>{"a.csv", "b.csv"}));

@@ -127,7 +127,7 @@ TEST(ResultJson, KeysComeInTheOrderOfTheDesign) {
   std::vector<std::string> keys;
   for (const auto& [key, unused] : v.items()) keys.push_back(key);
   EXPECT_THAT(keys, testing::ElementsAre("schema", "state", "guidance", "guidance_details", "frames", "source",
-                                         "views", "estimator", "clothed", "measurements", "sex", "age", "size",
+                                         "views", "estimator", "clothing", "measurements", "sex", "age", "size",
                                          "joints", "body", "paper"));
 }
 

@@ -104,10 +104,10 @@ typedef struct im2fit_settings {
   int32_t pool_frames;     /* 8: frames held, 3..64, three bytes a pixel each */
   im2fit_log_fn log;       /* NULL: none */
   void* log_user;
-  int32_t user_id; /* 0: whoever stands right first. Else only the person with this im2fit_result.user_id */
-  int32_t turn;    /* 0: the front is measured. 1: then the person is asked to turn round, and the back as well */
-  int32_t clothed; /* 0: underwear or close-fitting sportswear. 1: dressed; needs body_path, intervals are wider */
-  int32_t sensor;  /* IM2FIT_SENSOR_...: how the camera senses depth. 0: judged from the frames */
+  int32_t user_id;  /* 0: whoever stands right first. Else only the person with this im2fit_result.user_id */
+  int32_t turn;     /* 0: the front is measured. 1: then the person is asked to turn round, and the back as well */
+  int32_t clothing; /* IM2FIT_CLOTHING_...: what the person wears. 0: estimated from the frames */
+  int32_t sensor;   /* IM2FIT_SENSOR_...: how the camera senses depth. 0: judged from the frames */
 } im2fit_settings;
 
 /* How a camera senses depth, where the caller knows: people's outlines come out differently. */
@@ -115,6 +115,13 @@ enum {
   IM2FIT_SENSOR_UNKNOWN = 0,          /* judged from the frames: docs/cameras says where that is not enough */
   IM2FIT_SENSOR_STRUCTURED_LIGHT = 1, /* Kinect for Xbox 360, Xtion, Astra */
   IM2FIT_SENSOR_TIME_OF_FLIGHT = 2    /* Kinect v2, Azure Kinect */
+};
+
+/* What the person wears, where the caller knows. */
+enum {
+  IM2FIT_CLOTHING_UNKNOWN = 0, /* estimated, given body_path: intervals are as wide as what is seen makes them */
+  IM2FIT_CLOTHING_BARE = 1,    /* underwear or close-fitting sportswear; GUIDANCE_CLOTHED when it does not look so */
+  IM2FIT_CLOTHING_DRESSED = 2  /* the body underneath, with wider intervals; needs body_path */
 };
 
 /* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_settings) as the caller sees it.
@@ -208,9 +215,10 @@ enum {
   IM2FIT_GUIDANCE_TOO_NOISY = 1 << 10,
   IM2FIT_GUIDANCE_SIDE_CUT = 1 << 11,
   IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12, /* raise the arms: upper arms level, hands up */
-  IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13        /* show the back; to be shown before all other guidance */
+  IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13,       /* show the back; to be shown before all other guidance */
+  IM2FIT_GUIDANCE_CLOTHED = 1 << 14           /* measured, but dressed where settings.clothing said bare */
 };
-#define IM2FIT_GUIDANCE_COUNT 14
+#define IM2FIT_GUIDANCE_COUNT 15
 
 /* The person's own arms. */
 enum { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 };
@@ -272,7 +280,7 @@ typedef struct im2fit_user {
 
 typedef struct im2fit_result {
   int32_t state;          /* IM2FIT_STATE_... */
-  uint32_t guidance;      /* of the latest frame; 0 once measured */
+  uint32_t guidance;      /* of the latest frame; once measured 0 or CLOTHED */
   uint32_t guidance_seen; /* of all frames */
   int32_t has_joints;     /* 1: `joints` holds the latest frame's, or once measured the mean behind the answer */
   uint64_t frames_seen;   /* until the measurement */
@@ -302,7 +310,9 @@ typedef struct im2fit_result {
   uint32_t frames_back;   /* of frames_used: those of the back */
   im2fit_estimate age;    /* years: median and 95 % of the people in the index who look alike */
   float age_bands[IM2FIT_AGE_BAND_COUNT]; /* probabilities of 18-25, 25-45, 45-65, 65-75 years */
-  uint32_t arms_close; /* IM2FIT_ARM_... or-ed: which of the person's arms ARMS_CLOSE of `guidance` is about */
+  uint32_t arms_close;        /* IM2FIT_ARM_... or-ed: which of the person's arms ARMS_CLOSE of `guidance` is about */
+  float clothing_probability; /* of being dressed, by the frames alone; NaN: not estimated */
+  float clothing_ease_mm;     /* expected, of cloth off the trunk's skin; NaN: not estimated */
 } im2fit_result;
 
 /* A consistent copy of the latest state; never waits for the threads at work. `struct_size` is sizeof *result: a
@@ -328,7 +338,7 @@ IM2FIT_API int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t v
 /* ---- Names, as in result.json; NULL when out of range ---------------------------------------------------------- */
 
 IM2FIT_API const char* im2fit_state_name(int state);    /* "TRACKING" */
-IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..13: "TOO_NEAR" is bit 1 */
+IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..14: "TOO_NEAR" is bit 1 */
 IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
 IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */

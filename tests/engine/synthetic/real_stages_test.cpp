@@ -150,7 +150,7 @@ class RealStages : public testing::Test {
 
 TEST_F(RealStages, ClothesNeedAnIndexThatKnowsThem) {
   EngineSettings settings;
-  settings.clothed = true;
+  settings.clothing = ClothingGiven::dressed;
   const auto engine = Engine::create(settings, *data_->tracker, *data_->index);
   ASSERT_FALSE(engine);
   EXPECT_EQ(engine.error().code, ErrorCode::unsupported);

@@ -52,7 +52,7 @@ function showResult() {
   const female = result.sex.female;
   const sex = female >= 0.5 ? `female ${Math.round(100 * female)} %` : `male ${Math.round(100 - 100 * female)} %`;
   at('others').textContent = sex + (result.views === 'front+back' ? ', from front and back' : ', from the front') +
-                             (result.clothed ? ', through clothes' : '');
+                             (result.clothing.answered_as === 'dressed' ? ', through clothes' : '');
 }
 
 const on = {

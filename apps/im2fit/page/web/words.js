@@ -6,6 +6,7 @@
 const kWishes = [
   ['NO_PERSON', 'Please step in front of the camera'],
   ['TURN_ROUND', 'Please turn round and show your back'],
+  ['CLOTHED', 'You seem to be dressed: the figures are less certain'],
   ['SEVERAL_PEOPLE', 'One person at a time, please'],
   ['TOO_NEAR', 'Please step back'],
   ['TOO_FAR', 'Please come closer'],
