@@ -96,6 +96,11 @@ std::vector<std::size_t> ood_beside(std::size_t ordinary, std::size_t ood_count,
   return which;
 }
 
+void widen(std::array<float, 2 * kMeasurementCount>& quantiles, const Widening& by) {
+  for (std::size_t m = 0; m < kMeasurementCount; ++m)
+    for (const std::size_t end : {2 * m, 2 * m + 1}) quantiles[end] *= by[m];
+}
+
 IntervalModel calibrate_intervals(const std::vector<HeldOut>& rows) {
   IntervalModel model;
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {

@@ -402,7 +402,8 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
                                             static_cast<double>(judged.size()));
     }
   }
-  const IntervalModel intervals = calibrate_intervals(held_out);
+  IntervalModel intervals = calibrate_intervals(held_out);
+  widen(intervals.quantiles, kUnknownMakeWidening[static_cast<std::size_t>(kind)]);
   record.interval_kind = static_cast<std::uint32_t>(intervals.kind);
   record.noise = intervals.noise;
   record.coverage = intervals.coverage;
