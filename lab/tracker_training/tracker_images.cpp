@@ -68,8 +68,10 @@ TrackerImage make_image(Studio& studio, const Subject& subject, std::uint64_t se
   std::vector<std::uint8_t> mask = frame.truth_mask;
   if (rng.uniform() >= kTruthMaskShare) {
     Segmenter segmenter(k.width, k.height);
+    PersonTracker people;
     std::vector<std::uint8_t> own(mask.size());
-    segmenter.run(DepthView(frame.depth.data(), k.width, k.height), k, MaskImage(own.data(), k.width, k.height));
+    segmenter.run(DepthView(frame.depth.data(), k.width, k.height), k, people,
+                  MaskImage(own.data(), k.width, k.height));
     if (overlap(own, frame.truth_mask)) mask.swap(own);
   }
   const Person person = box_of(mask, k.width, k.height);
