@@ -21,8 +21,8 @@ using room_test::render;
 using room_test::Scene;
 
 constexpr JointEvidence kSure = {1.0F, 3.0F, true};
-constexpr JointEvidence kPerhaps = {0.5F, 0.5F, true};    // a person's odds, but not at first sight
-constexpr JointEvidence kDoubtful = {0.5F, -1.5F, true};  // too little, yet not hopeless
+constexpr JointEvidence kPerhaps = {0.5F, 0.5F, true};  // a person's odds, but not at first sight
+constexpr JointEvidence kUnsure = {0.5F, -1.5F, true};  // too little, yet not hopeless
 constexpr JointEvidence kHopeless = {0.1F, -6.0F, true};
 
 Scene room() {
@@ -123,12 +123,12 @@ TEST_F(PersonTracking, ACandidateStaysSelectableUntilRejected) {
     ASSERT_TRUE(person.found) << i;
     if (i == 0) id = person.id;
     EXPECT_EQ(person.id, id);
-    EXPECT_FALSE(people_.judge(id, kDoubtful)) << i;
+    EXPECT_FALSE(people_.judge(id, kUnsure)) << i;
   }
   Scene with_another = s;
   add(with_another, candidate_at(600, 3600));
   for (int i = 0; i < 4; ++i) EXPECT_EQ(run(with_another).id, id) << "nearer, and not rejected yet";
-  EXPECT_FALSE(people_.judge(id, kDoubtful));
+  EXPECT_FALSE(people_.judge(id, kUnsure));
   const Person other = run(with_another);
   EXPECT_NE(other.id, id) << "rejected: the next one's turn";
 }
@@ -178,7 +178,7 @@ TEST_F(PersonTracking, ARecordEndsWithItsUser) {
   people_.reset();
   EXPECT_FALSE(people_.accepted(id));
   EXPECT_TRUE(people_.users().empty());
-  EXPECT_FALSE(people_.judge(id, kSure)) << "of nobody";
+  EXPECT_FALSE(people_.judge(id, kSure)) << "the user is gone";
 }
 
 TEST(PersonTrackerHold, FromTheFirstGoodFrameUntilTheUserIsGone) {
