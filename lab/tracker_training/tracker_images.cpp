@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "core/rng.h"
+#include "hal/source.h"
 #include "lab/parallel.h"
 #include "perception/joints/side.h"
 #include "perception/segment/segment.h"
@@ -99,7 +100,7 @@ UprightFrame Studio::render(const Subject& subject, const TrackerScene& drawn) {
   scene_->render(0, DepthImage(depth.data(), width, height));
   scene_->person_mask(MaskImage(mask.data(), width, height));
   UprightFrame frame;
-  frame.intrinsics = upright_intrinsics(drawn.intrinsics, drawn.rotate_deg);
+  frame.intrinsics = hal::rotate_upright(drawn.intrinsics, drawn.rotate_deg);
   turn_upright(depth, width, height, drawn.rotate_deg, frame.depth);
   turn_upright(mask, width, height, drawn.rotate_deg, frame.truth_mask);
   frame.joints = scene_->joints(0);
