@@ -19,7 +19,6 @@
 #include "engine/frame_stages.h"
 #include "engine/snapshot.h"
 #include "engine/spsc_ring.h"
-#include "engine/user_lock.h"
 
 namespace im2fit {
 namespace {
@@ -76,10 +75,10 @@ class PipelineEngine final : public Engine {
         input_(pool_.slot_count()),
         sensed_(pool_.slot_count()),
         free_(pool_.slot_count()),
-        lock_(settings.user),
         fit_(settings, *stages_),
         snapshot_(fit_.result()) {
     for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) free_.try_push(slot);
+    people().select(settings.user);
   }
 
   // Once, before the first frame. Error: a thread cannot be started; the destructor ends the one that was.
@@ -150,7 +149,6 @@ class PipelineEngine final : public Engine {
   void reset() override {
     drain();
     stages_->reset_sense();
-    lock_.reset();
     clock_.reset();
     fit_.reset();
     begin_again();
@@ -158,7 +156,7 @@ class PipelineEngine final : public Engine {
 
   void next_person() override {
     drain();
-    if (!fit_.over()) lock_.reset();
+    if (!fit_.over()) people().release();
     clock_.reset();  // frames were not processed meanwhile: that is no frame gap
     fit_.next_person();
     begin_again();
@@ -173,13 +171,17 @@ class PipelineEngine final : public Engine {
 
   void select_user(int user) override {
     drain();
-    if (lock_.requested() == user) return;
-    lock_.request(user);
+    if (people().requested() == user) return;
+    people().select(user);
     fit_.begin_next();
     begin_again();
   }
 
  private:
+  PersonTracker& people() {
+    return stages_->people();
+  }  // SENSE's, or the producer's while no frame is in the pipeline
+
   void begin_again() {
     over_.store(false, std::memory_order_relaxed);
     fault_.store(nullptr, std::memory_order_relaxed);
@@ -227,12 +229,11 @@ class PipelineEngine final : public Engine {
     slot.after_frame_gap = slot.seconds > kFrameGapSecondsMax;
     if (slot.after_frame_gap) {
       stages_->reset_sense();
-      lock_.reset();
       slot.seconds = kFramePeriodS;
     }
-    stages_->before_sense(slot.seconds, lock_.selected());
-    slot.detection = stages_->sense(slot.depth, settings_.intrinsics, slot.mask);
-    lock_.saw(slot.detection);
+    slot.detection = stages_->sense(slot.depth, settings_.intrinsics, slot.mask, slot.seconds);
+    const Person& person = slot.detection.person;
+    people().hold(person.found ? person.id : 0, slot.detection.guidance == 0);
   }
 
   void fit(FrameSlot& slot) {
@@ -285,8 +286,7 @@ class PipelineEngine final : public Engine {
   SpscRing input_;
   SpscRing sensed_;
   SpscRing free_;
-  UserLock lock_;     // SENSE's, or the producer's while no frame is in the pipeline
-  FrameClock clock_;  // the same
+  FrameClock clock_;  // SENSE's, or the producer's while no frame is in the pipeline
   FitStage fit_;      // FIT's, or the producer's while no frame is in the pipeline
   Snapshot<EngineResult> snapshot_;
 

@@ -26,10 +26,10 @@ class FrameStages {
   virtual ~FrameStages() = default;
 
   // Stage SENSE.
-  // Before each frame: `seconds` since the one before it, and whom to sense (0: the nearest and most central).
-  virtual void before_sense([[maybe_unused]] float seconds, [[maybe_unused]] int user) {}
-  virtual Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) = 0;
-  virtual void reset_sense() = 0;
+  // `seconds` since the frame before. Of whom: people().selected().
+  virtual Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) = 0;
+  virtual PersonTracker& people() = 0;
+  virtual void reset_sense() = 0;  // and people()
 
   // Stage FIT. `add` returns guidance of its own instead of adding.
   virtual GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics,

@@ -17,13 +17,10 @@ class SensingStages : public FrameStages {
     if (turn == Turn::asked) back_.emplace(width, height);
   }
 
-  void before_sense(float seconds, int user) override {
-    seconds_ = seconds;
-    sensor_.select(user);
+  Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) override {
+    return sensor_.sense(depth, intrinsics, mask, seconds);
   }
-  Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask) override {
-    return sensor_.sense(depth, intrinsics, mask, seconds_);
-  }
+  PersonTracker& people() override { return sensor_.people(); }
   void reset_sense() override { sensor_.reset(); }
 
   GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Detection& detection) override {
@@ -54,7 +51,6 @@ class SensingStages : public FrameStages {
   Fuser front_;
   std::optional<Fuser> back_;
   bool turned_ = false;
-  float seconds_ = kFramePeriodS;
 };
 
 }  // namespace im2fit

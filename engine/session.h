@@ -13,13 +13,14 @@
 //
 // Arms that touch the trunk are remembered over frames: arms_memory.h has the rule.
 //
-// From CALIBRATING on the session belongs to one user: while another is detected, that user is absent.
+// Who is detected is PersonTracker's decision, frame by frame in SENSE; the session reads it. From CALIBRATING on it
+// belongs to the user it began with: while another is detected, that user is absent.
 #pragma once
 
 #include "engine/arms_memory.h"
 #include "engine/engine.h"
-#include "engine/user_lock.h"
 #include "perception/observe/motion_filter.h"
+#include "perception/segment/person_tracker.h"
 
 namespace im2fit {
 
@@ -51,7 +52,7 @@ struct Session {
   int attempts = 0;
   int turning_frames = 0;  // in TURNING
   bool turned = false;     // in TURNING: the back has been seen, and no front since
-  int user = 0;            // whose session it is; 0 before USER_FOUND
+  int user = 0;            // the user of the latest frame that counted, in FIT's time; 0 before USER_FOUND
   ArmsMemory arms;         // of that user, since USER_FOUND; in TURNING: since the back was seen
 };
 

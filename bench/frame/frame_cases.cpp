@@ -68,13 +68,14 @@ struct Room {
   std::vector<std::uint8_t> mask =
       std::vector<std::uint8_t>(static_cast<std::size_t>(kCamera.width * kCamera.height));
   Segmenter segmenter{kCamera.width, kCamera.height};
+  PersonTracker people;
   Person person;  // in the last frame, whose mask is in `mask`
   std::size_t next = 0;
 
   Room() {
     for (std::size_t i = 0; i < kFrames; ++i) depth[i] = picture(figure, 7 + i);
     // The room is learned before anything is measured.
-    for (int i = 0; i < kWarmUp; ++i) person = segmenter.run(frame(), kCamera, mask_image());
+    for (int i = 0; i < kWarmUp; ++i) person = segmenter.run(frame(), kCamera, people, mask_image());
     if (!person.found) std::fprintf(stderr, "frame: the segmenter finds no person in the rendered room\n");
   }
   DepthView frame() {
@@ -192,7 +193,7 @@ void add_whole(Cases& cases, const Bench& b) {
 void add_sense_parts(Cases& cases, const Bench& b) {
   const auto room = b.room;
   add(cases, "segment", {0.08e3, "0.6 MB of depth read, 0.3 MB of mask written"}, [room] {
-    room->person = room->segmenter.run(room->frame(), kCamera, room->mask_image());
+    room->person = room->segmenter.run(room->frame(), kCamera, room->people, room->mask_image());
     keep(room->person);
   });
   if (b.tracker != nullptr) {

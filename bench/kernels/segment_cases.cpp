@@ -95,6 +95,7 @@ void add_frame(Cases& cases) {
   struct Data {
     std::shared_ptr<const RoomPicture> room = room_picture(640, 480);
     Segmenter segmenter{640, 480};
+    PersonTracker people;
     std::vector<std::uint8_t> mask = std::vector<std::uint8_t>(room->depth.size());
   };
   const auto data = std::make_shared<Data>();
@@ -105,7 +106,8 @@ void add_frame(Cases& cases) {
   whole.item = "px";
   whole.floor = {640 * 480 * 4 / 11.6e3, "depth read and mask written, twice each, at 11.6 GB/s"};
   whole.run = [data] {
-    const Person p = data->segmenter.run(data->room->view(), data->room->intrinsics, {data->mask.data(), 640, 480});
+    const Person p =
+        data->segmenter.run(data->room->view(), data->room->intrinsics, data->people, {data->mask.data(), 640, 480});
     keep(p);
   };
   cases.push_back(whole);

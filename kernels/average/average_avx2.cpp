@@ -36,13 +36,7 @@ void average_avx2(const std::uint16_t* depth, const std::uint8_t* mask, int coun
                   std::uint16_t* seen) {
   int i = 0;
   for (; i + kLanes <= count; i += kLanes) eight_pixels(depth + i, mask + i, sum + i, seen + i);
-  for (; i < count; ++i) {
-    const std::uint32_t z = depth[i], n = seen[i];
-    if (mask[i] == 0 || z == 0 || z > kFusedDepthMaxMm) continue;
-    if (z * n > sum[i] + kOutlierMm * n || z * n + kOutlierMm * n < sum[i]) continue;
-    sum[i] += z;
-    seen[i] = static_cast<std::uint16_t>(n + 1);
-  }
+  average_portable(depth + i, mask + i, count - i, sum + i, seen + i);
 }
 
 }  // namespace im2fit

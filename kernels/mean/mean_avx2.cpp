@@ -41,19 +41,7 @@ void mean_avx2(const std::uint32_t* sum, const std::uint16_t* seen, int count, i
   const __m256i least = _mm256_set1_epi32(needed);
   int i = 0;
   for (; i + kLanes <= count; i += kLanes) eight(sum + i, seen + i, least, depth_q4 + i, mask + i);
-  if (i == count) return;
-  std::uint32_t last_sum[kLanes] = {};
-  std::uint16_t last_seen[kLanes] = {}, last_depth[kLanes] = {};
-  std::uint8_t last_mask[kLanes] = {};
-  for (int k = 0; i + k < count; ++k) {
-    last_sum[k] = sum[i + k];
-    last_seen[k] = seen[i + k];
-  }
-  eight(last_sum, last_seen, least, last_depth, last_mask);
-  for (int k = 0; i + k < count; ++k) {
-    depth_q4[i + k] = last_depth[k];
-    mask[i + k] = last_mask[k];
-  }
+  mean_portable(sum + i, seen + i, count - i, needed, depth_q4 + i, mask + i);
 }
 
 }  // namespace im2fit

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <immintrin.h>
 
-#include "kernels/silhouette/silhouette.h"
+#include "kernels/silhouette/silhouette_rows.h"
 
 namespace im2fit {
 namespace {
@@ -16,10 +16,7 @@ std::uint64_t sum_of(__m256i v) {  // of eight 32-bit lanes
   return static_cast<std::uint64_t>(_mm_cvtsi128_si64(two)) + static_cast<std::uint64_t>(_mm_extract_epi64(two, 1));
 }
 
-struct Row {
-  int count = 0, first = 0, last = -1;
-  std::uint64_t z = 0, uz = 0;
-};
+using Row = SilhouetteRow;
 
 Row measure_row(const std::uint16_t* z, const std::uint8_t* m, int width) {
   Row row;
@@ -59,21 +56,7 @@ Row measure_row(const std::uint16_t* z, const std::uint8_t* m, int width) {
 }  // namespace
 
 void silhouette_avx2(DepthView depth, MaskView mask, Silhouette& out) {
-  Silhouette s;
-  for (int v = 0; v < mask.height; ++v) {
-    const Row row = measure_row(depth.pixels + std::ptrdiff_t{v} * depth.stride,
-                                mask.pixels + std::ptrdiff_t{v} * mask.stride, mask.width);
-    if (row.count == 0) continue;
-    if (s.count == 0) s.v_min = v;
-    if (s.count == 0 || row.first < s.u_min) s.u_min = row.first;
-    if (row.last > s.u_max) s.u_max = row.last;
-    s.v_max = v;
-    s.count += row.count;
-    s.sum_z += row.z;
-    s.sum_uz += row.uz;
-    s.sum_vz += row.z * static_cast<std::uint64_t>(v);
-  }
-  out = s;
+  out = silhouette_of_rows(depth, mask, measure_row);
 }
 
 }  // namespace im2fit

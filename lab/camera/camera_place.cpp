@@ -51,20 +51,6 @@ Intrinsics kinect_intrinsics(int width, int height) {
   return {width, height, f, f, (static_cast<float>(width) - 1) / 2, (static_cast<float>(height) - 1) / 2};
 }
 
-Intrinsics upright_intrinsics(const Intrinsics& k, int rotate_deg) {
-  const float right = static_cast<float>(k.width - 1), bottom = static_cast<float>(k.height - 1);
-  switch (rotate_deg) {
-    case 90:
-      return {k.height, k.width, k.fy, k.fx, bottom - k.cy, k.cx};
-    case 180:
-      return {k.width, k.height, k.fx, k.fy, right - k.cx, bottom - k.cy};
-    case 270:
-      return {k.height, k.width, k.fy, k.fx, k.cy, right - k.cx};
-    default:
-      return k;
-  }
-}
-
 Vec3f upright_to_sensor(Vec3f p, int rotate_deg) {
   return mounting(rotate_deg) * p;
 }

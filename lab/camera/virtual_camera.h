@@ -31,9 +31,7 @@ namespace im2fit::lab {
 
 // Landscape 640x480 (f 575.8 px, centre 319.5, 239.5) or 320x240 (287.9; 159.5, 119.5); other sizes scale with width.
 Intrinsics kinect_intrinsics(int width, int height);
-// Of the upright picture; rotate_deg 0|90|180|270.
-Intrinsics upright_intrinsics(const Intrinsics& sensor, int rotate_deg);
-// A point or direction in the upright picture's camera axes, in the sensor's own.
+// A point or direction in the upright picture's camera axes, in the sensor's own. rotate_deg 0|90|180|270.
 Vec3f upright_to_sensor(Vec3f upright, int rotate_deg);
 
 // Another person in the room. The subject is draw_subject(model, family, subject_seed, subject_index).

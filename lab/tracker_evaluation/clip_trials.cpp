@@ -142,7 +142,7 @@ ClipOutcome run_clip(const body::BodyModel& model, const JointModel& joint_model
         book.note({detection.users.data(), static_cast<std::size_t>(detection.user_count)}, truth, in_view);
     if (kept == kPeople && frame >= kChoiceFrame && owner < kPeople && detection.person.id > 0) {
       kept = owner;
-      sensor.select(detection.person.id);
+      sensor.people().select(detection.person.id);
     }
     // One change, however long it lasts.
     const bool on_other = kept < kPeople && owner < kPeople && owner != kept;

@@ -34,29 +34,31 @@ class ExampleCollector {
   void add_person(const Subject& subject, Rng& rng) {
     const UprightFrame frame = studio_.render(subject, draw_tracker_scene(person_mix(), rng));
     Segmenter segmenter(frame.intrinsics.width, frame.intrinsics.height);
-    const Person person = detect(segmenter, frame);
-    if (person.found && overlap(mask_, frame.truth_mask)) add(frame, person, segmenter.shape_odds(person.id), true);
+    PersonTracker people;
+    const Person person = detect(segmenter, people, frame);
+    if (person.found && overlap(mask_, frame.truth_mask)) add(frame, person, people.shape_odds(person.id), true);
   }
 
   void add_room(const Subject& subject, Rng& rng) {
     const UprightFrame frame = studio_.render(subject, draw_empty_room(rng));
     Segmenter segmenter(frame.intrinsics.width, frame.intrinsics.height);
+    PersonTracker people;
     std::vector<int> seen;
     while (static_cast<int>(seen.size()) < kThingsMax) {
-      const Person person = detect(segmenter, frame);
+      const Person person = detect(segmenter, people, frame);
       if (!person.found || std::find(seen.begin(), seen.end(), person.id) != seen.end()) return;
-      add(frame, person, segmenter.shape_odds(person.id), false);
+      add(frame, person, people.shape_odds(person.id), false);
       seen.push_back(person.id);
-      segmenter.set_rejected(person.id, true);  // the next one's turn
+      people.reject(person.id);  // the next one's turn
     }
   }
 
   VoteExamples take() { return std::move(found_); }
 
  private:
-  Person detect(Segmenter& segmenter, const UprightFrame& frame) {
+  Person detect(Segmenter& segmenter, PersonTracker& people, const UprightFrame& frame) {
     mask_.resize(frame.depth.size());
-    return segmenter.run(depth_of(frame), frame.intrinsics,
+    return segmenter.run(depth_of(frame), frame.intrinsics, people,
                          MaskImage(mask_.data(), frame.intrinsics.width, frame.intrinsics.height));
   }
   static DepthView depth_of(const UprightFrame& frame) {

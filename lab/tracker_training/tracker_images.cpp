@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "core/rng.h"
+#include "hal/source.h"
 #include "lab/parallel.h"
 #include "perception/joints/side.h"
 #include "perception/segment/segment.h"
@@ -68,8 +69,10 @@ TrackerImage make_image(Studio& studio, const Subject& subject, std::uint64_t se
   std::vector<std::uint8_t> mask = frame.truth_mask;
   if (rng.uniform() >= kTruthMaskShare) {
     Segmenter segmenter(k.width, k.height);
+    PersonTracker people;
     std::vector<std::uint8_t> own(mask.size());
-    segmenter.run(DepthView(frame.depth.data(), k.width, k.height), k, MaskImage(own.data(), k.width, k.height));
+    segmenter.run(DepthView(frame.depth.data(), k.width, k.height), k, people,
+                  MaskImage(own.data(), k.width, k.height));
     if (overlap(own, frame.truth_mask)) mask.swap(own);
   }
   const Person person = box_of(mask, k.width, k.height);
@@ -97,7 +100,7 @@ UprightFrame Studio::render(const Subject& subject, const TrackerScene& drawn) {
   scene_->render(0, DepthImage(depth.data(), width, height));
   scene_->person_mask(MaskImage(mask.data(), width, height));
   UprightFrame frame;
-  frame.intrinsics = upright_intrinsics(drawn.intrinsics, drawn.rotate_deg);
+  frame.intrinsics = hal::rotate_upright(drawn.intrinsics, drawn.rotate_deg);
   turn_upright(depth, width, height, drawn.rotate_deg, frame.depth);
   turn_upright(mask, width, height, drawn.rotate_deg, frame.truth_mask);
   frame.joints = scene_->joints(0);

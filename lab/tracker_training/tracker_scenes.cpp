@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/source.h"
+
 namespace im2fit::lab {
 namespace {
 
@@ -155,7 +157,7 @@ TrackerMix person_mix() {
 void TrackerScene::place(const VirtualScene& staged) {
   distance_mm = staged.distance_mm();
   camera_height_mm = staged.floor().camera_height_mm;
-  const Intrinsics k = upright_intrinsics(staged.intrinsics(), rotate_deg);
+  const Intrinsics k = hal::rotate_upright(staged.intrinsics(), rotate_deg);
   const JointSet joints = staged.joints(0);
   whole = std::all_of(joints.position_mm.begin(), joints.position_mm.end(), [&](const Vec3f& p) {
     if (p.z < kNearMm) return false;

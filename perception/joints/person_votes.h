@@ -15,7 +15,7 @@ namespace im2fit::joints {
 
 // What a frame's votes are counted on, beside the picture.
 struct Witness {
-  float shape_odds = 0;    // Segmenter::shape_odds
+  float shape_odds = 0;    // PersonTracker::shape_odds
   float person_score = 0;  // JointTracker's
   FloorPlane floor;
 };

@@ -58,7 +58,7 @@ class JointTracker {
   // it; an empty mask 0.
   float person_score() const;
   // After track(): log-odds that it is a person and not an object, -8 of an empty mask. `shape_odds`:
-  // Segmenter::shape_odds. No allocation.
+  // PersonTracker::shape_odds. No allocation.
   float person_odds(float shape_odds) const;
   // After track(): what the joints were read from, and the runs' estimate, as if facing the camera; for training.
   const joints::View& view() const;

@@ -19,6 +19,7 @@
 #include "perception/observe/sensor_traits.h"
 #include "perception/paper/paper.h"
 #include "perception/profile/profile.h"
+#include "perception/segment/person_tracker.h"
 #include "perception/segment/segment.h"
 
 namespace im2fit {
@@ -46,34 +47,19 @@ class Sensor {
   Sensor(int width, int height, const JointModel& model);
   // `seconds` since the frame before.
   Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
-  // Whom to sense from the next frame on: the user of this id and no other; 0: the nearest and most central.
-  void select(int user) {
-    segmenter_.select(user);
-    selected_user_ = user;
-  }
-  void reset();
+  // Who is who, whom to sense from the next frame on, and whose session it is. Between frames.
+  PersonTracker& people() { return people_; }
+  void reset();  // forgets the room and the people; a selection stays
 
  private:
-  bool accepted(int id) const;
-  void accept(int id);
-  bool looks_like_person(const Person& person, bool confirmed);
+  JointEvidence evidence(const Person& person) const;
   Detection without_person(const Detection& refused, MaskImage mask);
 
   HoleFiller holes_;
   Segmenter segmenter_;
+  PersonTracker people_;
   JointTracker tracker_;
-  std::array<int, kUserCountMax> accepted_{};  // ids the joints confirmed once; 0: free
-  int selected_user_ = 0;                      // by select()
-  struct Candidate {                           // not yet accepted
-    int id = 0;
-    int frames = 0;      // judged
-    float odds_sum = 0;  // of the log-odds that it is a person, of the latest frames
-  };
-  static float mean_odds(const Candidate& c);
-  Candidate& candidate(int id);
-  bool judged_enough() const;
-  std::array<Candidate, kUserCountMax> candidates_{};  // the latest judged comes first
-  int previous_user_ = 0;                              // of the last frame; 0: none
+  int previous_user_ = 0;  // whose joints tracker_ followed in the last frame; 0: none's
 };
 
 // Second stage (thread FIT): accumulate frames, then describe.

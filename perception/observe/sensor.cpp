@@ -40,31 +40,22 @@ Sensor::Sensor(int width, int height, const JointModel& model)
 Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) {
   Detection detection;
   const DepthView filled = holes_.run(depth);
-  detection.person = segmenter_.run(filled, intrinsics, mask, seconds);
-  for (const User& user : segmenter_.users())
-    detection.users[static_cast<std::size_t>(detection.user_count++)] = user;
+  detection.person = segmenter_.run(filled, intrinsics, people_, mask, seconds);
+  for (const User& user : people_.users()) detection.users[static_cast<std::size_t>(detection.user_count++)] = user;
   detection.guidance = detection.person.guidance;
   if (!detection.person.found) {
     previous_user_ = 0;
     return detection;
   }
   const bool follows = previous_user_ != 0 && previous_user_ == detection.person.id;
-  const bool judged = !accepted(detection.person.id);
+  const bool judged = !people_.accepted(detection.person.id);
   Person standing = detection.person;
   if (judged && !standing.floor.known) standing.floor = assumed_floor(filled, mask, intrinsics, standing);
   detection.joints = tracker_.track(filled, mask, intrinsics, standing, follows);
-  if (judged) {
-    const auto listed = std::find_if(detection.users.begin(), detection.users.end(),
-                                     [&](const User& user) { return user.id == detection.person.id; });
-    const bool confirmed = listed != detection.users.end() && listed->confirmed;
-    const bool person_like = looks_like_person(detection.person, confirmed);
-    // Unconfirmed candidates stay selectable until rejected, and they are rejected only after enough frames.
-    if (person_like || confirmed || judged_enough()) segmenter_.set_rejected(detection.person.id, !person_like);
-    if (!person_like) return without_person(detection, mask);
-    accept(detection.person.id);
-  }
+  if (judged && !people_.judge(detection.person.id, evidence(detection.person)))
+    return without_person(detection, mask);
   const auto is_chosen = [&](const User& user) { return user.id == detection.person.id; };
-  const auto users = segmenter_.users();
+  const auto users = people_.users();
   const auto user = std::find_if(users.begin(), users.end(), is_chosen);
   const Lean lean = lean_of(filled, mask, intrinsics, detection.person, user != users.end() ? &*user : nullptr);
   // Other people are a guess in such a picture, too.
@@ -83,47 +74,12 @@ Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage
   return detection;
 }
 
-// A user accepted once stays accepted: people bend and turn away, and the joints then fit badly.
-bool Sensor::accepted(int id) const {
-  return id == selected_user_ || std::find(accepted_.begin(), accepted_.end(), id) != accepted_.end();
-}
-
-Sensor::Candidate& Sensor::candidate(int id) {
-  auto found = std::find_if(candidates_.begin(), candidates_.end(), [id](const Candidate& c) { return c.id == id; });
-  if (found == candidates_.end()) *--found = {id, 0, 0};
-  std::rotate(candidates_.begin(), found, found + 1);
-  return candidates_.front();
-}
-
-float Sensor::mean_odds(const Candidate& c) {
-  return c.odds_sum / static_cast<float>(std::min(c.frames, kLongFrames));
-}
-
-bool Sensor::looks_like_person(const Person& person, bool confirmed) {
-  Candidate& c = candidate(person.id);
-  const float shape = segmenter_.shape_odds(person.id);
+JointEvidence Sensor::evidence(const Person& person) const {
+  const float shape = people_.shape_odds(person.id);
   // With the shape and without: real clothes are flatter than those the shape's odds were fitted on, and what
   // a person touches counts with the shape; without it furniture comes too near to people.
   const float odds = 0.5F * (tracker_.person_odds(shape) + tracker_.person_odds(0));
-  // The latest frames': who raised the arms before may be found with them down.
-  if (c.frames >= kLongFrames) c.odds_sum -= c.odds_sum / static_cast<float>(kLongFrames);
-  c.odds_sum += odds;
-  ++c.frames;
-  const float sure = shape == 0 ? kPersonScoreSureShapeless : kPersonScoreSure;
-  if (confirmed && tracker_.person_score() >= sure && odds >= kOddsSure) return true;
-  const float least = !person.floor.known ? kOddsMinFloorless : confirmed ? kOddsSure : kOddsMin;
-  return c.frames >= kOddsFrames && mean_odds(c) >= least;
-}
-
-// Of the candidate judged last.
-bool Sensor::judged_enough() const {
-  const Candidate& c = candidates_.front();
-  return c.frames > kLongFrames || (c.frames >= kHopelessFrames && mean_odds(c) < kHopelessOdds);
-}
-
-void Sensor::accept(int id) {
-  std::copy_backward(accepted_.begin(), accepted_.end() - 1, accepted_.end());
-  accepted_[0] = id;
+  return {tracker_.person_score(), odds, person.floor.known};
 }
 
 Detection Sensor::without_person(const Detection& refused, MaskImage mask) {
@@ -143,9 +99,8 @@ Detection Sensor::without_person(const Detection& refused, MaskImage mask) {
 
 void Sensor::reset() {
   segmenter_.reset();
-  accepted_ = {};
-  candidates_ = {};
-  previous_user_ = selected_user_ = 0;
+  people_.reset();
+  previous_user_ = 0;
 }
 
 }  // namespace im2fit

@@ -7,6 +7,7 @@
 
 #include "perception/segment/blobs.h"
 #include "perception/segment/grid.h"
+#include "perception/segment/segment.h"
 
 namespace im2fit::segment {
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "perception/segment/background_limits.h"
+#include "perception/segment/person_tracker.h"
 
 namespace im2fit::segment {
 

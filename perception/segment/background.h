@@ -11,11 +11,7 @@
 
 namespace im2fit::segment {
 
-// Columns of cells, inclusive, and the depth at which a person stands.
-struct Keepout {
-  int c_min = 0, c_max = 0;
-  float z_mm = 0;
-};
+struct Keepout;
 
 class Background {
  public:

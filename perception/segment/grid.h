@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "perception/segment/segment.h"
+#include "core/floor_plane.h"
 
 namespace im2fit::segment {
 

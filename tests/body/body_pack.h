@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real body pack, where there is one.
+// The real body pack, where there is one, and the mesh of a body.
 #pragma once
 
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "body/model.h"
 
@@ -24,6 +26,13 @@ inline const BodyModel* real_body() {
     return loaded ? std::make_unique<BodyModel>(std::move(*loaded)) : nullptr;
   }();
   return model.get();
+}
+
+// The vertices of a body at rest.
+inline std::vector<Vec3f> mesh_of(const BodyModel& model, const Params& params = {}) {
+  std::vector<Vec3f> out(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(params, out);
+  return out;
 }
 
 }  // namespace im2fit::body

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "body_pack.h"
 #include "fake_shape_space.h"
 #include "tests/fuzz/body_use.h"
 
@@ -19,11 +20,6 @@ TEST(DamagedBody, AccidentsAreNoticedOrHarmless) {
   const Bytes& good = sound_body();
   const auto model = body::BodyModel::parse(good, "sound");
   ASSERT_TRUE(model);
-  const auto mesh_of = [](const body::BodyModel& m) {
-    std::vector<Vec3f> mesh(static_cast<std::size_t>(m.vertex_count()));
-    m.morph({}, mesh);
-    return mesh;
-  };
   const std::vector<Vec3f> truth = mesh_of(*model);
   Rng rng(20263);
   for (int i = 0; i < 50000; ++i) {

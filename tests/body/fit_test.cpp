@@ -122,7 +122,7 @@ std::vector<Vec3f> corners_of(const ShapeSpace& space, const ShapeFit& fit) {
   return out;
 }
 
-std::vector<Vec3f> mesh_of(const SeenPerson& person) {
+std::vector<Vec3f> corners_of(const SeenPerson& person) {
   std::vector<Vec3f> out;
   for (std::size_t v = 0; v < static_cast<std::size_t>(kBodyVertexCount); ++v)
     if (!on_an_arm(real_body()->data().skin[v])) out.push_back(person.rest[v]);
@@ -168,7 +168,7 @@ TEST(ShapeFitter, FindsPeopleAPerfectCameraSeesFromBothSides) {
     // Held-out people are rounder than the space's, who have real people's proportions.
     EXPECT_LT(fit.surface_mm, 2.6) << who;
     EXPECT_LT(fit.rim_mm, 4) << who;
-    const auto truth = mesh_of(person), found = corners_of(space, fit);
+    const auto truth = corners_of(person), found = corners_of(space, fit);
     EXPECT_NEAR(heights(found).size(), heights(truth).size(), 10) << who;
     for (const auto& [from, to] : {std::pair(0.46F, 0.54F), {0.58F, 0.64F}, {0.68F, 0.76F}}) {  // hips, waist, chest
       const auto [width, depth] = belt(truth, from, to);

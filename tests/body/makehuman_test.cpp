@@ -7,6 +7,7 @@
 
 #include "body/measure.h"
 #include "body/model_data.h"
+#include "body_pack.h"
 #include "fake_makehuman.h"
 
 namespace im2fit::body {
@@ -64,8 +65,7 @@ class Layout : public testing::TestWithParam<bool> {
   }
   // x displacement of a base vertex, mm.
   static double moved(const BodyModel& model, const Params& params, int vertex) {
-    std::vector<Vec3f> out(static_cast<std::size_t>(model.vertex_count()));
-    model.morph(params, out);
+    const std::vector<Vec3f> out = mesh_of(model, params);
     const auto v = static_cast<std::size_t>(vertex);
     return static_cast<double>(out[v].x - model.data().base[v].x);
   }

@@ -189,8 +189,7 @@ TEST(Measure, NeckIsTheSmallestSectionAcrossItsAxis) {
   Params p;
   p.gender = 0.5F;
   p.weight = 0.8F;
-  std::vector<Vec3f> mesh(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(p, mesh);
+  std::vector<Vec3f> mesh = mesh_of(model, p);
   const float got = value(measure_rest_mesh(model, mesh, p.gender), Measurement::neck_girth);
   // The whole body turned until the neck is upright; then every level is a section across it.
   const Vec3f root = mean_of_list(model.data(), kHeadLists + static_cast<std::size_t>(Segment::neck), mesh);

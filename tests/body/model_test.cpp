@@ -46,12 +46,6 @@ std::size_t im2fit::body::allocations_so_far() {
 namespace im2fit::body {
 namespace {
 
-std::vector<Vec3f> morphed(const BodyModel& model, const Params& p) {
-  std::vector<Vec3f> out(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(p, out);
-  return out;
-}
-
 Params person(float gender, float height) {
   Params p;
   p.gender = gender;
@@ -66,7 +60,7 @@ TEST(RealBody, StatureAtTheEndsAndMiddleOfTheHeightSlider) {
   const std::array<std::array<double, 3>, 2> expected = {{{1223, 1590, 2312}, {1364, 1730, 2454}}};
   for (std::size_t g = 0; g < 2; ++g)
     for (std::size_t h = 0; h < 3; ++h)
-      EXPECT_NEAR(stature_mm(model, morphed(model, person(static_cast<float>(g), static_cast<float>(h) / 2))),
+      EXPECT_NEAR(stature_mm(model, mesh_of(model, person(static_cast<float>(g), static_cast<float>(h) / 2))),
                   expected[g][h], 1);
 }
 
@@ -80,7 +74,7 @@ TEST(RealBody, StatureDoesNotDependOnAgesBrokenHeightTargets) {
         low.age_years = high.age_years = age;
         low.muscle = high.muscle = muscle;
         low.weight = high.weight = weight;
-        const auto a = morphed(model, low), b = morphed(model, high);
+        const auto a = mesh_of(model, low), b = mesh_of(model, high);
         // The same head lift for all: how far the crown moves from the lowest to the highest slider.
         EXPECT_NEAR(stature_mm(model, b) - stature_mm(model, a), 2454 - 1364, 2.5) << age << muscle << weight;
       }
@@ -157,7 +151,7 @@ TEST(RealBody, VolumeMatchesTheSumOfItsSlices) {
   Params p = person(0.2F, 0.6F);
   p.weight = 0.8F;
   p.age_years = 60;
-  const auto mesh = morphed(model, p);
+  const auto mesh = mesh_of(model, p);
   const double litres = volume_litres(model, mesh);
   EXPECT_NEAR(litres, sliced_litres(model, mesh, 2), 0.001 * litres);
 }
@@ -171,7 +165,7 @@ TEST(RealBody, SlidersOutOfRangeOrNotANumberGiveAFiniteBody) {
   p.weight = 7;
   p.race = {nan, -1, 0};
   p.modifiers = {nan, 1e9F, -1e9F};
-  for (const Vec3f& v : morphed(model, p)) ASSERT_LT(norm(v), 5000.0F);
+  for (const Vec3f& v : mesh_of(model, p)) ASSERT_LT(norm(v), 5000.0F);
 }
 
 TEST(RealBody, MovesBetweenTwoPeopleAreTheDifferencesOfTheirMeshes) {
@@ -181,7 +175,7 @@ TEST(RealBody, MovesBetweenTwoPeopleAreTheDifferencesOfTheirMeshes) {
   b.weight = 0.8F;
   b.modifiers.assign(model.modifier_names().size(), 0.0F);
   b.modifiers[3] = -0.5F;
-  const auto from = morphed(model, a), to = morphed(model, b);
+  const auto from = mesh_of(model, a), to = mesh_of(model, b);
   // The mesh of one; from it half of the step, begun at zero; the whole step, begun at the other's mesh.
   std::vector<Vec3f> mesh(from.size()), half(from.size()), whole = from;
   const std::array<BodyModel::BodyMove, BodyModel::kBodyMovesMax> moves = {

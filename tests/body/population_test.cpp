@@ -14,12 +14,6 @@
 namespace im2fit::body {
 namespace {
 
-std::vector<Vec3f> mesh_of(const BodyModel& model, const Params& params) {
-  std::vector<Vec3f> out(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(params, out);
-  return out;
-}
-
 // Stature and weight of the drawn body, measured on its mesh, are those drawn for the person before any body was
 // made.
 TEST(Population, BodiesHaveTheBuildThatWasDrawn) {

@@ -15,12 +15,6 @@
 namespace im2fit::body {
 namespace {
 
-std::vector<Vec3f> mesh_of(const BodyModel& model, const Params& params) {
-  std::vector<Vec3f> out(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(params, out);
-  return out;
-}
-
 Params adult(float gender) {
   Params p;
   p.gender = gender;

@@ -74,13 +74,13 @@ class FakeStages final : public FrameStages {
   };
   explicit FakeStages(Control& control) : control_(control) {}
 
-  void before_sense(float, int user) override { user_ = user; }
+  PersonTracker& people() override { return people_; }
   // The person is found when selected by id, or when any person is wanted.
-  Detection sense(DepthView depth, const Intrinsics&, MaskImage mask) override {
+  Detection sense(DepthView depth, const Intrinsics&, MaskImage mask, float) override {
     ++control_.sense_calls;
     pause(control_.sense_delay_us);
     Detection detection;
-    detection.person.found = depth.at(0, 0) != 0 && (user_ == 0 || user_ == depth.at(4, 0));
+    detection.person.found = depth.at(0, 0) != 0 && (people_.selected() == 0 || people_.selected() == depth.at(4, 0));
     detection.person.id = detection.person.found ? depth.at(4, 0) : 0;
     // All people in view: the one selected or not.
     if (depth.at(0, 0) != 0) {
@@ -101,7 +101,10 @@ class FakeStages final : public FrameStages {
       for (int u = 0; u < mask.width; ++u) mask.at(u, v) = depth.at(u, v) % 2 == 0 ? 255 : 0;
     return detection;
   }
-  void reset_sense() override { sense_state_ = 0; }
+  void reset_sense() override {
+    sense_state_ = 0;
+    people_.reset();
+  }
 
   GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics&, const Detection& detection) override {
     pause(control_.fit_delay_us);
@@ -154,7 +157,7 @@ class FakeStages final : public FrameStages {
   }
   Control& control_;
   int sense_state_ = 0;
-  int user_ = 0;
+  PersonTracker people_;
   struct Side {
     int frame_count = 0;
     double sum = 0;

@@ -8,7 +8,6 @@
 
 #include "core/rng.h"
 #include "engine/engine.h"
-#include "engine/user_lock.h"
 #include "pipeline_rig.h"
 #include "tests/devices/process_state.h"
 #include "tests/devices/thread_starts.h"

@@ -217,36 +217,6 @@ TEST(Session, MovementIsReportedWhenItCanBeKnown) {
   }
 }
 
-Detection preview_of(bool found, int user, GuidanceSet guidance = 0) {
-  Detection detection;
-  detection.person.found = found;
-  detection.person.id = found ? user : 0;
-  detection.guidance = found ? guidance : kNoPerson;
-  return detection;
-}
-
-TEST(UserLock, HoldsFromTheFirstGoodFrameUntilTheUserIsGone) {
-  UserLock lock(0);
-  lock.saw(preview_of(true, 3, kNear));
-  EXPECT_EQ(lock.selected(), 0) << "another may still come nearer";
-  lock.saw(preview_of(true, 4));
-  EXPECT_EQ(lock.selected(), 4);
-  for (int i = 0; i < kAbsentFramesMax; ++i) lock.saw(preview_of(false, 0));
-  EXPECT_EQ(lock.selected(), 4) << "a flicker";
-  lock.saw(preview_of(true, 4, kNear));
-  for (int i = 0; i < kAbsentFramesMax; ++i) lock.saw(preview_of(false, 0));
-  EXPECT_EQ(lock.selected(), 4) << "counted anew";
-  lock.saw(preview_of(false, 0));
-  EXPECT_EQ(lock.selected(), 0) << "lost";
-}
-
-TEST(UserLock, ARequestedUserIsNeverGivenUp) {
-  UserLock lock(7);
-  EXPECT_EQ(lock.selected(), 7);
-  for (int i = 0; i < 100; ++i) lock.saw(preview_of(false, 0));
-  EXPECT_EQ(lock.selected(), 7);
-}
-
 TEST(Session, BeingSeenClearsTheAbsence) {
   const SessionStep step = on_detection(rules(false), at(State::tracking, 2), kGood);
   EXPECT_EQ(step.next.absent_frames, 0);

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine/user_lock.h"
 #include "pipeline_rig.h"
 
 namespace im2fit {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "body_fixture.h"
+#include "hal/source.h"
 
 namespace im2fit::lab {
 namespace {
@@ -106,7 +107,7 @@ TEST_F(TrackerScenesStaged, TrainingCamerasStayInTheirRanges) {
     EXPECT_LE(t.distance_mm, 4650);
     const FloorPlane floor = staged.floor();
     EXPECT_LT(std::fabs(std::asin(floor.up.z)) * 57.29578F, 20.1F);  // the optical axis against the level
-    const Intrinsics k = upright_intrinsics(t.intrinsics, t.rotate_deg);
+    const Intrinsics k = hal::rotate_upright(t.intrinsics, t.rotate_deg);
     const JointSet joints = staged.joints(0);
     bool all = true;
     for (const Vec3f& p : joints.position_mm)

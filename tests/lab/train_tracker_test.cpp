@@ -112,8 +112,9 @@ TEST(TrainTracker, CachedModelMeetsItsBarOnHeldOutPeople) {
     scene.render(0, DepthImage(depth.data(), w, h));
     scene.person_mask(MaskImage(truth.data(), w, h));
     Segmenter segmenter(w, h);
+    PersonTracker people;
     JointTracker tracker(*model);
-    const Person person = segmenter.run(DepthView(depth.data(), w, h), k, MaskImage(mask.data(), w, h));
+    const Person person = segmenter.run(DepthView(depth.data(), w, h), k, people, MaskImage(mask.data(), w, h));
     ASSERT_TRUE(person.found) << i;
     double both = 0, either = 0;
     for (std::size_t p = 0; p < mask.size(); ++p) {

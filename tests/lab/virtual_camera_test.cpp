@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "body_fixture.h"
+#include "hal/source.h"
 
 namespace im2fit::lab {
 namespace {
@@ -44,7 +45,7 @@ TEST(Mounting, AxesAndPixelsAgree) {
   sensor.cy = 250;
   sensor.fy = 570;
   for (const int rotate : {0, 90, 180, 270}) {
-    const Intrinsics upright = upright_intrinsics(sensor, rotate);
+    const Intrinsics upright = hal::rotate_upright(sensor, rotate);
     EXPECT_EQ(upright.width, rotate % 180 == 0 ? 640 : 480);
     for (const auto& [u, v] : {std::pair{10, 20}, {300, 400}, {77, 311}}) {
       const Vec3f p = unproject(upright, static_cast<float>(u), static_cast<float>(v), 2000);
@@ -83,7 +84,7 @@ TEST_F(VirtualCamera, WholePersonFitsByDefault) {
     options.pose = std::array<StandingPose, 4>{StandingPose::relaxed, StandingPose::relaxed, StandingPose::psi,
                                                StandingPose::free}[(i / 4) % 4];
     VirtualScene scene = make(options, kinect_sensor(), i);
-    const Intrinsics k = upright_intrinsics(scene.intrinsics(), options.rotate_deg);
+    const Intrinsics k = hal::rotate_upright(scene.intrinsics(), options.rotate_deg);
     std::vector<Vec3f> mesh(static_cast<std::size_t>(model().body_vertex_count()));
     for (const std::uint64_t frame : {0, 45}) {
       scene.person_mesh(frame, mesh);
@@ -110,7 +111,7 @@ TEST_F(VirtualCamera, JointsLieInsideTheRenderedPerson) {
       SensorOptions sensor = exact_sensor();
       VirtualScene scene = make(options, sensor, i);
       const Shot shot = take(scene, 9);
-      const Intrinsics k = upright_intrinsics(scene.intrinsics(), rotate);
+      const Intrinsics k = hal::rotate_upright(scene.intrinsics(), rotate);
       const JointSet joints = scene.joints(9);
       for (std::size_t j = 0; j < kJointCount; ++j) {
         const Vec3f p = joints.position_mm[j];
@@ -162,7 +163,7 @@ TEST_F(VirtualCamera, FloorTruthHoldsFeetAndFloorPixels) {
 
     // Every other pixel with data is floor, to the rounding of a millimetre.
     const Shot shot = take(scene, 0);
-    const Intrinsics k = upright_intrinsics(scene.intrinsics(), rotate);
+    const Intrinsics k = hal::rotate_upright(scene.intrinsics(), rotate);
     int counted = 0;
     for (int v = 0; v < k.height; v += 3) {
       for (int u = 0; u < k.width; u += 3) {

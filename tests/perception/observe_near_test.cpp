@@ -27,10 +27,11 @@ Scene near_room(bool portrait) {
 
 GuidanceSet guidance_of(const std::vector<std::vector<std::uint16_t>>& frames, const Intrinsics& k) {
   Segmenter segmenter(k.width, k.height);
+  PersonTracker people;
   std::vector<std::uint8_t> mask(frames[0].size());
   GuidanceSet last = 0;
   for (const auto& depth : frames)
-    last = segmenter.run({depth.data(), k.width, k.height}, k, {mask.data(), k.width, k.height}).guidance;
+    last = segmenter.run({depth.data(), k.width, k.height}, k, people, {mask.data(), k.width, k.height}).guidance;
   return last;
 }
 

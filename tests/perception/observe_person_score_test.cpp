@@ -93,11 +93,12 @@ TEST_F(PersonScore, TheSelectedUserIsNotRejected) {
   add(s, person_at(0, 2700, 1));
   Sensor torn(s.width, s.height, *apart.model);
   Segmenter ids(s.width, s.height);
+  PersonTracker people;
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
   const auto picture = render(s, kKinectNoise, 1);
-  const Person person = ids.run(picture.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
+  const Person person = ids.run(picture.view(), s.intrinsics(), people, MaskImage(mask.data(), s.width, s.height));
   ASSERT_TRUE(person.found);
-  torn.select(person.id);  // both count from the same number
+  torn.people().select(person.id);  // both count from the same number
   EXPECT_TRUE(show(torn, s).person.found);
 }
 
@@ -106,24 +107,25 @@ TEST_F(PersonScore, ARejectedUserIsPassedOverForAnother) {
   add(s, person_at(-500, 2400, 1));
   add(s, person_at(500, 3300, 2));
   Segmenter segmenter(s.width, s.height);
+  PersonTracker people;
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
   std::uint64_t seed = 0;
   const auto run = [&] {
     const auto picture = render(s, kKinectNoise, ++seed);
-    return segmenter.run(picture.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
+    return segmenter.run(picture.view(), s.intrinsics(), people, MaskImage(mask.data(), s.width, s.height));
   };
   const Person near = run();
   ASSERT_TRUE(near.found);
-  ASSERT_EQ(segmenter.users().size(), 2U);
-  segmenter.set_rejected(near.id, true);
+  ASSERT_EQ(people.users().size(), 2U);
+  people.reject(near.id);
   const Person other = run();
   EXPECT_TRUE(other.found);
   EXPECT_NE(other.id, near.id);
   EXPECT_FALSE(has(other.guidance, Guidance::several_people)) << "furniture disturbs no measurement";
-  segmenter.set_rejected(other.id, true);
+  people.reject(other.id);
   EXPECT_EQ(run().id, near.id) << "of two rejected ones the nearer";
-  segmenter.set_rejected(near.id, false);
-  segmenter.set_rejected(other.id, false);
+  people.accept(near.id);
+  people.accept(other.id);
   EXPECT_TRUE(has(run().guidance, Guidance::several_people));
 }
 
@@ -225,12 +227,14 @@ TEST_F(PersonScore, APersonsShapeIsLikelierThanFurnitures) {
   Scene s = room();
   add(s, person_at(0, 2700, 1));
   Segmenter segmenter(s.width, s.height);
+  PersonTracker people;
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
   const auto picture = render(s, kKinectNoise, 1);
-  const Person person = segmenter.run(picture.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
+  const Person person =
+      segmenter.run(picture.view(), s.intrinsics(), people, MaskImage(mask.data(), s.width, s.height));
   ASSERT_TRUE(person.found);
-  EXPECT_GT(segmenter.shape_odds(person.id), 1.0F);
-  EXPECT_EQ(segmenter.shape_odds(person.id + 1), 0.0F) << "of an unknown id";
+  EXPECT_GT(people.shape_odds(person.id), 1.0F);
+  EXPECT_EQ(people.shape_odds(person.id + 1), 0.0F) << "of an unknown id";
 }
 
 }  // namespace

@@ -55,6 +55,7 @@ TEST(SegmentAllocation, NoneAfterConstruction) {
   ASSERT_TRUE(model);
   std::vector<std::uint8_t> mask(person.depth.size());
   Segmenter segmenter(scene.width, scene.height);
+  PersonTracker people;
   JointTracker tracker(*model);
   const Intrinsics k = scene.intrinsics();
   bool found = false;
@@ -62,7 +63,7 @@ TEST(SegmentAllocation, NoneAfterConstruction) {
 
   const long before = allocation_count;
   for (const room_test::Picture* p : {&person, &empty, &person, &person}) {
-    const Person who = segmenter.run(p->view(), k, MaskImage(mask.data(), p->width, p->height));
+    const Person who = segmenter.run(p->view(), k, people, MaskImage(mask.data(), p->width, p->height));
     joints = tracker.track(p->view(), MaskView(mask.data(), p->width, p->height), k, who, found);
     found = who.found;
   }

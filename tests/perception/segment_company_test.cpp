@@ -30,11 +30,12 @@ Outcome observe(const Scene& s, int owner, int chosen = 0, int frames = 3) {
   Outcome seen;
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
   Segmenter segmenter(s.width, s.height);
+  PersonTracker people;
   Picture p;
   for (int i = 0; i < frames; ++i) {
     p = render(s, kKinectNoise, static_cast<std::uint64_t>(i + 1));
-    seen.person = segmenter.run(p.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
-    segmenter.select(chosen);
+    seen.person = segmenter.run(p.view(), s.intrinsics(), people, MaskImage(mask.data(), s.width, s.height));
+    people.select(chosen);
   }
   double both = 0, either = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
@@ -43,7 +44,7 @@ Outcome observe(const Scene& s, int owner, int chosen = 0, int frames = 3) {
     either += mine || true_one ? 1 : 0;
   }
   seen.overlap = either > 0 ? both / either : 0;
-  seen.users.assign(segmenter.users().begin(), segmenter.users().end());
+  seen.users.assign(people.users().begin(), people.users().end());
   return seen;
 }
 

@@ -35,7 +35,8 @@ Shares first_frame(const Scene& s, std::uint64_t seed = 1) {
   const Picture p = render(s, kKinectNoise, seed);
   std::vector<std::uint8_t> mask(p.depth.size());
   Segmenter segmenter(s.width, s.height);
-  const Person person = segmenter.run(p.view(), s.intrinsics(), MaskImage(mask.data(), s.width, s.height));
+  PersonTracker people;
+  const Person person = segmenter.run(p.view(), s.intrinsics(), people, MaskImage(mask.data(), s.width, s.height));
   double both = 0, either = 0, ours = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
     const bool mine = mask[i] != 0, true_one = p.owner[i] == 1;

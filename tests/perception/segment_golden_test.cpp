@@ -115,12 +115,14 @@ std::vector<Sequence> sequences() {
 TEST(Golden, SegmentedSequences) {
   for (const Sequence& q : sequences()) {
     Segmenter segmenter(q.scene.width, q.scene.height);
+    PersonTracker people;
     const Picture exact = render(q.scene, 0);
     std::uint32_t sum = 0, input = 0;
     for (std::uint64_t frame = 0; frame < 3; ++frame) {
       const Picture p = sensed(exact, 11 + frame);
       std::vector<std::uint8_t> mask(p.depth.size(), 7);
-      const Person person = segmenter.run(p.view(), q.scene.intrinsics(), MaskImage(mask.data(), p.width, p.height));
+      const Person person =
+          segmenter.run(p.view(), q.scene.intrinsics(), people, MaskImage(mask.data(), p.width, p.height));
       input = crc32c(std::as_bytes(std::span(p.depth)), input);
       sum = checksum(person, mask, sum);
     }

@@ -36,14 +36,15 @@ class SegmentPeople : public testing::Test {
   Person run(const Scene& s, float seconds = 1.0F / 30.0F) {
     if (mask_.empty()) mask_.resize(static_cast<std::size_t>(s.width * s.height));
     picture_ = render(s, kKinectNoise, ++seed_);
-    return segmenter_.run(picture_.view(), s.intrinsics(), MaskImage(mask_.data(), s.width, s.height), seconds);
+    return segmenter_.run(picture_.view(), s.intrinsics(), people_, MaskImage(mask_.data(), s.width, s.height),
+                          seconds);
   }
   // Id of the user whose crown is nearest to where the figure at (x, z) has it; 0: none within 250 mm.
   int id_at(const Scene& s, float x, float z) const {
     const Vec3f crown = s.to_camera({x, 1700, z - 60});
     float best = 250;
     int id = 0;
-    for (const User& user : segmenter_.users()) {
+    for (const User& user : people_.users()) {
       const Vec3f off = user.head_mm - crown;
       const float away = std::hypot(off.x, off.z);
       if (away >= best) continue;
@@ -63,6 +64,7 @@ class SegmentPeople : public testing::Test {
   }
 
   Segmenter segmenter_{320, 240};
+  PersonTracker people_;
   Picture picture_;
   std::vector<std::uint8_t> mask_;
   std::uint64_t seed_ = 0;
@@ -89,7 +91,7 @@ TEST_F(SegmentPeople, IdsStayThroughACrossing) {
     if (std::fabs(x1 - x2) > 900) {
       EXPECT_EQ(second, right) << frame;
     }
-    for (const User& user : segmenter_.users()) EXPECT_TRUE(user.id == left || user.id == right) << frame;
+    for (const User& user : people_.users()) EXPECT_TRUE(user.id == left || user.id == right) << frame;
   }
 }
 
@@ -106,7 +108,7 @@ TEST_F(SegmentPeople, WhoReturnsSoonIsTheSameAndWhoReturnsLateIsNot) {
     person = run(empty, 0.1F);
     EXPECT_FALSE(person.found);
     EXPECT_EQ(person.id, 0);
-    EXPECT_TRUE(segmenter_.users().empty());
+    EXPECT_TRUE(people_.users().empty());
   }
   person = run(s);
   ASSERT_TRUE(person.found);
@@ -142,10 +144,13 @@ TEST_F(SegmentPeople, ResetForgetsPeopleButNotTheirNumbers) {
   Scene s = small_room();
   add(s, person_at(0, 2800));
   const int before = run(s).id;
-  segmenter_.select(before);
+  people_.select(before);
   segmenter_.reset();
-  EXPECT_TRUE(segmenter_.users().empty());
-  const Person after = run(s);  // none is selected any more
+  people_.reset();
+  EXPECT_TRUE(people_.users().empty());
+  EXPECT_FALSE(run(s).found) << "the selection stays, for a number that will not be given again";
+  people_.select(0);
+  const Person after = run(s);
   ASSERT_TRUE(after.found);
   EXPECT_GT(after.id, before);
 }
@@ -159,7 +164,7 @@ TEST_F(SegmentPeople, TheSelectedOneIsMeasuredAndNoOther) {
   const int near = id_at(s, -400, 2500), far = id_at(s, 500, 3300);
   ASSERT_GE(near, 1);
   ASSERT_GE(far, 1);
-  segmenter_.select(far);
+  people_.select(far);
   Person person = run(s);
   EXPECT_EQ(person.id, far);
   EXPECT_GT(overlap(2), 0.93);
@@ -169,7 +174,7 @@ TEST_F(SegmentPeople, TheSelectedOneIsMeasuredAndNoOther) {
   EXPECT_FALSE(person.found);
   EXPECT_TRUE(has(person.guidance, Guidance::no_person));
   EXPECT_EQ(person.people_count, 1);
-  segmenter_.select(0);
+  people_.select(0);
   EXPECT_EQ(run(alone).id, near);
   EXPECT_GT(overlap(1), 0.93);
 }
@@ -179,7 +184,7 @@ TEST_F(SegmentPeople, UsersAreListedNearestFirstWithTheirBoxes) {
   add(s, person_at(500, 3400, 1));
   add(s, person_at(-450, 2600, 2));
   run(s);
-  const auto users = segmenter_.users();
+  const auto users = people_.users();
   ASSERT_EQ(users.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
     const int owner = i == 0 ? 2 : 1;
@@ -214,6 +219,7 @@ TEST_F(SegmentPeople, APersonFarBehindDoesNotDisturb) {
   add(s, person_at(-300, 2400, 1));
   add(s, person_at(700, 3100, 2));
   segmenter_.reset();
+  people_.reset();
   person = run(s);
   ASSERT_TRUE(person.found);
   EXPECT_EQ(person.people_count, 2);
@@ -233,6 +239,7 @@ TEST_F(SegmentPeople, WhatStoodThereBeforeIsNotThePerson) {
   run(at_once);
   EXPECT_LT(overlap(1), 0.93);
   segmenter_.reset();
+  people_.reset();
   for (int i = 0; i < 75; ++i) EXPECT_FALSE(run(with_chest()).found);
   Scene s = with_chest();
   add(s, person_at(0, 2650));

@@ -29,9 +29,10 @@ struct Answer {
 
 Answer segment(const Picture& p, const Intrinsics& k) {
   Segmenter segmenter(p.width, p.height);
+  PersonTracker people;
   Answer a;
   a.mask.assign(p.depth.size(), 7);
-  a.person = segmenter.run(p.view(), k, MaskImage(a.mask.data(), p.width, p.height));
+  a.person = segmenter.run(p.view(), k, people, MaskImage(a.mask.data(), p.width, p.height));
   return a;
 }
 Answer segment(const Scene& s, double noise = kKinectNoise) {
@@ -320,11 +321,13 @@ TEST(Segment, ResetForgetsAndTheSameFramesGiveTheSameAnswer) {
   const Picture first = render(s, kKinectNoise, 1), second = render(s, kKinectNoise, 2);
   const Intrinsics k = s.intrinsics();
   Segmenter segmenter(s.width, s.height);
+  PersonTracker people;
   std::vector<std::uint8_t> a(first.depth.size()), b(first.depth.size());
-  const Person cold = segmenter.run(second.view(), k, MaskImage(a.data(), s.width, s.height));
-  segmenter.run(first.view(), k, MaskImage(b.data(), s.width, s.height));
+  const Person cold = segmenter.run(second.view(), k, people, MaskImage(a.data(), s.width, s.height));
+  segmenter.run(first.view(), k, people, MaskImage(b.data(), s.width, s.height));
   segmenter.reset();
-  const Person again = segmenter.run(second.view(), k, MaskImage(b.data(), s.width, s.height));
+  people.reset();
+  const Person again = segmenter.run(second.view(), k, people, MaskImage(b.data(), s.width, s.height));
   EXPECT_EQ(a, b);
   EXPECT_EQ(cold.floor.camera_height_mm, again.floor.camera_height_mm);
   EXPECT_EQ(cold.centroid_mm.x, again.centroid_mm.x);
@@ -334,14 +337,15 @@ TEST(Segment, AMovedCameraIsFollowed) {
   Scene s = standing();
   const Intrinsics k = s.intrinsics();
   Segmenter segmenter(s.width, s.height);
+  PersonTracker people;
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
   for (std::uint64_t i = 0; i < 5; ++i)
-    segmenter.run(render(s, kKinectNoise, i).view(), k, MaskImage(mask.data(), s.width, s.height));
+    segmenter.run(render(s, kKinectNoise, i).view(), k, people, MaskImage(mask.data(), s.width, s.height));
   s.camera_height = 1300;
   s.pitch_deg = 6;
   Person person;
   for (std::uint64_t i = 0; i < 2; ++i)
-    person = segmenter.run(render(s, kKinectNoise, i).view(), k, MaskImage(mask.data(), s.width, s.height));
+    person = segmenter.run(render(s, kKinectNoise, i).view(), k, people, MaskImage(mask.data(), s.width, s.height));
   ASSERT_TRUE(person.floor.known);
   EXPECT_NEAR(person.floor.camera_height_mm, 1300, 12);
 }

@@ -109,7 +109,7 @@ class RealStages : public testing::Test {
       frames.emplace_back(landscape.size());
       hal::rotate_upright(in, kRotateDeg, {frames.back().data(), kSensorHeight, kSensorWidth});
     }
-    data_->intrinsics = lab::upright_intrinsics(sensor, kRotateDeg);
+    data_->intrinsics = hal::rotate_upright(sensor, kRotateDeg);
   }
 
   static std::unique_ptr<Engine> make_engine(bool single_thread, Turn turn = Turn::none, FrameWatch watch = nullptr,

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/segment/users.h"
-
 #include <algorithm>
 #include <cmath>
 
-#include "perception/segment/users_limits.h"
+#include "perception/segment/blobs.h"
+#include "perception/segment/person_matching_limits.h"
+#include "perception/segment/person_tracker.h"
 
-namespace im2fit::segment {
+namespace im2fit {
 
-using namespace users_limits;
+using namespace person_matching_limits;
+using segment::Blob;
+using segment::BlobFinder;
+using segment::Grid;
+using segment::Keepout;
 
 namespace {
 
@@ -31,12 +35,7 @@ float distance_to(Vec3f p, Vec3f a, Vec3f b) {
 
 }  // namespace
 
-void UserTracker::reset() {
-  track_count_ = detection_count_ = user_count_ = keepout_count_ = expected_count_ = 0;
-  first_ = true;
-}
-
-UserTracker::BlobDetection UserTracker::describe(const Blob& blob, int index, const FloorPlane& floor) {
+PersonTracker::BlobDetection PersonTracker::describe(const Blob& blob, int index, const FloorPlane& floor) {
   BlobDetection s;
   s.blob = index;
   s.centroid_mm = along_floor(blob.centroid_mm, floor);
@@ -52,7 +51,7 @@ UserTracker::BlobDetection UserTracker::describe(const Blob& blob, int index, co
 }
 
 // The nearest ones where there are too many.
-void UserTracker::list_detections(const BlobFinder& found, const FloorPlane& floor) {
+void PersonTracker::list_detections(const BlobFinder& found, const FloorPlane& floor) {
   detection_count_ = 0;
   const auto list = found.blobs();
   for (std::size_t b = 0; b < list.size(); ++b) {
@@ -69,7 +68,7 @@ void UserTracker::list_detections(const BlobFinder& found, const FloorPlane& flo
 
 // People known from the frames before, whose heads are not seen now: what stands where they are expected and is as
 // large as they were.
-void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor) {
+void PersonTracker::find_headless(const BlobFinder& found, const FloorPlane& floor) {
   const auto list = found.blobs();
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
@@ -79,9 +78,10 @@ void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor
     int best = -1;
     for (std::size_t b = 0; b < list.size(); ++b) {
       const Blob& blob = list[b];
-      const bool alike = blob.person_sized || (confirmed && track.headless_s < kHeadlessMaxS &&
-                                               blob.height_max_mm - blob.height_min_mm > kHeadlessTallMm &&
-                                               blob.relief_mm > 14.0F + 0.4F * quantum_mm(blob.centroid_mm.z));
+      const bool alike =
+          blob.person_sized || (confirmed && track.headless_s < kHeadlessMaxS &&
+                                blob.height_max_mm - blob.height_min_mm > kHeadlessTallMm &&
+                                blob.relief_mm > 14.0F + 0.4F * segment::quantum_mm(blob.centroid_mm.z));
       if (blob.person || !alike || blob.area_m2 < kHeadlessAreaMin * track.area_m2 ||
           blob.area_m2 > kHeadlessAreaMax * track.area_m2)
         continue;
@@ -99,13 +99,13 @@ void UserTracker::find_headless(const BlobFinder& found, const FloorPlane& floor
   }
 }
 
-bool UserTracker::taken(int blob) const {
+bool PersonTracker::taken(int blob) const {
   return std::any_of(detections_.begin(), detections_.begin() + detection_count_,
                      [blob](const BlobDetection& s) { return s.blob == blob; });
 }
 
 // Unconfirmed candidates: continue one of the last frames, a person seen a moment ago, or a new one.
-void UserTracker::list_candidates(const BlobFinder& found, const FloorPlane& floor) {
+void PersonTracker::list_candidates(const BlobFinder& found, const FloorPlane& floor) {
   const auto list = found.blobs();
   for (std::size_t b = 0; b < list.size() && detection_count_ < kUserCountMax; ++b) {
     if (!list[b].candidate || taken(static_cast<int>(b))) continue;
@@ -126,14 +126,14 @@ void UserTracker::list_candidates(const BlobFinder& found, const FloorPlane& flo
 }
 
 // What appears there is more likely a part of that person, seen past another one, than one more person.
-bool UserTracker::beside_person(Vec3f place_mm) const {
+bool PersonTracker::beside_person(Vec3f place_mm) const {
   return std::any_of(tracks_.begin(), tracks_.begin() + track_count_, [&](const Track& track) {
     return track.confirmed && distance_to(place_mm, track.seen_mm, track.expected_mm) < kBesideMm;
   });
 }
 
 // Association cost of a track and a detection, mm; negative: they do not match.
-float UserTracker::cost(const Track& track, const BlobDetection& detection) {
+float PersonTracker::cost(const Track& track, const BlobDetection& detection) {
   const float gate = std::min(kGateMaxMm, kGateMm + kGateGrowthMmPerS * track.hidden_s);
   const Vec3f place = detection.has_head ? detection.place_mm : detection.place_mm + track.lean_mm;
   const float away = distance_to(place, track.seen_mm, track.expected_mm);
@@ -145,7 +145,7 @@ float UserTracker::cost(const Track& track, const BlobDetection& detection) {
 }
 
 // Least cost first. People are apart by more than they move in a frame: no better pairing is missed.
-void UserTracker::match() {
+void PersonTracker::match() {
   for (int t = 0; t < track_count_; ++t) tracks_[at(t)].detection = -1;
   for (;;) {
     float best = 1e9F;
@@ -172,42 +172,13 @@ void UserTracker::match() {
   }
 }
 
-// Furniture has a person's shape for a frame now and then: a frame without it, or without a detection, counts against
-// an unconfirmed user.
-void UserTracker::note_shape(Track& track, const Blob* blob) {
-  const bool chance = blob != nullptr && (blob->person || blob->candidate);
-  track.chances = chance ? std::min(track.chances + kSeenGain, kSeenMax) : std::max(track.chances - 1, 0);
-  const bool known = blob != nullptr && blob->shape_odds != kShapeUnknown;
-  if (!known && (track.confirmed || (blob != nullptr && blob->person))) return;
-  track.shape_frames = std::min(track.shape_frames + 1, kShapeFramesMax);
-  track.shape_odds +=
-      ((known ? blob->shape_odds : kShapelessOdds) - track.shape_odds) / static_cast<float>(track.shape_frames);
-}
-
-float UserTracker::shape_odds(int id) const {
-  for (int t = 0; t < track_count_; ++t)
-    if (tracks_[at(t)].id == id) return tracks_[at(t)].shape_odds;
-  return 0;
-}
-
-void UserTracker::confirm(int id) {
-  for (int t = 0; t < track_count_; ++t) {
-    Track& track = tracks_[at(t)];
-    if (track.id != id || track.confirmed) continue;
-    track.evidence = kSeenMax;
-    track.confirmed = true;
-  }
-}
-
-void UserTracker::follow(Track& track, const BlobDetection& detection, const Blob& blob, float seconds) {
+void PersonTracker::move(Track& track, const BlobDetection& detection, const Blob& blob, float seconds) {
   const Vec3f place = detection.has_head ? detection.place_mm : detection.place_mm + track.lean_mm;
   const Vec3f off = place - track.expected_mm;
   const bool hidden = track.hidden_s > 0;
   track.seen_mm = hidden ? place : track.expected_mm + off * kPlaceGain;
   // After a gap the error grew over all of it; a new track's speed is learned from little.
-  const float gain =
-      hidden ? 0.5F
-             : std::max(kSpeedGain, static_cast<float>(kSeenGain) / static_cast<float>(track.evidence + kSeenGain));
+  const float gain = hidden ? 0.5F : std::max(kSpeedGain, latest_share(track));
   const float since = seconds + track.hidden_s;
   track.speed_mm_s = track.speed_mm_s + off * (gain / since);
   const float speed = norm(track.speed_mm_s);
@@ -221,15 +192,10 @@ void UserTracker::follow(Track& track, const BlobDetection& detection, const Blo
   track.expected_mm = track.seen_mm;
   track.area_m2 = std::max(blob.area_m2, track.area_m2 * kAreaKeep);
   track.hidden_s = 0;
-  // Furniture may resemble a person in one frame, and stands there ever after.
-  if (track.evidence < kSeenMax)
-    track.evidence = blob.person ? std::min(track.evidence + kSeenGain, kSeenMax) : std::max(track.evidence - 1, 0);
-  track.confirmed = track.evidence >= (track.confirmed ? kUnconfirmedBelow : kConfirmed);
-  note_shape(track, &blob);
 }
 
 // Where all are taken, the one hidden longest goes.
-UserTracker::Track& UserTracker::new_track() {
+PersonTracker::Track& PersonTracker::new_track() {
   if (track_count_ < kTrackCountMax) return tracks_[at(track_count_++)];
   int oldest = 0;
   for (int t = 1; t < track_count_; ++t)
@@ -237,19 +203,15 @@ UserTracker::Track& UserTracker::new_track() {
   return tracks_[at(oldest)];
 }
 
-void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds) {
-  for (int t = 0; t < track_count_; ++t)
-    tracks_[at(t)].expected_mm = tracks_[at(t)].expected_mm + tracks_[at(t)].speed_mm_s * seconds;
-  list_detections(found, floor);
-  match();
-  find_headless(found, floor);
-  list_candidates(found, floor);
+void PersonTracker::continue_tracks(const BlobFinder& found, float seconds) {
   int kept = 0;
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
     if (track.detection >= 0) {
       const BlobDetection& s = detections_[at(track.detection)];
-      follow(track, s, found.blobs()[at(s.blob)], seconds);
+      const Blob& blob = found.blobs()[at(s.blob)];
+      move(track, s, blob, seconds);
+      add_evidence(track, blob);
     } else {
       track.hidden_s += seconds;
       if (!track.confirmed) note_shape(track, nullptr);
@@ -260,9 +222,13 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
   track_count_ = kept;
   for (int t = 0; t < track_count_; ++t)
     if (tracks_[at(t)].detection >= 0) detections_[at(tracks_[at(t)].detection)].track = t;
+}
+
+void PersonTracker::begin_tracks(const BlobFinder& found) {
   for (int i = 0; i < detection_count_; ++i) {
     BlobDetection& s = detections_[at(i)];
     if (s.track >= 0) continue;
+    const Blob& blob = found.blobs()[at(s.blob)];
     Track& track = new_track();
     track = {};
     track.id = ++id_last_;
@@ -270,22 +236,29 @@ void UserTracker::run(const Grid& grid, const BlobFinder& found, const FloorPlan
     track.top_mm = s.top_mm;
     track.has_top = s.has_top;
     if (s.has_head) track.lean_mm = s.place_mm - s.centroid_mm;
-    const Blob& blob = found.blobs()[at(s.blob)];
-    track.evidence = !blob.person ? 0 : first_ ? kConfirmed : kSeenGain;
-    track.confirmed = track.evidence >= kConfirmed;
     track.area_m2 = blob.area_m2;
-    note_shape(track, &blob);
-    if (first_) track.chances = kConfirmed;
     track.detection = i;
     s.track = static_cast<int>(&track - tracks_.data());
+    begin_evidence(track, blob, first_);
   }
+}
+
+void PersonTracker::follow(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds) {
+  for (int t = 0; t < track_count_; ++t)
+    tracks_[at(t)].expected_mm = tracks_[at(t)].expected_mm + tracks_[at(t)].speed_mm_s * seconds;
+  list_detections(found, floor);
+  match();
+  find_headless(found, floor);
+  list_candidates(found, floor);
+  continue_tracks(found, seconds);
+  begin_tracks(found);
   list_users(grid, found);
   list_keepouts(found);
   list_expected(floor, seconds);
   first_ = false;
 }
 
-void UserTracker::list_expected(const FloorPlane& floor, float seconds) {
+void PersonTracker::list_expected(const FloorPlane& floor, float seconds) {
   const Vec3f up = floor.known ? floor.up : Vec3f{0, -1, 0};
   const float camera = floor.known ? floor.camera_height_mm : 0.0F;
   expected_count_ = 0;
@@ -296,7 +269,7 @@ void UserTracker::list_expected(const FloorPlane& floor, float seconds) {
   }
 }
 
-void UserTracker::list_keepouts(const BlobFinder& found) {
+void PersonTracker::list_keepouts(const BlobFinder& found) {
   keepout_count_ = 0;
   const auto of = [](const Blob& blob) { return Keepout{blob.c_min, blob.c_max, blob.centroid_mm.z}; };
   for (int t = 0; t < track_count_; ++t) {
@@ -308,13 +281,12 @@ void UserTracker::list_keepouts(const BlobFinder& found) {
     if (blob.person_sized && keepout_count_ < kKeepoutCountMax) keepouts_[at(keepout_count_++)] = of(blob);
 }
 
-void UserTracker::list_users(const Grid& grid, const BlobFinder& found) {
-  user_count_ = 0;
+void PersonTracker::list_users(const Grid& grid, const BlobFinder& found) {
   for (int i = 0; i < detection_count_; ++i) {
     const BlobDetection& s = detections_[at(i)];
     const Track& track = tracks_[at(s.track)];
     const Blob& blob = found.blobs()[at(s.blob)];
-    User user;
+    User& user = users_[at(i)];
     user.id = track.id;
     user.u_min = blob.c_min * grid.step;
     user.v_min = blob.r_min * grid.step;
@@ -326,10 +298,7 @@ void UserTracker::list_users(const Grid& grid, const BlobFinder& found) {
     user.has_head = blob.has_head;
     user.visible_share = track.area_m2 > 0 ? std::min(1.0F, blob.area_m2 / track.area_m2) : 1.0F;
     user.confirmed = track.confirmed;
-    user_blobs_[at(user_count_)] = s.blob;
-    user_candidates_[at(user_count_)] = !track.confirmed && track.chances >= kConfirmed;
-    users_[at(user_count_++)] = user;
   }
 }
 
-}  // namespace im2fit::segment
+}  // namespace im2fit

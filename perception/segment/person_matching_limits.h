@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The constants of users.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
+// The constants of person_matching.cpp: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
 //   [ids]    came with ids, or with ids that last longer: 50 clips of two people who pass, 3 switches before, 0
 //            after, all changes together (commits 9873af9, f1a81d9)
 //   [heads]  came with users whose heads are not seen (commit e8175d0); no measurement on record
-//   [empty]  came with fewer false users: of 10,000 empty frames 226 before, 54 after, all changes together
-//            (commit 3db21d5)
 //   [hidden] of 50 two-person clips, seed 909090: changes of id 6 before, 2 after (commit a16e488)
 //   [stand]  the same clips: 2 before, 0 after (commit a94b161)
 //   [odds]   came with log-odds of the shape (commit f771803): false users of 10,000 empty frames 10 before, 0
@@ -13,7 +11,7 @@
 //   [rooms]  chosen on synthetic rooms, no measurement on record
 #pragma once
 
-namespace im2fit::segment::users_limits {
+namespace im2fit::person_matching_limits {
 
 // How long.
 inline constexpr float kHiddenMaxS = 5.0F;             // a confirmed user may stay hidden; [ids]
@@ -22,14 +20,6 @@ inline constexpr float kHeadlessHiddenMaxS = 1.5F;     // then what returns with
 inline constexpr float kHeadlessMaxS = 1.0F;           // a user may lack both head and a person's size; [heads]
 inline constexpr float kExpectedMaxS = 1.0F;           // a hidden head is still expected; [rooms]
 inline constexpr float kCandidateHiddenMaxS = 0.3F;    // a confirmed user may be continued by a candidate; [odds]
-
-// Evidence that a user is a person.
-inline constexpr int kSeenGain = 4;    // of a frame that shows a person there; one that does not costs 1; [empty]
-inline constexpr int kConfirmed = 12;  // confirmed: three frames; [empty]
-inline constexpr int kUnconfirmedBelow = 6;     // no longer confirmed; [rooms]
-inline constexpr int kSeenMax = 32;             // confirmed for good; [ids]
-inline constexpr int kShapeFramesMax = 12;      // of the mean of log-odds; [odds]
-inline constexpr float kShapelessOdds = -3.0F;  // log-odds of a frame without a known shape; [odds]
 
 // Association of tracks and detections.
 inline constexpr float kGateMm = 350.0F;            // most: a head's jump when a raised arm is taken for it; [rooms]
@@ -53,4 +43,4 @@ inline constexpr float kSpeedMaxMmPerS = 3000.0F;  // people walk and run slower
 inline constexpr float kTopGain = 0.2F;            // of the crown's height; [ids]
 inline constexpr float kAreaKeep = 0.999F;         // of the most seen area, per frame; [ids]
 
-}  // namespace im2fit::segment::users_limits
+}  // namespace im2fit::person_matching_limits
