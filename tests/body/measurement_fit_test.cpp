@@ -48,7 +48,7 @@ class MeasurementFitTest : public testing::Test {
   static const std::vector<std::pair<Drawn, MeasurementValues>>& entries() {
     static const auto all = [] {
       std::vector<std::pair<Drawn, MeasurementValues>> people;
-      for (std::uint64_t number = 0; number < 160; ++number) {
+      for (std::uint64_t number = 0; number < 320; ++number) {
         Drawn d = draw_person(*real_body(), Family::training, 21, number);
         const MeasurementValues values = measure_person(*real_body(), d.params);
         people.emplace_back(std::move(d), values);
