@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One body for one answer: parameters whose mesh measures what was reported (docs/one-body.md).
 //
-// From the body of somebody alike, the smallest change that meets the reported values: Gauss-Newton whose unknowns
+// From the body of a similar person, the smallest change that meets the reported values: Gauss-Newton whose unknowns
 // are stature, build and the warp (body/warp.h), whitened by how these go together in people, so that the length of
 // the change is a Mahalanobis distance. What the mesh measures is said by body/measure.h alone.
 #pragma once

@@ -90,6 +90,7 @@ Result<Answered> answer_of(const Engine& engine, const MeasuringData& data, cons
   if (!body) return body.error();
   answered.body = std::move(*body);
   report.body = answered.body->params;
+  report.body_fit = answered.body->fit;
   report.modifier_names = data.body_model.modifier_names();
   return answered;
 }
