@@ -132,17 +132,6 @@ std::string result_table(const SessionOutcome& outcome) {
   return text;
 }
 
-// A body that does not measure what is reported is told of.
-std::string body_note(const ResultReport& report) {
-  const MeasurementValues& residual = report.body_fit.residual;
-  if (!report.body || body::girth_residual_mm(residual) <= body::kResidualToldMm) return "";
-  std::string off;
-  for (std::size_t i = 0; i < kMeasurementCount; ++i)
-    if (kMeasurementTable[i].unit == "mm" && std::abs(residual[i]) > body::kResidualToldMm)
-      off += fmt::format("{}{} {:+.0f} mm", off.empty() ? "" : ", ", kMeasurementTable[i].id, residual[i]);
-  return "no body measures all that is reported; the avatar is off by " + off;
-}
-
 Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& options) {
   const EngineResult& result = outcome.report.result;
   if (!options.out.empty())

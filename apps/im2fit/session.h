@@ -42,8 +42,6 @@ Result<SessionOutcome> run_session(const SessionOptions& options, const SessionW
 
 // Files, then the answer on stdout; exit 3 when there is none.
 Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& options);
-// What is to be said of the body; "" where it measures what is reported.
-std::string body_note(const ResultReport& report);
 // result.json always; avatar.glb, .obj, .bvh when measured; overlay.png when there was a frame.
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory);
 // For people: value, interval, the paper's, and truth where it is known.

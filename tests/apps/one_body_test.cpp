@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The exported avatar measures what result.json says: ten held-out people, and the tape of another program.
+#include "apps/common/measuring.h"
 #include "avatar_mesh.h"
 #include "body/model.h"
 #include "body/model_data.h"
@@ -55,6 +56,18 @@ TEST(OneBody, TheExportedMeshMeasuresWhatIsReported) {
     }
   }
   EXPECT_LE(girth_sum / girths, 1);
+}
+
+TEST(OneBody, WhatNoBodyMeasuresIsSaid) {
+  ResultReport report;
+  report.body_fit.residual[measurement_index(Measurement::waist_girth)] = 12;
+  EXPECT_EQ(apps::body_note(report), "") << "there is no body";
+  report.body.emplace();
+  report.body_fit.residual[measurement_index(Measurement::inside_leg)] = -3.4F;
+  EXPECT_EQ(apps::body_note(report),
+            "no body measures all that is reported; the avatar is off by waist_girth +12 mm, inside_leg -3 mm");
+  report.body_fit.residual[measurement_index(Measurement::waist_girth)] = -2;
+  EXPECT_EQ(apps::body_note(report), "") << "a length alone is not told";
 }
 
 }  // namespace
