@@ -38,56 +38,90 @@ Extent extent_y(std::span<const Vec3f> vertices) {
   return e;
 }
 
+enum Girth { kChest, kWaist, kHip, kShoulder, kGirths };
+
+// A section of a body crosses some hundred edges; of one that crosses more, memory grows.
+constexpr std::size_t kSectionPointMax = 4096;
+
+// Memory that is used from one mesh to the next.
+struct StandingWork {
+  std::vector<float> heights, neck_heights;
+  std::vector<std::uint8_t> above;
+  std::array<Level, kGirths> levels;
+  TriangleStack neck;
+  std::vector<Vec3f> points, hull, best;
+  HullWork hulls;
+
+  void reserve(const BodyModel& model) {
+    const auto count = static_cast<std::size_t>(model.body_vertex_count());
+    heights.reserve(count);
+    neck_heights.reserve(count);
+    above.reserve(count);
+    for (Level& level : levels) level.points.reserve(kSectionPointMax);
+    neck.reserve(model.body_triangles().size());
+    for (std::vector<Vec3f>* list : {&points, &hull, &best}) list->reserve(kSectionPointMax);
+    hulls.reserve(kSectionPointMax);
+  }
+};
+
 // A relaxed, standing mesh and the levels its girths are taken at.
 class Standing {
  public:
-  Standing(const BodyModel& model, std::span<const Vec3f> vertices, float gender)
-      : model_(model), d_(model.data()), v_(vertices), gender_(gender) {
+  Standing(const BodyModel& model, std::span<const Vec3f> vertices, float gender, StandingWork& work)
+      : model_(model), d_(model.data()), v_(vertices), gender_(gender), work_(work) {
     assert(vertices.size() == static_cast<std::size_t>(model.vertex_count()));
-    heights_along(body_of(model, vertices), {0, 1, 0}, heights_);
-    levels_[kChest] = {nipple_y(), true, {}};
-    levels_[kWaist] = {waist_y(), true, {}};
-    levels_[kHip] = {rearmost_buttock_y(), true, {}};
-    levels_[kShoulder] = {shoulder_y(), false, {}};
-    section_levels(d_.quads, d_.triangle_is_arm, v_, heights_, levels_);
+    heights_along(body_of(model, vertices), {0, 1, 0}, work_.heights);
+    set_level(kChest, nipple_y(), true);
+    set_level(kWaist, waist_y(), true);
+    set_level(kHip, rearmost_buttock_y(), true);
+    set_level(kShoulder, shoulder_y(), false);
+    section_levels(d_.quads, d_.triangle_is_arm, v_, work_.heights, work_.above, work_.levels);
   }
 
-  enum Girth { kChest, kWaist, kHip, kShoulder, kGirths };
-  std::vector<Vec3f> girth(Girth girth) {
-    const Level& level = levels_[girth];
-    return convex_hull(level.points, level_plane(level.height));
+  // Until the next call of this or neck().
+  std::span<const Vec3f> girth(Girth girth) {
+    const Level& level = work_.levels[girth];
+    work_.hulls.convex_hull(level.points, level_plane(level.height), work_.hull);
+    return work_.hull;
   }
 
   // The smallest section perpendicular to the line from the neck's root to the skull's: a coarse walk along it, then
   // a fine one about the best.
-  std::vector<Vec3f> neck() {
+  std::span<const Vec3f> neck() {
     const Vec3f root = mean_of_list(d_, kHeadLists + at(Segment::neck), v_);
     const Vec3f axis = mean_of_list(d_, kHeadLists + at(Segment::head), v_) - root;
     collect_neck(root, axis);
-    std::vector<Vec3f> best;
+    work_.best.clear();
     float best_share = 0.5F;
     double best_mm = 1e9;
     const auto try_share = [&](float share) {
       const SectionPlane plane = plane_through(root + axis * share, axis);
-      points_.clear();
-      neck_.cut(v_, neck_heights_, dot(plane.origin, plane.normal), points_);
-      auto hull = convex_hull(points_, plane);
-      if (hull.size() < 3) return;
-      if (const double mm = perimeter_mm(hull); mm < best_mm) {
+      work_.points.clear();
+      work_.neck.cut(v_, work_.neck_heights, dot(plane.origin, plane.normal), work_.points);
+      work_.hulls.convex_hull(work_.points, plane, work_.hull);
+      if (work_.hull.size() < 3) return;
+      if (const double mm = perimeter_mm(work_.hull); mm < best_mm) {
         best_mm = mm;
         best_share = share;
-        best = std::move(hull);
+        std::swap(work_.best, work_.hull);
       }
     };
     for (int i = 0; i <= 10; ++i) try_share(0.1F * static_cast<float>(i));
     const float coarse = best_share;
     for (const int i : {-2, -1, 1, 2}) try_share(coarse + static_cast<float>(i) / 30);
-    return best;
+    return work_.best;
   }
 
   Vec3f landmark(Landmark l) const { return v_[static_cast<std::size_t>(d_.landmark(l))]; }
 
  private:
+  void set_level(Girth girth, float y, bool heeds_skip) {
+    Level& level = work_.levels[girth];
+    level.height = y;
+    level.heeds_skip = heeds_skip;
+    level.points.clear();
+  }
+
   float nipple_y() const { return 0.5F * (landmark(Landmark::left_nipple).y + landmark(Landmark::right_nipple).y); }
 
   float waist_y() const {
@@ -120,18 +154,19 @@ class Standing {
   }
 
   void collect_neck(Vec3f root, Vec3f axis) {
-    neck_.clear();
+    work_.neck.clear();
     const Vec3f n = normalized(axis);
-    heights_along(body_of(model_, v_), n, neck_heights_);
+    heights_along(body_of(model_, v_), n, work_.neck_heights);
     const float low = dot(root, n) - 30;
     const float high = dot(root + axis, n) + 60;
     for (std::size_t t = 0; t < d_.triangles.size(); ++t) {
       const auto first = static_cast<std::size_t>(d_.triangles[t][0]);
-      const float height = neck_heights_[first];
+      const float height = work_.neck_heights[first];
       if (height < low || height > high || d_.triangle_is_arm[t] != 0) continue;
       const Vec3f p = v_[first] - root;
       const float along = dot(p, n);
-      if (dot(p, p) - along * along < kNeckRadiusMaxMm * kNeckRadiusMaxMm) neck_.add(d_.triangles[t], neck_heights_);
+      if (dot(p, p) - along * along < kNeckRadiusMaxMm * kNeckRadiusMaxMm)
+        work_.neck.add(d_.triangles[t], work_.neck_heights);
     }
   }
 
@@ -139,11 +174,7 @@ class Standing {
   const BodyModel::Data& d_;
   std::span<const Vec3f> v_;
   float gender_;
-  std::vector<float> heights_;
-  std::array<Level, kGirths> levels_;
-  std::vector<Vec3f> points_;
-  TriangleStack neck_;
-  std::vector<float> neck_heights_;
+  StandingWork& work_;
 };
 
 float chain_length(std::initializer_list<Vec3f> points) {
@@ -191,10 +222,36 @@ float relaxed_spread_deg(const BodyModel& model, std::span<const Vec3f> rest_ver
 }
 
 double neck_girth_mm(const BodyModel& model, std::span<const Vec3f> posed_vertices) {
-  return perimeter_mm(Standing(model, posed_vertices, 0.5F).neck());
+  StandingWork work;
+  return perimeter_mm(Standing(model, posed_vertices, 0.5F, work).neck());
+}
+
+struct Measurer::Work {
+  std::vector<Vec3f> rest, posed;
+  StandingWork standing;
+};
+
+Measurer::Measurer(const BodyModel& model) : model_(&model), work_(std::make_unique<Work>()) {
+  const auto count = static_cast<std::size_t>(model.vertex_count());
+  work_->rest.resize(count);
+  work_->posed.resize(count);
+  work_->standing.reserve(model);
+}
+Measurer::Measurer(Measurer&&) noexcept = default;
+Measurer& Measurer::operator=(Measurer&&) noexcept = default;
+Measurer::~Measurer() = default;
+
+MeasurementValues Measurer::measure(const Params& params) {
+  model_->morph(params, work_->rest);
+  return measure_rest_mesh(work_->rest, params.gender);
 }
 
 MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3f> rest_vertices, float gender) {
+  return Measurer(model).measure_rest_mesh(rest_vertices, gender);
+}
+
+MeasurementValues Measurer::measure_rest_mesh(std::span<const Vec3f> rest_vertices, float gender) {
+  const BodyModel& model = *model_;
   MeasurementValues out{};
   const auto set = [&](Measurement m, double value) { out[measurement_index(m)] = static_cast<float>(value); };
   const double litres = volume_litres(model, rest_vertices);
@@ -204,13 +261,13 @@ MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3
 
   const Skeleton rest = rest_skeleton(model, rest_vertices);
   const Pose pose = relaxed_pose(rest, spread_deg(tall_mm, litres));
-  std::vector<Vec3f> posed(rest_vertices.size());
+  const std::span<Vec3f> posed = work_->posed;
   skin(model, rest_vertices, rest, pose, posed);
-  Standing standing(model, posed, gender);
-  set(Measurement::chest_girth, perimeter_mm(standing.girth(Standing::kChest)));
-  set(Measurement::waist_girth, perimeter_mm(standing.girth(Standing::kWaist)));
-  set(Measurement::hip_girth, perimeter_mm(standing.girth(Standing::kHip)));
-  set(Measurement::shoulder_girth, perimeter_mm(standing.girth(Standing::kShoulder)));
+  Standing standing(model, posed, gender, work_->standing);
+  set(Measurement::chest_girth, perimeter_mm(standing.girth(kChest)));
+  set(Measurement::waist_girth, perimeter_mm(standing.girth(kWaist)));
+  set(Measurement::hip_girth, perimeter_mm(standing.girth(kHip)));
+  set(Measurement::shoulder_girth, perimeter_mm(standing.girth(kShoulder)));
   set(Measurement::neck_girth, perimeter_mm(standing.neck()));
   set(Measurement::inside_leg, standing.landmark(Landmark::crotch).y - extent_y(body_of(model, posed)).low);
 
@@ -230,19 +287,21 @@ MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3
 }
 
 MeasurementValues measure_person(const BodyModel& model, const Params& params) {
-  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(params, rest);
-  return measure_rest_mesh(model, rest, params.gender);
+  return Measurer(model).measure(params);
 }
 
 std::vector<Section> girth_sections(const BodyModel& model, std::span<const Vec3f> relaxed_vertices, float gender) {
-  Standing standing(model, relaxed_vertices, gender);
+  StandingWork work;
+  Standing standing(model, relaxed_vertices, gender, work);
   std::vector<Section> sections;
-  sections.push_back({Measurement::neck_girth, standing.neck()});
-  sections.push_back({Measurement::shoulder_girth, standing.girth(Standing::kShoulder)});
-  sections.push_back({Measurement::chest_girth, standing.girth(Standing::kChest)});
-  sections.push_back({Measurement::waist_girth, standing.girth(Standing::kWaist)});
-  sections.push_back({Measurement::hip_girth, standing.girth(Standing::kHip)});
+  const auto add = [&](Measurement id, std::span<const Vec3f> hull) {
+    sections.push_back({id, {hull.begin(), hull.end()}});
+  };
+  add(Measurement::neck_girth, standing.neck());
+  add(Measurement::shoulder_girth, standing.girth(kShoulder));
+  add(Measurement::chest_girth, standing.girth(kChest));
+  add(Measurement::waist_girth, standing.girth(kWaist));
+  add(Measurement::hip_girth, standing.girth(kHip));
   return sections;
 }
 

@@ -2,6 +2,7 @@
 // Measurements of a mesh by the definitions of ISO 8559-1 (core/measurement.h): the truth of every evaluation.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,22 @@ namespace im2fit::body {
 MeasurementValues measure_person(const BodyModel& model, const Params& params);
 // The same on an already morphed rest mesh.
 MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3f> rest_vertices, float gender);
+
+// The same, many times: no allocation after construction. Not shareable between threads; the model must outlive it.
+class Measurer {
+ public:
+  explicit Measurer(const BodyModel& model);
+  Measurer(Measurer&&) noexcept;
+  Measurer& operator=(Measurer&&) noexcept;
+  ~Measurer();
+  MeasurementValues measure(const Params& params);
+  MeasurementValues measure_rest_mesh(std::span<const Vec3f> rest_vertices, float gender);
+
+ private:
+  struct Work;
+  const BodyModel* model_;
+  std::unique_ptr<Work> work_;
+};
 
 // Closed-mesh volume (signed tetrahedra), litres.
 double volume_litres(const BodyModel& model, std::span<const Vec3f> vertices);

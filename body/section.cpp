@@ -6,20 +6,6 @@
 #include <cstddef>
 
 namespace im2fit::body {
-namespace {
-
-struct Flat {
-  float u, v;
-  std::size_t index;
-};
-
-// Twice the signed area, in double: float coordinates of a metre leave the sign of narrow triangles to chance.
-double turn(const Flat& o, const Flat& a, const Flat& b) {
-  return (static_cast<double>(a.u) - o.u) * (static_cast<double>(b.v) - o.v) -
-         (static_cast<double>(a.v) - o.v) * (static_cast<double>(b.u) - o.u);
-}
-
-}  // namespace
 
 SectionPlane level_plane(float y_mm) {
   return {{0, y_mm, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
@@ -61,6 +47,12 @@ void TriangleStack::clear() {
   high_.clear();
 }
 
+void TriangleStack::reserve(std::size_t triangle_count) {
+  triangles_.reserve(triangle_count);
+  low_.reserve(triangle_count);
+  high_.reserve(triangle_count);
+}
+
 void TriangleStack::add(const Triangle& triangle, std::span<const float> heights) {
   const auto height = [&](std::size_t i) { return heights[static_cast<std::size_t>(triangle[i])]; };
   triangles_.push_back(triangle);
@@ -77,9 +69,16 @@ void TriangleStack::cut(std::span<const Vec3f> vertices, std::span<const float> 
 
 void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::span<const std::uint8_t> skip,
                     std::span<const Vec3f> vertices, std::span<const float> heights, std::span<Level> levels) {
+  std::vector<std::uint8_t> above;
+  section_levels(quads, skip, vertices, heights, above, levels);
+}
+
+void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::span<const std::uint8_t> skip,
+                    std::span<const Vec3f> vertices, std::span<const float> heights, std::vector<std::uint8_t>& above,
+                    std::span<Level> levels) {
   static_assert(kLevelsMax <= 8);
   assert(levels.size() <= kLevelsMax);
-  std::vector<std::uint8_t> above(heights.size());  // a bit a level
+  above.assign(heights.size(), 0);  // a bit a level
   for (std::size_t l = 0; l < levels.size(); ++l) {
     const float level = levels[l].height;
     const auto bit = static_cast<std::uint8_t>(1U << l);
@@ -105,40 +104,56 @@ void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::spa
   }
 }
 
-// Andrew's monotone chain.
 std::vector<Vec3f> convex_hull(std::span<const Vec3f> points, const SectionPlane& plane) {
-  std::vector<Flat> flat;
-  flat.reserve(points.size());
+  HullWork work;
+  std::vector<Vec3f> out;
+  work.convex_hull(points, plane, out);
+  return out;
+}
+
+void HullWork::reserve(std::size_t point_count) {
+  flat_.reserve(point_count);
+  hull_.reserve(2 * point_count);
+}
+
+// Twice the signed area, in double: float coordinates of a metre leave the sign of narrow triangles to chance.
+double HullWork::turn(const Flat& o, const Flat& a, const Flat& b) {
+  return (static_cast<double>(a.u) - o.u) * (static_cast<double>(b.v) - o.v) -
+         (static_cast<double>(a.v) - o.v) * (static_cast<double>(b.u) - o.u);
+}
+
+// Andrew's monotone chain.
+void HullWork::convex_hull(std::span<const Vec3f> points, const SectionPlane& plane, std::vector<Vec3f>& out) {
+  flat_.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3f p = points[i] - plane.origin;
-    flat.push_back({dot(p, plane.u), dot(p, plane.v), i});
+    flat_.push_back({dot(p, plane.u), dot(p, plane.v), i});
   }
-  std::sort(flat.begin(), flat.end(), [](const Flat& a, const Flat& b) {
+  std::sort(flat_.begin(), flat_.end(), [](const Flat& a, const Flat& b) {
     return a.u != b.u ? a.u < b.u : (a.v != b.v ? a.v < b.v : a.index < b.index);
   });
-  flat.erase(
-      std::unique(flat.begin(), flat.end(), [](const Flat& a, const Flat& b) { return a.u == b.u && a.v == b.v; }),
-      flat.end());
-  std::vector<Flat> hull(2 * flat.size());
+  flat_.erase(
+      std::unique(flat_.begin(), flat_.end(), [](const Flat& a, const Flat& b) { return a.u == b.u && a.v == b.v; }),
+      flat_.end());
+  std::vector<Flat>& hull = hull_;
+  hull.assign(2 * flat_.size(), {});
   std::size_t size = 0;
-  if (flat.size() >= 3) {
-    for (std::size_t i = 0; i < flat.size(); ++i) {
-      while (size >= 2 && turn(hull[size - 2], hull[size - 1], flat[i]) <= 0) --size;
-      hull[size++] = flat[i];
+  if (flat_.size() >= 3) {
+    for (std::size_t i = 0; i < flat_.size(); ++i) {
+      while (size >= 2 && turn(hull[size - 2], hull[size - 1], flat_[i]) <= 0) --size;
+      hull[size++] = flat_[i];
     }
     const std::size_t lower = size + 1;
-    for (std::size_t i = flat.size() - 1; i-- > 0;) {
-      while (size >= lower && turn(hull[size - 2], hull[size - 1], flat[i]) <= 0) --size;
-      hull[size++] = flat[i];
+    for (std::size_t i = flat_.size() - 1; i-- > 0;) {
+      while (size >= lower && turn(hull[size - 2], hull[size - 1], flat_[i]) <= 0) --size;
+      hull[size++] = flat_[i];
     }
     hull.resize(size - 1);  // the last point is the first again
   } else {
-    hull = flat;
+    hull = flat_;
   }
-  std::vector<Vec3f> out;
-  out.reserve(hull.size());
+  out.clear();
   for (const Flat& f : hull) out.push_back(points[f.index]);
-  return out;
 }
 
 double perimeter_mm(std::span<const Vec3f> polygon) {

@@ -31,6 +31,7 @@ void heights_along(std::span<const Vec3f> vertices, Vec3f normal, std::vector<fl
 class TriangleStack {
  public:
   void clear();
+  void reserve(std::size_t triangle_count);
   void add(const Triangle& triangle, std::span<const float> heights);
   // A point of each edge that crosses the level. Two triangles share an edge and pass it in opposite directions: the
   // one that goes down counts.
@@ -53,9 +54,27 @@ struct Level {
 };
 void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::span<const std::uint8_t> skip,
                     std::span<const Vec3f> vertices, std::span<const float> heights, std::span<Level> levels);
+// The same with memory for the work that is used from call to call.
+void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::span<const std::uint8_t> skip,
+                    std::span<const Vec3f> vertices, std::span<const float> heights, std::vector<std::uint8_t>& above,
+                    std::span<Level> levels);
 
 // Convex hull within the plane, counter-clockwise in (u, v), no point twice; fewer than three points: as they are.
 std::vector<Vec3f> convex_hull(std::span<const Vec3f> points, const SectionPlane& plane);
+// The same without allocation while points are no more than the work has seen or reserved.
+class HullWork {
+ public:
+  void reserve(std::size_t point_count);
+  void convex_hull(std::span<const Vec3f> points, const SectionPlane& plane, std::vector<Vec3f>& out);
+
+ private:
+  struct Flat {
+    float u, v;
+    std::size_t index;
+  };
+  static double turn(const Flat& o, const Flat& a, const Flat& b);
+  std::vector<Flat> flat_, hull_;
+};
 
 // Length of the closed polygon, mm.
 double perimeter_mm(std::span<const Vec3f> polygon);

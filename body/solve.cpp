@@ -2,9 +2,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <string_view>
 #include <vector>
 
+#include "body/fatness.h"
 #include "body/measure.h"
 #include "body/model_data.h"
 
@@ -16,20 +16,6 @@ constexpr int kFirstLikelyStep = 2;  // goals are mostly met at it, and derivati
 constexpr int kWarpStepCountMax = 8;
 constexpr double kStatureToleranceMm = 0.1;
 constexpr double kVolumeToleranceL = 0.01;
-constexpr float kFatnessMax = 1.6F;  // beyond it folds tear
-constexpr float kSlimnessMax =
-    0.5F;  // the same set's other side: muscular people are too heavy for their build without
-
-// The smooth set that carries a body past the weight slider's end (docs/makehuman.md).
-struct FatnessPart {
-  std::string_view modifier;
-  float share;
-};
-constexpr FatnessPart kFatness[] = {
-    {"torso/torso-scale-horiz", 0.6F}, {"torso/torso-scale-depth", 0.8F},  {"hip/hip-scale-horiz", 0.7F},
-    {"hip/hip-scale-depth", 0.8F},     {"armslegs/upperleg-fat", 1.0F},    {"armslegs/upperarm-fat", 1.0F},
-    {"armslegs/lowerleg-fat", 0.8F},   {"stomach/stomach-pregnant", 0.3F}, {"buttocks/buttocks-volume", 0.6F},
-};
 
 using Mesh = std::vector<Vec3f>;
 

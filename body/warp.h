@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <string_view>
 
 #include "core/vec3.h"
 
@@ -51,6 +52,13 @@ enum class WarpValue : unsigned char {
   forearm_length,
 };
 inline constexpr std::size_t kWarpCount = 30;
+// As the enum spells them; result.json names them so.
+inline constexpr std::array<std::string_view, kWarpCount> kWarpNames = {
+    "knee_rise",    "crotch_rise",      "navel_rise",      "nipple_rise",   "shoulder_rise",    "neck_rise",
+    "head_rise",    "hip_breadth",      "hip_front",       "hip_back",      "hip_square",       "waist_breadth",
+    "waist_front",  "waist_back",       "waist_square",    "chest_breadth", "chest_front",      "chest_back",
+    "chest_square", "shoulder_breadth", "neck_girth",      "head_breadth",  "head_length",      "thigh_girth",
+    "calf_girth",   "deltoid_girth",    "upper_arm_girth", "forearm_girth", "upper_arm_length", "forearm_length"};
 
 struct Warp {
   std::array<float, kWarpCount> values{};

@@ -5,46 +5,40 @@
 #include <string>
 #include <vector>
 
-#include "body/measure.h"
 #include "body/person_axes.h"
 #include "body/population.h"
 
 namespace im2fit {
-namespace {
-
-// Heavy bodies come into reach as muscle falls (body/measure.h), so muscle is given up before the weight is.
-bool solve(const body::BodyModel& model, body::Params& params, double stature_mm, double weight_kg) {
-  for (const float muscle_kept : {1.0F, 0.6F, 0.3F}) {
-    body::Params tried = params;
-    tried.muscle *= muscle_kept;
-    const bool solved = body::solve_stature_and_weight(model, tried, stature_mm, weight_kg);
-    if (solved || muscle_kept == 0.3F) {
-      params = tried;
-      return solved;
-    }
-  }
-  return false;
-}
-
-}  // namespace
-
 JointSet to_mesh_axes(const JointSet& camera_joints, const FloorPlane& floor) {
   return body::PersonAxes(camera_joints, floor).to_mesh(camera_joints);
 }
 
-Result<AnsweredBody> body_of_params(const body::BodyModel& model, const body::Params& params, double stature_mm,
-                                    double weight_kg, const JointSet& measured_joints, const FloorPlane& floor) {
+body::MeasurementGoals goals_of(const index::Answer& answer) {
+  constexpr float kSdsInInterval = 2 * 1.96F;  // 95 % of a normal distribution
+  body::MeasurementGoals goals;
+  for (std::size_t i = 0; i < kMeasurementCount; ++i) {
+    const index::IntervalEstimate& e = answer.measurements[i];
+    goals[i] = {e.value, (e.high - e.low) / kSdsInInterval};
+  }
+  return goals;
+}
+
+Result<AnsweredBody> body_of_goals(const body::BodyModel& model, const body::Params& start,
+                                   const body::MeasurementGoals& goals, const JointSet& measured_joints,
+                                   const FloorPlane& floor) {
   for (std::size_t i = 0; i < kJointCount; ++i) {
     const Vec3f& p = measured_joints.position_mm[i];
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
       return Error{ErrorCode::invalid_argument, "joint " + std::string(kJointNames[i]) + " is not a finite position"};
   }
-  if (!std::isfinite(stature_mm) || !std::isfinite(weight_kg) || stature_mm <= 0 || weight_kg <= 0)
-    return Error{ErrorCode::invalid_argument, "answered stature and weight must be positive"};
+  for (std::size_t i = 0; i < kMeasurementCount; ++i)
+    if (!std::isfinite(goals[i].value) || goals[i].value <= 0)
+      return Error{ErrorCode::invalid_argument,
+                   "answered " + std::string(kMeasurementTable[i].id) + " is not a positive number"};
 
   AnsweredBody answered;
-  answered.params = params;
-  answered.in_reach = solve(model, answered.params, stature_mm, weight_kg);
+  answered.params = start;
+  answered.fit = body::MeasurementFitter(model).run(answered.params, goals);
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
   model.morph(answered.params, rest);
   answered.pose = body::pose_from_joints(body::rest_skeleton(model, rest), to_mesh_axes(measured_joints, floor));
@@ -58,11 +52,7 @@ Result<AnsweredBody> body_of_answer(const body::BodyModel& model, const index::I
   if (!person) return person.error();
   const auto params = body::params_of_person(model, person->version, person->seed, person->number);
   if (!params) return params.error();
-  const auto value = [&](Measurement m) {
-    return static_cast<double>(answer.measurements[measurement_index(m)].value);
-  };
-  return body_of_params(model, *params, value(Measurement::stature), value(Measurement::weight), measured_joints,
-                        floor);
+  return body_of_goals(model, *params, goals_of(answer), measured_joints, floor);
 }
 
 }  // namespace im2fit

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// From an answer to a body: the nearest entry's parameters brought to the answered stature and weight, in the pose
-// that was measured.
+// From an answer to the one body that everything said of a person is said of: the nearest entry's parameters, changed
+// until the mesh measures what was answered, in the pose that was measured (docs/one-body.md).
 #pragma once
 
 #include <span>
 
+#include "body/measurement_fit.h"
 #include "body/model.h"
 #include "body/skeleton.h"
 #include "core/joints.h"
@@ -16,19 +17,23 @@ namespace im2fit {
 
 struct AnsweredBody {
   body::Params params;
-  body::Pose pose;       // joints as measured, mesh axes; the hips above the origin, the floor (where known) at y = 0
-  bool in_reach = true;  // false: stature or weight is beyond the body model, params hold the nearest
+  body::MeasurementFit fit;  // what the mesh of `params` measures, and how far that is off the answer
+  body::Pose pose;  // joints as measured, mesh axes; the hips above the origin, the floor (where known) at y = 0
 };
 
+// What is asked of the mesh: the answered values, each as well known as its interval says.
+body::MeasurementGoals goals_of(const index::Answer& answer);
+
 // `model`: of the body file the index was built with; another one draws other people unnoticed. Errors: the index was
-// built of another version of the population; as body_of_params.
+// built of another version of the population; as body_of_goals. Allocates; a few hundredths of a second.
 Result<AnsweredBody> body_of_answer(const body::BodyModel& model, const index::Index& index,
                                     const index::Answer& answer, const JointSet& measured_joints,
                                     const FloorPlane& floor);
 
-// The same from sliders. Errors: joints, stature or weight that are not finite or not positive.
-Result<AnsweredBody> body_of_params(const body::BodyModel& model, const body::Params& params, double stature_mm,
-                                    double weight_kg, const JointSet& measured_joints, const FloorPlane& floor);
+// The same from a body to begin with. Errors: joints or goals that are not finite, goals that are not positive.
+Result<AnsweredBody> body_of_goals(const body::BodyModel& model, const body::Params& start,
+                                   const body::MeasurementGoals& goals, const JointSet& measured_joints,
+                                   const FloorPlane& floor);
 
 // To the axes of meshes (body/person_axes.h); see AnsweredBody::pose.
 JointSet to_mesh_axes(const JointSet& camera_joints, const FloorPlane& floor);

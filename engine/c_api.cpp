@@ -172,10 +172,18 @@ int not_measured(im2fit_handle& handle) {
   return fail(&handle, IM2FIT_ERROR_NOT_MEASURED, "nothing is measured yet: push frames until state is MEASURED");
 }
 
+im2fit::Result<im2fit::AnsweredBody> body_of(const im2fit_handle& handle, const im2fit::EngineResult& r) {
+  return im2fit::body_of_answer(*handle.body, *handle.index, r.answer, r.measured_joints, r.floor);
+}
+
+int no_body(im2fit_handle& handle) {
+  return fail(&handle, IM2FIT_ERROR_UNSUPPORTED, "no body model is loaded: set settings.body_path");
+}
+
 // Posed body vertices, the lowest at y = 0.
 im2fit::Result<std::vector<im2fit::Vec3f>> posed_mesh(const im2fit_handle& handle, const im2fit::EngineResult& r) {
   const im2fit::body::BodyModel& model = *handle.body;
-  auto answered = im2fit::body_of_answer(model, *handle.index, r.answer, r.measured_joints, r.floor);
+  const auto answered = body_of(handle, r);
   if (!answered) return answered.error();
   std::vector<im2fit::Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
   model.morph(answered->params, rest);
@@ -373,8 +381,7 @@ int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capac
     if (vertex_count == nullptr || triangle_count == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "vertex_count or triangle_count is NULL");
     *vertex_count = *triangle_count = 0;
-    if (!h.body || !h.index)
-      return fail(&h, IM2FIT_ERROR_UNSUPPORTED, "no body model is loaded: set settings.body_path");
+    if (!h.body || !h.index) return no_body(h);
     const auto faces = h.body->body_triangles();
     *vertex_count = static_cast<std::size_t>(h.body->body_vertex_count());
     *triangle_count = faces.size();
@@ -394,6 +401,19 @@ int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capac
       vertices[3 * i + 1] = (*mesh)[i].y;
       vertices[3 * i + 2] = (*mesh)[i].z;
     }
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
+int im2fit_body_residual(im2fit_handle* handle, float residual[IM2FIT_MEASUREMENT_COUNT]) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    if (residual == nullptr) return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the place for the residual is NULL");
+    if (!h.body || !h.index) return no_body(h);
+    const im2fit::EngineResult r = h.engine->result();
+    if (!r.measured) return not_measured(h);
+    const auto body = body_of(h, r);
+    if (!body) return fail(&h, body.error());
+    std::copy(body->fit.residual.begin(), body->fit.residual.end(), residual);
     return static_cast<int>(IM2FIT_OK);
   });
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "body/fit/shape_space.h"
 
@@ -90,6 +91,7 @@ Result<Answered> answer_of(const Engine& engine, const MeasuringData& data, cons
   if (!body) return body.error();
   answered.body = std::move(*body);
   report.body = answered.body->params;
+  report.body_fit = answered.body->fit;
   report.modifier_names = data.body_model.modifier_names();
   return answered;
 }
@@ -107,6 +109,16 @@ std::string summary(const ResultReport& report) {
                   values[measurement_index(Measurement::chest_girth)].value);
   if (report.size) words += ", size " + report.size->best;
   return words;
+}
+
+std::string body_note(const ResultReport& report) {
+  const MeasurementValues& residual = report.body_fit.residual;
+  if (!report.body || body::girth_residual_mm(residual) <= body::kResidualToldMm) return "";
+  std::string off;
+  for (std::size_t i = 0; i < kMeasurementCount; ++i)
+    if (kMeasurementTable[i].unit == "mm" && std::abs(residual[i]) > body::kResidualToldMm)
+      off += fmt::format("{}{} {:+.0f} mm", off.empty() ? "" : ", ", kMeasurementTable[i].id, residual[i]);
+  return "no body measures all that is reported; the avatar is off by " + off;
 }
 
 std::string guidance_words(GuidanceSet guidance, ArmSet arms_close) {

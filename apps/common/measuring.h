@@ -56,6 +56,8 @@ bool is_stuck(const EngineResult& result);
 
 // "1743 mm, 72.1 kg, chest 980 mm, size M"
 std::string summary(const ResultReport& report);
+// What people are told of the body when a girth of it is off the reported one by more than 2 mm, "" otherwise.
+std::string body_note(const ResultReport& report);
 // Guidance codes in words of the enum, "ARMS_CLOSE left, MOVING"; "none" for none. `arms_close`: which arms that code
 // is about; one of them alone is named.
 std::string guidance_words(GuidanceSet guidance, ArmSet arms_close);

@@ -143,6 +143,7 @@ Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& 
                             result.frames_used, guidance_words(reported_guidance(result), reported_arms(result))));
     return kExitNoMeasurement;
   }
+  if (const std::string note = body_note(outcome.report); !note.empty()) print_error(note);
   if (!options.json) {
     fmt::print("{}", result_table(outcome));
     if (!options.out.empty()) fmt::print("written to {}\n", options.out);

@@ -191,6 +191,7 @@ Status Daemon::report_person(const hal::Source& source) {
   if (!answered) return answered.error();
   log(Level::info,
       fmt::format("person {} is measured, from {} frames", persons_, answered->report.result.frames_used));
+  if (const std::string note = apps::body_note(answered->report); !note.empty()) log(Level::warning, note);
   say(apps::measured_event(frames_, persons_, answered->report));
   keep(result_json(answered->report));
   engine_->next_person();

@@ -3,8 +3,9 @@
 // Sensor::sense and Fuser::add, a measuring frame describes and queries the index as well. The variant is the best
 // tier the build, the machine and IM2FIT_DISABLE_TIERS allow.
 //
-// Tracker and index: IM2FIT_TRACKER, IM2FIT_INDEX, else where scripts/test puts the small ones. Where they are absent
-// the cases that need them are left out, and standard error says so.
+// Tracker and index: IM2FIT_TRACKER, IM2FIT_INDEX, else where scripts/test puts the small ones; the body:
+// IM2FIT_BODY, else the cache's. Where they are absent the cases that need them are left out, and standard error says
+// so.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,6 +17,9 @@
 #include <vector>
 
 #include "bench/kernels/cases.h"
+#include "body/measure.h"
+#include "body/measurement_fit.h"
+#include "body/population.h"
 #include "core/file.h"
 #include "core/rng.h"
 #include "index/index.h"
@@ -36,12 +40,12 @@ constexpr int kAccumulated = 15;                  // frames of a session, and of
 constexpr int kWarmUp = 8;                        // frames before the first measured one: floor and tracker converge
 constexpr std::size_t kFrames = 2;                // with noise of their own
 
-std::string file_of(const char* variable, const char* name) {
+std::string file_of(const char* variable, const char* name, const char* folder = "small/") {
   if (const char* path = std::getenv(variable)) return path;
   const char* cache = std::getenv("XDG_CACHE_HOME");
   const char* home = std::getenv("HOME");
-  return (cache != nullptr ? std::string(cache) : std::string(home != nullptr ? home : "") + "/.cache") +
-         "/im2fit/small/" + name;
+  return (cache != nullptr ? std::string(cache) : std::string(home != nullptr ? home : "") + "/.cache") + "/im2fit/" +
+         folder + name;
 }
 
 // A Kinect's picture of the figure in a room: disparity in steps of 1/8 pixel, half a step of noise.
@@ -237,6 +241,31 @@ void add_describe_parts(Cases& cases, const Bench& b) {
   });
 }
 
+// Once a session: the nearest entry drawn again, and its body fitted to what another person measures.
+void add_body_parts(Cases& cases) {
+  const std::string path = file_of("IM2FIT_BODY", "body.i2b", "");
+  auto loaded = body::BodyModel::load(path);
+  if (!loaded) {
+    std::fprintf(stderr, "frame: no body in %s: cases left out\n", path.c_str());
+    return;
+  }
+  const auto model = std::make_shared<body::BodyModel>(std::move(*loaded));
+  constexpr std::uint64_t kSeed = 3, kEntry = 5, kPerson = 9;
+  add(cases, "body/entry", {}, [model] { keep(body::draw_person(*model, body::Family::training, kSeed, kEntry)); });
+  const auto entry =
+      std::make_shared<body::Params>(body::draw_person(*model, body::Family::training, kSeed, kEntry).params);
+  const MeasurementValues wanted =
+      body::measure_person(*model, body::draw_person(*model, body::Family::held_out, kSeed, kPerson).params);
+  body::MeasurementGoals goals;
+  for (std::size_t i = 0; i < kMeasurementCount; ++i) goals[i] = {wanted[i], 0.01F * wanted[i]};
+  const auto fitter = std::make_shared<body::MeasurementFitter>(*model);
+  const auto params = std::make_shared<body::Params>(*entry);
+  add(cases, "body/fit", {}, [model, fitter, entry, params, goals] {
+    *params = *entry;
+    keep(fitter->run(*params, goals));
+  });
+}
+
 }  // namespace
 
 Cases all_cases(std::string_view only) {
@@ -251,6 +280,7 @@ Cases all_cases(std::string_view only) {
   if (b.tracker != nullptr && any_of({"guided", "measuring", "query"})) add_whole(cases, b);
   if (any_of({"segment", "joints", "fuse"})) add_sense_parts(cases, b);
   if (any_of({"describe"})) add_describe_parts(cases, b);
+  if (any_of({"body"})) add_body_parts(cases);
   return cases.empty() && !only.empty() ? all_cases({}) : cases;
 }
 

@@ -22,7 +22,9 @@ Json rounded(float value, double steps_per_unit) {
 
 constexpr double kTenths = 10;
 constexpr double kThousandths = 1000;
+constexpr double kHundredths = 100;
 constexpr double kTenThousandths = 10000;
+constexpr double kMillionths = 1e6;
 double steps_of(const MeasurementInfo& info) {
   return info.unit == "kg" ? 100 : kTenths;
 }
@@ -101,6 +103,9 @@ Json parameters_json(const body::Params& p, std::span<const std::string> modifie
   Json modifiers = Json::object();
   for (std::size_t i = 0; i < modifier_names.size() && i < p.modifiers.size(); ++i)
     if (p.modifiers[i] != 0) modifiers[modifier_names[i]] = rounded(p.modifiers[i], kTenThousandths);
+  Json warp = Json::object();
+  for (std::size_t i = 0; i < body::kWarpCount; ++i)
+    if (p.warp.values[i] != 0) warp[std::string(body::kWarpNames[i])] = rounded(p.warp.values[i], kMillionths);
   return {{"gender", rounded(p.gender, kTenThousandths)},
           {"age_years", rounded(p.age_years, kTenths)},
           {"muscle", rounded(p.muscle, kTenThousandths)},
@@ -113,13 +118,28 @@ Json parameters_json(const body::Params& p, std::span<const std::string> modifie
            {{"african", rounded(p.race[0], kTenThousandths)},
             {"asian", rounded(p.race[1], kTenThousandths)},
             {"caucasian", rounded(p.race[2], kTenThousandths)}}},
-          {"modifiers", modifiers}};
+          {"modifiers", modifiers},
+          {"warp", warp}};
+}
+
+// Of lengths and girths; of weight apart, whose unit is another.
+Json residual_json(const body::MeasurementFit& fit) {
+  Json all = Json::object();
+  for (std::size_t i = 0; i < kMeasurementCount; ++i)
+    if (kMeasurementTable[i].unit == "mm")
+      all[std::string(kMeasurementTable[i].id)] = rounded(fit.residual[i], kHundredths);
+  return all;
 }
 
 Json body_json(const ResultReport& report) {
   Json body = {{"entry", report.result.answer.nearest},
                {"distance", rounded(report.result.answer.nearest_distance, kTenThousandths)}};
-  if (report.body) body["parameters"] = parameters_json(*report.body, report.modifier_names);
+  if (!report.body) return body;
+  const body::MeasurementFit& fit = report.body_fit;
+  body["parameters"] = parameters_json(*report.body, report.modifier_names);
+  body["residual_mm"] = residual_json(fit);
+  body["residual_kg"] = rounded(fit.residual[measurement_index(Measurement::weight)], kThousandths);
+  body["meets_measurements"] = body::girth_residual_mm(fit.residual) <= body::kResidualToldMm;
   return body;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "body/measurement_fit.h"
 #include "engine/engine.h"
 #include "engine/size_chart.h"
 
@@ -30,8 +31,9 @@ struct ResultTiming {
 struct ResultReport {
   EngineResult result;
   hal::SourceInfo source;
-  std::optional<SizeAnswer> size;               // size_probabilities of the chest
-  std::optional<body::Params> body;             // body_of_answer; needs modifier_names
+  std::optional<SizeAnswer> size;    // size_probabilities of the chest
+  std::optional<body::Params> body;  // body_of_answer; needs modifier_names and body_fit
+  body::MeasurementFit body_fit;
   std::span<const std::string> modifier_names;  // BodyModel::modifier_names()
   std::optional<ResultTiming> timing;
 };

@@ -124,9 +124,12 @@ static void refuses_bad_frames_and_says_why(void) {
   CHECK(im2fit_attach(handle, "x") == IM2FIT_ERROR_UNSUPPORTED);
   CHECK(im2fit_attach(handle, NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(im2fit_body_mesh(handle, NULL, 0, &n, NULL, 0, &n) == IM2FIT_ERROR_UNSUPPORTED);
+  float residual[IM2FIT_MEASUREMENT_COUNT];
+  CHECK(im2fit_body_residual(handle, residual) == IM2FIT_ERROR_UNSUPPORTED);
+  CHECK(im2fit_body_residual(handle, NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(im2fit_body_mesh(handle, NULL, 0, NULL, NULL, 0, &n) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(im2fit_sizes(handle, NULL, 3, &n, NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
-  CHECK(logged == 10);
+  CHECK(logged == 12);
   CHECK(im2fit_push(NULL, depth, WIDTH, HEIGHT, 0, 0, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(strstr(im2fit_last_error(NULL), "NULL") != NULL);
   im2fit_close(handle);

@@ -51,7 +51,10 @@ ResultReport measured_report() {
   report.size = size_probabilities(builtin_size_system(), {1000, 980, 1020}, 0.03F);
   body::Params params;
   params.modifiers = {0.5F, 0.0F};
+  params.warp[body::WarpValue::waist_front] = -0.0123456F;
   report.body = params;
+  report.body_fit.residual[measurement_index(Measurement::waist_girth)] = 0.126F;
+  report.body_fit.residual[measurement_index(Measurement::weight)] = -0.0126F;
   report.modifier_names = kModifiers;
   return report;
 }
@@ -97,9 +100,23 @@ TEST(ResultJson, SaysWhatTheResultSays) {
   EXPECT_EQ(v["body"]["entry"], 1234);
   EXPECT_EQ(v["body"]["distance"], 1.25);
   EXPECT_EQ(v["body"]["parameters"]["modifiers"], json({{"torso/scale", 0.5}}));
+  EXPECT_EQ(v["body"]["parameters"]["warp"], json({{"waist_front", -0.012346}}));
+  EXPECT_EQ(v["body"]["residual_mm"].size(), kMeasurementCount - 1);
+  EXPECT_EQ(v["body"]["residual_mm"]["waist_girth"], 0.13);
+  EXPECT_EQ(v["body"]["residual_kg"], -0.013);
+  EXPECT_EQ(v["body"]["meets_measurements"], true);
   EXPECT_EQ(v["paper"].size(), 9U) << "what the paper does not measure is left out";
   EXPECT_EQ(v["paper"]["stature"], 1001.1);
   EXPECT_FALSE(v.contains("timing"));
+}
+
+// Lengths may be off by more; of a girth 2 mm are told.
+TEST(ResultJson, ABodyThatMeasuresSomethingElseIsSaidToDoSo) {
+  ResultReport report = measured_report();
+  report.body_fit.residual[measurement_index(Measurement::inside_leg)] = 5;
+  EXPECT_EQ(json::parse(result_json(report))["body"]["meets_measurements"], true);
+  report.body_fit.residual[measurement_index(Measurement::hip_girth)] = -2.1F;
+  EXPECT_EQ(json::parse(result_json(report))["body"]["meets_measurements"], false);
 }
 
 TEST(ResultJson, NamesTheSidesBehindTheAnswer) {

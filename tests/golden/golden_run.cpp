@@ -9,6 +9,9 @@
 #include <span>
 #include <string_view>
 
+#include "body/measure.h"
+#include "body/measurement_fit.h"
+#include "body/model_data.h"
 #include "core/crc32c.h"
 #include "engine/engine.h"
 #include "engine/report/result_json.h"
@@ -127,6 +130,39 @@ void add_answer(Lines& lines, const index::Index& index, std::span<const float> 
   lines.add("answer person %llu", static_cast<unsigned long long>(index.person_of(answer.nearest)->number));
 }
 
+// A person to begin with, and how far from their own measurements the goals are; in the order of ids.
+struct BodyCase {
+  const char* name;
+  float gender, age_years, muscle, weight, height;
+  MeasurementValues more;
+};
+constexpr BodyCase kBodyCases[] = {
+    {"man", 1, 40, 0.45F, 0.6F, 0.5F, {30, 10, 15, 5, 8, 20, -25, 30, 18, 12, 4}},
+    {"heavy woman", 0, 61, 0.2F, 1, 0.5F, {-40, -12, -30, -4, 15, 30, 50, 60, -20, -28, 5}},
+    {"slim woman", 0.04F, 22, 0.4F, 0.3F, 0.55F, {12, -15, 10, 8, -6, -30, -20, -35, -25, 14, -4}},
+    {"impossible", 1, 30, 0.5F, 0.5F, 0.5F, {0, 0, 0, 0, 0, 0, 0, 900, 0, -300, 0}},
+};
+
+void add_body(Lines& lines, const body::BodyModel& model, const BodyCase& person) {
+  body::Params params;
+  params.gender = person.gender;
+  params.age_years = person.age_years;
+  params.muscle = person.muscle;
+  params.weight = person.weight;
+  params.height = person.height;
+  const MeasurementValues own = body::measure_person(model, params);
+  lines.add_checksum((std::string(person.name) + " before").c_str(), checksum(own));
+  body::MeasurementGoals goals;
+  for (std::size_t i = 0; i < kMeasurementCount; ++i) goals[i] = {own[i] + person.more[i], 0.01F * own[i]};
+  const body::MeasurementFit fit = body::MeasurementFitter(model).run(params, goals);
+  lines.add("%s fitted in %d steps, distance %.9g, height %.9g weight %.9g warp %08x modifiers %08x", person.name,
+            fit.steps, exact(fit.distance), exact(params.height), exact(params.weight),
+            static_cast<unsigned>(checksum(params.warp.values)), static_cast<unsigned>(checksum(params.modifiers)));
+  for (std::size_t i = 0; i < kMeasurementCount; ++i)
+    lines.add("%s %s %.9g residual %.9g", person.name, std::string(kMeasurementTable[i].id).c_str(),
+              exact(fit.values[i]), exact(fit.residual[i]));
+}
+
 EngineSettings settings_of(const Intrinsics& intrinsics, bool single_thread) {
   EngineSettings settings;
   settings.width = intrinsics.width;
@@ -211,6 +247,19 @@ Result<std::string> result(const Data& data, const std::string& directory, bool 
                                    report.result.answer.measurements[measurement_index(Measurement::chest_girth)],
                                    report.result.answer.female);
   return result_json(report);
+}
+
+Result<std::string> bodies(const std::string& body_path) {
+  const auto model = body::BodyModel::load(body_path);
+  if (!model) return model.error();
+  const body::BodyModel::Data& d = model->data();
+  std::uint32_t crc = crc32c(std::as_bytes(d.base));
+  crc = crc32c(std::as_bytes(d.deltas), crc);
+  crc = crc32c(std::as_bytes(d.skin), crc);
+  Lines lines;
+  lines.add_checksum("body file", crc);
+  for (const BodyCase& person : kBodyCases) add_body(lines, *model, person);
+  return lines.text();
 }
 
 std::string first_difference(const std::string& expected, const std::string& found) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/file.h"
+#include "tests/body/body_pack.h"
 #include "tests/golden/golden_run.h"
 
 namespace im2fit::golden {
@@ -37,6 +38,17 @@ TEST(GoldenClip, ResultIsTheSameBytesOnOneThreadAndTwo) {
     ASSERT_TRUE(found) << found.error().message;
     EXPECT_EQ(first_difference(expected, *found), "") << (single_thread ? "one thread" : "two threads");
   }
+}
+
+TEST(GoldenBodies, FitsGiveTheSameBits) {
+  const std::string path = body::body_pack_path();
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no body file at " << path << ": run im2fit-lab fetch";
+  const auto found = bodies(path);
+  ASSERT_TRUE(found) << found.error().message;
+  const std::string expected = text_of(kDirectory + "/bodies.txt");
+  if (expected.substr(0, expected.find('\n')) != found->substr(0, found->find('\n')))
+    GTEST_SKIP() << path << " was not made from the data of im2fit-lab fetch";
+  EXPECT_EQ(first_difference(expected, *found), "");
 }
 
 // That the comparison can fail, and names the stage: one pixel of the person 1 mm nearer in one frame is found.

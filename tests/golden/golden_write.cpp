@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "core/file.h"
+#include "tests/body/body_pack.h"
 #include "tests/golden/golden_run.h"
 
 namespace {
@@ -26,6 +27,10 @@ int main(int argc, char** argv) {
   if (const auto written = write_file_atomically(directory + "/stages.txt", *stages); !written)
     return fail(written.error());
   if (const auto written = write_file_atomically(directory + "/result.json", *result); !written)
+    return fail(written.error());
+  const auto bodies = golden::bodies(body::body_pack_path());
+  if (!bodies) return fail(bodies.error());
+  if (const auto written = write_file_atomically(directory + "/bodies.txt", *bodies); !written)
     return fail(written.error());
   return 0;
 }

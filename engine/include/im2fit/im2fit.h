@@ -329,11 +329,17 @@ typedef struct im2fit_size {
  * Allocates. */
 IM2FIT_API int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, size_t* count, size_t* best);
 
-/* The person as a mesh in the measured pose: mm, x the person's left, y up, z out of the face, the soles on y = 0.
- * `vertices`: x y z each; `triangles`: three vertex indices each, counter-clockwise from outside. The counts needed
- * are always written; NULL buffers ask for the counts. Needs settings.body_path. Allocates; some milliseconds. */
+/* The person as a mesh in the measured pose, of the one body that measures what `measurements` says: mm, x the
+ * person's left, y up, z out of the face, the soles on y = 0. `vertices`: x y z each; `triangles`: three vertex
+ * indices each, counter-clockwise from outside. The counts needed are always written; NULL buffers ask for the
+ * counts. Needs settings.body_path. Allocates; a few hundredths of a second. */
 IM2FIT_API int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capacity, size_t* vertex_count,
                                 int32_t* triangles, size_t triangle_capacity, size_t* triangle_count);
+
+/* How far that body's own measurements are off `measurements`, by id; mm, and kg of weight. Below a millimetre,
+ * unless no body measures all that is reported: then say so where more than 2 mm of a girth matter. As
+ * im2fit_body_mesh. */
+IM2FIT_API int im2fit_body_residual(im2fit_handle* handle, float residual[IM2FIT_MEASUREMENT_COUNT]);
 
 /* ---- Names, as in result.json; NULL when out of range ---------------------------------------------------------- */
 
