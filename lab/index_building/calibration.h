@@ -38,16 +38,17 @@ inline constexpr double kOodShare = 0.6;
 inline constexpr std::array<double, kRefinementCount> kRefinedOodShare = {0.6, 0.7, 0.6, 0.6};
 inline constexpr std::size_t kOodMin = 200;  // fewer determine 2.5 % quantiles too badly
 
-// How much wider than on the people above intervals are made, by kind of refinement and measurement (as
-// kMeasurementTable): errors on a make of body that nobody has taught are larger, above all of lengths, since heads, feet
-// and crotches differ. Set so that the truths of WIDENED_ON lie inside; the evaluation judges other people of that make.
-// Never narrower. At 1.2 times these, 97 to 99 % of truths are inside; at 1, before, 74 to 99 %.
+// How much wider intervals are than errors on the people above make them, by kind of refinement and measurement (as
+// kMeasurementTable): on a make of body that nobody has taught errors are larger, above all of what heads, feet and
+// crotches tell, and from both sides, where people who did teach are measured best. So that 95 % of truths of eval's
+// family ansur, seeds 777 and 778, lie inside (index of 5,000; without them 49 to 99 %); other people of it, and
+// other families, are judged in docs/evaluation.md. Never narrower than without.
 using Widening = std::array<float, kMeasurementCount>;
 inline constexpr std::array<Widening, kRefinementCount> kUnknownMakeWidening = {{
-    {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
-    {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
-    {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
-    {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {1.15F, 1.05F, 1.05F, 1.3F, 1, 1.15F, 1, 1.15F, 1.35F, 1.5F, 1.7F},  // the front
+    {1.4F, 1.15F, 1, 1.4F, 1, 1.4F, 1.3F, 1.7F, 1.9F, 2, 2.1F},          // both sides
+    {1.3F, 1, 1.3F, 1.1F, 1, 1.1F, 1, 1, 1.3F, 1.35F, 1.2F},             // the front, dressed
+    {1.5F, 1.05F, 1, 1.5F, 1, 1.2F, 1.25F, 1.2F, 1.6F, 2.1F, 1.5F},      // both sides, dressed
 }};
 void widen(std::array<float, 2 * kMeasurementCount>& quantiles, const Widening& by);
 
