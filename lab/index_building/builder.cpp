@@ -475,12 +475,13 @@ Result<std::vector<std::byte>> Builder::run() {
     std::vector<HeldOut> judged = tuner_->held_out;
     for (const std::size_t i : ood_beside(judged.size(), ood.size(), kOodShare)) judged.push_back(ood[i]);
     intervals = calibrate_intervals(judged);
-    widen(intervals.quantiles, kUnknownMakeWidening[static_cast<std::size_t>(Refinement::fitted)]);
+    if (options_.for_unknown_makes)
+      widen(intervals.quantiles, kUnknownMakeWidening[static_cast<std::size_t>(Refinement::fitted)]);
   }
   RefinementBuilder::PlainAnswers plain;
   for (const std::vector<HeldOut>* answered : {&std::as_const(tuner_->held_out), &ood})
     for (const HeldOut& row : *answered) plain[row.subject] = row.answer;
-  refinements_.learn(*targets_, plain, options_.seed, options_.shape_key);
+  refinements_.learn(*targets_, plain, options_.seed, options_.shape_key, options_.for_unknown_makes);
   return write(tree, intervals);
 }
 

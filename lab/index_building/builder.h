@@ -27,6 +27,8 @@ struct BuildOptions {
   // corrections, intervals). Every sample counts for the regression and becomes an entry.
   std::size_t chosen_on = 32768;
   std::size_t densify_to = 0;  // entries to reach by mixing real ones (lab/index_building/densify.h); 0: none
+  // Intervals are also to hold for makes of body that no sample is of: wider by kUnknownMakeWidening (calibration.h).
+  bool for_unknown_makes = true;
   // Called now and then: the stage, samples so far.
   std::function<void(const std::string& stage, std::size_t samples)> progress;
 };

@@ -237,14 +237,14 @@ void RefinementBuilder::add(const Sample& sample) {
 }
 
 void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed,
-                              std::uint32_t shape_key) {
+                              std::uint32_t shape_key, bool for_unknown_makes) {
   if (rows_[0].size() >= kSampleMin && rows_[1].size() >= kSampleMin)
     for (std::size_t v = 0; v < kClothingViews.size(); ++v) clothing_[v] = learn_clothing(kClothingViews[v], seed);
   for (const Refinement kind : kRefinements) {
     Rows& rows = rows_[is_of_clothed(kind) ? 1 : 0];
     if (rows.size() < kSampleMin) continue;
     auto& learned = learned_[static_cast<std::size_t>(kind)];
-    learned = learn_one(kind, rows, targets, plain, seed);
+    learned = learn_one(kind, rows, targets, plain, seed, for_unknown_makes);
     learned->record.fit = fit_;
     learned->record.shape_key = shape_key;
     for (Row& row : rows) std::vector<float>().swap(row.values[sees_back(kind) ? 1 : 0]);
@@ -253,7 +253,7 @@ void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& pl
 
 RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const Rows& people,
                                                         const TargetSpace& targets, const PlainAnswers& plain,
-                                                        std::uint64_t seed) const {
+                                                        std::uint64_t seed, bool for_unknown_makes) const {
   const auto count = static_cast<std::ptrdiff_t>(people.size());
   std::vector<const std::vector<float>*> values;
   std::vector<int> fold_of_row;
@@ -304,7 +304,8 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   } else {
     judged.insert(judged.end(), ood.begin(), ood.end());
   }
-  if (!judged.empty()) out.judge(kind, people, judged, many ? ood : judged, targets, plain, table.y, cross.answer);
+  if (!judged.empty())
+    out.judge(kind, people, judged, many ? ood : judged, targets, plain, table.y, cross.answer, for_unknown_makes);
   return out;
 }
 
@@ -368,7 +369,7 @@ RefinementBuilder::LearnedClothing RefinementBuilder::learn_clothing(Refinement 
 void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
                                        const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets,
                                        const PlainAnswers& plain, const Eigen::MatrixXd& truth,
-                                       const Eigen::MatrixXd& answered) {
+                                       const Eigen::MatrixXd& answered, bool for_unknown_makes) {
   // Of people in clothes there is no plain answer to mix with.
   record.share.fill(1.0F);
   for (std::ptrdiff_t t = 0; !is_of_clothed(kind) && t < kTargetMin; ++t) {
@@ -403,7 +404,7 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
     }
   }
   IntervalModel intervals = calibrate_intervals(held_out);
-  widen(intervals.quantiles, kUnknownMakeWidening[static_cast<std::size_t>(kind)]);
+  if (for_unknown_makes) widen(intervals.quantiles, kUnknownMakeWidening[static_cast<std::size_t>(kind)]);
   record.interval_kind = static_cast<std::uint32_t>(intervals.kind);
   record.noise = intervals.noise;
   record.coverage = intervals.coverage;

@@ -32,8 +32,10 @@ class RefinementBuilder {
   void add(const Sample& sample);
   // The index' plain answers, standardised, to the first capture of subjects that had no part in them.
   using PlainAnswers = std::map<std::uint64_t, Targets>;
-  // `targets`: as the index standardises them. A kind of people with fewer than kSampleMin samples is left out.
-  void learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed, std::uint32_t shape_key);
+  // `targets`: as the index standardises them. `for_unknown_makes`: intervals are wider by kUnknownMakeWidening. A
+  // kind of people with fewer than kSampleMin samples is left out.
+  void learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed, std::uint32_t shape_key,
+             bool for_unknown_makes);
   // Sections of every kind that was learned, and of how clothes are told.
   void write(ContainerWriter& out) const;
 
@@ -59,10 +61,10 @@ class RefinementBuilder {
     // of the people.
     void judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
                const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets, const PlainAnswers& plain,
-               const Eigen::MatrixXd& truth, const Eigen::MatrixXd& answered);
+               const Eigen::MatrixXd& truth, const Eigen::MatrixXd& answered, bool for_unknown_makes);
   };
   Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
-                    std::uint64_t seed) const;
+                    std::uint64_t seed, bool for_unknown_makes) const;
 
   struct LearnedClothing {
     ClothingRecord record;

@@ -86,6 +86,7 @@ inline constexpr std::uint64_t kFreshSubjects = 1'000'000;  // never trained on
 
 inline BuildOptions options_for(const World& world) {
   BuildOptions o;
+  o.for_unknown_makes = false;  // all people are of one make
   o.provenance = "synthetic people, seed 42";
   o.population_version = 7;
   o.population_seed = 77;
