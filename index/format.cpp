@@ -151,7 +151,7 @@ void check_weights(SectionReader& in, std::span<const std::int16_t> weights, con
              "holds a weight out of range");
 }
 
-// Upper halves of floats, as standardise() takes them.
+// The upper 16 bits of floats, as standardise() takes them.
 void check_scaling(SectionReader& in, std::span<const std::uint16_t> mean, std::span<const std::uint16_t> scale,
                    const char* mean_name, const char* scale_name) {
   in.require(std::all_of(mean.begin(), mean.end(), [](auto m) { return std::abs(float_of_upper(m)) <= 1e9F; }),

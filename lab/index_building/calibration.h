@@ -39,7 +39,7 @@ inline constexpr std::array<double, kRefinementCount> kRefinedOodShare = {0.6, 0
 inline constexpr std::size_t kOodMin = 200;  // fewer determine 2.5 % quantiles too badly
 
 // How much wider intervals are than errors on the people above make them, by kind of refinement and measurement (as
-// kMeasurementTable): on a make of body that nobody has taught errors are larger, above all of what heads, feet and
+// kMeasurementTable): on a make of body that taught nothing errors are larger, above all of what heads, feet and
 // crotches tell, and from both sides, where people who did teach are measured best. So that 95 % of truths of eval's
 // family ansur, seeds 777 and 778, lie inside (index of 5,000; without them 49 to 99 %); other people of it, and
 // other families, are judged in docs/evaluation.md. Never narrower than without.

@@ -10,7 +10,7 @@
 //   larger section of the same ratio. `square_share`, varied by person: the section is squarer than an ellipse. The
 //   rest: the tape is longer than the hull. Sections of scanned people are about 1.01 of their ellipse, which leaves
 //   a fifth of the excess to squareness; scans read waists longer than tapes do, not shorter, which leaves nothing to
-//   the rest. No survey settles it: other shares are an option of the evaluation.
+//   the rest. No survey decides it: other shares are an option of the evaluation.
 // - Chest: girth and depth are honoured. The survey's breadth cannot be of the section its tape goes round (it would
 //   have to be a rectangle): its blades lie against the ribs below the arms. A constant by sex is added so that
 //   sections are superellipses of exponent 2.5 on average; persons differ in it as they do in the survey.
