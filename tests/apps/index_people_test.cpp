@@ -30,10 +30,10 @@ TEST(IndexPeople, DrawnAgainMeasureAsTheIndexSays) {
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
       off[m] += std::abs(static_cast<double>(drawn[m] - stored[m])) / kPeople;
   }
-  // The codes round, and people had bumps of up to 3 mm; anybody else is more than three times as far off, as the
+  // The codes round, and people had bumps of up to 3 mm; anybody else is more than twice as far off, as the
   // mean person is.
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
-    EXPECT_LT(off[m], 0.33 * static_cast<double>(index->info().prior_mae[m])) << kMeasurementTable[m].id;
+    EXPECT_LT(off[m], 0.4 * static_cast<double>(index->info().prior_mae[m])) << kMeasurementTable[m].id;
 }
 
 }  // namespace
