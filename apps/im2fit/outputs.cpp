@@ -116,6 +116,13 @@ std::string result_table(const SessionOutcome& outcome) {
                       truth ? (truth->woman ? " (truth: woman)" : " (truth: man)") : "");
   const index::IntervalEstimate& age = result.age.years;
   text += fmt::format("age   {:.0f} years, {:.0f} to {:.0f}\n", age.value, age.low, age.high);
+  if (const auto& clothing = result.answer.clothing; std::isfinite(clothing.probability)) {
+    text += fmt::format("clothes  probability {:.2f}, {:.0f} mm off the skin; answered as {}{}\n",
+                        clothing.probability, clothing.ease_mm, result.answer.clothed ? "dressed" : "bare",
+                        has(result.guidance, Guidance::clothed)
+                            ? ": CLOTHED, said to be bare; take off loose clothes, or say --clothing dressed"
+                            : "");
+  }
   if (outcome.report.size) {
     auto entries = outcome.report.size->entries;
     std::sort(entries.begin(), entries.end(),
