@@ -63,8 +63,8 @@ class ClothingEstimator {
   Regressor regressor_;
 };
 
-// The probability once it is known what was said: of ten people who say they are bare, nine are. Less than one in a hundred
-// is 0.
+// The probability once it is known what was said: of ten people who say they are bare, nine are. Less than one in a
+// hundred is 0.
 float with_given(float probability, ClothingGiven given);
 
 // One answer of two about the same person. Values are expected ones; an interval reaches as far as both answers' own

@@ -123,9 +123,10 @@ bool BlobFinder::round_body(const Grid& grid, int b, const FloorPlane& floor) co
 
 // A logistic regression on 1,100 furnished rooms without people and 1,180 people (calm, free, turned by 40 to 80
 // degrees, bent by 28 to 50, seated; whole in the picture, some of them from anywhere), weighed with their joints'
-// person_score (perception/segment/person_tracker.cpp). Slender blobs may be rounder since people in profile were tried.
-// Known only of blobs that are whole, on the floor and of a person's size. Without a floor (masked backgrounds, black
-// carpets, glossy tiles) a blob is taken to stand on its lowest point. How well: docs/tracker-evaluation.md.
+// person_score (perception/segment/person_tracker.cpp). Slender blobs may be rounder since people in profile were
+// tried. Known only of blobs that are whole, on the floor and of a person's size. Without a floor (masked
+// backgrounds, black carpets, glossy tiles) a blob is taken to stand on its lowest point. How well:
+// docs/tracker-evaluation.md.
 float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) const {
   const Blob& blob = blobs_[at(b)];
   const float mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
