@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "body/fit/shape_space.h"
+#include "engine/report/tape_file.h"
 
 namespace im2fit::apps {
 namespace {
@@ -20,6 +21,17 @@ Result<SizeSystem> load_charts(const std::vector<std::string>& paths) {
     charts.push_back(std::move(*chart));
   }
   return make_size_system(std::move(charts));
+}
+
+// The shipped tape and people's own files, each of which may refer to those before it.
+Result<body::Tape> load_tapes(const std::vector<std::string>& paths) {
+  body::Tape tape = builtin_tape();
+  for (const std::string& path : paths) {
+    auto more = load_tape(path, std::move(tape));
+    if (!more) return more.error();
+    tape = std::move(*more);
+  }
+  return tape;
 }
 
 // None: auto.
@@ -42,13 +54,19 @@ Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const
   if (!model) return model.error();
   auto charts = load_charts(options.size_charts);
   if (!charts) return charts.error();
+  auto tape = load_tapes(options.tapes);
+  if (!tape) return tape.error();
   std::string warning;
   if (index->fit_layout().size() == 0 || index->shape_key() != model->shape_space().key)
     warning = fmt::format(
         "{}: not made with the shapes of {}: features answer alone, less well; build the index again with "
         "im2fit-lab index",
         options.index, body);
-  return MeasuringData{std::move(tracker), std::move(index), std::move(*model), std::move(*charts),
+  return MeasuringData{std::move(tracker),
+                       std::move(index),
+                       std::move(*model),
+                       std::move(*charts),
+                       std::make_unique<body::Tape>(std::move(*tape)),
                        std::move(warning)};
 }
 
@@ -93,6 +111,9 @@ Result<Answered> answer_of(const Engine& engine, const MeasuringData& data, cons
   report.body = answered.body->params;
   report.body_fit = answered.body->fit;
   report.modifier_names = data.body_model.modifier_names();
+  report.tape = data.tape.get();
+  report.tape_values.resize(data.tape->definitions.size());
+  body::TapeMeasurer(data.body_model).measure(*data.tape, answered.body->params, report.tape_values);
   return answered;
 }
 

@@ -25,6 +25,7 @@ struct MeasuringOptions {
   std::string clothing = "auto";         // or another of kClothingGivenNames
   std::string sensor = "auto";           // or another of kSensorKindNames; auto: as the source says
   std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
+  std::vector<std::string> tapes;        // files of definitions beside the shipped ones
   int threads = 2;
   int user = 0;  // 0: the nearest
   bool live = false;
@@ -36,7 +37,8 @@ struct MeasuringData {
   std::unique_ptr<index::Index> index;
   body::BodyModel body_model;
   SizeSystem charts;
-  std::string warning;  // "": the files belong together
+  std::unique_ptr<body::Tape> tape;  // reports refer to it
+  std::string warning;               // "": the files belong together
 };
 Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const std::string& body);
 

@@ -143,6 +143,20 @@ Json body_json(const ResultReport& report) {
   return body;
 }
 
+// Of the answered body's mesh, by each definition that is measured.
+Json tape_json(const ResultReport& report) {
+  Json all = Json::object();
+  for (std::size_t i = 0; i < report.tape_values.size(); ++i) {
+    const body::TapeDefinition& d = report.tape->definitions[i];
+    if (d.kind == body::TapeKind::refused) continue;
+    const std::string unit(unit_of(d));
+    all[d.id] = {{"value", rounded(report.tape_values[i], unit == "kg" ? kHundredths : kTenths)},
+                 {"unit", unit},
+                 {"iso", d.iso_8559.empty() ? Json(nullptr) : Json("ISO 8559-1:2017 " + d.iso_8559)}};
+  }
+  return all;
+}
+
 Json paper_json(const EngineResult& result) {
   Json all = Json::object();
   if (!result.measured) return all;
@@ -269,6 +283,7 @@ std::string result_json(const ResultReport& report) {
   if (r.measured && report.size) json["size"] = size_json(*report.size);
   json["joints"] = joints_json(r);
   if (r.measured) json["body"] = body_json(report);
+  if (r.measured && report.body && report.tape != nullptr) json["tape"] = tape_json(report);
   json["paper"] = paper_json(r);
   if (report.timing)
     json["timing"] = {{"total_ms", rounded(report.timing->total_ms, kTenths)},

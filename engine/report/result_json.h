@@ -7,8 +7,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "body/measurement_fit.h"
+#include "body/tape.h"
 #include "engine/engine.h"
 #include "engine/size_chart.h"
 
@@ -35,6 +37,8 @@ struct ResultReport {
   std::optional<body::Params> body;  // body_of_answer; needs modifier_names and body_fit
   body::MeasurementFit body_fit;
   std::span<const std::string> modifier_names;  // BodyModel::modifier_names()
+  const body::Tape* tape = nullptr;             // with `body`: what its mesh measures by each definition
+  std::vector<float> tape_values;               // a value a definition; not-a-number: none
   std::optional<ResultTiming> timing;
 };
 

@@ -77,7 +77,8 @@ TEST(Words, WrongOnesExitWithTwoAndOneLine) {
 
 TEST(Words, HelpIsEverywhere) {
   const std::pair<const char*, std::vector<Words>> table[] = {
-      {test::kProgram, {{}, {"devices"}, {"measure"}, {"live"}, {"record"}}},
+      {test::kProgram,
+       {{}, {"devices"}, {"measure"}, {"live"}, {"record"}, {"tape"}, {"tape", "list"}, {"tape", "show"}}},
       {test::kLab,
        {{},
         {"fetch"},

@@ -69,6 +69,31 @@ TEST(ResultJson, AMeasuredResultMeetsTheSchema) {
   EXPECT_THAT(test::SchemaCheck(schema()).run(value), testing::IsEmpty());
 }
 
+TEST(ResultJson, TheTapeIsOfTheBodyAndLeavesOutWhatIsRefused) {
+  body::Tape tape;
+  tape.definitions.resize(4);
+  tape.definitions[0].id = "weight";
+  tape.definitions[0].value = Measurement::weight;
+  tape.definitions[1].id = "knee_girth";
+  tape.definitions[1].kind = body::TapeKind::girth;
+  tape.definitions[1].iso_8559 = "5.3.22";
+  tape.definitions[2].id = "head_girth";
+  tape.definitions[2].kind = body::TapeKind::refused;
+  tape.definitions[3].id = "boot";
+  tape.definitions[3].kind = body::TapeKind::girth;
+  ResultReport report = measured_report();
+  report.tape = &tape;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  report.tape_values = {71.236F, 380.06F, kNan, kNan};
+  const json v = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(v), testing::IsEmpty());
+  EXPECT_EQ(v["tape"], json({{"weight", {{"value", 71.24}, {"unit", "kg"}, {"iso", nullptr}}},
+                             {"knee_girth", {{"value", 380.1}, {"unit", "mm"}, {"iso", "ISO 8559-1:2017 5.3.22"}}},
+                             {"boot", {{"value", nullptr}, {"unit", "mm"}, {"iso", nullptr}}}}));
+  report.body.reset();
+  EXPECT_FALSE(json::parse(result_json(report)).contains("tape"));
+}
+
 TEST(ResultJson, SaysWhatTheResultSays) {
   const json v = json::parse(result_json(measured_report()));
   EXPECT_EQ(v["schema"], "im2fit.result/1");

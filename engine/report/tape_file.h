@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tape from its text (YAML, docs/tape.md): the shipped one, which is compiled in, and people's own files.
+#pragma once
+
+#include <string>
+
+#include "body/tape.h"
+#include "core/status.h"
+
+namespace im2fit {
+
+// `onto`: what the text may refer to and is added to. `what` names the file in errors, which also name line and
+// field. Either all of the text is taken or none.
+Result<body::Tape> parse_tape(const std::string& text, const std::string& what, body::Tape onto = {});
+Result<body::Tape> load_tape(const std::string& path, body::Tape onto);
+// data/tape/*.yaml, compiled in.
+const body::Tape& builtin_tape();
+
+}  // namespace im2fit

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// im2fit tape list and show, and a tape of one's own in a measurement.
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <set>
+
+#include "measure_run.h"
+
+namespace im2fit {
+namespace {
+
+test::Run tape(std::vector<std::string> words) {
+  words.insert(words.begin(), {test::kProgram, "tape"});
+  return test::run_program(words);
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  std::ofstream(path) << text;
+}
+
+constexpr const char* kMine =
+    "schema: im2fit.tape/1\n"
+    "measurements:\n"
+    "- {id: my_knee, name: {en: Knee}, kind: girth, points: [knee], side: mean, source: mine}\n"
+    "- {id: my_rise, name: {en: Rise}, kind: sum, terms: {waist_height: 1, inside_leg: -1}, source: mine}\n";
+
+TEST(Tape, ListHasThemAll) {
+  const test::Run words = tape({"list"}), run = tape({"list", "--json"});
+  ASSERT_EQ(words.exit_code, 0) << words.err;
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto all = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(all.is_array()) << run.out;
+  std::set<std::string> ids;
+  std::size_t measured = 0;
+  for (const auto& d : all) {
+    const std::string id = d["id"];
+    EXPECT_TRUE(ids.insert(id).second) << id;
+    EXPECT_EQ(d["name"].size(), 5U) << id;
+    EXPECT_THAT(words.out, testing::HasSubstr(id));
+    measured += d["kind"] != "refused" ? 1 : 0;
+  }
+  EXPECT_GE(measured, 45U);
+}
+
+TEST(Tape, ShowSaysHowAndWhyNot) {
+  const test::Run thigh = tape({"show", "thigh_girth", "--json"});
+  ASSERT_EQ(thigh.exit_code, 0) << thigh.err;
+  const auto json = nlohmann::json::parse(thigh.out, nullptr, false);
+  EXPECT_EQ(json["iso_8559"], "ISO 8559-1:2017 5.3.20");
+  EXPECT_EQ(json["search"]["for"], "largest");
+  const test::Run head = tape({"show", "head_girth"});
+  EXPECT_EQ(head.exit_code, 0);
+  EXPECT_THAT(head.out, testing::HasSubstr("reason"));
+  const test::Run none = tape({"show", "tail_length"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, testing::HasSubstr("no measurement is called tail_length; im2fit tape list"));
+  EXPECT_EQ(tape({}).exit_code, 2);
+  EXPECT_EQ(tape({"show"}).exit_code, 2);
+}
+
+TEST(Tape, PicturesShowTheLine) {
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  for (const char* id : {"waist_girth", "across_back", "torso_girth", "stature", "sleeve_length"}) {
+    const std::string svg = folder.path(std::string(id) + ".svg"), png = folder.path(std::string(id) + ".png");
+    const test::Run run = tape({"show", id, "--out", svg, "--body", test::body_path()});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const std::string text = test::read_text(svg);
+    EXPECT_THAT(text, testing::StartsWith("<svg "));
+    EXPECT_THAT(text, testing::HasSubstr("<path class=\"b\" d=\"M"));
+    EXPECT_TRUE(text.find("class=\"t\"") != std::string::npos || text.find("class=\"h\"") != std::string::npos) << id;
+    ASSERT_EQ(tape({"show", id, "--out", png, "--on", "man", "--body", test::body_path()}).exit_code, 0);
+    EXPECT_THAT(test::read_text(png), testing::StartsWith("\x89PNG"));
+  }
+  const test::Run odd = tape({"show", "stature", "--out", folder.path("x.gif"), "--body", test::body_path()});
+  EXPECT_EQ(odd.exit_code, 1);
+  EXPECT_THAT(odd.err, testing::HasSubstr("pictures end in .svg or .png"));
+  const test::Run head = tape({"show", "head_girth", "--out", folder.path("x.png"), "--body", test::body_path()});
+  EXPECT_EQ(head.exit_code, 1);
+  EXPECT_THAT(head.err, testing::HasSubstr("not measured"));
+}
+
+TEST(Tape, AFileOfOnesOwn) {
+  const test::TestFolder folder;
+  write_text(folder.path("mine.yaml"), kMine);
+  const test::Run run = tape({"show", "my_rise", "--tape", folder.path("mine.yaml")});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, testing::HasSubstr("waist_height"));
+  write_text(folder.path("bad.yaml"), std::string(kMine) + "- {id: boot, name: {en: B}, kind: grith, source: s}\n");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"list"}, std::vector<std::string>{"show", "stature"}}) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), {"--tape", folder.path("bad.yaml")});
+    const test::Run bad = tape(all);
+    EXPECT_EQ(bad.exit_code, 1);
+    EXPECT_EQ(bad.out, "");
+    EXPECT_TRUE(test::is_one_line_of(bad.err, "im2fit")) << bad.err;
+    EXPECT_THAT(bad.err,
+                testing::HasSubstr("bad.yaml line 5: boot.kind is \"grith\", expected one of value, height"));
+  }
+}
+
+TEST(Tape, AMeasurementCarriesThemAll) {
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  write_text(folder.path("mine.yaml"), kMine);
+  for (int seed = 41; seed < 50; ++seed) {
+    const std::string out = folder.path("out");
+    const test::Run run = test::measure("synthetic:" + std::to_string(seed), out,
+                                        {"--frames", "5", "--tape", folder.path("mine.yaml")});
+    if (run.exit_code == 3) continue;  // who is asked for something first
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto result = nlohmann::json::parse(test::read_text(out + "/result.json"));
+    const auto& values = result["tape"];
+    EXPECT_GE(values.size(), 47U);
+    EXPECT_FALSE(values.contains("head_girth"));
+    EXPECT_NEAR(values["my_rise"]["value"], values["body_rise"]["value"], 0.11);
+    EXPECT_NEAR(values["my_knee"]["value"], values["knee_girth"]["value"], 40);
+    for (const auto& [id, said] : result["measurements"].items()) {
+      const double residual = id == "weight" ? result["body"]["residual_kg"].get<double>()
+                                             : result["body"]["residual_mm"][id].get<double>();
+      EXPECT_NEAR(values[id]["value"].get<double>(), said["value"].get<double>() + residual, 0.11) << id;
+    }
+    return;
+  }
+  FAIL() << "none of nine people was measured";
+}
+
+}  // namespace
+}  // namespace im2fit
