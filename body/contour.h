@@ -17,6 +17,7 @@ class Contours {
   void cut(std::span<const Triangle> triangles, std::span<const Vec3f> vertices, const SectionPlane& plane);
   std::size_t count() const { return first_.empty() ? 0 : first_.size() - 1; }
   std::span<const Vec3f> loop(std::size_t i) const;
+  std::span<const Vec3f> points() const { return points_; }  // of all lines
 
   // Of several lines (trunk and arms, two legs) the one about `inside`: the shortest that goes round it, else the one
   // whose middle is nearest. Empty when there is none of three points or more.

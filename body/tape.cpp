@@ -69,6 +69,9 @@ class TapeMeasurer::Work {
     const auto count = static_cast<std::size_t>(model.vertex_count());
     rest_.resize(count);
     posed_.resize(count);
+    const auto triangles = model.body_triangles();
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      if (model.data().triangle_is_arm[i] == 0) armless_.push_back(triangles[i]);
   }
 
   void measure(const Tape& tape, const Params& params, std::span<float> out) {
@@ -276,10 +279,12 @@ class TapeMeasurer::Work {
     return along(*high) - along(*low);
   }
 
+  // At the chest arms may be one piece with the trunk: of the trunk the tape goes round all that is no arm.
   float size_at(const TapeDefinition& d, std::span<const Vec3f> p, float share, TapeLines* lines) {
     const SectionPlane plane = plane_of(d, p, share);
-    contours_.cut(model_.body_triangles(), body(), plane);
-    return size_of(d.kind, contours_.about(plane.origin), plane, lines);
+    const bool trunk = d.side == TapeSide::middle && d.plane == TapePlane::level && d.kind != TapeKind::contour;
+    contours_.cut(trunk ? std::span<const Triangle>(armless_) : model_.body_triangles(), body(), plane);
+    return size_of(d.kind, trunk ? contours_.points() : contours_.about(plane.origin), plane, lines);
   }
 
   float section(const TapeDefinition& d, std::span<const Vec3f> p, TapeLines* lines) {
@@ -360,6 +365,7 @@ class TapeMeasurer::Work {
 
   const BodyModel& model_;
   Measurer measurer_;
+  std::vector<Triangle> armless_;
   std::vector<Vec3f> rest_, posed_;
   MeasurementValues values_{};
   PosedSkeleton bones_;

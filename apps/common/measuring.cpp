@@ -114,6 +114,7 @@ Result<Answered> answer_of(const Engine& engine, const MeasuringData& data, cons
   report.tape = data.tape.get();
   report.tape_values.resize(data.tape->definitions.size());
   body::TapeMeasurer(data.body_model).measure(*data.tape, answered.body->params, report.tape_values);
+  report.tape_intervals = tape_intervals(*data.tape, report.tape_values, answer);
   return answered;
 }
 

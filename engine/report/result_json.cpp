@@ -150,9 +150,13 @@ Json tape_json(const ResultReport& report) {
     const body::TapeDefinition& d = report.tape->definitions[i];
     if (d.kind == body::TapeKind::refused) continue;
     const std::string unit(unit_of(d));
-    all[d.id] = {{"value", rounded(report.tape_values[i], unit == "kg" ? kHundredths : kTenths)},
-                 {"unit", unit},
-                 {"iso", d.iso_8559.empty() ? Json(nullptr) : Json("ISO 8559-1:2017 " + d.iso_8559)}};
+    const double steps = unit == "kg" ? kHundredths : kTenths;
+    Json entry = {{"value", rounded(report.tape_values[i], steps)}, {"unit", unit}};
+    if (i < report.tape_intervals.size() && report.tape_intervals[i].known)
+      entry["interval"] =
+          Json::array({rounded(report.tape_intervals[i].low, steps), rounded(report.tape_intervals[i].high, steps)});
+    entry["iso"] = d.iso_8559.empty() ? Json(nullptr) : Json("ISO 8559-1:2017 " + d.iso_8559);
+    all[d.id] = entry;
   }
   return all;
 }

@@ -12,6 +12,7 @@
 #include "body/measurement_fit.h"
 #include "body/tape.h"
 #include "engine/engine.h"
+#include "engine/report/tape_law.h"
 #include "engine/size_chart.h"
 
 namespace im2fit {
@@ -39,6 +40,7 @@ struct ResultReport {
   std::span<const std::string> modifier_names;  // BodyModel::modifier_names()
   const body::Tape* tape = nullptr;             // with `body`: what its mesh measures by each definition
   std::vector<float> tape_values;               // a value a definition; not-a-number: none
+  std::vector<TapeInterval> tape_intervals;     // as tape_values; may be empty
   std::optional<ResultTiming> timing;
 };
 

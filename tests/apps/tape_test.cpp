@@ -2,9 +2,15 @@
 // im2fit tape list and show, and a tape of one's own in a measurement.
 #include <gmock/gmock.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <iostream>
+#include <map>
 #include <set>
 
+#include "body/population.h"
+#include "engine/report/tape_file.h"
+#include "lab/camera/synthetic_person.h"
 #include "measure_run.h"
 
 namespace im2fit {
@@ -125,6 +131,47 @@ TEST(Tape, AMeasurementCarriesThemAll) {
     return;
   }
   FAIL() << "none of nine people was measured";
+}
+
+// IM2FIT_TAPE_PEOPLE: of how many people; coverage a measurement is printed. docs/tape.md quotes it.
+TEST(Tape, IntervalsHoldThePeoplesOwnValues) {
+  IM2FIT_NEED_DATA();
+  const auto model = body::BodyModel::load(test::body_path());
+  ASSERT_TRUE(model) << model.error().message;
+  const body::Tape& shipped = builtin_tape();
+  body::TapeMeasurer measurer(*model);
+  std::vector<float> truth(shipped.definitions.size());
+  const char* given = std::getenv("IM2FIT_TAPE_PEOPLE");
+  const int people = given != nullptr ? std::atoi(given) : 6;
+  std::map<std::string, int> inside;
+  int measured = 0, total = 0, all_inside = 0;
+  for (std::uint64_t seed = 141; measured < people; ++seed) {
+    ASSERT_LT(seed, 161 + 2 * static_cast<std::uint64_t>(people));
+    const test::TestFolder folder;
+    const std::string out = folder.path("out");
+    const test::Run run = test::measure("synthetic:" + std::to_string(seed), out, {"--frames", "5"});
+    if (run.exit_code == 3) continue;
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    ++measured;
+    const auto values = nlohmann::json::parse(test::read_text(out + "/result.json"))["tape"];
+    const body::Drawn drawn = body::draw_person(*model, body::Family::held_out, seed, lab::subject_of_seed(seed));
+    measurer.measure(shipped, drawn.params, truth);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const body::TapeDefinition& d = shipped.definitions[i];
+      if (d.kind == body::TapeKind::refused) continue;
+      const auto& interval = values[d.id]["interval"];
+      ASSERT_TRUE(interval.is_array()) << d.id;
+      const bool holds = interval[0] <= truth[i] && truth[i] <= interval[1];
+      inside[d.id] += holds ? 1 : 0;
+      all_inside += holds ? 1 : 0;
+      ++total;
+    }
+  }
+  EXPECT_GE(all_inside, 0.85 * total);
+  std::string worst;
+  for (const auto& [id, count] : inside)
+    if (count < 0.88 * measured) worst += " " + id + " " + std::to_string(100 * count / measured) + " %";
+  std::cout << measured << " people: " << 100.0 * all_inside / total << " % inside; below 88 %:" << worst << "\n";
 }
 
 }  // namespace

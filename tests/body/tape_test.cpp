@@ -15,6 +15,7 @@
 #include "body_pack.h"
 #include "engine/report/builtin_tape.h"
 #include "engine/report/tape_file.h"
+#include "engine/report/tape_law.h"
 
 namespace im2fit::body {
 namespace {
@@ -229,6 +230,38 @@ TEST_F(TapeTest, TheSameBitsWhateverWasMeasuredBefore) {
     EXPECT_EQ(one.lines(tape, static_cast<int>(i)).empty(),
               tape.definitions[i].kind == TapeKind::refused || tape.definitions[i].id == "weight")
         << tape.definitions[i].id;
+}
+
+TEST(TapeLaw, EveryShippedMeasurementHasAnInterval) {
+  const Tape& tape = builtin_tape();
+  index::Answer answer;
+  for (index::IntervalEstimate& e : answer.measurements) e = {1000, 960, 1040};
+  std::vector<float> values(tape.definitions.size(), 500);
+  const std::vector<TapeInterval> exact = [&] {
+    index::Answer known = answer;
+    for (index::IntervalEstimate& e : known.measurements) e = {1000, 1000, 1000};
+    return tape_intervals(tape, values, known);
+  }();
+  const std::vector<TapeInterval> all = tape_intervals(tape, values, answer);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const TapeDefinition& d = tape.definitions[i];
+    if (d.kind == TapeKind::refused) {
+      EXPECT_FALSE(all[i].known);
+    } else if (d.kind == TapeKind::value) {
+      EXPECT_EQ(all[i].low, 960) << "the answer's own";
+    } else {
+      EXPECT_TRUE(has_tape_law(d.id)) << d.id << ": run im2fit-tape-law again";
+      EXPECT_TRUE(all[i].known && all[i].low < 500 && all[i].high > 500) << d.id;
+      EXPECT_GE(all[i].high, exact[i].high) << d.id << ": what is known less well is not known better";
+    }
+  }
+  const auto mine = parse_tape(
+      "schema: im2fit.tape/1\nmeasurements:\n"
+      "- {id: mine, name: {en: m}, kind: girth, points: [navel_level], source: s}\n",
+      "mine", tape);
+  ASSERT_TRUE(mine);
+  values.push_back(500);
+  EXPECT_FALSE(tape_intervals(*mine, values, answer).back().known) << "nothing was measured of it";
 }
 
 TEST(TapeFile, ATextMayReferToTheShipped) {

@@ -90,6 +90,12 @@ TEST(ResultJson, TheTapeIsOfTheBodyAndLeavesOutWhatIsRefused) {
   EXPECT_EQ(v["tape"], json({{"weight", {{"value", 71.24}, {"unit", "kg"}, {"iso", nullptr}}},
                              {"knee_girth", {{"value", 380.1}, {"unit", "mm"}, {"iso", "ISO 8559-1:2017 5.3.22"}}},
                              {"boot", {{"value", nullptr}, {"unit", "mm"}, {"iso", nullptr}}}}));
+  report.tape_intervals = {{true, 65, 77.118F}, {true, 350.04F, 410}, {}, {}};
+  const json with = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(with), testing::IsEmpty());
+  EXPECT_EQ(with["tape"]["weight"]["interval"], json({65.0, 77.12}));
+  EXPECT_EQ(with["tape"]["knee_girth"]["interval"], json({350.0, 410.0}));
+  EXPECT_FALSE(with["tape"]["boot"].contains("interval"));
   report.body.reset();
   EXPECT_FALSE(json::parse(result_json(report)).contains("tape"));
 }

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/report/tape_law.h"
+
+#include <array>
+#include <cmath>
+
+namespace im2fit {
+namespace {
+
+constexpr double kNormal95 = 1.959963984540054;  // half width of the 95 % interval, in standard deviations
+
+struct TapeLaw {
+  std::string_view id;
+  bool woman;
+  float residual;                               // standard deviation, as a share of the value
+  std::array<float, kMeasurementCount> slopes;  // relative change for a relative change of each of the eleven
+};
+constexpr TapeLaw kLaws[] = {
+#include "engine/report/tape_law.inc"
+};
+
+const TapeLaw* law_of(std::string_view id, bool woman) {
+  for (const TapeLaw& law : kLaws)
+    if (law.id == id && law.woman == woman) return &law;
+  return nullptr;
+}
+
+double relative_variance(const TapeLaw& law, const index::Answer& answer) {
+  double variance = static_cast<double>(law.residual) * static_cast<double>(law.residual);
+  for (std::size_t i = 0; i < kMeasurementCount; ++i) {
+    const index::IntervalEstimate& e = answer.measurements[i];
+    if (!(e.value > 0)) continue;
+    const double sd = static_cast<double>(e.high - e.low) / (2 * kNormal95 * static_cast<double>(e.value));
+    const double share = static_cast<double>(law.slopes[i]) * sd;
+    variance += share * share;
+  }
+  return variance;
+}
+
+}  // namespace
+
+std::vector<TapeInterval> tape_intervals(const body::Tape& tape, std::span<const float> values,
+                                         const index::Answer& answer) {
+  std::vector<TapeInterval> all(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const body::TapeDefinition& d = tape.definitions[i];
+    if (d.kind == body::TapeKind::value) {
+      const index::IntervalEstimate& e = answer.measurements[measurement_index(d.value)];
+      all[i] = {true, e.low, e.high};
+      continue;
+    }
+    const TapeLaw* law = law_of(d.id, answer.female >= 0.5F);
+    if (law == nullptr || !std::isfinite(values[i])) continue;
+    const double half =
+        kNormal95 * std::sqrt(relative_variance(*law, answer)) * std::abs(static_cast<double>(values[i]));
+    all[i] = {true, static_cast<float>(static_cast<double>(values[i]) - half),
+              static_cast<float>(static_cast<double>(values[i]) + half)};
+  }
+  return all;
+}
+
+bool has_tape_law(std::string_view id) {
+  return law_of(id, false) != nullptr && law_of(id, true) != nullptr;
+}
+
+}  // namespace im2fit
