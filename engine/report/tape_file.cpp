@@ -71,7 +71,7 @@ float number_of(const YAML::Node& node, const std::string& field, float low, flo
 }
 
 std::string id_of(const YAML::Node& node, const std::string& field) {
-  const std::string id = text_of(node, field);
+  std::string id = text_of(node, field);
   bool good = id.size() <= 48 && id[0] >= 'a' && id[0] <= 'z';
   for (const char c : id) good = good && ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_');
   if (!good) refuse(node, field, "is " + shown(node) + ", expected small letters, digits and _, at most 48");
