@@ -91,6 +91,7 @@ int run(const char* path) {
   const Tape& tape = builtin_tape();
   TapeMeasurer measurer(*model);
   std::vector<Person> teaching;
+  teaching.reserve(kTeaching);
   for (int i = 0; i < kTeaching; ++i) teaching.push_back(draw(*model, tape, measurer, Family::training, i));
 
   MeasurementFitter fitter(*model);
