@@ -239,8 +239,8 @@ class TapeMeasurer::Work {
     return p[0].y - low;
   }
 
-  // ---- Sections
-  // ----------------------------------------------------------------------------------------------------
+  // Sections.
+
   static SectionPlane plane_of(const TapeDefinition& d, std::span<const Vec3f> p, float share) {
     const Vec3f way = p.size() > 1 && d.plane != TapePlane::points ? p[1] - p[0] : Vec3f{};
     const Vec3f at = p[0] + way * share;
@@ -306,8 +306,8 @@ class TapeMeasurer::Work {
     return lines == nullptr ? best : size_at(d, p, best_share, lines);
   }
 
-  // ---- Arcs
-  // --------------------------------------------------------------------------------------------------------
+  // Arcs.
+
   float arc(const TapeDefinition& d, std::span<const Vec3f> p, TapeLines* lines) {
     const Vec3f chord = p[2] - p[0];
     Vec3f normal = {0, 1, 0};

@@ -28,9 +28,9 @@ Answerer::Answerer(const Contents& contents)
 Answerer::Workspace::Workspace(const Answerer& answerer)
     : standardised(answerer.regressor_.padded_size()), search(answerer.contents_.tree) {
   for (std::size_t i = 0; i < kRefinementCount; ++i)
-    if (answerer.refiners_[i]) refining[i].emplace(*answerer.refiners_[i]);
+    if (answerer.refiners_[i]) refining[i].emplace(answerer.refiners_[i]->map());
   for (std::size_t v = 0; v < kClothingViews.size(); ++v)
-    if (answerer.clothing_estimators_[v]) clothing[v].emplace(*answerer.clothing_estimators_[v]);
+    if (answerer.clothing_estimators_[v]) clothing[v].emplace(answerer.clothing_estimators_[v]->map());
 }
 
 Targets Answerer::regressed(std::span<const float> feature, Workspace& work) const {
@@ -82,22 +82,23 @@ const Refiner* Answerer::refiner_for(const Seen& seen, bool dressed) const {
   constexpr std::array kBare = {Refinement::turned, Refinement::fitted};
   constexpr std::array kDressed = {Refinement::clothed_turned, Refinement::clothed};
   for (const Refinement kind : dressed ? kDressed : kBare)
-    if (const auto& refiner = refiners_[static_cast<std::size_t>(kind)]; refiner && refiner->applies(seen))
+    if (const auto& refiner = refiners_[static_cast<std::size_t>(kind)]; refiner && refiner->map().applies(seen))
       return &*refiner;
   return nullptr;
 }
 
 const ClothingEstimator* Answerer::clothing_estimator_for(const Seen& seen, std::size_t& view) const {
   for (view = kClothingViews.size(); view-- > 0;)
-    if (const auto& estimator = clothing_estimators_[view]; estimator && estimator->applies(seen)) return &*estimator;
+    if (const auto& estimator = clothing_estimators_[view]; estimator && estimator->map().applies(seen))
+      return &*estimator;
   return nullptr;
 }
 
 // People in clothes are searched for at the refined answer; it has no shape latents, so these stay zero.
 Targets Answerer::position_targets_of(const Seen& seen, const Refiner* refiner, Workspace& work) const {
-  if (refiner == nullptr || !is_of_clothed(refiner->kind())) return regressed(seen.front, work);
+  if (refiner == nullptr || !is_of_clothed(refiner->map().kind())) return regressed(seen.front, work);
   Targets sought{};
-  refiner->apply(seen, *work.refining[static_cast<std::size_t>(refiner->kind())], sought);
+  refiner->apply(seen, *work.refining[static_cast<std::size_t>(refiner->map().kind())], sought);
   return sought;
 }
 
@@ -129,7 +130,7 @@ Result<Answer> Answerer::answer(const Seen& seen, const QueryOptions& options, W
 Result<Answer> Answerer::answer_as(bool dressed, const Seen& seen, const QueryOptions& options,
                                    Workspace& work) const {
   const Refiner* refiner = refiner_for(seen, dressed);
-  Refiner::Work* refining = refiner ? &*work.refining[static_cast<std::size_t>(refiner->kind())] : nullptr;
+  ValueMap::Work* refining = refiner ? &*work.refining[static_cast<std::size_t>(refiner->map().kind())] : nullptr;
   const Targets sought = position_targets_of(seen, refiner, work);
   auto found = this->corrected(sought, options, work);
   if (!found) return found.error();
@@ -145,7 +146,7 @@ Result<Answer> Answerer::answer_as(bool dressed, const Seen& seen, const QueryOp
     const RefinementContents& c = refiner->contents();
     uncertainty = {c.record.noise, c.record.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
                    c.interval, c.spread_floor, c.sex_table};
-    out.from = sees_back(refiner->kind()) ? AnsweredFrom::front_and_back : AnsweredFrom::fitted_front;
+    out.from = sees_back(refiner->map().kind()) ? AnsweredFrom::front_and_back : AnsweredFrom::fitted_front;
     out.clothed = dressed;
   }
   fill_estimates(corrected.value, corrected.spread, uncertainty, options, out);

@@ -20,8 +20,8 @@ class Answerer {
     explicit Workspace(const Answerer& answerer);
     std::vector<std::int16_t> standardised;
     CodeSearch search;
-    std::array<std::optional<Refiner::Work>, kRefinementCount> refining;
-    std::array<std::optional<ClothingEstimator::Work>, kClothingViews.size()> clothing;
+    std::array<std::optional<ValueMap::Work>, kRefinementCount> refining;
+    std::array<std::optional<ValueMap::Work>, kClothingViews.size()> clothing;
   };
   // A feature of the wrong size counts as not measured.
   Targets regressed(std::span<const float> feature, Workspace& work) const;

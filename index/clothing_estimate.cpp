@@ -6,7 +6,6 @@
 
 #include "index/format.h"
 #include "index/index.h"
-#include "kernels/standardise/standardise.h"
 
 namespace im2fit::index {
 namespace {
@@ -25,27 +24,10 @@ std::string clothing_section_of(Refinement view, const char* name) {
 }
 
 ClothingEstimator::ClothingEstimator(Refinement view, const ClothingContents& contents, std::size_t feature_size)
-    : view_(view),
-      contents_(contents),
-      feature_size_(feature_size),
-      mean_(floats_of(contents.mean)),
-      scale_(floats_of(contents.scale)),
-      regressor_(contents.weights, contents.unit, contents.bias) {}
+    : table_(contents.table), map_(view, contents.record.fit, contents.map, feature_size) {}
 
-ClothingEstimator::Work::Work(const ClothingEstimator& estimator)
-    : values(estimator.contents_.mean.size()), standardised(estimator.regressor_.padded_size()) {}
-
-bool ClothingEstimator::applies(const Seen& seen) const {
-  const std::size_t fit_size = contents_.record.fit.size();
-  return seen.front.size() == feature_size_ && seen.fit.size() == fit_size &&
-         (!sees_back(view_) || (seen.back.size() == feature_size_ && seen.fit_both.size() == fit_size));
-}
-
-float ClothingEstimator::probability(const Seen& seen, Work& work) const {
-  refined_values(view_, seen, contents_.record.fit, work.values);
-  im2fit::standardise(work.values.data(), mean_.data(), scale_.data(), static_cast<int>(work.values.size()),
-                      work.standardised.data());
-  return probability_at(contents_.table, regressor_(work.standardised)[0]);
+float ClothingEstimator::probability(const Seen& seen, ValueMap::Work& work) const {
+  return probability_at(table_, map_(seen, work)[0]);
 }
 
 float with_given(float probability, ClothingGiven given) {

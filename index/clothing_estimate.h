@@ -5,10 +5,10 @@
 // skin follows from two answers about one person: as if bare, and as if dressed.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "core/clothing.h"
 #include "index/refinement.h"
@@ -36,31 +36,21 @@ std::string clothing_section_of(Refinement view, const char* name);
 // Views into the file.
 struct ClothingContents {
   ClothingRecord record;
-  std::span<const std::uint16_t> mean, scale;  // of the values: upper halves of floats
-  std::span<const std::int16_t> weights;       // of the values
-  std::span<const float> unit, bias;           // one each: score per weight and value; constant
-  std::span<const float> table;                // kScoreTableSize probabilities, rising
+  ValueMapContents map;          // to one score
+  std::span<const float> table;  // kScoreTableSize probabilities, rising
 };
 
-// Applies one. Its bytes must outlive it. Shareable between threads; `work` is not.
+// Applies one. As ValueMap.
 class ClothingEstimator {
  public:
   ClothingEstimator(Refinement view, const ClothingContents& contents, std::size_t feature_size);
-  struct Work {
-    explicit Work(const ClothingEstimator& estimator);
-    std::vector<float> values;
-    std::vector<std::int16_t> standardised;
-  };
-  bool applies(const Seen& seen) const;
+  const ValueMap& map() const { return map_; }
   // That more than close-fitting clothes are worn, 0..1, when half of all people do. No allocation.
-  float probability(const Seen& seen, Work& work) const;
+  float probability(const Seen& seen, ValueMap::Work& work) const;
 
  private:
-  Refinement view_;
-  ClothingContents contents_;
-  std::size_t feature_size_;
-  std::vector<float> mean_, scale_;
-  Regressor regressor_;
+  std::span<const float> table_;
+  ValueMap map_;
 };
 
 // The probability once it is known what was said: of ten people who say they are bare, nine are. Less than one in a
@@ -71,8 +61,8 @@ float with_given(float probability, ClothingGiven given);
 // widths and their distance make it, by `dressed`' probability.
 void mix_answers(const Answer& bare, const Answer& dressed, float probability, Answer& out);
 
-// Off the skin of the trunk, by what two answers about one person differ in: mean over chest, waist and hips, mm, >=
-// 0.
+// Of cloth off the skin of the trunk, by what two answers about one person differ in: mean over chest, waist and
+// hips, mm; not below 0.
 float ease_between_mm(const Answer& bare, const Answer& dressed);
 
 }  // namespace im2fit::index

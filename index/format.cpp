@@ -151,20 +151,29 @@ void check_weights(SectionReader& in, std::span<const std::int16_t> weights, con
              "holds a weight out of range");
 }
 
-// The upper 16 bits of floats, as standardise() takes them.
-void check_scaling(SectionReader& in, std::span<const std::uint16_t> mean, std::span<const std::uint16_t> scale,
-                   const char* mean_name, const char* scale_name) {
-  in.require(std::all_of(mean.begin(), mean.end(), [](auto m) { return std::abs(float_of_upper(m)) <= 1e9F; }),
-             mean_name, "holds a mean out of range");
-  in.require(std::all_of(scale.begin(), scale.end(),
-                         [](auto s) { return s == 0 || (float_of_upper(s) >= 1e-30F && float_of_upper(s) <= 1e9F); }),
-             scale_name, "holds an impossible scale");
-}
-
 void check_fit(SectionReader& in, const FitLayout& fit, const char* name) {
   in.require(
       within(fit.shapes, 1, kFitMax) && fit.patches <= kFitMax && fit.limbs <= kFitMax && fit.size() <= kFitMax, name,
       "has an impossible fit");
+}
+
+// `name` makes the name of a section of its part's.
+template <class Name>
+ValueMapContents take_map(SectionReader& in, const Name& name, std::size_t values, std::size_t targets) {
+  ValueMapContents c;
+  c.mean = in.take<std::uint16_t>(name("mean").c_str(), values);
+  c.scale = in.take<std::uint16_t>(name("scale").c_str(), values);
+  c.weights = in.take<std::int16_t>(name("weights").c_str(), targets * values);
+  c.unit = in.take<float>(name("unit").c_str(), targets);
+  c.bias = in.take<float>(name("bias").c_str(), targets);
+  if (in.failed()) return c;
+  in.require(std::all_of(c.mean.begin(), c.mean.end(), [](auto m) { return std::abs(float_of_upper(m)) <= 1e9F; }),
+             name("mean").c_str(), "holds a mean out of range");
+  in.require(std::all_of(c.scale.begin(), c.scale.end(),
+                         [](auto s) { return s == 0 || (float_of_upper(s) >= 1e-30F && float_of_upper(s) <= 1e9F); }),
+             name("scale").c_str(), "holds an impossible scale");
+  check_weights(in, c.weights, name("weights").c_str());
+  return c;
 }
 
 ClothingContents take_clothing(SectionReader& in, Refinement view, const MetaRecord& m) {
@@ -174,16 +183,9 @@ ClothingContents take_clothing(SectionReader& in, Refinement view, const MetaRec
   check_fit(in, c.record.fit, name("about").c_str());
   in.require(within(c.record.right_share, 0, 1), name("about").c_str(), "has an impossible share");
   if (in.failed()) return c;
-  const std::size_t size = refined_size(view, m.feature_size, c.record.fit);
-  c.mean = in.take<std::uint16_t>(name("mean").c_str(), size);
-  c.scale = in.take<std::uint16_t>(name("scale").c_str(), size);
-  c.weights = in.take<std::int16_t>(name("weights").c_str(), size);
-  c.unit = in.take<float>(name("unit").c_str(), 1);
-  c.bias = in.take<float>(name("bias").c_str(), 1);
+  c.map = take_map(in, name, refined_size(view, m.feature_size, c.record.fit), 1);
   c.table = in.take<float>(name("table").c_str(), kScoreTableSize);
   if (in.failed()) return c;
-  check_scaling(in, c.mean, c.scale, name("mean").c_str(), name("scale").c_str());
-  check_weights(in, c.weights, name("weights").c_str());
   check_probabilities(in, c.table, name("table").c_str());
   return c;
 }
@@ -198,18 +200,11 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
   for (const float share : c.record.share) in.require(within(share, 0, 1), name("about").c_str(), "mixes impossibly");
   in.require(possible(c.record.noise), name("about").c_str(), "has an impossible noise model");
   if (in.failed()) return c;
-  const std::size_t size = refined_size(kind, m.feature_size, fit);
-  c.mean = in.take<std::uint16_t>(name("mean").c_str(), size);
-  c.scale = in.take<std::uint16_t>(name("scale").c_str(), size);
-  c.weights = in.take<std::int16_t>(name("weights").c_str(), kTargetMin * size);
-  c.unit = in.take<float>(name("unit").c_str(), kTargetMin);
-  c.bias = in.take<float>(name("bias").c_str(), kTargetMin);
+  c.map = take_map(in, name, refined_size(kind, m.feature_size, fit), kTargetMin);
   c.interval = in.take<float>(name("interval").c_str(), 2 * kMeasurementCount);
   c.spread_floor = in.take<float>(name("spread").c_str(), kMeasurementCount);
   c.sex_table = in.take<float>(name("sex").c_str(), kScoreTableSize);
   if (in.failed()) return c;
-  check_scaling(in, c.mean, c.scale, name("mean").c_str(), name("scale").c_str());
-  check_weights(in, c.weights, name("weights").c_str());
   check_intervals(in, c.interval, c.spread_floor, name("interval").c_str());
   check_probabilities(in, c.sex_table, name("sex").c_str());
   return c;

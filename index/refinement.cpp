@@ -8,11 +8,15 @@
 
 namespace im2fit::index {
 
+namespace {
+
 std::vector<float> floats_of(std::span<const std::uint16_t> uppers) {
   std::vector<float> out;
   for (const std::uint16_t upper : uppers) out.push_back(float_of_upper(upper));
   return out;
 }
+
+}  // namespace
 
 std::string section_of(Refinement kind, const char* name) {
   constexpr std::array<const char*, kRefinementCount> kPrefix = {"fitted.", "turned.", "cloth1.", "cloth2."};
@@ -38,28 +42,33 @@ void refined_values(Refinement kind, const Seen& seen, const FitLayout& layout, 
   *at = seen.frame_count > 0 ? 1.0F / static_cast<float>(seen.frame_count) : std::numeric_limits<float>::quiet_NaN();
 }
 
-Refiner::Refiner(Refinement kind, const RefinementContents& contents, std::size_t feature_size)
+ValueMap::ValueMap(Refinement kind, const FitLayout& fit, const ValueMapContents& contents, std::size_t feature_size)
     : kind_(kind),
-      contents_(contents),
+      fit_(fit),
       feature_size_(feature_size),
       mean_(floats_of(contents.mean)),
       scale_(floats_of(contents.scale)),
       regressor_(contents.weights, contents.unit, contents.bias) {}
 
-Refiner::Work::Work(const Refiner& refiner)
-    : values(refiner.contents_.mean.size()), standardised(refiner.regressor_.padded_size()) {}
+ValueMap::Work::Work(const ValueMap& map) : values(map.mean_.size()), standardised(map.regressor_.padded_size()) {}
 
-bool Refiner::applies(const Seen& seen) const {
-  const bool back = sees_back(kind_);
-  return seen.front.size() == feature_size_ && seen.fit.size() == contents_.record.fit.size() &&
-         (!back || (seen.back.size() == feature_size_ && seen.fit_both.size() == contents_.record.fit.size()));
+bool ValueMap::applies(const Seen& seen) const {
+  return seen.front.size() == feature_size_ && seen.fit.size() == fit_.size() &&
+         (!sees_back(kind_) || (seen.back.size() == feature_size_ && seen.fit_both.size() == fit_.size()));
 }
 
-void Refiner::apply(const Seen& seen, Work& work, Targets& targets) const {
-  refined_values(kind_, seen, contents_.record.fit, work.values);
+Targets ValueMap::operator()(const Seen& seen, Work& work) const {
+  refined_values(kind_, seen, fit_, work.values);
   im2fit::standardise(work.values.data(), mean_.data(), scale_.data(), static_cast<int>(work.values.size()),
                       work.standardised.data());
-  const Targets refined = regressor_(work.standardised);
+  return regressor_(work.standardised);
+}
+
+Refiner::Refiner(Refinement kind, const RefinementContents& contents, std::size_t feature_size)
+    : contents_(contents), map_(kind, contents.record.fit, contents.map, feature_size) {}
+
+void Refiner::apply(const Seen& seen, ValueMap::Work& work, Targets& targets) const {
+  const Targets refined = map_(seen, work);
   for (std::size_t t = 0; t < kTargetMin; ++t)
     targets[t] += static_cast<double>(contents_.record.share[t]) * (refined[t] - targets[t]);
 }

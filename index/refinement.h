@@ -90,42 +90,57 @@ constexpr float float_of_upper(std::uint16_t upper) {
   return std::bit_cast<float>(std::uint32_t{upper} << 16);
 }
 
-std::vector<float> floats_of(std::span<const std::uint16_t> uppers);
-
-// Views into the file.
-struct RefinementContents {
-  RefinementRecord record;
+// A linear map from refined_values() to targets; views into the file.
+struct ValueMapContents {
   std::span<const std::uint16_t> mean, scale;  // of the values: upper halves of floats
-  std::span<const std::int16_t> weights;       // kTargetMin x values
-  std::span<const float> unit, bias;           // kTargetMin: standardised target per weight and value; constant
-  std::span<const float> interval;             // kMeasurementCount x {low, high} in units of the spread
-  std::span<const float> spread_floor;         // kMeasurementCount, standardised
-  std::span<const float> sex_table;            // kScoreTableSize
+  std::span<const std::int16_t> weights;       // a row of values for each target
+  std::span<const float> unit, bias;           // a target each: its unit per weight and value; constant
 };
 
 // Applies one. Its bytes must outlive it. Shareable between threads; `work` is not.
-class Refiner {
+class ValueMap {
  public:
-  Refiner(Refinement kind, const RefinementContents& contents, std::size_t feature_size);
+  ValueMap(Refinement kind, const FitLayout& fit, const ValueMapContents& contents, std::size_t feature_size);
   struct Work {
-    explicit Work(const Refiner& refiner);
+    explicit Work(const ValueMap& map);
     std::vector<float> values;
     std::vector<std::int16_t> standardised;
   };
   // Whether all that it needs is there, in the right sizes, whatever is worn.
   bool applies(const Seen& seen) const;
-  // Mixes its answer into the plain one: standardised measurements and sex, the first kTargetMin of `targets`.
-  // No allocation.
-  void apply(const Seen& seen, Work& work, Targets& targets) const;
-  const RefinementContents& contents() const { return contents_; }
+  Targets operator()(const Seen& seen, Work& work) const;  // no allocation
   Refinement kind() const { return kind_; }
 
  private:
   Refinement kind_;
-  RefinementContents contents_;
+  FitLayout fit_;
   std::size_t feature_size_;
   std::vector<float> mean_, scale_;
   Regressor regressor_;
+};
+
+// Views into the file.
+struct RefinementContents {
+  RefinementRecord record;
+  ValueMapContents map;                 // to kTargetMin standardised targets
+  std::span<const float> interval;      // kMeasurementCount x {low, high} in units of the spread
+  std::span<const float> spread_floor;  // kMeasurementCount, standardised
+  std::span<const float> sex_table;     // kScoreTableSize
+};
+
+// Applies one. As ValueMap.
+class Refiner {
+ public:
+  Refiner(Refinement kind, const RefinementContents& contents, std::size_t feature_size);
+  const ValueMap& map() const { return map_; }
+  // Mixes its answer into the plain one: standardised measurements and sex, the first kTargetMin of `targets`.
+  // No allocation.
+  void apply(const Seen& seen, ValueMap::Work& work, Targets& targets) const;
+  const RefinementContents& contents() const { return contents_; }
+
+ private:
+  RefinementContents contents_;
+  ValueMap map_;
 };
 
 }  // namespace im2fit::index

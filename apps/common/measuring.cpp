@@ -23,17 +23,6 @@ Result<SizeSystem> load_charts(const std::vector<std::string>& paths) {
   return make_size_system(std::move(charts));
 }
 
-// The shipped tape and people's own files, each of which may refer to those before it.
-Result<body::Tape> load_tapes(const std::vector<std::string>& paths) {
-  body::Tape tape = builtin_tape();
-  for (const std::string& path : paths) {
-    auto more = load_tape(path, std::move(tape));
-    if (!more) return more.error();
-    tape = std::move(*more);
-  }
-  return tape;
-}
-
 // None: auto.
 std::optional<SensorKind> named_sensor(const std::string& name) {
   for (const SensorKind kind : {SensorKind::structured_light, SensorKind::time_of_flight})

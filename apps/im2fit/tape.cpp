@@ -27,16 +27,6 @@ struct TapeOptions {
   bool json = false;
 };
 
-Result<Tape> load(const TapeOptions& options) {
-  Tape tape = body::Tape(builtin_tape());
-  for (const std::string& path : options.tapes) {
-    auto more = load_tape(path, std::move(tape));
-    if (!more) return more.error();
-    tape = std::move(*more);
-  }
-  return tape;
-}
-
 Json standard(const std::string& name, const std::string& number) {
   return number.empty() ? Json(nullptr) : Json(name + " " + number);
 }
@@ -87,7 +77,7 @@ Json definition_json(const Tape& tape, const TapeDefinition& d) {
 }
 
 Result<int> run_list(const TapeOptions& options) {
-  const auto tape = load(options);
+  const auto tape = load_tapes(options.tapes);
   if (!tape) return tape.error();
   if (options.json) {
     Json all = Json::array();
@@ -126,7 +116,7 @@ Status draw(const Tape& tape, int index, const TapeOptions& options) {
 }
 
 Result<int> run_show(const TapeOptions& options) {
-  const auto tape = load(options);
+  const auto tape = load_tapes(options.tapes);
   if (!tape) return tape.error();
   const int index = definition_index(*tape, options.id);
   if (index < 0)

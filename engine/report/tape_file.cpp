@@ -118,8 +118,8 @@ class TapeReader {
   }
 
  private:
-  // ---- Points
-  // ------------------------------------------------------------------------------------------------------
+  // Points.
+
   void read_points(const YAML::Node& points) {
     if (!points.IsMap()) refuse(points, "points", "is " + shown(points) + ", expected a field a point");
     for (const auto& item : points) {
@@ -248,8 +248,8 @@ class TapeReader {
            tape_.points[static_cast<std::size_t>(ref.point)].paired;
   }
 
-  // ---- Measurements
-  // ------------------------------------------------------------------------------------------------
+  // Measurements.
+
   void read_measurements(const YAML::Node& all) {
     if (!all.IsSequence()) refuse(all, "measurements", "is " + shown(all) + ", expected a list");
     for (const YAML::Node& node : all) {
@@ -407,6 +407,16 @@ Result<Tape> load_tape(const std::string& path, Tape onto) {
 
 const Tape& builtin_tape() {
   static const Tape tape = parse_builtin();
+  return tape;
+}
+
+Result<Tape> load_tapes(const std::vector<std::string>& paths) {
+  Tape tape = builtin_tape();
+  for (const std::string& path : paths) {
+    auto more = load_tape(path, std::move(tape));
+    if (!more) return more.error();
+    tape = std::move(*more);
+  }
   return tape;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "body/tape.h"
 #include "core/status.h"
@@ -15,5 +16,7 @@ Result<body::Tape> parse_tape(const std::string& text, const std::string& what, 
 Result<body::Tape> load_tape(const std::string& path, body::Tape onto);
 // data/tape/*.yaml, compiled in.
 const body::Tape& builtin_tape();
+// The shipped tape and people's own files, each of which may refer to what stands before it.
+Result<body::Tape> load_tapes(const std::vector<std::string>& paths);
 
 }  // namespace im2fit

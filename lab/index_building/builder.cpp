@@ -482,7 +482,9 @@ Result<std::vector<std::byte>> Builder::run() {
   for (const std::vector<HeldOut>* answered : {&std::as_const(tuner_->held_out), &ood})
     for (const HeldOut& row : *answered) plain[row.subject] = row.answer;
   refinements_.learn(*targets_, plain, options_.seed, options_.shape_key, options_.for_unknown_makes);
-  return write(tree, intervals);
+  std::vector<std::byte> complete = write(tree, intervals);
+  if (auto read = parse_contents(complete, "the new index"); !read) return read.error();
+  return complete;
 }
 
 }  // namespace

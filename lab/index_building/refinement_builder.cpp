@@ -277,8 +277,6 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   Learned out;
   out.record.sample_count = static_cast<std::uint32_t>(count);
   out.record.penalty_millionths = static_cast<std::uint32_t>(std::lround(cross.penalty * 1e6));
-  for (const float m : table.scale.mean) out.mean.push_back(upper_of_float(m));
-  for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
   // By regressions trained on other people, out-of-distribution ones among them, as the one in the file is.
   std::vector<std::ptrdiff_t> ordinary, ood;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -294,7 +292,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
     fit.weights.col(t) *= stretch;
     fit.bias(t) = (fit.bias(t) - mean(t)) * stretch + mean(t);
   }
-  out.round(fit);
+  out.map = LearnedMap(table.scale, fit);
 
   const bool many = ood.size() >= kOodMin;
   std::vector<std::ptrdiff_t> judged = ordinary;
@@ -309,14 +307,13 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   return out;
 }
 
-RoundedWeights rounded(const LinearFit& fit) {
+RefinementBuilder::LearnedMap::LearnedMap(const FeatureScale& values, const LinearFit& fit) {
+  for (const float m : values.mean) mean.push_back(upper_of_float(m));
+  for (const float v : values.scale) scale.push_back(upper_of_float(v));
   const RowMatrixF rows = fit.weights.transpose().cast<float>();
-  return round_weights({rows.data(), static_cast<std::size_t>(rows.size())}, static_cast<std::size_t>(rows.cols()));
-}
-
-void RefinementBuilder::Learned::round(const LinearFit& fit) {
-  weights = rounded(fit);
-  for (std::ptrdiff_t t = 0; t < kTargetMin; ++t) bias.push_back(static_cast<float>(fit.bias(t)));
+  weights =
+      round_weights({rows.data(), static_cast<std::size_t>(rows.size())}, static_cast<std::size_t>(rows.cols()));
+  for (std::ptrdiff_t t = 0; t < fit.bias.size(); ++t) bias.push_back(static_cast<float>(fit.bias(t)));
 }
 
 // Bare and dressed people, who count alike in sum. Neither the shape nor the sex of a person may stand for clothes:
@@ -348,11 +345,7 @@ RefinementBuilder::LearnedClothing RefinementBuilder::learn_clothing(Refinement 
   out.record.fit = fit_;
   out.record.sample_count = static_cast<std::uint32_t>(count);
   out.record.penalty_millionths = static_cast<std::uint32_t>(std::lround(cross.penalty * 1e6));
-  for (const float m : table.scale.mean) out.mean.push_back(upper_of_float(m));
-  for (const float v : table.scale.scale) out.scale.push_back(upper_of_float(v));
-  const LinearFit fit = solve(table.all, table.unlike, cross.penalty * shares);
-  out.weights = rounded(fit);
-  out.bias.push_back(static_cast<float>(fit.bias(0)));
+  out.map = LearnedMap(table.scale, solve(table.all, table.unlike, cross.penalty * shares));
   std::vector<LabelledScore> scores;
   double right[2] = {0, 0};
   for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -414,38 +407,34 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
 }
 
 void RefinementBuilder::write(ContainerWriter& out) const {
+  const auto add = [&](const std::string& name, const auto& values) {
+    using Value = typename std::decay_t<decltype(values)>::value_type;
+    out.add_array(name, std::span<const Value>(values));
+  };
+  const auto add_map = [&](const auto& name, const LearnedMap& map) {
+    add(name("mean"), map.mean);
+    add(name("scale"), map.scale);
+    add(name("weights"), map.weights.weights);
+    add(name("unit"), map.weights.unit);
+    add(name("bias"), map.bias);
+  };
   for (const Refinement kind : kRefinements) {
     const auto& learned = learned_[static_cast<std::size_t>(kind)];
     if (!learned || learned->sex_table.empty()) continue;  // no person to judge it on
-    const auto add = [&](const char* name, const auto& values) {
-      using Value = typename std::decay_t<decltype(values)>::value_type;
-      out.add_array(section_of(kind, name), std::span<const Value>(values));
-    };
-    out.add_array(section_of(kind, "about"), std::span<const RefinementRecord>(&learned->record, 1));
-    add("mean", learned->mean);
-    add("scale", learned->scale);
-    add("weights", learned->weights.weights);
-    add("unit", learned->weights.unit);
-    add("bias", learned->bias);
-    add("interval", learned->interval);
-    add("spread", learned->spread_floor);
-    add("sex", learned->sex_table);
+    const auto name = [&](const char* part) { return section_of(kind, part); };
+    out.add_array(name("about"), std::span<const RefinementRecord>(&learned->record, 1));
+    add_map(name, learned->map);
+    add(name("interval"), learned->interval);
+    add(name("spread"), learned->spread_floor);
+    add(name("sex"), learned->sex_table);
   }
   for (std::size_t v = 0; v < kClothingViews.size(); ++v) {
     const auto& learned = clothing_[v];
     if (!learned) continue;
-    const auto add = [&](const char* name, const auto& values) {
-      using Value = typename std::decay_t<decltype(values)>::value_type;
-      out.add_array(clothing_section_of(kClothingViews[v], name), std::span<const Value>(values));
-    };
-    out.add_array(clothing_section_of(kClothingViews[v], "about"),
-                  std::span<const ClothingRecord>(&learned->record, 1));
-    add("mean", learned->mean);
-    add("scale", learned->scale);
-    add("weights", learned->weights.weights);
-    add("unit", learned->weights.unit);
-    add("bias", learned->bias);
-    add("table", learned->table);
+    const auto name = [&](const char* part) { return clothing_section_of(kClothingViews[v], part); };
+    out.add_array(name("about"), std::span<const ClothingRecord>(&learned->record, 1));
+    add_map(name, learned->map);
+    add(name("table"), learned->table);
   }
 }
 

@@ -50,12 +50,18 @@ class RefinementBuilder {
     std::array<std::vector<float>, 2> values;  // of the front, and of both sides
   };
   using Rows = std::vector<Row>;
-  struct Learned {
-    RefinementRecord record;
+  // What a ValueMap is made of.
+  struct LearnedMap {
     std::vector<std::uint16_t> mean, scale;
     RoundedWeights weights;
-    std::vector<float> bias, interval, spread_floor, sex_table;
-    void round(const LinearFit& fit);
+    std::vector<float> bias;
+    LearnedMap() = default;
+    LearnedMap(const FeatureScale& values, const LinearFit& fit);
+  };
+  struct Learned {
+    RefinementRecord record;
+    LearnedMap map;
+    std::vector<float> interval, spread_floor, sex_table;
     // Intervals from the rows `judged`, shares from the rows `unlike` (out-of-distribution subjects, where there are
     // enough). `truth`, and what a regression that was not trained on them `answered`: standardised, a row for each
     // of the people.
@@ -68,9 +74,8 @@ class RefinementBuilder {
 
   struct LearnedClothing {
     ClothingRecord record;
-    std::vector<std::uint16_t> mean, scale;
-    RoundedWeights weights;
-    std::vector<float> bias, table;
+    LearnedMap map;
+    std::vector<float> table;
   };
   LearnedClothing learn_clothing(Refinement view, std::uint64_t seed) const;
 
