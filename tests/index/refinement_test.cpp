@@ -97,6 +97,29 @@ TEST(Refinement, IntervalsOfEachHoldTheTruthAsOftenAsTheySay) {
   }
 }
 
+TEST(Refinement, IntervalsForUnknownMakesAreWiderByTheTable) {
+  const World world;
+  std::vector<Sample> samples;
+  for (std::uint64_t i = 0; i < 600; ++i) samples.push_back(turned(world, i));
+  BuildOptions options = options_for(world);
+  const Index known = *Index::parse(*build_index(options, source_of(samples)), "known");
+  options.for_unknown_makes = true;
+  const Index unknown = *Index::parse(*build_index(options, source_of(samples)), "unknown");
+  auto one = known.make_scratch(), other = unknown.make_scratch();
+  const Sample s = turned(world, kFreshSubjects);
+  const auto width = [](const IntervalEstimate& e) { return e.high - e.low; };
+  for (const Refinement kind : {Refinement::fitted, Refinement::turned}) {
+    Seen seen = seen_of(s);
+    if (kind == Refinement::fitted) seen.back = seen.fit_both = {};
+    const Answer a = *known.query(seen, {}, *one), b = *unknown.query(seen, {}, *other);
+    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+      EXPECT_EQ(a.measurements[m].value, b.measurements[m].value);
+      EXPECT_NEAR(width(b.measurements[m]) / width(a.measurements[m]),
+                  kUnknownMakeWidening[static_cast<std::size_t>(kind)][m], 1e-3);
+    }
+  }
+}
+
 TEST(Refinement, TheFrontsAnswerIsNotTouched) {
   const World world;
   auto with = index_with(true).make_scratch(), without = index_with(false).make_scratch();

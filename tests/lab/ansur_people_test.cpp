@@ -60,15 +60,17 @@ class AnsurPeopleTest : public WithBody {
   void SetUp() override {
     WithBody::SetUp();
     if (IsSkipped()) return;
-    const char* given = std::getenv("IM2FIT_SHARED");
-    const std::string folder =
-        (given != nullptr ? std::string(given) : std::string(IM2FIT_SOURCE_DIR) + "/../shared") + "/data/ansur2";
+    const std::string folder = people_folder();
     if (!std::filesystem::exists(folder + "/ANSUR_II_MALE_Public.csv"))
       GTEST_SKIP() << "no ANSUR II in " << folder << ": set IM2FIT_SHARED to the shared folder";
     if (people() != nullptr) return;
     auto made = AnsurPeople::load(model(), folder);
     ASSERT_TRUE(made) << made.error().message;
     people() = std::make_unique<AnsurPeople>(std::move(*made));
+  }
+  static std::string people_folder() {
+    const char* given = std::getenv("IM2FIT_SHARED");
+    return (given != nullptr ? std::string(given) : std::string(IM2FIT_SOURCE_DIR) + "/../shared") + "/data/ansur2";
   }
   static std::unique_ptr<AnsurPeople>& people() {
     static std::unique_ptr<AnsurPeople> made;
@@ -126,6 +128,28 @@ TEST_F(AnsurPeopleTest, DimensionsAreMet) {
                 SurveyDimension::waist_height});
     EXPECT_LT(std::fabs(bias), trunk ? 2.5 : 8) << dimension_table()[d].name;
     EXPECT_LT(sd, trunk ? 4 : 8) << dimension_table()[d].name;
+  }
+}
+
+// Callipers that press: a larger section of the same ratio; else squareness, or nothing of what the tape has.
+TEST_F(AnsurPeopleTest, WhereTheTapesExcessComesFromIsAChoice) {
+  const auto rows = AnsurRows::load(people_folder());
+  ASSERT_TRUE(rows) << rows.error().message;
+  const auto drawn = [&](double pressed, double square) {
+    Rng rng(3);
+    return rows->draw(true, {0, pressed, square}, rng).wanted;
+  };
+  const auto of = [](const DimensionValues& v, SurveyDimension d) { return v[dimension_index(d)]; };
+  const DimensionValues none = drawn(0, 0), pressed = drawn(1, 0), square = drawn(0, 0.8);
+  for (const auto& [breadth, depth, girth] :
+       {std::array{SurveyDimension::waist_breadth, SurveyDimension::waist_depth, SurveyDimension::waist_girth},
+        std::array{SurveyDimension::hip_breadth, SurveyDimension::hip_depth, SurveyDimension::hip_girth}}) {
+    EXPECT_NEAR(of(none, girth), ellipse_perimeter(of(none, breadth), of(none, depth)), 1e-6);
+    EXPECT_GT(of(pressed, girth), 1.01 * of(none, girth));
+    EXPECT_NEAR(of(pressed, girth), ellipse_perimeter(of(pressed, breadth), of(pressed, depth)), 1e-6);
+    EXPECT_NEAR(of(pressed, breadth) / of(pressed, depth), of(none, breadth) / of(none, depth), 1e-9);
+    EXPECT_EQ(of(square, breadth), of(none, breadth));
+    EXPECT_GT(of(square, girth), of(none, girth));
   }
 }
 
