@@ -11,7 +11,7 @@
 namespace im2fit::lab {
 
 // Moves each vertex towards the mean of its neighbours and a little farther back, again and again (Taubin 1995):
-// details go, girths and volumes stay. Hands and feet stay, heads take a part. Shareable between threads.
+// details go, girths and volumes nearly stay. Hands and feet stay, heads take a part. Shareable between threads.
 class SurfaceSmoother {
  public:
   explicit SurfaceSmoother(const body::BodyModel& model);
