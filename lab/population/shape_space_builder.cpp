@@ -12,6 +12,7 @@
 #include "lab/parallel.h"
 #include "lab/population/ood_subjects.h"
 #include "lab/population/population.h"
+#include "lab/population/surface_smoother.h"
 
 namespace im2fit::lab {
 namespace {
@@ -106,13 +107,14 @@ body::ShapeSpace build_shape_space(const body::BodyModel& model, const ShapeSpac
   const auto bones = static_cast<std::ptrdiff_t>(body::kBoneValues);
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Rows all(people, width + bones);
+  const SurfaceSmoother smoother(model);
   for_each_item(options.people, options.threads, [&](int i) {
     const auto number = static_cast<std::uint64_t>(i);
     // Pairs of a man and a woman by turns.
-    const Subject subject = i % 6 < 2   ? draw_ood_subject(model, options.seed, number, kOodTrunk)
+    std::vector<Vec3f> own(static_cast<std::size_t>(model.vertex_count()));
+    const Subject subject = i % 6 < 2   ? draw_ood_subject(model, options.seed, number, kOodTrunk, own, &smoother)
                             : i % 6 < 4 ? draw_ood_subject(model, options.seed, number, kOodAllOver)
                                         : draw_subject(model, Family::training, options.seed, number);
-    std::vector<Vec3f> own(static_cast<std::size_t>(model.vertex_count()));
     morph_subject(model, subject, own);
     float* row = all.data() + i * (width + bones);
     describe(model, quads, own, {row, static_cast<std::size_t>(width)}, {row + width, body::kBoneValues});

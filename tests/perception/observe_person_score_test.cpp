@@ -20,6 +20,7 @@ using room_test::add;
 using room_test::Capsule;
 using room_test::kKinectNoise;
 using room_test::person_at;
+using room_test::profile_at;
 using room_test::render;
 using room_test::Scene;
 
@@ -129,26 +130,10 @@ TEST_F(PersonScore, ARejectedUserIsPassedOverForAnother) {
   EXPECT_TRUE(has(run().guidance, Guidance::several_people));
 }
 
-// In profile: no shoulders on either side of the head, one leg before the other, an arm along the trunk.
-std::vector<Capsule> profile_at(float z) {
-  const auto at = [&](float dx, float y, float dz = 0) { return Vec3f{dx, y, z + dz}; };
-  return {{at(0, 1600), at(15, 1650), 95, 1},
-          {at(-10, 1430), at(-10, 1580), 62, 1},
-          {at(-15, 950), at(-5, 1380), 118, 1},
-          {at(-20, 1390, -85), at(-30, 1120, -95), 48, 1},
-          {at(-30, 1120, -95), at(30, 880, -100), 38, 1},
-          {at(20, 900, -60), at(40, 480, -70), 80, 1},
-          {at(40, 480, -70), at(30, 80, -70), 52, 1},
-          {at(-30, 900, 60), at(-60, 480, 70), 80, 1},
-          {at(-60, 480, 70), at(-90, 80, 70), 52, 1},
-          {at(30, 40, -70), at(190, 35, -70), 36, 1},
-          {at(-90, 40, 70), at(60, 35, 70), 36, 1}};
-}
-
 TEST_F(PersonScore, ACandidateIsFoundByTheJointsInSixFrames) {
   const Model agreed(0), apart(100);
   Scene s = room();
-  add(s, profile_at(2600));
+  add(s, profile_at(0, 2600));
   Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
   int first = -1;
   for (int frame = 0; frame < 12; ++frame) {
@@ -172,7 +157,7 @@ TEST_F(PersonScore, ACandidateNeedsNoFloor) {
     Scene s = room();
     s.floor = false;
     s.wall_z = wall_z;
-    add(s, profile_at(2600));
+    add(s, profile_at(0, 2600));
     Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
     int first = -1;
     for (int frame = 0; frame < 12; ++frame) {
@@ -191,7 +176,7 @@ TEST_F(PersonScore, ACandidateNeedsNoFloor) {
 TEST_F(PersonScore, ABodySplitFromItsLegsIsFoundWhole) {
   const Model agreed(0), apart(100);
   Scene s = room();
-  add(s, profile_at(2500));
+  add(s, profile_at(0, 2500));
   for (Capsule& part : s.capsules)
     if (part.a.y <= 910) part.a.z += 160, part.b.z += 160;  // 90 mm is one surface at that distance
   Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);

@@ -14,9 +14,9 @@ namespace {
 
 using namespace person_tracker_limits;
 using room_test::add;
-using room_test::Capsule;
 using room_test::kKinectNoise;
 using room_test::person_at;
+using room_test::profile_at;
 using room_test::render;
 using room_test::Scene;
 
@@ -34,25 +34,6 @@ Scene room() {
   s.pitch_deg = 4;
   s.wall_z = 4800;
   return s;
-}
-
-// In profile to the camera: a candidate, not confirmed by its shape.
-std::vector<Capsule> candidate_at(float x, float z) {
-  const float away = std::sqrt(x * x + z * z), cosine = z / away, sine = x / away;
-  const auto at = [&](float dx, float y, float dz = 0) {
-    return Vec3f{x + dx * cosine + dz * sine, y, z - dx * sine + dz * cosine};
-  };
-  return {{at(0, 1600), at(15, 1650), 95, 1},
-          {at(-10, 1430), at(-10, 1580), 62, 1},
-          {at(-15, 950), at(-5, 1380), 118, 1},
-          {at(-20, 1390, -85), at(-30, 1120, -95), 48, 1},
-          {at(-30, 1120, -95), at(30, 880, -100), 38, 1},
-          {at(20, 900, -60), at(40, 480, -70), 80, 1},
-          {at(40, 480, -70), at(30, 80, -70), 52, 1},
-          {at(-30, 900, 60), at(-60, 480, 70), 80, 1},
-          {at(-60, 480, 70), at(-90, 80, 70), 52, 1},
-          {at(30, 40, -70), at(190, 35, -70), 36, 1},
-          {at(-90, 40, 70), at(60, 35, 70), 36, 1}};
 }
 
 class PersonTracking : public testing::Test {
@@ -96,7 +77,7 @@ TEST_F(PersonTracking, AConfirmedUserIsAcceptedAtOnceByGoodJoints) {
 
 TEST_F(PersonTracking, ACandidateIsAcceptedAfterSixFrames) {
   Scene s = room();
-  add(s, candidate_at(0, 2600));
+  add(s, profile_at(0, 2600));
   for (int i = 0; i < 2; ++i) ASSERT_FALSE(confirmed(run(s).id));
   EXPECT_EQ(accepted_frames(s, kPerhaps, kOddsFrames - 1), 0);
   const Person person = run(s);
@@ -108,7 +89,7 @@ TEST_F(PersonTracking, ACandidateIsAcceptedAfterSixFrames) {
 
 TEST_F(PersonTracking, WithoutAFloorMoreIsAsked) {
   Scene s = room();
-  add(s, candidate_at(0, 2600));
+  add(s, profile_at(0, 2600));
   EXPECT_EQ(accepted_frames(s, {0.5F, 0.9F, false}, 3 * kOddsFrames), 0);
   EXPECT_EQ(accepted_frames(s, {0.5F, 9.0F, false}, 3), 3);
 }
@@ -116,7 +97,7 @@ TEST_F(PersonTracking, WithoutAFloorMoreIsAsked) {
 // Of two candidates the nearer.
 TEST_F(PersonTracking, ACandidateStaysSelectableUntilRejected) {
   Scene s = room();
-  add(s, candidate_at(0, 2600));
+  add(s, profile_at(0, 2600));
   int id = 0;
   for (int i = 0; i < kLongFrames; ++i) {
     const Person person = run(s);
@@ -126,7 +107,7 @@ TEST_F(PersonTracking, ACandidateStaysSelectableUntilRejected) {
     EXPECT_FALSE(people_.judge(id, kUnsure)) << i;
   }
   Scene with_another = s;
-  add(with_another, candidate_at(600, 3600));
+  add(with_another, profile_at(600, 3600));
   for (int i = 0; i < 4; ++i) EXPECT_EQ(run(with_another).id, id) << "nearer, and not rejected yet";
   EXPECT_FALSE(people_.judge(id, kUnsure));
   const Person other = run(with_another);
@@ -135,8 +116,8 @@ TEST_F(PersonTracking, ACandidateStaysSelectableUntilRejected) {
 
 TEST_F(PersonTracking, AHopelessCandidateIsRejectedSooner) {
   Scene s = room();
-  add(s, candidate_at(0, 2600));
-  add(s, candidate_at(600, 3600));
+  add(s, profile_at(0, 2600));
+  add(s, profile_at(600, 3600));
   const int id = run(s).id;
   for (int i = 0; i < kHopelessFrames; ++i) {
     EXPECT_EQ(run(s).id, id) << i;

@@ -169,6 +169,26 @@ inline std::vector<Capsule> person_at(float x, float z, int owner = 1) {
   }
   return c;
 }
+
+// In profile to the camera, no shoulders on either side of the head, one leg before the other, an arm along the
+// trunk: a candidate, not confirmed by its shape.
+inline std::vector<Capsule> profile_at(float x, float z) {
+  const float away = std::sqrt(x * x + z * z), cosine = z / away, sine = x / away;
+  const auto at = [&](float dx, float y, float dz = 0) {
+    return Vec3f{x + dx * cosine + dz * sine, y, z - dx * sine + dz * cosine};
+  };
+  return {{at(0, 1600), at(15, 1650), 95, 1},
+          {at(-10, 1430), at(-10, 1580), 62, 1},
+          {at(-15, 950), at(-5, 1380), 118, 1},
+          {at(-20, 1390, -85), at(-30, 1120, -95), 48, 1},
+          {at(-30, 1120, -95), at(30, 880, -100), 38, 1},
+          {at(20, 900, -60), at(40, 480, -70), 80, 1},
+          {at(40, 480, -70), at(30, 80, -70), 52, 1},
+          {at(-30, 900, 60), at(-60, 480, 70), 80, 1},
+          {at(-60, 480, 70), at(-90, 80, 70), 52, 1},
+          {at(30, 40, -70), at(190, 35, -70), 36, 1},
+          {at(-90, 40, 70), at(60, 35, 70), 36, 1}};
+}
 inline void add(Scene& scene, const std::vector<Capsule>& person) {
   scene.capsules.insert(scene.capsules.end(), person.begin(), person.end());
 }
