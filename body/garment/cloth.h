@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// One garment in motion: extended position-based dynamics in small steps (Macklin et al. 2016, 2019) on the skin of a
+// BodySurface. docs/garments.md says what is solved and why so.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "body/garment/body_surface.h"
+#include "body/garment/cloth_constraints.h"
+#include "body/garment/cloth_layers.h"
+#include "body/garment/garment_mesh.h"
+
+namespace im2fit::body {
+
+struct ClothFrame {
+  bool weightless = false;  // while a garment is put on
+  bool flat = false;        // the front panel faces the front, the back panel the back, whatever its triangles say
+  float damping_per_s = 2;
+};
+
+// Not shareable between threads. No allocation after construction. + - * / and sqrt of float32 in one order: the same
+// bits on every machine.
+class Cloth {
+ public:
+  static constexpr float kSkinMm = 4;  // cloth lies so far off the skin: faces between vertices stay outside
+  Cloth(const GarmentMesh& mesh, const Fabric& fabric);
+  Cloth(const Cloth&) = delete;
+  Cloth& operator=(const Cloth&) = delete;
+
+  void place(std::span<const Vec3f> vertices);  // at rest there, no belt held
+  void carry(std::span<const Vec3f> vertices);  // the same, the belt held as it was
+  // Draws the band of what hangs from the waist together to this length, as a belt does; never wider than it is cut.
+  void close_belt(float girth_mm);
+  // From now on the band stays where it lies on the skin, each vertex at its height in the pattern plus `up_mm`: a
+  // belt does not slide.
+  void hold_belt(const BodySurface& skin, float up_mm);
+  // A thirtieth of a second, while the skin goes from its beginning to its end. `clearance_mm`: of each vertex of the
+  // model, what is worn below; empty: nothing.
+  void run(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm = {});
+
+  const GarmentMesh& mesh() const { return mesh_; }
+  const ClothConstraints& constraints() const { return constraints_; }
+  std::span<const ClothVertex> vertices() const { return std::span(vertices_).first(mesh_.vertex_count()); }
+  Vec3f position(std::size_t v) const { return {vertices_[v].x, vertices_[v].y, vertices_[v].z}; }
+  std::span<const Vec3f> normals() const { return normals_; }  // of the frame's beginning; update_normals: of now
+  void update_normals();
+  // Which limbs' skin a vertex may touch: kTrunk, kLeftArm and so on.
+  std::uint8_t limbs(std::size_t v) const { return limbs_[v]; }
+  // Where a vertex lay nearest to the skin when the last frame began; triangle -1: beyond reach.
+  std::span<const SkinPlace> contacts() const { return place_; }
+
+ private:
+  struct Contact {
+    Vec3f point, point_step;  // at the frame's beginning; what a substep adds
+    Vec3f normal, normal_step;
+    float friction = 0, clearance = 0;
+    bool on = false;
+  };
+  struct Held {  // of a belt
+    std::int32_t vertex = 0;
+    SkinPlace place;
+    Vec3f point, point_step;
+  };
+  void follow_belt(const BodySurface& skin);
+  void pull_belt(int substep);
+  void find_contacts(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm);
+  void tether();
+  void hold_tethers();
+  void integrate(const ClothFrame& frame);
+  void collide(int substep);
+  void update_velocities();
+
+  const GarmentMesh& mesh_;
+  float friction_;
+  ClothConstraints constraints_;
+  ClothLayers layers_;
+  std::vector<ClothVertex> vertices_, before_, velocity_;  // one more than the mesh has: the empty places' vertex
+  std::vector<Vec3f> normals_;
+  std::vector<Contact> contacts_;
+  std::vector<SkinPlace> place_;
+  std::vector<Held> belt_;
+  std::vector<std::int32_t> hint_;
+  std::vector<std::uint8_t> limbs_;
+  std::vector<float> grip_;           // of friction
+  std::vector<std::int32_t> anchor_;  // the vertex a vertex hangs from, or -1
+  std::vector<float> anchor_mm_;      // at most so far, in the pattern
+};
+
+}  // namespace im2fit::body

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cloth against itself: pairs of vertices that are near in space and far apart in the pattern, found once a frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "body/garment/cloth_constraints.h"
+#include "body/garment/garment_mesh.h"
+
+namespace im2fit::body {
+
+// No allocation after construction. More pairs than it holds room for (four a vertex) are left out.
+class ClothLayers {
+ public:
+  explicit ClothLayers(const GarmentMesh& mesh);
+  // Of vertices nearer than kSearchMm; `vertices`: of the mesh.
+  void find(std::span<const ClothVertex> vertices);
+  void clear() { pairs_.clear(); }
+  // Pushes pairs apart to kApartMm, half the way a call, and lets them rub. `before`: places a substep ago.
+  void solve(std::span<ClothVertex> vertices, std::span<const ClothVertex> before) const;
+  std::size_t pair_count() const { return pairs_.size(); }
+
+  static constexpr float kApartMm = 9;  // less than the lattice's edges, so that vertices meet before faces pass
+  static constexpr float kSearchMm = 14.5F;
+
+ private:
+  bool neighbours(std::int32_t a, std::int32_t b) const;
+  const GarmentMesh& mesh_;
+  std::vector<float> to_seam_mm_;  // in the pattern
+  std::vector<std::array<std::int32_t, 2>> pairs_;
+  std::vector<std::int32_t> cell_first_, cell_next_, cell_vertices_, vertex_cell_;
+};
+
+}  // namespace im2fit::body

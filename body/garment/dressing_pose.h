@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a body stands to be dressed, and the way from one pose to another.
+#pragma once
+
+#include <span>
+
+#include "body/model.h"
+#include "body/skeleton.h"
+
+namespace im2fit::body {
+
+// Arms straight, 22 degrees below level; legs straight, 12 degrees from upright: as patterns are drawn.
+Pose dressing_pose(const Skeleton& rest);
+// `share` 0..1 of the way from `a` to `b`, each segment turning relative to its parent (normalised quaternions).
+Pose between(const Pose& a, const Pose& b, float share);
+
+// A vertex of the body drawn in towards the bones, 1 for not at all, and flattened front to back about `middle_z`:
+// what a garment that lies flat is put on.
+struct DrawnIn {
+  float sideways = 1, depth = 1;
+  float middle_z = 0;
+};
+void draw_in(const BodyModel& model, const PosedSkeleton& bones, const DrawnIn& drawn, std::span<const Vec3f> posed,
+             std::span<Vec3f> out);
+
+}  // namespace im2fit::body

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "body/garment/outfit.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "body/garment/dressing_pose.h"
+#include "body/model_data.h"
+
+namespace im2fit::body {
+namespace {
+
+constexpr int kPutOnFrames = 40;  // from a flat body to a whole one
+constexpr int kFlatFrames = 30;   // of them with panels that face front and back
+constexpr int kHangFrames = 20;   // until folds have fallen
+constexpr int kPoseFrames = 30;   // from the dressing pose to another
+constexpr int kRestFrames = 20;
+constexpr float kPutOnDamping = 12;  // per second
+constexpr float kFirstDepth = 0.02F;
+// Arms and trunk begin thin, so that a small size goes over them; thighs would slip beside the crotch.
+constexpr float kFirstSideways = 0.7F;
+constexpr float kBeltShare = 0.98F;  // of the body's girth where the band lies
+constexpr float kBeltLevelMm = 12;   // of skin above and below it
+constexpr float kLayerMm = 6;        // half the distance of front and back as they lie flat
+constexpr float kWornMm = 3;         // cloth on cloth stands off by so much
+constexpr float kWornMaxMm = 4;      // looser cloth below is pressed flat, or hidden
+constexpr float kSlopeMm = 5;        // over an edge of the body's mesh
+constexpr int kSlopePasses = 4;
+constexpr float kHiddenReachMm = 150;  // farther cloth hides nothing
+constexpr float kHiddenRimMm = 40;     // skin nearer to a hem may be seen
+constexpr float kHiddenClothRimMm = 10;
+constexpr float kHiddenCosine = 0.2F;
+constexpr float kHiddenAsideMm = 30;
+constexpr float kPressMm = 2, kPressAsideMm = 45;
+constexpr float kSkinBehindMm = 8, kClothBehindMm = 40;  // cloth worn below may stand out of what is worn over it
+
+std::size_t at(Segment s) {
+  return static_cast<std::size_t>(s);
+}
+
+float smooth(float share) {
+  return share * share * (3 - 2 * share);
+}
+
+// Trousers do not lie flat: the crotch's extensions reach under the body, half of them from the front, half from the
+// back. How far front and back stand apart at a place of the pattern.
+class CrotchDepth {
+ public:
+  explicit CrotchDepth(const GarmentMesh& mesh) {
+    for (const Flat& f : mesh.flat) {
+      if (f.x < inner_x_) {
+        inner_x_ = f.x;
+        crotch_y_ = f.y;
+      }
+      outer_x_ = std::max(outer_x_, f.x);
+      top_y_ = std::max(top_y_, f.y);
+    }
+    thigh_y_ = crotch_y_ - kThighMm;
+    float nearest = 1e30F;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+      if ((mesh.border[v] & kOnSeam) == 0 || std::fabs(mesh.flat[v].y - thigh_y_) > kGarmentEdgeMm) continue;
+      if (mesh.flat[v].x < nearest) nearest = mesh.flat[v].x;
+    }
+    thigh_x_ = nearest < 1e29F ? nearest : 0;
+  }
+  float half_mm(Flat f) const {
+    const float extension = -inner_x_;
+    const float along = std::clamp((crotch_y_ - f.y) / (crotch_y_ - thigh_y_), 0.0F, 1.0F);
+    const float inner = f.y < crotch_y_ ? inner_x_ * (1 - along) + along * thigh_x_
+                                        : inner_x_ * std::max(0.0F, 1 - (f.y - crotch_y_) / kThighMm * 2.5F);
+    const float seat_y = crotch_y_ + kThighMm * 0.4F;
+    const float up = f.y > seat_y ? std::max(0.0F, 1 - (f.y - seat_y) / (top_y_ - seat_y)) : 1.0F;
+    const float outwards = extension * std::max(0.0F, 1 - std::max(0.0F, f.x) / outer_x_);
+    const float depth = std::min(std::min(f.x - inner, extension), outwards) * (1 - along) * up;
+    return std::max(kLayerMm, depth);
+  }
+
+ private:
+  static constexpr float kThighMm = 300;  // below the crotch a leg is a flat tube
+  float inner_x_ = 0, crotch_y_ = 0, outer_x_ = 1, top_y_ = -1e9F, thigh_y_ = 0, thigh_x_ = 0;
+};
+
+}  // namespace
+
+Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model), surface_(model) {
+  std::size_t most = 0;
+  for (Piece& piece : pieces) {
+    meshes_.push_back(std::make_unique<GarmentMesh>(std::move(piece.mesh)));
+    cloths_.push_back(std::make_unique<Cloth>(*meshes_.back(), piece.fabric));
+    most = std::max(most, meshes_.back()->vertex_count());
+  }
+  const auto all = static_cast<std::size_t>(model.vertex_count());
+  rest_.resize(all);
+  posed_.resize(all);
+  drawn_.resize(static_cast<std::size_t>(model.body_vertex_count()));
+  clearance_mm_.resize(drawn_.size());
+  flat_.reserve(most);
+  level_.reserve(drawn_.size());
+  hull_points_.reserve(drawn_.size());
+  hull_.reserve(drawn_.size());
+}
+
+Outfit::~Outfit() = default;
+
+void Outfit::skin_body(const Pose& pose) {
+  pose_ = pose;
+  pose_.translation_mm = {};
+  body::skin(model_, rest_, skeleton_, pose_, posed_);
+}
+
+// How far what is worn stands off the skin, as slopes: cloth over it does not catch on its edges.
+void Outfit::add_clearance(const Cloth& cloth) {
+  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
+    const SkinPlace& place = cloth.contacts()[v];
+    if (place.triangle < 0) continue;
+    const float off = dot(cloth.position(v) - surface_.at(place, true), surface_.facing(place, true));
+    const float over = std::clamp(off - Cloth::kSkinMm + kWornMm, 0.0F, kWornMaxMm);
+    for (const std::int32_t corner : surface_.triangles()[static_cast<std::size_t>(place.triangle)])
+      clearance_mm_[static_cast<std::size_t>(corner)] =
+          std::max(clearance_mm_[static_cast<std::size_t>(corner)], over);
+  }
+  for (int pass = 0; pass < kSlopePasses; ++pass)
+    for (const auto& t : surface_.triangles()) {
+      float& a = clearance_mm_[static_cast<std::size_t>(t[0])];
+      float& b = clearance_mm_[static_cast<std::size_t>(t[1])];
+      float& c = clearance_mm_[static_cast<std::size_t>(t[2])];
+      const float slope = std::max(a, std::max(b, c)) - kSlopeMm;
+      a = std::max(a, slope);
+      b = std::max(b, slope);
+      c = std::max(c, slope);
+    }
+}
+
+void Outfit::run(const ClothFrame& frame) {
+  std::fill(clearance_mm_.begin(), clearance_mm_.end(), 0.0F);
+  for (std::size_t i = 0; i < cloths_.size(); ++i) {
+    cloths_[i]->run(surface_, frame, i == 0 ? std::span<const float>() : clearance_mm_);
+    if (i + 1 < cloths_.size()) add_clearance(*cloths_[i]);
+  }
+}
+
+void Outfit::frame(const Pose& pose) {
+  skin_body(pose);
+  surface_.advance(posed_);
+  run({});
+}
+
+void Outfit::move_to(const Pose& pose, int frames) {
+  const Pose from = pose_;
+  for (int i = 1; i <= frames; ++i)
+    frame(i == frames ? pose : between(from, pose, smooth(static_cast<float>(i) / static_cast<float>(frames))));
+}
+
+void Outfit::place_flat(Cloth& cloth, const PosedSkeleton& bones) {
+  const GarmentMesh& mesh = cloth.mesh();
+  const Vec3f shoulder = bones.head[at(Segment::left_upper_arm)], hip = bones.head[at(Segment::left_upper_leg)];
+  const Vec3f middle = bones.head[at(Segment::pelvis)];
+  // The sleeve's middle line falls on the arm's: a pattern's shoulder joint may lie farther out than the body's.
+  constexpr float kTan22 = 0.40402623F;
+  const float out = shoulder.x - middle.x - mesh.body[static_cast<std::size_t>(CutMeasure::shoulder_x)];
+  const float up = mesh.hang == Hang::shoulders ? shoulder.y + kTan22 * out : hip.y;
+  const float z = mesh.hang == Hang::shoulders ? shoulder.z : hip.z;
+  const CrotchDepth crotch(mesh);
+  flat_.clear();
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const Flat f = mesh.flat[v];
+    float x = f.x;
+    float half = kLayerMm;
+    if (mesh.legs) {
+      half = crotch.half_mm(f);
+      x = mesh.side[v] == 0 ? 0.0F : std::max(x, 2.0F);
+    }
+    const float toward = mesh.layer[v] == kFrontLayer ? half : mesh.layer[v] == kBackLayer ? -half : 0.0F;
+    const float side = mesh.side[v] < 0 ? -1.0F : 1.0F;
+    flat_.push_back({middle.x + side * x, f.y + up, z + toward});
+  }
+  cloth.place(flat_);
+}
+
+// Round the trunk's hull where the band will lie.
+float Outfit::girth_at_band(const Cloth& cloth, const PosedSkeleton& bones) {
+  float top = -1e9F;
+  for (const Flat& f : cloth.mesh().flat) top = std::max(top, f.y);
+  const float level = bones.head[at(Segment::left_upper_leg)].y + top;
+  level_.clear();
+  for (const std::int32_t v : surface_.vertices()) {
+    const Vec3f p = posed_[static_cast<std::size_t>(v)];
+    if (std::fabs(p.y - level) < kBeltLevelMm && (surface_.limbs(v) & (kLeftArm | kRightArm)) == 0)
+      level_.push_back(p);
+  }
+  hull_.convex_hull(level_, level_plane(level), hull_points_);
+  return static_cast<float>(perimeter_mm(hull_points_));
+}
+
+// A flat body grows between the panels until it fills them.
+void Outfit::put_on(Cloth& cloth) {
+  const Pose pose = dressing_pose(skeleton_);
+  skin_body(pose);
+  const PosedSkeleton bones = pose_skeleton(skeleton_, pose_);
+  place_flat(cloth, bones);
+  DrawnIn drawn;
+  drawn.middle_z = cloth.mesh().hang == Hang::shoulders ? bones.head[at(Segment::left_upper_arm)].z
+                                                        : bones.head[at(Segment::left_upper_leg)].z;
+  const bool waist = cloth.mesh().hang == Hang::waist;
+  const float sideways = waist ? 1.0F : kFirstSideways;
+  cloth.close_belt(waist ? kBeltShare * girth_at_band(cloth, bones) : 1e9F);
+  for (int i = 0; i <= kPutOnFrames; ++i) {
+    const float share = static_cast<float>(i) / kPutOnFrames;
+    drawn.depth = kFirstDepth + (1 - kFirstDepth) * share;
+    drawn.sideways = sideways + (1 - sideways) * share;
+    draw_in(model_, bones, drawn, std::span(posed_).first(drawn_.size()), drawn_);
+    if (i == 0) {
+      surface_.put(drawn_);
+      continue;
+    }
+    surface_.advance(drawn_);
+    ClothFrame frame;
+    frame.weightless = true;
+    frame.flat = i <= kFlatFrames;
+    frame.damping_per_s = kPutOnDamping;
+    cloth.run(surface_, frame);
+  }
+  surface_.put(posed_);
+  if (waist) cloth.hold_belt(surface_, bones.head[at(Segment::left_upper_leg)].y);
+  for (int i = 0; i < kHangFrames; ++i) cloth.run(surface_, {}, clearance_mm_);
+  add_clearance(cloth);
+}
+
+void Outfit::turn(const Mat3f& rotation, Vec3f about) {
+  for (auto& cloth : cloths_) {
+    flat_.clear();
+    for (std::size_t v = 0; v < cloth->mesh().vertex_count(); ++v)
+      flat_.push_back(about + rotation * (cloth->position(v) - about));
+    cloth->carry(flat_);
+  }
+}
+
+void Outfit::dress(std::span<const Vec3f> rest, const Skeleton& skeleton, const Pose& pose) {
+  assert(rest.size() == rest_.size());
+  std::copy(rest.begin(), rest.end(), rest_.begin());
+  skeleton_ = skeleton;
+  std::fill(clearance_mm_.begin(), clearance_mm_.end(), 0.0F);
+  for (auto& cloth : cloths_) put_on(*cloth);
+  // A person seen from behind is not turned about within the cloth: everything turns with the pelvis first.
+  const Mat3f& pelvis = pose.rotation[at(Segment::pelvis)];
+  Pose start = dressing_pose(skeleton_);
+  turn(pelvis, skeleton_.head[at(Segment::pelvis)]);
+  for (Mat3f& r : start.rotation) r = pelvis * r;
+  skin_body(start);
+  surface_.put(posed_);
+  move_to(pose, kPoseFrames);
+  for (int i = 0; i < kRestFrames; ++i) frame(pose);
+}
+
+// What lies at `p` and faces `n` is hidden by the nearest cloth that faces as it does, from `behind_mm` behind it on,
+// but not by a hem's.
+bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm) {
+  const GarmentMesh& mesh = cloth.mesh();
+  float best = kHiddenReachMm * kHiddenReachMm, rim = 0;
+  for (std::size_t c = 0; c < mesh.vertex_count(); ++c) {
+    const Vec3f d = cloth.position(c) - p;
+    const float squared = dot(d, d);
+    if (squared >= best || (cloth.limbs(c) & limbs) == 0) continue;
+    const float before = dot(d, n);
+    if (dot(cloth.normals()[c], n) < kHiddenCosine || squared - before * before > kHiddenAsideMm * kHiddenAsideMm)
+      continue;
+    best = squared;
+    rim = before > -behind_mm ? mesh.rim_mm[c] : 0;
+  }
+  return rim > rim_mm;
+}
+
+void Outfit::hidden_skin(std::span<std::uint8_t> out) const {
+  assert(out.size() >= drawn_.size());
+  std::fill(out.begin(), out.end(), std::uint8_t{0});
+  for (const std::int32_t v : surface_.vertices()) {
+    const auto i = static_cast<std::size_t>(v);
+    for (const auto& cloth : cloths_)
+      if (out[i] == 0 &&
+          hides(*cloth, posed_[i], surface_.normal(true)[i], surface_.limbs(v), kSkinBehindMm, kHiddenRimMm))
+        out[i] = 1;
+  }
+}
+
+void Outfit::pressed(std::size_t index, std::span<Vec3f> out) const {
+  const Cloth& cloth = *cloths_[index];
+  assert(out.size() >= cloth.mesh().vertex_count());
+  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
+    const Vec3f p = cloth.position(v), n = cloth.normals()[v];
+    out[v] = p;
+    for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
+      const Cloth& upper = *cloths_[over];
+      float best = kClothBehindMm * kClothBehindMm + kPressAsideMm * kPressAsideMm, before = 0, aside = 0;
+      bool found = false;
+      for (std::size_t c = 0; c < upper.mesh().vertex_count(); ++c) {
+        const Vec3f d = upper.position(c) - p;
+        const float squared = dot(d, d);
+        if (squared >= best || (upper.limbs(c) & cloth.limbs(v)) == 0 || dot(upper.normals()[c], n) < kHiddenCosine)
+          continue;
+        best = squared;
+        before = dot(d, n);
+        aside = std::sqrt(std::max(0.0F, squared - before * before));
+        found = true;
+      }
+      const float back = before - kPressMm;
+      if (!found || back >= 0 || aside >= kPressAsideMm) continue;
+      out[v] = p + n * (back * std::min(1.0F, 2 * (1 - aside / kPressAsideMm)));
+    }
+  }
+}
+
+void Outfit::hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const {
+  const Cloth& cloth = *cloths_[index];
+  assert(out.size() >= cloth.mesh().vertex_count());
+  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
+    out[v] = 0;
+    for (std::size_t over = index + 1; over < cloths_.size(); ++over)
+      if (out[v] == 0 && hides(*cloths_[over], cloth.position(v), cloth.normals()[v], cloth.limbs(v), kClothBehindMm,
+                               kHiddenClothRimMm))
+        out[v] = 1;
+  }
+}
+
+}  // namespace im2fit::body

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// A body in clothes: garments put on one after another, then draped frame by frame as the body moves.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "body/garment/body_surface.h"
+#include "body/garment/cloth.h"
+#include "body/garment/garment_mesh.h"
+#include "body/model.h"
+#include "body/section.h"
+#include "body/skeleton.h"
+
+namespace im2fit::body {
+
+// Not shareable between threads; the model must outlive it. No allocation after construction.
+class Outfit {
+ public:
+  struct Piece {
+    GarmentMesh mesh;
+    Fabric fabric;
+  };
+  // `pieces`: what lies on the skin first. Allocates.
+  Outfit(const BodyModel& model, std::vector<Piece> pieces);
+  ~Outfit();
+
+  // Puts everything on a body: `rest` has the model's vertices. Then the body stands in `pose` (its translation is
+  // not heeded: the pelvis stays where it is at rest), and the cloth has come to rest. Some 100 frames' work.
+  void dress(std::span<const Vec3f> rest, const Skeleton& skeleton, const Pose& pose);
+  // A thirtieth of a second, in which the body goes from its last pose to this one (translation not heeded).
+  void frame(const Pose& pose);
+  // The same in `frames` even steps.
+  void move_to(const Pose& pose, int frames);
+
+  std::size_t size() const { return cloths_.size(); }
+  const Cloth& cloth(std::size_t i) const { return *cloths_[i]; }
+  const BodySurface& skin() const { return surface_; }
+  std::span<const Vec3f> body() const { return posed_; }  // all vertices of the model, as the last frame ended
+  const Pose& pose() const { return pose_; }
+
+  // Which of the body's vertices cloth hides whatever way one looks: `out` has body_vertex_count() places, 1: hidden.
+  // Skin near hems is not.
+  void hidden_skin(std::span<std::uint8_t> out) const;
+  // Where a garment's vertices are shown: those that stand out of cloth worn over it lie under that cloth. `out` has
+  // a place a vertex of the garment.
+  void pressed(std::size_t index, std::span<Vec3f> out) const;
+  // The same as hidden_skin of a garment's vertices below the garments over it.
+  void hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const;
+
+ private:
+  static bool hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm);
+  void add_clearance(const Cloth& cloth);
+  void put_on(Cloth& cloth);
+  float girth_at_band(const Cloth& cloth, const PosedSkeleton& bones);
+  void place_flat(Cloth& cloth, const PosedSkeleton& bones);
+  void run(const ClothFrame& frame);
+  void turn(const Mat3f& rotation, Vec3f about);
+  void skin_body(const Pose& pose);
+
+  const BodyModel& model_;
+  std::vector<std::unique_ptr<GarmentMesh>> meshes_;
+  std::vector<std::unique_ptr<Cloth>> cloths_;
+  BodySurface surface_;
+  std::vector<Vec3f> rest_, posed_, drawn_, flat_;
+  std::vector<Vec3f> level_, hull_points_;
+  HullWork hull_;
+  std::vector<float> clearance_mm_;
+  Skeleton skeleton_;
+  Pose pose_;
+};
+
+}  // namespace im2fit::body
