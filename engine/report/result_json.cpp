@@ -84,6 +84,31 @@ Json size_json(const SizeAnswer& size) {
   return {{"chart", size.chart}, {"best", size.best}, {"probabilities", probabilities}};
 }
 
+// Every size's ease at every region, and which to buy.
+Json garment_json(const GarmentFit& fit) {
+  Json sizes = Json::object();
+  for (const SizeFit& size : fit.sizes) {
+    Json regions = Json::object();
+    for (std::size_t i = 0; i < size.regions.size(); ++i) {
+      const RegionFit& region = size.regions[i];
+      regions[fit.region_ids[i]] = {
+          {"ease_mm", rounded(region.ease_mm, kTenths)},
+          {"interval", Json::array({rounded(region.low_mm, kTenths), rounded(region.high_mm, kTenths)})},
+          {"verdict", std::string(name_of(region.verdict))}};
+    }
+    sizes[size.size] = regions;
+  }
+  Json json = {{"garment", fit.garment}, {"chart", fit.chart}, {"sizes", sizes}};
+  if (fit.sizes.empty()) return json;
+  json["best"] = fit.sizes[fit.best].size;
+  json["fits"] = !fit.none_fits;
+  if (fit.other == fit.best) return json;
+  json["other"] = {{"size", fit.sizes[fit.other].size},
+                   {"region", fit.region_ids[fit.other_region]},
+                   {"verdict", std::string(name_of(fit.sizes[fit.other].regions[fit.other_region].verdict))}};
+  return json;
+}
+
 Json joints_json(const EngineResult& result) {
   Json all = Json::object();
   if (!result.measured && !result.has_joints) return all;
@@ -268,6 +293,10 @@ ArmSet reported_arms(const EngineResult& result) {
   return set;
 }
 
+std::string fit_json(const GarmentFit& fit) {
+  return garment_json(fit).dump(2) + "\n";
+}
+
 std::string result_json(const ResultReport& report) {
   const EngineResult& r = report.result;
   Json json;
@@ -285,6 +314,10 @@ std::string result_json(const ResultReport& report) {
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured) json["age"] = age_json(r.age);
   if (r.measured && report.size) json["size"] = size_json(*report.size);
+  if (r.measured && !report.fits.empty()) {
+    json["fit"] = Json::array();
+    for (const GarmentFit& fit : report.fits) json["fit"].push_back(garment_json(fit));
+  }
   json["joints"] = joints_json(r);
   if (r.measured) json["body"] = body_json(report);
   if (r.measured && report.body && report.tape != nullptr) json["tape"] = tape_json(report);

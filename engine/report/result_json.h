@@ -12,6 +12,7 @@
 #include "body/measurement_fit.h"
 #include "body/tape.h"
 #include "engine/engine.h"
+#include "engine/garment_fit.h"
 #include "engine/report/tape_law.h"
 #include "engine/size_chart.h"
 
@@ -41,12 +42,15 @@ struct ResultReport {
   const body::Tape* tape = nullptr;             // with `body`: what its mesh measures by each definition
   std::vector<float> tape_values;               // a value a definition; not-a-number: none
   std::vector<TapeInterval> tape_intervals;     // as tape_values; may be empty
+  std::vector<GarmentFit> fits;                 // of each garment; empty: none was asked for
   std::optional<ResultTiming> timing;
 };
 
 // UTF-8 with two spaces of indentation and a line end. Text that is no UTF-8 (paths may be) has its odd bytes
 // replaced.
 std::string result_json(const ResultReport& report);
+// An entry of its `fit`, alone.
+std::string fit_json(const GarmentFit& fit);
 
 // What the person or scene needs, as in the file: once measured nothing; else the codes of the latest frame and
 // those that at least half of the frames carried (the last frame alone may show an empty room).

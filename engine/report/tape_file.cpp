@@ -10,6 +10,7 @@
 #include "body/model_data.h"
 #include "core/file.h"
 #include "engine/report/builtin_tape.h"
+#include "engine/report/yaml_fields.h"
 
 namespace im2fit {
 namespace {
@@ -22,61 +23,14 @@ using body::TapePlane;
 using body::TapePoint;
 using body::TapeSearch;
 using body::TapeSide;
+using yaml::expect_keys;
+using yaml::id_of;
+using yaml::number_of;
+using yaml::refuse;
+using yaml::shown;
+using yaml::text_of;
 
-constexpr std::size_t kFileBytesMax = 1U << 20;
 constexpr std::size_t kListMax = 500;  // points, and measurements, of all files together
-constexpr std::size_t kTextMax = 400;  // characters of a text
-
-struct Wrong {
-  int line;
-  std::string what;
-};
-[[noreturn]] void refuse(const YAML::Node& node, const std::string& field, const std::string& problem) {
-  throw Wrong{node.Mark().line + 1, field + " " + problem};
-}
-
-std::string shown(const YAML::Node& node) {
-  if (!node.IsDefined() || node.IsNull()) return "empty";
-  return node.IsScalar() ? "\"" + node.Scalar().substr(0, 60) + "\"" : "no single value";
-}
-
-// A map whose every key is known and comes once.
-void expect_keys(const YAML::Node& map, const std::string& what, const std::set<std::string>& known) {
-  if (!map.IsMap()) refuse(map, what, "is " + shown(map) + ", expected fields");
-  std::set<std::string> seen;
-  for (const auto& item : map) {
-    const std::string key = item.first.IsScalar() ? item.first.Scalar() : "?";
-    if (!seen.insert(key).second) refuse(item.first, what + "." + key, "is there twice");
-    if (known.count(key) != 0) continue;
-    std::string all;
-    for (const std::string& word : known) all += (all.empty() ? "" : ", ") + word;
-    refuse(item.first, what + "." + key, "is not known, expected " + all);
-  }
-}
-
-std::string text_of(const YAML::Node& node, const std::string& field) {
-  if (!node.IsScalar() || node.Scalar().empty()) refuse(node, field, "is " + shown(node) + ", expected a text");
-  if (node.Scalar().size() > kTextMax) refuse(node, field, "is too long, expected at most 400 characters");
-  return node.Scalar();
-}
-
-float number_of(const YAML::Node& node, const std::string& field, float low, float high) {
-  float value = 0;
-  if (!node.IsScalar() || !YAML::convert<float>::decode(node, value) || !(value >= low) || !(value <= high)) {
-    const auto shown_limit = [](float v) { return std::to_string(static_cast<int>(v)); };
-    refuse(node, field,
-           "is " + shown(node) + ", expected a number from " + shown_limit(low) + " to " + shown_limit(high));
-  }
-  return value;
-}
-
-std::string id_of(const YAML::Node& node, const std::string& field) {
-  std::string id = text_of(node, field);
-  bool good = id.size() <= 48 && id[0] >= 'a' && id[0] <= 'z';
-  for (const char c : id) good = good && ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_');
-  if (!good) refuse(node, field, "is " + shown(node) + ", expected small letters, digits and _, at most 48");
-  return id;
-}
 
 template <class Enum>
 Enum word_of(const YAML::Node& node, const std::string& field, std::size_t count) {
@@ -108,10 +62,7 @@ class TapeReader {
 
   Tape read(const YAML::Node& root) {
     expect_keys(root, "file", {"schema", "points", "measurements"});
-    const YAML::Node schema = root["schema"];
-    if (!schema.IsDefined()) refuse(root, "schema", "is missing, expected im2fit.tape/1");
-    if (!schema.IsScalar() || schema.Scalar() != "im2fit.tape/1")
-      refuse(schema, "schema", "is " + shown(schema) + ", expected im2fit.tape/1");
+    yaml::expect_schema(root, "im2fit.tape/1");
     if (const YAML::Node points = root["points"]; points.IsDefined()) read_points(points);
     if (const YAML::Node all = root["measurements"]; all.IsDefined()) read_measurements(all);
     return std::move(tape_);
@@ -365,13 +316,6 @@ class TapeReader {
   Tape tape_;
 };
 
-// Errors may quote the file, which may hold anything.
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  return text;
-}
-
 Tape parse_builtin() {
   // The texts are ours and a test parses them; a fault here would be a fault of the build.
   Tape tape;
@@ -386,17 +330,8 @@ Tape parse_builtin() {
 }  // namespace
 
 Result<Tape> parse_tape(const std::string& text, const std::string& what, Tape onto) {
-  if (text.size() > kFileBytesMax)
-    return Error{ErrorCode::corrupt, what + " is larger than 1 MiB; expected a tape in YAML (docs/tape.md)"};
-  try {
-    return TapeReader(std::move(onto)).read(YAML::Load(text));
-  } catch (const Wrong& wrong) {
-    return Error{ErrorCode::corrupt,
-                 what + " line " + std::to_string(wrong.line > 0 ? wrong.line : 1) + ": " + one_line(wrong.what)};
-  } catch (const YAML::Exception& e) {
-    return Error{ErrorCode::corrupt, what + " line " + std::to_string(e.mark.line + 1) + ": " + one_line(e.msg) +
-                                         "; expected a tape in YAML (docs/tape.md)"};
-  }
+  return yaml::read_fields<Tape>(text, what, "a tape in YAML (docs/tape.md)",
+                                 [&](const YAML::Node& root) { return TapeReader(std::move(onto)).read(root); });
 }
 
 Result<Tape> load_tape(const std::string& path, Tape onto) {

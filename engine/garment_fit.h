@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// How each size of a garment would sit on a body, and which to buy (docs/garments.md).
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "body/garment/pattern.h"
+#include "engine/size_chart.h"
+
+namespace im2fit {
+
+// tight: it binds; snug: closer than meant; good; loose: wider than meant.
+enum class FitVerdict { tight, snug, good, loose };
+std::string_view name_of(FitVerdict verdict);
+
+struct RegionFit {
+  float ease_mm = 0;              // finished girth less the body's
+  float low_mm = 0, high_mm = 0;  // 95 % interval
+  FitVerdict verdict = FitVerdict::good;
+};
+struct SizeFit {
+  std::string size;
+  float chest_mm = 0;              // it is cut for
+  double cost = 0;                 // 0: as meant everywhere; comparable between sizes of one garment
+  std::vector<RegionFit> regions;  // in the pattern's order
+};
+struct GarmentFit {
+  std::string garment, chart;
+  std::vector<std::string> region_ids;
+  std::vector<SizeFit> sizes;  // from small to large
+  std::size_t best = 0;
+  std::size_t other = 0;         // the neighbour that comes next: `best` lies between the two
+  std::size_t other_region = 0;  // why not that one: where it costs most more than `best`
+  bool none_fits = false;        // `best` is tight somewhere, or loose at every region
+};
+
+// A girth of the body, of the pattern's regions in order.
+struct BodyGirth {
+  float value_mm = 0, sd_mm = 0;
+};
+// The chest girth a size is cut for: the middle of its row.
+float size_chest_mm(const SizeRow& row);
+
+// A size costs where it is not worn as meant: the square of what it lacks, more below what binds, less of what it has
+// too much, each expected over the girth's error. + - * / alone: the same advice on every machine.
+GarmentFit fit_garment(const body::GarmentPattern& pattern, const body::CutLaw& law, const SizeChart& chart,
+                       bool woman, std::span<const BodyGirth> girths);
+// In words for people: "M; then L, in which the chest is loose (150 mm of ease, 70 in M)".
+std::string advice_words(const GarmentFit& fit);
+
+}  // namespace im2fit
