@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "body/fit/shape_space.h"
+#include "engine/report/dressing.h"
 #include "engine/report/tape_file.h"
 
 namespace im2fit::apps {
@@ -104,6 +105,8 @@ Result<Answered> answer_of(const Engine& engine, const MeasuringData& data, cons
   report.tape_values.resize(data.tape->definitions.size());
   body::TapeMeasurer(data.body_model).measure(*data.tape, answered.body->params, report.tape_values);
   report.tape_intervals = tape_intervals(*data.tape, report.tape_values, answer);
+  report.fits =
+      fits_of(builtin_wardrobe(), data.charts, answer.female, *data.tape, report.tape_values, report.tape_intervals);
   return answered;
 }
 

@@ -13,6 +13,7 @@ void add_live(cli::App& app, Command& chosen);
 void add_serve(cli::App& app, Command& chosen);
 #endif
 void add_tape(cli::App& app, Command& chosen);
+void add_try(cli::App& app, Command& chosen);
 void add_record(cli::App& app, Command& chosen);
 
 }  // namespace im2fit::apps

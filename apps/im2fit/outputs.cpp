@@ -8,6 +8,7 @@
 #include "body/export/export.h"
 #include "body/measure.h"
 #include "core/file.h"
+#include "engine/report/dressing.h"
 #include "engine/report/overlay.h"
 #include "engine/report/text_table.h"
 
@@ -77,14 +78,28 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
 
 }  // namespace
 
+Result<DressedAvatar> dressed_avatar(const SessionOutcome& outcome) {
+  const Wardrobe& wardrobe = builtin_wardrobe();
+  const bool woman = outcome.report.result.answer.female > 0.5F;
+  const auto worn = everyday_clothes(wardrobe, outcome.report.fits);
+  auto outfit = dress(wardrobe, outcome.data.body_model, outcome.body->params, outcome.body->pose, woman, worn);
+  if (!outfit) return outfit.error();
+  DressedAvatar dressed;
+  dressed.outfit = std::move(*outfit);
+  dressed.avatar = {&outcome.data.body_model, outcome.body->params, outcome.body->pose, dressed.outfit.get(), {}};
+  for (const Worn& one : worn) dressed.avatar.looks.push_back({one.pattern->id, one.pattern->colour});
+  return dressed;
+}
+
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory) {
   if (outcome.body) {
-    const body::Avatar avatar{&outcome.data.body_model, outcome.body->params, outcome.body->pose, true};
+    const auto avatar = dressed_avatar(outcome);
+    if (!avatar) return avatar.error();
     using Writer = Status (*)(const body::Avatar&, const std::string&);
     constexpr std::pair<Writer, const char*> kFiles[] = {
         {body::write_glb, "/avatar.glb"}, {body::write_obj, "/avatar.obj"}, {body::write_bvh, "/avatar.bvh"}};
     for (const auto& [write, name] : kFiles)
-      if (const auto written = write(avatar, directory + name); !written) return written.error();
+      if (const auto written = write(avatar->avatar, directory + name); !written) return written.error();
   }
   if (outcome.tap->last_frame().pixels != nullptr)
     if (const auto drawn = write_overlay(outcome, directory + "/overlay.png"); !drawn) return drawn.error();

@@ -30,7 +30,8 @@ class PageListener final : public LiveListener {
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
     if (!session.body) return Ok{};
-    return page_.measured({&session.data.body_model, session.body->params, session.body->pose, true});
+    const auto dressed = dressed_avatar(session);
+    return dressed ? page_.measured(dressed->avatar) : Status(dressed.error());
   }
 
  private:

@@ -8,6 +8,7 @@
 #include "apps/common/cli.h"
 #include "apps/common/input.h"
 #include "apps/common/measuring.h"
+#include "body/export/export.h"
 
 namespace im2fit::apps {
 
@@ -39,6 +40,13 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
 Status conclude(SessionOutcome& outcome);
 // Opens, runs to the end or the measurement, concludes.
 Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch);
+
+// The measured body in everyday clothes of its size.
+struct DressedAvatar {
+  std::unique_ptr<body::Outfit> outfit;
+  body::Avatar avatar;  // refers to `outfit` and to the session's body model
+};
+Result<DressedAvatar> dressed_avatar(const SessionOutcome& outcome);
 
 // Files, then the answer on stdout; exit 3 when there is none.
 Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& options);

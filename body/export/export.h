@@ -3,21 +3,30 @@
 // of the posed avatar stands on y = 0. Errors: the avatar names no model; the file cannot be written.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
 
+#include "body/garment/outfit.h"
 #include "body/model.h"
 #include "body/skeleton.h"
 #include "core/status.h"
 
 namespace im2fit::body {
 
+struct ClothLook {
+  std::string name;                                  // of the material
+  std::array<float, 3> colour = {0.5F, 0.5F, 0.5F};  // linear
+};
+
 struct Avatar {
   const BodyModel* model = nullptr;
   Params params;
-  Pose pose;             // how it stands in .obj and in the default pose of .glb
-  bool garment = false;  // .glb: shirt and trousers as a second primitive
+  Pose pose;  // how it stands in .obj and in the default pose of .glb
+  // .glb: what the body wears, draped in `pose`, as primitives of their own; the skin it hides is left out.
+  const Outfit* outfit = nullptr;
+  std::vector<ClothLook> looks = {};  // of each garment of the outfit
 };
 // metres, +Y up, skinned, 19 joints; the file's bytes
 Result<std::vector<std::byte>> glb_of(const Avatar& avatar);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binary glTF 2.0 (Khronos specification, sections 3.6 buffers, 3.7 meshes and skins, 4.4 GLB layout).
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "body/export/cloth_part.h"
 #include "body/export/export.h"
 #include "body/export/figure.h"
 #include "body/export/rig.h"
@@ -17,7 +19,6 @@ using Json = nlohmann::json;
 
 constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedByte = 5121;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
-constexpr float kShirtPushMm = 6;  // cloth stands off the tights helper, which clings to the skin
 
 // The one binary buffer and the views and accessors into it.
 class Buffer {
@@ -56,28 +57,57 @@ struct Part {
   std::vector<Vec3f> normals;
   std::vector<std::array<std::uint8_t, 4>> joints;
   std::vector<std::array<float, 4>> weights;
+  std::vector<Flat> texture;  // none, or one a vertex
   std::vector<std::uint16_t> indices;
 };
 
-Part make_part(const BodyModel::Data& d, std::span<const Vec3f> rest, float floor_mm,
-               std::span<const std::array<std::int32_t, 4>> quads, float push_mm) {
+Vec3f standing(Vec3f rest, float floor_mm) {
+  return Vec3f{rest.x, rest.y - floor_mm, rest.z} * kMetres;
+}
+
+// Without the quads whose corners are all hidden; `hidden` may be empty.
+Part body_part(const BodyModel::Data& d, std::span<const Vec3f> rest, float floor_mm,
+               std::span<const std::uint8_t> hidden) {
   Part part;
   std::vector<int> number(rest.size(), -1);
-  const auto normals = vertex_normals(rest, quads);
+  const auto normals = vertex_normals(rest, d.quads);
   const auto vertex = [&](std::int32_t old) {
     const auto v = static_cast<std::size_t>(old);
     if (number[v] < 0) {
       number[v] = static_cast<int>(part.positions.size());
-      const Vec3f p = rest[v] + normals[v] * push_mm;
-      part.positions.push_back(Vec3f{p.x, p.y - floor_mm, p.z} * kMetres);
+      part.positions.push_back(standing(rest[v], floor_mm));
       part.normals.push_back(normals[v]);
       part.joints.push_back(d.skin[v].segment);
       part.weights.push_back(d.skin[v].weight);
     }
     return static_cast<std::uint16_t>(number[v]);
   };
-  for (const auto& q : quads)
+  for (const auto& q : d.quads) {
+    const bool seen = hidden.empty() || std::any_of(q.begin(), q.end(), [&](std::int32_t v) {
+                        return hidden[static_cast<std::size_t>(v)] == 0;
+                      });
+    if (!seen) continue;
     for (const std::size_t i : {0, 1, 2, 0, 2, 3}) part.indices.push_back(vertex(q[i]));
+  }
+  return part;
+}
+
+Part garment_part(const BodyModel& model, const Figure& figure, const Outfit& outfit, std::size_t index) {
+  ClothPart cloth = cloth_part(model, outfit, index, figure.skeleton);
+  Part part;
+  for (const Vec3f& p : cloth.rest) part.positions.push_back(standing(p, figure.floor_rest));
+  part.normals = std::move(cloth.normals);
+  part.joints = std::move(cloth.segments);
+  part.weights = std::move(cloth.weights);
+  part.texture = std::move(cloth.texture);
+  std::vector<std::uint8_t> hidden(part.positions.size());
+  outfit.hidden_cloth(index, hidden);
+  for (const auto& t : outfit.cloth(index).mesh().triangles) {
+    const bool seen =
+        std::any_of(t.begin(), t.end(), [&](std::int32_t v) { return hidden[static_cast<std::size_t>(v)] == 0; });
+    if (!seen) continue;
+    for (const std::int32_t v : t) part.indices.push_back(static_cast<std::uint16_t>(v));
+  }
   return part;
 }
 
@@ -89,26 +119,10 @@ Json primitive(Buffer& buffer, const Part& part, int material) {
   const int weights = buffer.add(std::span(part.weights), "VEC4", kFloat, count, kArrayBuffer);
   const int indices =
       buffer.add(std::span(part.indices), "SCALAR", kUnsignedShort, part.indices.size(), kElementArrayBuffer);
-  return {
-      {"attributes", {{"POSITION", positions}, {"NORMAL", normals}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}}},
-      {"indices", indices},
-      {"material", material}};
-}
-
-// Shirt and trousers: faces of the tights helper on torso, upper arms and legs.
-std::vector<std::array<std::int32_t, 4>> garment_quads(const BodyModel::Data& d) {
-  std::vector<std::array<std::int32_t, 4>> out;
-  for (const auto& q : d.tights_quads) {
-    bool covered = true;
-    for (const std::int32_t v : q) {
-      const auto s = static_cast<Segment>(d.skin[static_cast<std::size_t>(v)].segment[0]);
-      covered = covered && s != Segment::neck && s != Segment::head && s != Segment::left_lower_arm &&
-                s != Segment::right_lower_arm && s != Segment::left_hand && s != Segment::right_hand &&
-                s != Segment::left_foot && s != Segment::right_foot;
-    }
-    if (covered) out.push_back(q);
-  }
-  return out;
+  Json attributes = {{"POSITION", positions}, {"NORMAL", normals}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}};
+  if (!part.texture.empty())
+    attributes["TEXCOORD_0"] = buffer.add(std::span(part.texture), "VEC2", kFloat, count, kArrayBuffer);
+  return {{"attributes", attributes}, {"indices", indices}, {"material", material}};
 }
 
 // Which OpenNI joint a segment's head is; HE, LA and RA lie elsewhere and have nodes of their own.
@@ -180,14 +194,20 @@ Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
   if (!figure) return figure.error();
   const BodyModel::Data& d = avatar.model->data();
   Buffer buffer;
-  Json primitives = {primitive(buffer, make_part(d, figure->rest, figure->floor_rest, d.quads, 0), 0)};
+  std::vector<std::uint8_t> hidden;
+  const std::size_t garments = avatar.outfit != nullptr ? avatar.outfit->size() : 0;
+  if (garments > 0) {
+    hidden.resize(static_cast<std::size_t>(avatar.model->body_vertex_count()));
+    avatar.outfit->hidden_skin(hidden);
+  }
+  Json primitives = {primitive(buffer, body_part(d, figure->rest, figure->floor_rest, hidden), 0)};
   Json materials = {material("skin", {0.78F, 0.63F, 0.55F, 1}, false)};
-  if (avatar.garment) {
-    const auto quads = garment_quads(d);
-    if (!quads.empty()) {
-      primitives.push_back(primitive(buffer, make_part(d, figure->rest, figure->floor_rest, quads, kShirtPushMm), 1));
-      materials.push_back(material("cloth", {0.25F, 0.34F, 0.48F, 1}, true));
-    }
+  for (std::size_t i = 0; i < garments; ++i) {
+    const ClothLook look = i < avatar.looks.size() ? avatar.looks[i] : ClothLook{"cloth"};
+    const auto& c = look.colour;
+    primitives.push_back(
+        primitive(buffer, garment_part(*avatar.model, *figure, *avatar.outfit, i), static_cast<int>(i) + 1));
+    materials.push_back(material(look.name.c_str(), {c[0], c[1], c[2], 1}, true));
   }
 
   // Column-major translations by minus the joint's rest position, in the mesh's own space (floor at y = 0).

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "body/export/export.h"
 #include "core/file.h"
 #include "engine/avatar.h"
 #include "engine/data_files.h"
+#include "engine/report/dressing.h"
 #include "lab/evaluation/error_statistics.h"
 #include "lab/stopwatch.h"
 
@@ -87,7 +89,16 @@ Status time_bodies(const SessionModels& models, const index::Index& index, const
       Stopwatch watch;
       const auto body = body_of_answer(models.body, index, *answer, asker.joints, FloorPlane{});
       if (!body) return body.error();
-      const auto written = body::write_glb({&models.body, body->params, body->pose, garment}, path);
+      body::Avatar avatar{&models.body, body->params, body->pose, nullptr, {}};
+      std::unique_ptr<body::Outfit> outfit;
+      if (garment) {
+        auto dressed = dress_everyday(builtin_wardrobe(), builtin_size_system(), models.body, body->params,
+                                      body->pose, answer->female);
+        if (!dressed) return dressed.error();
+        outfit = std::move(*dressed);
+        avatar.outfit = outfit.get();
+      }
+      const auto written = body::write_glb(avatar, path);
       spent_ms[garment ? 1 : 0] = 1e3 * watch.lap();
       if (!written) return written.error();
     }

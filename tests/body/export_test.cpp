@@ -215,23 +215,6 @@ TEST_F(RealAvatar, NormalsPointOutwards) {
   EXPECT_GT(flux, 0);
 }
 
-TEST_F(RealAvatar, AGarmentIsASecondPrimitiveOutsideTheBody) {
-  avatar_.garment = true;
-  ASSERT_TRUE(write_glb(avatar_, folder_ / "a.glb"));
-  const Glb glb = parse_glb(folder_ / "a.glb");
-  const Json& primitives = glb.json["meshes"][0]["primitives"];
-  ASSERT_EQ(primitives.size(), 2U);
-  const auto cloth = glb.read<Vec3f>(primitives[1]["attributes"]["POSITION"]);
-  EXPECT_GT(cloth.size(), 500U);
-  float widest = 0, body_widest = 0;
-  for (const Vec3f& v : cloth)
-    if (std::fabs(v.y - 1.0F) < 0.05F) widest = std::max(widest, v.z);
-  for (const Vec3f& v : glb.read<Vec3f>(primitives[0]["attributes"]["POSITION"]))
-    if (std::fabs(v.y - 1.0F) < 0.05F && std::fabs(v.x) < 0.2F) body_widest = std::max(body_widest, v.z);
-  EXPECT_GT(widest, body_widest);
-  EXPECT_LT(widest, body_widest + 0.04F);
-}
-
 TEST_F(RealAvatar, ObjHoldsThePosedMeshInMetres) {
   ASSERT_TRUE(write_obj(avatar_, folder_ / "a.obj"));
   std::size_t vertices = 0, faces = 0;

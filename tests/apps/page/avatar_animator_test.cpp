@@ -65,7 +65,7 @@ TEST_F(AvatarAnimators, StandsAsTheJointsSay) {
     for (Vec3f& p : seen.position_mm) p = {p.x + 150, kCameraHeightMm - p.y, 2300 - p.z};
     const FloorPlane floor{true, {0, -1, 0}, kCameraHeightMm};
 
-    const auto animator = AvatarAnimator::create({model_.get(), params_, pose, true});
+    const auto animator = AvatarAnimator::create({model_.get(), params_, pose});
     ASSERT_TRUE(animator) << animator.error().message;
     const body::RigPose rig = animator->follow(seen, floor);
     std::array<body::Mat3f, body::kSegmentCount> local;

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "body/export/cloth_part.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "body/model_data.h"
+
+namespace im2fit::body {
+namespace {
+
+using Shares = std::array<float, kSegmentCount>;
+constexpr int kSmoothings = 8;   // neighbours' weights are mixed, so that no fold is torn where limbs meet
+constexpr float kReachMm = 200;  // of skin below
+
+// Of the skin nearest to each vertex of the cloth.
+std::vector<Shares> skin_below(const BodyModel& model, const Outfit& outfit, const Cloth& cloth) {
+  const auto& records = model.data().skin;
+  std::vector<Shares> all(cloth.mesh().vertex_count());
+  for (std::size_t v = 0; v < all.size(); ++v) {
+    SkinPlace place;
+    bool found = false;
+    for (const float cosine : {0.0F, -2.0F}) {
+      std::int32_t hint = -1;
+      found =
+          found || outfit.skin().nearest(cloth.position(v), cloth.normals()[v], cosine, 0xFF, kReachMm, hint, place);
+    }
+    Shares& shares = all[v];
+    shares = {};
+    if (!found) {
+      shares[static_cast<std::size_t>(Segment::pelvis)] = 1;
+      continue;
+    }
+    const auto& corners = outfit.skin().triangles()[static_cast<std::size_t>(place.triangle)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const SkinRecord& record = records[static_cast<std::size_t>(corners[k])];
+      for (std::size_t i = 0; i < 4; ++i) shares[record.segment[i]] += place.share[k] * record.weight[i];
+    }
+  }
+  return all;
+}
+
+void smooth(const Cloth& cloth, std::vector<Shares>& all) {
+  std::vector<Shares> sum(all.size());
+  std::vector<float> count(all.size());
+  for (int pass = 0; pass < kSmoothings; ++pass) {
+    sum = all;
+    std::fill(count.begin(), count.end(), 1.0F);
+    for (const auto& e : cloth.constraints().edges) {
+      const auto a = static_cast<std::size_t>(e[0]), b = static_cast<std::size_t>(e[1]);
+      for (std::size_t s = 0; s < all[a].size(); ++s) {
+        sum[a][s] += all[b][s];
+        sum[b][s] += all[a][s];
+      }
+      count[a] += 1;
+      count[b] += 1;
+    }
+    for (std::size_t v = 0; v < all.size(); ++v)
+      for (std::size_t s = 0; s < all[v].size(); ++s) all[v][s] = sum[v][s] / count[v];
+  }
+}
+
+// Rotation and shift of the four segments, mixed.
+struct Affine {
+  std::array<float, 9> m{};
+  Vec3f shift;
+};
+
+Vec3f undone(const Affine& a, Vec3f posed) {
+  const auto& m = a.m;
+  const Vec3f r0 = {m[0], m[1], m[2]}, r1 = {m[3], m[4], m[5]}, r2 = {m[6], m[7], m[8]};
+  const Vec3f c0 = cross(r1, r2), c1 = cross(r2, r0), c2 = cross(r0, r1);
+  const float determinant = dot(r0, c0);
+  const Vec3f p = posed - a.shift;
+  return (c0 * p.x + c1 * p.y + c2 * p.z) * (1 / determinant);
+}
+
+}  // namespace
+
+ClothPart cloth_part(const BodyModel& model, const Outfit& outfit, std::size_t index, const Skeleton& rest) {
+  const Cloth& cloth = outfit.cloth(index);
+  std::vector<Shares> all = skin_below(model, outfit, cloth);
+  smooth(cloth, all);
+  const PosedSkeleton posed = pose_skeleton(rest, outfit.pose());
+  ClothPart part;
+  std::vector<Vec3f> shown(all.size());
+  outfit.pressed(index, shown);
+  for (std::size_t v = 0; v < all.size(); ++v) {
+    std::array<std::uint8_t, kSegmentCount> order{};
+    for (std::size_t s = 0; s < order.size(); ++s) order[s] = static_cast<std::uint8_t>(s);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint8_t a, std::uint8_t b) { return all[v][a] > all[v][b]; });
+    std::array<std::uint8_t, 4> segments{};
+    std::array<float, 4> weights{};
+    float sum = 0;
+    for (std::size_t k = 0; k < 4; ++k) sum += all[v][order[k]];
+    Affine affine;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t s = order[k];
+      const float weight = all[v][s] / sum;
+      segments[k] = weight > 0 ? order[k] : std::uint8_t{0};
+      weights[k] = weight;
+      const Mat3f& r = outfit.pose().rotation[s];
+      for (std::size_t i = 0; i < 9; ++i) affine.m[i] += weight * r.m[i];
+      affine.shift = affine.shift + (posed.head[s] - r * rest.head[s]) * weight;
+    }
+    part.rest.push_back(undone(affine, shown[v]));
+    const Vec3f n = cloth.normals()[v];
+    const auto& m = affine.m;
+    part.normals.push_back(normalized({m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
+                                       m[2] * n.x + m[5] * n.y + m[8] * n.z}));
+    part.texture.push_back({cloth.mesh().flat[v].x * 1e-3F, -cloth.mesh().flat[v].y * 1e-3F});
+    part.segments.push_back(segments);
+    part.weights.push_back(weights);
+  }
+  return part;
+}
+
+}  // namespace im2fit::body

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// A draped garment as a skinned mesh: in the avatar's pose it lies as it was draped, in others it follows the skin
+// below it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "body/garment/outfit.h"
+
+namespace im2fit::body {
+
+struct ClothPart {
+  std::vector<Vec3f> rest, normals;  // mm, as the rest mesh; unit
+  std::vector<Flat> texture;         // metres of cloth, along weft and warp
+  std::vector<std::array<std::uint8_t, 4>> segments;
+  std::vector<std::array<float, 4>> weights;  // sum to 1, heaviest first
+};
+// `rest`: the skeleton the outfit's body has.
+ClothPart cloth_part(const BodyModel& model, const Outfit& outfit, std::size_t index, const Skeleton& rest);
+
+}  // namespace im2fit::body
