@@ -116,6 +116,8 @@ class LiveRun {
   Status report_person() {
     if (auto concluded = conclude(outcome_); !concluded) return concluded;
     const std::string out = folder();
+    if (!out.empty() || listener_ != nullptr)
+      if (auto dressed = dress(outcome_); !dressed) return dressed;
     if (!out.empty()) {
       if (auto made = make_directory(out); !made) return made;
       if (auto written = write_outputs(outcome_, out); !written) return written;

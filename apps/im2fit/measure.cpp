@@ -10,7 +10,7 @@ namespace {
 
 Result<int> run_measure(const SessionOptions& options) {
   Progress progress("reading frames", 0);
-  const auto outcome = run_session(options, [&](std::uint64_t frame_count, const EngineResult& result) {
+  auto outcome = run_session(options, [&](std::uint64_t frame_count, const EngineResult& result) {
     const std::string good = fmt::format("{} good", result.frames_used);
     const bool turn = has(result.guidance, Guidance::turn_round);
     progress.update(frame_count, turn ? good + "; please turn round" : good);

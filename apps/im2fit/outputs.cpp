@@ -78,28 +78,35 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
 
 }  // namespace
 
-Result<DressedAvatar> dressed_avatar(const SessionOutcome& outcome) {
+Status dress(SessionOutcome& outcome) {
+  if (!outcome.body || outcome.dressed) return Ok{};
   const Wardrobe& wardrobe = builtin_wardrobe();
   const bool woman = outcome.report.result.answer.female > 0.5F;
   const auto worn = everyday_clothes(wardrobe, outcome.report.fits);
-  auto outfit = dress(wardrobe, outcome.data.body_model, outcome.body->params, outcome.body->pose, woman, worn);
+  auto outfit =
+      im2fit::dress(wardrobe, outcome.data.body_model, outcome.body->params, outcome.body->pose, woman, worn);
   if (!outfit) return outfit.error();
   DressedAvatar dressed;
   dressed.outfit = std::move(*outfit);
   dressed.avatar = {&outcome.data.body_model, outcome.body->params, outcome.body->pose, dressed.outfit.get(), {}};
   for (const Worn& one : worn) dressed.avatar.looks.push_back({one.pattern->id, one.pattern->colour});
-  return dressed;
+  auto glb = body::glb_of(dressed.avatar);
+  if (!glb) return glb.error();
+  dressed.glb = std::move(*glb);
+  outcome.dressed = std::move(dressed);
+  return Ok{};
 }
 
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory) {
-  if (outcome.body) {
-    const auto avatar = dressed_avatar(outcome);
-    if (!avatar) return avatar.error();
+  if (outcome.dressed) {
+    const DressedAvatar& dressed = *outcome.dressed;
+    if (const auto written = write_file_atomically(directory + "/avatar.glb", dressed.glb); !written)
+      return written.error();
     using Writer = Status (*)(const body::Avatar&, const std::string&);
-    constexpr std::pair<Writer, const char*> kFiles[] = {
-        {body::write_glb, "/avatar.glb"}, {body::write_obj, "/avatar.obj"}, {body::write_bvh, "/avatar.bvh"}};
+    constexpr std::pair<Writer, const char*> kFiles[] = {{body::write_obj, "/avatar.obj"},
+                                                         {body::write_bvh, "/avatar.bvh"}};
     for (const auto& [write, name] : kFiles)
-      if (const auto written = write(avatar->avatar, directory + name); !written) return written.error();
+      if (const auto written = write(dressed.avatar, directory + name); !written) return written.error();
   }
   if (outcome.tap->last_frame().pixels != nullptr)
     if (const auto drawn = write_overlay(outcome, directory + "/overlay.png"); !drawn) return drawn.error();
@@ -154,10 +161,12 @@ std::string result_table(const SessionOutcome& outcome) {
   return text;
 }
 
-Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& options) {
+Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options) {
   const EngineResult& result = outcome.report.result;
-  if (!options.out.empty())
+  if (!options.out.empty()) {
+    if (const auto dressed = dress(outcome); !dressed) return dressed.error();
     if (const auto written = write_outputs(outcome, options.out); !written) return written.error();
+  }
   if (options.json) fmt::print("{}", result_json(outcome.report));
   if (const auto flushed = flush_output(); !flushed) return flushed.error();
   if (!result.measured) {

@@ -29,9 +29,7 @@ class PageListener final : public LiveListener {
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
-    if (!session.body) return Ok{};
-    const auto dressed = dressed_avatar(session);
-    return dressed ? page_.measured(dressed->avatar) : Status(dressed.error());
+    return session.dressed ? page_.measured(session.dressed->avatar, session.dressed->glb) : Status(Ok{});
   }
 
  private:

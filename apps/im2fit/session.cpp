@@ -73,13 +73,15 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   if (!data->warning.empty()) fmt::print(stderr, "{}\n", data->warning);
   auto engine = make_engine(options, *data, input->source->info(), std::move(engine_watch));
   if (!engine) return engine.error();
-  SessionOutcome outcome{std::move(*data), std::move(*input), std::move(*engine), nullptr, {}, std::nullopt};
+  SessionOutcome outcome{std::move(*data), std::move(*input), std::move(*engine), nullptr, {},
+                         std::nullopt,     std::nullopt};
   outcome.tap = std::make_unique<FrameTap>(*outcome.input.source, 0, std::move(watch));
   catch_interrupt();
   return outcome;
 }
 
 Status conclude(SessionOutcome& outcome) {
+  outcome.dressed.reset();
   outcome.body.reset();
   outcome.report = {};
   auto answered = answer_of(*outcome.engine, outcome.data, outcome.input.source->info());

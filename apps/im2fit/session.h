@@ -2,8 +2,11 @@
 // One session of the engine over one source, and everything that is written about it.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/common/cli.h"
 #include "apps/common/input.h"
@@ -23,6 +26,13 @@ void add_session_options(cli::App& sub, SessionOptions& options);
 // Called for every frame read, with the engine's latest result.
 using SessionWatch = std::function<void(std::uint64_t frame_count, const EngineResult& result)>;
 
+// The measured body in everyday clothes of its size.
+struct DressedAvatar {
+  std::unique_ptr<body::Outfit> outfit;
+  body::Avatar avatar;  // refers to `outfit` and to the session's body model
+  std::vector<std::byte> glb;
+};
+
 // What a session ends with; owns all the report views into.
 struct SessionOutcome {
   MeasuringData data;
@@ -31,6 +41,7 @@ struct SessionOutcome {
   std::unique_ptr<FrameTap> tap;
   ResultReport report;
   std::optional<AnsweredBody> body;
+  std::optional<DressedAvatar> dressed;  // once dress() was called
 };
 
 // Opens everything (so that bad words fail before a frame is read) and makes the folder --out. `engine_watch` sees
@@ -41,16 +52,12 @@ Status conclude(SessionOutcome& outcome);
 // Opens, runs to the end or the measurement, concludes.
 Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch);
 
-// The measured body in everyday clothes of its size.
-struct DressedAvatar {
-  std::unique_ptr<body::Outfit> outfit;
-  body::Avatar avatar;  // refers to `outfit` and to the session's body model
-};
-Result<DressedAvatar> dressed_avatar(const SessionOutcome& outcome);
+// Makes `dressed` of the body, if there is one; some seconds. The outcome must stay where it is.
+Status dress(SessionOutcome& outcome);
 
 // Files, then the answer on stdout; exit 3 when there is none.
-Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& options);
-// result.json always; avatar.glb, .obj, .bvh when measured; overlay.png when there was a frame.
+Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options);
+// result.json always; avatar.glb, .obj, .bvh when dressed; overlay.png when there was a frame.
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory);
 // For people: value, interval, the paper's, and truth where it is known.
 std::string result_table(const SessionOutcome& outcome);

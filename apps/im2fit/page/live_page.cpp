@@ -100,13 +100,11 @@ void LivePage::publish(const Json& event) {
   board_.publish(kind, std::move(line));
 }
 
-Status LivePage::measured(const body::Avatar& avatar) {
-  auto glb = body::glb_of(avatar);
-  if (!glb) return glb.error();
+Status LivePage::measured(const body::Avatar& avatar, std::span<const std::byte> glb) {
   auto animator = AvatarAnimator::create(avatar);
   if (!animator) return animator.error();
   board_.put("/avatar.glb",
-             {"model/gltf-binary", std::string(reinterpret_cast<const char*>(glb->data()), glb->size())});
+             {"model/gltf-binary", std::string(reinterpret_cast<const char*>(glb.data()), glb.size())});
   const std::lock_guard lock(animator_mutex_);
   animator_ = *animator;
   return Ok{};

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "apps/common/events.h"
@@ -28,7 +29,7 @@ class LivePage {
   void see(const FrameSeen& frame);
   void publish(const Json& event);
   // Before its event.
-  Status measured(const body::Avatar& avatar);
+  Status measured(const body::Avatar& avatar, std::span<const std::byte> glb);
 
  private:
   LivePage() = default;
