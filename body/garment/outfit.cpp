@@ -254,9 +254,10 @@ void Outfit::dress(std::span<const Vec3f> rest, const Skeleton& skeleton, const 
 }
 
 // What lies at `p` and faces `n` is hidden by the nearest cloth that faces as it does, from `behind_mm` behind it on,
-// but not by a hem's.
+// but not by a hem's. An arm beside the trunk is hidden by its sleeve alone.
 bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm) {
   const GarmentMesh& mesh = cloth.mesh();
+  const bool arm = (limbs & kTrunk) == 0 && (limbs & (kLeftArm | kRightArm)) != 0;
   float best = kHiddenReachMm * kHiddenReachMm, rim = 0;
   for (std::size_t c = 0; c < mesh.vertex_count(); ++c) {
     const Vec3f d = cloth.position(c) - p;
@@ -266,7 +267,8 @@ bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, flo
     if (dot(cloth.normals()[c], n) < kHiddenCosine || squared - before * before > kHiddenAsideMm * kHiddenAsideMm)
       continue;
     best = squared;
-    rim = before > -behind_mm ? mesh.rim_mm[c] : 0;
+    const bool sleeve = !arm || (cloth.limbs(c) & kTrunk) == 0;
+    rim = before > -behind_mm && sleeve ? mesh.rim_mm[c] : 0;
   }
   return rim > rim_mm;
 }

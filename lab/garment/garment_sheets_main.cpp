@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "body/garment/dressing_pose.h"
 #include "core/file.h"
 #include "engine/report/dressed_picture.h"
 #include "lab/garment/drape_quality.h"
@@ -110,7 +111,9 @@ int run(const char* path, const std::string& folder, const std::vector<std::stri
     if (person.name != "median-man") continue;
     Canvas frames(6 * frame.width, 2 * frame.height);
     for (int i = 0; i < 12; ++i) {
-      outfit.move_to(i < 6 ? poses[3].pose : poses[0].pose, i < 6 ? 12 - 2 * i : 24 - 2 * i);
+      const float share = static_cast<float>(i < 6 ? i + 1 : 11 - i) / 6;
+      constexpr int kFrames = 4;  // of each picture: the arms rise in 0.8 s
+      outfit.move_to(body::between(poses[0].pose, poses[3].pose, share), kFrames);
       paste(draw_outfit(*model, outfit, colours, std::span(kTwo).first(1), frame), frames, (i % 6) * frame.width,
             (i / 6) * frame.height);
     }
