@@ -59,13 +59,14 @@ struct Part {
   std::vector<std::array<float, 4>> weights;
   std::vector<Flat> texture;  // none, or one a vertex
   std::vector<std::uint16_t> indices;
+  std::vector<std::uint16_t> hidden_indices;  // of triangles that cloth hides
 };
 
 Vec3f standing(Vec3f rest, float floor_mm) {
   return Vec3f{rest.x, rest.y - floor_mm, rest.z} * kMetres;
 }
 
-// Without the quads whose corners are all hidden; `hidden` may be empty.
+// Quads whose corners are all hidden stand apart; `hidden` may be empty.
 Part body_part(const BodyModel::Data& d, std::span<const Vec3f> rest, float floor_mm,
                std::span<const std::uint8_t> hidden) {
   Part part;
@@ -86,8 +87,8 @@ Part body_part(const BodyModel::Data& d, std::span<const Vec3f> rest, float floo
     const bool seen = hidden.empty() || std::any_of(q.begin(), q.end(), [&](std::int32_t v) {
                         return hidden[static_cast<std::size_t>(v)] == 0;
                       });
-    if (!seen) continue;
-    for (const std::size_t i : {0, 1, 2, 0, 2, 3}) part.indices.push_back(vertex(q[i]));
+    for (const std::size_t i : {0, 1, 2, 0, 2, 3})
+      (seen ? part.indices : part.hidden_indices).push_back(vertex(q[i]));
   }
   return part;
 }
@@ -122,7 +123,12 @@ Json primitive(Buffer& buffer, const Part& part, int material) {
   Json attributes = {{"POSITION", positions}, {"NORMAL", normals}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}};
   if (!part.texture.empty())
     attributes["TEXCOORD_0"] = buffer.add(std::span(part.texture), "VEC2", kFloat, count, kArrayBuffer);
-  return {{"attributes", attributes}, {"indices", indices}, {"material", material}};
+  Json json = {{"attributes", attributes}, {"indices", indices}, {"material", material}};
+  // Skin below cloth is not drawn; whoever undresses the avatar, or measures it, finds its triangles there.
+  if (!part.hidden_indices.empty())
+    json["extras"]["hidden_indices"] = buffer.add(std::span(part.hidden_indices), "SCALAR", kUnsignedShort,
+                                                  part.hidden_indices.size(), kElementArrayBuffer);
+  return json;
 }
 
 // Which OpenNI joint a segment's head is; HE, LA and RA lie elsewhere and have nodes of their own.

@@ -76,6 +76,11 @@ struct AvatarMesh {
     values(attributes["JOINTS_0"], influences);
     values(attributes["WEIGHTS_0"], weights);
     values(body["indices"], triangles);
+    if (body.contains("extras")) {
+      auto below = triangles;  // skin that clothes hide
+      values(body["extras"]["hidden_indices"], below);
+      triangles.insert(triangles.end(), below.begin(), below.end());
+    }
     values(json["skins"][0]["inverseBindMatrices"], inverse_bind);
     for (std::size_t i = 0; i < positions.size(); ++i) {
       points.push_back(Point{positions[i][0], positions[i][1], positions[i][2]} * 1e3);
