@@ -12,7 +12,6 @@
 
 #include "body/skeleton.h"
 #include "core/measurement.h"
-#include "engine/avatar.h"
 #include "engine/c_handle.h"
 
 namespace {
@@ -172,23 +171,30 @@ int not_measured(im2fit_handle& handle) {
   return fail(&handle, IM2FIT_ERROR_NOT_MEASURED, "nothing is measured yet: push frames until state is MEASURED");
 }
 
-im2fit::Result<im2fit::AnsweredBody> body_of(const im2fit_handle& handle, const im2fit::EngineResult& r) {
-  return im2fit::body_of_answer(*handle.body, *handle.index, r.answer, r.measured_joints, r.floor);
-}
-
 int no_body(im2fit_handle& handle) {
   return fail(&handle, IM2FIT_ERROR_UNSUPPORTED, "no body model is loaded: set settings.body_path");
 }
 
+// Calls `use` with all that is said of whoever is measured.
+template <class Use>
+int with_person(im2fit_handle& handle, Use use) {
+  const im2fit::EngineResult now = handle.engine->result();
+  if (!now.measured) return not_measured(handle);
+  if (!handle.person || handle.person->result.session != now.session) {
+    handle.person.reset();
+    auto person = im2fit::measurement_of(*handle.engine, handle.data.parts(), handle.frames);
+    if (!person) return fail(&handle, person.error());
+    handle.person = std::move(*person);
+  }
+  return use(*handle.person);
+}
+
 // Posed body vertices, the lowest at y = 0.
-im2fit::Result<std::vector<im2fit::Vec3f>> posed_mesh(const im2fit_handle& handle, const im2fit::EngineResult& r) {
-  const im2fit::body::BodyModel& model = *handle.body;
-  const auto answered = body_of(handle, r);
-  if (!answered) return answered.error();
+std::vector<im2fit::Vec3f> posed_mesh(const im2fit::body::BodyModel& model, const im2fit::AnsweredBody& body) {
   std::vector<im2fit::Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(answered->params, rest);
+  model.morph(body.params, rest);
   std::vector<im2fit::Vec3f> posed(rest.size());
-  im2fit::body::skin(model, rest, im2fit::body::rest_skeleton(model, rest), answered->pose, posed);
+  im2fit::body::skin(model, rest, im2fit::body::rest_skeleton(model, rest), body.pose, posed);
   posed.resize(static_cast<std::size_t>(model.body_vertex_count()));
   float sole = posed.front().y;
   for (const im2fit::Vec3f& v : posed) sole = std::min(sole, v.y);
@@ -273,6 +279,7 @@ int im2fit_finish(im2fit_handle* handle) {
 int im2fit_reset(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
     h.engine->reset();
+    h.person.reset();
     return static_cast<int>(IM2FIT_OK);
   });
 }
@@ -358,20 +365,20 @@ int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, siz
     if (count == nullptr || (sizes == nullptr && capacity > 0))
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "count is NULL, or sizes is NULL with a capacity");
     *count = 0;
-    const im2fit::EngineResult r = h.engine->result();
-    if (!r.measured) return not_measured(h);
-    const auto& chest = r.answer.measurements[IM2FIT_CHEST_GIRTH];
-    const im2fit::SizeAnswer answer = im2fit::size_probabilities(h.sizes, chest, r.answer.female);
-    *count = answer.entries.size();
-    if (capacity < *count) return fail(&h, IM2FIT_ERROR_TOO_SMALL, "there are " + std::to_string(*count) + " sizes");
-    for (std::size_t i = 0; i < *count; ++i) {
-      const im2fit::SizeAnswer::Entry& entry = answer.entries[i];
-      sizes[i] = {};
-      entry.size.copy(sizes[i].name, sizeof sizes[i].name - 1);
-      sizes[i].probability = static_cast<float>(entry.probability);
-      if (best != nullptr && entry.size == answer.best) *best = i;
-    }
-    return static_cast<int>(IM2FIT_OK);
+    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      const im2fit::SizeAnswer& answer = *person.size;
+      *count = answer.entries.size();
+      if (capacity < *count)
+        return fail(&h, IM2FIT_ERROR_TOO_SMALL, "there are " + std::to_string(*count) + " sizes");
+      for (std::size_t i = 0; i < *count; ++i) {
+        const im2fit::SizeAnswer::Entry& entry = answer.entries[i];
+        sizes[i] = {};
+        entry.size.copy(sizes[i].name, sizeof sizes[i].name - 1);
+        sizes[i].probability = static_cast<float>(entry.probability);
+        if (best != nullptr && entry.size == answer.best) *best = i;
+      }
+      return static_cast<int>(IM2FIT_OK);
+    });
   });
 }
 
@@ -381,12 +388,12 @@ int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capac
     if (vertex_count == nullptr || triangle_count == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "vertex_count or triangle_count is NULL");
     *vertex_count = *triangle_count = 0;
-    if (!h.body || !h.index) return no_body(h);
-    const auto faces = h.body->body_triangles();
-    *vertex_count = static_cast<std::size_t>(h.body->body_vertex_count());
+    if (h.data.body_model == nullptr) return no_body(h);
+    const im2fit::body::BodyModel& model = *h.data.body_model;
+    const auto faces = model.body_triangles();
+    *vertex_count = static_cast<std::size_t>(model.body_vertex_count());
     *triangle_count = faces.size();
-    const im2fit::EngineResult r = h.engine->result();
-    if (!r.measured) return not_measured(h);
+    if (!h.engine->result().measured) return not_measured(h);
     if ((vertices != nullptr && vertex_capacity < *vertex_count) ||
         (triangles != nullptr && triangle_capacity < *triangle_count))
       return fail(&h, IM2FIT_ERROR_TOO_SMALL,
@@ -394,27 +401,26 @@ int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capac
                       std::to_string(*triangle_count) + " triangles");
     if (triangles != nullptr) std::memcpy(triangles, faces.data(), faces.size_bytes());
     if (vertices == nullptr) return static_cast<int>(IM2FIT_OK);
-    const auto mesh = posed_mesh(h, r);
-    if (!mesh) return fail(&h, mesh.error());
-    for (std::size_t i = 0; i < *vertex_count; ++i) {
-      vertices[3 * i] = (*mesh)[i].x;
-      vertices[3 * i + 1] = (*mesh)[i].y;
-      vertices[3 * i + 2] = (*mesh)[i].z;
-    }
-    return static_cast<int>(IM2FIT_OK);
+    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      const auto mesh = posed_mesh(model, *person.body);
+      for (std::size_t i = 0; i < *vertex_count; ++i) {
+        vertices[3 * i] = mesh[i].x;
+        vertices[3 * i + 1] = mesh[i].y;
+        vertices[3 * i + 2] = mesh[i].z;
+      }
+      return static_cast<int>(IM2FIT_OK);
+    });
   });
 }
 
 int im2fit_body_residual(im2fit_handle* handle, float residual[IM2FIT_MEASUREMENT_COUNT]) {
   return guarded(handle, [&](im2fit_handle& h) {
     if (residual == nullptr) return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the place for the residual is NULL");
-    if (!h.body || !h.index) return no_body(h);
-    const im2fit::EngineResult r = h.engine->result();
-    if (!r.measured) return not_measured(h);
-    const auto body = body_of(h, r);
-    if (!body) return fail(&h, body.error());
-    std::copy(body->fit.residual.begin(), body->fit.residual.end(), residual);
-    return static_cast<int>(IM2FIT_OK);
+    if (h.data.body_model == nullptr) return no_body(h);
+    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      std::copy(person.body->fit.residual.begin(), person.body->fit.residual.end(), residual);
+      return static_cast<int>(IM2FIT_OK);
+    });
   });
 }
 

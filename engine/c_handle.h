@@ -8,22 +8,19 @@
 #include <optional>
 #include <vector>
 
-#include "core/file.h"
-#include "engine/engine.h"
 #include "engine/frame_stages.h"
 #include "engine/include/im2fit/im2fit.h"
-#include "engine/size_chart.h"
+#include "engine/measuring_data.h"
 
 struct im2fit_handle {
   // In the order of what refers to what: the engine goes first, the files last.
-  im2fit::MappedFile tracker_file;
-  std::optional<im2fit::JointModel> tracker;
-  std::optional<im2fit::index::Index> index;
-  std::optional<im2fit::body::BodyModel> body;
-  im2fit::SizeSystem sizes;
+  im2fit::MeasuringData data;
+  im2fit::hal::SourceInfo frames;  // what is known of whence they come
   int width = 0;
   int height = 0;
   std::unique_ptr<im2fit::Engine> engine;
+  // Of whoever is measured, made when first asked for: nothing said of that person changes until another session.
+  std::optional<im2fit::PersonMeasurement> person;
 
   im2fit_log_fn log = nullptr;
   void* log_user = nullptr;

@@ -80,12 +80,10 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
 }
 
 Status conclude(SessionOutcome& outcome) {
-  outcome.body.reset();
-  outcome.report = {};
-  auto answered = answer_of(*outcome.engine, outcome.data, outcome.input.source->info());
-  if (!answered) return answered.error();
-  outcome.report = std::move(answered->report);
-  outcome.body = std::move(answered->body);
+  outcome.person = {};
+  auto person = measurement_of(*outcome.engine, outcome.data.parts(), outcome.input.source->info());
+  if (!person) return person.error();
+  outcome.person = std::move(*person);
   return Ok{};
 }
 
@@ -106,8 +104,7 @@ Result<SessionOutcome> run_session(const SessionOptions& options, const SessionW
     return *outcome->tap->first_damage();
   if (const auto concluded = conclude(*outcome); !concluded) return concluded.error();
   if (options.timing)
-    outcome->report.timing =
-        ResultTiming{now_ms() - started_ms, (answered_ms > 0 ? answered_ms : now_ms()) - started_ms};
+    outcome->timing = ResultTiming{now_ms() - started_ms, (answered_ms > 0 ? answered_ms : now_ms()) - started_ms};
   return outcome;
 }
 

@@ -28,14 +28,14 @@ struct SessionOutcome {
   Input input;
   std::unique_ptr<Engine> engine;
   std::unique_ptr<FrameTap> tap;
-  ResultReport report;
-  std::optional<AnsweredBody> body;
+  PersonMeasurement person;  // what the engine said when it was concluded
+  std::optional<ResultTiming> timing;
 };
 
 // Opens everything (so that bad words fail before a frame is read) and makes the folder --out. `engine_watch` sees
 // every frame processed, on the engine's thread; `watch` every frame read.
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch);
-// Makes the report of what the engine says now.
+// Takes what the engine says now.
 Status conclude(SessionOutcome& outcome);
 // Opens, runs to the end or the measurement, concludes.
 Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch);

@@ -187,13 +187,12 @@ Status Daemon::report_person(const hal::Source& source) {
   reported_ = true;
   ++persons_;
   engine_->finish();
-  const auto answered = apps::answer_of(*engine_, data_, source.info());
-  if (!answered) return answered.error();
-  log(Level::info,
-      fmt::format("person {} is measured, from {} frames", persons_, answered->report.result.frames_used));
-  if (const std::string note = apps::body_note(answered->report); !note.empty()) log(Level::warning, note);
-  say(apps::measured_event(frames_, persons_, answered->report));
-  keep(result_json(answered->report));
+  const auto person = measurement_of(*engine_, data_.parts(), source.info());
+  if (!person) return person.error();
+  log(Level::info, fmt::format("person {} is measured, from {} frames", persons_, person->result.frames_used));
+  if (const std::string note = apps::body_note(*person); !note.empty()) log(Level::warning, note);
+  say(apps::measured_event(frames_, persons_, *person));
+  keep(result_json(*person));
   engine_->next_person();
   return Ok{};
 }

@@ -15,7 +15,7 @@
 #include "body_pack.h"
 #include "engine/report/builtin_tape.h"
 #include "engine/report/tape_file.h"
-#include "engine/report/tape_law.h"
+#include "engine/tape_law.h"
 
 namespace im2fit::body {
 namespace {

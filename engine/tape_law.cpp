@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/report/tape_law.h"
+#include "engine/tape_law.h"
 
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@ struct TapeLaw {
   std::array<float, kMeasurementCount> slopes;  // relative change for a relative change of each of the eleven
 };
 constexpr TapeLaw kLaws[] = {
-#include "engine/report/tape_law.inc"
+#include "engine/tape_law.inc"
 };
 
 const TapeLaw* law_of(std::string_view id, bool woman) {
