@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "engine/builtin_tape.h"
+
 namespace im2fit {
 namespace {
 
@@ -96,6 +98,7 @@ Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& sett
   auto data = load_data(settings, std::move(*charts));
   if (!data) return data.error();
   handle->data = std::move(*data);
+  handle->data.tape = std::make_unique<body::Tape>(builtin_tape());
   auto engine = make_engine(words, handle->data);
   if (!engine) return engine.error();
   handle->engine = std::move(*engine);

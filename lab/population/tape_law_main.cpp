@@ -15,7 +15,7 @@
 #include "body/measurement_fit.h"
 #include "body/population.h"
 #include "body/tape.h"
-#include "engine/report/tape_file.h"
+#include "engine/builtin_tape.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "body/population.h"
-#include "engine/report/tape_file.h"
+#include "engine/builtin_tape.h"
 #include "lab/camera/synthetic_person.h"
 #include "measure_run.h"
 
