@@ -200,7 +200,7 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
   if (!done) return done.error();
   if (code && !options.preview_renderer.overlay.empty() && !options.session.json)
     tables += fmt::format("{} pictures in {}\n", preview_renderer->pictures(), options.preview_renderer.overlay);
-  return code;
+  return report_motion(*outcome, options.session, std::move(code));
 }
 
 }  // namespace

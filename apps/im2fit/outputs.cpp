@@ -92,6 +92,25 @@ Status write_outputs(const SessionOutcome& outcome, const std::string& directory
   return write_file_atomically(directory + "/result.json", result_json(outcome.person, outcome.timing));
 }
 
+Result<std::string> write_motion(const MotionRecording& motion, const std::string& path, const body::BodyModel& model,
+                                 const std::optional<AnsweredBody>& body) {
+  body::Avatar avatar;
+  avatar.model = &model;
+  if (body) avatar.params = body->params;
+  if (const auto written = motion.write(path, avatar); !written) return written.error();
+  return fmt::format("{}: {} frames{}\n", path, motion.frame_count(),
+                     motion.left_out() > 0 ? fmt::format(", {} more after an hour left out", motion.left_out()) : "");
+}
+
+Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& options, Result<int> code) {
+  if (!code || outcome.motion == nullptr) return code;
+  const auto moved = write_motion(*outcome.motion, options.motion, *outcome.data.body_model, outcome.person.body);
+  if (!moved && *code != kExitOk) return code;  // no person was there: that is said already
+  if (!moved) return moved.error();
+  if (!options.json) fmt::print("{}", *moved);
+  return code;
+}
+
 std::string result_table(const SessionOutcome& outcome) {
   const EngineResult& result = outcome.person.result;
   const auto& truth = outcome.input.truth;
