@@ -162,14 +162,6 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   return out;
 }
 
-int push_frame(im2fit_handle& handle, im2fit::DepthView depth, std::uint64_t sequence, std::int64_t time_ns) {
-  im2fit::hal::FrameInfo info;
-  info.sequence = sequence;
-  info.host_ns = time_ns;
-  const auto pushed = handle.engine->push(depth, info);
-  return pushed ? IM2FIT_OK : fail(&handle, pushed.error());
-}
-
 int not_measured(im2fit_handle& handle) {
   return fail(&handle, IM2FIT_ERROR_NOT_MEASURED, "nothing is measured yet: push frames until state is MEASURED");
 }
@@ -302,7 +294,11 @@ int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, 
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT,
                   "the stride is less than the width (it counts values, not bytes)");
     const im2fit::DepthView depth(depth_mm, width, height, stride == 0 ? width : static_cast<int>(stride));
-    return push_frame(h, depth, sequence, time_ns);
+    im2fit::hal::FrameInfo info;
+    info.sequence = sequence;
+    info.host_ns = time_ns;
+    const auto pushed = h.engine->push(depth, info);
+    return pushed ? static_cast<int>(IM2FIT_OK) : fail(&h, pushed.error());
   });
 }
 
@@ -353,37 +349,36 @@ int im2fit_attach(im2fit_handle* handle, const char* uri) {
     if (h.opener == nullptr)
       return fail(&h, IM2FIT_ERROR_UNSUPPORTED,
                   std::string("no opener for ") + uri + ": call im2fit_set_opener first, or push frames");
-    h.close_source();
-    h.source_pixels.resize(static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height));
+    h.source.reset();
     im2fit_source source{};
     const int status = h.opener(h.opener_user, uri, &source);
     if (status != IM2FIT_OK) return fail(&h, status, std::string("cannot open ") + uri);
     if (source.next == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, std::string("the opener set no next() for ") + uri);
-    h.source = source;
-    h.attached = true;
+    h.source = std::make_unique<OpenedSource>(source, h.frames);
     return static_cast<int>(IM2FIT_OK);
   });
 }
 
 int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms) {
   return guarded(handle, [&](im2fit_handle& h) {
-    if (!h.attached)
+    if (h.source == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "no source is attached: call im2fit_attach first");
-    std::uint64_t sequence = 0;
-    std::int64_t time_ns = 0;
-    const int status =
-        h.source.next(h.source.user, h.source_pixels.data(), h.width, h.height, timeout_ms, &sequence, &time_ns);
+    h.source->forget_status();
+    const auto pumped = im2fit::pump(*h.source, *h.engine, timeout_ms);
+    if (pumped && *pumped == im2fit::Pumped::frame) return static_cast<int>(IM2FIT_OK);
     // Waiting and ending are no faults: they are not logged.
-    if (status == IM2FIT_ERROR_TIMEOUT || status == IM2FIT_ERROR_END_OF_STREAM) return status;
+    if (pumped && *pumped == im2fit::Pumped::waiting) return static_cast<int>(IM2FIT_ERROR_TIMEOUT);
+    if (pumped && *pumped == im2fit::Pumped::end) return static_cast<int>(IM2FIT_ERROR_END_OF_STREAM);
+    const int status = h.source->status();
     if (status != IM2FIT_OK) return fail(&h, status, "the attached source gave no frame");
-    return push_frame(h, {h.source_pixels.data(), h.width, h.height}, sequence, time_ns);
+    return fail(&h, pumped.error());
   });
 }
 
 int im2fit_detach(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
-    h.close_source();
+    h.source.reset();
     return static_cast<int>(IM2FIT_OK);
   });
 }

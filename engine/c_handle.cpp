@@ -46,6 +46,23 @@ Result<MeasuringData> load_data(const im2fit_settings& settings, std::vector<std
 
 }  // namespace
 
+}  // namespace im2fit
+
+im2fit::Result<im2fit::hal::FrameInfo> OpenedSource::next(im2fit::DepthImage depth, int timeout_ms) {
+  using im2fit::ErrorCode;
+  im2fit::hal::FrameInfo frame;
+  status_ = opened_.next(opened_.user, depth.pixels, depth.width, depth.height, timeout_ms, &frame.sequence,
+                         &frame.host_ns);
+  if (status_ == IM2FIT_OK) return frame;
+  const ErrorCode code = status_ == IM2FIT_ERROR_TIMEOUT         ? ErrorCode::timeout
+                         : status_ == IM2FIT_ERROR_END_OF_STREAM ? ErrorCode::end_of_stream
+                         : status_ == IM2FIT_ERROR_CORRUPT       ? ErrorCode::corrupt
+                                                                 : ErrorCode::no_device;
+  return im2fit::Error{code, "the attached source gave no frame"};
+}
+
+namespace im2fit {
+
 int status_of(ErrorCode code) {
   switch (code) {
     case ErrorCode::invalid_argument:
@@ -79,8 +96,6 @@ Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& sett
   auto handle = std::make_unique<im2fit_handle>();
   handle->log = settings.log;
   handle->log_user = settings.log_user;
-  handle->width = settings.width;
-  handle->height = settings.height;
   const EngineSettings words = engine_settings(settings);
   handle->frames.intrinsics = words.intrinsics;
   handle->frames.intrinsics_origin = hal::IntrinsicsOrigin::caller;

@@ -16,6 +16,7 @@
 #include "core/joints.h"
 #include "core/status.h"
 #include "engine/age.h"
+#include "engine/pump.h"
 #include "hal/source.h"
 #include "index/index.h"
 #include "perception/observe/chain_filter.h"
@@ -109,15 +110,18 @@ struct FrameSeen {
   const EngineResult& result;
 };
 
-class Engine {
+class Engine : public FrameSink {
  public:
   // The model and index must outlive the engine. Errors: settings out of range; an index made with another model.
   static Result<std::unique_ptr<Engine>> create(const EngineSettings& settings, const JointModel& joint_model,
                                                 const index::Index& index);
-  virtual ~Engine() = default;
-  // push, finish and reset: from one producer thread.
-  // Copies the frame into the pool; blocks when full unless live. Live: gives up the oldest frame not yet begun (the
-  // new one when all are begun). Errors: another size than the settings', after finish(), fault().
+  // acquire, commit, push, finish and reset: from one producer thread.
+  // A place in the pool; waits when it is full unless live. Errors: after finish(), fault().
+  Result<DepthImage> acquire() override = 0;
+  // Hands the place's frame on. Live: gives up the oldest frame not yet begun when two wait (the new one when all are
+  // begun). Errors: nothing was acquired, fault().
+  Status commit(const hal::FrameInfo& info) override = 0;
+  // Both, for a frame that lies elsewhere. Error besides: another size than the settings'.
   virtual Status push(DepthView depth, const hal::FrameInfo& info) = 0;
   // No more frames: waits until both stages are idle and measures with what there is. Again: does nothing.
   virtual void finish() = 0;
@@ -144,7 +148,6 @@ class Engine {
 // Starts `source`, pulls from it until its end, its loss or `measured`, stops it and finishes the engine. Damaged
 // frames are left out. Errors: the source's (after finishing with what came before); the engine's fault(); timeout
 // when a source that is not lost() gives no frame for kFrameGapMsMax. The end of a stream is Ok, measured or not.
-inline constexpr int kFrameGapMsMax = 5000;
 Status run(Engine& engine, hal::Source& source, bool stop_when_measured);
 // The same, until `go_on`, called on this thread after every frame pushed, says false; it may call the engine.
 Status run(Engine& engine, hal::Source& source, const std::function<bool()>& go_on);

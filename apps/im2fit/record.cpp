@@ -24,33 +24,8 @@ struct RecordOptions {
   std::string tracker = default_tracker_path();
 };
 
-constexpr int kWaitMs = 250;
-constexpr int kPatienceMs = 5000;
-
 bool is_oni(const std::string& path) {
   return path.size() > 4 && path.substr(path.size() - 4) == ".oni";
-}
-
-// Hands every frame to `take` until the source ends, the tap closes or `take` fails.
-Status pull(hal::Source& source, const std::function<Status(DepthView, const hal::FrameInfo&)>& take) {
-  const Intrinsics& k = source.info().intrinsics;
-  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
-  const DepthImage depth(pixels.data(), k.width, k.height);
-  for (int silent_ms = 0;;) {
-    const auto frame = source.next(depth, kWaitMs);
-    if (frame) {
-      silent_ms = 0;
-      if (auto taken = take(depth, *frame); !taken) return taken;
-      continue;
-    }
-    if (frame.error().code == ErrorCode::end_of_stream) return Ok{};
-    if (frame.error().code == ErrorCode::corrupt) continue;
-    if (frame.error().code != ErrorCode::timeout) return frame.error();
-    silent_ms = source.lost() ? 0 : silent_ms + kWaitMs;
-    if (silent_ms >= kPatienceMs)
-      return Error{ErrorCode::timeout, fmt::format("{}: no frame for {} s; is the camera still connected?",
-                                                   source.info().uri, kPatienceMs / 1000)};
-  }
 }
 
 // "12 frames", and what is not among them: a recording has everything, or says what it lacks.
@@ -123,14 +98,33 @@ Error with_kept(Error error, const std::string& path, std::uint64_t frames) {
 }
 
 // `kept` says where the frames are once the writer has finished.
-// `follower` may be null.
+// Writes each frame, and shows it to `follower`, which may be null.
+template <class Writer>
+class WriterSink final : public FrameSink {
+ public:
+  WriterSink(Writer& writer, const Intrinsics& k, Follower* follower)
+      : writer_(writer),
+        follower_(follower),
+        pixels_(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height)),
+        depth_(pixels_.data(), k.width, k.height) {}
+  Result<DepthImage> acquire() override { return depth_; }
+  Status commit(const hal::FrameInfo& info) override {
+    if (auto written = writer_.write(depth_, info); !written) return written;
+    return follower_ != nullptr ? follower_->follow(depth_, info) : Ok{};
+  }
+
+ private:
+  Writer& writer_;
+  Follower* follower_;
+  std::vector<std::uint16_t> pixels_;
+  DepthImage depth_;
+};
+
 template <class Writer, class Kept>
 Result<Recorded> record_with(Writer& writer, FrameTap& tap, Follower* follower, const Kept& kept) {
   if (const auto started = tap.start(); !started) return started.error();
-  const auto pulled = pull(tap, [&](DepthView depth, const hal::FrameInfo& info) -> Status {
-    if (auto written = writer.write(depth, info); !written) return written;
-    return follower != nullptr ? follower->follow(depth, info) : Ok{};
-  });
+  WriterSink<Writer> sink(writer, tap.info().intrinsics, follower);
+  const auto pulled = pump_all(tap, sink, [] { return true; });
   tap.stop();
   const auto finished = writer.finish();
   const auto frames = static_cast<std::uint64_t>(writer.frame_count());

@@ -143,23 +143,19 @@ Status Daemon::measure_people(hal::Source& source) {
   if (!engine) return engine.error();
   engine_ = std::move(*engine);
   if (auto started = source.start(); !started) return started;
-  const Intrinsics& k = camera_.intrinsics;
-  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
-  const DepthImage depth(pixels.data(), k.width, k.height);
   Status status = Ok{};
   bool ended = false;
   while (status && !ended && !end_requested()) {
     publisher_->serve(greeting());
-    const auto info = source.next(depth, kWaitMs);
+    const auto pumped = pump(source, *engine_, kWaitMs);
     feed_watchdog(source.lost());
-    if (info) {
+    if (!pumped) {
+      status = pumped.error();
+    } else if (*pumped == Pumped::frame) {
       ++frames_;
-      status = engine_->push(depth, *info);
-      if (status) status = handle_result(source);
-    } else if (info.error().code == ErrorCode::end_of_stream) {
+      status = handle_result(source);
+    } else if (*pumped == Pumped::end) {
       ended = true;
-    } else if (info.error().code != ErrorCode::timeout && info.error().code != ErrorCode::corrupt) {
-      status = info.error();
     }
   }
   source.stop();
