@@ -183,6 +183,11 @@ class PipelineEngine final : public Engine {
 
   void next_person() override {
     drain();
+    if (settings_.one_after_another && fit_.leaving()) {
+      if (settings_.live) clock_.reset();  // what passed while the answer was read is no frame gap
+      finished_ = false;
+      return;
+    }
     if (!fit_.over()) people().release();
     clock_.reset();  // frames were not processed meanwhile: that is no frame gap
     fit_.next_person();
@@ -283,7 +288,7 @@ class PipelineEngine final : public Engine {
   }
 
   void sense(FrameSlot& slot) {
-    slot.sensed = !over_.load(std::memory_order_relaxed);
+    slot.sensed = settings_.one_after_another || !over_.load(std::memory_order_relaxed);
     if (!slot.sensed) return;
     slot.seconds = clock_.step(slot.info.host_ns);
     slot.after_frame_gap = slot.seconds > kFrameGapSecondsMax;
@@ -382,6 +387,10 @@ Status check_settings(const EngineSettings& s) {
   if (auto ok = check_range("frames_wanted", s.frames_wanted, 1, 1000); !ok) return ok;
   if (auto ok = check_range("frames_min", s.frames_min, 1, s.frames_wanted); !ok) return ok;
   if (auto ok = check_range("pool_frames", s.pool_frames, kPoolFramesMin, kPoolFramesMax); !ok) return ok;
+  if (s.one_after_another)
+    if (auto ok = check_range("pool_frames (one after another)", s.pool_frames, kPoolFramesMin, kAbsentFramesMax);
+        !ok)
+      return ok;
   if (auto ok = check_range("user", s.user, 0, std::numeric_limits<int>::max()); !ok) return ok;
   if (s.intrinsics.width != s.width || s.intrinsics.height != s.height)
     return Error{ErrorCode::invalid_argument, "engine intrinsics are for " + std::to_string(s.intrinsics.width) +

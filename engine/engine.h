@@ -62,8 +62,14 @@ struct EngineSettings {
   int user = 0;                             // measure the user of this id only; 0: whoever stands right first
   bool live = false;                        // live: drop the oldest frame when behind; else wait (replay never drops)
   bool single_thread = false;               // both stages on the caller's thread in push(): same bits
-  int pool_frames = 8;                      // 3..64 frames of 3 bytes a pixel
-  FrameWatch watch;                         // none by default
+  // One person after the other: from the frame after MEASURED on whoever was measured is waited to leave, and the
+  // next session begins by itself. So the frames alone say where a session begins, not when a caller looked, and
+  // every person of a recording gets the same bits on one thread and on two. The answer stands for at least
+  // kAbsentFramesMax frames: a caller that looks at result() after every frame sees it, which is why pool_frames may
+  // be no more than that.
+  bool one_after_another = false;
+  int pool_frames = 8;  // 3..64 frames of 3 bytes a pixel
+  FrameWatch watch;     // none by default
 };
 
 // Immutable snapshot; plain data, no allocation to copy. Everything stands still from MEASURED until reset(), so that
@@ -135,7 +141,8 @@ class Engine : public FrameSink {
   // The next person, after MEASURED: frames are processed again, the answer stands until who was measured has left
   // the picture (kAbsentFramesMax frames), then a new session begins by itself. The floor and the ids are kept.
   // Before MEASURED: the same as reset(), but for floor and ids; a preliminary answer goes with it. From the producer
-  // thread; waits as reset() does.
+  // thread; waits as reset() does. With one_after_another it only lets frames in again after finish(): the session
+  // that waits goes on.
   virtual void next_person() = 0;
   // From the next frame on only the user of this id, 0: whoever stands right first. Another than before
   // begins anew, as next_person() before MEASURED does. From the producer thread; waits as reset() does.

@@ -26,6 +26,7 @@ struct MeasuringOptions {
   int threads = 2;
   int user = 0;  // 0: the nearest
   bool live = false;
+  bool one_after_another = false;  // as EngineSettings
 };
 
 // The files of the options, and the tape: the shipped one with people's own.

@@ -208,6 +208,7 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
 Result<int> run_live(const LiveOptions& given, LiveListener* listener) {
   LiveOptions options = given;
   options.session.user = user_of(options.user).value_or(0);
+  options.session.one_after_another = true;
   std::string tables;
   auto code = run_live_shown(options, listener, tables);
   fmt::print("{}", tables);
