@@ -137,8 +137,9 @@ Status write_bvh(const Avatar& avatar, std::span<const PoseKey> keys, const std:
                                              std::to_string(frame_s) + " s; a .glb or .csv keeps them as they are"};
   std::vector<Pose> poses;
   std::size_t at = 0;
-  for (double time_s = keys.front().time_s; time_s <= keys.back().time_s + frame_s / 2;
-       time_s = keys.front().time_s + frame_s * static_cast<double>(poses.size())) {
+  const auto frame_count = static_cast<std::size_t>((keys.back().time_s - keys.front().time_s) / frame_s + 0.5) + 1;
+  for (std::size_t frame = 0; frame < frame_count; ++frame) {
+    const double time_s = keys.front().time_s + frame_s * static_cast<double>(frame);
     while (at + 1 < keys.size() && keys[at + 1].time_s <= time_s + frame_s / 2) ++at;
     poses.push_back(keys[at].pose);
   }
