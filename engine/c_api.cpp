@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C functions of include/im2fit/im2fit.h over the C++ engine. Nothing of C++ crosses: every function catches.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <span>
 #include <string>
@@ -12,7 +14,7 @@
 
 #include "body/skeleton.h"
 #include "core/measurement.h"
-#include "engine/avatar.h"
+#include "engine/builtin_tape.h"
 #include "engine/c_handle.h"
 
 namespace {
@@ -160,40 +162,74 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   return out;
 }
 
-int push_frame(im2fit_handle& handle, im2fit::DepthView depth, std::uint64_t sequence, std::int64_t time_ns) {
-  im2fit::hal::FrameInfo info;
-  info.sequence = sequence;
-  info.host_ns = time_ns;
-  const auto pushed = handle.engine->push(depth, info);
-  return pushed ? IM2FIT_OK : fail(&handle, pushed.error());
-}
-
 int not_measured(im2fit_handle& handle) {
   return fail(&handle, IM2FIT_ERROR_NOT_MEASURED, "nothing is measured yet: push frames until state is MEASURED");
-}
-
-im2fit::Result<im2fit::AnsweredBody> body_of(const im2fit_handle& handle, const im2fit::EngineResult& r) {
-  return im2fit::body_of_answer(*handle.body, *handle.index, r.answer, r.measured_joints, r.floor);
 }
 
 int no_body(im2fit_handle& handle) {
   return fail(&handle, IM2FIT_ERROR_UNSUPPORTED, "no body model is loaded: set settings.body_path");
 }
 
+// Calls `use` with all that is said of whoever is measured.
+template <class Use>
+int with_person(im2fit_handle& handle, Use use) {
+  const im2fit::EngineResult now = handle.engine->result();
+  if (!now.measured) return not_measured(handle);
+  if (!handle.person || handle.person->result.session != now.session) {
+    handle.person.reset();
+    auto person = im2fit::measurement_of(*handle.engine, handle.data.parts(), handle.frames);
+    if (!person) return fail(&handle, person.error());
+    handle.person = std::move(*person);
+  }
+  return use(*handle.person);
+}
+
 // Posed body vertices, the lowest at y = 0.
-im2fit::Result<std::vector<im2fit::Vec3f>> posed_mesh(const im2fit_handle& handle, const im2fit::EngineResult& r) {
-  const im2fit::body::BodyModel& model = *handle.body;
-  const auto answered = body_of(handle, r);
-  if (!answered) return answered.error();
+std::vector<im2fit::Vec3f> posed_mesh(const im2fit::body::BodyModel& model, const im2fit::AnsweredBody& body) {
   std::vector<im2fit::Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(answered->params, rest);
+  model.morph(body.params, rest);
   std::vector<im2fit::Vec3f> posed(rest.size());
-  im2fit::body::skin(model, rest, im2fit::body::rest_skeleton(model, rest), answered->pose, posed);
+  im2fit::body::skin(model, rest, im2fit::body::rest_skeleton(model, rest), body.pose, posed);
   posed.resize(static_cast<std::size_t>(model.body_vertex_count()));
   float sole = posed.front().y;
   for (const im2fit::Vec3f& v : posed) sole = std::min(sole, v.y);
   for (im2fit::Vec3f& v : posed) v.y -= sole;
   return posed;
+}
+
+constexpr std::size_t kTapeValueSizeMin = sizeof(im2fit_tape_value);
+
+im2fit_tape_value tape_value(const im2fit::PersonMeasurement& person, std::size_t i) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const im2fit::body::TapeDefinition& d = person.tape->definitions[i];
+  if (d.kind == im2fit::body::TapeKind::refused) {
+    // The tape's own text would end with the handle; the shipped one's does not.
+    return {IM2FIT_TAPE_REFUSED, kNan, kNan, kNan, im2fit::builtin_tape().definitions[i].reason.c_str()};
+  }
+  if (std::isnan(person.tape_values[i]))
+    return {IM2FIT_TAPE_ABSENT, kNan, kNan, kNan, "this body has no such section"};
+  const im2fit::TapeInterval& interval = person.tape_intervals[i];
+  return {IM2FIT_TAPE_MEASURED, person.tape_values[i], interval.known ? interval.low : kNan,
+          interval.known ? interval.high : kNan, nullptr};
+}
+
+// Places of the definitions named; or the first `count` of all.
+im2fit::Result<std::vector<std::size_t>> tape_places(const char* const* ids, std::size_t count) {
+  const im2fit::body::Tape& tape = im2fit::builtin_tape();
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (ids != nullptr && ids[i] == nullptr)
+      return Error{ErrorCode::invalid_argument, "id " + std::to_string(i) + " of the tape is NULL"};
+    const int place = ids != nullptr ? im2fit::body::definition_index(tape, ids[i]) : static_cast<int>(i);
+    if (place < 0) return Error{ErrorCode::not_found, std::string("no measurement of the tape is called ") + ids[i]};
+    places.push_back(static_cast<std::size_t>(place));
+  }
+  return places;
+}
+
+const im2fit::body::TapeDefinition* tape_definition(std::size_t index) {
+  const auto& all = im2fit::builtin_tape().definitions;
+  return index < all.size() ? &all[index] : nullptr;
 }
 
 template <std::size_t N>
@@ -258,7 +294,11 @@ int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, 
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT,
                   "the stride is less than the width (it counts values, not bytes)");
     const im2fit::DepthView depth(depth_mm, width, height, stride == 0 ? width : static_cast<int>(stride));
-    return push_frame(h, depth, sequence, time_ns);
+    im2fit::hal::FrameInfo info;
+    info.sequence = sequence;
+    info.host_ns = time_ns;
+    const auto pushed = h.engine->push(depth, info);
+    return pushed ? static_cast<int>(IM2FIT_OK) : fail(&h, pushed.error());
   });
 }
 
@@ -273,6 +313,7 @@ int im2fit_finish(im2fit_handle* handle) {
 int im2fit_reset(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
     h.engine->reset();
+    h.person.reset();
     return static_cast<int>(IM2FIT_OK);
   });
 }
@@ -308,37 +349,36 @@ int im2fit_attach(im2fit_handle* handle, const char* uri) {
     if (h.opener == nullptr)
       return fail(&h, IM2FIT_ERROR_UNSUPPORTED,
                   std::string("no opener for ") + uri + ": call im2fit_set_opener first, or push frames");
-    h.close_source();
-    h.source_pixels.resize(static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height));
+    h.source.reset();
     im2fit_source source{};
     const int status = h.opener(h.opener_user, uri, &source);
     if (status != IM2FIT_OK) return fail(&h, status, std::string("cannot open ") + uri);
     if (source.next == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, std::string("the opener set no next() for ") + uri);
-    h.source = source;
-    h.attached = true;
+    h.source = std::make_unique<OpenedSource>(source, h.frames);
     return static_cast<int>(IM2FIT_OK);
   });
 }
 
 int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms) {
   return guarded(handle, [&](im2fit_handle& h) {
-    if (!h.attached)
+    if (h.source == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "no source is attached: call im2fit_attach first");
-    std::uint64_t sequence = 0;
-    std::int64_t time_ns = 0;
-    const int status =
-        h.source.next(h.source.user, h.source_pixels.data(), h.width, h.height, timeout_ms, &sequence, &time_ns);
+    h.source->forget_status();
+    const auto pumped = im2fit::pump(*h.source, *h.engine, timeout_ms);
+    if (pumped && *pumped == im2fit::Pumped::frame) return static_cast<int>(IM2FIT_OK);
     // Waiting and ending are no faults: they are not logged.
-    if (status == IM2FIT_ERROR_TIMEOUT || status == IM2FIT_ERROR_END_OF_STREAM) return status;
+    if (pumped && *pumped == im2fit::Pumped::waiting) return static_cast<int>(IM2FIT_ERROR_TIMEOUT);
+    if (pumped && *pumped == im2fit::Pumped::end) return static_cast<int>(IM2FIT_ERROR_END_OF_STREAM);
+    const int status = h.source->status();
     if (status != IM2FIT_OK) return fail(&h, status, "the attached source gave no frame");
-    return push_frame(h, {h.source_pixels.data(), h.width, h.height}, sequence, time_ns);
+    return fail(&h, pumped.error());
   });
 }
 
 int im2fit_detach(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
-    h.close_source();
+    h.source.reset();
     return static_cast<int>(IM2FIT_OK);
   });
 }
@@ -358,20 +398,20 @@ int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, siz
     if (count == nullptr || (sizes == nullptr && capacity > 0))
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "count is NULL, or sizes is NULL with a capacity");
     *count = 0;
-    const im2fit::EngineResult r = h.engine->result();
-    if (!r.measured) return not_measured(h);
-    const auto& chest = r.answer.measurements[IM2FIT_CHEST_GIRTH];
-    const im2fit::SizeAnswer answer = im2fit::size_probabilities(h.sizes, chest, r.answer.female);
-    *count = answer.entries.size();
-    if (capacity < *count) return fail(&h, IM2FIT_ERROR_TOO_SMALL, "there are " + std::to_string(*count) + " sizes");
-    for (std::size_t i = 0; i < *count; ++i) {
-      const im2fit::SizeAnswer::Entry& entry = answer.entries[i];
-      sizes[i] = {};
-      entry.size.copy(sizes[i].name, sizeof sizes[i].name - 1);
-      sizes[i].probability = static_cast<float>(entry.probability);
-      if (best != nullptr && entry.size == answer.best) *best = i;
-    }
-    return static_cast<int>(IM2FIT_OK);
+    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      const im2fit::SizeAnswer& answer = *person.size;
+      *count = answer.entries.size();
+      if (capacity < *count)
+        return fail(&h, IM2FIT_ERROR_TOO_SMALL, "there are " + std::to_string(*count) + " sizes");
+      for (std::size_t i = 0; i < *count; ++i) {
+        const im2fit::SizeAnswer::Entry& entry = answer.entries[i];
+        sizes[i] = {};
+        entry.size.copy(sizes[i].name, sizeof sizes[i].name - 1);
+        sizes[i].probability = static_cast<float>(entry.probability);
+        if (best != nullptr && entry.size == answer.best) *best = i;
+      }
+      return static_cast<int>(IM2FIT_OK);
+    });
   });
 }
 
@@ -381,12 +421,12 @@ int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capac
     if (vertex_count == nullptr || triangle_count == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "vertex_count or triangle_count is NULL");
     *vertex_count = *triangle_count = 0;
-    if (!h.body || !h.index) return no_body(h);
-    const auto faces = h.body->body_triangles();
-    *vertex_count = static_cast<std::size_t>(h.body->body_vertex_count());
+    if (h.data.body_model == nullptr) return no_body(h);
+    const im2fit::body::BodyModel& model = *h.data.body_model;
+    const auto faces = model.body_triangles();
+    *vertex_count = static_cast<std::size_t>(model.body_vertex_count());
     *triangle_count = faces.size();
-    const im2fit::EngineResult r = h.engine->result();
-    if (!r.measured) return not_measured(h);
+    if (!h.engine->result().measured) return not_measured(h);
     if ((vertices != nullptr && vertex_capacity < *vertex_count) ||
         (triangles != nullptr && triangle_capacity < *triangle_count))
       return fail(&h, IM2FIT_ERROR_TOO_SMALL,
@@ -394,27 +434,52 @@ int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capac
                       std::to_string(*triangle_count) + " triangles");
     if (triangles != nullptr) std::memcpy(triangles, faces.data(), faces.size_bytes());
     if (vertices == nullptr) return static_cast<int>(IM2FIT_OK);
-    const auto mesh = posed_mesh(h, r);
-    if (!mesh) return fail(&h, mesh.error());
-    for (std::size_t i = 0; i < *vertex_count; ++i) {
-      vertices[3 * i] = (*mesh)[i].x;
-      vertices[3 * i + 1] = (*mesh)[i].y;
-      vertices[3 * i + 2] = (*mesh)[i].z;
-    }
-    return static_cast<int>(IM2FIT_OK);
+    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      const auto mesh = posed_mesh(model, *person.body);
+      for (std::size_t i = 0; i < *vertex_count; ++i) {
+        vertices[3 * i] = mesh[i].x;
+        vertices[3 * i + 1] = mesh[i].y;
+        vertices[3 * i + 2] = mesh[i].z;
+      }
+      return static_cast<int>(IM2FIT_OK);
+    });
   });
 }
 
 int im2fit_body_residual(im2fit_handle* handle, float residual[IM2FIT_MEASUREMENT_COUNT]) {
   return guarded(handle, [&](im2fit_handle& h) {
     if (residual == nullptr) return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the place for the residual is NULL");
-    if (!h.body || !h.index) return no_body(h);
-    const im2fit::EngineResult r = h.engine->result();
-    if (!r.measured) return not_measured(h);
-    const auto body = body_of(h, r);
-    if (!body) return fail(&h, body.error());
-    std::copy(body->fit.residual.begin(), body->fit.residual.end(), residual);
-    return static_cast<int>(IM2FIT_OK);
+    if (h.data.body_model == nullptr) return no_body(h);
+    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      std::copy(person.body->fit.residual.begin(), person.body->fit.residual.end(), residual);
+      return static_cast<int>(IM2FIT_OK);
+    });
+  });
+}
+
+int im2fit_tape(im2fit_handle* handle, const char* const* ids, size_t id_count, im2fit_tape_value* values,
+                size_t value_size) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    if (values == nullptr && id_count > 0)
+      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the place for the values is NULL");
+    if (value_size < kTapeValueSizeMin)
+      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "value_size is not sizeof(im2fit_tape_value)");
+    if (ids == nullptr && id_count > im2fit_tape_count())
+      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT,
+                  "the tape has " + std::to_string(im2fit_tape_count()) + " measurements");
+    if (h.data.body_model == nullptr) return no_body(h);
+    const auto places = tape_places(ids, id_count);
+    if (!places) return fail(&h, places.error());
+    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      char* to = reinterpret_cast<char*>(values);
+      for (const std::size_t place : *places) {
+        const im2fit_tape_value value = tape_value(person, place);
+        std::memcpy(to, &value, sizeof value);
+        std::memset(to + sizeof value, 0, value_size - sizeof value);  // fields of a newer header
+        to += value_size;
+      }
+      return static_cast<int>(IM2FIT_OK);
+    });
   });
 }
 
@@ -446,6 +511,33 @@ const char* im2fit_joint_name(int joint) {
 const char* im2fit_view_name(int view) {
   constexpr std::array<std::string_view, 4> kNames = {"unknown", "front", "back", "side"};
   return name_at(kNames, view);
+}
+
+size_t im2fit_tape_count(void) {
+  return im2fit::builtin_tape().definitions.size();
+}
+
+const char* im2fit_tape_id(size_t index) {
+  const auto* d = tape_definition(index);
+  return d != nullptr ? d->id.c_str() : nullptr;
+}
+
+const char* im2fit_tape_unit(size_t index) {
+  const auto* d = tape_definition(index);
+  return d != nullptr ? im2fit::body::unit_of(*d).data() : nullptr;  // literals, which end in a zero byte
+}
+
+const char* im2fit_tape_iso(size_t index) {
+  const auto* d = tape_definition(index);
+  return d != nullptr ? d->iso_8559.c_str() : nullptr;
+}
+
+const char* im2fit_tape_name(size_t index, const char* language) {
+  const auto* d = tape_definition(index);
+  if (d == nullptr || language == nullptr) return nullptr;
+  for (std::size_t i = 0; i < im2fit::body::kTapeLanguages.size(); ++i)
+    if (im2fit::body::kTapeLanguages[i] == language) return d->names[i].c_str();
+  return nullptr;
 }
 
 }  // extern "C"

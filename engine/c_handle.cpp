@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "engine/builtin_tape.h"
+
 namespace im2fit {
 namespace {
 
@@ -28,39 +30,38 @@ EngineSettings engine_settings(const im2fit_settings& s) {
   return settings;
 }
 
-Status load_sizes(const im2fit_settings& settings, im2fit_handle& handle) {
-  if (settings.men_chart_path == nullptr && settings.women_chart_path == nullptr) {
-    handle.sizes = builtin_size_system();
-    return Ok{};
-  }
+Result<std::vector<std::string>> size_charts(const im2fit_settings& settings) {
+  if (settings.men_chart_path == nullptr && settings.women_chart_path == nullptr) return std::vector<std::string>{};
   if (settings.men_chart_path == nullptr) return missing("men_chart_path");
   if (settings.women_chart_path == nullptr) return missing("women_chart_path");
-  auto men = load_size_chart(settings.men_chart_path);
-  if (!men) return men.error();
-  auto women = load_size_chart(settings.women_chart_path);
-  if (!women) return women.error();
-  auto sizes = make_size_system({std::move(*men), std::move(*women)});
-  if (!sizes) return sizes.error();
-  handle.sizes = std::move(*sizes);
-  return Ok{};
+  return std::vector<std::string>{settings.men_chart_path, settings.women_chart_path};
 }
 
-Status load_models(const im2fit_settings& settings, im2fit_handle& handle) {
+Result<MeasuringData> load_data(const im2fit_settings& settings, std::vector<std::string> charts) {
   if (settings.tracker_path == nullptr) return missing("tracker_path");
   if (settings.index_path == nullptr) return missing("index_path");
-  auto file = MappedFile::open(settings.tracker_path);
-  if (!file) return file.error();
-  handle.tracker_file = std::move(*file);
-  auto tracker = JointModel::parse(handle.tracker_file.bytes(), settings.tracker_path);
-  if (!tracker) return tracker.error();
-  handle.tracker.emplace(std::move(*tracker));
-  auto index = index::Index::open(settings.index_path);
-  if (!index) return index.error();
-  handle.index.emplace(std::move(*index));
-  return Ok{};
+  return load_measuring_data({settings.tracker_path, settings.index_path,
+                              settings.body_path != nullptr ? settings.body_path : "", std::move(charts)});
 }
 
 }  // namespace
+
+}  // namespace im2fit
+
+im2fit::Result<im2fit::hal::FrameInfo> OpenedSource::next(im2fit::DepthImage depth, int timeout_ms) {
+  using im2fit::ErrorCode;
+  im2fit::hal::FrameInfo frame;
+  status_ = opened_.next(opened_.user, depth.pixels, depth.width, depth.height, timeout_ms, &frame.sequence,
+                         &frame.host_ns);
+  if (status_ == IM2FIT_OK) return frame;
+  const ErrorCode code = status_ == IM2FIT_ERROR_TIMEOUT         ? ErrorCode::timeout
+                         : status_ == IM2FIT_ERROR_END_OF_STREAM ? ErrorCode::end_of_stream
+                         : status_ == IM2FIT_ERROR_CORRUPT       ? ErrorCode::corrupt
+                                                                 : ErrorCode::no_device;
+  return im2fit::Error{code, "the attached source gave no frame"};
+}
+
+namespace im2fit {
 
 int status_of(ErrorCode code) {
   switch (code) {
@@ -95,24 +96,25 @@ Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& sett
   auto handle = std::make_unique<im2fit_handle>();
   handle->log = settings.log;
   handle->log_user = settings.log_user;
-  handle->width = settings.width;
-  handle->height = settings.height;
-  if (auto loaded = load_sizes(settings, *handle); !loaded) return loaded.error();
-  if (settings.body_path != nullptr) {
-    auto body = body::BodyModel::load(settings.body_path);
-    if (!body) return body.error();
-    handle->body.emplace(std::move(*body));
+  const EngineSettings words = engine_settings(settings);
+  handle->frames.intrinsics = words.intrinsics;
+  handle->frames.intrinsics_origin = hal::IntrinsicsOrigin::caller;
+  auto charts = size_charts(settings);
+  if (!charts) return charts.error();
+  if (stages != nullptr) {
+    auto sizes = load_size_charts(*charts);
+    if (!sizes) return sizes.error();
+    handle->data.charts = std::move(*sizes);
+    auto engine = create_engine(words, std::move(stages));
+    if (!engine) return engine.error();
+    handle->engine = std::move(*engine);
+    return handle;
   }
-  if (stages == nullptr) {
-    if (auto loaded = load_models(settings, *handle); !loaded) return loaded.error();
-  }
-  EngineSettings engine_words = engine_settings(settings);
-  if (handle->body) engine_words.shape_space = &handle->body->shape_space();
-  auto engine = stages == nullptr ? Engine::create(engine_words, *handle->tracker, *handle->index)
-                                  : create_engine(engine_words, std::move(stages));
-  if (!engine && handle->index)
-    return Error{engine.error().code,
-                 std::string(settings.index_path) + " with " + settings.tracker_path + ": " + engine.error().message};
+  auto data = load_data(settings, std::move(*charts));
+  if (!data) return data.error();
+  handle->data = std::move(*data);
+  handle->data.tape = std::make_unique<body::Tape>(builtin_tape());
+  auto engine = make_engine(words, handle->data);
   if (!engine) return engine.error();
   handle->engine = std::move(*engine);
   return handle;

@@ -28,13 +28,14 @@ class FitStage {
   void begin_next();
   // The session is over: MEASURED, or a file was found damaged; frames change nothing any more, but for who waits for
   // the person to leave.
+  bool leaving() const { return leaving_; }
   bool over() const { return fault_ || (session_.state == SessionState::measured && !leaving_); }
   // What was found damaged in measuring; null: nothing. Until the session begins anew.
   const Error* fault() const { return fault_ ? &*fault_ : nullptr; }
   const EngineResult& result() const { return result_; }
 
  private:
-  void end_moment();
+  void end_moment(const FrameSlot& slot);
   void show(const FrameSlot& slot);
   void wait_for_leaving(const FrameSlot& slot);
   bool accumulate(const FrameSlot& slot);  // true: enough to measure
@@ -56,7 +57,9 @@ class FitStage {
   MotionFilter motion_;
   int front_frames_ = 0;  // accumulated before TURNING; 0 while the front is being accumulated
   std::optional<Error> fault_;
+  const bool one_after_another_;
   bool leaving_ = false;
+  ArrivalCounts before_;  // counted before this session began; 0 unless one session follows another by itself
   int leaving_absent_frames_ = 0;
 };
 

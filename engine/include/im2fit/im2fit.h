@@ -329,10 +329,32 @@ typedef struct im2fit_size {
  * Allocates. */
 IM2FIT_API int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, size_t* count, size_t* best);
 
+/* Whether a measurement of the tape has a value for a person. */
+enum {
+  IM2FIT_TAPE_MEASURED = 0,
+  IM2FIT_TAPE_REFUSED, /* never measured: a depth camera, or the body model, does not show it */
+  IM2FIT_TAPE_ABSENT   /* not of this body: it has no such section */
+};
+
+typedef struct im2fit_tape_value {
+  int32_t status;     /* IM2FIT_TAPE_... */
+  float value;        /* mm, kg of weight; NaN unless MEASURED */
+  float low, high;    /* 95 % interval; NaN unless MEASURED */
+  const char* reason; /* why there is no value, in a sentence; NULL when MEASURED. The library's, constant */
+} im2fit_tape_value;
+
+/* The tape (docs/tape.md): what the one body measures by each of `id_count` definitions, named by the ids of
+ * im2fit_tape_id; with ids = NULL the first `id_count` of that list. values[i] belongs to ids[i]; `value_size` is
+ * sizeof(im2fit_tape_value) as the caller sees it, and the distance from value to value. The eleven of
+ * im2fit_result.measurements are here as the mesh has them, with the same intervals. NOT_FOUND names an unknown id;
+ * then, as after any error, no value is written. Needs settings.body_path. As im2fit_body_mesh. */
+IM2FIT_API int im2fit_tape(im2fit_handle* handle, const char* const* ids, size_t id_count, im2fit_tape_value* values,
+                           size_t value_size);
+
 /* The person as a mesh in the measured pose, of the one body that measures what `measurements` says: mm, x the
  * person's left, y up, z out of the face, the soles on y = 0. `vertices`: x y z each; `triangles`: three vertex
  * indices each, counter-clockwise from outside. The counts needed are always written; NULL buffers ask for the
- * counts. Needs settings.body_path. Allocates; a few hundredths of a second. */
+ * counts. Needs settings.body_path. Allocates; the first of these functions takes a few hundredths of a second. */
 IM2FIT_API int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capacity, size_t* vertex_count,
                                 int32_t* triangles, size_t triangle_capacity, size_t* triangle_count);
 
@@ -349,6 +371,12 @@ IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
 IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */
 IM2FIT_API const char* im2fit_view_name(int view);      /* "front" */
+IM2FIT_API size_t im2fit_tape_count(void);              /* definitions of the tape; any thread, at any time */
+IM2FIT_API const char* im2fit_tape_id(size_t index);    /* "thigh_girth" */
+IM2FIT_API const char* im2fit_tape_unit(size_t index);  /* "mm" or "kg" */
+IM2FIT_API const char* im2fit_tape_iso(size_t index);   /* "5.3.20" of ISO 8559-1:2017, or "" */
+/* "Thigh girth"; in the language "en", "de", "es", "fr" or "zh", UTF-8. */
+IM2FIT_API const char* im2fit_tape_name(size_t index, const char* language);
 
 #ifdef __cplusplus
 }
