@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/c_handle.h"
 
+#include <unistd.h>
+
 #include <utility>
+
+#include "engine/c_api/data.h"
+#include "engine/c_api/settings.h"
 
 namespace im2fit {
 namespace {
@@ -46,15 +51,25 @@ Status load_sizes(const im2fit_settings& settings, im2fit_handle& handle) {
 }
 
 Status load_models(const im2fit_settings& settings, im2fit_handle& handle) {
-  if (settings.tracker_path == nullptr) return missing("tracker_path");
-  if (settings.index_path == nullptr) return missing("index_path");
-  auto file = MappedFile::open(settings.tracker_path);
-  if (!file) return file.error();
-  handle.tracker_file = std::move(*file);
-  auto tracker = JointModel::parse(handle.tracker_file.bytes(), settings.tracker_path);
+  const bool tracker_by_path = settings.tracker_data.kind == IM2FIT_DATA_PATH;
+  const bool index_by_path = settings.index_data.kind == IM2FIT_DATA_PATH;
+  if (tracker_by_path && settings.tracker_path == nullptr) return missing("tracker_path");
+  if (index_by_path && settings.index_path == nullptr) return missing("index_path");
+  if (tracker_by_path) {
+    auto file = MappedFile::open(settings.tracker_path);
+    if (!file) return file.error();
+    handle.tracker_file = std::move(*file);
+  } else {
+    auto bytes = c::bytes_of(settings.tracker_data, "tracker_data");
+    if (!bytes) return bytes.error();
+    handle.tracker_bytes = std::move(*bytes);
+  }
+  auto tracker = tracker_by_path ? JointModel::parse(handle.tracker_file.bytes(), settings.tracker_path)
+                                 : JointModel::parse(handle.tracker_bytes, "settings.tracker_data");
   if (!tracker) return tracker.error();
   handle.tracker.emplace(std::move(*tracker));
-  auto index = index::Index::open(settings.index_path);
+  auto index = index_by_path ? index::Index::open(settings.index_path)
+                             : c::parsed<index::Index>(settings.index_data, "index_data");
   if (!index) return index.error();
   handle.index.emplace(std::move(*index));
   return Ok{};
@@ -86,20 +101,18 @@ int status_of(ErrorCode code) {
 
 Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& settings,
                                                      std::unique_ptr<FrameStages> stages) {
-  if (settings.sensor < IM2FIT_SENSOR_UNKNOWN || settings.sensor > IM2FIT_SENSOR_TIME_OF_FLIGHT)
-    return Error{ErrorCode::invalid_argument,
-                 "settings.sensor is " + std::to_string(settings.sensor) + ", expected one of IM2FIT_SENSOR_..."};
-  if (settings.clothing < IM2FIT_CLOTHING_UNKNOWN || settings.clothing > IM2FIT_CLOTHING_DRESSED)
-    return Error{ErrorCode::invalid_argument, "settings.clothing is " + std::to_string(settings.clothing) +
-                                                  ", expected one of IM2FIT_CLOTHING_..."};
+  if (auto ok = c::check_settings(settings); !ok) return ok.error();
   auto handle = std::make_unique<im2fit_handle>();
+  handle->process = ::getpid();
   handle->log = settings.log;
   handle->log_user = settings.log_user;
   handle->width = settings.width;
   handle->height = settings.height;
   if (auto loaded = load_sizes(settings, *handle); !loaded) return loaded.error();
-  if (settings.body_path != nullptr) {
-    auto body = body::BodyModel::load(settings.body_path);
+  if (settings.body_path != nullptr || settings.body_data.kind != IM2FIT_DATA_PATH) {
+    auto body = settings.body_data.kind == IM2FIT_DATA_PATH
+                    ? body::BodyModel::load(settings.body_path)
+                    : c::parsed<body::BodyModel>(settings.body_data, "body_data");
     if (!body) return body.error();
     handle->body.emplace(std::move(*body));
   }
@@ -111,10 +124,12 @@ Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& sett
   auto engine = stages == nullptr ? Engine::create(engine_words, *handle->tracker, *handle->index)
                                   : create_engine(engine_words, std::move(stages));
   if (!engine && handle->index)
-    return Error{engine.error().code,
-                 std::string(settings.index_path) + " with " + settings.tracker_path + ": " + engine.error().message};
+    return Error{engine.error().code, c::name_of(settings.index_data, settings.index_path, "index_data") + " with " +
+                                          c::name_of(settings.tracker_data, settings.tracker_path, "tracker_data") +
+                                          ": " + engine.error().message};
   if (!engine) return engine.error();
   handle->engine = std::move(*engine);
+  handle->frames.prepare(engine_words.intrinsics);
   return handle;
 }
 

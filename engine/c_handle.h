@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/file.h"
+#include "engine/c_api/frame.h"
 #include "engine/engine.h"
 #include "engine/frame_stages.h"
 #include "engine/include/im2fit/im2fit.h"
@@ -17,6 +18,7 @@
 struct im2fit_handle {
   // In the order of what refers to what: the engine goes first, the files last.
   im2fit::MappedFile tracker_file;
+  std::vector<std::byte> tracker_bytes;  // of settings.tracker_data
   std::optional<im2fit::JointModel> tracker;
   std::optional<im2fit::index::Index> index;
   std::optional<im2fit::body::BodyModel> body;
@@ -28,6 +30,8 @@ struct im2fit_handle {
   im2fit_log_fn log = nullptr;
   void* log_user = nullptr;
   std::array<char, 512> error{};
+  int process = 0;  // that opened it
+  im2fit::c::FrameReader frames;
 
   im2fit_opener_fn opener = nullptr;
   void* opener_user = nullptr;
@@ -41,6 +45,11 @@ struct im2fit_handle {
   ~im2fit_handle() { close_source(); }
   void close_source() {
     if (attached && source.close != nullptr) source.close(source.user);
+    attached = false;
+  }
+  // In a forked child: the engine's threads and the source are the parent's, neither can be stopped from here.
+  void leave_to_parent() {
+    static_cast<void>(engine.release());
     attached = false;
   }
 };

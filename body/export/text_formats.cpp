@@ -61,7 +61,7 @@ void append_joint(std::string& out, std::string& motion, const Figure& f, std::s
 
 }  // namespace
 
-Status write_obj(const Avatar& avatar, const std::string& path) {
+Result<std::string> obj_of(const Avatar& avatar) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
   const auto body = std::span(figure->posed).first(static_cast<std::size_t>(avatar.model->body_vertex_count()));
@@ -85,10 +85,16 @@ Status write_obj(const Avatar& avatar, const std::string& path) {
     }
     out += '\n';
   }
-  return write_file_atomically(path, out);
+  return out;
 }
 
-Status write_bvh(const Avatar& avatar, const std::string& path) {
+Status write_obj(const Avatar& avatar, const std::string& path) {
+  const auto text = obj_of(avatar);
+  if (!text) return text.error();
+  return write_file_atomically(path, *text);
+}
+
+Result<std::string> bvh_of(const Avatar& avatar) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
   std::string out = "HIERARCHY\n";
@@ -96,7 +102,13 @@ Status write_bvh(const Avatar& avatar, const std::string& path) {
   append_joint(out, motion, *figure, 0, 0);
   motion.back() = '\n';
   out += "MOTION\nFrames: 1\nFrame Time: 0.0333333\n" + motion;
-  return write_file_atomically(path, out);
+  return out;
+}
+
+Status write_bvh(const Avatar& avatar, const std::string& path) {
+  const auto text = bvh_of(avatar);
+  if (!text) return text.error();
+  return write_file_atomically(path, *text);
 }
 
 Status write_skel(const Avatar& avatar, const std::string& path) {
