@@ -7,7 +7,8 @@ namespace {
 // A missing file is the first thing a newcomer meets: say what makes it.
 Error advised(const Error& error, const char* maker) {
   const bool absent = error.code == ErrorCode::not_found || error.code == ErrorCode::io;
-  return {error.code, error.message + (absent ? "; make it with " : "; make it again with ") + maker};
+  return {error.code, error.message + (absent ? "; make it with " : "; make it again with ") + maker +
+                          (absent ? ", or install a pack with im2fit models install" : "")};
 }
 
 }  // namespace
