@@ -8,8 +8,10 @@
 #include "apps/im2fit-lab/commands.h"
 #include "body/fit/shape_space.h"
 #include "core/file.h"
+#include "engine/builtin_charts.h"
 #include "engine/data_files.h"
 #include "engine/paths.h"
+#include "engine/report/builtin_tape.h"
 
 namespace im2fit::apps {
 namespace {
@@ -57,6 +59,26 @@ Status check_fit(const PackOptions& options, PackManifest& manifest) {
   return Ok{};
 }
 
+std::vector<std::byte> bytes_of(const std::string& text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+// What is compiled into programs as well, for those who read a pack or change it; and which licence applies.
+std::vector<std::pair<std::string, std::vector<std::byte>>> texts_of(const PackManifest& manifest) {
+  std::vector<std::pair<std::string, std::vector<std::byte>>> texts = {
+      {"LICENCE.txt",
+       bytes_of(fmt::format("Models for im2fit {}.\nThe body derives from: {}.\nLicence of the models, "
+                            "and of what is made from them: {}.\nMade by: {}; index: {}.\n",
+                            manifest.version, manifest.source, manifest.licence, manifest.made_by,
+                            manifest.provenance))},
+      {"size-charts/en13402-3-men.csv", bytes_of(kBuiltinMenChart)},
+      {"size-charts/en13402-3-women.csv", bytes_of(kBuiltinWomenChart)}};
+  for (const BuiltinTapeText& tape : kBuiltinTape)
+    texts.emplace_back(std::string("tape/") + tape.file, bytes_of(tape.text));
+  return texts;
+}
+
 Result<int> run_pack(const PackOptions& options) {
   PackManifest manifest;
   manifest.version = options.version;
@@ -75,6 +97,10 @@ Result<int> run_pack(const PackOptions& options) {
     files.emplace_back(extra.substr(0, equals), extra.substr(equals + 1));
   }
   std::vector<std::vector<std::byte>> contents;
+  for (auto& [name, bytes] : texts_of(manifest)) {
+    manifest.files.push_back(describe_file(name, bytes));
+    contents.push_back(std::move(bytes));
+  }
   for (const auto& [name, path] : files) {
     auto bytes = read_file(path);
     if (!bytes) return bytes.error();
