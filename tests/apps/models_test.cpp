@@ -157,7 +157,7 @@ TEST_F(Models, DamageIsNamed) {
     bytes[at] ^= std::byte{0x20};
     ASSERT_TRUE(write_file_atomically(path, bytes));
     const auto pack = apps::read_pack(path);
-    // Padding between sections is nobody's.
+    // Padding between sections has no checksum.
     if (pack) {
       EXPECT_EQ(pack->manifest.version, "9.9");
       EXPECT_EQ(pack->contents.size(), 3U);

@@ -128,7 +128,7 @@ class Person:
         return (self.result.get("sex") or {}).get("female")
 
     def avatar(self, kind="glb"):
-        """The bytes of a .glb, .obj or .bvh; None when nobody was measured."""
+        """The bytes of a .glb, .obj or .bvh; None without a measurement."""
         return self._avatars.get(kind)
 
     def __repr__(self):
