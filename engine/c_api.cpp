@@ -15,12 +15,13 @@
 #include "body/skeleton.h"
 #include "core/measurement.h"
 #include "engine/builtin_tape.h"
-#include "engine/c_handle.h"
+#include "engine/c_api/call.h"
+#include "engine/c_api/person.h"
 
 namespace {
 
-using im2fit::Error;
-using im2fit::ErrorCode;
+using im2fit::c::fail;
+using im2fit::c::guarded;
 
 static_assert(IM2FIT_MEASUREMENT_COUNT == im2fit::kMeasurementCount);
 static_assert(IM2FIT_JOINT_COUNT == im2fit::kJointCount);
@@ -42,45 +43,12 @@ static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::t
 static_assert(IM2FIT_GUIDANCE_CLOTHED == static_cast<int>(im2fit::Guidance::clothed));
 static_assert(IM2FIT_CLOTHING_DRESSED == static_cast<int>(im2fit::ClothingGiven::dressed));
 // No padding at the end, which callers never set: a field that comes later would be read from it.
-static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, sensor) + sizeof(int32_t));
+static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, body_data) + sizeof(im2fit_data));
 
 #define IM2FIT_TEXT_OF(x) #x
 #define IM2FIT_TEXT(x) IM2FIT_TEXT_OF(x)
 constexpr const char* kVersion =
     IM2FIT_TEXT(IM2FIT_VERSION_MAJOR) "." IM2FIT_TEXT(IM2FIT_VERSION_MINOR) "." IM2FIT_TEXT(IM2FIT_VERSION_PATCH);
-
-using ErrorText = std::array<char, 512>;
-thread_local ErrorText thread_error{};  // failures with no handle to keep them
-
-void keep(ErrorText& place, std::string_view text) {
-  const std::size_t length = std::min(text.size(), place.size() - 1);
-  std::memcpy(place.data(), text.data(), length);
-  place[length] = '\0';
-}
-
-int fail(im2fit_handle* handle, int status, std::string_view text) {
-  ErrorText& place = handle != nullptr ? handle->error : thread_error;
-  keep(place, text);
-  if (handle != nullptr && handle->log != nullptr) handle->log(handle->log_user, status, place.data());
-  return status;
-}
-int fail(im2fit_handle* handle, const Error& error) {
-  return fail(handle, im2fit::status_of(error.code), error.message);
-}
-
-// Runs `body` with a handle that exists, and turns whatever it throws into a status.
-template <class Body>
-int guarded(im2fit_handle* handle, Body body) noexcept {
-  if (handle == nullptr) return fail(nullptr, IM2FIT_ERROR_INVALID_ARGUMENT, "the handle is NULL");
-  handle->error[0] = '\0';
-  try {
-    return body(*handle);
-  } catch (const std::bad_alloc&) {
-    return fail(handle, IM2FIT_ERROR_NO_MEMORY, "out of memory");
-  } catch (...) {
-    return fail(handle, IM2FIT_ERROR_INTERNAL, "internal error");
-  }
-}
 
 // Up to `log_user`: what every caller has. Fields past the caller's size are 0.
 constexpr std::size_t kSettingsSizeMin = offsetof(im2fit_settings, user_id);
@@ -107,7 +75,7 @@ int open_guarded(const im2fit_settings* settings, im2fit_handle** handle) {
     return IM2FIT_OK;
   }
   const int status = fail(nullptr, opened.error());
-  if (known.log != nullptr) known.log(known.log_user, status, thread_error.data());
+  if (known.log != nullptr) known.log(known.log_user, status, im2fit::c::last_error_of_thread());
   return status;
 }
 
@@ -173,15 +141,10 @@ int no_body(im2fit_handle& handle) {
 // Calls `use` with all that is said of whoever is measured.
 template <class Use>
 int with_person(im2fit_handle& handle, Use use) {
-  const im2fit::EngineResult now = handle.engine->result();
-  if (!now.measured) return not_measured(handle);
-  if (!handle.person || handle.person->result.session != now.session) {
-    handle.person.reset();
-    auto person = im2fit::measurement_of(*handle.engine, handle.data.parts(), handle.frames);
-    if (!person) return fail(&handle, person.error());
-    handle.person = std::move(*person);
-  }
-  return use(*handle.person);
+  if (!handle.engine->result().measured) return not_measured(handle);
+  const auto person = im2fit::c::person_of(handle);
+  if (!person) return fail(&handle, person.error());
+  return use(**person);
 }
 
 // Posed body vertices, the lowest at y = 0.
@@ -219,9 +182,11 @@ im2fit::Result<std::vector<std::size_t>> tape_places(const char* const* ids, std
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < count; ++i) {
     if (ids != nullptr && ids[i] == nullptr)
-      return Error{ErrorCode::invalid_argument, "id " + std::to_string(i) + " of the tape is NULL"};
+      return im2fit::Error{im2fit::ErrorCode::invalid_argument, "id " + std::to_string(i) + " of the tape is NULL"};
     const int place = ids != nullptr ? im2fit::body::definition_index(tape, ids[i]) : static_cast<int>(i);
-    if (place < 0) return Error{ErrorCode::not_found, std::string("no measurement of the tape is called ") + ids[i]};
+    if (place < 0)
+      return im2fit::Error{im2fit::ErrorCode::not_found,
+                           std::string("no measurement of the tape is called ") + ids[i]};
     places.push_back(static_cast<std::size_t>(place));
   }
   return places;
@@ -247,15 +212,15 @@ const char* im2fit_version(void) {
 }
 
 const char* im2fit_status_name(int status) {
-  constexpr std::array<std::string_view, 13> kNames = {
+  constexpr std::array<std::string_view, 14> kNames = {
       "ok",      "invalid_argument", "not_found", "io",           "corrupt",   "unsupported", "no_device",
-      "timeout", "end_of_stream",    "no_memory", "not_measured", "too_small", "internal"};
+      "timeout", "end_of_stream",    "no_memory", "not_measured", "too_small", "internal",    "forked"};
   const char* name = status <= 0 && status > -100 ? name_at(kNames, -status) : nullptr;
   return name != nullptr ? name : "unknown";
 }
 
 const char* im2fit_last_error(const im2fit_handle* handle) {
-  return handle != nullptr ? handle->error.data() : thread_error.data();
+  return handle != nullptr ? handle->error.data() : im2fit::c::last_error_of_thread();
 }
 
 void im2fit_settings_init(im2fit_settings* settings, size_t struct_size) {
@@ -283,6 +248,7 @@ int im2fit_open(const im2fit_settings* settings, im2fit_handle** handle) {
 }
 
 void im2fit_close(im2fit_handle* handle) {
+  if (handle != nullptr && !im2fit::c::opened_here(*handle)) handle->leave_to_parent();
   delete handle;
 }
 
@@ -314,6 +280,7 @@ int im2fit_reset(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
     h.engine->reset();
     h.person.reset();
+    h.frames.forget();
     return static_cast<int>(IM2FIT_OK);
   });
 }
@@ -352,10 +319,12 @@ int im2fit_attach(im2fit_handle* handle, const char* uri) {
     h.source.reset();
     im2fit_source source{};
     const int status = h.opener(h.opener_user, uri, &source);
-    if (status != IM2FIT_OK) return fail(&h, status, std::string("cannot open ") + uri);
+    if (status != IM2FIT_OK)
+      return fail(&h, im2fit::c::known_status(status),
+                  std::string("cannot open ") + uri + ": the opener returned " + std::to_string(status));
     if (source.next == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, std::string("the opener set no next() for ") + uri);
-    h.source = std::make_unique<OpenedSource>(source, h.frames);
+    h.source = std::make_unique<OpenedSource>(source, h.origin);
     return static_cast<int>(IM2FIT_OK);
   });
 }
@@ -371,7 +340,9 @@ int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms) {
     if (pumped && *pumped == im2fit::Pumped::waiting) return static_cast<int>(IM2FIT_ERROR_TIMEOUT);
     if (pumped && *pumped == im2fit::Pumped::end) return static_cast<int>(IM2FIT_ERROR_END_OF_STREAM);
     const int status = h.source->status();
-    if (status != IM2FIT_OK) return fail(&h, status, "the attached source gave no frame");
+    if (status != IM2FIT_OK)
+      return fail(&h, im2fit::c::known_status(status),
+                  "the attached source gave no frame: its next() returned " + std::to_string(status));
     return fail(&h, pumped.error());
   });
 }
@@ -384,8 +355,11 @@ int im2fit_detach(im2fit_handle* handle) {
 }
 
 int im2fit_poll(const im2fit_handle* handle, im2fit_result* result, size_t struct_size) {
-  // From any thread: it may not touch the handle's error text.
-  if (handle == nullptr || result == nullptr) return IM2FIT_ERROR_INVALID_ARGUMENT;
+  // From any thread: it may not touch the handle's error text, only the calling thread's.
+  if (handle == nullptr || result == nullptr)
+    return fail(nullptr, IM2FIT_ERROR_INVALID_ARGUMENT,
+                handle == nullptr ? "the handle is NULL" : "the place for the result is NULL");
+  if (!im2fit::c::opened_here(*handle)) return im2fit::c::fail_forked();
   const im2fit_result full = to_c(handle->engine->result());
   std::memcpy(result, &full, std::min(struct_size, sizeof full));
   if (struct_size > sizeof full)

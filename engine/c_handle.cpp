@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/c_handle.h"
 
+#include <unistd.h>
+
 #include <utility>
 
 #include "engine/builtin_tape.h"
+#include "engine/c_api/data.h"
+#include "engine/c_api/settings.h"
 
 namespace im2fit {
 namespace {
@@ -37,11 +41,31 @@ Result<std::vector<std::string>> size_charts(const im2fit_settings& settings) {
   return std::vector<std::string>{settings.men_chart_path, settings.women_chart_path};
 }
 
-Result<MeasuringData> load_data(const im2fit_settings& settings, std::vector<std::string> charts) {
-  if (settings.tracker_path == nullptr) return missing("tracker_path");
-  if (settings.index_path == nullptr) return missing("index_path");
-  return load_measuring_data({settings.tracker_path, settings.index_path,
-                              settings.body_path != nullptr ? settings.body_path : "", std::move(charts)});
+// A file by its path, or its bytes from where the settings say; `name` is what messages call it.
+Status take_file(const im2fit_data& data, const char* path, const char* field, std::string& name,
+                 std::optional<std::vector<std::byte>>& bytes) {
+  if (data.kind == IM2FIT_DATA_PATH) {
+    if (path != nullptr) name = path;
+    return Ok{};
+  }
+  name = std::string("settings.") + field;
+  auto read = c::bytes_of(data, field);
+  if (!read) return read.error();
+  bytes = std::move(*read);
+  return Ok{};
+}
+
+Result<MeasuringData> load_data(const im2fit_settings& s, std::vector<std::string> charts) {
+  MeasuringFiles files;
+  MeasuringBytes bytes;
+  files.size_charts = std::move(charts);
+  if (auto ok = take_file(s.tracker_data, s.tracker_path, "tracker_data", files.tracker, bytes.tracker); !ok)
+    return ok.error();
+  if (auto ok = take_file(s.index_data, s.index_path, "index_data", files.index, bytes.index); !ok) return ok.error();
+  if (auto ok = take_file(s.body_data, s.body_path, "body_data", files.body, bytes.body); !ok) return ok.error();
+  if (files.tracker.empty()) return missing("tracker_path");
+  if (files.index.empty()) return missing("index_path");
+  return load_measuring_data(files, std::move(bytes));
 }
 
 }  // namespace
@@ -87,18 +111,16 @@ int status_of(ErrorCode code) {
 
 Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& settings,
                                                      std::unique_ptr<FrameStages> stages) {
-  if (settings.sensor < IM2FIT_SENSOR_UNKNOWN || settings.sensor > IM2FIT_SENSOR_TIME_OF_FLIGHT)
-    return Error{ErrorCode::invalid_argument,
-                 "settings.sensor is " + std::to_string(settings.sensor) + ", expected one of IM2FIT_SENSOR_..."};
-  if (settings.clothing < IM2FIT_CLOTHING_UNKNOWN || settings.clothing > IM2FIT_CLOTHING_DRESSED)
-    return Error{ErrorCode::invalid_argument, "settings.clothing is " + std::to_string(settings.clothing) +
-                                                  ", expected one of IM2FIT_CLOTHING_..."};
+  if (auto ok = c::check_settings(settings); !ok) return ok.error();
   auto handle = std::make_unique<im2fit_handle>();
+  handle->process = ::getpid();
   handle->log = settings.log;
   handle->log_user = settings.log_user;
   const EngineSettings words = engine_settings(settings);
-  handle->frames.intrinsics = words.intrinsics;
-  handle->frames.intrinsics_origin = hal::IntrinsicsOrigin::caller;
+  handle->frames.prepare(words.intrinsics);
+  handle->origin.uri = handle->origin.name = "im2fit.h";
+  handle->origin.intrinsics = words.intrinsics;
+  handle->origin.intrinsics_origin = hal::IntrinsicsOrigin::caller;
   auto charts = size_charts(settings);
   if (!charts) return charts.error();
   if (stages != nullptr) {

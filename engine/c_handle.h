@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/c_api/frame.h"
 #include "engine/frame_stages.h"
 #include "engine/include/im2fit/im2fit.h"
 #include "engine/measuring_data.h"
@@ -38,7 +39,7 @@ class OpenedSource final : public im2fit::hal::Source {
 struct im2fit_handle {
   // In the order of what refers to what: the engine goes first, the files last.
   im2fit::MeasuringData data;
-  im2fit::hal::SourceInfo frames;  // what is known of whence they come
+  im2fit::hal::SourceInfo origin;  // what is known of whence the frames come
   std::unique_ptr<im2fit::Engine> engine;
   // Of whoever is measured, made when first asked for: nothing said of that person changes until another session.
   std::optional<im2fit::PersonMeasurement> person;
@@ -46,10 +47,18 @@ struct im2fit_handle {
   im2fit_log_fn log = nullptr;
   void* log_user = nullptr;
   std::array<char, 512> error{};
+  int process = 0;  // that opened it
+  im2fit::c::FrameReader frames;
 
   im2fit_opener_fn opener = nullptr;
   void* opener_user = nullptr;
   std::unique_ptr<OpenedSource> source;  // null: nothing is attached
+
+  // In a forked child: the engine's threads and the source are the parent's, neither can be stopped from here.
+  void leave_to_parent() {
+    static_cast<void>(engine.release());
+    static_cast<void>(source.release());
+  }
 };
 
 namespace im2fit {

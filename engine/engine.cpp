@@ -7,6 +7,7 @@
 // no frame is in the pipeline both stages sleep, and the producer may touch what is theirs (finish, reset).
 #include "engine/engine.h"
 
+#include <chrono>
 #include <limits>
 #include <optional>
 #include <string>
@@ -29,6 +30,8 @@ namespace {
 constexpr std::uint64_t kLiveQueueMax = 2;
 constexpr int kPoolFramesMin = 3;  // one in each hand
 constexpr int kPoolFramesMax = 64;
+// How often wait_idle() looks: a thirtieth of a frame's time at 30 Hz.
+constexpr std::chrono::milliseconds kIdleLook{1};
 
 constexpr std::uint32_t kSpare = std::numeric_limits<std::uint32_t>::max();  // no slot of the pool
 
@@ -79,6 +82,7 @@ class PipelineEngine final : public Engine {
  public:
   PipelineEngine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages)
       : settings_(settings),
+        intrinsics_(settings.intrinsics),
         stages_(std::move(stages)),
         pool_(settings.pool_frames, settings.width, settings.height),
         input_(pool_.slot_count()),
@@ -155,6 +159,26 @@ class PipelineEngine final : public Engine {
     put(input_, index);
     sense_event_.signal();
     return Ok{};
+  }
+
+  Status use_intrinsics(const Intrinsics& intrinsics) override {
+    if (intrinsics.width != settings_.width || intrinsics.height != settings_.height)
+      return Error{ErrorCode::invalid_argument, "intrinsics of another size than the engine's frames"};
+    if (auto ok = hal::check_intrinsics(intrinsics, "the frame's intrinsics"); !ok) return ok;
+    drain();
+    intrinsics_ = intrinsics;
+    fit_.use_intrinsics(intrinsics);
+    return Ok{};
+  }
+
+  bool wait_idle(int timeout_ms) override {
+    const auto began = std::chrono::steady_clock::now();
+    while (processed_.load(std::memory_order_acquire) != pushed_) {
+      if (timeout_ms >= 0 && std::chrono::steady_clock::now() - began >= std::chrono::milliseconds(timeout_ms))
+        return false;
+      std::this_thread::sleep_for(kIdleLook);
+    }
+    return true;
   }
 
   void finish() override {
@@ -296,7 +320,7 @@ class PipelineEngine final : public Engine {
       stages_->reset_sense();
       slot.seconds = kFramePeriodS;
     }
-    slot.detection = stages_->sense(slot.depth, settings_.intrinsics, slot.mask, slot.seconds);
+    slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, slot.seconds);
     const Person& person = slot.detection.person;
     people().hold(person.found ? person.id : 0, slot.detection.guidance == 0);
   }
@@ -346,6 +370,7 @@ class PipelineEngine final : public Engine {
   }
 
   const EngineSettings settings_;
+  Intrinsics intrinsics_;  // both stages', or the producer's while no frame is in the pipeline
   const std::unique_ptr<FrameStages> stages_;
   FramePool pool_;
   SpscRing input_;

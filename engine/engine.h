@@ -129,6 +129,11 @@ class Engine : public FrameSink {
   Status commit(const hal::FrameInfo& info) override = 0;
   // Both, for a frame that lies elsewhere. Error besides: another size than the settings'.
   virtual Status push(DepthView depth, const hal::FrameInfo& info) = 0;
+  // Of the frames from the next one on, same size as the settings'. Waits for frames in the pipeline; between
+  // sessions only, as pictures taken through different lenses are not accumulated together. Errors: as of create().
+  virtual Status use_intrinsics(const Intrinsics& intrinsics) = 0;
+  // Waits until all frames pushed came through; false when they have not within `timeout_ms` (negative: no limit).
+  virtual bool wait_idle(int timeout_ms) = 0;
   // No more frames: waits until both stages are idle and measures with what there is. Again: does nothing.
   virtual void finish() = 0;
   // What keeps the engine from measuring: the index was found damaged where it was read. Nothing is measured then

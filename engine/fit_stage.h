@@ -22,6 +22,7 @@ class FitStage {
   // The stream has ended: measures when enough is accumulated.
   void end(const ArrivalCounts& counts);
   void reset();
+  void use_intrinsics(const Intrinsics& intrinsics) { intrinsics_ = intrinsics; }  // between sessions
   // After MEASURED: waits for the person to leave, then begins anew. Before: begins anew.
   void next_person();
   // Begins anew at once.
@@ -46,7 +47,7 @@ class FitStage {
   void take_counts(const ArrivalCounts& counts);
   void take_guidance(GuidanceSet guidance);
 
-  const Intrinsics intrinsics_;
+  Intrinsics intrinsics_;
   const ClothingGiven clothing_;
   const SessionRules rules_;
   FrameStages& stages_;

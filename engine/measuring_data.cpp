@@ -20,17 +20,18 @@ Result<std::unique_ptr<SizeSystem>> load_size_charts(const std::vector<std::stri
   return std::make_unique<SizeSystem>(std::move(*system));
 }
 
-Result<MeasuringData> load_measuring_data(const MeasuringFiles& files) {
+Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, MeasuringBytes bytes) {
   MeasuringData data;
   data.files = files;
-  auto tracker = Tracker::load(files.tracker);
+  auto tracker =
+      bytes.tracker ? Tracker::parse(std::move(*bytes.tracker), files.tracker) : Tracker::load(files.tracker);
   if (!tracker) return tracker.error();
   data.tracker = std::make_unique<Tracker>(std::move(*tracker));
-  auto index = load_index(files.index);
+  auto index = bytes.index ? index::Index::parse(std::move(*bytes.index), files.index) : load_index(files.index);
   if (!index) return index.error();
   data.index = std::make_unique<index::Index>(std::move(*index));
   if (!files.body.empty()) {
-    auto model = load_body(files.body);
+    auto model = bytes.body ? body::BodyModel::parse(std::move(*bytes.body), files.body) : load_body(files.body);
     if (!model) return model.error();
     data.body_model = std::make_unique<body::BodyModel>(std::move(*model));
   }

@@ -3,6 +3,7 @@
 // them.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +23,10 @@ struct MeasuringFiles {
   std::string body;                      // .i2b; "": none, so that features alone answer and no body is made
   std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
 };
+// The contents of files that a caller has in memory; the path is then what messages call them.
+struct MeasuringBytes {
+  std::optional<std::vector<std::byte>> tracker, index, body;
+};
 
 // An engine refers to tracker, index and shape space, a measurement to model, charts and tape: they stay where they
 // are when this is moved.
@@ -37,7 +42,7 @@ struct MeasuringData {
   MeasurementParts parts() const { return {index.get(), body_model.get(), charts.get(), tape.get()}; }
 };
 // All but the tape. Errors name the file and say what makes it.
-Result<MeasuringData> load_measuring_data(const MeasuringFiles& files);
+Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, MeasuringBytes bytes = {});
 Result<std::unique_ptr<SizeSystem>> load_size_charts(const std::vector<std::string>& paths);
 
 // `settings.shape_space` is the data's; `data` must outlive the engine. Errors name index and tracker.

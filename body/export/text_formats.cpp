@@ -84,7 +84,7 @@ std::string bvh_of(const Figure& figure, std::span<const Pose> poses, double fra
 
 }  // namespace
 
-Status write_obj(const Avatar& avatar, const std::string& path) {
+Result<std::string> obj_of(const Avatar& avatar) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
   const auto body = std::span(figure->posed).first(static_cast<std::size_t>(avatar.model->body_vertex_count()));
@@ -108,13 +108,25 @@ Status write_obj(const Avatar& avatar, const std::string& path) {
     }
     out += '\n';
   }
-  return write_file_atomically(path, out);
+  return out;
+}
+
+Status write_obj(const Avatar& avatar, const std::string& path) {
+  const auto text = obj_of(avatar);
+  if (!text) return text.error();
+  return write_file_atomically(path, *text);
+}
+
+Result<std::string> bvh_of(const Avatar& avatar) {
+  const auto figure = make_figure(avatar);
+  if (!figure) return figure.error();
+  return bvh_of(*figure, std::span(&figure->pose, 1), kStillFrameS);
 }
 
 Status write_bvh(const Avatar& avatar, const std::string& path) {
-  const auto figure = make_figure(avatar);
-  if (!figure) return figure.error();
-  return write_file_atomically(path, bvh_of(*figure, std::span(&figure->pose, 1), kStillFrameS));
+  const auto text = bvh_of(avatar);
+  if (!text) return text.error();
+  return write_file_atomically(path, *text);
 }
 
 Status write_bvh(const Avatar& avatar, std::span<const PoseKey> keys, const std::string& path) {

@@ -242,6 +242,7 @@ static void shorter_settings_still_open(void) {
   newer.settings.struct_size = offsetof(im2fit_settings, log_user);
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_UNSUPPORTED);
   newer.settings.struct_size = sizeof newer;
+  newer.settings.user_id = 0;
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_NOT_FOUND);
   newer.more[15] = 1;
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_UNSUPPORTED);

@@ -14,7 +14,8 @@ static void names_and_version(void) {
   CHECK(strcmp(im2fit_status_name(IM2FIT_OK), "ok") == 0);
   CHECK(strcmp(im2fit_status_name(IM2FIT_ERROR_TIMEOUT), "timeout") == 0);
   CHECK(strcmp(im2fit_status_name(IM2FIT_ERROR_INTERNAL), "internal") == 0);
-  CHECK(strcmp(im2fit_status_name(-13), "unknown") == 0);
+  CHECK(strcmp(im2fit_status_name(IM2FIT_ERROR_FORKED), "forked") == 0);
+  CHECK(strcmp(im2fit_status_name(-14), "unknown") == 0);
   CHECK(strcmp(im2fit_status_name(1), "unknown") == 0);
   CHECK(strcmp(im2fit_state_name(IM2FIT_STATE_LOST), "LOST") == 0);
   CHECK(im2fit_state_name(7) == NULL && im2fit_state_name(-1) == NULL);
