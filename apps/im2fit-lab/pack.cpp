@@ -74,8 +74,7 @@ std::vector<std::pair<std::string, std::vector<std::byte>>> texts_of(const PackM
                             manifest.provenance))},
       {"size-charts/en13402-3-men.csv", bytes_of(kBuiltinMenChart)},
       {"size-charts/en13402-3-women.csv", bytes_of(kBuiltinWomenChart)}};
-  for (const TapeText& tape : kTapeTexts)
-    texts.emplace_back(std::string("tape/") + tape.file, bytes_of(tape.text));
+  for (const TapeText& tape : kTapeTexts) texts.emplace_back(std::string("tape/") + tape.file, bytes_of(tape.text));
   return texts;
 }
 
