@@ -24,22 +24,22 @@ std::string upper(std::string text) {
 // Where the answered body is measured, as heights above the floor.
 std::vector<SectionLine> section_lines(const SessionOutcome& outcome) {
   std::vector<SectionLine> lines;
-  if (!outcome.body) return lines;
-  const body::BodyModel& model = outcome.data.body_model;
+  if (!outcome.person.body) return lines;
+  const body::BodyModel& model = *outcome.data.body_model;
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
   std::vector<Vec3f> relaxed(rest.size());
-  model.morph(outcome.body->params, rest);
+  model.morph(outcome.person.body->params, rest);
   const body::Skeleton skeleton = body::rest_skeleton(model, rest);
   body::skin(model, rest, skeleton, body::relaxed_pose(skeleton, body::relaxed_spread_deg(model, rest)), relaxed);
   float lowest = relaxed[0].y;
   for (int i = 0; i < model.body_vertex_count(); ++i)
     lowest = std::min(lowest, relaxed[static_cast<std::size_t>(i)].y);
-  for (const body::Section& section : body::girth_sections(model, relaxed, outcome.body->params.gender)) {
+  for (const body::Section& section : body::girth_sections(model, relaxed, outcome.person.body->params.gender)) {
     if (section.hull.empty() || section.id == Measurement::shoulder_girth) continue;
     SectionLine line;
     const std::size_t id = measurement_index(section.id);
     line.label = fmt::format("{} {:.0f} MM", upper(std::string(kMeasurementTable[id].id)),
-                             outcome.report.result.answer.measurements[id].value);
+                             outcome.person.result.answer.measurements[id].value);
     float width = 0;
     for (const Vec3f& p : section.hull) {
       line.height_mm += (p.y - lowest) / static_cast<float>(section.hull.size());
@@ -52,9 +52,9 @@ std::vector<SectionLine> section_lines(const SessionOutcome& outcome) {
 }
 
 Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
-  const EngineResult& result = outcome.report.result;
+  const EngineResult& result = outcome.person.result;
   OverlayInput overlay;
-  overlay.intrinsics = outcome.report.source.intrinsics;
+  overlay.intrinsics = outcome.person.source.intrinsics;
   overlay.frame = outcome.tap->last_frame();
   overlay.fused_q4 = outcome.engine->fused_depth_q4();
   overlay.mask = outcome.engine->fused_mask();
@@ -67,7 +67,7 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
     const auto& weight = result.answer.measurements[measurement_index(Measurement::weight)];
     overlay.captions = {fmt::format("STATURE {:.0f} MM", stature.value),
                         fmt::format("WEIGHT {:.1f} KG", weight.value)};
-    if (outcome.report.size) overlay.captions.push_back("SIZE " + outcome.report.size->best);
+    if (outcome.person.size) overlay.captions.push_back("SIZE " + outcome.person.size->best);
   } else {
     overlay.captions = {"NOT MEASURED", upper(guidance_words(reported_guidance(result), reported_arms(result)))};
   }
@@ -79,16 +79,17 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
 }  // namespace
 
 Status dress(SessionOutcome& outcome) {
-  if (!outcome.body || outcome.dressed) return Ok{};
+  const auto& body = outcome.person.body;
+  if (!body || outcome.dressed) return Ok{};
+  const body::BodyModel& model = *outcome.data.body_model;
   const Wardrobe& wardrobe = builtin_wardrobe();
-  const bool woman = outcome.report.result.answer.female > 0.5F;
-  const auto worn = everyday_clothes(wardrobe, outcome.report.fits);
-  auto outfit =
-      im2fit::dress(wardrobe, outcome.data.body_model, outcome.body->params, outcome.body->pose, woman, worn);
+  const bool woman = outcome.person.result.answer.female > 0.5F;
+  const auto worn = everyday_clothes(wardrobe, outcome.person.fits);
+  auto outfit = im2fit::dress(wardrobe, model, body->params, body->pose, woman, worn);
   if (!outfit) return outfit.error();
   DressedAvatar dressed;
   dressed.outfit = std::move(*outfit);
-  dressed.avatar = {&outcome.data.body_model, outcome.body->params, outcome.body->pose, dressed.outfit.get(), {}};
+  dressed.avatar = {&model, body->params, body->pose, dressed.outfit.get(), {}};
   for (const Worn& one : worn) dressed.avatar.looks.push_back({one.pattern->id, one.pattern->colour});
   auto glb = body::glb_of(dressed.avatar);
   if (!glb) return glb.error();
@@ -110,11 +111,30 @@ Status write_outputs(const SessionOutcome& outcome, const std::string& directory
   }
   if (outcome.tap->last_frame().pixels != nullptr)
     if (const auto drawn = write_overlay(outcome, directory + "/overlay.png"); !drawn) return drawn.error();
-  return write_file_atomically(directory + "/result.json", result_json(outcome.report));
+  return write_file_atomically(directory + "/result.json", result_json(outcome.person, outcome.timing));
+}
+
+Result<std::string> write_motion(const MotionRecording& motion, const std::string& path, const body::BodyModel& model,
+                                 const std::optional<AnsweredBody>& body) {
+  body::Avatar avatar;
+  avatar.model = &model;
+  if (body) avatar.params = body->params;
+  if (const auto written = motion.write(path, avatar); !written) return written.error();
+  return fmt::format("{}: {} frames{}\n", path, motion.frame_count(),
+                     motion.left_out() > 0 ? fmt::format(", {} more after an hour left out", motion.left_out()) : "");
+}
+
+Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& options, Result<int> code) {
+  if (!code || outcome.motion == nullptr) return code;
+  const auto moved = write_motion(*outcome.motion, options.motion, *outcome.data.body_model, outcome.person.body);
+  if (!moved && *code != kExitOk) return code;  // no person was there: that is said already
+  if (!moved) return moved.error();
+  if (!options.json) fmt::print("{}", *moved);
+  return code;
 }
 
 std::string result_table(const SessionOutcome& outcome) {
-  const EngineResult& result = outcome.report.result;
+  const EngineResult& result = outcome.person.result;
   const auto& truth = outcome.input.truth;
   std::vector<std::string> header = {"measurement", "value", "95 % interval", "paper's method"};
   if (truth) header.insert(header.end(), {"truth", "error", "paper's error"});
@@ -145,11 +165,11 @@ std::string result_table(const SessionOutcome& outcome) {
                             ? ": CLOTHED, said to be bare; take off loose clothes, or say --clothing dressed"
                             : "");
   }
-  if (outcome.report.size) {
-    auto entries = outcome.report.size->entries;
+  if (outcome.person.size) {
+    auto entries = outcome.person.size->entries;
     std::sort(entries.begin(), entries.end(),
               [](const auto& a, const auto& b) { return a.probability > b.probability; });
-    text += fmt::format("size  {} ({}", outcome.report.size->best, outcome.report.size->chart);
+    text += fmt::format("size  {} ({}", outcome.person.size->best, outcome.person.size->chart);
     for (std::size_t i = 0; i < std::min<std::size_t>(2, entries.size()); ++i)
       text += fmt::format("{} {} {:.0f} %", i == 0 ? ":" : ",", entries[i].size, 100 * entries[i].probability);
     text += ")\n";
@@ -162,19 +182,19 @@ std::string result_table(const SessionOutcome& outcome) {
 }
 
 Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options) {
-  const EngineResult& result = outcome.report.result;
+  const EngineResult& result = outcome.person.result;
   if (!options.out.empty()) {
     if (const auto dressed = dress(outcome); !dressed) return dressed.error();
     if (const auto written = write_outputs(outcome, options.out); !written) return written.error();
   }
-  if (options.json) fmt::print("{}", result_json(outcome.report));
+  if (options.json) fmt::print("{}", result_json(outcome.person, outcome.timing));
   if (const auto flushed = flush_output(); !flushed) return flushed.error();
   if (!result.measured) {
     print_error(fmt::format("no measurement after {} frames ({} good ones); needed: {}", result.frames_seen,
                             result.frames_used, guidance_words(reported_guidance(result), reported_arms(result))));
     return kExitNoMeasurement;
   }
-  if (const std::string note = body_note(outcome.report); !note.empty()) print_error(note);
+  if (const std::string note = body_note(outcome.person); !note.empty()) print_error(note);
   if (!options.json) {
     fmt::print("{}", result_table(outcome));
     if (!options.out.empty()) fmt::print("written to {}\n", options.out);

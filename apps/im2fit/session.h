@@ -12,16 +12,19 @@
 #include "apps/common/input.h"
 #include "apps/common/measuring.h"
 #include "body/export/export.h"
+#include "engine/report/motion_recording.h"
 
 namespace im2fit::apps {
 
 struct SessionOptions : MeasuringOptions {
   InputOptions input;
-  std::string out;  // "": no files
+  std::string out;     // "": no files
+  std::string motion;  // file of the joints over time; "": none
   bool json = false;
   bool timing = false;
 };
 void add_session_options(cli::App& sub, SessionOptions& options);
+void add_motion_option(cli::App& sub, std::string& path);
 
 // Called for every frame read, with the engine's latest result.
 using SessionWatch = std::function<void(std::uint64_t frame_count, const EngineResult& result)>;
@@ -37,17 +40,18 @@ struct DressedAvatar {
 struct SessionOutcome {
   MeasuringData data;
   Input input;
+  std::unique_ptr<MotionRecording> motion;  // with options.motion; the engine's threads write to it
   std::unique_ptr<Engine> engine;
   std::unique_ptr<FrameTap> tap;
-  ResultReport report;
-  std::optional<AnsweredBody> body;
+  PersonMeasurement person;              // what the engine said when it was concluded
   std::optional<DressedAvatar> dressed;  // once dress() was called
+  std::optional<ResultTiming> timing;
 };
 
 // Opens everything (so that bad words fail before a frame is read) and makes the folder --out. `engine_watch` sees
 // every frame processed, on the engine's thread; `watch` every frame read.
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch);
-// Makes the report of what the engine says now.
+// Takes what the engine says now.
 Status conclude(SessionOutcome& outcome);
 // Opens, runs to the end or the measurement, concludes.
 Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch);
@@ -59,6 +63,11 @@ Status dress(SessionOutcome& outcome);
 Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options);
 // result.json always; avatar.glb, .obj, .bvh when dressed; overlay.png when there was a frame.
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory);
+// The motion moves the body measured, or an average adult's. What was written, in a line with its end.
+Result<std::string> write_motion(const MotionRecording& motion, const std::string& path, const body::BodyModel& model,
+                                 const std::optional<AnsweredBody>& body);
+// The same after a run that ended with `code`, where the options ask for it; printed unless --json. The exit code.
+Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& options, Result<int> code);
 // For people: value, interval, the paper's, and truth where it is known.
 std::string result_table(const SessionOutcome& outcome);
 

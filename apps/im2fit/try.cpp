@@ -9,13 +9,13 @@
 #include "body/export/export.h"
 #include "body/measure.h"
 #include "core/file.h"
+#include "engine/builtin_tape.h"
 #include "engine/data_files.h"
 #include "engine/paths.h"
 #include "engine/report/dressed_picture.h"
 #include "engine/report/dressing.h"
 #include "engine/report/measured_body.h"
 #include "engine/report/result_json.h"
-#include "engine/report/tape_file.h"
 #include "engine/report/text_table.h"
 
 namespace im2fit::apps {

@@ -8,6 +8,7 @@
 #include "body/export/cloth_part.h"
 #include "body/export/export.h"
 #include "body/export/figure.h"
+#include "body/export/motion.h"
 #include "body/export/rig.h"
 #include "body/model_data.h"
 #include "core/file.h"
@@ -182,6 +183,46 @@ Json material(const char* name, std::array<float, 4> colour, bool double_sided) 
           {"pbrMetallicRoughness", {{"baseColorFactor", colour}, {"metallicFactor", 0}, {"roughnessFactor", 0.8}}}};
 }
 
+// Channels for node 0's translation and every segment's rotation, all at the same times.
+Json animation(Buffer& buffer, const Skeleton& rest, std::span<const PoseKey> keys) {
+  std::vector<float> times;
+  std::vector<Vec3f> roots;
+  std::array<std::vector<std::array<float, 4>>, static_cast<std::size_t>(kSegmentCount)> rotations;
+  for (const PoseKey& key : keys) {
+    const RigPose rig = rig_pose(rest, key.pose);
+    times.push_back(static_cast<float>(key.time_s));
+    roots.push_back(rig.root_m);
+    for (std::size_t s = 0; s < rotations.size(); ++s) {
+      std::array<float, 4> q = rig.rotation[s];
+      // q and -q are one rotation; the sign nearer to the key before goes the short way in every player.
+      float along = 0;
+      for (std::size_t i = 0; i < 4 && !rotations[s].empty(); ++i) along += q[i] * rotations[s].back()[i];
+      if (along < 0)
+        for (float& c : q) c = -c;
+      rotations[s].push_back(q);
+    }
+  }
+  const int input = buffer.add(std::span<const float>(times), "SCALAR", kFloat, times.size());
+  buffer.accessors_.back()["min"] = {times.front()};
+  buffer.accessors_.back()["max"] = {times.back()};
+  Json samplers = Json::array(), channels = Json::array();
+  const auto add = [&](int output, std::size_t node, const char* path) {
+    channels.push_back({{"sampler", samplers.size()}, {"target", {{"node", node}, {"path", path}}}});
+    samplers.push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+  };
+  add(buffer.add(std::span<const Vec3f>(roots), "VEC3", kFloat, roots.size()), 0, "translation");
+  for (std::size_t s = 0; s < rotations.size(); ++s)
+    add(buffer.add(std::span<const std::array<float, 4>>(rotations[s]), "VEC4", kFloat, rotations[s].size()), s,
+        "rotation");
+  return {{"name", "motion"}, {"samplers", samplers}, {"channels", channels}};
+}
+
+bool ascending(std::span<const PoseKey> keys) {
+  for (std::size_t i = 1; i < keys.size(); ++i)
+    if (!(static_cast<float>(keys[i - 1].time_s) < static_cast<float>(keys[i].time_s))) return false;
+  return true;
+}
+
 void append_chunk(std::vector<std::byte>& out, const char* kind, std::span<const std::byte> bytes,
                   std::byte padding) {
   const auto length = static_cast<std::uint32_t>((bytes.size() + 3) / 4 * 4);
@@ -193,9 +234,8 @@ void append_chunk(std::vector<std::byte>& out, const char* kind, std::span<const
   out.insert(out.end(), length - bytes.size(), padding);
 }
 
-}  // namespace
-
-Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
+// A still avatar without keys.
+Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const PoseKey> keys) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
   const BodyModel::Data& d = avatar.model->data();
@@ -228,10 +268,13 @@ Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
   const int matrices =
       buffer.add(std::span<const std::array<float, 16>>(inverse_bind), "MAT4", kFloat, inverse_bind.size());
 
+  Json animations = Json::array();
+  if (!keys.empty()) animations.push_back(animation(buffer, figure->skeleton, keys));
+
   Json nodes = joint_nodes(*figure);
   nodes.push_back({{"name", "avatar"}, {"mesh", 0}, {"skin", 0}});
   const std::size_t mesh_node = nodes.size() - 1;
-  const Json document = {
+  Json document = {
       {"asset", {{"version", "2.0"}, {"generator", "im2fit"}}},
       {"scene", 0},
       {"scenes", {{{"nodes", {0, mesh_node}}}}},
@@ -243,6 +286,7 @@ Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
       {"bufferViews", buffer.views_},
       {"buffers", {{{"byteLength", buffer.bytes_.size()}}}},
   };
+  if (!keys.empty()) document["animations"] = animations;
   const std::string text = document.dump();
 
   std::vector<std::byte> chunks;
@@ -254,8 +298,25 @@ Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
   return chunks;
 }
 
+}  // namespace
+
+Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
+  return bytes_of(avatar, {});
+}
+
+Result<std::vector<std::byte>> animated_glb_of(const Avatar& avatar, std::span<const PoseKey> keys) {
+  if (keys.empty() || !ascending(keys))
+    return Error{ErrorCode::invalid_argument, "a motion needs poses at ascending times"};
+  return bytes_of(avatar, keys);
+}
+
 Status write_glb(const Avatar& avatar, const std::string& path) {
   const auto glb = glb_of(avatar);
+  return glb ? write_file_atomically(path, *glb) : glb.error();
+}
+
+Status write_glb(const Avatar& avatar, std::span<const PoseKey> keys, const std::string& path) {
+  const auto glb = animated_glb_of(avatar, keys);
   return glb ? write_file_atomically(path, *glb) : glb.error();
 }
 

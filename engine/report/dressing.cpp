@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/report/tape_file.h"
+#include "engine/builtin_tape.h"
 
 namespace im2fit {
 

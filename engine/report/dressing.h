@@ -11,8 +11,8 @@
 #include "body/tape.h"
 #include "engine/garment_fit.h"
 #include "engine/report/garment_file.h"
-#include "engine/report/tape_law.h"
 #include "engine/size_chart.h"
+#include "engine/tape_law.h"
 
 namespace im2fit {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/file.h"
+#include "engine/builtin_tape.h"
 #include "engine/report/result_json.h"
-#include "engine/report/tape_file.h"
 
 namespace im2fit {
 namespace {

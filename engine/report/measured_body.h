@@ -7,7 +7,7 @@
 
 #include "body/model.h"
 #include "core/status.h"
-#include "engine/report/tape_law.h"
+#include "engine/tape_law.h"
 
 namespace im2fit {
 

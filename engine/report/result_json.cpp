@@ -156,12 +156,12 @@ Json residual_json(const body::MeasurementFit& fit) {
   return all;
 }
 
-Json body_json(const ResultReport& report) {
-  Json body = {{"entry", report.result.answer.nearest},
-               {"distance", rounded(report.result.answer.nearest_distance, kTenThousandths)}};
-  if (!report.body) return body;
-  const body::MeasurementFit& fit = report.body_fit;
-  body["parameters"] = parameters_json(*report.body, report.modifier_names);
+Json body_json(const PersonMeasurement& person) {
+  Json body = {{"entry", person.result.answer.nearest},
+               {"distance", rounded(person.result.answer.nearest_distance, kTenThousandths)}};
+  if (!person.body) return body;
+  const body::MeasurementFit& fit = person.body->fit;
+  body["parameters"] = parameters_json(person.body->params, person.modifier_names);
   body["residual_mm"] = residual_json(fit);
   body["residual_kg"] = rounded(fit.residual[measurement_index(Measurement::weight)], kThousandths);
   body["meets_measurements"] = body::girth_residual_mm(fit.residual) <= body::kResidualToldMm;
@@ -169,17 +169,17 @@ Json body_json(const ResultReport& report) {
 }
 
 // Of the answered body's mesh, by each definition that is measured.
-Json tape_json(const ResultReport& report) {
+Json tape_json(const PersonMeasurement& person) {
   Json all = Json::object();
-  for (std::size_t i = 0; i < report.tape_values.size(); ++i) {
-    const body::TapeDefinition& d = report.tape->definitions[i];
+  for (std::size_t i = 0; i < person.tape_values.size(); ++i) {
+    const body::TapeDefinition& d = person.tape->definitions[i];
     if (d.kind == body::TapeKind::refused) continue;
     const std::string unit(unit_of(d));
     const double steps = unit == "kg" ? kHundredths : kTenths;
-    Json entry = {{"value", rounded(report.tape_values[i], steps)}, {"unit", unit}};
-    if (i < report.tape_intervals.size() && report.tape_intervals[i].known)
+    Json entry = {{"value", rounded(person.tape_values[i], steps)}, {"unit", unit}};
+    if (i < person.tape_intervals.size() && person.tape_intervals[i].known)
       entry["interval"] =
-          Json::array({rounded(report.tape_intervals[i].low, steps), rounded(report.tape_intervals[i].high, steps)});
+          Json::array({rounded(person.tape_intervals[i].low, steps), rounded(person.tape_intervals[i].high, steps)});
     entry["iso"] = d.iso_8559.empty() ? Json(nullptr) : Json("ISO 8559-1:2017 " + d.iso_8559);
     all[d.id] = entry;
   }
@@ -297,8 +297,8 @@ std::string fit_json(const GarmentFit& fit) {
   return garment_json(fit).dump(2) + "\n";
 }
 
-std::string result_json(const ResultReport& report) {
-  const EngineResult& r = report.result;
+std::string result_json(const PersonMeasurement& person, const std::optional<ResultTiming>& timing) {
+  const EngineResult& r = person.result;
   Json json;
   json["schema"] = std::string(kResultSchema);
   json["state"] = std::string(name_of(r.state));
@@ -306,25 +306,25 @@ std::string result_json(const ResultReport& report) {
   json["guidance_details"] = Json::object();
   if (const ArmSet arms = reported_arms(r); arms != 0) json["guidance_details"]["arms_close"] = names_of_arms(arms);
   json["frames"] = {{"seen", r.frames_seen}, {"used", r.frames_used}, {"dropped", r.frames_dropped}};
-  json["source"] = source_json(report.source);
+  json["source"] = source_json(person.source);
   if (r.measured) json["views"] = std::string(name_of(r.views));
   if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));
   if (r.measured) json["clothing"] = clothing_json(r.answer);
   json["measurements"] = measurements_json(r);
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured) json["age"] = age_json(r.age);
-  if (r.measured && report.size) json["size"] = size_json(*report.size);
-  if (r.measured && !report.fits.empty()) {
+  if (r.measured && person.size) json["size"] = size_json(*person.size);
+  if (r.measured && !person.fits.empty()) {
     json["fit"] = Json::array();
-    for (const GarmentFit& fit : report.fits) json["fit"].push_back(garment_json(fit));
+    for (const GarmentFit& fit : person.fits) json["fit"].push_back(garment_json(fit));
   }
   json["joints"] = joints_json(r);
-  if (r.measured) json["body"] = body_json(report);
-  if (r.measured && report.body && report.tape != nullptr) json["tape"] = tape_json(report);
+  if (r.measured) json["body"] = body_json(person);
+  if (r.measured && person.body && person.tape != nullptr) json["tape"] = tape_json(person);
   json["paper"] = paper_json(r);
-  if (report.timing)
-    json["timing"] = {{"total_ms", rounded(report.timing->total_ms, kTenths)},
-                      {"first_answer_ms", rounded(report.timing->first_answer_ms, kTenths)},
+  if (timing)
+    json["timing"] = {{"total_ms", rounded(timing->total_ms, kTenths)},
+                      {"first_answer_ms", rounded(timing->first_answer_ms, kTenths)},
                       {"sequence_gaps", r.sequence_gaps},
                       {"sequence_repeats", r.sequence_repeats},
                       {"time_reversals", r.time_reversals}};

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // result.json, schema im2fit.result/1: docs/result.md says what each field means, docs/result.schema.json is
-// machine-readable. The same report gives the same bytes on every machine.
+// machine-readable. The same measurement gives the same bytes on every machine.
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "body/measurement_fit.h"
-#include "body/tape.h"
-#include "engine/engine.h"
-#include "engine/garment_fit.h"
-#include "engine/report/tape_law.h"
-#include "engine/size_chart.h"
+#include "engine/person_measurement.h"
 
 namespace im2fit {
 
@@ -32,23 +25,9 @@ struct ResultTiming {
   double first_answer_ms = 0;
 };
 
-struct ResultReport {
-  EngineResult result;
-  hal::SourceInfo source;
-  std::optional<SizeAnswer> size;    // size_probabilities of the chest
-  std::optional<body::Params> body;  // body_of_answer; needs modifier_names and body_fit
-  body::MeasurementFit body_fit;
-  std::span<const std::string> modifier_names;  // BodyModel::modifier_names()
-  const body::Tape* tape = nullptr;             // with `body`: what its mesh measures by each definition
-  std::vector<float> tape_values;               // a value a definition; not-a-number: none
-  std::vector<TapeInterval> tape_intervals;     // as tape_values; may be empty
-  std::vector<GarmentFit> fits;                 // of each garment; empty: none was asked for
-  std::optional<ResultTiming> timing;
-};
-
 // UTF-8 with two spaces of indentation and a line end. Text that is no UTF-8 (paths may be) has its odd bytes
 // replaced.
-std::string result_json(const ResultReport& report);
+std::string result_json(const PersonMeasurement& person, const std::optional<ResultTiming>& timing = {});
 // An entry of its `fit`, alone.
 std::string fit_json(const GarmentFit& fit);
 

@@ -13,7 +13,7 @@
 #include "body/model_data.h"
 #include "body/population.h"
 #include "body/tape.h"
-#include "engine/report/tape_file.h"
+#include "engine/builtin_tape.h"
 
 namespace {
 

@@ -204,6 +204,15 @@ std::vector<Stay> stays_of(const body::BodyModel& model) {
         level.row.push_back({v, {0, sign / static_cast<float>(d.lists[list].count), 0}});
     stays.emplace_back(Stay{{}, 1});  // pairs: aside or level first, then forwards
   }
+  // Who stands bears on heel and ball: a foot keeps its pitch. Left free, heights and girths of the shank are met by
+  // feet whose toes hang in the air, 16 mm in the mean.
+  for (const Segment s : {Segment::left_foot, Segment::right_foot}) {
+    Stay& pitch = stays.emplace_back(Stay{{}, 1});
+    for (const auto& [list, sign] : {std::pair{tail(s), 1.0F}, std::pair{head(s), -1.0F}})
+      for (const std::int32_t v : d.list_vertices.subspan(d.lists[list].first, d.lists[list].count))
+        pitch.row.push_back({v, {0, sign / static_cast<float>(d.lists[list].count), 0}});
+    stays.emplace_back(Stay{{}, 1});
+  }
   return stays;
 }
 

@@ -8,9 +8,9 @@
 #include <set>
 
 #include "body/garment/garment_mesh.h"
+#include "engine/builtin_tape.h"
 #include "engine/garment_fit.h"
 #include "engine/report/garment_file.h"
-#include "engine/report/tape_file.h"
 #include "engine/size_chart.h"
 
 namespace im2fit {
@@ -38,7 +38,7 @@ TEST(Wardrobe, HasTheSixAndTheirFabrics) {
     EXPECT_NE(wardrobe.fabric(g.fabric), nullptr) << g.id;
     for (const std::string& name : g.names) EXPECT_FALSE(name.empty()) << g.id;
     for (const body::FitRegion& region : g.regions)
-      EXPECT_GE(definition_index(builtin_tape(), region.measure), 0) << g.id << " " << region.measure;
+      EXPECT_GE(body::definition_index(builtin_tape(), region.measure), 0) << g.id << " " << region.measure;
   }
   EXPECT_EQ(ids, (std::set<std::string>{"t_shirt", "long_sleeved_shirt", "trousers", "shorts", "skirt", "dress"}));
   EXPECT_EQ(wardrobe.fabrics.size(), 3U);

@@ -231,6 +231,52 @@ TEST_P(Threading, StaysWithItsUserAndIsLostWithHim) {
   EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550) << "the first user's frames are forgotten";
 }
 
+// A source writes into the pool itself.
+TEST_P(Threading, FramesWrittenInPlaceMeasureAsFramesPushed) {
+  Rig pushed(with(GetParam())), written(with(GetParam()));
+  EXPECT_FALSE(written.engine->commit({})) << "nothing was acquired";
+  for (int i = 0; i < 12; ++i) {
+    const Shot shot{.value = static_cast<std::uint16_t>(1000 + i)};
+    pushed.push(shot);
+    const auto place = written.engine->acquire();
+    ASSERT_TRUE(place);
+    const auto again = written.engine->acquire();
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->pixels, place->pixels) << "the same until commit()";
+    const FramePixels frame(shot);
+    std::memcpy(place->pixels, frame.pixels.data(), frame.pixels.size() * sizeof(std::uint16_t));
+    hal::FrameInfo info;
+    info.sequence = written.next;
+    info.host_ns = static_cast<std::int64_t>(++written.next) * 33333333;
+    ASSERT_TRUE(written.engine->commit(info));
+  }
+  ASSERT_TRUE(written.engine->acquire()) << "a place that is held keeps no one from finishing";
+  pushed.engine->finish();
+  written.engine->finish();
+  EXPECT_FALSE(written.engine->acquire());
+  EXPECT_TRUE(written.engine->result().measured);
+  EXPECT_EQ(written.engine->result().answer.measurements[0].value,
+            pushed.engine->result().answer.measurements[0].value);
+  written.engine->reset();
+  EXPECT_TRUE(written.engine->acquire());
+}
+
+// Live, with every slot taken, a source still has a place to write to; what cannot be kept is counted.
+TEST(Engine, ALiveSourceAlwaysHasAPlace) {
+  EngineSettings settings = small_settings();
+  settings.live = true;
+  settings.pool_frames = 3;
+  Rig rig(settings);
+  rig.control.sense_delay_us = 2000;
+  rig.control.fit_delay_us = 2000;
+  constexpr std::uint64_t kCount = 200;
+  for (std::uint64_t i = 0; i < kCount; ++i) rig.push(Shot{.guidance = kNear});
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_GT(r.frames_dropped, 0U);
+  EXPECT_EQ(r.frames_seen + r.frames_dropped, kCount);
+}
+
 TEST_P(Threading, TheNextPersonIsAwaitedOutsideThePicture) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 12; ++i) rig.push({.value = 2000, .user = 1});
@@ -326,6 +372,75 @@ TEST_P(Threading, WhoWasMeasuredBeforeAFrameGapHasLeft) {
   rig.engine->finish();
   EXPECT_EQ(rig.engine->result().session, 1U);
   EXPECT_TRUE(rig.engine->result().measured);
+}
+
+// Who comes second and third is measured from the same frames however far the producer ran ahead: SENSE, whose state
+// goes into the joints, sees every frame, and FIT says itself where a session begins.
+TEST(Engine, EveryPersonOfARecordingHasTheSameBitsOnOneThreadAndTwo) {
+  const auto people = [](bool single_thread, int sense_delay_us, int fit_delay_us) {
+    EngineSettings settings = with(single_thread);
+    settings.one_after_another = true;
+    Rig rig(settings);
+    rig.control.sense_delay_us = sense_delay_us;
+    rig.control.fit_delay_us = fit_delay_us;
+    std::vector<EngineResult> measured;
+    bool reported = false;
+    std::uint32_t session = 0;
+    const auto look = [&] {
+      const EngineResult now = rig.engine->result();
+      if (now.session != session) reported = false;
+      session = now.session;
+      if (!now.measured || reported) return;
+      reported = true;
+      rig.engine->finish();
+      measured.push_back(rig.engine->result());
+      rig.engine->next_person();
+    };
+    const auto push = [&](const Shot& shot) {
+      rig.push(shot);
+      look();
+    };
+    for (int person = 1; person <= 3; ++person) {
+      const auto value = static_cast<std::uint16_t>(1000 * person);
+      if (person == 2) ++rig.next;  // a sequence gap of the second's
+      for (int i = 0; i < 10 + 4 * person; ++i)
+        push({.guidance = i % 5 == 0 ? kNear : 0, .value = value, .user = person});
+      for (int i = 0; i < 20 + person; ++i) push({.found = false});
+    }
+    rig.engine->finish();
+    look();
+    return measured;
+  };
+  const std::vector<EngineResult> one = people(true, 0, 0);
+  ASSERT_EQ(one.size(), 3U);
+  for (const auto& [sense_us, fit_us] : {std::pair{0, 0}, std::pair{0, 300}, std::pair{300, 0}}) {
+    const std::vector<EngineResult> two = people(false, sense_us, fit_us);
+    ASSERT_EQ(two.size(), 3U) << sense_us << " " << fit_us;
+    for (std::size_t i = 0; i < 3; ++i) {
+      SCOPED_TRACE(i);
+      EXPECT_EQ(two[i].session, one[i].session);
+      EXPECT_EQ(two[i].frames_seen, one[i].frames_seen);
+      EXPECT_EQ(two[i].frames_used, one[i].frames_used);
+      EXPECT_EQ(two[i].guidance_frames, one[i].guidance_frames);
+      EXPECT_EQ(two[i].sequence_gaps, one[i].sequence_gaps);
+      EXPECT_EQ(two[i].answer.measurements[0].value, one[i].answer.measurements[0].value);
+      EXPECT_EQ(two[i].measured_joints[Joint::HE].x, one[i].measured_joints[Joint::HE].x) << "which frame it was";
+      EXPECT_EQ(two[i].floor.camera_height_mm, one[i].floor.camera_height_mm);
+    }
+  }
+  EXPECT_EQ(one[0].sequence_gaps, 0U);
+  EXPECT_EQ(one[1].sequence_gaps, 1U) << "each session counts its own";
+  EXPECT_EQ(one[2].sequence_gaps, 0U);
+}
+
+TEST(Engine, APoolDeeperThanAnAnswerStandsIsRefusedWhereSessionsFollowByThemselves) {
+  EngineSettings settings = small_settings();
+  settings.one_after_another = true;
+  settings.pool_frames = kAbsentFramesMax + 1;
+  FakeStages::Control control;
+  const auto engine = create_engine(settings, std::make_unique<FakeStages>(control));
+  ASSERT_FALSE(engine);
+  EXPECT_THAT(engine.error().message, testing::HasSubstr("pool_frames"));
 }
 
 TEST_P(Threading, WhoeverWaitsBesideIsMeasuredWhenTheFirstLeaves) {
