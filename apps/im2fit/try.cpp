@@ -71,7 +71,7 @@ Status draw(const TryOptions& options, const body::GarmentPattern& pattern, cons
   model.morph(person.params, rest);
   const body::Skeleton skeleton = body::rest_skeleton(model, rest);
   const body::Pose pose = body::relaxed_pose(skeleton, body::relaxed_spread_deg(model, rest));
-  Wardrobe wardrobe = builtin_wardrobe();
+  const Wardrobe& wardrobe = builtin_wardrobe();
   const Worn worn[] = {{&pattern, chest_mm}};
   const auto outfit = dress(wardrobe, model, person.params, pose, person.female > 0.5F, worn);
   if (!outfit) return outfit.error();

@@ -137,6 +137,7 @@ class Builder {
     }
     std::stable_sort(colour.begin(), colour.end(), [](const auto& l, const auto& r) { return l.first < r.first; });
     std::vector<T> sorted;
+    sorted.reserve(list.size());
     for (const auto& [c, i] : colour) sorted.push_back(list[i]);
     list.swap(sorted);
     return most;

@@ -131,6 +131,7 @@ std::vector<Place> lattice(const std::vector<Flat>& outline, double edge) {
 
 FilledPanel fill_panel(const std::vector<Flat>& outline, float edge_mm) {
   std::vector<Place> points;
+  points.reserve(outline.size());
   for (const Flat& f : outline) points.push_back({f.x, f.y});
   const auto inner = lattice(outline, edge_mm);
   points.insert(points.end(), inner.begin(), inner.end());
