@@ -4,11 +4,12 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+
+#include "core/text.h"
 
 namespace im2fit::apps {
 namespace {
@@ -30,9 +31,7 @@ Result<int> guarded(const Command& command) {
 }  // namespace
 
 void print_error(const std::string& text) {
-  std::string line = text;
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  fmt::print(stderr, "{}: {}\n", program_name(), line);
+  fmt::print(stderr, "{}: {}\n", program_name(), printable(text));
 }
 
 int run_program(cli::App& program, Command& chosen, int argc, char** argv) {

@@ -73,7 +73,8 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   if (!data->warning.empty()) fmt::print(stderr, "{}\n", data->warning);
   auto engine = make_engine(options, *data, input->source->info(), std::move(engine_watch));
   if (!engine) return engine.error();
-  SessionOutcome outcome{std::move(*data), std::move(*input), std::move(*engine), nullptr, {}, std::nullopt};
+  SessionOutcome outcome{std::move(*data), std::move(*input), std::move(*engine), nullptr, {},
+                         std::nullopt,     options.turn};
   outcome.tap = std::make_unique<FrameTap>(*outcome.input.source, 0, std::move(watch));
   catch_interrupt();
   return outcome;
@@ -85,6 +86,8 @@ Status conclude(SessionOutcome& outcome) {
   auto answered = answer_of(*outcome.engine, outcome.data, outcome.input.source->info());
   if (!answered) return answered.error();
   outcome.report = std::move(answered->report);
+  outcome.report.frames_damaged = outcome.input.source->stats().damaged;
+  outcome.report.turn_asked = outcome.turn_asked;
   outcome.body = std::move(answered->body);
   return Ok{};
 }

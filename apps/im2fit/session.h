@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/common/cli.h"
 #include "apps/common/input.h"
@@ -30,6 +31,7 @@ struct SessionOutcome {
   std::unique_ptr<FrameTap> tap;
   ResultReport report;
   std::optional<AnsweredBody> body;
+  bool turn_asked = false;
 };
 
 // Opens everything (so that bad words fail before a frame is read) and makes the folder --out. `engine_watch` sees
@@ -42,8 +44,10 @@ Result<SessionOutcome> run_session(const SessionOptions& options, const SessionW
 
 // Files, then the answer on stdout; exit 3 when there is none.
 Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& options);
-// result.json always; avatar.glb, .obj, .bvh when measured; overlay.png when there was a frame.
+// result.json first and always; avatar.glb, .obj, .bvh when measured; overlay.png when there was a frame.
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory);
+// What a person should know of a measurement beside its values: damaged frames, a back that was not used.
+std::vector<std::string> session_notes(const SessionOutcome& outcome);
 // For people: value, interval, the paper's, and truth where it is known.
 std::string result_table(const SessionOutcome& outcome);
 

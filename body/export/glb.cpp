@@ -230,7 +230,7 @@ Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
 
 Status write_glb(const Avatar& avatar, const std::string& path) {
   const auto glb = glb_of(avatar);
-  return glb ? write_file_atomically(path, *glb) : glb.error();
+  return glb ? write_file_atomically(path, *glb, Readable::by_owner) : glb.error();
 }
 
 }  // namespace im2fit::body

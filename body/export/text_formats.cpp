@@ -85,7 +85,7 @@ Status write_obj(const Avatar& avatar, const std::string& path) {
     }
     out += '\n';
   }
-  return write_file_atomically(path, out);
+  return write_file_atomically(path, out, Readable::by_owner);
 }
 
 Status write_bvh(const Avatar& avatar, const std::string& path) {
@@ -96,7 +96,7 @@ Status write_bvh(const Avatar& avatar, const std::string& path) {
   append_joint(out, motion, *figure, 0, 0);
   motion.back() = '\n';
   out += "MOTION\nFrames: 1\nFrame Time: 0.0333333\n" + motion;
-  return write_file_atomically(path, out);
+  return write_file_atomically(path, out, Readable::by_owner);
 }
 
 Status write_skel(const Avatar& avatar, const std::string& path) {
@@ -109,7 +109,7 @@ Status write_skel(const Avatar& avatar, const std::string& path) {
     append_triple(out, joints.position_mm[j], 1, 2);
     out += '\n';
   }
-  return write_file_atomically(path, out);
+  return write_file_atomically(path, out, Readable::by_owner);
 }
 
 Status write_attributes(const Avatar& avatar, const std::string& path) {
@@ -129,7 +129,7 @@ Status write_attributes(const Avatar& avatar, const std::string& path) {
   line("asian", p.race[1], 6);
   line("caucasian", p.race[2], 6);
   line("proportions", p.proportions, 6);
-  return write_file_atomically(path, out);
+  return write_file_atomically(path, out, Readable::by_owner);
 }
 
 }  // namespace im2fit::body

@@ -41,6 +41,8 @@ struct ResultReport {
   const body::Tape* tape = nullptr;             // with `body`: what its mesh measures by each definition
   std::vector<float> tape_values;               // a value a definition; not-a-number: none
   std::vector<TapeInterval> tape_intervals;     // as tape_values; may be empty
+  std::uint64_t frames_damaged = 0;             // SourceStats::damaged: left out
+  bool turn_asked = false;                      // both sides were wanted
   std::optional<ResultTiming> timing;
 };
 
@@ -54,5 +56,7 @@ GuidanceSet reported_guidance(const EngineResult& result);
 // Which arms its ARMS_CLOSE is about: those of the latest frame, else those named in at least half of the frames with
 // that code.
 ArmSet reported_arms(const EngineResult& result);
+// The same, with TURN_ROUND where both sides were wanted and the answer rests on the front alone.
+GuidanceSet reported_guidance(const ResultReport& report);
 
 }  // namespace im2fit
