@@ -25,7 +25,7 @@ void catch_signals() {
 Status serve(const Words& words) {
   auto config = load_config(words.config);
   if (!config) return config.error();
-  if (words.check) return Ok{};
+  if (words.check) return Daemon::check(*config);
   catch_signals();
   Notifier notifier;
   for (;;) {
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
       "Made for systemd: see im2fitd.service and docs/daemon.md. Exit codes: 0 stopped, 1 failed, 2 wrong use.");
   Words words;
   app.add_option("--config", words.config, "Configuration")->type_name("YAML")->capture_default_str();
-  app.add_flag("--check", words.check, "Look at the configuration only");
+  app.add_flag("--check", words.check, "Look at the configuration and its files only: refuses what a start would");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
