@@ -32,9 +32,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       mask[static_cast<std::size_t>(v * kWidth + u)] = 1;
     }
   const Intrinsics k{kWidth, kHeight, 60, 60, 20, 30};
+  Person person;
+  person.found = true;
+  person.id = person.people_count = 1;
+  person.u_min = 12;
+  person.v_min = 5;
+  person.u_max = 27;
+  person.v_max = 54;
+  person.pixel_count = 16 * 50;
+  person.centroid_mm = {0, 0, 2030};
   JointTracker tracker(*model);
-  const auto joints =
-      tracker.track(DepthView(depth.data(), kWidth, kHeight), MaskView(mask.data(), kWidth, kHeight), k);
+  const auto joints = tracker.track(DepthView(depth.data(), kWidth, kHeight), MaskView(mask.data(), kWidth, kHeight),
+                                    k, person, false);
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const Vec3f p = joints.position_mm[j];
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) __builtin_trap();
