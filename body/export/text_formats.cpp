@@ -132,12 +132,9 @@ Status write_bvh(const Avatar& avatar, const std::string& path) {
 Status write_bvh(const Avatar& avatar, std::span<const PoseKey> keys, const std::string& path) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
-  if (keys.empty()) return Error{ErrorCode::invalid_argument, "a motion needs poses at ascending times"};
+  if (auto ok = check_ascending(keys); !ok) return ok;
   std::vector<double> steps;
-  for (std::size_t i = 1; i < keys.size(); ++i) {
-    steps.push_back(keys[i].time_s - keys[i - 1].time_s);
-    if (!(steps.back() > 0)) return Error{ErrorCode::invalid_argument, "a motion needs poses at ascending times"};
-  }
+  for (std::size_t i = 1; i < keys.size(); ++i) steps.push_back(keys[i].time_s - keys[i - 1].time_s);
   double frame_s = kStillFrameS;
   if (!steps.empty()) {
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
