@@ -75,7 +75,15 @@ class TapeMeasurer::Work {
   }
 
   void measure(const Tape& tape, const Params& params, std::span<float> out) {
-    pose(params);
+    model_.morph(params, rest_);
+    measure_rest(tape, params.gender, out);
+  }
+  void measure_rest_mesh(const Tape& tape, std::span<const Vec3f> rest_vertices, float gender, std::span<float> out) {
+    std::copy(rest_vertices.begin(), rest_vertices.end(), rest_.begin());
+    measure_rest(tape, gender, out);
+  }
+  void measure_rest(const Tape& tape, float gender, std::span<float> out) {
+    pose(gender);
     place_points(tape);
     for (std::size_t i = 0; i < tape.definitions.size(); ++i) {
       const TapeDefinition& d = tape.definitions[i];
@@ -102,14 +110,13 @@ class TapeMeasurer::Work {
   std::span<const Vec3f> mesh() const { return posed_; }
 
  private:
-  void pose(const Params& params) {
-    model_.morph(params, rest_);
-    values_ = measurer_.measure_rest_mesh(rest_, params.gender);
+  void pose(float gender) {
+    values_ = measurer_.measure_rest_mesh(rest_, gender);
     const Skeleton rest = rest_skeleton(model_, rest_);
     const Pose pose = relaxed_pose(rest, relaxed_spread_deg(model_, rest_));
     skin(model_, rest_, rest, pose, posed_);
     bones_ = pose_skeleton(rest, pose);
-    sections_ = girth_sections(model_, posed_, params.gender);
+    sections_ = girth_sections(model_, posed_, gender);
     floor_ = posed_[0].y;
     for (const Vec3f& v : body()) floor_ = v.y < floor_ ? v.y : floor_;
   }
@@ -384,6 +391,10 @@ TapeMeasurer::~TapeMeasurer() = default;
 
 void TapeMeasurer::measure(const Tape& tape, const Params& params, std::span<float> out) {
   work_->measure(tape, params, out);
+}
+void TapeMeasurer::measure_rest_mesh(const Tape& tape, std::span<const Vec3f> rest_vertices, float gender,
+                                     std::span<float> out) {
+  work_->measure_rest_mesh(tape, rest_vertices, gender, out);
 }
 TapeLines TapeMeasurer::lines(const Tape& tape, int definition) {
   return work_->lines(tape, definition);

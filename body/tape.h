@@ -123,6 +123,8 @@ class TapeMeasurer {
   ~TapeMeasurer();
   // out: a place a definition. Not-a-number: refused, or the body has no such section. About 30 ms for the shipped.
   void measure(const Tape& tape, const Params& params, std::span<float> out);
+  // The same of a rest mesh that parameters alone do not make. `rest_vertices`: all of the model's.
+  void measure_rest_mesh(const Tape& tape, std::span<const Vec3f> rest_vertices, float gender, std::span<float> out);
   // Of the body measured last.
   TapeLines lines(const Tape& tape, int definition);
   std::span<const Vec3f> mesh() const;  // posed, all vertices of the model

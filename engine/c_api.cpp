@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C functions of include/im2fit/im2fit.h over the C++ engine. Nothing of C++ crosses: every function catches.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <span>
 #include <string>
@@ -12,13 +14,15 @@
 
 #include "body/skeleton.h"
 #include "core/measurement.h"
-#include "engine/avatar.h"
-#include "engine/c_handle.h"
+#include "engine/c_api/person.h"
 
 namespace {
 
-using im2fit::Error;
-using im2fit::ErrorCode;
+using im2fit::c::fail;
+using im2fit::c::guarded;
+using im2fit::c::no_body;
+using im2fit::c::not_measured;
+using im2fit::c::with_person;
 
 static_assert(IM2FIT_MEASUREMENT_COUNT == im2fit::kMeasurementCount);
 static_assert(IM2FIT_JOINT_COUNT == im2fit::kJointCount);
@@ -40,45 +44,12 @@ static_assert(IM2FIT_GUIDANCE_TURN_ROUND == static_cast<int>(im2fit::Guidance::t
 static_assert(IM2FIT_GUIDANCE_CLOTHED == static_cast<int>(im2fit::Guidance::clothed));
 static_assert(IM2FIT_CLOTHING_DRESSED == static_cast<int>(im2fit::ClothingGiven::dressed));
 // No padding at the end, which callers never set: a field that comes later would be read from it.
-static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, sensor) + sizeof(int32_t));
+static_assert(sizeof(im2fit_settings) == offsetof(im2fit_settings, body_data) + sizeof(im2fit_data));
 
 #define IM2FIT_TEXT_OF(x) #x
 #define IM2FIT_TEXT(x) IM2FIT_TEXT_OF(x)
 constexpr const char* kVersion =
     IM2FIT_TEXT(IM2FIT_VERSION_MAJOR) "." IM2FIT_TEXT(IM2FIT_VERSION_MINOR) "." IM2FIT_TEXT(IM2FIT_VERSION_PATCH);
-
-using ErrorText = std::array<char, 512>;
-thread_local ErrorText thread_error{};  // failures with no handle to keep them
-
-void keep(ErrorText& place, std::string_view text) {
-  const std::size_t length = std::min(text.size(), place.size() - 1);
-  std::memcpy(place.data(), text.data(), length);
-  place[length] = '\0';
-}
-
-int fail(im2fit_handle* handle, int status, std::string_view text) {
-  ErrorText& place = handle != nullptr ? handle->error : thread_error;
-  keep(place, text);
-  if (handle != nullptr && handle->log != nullptr) handle->log(handle->log_user, status, place.data());
-  return status;
-}
-int fail(im2fit_handle* handle, const Error& error) {
-  return fail(handle, im2fit::status_of(error.code), error.message);
-}
-
-// Runs `body` with a handle that exists, and turns whatever it throws into a status.
-template <class Body>
-int guarded(im2fit_handle* handle, Body body) noexcept {
-  if (handle == nullptr) return fail(nullptr, IM2FIT_ERROR_INVALID_ARGUMENT, "the handle is NULL");
-  handle->error[0] = '\0';
-  try {
-    return body(*handle);
-  } catch (const std::bad_alloc&) {
-    return fail(handle, IM2FIT_ERROR_NO_MEMORY, "out of memory");
-  } catch (...) {
-    return fail(handle, IM2FIT_ERROR_INTERNAL, "internal error");
-  }
-}
 
 // Up to `log_user`: what every caller has. Fields past the caller's size are 0.
 constexpr std::size_t kSettingsSizeMin = offsetof(im2fit_settings, user_id);
@@ -105,7 +76,7 @@ int open_guarded(const im2fit_settings* settings, im2fit_handle** handle) {
     return IM2FIT_OK;
   }
   const int status = fail(nullptr, opened.error());
-  if (known.log != nullptr) known.log(known.log_user, status, thread_error.data());
+  if (known.log != nullptr) known.log(known.log_user, status, im2fit::c::last_error_of_thread());
   return status;
 }
 
@@ -160,35 +131,12 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   return out;
 }
 
-int push_frame(im2fit_handle& handle, im2fit::DepthView depth, std::uint64_t sequence, std::int64_t time_ns) {
-  im2fit::hal::FrameInfo info;
-  info.sequence = sequence;
-  info.host_ns = time_ns;
-  const auto pushed = handle.engine->push(depth, info);
-  return pushed ? IM2FIT_OK : fail(&handle, pushed.error());
-}
-
-int not_measured(im2fit_handle& handle) {
-  return fail(&handle, IM2FIT_ERROR_NOT_MEASURED, "nothing is measured yet: push frames until state is MEASURED");
-}
-
-im2fit::Result<im2fit::AnsweredBody> body_of(const im2fit_handle& handle, const im2fit::EngineResult& r) {
-  return im2fit::body_of_answer(*handle.body, *handle.index, r.answer, r.measured_joints, r.floor);
-}
-
-int no_body(im2fit_handle& handle) {
-  return fail(&handle, IM2FIT_ERROR_UNSUPPORTED, "no body model is loaded: set settings.body_path");
-}
-
 // Posed body vertices, the lowest at y = 0.
-im2fit::Result<std::vector<im2fit::Vec3f>> posed_mesh(const im2fit_handle& handle, const im2fit::EngineResult& r) {
-  const im2fit::body::BodyModel& model = *handle.body;
-  const auto answered = body_of(handle, r);
-  if (!answered) return answered.error();
+std::vector<im2fit::Vec3f> posed_mesh(const im2fit::body::BodyModel& model, const im2fit::AnsweredBody& body) {
   std::vector<im2fit::Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(answered->params, rest);
+  model.morph(body.params, rest);
   std::vector<im2fit::Vec3f> posed(rest.size());
-  im2fit::body::skin(model, rest, im2fit::body::rest_skeleton(model, rest), answered->pose, posed);
+  im2fit::body::skin(model, rest, im2fit::body::rest_skeleton(model, rest), body.pose, posed);
   posed.resize(static_cast<std::size_t>(model.body_vertex_count()));
   float sole = posed.front().y;
   for (const im2fit::Vec3f& v : posed) sole = std::min(sole, v.y);
@@ -211,15 +159,15 @@ const char* im2fit_version(void) {
 }
 
 const char* im2fit_status_name(int status) {
-  constexpr std::array<std::string_view, 13> kNames = {
+  constexpr std::array<std::string_view, 14> kNames = {
       "ok",      "invalid_argument", "not_found", "io",           "corrupt",   "unsupported", "no_device",
-      "timeout", "end_of_stream",    "no_memory", "not_measured", "too_small", "internal"};
+      "timeout", "end_of_stream",    "no_memory", "not_measured", "too_small", "internal",    "forked"};
   const char* name = status <= 0 && status > -100 ? name_at(kNames, -status) : nullptr;
   return name != nullptr ? name : "unknown";
 }
 
 const char* im2fit_last_error(const im2fit_handle* handle) {
-  return handle != nullptr ? handle->error.data() : thread_error.data();
+  return handle != nullptr ? handle->error.data() : im2fit::c::last_error_of_thread();
 }
 
 void im2fit_settings_init(im2fit_settings* settings, size_t struct_size) {
@@ -247,6 +195,7 @@ int im2fit_open(const im2fit_settings* settings, im2fit_handle** handle) {
 }
 
 void im2fit_close(im2fit_handle* handle) {
+  if (handle != nullptr && !im2fit::c::opened_here(*handle)) handle->leave_to_parent();
   delete handle;
 }
 
@@ -258,7 +207,11 @@ int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, 
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT,
                   "the stride is less than the width (it counts values, not bytes)");
     const im2fit::DepthView depth(depth_mm, width, height, stride == 0 ? width : static_cast<int>(stride));
-    return push_frame(h, depth, sequence, time_ns);
+    im2fit::hal::FrameInfo info;
+    info.sequence = sequence;
+    info.host_ns = time_ns;
+    const auto pushed = h.engine->push(depth, info);
+    return pushed ? static_cast<int>(IM2FIT_OK) : fail(&h, pushed.error());
   });
 }
 
@@ -273,6 +226,8 @@ int im2fit_finish(im2fit_handle* handle) {
 int im2fit_reset(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
     h.engine->reset();
+    h.person.reset();
+    h.frames.forget();
     return static_cast<int>(IM2FIT_OK);
   });
 }
@@ -308,44 +263,50 @@ int im2fit_attach(im2fit_handle* handle, const char* uri) {
     if (h.opener == nullptr)
       return fail(&h, IM2FIT_ERROR_UNSUPPORTED,
                   std::string("no opener for ") + uri + ": call im2fit_set_opener first, or push frames");
-    h.close_source();
-    h.source_pixels.resize(static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height));
+    h.source.reset();
     im2fit_source source{};
     const int status = h.opener(h.opener_user, uri, &source);
-    if (status != IM2FIT_OK) return fail(&h, status, std::string("cannot open ") + uri);
+    if (status != IM2FIT_OK)
+      return fail(&h, im2fit::c::known_status(status),
+                  std::string("cannot open ") + uri + ": the opener returned " + std::to_string(status));
     if (source.next == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, std::string("the opener set no next() for ") + uri);
-    h.source = source;
-    h.attached = true;
+    h.source = std::make_unique<OpenedSource>(source, h.origin);
     return static_cast<int>(IM2FIT_OK);
   });
 }
 
 int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms) {
   return guarded(handle, [&](im2fit_handle& h) {
-    if (!h.attached)
+    if (h.source == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "no source is attached: call im2fit_attach first");
-    std::uint64_t sequence = 0;
-    std::int64_t time_ns = 0;
-    const int status =
-        h.source.next(h.source.user, h.source_pixels.data(), h.width, h.height, timeout_ms, &sequence, &time_ns);
+    h.source->forget_status();
+    const auto pumped = im2fit::pump(*h.source, *h.engine, timeout_ms);
+    if (pumped && *pumped == im2fit::Pumped::frame) return static_cast<int>(IM2FIT_OK);
     // Waiting and ending are no faults: they are not logged.
-    if (status == IM2FIT_ERROR_TIMEOUT || status == IM2FIT_ERROR_END_OF_STREAM) return status;
-    if (status != IM2FIT_OK) return fail(&h, status, "the attached source gave no frame");
-    return push_frame(h, {h.source_pixels.data(), h.width, h.height}, sequence, time_ns);
+    if (pumped && *pumped == im2fit::Pumped::waiting) return static_cast<int>(IM2FIT_ERROR_TIMEOUT);
+    if (pumped && *pumped == im2fit::Pumped::end) return static_cast<int>(IM2FIT_ERROR_END_OF_STREAM);
+    const int status = h.source->status();
+    if (status != IM2FIT_OK)
+      return fail(&h, im2fit::c::known_status(status),
+                  "the attached source gave no frame: its next() returned " + std::to_string(status));
+    return fail(&h, pumped.error());
   });
 }
 
 int im2fit_detach(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
-    h.close_source();
+    h.source.reset();
     return static_cast<int>(IM2FIT_OK);
   });
 }
 
 int im2fit_poll(const im2fit_handle* handle, im2fit_result* result, size_t struct_size) {
-  // From any thread: it may not touch the handle's error text.
-  if (handle == nullptr || result == nullptr) return IM2FIT_ERROR_INVALID_ARGUMENT;
+  // From any thread: it may not touch the handle's error text, only the calling thread's.
+  if (handle == nullptr || result == nullptr)
+    return fail(nullptr, IM2FIT_ERROR_INVALID_ARGUMENT,
+                handle == nullptr ? "the handle is NULL" : "the place for the result is NULL");
+  if (!im2fit::c::opened_here(*handle)) return im2fit::c::fail_forked();
   const im2fit_result full = to_c(handle->engine->result());
   std::memcpy(result, &full, std::min(struct_size, sizeof full));
   if (struct_size > sizeof full)
@@ -358,20 +319,20 @@ int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, siz
     if (count == nullptr || (sizes == nullptr && capacity > 0))
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "count is NULL, or sizes is NULL with a capacity");
     *count = 0;
-    const im2fit::EngineResult r = h.engine->result();
-    if (!r.measured) return not_measured(h);
-    const auto& chest = r.answer.measurements[IM2FIT_CHEST_GIRTH];
-    const im2fit::SizeAnswer answer = im2fit::size_probabilities(h.sizes, chest, r.answer.female);
-    *count = answer.entries.size();
-    if (capacity < *count) return fail(&h, IM2FIT_ERROR_TOO_SMALL, "there are " + std::to_string(*count) + " sizes");
-    for (std::size_t i = 0; i < *count; ++i) {
-      const im2fit::SizeAnswer::Entry& entry = answer.entries[i];
-      sizes[i] = {};
-      entry.size.copy(sizes[i].name, sizeof sizes[i].name - 1);
-      sizes[i].probability = static_cast<float>(entry.probability);
-      if (best != nullptr && entry.size == answer.best) *best = i;
-    }
-    return static_cast<int>(IM2FIT_OK);
+    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      const im2fit::SizeAnswer& answer = *person.size;
+      *count = answer.entries.size();
+      if (capacity < *count)
+        return fail(&h, IM2FIT_ERROR_TOO_SMALL, "there are " + std::to_string(*count) + " sizes");
+      for (std::size_t i = 0; i < *count; ++i) {
+        const im2fit::SizeAnswer::Entry& entry = answer.entries[i];
+        sizes[i] = {};
+        entry.size.copy(sizes[i].name, sizeof sizes[i].name - 1);
+        sizes[i].probability = static_cast<float>(entry.probability);
+        if (best != nullptr && entry.size == answer.best) *best = i;
+      }
+      return static_cast<int>(IM2FIT_OK);
+    });
   });
 }
 
@@ -381,12 +342,12 @@ int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capac
     if (vertex_count == nullptr || triangle_count == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "vertex_count or triangle_count is NULL");
     *vertex_count = *triangle_count = 0;
-    if (!h.body || !h.index) return no_body(h);
-    const auto faces = h.body->body_triangles();
-    *vertex_count = static_cast<std::size_t>(h.body->body_vertex_count());
+    if (h.data.body_model == nullptr) return no_body(h);
+    const im2fit::body::BodyModel& model = *h.data.body_model;
+    const auto faces = model.body_triangles();
+    *vertex_count = static_cast<std::size_t>(model.body_vertex_count());
     *triangle_count = faces.size();
-    const im2fit::EngineResult r = h.engine->result();
-    if (!r.measured) return not_measured(h);
+    if (!h.engine->result().measured) return not_measured(h);
     if ((vertices != nullptr && vertex_capacity < *vertex_count) ||
         (triangles != nullptr && triangle_capacity < *triangle_count))
       return fail(&h, IM2FIT_ERROR_TOO_SMALL,
@@ -394,27 +355,26 @@ int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capac
                       std::to_string(*triangle_count) + " triangles");
     if (triangles != nullptr) std::memcpy(triangles, faces.data(), faces.size_bytes());
     if (vertices == nullptr) return static_cast<int>(IM2FIT_OK);
-    const auto mesh = posed_mesh(h, r);
-    if (!mesh) return fail(&h, mesh.error());
-    for (std::size_t i = 0; i < *vertex_count; ++i) {
-      vertices[3 * i] = (*mesh)[i].x;
-      vertices[3 * i + 1] = (*mesh)[i].y;
-      vertices[3 * i + 2] = (*mesh)[i].z;
-    }
-    return static_cast<int>(IM2FIT_OK);
+    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      const auto mesh = posed_mesh(model, *person.body);
+      for (std::size_t i = 0; i < *vertex_count; ++i) {
+        vertices[3 * i] = mesh[i].x;
+        vertices[3 * i + 1] = mesh[i].y;
+        vertices[3 * i + 2] = mesh[i].z;
+      }
+      return static_cast<int>(IM2FIT_OK);
+    });
   });
 }
 
 int im2fit_body_residual(im2fit_handle* handle, float residual[IM2FIT_MEASUREMENT_COUNT]) {
   return guarded(handle, [&](im2fit_handle& h) {
     if (residual == nullptr) return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the place for the residual is NULL");
-    if (!h.body || !h.index) return no_body(h);
-    const im2fit::EngineResult r = h.engine->result();
-    if (!r.measured) return not_measured(h);
-    const auto body = body_of(h, r);
-    if (!body) return fail(&h, body.error());
-    std::copy(body->fit.residual.begin(), body->fit.residual.end(), residual);
-    return static_cast<int>(IM2FIT_OK);
+    if (h.data.body_model == nullptr) return no_body(h);
+    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      std::copy(person.body->fit.residual.begin(), person.body->fit.residual.end(), residual);
+      return static_cast<int>(IM2FIT_OK);
+    });
   });
 }
 

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/c_handle.h"
 
+#include <unistd.h>
+
 #include <utility>
+
+#include "engine/c_api/data.h"
+#include "engine/c_api/settings.h"
 
 namespace im2fit {
 namespace {
@@ -28,39 +33,58 @@ EngineSettings engine_settings(const im2fit_settings& s) {
   return settings;
 }
 
-Status load_sizes(const im2fit_settings& settings, im2fit_handle& handle) {
-  if (settings.men_chart_path == nullptr && settings.women_chart_path == nullptr) {
-    handle.sizes = builtin_size_system();
-    return Ok{};
-  }
+Result<std::vector<std::string>> size_charts(const im2fit_settings& settings) {
+  if (settings.men_chart_path == nullptr && settings.women_chart_path == nullptr) return std::vector<std::string>{};
   if (settings.men_chart_path == nullptr) return missing("men_chart_path");
   if (settings.women_chart_path == nullptr) return missing("women_chart_path");
-  auto men = load_size_chart(settings.men_chart_path);
-  if (!men) return men.error();
-  auto women = load_size_chart(settings.women_chart_path);
-  if (!women) return women.error();
-  auto sizes = make_size_system({std::move(*men), std::move(*women)});
-  if (!sizes) return sizes.error();
-  handle.sizes = std::move(*sizes);
+  return std::vector<std::string>{settings.men_chart_path, settings.women_chart_path};
+}
+
+// A file by its path, or its bytes from where the settings say; `name` is what messages call it.
+Status take_file(const im2fit_data& data, const char* path, const char* field, std::string& name,
+                 std::optional<std::vector<std::byte>>& bytes) {
+  if (data.kind == IM2FIT_DATA_PATH) {
+    if (path != nullptr) name = path;
+    return Ok{};
+  }
+  name = std::string("settings.") + field;
+  auto read = c::bytes_of(data, field);
+  if (!read) return read.error();
+  bytes = std::move(*read);
   return Ok{};
 }
 
-Status load_models(const im2fit_settings& settings, im2fit_handle& handle) {
-  if (settings.tracker_path == nullptr) return missing("tracker_path");
-  if (settings.index_path == nullptr) return missing("index_path");
-  auto file = MappedFile::open(settings.tracker_path);
-  if (!file) return file.error();
-  handle.tracker_file = std::move(*file);
-  auto tracker = JointModel::parse(handle.tracker_file.bytes(), settings.tracker_path);
-  if (!tracker) return tracker.error();
-  handle.tracker.emplace(std::move(*tracker));
-  auto index = index::Index::open(settings.index_path);
-  if (!index) return index.error();
-  handle.index.emplace(std::move(*index));
-  return Ok{};
+Result<MeasuringData> load_data(const im2fit_settings& s, std::vector<std::string> charts) {
+  MeasuringFiles files;
+  MeasuringBytes bytes;
+  files.size_charts = std::move(charts);
+  if (auto ok = take_file(s.tracker_data, s.tracker_path, "tracker_data", files.tracker, bytes.tracker); !ok)
+    return ok.error();
+  if (auto ok = take_file(s.index_data, s.index_path, "index_data", files.index, bytes.index); !ok) return ok.error();
+  if (auto ok = take_file(s.body_data, s.body_path, "body_data", files.body, bytes.body); !ok) return ok.error();
+  if (files.tracker.empty()) return missing("tracker_path");
+  if (files.index.empty()) return missing("index_path");
+  return load_measuring_data(files, std::move(bytes));
 }
 
 }  // namespace
+
+}  // namespace im2fit
+
+im2fit::Result<im2fit::hal::FrameInfo> OpenedSource::next(im2fit::DepthImage depth, int timeout_ms) {
+  using im2fit::ErrorCode;
+  im2fit::hal::FrameInfo frame;
+  status_ = opened_.next(opened_.user, depth.pixels, depth.width, depth.height, timeout_ms, &frame.sequence,
+                         &frame.host_ns);
+  if (status_ == IM2FIT_OK) return frame;
+  const ErrorCode code = status_ == IM2FIT_ERROR_TIMEOUT         ? ErrorCode::timeout
+                         : status_ == IM2FIT_ERROR_END_OF_STREAM ? ErrorCode::end_of_stream
+                         : status_ == IM2FIT_ERROR_CORRUPT       ? ErrorCode::corrupt
+                                                                 : ErrorCode::no_device;
+  return im2fit::Error{code, "the attached source gave no frame"};
+}
+
+namespace im2fit {
 
 int status_of(ErrorCode code) {
   switch (code) {
@@ -86,33 +110,31 @@ int status_of(ErrorCode code) {
 
 Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& settings,
                                                      std::unique_ptr<FrameStages> stages) {
-  if (settings.sensor < IM2FIT_SENSOR_UNKNOWN || settings.sensor > IM2FIT_SENSOR_TIME_OF_FLIGHT)
-    return Error{ErrorCode::invalid_argument,
-                 "settings.sensor is " + std::to_string(settings.sensor) + ", expected one of IM2FIT_SENSOR_..."};
-  if (settings.clothing < IM2FIT_CLOTHING_UNKNOWN || settings.clothing > IM2FIT_CLOTHING_DRESSED)
-    return Error{ErrorCode::invalid_argument, "settings.clothing is " + std::to_string(settings.clothing) +
-                                                  ", expected one of IM2FIT_CLOTHING_..."};
+  if (auto ok = c::check_settings(settings); !ok) return ok.error();
   auto handle = std::make_unique<im2fit_handle>();
+  handle->process = ::getpid();
   handle->log = settings.log;
   handle->log_user = settings.log_user;
-  handle->width = settings.width;
-  handle->height = settings.height;
-  if (auto loaded = load_sizes(settings, *handle); !loaded) return loaded.error();
-  if (settings.body_path != nullptr) {
-    auto body = body::BodyModel::load(settings.body_path);
-    if (!body) return body.error();
-    handle->body.emplace(std::move(*body));
+  const EngineSettings words = engine_settings(settings);
+  handle->frames.prepare(words.intrinsics);
+  handle->origin.uri = handle->origin.name = "im2fit.h";
+  handle->origin.intrinsics = words.intrinsics;
+  handle->origin.intrinsics_origin = hal::IntrinsicsOrigin::caller;
+  auto charts = size_charts(settings);
+  if (!charts) return charts.error();
+  if (stages != nullptr) {
+    auto sizes = load_size_charts(*charts);
+    if (!sizes) return sizes.error();
+    handle->data.charts = std::move(*sizes);
+    auto engine = create_engine(words, std::move(stages));
+    if (!engine) return engine.error();
+    handle->engine = std::move(*engine);
+    return handle;
   }
-  if (stages == nullptr) {
-    if (auto loaded = load_models(settings, *handle); !loaded) return loaded.error();
-  }
-  EngineSettings engine_words = engine_settings(settings);
-  if (handle->body) engine_words.shape_space = &handle->body->shape_space();
-  auto engine = stages == nullptr ? Engine::create(engine_words, *handle->tracker, *handle->index)
-                                  : create_engine(engine_words, std::move(stages));
-  if (!engine && handle->index)
-    return Error{engine.error().code,
-                 std::string(settings.index_path) + " with " + settings.tracker_path + ": " + engine.error().message};
+  auto data = load_data(settings, std::move(*charts));
+  if (!data) return data.error();
+  handle->data = std::move(*data);
+  auto engine = make_engine(words, handle->data);
   if (!engine) return engine.error();
   handle->engine = std::move(*engine);
   return handle;

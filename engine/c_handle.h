@@ -8,40 +8,56 @@
 #include <optional>
 #include <vector>
 
-#include "core/file.h"
-#include "engine/engine.h"
+#include "engine/c_api/frame.h"
 #include "engine/frame_stages.h"
 #include "engine/include/im2fit/im2fit.h"
-#include "engine/size_chart.h"
+#include "engine/measuring_data.h"
+
+// What an opener opened, as a source of the engine's; closed with it.
+class OpenedSource final : public im2fit::hal::Source {
+ public:
+  OpenedSource(const im2fit_source& opened, const im2fit::hal::SourceInfo& info) : opened_(opened), info_(info) {}
+  ~OpenedSource() override {
+    if (opened_.close != nullptr) opened_.close(opened_.user);
+  }
+  OpenedSource(const OpenedSource&) = delete;
+  OpenedSource& operator=(const OpenedSource&) = delete;
+  const im2fit::hal::SourceInfo& info() const override { return info_; }
+  im2fit::Status start() override { return im2fit::Ok{}; }
+  im2fit::Result<im2fit::hal::FrameInfo> next(im2fit::DepthImage depth, int timeout_ms) override;
+  void stop() override {}
+  im2fit::hal::SourceStats stats() const override { return {}; }
+  int status() const { return status_; }  // the opener's own word on the latest frame
+  void forget_status() { status_ = IM2FIT_OK; }
+
+ private:
+  im2fit_source opened_;
+  im2fit::hal::SourceInfo info_;
+  int status_ = IM2FIT_OK;
+};
 
 struct im2fit_handle {
   // In the order of what refers to what: the engine goes first, the files last.
-  im2fit::MappedFile tracker_file;
-  std::optional<im2fit::JointModel> tracker;
-  std::optional<im2fit::index::Index> index;
-  std::optional<im2fit::body::BodyModel> body;
-  im2fit::SizeSystem sizes;
-  int width = 0;
-  int height = 0;
+  im2fit::MeasuringData data;
+  im2fit::hal::SourceInfo origin;  // what is known of whence the frames come
   std::unique_ptr<im2fit::Engine> engine;
+  // Of whoever is measured, made when first asked for: nothing said of that person changes until another session.
+  std::optional<im2fit::PersonMeasurement> person;
 
   im2fit_log_fn log = nullptr;
   void* log_user = nullptr;
   std::array<char, 512> error{};
+  int process = 0;  // that opened it
+  im2fit::c::FrameReader frames;
 
   im2fit_opener_fn opener = nullptr;
   void* opener_user = nullptr;
-  bool attached = false;
-  im2fit_source source{};
-  std::vector<std::uint16_t> source_pixels;
+  std::unique_ptr<OpenedSource> source;  // null: nothing is attached
 
-  im2fit_handle() = default;
-  im2fit_handle(const im2fit_handle&) = delete;
-  im2fit_handle& operator=(const im2fit_handle&) = delete;
-  ~im2fit_handle() { close_source(); }
-  void close_source() {
-    if (attached && source.close != nullptr) source.close(source.user);
-    attached = false;
+  // In a forked child: the engine's threads and the source are the parent's, neither can be stopped from here.
+  void leave_to_parent() {
+    static_cast<void>(engine.release());
+    static_cast<void>(source.release());
   }
 };
 

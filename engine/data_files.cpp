@@ -8,7 +8,8 @@ namespace {
 Error advised(const Error& error, const char* maker) {
   if (error.code == ErrorCode::io) return {error.code, error.message + "; look at the file and who may read it"};
   const bool absent = error.code == ErrorCode::not_found;
-  return {error.code, error.message + (absent ? "; make it with " : "; make it again with ") + maker};
+  return {error.code, error.message + (absent ? "; make it with " : "; make it again with ") + maker +
+                          (absent ? ", or install a pack with im2fit models install" : "")};
 }
 
 }  // namespace
@@ -31,6 +32,12 @@ Result<Tracker> Tracker::load(const std::string& path) {
   auto model = JointModel::parse(file->bytes(), path);
   if (!model) return advised(model.error(), "im2fit-lab train");
   return Tracker(std::move(*file), std::move(*model));
+}
+
+Result<Tracker> Tracker::parse(std::vector<std::byte> bytes, const std::string& name) {
+  auto model = JointModel::parse(bytes, name);
+  if (!model) return model.error();
+  return Tracker(std::move(bytes), std::move(*model));
 }
 
 }  // namespace im2fit

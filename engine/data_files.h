@@ -2,8 +2,10 @@
 // Loading what was made once, with errors that say how to make it.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "body/model.h"
 #include "core/file.h"
@@ -16,15 +18,18 @@ namespace im2fit {
 Result<body::BodyModel> load_body(const std::string& path);
 Result<index::Index> load_index(const std::string& path);
 
-// A joint model and the mapping it views into.
+// A joint model and the mapping or the bytes it views into.
 class Tracker {
  public:
   static Result<Tracker> load(const std::string& path);
+  static Result<Tracker> parse(std::vector<std::byte> bytes, const std::string& name);
   const JointModel& model() const { return model_; }
 
  private:
   Tracker(MappedFile file, JointModel model) : file_(std::move(file)), model_(std::move(model)) {}
+  Tracker(std::vector<std::byte> bytes, JointModel model) : bytes_(std::move(bytes)), model_(std::move(model)) {}
   MappedFile file_;
+  std::vector<std::byte> bytes_;
   JointModel model_;
 };
 

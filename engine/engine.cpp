@@ -7,11 +7,14 @@
 // no frame is in the pipeline both stages sleep, and the producer may touch what is theirs (finish, reset).
 #include "engine/engine.h"
 
+#include <chrono>
 #include <limits>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "engine/event.h"
 #include "engine/fit_stage.h"
@@ -25,8 +28,15 @@ namespace {
 
 // A live queue longer than this only makes guidance late: what waits is dropped in favour of what is new.
 constexpr std::uint64_t kLiveQueueMax = 2;
-constexpr int kPoolFramesMin = 3;  // one in each hand
-constexpr int kPoolFramesMax = 64;
+// How often wait_idle() looks: a thirtieth of a frame's time at 30 Hz.
+constexpr std::chrono::milliseconds kIdleLook{1};
+
+constexpr std::uint32_t kSpare = std::numeric_limits<std::uint32_t>::max();  // no slot of the pool
+
+const Error& full_ring() {
+  static const Error error{ErrorCode::invalid_argument, "a ring of the engine is full: a fault of this program"};
+  return error;
+}
 
 // Counts what is odd about arrival; producer thread.
 class ArrivalCounter {
@@ -70,6 +80,7 @@ class PipelineEngine final : public Engine {
  public:
   PipelineEngine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages)
       : settings_(settings),
+        intrinsics_(settings.intrinsics),
         stages_(std::move(stages)),
         pool_(settings.pool_frames, settings.width, settings.height),
         input_(pool_.slot_count()),
@@ -77,7 +88,9 @@ class PipelineEngine final : public Engine {
         free_(pool_.slot_count()),
         fit_(settings, *stages_),
         snapshot_(fit_.result()) {
-    for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) free_.try_push(slot);
+    if (settings.live)
+      spare_pixels_.resize(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height));
+    for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) put(free_, slot);
     people().select(settings.user);
   }
 
@@ -104,30 +117,66 @@ class PipelineEngine final : public Engine {
   }
 
   Status push(DepthView depth, const hal::FrameInfo& info) override {
-    if (finished_) return Error{ErrorCode::invalid_argument, "frame pushed after finish(): call reset() first"};
+    if (finished_) return after_finish();
     if (depth.pixels == nullptr || depth.width != settings_.width || depth.height != settings_.height)
       return Error{ErrorCode::invalid_argument, "frame is " + std::to_string(depth.width) + "x" +
                                                     std::to_string(depth.height) + ", the engine was made for " +
                                                     std::to_string(settings_.width) + "x" +
                                                     std::to_string(settings_.height)};
+    const auto place = acquire();
+    if (!place) return place.error();
+    copy_depth(depth, *place);
+    return commit(info);
+  }
+
+  Result<DepthImage> acquire() override {
+    if (finished_) return after_finish();
+    if (auto sound = fault(); !sound) return sound.error();
+    if (!in_hand_) take_place();
+    return *in_hand_ == kSpare ? spare() : pool_[*in_hand_].depth;
+  }
+
+  Status commit(const hal::FrameInfo& info) override {
+    if (!in_hand_) return Error{ErrorCode::invalid_argument, "commit() without acquire()"};
     if (auto sound = fault(); !sound) return sound;
     arrival_.count(info, counts_);
-    std::uint32_t index = 0;
-    if (!acquire(index)) return Ok{};
+    if (*in_hand_ == kSpare && !leave_spare()) return Ok{};
+    const std::uint32_t index = *in_hand_;
+    in_hand_.reset();
+    if (is_live() && input_.size_seen_by_producer() >= kLiveQueueMax) take_back();
     FrameSlot& slot = pool_[index];
-    copy_depth(depth, slot.depth);
     slot.info = info;
     slot.counts = counts_;
     if (settings_.single_thread) {
       sense(slot);
       fit(slot);
-      free_.try_push(index);
+      put(free_, index);
       return Ok{};
     }
     ++pushed_;
-    input_.try_push(index);
+    put(input_, index);
     sense_event_.signal();
     return Ok{};
+  }
+
+  Status use_intrinsics(const Intrinsics& intrinsics) override {
+    if (intrinsics.width != settings_.width || intrinsics.height != settings_.height)
+      return Error{ErrorCode::invalid_argument, "intrinsics of another size than the engine's frames"};
+    if (auto ok = hal::check_intrinsics(intrinsics, "the frame's intrinsics"); !ok) return ok;
+    drain();
+    intrinsics_ = intrinsics;
+    fit_.use_intrinsics(intrinsics);
+    return Ok{};
+  }
+
+  bool wait_idle(int timeout_ms) override {
+    const auto began = std::chrono::steady_clock::now();
+    while (processed_.load(std::memory_order_acquire) != pushed_) {
+      if (timeout_ms >= 0 && std::chrono::steady_clock::now() - began >= std::chrono::milliseconds(timeout_ms))
+        return false;
+      std::this_thread::sleep_for(kIdleLook);
+    }
+    return true;
   }
 
   void finish() override {
@@ -156,6 +205,11 @@ class PipelineEngine final : public Engine {
 
   void next_person() override {
     drain();
+    if (settings_.one_after_another && fit_.leaving()) {
+      if (settings_.live) clock_.reset();  // what passed while the answer was read is no frame gap
+      finished_ = false;
+      return;
+    }
     if (!fit_.over()) people().release();
     clock_.reset();  // frames were not processed meanwhile: that is no frame gap
     fit_.next_person();
@@ -191,26 +245,59 @@ class PipelineEngine final : public Engine {
     snapshot_.publish(fit_.result());
   }
 
-  // A slot for a new frame; false when the frame is to be dropped (live only).
-  bool acquire(std::uint32_t& index) {
-    if (settings_.live && !settings_.single_thread) {
-      if (input_.size_seen_by_producer() >= kLiveQueueMax && take_back(index)) return true;
-      if (free_.try_pop(index) || take_back(index)) return true;
-      ++counts_.dropped;
-      return false;
-    }
-    for (;;) {
+  static Error after_finish() {
+    return {ErrorCode::invalid_argument, "frame pushed after finish(): call reset() first"};
+  }
+  bool is_live() const { return settings_.live && !settings_.single_thread; }
+  DepthImage spare() { return {spare_pixels_.data(), settings_.width, settings_.height}; }
+
+  // A ring has as many places as there are slots, and a slot is in one ring or hand: a full one is a fault of ours,
+  // which is said instead of losing a slot.
+  void put(SpscRing& ring, std::uint32_t index) {
+    if (!ring.try_push(index)) fault_.store(&full_ring(), std::memory_order_release);
+  }
+
+  // A free slot for the frame that comes next. Live, when there is none: the spare place, since one may be free by
+  // the time the frame is there.
+  void take_place() {
+    for (std::uint32_t index = 0;;) {
       const std::uint32_t ticket = producer_event_.ticket();
-      if (free_.try_pop(index)) return true;
+      if (free_.try_pop(index)) {
+        in_hand_ = index;
+        return;
+      }
+      if (is_live()) {
+        in_hand_ = kSpare;
+        return;
+      }
       producer_event_.wait(ticket);
     }
   }
 
-  bool take_back(std::uint32_t& index) {
-    if (!input_.take_back_oldest(index)) return false;
+  // Moves the frame from the spare place into a slot: a free one, else that of the oldest frame not yet begun. False:
+  // the frame is given up.
+  bool leave_spare() {
+    std::uint32_t index = 0;
+    in_hand_.reset();
+    if (free_.try_pop(index))
+      in_hand_ = index;
+    else
+      take_back();
+    if (!in_hand_) {
+      ++counts_.dropped;
+      return false;
+    }
+    copy_depth(spare(), pool_[*in_hand_].depth);
+    return true;
+  }
+
+  // Gives up the oldest frame not yet begun; its slot is in the producer's hand, for the next frame.
+  void take_back() {
+    std::uint32_t index = 0;
+    if (!input_.take_back_oldest(index)) return;
     ++counts_.dropped;
     --pushed_;
-    return true;
+    in_hand_ = index;
   }
 
   // Waits until every frame pushed has come out of FIT.
@@ -223,7 +310,7 @@ class PipelineEngine final : public Engine {
   }
 
   void sense(FrameSlot& slot) {
-    slot.sensed = !over_.load(std::memory_order_relaxed);
+    slot.sensed = settings_.one_after_another || !over_.load(std::memory_order_relaxed);
     if (!slot.sensed) return;
     slot.seconds = clock_.step(slot.info.host_ns);
     slot.after_frame_gap = slot.seconds > kFrameGapSecondsMax;
@@ -231,7 +318,7 @@ class PipelineEngine final : public Engine {
       stages_->reset_sense();
       slot.seconds = kFramePeriodS;
     }
-    slot.detection = stages_->sense(slot.depth, settings_.intrinsics, slot.mask, slot.seconds);
+    slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, slot.seconds);
     const Person& person = slot.detection.person;
     people().hold(person.found ? person.id : 0, slot.detection.guidance == 0);
   }
@@ -259,7 +346,7 @@ class PipelineEngine final : public Engine {
         continue;
       }
       sense(pool_[index]);
-      sensed_.try_push(index);  // never full: as many places as slots
+      put(sensed_, index);
       fit_event_.signal();
     }
   }
@@ -274,13 +361,14 @@ class PipelineEngine final : public Engine {
         continue;
       }
       fit(pool_[index]);
-      free_.try_push(index);
+      put(free_, index);
       processed_.fetch_add(1, std::memory_order_release);
       producer_event_.signal();
     }
   }
 
   const EngineSettings settings_;
+  Intrinsics intrinsics_;  // both stages', or the producer's while no frame is in the pipeline
   const std::unique_ptr<FrameStages> stages_;
   FramePool pool_;
   SpscRing input_;
@@ -295,6 +383,8 @@ class PipelineEngine final : public Engine {
   std::uint64_t pushed_ = 0;
   ArrivalCounts counts_;
   ArrivalCounter arrival_;
+  std::optional<std::uint32_t> in_hand_;  // the slot, or kSpare, that acquire() gave
+  std::vector<std::uint16_t> spare_pixels_;
 
   std::atomic<std::uint64_t> processed_{0};
   std::atomic<bool> over_{false};  // FIT to SENSE: the session is over, frames need no reading
@@ -317,9 +407,13 @@ Status check_range(const char* name, int value, int low, int high) {
 Status check_settings(const EngineSettings& s) {
   if (auto ok = check_range("width", s.width, 1, kImageSideMax); !ok) return ok;
   if (auto ok = check_range("height", s.height, 1, kImageSideMax); !ok) return ok;
-  if (auto ok = check_range("frames_wanted", s.frames_wanted, 1, 1000); !ok) return ok;
+  if (auto ok = check_range("frames_wanted", s.frames_wanted, 1, kFramesWantedMax); !ok) return ok;
   if (auto ok = check_range("frames_min", s.frames_min, 1, s.frames_wanted); !ok) return ok;
   if (auto ok = check_range("pool_frames", s.pool_frames, kPoolFramesMin, kPoolFramesMax); !ok) return ok;
+  if (s.one_after_another)
+    if (auto ok = check_range("pool_frames (one after another)", s.pool_frames, kPoolFramesMin, kAbsentFramesMax);
+        !ok)
+      return ok;
   if (auto ok = check_range("user", s.user, 0, std::numeric_limits<int>::max()); !ok) return ok;
   if (s.intrinsics.width != s.width || s.intrinsics.height != s.height)
     return Error{ErrorCode::invalid_argument, "engine intrinsics are for " + std::to_string(s.intrinsics.width) +

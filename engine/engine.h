@@ -16,6 +16,7 @@
 #include "core/joints.h"
 #include "core/status.h"
 #include "engine/age.h"
+#include "engine/pump.h"
 #include "hal/source.h"
 #include "index/index.h"
 #include "perception/observe/chain_filter.h"
@@ -41,6 +42,11 @@ struct FrameSeen;
 // during the call. It may take its time (frames wait, or drop when live) and may not call the engine.
 using FrameWatch = std::function<void(const FrameSeen&)>;
 
+// Ranges of EngineSettings.
+inline constexpr int kFramesWantedMax = 1000;
+inline constexpr int kPoolFramesMin = 3;  // one in each hand
+inline constexpr int kPoolFramesMax = 64;
+
 struct EngineSettings {
   int width = 640, height = 480;  // of upright frames
   Intrinsics intrinsics;
@@ -61,8 +67,14 @@ struct EngineSettings {
   int user = 0;                             // measure the user of this id only; 0: whoever stands right first
   bool live = false;                        // live: drop the oldest frame when behind; else wait (replay never drops)
   bool single_thread = false;               // both stages on the caller's thread in push(): same bits
-  int pool_frames = 8;                      // 3..64 frames of 3 bytes a pixel
-  FrameWatch watch;                         // none by default
+  // One person after the other: from the frame after MEASURED on whoever was measured is waited to leave, and the
+  // next session begins by itself. So the frames alone say where a session begins, not when a caller looked, and
+  // every person of a recording gets the same bits on one thread and on two. The answer stands for at least
+  // kAbsentFramesMax frames: a caller that looks at result() after every frame sees it, which is why pool_frames may
+  // be no more than that.
+  bool one_after_another = false;
+  int pool_frames = 8;  // 3..64 frames of 3 bytes a pixel
+  FrameWatch watch;     // none by default
 };
 
 // Immutable snapshot; plain data, no allocation to copy. Everything stands still from MEASURED until reset(), so that
@@ -109,16 +121,24 @@ struct FrameSeen {
   const EngineResult& result;
 };
 
-class Engine {
+class Engine : public FrameSink {
  public:
   // The model and index must outlive the engine. Errors: settings out of range; an index made with another model.
   static Result<std::unique_ptr<Engine>> create(const EngineSettings& settings, const JointModel& joint_model,
                                                 const index::Index& index);
-  virtual ~Engine() = default;
-  // push, finish and reset: from one producer thread.
-  // Copies the frame into the pool; blocks when full unless live. Live: gives up the oldest frame not yet begun (the
-  // new one when all are begun). Errors: another size than the settings', after finish(), fault().
+  // acquire, commit, push, finish and reset: from one producer thread.
+  // A place in the pool; waits when it is full unless live. Errors: after finish(), fault().
+  Result<DepthImage> acquire() override = 0;
+  // Hands the place's frame on. Live: gives up the oldest frame not yet begun when two wait (the new one when all are
+  // begun). Errors: nothing was acquired, fault().
+  Status commit(const hal::FrameInfo& info) override = 0;
+  // Both, for a frame that lies elsewhere. Error besides: another size than the settings'.
   virtual Status push(DepthView depth, const hal::FrameInfo& info) = 0;
+  // Of the frames from the next one on, same size as the settings'. Waits for frames in the pipeline; between
+  // sessions only, as pictures taken through different lenses are not accumulated together. Errors: as of create().
+  virtual Status use_intrinsics(const Intrinsics& intrinsics) = 0;
+  // Waits until all frames pushed came through; false when they have not within `timeout_ms` (negative: no limit).
+  virtual bool wait_idle(int timeout_ms) = 0;
   // No more frames: waits until both stages are idle and measures with what there is. Again: does nothing.
   virtual void finish() = 0;
   // What keeps the engine from measuring: the index was found damaged where it was read. Nothing is measured then
@@ -131,7 +151,8 @@ class Engine {
   // The next person, after MEASURED: frames are processed again, the answer stands until who was measured has left
   // the picture (kAbsentFramesMax frames), then a new session begins by itself. The floor and the ids are kept.
   // Before MEASURED: the same as reset(), but for floor and ids; a preliminary answer goes with it. From the producer
-  // thread; waits as reset() does.
+  // thread; waits as reset() does. With one_after_another it only lets frames in again after finish(): the session
+  // that waits goes on.
   virtual void next_person() = 0;
   // From the next frame on only the user of this id, 0: whoever stands right first. Another than before
   // begins anew, as next_person() before MEASURED does. From the producer thread; waits as reset() does.
@@ -144,7 +165,6 @@ class Engine {
 // Starts `source`, pulls from it until its end, its loss or `measured`, stops it and finishes the engine. Damaged
 // frames are left out. Errors: the source's (after finishing with what came before); the engine's fault(); timeout
 // when a source that is not lost() gives no frame for kFrameGapMsMax. The end of a stream is Ok, measured or not.
-inline constexpr int kFrameGapMsMax = 5000;
 Status run(Engine& engine, hal::Source& source, bool stop_when_measured);
 // The same, until `go_on`, called on this thread after every frame pushed, says false; it may call the engine.
 Status run(Engine& engine, hal::Source& source, const std::function<bool()>& go_on);

@@ -28,7 +28,8 @@ FitStage::FitStage(const EngineSettings& settings, FrameStages& stages)
       clothing_(settings.clothing),
       rules_(rules_of(settings)),
       stages_(stages),
-      result_(empty_result()) {}
+      result_(empty_result()),
+      one_after_another_(settings.one_after_another) {}
 
 // What callers and overlays see of the latest frame, whatever the session makes of it.
 void FitStage::show(const FrameSlot& slot) {
@@ -44,7 +45,8 @@ void FitStage::show(const FrameSlot& slot) {
   result_.user_count = detection.user_count;
   result_.view = detection.person.found ? detection.view : ViewSide::unknown;
   result_.has_joints = detection.person.found;
-  if (detection.person.floor.known) result_.floor = detection.person.floor;
+  // The floor of the answer stands with it.
+  if (detection.person.floor.known && !leaving_) result_.floor = detection.person.floor;
   if (!detection.person.found) return;
   const ChainedJoints chained = chain_.step(detection.joints, slot.seconds);
   result_.joints = chained.joints;
@@ -56,8 +58,10 @@ void FitStage::wait_for_leaving(const FrameSlot& slot) {
   const Person& person = slot.detection.person;
   if (person.found && person.id == session_.user)
     leaving_absent_frames_ = 0;
-  else if (++leaving_absent_frames_ > rules_.absent_frames_max)
+  else if (++leaving_absent_frames_ > rules_.absent_frames_max) {
     begin_next();
+    if (one_after_another_) before_ = slot.counts;
+  }
 }
 
 void FitStage::begin_next() {
@@ -67,13 +71,14 @@ void FitStage::begin_next() {
 }
 
 // After a frame gap the person seen may be another.
-void FitStage::end_moment() {
+void FitStage::end_moment(const FrameSlot& slot) {
   chain_.reset();
   steady_.reset();
   motion_.reset();
   result_.floor = {};
   if (leaving_) {
     begin_next();
+    if (one_after_another_) before_ = slot.counts;
   } else if (session_.state == SessionState::turning) {
     end_turning(false, false);
     result_.state = session_.state;
@@ -86,7 +91,7 @@ void FitStage::end_moment() {
 }
 
 void FitStage::process(const FrameSlot& slot) {
-  if (slot.after_frame_gap) end_moment();
+  if (slot.after_frame_gap) end_moment(slot);
   if (over()) return;
   show(slot);
   if (leaving_) {
@@ -123,6 +128,7 @@ void FitStage::process(const FrameSlot& slot) {
   }
   result_.state = session_.state;
   count_accumulated();
+  leaving_ = leaving_ || (one_after_another_ && session_.state == SessionState::measured);
 }
 
 // While turning: of the back; the front is kept.
@@ -230,6 +236,7 @@ void FitStage::reset() {
   fault_.reset();
   leaving_ = false;
   leaving_absent_frames_ = 0;
+  before_ = {};
 }
 
 void FitStage::next_person() {
@@ -240,10 +247,10 @@ void FitStage::next_person() {
 }
 
 void FitStage::take_counts(const ArrivalCounts& counts) {
-  result_.frames_dropped = counts.dropped;
-  result_.sequence_gaps = counts.sequence_gaps;
-  result_.sequence_repeats = counts.sequence_repeats;
-  result_.time_reversals = counts.time_reversals;
+  result_.frames_dropped = counts.dropped - before_.dropped;
+  result_.sequence_gaps = counts.sequence_gaps - before_.sequence_gaps;
+  result_.sequence_repeats = counts.sequence_repeats - before_.sequence_repeats;
+  result_.time_reversals = counts.time_reversals - before_.time_reversals;
 }
 
 void FitStage::take_guidance(GuidanceSet guidance) {

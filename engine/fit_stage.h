@@ -22,19 +22,21 @@ class FitStage {
   // The stream has ended: measures when enough is accumulated.
   void end(const ArrivalCounts& counts);
   void reset();
+  void use_intrinsics(const Intrinsics& intrinsics) { intrinsics_ = intrinsics; }  // between sessions
   // After MEASURED: waits for the person to leave, then begins anew. Before: begins anew.
   void next_person();
   // Begins anew at once.
   void begin_next();
   // The session is over: MEASURED, or a file was found damaged; frames change nothing any more, but for who waits for
   // the person to leave.
+  bool leaving() const { return leaving_; }
   bool over() const { return fault_ || (session_.state == SessionState::measured && !leaving_); }
   // What was found damaged in measuring; null: nothing. Until the session begins anew.
   const Error* fault() const { return fault_ ? &*fault_ : nullptr; }
   const EngineResult& result() const { return result_; }
 
  private:
-  void end_moment();
+  void end_moment(const FrameSlot& slot);
   void show(const FrameSlot& slot);
   void wait_for_leaving(const FrameSlot& slot);
   bool accumulate(const FrameSlot& slot);  // true: enough to measure
@@ -45,7 +47,7 @@ class FitStage {
   void take_counts(const ArrivalCounts& counts);
   void take_guidance(GuidanceSet guidance);
 
-  const Intrinsics intrinsics_;
+  Intrinsics intrinsics_;
   const ClothingGiven clothing_;
   const SessionRules rules_;
   FrameStages& stages_;
@@ -56,7 +58,9 @@ class FitStage {
   MotionFilter motion_;
   int front_frames_ = 0;  // accumulated before TURNING; 0 while the front is being accumulated
   std::optional<Error> fault_;
+  const bool one_after_another_;
   bool leaving_ = false;
+  ArrivalCounts before_;  // counted before this session began; 0 unless one session follows another by itself
   int leaving_absent_frames_ = 0;
 };
 

@@ -1,15 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where data made once lives: an environment variable, else ${XDG_CACHE_HOME:-~/.cache}/im2fit.
+// Where body, tracker and index live. Each has an environment variable. Without one, programs that measure look for a
+// directory that holds all three, so that files of two makes are never mixed:
+//   ${XDG_DATA_HOME:-~/.local/share}/im2fit              installed by this user (im2fit models install)
+//   ${XDG_CACHE_HOME:-~/.cache}/im2fit                   made here (im2fit-lab)
+//   ${XDG_DATA_DIRS:-/usr/local/share:/usr/share}/im2fit installed for everybody
+// and name the cache when there is none. Programs that make such files write and read the cache alone.
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace im2fit {
 
+inline constexpr char kBodyFile[] = "body.i2b";
+inline constexpr char kTrackerFile[] = "tracker.i2t";
+inline constexpr char kIndexFile[] = "index.i2f";
+
 std::string environment(const char* name);  // "" when it is not set
 std::string cache_directory();
+std::string user_data_directory();                // where a user's models are installed
+std::vector<std::string> model_directories();     // all of the above, in order
+bool holds_models(const std::string& directory);  // all three files
+std::string model_directory();                    // the first that does, else the cache
+
+// To measure with.
 std::string default_body_path();     // IM2FIT_BODY, else body.i2b
 std::string default_tracker_path();  // IM2FIT_TRACKER, else tracker.i2t
 std::string default_index_path();    // IM2FIT_INDEX, else index.i2f
+// To make, and to make others from.
+std::string made_body_path();
+std::string made_tracker_path();
+std::string made_index_path();
 
 }  // namespace im2fit

@@ -31,7 +31,7 @@ class SpscRing {  // NOLINT(clang-analyzer-optin.performance.Padding): the paddi
   SpscRing& operator=(const SpscRing&) = delete;
 
   // Producer only. False when full.
-  bool try_push(std::uint32_t item) {
+  [[nodiscard]] bool try_push(std::uint32_t item) {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
     if (tail - cached_head_ > mask_) {
       cached_head_ = head_.load(std::memory_order_acquire);

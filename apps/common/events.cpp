@@ -33,9 +33,9 @@ Json left_event(std::uint64_t frame, int person) {
   return {{"event", "left"}, {"frame", frame}, {"person", person}};
 }
 
-Json measured_event(std::uint64_t frame, int person, const ResultReport& report) {
+Json measured_event(std::uint64_t frame, int person, const PersonMeasurement& measurement) {
   Json event = {{"event", "measured"}, {"frame", frame}, {"person", person}};
-  event["result"] = Json::parse(result_json(report));
+  event["result"] = Json::parse(result_json(measurement));
   return event;
 }
 

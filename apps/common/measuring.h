@@ -7,12 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/avatar.h"
-#include "engine/data_files.h"
-#include "engine/engine.h"
+#include "engine/measuring_data.h"
 #include "engine/paths.h"
 #include "engine/report/result_json.h"
-#include "engine/size_chart.h"
 
 namespace im2fit::apps {
 
@@ -29,37 +26,23 @@ struct MeasuringOptions {
   int threads = 2;
   int user = 0;  // 0: the nearest
   bool live = false;
+  bool one_after_another = false;  // as EngineSettings
 };
 
-// An engine refers to tracker and index, which stay where they are.
-struct MeasuringData {
-  std::unique_ptr<Tracker> tracker;
-  std::unique_ptr<index::Index> index;
-  body::BodyModel body_model;
-  SizeSystem charts;
-  std::unique_ptr<body::Tape> tape;  // reports refer to it
-  std::string warning;               // "": the files belong together
-};
+// The files of the options, and the tape: the shipped one with people's own.
 Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const std::string& body);
 
 // `data` must outlive the engine. `watch` sees every frame processed, on the engine's thread.
 Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, const MeasuringData& data,
                                             const hal::SourceInfo& source, FrameWatch watch);
 
-// What the engine says now. The report views into `data`.
-struct Answered {
-  ResultReport report;
-  std::optional<AnsweredBody> body;  // when measured
-};
-Result<Answered> answer_of(const Engine& engine, const MeasuringData& data, const hal::SourceInfo& source);
-
 // Every beginning of the session is used up by people who came and went: only a new session measures whoever is here.
 bool is_stuck(const EngineResult& result);
 
 // "1743 mm, 72.1 kg, chest 980 mm, size M"
-std::string summary(const ResultReport& report);
+std::string summary(const PersonMeasurement& person);
 // What people are told of the body when a girth of it is off the reported one by more than 2 mm, "" otherwise.
-std::string body_note(const ResultReport& report);
+std::string body_note(const PersonMeasurement& person);
 // Guidance codes in words of the enum, "ARMS_CLOSE left, MOVING"; "none" for none. `arms_close`: which arms that code
 // is about; one of them alone is named.
 std::string guidance_words(GuidanceSet guidance, ArmSet arms_close);

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <exception>
 
+#include "apps/common/manual.h"
 #include "core/text.h"
 
 namespace im2fit::apps {
@@ -38,6 +39,10 @@ int run_program(cli::App& program, Command& chosen, int argc, char** argv) {
   CLI::App& app = program.native();
   program_name() = app.get_name();
   app.require_subcommand(1);
+  if (const auto manual = manual_asked(app, argc, argv)) {
+    fmt::print("{}", *manual);
+    return flush_output() ? kExitOk : kExitFailed;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version

@@ -21,9 +21,9 @@ struct EvalCommand {
   EvaluationOptions evaluation;
   std::string condition = "noise";
   std::vector<std::string> conditions;
-  std::string body = default_body_path();
-  std::string joint_model = default_tracker_path();
-  std::string index = default_index_path();
+  std::string body = made_body_path();
+  std::string joint_model = made_tracker_path();
+  std::string index = made_index_path();
   std::string samples;
   std::vector<std::string> families = {"modifiers"};
   std::string ansur = default_ansur_folder();

@@ -29,7 +29,7 @@ constexpr const char* kMembers[] = {
 
 struct FetchOptions {
   std::string makehuman;
-  std::string out = default_body_path();
+  std::string out = made_body_path();
   std::string downloads = cache_directory() + "/download";
   int threads = default_threads();
 };

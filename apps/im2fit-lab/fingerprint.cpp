@@ -12,8 +12,8 @@ namespace {
 
 struct FingerprintCommand {
   std::string what;
-  std::string body = default_body_path();
-  std::string tracker = default_tracker_path();
+  std::string body = made_body_path();
+  std::string tracker = made_tracker_path();
 };
 
 Result<std::string> fingerprint_of(const FingerprintCommand& options) {

@@ -23,7 +23,7 @@ struct IndexCommand {
   int dimensions = 0;
   std::size_t densify_to = 0;
   std::vector<std::string> from;
-  std::string out = default_index_path();
+  std::string out = made_index_path();
 };
 
 // All samples, in order: of folders made elsewhere, or made now (and read again from the shards of just this run).

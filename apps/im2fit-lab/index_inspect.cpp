@@ -21,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct InspectOptions {
-  std::string path = default_index_path();
+  std::string path = made_index_path();
   bool json = false;
   int trials = 1000;
   std::string features = "-";

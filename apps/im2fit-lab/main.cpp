@@ -7,12 +7,14 @@ int main(int argc, char** argv) {
   std::string footer = "Start with: im2fit-lab fetch, then im2fit-lab train, then im2fit-lab index --subjects 20000";
   Command chosen;
   for (auto* add :
-       {add_fetch, add_population, add_train, add_dataset, add_index, add_render, add_import_raw, add_fingerprint})
+       {add_fetch, add_train, add_dataset, add_index, add_render, add_import_raw, add_fingerprint, add_pack})
     add(app, chosen);
 #if IM2FIT_HAVE_EVALUATION
+  add_population(app, chosen);
   add_eval(app, chosen);
 #else
-  footer += "\nThis build has no eval: it comes with IM2FIT_BUILD_EVALUATION, as in preset release.";
+  footer +=
+      "\nThis build has no eval and no population: they come with IM2FIT_BUILD_EVALUATION, as in preset release.";
 #endif
   app.footer(footer);
   return run_program(app, chosen, argc, argv);

@@ -28,7 +28,7 @@ struct PopulationOptions {
   std::string ansur;
   std::string plot;
   std::string proportions_plot;
-  std::string body = default_body_path();
+  std::string body = made_body_path();
   int threads = default_threads();
   bool json = false;
 };

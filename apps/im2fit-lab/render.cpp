@@ -26,7 +26,7 @@ struct RenderOptions {
   bool clothed = false;
   bool paper_files = false;
   bool truth_only = false;
-  std::string body = default_body_path();
+  std::string body = made_body_path();
 };
 
 // Camera axes (x right, y down, z forward) to a body mesh's (y up, +z out of the face).

@@ -41,8 +41,8 @@ int chunk_of(const SampleOptions& options, int otherwise) {
 SampleOptions default_samples() {
   SampleOptions options;
   options.threads = default_threads();
-  options.body = default_body_path();
-  options.tracker = default_tracker_path();
+  options.body = made_body_path();
+  options.tracker = made_tracker_path();
   return options;
 }
 

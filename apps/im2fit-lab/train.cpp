@@ -16,8 +16,8 @@ namespace {
 
 struct TrainCommand {
   lab::TrainOptions train;
-  std::string body = default_body_path();
-  std::string out = default_tracker_path();
+  std::string body = made_body_path();
+  std::string out = made_tracker_path();
 };
 
 Result<int> run_train(const TrainCommand& options) {

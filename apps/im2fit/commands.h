@@ -12,6 +12,7 @@ void add_live(cli::App& app, Command& chosen);
 #if IM2FIT_HAVE_PAGE
 void add_serve(cli::App& app, Command& chosen);
 #endif
+void add_models(cli::App& app, Command& chosen);
 void add_tape(cli::App& app, Command& chosen);
 void add_record(cli::App& app, Command& chosen);
 

@@ -120,8 +120,8 @@ class LiveRun {
       if (auto made = make_directory(out); !made) return made;
       if (auto written = write_outputs(outcome_, out); !written) return written;
     }
-    preview_.say(fmt::format("person {}: {}", persons_, summary(outcome_.report)));
-    Json event = measured_event(frames_, persons_, outcome_.report);
+    preview_.say(fmt::format("person {}: {}", persons_, summary(outcome_.person)));
+    Json event = measured_event(frames_, persons_, outcome_.person);
     if (!out.empty()) event["out"] = out;
     if (listener_ != nullptr)
       if (auto seen = listener_->measured(outcome_); !seen) return seen;
@@ -140,13 +140,13 @@ class LiveRun {
 
   Result<int> report_no_person() {
     if (auto concluded = conclude(outcome_); !concluded) return concluded.error();
-    const EngineResult& result = outcome_.report.result;
+    const EngineResult& result = outcome_.person.result;
     // Damaged frames among good ones are left out; nothing but damage is no stream.
     if (result.frames_seen == 0 && outcome_.tap->first_damage()) return *outcome_.tap->first_damage();
     if (options_.session.json && !options_.session.out.empty())
       if (auto written = write_outputs(outcome_, options_.session.out); !written) return written.error();
     Json event = {{"event", "end"}, {"frame", frames_}, {"persons", 0}};
-    event["result"] = Json::parse(result_json(outcome_.report));
+    event["result"] = Json::parse(result_json(outcome_.person));
     if (auto sent = publish(event); !sent) return sent.error();
     return options_.session.json ? kExitNoMeasurement : report_session(outcome_, options_.session);
   }
@@ -200,7 +200,7 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
   if (!done) return done.error();
   if (code && !options.preview_renderer.overlay.empty() && !options.session.json)
     tables += fmt::format("{} pictures in {}\n", preview_renderer->pictures(), options.preview_renderer.overlay);
-  return code;
+  return report_motion(*outcome, options.session, std::move(code));
 }
 
 }  // namespace
@@ -208,6 +208,7 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
 Result<int> run_live(const LiveOptions& given, LiveListener* listener) {
   LiveOptions options = given;
   options.session.user = user_of(options.user).value_or(0);
+  options.session.one_after_another = true;
   std::string tables;
   auto code = run_live_shown(options, listener, tables);
   fmt::print("{}", tables);

@@ -16,7 +16,7 @@ Result<int> run_measure(const SessionOptions& options) {
     progress.update(frame_count, turn ? good + "; please turn round" : good);
   });
   if (!outcome) return outcome.error();
-  return report_session(*outcome, options);
+  return report_motion(*outcome, options, report_session(*outcome, options));
 }
 
 }  // namespace

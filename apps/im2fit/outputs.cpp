@@ -24,22 +24,22 @@ std::string upper(std::string text) {
 // Where the answered body is measured, as heights above the floor.
 std::vector<SectionLine> section_lines(const SessionOutcome& outcome) {
   std::vector<SectionLine> lines;
-  if (!outcome.body) return lines;
-  const body::BodyModel& model = outcome.data.body_model;
+  if (!outcome.person.body) return lines;
+  const body::BodyModel& model = *outcome.data.body_model;
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
   std::vector<Vec3f> relaxed(rest.size());
-  model.morph(outcome.body->params, rest);
+  model.morph(outcome.person.body->params, rest);
   const body::Skeleton skeleton = body::rest_skeleton(model, rest);
   body::skin(model, rest, skeleton, body::relaxed_pose(skeleton, body::relaxed_spread_deg(model, rest)), relaxed);
   float lowest = relaxed[0].y;
   for (int i = 0; i < model.body_vertex_count(); ++i)
     lowest = std::min(lowest, relaxed[static_cast<std::size_t>(i)].y);
-  for (const body::Section& section : body::girth_sections(model, relaxed, outcome.body->params.gender)) {
+  for (const body::Section& section : body::girth_sections(model, relaxed, outcome.person.body->params.gender)) {
     if (section.hull.empty() || section.id == Measurement::shoulder_girth) continue;
     SectionLine line;
     const std::size_t id = measurement_index(section.id);
     line.label = fmt::format("{} {:.0f} MM", upper(std::string(kMeasurementTable[id].id)),
-                             outcome.report.result.answer.measurements[id].value);
+                             outcome.person.result.answer.measurements[id].value);
     float width = 0;
     for (const Vec3f& p : section.hull) {
       line.height_mm += (p.y - lowest) / static_cast<float>(section.hull.size());
@@ -52,9 +52,9 @@ std::vector<SectionLine> section_lines(const SessionOutcome& outcome) {
 }
 
 Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
-  const EngineResult& result = outcome.report.result;
+  const EngineResult& result = outcome.person.result;
   OverlayInput overlay;
-  overlay.intrinsics = outcome.report.source.intrinsics;
+  overlay.intrinsics = outcome.person.source.intrinsics;
   overlay.frame = outcome.tap->last_frame();
   overlay.fused_q4 = outcome.engine->fused_depth_q4();
   overlay.mask = outcome.engine->fused_mask();
@@ -67,7 +67,7 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
     const auto& weight = result.answer.measurements[measurement_index(Measurement::weight)];
     overlay.captions = {fmt::format("STATURE {:.0f} MM", stature.value),
                         fmt::format("WEIGHT {:.1f} KG", weight.value)};
-    if (outcome.report.size) overlay.captions.push_back("SIZE " + outcome.report.size->best);
+    if (outcome.person.size) overlay.captions.push_back("SIZE " + outcome.person.size->best);
   } else {
     overlay.captions = {"NOT MEASURED", upper(guidance_words(reported_guidance(result), reported_arms(result)))};
   }
@@ -80,24 +80,44 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
 
 // The answer first: a few kilobytes, which fit where the body's megabytes do not.
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory) {
-  if (auto written =
-          write_file_atomically(directory + "/result.json", result_json(outcome.report), Readable::by_owner);
+  if (const auto written = write_file_atomically(directory + "/result.json",
+                                                 result_json(outcome.person, outcome.timing), Readable::by_owner);
       !written)
-    return written;
+    return written.error();
   if (outcome.tap->last_frame().pixels != nullptr)
-    if (auto drawn = write_overlay(outcome, directory + "/overlay.png"); !drawn) return drawn;
-  if (!outcome.body) return Ok{};
-  const body::Avatar avatar{&outcome.data.body_model, outcome.body->params, outcome.body->pose, true};
+    if (const auto drawn = write_overlay(outcome, directory + "/overlay.png"); !drawn) return drawn.error();
+  if (!outcome.person.body) return Ok{};
+  const body::Avatar avatar{outcome.data.body_model.get(), outcome.person.body->params, outcome.person.body->pose,
+                            true};
   using Writer = Status (*)(const body::Avatar&, const std::string&);
   constexpr std::pair<Writer, const char*> kFiles[] = {
       {body::write_bvh, "/avatar.bvh"}, {body::write_glb, "/avatar.glb"}, {body::write_obj, "/avatar.obj"}};
   for (const auto& [write, name] : kFiles)
-    if (auto written = write(avatar, directory + name); !written) return written;
+    if (const auto written = write(avatar, directory + name); !written) return written.error();
   return Ok{};
 }
 
+Result<std::string> write_motion(const MotionRecording& motion, const std::string& path, const body::BodyModel& model,
+                                 const std::optional<AnsweredBody>& body) {
+  body::Avatar avatar;
+  avatar.model = &model;
+  if (body) avatar.params = body->params;
+  if (const auto written = motion.write(path, avatar); !written) return written.error();
+  return fmt::format("{}: {} frames{}\n", path, motion.frame_count(),
+                     motion.left_out() > 0 ? fmt::format(", {} more after an hour left out", motion.left_out()) : "");
+}
+
+Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& options, Result<int> code) {
+  if (!code || outcome.motion == nullptr) return code;
+  const auto moved = write_motion(*outcome.motion, options.motion, *outcome.data.body_model, outcome.person.body);
+  if (!moved && *code != kExitOk) return code;  // no person was there: that is said already
+  if (!moved) return moved.error();
+  if (!options.json) fmt::print("{}", *moved);
+  return code;
+}
+
 std::string result_table(const SessionOutcome& outcome) {
-  const EngineResult& result = outcome.report.result;
+  const EngineResult& result = outcome.person.result;
   const auto& truth = outcome.input.truth;
   std::vector<std::string> header = {"measurement", "value", "95 % interval", "paper's method"};
   if (truth) header.insert(header.end(), {"truth", "error", "paper's error"});
@@ -128,11 +148,11 @@ std::string result_table(const SessionOutcome& outcome) {
                             ? ": CLOTHED, said to be bare; take off loose clothes, or say --clothing dressed"
                             : "");
   }
-  if (outcome.report.size) {
-    auto entries = outcome.report.size->entries;
+  if (outcome.person.size) {
+    auto entries = outcome.person.size->entries;
     std::sort(entries.begin(), entries.end(),
               [](const auto& a, const auto& b) { return a.probability > b.probability; });
-    text += fmt::format("size  {} ({}", outcome.report.size->best, outcome.report.size->chart);
+    text += fmt::format("size  {} ({}", outcome.person.size->best, outcome.person.size->chart);
     for (std::size_t i = 0; i < std::min<std::size_t>(2, entries.size()); ++i)
       text += fmt::format("{} {} {:.0f} %", i == 0 ? ":" : ",", entries[i].size, 100 * entries[i].probability);
     text += ")\n";
@@ -148,7 +168,7 @@ namespace {
 
 // "2 damaged frames were left out; the first: ...", or "".
 std::string damage_words(const SessionOutcome& outcome) {
-  const std::uint64_t count = outcome.report.frames_damaged;
+  const std::uint64_t count = outcome.person.frames_damaged;
   if (count == 0) return "";
   std::string words = fmt::format("{} damaged frame{} left out", count, count == 1 ? " was" : "s were");
   if (const auto& first = outcome.tap->first_damage()) words += ": " + first->message;
@@ -157,15 +177,15 @@ std::string damage_words(const SessionOutcome& outcome) {
 
 // Nothing is wrong with the frames: there are too few.
 std::string wanted_words(const SessionOutcome& outcome, const SessionOptions& options) {
-  const GuidanceSet guidance = reported_guidance(outcome.report);
-  if (guidance != 0) return guidance_words(guidance, reported_arms(outcome.report.result));
+  const GuidanceSet guidance = reported_guidance(outcome.person);
+  if (guidance != 0) return guidance_words(guidance, reported_arms(outcome.person.result));
   return fmt::format("more frames, at least {} good ones; record longer",
                      std::min(EngineSettings{}.frames_min, options.frames));
 }
 
 // Of frames no person was found in: what they are, when they cannot be a room in millimetres.
 std::string depth_words(const SessionOutcome& outcome) {
-  if (!has(reported_guidance(outcome.report), Guidance::no_person)) return "";
+  if (!has(reported_guidance(outcome.person), Guidance::no_person)) return "";
   const std::string diagnosis = hal::depth_diagnosis(outcome.tap->last_frame());
   return diagnosis.empty() ? "" : "; " + diagnosis;
 }
@@ -175,18 +195,18 @@ std::string depth_words(const SessionOutcome& outcome) {
 std::vector<std::string> session_notes(const SessionOutcome& outcome) {
   std::vector<std::string> notes;
   if (const std::string damage = damage_words(outcome); !damage.empty()) notes.push_back(damage);
-  if (has(reported_guidance(outcome.report), Guidance::turn_round))
+  if (has(reported_guidance(outcome.person), Guidance::turn_round))
     notes.push_back(
         fmt::format("measured from the front alone: {} good frames of the back were seen, at least {} are needed",
-                    outcome.report.result.frames_back, EngineSettings{}.frames_min));
+                    outcome.person.result.frames_back, EngineSettings{}.frames_min));
   return notes;
 }
 
 Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& options) {
-  const EngineResult& result = outcome.report.result;
+  const EngineResult& result = outcome.person.result;
   if (!options.out.empty())
     if (const auto written = write_outputs(outcome, options.out); !written) return written.error();
-  if (options.json) fmt::print("{}", result_json(outcome.report));
+  if (options.json) fmt::print("{}", result_json(outcome.person, outcome.timing));
   if (const auto flushed = flush_output(); !flushed) return flushed.error();
   const std::string damage = damage_words(outcome);
   if (!result.measured) {
@@ -196,7 +216,7 @@ Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& 
     return kExitNoMeasurement;
   }
   for (const std::string& note : session_notes(outcome)) print_error(note);
-  if (const std::string note = body_note(outcome.report); !note.empty()) print_error(note);
+  if (const std::string note = body_note(outcome.person); !note.empty()) print_error(note);
   if (!options.json) {
     fmt::print("{}", result_table(outcome));
     if (!options.out.empty()) fmt::print("written to {}\n", options.out);

@@ -6,7 +6,9 @@
 #include "apps/common/events.h"
 #include "apps/common/input.h"
 #include "apps/im2fit/commands.h"
+#include "apps/im2fit/session.h"
 #include "engine/report/progress.h"
+#include "engine/sensing_stages.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/openni2/oni_writer.h"
 
@@ -18,35 +20,12 @@ struct RecordOptions {
   std::string out;
   int frames = 60;
   bool json = false;
+  std::string motion;  // file of the joints over time; "": none
+  std::string tracker = default_tracker_path();
 };
-
-constexpr int kWaitMs = 250;
-constexpr int kPatienceMs = 5000;
 
 bool is_oni(const std::string& path) {
   return path.size() > 4 && path.substr(path.size() - 4) == ".oni";
-}
-
-// Hands every frame to `take` until the source ends, the tap closes or `take` fails.
-Status pull(hal::Source& source, const std::function<Status(DepthView, const hal::FrameInfo&)>& take) {
-  const Intrinsics& k = source.info().intrinsics;
-  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
-  const DepthImage depth(pixels.data(), k.width, k.height);
-  for (int silent_ms = 0;;) {
-    const auto frame = source.next(depth, kWaitMs);
-    if (frame) {
-      silent_ms = 0;
-      if (auto taken = take(depth, *frame); !taken) return taken;
-      continue;
-    }
-    if (frame.error().code == ErrorCode::end_of_stream) return Ok{};
-    if (frame.error().code == ErrorCode::corrupt) continue;
-    if (frame.error().code != ErrorCode::timeout) return frame.error();
-    silent_ms = source.lost() ? 0 : silent_ms + kWaitMs;
-    if (silent_ms >= kPatienceMs)
-      return Error{ErrorCode::timeout, fmt::format("{}: no frame for {} s; is the camera still connected?",
-                                                   source.info().uri, kPatienceMs / 1000)};
-  }
 }
 
 // "12 frames", and what is not among them: a recording has everything, or says what it lacks.
@@ -57,6 +36,42 @@ std::string counts(std::uint64_t frames, const hal::SourceStats& stats, std::uin
   if (losses > 0) words += fmt::format(", the camera was away {} times", losses);
   return words;
 }
+
+// Follows whoever is seen while frames are recorded; measures no person.
+class Follower {
+ public:
+  static Result<std::unique_ptr<Follower>> create(const RecordOptions& options, const hal::SourceInfo& source) {
+    auto made = std::make_unique<Follower>();
+    auto tracker = Tracker::load(options.tracker);
+    if (!tracker) return tracker.error();
+    made->tracker_ = std::make_unique<Tracker>(std::move(*tracker));
+    auto model = load_body(options.input.body);
+    if (!model) return model.error();
+    made->model_ = std::make_unique<body::BodyModel>(std::move(*model));
+    EngineSettings settings;
+    settings.intrinsics = source.intrinsics;
+    settings.width = source.intrinsics.width;
+    settings.height = source.intrinsics.height;
+    settings.live = source.live;
+    settings.watch = [motion = &made->motion_](const FrameSeen& frame) { motion->see(frame); };
+    auto engine = create_engine(
+        settings, std::make_unique<SensingStages>(settings.width, settings.height, made->tracker_->model()));
+    if (!engine) return engine.error();
+    made->engine_ = std::move(*engine);
+    return made;
+  }
+  Status follow(DepthView depth, const hal::FrameInfo& info) { return engine_->push(depth, info); }
+  Result<std::string> write(const std::string& path) {
+    engine_->finish();
+    return write_motion(motion_, path, *model_, std::nullopt);
+  }
+
+ private:
+  std::unique_ptr<Tracker> tracker_;
+  std::unique_ptr<body::BodyModel> model_;
+  MotionRecording motion_;
+  std::unique_ptr<Engine> engine_;
+};
 
 struct Recorded {
   std::uint64_t frames = 0;
@@ -82,12 +97,34 @@ Error with_kept(Error error, const std::string& path, std::uint64_t frames) {
   return error;
 }
 
+// Writes each frame, and shows it to `follower`, which may be null.
+template <class Writer>
+class WriterSink final : public FrameSink {
+ public:
+  WriterSink(Writer& writer, const Intrinsics& k, Follower* follower)
+      : writer_(writer),
+        follower_(follower),
+        pixels_(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height)),
+        depth_(pixels_.data(), k.width, k.height) {}
+  Result<DepthImage> acquire() override { return depth_; }
+  Status commit(const hal::FrameInfo& info) override {
+    if (auto written = writer_.write(depth_, info); !written) return written;
+    return follower_ != nullptr ? follower_->follow(depth_, info) : Ok{};
+  }
+
+ private:
+  Writer& writer_;
+  Follower* follower_;
+  std::vector<std::uint16_t> pixels_;
+  DepthImage depth_;
+};
+
 // `kept` says where the frames are once the writer has finished.
 template <class Writer, class Kept>
-Result<Recorded> record_with(Writer& writer, FrameTap& tap, const Kept& kept) {
+Result<Recorded> record_with(Writer& writer, FrameTap& tap, Follower* follower, const Kept& kept) {
   if (const auto started = tap.start(); !started) return started.error();
-  const auto pulled =
-      pull(tap, [&](DepthView depth, const hal::FrameInfo& info) { return writer.write(depth, info); });
+  WriterSink<Writer> sink(writer, tap.info().intrinsics, follower);
+  const auto pulled = pump_all(tap, sink, [] { return true; });
   tap.stop();
   const auto finished = writer.finish();
   const auto frames = static_cast<std::uint64_t>(writer.frame_count());
@@ -96,21 +133,21 @@ Result<Recorded> record_with(Writer& writer, FrameTap& tap, const Kept& kept) {
   return Recorded{frames, ""};
 }
 
-Result<Recorded> record_oni(FrameTap& tap, const std::string& path) {
+Result<Recorded> record_oni(FrameTap& tap, Follower* follower, const std::string& path) {
   auto writer = hal::OniWriter::create(path, tap.info().intrinsics, {tap.info().name, tap.info().intrinsics_origin});
   if (!writer) return writer.error();
-  auto recorded = record_with(**writer, tap, [&] { return (*writer)->kept_path(); });
+  auto recorded = record_with(**writer, tap, follower, [&] { return (*writer)->kept_path(); });
   if (recorded) recorded->beside = hal::oni_sidecar_path(path);
   return recorded;
 }
 
-Result<Recorded> record_folder(FrameTap& tap, const std::string& path) {
+Result<Recorded> record_folder(FrameTap& tap, Follower* follower, const std::string& path) {
   hal::FolderWriter::Options writing;
   writing.camera_name = tap.info().name;
   writing.origin = tap.info().intrinsics_origin;
   auto writer = hal::FolderWriter::create(path, tap.info().intrinsics, writing);
   if (!writer) return writer.error();
-  return record_with(**writer, tap, [&] { return path; });
+  return record_with(**writer, tap, follower, [&] { return path; });
 }
 
 Result<int> run_record(const RecordOptions& given) {
@@ -122,12 +159,19 @@ Result<int> run_record(const RecordOptions& given) {
   };
   auto input = open_input(options.input);
   if (!input) return input.error();
+  std::unique_ptr<Follower> follower;
+  if (!options.motion.empty()) {
+    auto made = Follower::create(options, input->source->info());
+    if (!made) return made.error();
+    follower = std::move(*made);
+  }
   catch_interrupt();
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the size limit is an error of write(), as on a full disk
   const auto frames = static_cast<std::uint64_t>(options.frames);
   Progress progress("recording", frames);
   FrameTap tap(*input->source, frames, [&](std::uint64_t done) { progress.update(done); });
-  const auto recorded = is_oni(options.out) ? record_oni(tap, options.out) : record_folder(tap, options.out);
+  const auto recorded = is_oni(options.out) ? record_oni(tap, follower.get(), options.out)
+                                            : record_folder(tap, follower.get(), options.out);
   if (!recorded) return recorded.error();
   if (input->truth) {
     const std::string path = is_oni(options.out) ? options.out.substr(0, options.out.size() - 4) + ".truth.json"
@@ -135,6 +179,11 @@ Result<int> run_record(const RecordOptions& given) {
     if (const auto written = write_truth(*input->truth, path); !written) return written.error();
   }
   if (auto reported = report(options, *recorded, tap.stats(), losses); !reported) return reported.error();
+  if (follower != nullptr) {
+    const auto moved = follower->write(options.motion);
+    if (!moved) return moved.error();
+    if (!options.json) fmt::print("{}", *moved);
+  }
   return kExitOk;
 }
 
@@ -153,6 +202,10 @@ void add_record(cli::App& app, Command& chosen) {
   sub->add_option("--out", options->out, "PATH.oni, for OpenNI2 programs too, or a folder to make")
       ->required()
       ->type_name("PATH");
+  add_motion_option(*sub, options->motion);
+  sub->add_option("--tracker", options->tracker, "Tracker file, for --motion")
+      ->type_name("FILE")
+      ->capture_default_str();
   sub->add_option("--frames", options->frames, "Frames; 0: until the source ends or Ctrl-C")
       ->range(0, 1'000'000'000)
       ->capture_default_str();

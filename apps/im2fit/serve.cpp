@@ -29,8 +29,9 @@ class PageListener final : public LiveListener {
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
-    if (!session.body) return Ok{};
-    return page_.measured({&session.data.body_model, session.body->params, session.body->pose, true});
+    if (!session.person.body) return Ok{};
+    return page_.measured(
+        {session.data.body_model.get(), session.person.body->params, session.person.body->pose, true});
   }
 
  private:

@@ -56,8 +56,15 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
   sub.add_option("--threads", options.threads, "1 or 2; the result does not depend on it")
       ->one_of({1, 2})
       ->capture_default_str();
+  add_motion_option(sub, options.motion);
   sub.add_flag("--timing", options.timing, "Add times to the result");
   sub.add_flag("--json", options.json, "Print result.json, and nothing else, on stdout");
+}
+
+void add_motion_option(cli::App& sub, std::string& path) {
+  sub.add_option("--motion", path, "File of the joints over time: .csv, .bvh or .glb, see docs/motion.md")
+      ->type_name("FILE")
+      ->check(MotionRecording::fault_of);
 }
 
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch) {
@@ -71,24 +78,34 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   auto input = open_input(opening);
   if (!input) return input.error();
   if (!data->warning.empty()) fmt::print(stderr, "{}\n", data->warning);
+  std::unique_ptr<MotionRecording> motion;
+  if (!options.motion.empty()) {
+    motion = std::make_unique<MotionRecording>();
+    engine_watch = [kept = motion.get(), others = std::move(engine_watch)](const FrameSeen& frame) {
+      kept->see(frame);
+      if (others) others(frame);
+    };
+  }
   auto engine = make_engine(options, *data, input->source->info(), std::move(engine_watch));
   if (!engine) return engine.error();
-  SessionOutcome outcome{std::move(*data), std::move(*input), std::move(*engine), nullptr, {},
-                         std::nullopt,     options.turn};
+  SessionOutcome outcome;
+  outcome.data = std::move(*data);
+  outcome.input = std::move(*input);
+  outcome.motion = std::move(motion);
+  outcome.engine = std::move(*engine);
+  outcome.turn_asked = options.turn;
   outcome.tap = std::make_unique<FrameTap>(*outcome.input.source, 0, std::move(watch));
   catch_interrupt();
   return outcome;
 }
 
 Status conclude(SessionOutcome& outcome) {
-  outcome.body.reset();
-  outcome.report = {};
-  auto answered = answer_of(*outcome.engine, outcome.data, outcome.input.source->info());
-  if (!answered) return answered.error();
-  outcome.report = std::move(answered->report);
-  outcome.report.frames_damaged = outcome.input.source->stats().damaged;
-  outcome.report.turn_asked = outcome.turn_asked;
-  outcome.body = std::move(answered->body);
+  outcome.person = {};
+  auto person = measurement_of(*outcome.engine, outcome.data.parts(), outcome.input.source->info());
+  if (!person) return person.error();
+  outcome.person = std::move(*person);
+  outcome.person.frames_damaged = outcome.input.source->stats().damaged;
+  outcome.person.turn_asked = outcome.turn_asked;
   return Ok{};
 }
 
@@ -109,8 +126,7 @@ Result<SessionOutcome> run_session(const SessionOptions& options, const SessionW
     return *outcome->tap->first_damage();
   if (const auto concluded = conclude(*outcome); !concluded) return concluded.error();
   if (options.timing)
-    outcome->report.timing =
-        ResultTiming{now_ms() - started_ms, (answered_ms > 0 ? answered_ms : now_ms()) - started_ms};
+    outcome->timing = ResultTiming{now_ms() - started_ms, (answered_ms > 0 ? answered_ms : now_ms()) - started_ms};
   return outcome;
 }
 

@@ -9,16 +9,19 @@
 #include "apps/common/cli.h"
 #include "apps/common/input.h"
 #include "apps/common/measuring.h"
+#include "engine/report/motion_recording.h"
 
 namespace im2fit::apps {
 
 struct SessionOptions : MeasuringOptions {
   InputOptions input;
-  std::string out;  // "": no files
+  std::string out;     // "": no files
+  std::string motion;  // file of the joints over time; "": none
   bool json = false;
   bool timing = false;
 };
 void add_session_options(cli::App& sub, SessionOptions& options);
+void add_motion_option(cli::App& sub, std::string& path);
 
 // Called for every frame read, with the engine's latest result.
 using SessionWatch = std::function<void(std::uint64_t frame_count, const EngineResult& result)>;
@@ -27,17 +30,18 @@ using SessionWatch = std::function<void(std::uint64_t frame_count, const EngineR
 struct SessionOutcome {
   MeasuringData data;
   Input input;
+  std::unique_ptr<MotionRecording> motion;  // with options.motion; the engine's threads write to it
   std::unique_ptr<Engine> engine;
   std::unique_ptr<FrameTap> tap;
-  ResultReport report;
-  std::optional<AnsweredBody> body;
+  PersonMeasurement person;  // what the engine said when it was concluded
+  std::optional<ResultTiming> timing;
   bool turn_asked = false;
 };
 
 // Opens everything (so that bad words fail before a frame is read) and makes the folder --out. `engine_watch` sees
 // every frame processed, on the engine's thread; `watch` every frame read.
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch);
-// Makes the report of what the engine says now.
+// Takes what the engine says now.
 Status conclude(SessionOutcome& outcome);
 // Opens, runs to the end or the measurement, concludes.
 Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch);
@@ -48,6 +52,11 @@ Result<int> report_session(const SessionOutcome& outcome, const SessionOptions& 
 Status write_outputs(const SessionOutcome& outcome, const std::string& directory);
 // What a person should know of a measurement beside its values: damaged frames, a back that was not used.
 std::vector<std::string> session_notes(const SessionOutcome& outcome);
+// The motion moves the body measured, or an average adult's. What was written, in a line with its end.
+Result<std::string> write_motion(const MotionRecording& motion, const std::string& path, const body::BodyModel& model,
+                                 const std::optional<AnsweredBody>& body);
+// The same after a run that ended with `code`, where the options ask for it; printed unless --json. The exit code.
+Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& options, Result<int> code);
 // For people: value, interval, the paper's, and truth where it is known.
 std::string result_table(const SessionOutcome& outcome);
 

@@ -162,23 +162,19 @@ Status Daemon::measure_people(hal::Source& source) {
   if (!engine) return engine.error();
   engine_ = std::move(*engine);
   if (auto started = source.start(); !started) return started;
-  const Intrinsics& k = camera_.intrinsics;
-  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
-  const DepthImage depth(pixels.data(), k.width, k.height);
   Status status = Ok{};
   bool ended = false;
   while (status && !ended && !end_requested()) {
     publisher_->serve(greeting());
-    const auto info = source.next(depth, kWaitMs);
+    const auto pumped = pump(source, *engine_, kWaitMs);
     feed_watchdog(source.lost());
-    if (info) {
+    if (!pumped) {
+      status = pumped.error();
+    } else if (*pumped == Pumped::frame) {
       ++frames_;
-      status = engine_->push(depth, *info);
-      if (status) status = handle_result(source);
-    } else if (info.error().code == ErrorCode::end_of_stream) {
+      status = handle_result(source);
+    } else if (*pumped == Pumped::end) {
       ended = true;
-    } else if (info.error().code != ErrorCode::timeout && info.error().code != ErrorCode::corrupt) {
-      status = info.error();
     }
   }
   source.stop();
@@ -206,15 +202,14 @@ Status Daemon::report_person(const hal::Source& source) {
   reported_ = true;
   ++persons_;
   engine_->finish();
-  auto answered = apps::answer_of(*engine_, data_, source.info());
-  if (!answered) return answered.error();
-  answered->report.frames_damaged = source.stats().damaged;
-  answered->report.turn_asked = config_.measuring.turn;
-  log(Level::info,
-      fmt::format("person {} is measured, from {} frames", persons_, answered->report.result.frames_used));
-  if (const std::string note = apps::body_note(answered->report); !note.empty()) log(Level::warning, note);
-  say(apps::measured_event(frames_, persons_, answered->report));
-  keep(result_json(answered->report));
+  auto person = measurement_of(*engine_, data_.parts(), source.info());
+  if (!person) return person.error();
+  person->frames_damaged = source.stats().damaged;
+  person->turn_asked = config_.measuring.turn;
+  log(Level::info, fmt::format("person {} is measured, from {} frames", persons_, person->result.frames_used));
+  if (const std::string note = apps::body_note(*person); !note.empty()) log(Level::warning, note);
+  say(apps::measured_event(frames_, persons_, *person));
+  keep(result_json(*person));
   engine_->next_person();
   return Ok{};
 }

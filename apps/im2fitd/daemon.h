@@ -34,7 +34,7 @@ class Daemon {
   Result<std::optional<Config>> run();
 
  private:
-  Daemon(const Config& config, std::string config_path, Notifier& notifier, apps::MeasuringData data)
+  Daemon(const Config& config, std::string config_path, Notifier& notifier, MeasuringData data)
       : config_(config), config_path_(std::move(config_path)), notifier_(notifier), data_(std::move(data)) {}
   bool end_requested();
   Result<std::unique_ptr<hal::Source>> open_source();
@@ -52,7 +52,7 @@ class Daemon {
   Config config_;
   std::string config_path_;
   Notifier& notifier_;
-  apps::MeasuringData data_;
+  MeasuringData data_;
   std::string state_directory_;
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<Engine> engine_;

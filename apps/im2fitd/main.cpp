@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstdio>
 #include <exception>
 
+#include "apps/common/manual.h"
 #include "apps/im2fitd/config.h"
 #include "apps/im2fitd/daemon.h"
 #include "apps/im2fitd/log.h"
@@ -52,6 +54,8 @@ int main(int argc, char** argv) {
   Words words;
   app.add_option("--config", words.config, "Configuration")->type_name("YAML")->capture_default_str();
   app.add_flag("--check", words.check, "Look at the configuration and its files only: refuses what a start would");
+  if (const auto manual = im2fit::apps::manual_asked(app, argc, argv))
+    return std::fputs(manual->c_str(), stdout) >= 0 && std::fflush(stdout) == 0 ? 0 : 1;
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

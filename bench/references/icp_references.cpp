@@ -54,7 +54,7 @@ std::vector<double> pcl_errors(const lab::MeshSurface& surface, const lab::IcpCa
 struct Options {
   std::string out, condition = "noise";
   int people = 4;
-  std::string body = default_body_path(), joint_model = default_tracker_path(), index = default_index_path();
+  std::string body = made_body_path(), joint_model = made_tracker_path(), index = made_index_path();
 };
 
 Result<std::vector<lab::IcpCurve>> measure(const Options& options) {

@@ -21,6 +21,8 @@ struct Avatar {
 };
 // metres, +Y up, skinned, 19 joints; the file's bytes
 Result<std::vector<std::byte>> glb_of(const Avatar& avatar);
+Result<std::string> obj_of(const Avatar& avatar);  // the texts that write_obj and write_bvh write
+Result<std::string> bvh_of(const Avatar& avatar);
 Status write_glb(const Avatar& avatar, const std::string& path);
 Status write_obj(const Avatar& avatar, const std::string& path);   // metres, posed
 Status write_bvh(const Avatar& avatar, const std::string& path);   // centimetres, one frame: the pose

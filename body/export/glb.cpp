@@ -6,6 +6,7 @@
 
 #include "body/export/export.h"
 #include "body/export/figure.h"
+#include "body/export/motion.h"
 #include "body/export/rig.h"
 #include "body/model_data.h"
 #include "core/file.h"
@@ -162,6 +163,40 @@ Json material(const char* name, std::array<float, 4> colour, bool double_sided) 
           {"pbrMetallicRoughness", {{"baseColorFactor", colour}, {"metallicFactor", 0}, {"roughnessFactor", 0.8}}}};
 }
 
+// Channels for node 0's translation and every segment's rotation, all at the same times.
+Json animation(Buffer& buffer, const Skeleton& rest, std::span<const PoseKey> keys) {
+  std::vector<float> times;
+  std::vector<Vec3f> roots;
+  std::array<std::vector<std::array<float, 4>>, static_cast<std::size_t>(kSegmentCount)> rotations;
+  for (const PoseKey& key : keys) {
+    const RigPose rig = rig_pose(rest, key.pose);
+    times.push_back(static_cast<float>(key.time_s));
+    roots.push_back(rig.root_m);
+    for (std::size_t s = 0; s < rotations.size(); ++s) {
+      std::array<float, 4> q = rig.rotation[s];
+      // q and -q are one rotation; the sign nearer to the key before goes the short way in every player.
+      float along = 0;
+      for (std::size_t i = 0; i < 4 && !rotations[s].empty(); ++i) along += q[i] * rotations[s].back()[i];
+      if (along < 0)
+        for (float& c : q) c = -c;
+      rotations[s].push_back(q);
+    }
+  }
+  const int input = buffer.add(std::span<const float>(times), "SCALAR", kFloat, times.size());
+  buffer.accessors_.back()["min"] = {times.front()};
+  buffer.accessors_.back()["max"] = {times.back()};
+  Json samplers = Json::array(), channels = Json::array();
+  const auto add = [&](int output, std::size_t node, const char* path) {
+    channels.push_back({{"sampler", samplers.size()}, {"target", {{"node", node}, {"path", path}}}});
+    samplers.push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+  };
+  add(buffer.add(std::span<const Vec3f>(roots), "VEC3", kFloat, roots.size()), 0, "translation");
+  for (std::size_t s = 0; s < rotations.size(); ++s)
+    add(buffer.add(std::span<const std::array<float, 4>>(rotations[s]), "VEC4", kFloat, rotations[s].size()), s,
+        "rotation");
+  return {{"name", "motion"}, {"samplers", samplers}, {"channels", channels}};
+}
+
 void append_chunk(std::vector<std::byte>& out, const char* kind, std::span<const std::byte> bytes,
                   std::byte padding) {
   const auto length = static_cast<std::uint32_t>((bytes.size() + 3) / 4 * 4);
@@ -173,9 +208,8 @@ void append_chunk(std::vector<std::byte>& out, const char* kind, std::span<const
   out.insert(out.end(), length - bytes.size(), padding);
 }
 
-}  // namespace
-
-Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
+// A still avatar without keys.
+Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const PoseKey> keys) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
   const BodyModel::Data& d = avatar.model->data();
@@ -202,10 +236,12 @@ Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
   const int matrices =
       buffer.add(std::span<const std::array<float, 16>>(inverse_bind), "MAT4", kFloat, inverse_bind.size());
 
+  const Json animations = keys.empty() ? Json() : Json::array({animation(buffer, figure->skeleton, keys)});
+
   Json nodes = joint_nodes(*figure);
   nodes.push_back({{"name", "avatar"}, {"mesh", 0}, {"skin", 0}});
   const std::size_t mesh_node = nodes.size() - 1;
-  const Json document = {
+  Json document = {
       {"asset", {{"version", "2.0"}, {"generator", "im2fit"}}},
       {"scene", 0},
       {"scenes", {{{"nodes", {0, mesh_node}}}}},
@@ -217,6 +253,7 @@ Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
       {"bufferViews", buffer.views_},
       {"buffers", {{{"byteLength", buffer.bytes_.size()}}}},
   };
+  if (!keys.empty()) document["animations"] = animations;
   const std::string text = document.dump();
 
   std::vector<std::byte> chunks;
@@ -228,8 +265,24 @@ Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
   return chunks;
 }
 
+}  // namespace
+
+Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
+  return bytes_of(avatar, {});
+}
+
+Result<std::vector<std::byte>> animated_glb_of(const Avatar& avatar, std::span<const PoseKey> keys) {
+  if (auto ok = check_ascending(keys); !ok) return ok.error();
+  return bytes_of(avatar, keys);
+}
+
 Status write_glb(const Avatar& avatar, const std::string& path) {
   const auto glb = glb_of(avatar);
+  return glb ? write_file_atomically(path, *glb, Readable::by_owner) : glb.error();
+}
+
+Status write_glb(const Avatar& avatar, std::span<const PoseKey> keys, const std::string& path) {
+  const auto glb = animated_glb_of(avatar, keys);
   return glb ? write_file_atomically(path, *glb, Readable::by_owner) : glb.error();
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // .obj, .bvh, .skel and the attribute file.
+#include <algorithm>
 #include <cmath>
 
 #include "body/export/export.h"
 #include "body/export/figure.h"
+#include "body/export/motion.h"
 #include "body/model_data.h"
 #include "core/file.h"
 
@@ -19,6 +21,8 @@ void append_triple(std::string& out, Vec3f v, double scale, int decimals) {
 }
 
 constexpr double kDegrees = 57.29577951308232;
+constexpr double kMotionFramesMax = 1e6;   // nine hours at 30 Hz: beyond it a clock has jumped
+constexpr double kStillFrameS = 1.0 / 30;  // a file of one frame needs a length of it
 
 // Angles z, x, y with R = Rz Rx Ry, degrees: BVH's usual channel order.
 Vec3f euler_zxy(const Mat3f& r) {
@@ -27,8 +31,19 @@ Vec3f euler_zxy(const Mat3f& r) {
           static_cast<float>(std::atan2(-r.m[6], r.m[8]) * kDegrees)};
 }
 
-// Depth first, which is the order of the motion line too.
-void append_joint(std::string& out, std::string& motion, const Figure& f, std::size_t segment, int depth) {
+// One frame, in the order of the hierarchy: depth first.
+void append_channels(std::string& out, const Skeleton& rest, const Pose& pose, std::size_t segment) {
+  if (kSegmentParent[segment] < 0) {
+    append_triple(out, rest.head[segment] + pose.translation_mm, 0.1, 4);
+    out += ' ';
+  }
+  append_triple(out, euler_zxy(local_rotation(pose, segment)), 1, 4);
+  out += ' ';
+  for (std::size_t child = segment + 1; child < static_cast<std::size_t>(kSegmentCount); ++child)
+    if (kSegmentParent[child] == static_cast<int>(segment)) append_channels(out, rest, pose, child);
+}
+
+void append_joint(std::string& out, const Figure& f, std::size_t segment, int depth) {
   const std::string indent(static_cast<std::size_t>(depth) * 2, ' ');
   const int parent = kSegmentParent[segment];
   const Vec3f head = f.skeleton.head[segment];
@@ -39,17 +54,11 @@ void append_joint(std::string& out, std::string& motion, const Figure& f, std::s
   out += "\n" + indent +
          (parent < 0 ? "  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
                      : "  CHANNELS 3 Zrotation Xrotation Yrotation\n");
-  if (parent < 0) {
-    append_triple(motion, head + f.pose.translation_mm, 0.1, 4);
-    motion += ' ';
-  }
-  append_triple(motion, euler_zxy(local_rotation(f.pose, segment)), 1, 4);
-  motion += ' ';
   bool leaf = true;
   for (std::size_t child = segment + 1; child < static_cast<std::size_t>(kSegmentCount); ++child)
     if (kSegmentParent[child] == static_cast<int>(segment)) {
       leaf = false;
-      append_joint(out, motion, f, child, depth + 1);
+      append_joint(out, f, child, depth + 1);
     }
   if (leaf) {
     out += indent + "  End Site\n" + indent + "  {\n" + indent + "    OFFSET ";
@@ -59,9 +68,23 @@ void append_joint(std::string& out, std::string& motion, const Figure& f, std::s
   out += indent + "}\n";
 }
 
+// `poses`: one a frame.
+std::string bvh_of(const Figure& figure, std::span<const Pose> poses, double frame_s) {
+  std::string out = "HIERARCHY\n";
+  append_joint(out, figure, 0, 0);
+  out += "MOTION\nFrames: " + std::to_string(poses.size()) + "\nFrame Time: ";
+  append_number(out, frame_s, 7);
+  out += '\n';
+  for (const Pose& pose : poses) {
+    append_channels(out, figure.skeleton, pose, 0);
+    out.back() = '\n';
+  }
+  return out;
+}
+
 }  // namespace
 
-Status write_obj(const Avatar& avatar, const std::string& path) {
+Result<std::string> obj_of(const Avatar& avatar) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
   const auto body = std::span(figure->posed).first(static_cast<std::size_t>(avatar.model->body_vertex_count()));
@@ -85,18 +108,51 @@ Status write_obj(const Avatar& avatar, const std::string& path) {
     }
     out += '\n';
   }
-  return write_file_atomically(path, out, Readable::by_owner);
+  return out;
+}
+
+Status write_obj(const Avatar& avatar, const std::string& path) {
+  const auto text = obj_of(avatar);
+  if (!text) return text.error();
+  return write_file_atomically(path, *text, Readable::by_owner);
+}
+
+Result<std::string> bvh_of(const Avatar& avatar) {
+  const auto figure = make_figure(avatar);
+  if (!figure) return figure.error();
+  return bvh_of(*figure, std::span(&figure->pose, 1), kStillFrameS);
 }
 
 Status write_bvh(const Avatar& avatar, const std::string& path) {
+  const auto text = bvh_of(avatar);
+  if (!text) return text.error();
+  return write_file_atomically(path, *text, Readable::by_owner);
+}
+
+Status write_bvh(const Avatar& avatar, std::span<const PoseKey> keys, const std::string& path) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
-  std::string out = "HIERARCHY\n";
-  std::string motion;
-  append_joint(out, motion, *figure, 0, 0);
-  motion.back() = '\n';
-  out += "MOTION\nFrames: 1\nFrame Time: 0.0333333\n" + motion;
-  return write_file_atomically(path, out, Readable::by_owner);
+  if (auto ok = check_ascending(keys); !ok) return ok;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < keys.size(); ++i) steps.push_back(keys[i].time_s - keys[i - 1].time_s);
+  double frame_s = kStillFrameS;
+  if (!steps.empty()) {
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    frame_s = *middle;
+  }
+  if (!((keys.back().time_s - keys.front().time_s) / frame_s < kMotionFramesMax))
+    return Error{ErrorCode::unsupported, path + ": the times span more than a million frames of " +
+                                             std::to_string(frame_s) + " s; a .glb or .csv keeps them as they are"};
+  std::vector<Pose> poses;
+  std::size_t at = 0;
+  const auto frame_count = static_cast<std::size_t>((keys.back().time_s - keys.front().time_s) / frame_s + 0.5) + 1;
+  for (std::size_t frame = 0; frame < frame_count; ++frame) {
+    const double time_s = keys.front().time_s + frame_s * static_cast<double>(frame);
+    while (at + 1 < keys.size() && keys[at + 1].time_s <= time_s + frame_s / 2) ++at;
+    poses.push_back(keys[at].pose);
+  }
+  return write_file_atomically(path, bvh_of(*figure, poses, frame_s), Readable::by_owner);
 }
 
 Status write_skel(const Avatar& avatar, const std::string& path) {

@@ -131,12 +131,12 @@ Json residual_json(const body::MeasurementFit& fit) {
   return all;
 }
 
-Json body_json(const ResultReport& report) {
-  Json body = {{"entry", report.result.answer.nearest},
-               {"distance", rounded(report.result.answer.nearest_distance, kTenThousandths)}};
-  if (!report.body) return body;
-  const body::MeasurementFit& fit = report.body_fit;
-  body["parameters"] = parameters_json(*report.body, report.modifier_names);
+Json body_json(const PersonMeasurement& person) {
+  Json body = {{"entry", person.result.answer.nearest},
+               {"distance", rounded(person.result.answer.nearest_distance, kTenThousandths)}};
+  if (!person.body) return body;
+  const body::MeasurementFit& fit = person.body->fit;
+  body["parameters"] = parameters_json(person.body->params, person.modifier_names);
   body["residual_mm"] = residual_json(fit);
   body["residual_kg"] = rounded(fit.residual[measurement_index(Measurement::weight)], kThousandths);
   body["meets_measurements"] = body::girth_residual_mm(fit.residual) <= body::kResidualToldMm;
@@ -144,17 +144,17 @@ Json body_json(const ResultReport& report) {
 }
 
 // Of the answered body's mesh, by each definition that is measured.
-Json tape_json(const ResultReport& report) {
+Json tape_json(const PersonMeasurement& person) {
   Json all = Json::object();
-  for (std::size_t i = 0; i < report.tape_values.size(); ++i) {
-    const body::TapeDefinition& d = report.tape->definitions[i];
+  for (std::size_t i = 0; i < person.tape_values.size(); ++i) {
+    const body::TapeDefinition& d = person.tape->definitions[i];
     if (d.kind == body::TapeKind::refused) continue;
     const std::string unit(unit_of(d));
     const double steps = unit == "kg" ? kHundredths : kTenths;
-    Json entry = {{"value", rounded(report.tape_values[i], steps)}, {"unit", unit}};
-    if (i < report.tape_intervals.size() && report.tape_intervals[i].known)
+    Json entry = {{"value", rounded(person.tape_values[i], steps)}, {"unit", unit}};
+    if (i < person.tape_intervals.size() && person.tape_intervals[i].known)
       entry["interval"] =
-          Json::array({rounded(report.tape_intervals[i].low, steps), rounded(report.tape_intervals[i].high, steps)});
+          Json::array({rounded(person.tape_intervals[i].low, steps), rounded(person.tape_intervals[i].high, steps)});
     entry["iso"] = d.iso_8559.empty() ? Json(nullptr) : Json("ISO 8559-1:2017 " + d.iso_8559);
     all[d.id] = entry;
   }
@@ -257,9 +257,9 @@ GuidanceSet reported_guidance(const EngineResult& result) {
   return set;
 }
 
-GuidanceSet reported_guidance(const ResultReport& report) {
-  GuidanceSet set = reported_guidance(report.result);
-  if (report.result.measured && report.turn_asked && report.result.views == AnswerViews::front)
+GuidanceSet reported_guidance(const PersonMeasurement& person) {
+  GuidanceSet set = reported_guidance(person.result);
+  if (person.result.measured && person.turn_asked && person.result.views == AnswerViews::front)
     set |= static_cast<GuidanceSet>(Guidance::turn_round);
   return set;
 }
@@ -275,33 +275,33 @@ ArmSet reported_arms(const EngineResult& result) {
   return set;
 }
 
-std::string result_json(const ResultReport& report) {
-  const EngineResult& r = report.result;
+std::string result_json(const PersonMeasurement& person, const std::optional<ResultTiming>& timing) {
+  const EngineResult& r = person.result;
   Json json;
   json["schema"] = std::string(kResultSchema);
   json["state"] = std::string(name_of(r.state));
-  json["guidance"] = names_of(reported_guidance(report));
+  json["guidance"] = names_of(reported_guidance(person));
   json["guidance_details"] = Json::object();
   if (const ArmSet arms = reported_arms(r); arms != 0) json["guidance_details"]["arms_close"] = names_of_arms(arms);
   json["frames"] = {{"seen", r.frames_seen},
                     {"used", r.frames_used},
                     {"dropped", r.frames_dropped},
-                    {"damaged", report.frames_damaged}};
-  json["source"] = source_json(report.source);
+                    {"damaged", person.frames_damaged}};
+  json["source"] = source_json(person.source);
   if (r.measured) json["views"] = std::string(name_of(r.views));
   if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));
   if (r.measured) json["clothing"] = clothing_json(r.answer);
   json["measurements"] = measurements_json(r);
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured) json["age"] = age_json(r.age);
-  if (r.measured && report.size) json["size"] = size_json(*report.size);
+  if (r.measured && person.size) json["size"] = size_json(*person.size);
   json["joints"] = joints_json(r);
-  if (r.measured) json["body"] = body_json(report);
-  if (r.measured && report.body && report.tape != nullptr) json["tape"] = tape_json(report);
+  if (r.measured) json["body"] = body_json(person);
+  if (r.measured && person.body && person.tape != nullptr) json["tape"] = tape_json(person);
   json["paper"] = paper_json(r);
-  if (report.timing)
-    json["timing"] = {{"total_ms", rounded(report.timing->total_ms, kTenths)},
-                      {"first_answer_ms", rounded(report.timing->first_answer_ms, kTenths)},
+  if (timing)
+    json["timing"] = {{"total_ms", rounded(timing->total_ms, kTenths)},
+                      {"first_answer_ms", rounded(timing->first_answer_ms, kTenths)},
                       {"sequence_gaps", r.sequence_gaps},
                       {"sequence_repeats", r.sequence_repeats},
                       {"time_reversals", r.time_reversals}};

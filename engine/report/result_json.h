@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // result.json, schema im2fit.result/1: docs/result.md says what each field means, docs/result.schema.json is
-// machine-readable. The same report gives the same bytes on every machine.
+// machine-readable. The same measurement gives the same bytes on every machine.
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "body/measurement_fit.h"
-#include "body/tape.h"
-#include "engine/engine.h"
-#include "engine/report/tape_law.h"
-#include "engine/size_chart.h"
+#include "engine/person_measurement.h"
 
 namespace im2fit {
 
@@ -31,24 +25,9 @@ struct ResultTiming {
   double first_answer_ms = 0;
 };
 
-struct ResultReport {
-  EngineResult result;
-  hal::SourceInfo source;
-  std::optional<SizeAnswer> size;    // size_probabilities of the chest
-  std::optional<body::Params> body;  // body_of_answer; needs modifier_names and body_fit
-  body::MeasurementFit body_fit;
-  std::span<const std::string> modifier_names;  // BodyModel::modifier_names()
-  const body::Tape* tape = nullptr;             // with `body`: what its mesh measures by each definition
-  std::vector<float> tape_values;               // a value a definition; not-a-number: none
-  std::vector<TapeInterval> tape_intervals;     // as tape_values; may be empty
-  std::uint64_t frames_damaged = 0;             // SourceStats::damaged: left out
-  bool turn_asked = false;                      // both sides were wanted
-  std::optional<ResultTiming> timing;
-};
-
 // UTF-8 with two spaces of indentation and a line end. Text that is no UTF-8 (paths may be) has its odd bytes
 // replaced.
-std::string result_json(const ResultReport& report);
+std::string result_json(const PersonMeasurement& person, const std::optional<ResultTiming>& timing = {});
 
 // What the person or scene needs, as in the file: once measured nothing; else the codes of the latest frame and
 // those that at least half of the frames carried (the last frame alone may show an empty room).
@@ -57,6 +36,6 @@ GuidanceSet reported_guidance(const EngineResult& result);
 // that code.
 ArmSet reported_arms(const EngineResult& result);
 // The same, with TURN_ROUND where both sides were wanted and the answer rests on the front alone.
-GuidanceSet reported_guidance(const ResultReport& report);
+GuidanceSet reported_guidance(const PersonMeasurement& person);
 
 }  // namespace im2fit

@@ -9,7 +9,7 @@
 
 #include "body/model_data.h"
 #include "core/file.h"
-#include "engine/report/builtin_tape.h"
+#include "engine/builtin_tape.h"
 
 namespace im2fit {
 namespace {
@@ -372,17 +372,6 @@ std::string one_line(std::string text) {
   return text;
 }
 
-Tape parse_builtin() {
-  // The texts are ours and a test parses them; a fault here would be a fault of the build.
-  Tape tape;
-  for (const BuiltinTapeText& part : kBuiltinTape) {
-    auto more = parse_tape(part.text, part.file, tape);
-    if (!more) return {};
-    tape = std::move(*more);
-  }
-  return tape;
-}
-
 }  // namespace
 
 Result<Tape> parse_tape(const std::string& text, const std::string& what, Tape onto) {
@@ -403,11 +392,6 @@ Result<Tape> load_tape(const std::string& path, Tape onto) {
   const auto bytes = read_file(path);
   if (!bytes) return bytes.error();
   return parse_tape(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), path, std::move(onto));
-}
-
-const Tape& builtin_tape() {
-  static const Tape tape = parse_builtin();
-  return tape;
 }
 
 Result<Tape> load_tapes(const std::vector<std::string>& paths) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tape from its text (YAML, docs/tape.md): the shipped one, which is compiled in, and people's own files.
+// A tape from its text (YAML, docs/tape.md). The shipped one is compiled in: engine/builtin_tape.h.
 #pragma once
 
 #include <string>
@@ -14,8 +14,6 @@ namespace im2fit {
 // field. Either all of the text is taken or none.
 Result<body::Tape> parse_tape(const std::string& text, const std::string& what, body::Tape onto = {});
 Result<body::Tape> load_tape(const std::string& path, body::Tape onto);
-// data/tape/*.yaml, compiled in.
-const body::Tape& builtin_tape();
 // The shipped tape and people's own files, each of which may refer to what stands before it.
 Result<body::Tape> load_tapes(const std::vector<std::string>& paths);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// im2fit-tape-law BODY.i2b > engine/report/tape_law.inc
+// im2fit-tape-law BODY.i2b > engine/tape_law.inc
 // How the measurements of the tape follow the eleven in people, and how much of them the eleven leave open. Minutes.
 //
 // Slopes: of the logarithm of each measurement on those of the eleven, over training people. Residual: what the body
@@ -15,7 +15,7 @@
 #include "body/measurement_fit.h"
 #include "body/population.h"
 #include "body/tape.h"
-#include "engine/report/tape_file.h"
+#include "engine/builtin_tape.h"
 
 namespace {
 
@@ -114,7 +114,7 @@ int run(const char* path) {
     }
   }
   std::printf(
-      "// Made by im2fit-tape-law of %d training and %d held-out people; see engine/report/tape_law.h.\n"
+      "// Made by im2fit-tape-law of %d training and %d held-out people; see engine/tape_law.h.\n"
       "// clang-format off\n",
       kTeaching, kHeldOut);
   for (std::size_t d = 0; d < tape.definitions.size(); ++d) {
@@ -137,7 +137,7 @@ int run(const char* path) {
 
 int main(int argc, char** argv) {
   if (argc != 2 || std::string_view(argv[1]) == "--help") {
-    std::fprintf(stderr, "im2fit-tape-law BODY.i2b > engine/report/tape_law.inc\n");
+    std::fprintf(stderr, "im2fit-tape-law BODY.i2b > engine/tape_law.inc\n");
     return 2;
   }
   return run(argv[1]);

@@ -64,8 +64,6 @@ GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide 
     guidance |= static_cast<GuidanceSet>(Guidance::not_upright);
   else if (view != ViewSide::front && view != ViewSide::back)
     guidance |= static_cast<GuidanceSet>(Guidance::not_frontal);
-
-  if (hands_close(joints, floor) != 0) guidance |= static_cast<GuidanceSet>(Guidance::arms_close);
   return guidance;
 }
 

@@ -22,7 +22,7 @@ ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_p
 ArmSet hands_close(const JointSet& joints, const FloorPlane& floor);
 
 // not_upright (by the lean where it is seen, else by the joints: corrected Eq. 1 and the floor), not_frontal (neither
-// front nor back), arms_close (by hands_close). Thresholds sit three joint errors away from what a person who tries
+// front nor back). Thresholds sit three joint errors away from what a person who tries
 // to stand straight does: one noisy joint must not refuse a good frame. The direction a bent person faces is not
 // judged.
 GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view, const Lean& lean = {});
@@ -30,8 +30,10 @@ GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide 
 // a hand outside the picture has no place, without a head front and back cannot be distinguished, and without feet
 // the floor they stand on is not seen, nor what is upright. First the person must stand where the pose can be seen.
 GuidanceSet pose_codes_seen(GuidanceSet of_mask, ViewSide view);
+// By the joints alone, arms_close too.
 inline GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor) {
-  return pose_gate(joints, floor, view_side(joints, floor));
+  const GuidanceSet close = hands_close(joints, floor) != 0 ? static_cast<GuidanceSet>(Guidance::arms_close) : 0;
+  return close | pose_gate(joints, floor, view_side(joints, floor));
 }
 
 }  // namespace im2fit

@@ -51,6 +51,16 @@ class Live : public testing::Test {
   static inline test::TestFolder* folder_ = nullptr;
 };
 
+TEST_F(Live, EveryPersonsResultIsTheSameOnOneThreadAndTwo) {
+  for (const char* threads : {"1", "2"})
+    ASSERT_EQ(live({"--threads", threads, "--out", folder_->path(std::string("threads-") + threads)}).exit_code, 0);
+  for (const char* person : {"/person-001", "/person-002"}) {
+    const std::string one = test::read_text(folder_->path("threads-1") + person + "/result.json");
+    EXPECT_GT(one.size(), 1000U);
+    EXPECT_EQ(one, test::read_text(folder_->path("threads-2") + person + "/result.json")) << person;
+  }
+}
+
 TEST_F(Live, MeasuresOnePersonAfterTheOtherAndTellsItLineByLine) {
   const std::string out = folder_->path("out");
   const test::Run run = live({"--json", "--out", out});

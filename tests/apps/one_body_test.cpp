@@ -69,15 +69,15 @@ TEST(OneBody, TheExportedMeshMeasuresWhatIsReported) {
 }
 
 TEST(OneBody, WhatNoBodyMeasuresIsSaid) {
-  ResultReport report;
-  report.body_fit.residual[measurement_index(Measurement::waist_girth)] = 12;
-  EXPECT_EQ(apps::body_note(report), "") << "there is no body";
-  report.body.emplace();
-  report.body_fit.residual[measurement_index(Measurement::inside_leg)] = -3.4F;
-  EXPECT_EQ(apps::body_note(report),
+  PersonMeasurement person;
+  EXPECT_EQ(apps::body_note(person), "") << "there is no body";
+  MeasurementValues& residual = person.body.emplace().fit.residual;
+  residual[measurement_index(Measurement::waist_girth)] = 12;
+  residual[measurement_index(Measurement::inside_leg)] = -3.4F;
+  EXPECT_EQ(apps::body_note(person),
             "no body measures all that is reported; the avatar is off by waist_girth +12 mm, inside_leg -3 mm");
-  report.body_fit.residual[measurement_index(Measurement::waist_girth)] = -2;
-  EXPECT_EQ(apps::body_note(report), "") << "a length alone is not told";
+  residual[measurement_index(Measurement::waist_girth)] = -2;
+  EXPECT_EQ(apps::body_note(person), "") << "a length alone is not told";
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace im2fit::test {
 
 inline constexpr int kFramesEach = 9;
-inline constexpr int kFramesEmpty = 30;  // a loss is 16, and up to 8 pass unread after a measurement
+inline constexpr int kFramesEmpty = 30;  // a loss is 16
 
 inline void append_person(const body::BodyModel& model, std::uint64_t person, int frames, std::vector<Picture>& out) {
   constexpr int kWidth = 320;

@@ -13,9 +13,11 @@
 #include "body/measure.h"
 #include "body/population.h"
 #include "body_pack.h"
-#include "engine/report/builtin_tape.h"
+#include "core/file.h"
+#include "engine/builtin_tape.h"
 #include "engine/report/tape_file.h"
-#include "engine/report/tape_law.h"
+#include "engine/report/tape_table.h"
+#include "engine/tape_law.h"
 
 namespace im2fit::body {
 namespace {
@@ -31,13 +33,7 @@ float value(const Tape& tape, const std::vector<float>& values, std::string_view
 }
 
 TEST(BuiltinTape, IsReadAndComplete) {
-  Tape tape;
-  for (const BuiltinTapeText& part : kBuiltinTape) {
-    auto more = parse_tape(part.text, part.file, tape);
-    ASSERT_TRUE(more) << more.error().message;
-    tape = std::move(*more);
-  }
-  ASSERT_EQ(builtin_tape().definitions.size(), tape.definitions.size());
+  const Tape& tape = builtin_tape();
   std::set<std::string> ids, isos;
   std::size_t measured_count = 0;
   for (const TapeDefinition& d : tape.definitions) {
@@ -61,6 +57,19 @@ TEST(BuiltinTape, IsReadAndComplete) {
   const TapeDefinition& head = tape.definitions[static_cast<std::size_t>(definition_index(tape, "head_girth"))];
   EXPECT_EQ(head.kind, TapeKind::refused);
   EXPECT_FALSE(head.reason.empty());
+}
+
+// What is compiled in is what the files say.
+TEST(BuiltinTape, IsThatOfTheFiles) {
+  const auto read = read_shipped_tape(IM2FIT_TAPE_FOLDER);
+  ASSERT_TRUE(read) << read.error().message;
+  const auto of_files = tape_table(*read), of_program = tape_table(builtin_tape());
+  ASSERT_TRUE(of_files && of_program);
+  EXPECT_TRUE(*of_files == *of_program) << "run im2fit-tape-table data/tape > engine/builtin_tape.inc";
+  const auto kept = read_file(IM2FIT_TAPE_FOLDER "/../../engine/builtin_tape.inc");
+  ASSERT_TRUE(kept) << kept.error().message;
+  const std::string text(reinterpret_cast<const char*>(kept->data()), kept->size());
+  EXPECT_TRUE(*of_files == text) << "engine/builtin_tape.inc was changed by hand";
 }
 
 class TapeTest : public testing::Test {

@@ -7,9 +7,8 @@
 
 #include "c_api_fake.h"
 #include "c_check.h"
+#include "c_small.h"
 #include "tests/devices/thread_starts.h"
-
-enum { WIDTH = 16, HEIGHT = 12, PIXELS = WIDTH * HEIGHT };
 
 static int logged;
 static void count_log(void* user, int status, const char* text) {
@@ -17,19 +16,6 @@ static void count_log(void* user, int status, const char* text) {
   CHECK(status < 0);
   CHECK(text[0] != '\0');
   ++logged;
-}
-
-static im2fit_settings small_settings(void) {
-  im2fit_settings s;
-  im2fit_settings_init(&s, sizeof s);
-  s.width = WIDTH;
-  s.height = HEIGHT;
-  s.fx = s.fy = 14.0F;
-  s.cx = 7.5F;
-  s.cy = 5.5F;
-  s.frames_wanted = 10;
-  s.frames_min = 3;
-  return s;
 }
 
 static void make_frame(uint16_t* depth, int found, unsigned guidance) {
@@ -129,7 +115,13 @@ static void refuses_bad_frames_and_says_why(void) {
   CHECK(im2fit_body_residual(handle, NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(im2fit_body_mesh(handle, NULL, 0, NULL, NULL, 0, &n) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(im2fit_sizes(handle, NULL, 3, &n, NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
-  CHECK(logged == 12);
+  im2fit_tape_value values[2];
+  const char* ids[] = {"thigh_girth", "tail_length"};
+  CHECK(im2fit_tape(handle, ids, 1, values, sizeof values[0]) == IM2FIT_ERROR_UNSUPPORTED); /* no body model */
+  CHECK(im2fit_tape(handle, ids, 1, NULL, sizeof values[0]) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_tape(handle, ids, 1, values, 8) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_tape(handle, NULL, im2fit_tape_count() + 1, values, sizeof values[0]) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(logged == 16);
   CHECK(im2fit_push(NULL, depth, WIDTH, HEIGHT, 0, 0, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(strstr(im2fit_last_error(NULL), "NULL") != NULL);
   im2fit_close(handle);
@@ -236,6 +228,7 @@ static void shorter_settings_still_open(void) {
   newer.settings.struct_size = offsetof(im2fit_settings, log_user);
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_UNSUPPORTED);
   newer.settings.struct_size = sizeof newer;
+  newer.settings.user_id = 0;
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_NOT_FOUND);
   newer.more[15] = 1;
   CHECK(im2fit_open(&newer.settings, &handle) == IM2FIT_ERROR_UNSUPPORTED);

@@ -14,7 +14,8 @@ static void names_and_version(void) {
   CHECK(strcmp(im2fit_status_name(IM2FIT_OK), "ok") == 0);
   CHECK(strcmp(im2fit_status_name(IM2FIT_ERROR_TIMEOUT), "timeout") == 0);
   CHECK(strcmp(im2fit_status_name(IM2FIT_ERROR_INTERNAL), "internal") == 0);
-  CHECK(strcmp(im2fit_status_name(-13), "unknown") == 0);
+  CHECK(strcmp(im2fit_status_name(IM2FIT_ERROR_FORKED), "forked") == 0);
+  CHECK(strcmp(im2fit_status_name(-14), "unknown") == 0);
   CHECK(strcmp(im2fit_status_name(1), "unknown") == 0);
   CHECK(strcmp(im2fit_state_name(IM2FIT_STATE_LOST), "LOST") == 0);
   CHECK(im2fit_state_name(7) == NULL && im2fit_state_name(-1) == NULL);
@@ -28,6 +29,15 @@ static void names_and_version(void) {
   CHECK(im2fit_measurement_name(IM2FIT_MEASUREMENT_COUNT) == NULL);
   CHECK(strcmp(im2fit_joint_name(14), "RF") == 0);
   CHECK(im2fit_joint_name(15) == NULL);
+  CHECK(im2fit_tape_count() >= 75);
+  CHECK(strcmp(im2fit_tape_id(0), "stature") == 0 && strcmp(im2fit_tape_iso(0), "5.1.1") == 0);
+  CHECK(im2fit_tape_id(im2fit_tape_count()) == NULL && im2fit_tape_unit(im2fit_tape_count()) == NULL);
+  CHECK(im2fit_tape_iso(im2fit_tape_count()) == NULL && im2fit_tape_name(im2fit_tape_count(), "en") == NULL);
+  CHECK(im2fit_tape_name(0, "it") == NULL && im2fit_tape_name(0, NULL) == NULL);
+  for (size_t i = 0; i < im2fit_tape_count(); ++i) {
+    CHECK(strcmp(im2fit_tape_unit(i), strcmp(im2fit_tape_id(i), "weight") == 0 ? "kg" : "mm") == 0);
+    CHECK(im2fit_tape_name(i, "en")[0] != '\0' && im2fit_tape_name(i, "zh")[0] != '\0');
+  }
 }
 
 static im2fit_settings kinect_settings(void) {
@@ -108,6 +118,12 @@ static void an_empty_room_has_no_person(void) {
   size_t triangle_count = 0;
   CHECK(im2fit_body_mesh(handle, NULL, 0, &vertex_count, NULL, 0, &triangle_count) == IM2FIT_ERROR_NOT_MEASURED);
   CHECK(vertex_count == 13380);
+  im2fit_tape_value value;
+  const char* id = "thigh_girth";
+  CHECK(im2fit_tape(handle, &id, 1, &value, sizeof value) == IM2FIT_ERROR_NOT_MEASURED);
+  id = "tail_length";
+  CHECK(im2fit_tape(handle, &id, 1, &value, sizeof value) == IM2FIT_ERROR_NOT_FOUND);
+  CHECK(strstr(im2fit_last_error(handle), "tail_length") != NULL);
   free(depth);
   im2fit_close(handle);
 }

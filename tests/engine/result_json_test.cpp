@@ -22,8 +22,8 @@ json schema() {
 
 const std::vector<std::string> kModifiers = {"torso/scale", "hip/scale"};
 
-ResultReport measured_report() {
-  ResultReport report;
+PersonMeasurement measured_report() {
+  PersonMeasurement report;
   EngineResult& r = report.result;
   r.state = SessionState::measured;
   r.measured = true;
@@ -52,9 +52,10 @@ ResultReport measured_report() {
   body::Params params;
   params.modifiers = {0.5F, 0.0F};
   params.warp[body::WarpValue::waist_front] = -0.0123456F;
-  report.body = params;
-  report.body_fit.residual[measurement_index(Measurement::waist_girth)] = 0.126F;
-  report.body_fit.residual[measurement_index(Measurement::weight)] = -0.0126F;
+  report.body.emplace();
+  report.body->params = params;
+  report.body->fit.residual[measurement_index(Measurement::waist_girth)] = 0.126F;
+  report.body->fit.residual[measurement_index(Measurement::weight)] = -0.0126F;
   report.modifier_names = kModifiers;
   return report;
 }
@@ -81,7 +82,7 @@ TEST(ResultJson, TheTapeIsOfTheBodyAndLeavesOutWhatIsRefused) {
   tape.definitions[2].kind = body::TapeKind::refused;
   tape.definitions[3].id = "boot";
   tape.definitions[3].kind = body::TapeKind::girth;
-  ResultReport report = measured_report();
+  PersonMeasurement report = measured_report();
   report.tape = &tape;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   report.tape_values = {71.236F, 380.06F, kNan, kNan};
@@ -143,15 +144,15 @@ TEST(ResultJson, SaysWhatTheResultSays) {
 
 // Lengths may be off by more; of a girth 2 mm are told.
 TEST(ResultJson, ABodyThatMeasuresSomethingElseIsSaidToDoSo) {
-  ResultReport report = measured_report();
-  report.body_fit.residual[measurement_index(Measurement::inside_leg)] = 5;
+  PersonMeasurement report = measured_report();
+  report.body->fit.residual[measurement_index(Measurement::inside_leg)] = 5;
   EXPECT_EQ(json::parse(result_json(report))["body"]["meets_measurements"], true);
-  report.body_fit.residual[measurement_index(Measurement::hip_girth)] = -2.1F;
+  report.body->fit.residual[measurement_index(Measurement::hip_girth)] = -2.1F;
   EXPECT_EQ(json::parse(result_json(report))["body"]["meets_measurements"], false);
 }
 
 TEST(ResultJson, NamesTheSidesBehindTheAnswer) {
-  ResultReport report = measured_report();
+  PersonMeasurement report = measured_report();
   EXPECT_EQ(json::parse(result_json(report))["views"], "front");
   report.result.views = AnswerViews::front_and_back;
   const json both = json::parse(result_json(report));
@@ -181,7 +182,7 @@ TEST(ResultJson, KeysComeInTheOrderOfTheDesign) {
 
 TEST(ResultJson, ArmsCloseNamesTheArms) {
   constexpr std::size_t kArmsBit = 5;
-  ResultReport report;
+  PersonMeasurement report;
   report.source = measured_report().source;
   report.result.frames_seen = 40;
   report.result.guidance = static_cast<GuidanceSet>(Guidance::arms_close);
@@ -201,7 +202,7 @@ TEST(ResultJson, ArmsCloseNamesTheArms) {
 }
 
 TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {
-  ResultReport report;
+  PersonMeasurement report;
   report.source = measured_report().source;
   report.result.state = SessionState::lost;
   report.result.frames_seen = 40;
@@ -220,7 +221,7 @@ TEST(ResultJson, AnUnmeasuredResultMeetsTheSchemaAndGuides) {
 }
 
 TEST(ResultJson, InferredJointsAreMarkedUntilMeasured) {
-  ResultReport report = measured_report();
+  PersonMeasurement report = measured_report();
   report.result.joints_inferred = joint_bit(joint_index(Joint::LA)) | joint_bit(joint_index(Joint::RF));
   report.result.joints = report.result.measured_joints;
   report.result.has_joints = true;
@@ -235,11 +236,10 @@ TEST(ResultJson, InferredJointsAreMarkedUntilMeasured) {
 }
 
 TEST(ResultJson, TimingStandsApart) {
-  ResultReport report = measured_report();
+  PersonMeasurement report = measured_report();
   const std::string plain = result_json(report);
-  report.timing = ResultTiming{123.45, 67.8};
   report.result.sequence_gaps = 2;
-  json timed = json::parse(result_json(report));
+  json timed = json::parse(result_json(report, ResultTiming{123.45, 67.8}));
   EXPECT_THAT(test::SchemaCheck(schema()).run(timed), testing::IsEmpty());
   EXPECT_EQ(timed["timing"]["sequence_gaps"], 2);
   timed.erase("timing");
@@ -247,7 +247,7 @@ TEST(ResultJson, TimingStandsApart) {
 }
 
 TEST(ResultJson, OddNumbersAndOddTextStayJson) {
-  ResultReport report = measured_report();
+  PersonMeasurement report = measured_report();
   report.result.answer.measurements[1].value = std::numeric_limits<float>::quiet_NaN();
   report.result.answer.measurements[1].high = std::numeric_limits<float>::infinity();
   report.source.name = "bad \xff utf-8";
@@ -297,7 +297,7 @@ TEST(ResultJson, SameBytesOnOneAndTwoThreadsAndTwice) {
       ASSERT_TRUE((*engine)->push(test::FramePixels(shot).view(), info));
     }
     (*engine)->finish();
-    ResultReport report = measured_report();
+    PersonMeasurement report = measured_report();
     report.result = (*engine)->result();
     texts[run] = result_json(report);
     EXPECT_EQ(json::parse(texts[run])["state"], "MEASURED");

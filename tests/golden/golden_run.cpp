@@ -238,15 +238,12 @@ Result<std::string> result(const Data& data, const std::string& directory, bool 
       Engine::create(settings_of((*source)->info().intrinsics, single_thread), data.tracker(), data.index());
   if (!engine) return engine.error();
   if (const auto ran = run(**engine, **source, true); !ran) return ran.error();
-  ResultReport report;
-  report.result = (*engine)->result();
-  report.source = (*source)->info();
-  report.source.uri = report.source.name = "clip";  // wherever the checkout lies
-  if (!report.result.measured) return Error{ErrorCode::invalid_argument, "the engine did not measure the clip"};
-  report.size = size_probabilities(builtin_size_system(),
-                                   report.result.answer.measurements[measurement_index(Measurement::chest_girth)],
-                                   report.result.answer.female);
-  return result_json(report);
+  hal::SourceInfo info = (*source)->info();
+  info.uri = info.name = "clip";  // wherever the checkout lies
+  const auto person = measurement_of(**engine, {&data.index(), nullptr, &builtin_size_system(), nullptr}, info);
+  if (!person) return person.error();
+  if (!person->result.measured) return Error{ErrorCode::invalid_argument, "the engine did not measure the clip"};
+  return result_json(*person);
 }
 
 Result<std::string> bodies(const std::string& body_path) {

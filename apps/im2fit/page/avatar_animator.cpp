@@ -5,6 +5,7 @@
 #include <array>
 
 #include "body/export/figure.h"
+#include "body/export/motion.h"
 #include "engine/avatar.h"
 
 namespace im2fit::apps {
@@ -19,15 +20,8 @@ Result<AvatarAnimator> AvatarAnimator::create(const body::Avatar& avatar) {
 }
 
 body::RigPose AvatarAnimator::follow(const JointSet& joints, const FloorPlane& floor) const {
-  body::Pose pose = body::pose_from_joints(rest_, to_mesh_axes(joints, floor));
-  // Soles stay level in a pose from joints, so they are as far below the ankle as at rest.
-  const body::PosedSkeleton posed = body::pose_skeleton(rest_, pose);
-  const auto sole_mm = [&](body::Segment foot) {
-    const auto s = static_cast<std::size_t>(foot);
-    return posed.head[s].y - (rest_.head[s].y - floor_mm_);
-  };
-  pose.translation_mm.y -= std::min(sole_mm(body::Segment::left_foot), sole_mm(body::Segment::right_foot));
-  return body::rig_pose(rest_, pose);
+  const body::Pose pose = body::pose_from_joints(rest_, to_mesh_axes(joints, floor));
+  return body::rig_pose(rest_, body::on_lower_sole(rest_, floor_mm_, pose));
 }
 
 std::array<Vec3f, kJointCount> standing_joints_m(const JointSet& joints, const FloorPlane& floor) {

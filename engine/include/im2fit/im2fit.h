@@ -23,6 +23,8 @@
  *   - Memory is the caller's, except the handle. Strings returned are the library's and constant.
  *   - Paths and URIs are UTF-8, ended by a zero byte. Lengths are millimetres, masses kilograms, angles degrees.
  *   - Camera axes: x right, y down, z forward, of the upright picture. Left and right are the person's own.
+ *   - fork(): a handle is of the process that opened it. In a child every function but im2fit_close refuses it with
+ *     IM2FIT_ERROR_FORKED, and im2fit_close leaves camera and threads to the parent.
  *   - Threads: one thread at a time may use a handle, but im2fit_poll may be called from any thread at any time
  *     before im2fit_close. Different handles are independent.
  *   - No function throws, prints or ends the program. Nothing allocates between im2fit_open and im2fit_close, except
@@ -39,6 +41,8 @@
 #define IM2FIT_VERSION_MAJOR 0
 #define IM2FIT_VERSION_MINOR 2
 #define IM2FIT_VERSION_PATCH 0
+/* For #if: 200 is 0.2.0, 10203 is 1.2.3. */
+#define IM2FIT_VERSION_NUMBER (IM2FIT_VERSION_MAJOR * 10000 + IM2FIT_VERSION_MINOR * 100 + IM2FIT_VERSION_PATCH)
 
 #if defined(_WIN32)
 #define IM2FIT_API
@@ -68,7 +72,8 @@ enum {
   IM2FIT_ERROR_NO_MEMORY = -9,
   IM2FIT_ERROR_NOT_MEASURED = -10, /* there is no answer yet */
   IM2FIT_ERROR_TOO_SMALL = -11,    /* the buffer; the needed count is written */
-  IM2FIT_ERROR_INTERNAL = -12
+  IM2FIT_ERROR_INTERNAL = -12,
+  IM2FIT_ERROR_FORKED = -13 /* the handle was opened before fork(), in the parent process: open one of your own */
 };
 
 /* "0.2.0": of the library in use, which may be newer than this header. */
@@ -77,14 +82,25 @@ IM2FIT_API const char* im2fit_version(void);
 /* A short name, "no_device"; "unknown" for other numbers. */
 IM2FIT_API const char* im2fit_status_name(int status);
 
-/* The last failure on this handle, or "" - valid until the next call on the handle. With NULL: the last failure of
- * im2fit_open (or of a call with a NULL handle) on the calling thread. */
+/* What the latest call on this handle failed with, or "" when it did not; valid until the next call on the handle.
+ * im2fit_poll, which any thread may call, leaves it alone. With NULL: the last failure of any call of the calling
+ * thread, that of im2fit_open and im2fit_poll among them; a success does not empty it. */
 IM2FIT_API const char* im2fit_last_error(const im2fit_handle* handle);
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
 /* Every failure is also reported here, on the thread of the failing call. The text is valid during the call. */
 typedef void (*im2fit_log_fn)(void* user, int status, const char* text);
+
+/* Where a file is, for those that have no path: an asset inside an APK, a file read from elsewhere. */
+enum { IM2FIT_DATA_PATH = 0, IM2FIT_DATA_MEMORY = 1, IM2FIT_DATA_FD = 2 };
+typedef struct im2fit_data {
+  int32_t kind;   /* IM2FIT_DATA_...; PATH: where the settings' field of that name says, what follows is not read */
+  int32_t fd;     /* FD: open for reading, seekable; stays the caller's, who may close it after im2fit_open */
+  int64_t offset; /* FD: bytes before the file; an asset must be stored, not deflated */
+  const void* bytes; /* MEMORY: copied by im2fit_open */
+  size_t size;       /* of the file in bytes; MEMORY and FD. Copied where a path is mapped: so much more memory */
+} im2fit_data;
 
 typedef struct im2fit_settings {
   size_t struct_size;         /* written by im2fit_settings_init */
@@ -98,7 +114,7 @@ typedef struct im2fit_settings {
   float fx, fy, cx, cy;    /* pixels; the depth camera's own, not the colour camera's. Centre of pixel 0 is 0 */
   int32_t frames_wanted;   /* 30: accepted frames until MEASURED, 1..1000; of each side with `turn` */
   int32_t frames_min;      /* 5: fewest that im2fit_finish measures with, 1..frames_wanted */
-  int32_t calibration_psi; /* 0: none. 1: ask for raised arms first */
+  int32_t calibration_psi; /* 0: none. 1: ask for raised arms first. Flags are 0 or 1, other values are refused */
   int32_t live;            /* 0: im2fit_push waits when behind. 1: drops the oldest frame and counts it */
   int32_t single_thread;   /* 0: two threads. 1: all work inside im2fit_push */
   int32_t pool_frames;     /* 8: frames held, 3..64, three bytes a pixel each */
@@ -108,6 +124,9 @@ typedef struct im2fit_settings {
   int32_t turn;     /* 0: the front is measured. 1: then the person is asked to turn round, and the back as well */
   int32_t clothing; /* IM2FIT_CLOTHING_...: what the person wears. 0: estimated from the frames */
   int32_t sensor;   /* IM2FIT_SENSOR_...: how the camera senses depth. 0: judged from the frames */
+  im2fit_data tracker_data; /* instead of the paths above */
+  im2fit_data index_data;
+  im2fit_data body_data;
 } im2fit_settings;
 
 /* How a camera senses depth, where the caller knows: people's outlines come out differently. */
@@ -142,6 +161,48 @@ IM2FIT_API void im2fit_close(im2fit_handle* handle);
 IM2FIT_API int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height,
                            size_t stride, uint64_t sequence, int64_t time_ns);
 
+/* How a frame's samples are stored. */
+enum {
+  IM2FIT_FORMAT_U16 = 0,     /* 16-bit whole numbers of `unit_mm`; 0: no data */
+  IM2FIT_FORMAT_DEPTH16 = 1, /* Android's ImageFormat.DEPTH16: 13 bits of mm under 3 bits of confidence */
+  IM2FIT_FORMAT_F32 = 2      /* 32-bit floats, metres; NaN, infinite, zero and negative: no data */
+};
+
+/* A frame as cameras and phones deliver it, before it is upright. Set what is known, leave the rest as
+ * im2fit_frame_init made it. Beyond 65535 mm there is no data. */
+typedef struct im2fit_frame {
+  size_t struct_size; /* written by im2fit_frame_init */
+  const void* pixels; /* rows from the top, samples of the machine's byte order, aligned as such */
+  int32_t format;     /* IM2FIT_FORMAT_... */
+  int32_t width;      /* as delivered: turned by rotate_deg it must be the settings' size */
+  int32_t height;
+  int32_t rotate_deg;        /* 0, 90, 180, 270: clockwise, what makes the picture upright */
+  size_t row_bytes;          /* from row to row, a multiple of the sample's; 0: no padding */
+  float unit_mm;             /* 1: of U16, above 0 to 1000 */
+  int32_t confidence_min;    /* 0: all are taken. DEPTH16: sevenths of sure, 0..7. Else of the plane below, 0..255 */
+  const uint8_t* confidence; /* a byte a sample, of U16 and F32: less than confidence_min is no data. NULL: none */
+  size_t confidence_row_bytes; /* 0: width */
+  /* The intrinsics of this frame, in pixels of the frame as delivered; all 0: the settings'. Those of the first frame
+   * after im2fit_open or im2fit_reset are the session's; a later frame with others is resampled to them (nearest
+   * sample). A session takes frames by this function or by im2fit_push, not by both. */
+  float fx, fy, cx, cy;
+  uint64_t sequence; /* as im2fit_push */
+  int64_t time_ns;
+  int64_t device_us; /* the device's own clock; -1: it has none */
+} im2fit_frame;
+
+/* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_frame) as the caller sees it. */
+IM2FIT_API void im2fit_frame_init(im2fit_frame* frame, size_t struct_size);
+
+/* im2fit_push for such a frame: made millimetres, upright, and pushed. One scene in each of the three formats gives
+ * the same bits. INVALID_ARGUMENT names the field that is out of range; UNSUPPORTED for a struct_size that fits no
+ * version. Else as im2fit_push. */
+IM2FIT_API int im2fit_push_frame(im2fit_handle* handle, const im2fit_frame* frame);
+
+/* Waits until every frame pushed has been processed, so that im2fit_poll speaks of all of them. TIMEOUT after
+ * `timeout_ms`; negative: no limit. */
+IM2FIT_API int im2fit_wait(im2fit_handle* handle, int32_t timeout_ms);
+
 /* No more frames: waits for those in the pipeline and measures with what there is. Fine to call twice. CORRUPT: the
  * index is damaged where it was read (a large one is checked where it is read, not when it is opened). */
 IM2FIT_API int im2fit_finish(im2fit_handle* handle);
@@ -170,7 +231,8 @@ typedef struct im2fit_source {
   void (*close)(void* user); /* called once; may be NULL */
 } im2fit_source;
 
-/* Opens `uri` into *source. Returns IM2FIT_OK or an error, then *source is not used. */
+/* Opens `uri` into *source. Returns IM2FIT_OK or an error, then *source is not used. What is no status of this header
+ * (42, say) comes out of im2fit_attach and im2fit_pump as IO, with a text that names the number. */
 typedef int (*im2fit_opener_fn)(void* opener_user, const char* uri, im2fit_source* source);
 
 /* Who opens URIs for this handle; NULL: none. The library itself knows none of the cameras yet. */
@@ -329,10 +391,34 @@ typedef struct im2fit_size {
  * Allocates. */
 IM2FIT_API int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, size_t* count, size_t* best);
 
+/* Whether a measurement of the tape has a value for a person. */
+enum {
+  IM2FIT_TAPE_MEASURED = 0,
+  IM2FIT_TAPE_REFUSED, /* never measured: a depth camera, or the body model, does not show it */
+  IM2FIT_TAPE_ABSENT   /* not of this body: it has no such section */
+};
+
+typedef struct im2fit_tape_value {
+  int32_t status;     /* IM2FIT_TAPE_... */
+  float value;        /* mm, kg of weight; NaN unless MEASURED */
+  float low, high;    /* 95 % interval; NaN unless MEASURED */
+  const char* reason; /* why there is no value, in a sentence; NULL when MEASURED. The library's, constant */
+} im2fit_tape_value;
+
+/* The tape (docs/tape.md): what the one body measures by each of `id_count` definitions, named by the ids of
+ * im2fit_tape_id; with ids = NULL the first `id_count` of that list. values[i] belongs to ids[i]; `value_size` is
+ * sizeof(im2fit_tape_value) as the caller sees it, and the distance from value to value. The eleven of
+ * im2fit_result.measurements are here as the mesh has them, with the same intervals. NOT_FOUND names an unknown id;
+ * then, as after any error, no value is written. Needs settings.body_path. As im2fit_body_mesh. */
+IM2FIT_API int im2fit_tape(im2fit_handle* handle, const char* const* ids, size_t id_count, im2fit_tape_value* values,
+                           size_t value_size);
+
 /* The person as a mesh in the measured pose, of the one body that measures what `measurements` says: mm, x the
- * person's left, y up, z out of the face, the soles on y = 0. `vertices`: x y z each; `triangles`: three vertex
- * indices each, counter-clockwise from outside. The counts needed are always written; NULL buffers ask for the
- * counts. Needs settings.body_path. Allocates; a few hundredths of a second. */
+ * person's left, y up, z out of the face, the soles on y = 0. `vertices`: x y z each, so that `vertex_capacity`
+ * vertices are 3 x vertex_capacity floats; `triangles`: three vertex indices each, counter-clockwise from outside,
+ * 3 x triangle_capacity numbers. The counts needed, of vertices and triangles, are always written; NULL buffers ask
+ * for the counts. Needs settings.body_path. Allocates; the first of these functions takes a few hundredths
+ * of a second. */
 IM2FIT_API int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capacity, size_t* vertex_count,
                                 int32_t* triangles, size_t triangle_capacity, size_t* triangle_count);
 
@@ -340,6 +426,18 @@ IM2FIT_API int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t v
  * unless no body measures all that is reported: then say so where more than 2 mm of a girth matter. As
  * im2fit_body_mesh. */
 IM2FIT_API int im2fit_body_residual(im2fit_handle* handle, float residual[IM2FIT_MEASUREMENT_COUNT]);
+
+/* The result as JSON (docs/result.md), UTF-8 with a zero byte behind it, whether measured or not. *length gets the
+ * bytes without that zero; TOO_SMALL when `capacity` is not more than it (ask with 0). The body, and what follows
+ * from it, is left out without settings.body_path. UNSUPPORTED: a library built without it. Allocates. */
+IM2FIT_API int im2fit_result_json(im2fit_handle* handle, char* text, size_t capacity, size_t* length);
+
+enum { IM2FIT_AVATAR_GLB = 0, IM2FIT_AVATAR_OBJ = 1, IM2FIT_AVATAR_BVH = 2 };
+
+/* The person as a file other programs read (docs/formats-body.md): the bytes of a .glb, .obj or .bvh. *size gets
+ * their number, TOO_SMALL when `capacity` is less (ask with 0). Errors and needs as im2fit_body_mesh; UNSUPPORTED
+ * also from a library built without it. Allocates. */
+IM2FIT_API int im2fit_avatar(im2fit_handle* handle, int32_t format, void* bytes, size_t capacity, size_t* size);
 
 /* ---- Names, as in result.json; NULL when out of range ---------------------------------------------------------- */
 
@@ -349,6 +447,12 @@ IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
 IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */
 IM2FIT_API const char* im2fit_view_name(int view);      /* "front" */
+IM2FIT_API size_t im2fit_tape_count(void);              /* definitions of the tape; any thread, at any time */
+IM2FIT_API const char* im2fit_tape_id(size_t index);    /* "thigh_girth" */
+IM2FIT_API const char* im2fit_tape_unit(size_t index);  /* "mm" or "kg" */
+IM2FIT_API const char* im2fit_tape_iso(size_t index);   /* "5.3.20" of ISO 8559-1:2017, or "" */
+/* "Thigh girth"; in the language "en", "de", "es", "fr" or "zh", UTF-8. */
+IM2FIT_API const char* im2fit_tape_name(size_t index, const char* language);
 
 #ifdef __cplusplus
 }

@@ -11,7 +11,6 @@
 #include "body/params_vector.h"
 #include "core/file.h"
 #include "core/rng.h"
-#include "engine/avatar.h"
 #include "engine/engine.h"
 #include "engine/report/result_json.h"
 #include "hal/source.h"
@@ -194,25 +193,20 @@ TEST_F(RealStages, MeasureWithTheSameBytesOnOneAndTwoThreadsAndTwice) {
     auto engine = make_engine(run == 1);
     for (std::uint64_t i = 0; i < kFrameCount; ++i) ASSERT_TRUE(push(*engine, i));
     engine->finish();
-    ResultReport report;
-    report.result = engine->result();
-    ASSERT_TRUE(report.result.measured) << "guidance bits " << report.result.guidance_seen;
+    hal::SourceInfo source;
+    source.intrinsics = data_->intrinsics;
+    const auto person =
+        measurement_of(*engine, {&*data_->index, &data_->model, &builtin_size_system(), nullptr}, source);
+    ASSERT_TRUE(person) << person.error().message;
+    ASSERT_TRUE(person->result.measured) << "guidance bits " << person->result.guidance_seen;
     EXPECT_EQ(engine->fused_mask().width, data_->intrinsics.width);
-    const AgeAnswer& age = report.result.age;
+    const AgeAnswer& age = person->result.age;
     EXPECT_GE(age.years.low, 18);
     EXPECT_LT(age.years.low, age.years.value);
     EXPECT_LT(age.years.value, age.years.high);
     EXPECT_LE(age.years.high, 75);
-    report.source.intrinsics = data_->intrinsics;
-    const auto& a = report.result.answer;
-    report.size = size_probabilities(builtin_size_system(),
-                                     a.measurements[measurement_index(Measurement::chest_girth)], a.female);
-    auto answered =
-        body_of_answer(data_->model, *data_->index, a, report.result.measured_joints, report.result.floor);
-    ASSERT_TRUE(answered) << answered.error().message;
-    report.body = answered->params;
-    report.modifier_names = data_->model.modifier_names();
-    texts[run] = result_json(report);
+    ASSERT_TRUE(person->size && person->body);
+    texts[run] = result_json(*person);
   }
   EXPECT_EQ(texts[1], texts[0]);
   EXPECT_EQ(texts[2], texts[0]);
@@ -246,10 +240,10 @@ struct Story {
 };
 
 std::string values_of(const EngineResult& r) {
-  ResultReport report;
-  report.result = r;
-  report.result.measured = true;
-  const std::string text = result_json(report);
+  PersonMeasurement person;
+  person.result = r;
+  person.result.measured = true;
+  const std::string text = result_json(person);
   return text.substr(text.find("\"measurements\""));
 }
 
@@ -285,9 +279,9 @@ TEST_F(RealStages, APersonWhoTurnsRoundIsMeasuredFromBothSides) {
     EXPECT_TRUE(requested);
     EXPECT_LE(lost, 2) << "frames that flicker; the id stays";
     EXPECT_EQ(engine->fused_mask().width, data_->intrinsics.width);
-    ResultReport report;
-    report.result = r;
-    texts[single_thread ? 1 : 0] = result_json(report);
+    PersonMeasurement person;
+    person.result = r;
+    texts[single_thread ? 1 : 0] = result_json(person);
   }
   EXPECT_EQ(texts[0], texts[1]);
 }

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// im2fit models list | install FILE | verify [FILE]: the models a device measures with.
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/common/pack/model_pack.h"
+#include "apps/im2fit/commands.h"
+#include "engine/paths.h"
+
+namespace im2fit::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ModelsOptions {
+  std::string pack, directory;
+  bool json = false;
+};
+
+struct Place {
+  std::string directory;
+  bool used = false;
+  bool has_manifest = false;
+  PackManifest manifest;
+};
+
+// Directories that hold all three models, in the order they are looked for.
+Result<std::vector<Place>> places() {
+  std::vector<Place> found;
+  for (const std::string& directory : model_directories()) {
+    if (!holds_models(directory)) continue;
+    Place place;
+    place.directory = directory;
+    place.used = found.empty();
+    auto manifest = installed_manifest(directory);
+    if (!manifest && manifest.error().code != ErrorCode::not_found) return manifest.error();
+    place.has_manifest = static_cast<bool>(manifest);
+    if (manifest) place.manifest = std::move(*manifest);
+    found.push_back(std::move(place));
+  }
+  return found;
+}
+
+Json place_json(const Place& place) {
+  Json json = {{"directory", place.directory}, {"used", place.used}};
+  json["pack"] = place.has_manifest ? Json::parse(manifest_json(place.manifest)) : Json(nullptr);
+  return json;
+}
+
+Result<int> run_list(const ModelsOptions& options) {
+  const auto found = places();
+  if (!found) return found.error();
+  if (options.json) {
+    Json all = Json::array();
+    for (const Place& place : *found) all.push_back(place_json(place));
+    fmt::print("{}\n", all.dump(1));
+    return kExitOk;
+  }
+  if (found->empty()) {
+    std::string looked;
+    for (const std::string& directory : model_directories()) looked += (looked.empty() ? "" : ", ") + directory;
+    return Error{ErrorCode::not_found, "no models in " + looked + "; get a pack and run im2fit models install FILE"};
+  }
+  for (const Place& place : *found) {
+    const std::string what = place.has_manifest
+                                 ? fmt::format("pack {}, {} people, licence {}", place.manifest.version,
+                                               place.manifest.people, place.manifest.licence)
+                                 : "made here, of no pack";
+    fmt::print("{} {}  {}\n", place.used ? "*" : " ", place.directory, what);
+  }
+  return kExitOk;
+}
+
+Result<int> run_install(const ModelsOptions& options) {
+  const auto pack = read_pack(options.pack);
+  if (!pack) return pack.error();
+  const std::string directory = options.directory.empty() ? user_data_directory() : options.directory;
+  if (auto ok = install_pack(*pack, directory); !ok) return ok.error();
+  if (auto ok = verify_installed(pack->manifest, directory); !ok) return ok.error();
+  fmt::print("models {} ({} people, licence {}) in {}\n", pack->manifest.version, pack->manifest.people,
+             pack->manifest.licence, directory);
+  return kExitOk;
+}
+
+Result<int> run_verify(const ModelsOptions& options) {
+  if (!options.pack.empty()) {
+    const auto pack = read_pack(options.pack);
+    if (!pack) return pack.error();
+    fmt::print("{}: whole, models {}, {} files\n", options.pack, pack->manifest.version, pack->manifest.files.size());
+    return kExitOk;
+  }
+  const std::string directory = options.directory.empty() ? model_directory() : options.directory;
+  const auto manifest = installed_manifest(directory);
+  if (!manifest) return manifest.error();
+  if (auto ok = verify_installed(*manifest, directory); !ok) return ok.error();
+  fmt::print("{}: whole, models {}, {} files\n", directory, manifest->version, manifest->files.size());
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_models(cli::App& app, Command& chosen) {
+  cli::App* parent = app.add_subcommand("models", "The models that measuring needs: list, install or verify");
+  parent->footer("Examples:\n  im2fit models install im2fit-models-0.2.0.i2p\n  im2fit models list");
+  auto listed = std::make_shared<ModelsOptions>();
+  cli::App* list = add_command<ModelsOptions>(*parent, chosen, "list", "List what is installed; * is what is used",
+                                              "  im2fit models list --json", listed, run_list);
+  list->add_flag("--json", listed->json, "As JSON");
+  auto installed = std::make_shared<ModelsOptions>();
+  cli::App* install = add_command<ModelsOptions>(
+      *parent, chosen, "install", "Install a model pack",
+      "  im2fit models install im2fit-models-0.2.0.i2p\n  im2fit models install PACK --to /usr/share/im2fit",
+      installed, run_install);
+  install->add_option("PACK", installed->pack, "The pack, a .i2p file")->required()->type_name("FILE");
+  install->add_option("--to", installed->directory, "Where to (default: the user's data directory)")
+      ->type_name("DIR");
+  auto verified = std::make_shared<ModelsOptions>();
+  cli::App* verify =
+      add_command<ModelsOptions>(*parent, chosen, "verify", "Hold a pack, or what is installed, to its checksums",
+                                 "  im2fit models verify\n  im2fit models verify PACK.i2p", verified, run_verify);
+  verify->add_option("PACK", verified->pack, "A pack; without one, what is installed")->type_name("FILE");
+  verify->add_option("--in", verified->directory, "Installed there (default: what is used)")->type_name("DIR");
+  parent->callback([parent] {
+    if (!parent->any_subcommand()) cli::App::missing("list, install or verify");
+  });
+}
+
+}  // namespace im2fit::apps

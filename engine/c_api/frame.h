@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames as phones and cameras have them (im2fit_frame) become what the engine takes: upright 16-bit millimetres seen
+// through one set of intrinsics.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/status.h"
+#include "engine/engine.h"
+#include "engine/include/im2fit/im2fit.h"
+
+namespace im2fit::c {
+
+// One thread at a time. Allocates only in prepare().
+class FrameReader {
+ public:
+  // `upright`: the settings' intrinsics.
+  void prepare(const Intrinsics& upright);
+  // A new session: the next frame's intrinsics are its.
+  void forget() { told_ = false; }
+  const Intrinsics& session() const { return session_; }
+  // Reads `frame` and pushes it. Errors: invalid_argument naming the field; the engine's.
+  Status push(Engine& engine, const im2fit_frame& frame);
+
+ private:
+  Status take_intrinsics(Engine& engine, const im2fit_frame& frame);
+  void resample(DepthView from, DepthImage to) const;
+
+  Intrinsics settings_;  // the engine's when nothing is told
+  Intrinsics session_;   // the engine's
+  bool told_ = false;
+  bool resample_ = false;
+  std::vector<std::uint16_t> camera_;   // a frame that is to be turned
+  std::vector<std::uint16_t> upright_;  // one that is to be resampled; others go straight into the engine's place
+  std::vector<std::int32_t> columns_, rows_;  // of a resampled picture: where its samples come from; -1: outside
+};
+
+}  // namespace im2fit::c

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/measuring_data.h"
+
+#include <utility>
+
+#include "body/fit/shape_space.h"
+
+namespace im2fit {
+
+Result<std::unique_ptr<SizeSystem>> load_size_charts(const std::vector<std::string>& paths) {
+  if (paths.empty()) return std::make_unique<SizeSystem>(builtin_size_system());
+  std::vector<SizeChart> charts;
+  for (const std::string& path : paths) {
+    auto chart = load_size_chart(path);
+    if (!chart) return chart.error();
+    charts.push_back(std::move(*chart));
+  }
+  auto system = make_size_system(std::move(charts));
+  if (!system) return system.error();
+  return std::make_unique<SizeSystem>(std::move(*system));
+}
+
+Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, MeasuringBytes bytes) {
+  MeasuringData data;
+  data.files = files;
+  auto tracker =
+      bytes.tracker ? Tracker::parse(std::move(*bytes.tracker), files.tracker) : Tracker::load(files.tracker);
+  if (!tracker) return tracker.error();
+  data.tracker = std::make_unique<Tracker>(std::move(*tracker));
+  auto index = bytes.index ? index::Index::parse(std::move(*bytes.index), files.index) : load_index(files.index);
+  if (!index) return index.error();
+  data.index = std::make_unique<index::Index>(std::move(*index));
+  if (!files.body.empty()) {
+    auto model = bytes.body ? body::BodyModel::parse(std::move(*bytes.body), files.body) : load_body(files.body);
+    if (!model) return model.error();
+    data.body_model = std::make_unique<body::BodyModel>(std::move(*model));
+  }
+  auto charts = load_size_charts(files.size_charts);
+  if (!charts) return charts.error();
+  data.charts = std::move(*charts);
+  if (data.body_model != nullptr &&
+      (data.index->fit_layout().size() == 0 || data.index->shape_key() != data.body_model->shape_space().key))
+    data.warning = files.index + ": not made with the shapes of " + files.body +
+                   ": features answer alone, less well; build the index again with im2fit-lab index";
+  return data;
+}
+
+Result<std::unique_ptr<Engine>> make_engine(EngineSettings settings, const MeasuringData& data) {
+  if (data.body_model != nullptr) settings.shape_space = &data.body_model->shape_space();
+  auto engine = Engine::create(settings, data.tracker->model(), *data.index);
+  if (!engine)
+    return Error{engine.error().code,
+                 data.files.index + " with " + data.files.tracker + ": " + engine.error().message};
+  return engine;
+}
+
+}  // namespace im2fit

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// All that is said of one person, put together in one place: programs, the page, the daemon and the C functions read
+// this and work out nothing of their own.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "body/tape.h"
+#include "engine/avatar.h"
+#include "engine/engine.h"
+#include "engine/size_chart.h"
+#include "engine/tape_law.h"
+
+namespace im2fit {
+
+struct PersonMeasurement {
+  // Answer with intervals, age, clothing, joints, the paper's values, and what they rest on: views, frames, guidance.
+  // Before MEASURED the state of the session alone.
+  EngineResult result;
+  hal::SourceInfo source;            // whence the frames came
+  std::uint64_t frames_damaged = 0;  // SourceStats::damaged, of whoever reads the source: left out
+  bool turn_asked = false;           // both sides were wanted, by whoever asked
+  // When measured:
+  std::optional<SizeAnswer> size;               // of the chest
+  std::optional<AnsweredBody> body;             // with a body model
+  std::span<const std::string> modifier_names;  // of body->params.modifiers
+  const body::Tape* tape = nullptr;             // with `body`: what its mesh measures by each definition
+  std::vector<float> tape_values;               // a value a definition; not-a-number: none
+  std::vector<TapeInterval> tape_intervals;     // as tape_values; may be empty
+};
+
+// What a measurement is made of besides frames; all of it must outlive the measurement.
+struct MeasurementParts {
+  const index::Index* index = nullptr;          // with a body model: the engine's
+  const body::BodyModel* body_model = nullptr;  // null: no body and no tape are made
+  const SizeSystem* sizes = nullptr;            // null: no size is made
+  const body::Tape* tape = nullptr;             // null: no tape is made
+};
+
+// What the engine says now. Errors: engine.fault(), body_of_answer's. From the producer thread. Allocates; a few
+// hundredths of a second when there is a body to make.
+Result<PersonMeasurement> measurement_of(const Engine& engine, const MeasurementParts& parts,
+                                         const hal::SourceInfo& source);
+
+}  // namespace im2fit

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/report/tape_table.h"
+
+#include <array>
+#include <charconv>
+#include <string_view>
+
+#include "engine/builtin_tape.h"
+#include "engine/report/tape_file.h"
+
+namespace im2fit {
+namespace {
+
+using body::PointRef;
+using body::TapeDefinition;
+using body::TapePoint;
+
+// UTF-8 stands as it is.
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+
+// The shortest text that reads back as the same float, as a literal.
+std::string literal(float value) {
+  std::array<char, 32> text{};
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
+  std::string out(text.data(), error == std::errc() ? end : text.data());
+  if (out.find_first_of(".e") == std::string::npos) out += ".0";
+  return out + "F";
+}
+
+std::string boolean(bool value) {
+  return value ? "true" : "false";
+}
+
+std::string measurement(Measurement m) {
+  return "Measurement::" + std::string(kMeasurementTable[measurement_index(m)].id);
+}
+
+std::string segment(body::Segment s) {
+  return "Segment::" + std::string(body::kSegmentNames[static_cast<std::size_t>(s)]);
+}
+
+std::string reference(PointRef ref) {
+  constexpr std::array<std::string_view, 3> kSides = {"own", "left", "right"};
+  return "{" + std::to_string(ref.point) + ", Side::" + std::string(kSides[static_cast<std::size_t>(ref.side)]) + "}";
+}
+
+std::string point_row(const TapePoint& p) {
+  constexpr std::array<std::string_view, 7> kKinds = {"vertex", "bone", "level", "between", "at", "moved", "skin"};
+  constexpr std::array<std::string_view, 3> kTowards = {"front", "back", "outside"};
+  return "    {" + quoted(p.id) + ", Kind::" + std::string(kKinds[static_cast<std::size_t>(p.kind)]) + ", " +
+         boolean(p.paired) + ", {" + std::to_string(p.vertex[0]) + ", " + std::to_string(p.vertex[1]) + "}, {" +
+         segment(p.segment[0]) + ", " + segment(p.segment[1]) + "}, " + boolean(p.tail) + ", " +
+         measurement(p.level) + ", " + reference(p.a) + ", " + reference(p.b) + ", " + literal(p.share) + ", {" +
+         literal(p.by.x) + ", " + literal(p.by.y) + ", " + literal(p.by.z) +
+         "}, Toward::" + std::string(kTowards[static_cast<std::size_t>(p.toward)]) + "},\n";
+}
+
+std::string definition_row(const TapeDefinition& d) {
+  std::string row = "    {" + quoted(d.id) + ", {";
+  for (std::size_t i = 0; i < d.names.size(); ++i) row += (i > 0 ? ", " : "") + quoted(d.names[i]);
+  row += "},\n     " + quoted(d.iso_8559) + ", " + quoted(d.iso_7250) + ", " + quoted(d.astm_d5219) + ",\n     " +
+         quoted(d.source) + ", " + quoted(d.reason) + ",\n     TapeKind::" + std::string(name_of(d.kind)) + ", " +
+         measurement(d.value) + ", " + std::to_string(d.points.size()) + ", {{";
+  for (std::size_t i = 0; i < d.points.size(); ++i) row += (i > 0 ? ", " : "") + reference(d.points[i]);
+  row += "}}, TapePlane::" + std::string(name_of(d.plane)) + ", TapeSearch::" + std::string(name_of(d.search)) +
+         ", " + literal(d.share) + ", " + literal(d.search_from) + ", " + literal(d.search_to) +
+         ", TapeSide::" + std::string(name_of(d.side)) + ", " + std::to_string(d.terms.size()) + ", {{";
+  for (std::size_t i = 0; i < d.terms.size(); ++i)
+    row += (i > 0 ? ", {" : "{") + std::to_string(d.terms[i].definition) + ", " + literal(d.terms[i].factor) + "}";
+  return row + "}}},\n";
+}
+
+}  // namespace
+
+Result<std::string> tape_table(const body::Tape& tape) {
+  std::string text =
+      "// Made of data/tape/ by im2fit-tape-table; see engine/builtin_tape.h.\n"
+      "// clang-format off\n"
+      "constexpr PointRow kPoints[] = {\n";
+  for (const TapePoint& p : tape.points) text += point_row(p);
+  text += "};\nconstexpr DefinitionRow kDefinitions[] = {\n";
+  for (const TapeDefinition& d : tape.definitions) {
+    if (d.terms.size() > kBuiltinTapeTermsMax)
+      return Error{ErrorCode::unsupported, d.id + " sums " + std::to_string(d.terms.size()) +
+                                               " terms; raise kBuiltinTapeTermsMax of engine/builtin_tape.h"};
+    text += definition_row(d);
+  }
+  return text + "};\n";
+}
+
+Result<body::Tape> read_shipped_tape(const std::string& folder) {
+  body::Tape tape;
+  for (const char* part : {"points", "heights", "girths", "lengths"}) {
+    auto more = load_tape(folder + "/" + part + ".yaml", std::move(tape));
+    if (!more) return more;
+    tape = std::move(*more);
+  }
+  return tape;
+}
+
+}  // namespace im2fit

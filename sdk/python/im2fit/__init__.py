@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Body measurements from a depth camera, on this machine alone.
+
+    import im2fit
+    person = im2fit.measure("FOLDER")          # a depth folder
+    person.measurements["chest_girth"]         # Estimate(value=..., low=..., high=..., unit='mm')
+    person.size, person.json, person.avatar("glb")
+
+Frame by frame, from any camera:
+
+    with im2fit.Session(width, height, fx, fy, cx, cy) as session:
+        while not session.push(depth).measured:    # numpy: uint16 mm, or float32 metres
+            ...
+        person = session.finish()
+
+The C library does the work; its header im2fit.h is the manual. A Session belongs to one thread at a time.
+"""
+
+import ctypes
+import dataclasses
+import html
+import json
+import os
+import pathlib
+
+import numpy as np
+
+from . import _c, _folder
+
+__all__ = ["Error", "Estimate", "Guidance", "Models", "Person", "Session", "measure", "version"]
+
+_library = None
+
+
+def _lib():
+    global _library
+    if _library is None:
+        _library = _c.load()
+    return _library
+
+
+class Error(RuntimeError):
+    """What a call of the library failed with; `status` is its number, `name` its name ("not_found")."""
+
+    def __init__(self, status, text):
+        super().__init__(text)
+        self.status = status
+        self.name = _lib().im2fit_status_name(status).decode()
+
+
+def version():
+    return _lib().im2fit_version().decode()
+
+
+@dataclasses.dataclass(frozen=True)
+class Estimate:
+    """A value with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+@dataclasses.dataclass(frozen=True)
+class Guidance:
+    """What the person or the scene needs now, and how far the measurement is."""
+
+    state: str
+    codes: tuple
+    measured: bool
+    frames_seen: int
+    frames_used: int
+
+
+@dataclasses.dataclass(frozen=True)
+class Models:
+    """The three files that measuring needs."""
+
+    body: str
+    tracker: str
+    index: str
+
+    @staticmethod
+    def find(directory=None):
+        """As the program im2fit finds them: IM2FIT_BODY and so on, else a directory with all three (docs/models.md)."""
+        home, env = pathlib.Path.home(), os.environ.get
+        data, cache = env("XDG_DATA_HOME") or home / ".local/share", env("XDG_CACHE_HOME") or home / ".cache"
+        shared = (env("XDG_DATA_DIRS") or "/usr/local/share:/usr/share").split(":")
+        places = [pathlib.Path(directory)] if directory else [pathlib.Path(p) / "im2fit" for p in (data, cache, *shared) if p]
+        names = {"body": "body.i2b", "tracker": "tracker.i2t", "index": "index.i2f"}
+        place = next((p for p in places if all((p / name).exists() for name in names.values())), None)
+        found = {}
+        for key, name in names.items():
+            given = None if directory else env("IM2FIT_" + key.upper())
+            if not given and place is None:
+                raise FileNotFoundError("no models in " + ", ".join(map(str, places)) +
+                                        "; get a pack and run: im2fit models install PACK.i2p")
+            found[key] = given or str(place / name)
+        return Models(**found)
+
+
+class Person:
+    """What was measured. `result` is result.json as a dictionary (docs/result.md)."""
+
+    def __init__(self, result, text, avatars):
+        self.result, self.json, self._avatars = result, text, avatars
+
+    @property
+    def measured(self):
+        return self.result["state"] == "MEASURED"
+
+    @property
+    def guidance(self):
+        return tuple(self.result["guidance"])
+
+    @property
+    def measurements(self):
+        return {key: Estimate(entry["value"], *(entry.get("interval") or (None, None)), entry["unit"])
+                for key, entry in self.result.get("measurements", {}).items()}
+
+    @property
+    def size(self):
+        return (self.result.get("size") or {}).get("best")
+
+    @property
+    def female(self):
+        return (self.result.get("sex") or {}).get("female")
+
+    def avatar(self, kind="glb"):
+        """The bytes of a .glb, .obj or .bvh; None without a measurement."""
+        return self._avatars.get(kind)
+
+    def __repr__(self):
+        if not self.measured:
+            return f"<im2fit.Person not measured: {', '.join(self.guidance) or self.result['state']}>"
+        m = self.measurements
+        return (f"<im2fit.Person {m['stature'].value:.0f} mm, {m['weight'].value:.1f} kg, "
+                f"chest {m['chest_girth'].value:.0f} mm, size {self.size}>")
+
+    def _repr_html_(self):
+        rows = "".join(
+            f"<tr><td>{html.escape(key)}</td><td>{e.value:.1f} {e.unit}</td><td>{e.low:.1f} – {e.high:.1f}</td></tr>"
+            for key, e in self.measurements.items() if e.low is not None)
+        return (f"<p>{html.escape(repr(self))}</p><table><tr><th>measurement</th><th>value</th><th>95 %</th></tr>"
+                f"{rows}</table>")
+
+
+class Session:
+    """One person before one camera. `fx, fy, cx, cy`: of the depth camera, in pixels of frames as they are pushed;
+    width and height as well. `rotate_deg` makes them upright. Other keywords are fields of im2fit_settings: turn=1,
+    frames_wanted=30, clothing=1, sensor=2, single_thread=1, live=1."""
+
+    def __init__(self, width, height, fx, fy, cx, cy, rotate_deg=0, models=None, **settings):
+        self._handle = ctypes.c_void_p()
+        models = models or Models.find()
+        s = _c.Settings()
+        _lib().im2fit_settings_init(ctypes.byref(s), ctypes.sizeof(s))
+        s.tracker_path, s.index_path = os.fsencode(models.tracker), os.fsencode(models.index)
+        s.body_path = os.fsencode(models.body)
+        s.width, s.height, s.fx, s.fy, s.cx, s.cy = _upright(width, height, fx, fy, cx, cy, rotate_deg)
+        known = {name for name, kind in _c.Settings._fields_ if kind is ctypes.c_int32}
+        for name, value in settings.items():
+            if name not in known:
+                raise TypeError(f"no setting is called {name}; there are {', '.join(sorted(known))}")
+            setattr(s, name, int(value))
+        self._size, self._rotate_deg, self._number = (height, width), rotate_deg, 0
+        self._check(_lib().im2fit_open(ctypes.byref(s), ctypes.byref(self._handle)))
+
+    def push(self, depth, time_ns=None, sequence=None, confidence=None, confidence_min=0):
+        """`depth`: height x width, uint16 millimetres or float32 metres (NaN or 0: no data). `confidence`: uint8 of the
+        same shape; less than confidence_min is no data. Returns the Guidance so far."""
+        depth = np.asarray(depth)
+        if depth.shape != self._size or depth.dtype not in (np.uint16, np.float32):
+            raise ValueError(f"depth is {depth.dtype} {depth.shape}, expected uint16 or float32 {self._size}")
+        depth = np.ascontiguousarray(depth)
+        frame = _c.Frame()
+        _lib().im2fit_frame_init(ctypes.byref(frame), ctypes.sizeof(frame))
+        frame.pixels, frame.format = depth.ctypes.data, _c.FORMAT_U16 if depth.dtype == np.uint16 else _c.FORMAT_F32
+        frame.height, frame.width = depth.shape
+        frame.rotate_deg = self._rotate_deg
+        if confidence is not None:
+            confidence = np.ascontiguousarray(confidence, np.uint8)
+            if confidence.shape != self._size:
+                raise ValueError(f"confidence is {confidence.shape}, expected {self._size}")
+            frame.confidence, frame.confidence_min = confidence.ctypes.data, confidence_min
+        frame.sequence = self._number if sequence is None else sequence
+        frame.time_ns = self._number * 33_333_333 if time_ns is None else time_ns
+        self._number += 1
+        self._check(_lib().im2fit_push_frame(self._open_handle(), ctypes.byref(frame)))
+        return self.poll()
+
+    def poll(self):
+        r = self._result()
+        codes = tuple(_lib().im2fit_guidance_name(bit).decode() for bit in range(32)
+                      if r.guidance >> bit & 1 and _lib().im2fit_guidance_name(bit))
+        return Guidance(_lib().im2fit_state_name(r.state).decode(), codes, bool(r.measured), r.frames_seen, r.frames_used)
+
+    def joints(self):
+        """15 x 4: x, y, z in mm of the camera's axes, and the confidence; None without a person."""
+        r = self._result()
+        return np.ctypeslib.as_array(r.joints).view(np.float32).reshape(_c.JOINTS, 4).copy() if r.has_joints else None
+
+    def finish(self):
+        """No more frames: measures with what there is. Returns a Person, measured or not."""
+        self._check(_lib().im2fit_finish(self._open_handle()))
+        text = self._bytes(_lib().im2fit_result_json).decode()
+        result = json.loads(text)
+        avatars = {}
+        if result["state"] == "MEASURED":
+            for kind, number in _c.AVATAR_FORMATS.items():
+                avatars[kind] = self._bytes(_lib().im2fit_avatar, ctypes.c_int32(number))
+        return Person(result, text, avatars)
+
+    def mesh(self):
+        """(vertices n x 3 in mm, triangles m x 3) of the person measured."""
+        count, faces = ctypes.c_size_t(), ctypes.c_size_t()
+        handle = self._open_handle()
+        self._check(_lib().im2fit_body_mesh(handle, None, 0, ctypes.byref(count), None, 0, ctypes.byref(faces)))
+        vertices, triangles = np.empty((count.value, 3), np.float32), np.empty((faces.value, 3), np.int32)
+        self._check(_lib().im2fit_body_mesh(handle, vertices.ctypes.data, count, ctypes.byref(count), triangles.ctypes.data,
+                                            faces, ctypes.byref(faces)))
+        return vertices, triangles
+
+    def reset(self):
+        """A new person; forgets everything seen."""
+        self._check(_lib().im2fit_reset(self._open_handle()))
+        self._number = 0
+
+    def close(self):
+        if self._handle:
+            _lib().im2fit_close(self._handle)
+            self._handle = ctypes.c_void_p()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def __del__(self):
+        if getattr(self, "_handle", None):
+            self.close()
+
+    def _open_handle(self):
+        if not self._handle:
+            raise ValueError("the session is closed")
+        return self._handle
+
+    def _result(self):
+        r = _c.Result()
+        self._check(_lib().im2fit_poll(self._open_handle(), ctypes.byref(r), ctypes.sizeof(r)))
+        return r
+
+    def _check(self, status):
+        if status != _c.OK:
+            text = (_lib().im2fit_last_error(self._handle) if self._handle else b"") or _lib().im2fit_last_error(None)
+            raise Error(status, text.decode(errors="replace"))
+
+    def _bytes(self, function, *arguments):
+        needed = ctypes.c_size_t()
+        status = function(self._open_handle(), *arguments, None, 0, ctypes.byref(needed))
+        if status != _c.TOO_SMALL:
+            self._check(status)
+        place = ctypes.create_string_buffer(needed.value + 1)
+        self._check(function(self._handle, *arguments, place, needed.value + 1, ctypes.byref(needed)))
+        return place.raw[:needed.value]
+
+
+def _upright(width, height, fx, fy, cx, cy, rotate_deg):
+    """The camera of the upright picture: hal/rotate.cpp has the same lines."""
+    if rotate_deg == 90:
+        return height, width, fy, fx, height - 1 - cy, cx
+    if rotate_deg == 180:
+        return width, height, fx, fy, width - 1 - cx, height - 1 - cy
+    if rotate_deg == 270:
+        return height, width, fy, fx, cy, width - 1 - cx
+    if rotate_deg != 0:
+        raise ValueError(f"rotate_deg is {rotate_deg}, expected 0, 90, 180 or 270")
+    return width, height, fx, fy, cx, cy
+
+
+def measure(folder, models=None, **settings):
+    """Measures the person in a depth folder: frames until the measurement, or all of them. Returns a Person; look at its
+    `measured` and `guidance`. `settings` as of Session."""
+    folder = pathlib.Path(folder)
+    camera = _folder.read_camera(folder / "camera.yaml")
+    frames, times = _folder.frames_of(folder), _folder.read_times(folder)
+    with Session(**dataclasses.asdict(camera), models=models, **settings) as session:
+        for number, path in frames:
+            time_ns = times.get(number, number * 1_000_000_000 // 30)
+            if session.push(_folder.read_frame(path), time_ns=time_ns, sequence=number).measured:
+                break
+        return session.finish()

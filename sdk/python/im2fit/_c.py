@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C interface im2fit.h as ctypes sees it: structs, statuses, functions. tests/test_layout.py holds the structs to the
+header with a C compiler."""
+
+import ctypes as c
+import os
+import pathlib
+
+OK, TIMEOUT, TOO_SMALL = 0, -7, -11
+MEASUREMENTS, JOINTS, USERS, AGE_BANDS = 11, 15, 8, 4
+FORMAT_U16, FORMAT_DEPTH16, FORMAT_F32 = 0, 1, 2
+AVATAR_FORMATS = {"glb": 0, "obj": 1, "bvh": 2}
+
+
+class Data(c.Structure):
+    _fields_ = [("kind", c.c_int32), ("fd", c.c_int32), ("offset", c.c_int64), ("bytes", c.c_void_p), ("size", c.c_size_t)]
+
+
+class Settings(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_size_t), ("tracker_path", c.c_char_p), ("index_path", c.c_char_p), ("body_path", c.c_char_p),
+        ("men_chart_path", c.c_char_p), ("women_chart_path", c.c_char_p), ("width", c.c_int32), ("height", c.c_int32),
+        ("fx", c.c_float), ("fy", c.c_float), ("cx", c.c_float), ("cy", c.c_float), ("frames_wanted", c.c_int32),
+        ("frames_min", c.c_int32), ("calibration_psi", c.c_int32), ("live", c.c_int32), ("single_thread", c.c_int32),
+        ("pool_frames", c.c_int32), ("log", c.c_void_p), ("log_user", c.c_void_p), ("user_id", c.c_int32), ("turn", c.c_int32),
+        ("clothing", c.c_int32), ("sensor", c.c_int32), ("tracker_data", Data), ("index_data", Data), ("body_data", Data)]
+
+
+class Frame(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_size_t), ("pixels", c.c_void_p), ("format", c.c_int32), ("width", c.c_int32), ("height", c.c_int32),
+        ("rotate_deg", c.c_int32), ("row_bytes", c.c_size_t), ("unit_mm", c.c_float), ("confidence_min", c.c_int32),
+        ("confidence", c.c_void_p), ("confidence_row_bytes", c.c_size_t), ("fx", c.c_float), ("fy", c.c_float),
+        ("cx", c.c_float), ("cy", c.c_float), ("sequence", c.c_uint64), ("time_ns", c.c_int64), ("device_us", c.c_int64)]
+
+
+class Estimate(c.Structure):
+    _fields_ = [("value", c.c_float), ("low", c.c_float), ("high", c.c_float)]
+
+
+class Joint(c.Structure):
+    _fields_ = [("x", c.c_float), ("y", c.c_float), ("z", c.c_float), ("confidence", c.c_float)]
+
+
+class User(c.Structure):
+    _fields_ = [("id", c.c_int32), ("left", c.c_int32), ("top", c.c_int32), ("right", c.c_int32), ("bottom", c.c_int32),
+                ("x", c.c_float), ("y", c.c_float), ("z", c.c_float)]
+
+
+class Result(c.Structure):
+    _fields_ = [
+        ("state", c.c_int32), ("guidance", c.c_uint32), ("guidance_seen", c.c_uint32), ("has_joints", c.c_int32),
+        ("frames_seen", c.c_uint64), ("frames_used", c.c_uint64), ("frames_dropped", c.c_uint64), ("sequence_gaps", c.c_uint64),
+        ("sequence_repeats", c.c_uint64), ("time_reversals", c.c_uint64), ("joints", Joint * JOINTS), ("measured", c.c_int32),
+        ("female", c.c_float), ("measurements", Estimate * MEASUREMENTS), ("paper", c.c_float * MEASUREMENTS),
+        ("index_entry", c.c_uint32), ("index_distance", c.c_float), ("user_id", c.c_int32), ("view", c.c_int32),
+        ("joints_inferred", c.c_uint32), ("session", c.c_uint32), ("display_joints", Joint * JOINTS), ("user_count", c.c_int32),
+        ("users", User * USERS), ("front_measured", c.c_int32), ("views", c.c_int32), ("frames_back", c.c_uint32),
+        ("age", Estimate), ("age_bands", c.c_float * AGE_BANDS), ("arms_close", c.c_uint32),
+        ("clothing_probability", c.c_float), ("clothing_ease_mm", c.c_float)]
+
+
+STRUCTS = {"im2fit_data": Data, "im2fit_settings": Settings, "im2fit_frame": Frame, "im2fit_estimate": Estimate,
+           "im2fit_joint": Joint, "im2fit_user": User, "im2fit_result": Result}
+
+
+def load(path=None):
+    """The library: `path`, else IM2FIT_LIBRARY, else the one inside this package, else the system's."""
+    beside = pathlib.Path(__file__).with_name("libim2fit.so.0")
+    name = path or os.environ.get("IM2FIT_LIBRARY") or (str(beside) if beside.exists() else "libim2fit.so.0")
+    try:
+        lib = c.CDLL(name)
+    except OSError as error:
+        raise OSError(f"{error}; install libim2fit0 or the wheel, or set IM2FIT_LIBRARY to libim2fit.so") from None
+    pointer = c.c_void_p
+    for function, result, arguments in (
+            ("version", c.c_char_p, []), ("status_name", c.c_char_p, [c.c_int]), ("last_error", c.c_char_p, [pointer]),
+            ("settings_init", None, [c.POINTER(Settings), c.c_size_t]), ("frame_init", None, [c.POINTER(Frame), c.c_size_t]),
+            ("open", c.c_int, [c.POINTER(Settings), c.POINTER(pointer)]), ("close", None, [pointer]),
+            ("push_frame", c.c_int, [pointer, c.POINTER(Frame)]), ("wait", c.c_int, [pointer, c.c_int32]),
+            ("finish", c.c_int, [pointer]), ("reset", c.c_int, [pointer]), ("next", c.c_int, [pointer]),
+            ("poll", c.c_int, [pointer, c.POINTER(Result), c.c_size_t]),
+            ("result_json", c.c_int, [pointer, pointer, c.c_size_t, c.POINTER(c.c_size_t)]),
+            ("avatar", c.c_int, [pointer, c.c_int32, pointer, c.c_size_t, c.POINTER(c.c_size_t)]),
+            ("body_mesh", c.c_int, [pointer, pointer, c.c_size_t, c.POINTER(c.c_size_t), pointer, c.c_size_t,
+                                    c.POINTER(c.c_size_t)]),
+            ("state_name", c.c_char_p, [c.c_int]), ("guidance_name", c.c_char_p, [c.c_int])):
+        handle = getattr(lib, "im2fit_" + function)
+        handle.restype, handle.argtypes = result, arguments
+    return lib

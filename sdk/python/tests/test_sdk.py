@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Python package on the golden clip: IM2FIT_LIBRARY is libim2fit.so, IM2FIT_GOLDEN the folder of tests/golden/data,
+IM2FIT_BODY the body file (without one, what needs it is left out and said)."""
+
+import ctypes
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, os.environ.get("IM2FIT_PYTHON", str(HERE.parent)))
+import numpy as np  # noqa: E402
+
+import im2fit  # noqa: E402
+from im2fit import _c, _folder  # noqa: E402
+
+GOLDEN = pathlib.Path(os.environ.get("IM2FIT_GOLDEN", HERE.parents[2] / "tests/golden/data"))
+HEADER = HERE.parents[2] / "engine/include/im2fit/im2fit.h"
+BODY = os.environ.get("IM2FIT_BODY", "")
+FRAMES = {"frames_wanted": 6, "frames_min": 5}  # of the clip's 8
+
+
+def models(body=None):
+    return im2fit.Models(body=body or BODY, tracker=str(GOLDEN / "tracker.i2t"), index=str(GOLDEN / "index.i2f"))
+
+
+class Layout(unittest.TestCase):
+    def test_structs_are_the_headers(self):
+        compiler = shutil.which("cc")
+        self.assertTrue(compiler, "needs a C compiler")
+        lines = ['#include <stdio.h>', '#include "im2fit.h"', "int main(void) {"]
+        for name, struct in _c.STRUCTS.items():
+            lines.append(f'  printf("{name} %zu\\n", sizeof({name}));')
+            for field in struct._fields_:
+                lines.append(f'  printf("{name}.{field[0]} %zu\\n", offsetof({name}, {field[0]}));')
+        lines.append("  return 0;\n}")
+        with tempfile.TemporaryDirectory() as folder:
+            source = pathlib.Path(folder) / "layout.c"
+            source.write_text("\n".join(lines))
+            program = pathlib.Path(folder) / "layout"
+            subprocess.run([compiler, "-I", str(HEADER.parent), str(source), "-o", str(program)], check=True)
+            said = subprocess.run([str(program)], check=True, capture_output=True, text=True).stdout
+        expected = []
+        for name, struct in _c.STRUCTS.items():
+            expected.append(f"{name} {ctypes.sizeof(struct)}")
+            expected += [f"{name}.{field[0]} {getattr(struct, field[0]).offset}" for field in struct._fields_]
+        self.assertEqual(said.split("\n")[:-1], expected)
+
+    def test_the_library_is_the_headers(self):
+        numbers = re.findall(r"#define IM2FIT_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", HEADER.read_text())
+        self.assertEqual(im2fit.version(), ".".join(numbers))
+
+
+class Folder(unittest.TestCase):
+    def test_png_is_read_the_same_without_pillow(self):
+        if _folder.Image is None:
+            self.skipTest("no Pillow to compare with")
+        _, path = _folder.frames_of(GOLDEN / "clip")[0]
+        with_pillow, kept = _folder.read_png(path), _folder.Image
+        _folder.Image = None
+        try:
+            np.testing.assert_array_equal(_folder.read_png(path), with_pillow)
+        finally:
+            _folder.Image = kept
+
+    def test_what_is_wrong_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaisesRegex(FileNotFoundError, "no depth frames"):
+                _folder.frames_of(folder)
+            text = (GOLDEN / "clip/camera.yaml").read_text()
+            bad = pathlib.Path(folder) / "camera.yaml"
+            bad.write_text(text.replace("data: [0, 0, 0, 0, 0]", "data: [0.1, 0, 0, 0, 0]"))
+            with self.assertRaisesRegex(ValueError, "distorts"):
+                _folder.read_camera(bad)
+            bad.write_text(text.replace("image_width", "width"))
+            with self.assertRaisesRegex(ValueError, "image_width"):
+                _folder.read_camera(bad)
+
+
+class Errors(unittest.TestCase):
+    def test_a_failure_has_a_status_and_a_text(self):
+        with self.assertRaises(im2fit.Error) as caught:
+            im2fit.Session(320, 240, 287.9, 287.9, 159.5, 119.5, models=im2fit.Models("b", "/nonexistent.i2t", "i"))
+        self.assertIn(caught.exception.name, ("not_found", "io"))
+        with self.assertRaises(TypeError):
+            im2fit.Session(320, 240, 288, 288, 160, 120, models=models("b"), colour=1)
+        with self.assertRaises(ValueError):
+            im2fit.Session(320, 240, 288, 288, 160, 120, rotate_deg=45, models=models("b"))
+
+    def test_no_models_says_what_to_do(self):
+        kept = dict(os.environ)
+        for key in ("IM2FIT_BODY", "IM2FIT_TRACKER", "IM2FIT_INDEX"):
+            os.environ.pop(key, None)
+        os.environ.update(XDG_DATA_HOME="/nonexistent", XDG_CACHE_HOME="/nonexistent", XDG_DATA_DIRS="/nonexistent")
+        try:
+            with self.assertRaisesRegex(FileNotFoundError, "im2fit models install"):
+                im2fit.Models.find()
+        finally:
+            os.environ.clear()
+            os.environ.update(kept)
+
+
+@unittest.skipUnless(BODY and pathlib.Path(BODY).exists(), "IM2FIT_BODY names no body file")
+class Measuring(unittest.TestCase):
+    def test_a_folder_is_measured(self):
+        person = im2fit.measure(GOLDEN / "clip", models=models(), **FRAMES)
+        self.assertTrue(person.measured, person.guidance)
+        golden = json.loads((GOLDEN / "result.json").read_text())
+        for key in ("stature", "inside_leg"):  # lengths of the golden result, made without a body: the same person
+            self.assertAlmostEqual(person.measurements[key].value, golden["measurements"][key]["value"], delta=30)
+        chest = person.measurements["chest_girth"]
+        self.assertTrue(chest.low < chest.value < chest.high and chest.unit == "mm")
+        self.assertIn("size", repr(person))
+        self.assertIn("chest_girth", person._repr_html_())
+        self.assertEqual(person.avatar("glb")[:4], b"glTF")
+        self.assertTrue(person.avatar("obj").startswith(b"# im2fit avatar"))
+        self.assertTrue(person.avatar("bvh").startswith(b"HIERARCHY"))
+
+    def test_metres_are_millimetres_and_the_mesh_is_the_person(self):
+        camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
+        texts = []
+        for metres in (False, True):
+            words = (camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, camera.rotate_deg)
+            with im2fit.Session(*words, models=models(), **FRAMES) as session:
+                for number, path in _folder.frames_of(GOLDEN / "clip"):
+                    depth = _folder.read_frame(path)
+                    session.push(depth.astype(np.float32) / np.float32(1000) if metres else depth, sequence=number)
+                person = session.finish()
+                texts.append(person.json)
+                self.assertEqual(session.joints().shape, (15, 4))
+                vertices, triangles = session.mesh()
+                self.assertAlmostEqual(float(vertices[:, 1].min()), 0, places=3)
+                self.assertLess(abs(np.ptp(vertices[:, 1]) - person.measurements["stature"].value), 60)  # posed
+                self.assertEqual(triangles.max() + 1, len(vertices))
+        self.assertEqual(texts[0], texts[1])
+
+    def test_an_empty_room_is_not_measured(self):
+        with im2fit.Session(320, 240, 287.9, 287.9, 159.5, 119.5, models=models()) as session:
+            for _ in range(3):
+                said = session.push(np.zeros((240, 320), np.uint16))
+            self.assertFalse(said.measured)
+            person = session.finish()
+        self.assertFalse(person.measured)
+        self.assertIn("NO_PERSON", person.guidance)
+        self.assertIsNone(person.avatar())
+        with self.assertRaisesRegex(ValueError, "closed"):
+            session.poll()
+
+
+if __name__ == "__main__":
+    said = unittest.main(verbosity=1, exit=False).result
+    skipped = bool(said.skipped) and bool(os.environ.get("IM2FIT_NO_SKIPS"))
+    if skipped:
+        print("nothing may be skipped:", *(why for _, why in said.skipped), file=sys.stderr)
+    sys.exit(0 if said.wasSuccessful() and not skipped else 1)

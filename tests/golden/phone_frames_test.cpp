@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// The golden clip as phones deliver frames (im2fit_frame): in every format, turned, with padded rows, through a lens
+// that is told: what the library says must not depend on it.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include "core/file.h"
+#include "engine/include/im2fit/im2fit.h"
+#include "tests/golden/golden_run.h"
+
+namespace im2fit::golden {
+namespace {
+
+struct Said {
+  std::string json;
+  im2fit_result result{};
+};
+
+// A frame with the memory behind it.
+struct PhoneFrame {
+  im2fit_frame frame{};
+  std::vector<std::uint16_t> samples;
+  std::vector<float> metres;
+  std::vector<std::uint8_t> confidence;
+};
+
+class PhoneFrames : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    auto data = Data::load(IM2FIT_GOLDEN_DATA);
+    if (data) data_ = new Data(std::move(*data));
+  }
+  static void TearDownTestSuite() {
+    delete data_;
+    data_ = nullptr;
+  }
+  void SetUp() override { ASSERT_NE(data_, nullptr); }
+
+  static im2fit_settings settings() {
+    const Intrinsics& k = data_->intrinsics();
+    im2fit_settings s;
+    im2fit_settings_init(&s, sizeof s);
+    static const std::string tracker = std::string(IM2FIT_GOLDEN_DATA) + "/tracker.i2t";
+    static const std::string index = std::string(IM2FIT_GOLDEN_DATA) + "/index.i2f";
+    s.tracker_path = tracker.c_str();
+    s.index_path = index.c_str();
+    s.width = k.width;
+    s.height = k.height;
+    s.fx = k.fx;
+    s.fy = k.fy;
+    s.cx = k.cx;
+    s.cy = k.cy;
+    s.frames_wanted = kFramesWanted;
+    return s;
+  }
+
+  static PhoneFrame upright(std::size_t number) {
+    PhoneFrame f;
+    im2fit_frame_init(&f.frame, sizeof f.frame);
+    f.samples = data_->frames()[number];
+    f.frame.width = data_->intrinsics().width;
+    f.frame.height = data_->intrinsics().height;
+    f.frame.sequence = number;
+    f.frame.time_ns = static_cast<std::int64_t>(number) * 33333333;
+    return f;
+  }
+
+  using Change = std::function<void(PhoneFrame&, std::size_t)>;
+  static Said said(const im2fit_settings& settings, const Change& change) {
+    Said said;
+    im2fit_handle* handle = nullptr;
+    EXPECT_EQ(im2fit_open(&settings, &handle), IM2FIT_OK) << im2fit_last_error(nullptr);
+    if (handle == nullptr) return said;
+    for (std::size_t i = 0; i < data_->frames().size(); ++i) {
+      PhoneFrame f = upright(i);
+      change(f, i);
+      if (f.frame.pixels == nullptr) f.frame.pixels = f.samples.data();
+      EXPECT_EQ(im2fit_push_frame(handle, &f.frame), IM2FIT_OK) << im2fit_last_error(handle);
+    }
+    EXPECT_EQ(im2fit_finish(handle), IM2FIT_OK);
+    EXPECT_EQ(im2fit_poll(handle, &said.result, sizeof said.result), IM2FIT_OK);
+    std::size_t length = 0;
+    EXPECT_EQ(im2fit_result_json(handle, nullptr, 0, &length), IM2FIT_ERROR_TOO_SMALL);
+    said.json.resize(length + 1);
+    EXPECT_EQ(im2fit_result_json(handle, said.json.data(), length, &length), IM2FIT_ERROR_TOO_SMALL);
+    EXPECT_EQ(im2fit_result_json(handle, said.json.data(), length + 1, &length), IM2FIT_OK);
+    EXPECT_EQ(std::strlen(said.json.c_str()), length);
+    said.json.resize(length);
+    im2fit_close(handle);
+    return said;
+  }
+  static void nothing(PhoneFrame& /*frame*/, std::size_t /*number*/) {}
+  static const Said& reference() {
+    static const Said once = said(settings(), nothing);
+    return once;
+  }
+
+  static Data* data_;
+};
+Data* PhoneFrames::data_ = nullptr;
+
+TEST_F(PhoneFrames, SayWhatPushedFramesSay) {
+  const im2fit_settings s = settings();
+  im2fit_handle* handle = nullptr;
+  ASSERT_EQ(im2fit_open(&s, &handle), IM2FIT_OK);
+  for (std::size_t i = 0; i < data_->frames().size(); ++i)
+    ASSERT_EQ(im2fit_push(handle, data_->frames()[i].data(), s.width, s.height, 0, i,
+                          static_cast<std::int64_t>(i) * 33333333),
+              IM2FIT_OK);
+  ASSERT_EQ(im2fit_wait(handle, 60000), IM2FIT_OK);
+  ASSERT_EQ(im2fit_finish(handle), IM2FIT_OK);
+  std::string json(1U << 20, ' ');
+  std::size_t length = 0;
+  ASSERT_EQ(im2fit_result_json(handle, json.data(), json.size(), &length), IM2FIT_OK);
+  json.resize(length);
+  im2fit_close(handle);
+  EXPECT_EQ(first_difference(reference().json, json), "");
+  EXPECT_EQ(reference().result.measured, 1);
+  EXPECT_NE(json.find("\"MEASURED\""), std::string::npos);
+}
+
+TEST_F(PhoneFrames, InDepth16AreTheSame) {
+  std::mt19937 generator(7);
+  const auto random = [&] { return static_cast<unsigned>(generator()); };
+  const Said found = said(settings(), [&](PhoneFrame& f, std::size_t) {
+    f.frame.format = IM2FIT_FORMAT_DEPTH16;
+    f.frame.confidence_min = 4;
+    for (std::uint16_t& sample : f.samples) {
+      ASSERT_LT(sample, 1U << 13);
+      const bool sure = sample != 0;
+      // What has no data is any distance, unsure: fields 1 to 4 are 0 to 3 sevenths. Sure are 0 and 5 to 7.
+      const unsigned field = sure ? (random() % 4 == 0 ? 0U : 5U + random() % 3) : 1U + random() % 4;
+      sample = static_cast<std::uint16_t>((sure ? sample : random() & 0x1FFFU) | field << 13);
+    }
+  });
+  EXPECT_EQ(first_difference(reference().json, found.json), "");
+}
+
+TEST_F(PhoneFrames, InMetresAreTheSame) {
+  const float lacking[] = {0, -1, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                           80};
+  const Said found = said(settings(), [&](PhoneFrame& f, std::size_t) {
+    f.frame.format = IM2FIT_FORMAT_F32;
+    for (const std::uint16_t sample : f.samples)
+      f.metres.push_back(sample != 0 ? static_cast<float>(sample) / 1000.0F : lacking[f.metres.size() % 5]);
+    f.frame.pixels = f.metres.data();
+  });
+  EXPECT_EQ(first_difference(reference().json, found.json), "");
+}
+
+TEST_F(PhoneFrames, WithPaddedRowsAndConfidenceAreTheSame) {
+  const Said found = said(settings(), [&](PhoneFrame& f, std::size_t) {
+    const std::size_t width = static_cast<std::size_t>(f.frame.width),
+                      height = static_cast<std::size_t>(f.frame.height);
+    std::vector<std::uint16_t> padded((width + 5) * height, 1234);
+    f.confidence.assign((width + 3) * height, 0);
+    for (std::size_t v = 0; v < height; ++v)
+      for (std::size_t u = 0; u < width; ++u) {
+        const std::uint16_t sample = f.samples[v * width + u];
+        padded[v * (width + 5) + u] = sample != 0 ? sample : 777;  // not to be believed
+        f.confidence[v * (width + 3) + u] = sample != 0 ? 2 : 1;
+      }
+    f.samples = padded;
+    f.frame.row_bytes = 2 * (width + 5);
+    f.frame.confidence = f.confidence.data();
+    f.frame.confidence_row_bytes = width + 3;
+    f.frame.confidence_min = 2;
+  });
+  EXPECT_EQ(first_difference(reference().json, found.json), "");
+}
+
+// As the camera hung: what the library turns back is what was turned before.
+TEST_F(PhoneFrames, TurnedByTheLibraryAreTheSame) {
+  const Intrinsics& k = data_->intrinsics();
+  for (const int deg : {90, 180, 270}) {
+    const int back = 360 - deg;
+    const Said found = said(settings(), [&](PhoneFrame& f, std::size_t) {
+      const Intrinsics hung = hal::rotate_upright(k, back);
+      std::vector<std::uint16_t> turned(f.samples.size());
+      hal::rotate_upright(DepthView(f.samples.data(), k.width, k.height), back,
+                          DepthImage(turned.data(), hung.width, hung.height));
+      f.samples = turned;
+      f.frame.width = hung.width;
+      f.frame.height = hung.height;
+      f.frame.rotate_deg = deg;
+      f.frame.fx = hung.fx;
+      f.frame.fy = hung.fy;
+      f.frame.cx = hung.cx;
+      f.frame.cy = hung.cy;
+    });
+    EXPECT_EQ(first_difference(reference().json, found.json), "") << deg;
+  }
+}
+
+// A lens told with the frames outweighs what the handle was opened with; one that breathes costs little.
+TEST_F(PhoneFrames, AToldLensIsUsed) {
+  const Intrinsics& k = data_->intrinsics();
+  im2fit_settings wrong = settings();
+  wrong.fx *= 1.01F;
+  wrong.fy *= 1.01F;
+  const auto tell = [&](float scale) {
+    return [&k, scale](PhoneFrame& f, std::size_t number) {
+      const float breath = number % 2 == 0 ? 1.0F : scale;
+      f.frame.fx = k.fx * breath;
+      f.frame.fy = k.fy * breath;
+      f.frame.cx = k.cx;
+      f.frame.cy = k.cy;
+    };
+  };
+  const float truth_mm = reference().result.measurements[IM2FIT_STATURE].value;
+  const float untold_mm = said(wrong, nothing).result.measurements[IM2FIT_STATURE].value;
+  const float told_mm = said(wrong, tell(1)).result.measurements[IM2FIT_STATURE].value;
+  RecordProperty("untold_mm", std::to_string(untold_mm - truth_mm));
+  EXPECT_GT(std::abs(untold_mm - truth_mm), 5.0F) << "the test's lens makes no difference";
+  EXPECT_LT(std::abs(told_mm - truth_mm), 1.0F);
+  EXPECT_EQ(first_difference(reference().json, said(wrong, tell(1)).json), "");
+}
+
+// Models from memory and from inside another file say what models by path say.
+TEST_F(PhoneFrames, ModelsNeedNoPath) {
+  const im2fit_settings by_path = settings();
+  const auto tracker = read_file(by_path.tracker_path);
+  const auto index = read_file(by_path.index_path);
+  ASSERT_TRUE(tracker && index);
+  im2fit_settings s = by_path;
+  s.tracker_path = s.index_path = nullptr;
+  s.tracker_data.kind = IM2FIT_DATA_MEMORY;
+  s.tracker_data.bytes = tracker->data();
+  s.tracker_data.size = tracker->size();
+  // At an odd place, as an asset in an APK.
+  const std::string path = testing::TempDir() + "/phone_frames_asset";
+  std::vector<std::byte> asset(4099, std::byte{9});
+  asset.insert(asset.end(), index->begin(), index->end());
+  asset.resize(asset.size() + 77, std::byte{9});
+  ASSERT_TRUE(write_file_atomically(path, asset));
+  s.index_data.kind = IM2FIT_DATA_FD;
+  s.index_data.fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  s.index_data.offset = 4099;
+  s.index_data.size = index->size();
+  ASSERT_GE(s.index_data.fd, 0);
+  const Said found = said(s, nothing);
+  EXPECT_EQ(first_difference(reference().json, found.json), "");
+  im2fit_handle* handle = nullptr;
+  s.index_data.size += 1000;
+  EXPECT_EQ(im2fit_open(&s, &handle), IM2FIT_ERROR_CORRUPT);
+  EXPECT_NE(std::strstr(im2fit_last_error(nullptr), "settings.index_data ends after"), nullptr)
+      << im2fit_last_error(nullptr);
+  ::close(s.index_data.fd);
+  ::unlink(path.c_str());
+}
+
+}  // namespace
+}  // namespace im2fit::golden
