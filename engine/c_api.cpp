@@ -14,14 +14,15 @@
 
 #include "body/skeleton.h"
 #include "core/measurement.h"
-#include "engine/builtin_tape.h"
-#include "engine/c_api/call.h"
 #include "engine/c_api/person.h"
 
 namespace {
 
 using im2fit::c::fail;
 using im2fit::c::guarded;
+using im2fit::c::no_body;
+using im2fit::c::not_measured;
+using im2fit::c::with_person;
 
 static_assert(IM2FIT_MEASUREMENT_COUNT == im2fit::kMeasurementCount);
 static_assert(IM2FIT_JOINT_COUNT == im2fit::kJointCount);
@@ -130,23 +131,6 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   return out;
 }
 
-int not_measured(im2fit_handle& handle) {
-  return fail(&handle, IM2FIT_ERROR_NOT_MEASURED, "nothing is measured yet: push frames until state is MEASURED");
-}
-
-int no_body(im2fit_handle& handle) {
-  return fail(&handle, IM2FIT_ERROR_UNSUPPORTED, "no body model is loaded: set settings.body_path");
-}
-
-// Calls `use` with all that is said of whoever is measured.
-template <class Use>
-int with_person(im2fit_handle& handle, Use use) {
-  if (!handle.engine->result().measured) return not_measured(handle);
-  const auto person = im2fit::c::person_of(handle);
-  if (!person) return fail(&handle, person.error());
-  return use(**person);
-}
-
 // Posed body vertices, the lowest at y = 0.
 std::vector<im2fit::Vec3f> posed_mesh(const im2fit::body::BodyModel& model, const im2fit::AnsweredBody& body) {
   std::vector<im2fit::Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
@@ -158,43 +142,6 @@ std::vector<im2fit::Vec3f> posed_mesh(const im2fit::body::BodyModel& model, cons
   for (const im2fit::Vec3f& v : posed) sole = std::min(sole, v.y);
   for (im2fit::Vec3f& v : posed) v.y -= sole;
   return posed;
-}
-
-constexpr std::size_t kTapeValueSizeMin = sizeof(im2fit_tape_value);
-
-im2fit_tape_value tape_value(const im2fit::PersonMeasurement& person, std::size_t i) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  const im2fit::body::TapeDefinition& d = person.tape->definitions[i];
-  if (d.kind == im2fit::body::TapeKind::refused) {
-    // The tape's own text would end with the handle; the shipped one's does not.
-    return {IM2FIT_TAPE_REFUSED, kNan, kNan, kNan, im2fit::builtin_tape().definitions[i].reason.c_str()};
-  }
-  if (std::isnan(person.tape_values[i]))
-    return {IM2FIT_TAPE_ABSENT, kNan, kNan, kNan, "this body has no such section"};
-  const im2fit::TapeInterval& interval = person.tape_intervals[i];
-  return {IM2FIT_TAPE_MEASURED, person.tape_values[i], interval.known ? interval.low : kNan,
-          interval.known ? interval.high : kNan, nullptr};
-}
-
-// Places of the definitions named; or the first `count` of all.
-im2fit::Result<std::vector<std::size_t>> tape_places(const char* const* ids, std::size_t count) {
-  const im2fit::body::Tape& tape = im2fit::builtin_tape();
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (ids != nullptr && ids[i] == nullptr)
-      return im2fit::Error{im2fit::ErrorCode::invalid_argument, "id " + std::to_string(i) + " of the tape is NULL"};
-    const int place = ids != nullptr ? im2fit::body::definition_index(tape, ids[i]) : static_cast<int>(i);
-    if (place < 0)
-      return im2fit::Error{im2fit::ErrorCode::not_found,
-                           std::string("no measurement of the tape is called ") + ids[i]};
-    places.push_back(static_cast<std::size_t>(place));
-  }
-  return places;
-}
-
-const im2fit::body::TapeDefinition* tape_definition(std::size_t index) {
-  const auto& all = im2fit::builtin_tape().definitions;
-  return index < all.size() ? &all[index] : nullptr;
 }
 
 template <std::size_t N>
@@ -431,32 +378,6 @@ int im2fit_body_residual(im2fit_handle* handle, float residual[IM2FIT_MEASUREMEN
   });
 }
 
-int im2fit_tape(im2fit_handle* handle, const char* const* ids, size_t id_count, im2fit_tape_value* values,
-                size_t value_size) {
-  return guarded(handle, [&](im2fit_handle& h) {
-    if (values == nullptr && id_count > 0)
-      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the place for the values is NULL");
-    if (value_size < kTapeValueSizeMin)
-      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "value_size is not sizeof(im2fit_tape_value)");
-    if (ids == nullptr && id_count > im2fit_tape_count())
-      return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT,
-                  "the tape has " + std::to_string(im2fit_tape_count()) + " measurements");
-    if (h.data.body_model == nullptr) return no_body(h);
-    const auto places = tape_places(ids, id_count);
-    if (!places) return fail(&h, places.error());
-    return with_person(h, [&](const im2fit::PersonMeasurement& person) {
-      char* to = reinterpret_cast<char*>(values);
-      for (const std::size_t place : *places) {
-        const im2fit_tape_value value = tape_value(person, place);
-        std::memcpy(to, &value, sizeof value);
-        std::memset(to + sizeof value, 0, value_size - sizeof value);  // fields of a newer header
-        to += value_size;
-      }
-      return static_cast<int>(IM2FIT_OK);
-    });
-  });
-}
-
 const char* im2fit_state_name(int state) {
   constexpr std::array<std::string_view, 7> kNames = {"SEARCHING", "USER_FOUND", "CALIBRATING", "TRACKING",
                                                       "MEASURED",  "LOST",       "TURNING"};
@@ -485,33 +406,6 @@ const char* im2fit_joint_name(int joint) {
 const char* im2fit_view_name(int view) {
   constexpr std::array<std::string_view, 4> kNames = {"unknown", "front", "back", "side"};
   return name_at(kNames, view);
-}
-
-size_t im2fit_tape_count(void) {
-  return im2fit::builtin_tape().definitions.size();
-}
-
-const char* im2fit_tape_id(size_t index) {
-  const auto* d = tape_definition(index);
-  return d != nullptr ? d->id.c_str() : nullptr;
-}
-
-const char* im2fit_tape_unit(size_t index) {
-  const auto* d = tape_definition(index);
-  return d != nullptr ? im2fit::body::unit_of(*d).data() : nullptr;  // literals, which end in a zero byte
-}
-
-const char* im2fit_tape_iso(size_t index) {
-  const auto* d = tape_definition(index);
-  return d != nullptr ? d->iso_8559.c_str() : nullptr;
-}
-
-const char* im2fit_tape_name(size_t index, const char* language) {
-  const auto* d = tape_definition(index);
-  if (d == nullptr || language == nullptr) return nullptr;
-  for (std::size_t i = 0; i < im2fit::body::kTapeLanguages.size(); ++i)
-    if (im2fit::body::kTapeLanguages[i] == language) return d->names[i].c_str();
-  return nullptr;
 }
 
 }  // extern "C"

@@ -5,7 +5,6 @@
 
 #include <utility>
 
-#include "engine/builtin_tape.h"
 #include "engine/c_api/data.h"
 #include "engine/c_api/settings.h"
 
@@ -135,7 +134,6 @@ Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& sett
   auto data = load_data(settings, std::move(*charts));
   if (!data) return data.error();
   handle->data = std::move(*data);
-  handle->data.tape = std::make_unique<body::Tape>(builtin_tape());
   auto engine = make_engine(words, handle->data);
   if (!engine) return engine.error();
   handle->engine = std::move(*engine);

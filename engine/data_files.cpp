@@ -4,9 +4,10 @@
 namespace im2fit {
 namespace {
 
-// A missing file is the first thing a newcomer meets: say what makes it.
+// A missing file is the first thing a newcomer meets: say what makes it. One that may not be read is there.
 Error advised(const Error& error, const char* maker) {
-  const bool absent = error.code == ErrorCode::not_found || error.code == ErrorCode::io;
+  if (error.code == ErrorCode::io) return {error.code, error.message + "; look at the file and who may read it"};
+  const bool absent = error.code == ErrorCode::not_found;
   return {error.code, error.message + (absent ? "; make it with " : "; make it again with ") + maker +
                           (absent ? ", or install a pack with im2fit models install" : "")};
 }

@@ -28,8 +28,6 @@ namespace {
 
 // A live queue longer than this only makes guidance late: what waits is dropped in favour of what is new.
 constexpr std::uint64_t kLiveQueueMax = 2;
-constexpr int kPoolFramesMin = 3;  // one in each hand
-constexpr int kPoolFramesMax = 64;
 // How often wait_idle() looks: a thirtieth of a frame's time at 30 Hz.
 constexpr std::chrono::milliseconds kIdleLook{1};
 
@@ -409,7 +407,7 @@ Status check_range(const char* name, int value, int low, int high) {
 Status check_settings(const EngineSettings& s) {
   if (auto ok = check_range("width", s.width, 1, kImageSideMax); !ok) return ok;
   if (auto ok = check_range("height", s.height, 1, kImageSideMax); !ok) return ok;
-  if (auto ok = check_range("frames_wanted", s.frames_wanted, 1, 1000); !ok) return ok;
+  if (auto ok = check_range("frames_wanted", s.frames_wanted, 1, kFramesWantedMax); !ok) return ok;
   if (auto ok = check_range("frames_min", s.frames_min, 1, s.frames_wanted); !ok) return ok;
   if (auto ok = check_range("pool_frames", s.pool_frames, kPoolFramesMin, kPoolFramesMax); !ok) return ok;
   if (s.one_after_another)

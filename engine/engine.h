@@ -42,6 +42,11 @@ struct FrameSeen;
 // during the call. It may take its time (frames wait, or drop when live) and may not call the engine.
 using FrameWatch = std::function<void(const FrameSeen&)>;
 
+// Ranges of EngineSettings.
+inline constexpr int kFramesWantedMax = 1000;
+inline constexpr int kPoolFramesMin = 3;  // one in each hand
+inline constexpr int kPoolFramesMax = 64;
+
 struct EngineSettings {
   int width = 640, height = 480;  // of upright frames
   Intrinsics intrinsics;

@@ -3,6 +3,7 @@
 // this and work out nothing of their own.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,7 +22,9 @@ struct PersonMeasurement {
   // Answer with intervals, age, clothing, joints, the paper's values, and what they rest on: views, frames, guidance.
   // Before MEASURED the state of the session alone.
   EngineResult result;
-  hal::SourceInfo source;  // whence the frames came
+  hal::SourceInfo source;            // whence the frames came
+  std::uint64_t frames_damaged = 0;  // SourceStats::damaged, of whoever reads the source: left out
+  bool turn_asked = false;           // both sides were wanted, by whoever asked
   // When measured:
   std::optional<SizeAnswer> size;               // of the chest
   std::optional<AnsweredBody> body;             // with a body model

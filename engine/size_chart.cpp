@@ -2,66 +2,69 @@
 #include "engine/size_chart.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cstdint>
 #include <utility>
 
+#include "core/csv.h"
 #include "core/file.h"
+#include "core/text.h"
 #include "engine/builtin_charts.h"
 
 namespace im2fit {
 namespace {
 
 constexpr std::size_t kRowCountMax = 32;
-constexpr std::size_t kTextSizeMax = 64 * 1024;  // bytes; a chart is a page, anything larger is another file
-constexpr float kGirthMaxMm = 5000;
+constexpr std::size_t kChartBytesMax = 64 * 1024;  // a chart is a page, anything larger is another file
+// A newborn's chest is 330 mm; no survey of adults has one of 2 m.
+constexpr double kGirthMinMm = 300, kGirthMaxMm = 2500;
+constexpr std::size_t kSizeLettersMax = 15;
+constexpr std::size_t kSizeBytesMax = 30;        // with a sign and an end, what the C interface has place for
 constexpr double kNormal95 = 1.959963984540054;  // half width of the 95 % interval, in standard deviations
-
-std::string_view trim(std::string_view s) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t first = s.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return s.substr(first, s.find_last_not_of(kBlank) - first + 1);
-}
 
 class ChartParser {
  public:
-  explicit ChartParser(const std::string& what) : what_(what) {}
+  ChartParser(std::string_view text, const std::string& what) : what_(what), csv_(text, what) {}
 
-  Result<SizeChart> parse(std::string_view text) {
-    if (text.size() > kTextSizeMax) return error("file", "is larger than 64 KiB: this is no size chart");
-    while (!text.empty()) {
-      const std::size_t end = std::min(text.find('\n'), text.size());
-      ++line_;
-      if (auto ok = take_line(trim(text.substr(0, end))); !ok) return ok.error();
-      text.remove_prefix(std::min(end + 1, text.size()));
+  Result<SizeChart> parse() {
+    for (std::vector<std::string> cells;;) {
+      const auto more = csv_.next(cells);
+      if (!more) return more.error();
+      if (!*more) return finish();
+      if (auto ok = take_line(cells); !ok) return ok.error();
     }
-    return finish();
   }
 
  private:
   Error error(const std::string& field, const std::string& problem) const {
-    return {ErrorCode::corrupt, what_ + " line " + std::to_string(line_) + ": " + field + " " + problem};
+    return {ErrorCode::corrupt, what_ + " line " + std::to_string(csv_.line()) + ": " + field + " " + problem};
+  }
+  static std::string joined(const std::vector<std::string>& cells) {
+    std::string text;
+    for (const std::string& cell : cells) text += (text.empty() ? "" : ",") + cell;
+    return text;
   }
 
-  Status take_line(std::string_view line) {
-    if (line.empty()) return Ok{};
-    if (line.front() == '#') return take_header(trim(line.substr(1)));
+  Status take_line(const std::vector<std::string>& cells) {
+    if (!cells[0].empty() && cells[0].front() == '#') return take_header(std::string_view(cells[0]).substr(1));
     if (!columns_seen_) {
-      if (line != "size,low_mm,high_mm")
-        return error("column line", "is '" + std::string(line) + "', expected 'size,low_mm,high_mm'");
+      if (cells != std::vector<std::string>{"size", "low_mm", "high_mm"})
+        return error("column line", "is '" + joined(cells) + "', expected 'size,low_mm,high_mm'");
       columns_seen_ = true;
       return Ok{};
     }
-    return take_row(line);
+    return take_row(cells);
+  }
+
+  static std::string trim(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(" \t");
+    if (first == std::string_view::npos) return {};
+    return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
   }
 
   // "# word: value"; other comments are left alone.
   Status take_header(std::string_view line) {
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos) return Ok{};
-    const std::string_view key = trim(line.substr(0, colon));
-    const std::string value(trim(line.substr(colon + 1)));
+    const std::string key = trim(line.substr(0, colon)), value = trim(line.substr(colon + 1));
     if (key == "name") chart_.name = value;
     if (key == "source") chart_.source = value;
     if (key == "date") chart_.date = value;
@@ -78,16 +81,15 @@ class ChartParser {
     return Ok{};
   }
 
-  Status take_row(std::string_view line) {
-    const std::size_t first = line.find(',');
-    const std::size_t second = first == std::string_view::npos ? first : line.find(',', first + 1);
-    if (second == std::string_view::npos || line.find(',', second + 1) != std::string_view::npos)
-      return error("row", "'" + std::string(line) + "' has not the 3 fields size,low_mm,high_mm");
+  Status take_row(const std::vector<std::string>& cells) {
+    if (cells.size() != 3) return error("row", "'" + joined(cells) + "' has not the 3 fields size,low_mm,high_mm");
     SizeRow row;
-    row.size = trim(line.substr(0, first));
-    if (row.size.empty() || row.size.size() > 15) return error("size", "must have 1 to 15 characters");
-    if (auto ok = take_number("low_mm", trim(line.substr(first + 1, second - first - 1)), row.low_mm); !ok) return ok;
-    if (auto ok = take_number("high_mm", trim(line.substr(second + 1)), row.high_mm); !ok) return ok;
+    row.size = cells[0];
+    const std::size_t letters = character_count(row.size);
+    if (letters < 1 || letters > kSizeLettersMax || row.size.size() > kSizeBytesMax)
+      return error("size", "must have 1 to 15 characters (30 bytes)");
+    if (auto ok = take_number("low_mm", cells[1], row.low_mm); !ok) return ok;
+    if (auto ok = take_number("high_mm", cells[2], row.high_mm); !ok) return ok;
     if (!(row.low_mm < row.high_mm)) return error("high_mm", "must be more than low_mm");
     if (!chart_.rows.empty() && row.low_mm < chart_.rows.back().high_mm)
       return error("low_mm", "overlaps size " + chart_.rows.back().size + ": rows go from small to large");
@@ -98,21 +100,14 @@ class ChartParser {
     return Ok{};
   }
 
-  // Whole millimetres or with a decimal part. from_chars for floats is not in every standard library we build with.
-  Status take_number(const char* field, std::string_view text, float& value) {
-    std::uint32_t whole = 0;
-    const char* end = text.data() + text.size();
-    auto [at, fault] = std::from_chars(text.data(), end, whole);
-    double number = whole;
-    double place = 0.1;
-    bool good = fault == std::errc{} && whole > 0;
-    if (good && at != end) good = *at++ == '.' && at != end;
-    for (; good && at != end; ++at, place /= 10) {
-      good = *at >= '0' && *at <= '9';
-      number += place * (*at - '0');
-    }
-    if (!good || number > static_cast<double>(kGirthMaxMm))
-      return error(field, "is '" + std::string(text) + "', expected millimetres from 1 to 5000");
+  Status take_number(const char* field, const std::string& cell, float& value) {
+    double number = 0;
+    if (!csv_.number(cell, number) || !(number > 0)) return error(field, "is '" + cell + "', expected millimetres");
+    if (number < kGirthMinMm || number > kGirthMaxMm)
+      return error(field, "is '" + cell + "' mm, which is no chest girth (300 to 2500 mm)" +
+                              (number >= kGirthMinMm / 10 && number <= kGirthMaxMm / 10
+                                   ? "; centimetres, perhaps: write millimetres"
+                                   : ""));
     value = static_cast<float>(number);
     return Ok{};
   }
@@ -128,7 +123,7 @@ class ChartParser {
   }
 
   const std::string& what_;
-  int line_ = 0;
+  CsvReader csv_;
   bool columns_seen_ = false;
   bool sex_seen_ = false;
   bool unit_seen_ = false;
@@ -174,11 +169,11 @@ void add_chart(SizeAnswer& answer, const SizeChart& chart, double mean_mm, doubl
 }  // namespace
 
 Result<SizeChart> parse_size_chart(std::string_view text, const std::string& what) {
-  return ChartParser(what).parse(text);
+  return ChartParser(text, what).parse();
 }
 
 Result<SizeChart> load_size_chart(const std::string& path) {
-  auto bytes = read_file(path);
+  auto bytes = read_file(path, kChartBytesMax);
   if (!bytes) return bytes.error();
   return parse_size_chart({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
 }

@@ -99,6 +99,7 @@ void check_meta(SectionReader& in, const MetaRecord& m) {
   in.require(within(m.intercept_penalty, 0, 1e9) && within(m.slope_penalty, 0, 1e9), "meta",
              "has an impossible penalty");
   in.require(possible(m.noise), "meta", "has an impossible noise model");
+  in.require(m.reserved == 0, "meta", "has a reserved field that is not 0");
 }
 
 CodeTree take_tree(SectionReader& in, const MetaRecord& m) {
@@ -199,6 +200,7 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
   in.require(c.record.interval_kind <= 1, name("about").c_str(), "names an unknown method");
   for (const float share : c.record.share) in.require(within(share, 0, 1), name("about").c_str(), "mixes impossibly");
   in.require(possible(c.record.noise), name("about").c_str(), "has an impossible noise model");
+  in.require(c.record.reserved == 0, name("about").c_str(), "has a reserved field that is not 0");
   if (in.failed()) return c;
   c.map = take_map(in, name, refined_size(kind, m.feature_size, fit), kTargetMin);
   c.interval = in.take<float>(name("interval").c_str(), 2 * kMeasurementCount);

@@ -16,11 +16,27 @@ namespace {
 
 std::atomic<bool> interrupt_seen{false};
 
-std::string truth_path_of(const InputOptions& options) {
-  if (!options.truth_path.empty()) return options.truth_path;
-  const std::filesystem::path source(options.source);
+std::string truth_beside(const std::string& uri) {
+  const std::filesystem::path source(uri);
   if (source.extension() == ".oni") return std::filesystem::path(source).replace_extension(".truth.json").string();
   return (source / "truth.json").string();
+}
+
+// Asked for, it must be one. One that lies beside the source only adds to what is printed: whatever else it may be
+// does not stop the program.
+Result<std::optional<Truth>> find_truth(const InputOptions& options) {
+  if (!options.truth_path.empty()) {
+    auto truth = read_truth(options.truth_path);
+    if (!truth) return truth.error();
+    return std::optional<Truth>(std::move(*truth));
+  }
+  std::error_code code;
+  const std::string beside = truth_beside(options.source);
+  if (!std::filesystem::exists(beside, code)) return std::optional<Truth>();
+  auto truth = read_truth(beside);
+  if (truth) return std::optional<Truth>(std::move(*truth));
+  print_error(truth.error().message + "; going on without it");
+  return std::optional<Truth>();
 }
 
 Result<std::unique_ptr<hal::Source>> open_patiently(const InputOptions& options, const hal::OpenOptions& opening) {
@@ -49,6 +65,10 @@ void add_input_options(cli::App& sub, InputOptions& options) {
       ->one_of({0, 90, 180, 270});
   sub.add_option("--camera", options.camera_yaml, "Calibration (ROS/OpenCV YAML) that overrides the source's own")
       ->type_name("YAML");
+  sub.add_option("--unit", options.unit_mm,
+                 "Of a depth folder: millimetres a unit of its pixels (0.1, 10 for centimetres, 1000 for metres)")
+      ->range(0.001, 1000.0)
+      ->capture_default_str();
   sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();
 }
 
@@ -64,6 +84,7 @@ Result<Input> open_input(const InputOptions& options) {
   hal::OpenOptions opening;
   if (options.rotate_deg >= 0) opening.rotate_deg = options.rotate_deg;
   opening.camera_yaml_path = options.camera_yaml;
+  opening.unit_mm = options.unit_mm;
 #if IM2FIT_HAVE_LAB
   opening.synthetic = [&](const std::string& seed,
                           const hal::OpenOptions& o) -> Result<std::unique_ptr<hal::Source>> {
@@ -78,7 +99,7 @@ Result<Input> open_input(const InputOptions& options) {
   if (!source) return source.error();
   input.source = std::move(*source);
   if (input.truth) return input;
-  auto truth = read_truth(truth_path_of(options));
+  auto truth = find_truth(options);
   if (!truth) return truth.error();
   input.truth = *truth;
   return input;

@@ -20,6 +20,7 @@ struct InputOptions {
   std::string source;
   int rotate_deg = -1;  // -1: what the recording says
   std::string camera_yaml;
+  double unit_mm = 1;                      // of a depth folder's pixels
   std::string body = default_body_path();  // of the synthetic person, too
   int turn_after_frames = 0;               // of the synthetic person; 0: never
   bool clothed = false;                    // the synthetic person

@@ -4,13 +4,13 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 
 #include "apps/common/manual.h"
+#include "core/text.h"
 
 namespace im2fit::apps {
 namespace {
@@ -32,9 +32,7 @@ Result<int> guarded(const Command& command) {
 }  // namespace
 
 void print_error(const std::string& text) {
-  std::string line = text;
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  fmt::print(stderr, "{}: {}\n", program_name(), line);
+  fmt::print(stderr, "{}: {}\n", program_name(), printable(text));
 }
 
 int run_program(cli::App& program, Command& chosen, int argc, char** argv) {

@@ -11,6 +11,7 @@
 #include "engine/report/dressing.h"
 #include "engine/report/overlay.h"
 #include "engine/report/text_table.h"
+#include "hal/depth_diagnosis.h"
 
 namespace im2fit::apps {
 namespace {
@@ -73,7 +74,7 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
   }
   const auto png = draw_overlay(overlay).png();
   if (!png) return png.error();
-  return write_file_atomically(path, *png);
+  return write_file_atomically(path, *png, Readable::by_owner);
 }
 
 }  // namespace
@@ -98,20 +99,25 @@ Status dress(SessionOutcome& outcome) {
   return Ok{};
 }
 
-Status write_outputs(const SessionOutcome& outcome, const std::string& directory) {
-  if (outcome.dressed) {
-    const DressedAvatar& dressed = *outcome.dressed;
-    if (const auto written = write_file_atomically(directory + "/avatar.glb", dressed.glb); !written)
-      return written.error();
-    using Writer = Status (*)(const body::Avatar&, const std::string&);
-    constexpr std::pair<Writer, const char*> kFiles[] = {{body::write_obj, "/avatar.obj"},
-                                                         {body::write_bvh, "/avatar.bvh"}};
-    for (const auto& [write, name] : kFiles)
-      if (const auto written = write(dressed.avatar, directory + name); !written) return written.error();
-  }
+// The answer first: a few kilobytes, which fit where the body's megabytes do not, and nothing of the clothes loses
+// it.
+Status write_outputs(SessionOutcome& outcome, const std::string& directory) {
+  if (const auto written = write_file_atomically(directory + "/result.json",
+                                                 result_json(outcome.person, outcome.timing), Readable::by_owner);
+      !written)
+    return written.error();
   if (outcome.tap->last_frame().pixels != nullptr)
     if (const auto drawn = write_overlay(outcome, directory + "/overlay.png"); !drawn) return drawn.error();
-  return write_file_atomically(directory + "/result.json", result_json(outcome.person, outcome.timing));
+  if (const auto dressed = dress(outcome); !dressed || !outcome.dressed) return dressed;
+  const DressedAvatar& dressed = *outcome.dressed;
+  if (const auto written = body::write_bvh(dressed.avatar, directory + "/avatar.bvh"); !written)
+    return written.error();
+  if (const auto written = write_file_atomically(directory + "/avatar.glb", dressed.glb, Readable::by_owner);
+      !written)
+    return written.error();
+  if (const auto written = body::write_obj(dressed.avatar, directory + "/avatar.obj"); !written)
+    return written.error();
+  return Ok{};
 }
 
 Result<std::string> write_motion(const MotionRecording& motion, const std::string& path, const body::BodyModel& model,
@@ -181,19 +187,58 @@ std::string result_table(const SessionOutcome& outcome) {
   return text;
 }
 
+namespace {
+
+// "2 damaged frames were left out; the first: ...", or "".
+std::string damage_words(const SessionOutcome& outcome) {
+  const std::uint64_t count = outcome.person.frames_damaged;
+  if (count == 0) return "";
+  std::string words = fmt::format("{} damaged frame{} left out", count, count == 1 ? " was" : "s were");
+  if (const auto& first = outcome.tap->first_damage()) words += ": " + first->message;
+  return words;
+}
+
+// Nothing is wrong with the frames: there are too few.
+std::string wanted_words(const SessionOutcome& outcome, const SessionOptions& options) {
+  const GuidanceSet guidance = reported_guidance(outcome.person);
+  if (guidance != 0) return guidance_words(guidance, reported_arms(outcome.person.result));
+  return fmt::format("more frames, at least {} good ones; record longer",
+                     std::min(EngineSettings{}.frames_min, options.frames));
+}
+
+// Of frames no person was found in: what they are, when they cannot be a room in millimetres.
+std::string depth_words(const SessionOutcome& outcome) {
+  if (!has(reported_guidance(outcome.person), Guidance::no_person)) return "";
+  const std::string diagnosis = hal::depth_diagnosis(outcome.tap->last_frame());
+  return diagnosis.empty() ? "" : "; " + diagnosis;
+}
+
+}  // namespace
+
+std::vector<std::string> session_notes(const SessionOutcome& outcome) {
+  std::vector<std::string> notes;
+  if (const std::string damage = damage_words(outcome); !damage.empty()) notes.push_back(damage);
+  if (has(reported_guidance(outcome.person), Guidance::turn_round))
+    notes.push_back(
+        fmt::format("measured from the front alone: {} good frames of the back were seen, at least {} are needed",
+                    outcome.person.result.frames_back, EngineSettings{}.frames_min));
+  return notes;
+}
+
 Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options) {
   const EngineResult& result = outcome.person.result;
-  if (!options.out.empty()) {
-    if (const auto dressed = dress(outcome); !dressed) return dressed.error();
+  if (!options.out.empty())
     if (const auto written = write_outputs(outcome, options.out); !written) return written.error();
-  }
   if (options.json) fmt::print("{}", result_json(outcome.person, outcome.timing));
   if (const auto flushed = flush_output(); !flushed) return flushed.error();
+  const std::string damage = damage_words(outcome);
   if (!result.measured) {
-    print_error(fmt::format("no measurement after {} frames ({} good ones); needed: {}", result.frames_seen,
-                            result.frames_used, guidance_words(reported_guidance(result), reported_arms(result))));
+    print_error(fmt::format("no measurement after {} frames ({} good ones); needed: {}{}{}", result.frames_seen,
+                            result.frames_used, wanted_words(outcome, options), depth_words(outcome),
+                            damage.empty() ? "" : "; " + damage));
     return kExitNoMeasurement;
   }
+  for (const std::string& note : session_notes(outcome)) print_error(note);
   if (const std::string note = body_note(outcome.person); !note.empty()) print_error(note);
   if (!options.json) {
     fmt::print("{}", result_table(outcome));

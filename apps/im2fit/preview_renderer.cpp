@@ -61,7 +61,7 @@ void PreviewRenderer::write_picture(const FrameSeen& frame) {
     return;
   }
   const std::string path = fmt::format("{}/{:06}.png", options_.overlay, frame.info.sequence);
-  if (const auto written = write_file_atomically(path, *png); !written)
+  if (const auto written = write_file_atomically(path, *png, Readable::by_owner); !written)
     error_ = written.error();
   else
     ++pictures_;

@@ -97,7 +97,6 @@ Error with_kept(Error error, const std::string& path, std::uint64_t frames) {
   return error;
 }
 
-// `kept` says where the frames are once the writer has finished.
 // Writes each frame, and shows it to `follower`, which may be null.
 template <class Writer>
 class WriterSink final : public FrameSink {
@@ -120,6 +119,7 @@ class WriterSink final : public FrameSink {
   DepthImage depth_;
 };
 
+// `kept` says where the frames are once the writer has finished.
 template <class Writer, class Kept>
 Result<Recorded> record_with(Writer& writer, FrameTap& tap, Follower* follower, const Kept& kept) {
   if (const auto started = tap.start(); !started) return started.error();

@@ -93,6 +93,7 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   outcome.input = std::move(*input);
   outcome.motion = std::move(motion);
   outcome.engine = std::move(*engine);
+  outcome.turn_asked = options.turn;
   outcome.tap = std::make_unique<FrameTap>(*outcome.input.source, 0, std::move(watch));
   catch_interrupt();
   return outcome;
@@ -104,6 +105,8 @@ Status conclude(SessionOutcome& outcome) {
   auto person = measured_person(*outcome.engine, outcome.data, outcome.input.source->info());
   if (!person) return person.error();
   outcome.person = std::move(*person);
+  outcome.person.frames_damaged = outcome.input.source->stats().damaged;
+  outcome.person.turn_asked = outcome.turn_asked;
   return Ok{};
 }
 

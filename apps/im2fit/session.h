@@ -46,6 +46,7 @@ struct SessionOutcome {
   PersonMeasurement person;              // what the engine said when it was concluded
   std::optional<DressedAvatar> dressed;  // once dress() was called
   std::optional<ResultTiming> timing;
+  bool turn_asked = false;
 };
 
 // Opens everything (so that bad words fail before a frame is read) and makes the folder --out. `engine_watch` sees
@@ -61,8 +62,10 @@ Status dress(SessionOutcome& outcome);
 
 // Files, then the answer on stdout; exit 3 when there is none.
 Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options);
-// result.json always; avatar.glb, .obj, .bvh when dressed; overlay.png when there was a frame.
-Status write_outputs(const SessionOutcome& outcome, const std::string& directory);
+// result.json first and always; when measured, dress() and avatar.glb, .obj, .bvh; overlay.png when there was a frame.
+Status write_outputs(SessionOutcome& outcome, const std::string& directory);
+// What a person should know of a measurement beside its values: damaged frames, a back that was not used.
+std::vector<std::string> session_notes(const SessionOutcome& outcome);
 // The motion moves the body measured, or an average adult's. What was written, in a line with its end.
 Result<std::string> write_motion(const MotionRecording& motion, const std::string& path, const body::BodyModel& model,
                                  const std::optional<AnsweredBody>& body);

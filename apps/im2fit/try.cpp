@@ -94,7 +94,7 @@ Status draw(const TryOptions& options, const body::GarmentPattern& pattern, cons
   const LinearColour colours[] = {pattern.colour};
   const auto png = draw_outfit(model, **outfit, colours, kViews, frame).png();
   if (!png) return png.error();
-  return write_file_atomically(options.out, *png);
+  return write_file_atomically(options.out, *png, Readable::by_owner);
 }
 
 Result<int> run(const TryOptions& options) {

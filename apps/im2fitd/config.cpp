@@ -15,8 +15,6 @@
 namespace im2fit::daemon {
 namespace {
 
-constexpr std::size_t kFileBytesMax = 1U << 20;
-
 // What is wrong, and where.
 struct Wrong {
   int line = 0;
@@ -164,10 +162,8 @@ Config interpret(const YAML::Node& root) {
 }  // namespace
 
 Result<Config> load_config(const std::string& path) {
-  const auto bytes = read_file(path);
+  const auto bytes = read_file(path, kTextBytesMax);
   if (!bytes) return bytes.error();
-  if (bytes->size() > kFileBytesMax)
-    return Error{ErrorCode::invalid_argument, path + " is larger than 1 MiB; expected the settings of im2fitd"};
   const auto at = [&](int line, const std::string& what) {
     return Error{ErrorCode::invalid_argument,
                  path + " line " + std::to_string(line) + ": " + what + " (docs/daemon.md tells every key)"};

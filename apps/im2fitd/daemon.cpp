@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <thread>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "apps/im2fitd/log.h"
 #include "core/file.h"
 #include "engine/paths.h"
+#include "hal/folder/camera_yaml.h"
 #include "hal/frame_path.h"
 #include "hal/open/open.h"
 
@@ -28,6 +30,11 @@ hal::OpenOptions opening_of(const Config& config) {
   if (config.rotate_deg >= 0) opening.rotate_deg = config.rotate_deg;
   opening.camera_yaml_path = config.camera_yaml;
   return opening;
+}
+
+PublisherOptions publishing_of(const Config& config) {
+  return {config.socket_path, config.socket_mode, config.socket_group, config.clients_max,
+          config.client_buffer_bytes};
 }
 
 // A camera that is not there, in use or not yet allowed may be soon; wrong words never are.
@@ -48,12 +55,24 @@ Result<std::unique_ptr<Daemon>> Daemon::create(const Config& config, const std::
   made->state_directory_ = config.state_directory.empty() ? given.substr(0, given.find(':')) : config.state_directory;
   if (!made->state_directory_.empty())
     if (auto there = make_directory(made->state_directory_); !there) return there.error();
-  PublisherOptions publishing{config.socket_path, config.socket_mode, config.socket_group, config.clients_max,
-                              config.client_buffer_bytes};
-  auto publisher = Publisher::open(publishing);
+  auto publisher = Publisher::open(publishing_of(config));
   if (!publisher) return publisher.error();
   made->publisher_ = std::move(*publisher);
   return made;
+}
+
+Status Daemon::check(const Config& config) {
+  if (auto data = apps::load_measuring_data(config.measuring, config.body); !data) return data.error();
+  if (auto sound = Publisher::check(publishing_of(config)); !sound) return sound;
+  if (std::error_code code; !config.state_directory.empty() &&
+                            std::filesystem::exists(config.state_directory, code) &&
+                            !std::filesystem::is_directory(config.state_directory, code))
+    return Error{ErrorCode::io, "state_directory " + config.state_directory + " is there and no directory"};
+  if (!config.camera_yaml.empty())
+    if (auto camera = hal::load_camera_yaml(config.camera_yaml); !camera) return camera.error();
+  if (hal::camera_opener(config.source, opening_of(config))) return Ok{};
+  auto source = hal::open_source(config.source, opening_of(config));
+  return source ? Status(Ok{}) : source.error();
 }
 
 bool Daemon::end_requested() {
@@ -183,8 +202,10 @@ Status Daemon::report_person(const hal::Source& source) {
   reported_ = true;
   ++persons_;
   engine_->finish();
-  const auto person = apps::measured_person(*engine_, data_, source.info());
+  auto person = apps::measured_person(*engine_, data_, source.info());
   if (!person) return person.error();
+  person->frames_damaged = source.stats().damaged;
+  person->turn_asked = config_.measuring.turn;
   log(Level::info, fmt::format("person {} is measured, from {} frames", persons_, person->result.frames_used));
   if (const std::string note = apps::body_note(*person); !note.empty()) log(Level::warning, note);
   say(apps::measured_event(frames_, persons_, *person));
@@ -196,7 +217,7 @@ Status Daemon::report_person(const hal::Source& source) {
 // A full disk is no reason to stop measuring.
 void Daemon::keep(const std::string& result) {
   if (state_directory_.empty()) return;
-  const auto written = write_file_atomically(state_directory_ + "/last-result.json", result);
+  const auto written = write_file_atomically(state_directory_ + "/last-result.json", result, Readable::by_owner);
   if (!written && !keeping_fails_) log(Level::error, written.error().message + "; results are only published");
   keeping_fails_ = !written;
 }

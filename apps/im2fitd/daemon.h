@@ -27,6 +27,8 @@ class Daemon {
   // `config_path` is read again at SIGHUP. Loads all data and makes the socket. Errors: those of the parts below.
   static Result<std::unique_ptr<Daemon>> create(const Config& config, const std::string& config_path,
                                                 Notifier& notifier);
+  // What create() would refuse, and a source no camera can ever be opened from, without making anything.
+  static Status check(const Config& config);
   // Until SIGTERM or the end of a recording (nothing), or a new sound configuration (that). Waits for a camera that
   // is not there yet and for one that went away.
   Result<std::optional<Config>> run();

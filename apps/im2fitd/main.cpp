@@ -27,7 +27,7 @@ void catch_signals() {
 Status serve(const Words& words) {
   auto config = load_config(words.config);
   if (!config) return config.error();
-  if (words.check) return Ok{};
+  if (words.check) return Daemon::check(*config);
   catch_signals();
   Notifier notifier;
   for (;;) {
@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
       "Made for systemd: see im2fitd.service and docs/daemon.md. Exit codes: 0 stopped, 1 failed, 2 wrong use.");
   Words words;
   app.add_option("--config", words.config, "Configuration")->type_name("YAML")->capture_default_str();
-  app.add_flag("--check", words.check, "Look at the configuration only");
+  app.add_flag("--check", words.check, "Look at the configuration and its files only: refuses what a start would");
   if (const auto manual = im2fit::apps::manual_asked(app, argc, argv))
     return std::fputs(manual->c_str(), stdout) >= 0 && std::fflush(stdout) == 0 ? 0 : 1;
   try {

@@ -30,12 +30,15 @@ sockaddr_un address_of(const std::string& path) {
   return address;
 }
 
+Error no_socket(const std::string& path) {
+  return {ErrorCode::io, path + " is there and no socket; choose another socket.path or remove it"};
+}
+
 // A socket a killed daemon left behind blocks the address; one that answers is not ours to take.
 Status clear_away(const std::string& path) {
   struct stat about {};
   if (::lstat(path.c_str(), &about) != 0) return Ok{};
-  if (!S_ISSOCK(about.st_mode))
-    return Error{ErrorCode::io, path + " is there and no socket; choose another socket.path or remove it"};
+  if (!S_ISSOCK(about.st_mode)) return no_socket(path);
   const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const sockaddr_un address = address_of(path);
   const bool refused =
@@ -55,11 +58,20 @@ Result<gid_t> group_number(const std::string& name) {
 
 }  // namespace
 
-Result<std::unique_ptr<Publisher>> Publisher::open(const PublisherOptions& options) {
+Status Publisher::check(const PublisherOptions& options) {
   if (options.path.empty() || options.path.size() >= sizeof(sockaddr_un::sun_path))
     return Error{ErrorCode::invalid_argument, "socket.path \"" + options.path + "\" has " +
-                                                  std::to_string(options.path.size()) + " letters, expected 1 to " +
+                                                  std::to_string(options.path.size()) + " bytes, expected 1 to " +
                                                   std::to_string(sizeof(sockaddr_un::sun_path) - 1)};
+  struct stat about {};
+  if (::lstat(options.path.c_str(), &about) == 0 && !S_ISSOCK(about.st_mode)) return no_socket(options.path);
+  if (options.group.empty()) return Ok{};
+  const auto number = group_number(options.group);
+  return number ? Status(Ok{}) : number.error();
+}
+
+Result<std::unique_ptr<Publisher>> Publisher::open(const PublisherOptions& options) {
+  if (auto sound = check(options); !sound) return sound.error();
   if (auto clear = clear_away(options.path); !clear) return clear.error();
   std::unique_ptr<Publisher> made(new Publisher(options));
   made->fd_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -89,6 +101,8 @@ Publisher::~Publisher() {
 }
 
 void Publisher::serve(const std::string& greeting) {
+  // First, so that whoever has gone takes no place.
+  for (auto it = clients_.begin(); it != clients_.end();) it = still_there(*it) ? std::next(it) : clients_.erase(it);
   for (;;) {
     const int fd = ::accept4(fd_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (fd < 0) break;
@@ -99,8 +113,7 @@ void Publisher::serve(const std::string& greeting) {
     }
     clients_.push_back({fd, ++accepted_, greeting});
   }
-  for (auto it = clients_.begin(); it != clients_.end();)
-    it = still_there(*it) && send(*it) ? std::next(it) : clients_.erase(it);
+  for (auto it = clients_.begin(); it != clients_.end();) it = send(*it) ? std::next(it) : clients_.erase(it);
 }
 
 // Clients have nothing to say; what they send is thrown away.

@@ -24,6 +24,8 @@ class Publisher {
  public:
   // Errors: invalid_argument (path too long, no such group), io (also: another daemon listens there).
   static Result<std::unique_ptr<Publisher>> open(const PublisherOptions& options);
+  // What open() would refuse, as far as that can be told without making the socket.
+  static Status check(const PublisherOptions& options);
   ~Publisher();  // closes the clients and removes the socket
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;

@@ -217,12 +217,6 @@ Json animation(Buffer& buffer, const Skeleton& rest, std::span<const PoseKey> ke
   return {{"name", "motion"}, {"samplers", samplers}, {"channels", channels}};
 }
 
-bool ascending(std::span<const PoseKey> keys) {
-  for (std::size_t i = 1; i < keys.size(); ++i)
-    if (!(static_cast<float>(keys[i - 1].time_s) < static_cast<float>(keys[i].time_s))) return false;
-  return true;
-}
-
 void append_chunk(std::vector<std::byte>& out, const char* kind, std::span<const std::byte> bytes,
                   std::byte padding) {
   const auto length = static_cast<std::uint32_t>((bytes.size() + 3) / 4 * 4);
@@ -268,8 +262,7 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
   const int matrices =
       buffer.add(std::span<const std::array<float, 16>>(inverse_bind), "MAT4", kFloat, inverse_bind.size());
 
-  Json animations = Json::array();
-  if (!keys.empty()) animations.push_back(animation(buffer, figure->skeleton, keys));
+  const Json animations = keys.empty() ? Json() : Json::array({animation(buffer, figure->skeleton, keys)});
 
   Json nodes = joint_nodes(*figure);
   nodes.push_back({{"name", "avatar"}, {"mesh", 0}, {"skin", 0}});
@@ -305,19 +298,18 @@ Result<std::vector<std::byte>> glb_of(const Avatar& avatar) {
 }
 
 Result<std::vector<std::byte>> animated_glb_of(const Avatar& avatar, std::span<const PoseKey> keys) {
-  if (keys.empty() || !ascending(keys))
-    return Error{ErrorCode::invalid_argument, "a motion needs poses at ascending times"};
+  if (auto ok = check_ascending(keys); !ok) return ok.error();
   return bytes_of(avatar, keys);
 }
 
 Status write_glb(const Avatar& avatar, const std::string& path) {
   const auto glb = glb_of(avatar);
-  return glb ? write_file_atomically(path, *glb) : glb.error();
+  return glb ? write_file_atomically(path, *glb, Readable::by_owner) : glb.error();
 }
 
 Status write_glb(const Avatar& avatar, std::span<const PoseKey> keys, const std::string& path) {
   const auto glb = animated_glb_of(avatar, keys);
-  return glb ? write_file_atomically(path, *glb) : glb.error();
+  return glb ? write_file_atomically(path, *glb, Readable::by_owner) : glb.error();
 }
 
 }  // namespace im2fit::body

@@ -15,4 +15,12 @@ Pose on_lower_sole(const Skeleton& rest, float floor_rest_mm, Pose pose) {
   return pose;
 }
 
+Status check_ascending(std::span<const PoseKey> keys) {
+  bool good = !keys.empty();
+  for (std::size_t i = 1; i < keys.size(); ++i)
+    good = good && static_cast<float>(keys[i - 1].time_s) < static_cast<float>(keys[i].time_s);
+  if (good) return Ok{};
+  return Error{ErrorCode::invalid_argument, "a motion needs poses at ascending times"};
+}
+
 }  // namespace im2fit::body

@@ -21,6 +21,9 @@ struct PoseKey {
 // below its ankle as at rest. `floor_rest_mm`: under the rest skeleton, Figure::floor_rest.
 Pose on_lower_sole(const Skeleton& rest, float floor_rest_mm, Pose pose);
 
+// Error: no keys, or their times do not ascend, as floats, which is what .glb holds.
+Status check_ascending(std::span<const PoseKey> keys);
+
 // As glb_of, with one animation: the root's translation and the rotation of each segment at the keys' times, linear
 // between them. avatar.pose is the pose of the nodes, as in a still avatar.
 Result<std::vector<std::byte>> animated_glb_of(const Avatar& avatar, std::span<const PoseKey> keys);

@@ -114,7 +114,7 @@ Result<std::string> obj_of(const Avatar& avatar) {
 Status write_obj(const Avatar& avatar, const std::string& path) {
   const auto text = obj_of(avatar);
   if (!text) return text.error();
-  return write_file_atomically(path, *text);
+  return write_file_atomically(path, *text, Readable::by_owner);
 }
 
 Result<std::string> bvh_of(const Avatar& avatar) {
@@ -126,18 +126,15 @@ Result<std::string> bvh_of(const Avatar& avatar) {
 Status write_bvh(const Avatar& avatar, const std::string& path) {
   const auto text = bvh_of(avatar);
   if (!text) return text.error();
-  return write_file_atomically(path, *text);
+  return write_file_atomically(path, *text, Readable::by_owner);
 }
 
 Status write_bvh(const Avatar& avatar, std::span<const PoseKey> keys, const std::string& path) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
-  if (keys.empty()) return Error{ErrorCode::invalid_argument, "a motion needs poses at ascending times"};
+  if (auto ok = check_ascending(keys); !ok) return ok;
   std::vector<double> steps;
-  for (std::size_t i = 1; i < keys.size(); ++i) {
-    steps.push_back(keys[i].time_s - keys[i - 1].time_s);
-    if (!(steps.back() > 0)) return Error{ErrorCode::invalid_argument, "a motion needs poses at ascending times"};
-  }
+  for (std::size_t i = 1; i < keys.size(); ++i) steps.push_back(keys[i].time_s - keys[i - 1].time_s);
   double frame_s = kStillFrameS;
   if (!steps.empty()) {
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
@@ -155,7 +152,7 @@ Status write_bvh(const Avatar& avatar, std::span<const PoseKey> keys, const std:
     while (at + 1 < keys.size() && keys[at + 1].time_s <= time_s + frame_s / 2) ++at;
     poses.push_back(keys[at].pose);
   }
-  return write_file_atomically(path, bvh_of(*figure, poses, frame_s));
+  return write_file_atomically(path, bvh_of(*figure, poses, frame_s), Readable::by_owner);
 }
 
 Status write_skel(const Avatar& avatar, const std::string& path) {
@@ -168,7 +165,7 @@ Status write_skel(const Avatar& avatar, const std::string& path) {
     append_triple(out, joints.position_mm[j], 1, 2);
     out += '\n';
   }
-  return write_file_atomically(path, out);
+  return write_file_atomically(path, out, Readable::by_owner);
 }
 
 Status write_attributes(const Avatar& avatar, const std::string& path) {
@@ -188,7 +185,7 @@ Status write_attributes(const Avatar& avatar, const std::string& path) {
   line("asian", p.race[1], 6);
   line("caucasian", p.race[2], 6);
   line("proportions", p.proportions, 6);
-  return write_file_atomically(path, out);
+  return write_file_atomically(path, out, Readable::by_owner);
 }
 
 }  // namespace im2fit::body

@@ -88,15 +88,15 @@ void read_row(const im2fit_frame& f, const std::byte* from, std::uint16_t* mm) {
     for (std::size_t i = 0; i < count; ++i) mm[i] = to_mm(static_cast<float>(samples[i]) * f.unit_mm);
 }
 
-void read_samples(const im2fit_frame& f, std::uint16_t* mm) {
+void read_samples(const im2fit_frame& f, DepthImage mm) {
   const std::size_t width = static_cast<std::size_t>(f.width);
   const std::size_t row_bytes = f.row_bytes != 0 ? f.row_bytes : width * sample_bytes(f.format);
   const std::size_t sure_bytes = f.confidence_row_bytes != 0 ? f.confidence_row_bytes : width;
-  for (std::size_t v = 0; v < static_cast<std::size_t>(f.height); ++v) {
-    std::uint16_t* row = mm + v * width;
-    read_row(f, static_cast<const std::byte*>(f.pixels) + v * row_bytes, row);
+  for (int v = 0; v < f.height; ++v) {
+    std::uint16_t* row = mm.row(v);
+    read_row(f, static_cast<const std::byte*>(f.pixels) + static_cast<std::size_t>(v) * row_bytes, row);
     if (f.confidence == nullptr) continue;
-    const std::uint8_t* sure = f.confidence + v * sure_bytes;
+    const std::uint8_t* sure = f.confidence + static_cast<std::size_t>(v) * sure_bytes;
     for (std::size_t u = 0; u < width; ++u)
       if (sure[u] < f.confidence_min) row[u] = 0;
   }
@@ -121,13 +121,9 @@ void FrameReader::prepare(const Intrinsics& upright) {
   settings_ = session_ = upright;
   const std::size_t width = static_cast<std::size_t>(upright.width),
                     height = static_cast<std::size_t>(upright.height);
-  for (auto* pixels : {&camera_, &upright_, &resampled_}) pixels->resize(width * height);
+  for (auto* pixels : {&camera_, &upright_}) pixels->resize(width * height);
   columns_.resize(width);
   rows_.resize(height);
-}
-
-DepthImage FrameReader::upright_image(std::vector<std::uint16_t>& pixels) const {
-  return {pixels.data(), settings_.width, settings_.height};
 }
 
 Status FrameReader::take_intrinsics(Engine& engine, const im2fit_frame& f) {
@@ -155,29 +151,32 @@ Status FrameReader::take_intrinsics(Engine& engine, const im2fit_frame& f) {
 Status FrameReader::push(Engine& engine, const im2fit_frame& f) {
   if (auto ok = check_frame(f, settings_); !ok) return ok;
   if (auto ok = take_intrinsics(engine, f); !ok) return ok;
-  DepthImage picture = upright_image(upright_);
+  const auto place = engine.acquire();
+  if (!place) return place.error();
+  const DepthImage upright = resample_ ? DepthImage(upright_.data(), settings_.width, settings_.height) : *place;
   if (f.rotate_deg == 0) {
-    read_samples(f, upright_.data());
+    read_samples(f, upright);
   } else {
-    read_samples(f, camera_.data());
-    hal::rotate_upright(DepthView(camera_.data(), f.width, f.height), f.rotate_deg, picture);
+    const DepthImage camera(camera_.data(), f.width, f.height);
+    read_samples(f, camera);
+    hal::rotate_upright(camera, f.rotate_deg, upright);
   }
-  if (resample_) {
-    const DepthImage out = upright_image(resampled_);
-    for (int v = 0; v < out.height; ++v) {
-      const std::int32_t from_row = rows_[static_cast<std::size_t>(v)];
-      for (int u = 0; u < out.width; ++u) {
-        const std::int32_t from = columns_[static_cast<std::size_t>(u)];
-        out.at(u, v) = from_row < 0 || from < 0 ? std::uint16_t{0} : picture.at(from, from_row);
-      }
-    }
-    picture = out;
-  }
+  if (resample_) resample(upright, *place);
   hal::FrameInfo info;
   info.sequence = f.sequence;
   info.host_ns = f.time_ns;
   info.device_us = f.device_us;
-  return engine.push(picture, info);
+  return engine.commit(info);
+}
+
+void FrameReader::resample(DepthView from, DepthImage to) const {
+  for (int v = 0; v < to.height; ++v) {
+    const std::int32_t row = rows_[static_cast<std::size_t>(v)];
+    for (int u = 0; u < to.width; ++u) {
+      const std::int32_t column = columns_[static_cast<std::size_t>(u)];
+      to.at(u, v) = row < 0 || column < 0 ? std::uint16_t{0} : from.at(column, row);
+    }
+  }
 }
 
 }  // namespace im2fit::c

@@ -26,13 +26,14 @@ class FrameReader {
 
  private:
   Status take_intrinsics(Engine& engine, const im2fit_frame& frame);
-  DepthImage upright_image(std::vector<std::uint16_t>& pixels) const;
+  void resample(DepthView from, DepthImage to) const;
 
   Intrinsics settings_;  // the engine's when nothing is told
   Intrinsics session_;   // the engine's
   bool told_ = false;
   bool resample_ = false;
-  std::vector<std::uint16_t> camera_, upright_, resampled_;
+  std::vector<std::uint16_t> camera_;   // a frame that is to be turned
+  std::vector<std::uint16_t> upright_;  // one that is to be resampled; others go straight into the engine's place
   std::vector<std::int32_t> columns_, rows_;  // of a resampled picture: where its samples come from; -1: outside
 };
 

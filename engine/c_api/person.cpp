@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "engine/builtin_tape.h"
+
 namespace im2fit::c {
 
 Result<const PersonMeasurement*> person_of(im2fit_handle& handle) {
@@ -13,11 +15,21 @@ Result<const PersonMeasurement*> person_of(im2fit_handle& handle) {
     handle.person.reset();
     hal::SourceInfo source = handle.origin;
     source.intrinsics = handle.frames.session();
-    auto person = measurement_of(*handle.engine, handle.data.parts(), source);
+    MeasurementParts parts = handle.data.parts();
+    parts.tape = &builtin_tape();
+    auto person = measurement_of(*handle.engine, parts, source);
     if (!person) return person.error();
     handle.person = std::move(*person);
   }
   return &*handle.person;
+}
+
+int not_measured(im2fit_handle& handle) {
+  return fail(&handle, IM2FIT_ERROR_NOT_MEASURED, "nothing is measured yet: push frames until state is MEASURED");
+}
+
+int no_body(im2fit_handle& handle) {
+  return fail(&handle, IM2FIT_ERROR_UNSUPPORTED, "no body model is loaded: set settings.body_path");
 }
 
 }  // namespace im2fit::c

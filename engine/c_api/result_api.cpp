@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/c_api/call.h"
 #include "engine/c_api/person.h"
 #if IM2FIT_HAVE_RESULT
 #include "body/export/export.h"
@@ -91,15 +90,12 @@ int im2fit_avatar(im2fit_handle* handle, int32_t format, void* bytes, size_t cap
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT,
                   "format is " + std::to_string(format) + ", expected one of IM2FIT_AVATAR_...");
 #if IM2FIT_HAVE_RESULT
-    if (h.data.body_model == nullptr)
-      return fail(&h, IM2FIT_ERROR_UNSUPPORTED, "no body model is loaded: set settings.body_path");
-    if (!h.engine->result().measured)
-      return fail(&h, IM2FIT_ERROR_NOT_MEASURED, "nothing is measured yet: push frames until state is MEASURED");
-    const auto person = im2fit::c::person_of(h);
-    if (!person) return fail(&h, person.error());
-    const auto file = avatar_bytes(h, *(*person)->body, format);
-    if (!file) return fail(&h, file.error());
-    return give(h, *file, 0, bytes, capacity, size);
+    if (h.data.body_model == nullptr) return im2fit::c::no_body(h);
+    return im2fit::c::with_person(h, [&](const im2fit::PersonMeasurement& person) {
+      const auto file = avatar_bytes(h, *person.body, format);
+      if (!file) return fail(&h, file.error());
+      return give(h, *file, 0, bytes, capacity, size);
+    });
 #else
     return without_result(h);
 #endif

@@ -6,14 +6,11 @@
 #include <string>
 
 #include "core/camera.h"
+#include "engine/engine.h"
 #include "hal/source.h"
 
 namespace im2fit::c {
 namespace {
-
-constexpr int kFramesWantedMax = 1000;  // as the engine's own settings, engine/engine.cpp
-constexpr int kPoolFramesMin = 3;
-constexpr int kPoolFramesMax = 64;
 
 struct Field {
   const char* name;

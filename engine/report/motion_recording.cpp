@@ -112,7 +112,7 @@ Result<std::vector<body::PoseKey>> MotionRecording::keys(const body::Avatar& ava
 }
 
 Status MotionRecording::write(const std::string& path, const body::Avatar& avatar) const {
-  if (path.ends_with(".csv")) return write_file_atomically(path, csv());
+  if (path.ends_with(".csv")) return write_file_atomically(path, csv(), Readable::by_owner);
   const auto poses = keys(avatar);
   if (!poses) return Error{poses.error().code, path + ": " + poses.error().message};
   if (path.ends_with(".bvh")) return body::write_bvh(avatar, *poses, path);

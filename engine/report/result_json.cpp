@@ -282,6 +282,13 @@ GuidanceSet reported_guidance(const EngineResult& result) {
   return set;
 }
 
+GuidanceSet reported_guidance(const PersonMeasurement& person) {
+  GuidanceSet set = reported_guidance(person.result);
+  if (person.result.measured && person.turn_asked && person.result.views == AnswerViews::front)
+    set |= static_cast<GuidanceSet>(Guidance::turn_round);
+  return set;
+}
+
 ArmSet reported_arms(const EngineResult& result) {
   if (!has(reported_guidance(result), Guidance::arms_close)) return 0;
   if (result.arms_close != 0) return result.arms_close;
@@ -302,10 +309,13 @@ std::string result_json(const PersonMeasurement& person, const std::optional<Res
   Json json;
   json["schema"] = std::string(kResultSchema);
   json["state"] = std::string(name_of(r.state));
-  json["guidance"] = names_of(reported_guidance(r));
+  json["guidance"] = names_of(reported_guidance(person));
   json["guidance_details"] = Json::object();
   if (const ArmSet arms = reported_arms(r); arms != 0) json["guidance_details"]["arms_close"] = names_of_arms(arms);
-  json["frames"] = {{"seen", r.frames_seen}, {"used", r.frames_used}, {"dropped", r.frames_dropped}};
+  json["frames"] = {{"seen", r.frames_seen},
+                    {"used", r.frames_used},
+                    {"dropped", r.frames_dropped},
+                    {"damaged", person.frames_damaged}};
   json["source"] = source_json(person.source);
   if (r.measured) json["views"] = std::string(name_of(r.views));
   if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));

@@ -37,5 +37,7 @@ GuidanceSet reported_guidance(const EngineResult& result);
 // Which arms its ARMS_CLOSE is about: those of the latest frame, else those named in at least half of the frames with
 // that code.
 ArmSet reported_arms(const EngineResult& result);
+// The same, with TURN_ROUND where both sides were wanted and the answer rests on the front alone.
+GuidanceSet reported_guidance(const PersonMeasurement& person);
 
 }  // namespace im2fit

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/report/truth_file.h"
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
@@ -10,6 +9,7 @@ namespace im2fit {
 namespace {
 
 using Json = nlohmann::ordered_json;
+constexpr std::size_t kTruthBytesMax = std::size_t{64} << 20;  // of 30,000 frames
 constexpr const char* kSchema = "im2fit.truth/1";
 
 // Tenths of a millimetre (and of a kilogram's hundredth) are far below what any sensor sees.
@@ -73,23 +73,25 @@ Status write_truth(const Truth& truth, const std::string& path) {
                      {"camera_height_mm", rounded(truth.floor.camera_height_mm, 1e-2)}};
   json["frames"] = Json::array();
   for (const JointSet& joints : truth.joints) json["frames"].push_back({{"joints", joints_json(joints)}});
-  return write_file_atomically(path, json.dump(1) + "\n");
+  return write_file_atomically(path, json.dump(1) + "\n", Readable::by_owner);
 }
 
-Result<std::optional<Truth>> read_truth(const std::string& path) {
-  std::error_code code;
-  if (!std::filesystem::exists(path, code)) return std::optional<Truth>{};
-  const auto bytes = read_file(path);
+Result<Truth> read_truth(const std::string& path) {
+  const auto bytes = read_file(path, kTruthBytesMax);
   if (!bytes) return bytes.error();
   const auto* text = reinterpret_cast<const char*>(bytes->data());
   try {
     const Json json = Json::parse(text, text + bytes->size());
-    if (json.at("schema") != kSchema)
-      return Error{ErrorCode::unsupported, path + ": schema is " + json.at("schema").dump() + ", expected \"" +
-                                               kSchema + "\"; render the folder again"};
-    return std::optional<Truth>{truth_of(json)};
+    const auto schema = json.is_object() ? json.find("schema") : json.end();
+    if (!json.is_object() || schema == json.end())
+      return Error{ErrorCode::unsupported, path + " is no truth of a rendered person (it has no \"schema\": \"" +
+                                               kSchema + "\"); im2fit-lab render writes one"};
+    if (*schema != kSchema)
+      return Error{ErrorCode::unsupported, path + ": schema is " + schema->dump() + ", expected \"" + kSchema +
+                                               "\"; render the folder again"};
+    return truth_of(json);
   } catch (const Json::exception& error) {
-    return Error{ErrorCode::corrupt, path + ": " + error.what() + "; render the folder again or remove the file"};
+    return Error{ErrorCode::corrupt, path + ": " + error.what() + "; render the folder again"};
   }
 }
 

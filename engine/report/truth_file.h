@@ -25,7 +25,7 @@ struct Truth {
 };
 
 Status write_truth(const Truth& truth, const std::string& path);
-// None when there is no such file; an error when it is damaged.
-Result<std::optional<Truth>> read_truth(const std::string& path);
+// Errors: not_found, io; unsupported: JSON of another make, or another version; corrupt.
+Result<Truth> read_truth(const std::string& path);
 
 }  // namespace im2fit

@@ -8,23 +8,15 @@
 #include <vector>
 
 #include "core/file.h"
+#include "core/text.h"
 #include "hal/intrinsics.h"
 
 namespace im2fit::hal {
 namespace {
 
-constexpr std::size_t kFileBytesMax = 1U << 20;  // a calibration is a page of text
-
 Error lacks(const std::string& path, const std::string& key, const std::string& expected) {
   return {ErrorCode::invalid_argument, path + ": " + key + " is missing or not " + expected +
                                            "; write it as ROS or OpenCV calibration does (docs/cameras)"};
-}
-
-// Errors may quote the file, which may hold anything.
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  return text;
 }
 
 // OpenCV begins with "%YAML:1.0", which is not the directive YAML knows, and tags matrices with its own type.
@@ -42,6 +34,11 @@ Result<std::vector<double>> matrix(const YAML::Node& root, const std::string& pa
   return values;
 }
 
+// ROS's name for five coefficients, as RealSense's own programs have it.
+bool is_known_model(const std::string& name) {
+  return name == "plumb_bob" || name == "rational_polynomial" || name == "Brown Conrady";
+}
+
 Status read_distortion(const YAML::Node& root, const std::string& path, CameraFile& file) {
   if (!root["distortion_coefficients"].IsDefined()) return Ok{};
   const auto values = matrix(root, path, "distortion_coefficients");
@@ -53,13 +50,54 @@ Status read_distortion(const YAML::Node& root, const std::string& path, CameraFi
   if (!file.distortion.any()) return Ok{};
   const YAML::Node model = root["distortion_model"];
   const std::string name = model.IsDefined() ? model.as<std::string>() : "plumb_bob";
-  if (name != "plumb_bob" && name != "rational_polynomial")
+  if (!is_known_model(name))
     return Error{ErrorCode::unsupported, path + ": distortion_model is " + name + ", expected plumb_bob or " +
                                              "rational_polynomial; undistort the pictures and write zeros"};
   return Ok{};
 }
 
-Result<CameraFile> interpret(const YAML::Node& root, const std::string& path) {
+// The same in the words of ROS's calibration file, from those of others. Where a key of theirs is absent the other is
+// left out, and its absence is what is reported.
+//   ros2 topic echo (camera_info):  width height k: [9] d: [...] distortion_model     (ROS 1: K, D)
+//   Open3D:                         width height intrinsic_matrix: [9, column by column]
+//   RealSense, Orbbec, others:      width height fx fy (ppx ppy | cx cy) (coeffs), flat or below one of kGroups
+YAML::Node in_ros_words(const YAML::Node& root) {
+  constexpr const char* kGroups[] = {"depth", "depth_intrinsics", "depth_intrinsic", "intrinsics", "intrinsic"};
+  if (!root.IsMap() || root["image_width"].IsDefined() || root["camera_matrix"].IsDefined()) return root;
+  for (const char* group : kGroups)
+    if (root[group].IsDefined() && root[group].IsMap()) return in_ros_words(root[group]);
+  YAML::Node out;
+  for (const auto& [from, to] : {std::pair{"width", "image_width"},
+                                 {"height", "image_height"},
+                                 {"k", "camera_matrix"},
+                                 {"K", "camera_matrix"},
+                                 {"d", "distortion_coefficients"},
+                                 {"D", "distortion_coefficients"},
+                                 {"coeffs", "distortion_coefficients"},
+                                 {"distortion_model", "distortion_model"},
+                                 {"im2fit_rotate_deg", "im2fit_rotate_deg"}})
+    if (root[from].IsDefined()) out[to] = root[from];
+  const YAML::Node columns = root["intrinsic_matrix"];
+  if (columns.IsDefined() && columns.IsSequence() && columns.size() == 9)
+    for (std::size_t i = 0; i < 9; ++i) out["camera_matrix"].push_back(columns[3 * (i % 3) + i / 3]);
+  const char* cx = root["ppx"].IsDefined() ? "ppx" : "cx";
+  const char* cy = root["ppy"].IsDefined() ? "ppy" : "cy";
+  bool all = true;
+  for (const char* key : {"fx", "fy", cx, cy}) all = all && root[key].IsDefined();
+  if (!all) return out;
+  YAML::Node matrix;
+  for (int i = 0; i < 9; ++i) matrix.push_back(0);
+  matrix[0] = root["fx"];
+  matrix[2] = root[cx];
+  matrix[4] = root["fy"];
+  matrix[5] = root[cy];
+  matrix[8] = 1;
+  out["camera_matrix"] = matrix;
+  return out;
+}
+
+Result<CameraFile> interpret(const YAML::Node& file_root, const std::string& path) {
+  const YAML::Node root = in_ros_words(file_root);
   if (!root.IsMap()) return lacks(path, "image_width", "a whole number");
   CameraFile file;
   Intrinsics& k = file.intrinsics;
@@ -104,20 +142,18 @@ Result<CameraFile> interpret(const YAML::Node& root, const std::string& path) {
 }  // namespace
 
 Result<CameraFile> load_camera_yaml(const std::string& path) {
-  const auto bytes = read_file(path);
+  const auto bytes = read_file(path, kTextBytesMax);
   if (!bytes) return bytes.error();
-  if (bytes->size() > kFileBytesMax)
-    return Error{ErrorCode::corrupt, path + " is larger than 1 MiB; expected a camera calibration in YAML"};
   return parse_camera_yaml(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), path);
 }
 
 Result<CameraFile> parse_camera_yaml(const std::string& text, const std::string& path) {
   try {
     auto file = interpret(YAML::Load(without_directive(text)), path);
-    if (!file) return Error{file.error().code, one_line(file.error().message)};
+    if (!file) return Error{file.error().code, printable(file.error().message)};
     return file;
   } catch (const YAML::Exception& e) {
-    return Error{ErrorCode::corrupt, path + " line " + std::to_string(e.mark.line + 1) + ": " + one_line(e.msg) +
+    return Error{ErrorCode::corrupt, path + " line " + std::to_string(e.mark.line + 1) + ": " + printable(e.msg) +
                                          "; expected a camera calibration in YAML (docs/cameras)"};
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's calibration as ROS (camera_info) and OpenCV (FileStorage) write it.
+// A camera's calibration as ROS (calibration file, camera_info echoed from a topic), OpenCV (FileStorage), Open3D and
+// the makers of cameras write it; JSON is YAML.
 #pragma once
 
 #include <cstdint>

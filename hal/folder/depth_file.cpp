@@ -151,6 +151,8 @@ bool read_png_rows(PngInput& input, const DepthImage& out) {
     return false;
   }
   png_set_read_fn(png, &input, read_some);
+  // Texts, profiles and the like are skipped unread: a few kilobytes of them may expand to gigabytes.
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_read_info(png, info);
   const int passes = png_set_interlace_handling(png);
   png_read_update_info(png, info);

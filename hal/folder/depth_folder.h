@@ -18,11 +18,13 @@ namespace im2fit::hal {
 struct FolderOptions {
   std::optional<int> rotate_deg;  // overrides camera.yaml's im2fit_rotate_deg; 0 when neither says
   std::string camera_yaml_path;   // "" for camera.yaml in the folder
+  double unit_mm = 1;             // a unit of the pixels; values are rounded, above 65535 mm they are no data
 };
 
 // Replays every frame in order of number, as fast as it is read; a missing number is counted as a gap. Sizes and
-// formats of all frames are checked by open(), pixels by next(): a damaged picture gives `corrupt` once and the frame
-// after it comes next.
+// formats of all frames are checked by open(), pixels by next(). One rule for damage, whatever it is (empty, cut off,
+// a wrong checksum): that frame gives `corrupt` once, is counted in stats().damaged, and the frame after it comes
+// next; when not one picture has a sound header, open() gives the first one's error.
 class FolderSource final : public Source {
  public:
   static Result<std::unique_ptr<FolderSource>> open(const std::string& path, const FolderOptions& options = {});
@@ -47,6 +49,7 @@ class FolderSource final : public Source {
   UprightPath path_;
   std::vector<Frame> frames_;
   std::size_t index_ = 0;
+  double unit_mm_ = 1;
   std::vector<std::byte> file_bytes_;
   SequenceBook book_;
 };

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <filesystem>
 #include <map>
-#include <sstream>
+#include <optional>
 
+#include "core/csv.h"
 #include "core/file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
@@ -21,53 +16,23 @@ namespace im2fit::hal {
 namespace {
 
 constexpr std::size_t kFramesMax = 1'000'000;
-constexpr off_t kFileBytesMax = 64 << 20;  // 2048 x 2048 pixels are 8 MB; a PNG can hardly be eight times larger
+constexpr std::uint64_t kNumberMax = 999'999'999;               // at 30 Hz a year
+constexpr std::size_t kTimesBytesMax = 64 << 20;                // of kFramesMax rows
+constexpr std::int64_t kTimeMaxNs = 4'000'000'000'000'000'000;  // by any clock: the year 2096
+constexpr std::size_t kFileBytesMax = 64
+                                      << 20;  // 2048 x 2048 pixels are 8 MB; a PNG can hardly be eight times larger
 
 std::int64_t frame_time_ns(std::uint64_t sequence) {
   return static_cast<std::int64_t>(sequence) * 1'000'000'000 / 30;
 }
 
-Error cannot_read(const std::string& path) {
-  const int code = errno;
-  return {code == ENOENT ? ErrorCode::not_found : ErrorCode::io, "cannot read " + path + ": " + std::strerror(code)};
-}
-
-// Reads at most `limit` bytes into `bytes`, whose memory is kept from frame to frame.
-Status read_into(const std::string& path, std::size_t limit, std::vector<std::byte>& bytes) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return cannot_read(path);
-  struct stat info {};
-  Status status = Ok{};
-  if (::fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) {
-    status = Error{ErrorCode::io, path + " is not a regular file"};
-  } else if (info.st_size > kFileBytesMax) {
-    status = Error{ErrorCode::unsupported, path + " is larger than 64 MiB; expected one 16-bit depth picture"};
-  } else {
-    bytes.resize(std::min(limit, static_cast<std::size_t>(info.st_size)));
-    std::size_t done = 0;
-    while (done < bytes.size()) {
-      const ssize_t n = ::read(fd, bytes.data() + done, bytes.size() - done);
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) status = cannot_read(path);
-      if (n <= 0) break;
-      done += static_cast<std::size_t>(n);
+void to_millimetres(DepthImage image, double unit_mm) {
+  for (int v = 0; v < image.height; ++v)
+    for (int u = 0; u < image.width; ++u) {
+      std::uint16_t& value = image.row(v)[u];
+      const double mm = value * unit_mm + 0.5;
+      value = mm < 65536 ? static_cast<std::uint16_t>(mm) : 0;
     }
-    bytes.resize(done);
-  }
-  ::close(fd);
-  return status;
-}
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> cells;
-  std::string cell;
-  std::istringstream stream(line);
-  while (std::getline(stream, cell, ',')) {
-    const auto begin = cell.find_first_not_of(" \t\r");
-    const auto end = cell.find_last_not_of(" \t\r");
-    cells.push_back(begin == std::string::npos ? "" : cell.substr(begin, end - begin + 1));
-  }
-  return cells;
 }
 
 bool to_number(const std::string& text, std::int64_t& value) {
@@ -84,8 +49,7 @@ struct Times {
 struct Columns {
   std::array<std::size_t, 3> at = {SIZE_MAX, SIZE_MAX, SIZE_MAX};
   static constexpr std::array<const char*, 3> kNames = {"frame", "host_ns", "device_us"};
-  explicit Columns(const std::string& header) {
-    const auto cells = split(header);
+  explicit Columns(const std::vector<std::string>& cells) {
     for (std::size_t column = 0; column < kNames.size(); ++column) {
       const auto it = std::find(cells.begin(), cells.end(), kNames[column]);
       if (it != cells.end()) at[column] = static_cast<std::size_t>(it - cells.begin());
@@ -94,30 +58,41 @@ struct Columns {
   bool usable() const { return at[0] != SIZE_MAX && (at[1] != SIZE_MAX || at[2] != SIZE_MAX); }
 };
 
+// By column: what is still a number and a time.
+constexpr std::array<std::int64_t, 3> kValueMax = {static_cast<std::int64_t>(kNumberMax), kTimeMaxNs,
+                                                   kTimeMaxNs / 1000};
+
 Result<std::map<std::int64_t, Times>> parse_times(const std::string& path) {
-  const auto bytes = read_file(path);
+  const auto bytes = read_file(path, kTimesBytesMax);
   if (!bytes) return bytes.error();
-  std::istringstream text(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()));
-  std::string line;
-  std::getline(text, line);
-  const Columns columns(line);
+  CsvReader csv({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
+  const auto advised = [](Error error) {
+    error.message += "; correct or delete the file";
+    return error;
+  };
+  std::vector<std::string> cells;
+  if (const auto more = csv.next(cells); !more) return advised(more.error());
+  const Columns columns(cells);
   if (!columns.usable())
     return Error{ErrorCode::corrupt,
                  path + " line 1: expected column names frame and host_ns or device_us; correct or delete the file"};
   std::map<std::int64_t, Times> times;
-  // A recorder that was stopped short may have left a piece of a row at the end; its frame was not yet written.
-  const bool whole = bytes->empty() || bytes->back() == std::byte{'\n'};
-  std::array<std::int64_t, 3> last = {-1, INT64_MIN, INT64_MIN};
-  for (int number = 2; std::getline(text, line); ++number) {
-    const auto cells = split(line);
-    if (cells.empty() || (cells.size() == 1 && cells[0].empty())) continue;
+  std::array<std::int64_t, 3> last = {-1, -1, -1};
+  for (;;) {
+    const auto more = csv.next(cells);
+    if (!more) return advised(more.error());
+    if (!*more) return times;
     std::array<std::int64_t, 3> values = {-1, -1, -1};
-    if (!whole && text.eof() && cells.size() < 2) break;
+    // A recorder that was stopped short may have left a piece of a row at the end; its frame was not yet written.
+    if (csv.cut_off() && cells.size() < 2) return times;
     for (std::size_t column = 0; column < values.size(); ++column) {
       if (columns.at[column] == SIZE_MAX) continue;
-      const std::string where = path + " line " + std::to_string(number) + ": " + Columns::kNames[column];
+      const std::string where = path + " line " + std::to_string(csv.line()) + ": " + Columns::kNames[column];
       if (columns.at[column] >= cells.size() || !to_number(cells[columns.at[column]], values[column]))
-        return Error{ErrorCode::corrupt, where + " is missing or no whole number; correct or delete the file"};
+        return advised({ErrorCode::corrupt, where + " is missing or no whole number"});
+      if (values[column] < 0 || values[column] > kValueMax[column])
+        return advised({ErrorCode::corrupt, where + " is " + std::to_string(values[column]) + ", expected 0 to " +
+                                                std::to_string(kValueMax[column])});
       if (values[column] <= last[column])
         return Error{ErrorCode::corrupt,
                      where + " is " + std::to_string(values[column]) + ", not after " + std::to_string(last[column]) +
@@ -126,7 +101,6 @@ Result<std::map<std::int64_t, Times>> parse_times(const std::string& path) {
     }
     times[values[0]] = {values[1], values[2]};
   }
-  return times;
 }
 
 }  // namespace
@@ -136,6 +110,10 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
   if (options.rotate_deg && !is_rotation(*options.rotate_deg))
     return Error{ErrorCode::invalid_argument,
                  "rotation is " + std::to_string(*options.rotate_deg) + ", expected 0, 90, 180 or 270 degrees"};
+  if (!(options.unit_mm >= 0.001 && options.unit_mm <= 1000))
+    return Error{ErrorCode::invalid_argument,
+                 "the unit is " + std::to_string(options.unit_mm) + " mm, expected 0.001 to 1000"};
+  source->unit_mm_ = options.unit_mm;
   if (auto ok = source->scan(path); !ok) return ok.error();
   const std::string yaml = options.camera_yaml_path.empty() ? path + "/camera.yaml" : options.camera_yaml_path;
   auto camera = load_camera_yaml(yaml);
@@ -171,6 +149,10 @@ Status FolderSource::scan(const std::string& path) {
   for (const std::filesystem::directory_iterator end; !code && it != end; it.increment(code)) {
     const auto number = frame_number(it->path().filename().string());
     if (!number) continue;
+    if (*number > kNumberMax)
+      return Error{ErrorCode::invalid_argument, it->path().string() + " has the number " + std::to_string(*number) +
+                                                    ", expected at most " + std::to_string(kNumberMax) +
+                                                    "; number the frames from 0"};
     Frame frame{it->path().string(), {*number, frame_time_ns(*number), -1}};
     frames_.push_back(std::move(frame));
     if (frames_.size() > kFramesMax)
@@ -191,21 +173,32 @@ Status FolderSource::scan(const std::string& path) {
   return Ok{};
 }
 
+// A damaged picture is next()'s to report, unless all are; pictures of another kind or size are another folder.
 Status FolderSource::check_frames(const Intrinsics& camera) const {
   std::vector<std::byte> bytes;
+  std::optional<Error> first_damage;
+  std::size_t damaged = 0;
+  const Frame* first_good = nullptr;
   for (const Frame& frame : frames_) {
-    if (auto ok = read_into(frame.path, kHeaderBytes, bytes); !ok) return ok.error();
+    if (auto ok = read_file_into(frame.path, kFileBytesMax, kHeaderBytes, bytes); !ok) return ok.error();
     const auto header = parse_depth_header(bytes, frame.path);
-    if (!header) return header.error();
+    if (!header && header.error().code != ErrorCode::corrupt) return header.error();
+    if (!header) {
+      ++damaged;
+      if (!first_damage) first_damage = header.error();
+      continue;
+    }
+    if (first_good == nullptr) first_good = &frame;
     if (header->width == camera.width && header->height == camera.height) continue;
     const std::string found = std::to_string(header->width) + "x" + std::to_string(header->height);
     const std::string expected = std::to_string(camera.width) + "x" + std::to_string(camera.height);
-    if (&frame == &frames_.front())
+    if (&frame == first_good)
       return Error{ErrorCode::invalid_argument, frame.path + " is " + found + " but camera.yaml says " + expected +
                                                     "; give the calibration of these pictures"};
     return Error{ErrorCode::invalid_argument, frame.path + " is " + found + ", expected " + expected +
                                                   " like the frames before it; keep one size to a folder"};
   }
+  if (damaged == frames_.size()) return *first_damage;
   return Ok{};
 }
 
@@ -234,12 +227,13 @@ Result<FrameInfo> FolderSource::next(DepthImage depth, int /*timeout_ms*/) {
     return Error{ErrorCode::end_of_stream,
                  info_.name + ": all " + std::to_string(frames_.size()) + " frames were delivered"};
   const Frame& frame = frames_[index_++];
-  Status status = read_into(frame.path, SIZE_MAX, file_bytes_);
+  Status status = read_file_into(frame.path, kFileBytesMax, SIZE_MAX, file_bytes_);
   if (status) status = decode_depth(file_bytes_, frame.path, path_.camera_image());
   if (!status) {
     book_.damaged();
     return Error{ErrorCode::corrupt, status.error().message};
   }
+  if (unit_mm_ != 1) to_millimetres(path_.camera_image(), unit_mm_);
   path_.deliver(depth);
   book_.saw(frame.info.sequence);
   return frame.info;

@@ -40,7 +40,8 @@ Result<std::unique_ptr<FolderWriter>> FolderWriter::create(const std::string& pa
   }
   const std::string yaml =
       camera_yaml_text(Calibration{intrinsics, {}, options.rotate_deg, options.origin}, options.camera_name);
-  if (auto ok = write_file_atomically(path + "/camera.yaml", yaml); !ok) return with_advice(ok.error());
+  if (auto ok = write_file_atomically(path + "/camera.yaml", yaml, Readable::by_owner); !ok)
+    return with_advice(ok.error());
   return std::unique_ptr<FolderWriter>(new FolderWriter(path, intrinsics, options));
 }
 
@@ -67,7 +68,7 @@ Status FolderWriter::write(DepthView frame, const FrameInfo& info) {
   // The row first: one without its frame is not missed, a frame without its row is.
   if (auto ok = note_times(row); !ok) return with_advice(ok.error());
   const std::string path = path_ + "/" + frame_name(row.number, options_.format);
-  if (auto ok = write_file_atomically(path, *bytes); !ok) {
+  if (auto ok = write_file_atomically(path, *bytes, Readable::by_owner); !ok) {
     take_back_times();
     return with_advice(ok.error());
   }
@@ -100,7 +101,7 @@ Status FolderWriter::rewrite_times() {
   const std::string path = path_ + "/timestamps.csv";
   std::string text = device_times_ ? "frame,host_ns,device_us\n" : "frame,host_ns\n";
   for (const Row& row : rows_) text += line_of(row);
-  if (auto ok = write_file_atomically(path, text); !ok) return ok;
+  if (auto ok = write_file_atomically(path, text, Readable::by_owner); !ok) return ok;
   times_fd_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
   if (times_fd_ < 0) return Error{ErrorCode::io, "cannot write " + path + ": " + std::strerror(errno)};
   times_bytes_ = static_cast<std::int64_t>(text.size());

@@ -33,11 +33,13 @@ std::optional<std::string> after_scheme(const std::string& uri, const std::strin
 }
 
 bool is_oni(const std::string& uri) {
-  return uri.size() > 4 && uri.substr(uri.size() - 4) == ".oni";
+  if (uri.size() <= 4) return false;
+  const std::string extension = uri.substr(uri.size() - 4);
+  return extension == ".oni" || extension == ".ONI";
 }
 
 Result<std::unique_ptr<Source>> open_folder(const std::string& path, const OpenOptions& options) {
-  auto source = FolderSource::open(path, {options.rotate_deg, options.camera_yaml_path});
+  auto source = FolderSource::open(path, {options.rotate_deg, options.camera_yaml_path, options.unit_mm});
   if (!source) return source.error();
   return std::unique_ptr<Source>(std::move(*source));
 }
@@ -202,6 +204,9 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   if (options.rotate_deg && !is_rotation(*options.rotate_deg))
     return Error{ErrorCode::invalid_argument,
                  "rotation is " + std::to_string(*options.rotate_deg) + ", expected 0, 90, 180 or 270 degrees"};
+  std::error_code code;
+  if (options.unit_mm != 1 && !std::filesystem::is_directory(uri, code))
+    return Error{ErrorCode::invalid_argument, uri + ": a unit can be given of depth folders only"};
   if (const auto seed = after_scheme(uri, "synthetic")) {
     if (options.synthetic) return options.synthetic(*seed, options);
     return Error{ErrorCode::unsupported, uri + ": this program has no synthetic camera; use a camera or a recording"};
@@ -209,7 +214,6 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOp
   if (const auto device = after_scheme(uri, "openni2")) return open_camera(*device, options);
   if (const auto device = after_scheme(uri, "v4l2")) return open_v4l2(*device, options);
   if (const auto device = after_scheme(uri, "usb")) return open_usb(*device, options);
-  std::error_code code;
   const auto status = std::filesystem::status(uri, code);
   if (std::filesystem::is_directory(status)) return open_folder(uri, options);
   if (!std::filesystem::exists(status))

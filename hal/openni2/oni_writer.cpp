@@ -105,7 +105,7 @@ Error OniWriter::failed(const std::string& what, const std::string& path, int co
 }
 
 Status OniWriter::open() {
-  fd_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  fd_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (fd_ < 0) {
     if (errno != EEXIST) return failed("write", path_, errno);
     return Error{ErrorCode::invalid_argument,
@@ -116,7 +116,8 @@ Status OniWriter::open() {
   const std::string calibration =
       camera_yaml_text(Calibration{intrinsics_, {}, 0, options_.origin}, options_.camera_name);
   checksum_at_ = calibration.size();
-  if (auto ok = write_file_atomically(oni_sidecar_path(part_), calibration + no_checksum_line()); !ok) {
+  if (auto ok = write_file_atomically(oni_sidecar_path(part_), calibration + no_checksum_line(), Readable::by_owner);
+      !ok) {
     remove();
     return ok;
   }

@@ -5,6 +5,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <mutex>
@@ -388,14 +389,37 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
   return run;
 }
 
+namespace {
+
+// What runs that were killed left half written. Another run may be writing beside this one: only what has long not
+// been touched is removed.
+void remove_leftovers(const std::string& folder) {
+  constexpr auto kAgeMin = std::chrono::hours(1);  // a shard is written in seconds
+  std::error_code code;
+  for (std::filesystem::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    const std::string name = it->path().filename().string();
+    const std::size_t dot = name.rfind('.');
+    if (dot == std::string::npos || !is_temporary_of(name, name.substr(0, dot))) continue;
+    if (!name.substr(0, dot).ends_with(".i2d")) continue;
+    std::error_code gone;
+    const auto written = std::filesystem::last_write_time(it->path(), gone);
+    if (!gone && std::filesystem::file_time_type::clock::now() - written > kAgeMin)
+      std::filesystem::remove(it->path(), gone);
+  }
+}
+
+}  // namespace
+
 Result<DatasetReport> make_dataset(const body::BodyModel& model, const JointModel& joint_model,
                                    const DatasetOptions& options,
                                    const std::function<void(const DatasetProgress&)>& progress,
                                    const std::function<void(const index::Sample&)>& sink) {
   if (auto s = check(options); !s) return s.error();
   const bool kept = !options.work_dir.empty();
-  if (kept)
+  if (kept) {
     if (auto s = make_directory(options.work_dir); !s) return s.error();
+    remove_leftovers(options.work_dir);
+  }
   const auto start = Clock::now();
   const RunKey run = run_key_of(model, options);
   const ChunkSpan chunks = chunks_of_part(options);

@@ -263,6 +263,8 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
   for (std::size_t i = 0; i < n; ++i) {
     const Row& row = (*rows)[i];
     if (row.subject < range.first || row.subject >= range.end()) return damaged(path, "a subject out of its range");
+    if (row.reserved != 0 || row.flags > (kWoman | kCalibrateOnly | kTurned | kClothed | kAgain))
+      return damaged(path, "a row with flags this program does not know");
     if (columns->size() - at < row.body_values) return damaged(path, "bodies cut short");
     index::Sample s;
     s.subject = row.subject;

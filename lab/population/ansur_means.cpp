@@ -193,26 +193,23 @@ std::vector<Stay> stays_of(const body::BodyModel& model) {
   for (const Segment s : {Segment::left_upper_leg, Segment::right_upper_leg, Segment::left_lower_leg,
                           Segment::right_lower_leg, Segment::left_foot, Segment::right_foot})
     stay(head(s), 8, kPostureMm);
+  // How much higher one list lies than the other stays as it is.
+  const auto stay_apart = [&](std::size_t upper, std::size_t lower) {
+    Stay& apart = stays.emplace_back(Stay{{}, 1});
+    for (const auto& [list, sign] : {std::pair{upper, 1.0F}, std::pair{lower, -1.0F}})
+      for (const std::int32_t v : d.list_vertices.subspan(d.lists[list].first, d.lists[list].count))
+        apart.row.push_back({v, {0, sign / static_cast<float>(d.lists[list].count), 0}});
+    stays.emplace_back(Stay{{}, 1});  // pairs: aside or apart first, then forwards
+  };
   // Level: the left one is no higher than the right one.
   for (const auto& [left, right] : {std::pair{Segment::left_foot, Segment::right_foot},
                                     std::pair{Segment::left_lower_leg, Segment::right_lower_leg},
                                     std::pair{Segment::left_upper_leg, Segment::right_upper_leg},
-                                    std::pair{Segment::left_upper_arm, Segment::right_upper_arm}}) {
-    Stay& level = stays.emplace_back(Stay{{}, 1});
-    for (const auto& [list, sign] : {std::pair{head(left), 1.0F}, std::pair{head(right), -1.0F}})
-      for (const std::int32_t v : d.list_vertices.subspan(d.lists[list].first, d.lists[list].count))
-        level.row.push_back({v, {0, sign / static_cast<float>(d.lists[list].count), 0}});
-    stays.emplace_back(Stay{{}, 1});  // pairs: aside or level first, then forwards
-  }
+                                    std::pair{Segment::left_upper_arm, Segment::right_upper_arm}})
+    stay_apart(head(left), head(right));
   // Who stands bears on heel and ball: a foot keeps its pitch. Left free, heights and girths of the shank are met by
   // feet whose toes hang in the air, 16 mm in the mean.
-  for (const Segment s : {Segment::left_foot, Segment::right_foot}) {
-    Stay& pitch = stays.emplace_back(Stay{{}, 1});
-    for (const auto& [list, sign] : {std::pair{tail(s), 1.0F}, std::pair{head(s), -1.0F}})
-      for (const std::int32_t v : d.list_vertices.subspan(d.lists[list].first, d.lists[list].count))
-        pitch.row.push_back({v, {0, sign / static_cast<float>(d.lists[list].count), 0}});
-    stays.emplace_back(Stay{{}, 1});
-  }
+  for (const Segment s : {Segment::left_foot, Segment::right_foot}) stay_apart(tail(s), head(s));
   return stays;
 }
 

@@ -83,6 +83,17 @@ Status check_basis(const JointModel::Data& d, const std::string& what) {
   return Ok{};
 }
 
+// Without a chance above 0 the person score, a share of their mean, would be no number.
+Status check_bins(const JointModel::Data& d, const std::string& what) {
+  for (std::size_t i = 1; i < d.bins.size(); ++i)
+    if (i % static_cast<std::size_t>(joints::kConfidenceBinCount) != 0 &&
+        d.bins[i].spread_mm_max < d.bins[i - 1].spread_mm_max)
+      return damaged(what, "section confidence is not in order of rising spread");
+  const bool none =
+      std::all_of(d.bins.begin(), d.bins.end(), [](const joints::ConfidenceBin& bin) { return bin.chance == 0; });
+  return none ? Status(damaged(what, "section confidence has no chance above 0")) : Ok{};
+}
+
 }  // namespace
 
 JointModel::JointModel() : data_(std::make_unique<Data>()) {}
@@ -148,6 +159,7 @@ Result<JointModel> JointModel::parse(std::span<const std::byte> bytes, const std
   d.person_votes = *person_votes;
   if (Status ok = check_trees(d.anchors, d.splits, d.meta.pixel_count, what); !ok) return ok.error();
   if (Status ok = check_basis(d, what); !ok) return ok.error();
+  if (Status ok = check_bins(d, what); !ok) return ok.error();
   return model;
 }
 

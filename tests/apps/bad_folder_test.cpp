@@ -77,13 +77,13 @@ const Case kCases[] = {
        plain_folder(f);
        write_text(f + "/000003.pgm", "");
      },
-     1, "000003.pgm"},
+     3, "NO_PERSON"},
     {"FrameIsText",
      [](const std::string& f) {
        plain_folder(f);
        write_text(f + "/000006.png", "hello\n");
      },
-     1, "000006.png"},
+     3, "NO_PERSON"},
     {"FrameIsAFolder",
      [](const std::string& f) {
        plain_folder(f);
@@ -95,7 +95,7 @@ const Case kCases[] = {
        plain_folder(f);
        write_text(f + "/000006.png", test::png(Picture(320, 240, kWallMm)).substr(0, 20));
      },
-     1, "000006.png"},
+     3, "NO_PERSON"},
     {"FramesOfDifferentSizes",
      [](const std::string& f) {
        plain_folder(f);
@@ -180,12 +180,6 @@ const Case kCases[] = {
        write_text(f + "/timestamps.csv", "frame,host_ns\n0,now\n");
      },
      1, "timestamps.csv line 2"},
-    {"TruthIsNoJson",
-     [](const std::string& f) {
-       plain_folder(f);
-       write_text(f + "/truth.json", "{");
-     },
-     1, "truth.json"},
     {"EveryPngIsCutInItsPixels",
      [](const std::string& f) {
        std::filesystem::create_directory(f);
@@ -239,6 +233,46 @@ TEST_P(BadFolder, IsAnsweredWithOneLineOrGuidance) {
   } else {
     EXPECT_THAT(test::guidance_in(folder.path("out")), testing::Contains(bad.expected));
   }
+}
+
+// A dataset's own truth.json stopped everything with "key 'schema' not found".
+TEST(BadTruth, AskedForItMustBeOneAndBesideTheFramesItIsNotNeeded) {
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  plain_folder(folder.path("depth"));
+  for (const char* text : {"{", R"({"label": "cat"})"}) {
+    write_text(folder.path("depth") + "/truth.json", text);
+    const test::Run beside = test::measure(folder.path("depth"), folder.path("out"), {});
+    EXPECT_EQ(beside.exit_code, 3);
+    EXPECT_THAT(beside.err, testing::HasSubstr("going on without it"));
+  }
+  const test::Run asked =
+      test::measure(folder.path("depth"), folder.path("out2"), {"--truth", folder.path("depth") + "/truth.json"});
+  EXPECT_EQ(asked.exit_code, 1);
+  EXPECT_THAT(asked.err, testing::HasSubstr("is no truth of a rendered person"));
+  EXPECT_EQ(test::measure(folder.path("depth"), folder.path("out3"), {"--truth", "/no/such.json"}).exit_code, 1);
+}
+
+// Any damage is left out, counted and told.
+TEST(DamagedFrames, AreCountedOnStderrAndInTheResult) {
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  const std::string f = folder.path("depth");
+  plain_folder(f);
+  const std::string whole = test::png(Picture(320, 240, kWallMm));
+  std::string bad_sum = whole;
+  bad_sum[bad_sum.size() / 2] = static_cast<char>(bad_sum[bad_sum.size() / 2] ^ 0x55);
+  write_text(f + "/000006.png", whole.substr(0, whole.size() / 2));
+  write_text(f + "/000007.png", bad_sum);
+  write_text(f + "/000008.png", "");
+  write_text(f + "/000009.png", "no picture");
+  const test::Run run = test::measure(f, folder.path("out"), {});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_THAT(run.err, testing::HasSubstr("4 damaged frames were left out: "));
+  EXPECT_THAT(run.err, testing::HasSubstr("000006.png"));
+  const auto result = nlohmann::json::parse(test::read_text(folder.path("out") + "/result.json"));
+  EXPECT_EQ(result["frames"]["damaged"], 4);
+  EXPECT_EQ(result["frames"]["seen"], kFrames);
 }
 
 INSTANTIATE_TEST_SUITE_P(Table, BadFolder, testing::ValuesIn(kCases),

@@ -6,8 +6,10 @@
 #include <filesystem>
 
 #include "apps/im2fitd/config.h"
+#include "apps/im2fitd/log.h"
 #include "apps/im2fitd/publisher.h"
 #include "daemon_run.h"
+#include "data_paths.h"
 #include "depth_folder.h"
 
 namespace im2fit::daemon {
@@ -111,16 +113,54 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
 }
 
 TEST_F(DaemonConfig, TheProgramChecksIt) {
-  test::write_text(folder_.path("good.yaml"), "source: openni2\n");
   test::write_text(folder_.path("bad.yaml"), "source: openni2\nx: 1\n");
-  EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--check", "--config", folder_.path("good.yaml")}).exit_code,
-            0);
   const auto bad = test::run_program({IM2FIT_DAEMON_PROGRAM, "--check", "--config", folder_.path("bad.yaml")});
   EXPECT_EQ(bad.exit_code, 1);
   EXPECT_EQ(bad.err.rfind("<3>", 0), 0U) << bad.err;
   EXPECT_EQ(bad.err.find('\n'), bad.err.size() - 1);
   EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--nonsense"}).exit_code, 2);
   EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--help"}).exit_code, 0);
+}
+
+// --check refuses what the start refuses.
+TEST_F(DaemonConfig, TheCheckRefusesWhatAStartWould) {
+  if (!test::have_data()) GTEST_SKIP() << "no body, tracker or index file";
+  const std::string good = "source: openni2\nbody: " + test::body_path() + "\ntracker: " + test::tracker_path() +
+                           "\nindex: " + test::index_path() + "\n";
+  const auto check = [&](const std::string& more) {
+    test::write_text(folder_.path("c.yaml"), good + more);
+    return test::run_program({IM2FIT_DAEMON_PROGRAM, "--check", "--config", folder_.path("c.yaml")});
+  };
+  EXPECT_EQ(check("").exit_code, 0);
+  test::write_text(folder_.path("file"), "x");
+  const std::pair<std::string, const char*> kWrong[] = {
+      {"socket: {path: /" + std::string(156, 'x') + "}\n", "has 157 bytes"},
+      {"socket: {group: no-such-group}\n", "no-such-group"},
+      {"socket: {path: " + folder_.path("file") + "}\n", "no socket"},
+      {"measure: {size_charts: [" + folder_.path("absent.csv") + "]}\n", "absent.csv"},
+      {"camera: " + folder_.path("file") + "\n", "file"},
+      {"state_directory: " + folder_.path("file") + "\n", "no directory"},
+  };
+  for (const auto& [more, expected] : kWrong) {
+    const auto run = check(more);
+    EXPECT_EQ(run.exit_code, 1) << more;
+    EXPECT_THAT(run.err, testing::HasSubstr(expected)) << more;
+  }
+  test::write_text(folder_.path("c.yaml"), "source: openni2\nbody: " + folder_.path("absent.i2b") + "\n");
+  EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--check", "--config", folder_.path("c.yaml")}).exit_code, 1);
+}
+
+TEST(DaemonLog, AFloodIsCountedInsteadOfWritten) {
+  LogLimit limit;
+  std::uint64_t left_out = 0;
+  int written = 0;
+  for (int i = 0; i < 1000; ++i) written += limit.admit(Level::warning, 1'000'000'000 + i, left_out) ? 1 : 0;
+  EXPECT_EQ(written, LogLimit::kLinesMax);
+  EXPECT_TRUE(limit.admit(Level::error, 1'000'000'000, left_out)) << "each level has its own";
+  EXPECT_TRUE(limit.admit(Level::warning, 1'000'000'000 + LogLimit::kPeriodNs, left_out));
+  EXPECT_EQ(left_out, 1000U - LogLimit::kLinesMax);
+  EXPECT_TRUE(limit.admit(Level::warning, 1'000'000'001 + LogLimit::kPeriodNs, left_out));
+  EXPECT_EQ(left_out, 0U);
 }
 
 // Exposure by systemd's own measure: 0 to 10, in tenths on its command line. The unit has 1.0.
@@ -205,6 +245,20 @@ TEST_F(DaemonSocket, ClientsComeAndGoAndAreCounted) {
   EXPECT_EQ(publisher_->clients(), 0U);
   Client d(folder_.path("s"));
   publisher_->serve(kHello);
+  EXPECT_EQ(d.next()["event"], "hello");
+}
+
+TEST_F(DaemonSocket, WhoHasGoneTakesNoPlace) {
+  open({.clients_max = 2});
+  {
+    Client a(folder_.path("s"));
+    Client b(folder_.path("s"));
+    publisher_->serve(kHello);
+  }
+  Client c(folder_.path("s"));
+  Client d(folder_.path("s"));
+  publisher_->serve(kHello);
+  EXPECT_EQ(c.next()["event"], "hello");
   EXPECT_EQ(d.next()["event"], "hello");
 }
 

@@ -224,7 +224,9 @@ TEST(Tape, IntervalsHoldPeopleOfAnotherMake) {
       const body::TapeDefinition& d = shipped.definitions[i];
       if (d.kind == body::TapeKind::refused) continue;
       ASSERT_TRUE(said->tape_intervals[i].known) << d.id;
-      const bool below = truth[i]<said->tape_intervals[i].low, above = truth[i]> said->tape_intervals[i].high;
+      const TapeInterval& interval = said->tape_intervals[i];
+      const bool below = truth[i] < interval.low;
+      const bool above = truth[i] > interval.high;
       ++counts[d.id][below ? 1 : above ? 2 : 0];
       const double off = static_cast<double>(said->tape_values[i] / truth[i]) - 1;
       errors[d.id][0] += off;

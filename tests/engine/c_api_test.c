@@ -7,9 +7,8 @@
 
 #include "c_api_fake.h"
 #include "c_check.h"
+#include "c_small.h"
 #include "tests/devices/thread_starts.h"
-
-enum { WIDTH = 16, HEIGHT = 12, PIXELS = WIDTH * HEIGHT };
 
 static int logged;
 static void count_log(void* user, int status, const char* text) {
@@ -17,19 +16,6 @@ static void count_log(void* user, int status, const char* text) {
   CHECK(status < 0);
   CHECK(text[0] != '\0');
   ++logged;
-}
-
-static im2fit_settings small_settings(void) {
-  im2fit_settings s;
-  im2fit_settings_init(&s, sizeof s);
-  s.width = WIDTH;
-  s.height = HEIGHT;
-  s.fx = s.fy = 14.0F;
-  s.cx = 7.5F;
-  s.cy = 5.5F;
-  s.frames_wanted = 10;
-  s.frames_min = 3;
-  return s;
 }
 
 static void make_frame(uint16_t* depth, int found, unsigned guidance) {

@@ -10,21 +10,7 @@
 
 #include "c_api_fake.h"
 #include "c_check.h"
-
-enum { WIDTH = 16, HEIGHT = 12, PIXELS = WIDTH * HEIGHT };
-
-static im2fit_settings small_settings(void) {
-  im2fit_settings s;
-  im2fit_settings_init(&s, sizeof s);
-  s.width = WIDTH;
-  s.height = HEIGHT;
-  s.fx = s.fy = 14.0F;
-  s.cx = 7.5F;
-  s.cy = 5.5F;
-  s.frames_wanted = 10;
-  s.frames_min = 3;
-  return s;
-}
+#include "c_small.h"
 
 static void make_frame(uint16_t* depth) {
   memset(depth, 0, PIXELS * sizeof *depth);

@@ -106,7 +106,7 @@ TEST(ResultJson, SaysWhatTheResultSays) {
   EXPECT_EQ(v["schema"], "im2fit.result/1");
   EXPECT_EQ(v["state"], "MEASURED");
   EXPECT_EQ(v["guidance"], json::array()) << "once measured nothing is needed";
-  EXPECT_EQ(v["frames"], json({{"seen", 60}, {"used", 30}, {"dropped", 0}}));
+  EXPECT_EQ(v["frames"], json({{"seen", 60}, {"used", 30}, {"dropped", 0}, {"damaged", 0}}));
   EXPECT_EQ(v["source"]["uri"], "folder:/data/\"one\"");
   EXPECT_EQ(v["source"]["intrinsics"]["origin"], "calibration_file");
   EXPECT_EQ(v["source"]["intrinsics"]["fx"], 575.8);

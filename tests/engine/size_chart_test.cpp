@@ -4,10 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <sstream>
+#include <string>
+#include <vector>
 
 namespace im2fit {
 namespace {
@@ -119,7 +122,7 @@ TEST(SizeChart, ErrorsNameFileLineAndField) {
       {"# sex: men\n", "", "has no '# sex:' line"},
       {"# source:", "# origin:", "has no '# source:' line"},
       {"# date: 2004\n", "", "has no '# date:' line"},
-      {"size,low_mm,high_mm", "size;low;high", "chart.csv line 6: column line is 'size;low;high'"},
+      {"size,low_mm,high_mm", "size;low;high", "chart.csv line 6: column line is 'size,low,high'"},
       {"S,860,940", "S,860", "chart.csv line 8: row 'S,860'"},
       {"S,860,940", "S,860,940,1", "chart.csv line 8: row"},
       {"S,860,940", ",860,940", "chart.csv line 8: size must have"},
@@ -138,6 +141,10 @@ TEST(SizeChart, ErrorsNameFileLineAndField) {
     ASSERT_FALSE(chart) << c.to;
     EXPECT_THAT(chart.error().message, testing::HasSubstr(c.message));
   }
+  // Values no chest has: centimetres, and whatever else.
+  EXPECT_THAT(parse_size_chart(replaced(good, "XS,780,860", "XS,78,86"), "chart.csv").error().message,
+              testing::HasSubstr("low_mm is '78' mm, which is no chest girth (300 to 2500 mm); centimetres"));
+  EXPECT_FALSE(parse_size_chart(replaced(good, "3XL,1290,1410", "3XL,1290,14100"), "chart.csv"));
   EXPECT_FALSE(parse_size_chart("", "chart.csv"));
   EXPECT_FALSE(parse_size_chart(std::string(100000, 'x'), "chart.csv"));
   EXPECT_FALSE(load_size_chart("/nonexistent/chart.csv"));
@@ -145,6 +152,48 @@ TEST(SizeChart, ErrorsNameFileLineAndField) {
   ASSERT_TRUE(decimals);
   EXPECT_EQ(decimals->rows[1].low_mm, 860.25F);
   EXPECT_TRUE(parse_size_chart(replaced(good, "XS,780,860\n", "XS,780,860\r\n"), "chart.csv")) << "DOS line ends";
+}
+
+// As spreadsheets write it.
+TEST(SizeChart, WhatSpreadsheetsMakeOfAChartIsRead) {
+  const std::string head = "# name: ACME\n# sex: any\n# unit: mm\n# source: x\n# date: 2020\n";
+  const std::string rows = "size,low_mm,high_mm\nS,860,940\nM,940,1020\n";
+  std::string semicolons = head + rows;
+  std::replace(semicolons.begin(), semicolons.end(), ',', ';');
+  std::string tabs = head + rows;
+  std::replace(tabs.begin(), tabs.end(), ',', '\t');
+  const std::string padded =
+      "# name: ACME,,\n# sex: any,,\n# unit: mm,,\n# source: x,,\n# date: 2020,,\n,,\n"
+      "size,low_mm,high_mm,,\nS, 860 ,940,,\n,,,,\nM,940,1020,,\n";
+  const std::string kinds[] = {head + rows,
+                               "\xEF\xBB\xBF" + head + rows,
+                               semicolons,
+                               tabs,
+                               padded,
+                               "sep=;\r\n" + semicolons,
+                               "\"# name: ACME\"\n# sex: any\n# unit: mm\n\"# source: a, b\"\n# date: "
+                               "2020\n\"size\",\"low_mm\",\"high_mm\"\n"
+                               "\"S\",\"860\",\"940\"\n\"M\",\"940\",\"1020\"\n"};
+  for (const std::string& text : kinds) {
+    const auto chart = parse_size_chart(text, "chart.csv");
+    ASSERT_TRUE(chart) << chart.error().message << "\n" << text;
+    EXPECT_EQ(chart->name, "ACME") << text;
+    ASSERT_EQ(chart->rows.size(), 2U) << text;
+    EXPECT_EQ(chart->rows[0].size, "S");
+    EXPECT_EQ(chart->rows[1].high_mm, 1020);
+  }
+  const auto commas = parse_size_chart(
+      "# name: A\n# sex: any\n# unit: mm\n# source: x\n# date: 1\n"
+      "size;low_mm;high_mm\nS;860,5;940,25\n",
+      "chart.csv");
+  ASSERT_TRUE(commas) << commas.error().message;
+  EXPECT_EQ(commas->rows[0].low_mm, 860.5F);
+  EXPECT_EQ(commas->rows[0].high_mm, 940.25F);
+  const auto letters = parse_size_chart(head + "size,low_mm,high_mm\nGröße M/L weit,940,1100\n特大,1100,1180\n", "c");
+  ASSERT_TRUE(letters) << letters.error().message;
+  EXPECT_FALSE(parse_size_chart(head + "size,low_mm,high_mm\n0123456789abcdef,940,1100\n", "c"));
+  EXPECT_FALSE(parse_size_chart(head + "size,low_mm,high_mm\n特大特大特大特大特大特大,940,1100\n", "c"))
+      << "36 bytes";
 }
 
 TEST(SizeSystem, NeedsOneForAllOrOneOfEach) {

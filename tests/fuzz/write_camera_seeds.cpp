@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sound input for the fuzzers of cameras to start from: write_camera_seeds DIRECTORY makes camera_yaml/ and
-// oni_protocol/.
+// Sound input for the fuzzers of cameras, of texts and of the page to start from: write_camera_seeds DIRECTORY makes
+// camera_yaml/, oni_protocol/, depth_picture/, folder_times/, size_chart/ and http/.
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -55,7 +55,16 @@ int main(int argc, char** argv) {
       {"camera_yaml/plain", hal::camera_yaml_text(plain, "camera")},
       {"camera_yaml/bent", hal::camera_yaml_text(bent, "camera") + "im2fit_oni_crc32c: \"0123abcd\"\n"},
       {"oni_protocol/whole", two_frames(true)},
-      {"oni_protocol/unclosed", two_frames(false)}};
+      {"oni_protocol/unclosed", two_frames(false)},
+      {"depth_picture/pgm", std::string("P5 4 2 65535\n") + std::string(16, '\x0B')},
+      {"folder_times/both", "frame,host_ns,device_us\n0,1000,1\n1,2000,2\n2,3000,3\n"},
+      {"folder_times/spreadsheet", "\xEF\xBB\xBF\"frame\";\"host_ns\";\r\n0;1000;\r\n1;2000;\r\n2;3000;\r\n"},
+      {"size_chart/chart",
+       "# name: A\n# sex: any\n# unit: mm\n# source: x\n# date: 2020\nsize;low_mm;high_mm\nS;860,5;940\n"},
+      {"http/get", "GET /result.json HTTP/1.1\r\nHost: localhost:1\r\nAccept-Encoding: gzip\r\n\r\n"},
+      {"http/foreign",
+       "GET /events HTTP/1.1\r\nHost: 127.a.example\r\nOrigin: null\r\nSec-Fetch-Site: cross-site\r\n\r\n"},
+      {"http/post", "POST / HTTP/1.1\r\nHost: [::1]\r\nTransfer-Encoding: chunked\r\n\r\n2\r\nab\r\n0\r\n\r\n"}};
   for (const auto& [name, text] : kSeeds) {
     std::filesystem::create_directories(std::filesystem::path(root + "/" + name).parent_path());
     if (const auto s = write_file_atomically(root + "/" + name, text); !s)

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sound files for the fuzzers to start from: write_seeds DIRECTORY makes DIRECTORY/index and DIRECTORY/body.
+// Sound files for the fuzzers to start from: write_seeds DIRECTORY makes DIRECTORY/index, DIRECTORY/body and
+// DIRECTORY/tracker.
 #include <cstdio>
 #include <filesystem>
 
 #include "core/file.h"
 #include "tests/body/fake_shape_space.h"
 #include "tests/fuzz/index_use.h"
+#include "tests/perception/joints_model_builder.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::fputs("write_seeds: expected a directory\n", stderr), 2;
   const std::string root = argv[1];
   const auto body = im2fit::body::fake_body_file();
   if (body.empty()) return std::fputs("write_seeds: no body file\n", stderr), 1;
-  for (const auto& [name, bytes] : {std::pair("index", im2fit::fuzz::small_index()), {"body", body}}) {
+  const auto tracker = im2fit::test::constant_model(0, 0, 0, 0).bytes();
+  for (const auto& [name, bytes] :
+       {std::pair("index", im2fit::fuzz::small_index()), {"body", body}, {"tracker", tracker}}) {
     std::filesystem::create_directories(root + "/" + name);
     if (const auto s = im2fit::write_file_atomically(root + "/" + name + "/sound", bytes); !s)
       return std::fprintf(stderr, "write_seeds: %s\n", s.error().message.c_str()), 1;

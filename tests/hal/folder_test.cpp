@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <zlib.h>
 
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <functional>
+#include <span>
+#include <utility>
 
 #include "core/file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
+#include "hal/folder/frame_name.h"
 #include "hal/intrinsics.h"
 #include "hal/open/open.h"
 #include "support.h"
@@ -221,13 +227,11 @@ const std::vector<BadFolder>& bad_folders() {
       {"8-bit png", [](F f) { eight_bit_png(f + "/000002.png"); }, ErrorCode::unsupported, "000002.png is a 8-bit"},
       {"8-bit pgm", [](F f) { put(f + "/000009.pgm", "P5\n48 40\n255\n" + std::string(48 * 40, 'x')); },
        ErrorCode::unsupported, "000009.pgm has maxval 255"},
-      {"ascii pgm", [](F f) { put(f + "/000009.pgm", "P2\n48 40\n65535\n1 2 3"); }, ErrorCode::corrupt,
-       "000009.pgm is neither"},
-      {"empty png", [](F f) { put(f + "/000001.png", ""); }, ErrorCode::corrupt, "000001.png"},
-      {"png cut in the header", [](F f) { std::filesystem::resize_file(f + "/000001.png", 20); }, ErrorCode::corrupt,
-       "000001.png"},
-      {"not a picture", [](F f) { put(f + "/000001.png", "hello, this is no picture at all, whatever it says"); },
-       ErrorCode::corrupt, "000001.png is neither"},
+      {"pictures that are none",
+       [](F f) {
+         for (int i = 0; i < 4; ++i) put(f + "/00000" + std::to_string(i) + ".png", "P2\n48 40\n65535\n1 2 3");
+       },
+       ErrorCode::corrupt, "000000.png is neither"},
       {"two sizes", [](F f) { other_size(f + "/000004.pgm", 50, 40); }, ErrorCode::invalid_argument,
        "000004.pgm is 50x40, expected 48x40"},
       {"too large", [](F f) { put(f + "/000004.pgm", "P5 4096 40 65535\n"); }, ErrorCode::unsupported, "4096x40"},
@@ -285,6 +289,15 @@ const std::vector<BadFolder>& bad_folders() {
        "timestamps.csv line 1"},
       {"a frame without time", [](F f) { replace_in(f + "/timestamps.csv", "000003,", "000033,"); },
        ErrorCode::corrupt, "has no row for"},
+      {"a time past all clocks", [](F f) { put(f + "/timestamps.csv", "frame,device_us\n0,9223372036854775807\n"); },
+       ErrorCode::corrupt, "timestamps.csv line 2: device_us is 9223372036854775807, expected 0 to"},
+      {"a time before all clocks", [](F f) { put(f + "/timestamps.csv", "frame,host_ns\n0,-5\n"); },
+       ErrorCode::corrupt, "line 2: host_ns is -5"},
+      {"a number past all frames", [](F f) { std::filesystem::copy(f + "/000001.png", f + "/10000000000.png"); },
+       ErrorCode::invalid_argument, "has the number 10000000000, expected at most 999999999"},
+      {"a row of commas",
+       [](F f) { put(f + "/timestamps.csv", "frame,host_ns\n" + std::string(1 << 20, ',') + "x\n"); },
+       ErrorCode::corrupt, "has more than 64 cells"},
   };
   return table;
 }
@@ -323,6 +336,119 @@ TEST(Folder, ADamagedFrameIsSkippedWithItsNameAndTheNextOneComes) {
     EXPECT_EQ((*source)->stats().damaged, 1U);
     EXPECT_EQ((*source)->stats().gaps, 1U);
   }
+}
+
+// One rule, whatever the damage.
+TEST(Folder, EveryKindOfDamageIsOneFrameLessAndCounted) {
+  const TestFolder folder;
+  make_folder(folder.path("rec"), DepthFormat::png, 6);
+  put(folder.path("rec/000000.png"), "");
+  put(folder.path("rec/000001.png"), "P5");
+  put(folder.path("rec/000002.png"), "no picture at all");
+  std::filesystem::resize_file(folder.path("rec/000003.png"), 20);
+  auto source = FolderSource::open(folder.path("rec"));
+  ASSERT_TRUE(source) << source.error().message;
+  Picture out(kWidth, kHeight);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ((*source)->next(out.image(), 0).error().code, ErrorCode::corrupt) << i;
+  EXPECT_EQ((*source)->next(out.image(), 0)->sequence, 4U);
+  EXPECT_EQ((*source)->next(out.image(), 0)->sequence, 5U);
+  EXPECT_EQ((*source)->stats().damaged, 4U);
+}
+
+// A FIFO waits for its writer for ever; the names of a folder do not say what is one.
+TEST(Folder, AFifoIsRefusedAtOnce) {
+  for (const char* name : {"000001.png", "camera.yaml", "timestamps.csv"}) {
+    const TestFolder folder;
+    make_folder(folder.path("rec"));
+    std::filesystem::remove(folder.path(std::string("rec/") + name));
+    ASSERT_EQ(::mkfifo(folder.path(std::string("rec/") + name).c_str(), 0600), 0);
+    const auto source = FolderSource::open(folder.path("rec"));
+    ASSERT_FALSE(source) << name;
+    EXPECT_TRUE(contains(source.error().message, "not a regular file")) << source.error().message;
+  }
+}
+
+TEST(Folder, NamesOfCommonRecordersAreFrames) {
+  const std::pair<const char*, int> kNames[] = {{"000012.png", 12},
+                                                {"12.PNG", 12},
+                                                {"depth_000012.png", 12},
+                                                {"Depth-0012.PGM", 12},
+                                                {"frame-000012.depth.png", 12},
+                                                {"000012_depth.png", 12},
+                                                {"image12.png", 12},
+                                                {"IMG_0012.pgm", 12}};
+  for (const auto& [name, number] : kNames) {
+    ASSERT_TRUE(frame_number(name)) << name;
+    EXPECT_EQ(*frame_number(name), static_cast<std::uint64_t>(number)) << name;
+  }
+  for (const char* name : {"overlay.png", "depth.png", "frame-000012.color.png", "color_000012.png", "12.jpg", ".png",
+                           "1305031102.160407.png", "1234567890123456.png", "depth_-12.png"})
+    EXPECT_FALSE(frame_number(name)) << name;
+}
+
+TEST(Folder, AUnitOtherThanMillimetresIsConverted) {
+  const TestFolder folder;
+  make_folder(folder.path("rec"), DepthFormat::png, 1);
+  const Picture stored = random_picture(kWidth, kHeight, 0);
+  for (const double unit_mm : {0.1, 0.125, 10.0}) {
+    FolderOptions options;
+    options.unit_mm = unit_mm;
+    auto source = FolderSource::open(folder.path("rec"), options);
+    ASSERT_TRUE(source);
+    Picture out(kWidth, kHeight);
+    ASSERT_TRUE((*source)->next(out.image(), 0));
+    for (std::size_t i = 0; i < out.pixels.size(); ++i) {
+      const double mm = stored.pixels[i] * unit_mm;
+      ASSERT_NEAR(out.pixels[i], mm + 0.5 >= 65536 ? 0 : mm, 0.51) << unit_mm;
+    }
+  }
+  OpenOptions of_no_folder;
+  of_no_folder.unit_mm = 0.1;
+  EXPECT_EQ(open_source("openni2", of_no_folder).error().code, ErrorCode::invalid_argument);
+  FolderOptions absurd;
+  absurd.unit_mm = 0;
+  EXPECT_FALSE(FolderSource::open(folder.path("rec"), absurd));
+}
+
+TEST(Folder, TimesAsASpreadsheetWritesThemAreRead) {
+  const TestFolder folder;
+  make_folder(folder.path("rec"), DepthFormat::png, 2);
+  put(folder.path("rec/timestamps.csv"), "\xEF\xBB\xBF\"frame\";\"host_ns\";\r\n0;1000;\r\n1;2000;\r\n");
+  auto source = FolderSource::open(folder.path("rec"));
+  ASSERT_TRUE(source) << source.error().message;
+  Picture out(kWidth, kHeight);
+  EXPECT_EQ((*source)->next(out.image(), 0)->host_ns, 1000);
+  EXPECT_EQ((*source)->next(out.image(), 0)->host_ns, 2000);
+}
+
+// A few kilobytes of text may expand to gigabytes; libpng did so, chunk after chunk.
+TEST(Folder, TextsInAPngAreNotExpanded) {
+  const TestFolder folder;
+  make_folder(folder.path("rec"), DepthFormat::png, 1);
+  const auto whole = read_file(folder.path("rec/000000.png"));
+  ASSERT_TRUE(whole);
+  std::string zeros(7 << 20, '\0'), packed(1 << 16, '\0');
+  uLongf size = packed.size();
+  ASSERT_EQ(compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(zeros.data()),
+                      zeros.size(), 9),
+            Z_OK);
+  packed.resize(size);
+  const std::string body = "zTXtname" + std::string(2, '\0') + packed;
+  const auto big_endian = [](std::uint32_t v) {
+    return std::string{static_cast<char>(v >> 24), static_cast<char>(v >> 16), static_cast<char>(v >> 8),
+                       static_cast<char>(v)};
+  };
+  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
+  const std::string chunk =
+      big_endian(static_cast<std::uint32_t>(body.size() - 4)) + body + big_endian(static_cast<std::uint32_t>(sum));
+  std::string bomb(reinterpret_cast<const char*>(whole->data()), 33);  // signature and IHDR
+  for (int i = 0; i < 900; ++i) bomb += chunk;
+  bomb.append(reinterpret_cast<const char*>(whole->data()) + 33, whole->size() - 33);
+  Picture out(kWidth, kHeight);
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_TRUE(decode_depth(std::as_bytes(std::span(bomb)), "bomb", out.image()));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2)) << "6 GB of zeros are in it";
+  EXPECT_EQ(out.pixels, random_picture(kWidth, kHeight, 0).pixels);
 }
 
 TEST(Folder, APngWithAFlippedByteNeverPassesForWhole) {
@@ -414,6 +540,31 @@ TEST(OpenSource, TheSyntheticFactoryGetsTheSeedAndTheOptions) {
   EXPECT_EQ(rotate_deg, 270);
   EXPECT_FALSE(open_source("synthetic", options));
   EXPECT_EQ(seed, "");
+}
+
+// As they come from ROS 2, Open3D and makers' programs.
+TEST(CameraYaml, CalibrationsOfOthersAreRead) {
+  const char* const kTexts[] = {
+      "header:\n  stamp: {sec: 1, nanosec: 2}\n  frame_id: camera\nheight: 480\nwidth: 640\n"
+      "distortion_model: plumb_bob\nd: [0.0, 0.0, 0.0, 0.0, 0.0]\nk: [570.0, 0.0, 320.0, 0.0, 571.0, 240.0, 0.0, "
+      "0.0, 1.0]\n"
+      "r: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]\nbinning_x: 0\n---\n",
+      R"({"width": 640, "height": 480, "intrinsic_matrix": [570.0, 0, 0, 0, 571.0, 0, 320.0, 240.0, 1]})",
+      R"({"width": 640, "height": 480, "fx": 570.0, "fy": 571.0, "ppx": 320.0, "ppy": 240.0, "model": "Brown Conrady", "coeffs": [0,0,0,0,0]})",
+      R"({"depth": {"intrinsic": {"width": 640, "height": 480, "fx": 570.0, "fy": 571.0, "cx": 320.0, "cy": 240.0}}})"};
+  for (const char* text : kTexts) {
+    const auto file = parse_camera_yaml(text, "camera.yaml");
+    ASSERT_TRUE(file) << file.error().message << "\n" << text;
+    const Intrinsics& k = file->intrinsics;
+    EXPECT_EQ(k.width, 640);
+    EXPECT_EQ(k.height, 480);
+    EXPECT_EQ(k.fx, 570.0F);
+    EXPECT_EQ(k.fy, 571.0F);
+    EXPECT_EQ(k.cx, 320.0F);
+    EXPECT_EQ(k.cy, 240.0F);
+  }
+  EXPECT_FALSE(parse_camera_yaml(R"({"width": 640, "height": 480, "fx": 570.0})", "camera.yaml"));
+  EXPECT_FALSE(parse_camera_yaml(R"({"depth": {"depth": {"depth": 1}}})", "camera.yaml"));
 }
 
 TEST(CameraYaml, AnErrorThatQuotesTheFileIsStillOneLine) {

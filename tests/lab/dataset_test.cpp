@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <tuple>
@@ -120,8 +121,16 @@ TEST_F(Dataset, ResumesFromShardsAndMakesDamagedOnesAgain) {
   const TemporaryFolder folder;
   DatasetOptions o = small();
   o.work_dir = folder.str();
+  // What a killed run left goes, once no other run can be at it; other files stay.
+  const std::string old_leftover = folder.str() + "/samples-1.i2d.ab12cd",
+                    new_leftover = folder.str() + "/samples-2.i2d.ab12cd";
+  for (const auto& path : {old_leftover, new_leftover, folder.str() + "/notes.ab12cd"})
+    ASSERT_TRUE(write_file_atomically(path, std::string("x")));
+  fs::last_write_time(old_leftover, fs::file_time_type::clock::now() - std::chrono::hours(2));
   const auto first = make(o);
   EXPECT_EQ(report_.subjects_reused, 0);
+  EXPECT_FALSE(fs::exists(old_leftover));
+  for (const auto& path : {new_leftover, folder.str() + "/notes.ab12cd"}) EXPECT_TRUE(fs::remove(path)) << path;
   EXPECT_TRUE(same(first, make(o)));
   EXPECT_EQ(report_.subjects_reused, 5);
   const std::string victim = fs::directory_iterator(folder.str())->path().string();

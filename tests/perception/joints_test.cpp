@@ -277,6 +277,11 @@ TEST(JointModel, DamagedFilesAreRefusedByName) {
        }},
       {"provenance", [](ModelRecords& m) { m.provenance.assign(70000, ' '); }},
       {"bins", [](ModelRecords& m) { m.bin.clear(); }},
+      {"no chance above 0",
+       [](ModelRecords& m) {
+         for (auto& bin : m.bin) bin.chance = 0;
+       }},
+      {"spread that falls", [](ModelRecords& m) { std::swap(m.bin[10], m.bin[11]); }},
   };
   for (const Damage& d : damages) {
     ModelRecords m = good;
@@ -297,6 +302,10 @@ TEST(JointModel, ATreeThatRunsBackwardsIsRefused) {
   m.node[1] = {0, 0, 0, 0, 0, 3};
   const auto fine = m.bytes();
   EXPECT_TRUE(JointModel::parse(fine, "m"));
+  m.node[1].left = 2;  // nodes 2 and 3: the last of the five is 4
+  EXPECT_TRUE(JointModel::parse(m.bytes(), "m"));
+  m.node[1].left = 4;  // 4 is the tree's last, 5 the next tree's
+  EXPECT_FALSE(JointModel::parse(m.bytes(), "m"));
   m.node[1].left = 1;  // its own child: would never end
   const auto loop = m.bytes();
   EXPECT_FALSE(JointModel::parse(loop, "m"));

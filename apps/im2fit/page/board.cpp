@@ -24,6 +24,12 @@ std::string Board::wait(std::uint64_t& seen, std::chrono::milliseconds patience)
   return text;
 }
 
+std::uint64_t Board::await(std::uint64_t known, std::chrono::milliseconds patience) {
+  std::unique_lock lock(mutex_);
+  news_.wait_for(lock, patience, [&] { return closed_ || published_ > known; });
+  return published_;
+}
+
 void Board::put(const std::string& path, PageFile file) {
   auto held = std::make_shared<const PageFile>(std::move(file));
   const std::lock_guard lock(mutex_);

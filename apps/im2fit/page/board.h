@@ -26,6 +26,8 @@ class Board {
   // Messages younger than `seen`, oldest first, as server-sent events (WHATWG HTML, 9.2.6); waits for one. "" when
   // none came in time or the board is closed. `seen` begins at 0.
   std::string wait(std::uint64_t& seen, std::chrono::milliseconds patience);
+  // The number of the youngest message once there is one younger than `known`, the board is closed or patience ends.
+  std::uint64_t await(std::uint64_t known, std::chrono::milliseconds patience);
   void put(const std::string& path, PageFile file);
   std::shared_ptr<const PageFile> file(const std::string& path) const;  // null: there is none
   void close();                                                         // wakes who waits; nothing comes any more

@@ -1,118 +1,381 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/im2fit/page/page_server.h"
 
-#include <httplib.h>
+#include <microhttpd.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <list>
+#include <mutex>
+#include <optional>
 #include <string_view>
 #include <thread>
 #include <utility>
 
+#include "apps/im2fit/page/host_check.h"
+#include "apps/im2fit/page/visitors.h"
 #include "apps/im2fit/page/web_files.h"
 
 namespace im2fit::apps {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds(10);  // then a comment shows whether the client is still there
-constexpr int kThreads = PageServer::kWatchersMax + 4;
+using Clock = Visitors::Clock;
+using Patience = std::chrono::milliseconds;
+constexpr Patience kTick{100};             // how late a connection may be found to be over its time
+constexpr Patience kCommentPeriod{10000};  // a stream without news; then a comment shows whether a client is there
+constexpr Patience kStuckMax{15000};       // a stream whose client reads nothing for so long is given up
+constexpr Patience kFarewell{150};         // for streams to take their end
+constexpr std::size_t kConnectionBytes = 16 * 1024;  // a header and the library's own; browsers send 1 KB
+constexpr std::size_t kStreamBlockBytes = 4096;
+constexpr unsigned kBacklog = 64;
+// The library stops listening at its own limit. Ours is kept by cutting off others, which close a little later.
+constexpr unsigned kSpareConnections = 64;
 
-bool is_local(std::string_view host) {
-  return host == "localhost" || host == "::1" || host.starts_with("127.");
+constexpr std::pair<const char*, const char*> kHeaders[] = {
+    {"Content-Security-Policy",
+     "default-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'none'; "
+     "frame-ancestors 'none'"},
+    {"Cross-Origin-Resource-Policy", "same-origin"},
+    {"Cross-Origin-Opener-Policy", "same-origin"},
+    {"Referrer-Policy", "no-referrer"},
+    {"X-Content-Type-Options", "nosniff"},
+    {"X-Frame-Options", "DENY"}};
+constexpr const char* kText = "text/plain; charset=utf-8";
+constexpr const char* kNotKept = "no-store";
+constexpr const char* kKept = "private, max-age=31536000, immutable";
+
+struct FreeResponse {
+  void operator()(MHD_Response* response) const { MHD_destroy_response(response); }
+};
+using Response = std::unique_ptr<MHD_Response, FreeResponse>;
+
+// Of a field given once; none when it is absent, two of a kind are not decided between.
+struct Field {
+  std::optional<std::string_view> value;
+  int count = 0;
+};
+Field field_of(MHD_Connection* connection, std::string_view name) {
+  struct Search {
+    std::string_view name;
+    Field field;
+  } search{name, {}};
+  MHD_get_connection_values(
+      connection, MHD_HEADER_KIND,
+      [](void* closure, MHD_ValueKind, const char* key, const char* value) {
+        auto& found = *static_cast<Search*>(closure);
+        if (found.name.size() == std::strlen(key) && ::strncasecmp(key, found.name.data(), found.name.size()) == 0) {
+          ++found.field.count;
+          found.field.value = value == nullptr ? "" : value;
+        }
+        return MHD_YES;
+      },
+      &search);
+  return search.field;
 }
 
-// Of "127.0.0.1:8017" or "[::1]:8017".
-std::string_view host_of(std::string_view field) {
-  if (field.starts_with('[')) return field.substr(1, field.find(']') - 1);
-  return field.substr(0, field.rfind(':'));
+// RFC 9110 12.5.3, as far as gzip goes: named, and not with a weight of zero.
+bool takes_gzip(std::string_view accepted) {
+  while (!accepted.empty()) {
+    std::string word;
+    const std::size_t end = std::min(accepted.find(','), accepted.size());
+    for (const char c : accepted.substr(0, end))
+      if (c != ' ' && c != '\t') word += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    accepted.remove_prefix(std::min(end + 1, accepted.size()));
+    if (word == "gzip") return true;
+    if (word.rfind("gzip;q=", 0) == 0) return word.find_first_of("123456789", 7) != std::string::npos;
+  }
+  return false;
 }
 
-// The library's own also lets a second program listen at the same port.
-void reuse_address(int socket) {
-  const int yes = 1;
-  setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+Response lasting_bytes(std::string_view bytes) {
+  return Response(
+      MHD_create_response_from_buffer(bytes.size(), const_cast<char*>(bytes.data()), MHD_RESPMEM_PERSISTENT));
+}
+
+Response copied(const std::string& text) {
+  return Response(
+      MHD_create_response_from_buffer(text.size(), const_cast<char*>(text.data()), MHD_RESPMEM_MUST_COPY));
+}
+
+// The file stays in memory until it is sent, whatever replaces it on the board.
+Response shared(std::shared_ptr<const PageFile> file) {
+  auto held = std::make_unique<std::shared_ptr<const PageFile>>(std::move(file));
+  const std::string& bytes = (*held)->bytes;
+  Response response(MHD_create_response_from_buffer_with_free_callback_cls(
+      bytes.size(), const_cast<char*>(bytes.data()),
+      [](void* closure) { delete static_cast<std::shared_ptr<const PageFile>*>(closure); }, held.get()));
+  if (response) held.release();  // NOLINT(bugprone-unused-return-value): the response has it
+  return response;
+}
+
+MHD_Result send(MHD_Connection* connection, unsigned status, const Response& response, const char* type,
+                const char* kept = kNotKept) {
+  if (!response) return MHD_NO;
+  for (const auto& [name, value] : kHeaders) MHD_add_response_header(response.get(), name, value);
+  MHD_add_response_header(response.get(), "Content-Type", type);
+  MHD_add_response_header(response.get(), "Cache-Control", kept);
+  return MHD_queue_response(connection, status, response.get());
+}
+
+struct CloseSocket {
+  int socket = -1;
+  ~CloseSocket() {
+    if (socket >= 0) ::close(socket);
+  }
+};
+
+// A listening socket. No error text: errno has it, 0 for a host that is no address.
+int listen_at(const PageAddress& address) {
+  addrinfo wanted{}, *found = nullptr;
+  wanted.ai_family = AF_UNSPEC;
+  wanted.ai_socktype = SOCK_STREAM;
+  wanted.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+  errno = 0;
+  if (::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &wanted, &found) != 0) return -1;
+  int socket = -1, reason = 0;
+  for (const addrinfo* at = found; at != nullptr && socket < 0; at = at->ai_next) {
+    socket = ::socket(at->ai_family, at->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, at->ai_protocol);
+    if (socket < 0) continue;
+    const int yes = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    if (::bind(socket, at->ai_addr, at->ai_addrlen) == 0 && ::listen(socket, kBacklog) == 0) break;
+    reason = errno;
+    ::close(std::exchange(socket, -1));
+  }
+  ::freeaddrinfo(found);
+  errno = reason;
+  return socket;
+}
+
+int port_of(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
+  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
+                                             : reinterpret_cast<const sockaddr_in&>(address).sin_port);
 }
 
 }  // namespace
 
 struct PageServer::Parts {
-  explicit Parts(Board& b) : board(b) {}
-  void answer(const httplib::Request& request, httplib::Response& response) const;
-  void stream(httplib::Response& response);
+  // One watcher. The library's thread reads it; the keeper wakes it when there are news.
+  struct Stream {
+    Parts& parts;
+    MHD_Connection* connection;
+    int socket;
+    std::uint64_t seen = 0;
+    std::string text;  // not yet taken
+    bool waiting = false;
+    Clock::time_point read;  // when it was last asked for more
+  };
+
+  Parts(Board& b, const std::string& host) : board(b), check(host) {}
+  MHD_Result answer(MHD_Connection* connection, std::string_view method, const std::string& path);
+  MHD_Result answer_file(MHD_Connection* connection, const WebFile& file);
+  MHD_Result answer_stream(MHD_Connection* connection);
+  static ssize_t read_stream(void* closure, std::uint64_t position, char* to, std::size_t room);
+  static void end_stream(void* closure);
+  void keep();
+  void wake_streams(bool news, Clock::time_point now);
+  Visitors::Visitor* visitor_of(MHD_Connection* connection) const;
 
   Board& board;
-  httplib::Server server;
-  std::thread thread;
+  HostCheck check;
+  Visitors visitors{VisitorLimits{}};
   std::string url;
+  MHD_Daemon* daemon = nullptr;
+  std::mutex mutex;  // of streams and stopping
+  std::list<Stream> streams;
+  bool stopping = false;
   std::atomic<int> watchers{0};
+  std::thread keeper;
 };
 
-void PageServer::Parts::answer(const httplib::Request& request, httplib::Response& response) const {
-  if (const WebFile* fixed = web_file(request.path)) {
-    response.set_content(fixed->bytes.data(), fixed->bytes.size(), fixed->type);
-  } else if (const auto file = board.file(request.path)) {
-    response.set_content(file->bytes, file->type);
-  } else {
-    response.status = 404;
-    response.set_content("nothing at " + request.path + " (yet)\n", "text/plain; charset=utf-8");
+Visitors::Visitor* PageServer::Parts::visitor_of(MHD_Connection* connection) const {
+  const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+  return info == nullptr ? nullptr : static_cast<Visitors::Visitor*>(info->socket_context);
+}
+
+MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_view method, const std::string& path) {
+  if (auto* visitor = visitor_of(connection)) visitors.now_does(visitor, Visitors::Doing::answering, Clock::now());
+  const Field host = field_of(connection, "Host"), origin = field_of(connection, "Origin");
+  const Field site = field_of(connection, "Sec-Fetch-Site");
+  const bool doubled = host.count > 1 || origin.count > 1 || site.count > 1;
+  if (const std::string why = check.refusal(doubled ? std::nullopt : host.value, origin.value, site.value);
+      !why.empty())
+    return send(connection, MHD_HTTP_FORBIDDEN, copied(why + "\n"), kText);
+  if (method != "GET" && method != "HEAD") {
+    const Response response = copied("only GET and HEAD are answered\n");
+    if (response) MHD_add_response_header(response.get(), "Allow", "GET, HEAD");
+    return send(connection, MHD_HTTP_METHOD_NOT_ALLOWED, response, kText);
+  }
+  // Nothing here has a use for a body: who sends one is cut off.
+  const Field length = field_of(connection, "Content-Length");
+  if (field_of(connection, "Transfer-Encoding").count > 0 || (length.count > 0 && length.value != "0")) return MHD_NO;
+  if (path == "/events")
+    return method == "GET" ? answer_stream(connection) : send(connection, 200, copied(""), "text/event-stream");
+  if (const WebFile* fixed = web_file(path)) return answer_file(connection, *fixed);
+  if (auto file = board.file(path)) {
+    const std::string type = file->type;
+    return send(connection, MHD_HTTP_OK, shared(std::move(file)), type.c_str());
+  }
+  return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there (yet)\n"), kText);
+}
+
+MHD_Result PageServer::Parts::answer_file(MHD_Connection* connection, const WebFile& file) {
+  const bool compressed =
+      !file.gzip.empty() && takes_gzip(field_of(connection, "Accept-Encoding").value.value_or(""));
+  const Response response = lasting_bytes(compressed ? file.gzip : file.bytes);
+  if (response && compressed) MHD_add_response_header(response.get(), "Content-Encoding", "gzip");
+  if (response && !file.gzip.empty()) MHD_add_response_header(response.get(), "Vary", "Accept-Encoding");
+  return send(connection, MHD_HTTP_OK, response, file.type, file.lasting ? kKept : kNotKept);
+}
+
+MHD_Result PageServer::Parts::answer_stream(MHD_Connection* connection) {
+  auto* visitor = visitor_of(connection);
+  const auto now = Clock::now();
+  std::unique_lock lock(mutex);
+  if (visitor == nullptr || stopping || watchers >= kWatchersMax) {
+    lock.unlock();
+    return send(connection, MHD_HTTP_SERVICE_UNAVAILABLE, copied("too many are watching; close another page\n"),
+                kText);
+  }
+  ++watchers;
+  const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+  streams.push_back({*this, connection, info->connect_fd, 0, "", false, now});
+  Stream* stream = &streams.back();
+  lock.unlock();
+  const Response response(
+      MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, kStreamBlockBytes, read_stream, stream, end_stream));
+  if (!response) {
+    end_stream(stream);
+    return MHD_NO;
+  }
+  visitors.now_does(visitor, Visitors::Doing::watching, now);
+  return send(connection, MHD_HTTP_OK, response, "text/event-stream");
+}
+
+ssize_t PageServer::Parts::read_stream(void* closure, std::uint64_t, char* to, std::size_t room) {
+  Stream& stream = *static_cast<Stream*>(closure);
+  Parts& parts = stream.parts;
+  const auto now = Clock::now();
+  const std::lock_guard lock(parts.mutex);
+  if (parts.stopping) return MHD_CONTENT_READER_END_OF_STREAM;
+  if (stream.text.empty()) stream.text = parts.board.wait(stream.seen, Patience(0));
+  if (stream.text.empty() && now - stream.read >= kCommentPeriod) stream.text = ": still here\n\n";
+  if (stream.text.empty()) {
+    // Also for who has taken all there is: only a client that has not is stuck.
+    stream.waiting = true;
+    MHD_suspend_connection(stream.connection);
+    return 0;
+  }
+  stream.read = now;
+  const std::size_t count = std::min(room, stream.text.size());
+  std::memcpy(to, stream.text.data(), count);
+  stream.text.erase(0, count);
+  return static_cast<ssize_t>(count);
+}
+
+void PageServer::Parts::end_stream(void* closure) {
+  auto* stream = static_cast<Stream*>(closure);
+  Parts& parts = stream->parts;
+  const std::lock_guard lock(parts.mutex);
+  parts.streams.remove_if([&](const Stream& s) { return &s == stream; });
+  --parts.watchers;
+}
+
+// Wakes who waits when there is something to send, or when they have gone; a stream that waits is not looked at by
+// the library.
+void PageServer::Parts::wake_streams(bool news, Clock::time_point now) {
+  for (Stream& stream : streams) {
+    if (!stream.waiting) {
+      if (now - stream.read >= kStuckMax) cut(stream.socket);
+      continue;
+    }
+    pollfd item{stream.socket, POLLRDHUP, 0};
+    const bool gone = ::poll(&item, 1, 0) > 0;
+    if (!news && !gone && !stopping && now - stream.read < kCommentPeriod) continue;
+    stream.waiting = false;
+    if (gone) stream.text = ": gone\n\n";  // else it would wait again: writing shows the library that it has
+    MHD_resume_connection(stream.connection);
   }
 }
 
-void PageServer::Parts::stream(httplib::Response& response) {
-  if (watchers.fetch_add(1) >= kWatchersMax) {
-    watchers.fetch_sub(1);
-    response.status = 503;
-    response.set_content("too many are watching; close another page\n", "text/plain; charset=utf-8");
-    return;
+void PageServer::Parts::keep() {
+  for (std::uint64_t known = 0;;) {
+    const std::uint64_t number = board.await(known, kTick);
+    const bool news = number != known;
+    known = number;
+    const auto now = Clock::now();
+    visitors.cut_late(now);
+    const std::lock_guard lock(mutex);
+    stopping = stopping || board.closed();
+    wake_streams(news, now);
+    if (stopping) return;
   }
-  response.set_chunked_content_provider(
-      "text/event-stream",
-      [this, seen = std::uint64_t{0}](std::size_t, httplib::DataSink& sink) mutable {
-        std::string text = board.wait(seen, kPatience);
-        if (board.closed()) {
-          sink.done();
-          return true;
-        }
-        if (text.empty()) text = ": still here\n\n";
-        return sink.write(text.data(), text.size());
-      },
-      [this](bool) { watchers.fetch_sub(1); });
 }
 
 Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address, Board& board) {
-  auto made = std::make_unique<Parts>(board);
-  Parts& parts = *made;
-  httplib::Server& server = parts.server;
-  server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-  server.set_socket_options(reuse_address);
-  server.set_default_headers({{"Cache-Control", "no-store"},
-                              {"X-Content-Type-Options", "nosniff"},
-                              {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:"}});
-  if (is_local(address.host))
-    server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response& response) {
-      if (is_local(host_of(request.get_header_value("Host")))) return httplib::Server::HandlerResponse::Unhandled;
-      response.status = 403;
-      return httplib::Server::HandlerResponse::Handled;
-    });
-  server.Get("/events", [&parts](const httplib::Request&, httplib::Response& r) { parts.stream(r); });
-  server.Get(".*", [&parts](const httplib::Request& q, httplib::Response& r) { parts.answer(q, r); });
-
-  errno = 0;
-  int port = address.port;
-  if (port == 0)
-    port = server.bind_to_any_port(address.host);
-  else if (!server.bind_to_port(address.host, port))
-    port = -1;
-  if (port < 0)
+  CloseSocket listening{listen_at(address)};
+  const int reason = errno;
+  const auto failed = [&](int code) {
     return Error{ErrorCode::io, "cannot listen at " + address.host + ":" + std::to_string(address.port) +
-                                    (errno != 0 ? std::string(" (") + std::strerror(errno) + ")" : std::string()) +
+                                    (code != 0 ? std::string(" (") + std::strerror(code) + ")" : std::string()) +
                                     "; try another --port or --host"};
+  };
+  if (listening.socket < 0) return failed(reason);
+  auto made = std::make_unique<Parts>(board, address.host);
+  Parts& parts = *made;
   const bool v6 = address.host.find(':') != std::string::npos;
-  parts.url = "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(port) + "/";
-  parts.thread = std::thread([&server] { server.listen_after_bind(); });
-  while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // else stop() would not
+  parts.url = "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" +
+              std::to_string(port_of(listening.socket)) + "/";
+
+  const MHD_AccessHandlerCallback answer = [](void* closure, MHD_Connection* connection, const char* url,
+                                              const char* method, const char*, const char*, std::size_t* upload,
+                                              void** request) -> MHD_Result {
+    // Called again for a body, which a refused method may have.
+    if (*request != nullptr) {
+      *upload = 0;
+      return MHD_YES;
+    }
+    *request = closure;
+    return static_cast<Parts*>(closure)->answer(connection, method, url);
+  };
+  const MHD_NotifyConnectionCallback connected = [](void* closure, MHD_Connection* connection, void** context,
+                                                    MHD_ConnectionNotificationCode code) {
+    Visitors& visitors = static_cast<Parts*>(closure)->visitors;
+    if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
+      visitors.left(static_cast<Visitors::Visitor*>(std::exchange(*context, nullptr)));
+      return;
+    }
+    const int socket = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
+    const sockaddr* from = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS)->client_addr;
+    *context = visitors.came(socket, from, Clock::now());
+  };
+  const MHD_RequestCompletedCallback completed = [](void* closure, MHD_Connection* connection, void**,
+                                                    MHD_RequestTerminationCode) {
+    auto* parts = static_cast<Parts*>(closure);
+    if (auto* visitor = parts->visitor_of(connection))
+      parts->visitors.now_does(visitor, Visitors::Doing::asking, Clock::now());
+  };
+  const unsigned limit = static_cast<unsigned>(VisitorLimits{}.visitors_max) + kSpareConnections;
+  parts.daemon =
+      MHD_start_daemon(MHD_USE_POLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, answer, &parts,
+                       MHD_OPTION_LISTEN_SOCKET, listening.socket, MHD_OPTION_NOTIFY_CONNECTION, connected, &parts,
+                       MHD_OPTION_NOTIFY_COMPLETED, completed, &parts, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+                       kConnectionBytes, MHD_OPTION_CONNECTION_MEMORY_INCREMENT, std::size_t{1024},
+                       MHD_OPTION_CONNECTION_LIMIT, limit, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
+  if (parts.daemon == nullptr) return failed(errno);
+  listening.socket = -1;  // the daemon's
+  parts.keeper = std::thread([&parts] { parts.keep(); });
   return std::unique_ptr<PageServer>(new PageServer(std::move(made)));
 }
 
@@ -120,8 +383,10 @@ PageServer::PageServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) 
 
 PageServer::~PageServer() {
   parts_->board.close();
-  parts_->server.stop();
-  parts_->thread.join();
+  parts_->keeper.join();
+  for (const auto end = Clock::now() + kFarewell; parts_->watchers > 0 && Clock::now() < end;)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  MHD_stop_daemon(parts_->daemon);
 }
 
 const std::string& PageServer::url() const {
@@ -129,6 +394,15 @@ const std::string& PageServer::url() const {
 }
 int PageServer::watchers() const {
   return parts_->watchers;
+}
+
+Status PageServer::add(int socket) {
+  sockaddr_in nowhere{};
+  nowhere.sin_family = AF_INET;
+  if (MHD_add_connection(parts_->daemon, socket, reinterpret_cast<const sockaddr*>(&nowhere), sizeof nowhere) ==
+      MHD_YES)
+    return Ok{};
+  return Error{ErrorCode::io, std::string("cannot serve a connection: ") + std::strerror(errno)};
 }
 
 }  // namespace im2fit::apps

@@ -11,7 +11,7 @@
   extern "C" __attribute__((visibility("hidden"))) const char name[], name##_end[];
 // NOLINTEND(bugprone-macro-parentheses)
 
-IM2FIT_EMBED(im2fit_web_index, IM2FIT_WEB_DIR "/index.html")
+IM2FIT_EMBED(im2fit_web_index, IM2FIT_PAGE_MADE_DIR "/index.html")
 IM2FIT_EMBED(im2fit_web_style, IM2FIT_WEB_DIR "/page.css")
 IM2FIT_EMBED(im2fit_web_words, IM2FIT_WEB_DIR "/words.js")
 IM2FIT_EMBED(im2fit_web_stage, IM2FIT_WEB_DIR "/stage.js")
@@ -19,6 +19,9 @@ IM2FIT_EMBED(im2fit_web_page, IM2FIT_WEB_DIR "/page.js")
 IM2FIT_EMBED(im2fit_web_three, IM2FIT_THREE_DIR "/build/three.min.js")
 IM2FIT_EMBED(im2fit_web_loader, IM2FIT_THREE_DIR "/examples/js/loaders/GLTFLoader.js")
 IM2FIT_EMBED(im2fit_web_orbit, IM2FIT_THREE_DIR "/examples/js/controls/OrbitControls.js")
+IM2FIT_EMBED(im2fit_web_three_gzip, IM2FIT_PAGE_MADE_DIR "/three.gz")
+IM2FIT_EMBED(im2fit_web_loader_gzip, IM2FIT_PAGE_MADE_DIR "/loader.gz")
+IM2FIT_EMBED(im2fit_web_orbit_gzip, IM2FIT_PAGE_MADE_DIR "/orbit.gz")
 
 namespace im2fit::apps {
 namespace {
@@ -29,15 +32,21 @@ constexpr const char* kScript = "text/javascript; charset=utf-8";
 
 const WebFile* web_file(std::string_view path) {
   const auto between = [](const char* begin, const char* end) { return std::string_view(begin, end); };
+  const auto own = [&](const char* path, const char* type, const char* begin, const char* end) {
+    return WebFile{path, type, between(begin, end), {}, false};
+  };
   static const std::array kFiles = {
-      WebFile{"/", "text/html; charset=utf-8", between(im2fit_web_index, im2fit_web_index_end)},
-      WebFile{"/page.css", "text/css; charset=utf-8", between(im2fit_web_style, im2fit_web_style_end)},
-      WebFile{"/words.js", kScript, between(im2fit_web_words, im2fit_web_words_end)},
-      WebFile{"/stage.js", kScript, between(im2fit_web_stage, im2fit_web_stage_end)},
-      WebFile{"/page.js", kScript, between(im2fit_web_page, im2fit_web_page_end)},
-      WebFile{"/three.js", kScript, between(im2fit_web_three, im2fit_web_three_end)},
-      WebFile{"/gltf-loader.js", kScript, between(im2fit_web_loader, im2fit_web_loader_end)},
-      WebFile{"/orbit-controls.js", kScript, between(im2fit_web_orbit, im2fit_web_orbit_end)}};
+      own("/", "text/html; charset=utf-8", im2fit_web_index, im2fit_web_index_end),
+      own("/page.css", "text/css; charset=utf-8", im2fit_web_style, im2fit_web_style_end),
+      own("/words.js", kScript, im2fit_web_words, im2fit_web_words_end),
+      own("/stage.js", kScript, im2fit_web_stage, im2fit_web_stage_end),
+      own("/page.js", kScript, im2fit_web_page, im2fit_web_page_end),
+      WebFile{"/" IM2FIT_PAGE_THREE, kScript, between(im2fit_web_three, im2fit_web_three_end),
+              between(im2fit_web_three_gzip, im2fit_web_three_gzip_end), true},
+      WebFile{"/" IM2FIT_PAGE_LOADER, kScript, between(im2fit_web_loader, im2fit_web_loader_end),
+              between(im2fit_web_loader_gzip, im2fit_web_loader_gzip_end), true},
+      WebFile{"/" IM2FIT_PAGE_ORBIT, kScript, between(im2fit_web_orbit, im2fit_web_orbit_end),
+              between(im2fit_web_orbit_gzip, im2fit_web_orbit_gzip_end), true}};
   const auto* found = std::find_if(kFiles.begin(), kFiles.end(), [&](const WebFile& f) { return f.path == path; });
   return found == kFiles.end() ? nullptr : found;
 }

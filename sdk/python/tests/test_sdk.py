@@ -154,4 +154,8 @@ class Measuring(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=1)
+    said = unittest.main(verbosity=1, exit=False).result
+    skipped = bool(said.skipped) and bool(os.environ.get("IM2FIT_NO_SKIPS"))
+    if skipped:
+        print("nothing may be skipped:", *(why for _, why in said.skipped), file=sys.stderr)
+    sys.exit(0 if said.wasSuccessful() and not skipped else 1)

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
+#include <vector>
 
 #include "background_run.h"
 
@@ -21,8 +22,8 @@ class Browser {
   static constexpr const char* kDriver = "/usr/bin/chromedriver";
   static bool installed() { return std::filesystem::exists(kBrowser) && std::filesystem::exists(kDriver); }
 
-  // `folder` holds its profile and what the driver says.
-  explicit Browser(const std::string& folder)
+  // `folder` holds its profile and what the driver says; `more` goes on its command line.
+  explicit Browser(const std::string& folder, const std::vector<std::string>& more = {})
       : driver_({kDriver, "--port=0"}, {}, folder + "/chromedriver.log"), profile_(folder + "/profile") {
     const std::regex started("started successfully on port ([0-9]+)");
     std::smatch found;
@@ -34,19 +35,20 @@ class Browser {
     }
     if (client_ == nullptr) return;
     client_->set_read_timeout(60);
-    const nlohmann::json words = {"--headless=new",
-                                  "--no-sandbox",
-                                  "--disable-gpu",
-                                  "--use-gl=angle",
-                                  "--use-angle=swiftshader",
-                                  "--enable-unsafe-swiftshader",
-                                  "--disable-quic",
-                                  "--no-first-run",
-                                  "--disable-background-networking",
-                                  "--disable-component-update",
-                                  "--disable-sync",
-                                  "--window-size=1280,900",
-                                  "--user-data-dir=" + profile_};
+    nlohmann::json words = {"--headless=new",
+                            "--no-sandbox",
+                            "--disable-gpu",
+                            "--use-gl=angle",
+                            "--use-angle=swiftshader",
+                            "--enable-unsafe-swiftshader",
+                            "--disable-quic",
+                            "--no-first-run",
+                            "--disable-background-networking",
+                            "--disable-component-update",
+                            "--disable-sync",
+                            "--window-size=1280,900",
+                            "--user-data-dir=" + profile_};
+    for (const std::string& word : more) words.push_back(word);
     const auto session =
         ask("/session",
             {{"capabilities",

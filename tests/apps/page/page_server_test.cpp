@@ -6,9 +6,11 @@
 #include <httplib.h>
 
 #include <chrono>
+#include <iterator>
 #include <memory>
 #include <regex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace im2fit::apps {
@@ -82,14 +84,76 @@ TEST_F(Served, FilesOfTheBoardAppearWhenTheyAreThere) {
   EXPECT_EQ(file->get_header_value("Content-Type"), "image/png");
   EXPECT_EQ(file->get_header_value("Cache-Control"), "no-store");
   EXPECT_EQ(client().Get("/../etc/passwd")->status, 404);
-  EXPECT_EQ(client().Post("/picture.png", "x", "text/plain")->status, 404);
+  EXPECT_EQ(client().Post("/picture.png", "x", "text/plain")->status, 405);
+}
+
+TEST_F(Served, EveryAnswerKeepsOtherSitesOut) {
+  board_.put("/result.json", {"application/json", "{}"});
+  for (const char* path : {"/", "/result.json", "/page.js", "/nothing"}) {
+    const auto answer = client().Get(path);
+    ASSERT_TRUE(answer) << path;
+    EXPECT_EQ(answer->get_header_value("Cross-Origin-Resource-Policy"), "same-origin") << path;
+    EXPECT_THAT(answer->get_header_value("Content-Security-Policy"), HasSubstr("frame-ancestors 'none'")) << path;
+    EXPECT_EQ(answer->get_header_value("X-Content-Type-Options"), "nosniff") << path;
+    EXPECT_EQ(answer->get_header_value("Referrer-Policy"), "no-referrer") << path;
+  }
+}
+
+// three.js is the larger part of the page; it was compressed anew, for seconds, at every request.
+TEST_F(Served, ScriptsOfOthersAreCompressedBeforehandAndKept) {
+  const auto page = client().Get("/");
+  const std::regex three(R"re("(/three\.[0-9a-f]{12}\.js)")re");
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(page->body, found, three));
+  const auto plain = client().Get(found[1].str(), {{"Accept-Encoding", "identity, gzip;q=0"}});
+  const auto gzip = client().Get(found[1].str(), {{"Accept-Encoding", "br, gzip"}});  // the client expands it
+  for (const auto* answer : {&plain, &gzip}) {
+    EXPECT_EQ((*answer)->status, 200);
+    EXPECT_THAT((*answer)->get_header_value("Cache-Control"), HasSubstr("immutable"));
+    EXPECT_EQ((*answer)->get_header_value("Vary"), "Accept-Encoding");
+  }
+  EXPECT_EQ(plain->get_header_value("Content-Encoding"), "");
+  EXPECT_EQ(gzip->get_header_value("Content-Encoding"), "gzip");
+  EXPECT_EQ(plain->body, gzip->body);
+  EXPECT_GT(plain->body.size(), 3 * std::stoul(gzip->get_header_value("Content-Length")));
 }
 
 TEST_F(Served, OnlyNamesOfThisMachineAreAnswered) {
-  for (const char* host : {"localhost:1", "127.0.0.1", "[::1]:8017", "127.0.0.1:8017"})
-    EXPECT_EQ(client().Get("/", {{"Host", host}})->status, 200) << host;
-  for (const char* host : {"im2fit.example:8017", "localhost.example", "", "10.0.0.7"})
-    EXPECT_EQ(client().Get("/", {{"Host", host}})->status, 403) << host;
+  const std::pair<const char*, int> verdicts[] = {{"localhost", 200},
+                                                  {"localhost:1", 200},
+                                                  {"LocalHost:8017", 200},
+                                                  {"localhost.:8017", 200},
+                                                  {"127.0.0.1", 200},
+                                                  {"127.0.0.1:8017", 200},
+                                                  {"127.255.0.9:65535", 200},
+                                                  {"[::1]:8017", 200},
+                                                  {"127.attacker.example", 403},
+                                                  {"127.0.0.1.attacker.example:8017", 403},
+                                                  {"[::1].evil.com", 403},
+                                                  {"localhost:evil.com", 403},
+                                                  {"localhost:80@evil.com", 403},
+                                                  {"localhost:", 403},
+                                                  {"localhost:0", 403},
+                                                  {"127.0.0.1:65536", 403},
+                                                  {"127.1", 403},
+                                                  {"im2fit.example:8017", 403},
+                                                  {"localhost.example", 403},
+                                                  {"10.0.0.7", 403}};
+  static_assert(std::size(verdicts) == 20);
+  for (const auto& [host, status] : verdicts) EXPECT_EQ(client().Get("/", {{"Host", host}})->status, status) << host;
+  EXPECT_NE(client().Get("/", {{"Host", ""}})->status, 200);
+  EXPECT_NE(client().Get("/", {{"Host", "localhost"}, {"Host", "evil.com"}})->status, 200);
+}
+
+TEST_F(Served, OnlyThePageItselfMayAsk) {
+  const std::pair<const char*, int> verdicts[] = {{"http://localhost:8017", 200},  {"HTTP://LOCALHOST:8017", 200},
+                                                  {"http://evil.example", 403},    {"null", 403},
+                                                  {"https://localhost:8017", 403}, {"http://localhost:8018", 403}};
+  for (const auto& [origin, status] : verdicts)
+    EXPECT_EQ(client().Get("/", {{"Host", "localhost:8017"}, {"Origin", origin}})->status, status) << origin;
+  for (const auto& [site, status] :
+       {std::pair{"same-origin", 200}, {"none", 200}, {"cross-site", 403}, {"same-site", 403}})
+    EXPECT_EQ(client().Get("/", {{"Host", "localhost:8017"}, {"Sec-Fetch-Site", site}})->status, status) << site;
 }
 
 TEST_F(Served, TheStreamTellsWhatWasAndWhatComes) {

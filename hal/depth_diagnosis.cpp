@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/depth_diagnosis.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+namespace im2fit::hal {
+namespace {
+
+// A person to measure stands 1 to 4 m away, before a wall that is rarely beyond 8 m.
+constexpr int kRoomMinMm = 600, kRoomMaxMm = 8000;
+// Of neighbouring pixels with depth, those that differ by more than a sixteenth: 2 to 8 % in rooms (outlines), 60 %
+// and more where the bytes of a value are swapped.
+constexpr double kRoughMax = 0.25;
+
+struct Pair {
+  std::uint16_t value, right;
+};
+
+// Pairs of neighbours that both have depth, every second row and column at most.
+std::vector<Pair> pairs_of(DepthView depth) {
+  std::vector<Pair> pairs;
+  for (int v = 0; v < depth.height; v += 2)
+    for (int u = 0; u + 1 < depth.width; u += 2)
+      if (depth.at(u, v) != 0 && depth.at(u + 1, v) != 0) pairs.push_back({depth.at(u, v), depth.at(u + 1, v)});
+  return pairs;
+}
+
+// The pairs read another way.
+struct Reading {
+  double median = 0;
+  double rough = 0;
+  bool is_room() const { return rough <= kRoughMax && median >= kRoomMinMm && median <= kRoomMaxMm; }
+};
+
+template <class Read>
+Reading read_as(const std::vector<Pair>& pairs, const Read& read) {
+  std::vector<double> values;
+  std::size_t rough = 0;
+  for (const Pair& pair : pairs) {
+    const double a = read(pair.value), b = read(pair.right);
+    values.push_back(a);
+    rough += std::abs(a - b) > std::max(a, b) / 16 ? 1 : 0;
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return {*middle, static_cast<double>(rough) / static_cast<double>(pairs.size())};
+}
+
+template <class Holds>
+double share_of(const std::vector<Pair>& pairs, const Holds& holds) {
+  const auto count = std::count_if(pairs.begin(), pairs.end(), [&](const Pair& p) { return holds(p.value); });
+  return static_cast<double>(count) / static_cast<double>(pairs.size());
+}
+
+std::string other_values(const std::vector<Pair>& pairs) {
+  const Reading plain = read_as(pairs, [](std::uint16_t v) { return v; });
+  // Eleven bits, 2047 for no answer, and disparity instead of depth: a Kinect's raw picture.
+  const bool eleven_bits = share_of(pairs, [](std::uint16_t v) { return v > 2047; }) == 0;
+  if (eleven_bits && share_of(pairs, [](std::uint16_t v) { return v == 2047; }) > 0.01)
+    return "values look like a Kinect's raw disparity (11 bits, 2047 for none); record depth in millimetres";
+  if (plain.is_room()) return "";
+  const auto swapped = [](std::uint16_t v) { return ((v & 0xFF) << 8) | (v >> 8); };
+  // Few metres or centimetres have nothing in their high byte.
+  if (share_of(pairs, [](std::uint16_t v) { return v > 255; }) > 0.9 && read_as(pairs, swapped).is_room())
+    return "bytes look swapped; PGM and PNG have the high byte first: write the files again";
+  if (share_of(pairs, [](std::uint16_t v) { return (v & 7) != 0; }) < 0.001 &&
+      read_as(pairs, [](std::uint16_t v) { return v >> 3; }).is_room())
+    return "values look shifted by three bits (a player's number below the depth); try --unit 0.125";
+  if (share_of(pairs, [](std::uint16_t v) { return v >= 0x2000; }) > 0.2 &&
+      read_as(pairs, [](std::uint16_t v) { return v & 0x1FFF; }).is_room() && plain.rough > kRoughMax)
+    return "confidence bits look set above 13 bits of depth (Android's DEPTH16); clear them when recording";
+  if (plain.rough > kRoughMax)
+    return "neighbouring values differ as in no depth picture; is this another kind of picture?";
+  struct Unit {
+    double mm;
+    const char* name;
+  };
+  for (const Unit& unit : std::array<Unit, 4>{
+           {{0.1, "0.1 mm units"}, {0.2, "fifths of a millimetre"}, {10, "centimetres"}, {1000, "metres"}}}) {
+    const double median = plain.median * unit.mm;
+    if (median < kRoomMinMm || median > kRoomMaxMm) continue;
+    std::string text = std::to_string(unit.mm);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+    return std::string("values look like ") + unit.name + "; try --unit " + text;
+  }
+  return "the middle value is " + std::to_string(static_cast<int>(plain.median)) +
+         ", expected 600 to 8000 millimetres; see --unit";
+}
+
+// Mean depth of a strip an eighth of the picture wide; 0: hardly any.
+double strip(DepthView depth, int u0, int u1, int v0, int v1) {
+  double sum = 0;
+  int count = 0, all = 0;
+  for (int v = v0; v < v1; v += 2)
+    for (int u = u0; u < u1; u += 2, ++all) {
+      sum += depth.at(u, v);
+      count += depth.at(u, v) != 0 ? 1 : 0;
+    }
+  return 4 * count > all ? sum / count : 0;
+}
+
+// The floor before a person is nearer than all else, along the lower edge; along another one the camera is turned.
+std::string turned(DepthView depth) {
+  const int w = depth.width, h = depth.height;
+  if (w < 16 || h < 16) return "";
+  const double below = strip(depth, 0, w, h - h / 8, h), above = strip(depth, 0, w, 0, h / 8);
+  const double left = strip(depth, 0, w / 8, 0, h), right = strip(depth, w - w / 8, w, 0, h);
+  constexpr double kNearer = 0.75;
+  struct Edge {
+    double near, far, others;
+    const char* degrees;
+  };
+  const auto least = [](double a, double b) { return a == 0 ? b : b == 0 ? a : std::min(a, b); };
+  for (const Edge& edge :
+       {Edge{right, left, least(below, above), "90"}, Edge{left, right, least(below, above), "270"},
+        Edge{above, below, least(left, right), "180"}})
+    if (edge.near > 0 && edge.far > 0 && edge.near < kNearer * edge.far && edge.near < edge.others)
+      return std::string("the picture looks turned; try --rotate ") + edge.degrees;
+  return "";
+}
+
+}  // namespace
+
+std::string depth_diagnosis(DepthView depth) {
+  if (depth.pixels == nullptr) return "";
+  const std::vector<Pair> pairs = pairs_of(depth);
+  const std::size_t looked_at =
+      static_cast<std::size_t>((depth.width + 1) / 2) * static_cast<std::size_t>((depth.height + 1) / 2);
+  if (50 * pairs.size() < looked_at) return "the last picture is nearly without depth";
+  const std::string values = other_values(pairs);
+  return values.empty() ? turned(depth) : values;
+}
+
+}  // namespace im2fit::hal

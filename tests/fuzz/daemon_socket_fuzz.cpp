@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clients of the daemon's socket: each byte of the input is something one of four does.
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "apps/im2fitd/publisher.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace im2fit::daemon;
+  const std::string path = "/dev/shm/im2fit-fuzz-" + std::to_string(::getpid()) + ".sock";
+  PublisherOptions options;
+  options.path = path;
+  options.clients_max = 3;
+  options.client_buffer_bytes = 16 * 1024;
+  auto publisher = Publisher::open(options);
+  if (!publisher) std::abort();
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path.data(), path.size());
+  std::array<int, 4> clients = {-1, -1, -1, -1};
+  for (std::size_t i = 0; i < size; ++i) {
+    int& client = clients[data[i] & 3U];
+    char buffer[512] = {};
+    switch (data[i] >> 2 & 7U) {
+      case 0:
+        if (client >= 0) break;
+        client = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+        if (::connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+          ::close(client);
+          client = -1;
+        }
+        break;
+      case 1:
+        if (client >= 0) ::close(client);
+        client = -1;
+        break;
+      case 2:
+        if (client >= 0) (void)!::send(client, buffer, data[i], MSG_NOSIGNAL | MSG_DONTWAIT);
+        break;
+      case 3:
+        if (client >= 0) (void)!::recv(client, buffer, sizeof buffer, MSG_DONTWAIT);
+        break;
+      case 4:
+        if (client >= 0) ::shutdown(client, SHUT_WR);
+        break;
+      case 5:
+        (*publisher)->publish(std::string(4000, 'x') + "\n");
+        break;
+      case 6:
+        (*publisher)->publish("{}\n");
+        break;
+      default:
+        (*publisher)->serve("hello\n");
+    }
+    if ((*publisher)->clients() > 3) __builtin_trap();
+  }
+  for (const int client : clients)
+    if (client >= 0) ::close(client);
+  // Who has gone is gone.
+  (*publisher)->serve("hello\n");
+  if ((*publisher)->clients() != 0) __builtin_trap();
+  return 0;
+}
