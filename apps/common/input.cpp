@@ -125,16 +125,8 @@ Result<hal::FrameInfo> FrameTap::next(DepthImage depth, int timeout_ms) {
     return frame;
   }
   ++frame_count_;
-  last_.resize(static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height));
-  for (int v = 0; v < depth.height; ++v)
-    std::copy_n(depth.row(v), depth.width, last_.data() + static_cast<std::ptrdiff_t>(v) * depth.width);
   if (watch_) watch_(frame_count_);
   return frame;
-}
-
-DepthView FrameTap::last_frame() const {
-  const Intrinsics& k = source_.info().intrinsics;
-  return last_.empty() ? DepthView() : DepthView(last_.data(), k.width, k.height);
 }
 
 }  // namespace im2fit::apps

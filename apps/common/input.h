@@ -43,8 +43,8 @@ Result<Input> open_input(const InputOptions& options);
 void catch_interrupt();
 bool interrupted();
 
-// A source that ends after a number of frames or at Ctrl-C, shows each frame's number to `watch`, keeps the last
-// frame and the first error of a damaged one.
+// A source that ends after a number of frames or at Ctrl-C, shows each frame's number to `watch`, keeps the first
+// error of a damaged one.
 class FrameTap final : public hal::Source {
  public:
   using Watch = std::function<void(std::uint64_t frame_count)>;
@@ -56,7 +56,6 @@ class FrameTap final : public hal::Source {
   bool lost() const override { return source_.lost(); }
   std::optional<Vec3f> down() const override { return source_.down(); }
   hal::SourceStats stats() const override { return source_.stats(); }
-  DepthView last_frame() const;  // empty before the first
   const std::optional<Error>& first_damage() const { return first_damage_; }
 
  private:
@@ -64,7 +63,6 @@ class FrameTap final : public hal::Source {
   std::uint64_t frame_count_max_;
   Watch watch_;
   std::uint64_t frame_count_ = 0;
-  std::vector<std::uint16_t> last_;
   std::optional<Error> first_damage_;
 };
 

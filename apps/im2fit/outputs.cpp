@@ -56,7 +56,7 @@ Status write_overlay(const SessionOutcome& outcome, const std::string& path) {
   const EngineResult& result = outcome.person.result;
   OverlayInput overlay;
   overlay.intrinsics = outcome.person.source.intrinsics;
-  overlay.frame = outcome.tap->last_frame();
+  overlay.frame = outcome.shown->depth();
   overlay.fused_q4 = outcome.engine->fused_depth_q4();
   overlay.mask = outcome.engine->fused_mask();
   overlay.has_joints = result.measured || result.has_joints;
@@ -106,7 +106,7 @@ Status write_outputs(SessionOutcome& outcome, const std::string& directory) {
                                                  result_json(outcome.person, outcome.timing), Readable::by_owner);
       !written)
     return written.error();
-  if (outcome.tap->last_frame().pixels != nullptr)
+  if (outcome.shown->depth().pixels != nullptr)
     if (const auto drawn = write_overlay(outcome, directory + "/overlay.png"); !drawn) return drawn.error();
   if (const auto dressed = dress(outcome); !dressed || !outcome.dressed) return dressed;
   const DressedAvatar& dressed = *outcome.dressed;
@@ -209,7 +209,7 @@ std::string wanted_words(const SessionOutcome& outcome, const SessionOptions& op
 // Of frames no person was found in: what they are, when they cannot be a room in millimetres.
 std::string depth_words(const SessionOutcome& outcome) {
   if (!has(reported_guidance(outcome.person), Guidance::no_person)) return "";
-  const std::string diagnosis = hal::depth_diagnosis(outcome.tap->last_frame());
+  const std::string diagnosis = hal::depth_diagnosis(outcome.shown->depth());
   return diagnosis.empty() ? "" : "; " + diagnosis;
 }
 

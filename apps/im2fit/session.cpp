@@ -67,6 +67,24 @@ void add_motion_option(cli::App& sub, std::string& path) {
       ->check(MotionRecording::fault_of);
 }
 
+void ShownFrame::see(const FrameSeen& frame) {
+  const EngineResult& result = frame.result;
+  if (result.session != session_) used_ = 0;
+  session_ = result.session;
+  const std::uint64_t used = result.frames_used - result.frames_back;
+  if (used == used_ && used_ > 0) return;
+  used_ = used;
+  width_ = frame.depth.width;
+  height_ = frame.depth.height;
+  pixels_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  for (int v = 0; v < height_; ++v)
+    std::copy_n(frame.depth.row(v), width_, pixels_.data() + static_cast<std::ptrdiff_t>(v) * width_);
+}
+
+DepthView ShownFrame::depth() const {
+  return pixels_.empty() ? DepthView() : DepthView(pixels_.data(), width_, height_);
+}
+
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch) {
   auto data = load_measuring_data(options, options.input.body);
   if (!data) return data.error();
@@ -78,20 +96,22 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   auto input = open_input(opening);
   if (!input) return input.error();
   if (!data->warning.empty()) fmt::print(stderr, "{}\n", data->warning);
+  auto shown = std::make_unique<ShownFrame>();
   std::unique_ptr<MotionRecording> motion;
-  if (!options.motion.empty()) {
-    motion = std::make_unique<MotionRecording>();
-    engine_watch = [kept = motion.get(), others = std::move(engine_watch)](const FrameSeen& frame) {
-      kept->see(frame);
-      if (others) others(frame);
-    };
-  }
-  auto engine = make_engine(options, *data, input->source->info(), std::move(engine_watch));
+  if (!options.motion.empty()) motion = std::make_unique<MotionRecording>();
+  const auto watch_all = [shown_frame = shown.get(), recording = motion.get(),
+                          others = std::move(engine_watch)](const FrameSeen& frame) {
+    shown_frame->see(frame);
+    if (recording != nullptr) recording->see(frame);
+    if (others) others(frame);
+  };
+  auto engine = make_engine(options, *data, input->source->info(), watch_all);
   if (!engine) return engine.error();
   SessionOutcome outcome;
   outcome.data = std::move(*data);
   outcome.input = std::move(*input);
   outcome.motion = std::move(motion);
+  outcome.shown = std::move(shown);
   outcome.engine = std::move(*engine);
   outcome.turn_asked = options.turn;
   outcome.tap = std::make_unique<FrameTap>(*outcome.input.source, 0, std::move(watch));

@@ -36,11 +36,28 @@ struct DressedAvatar {
   std::vector<std::byte> glb;
 };
 
+// The frame behind what is said: the last one of the front that was used, or the last one seen while none was. Which
+// one that is depends on the frames alone, unlike the last one read, of which the engine may be some frames behind.
+class ShownFrame {
+ public:
+  // A FrameWatch. Copies the picture when it is one to keep.
+  void see(const FrameSeen& frame);
+  // Empty before the first. Not while the engine works on frames.
+  DepthView depth() const;
+
+ private:
+  std::vector<std::uint16_t> pixels_;
+  int width_ = 0, height_ = 0;
+  std::uint64_t session_ = 0;
+  std::uint64_t used_ = 0;  // of the front
+};
+
 // What a session ends with; owns all the report views into.
 struct SessionOutcome {
   MeasuringData data;
   Input input;
   std::unique_ptr<MotionRecording> motion;  // with options.motion; the engine's threads write to it
+  std::unique_ptr<ShownFrame> shown;        // they write to it too
   std::unique_ptr<Engine> engine;
   std::unique_ptr<FrameTap> tap;
   PersonMeasurement person;              // what the engine said when it was concluded
@@ -62,7 +79,8 @@ Status dress(SessionOutcome& outcome);
 
 // Files, then the answer on stdout; exit 3 when there is none.
 Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options);
-// result.json first and always; when measured, dress() and avatar.glb, .obj, .bvh; overlay.png when there was a frame.
+// result.json first and always; when measured, dress() and avatar.glb, .obj, .bvh; overlay.png when there was a
+// frame.
 Status write_outputs(SessionOutcome& outcome, const std::string& directory);
 // What a person should know of a measurement beside its values: damaged frames, a back that was not used.
 std::vector<std::string> session_notes(const SessionOutcome& outcome);
