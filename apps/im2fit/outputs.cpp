@@ -139,24 +139,27 @@ Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& o
   return code;
 }
 
-std::string result_table(const SessionOutcome& outcome) {
+std::string result_table(const SessionOutcome& outcome, bool paper) {
   const EngineResult& result = outcome.person.result;
   const auto& truth = outcome.input.truth;
-  std::vector<std::string> header = {"measurement", "value", "95 % interval", "paper's method"};
-  if (truth) header.insert(header.end(), {"truth", "error", "paper's error"});
+  std::vector<std::string> header = {"measurement", "value", "95 % interval"};
+  if (truth) header.insert(header.end(), {"truth", "error"});
+  if (paper) header.push_back("paper's method");
+  if (paper && truth) header.push_back("paper's error");
   TextTable table(header);
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {
     const int decimals = i == measurement_index(Measurement::weight) ? 1 : 0;
     const index::IntervalEstimate& e = result.answer.measurements[i];
-    std::vector<std::string> row = {
-        fmt::format("{} {}", kMeasurementTable[i].id, kMeasurementTable[i].unit), number(e.value, decimals),
-        number(e.low, decimals) + " .. " + number(e.high, decimals), number(result.paper[i], decimals)};
+    std::vector<std::string> row = {fmt::format("{} {}", kMeasurementTable[i].id, kMeasurementTable[i].unit),
+                                    number(e.value, decimals),
+                                    number(e.low, decimals) + " .. " + number(e.high, decimals)};
     if (truth)
-      row.insert(
-          row.end(),
-          {number(truth->values[i], decimals), fmt::format("{:+.{}f}", e.value - truth->values[i], decimals),
-           std::isnan(result.paper[i]) ? "-"
-                                       : fmt::format("{:+.{}f}", result.paper[i] - truth->values[i], decimals)});
+      row.insert(row.end(),
+                 {number(truth->values[i], decimals), fmt::format("{:+.{}f}", e.value - truth->values[i], decimals)});
+    if (paper) row.push_back(number(result.paper[i], decimals));
+    if (paper && truth)
+      row.push_back(
+          std::isnan(result.paper[i]) ? "-" : fmt::format("{:+.{}f}", result.paper[i] - truth->values[i], decimals));
     table.add(row);
   }
   std::string text = table.text();
@@ -241,7 +244,7 @@ Result<int> report_session(SessionOutcome& outcome, const SessionOptions& option
   for (const std::string& note : session_notes(outcome)) print_error(note);
   if (const std::string note = body_note(outcome.person); !note.empty()) print_error(note);
   if (!options.json) {
-    fmt::print("{}", result_table(outcome));
+    fmt::print("{}", result_table(outcome, options.paper));
     if (!options.out.empty()) fmt::print("written to {}\n", options.out);
   }
   return kExitOk;

@@ -57,6 +57,7 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
       ->one_of({1, 2})
       ->capture_default_str();
   add_motion_option(sub, options.motion);
+  sub.add_flag("--paper", options.paper, "Show the values of the paper's own estimators beside ours in the table");
   sub.add_flag("--timing", options.timing, "Add times to the result");
   sub.add_flag("--json", options.json, "Print result.json, and nothing else, on stdout");
 }

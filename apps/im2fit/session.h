@@ -22,6 +22,7 @@ struct SessionOptions : MeasuringOptions {
   std::string motion;  // file of the joints over time; "": none
   bool json = false;
   bool timing = false;
+  bool paper = false;  // the paper's values in the table, beside ours
 };
 void add_session_options(cli::App& sub, SessionOptions& options);
 void add_motion_option(cli::App& sub, std::string& path);
@@ -89,7 +90,7 @@ Result<std::string> write_motion(const MotionRecording& motion, const std::strin
                                  const std::optional<AnsweredBody>& body);
 // The same after a run that ended with `code`, where the options ask for it; printed unless --json. The exit code.
 Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& options, Result<int> code);
-// For people: value, interval, the paper's, and truth where it is known.
-std::string result_table(const SessionOutcome& outcome);
+// For people: value, interval, truth where it is known, and the paper's values when `paper`.
+std::string result_table(const SessionOutcome& outcome, bool paper);
 
 }  // namespace im2fit::apps

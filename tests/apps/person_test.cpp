@@ -2,6 +2,7 @@
 // One rendered person is measured; two people, or one cut at an edge, get guidance instead of numbers.
 #include <algorithm>
 #include <optional>
+#include <sstream>
 
 #include "lab/camera/virtual_camera.h"
 #include "lab/population/population.h"
@@ -141,6 +142,16 @@ TEST_F(Person, WholeAndAloneIsMeasured) {
   // Only the owner may read what a person measures.
   for (const auto& file : std::filesystem::directory_iterator(out()))
     EXPECT_EQ(file.status().permissions(), std::filesystem::perms(0600)) << file.path();
+}
+
+TEST_F(Person, TheTableShowsThePapersValuesWhenAsked) {
+  const test::Run plain = measure_through({});
+  EXPECT_THAT(plain.out, testing::HasSubstr("chest_girth mm"));
+  EXPECT_THAT(plain.out, testing::Not(testing::HasSubstr("paper")));
+  std::istringstream lines(plain.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+  const test::Run both = measure_through({}, {"--paper"});
+  EXPECT_THAT(both.out, testing::HasSubstr("paper's method"));
 }
 
 TEST_F(Person, JsonIsAllThatIsOnStdout) {
