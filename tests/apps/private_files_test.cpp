@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every file the programs write of a person, with the umask most systems have: readable by its owner alone. Files of
-// `serve` are looked at in page/serve_test.cpp.
+// `serve` are looked at in serve/serve_test.cpp, those of im2fitd in daemon/daemon_recording_test.cpp.
 #include "private_files.h"
 
 #include <algorithm>
 #include <set>
 
-#include "daemon_run.h"
 #include "measured_clip.h"
-#include "two_people.h"
 
 namespace im2fit {
 namespace {
@@ -86,24 +84,6 @@ TEST_F(PrivateFiles, OfPeopleWhoComeAndGo) {
   EXPECT_TRUE(
       std::any_of(written.begin(), written.end(), [](const auto& name) { return name.starts_with("pictures/"); }));
   EXPECT_THAT(readable_by_others(), IsEmpty());
-}
-
-TEST_F(PrivateFiles, OfTheDaemon) {
-  const test::UsualUmask umask;
-  std::filesystem::create_directories(own_.path("state"));
-  test::write_text(own_.path("c.yaml"), "source: '" + clip() + "'\nbody: " + test::body_path() +
-                                            "\ntracker: " + test::tracker_path() + "\nindex: " + test::index_path() +
-                                            "\nmeasure: {frames: 5}\nsocket: {path: " + own_.path("s") +
-                                            "}\nstate_directory: " + own_.path("state") + "\n");
-  test::DaemonRun daemon(own_.path("c.yaml"), {}, own_.path("messages"));
-  for (const auto end = test::Clock::now() + test::kPatience;
-       test::Clock::now() < end &&
-       test::files_in(own_.path("state")) != std::vector<std::string>{"last-result.json"};)
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  daemon.signal(SIGTERM);
-  EXPECT_EQ(daemon.wait(), 0) << daemon.messages();
-  EXPECT_THAT(test::all_files_in(own_.path("state")), IsSupersetOf({"last-result.json"})) << daemon.messages();
-  EXPECT_THAT(test::readable_by_others(own_.path("state")), IsEmpty());
 }
 
 }  // namespace

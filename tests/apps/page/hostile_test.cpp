@@ -276,7 +276,7 @@ TEST(Hostile, AGoodClientIsAnsweredAndTheEndIsPrompt) {
   EXPECT_LE(memory_mb, kSanitized ? 2000 : 20);
 }
 
-// A page that does not get a turn loses nobody: who is not in the queue would come again after a second.
+// A page that does not get a turn loses none: who is not in the queue would come again after a second.
 TEST(Hostile, AllThatComeAtOnceFindRoomInTheQueue) {
   ServedElsewhere page;
   ASSERT_FALSE(page.url().empty());
