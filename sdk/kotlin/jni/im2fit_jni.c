@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: Apache-2.0
+// What im2fit.sdk.Native calls: im2fit.h with Java's arrays and buffers for its structs. Nothing is decided and nothing
+// thrown here: every function gives back the library's status, and Kotlin makes exceptions of it. Texts are bytes of
+// UTF-8, as Java's native strings are another encoding. Exceptions of the virtual machine itself (no memory) stay
+// pending, and the function returns at once.
+#include <im2fit/im2fit.h>
+#include <jni.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+static im2fit_handle* handle_of(jlong handle) { return (im2fit_handle*)(intptr_t)handle; }
+
+static jbyteArray bytes_of(JNIEnv* env, const char* text) {
+  if (!text) return NULL;
+  const jsize length = (jsize)strlen(text);
+  jbyteArray bytes = (*env)->NewByteArray(env, length);
+  if (bytes) (*env)->SetByteArrayRegion(env, bytes, 0, length, (const jbyte*)text);
+  return bytes;
+}
+
+// A zero-ended copy of an element of byte[][]; NULL where the element is null, or after a failure, which is pending.
+static char* text_at(JNIEnv* env, jobjectArray texts, jsize at) {
+  jbyteArray bytes = (jbyteArray)(*env)->GetObjectArrayElement(env, texts, at);
+  if (!bytes) return NULL;
+  const jsize length = (*env)->GetArrayLength(env, bytes);
+  char* text = (char*)malloc((size_t)length + 1);
+  if (text) {
+    (*env)->GetByteArrayRegion(env, bytes, 0, length, (jbyte*)text);
+    text[length] = 0;
+  }
+  (*env)->DeleteLocalRef(env, bytes);
+  return text;
+}
+
+static jbyteArray native_version(JNIEnv* env, jclass type) {
+  (void)type;
+  return bytes_of(env, im2fit_version());
+}
+
+static jbyteArray native_last_error(JNIEnv* env, jclass type, jlong handle) {
+  (void)type;
+  return bytes_of(env, im2fit_last_error(handle_of(handle)));
+}
+
+// Which list of names: Native.NAMES_... has the same numbers.
+enum { NAMES_STATUS, NAMES_STATE, NAMES_GUIDANCE, NAMES_MEASUREMENT, NAMES_UNIT, NAMES_JOINT, NAMES_VIEW };
+
+static jbyteArray native_name(JNIEnv* env, jclass type, jint list, jint index) {
+  (void)type;
+  switch (list) {
+    case NAMES_STATUS: return bytes_of(env, im2fit_status_name(index));
+    case NAMES_STATE: return bytes_of(env, im2fit_state_name(index));
+    case NAMES_GUIDANCE: return bytes_of(env, im2fit_guidance_name(index));
+    case NAMES_MEASUREMENT: return bytes_of(env, im2fit_measurement_name(index));
+    case NAMES_UNIT: return bytes_of(env, im2fit_measurement_unit(index));
+    case NAMES_JOINT: return bytes_of(env, im2fit_joint_name(index));
+    case NAMES_VIEW: return bytes_of(env, im2fit_view_name(index));
+    default: return NULL;
+  }
+}
+
+// Order of `paths`, and of the first three's data.
+enum { TRACKER, INDEX, BODY, MEN_CHART, WOMEN_CHART, PATHS };
+enum { DATA = 3 };
+// Order of `numbers`.
+enum { WIDTH, HEIGHT, FRAMES_WANTED, FRAMES_MIN, CALIBRATION_PSI, LIVE, SINGLE_THREAD, TURN, CLOTHING, SENSOR, USER_ID };
+
+// paths: byte[5][]; contents: byte[3][], null for a path; fds, offsets, sizes: of the three, fd -1 where there is none.
+static jint native_open(JNIEnv* env, jclass type, jobjectArray paths, jobjectArray contents, jintArray fds,
+                        jlongArray offsets, jlongArray sizes, jintArray numbers, jfloatArray intrinsics,
+                        jlongArray opened) {
+  (void)type;
+  im2fit_settings settings;
+  im2fit_settings_init(&settings, sizeof settings);
+  jint n[USER_ID + 1];
+  jint fd[DATA];
+  jlong offset[DATA];
+  jlong size[DATA];
+  jfloat k[4];
+  (*env)->GetIntArrayRegion(env, numbers, 0, USER_ID + 1, n);
+  (*env)->GetIntArrayRegion(env, fds, 0, DATA, fd);
+  (*env)->GetLongArrayRegion(env, offsets, 0, DATA, offset);
+  (*env)->GetLongArrayRegion(env, sizes, 0, DATA, size);
+  (*env)->GetFloatArrayRegion(env, intrinsics, 0, 4, k);
+  if ((*env)->ExceptionCheck(env)) return IM2FIT_ERROR_INVALID_ARGUMENT;
+
+  char* path[PATHS];
+  for (jsize i = 0; i < PATHS; ++i) path[i] = text_at(env, paths, i);
+  settings.tracker_path = path[TRACKER];
+  settings.index_path = path[INDEX];
+  settings.body_path = path[BODY];
+  settings.men_chart_path = path[MEN_CHART];
+  settings.women_chart_path = path[WOMEN_CHART];
+  settings.width = n[WIDTH];
+  settings.height = n[HEIGHT];
+  settings.frames_wanted = n[FRAMES_WANTED];
+  settings.frames_min = n[FRAMES_MIN];
+  settings.calibration_psi = n[CALIBRATION_PSI];
+  settings.live = n[LIVE];
+  settings.single_thread = n[SINGLE_THREAD];
+  settings.turn = n[TURN];
+  settings.clothing = n[CLOTHING];
+  settings.sensor = n[SENSOR];
+  settings.user_id = n[USER_ID];
+  settings.fx = k[0];
+  settings.fy = k[1];
+  settings.cx = k[2];
+  settings.cy = k[3];
+
+  im2fit_data* data[DATA] = {&settings.tracker_data, &settings.index_data, &settings.body_data};
+  jbyteArray content[DATA];
+  jbyte* elements[DATA];
+  for (jsize i = 0; i < DATA; ++i) {
+    content[i] = (jbyteArray)(*env)->GetObjectArrayElement(env, contents, i);
+    elements[i] = content[i] ? (*env)->GetByteArrayElements(env, content[i], NULL) : NULL;
+    if (elements[i]) {
+      data[i]->kind = IM2FIT_DATA_MEMORY;
+      data[i]->bytes = elements[i];
+      data[i]->size = (size_t)(*env)->GetArrayLength(env, content[i]);
+    } else if (fd[i] >= 0) {
+      data[i]->kind = IM2FIT_DATA_FD;
+      data[i]->fd = fd[i];
+      data[i]->offset = offset[i];
+      data[i]->size = (size_t)size[i];
+    }
+  }
+  im2fit_handle* handle = NULL;
+  jint status = IM2FIT_ERROR_NO_MEMORY;
+  if (!(*env)->ExceptionCheck(env)) status = im2fit_open(&settings, &handle);
+  for (jsize i = 0; i < DATA; ++i)
+    if (elements[i]) (*env)->ReleaseByteArrayElements(env, content[i], elements[i], JNI_ABORT);
+  for (jsize i = 0; i < PATHS; ++i) free(path[i]);
+  const jlong number = (jlong)(intptr_t)handle;
+  if (status == IM2FIT_OK) (*env)->SetLongArrayRegion(env, opened, 0, 1, &number);
+  return status;
+}
+
+static void native_close(JNIEnv* env, jclass type, jlong handle) {
+  (void)env;
+  (void)type;
+  im2fit_close(handle_of(handle));
+}
+
+// Order of push's `numbers` and `longs`.
+enum { FORMAT, FRAME_WIDTH, FRAME_HEIGHT, ROTATE_DEG, CONFIDENCE_MIN, FRAME_NUMBERS };
+enum { PIXELS_AT, ROW_BYTES, CONFIDENCE_AT, CONFIDENCE_ROW_BYTES, SEQUENCE, TIME_NS, DEVICE_US, FRAME_LONGS };
+enum { UNIT_MM, FX, FY, CX, CY, FRAME_FLOATS };
+
+// pixels, confidence: direct buffers, long enough from their ..._AT on: Frame.kt has checked.
+static jint native_push(JNIEnv* env, jclass type, jlong handle, jobject pixels, jobject confidence, jintArray numbers,
+                        jlongArray longs, jfloatArray floats) {
+  (void)type;
+  jint n[FRAME_NUMBERS];
+  jlong l[FRAME_LONGS];
+  jfloat f[FRAME_FLOATS];
+  (*env)->GetIntArrayRegion(env, numbers, 0, FRAME_NUMBERS, n);
+  (*env)->GetLongArrayRegion(env, longs, 0, FRAME_LONGS, l);
+  (*env)->GetFloatArrayRegion(env, floats, 0, FRAME_FLOATS, f);
+  if ((*env)->ExceptionCheck(env)) return IM2FIT_ERROR_INVALID_ARGUMENT;
+  im2fit_frame frame;
+  im2fit_frame_init(&frame, sizeof frame);
+  const uint8_t* first = (const uint8_t*)(*env)->GetDirectBufferAddress(env, pixels);
+  if (first) frame.pixels = first + l[PIXELS_AT];
+  if (confidence) {
+    const uint8_t* plane = (const uint8_t*)(*env)->GetDirectBufferAddress(env, confidence);
+    if (plane) frame.confidence = plane + l[CONFIDENCE_AT];
+  }
+  frame.format = n[FORMAT];
+  frame.width = n[FRAME_WIDTH];
+  frame.height = n[FRAME_HEIGHT];
+  frame.rotate_deg = n[ROTATE_DEG];
+  frame.confidence_min = n[CONFIDENCE_MIN];
+  frame.row_bytes = (size_t)l[ROW_BYTES];
+  frame.confidence_row_bytes = (size_t)l[CONFIDENCE_ROW_BYTES];
+  frame.sequence = (uint64_t)l[SEQUENCE];
+  frame.time_ns = l[TIME_NS];
+  frame.device_us = l[DEVICE_US];
+  frame.unit_mm = f[UNIT_MM];
+  frame.fx = f[FX];
+  frame.fy = f[FY];
+  frame.cx = f[CX];
+  frame.cy = f[CY];
+  return im2fit_push_frame(handle_of(handle), &frame);
+}
+
+// What to do with a handle alone: Native.DO_... has the same numbers. `number`: wait's time, select's id.
+enum { DO_WAIT, DO_FINISH, DO_RESET, DO_NEXT, DO_SELECT_USER };
+
+static jint native_act(JNIEnv* env, jclass type, jlong handle, jint what, jint number) {
+  (void)env;
+  (void)type;
+  switch (what) {
+    case DO_WAIT: return im2fit_wait(handle_of(handle), number);
+    case DO_FINISH: return im2fit_finish(handle_of(handle));
+    case DO_RESET: return im2fit_reset(handle_of(handle));
+    case DO_NEXT: return im2fit_next(handle_of(handle));
+    case DO_SELECT_USER: return im2fit_select_user(handle_of(handle), number);
+    default: return IM2FIT_ERROR_INVALID_ARGUMENT;
+  }
+}
+
+// poll's layout, for Result.kt: whole numbers, then floats.
+enum { RESULT_LONGS = 12, RESULT_FLOATS = 3 * IM2FIT_MEASUREMENT_COUNT + 8 * IM2FIT_JOINT_COUNT + 6 + IM2FIT_AGE_BAND_COUNT };
+
+static jfloat* put_estimate(jfloat* to, const im2fit_estimate* estimate) {
+  *to++ = estimate->value;
+  *to++ = estimate->low;
+  *to++ = estimate->high;
+  return to;
+}
+
+static jfloat* put_joints(jfloat* to, const im2fit_joint* joints) {
+  for (int i = 0; i < IM2FIT_JOINT_COUNT; ++i) {
+    *to++ = joints[i].x;
+    *to++ = joints[i].y;
+    *to++ = joints[i].z;
+    *to++ = joints[i].confidence;
+  }
+  return to;
+}
+
+static jint native_poll(JNIEnv* env, jclass type, jlong handle, jlongArray longs, jfloatArray floats) {
+  (void)type;
+  im2fit_result result;
+  const jint status = im2fit_poll(handle_of(handle), &result, sizeof result);
+  if (status != IM2FIT_OK) return status;
+  const jlong l[RESULT_LONGS] = {result.state,
+                                 result.guidance,
+                                 result.guidance_seen,
+                                 result.arms_close,
+                                 result.has_joints,
+                                 result.measured,
+                                 result.views,
+                                 result.user_id,
+                                 result.session,
+                                 (jlong)result.frames_seen,
+                                 (jlong)result.frames_used,
+                                 (jlong)result.frames_dropped};
+  jfloat f[RESULT_FLOATS];
+  jfloat* to = f;
+  for (int i = 0; i < IM2FIT_MEASUREMENT_COUNT; ++i) to = put_estimate(to, &result.measurements[i]);
+  to = put_estimate(to, &result.age);
+  *to++ = result.female;
+  *to++ = result.clothing_probability;
+  *to++ = result.clothing_ease_mm;
+  for (int i = 0; i < IM2FIT_AGE_BAND_COUNT; ++i) *to++ = result.age_bands[i];
+  to = put_joints(to, result.joints);
+  put_joints(to, result.display_joints);
+  (*env)->SetLongArrayRegion(env, longs, 0, RESULT_LONGS, l);
+  if (!(*env)->ExceptionCheck(env)) (*env)->SetFloatArrayRegion(env, floats, 0, RESULT_FLOATS, f);
+  return IM2FIT_OK;
+}
+
+enum { SIZES_MAX = 64 }; // of a chart; the built-in ones have 9
+
+// names: byte[SIZES_MAX][]; counted: their number and the likeliest's index.
+static jint native_sizes(JNIEnv* env, jclass type, jlong handle, jobjectArray names, jfloatArray probabilities,
+                         jintArray counted) {
+  (void)type;
+  im2fit_size sizes[SIZES_MAX];
+  size_t count = 0;
+  size_t best = 0;
+  const jint status = im2fit_sizes(handle_of(handle), sizes, SIZES_MAX, &count, &best);
+  if (status != IM2FIT_OK) return status;
+  for (size_t i = 0; i < count; ++i) {
+    jbyteArray name = bytes_of(env, sizes[i].name);
+    if (!name) return IM2FIT_ERROR_NO_MEMORY;
+    (*env)->SetObjectArrayElement(env, names, (jsize)i, name);
+    (*env)->DeleteLocalRef(env, name);
+    if ((*env)->ExceptionCheck(env)) return IM2FIT_ERROR_NO_MEMORY;
+    (*env)->SetFloatArrayRegion(env, probabilities, (jsize)i, 1, &sizes[i].probability);
+  }
+  const jint numbers[2] = {(jint)count, (jint)best};
+  (*env)->SetIntArrayRegion(env, counted, 0, 2, numbers);
+  return IM2FIT_OK;
+}
+
+static jint native_tape_count(JNIEnv* env, jclass type) {
+  (void)env;
+  (void)type;
+  return (jint)im2fit_tape_count();
+}
+
+// id, unit, ISO number and name in `language` of one definition.
+static void native_tape_words(JNIEnv* env, jclass type, jint index, jbyteArray language, jobjectArray words) {
+  (void)type;
+  char code[8] = {0};
+  const jsize length = (*env)->GetArrayLength(env, language);
+  (*env)->GetByteArrayRegion(env, language, 0, length < 7 ? length : 7, (jbyte*)code);
+  const size_t at = (size_t)index;
+  const char* texts[4] = {im2fit_tape_id(at), im2fit_tape_unit(at), im2fit_tape_iso(at), im2fit_tape_name(at, code)};
+  for (jsize i = 0; i < 4 && !(*env)->ExceptionCheck(env); ++i) {
+    jbyteArray word = bytes_of(env, texts[i]);
+    if ((*env)->ExceptionCheck(env)) return;
+    (*env)->SetObjectArrayElement(env, words, i, word);
+    if (word) (*env)->DeleteLocalRef(env, word);
+  }
+}
+
+// The whole tape: statuses int[count], values float[3 count], reasons byte[count][].
+static jint native_tape(JNIEnv* env, jclass type, jlong handle, jintArray statuses, jfloatArray values,
+                        jobjectArray reasons) {
+  (void)type;
+  const size_t count = im2fit_tape_count();
+  im2fit_tape_value* tape = (im2fit_tape_value*)calloc(count, sizeof *tape);
+  if (!tape) return IM2FIT_ERROR_NO_MEMORY;
+  const jint status = im2fit_tape(handle_of(handle), NULL, count, tape, sizeof *tape);
+  for (size_t i = 0; status == IM2FIT_OK && i < count && !(*env)->ExceptionCheck(env); ++i) {
+    const jfloat value[3] = {tape[i].value, tape[i].low, tape[i].high};
+    const jint kind = tape[i].status;
+    (*env)->SetIntArrayRegion(env, statuses, (jsize)i, 1, &kind);
+    if (!(*env)->ExceptionCheck(env)) (*env)->SetFloatArrayRegion(env, values, (jsize)(3 * i), 3, value);
+    if (!tape[i].reason || (*env)->ExceptionCheck(env)) continue;
+    jbyteArray reason = bytes_of(env, tape[i].reason);
+    if (!reason) break;
+    (*env)->SetObjectArrayElement(env, reasons, (jsize)i, reason);
+    (*env)->DeleteLocalRef(env, reason);
+  }
+  free(tape);
+  return status;
+}
+
+// vertices, triangles: null to ask for `counted`, else arrays of 3 numbers each.
+static jint native_mesh(JNIEnv* env, jclass type, jlong handle, jfloatArray vertices, jintArray triangles,
+                        jintArray counted) {
+  (void)type;
+  size_t vertex_count = 0;
+  size_t triangle_count = 0;
+  jfloat* v = NULL;
+  jint* t = NULL;
+  size_t vertex_capacity = 0;
+  size_t triangle_capacity = 0;
+  if (vertices && triangles) {
+    v = (*env)->GetFloatArrayElements(env, vertices, NULL);
+    t = v ? (*env)->GetIntArrayElements(env, triangles, NULL) : NULL;
+    if (!t) {
+      if (v) (*env)->ReleaseFloatArrayElements(env, vertices, v, JNI_ABORT);
+      return IM2FIT_ERROR_NO_MEMORY;
+    }
+    vertex_capacity = (size_t)(*env)->GetArrayLength(env, vertices) / 3;
+    triangle_capacity = (size_t)(*env)->GetArrayLength(env, triangles) / 3;
+  }
+  const jint status = im2fit_body_mesh(handle_of(handle), v, vertex_capacity, &vertex_count, (int32_t*)t,
+                                       triangle_capacity, &triangle_count);
+  if (v) (*env)->ReleaseFloatArrayElements(env, vertices, v, 0);
+  if (t) (*env)->ReleaseIntArrayElements(env, triangles, t, 0);
+  const jint numbers[2] = {(jint)vertex_count, (jint)triangle_count};
+  (*env)->SetIntArrayRegion(env, counted, 0, 2, numbers);
+  return status;
+}
+
+enum { BYTES_JSON = -1 }; // else IM2FIT_AVATAR_...
+
+// The result as JSON, or an avatar, into made[0].
+static jint native_bytes(JNIEnv* env, jclass type, jlong handle, jint what, jobjectArray made) {
+  (void)type;
+  size_t size = 0;
+  char* bytes = NULL;
+  im2fit_handle* const of = handle_of(handle);
+  jint status =
+      what == BYTES_JSON ? im2fit_result_json(of, NULL, 0, &size) : im2fit_avatar(of, what, NULL, 0, &size);
+  if (status == IM2FIT_ERROR_TOO_SMALL) {
+    bytes = (char*)malloc(size + 1);
+    if (!bytes) return IM2FIT_ERROR_NO_MEMORY;
+    status = what == BYTES_JSON ? im2fit_result_json(of, bytes, size + 1, &size)
+                                : im2fit_avatar(of, what, bytes, size + 1, &size);
+  }
+  if (status == IM2FIT_OK) {
+    jbyteArray array = (*env)->NewByteArray(env, (jsize)size);
+    if (array) {
+      (*env)->SetByteArrayRegion(env, array, 0, (jsize)size, (const jbyte*)bytes);
+      (*env)->SetObjectArrayElement(env, made, 0, array);
+    }
+  }
+  free(bytes);
+  return status;
+}
+
+// By name rather than by Java_im2fit_sdk_...: a method that is missing on either side fails when the library is loaded.
+JNIEXPORT jint JNICALL JNI_OnLoad(JavaVM* machine, void* reserved) {
+  (void)reserved;
+  static const JNINativeMethod methods[] = {
+      {"version", "()[B", (void*)native_version},
+      {"lastError", "(J)[B", (void*)native_last_error},
+      {"name", "(II)[B", (void*)native_name},
+      {"open", "([[B[[B[I[J[J[I[F[J)I", (void*)native_open},
+      {"close", "(J)V", (void*)native_close},
+      {"push", "(JLjava/nio/ByteBuffer;Ljava/nio/ByteBuffer;[I[J[F)I", (void*)native_push},
+      {"act", "(JII)I", (void*)native_act},
+      {"poll", "(J[J[F)I", (void*)native_poll},
+      {"sizes", "(J[[B[F[I)I", (void*)native_sizes},
+      {"tapeCount", "()I", (void*)native_tape_count},
+      {"tapeWords", "(I[B[[B)V", (void*)native_tape_words},
+      {"tape", "(J[I[F[[B)I", (void*)native_tape},
+      {"mesh", "(J[F[I[I)I", (void*)native_mesh},
+      {"bytes", "(JI[[B)I", (void*)native_bytes},
+  };
+  JNIEnv* env = NULL;
+  if ((*machine)->GetEnv(machine, (void**)&env, JNI_VERSION_1_6) != JNI_OK) return JNI_ERR;
+  jclass native = (*env)->FindClass(env, "im2fit/sdk/Native");
+  if (!native) return JNI_ERR;
+  if ((*env)->RegisterNatives(env, native, methods, sizeof methods / sizeof methods[0]) != JNI_OK) return JNI_ERR;
+  return JNI_VERSION_1_6;
+}

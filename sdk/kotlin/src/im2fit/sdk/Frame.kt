@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+package im2fit.sdk
+
+import java.nio.ByteBuffer
+import java.nio.ByteOrder
+
+/** How samples are stored. Order of IM2FIT_FORMAT_... */
+enum class DepthFormat(internal val sampleBytes: Int) {
+    /** 16-bit whole numbers of [Frame.unitMm]; 0: no data. */
+    U16(2),
+    /** Android's `ImageFormat.DEPTH16`: 13 bits of millimetres under 3 bits of confidence. */
+    DEPTH16(2),
+    /** 32-bit floats, metres; NaN, infinite, zero and negative: no data. */
+    F32(4)
+}
+
+/**
+ * One depth frame as the camera delivers it. Nothing is copied before [Session.push] has it.
+ *
+ * @property pixels a direct buffer of the machine's byte order: rows from the top, from its position on
+ * @property rowBytes from row to row; 0: no padding (`Image.Plane.getRowStride()`)
+ * @property timeNs monotonic (`Image.getTimestamp()`); 0: none
+ * @property sequence the camera's count of frames, so that gaps are noticed; 0: none
+ * @property confidence a direct buffer with a byte a sample, of U16 and F32; below [confidenceMin] is no data
+ * @property confidenceMin 0: all are taken. DEPTH16: sevenths of sure, 0..7. Else of [confidence], 0..255
+ * @property camera of this frame, where focus or calibration changes; null: the session's
+ * @property unitMm of U16
+ */
+class Frame(
+    val pixels: ByteBuffer, val format: DepthFormat, val rowBytes: Int = 0, val timeNs: Long = 0, val sequence: Long = 0,
+    val confidence: ByteBuffer? = null, val confidenceRowBytes: Int = 0, val confidenceMin: Int = 0,
+    val camera: Camera? = null, val unitMm: Float = 1f
+) {
+    init {
+        require(pixels.isDirect) { "pixels must be a direct buffer (ByteBuffer.allocateDirect, or a plane of an Image)" }
+        require(confidence == null || confidence.isDirect) { "confidence must be a direct buffer" }
+    }
+
+    internal fun checkSize(width: Int, height: Int) {
+        val row = if (rowBytes == 0) width * format.sampleBytes else rowBytes
+        val needed = row.toLong() * (height - 1) + width.toLong() * format.sampleBytes
+        require(rowBytes >= 0 && pixels.remaining() >= needed) {
+            "pixels has ${pixels.remaining()} bytes, $width x $height samples of $format in rows of $row need $needed"
+        }
+        if (confidence == null) return
+        val confidenceRow = if (confidenceRowBytes == 0) width else confidenceRowBytes
+        val plane = confidenceRow.toLong() * (height - 1) + width
+        require(confidenceRowBytes >= 0 && confidence.remaining() >= plane) {
+            "confidence has ${confidence.remaining()} bytes, $width x $height in rows of $confidenceRow need $plane"
+        }
+    }
+
+    companion object {
+        /** A frame of millimetres out of an array; copies. For every frame of a camera keep one direct buffer instead. */
+        @JvmStatic
+        @JvmOverloads
+        fun ofMillimetres(depth: ShortArray, timeNs: Long = 0, sequence: Long = 0): Frame {
+            val buffer = ByteBuffer.allocateDirect(2 * depth.size).order(ByteOrder.nativeOrder())
+            buffer.asShortBuffer().put(depth)
+            return Frame(buffer, DepthFormat.U16, timeNs = timeNs, sequence = sequence)
+        }
+
+        /** The same in metres. */
+        @JvmStatic
+        @JvmOverloads
+        fun ofMetres(depth: FloatArray, timeNs: Long = 0, sequence: Long = 0): Frame {
+            val buffer = ByteBuffer.allocateDirect(4 * depth.size).order(ByteOrder.nativeOrder())
+            buffer.asFloatBuffer().put(depth)
+            return Frame(buffer, DepthFormat.F32, timeNs = timeNs, sequence = sequence)
+        }
+    }
+}

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+package im2fit.sdk
+
+import java.nio.ByteBuffer
+
+/** jni/im2fit_jni.c, one to one: statuses, arrays in its order. Loads libim2fit_jni, which brings libim2fit with it. */
+internal object Native {
+    const val OK = 0
+    const val NOT_MEASURED = -10
+
+    const val NAMES_STATUS = 0
+    const val NAMES_STATE = 1
+    const val NAMES_GUIDANCE = 2
+    const val NAMES_MEASUREMENT = 3
+    const val NAMES_UNIT = 4
+    const val NAMES_JOINT = 5
+    const val NAMES_VIEW = 6
+
+    const val DO_WAIT = 0
+    const val DO_FINISH = 1
+    const val DO_RESET = 2
+    const val DO_NEXT = 3
+    const val DO_SELECT_USER = 4
+
+    const val BYTES_JSON = -1
+    const val RESULT_LONGS = 12
+    const val RESULT_FLOATS = 3 * 11 + 8 * 15 + 6 + 4
+    const val SIZES_MAX = 64
+
+    init {
+        System.loadLibrary("im2fit_jni")
+    }
+
+    @JvmStatic external fun version(): ByteArray
+    @JvmStatic external fun lastError(handle: Long): ByteArray?
+    @JvmStatic external fun name(list: Int, index: Int): ByteArray?
+    @JvmStatic external fun open(
+        paths: Array<ByteArray?>, contents: Array<ByteArray?>, fds: IntArray, offsets: LongArray, sizes: LongArray,
+        numbers: IntArray, intrinsics: FloatArray, opened: LongArray
+    ): Int
+    @JvmStatic external fun close(handle: Long)
+    @JvmStatic external fun push(
+        handle: Long, pixels: ByteBuffer, confidence: ByteBuffer?, numbers: IntArray, longs: LongArray, floats: FloatArray
+    ): Int
+    @JvmStatic external fun act(handle: Long, what: Int, number: Int): Int
+    @JvmStatic external fun poll(handle: Long, longs: LongArray, floats: FloatArray): Int
+    @JvmStatic external fun sizes(
+        handle: Long, names: Array<ByteArray?>, probabilities: FloatArray, counted: IntArray
+    ): Int
+    @JvmStatic external fun tapeCount(): Int
+    @JvmStatic external fun tapeWords(index: Int, language: ByteArray, words: Array<ByteArray?>)
+    @JvmStatic external fun tape(handle: Long, statuses: IntArray, values: FloatArray, reasons: Array<ByteArray?>): Int
+    @JvmStatic external fun mesh(handle: Long, vertices: FloatArray?, triangles: IntArray?, counted: IntArray): Int
+    @JvmStatic external fun bytes(handle: Long, what: Int, made: Array<ByteArray?>): Int
+
+    fun text(bytes: ByteArray?): String? = bytes?.let { String(it, Charsets.UTF_8) }
+    fun nameOf(list: Int, index: Int): String? = text(name(list, index))
+}
+
+/**
+ * What a call of the library failed with.
+ *
+ * @property status its number, negative: im2fit.h lists them
+ * @property statusName its name: "not_found", "corrupt", "invalid_argument", ...
+ */
+class Im2fitException internal constructor(val status: Int, message: String) : RuntimeException(message) {
+    val statusName: String get() = Native.nameOf(Native.NAMES_STATUS, status) ?: "unknown"
+}
+
+/** The library's version, "0.2.0". */
+fun im2fitVersion(): String = Native.text(Native.version())!!

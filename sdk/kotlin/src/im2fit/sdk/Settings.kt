@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+package im2fit.sdk
+
+/**
+ * The depth camera (not the colour camera): pixels of frames as they are delivered, before they are upright.
+ *
+ * @property width pixels, 1..2048
+ * @property fx focal lengths and principal point in pixels; the centre of pixel 0 is 0
+ * @property rotateDeg 0, 90, 180, 270: clockwise, what makes the picture upright
+ */
+data class Camera(
+    val width: Int, val height: Int, val fx: Float, val fy: Float, val cx: Float, val cy: Float, val rotateDeg: Int = 0
+) {
+    init {
+        require(rotateDeg in listOf(0, 90, 180, 270)) { "rotateDeg is $rotateDeg, expected 0, 90, 180 or 270" }
+    }
+
+    /** The camera of the upright picture. hal/rotate.cpp has the same lines. */
+    internal fun upright(): Camera = when (rotateDeg) {
+        90 -> Camera(height, width, fy, fx, height - 1 - cy, cx)
+        180 -> Camera(width, height, fx, fy, width - 1 - cx, height - 1 - cy)
+        270 -> Camera(height, width, fy, fx, cy, width - 1 - cx)
+        else -> copy(rotateDeg = 0)
+    }
+}
+
+/** What the person wears, where the app knows. Order and meaning of IM2FIT_CLOTHING_... */
+enum class Clothing {
+    /** Estimated from the frames, given a body file. */
+    ESTIMATED,
+    /** Underwear or close-fitting sportswear; [Guidance.CLOTHED] when it does not look so. */
+    BARE,
+    /** The body underneath is measured, with wider intervals. */
+    DRESSED
+}
+
+/** How the camera senses depth, where the app knows. Order of IM2FIT_SENSOR_... */
+enum class Sensor { JUDGED, STRUCTURED_LIGHT, TIME_OF_FLIGHT }
+
+/**
+ * How to measure. The defaults are the library's.
+ *
+ * @property framesWanted good frames until the measurement, 1..1000; of each side with [turn]
+ * @property framesMin fewest that [Session.finish] measures with, 1..framesWanted
+ * @property live true: the oldest frame is dropped when the library is behind; false: [Session.push] waits
+ * @property turn the person is asked to turn round, and the back is measured as well
+ * @property calibrationPose raised arms are asked for first
+ * @property singleThread all work inside [Session.push]
+ */
+data class Settings(
+    val framesWanted: Int = 30, val framesMin: Int = 5, val live: Boolean = true, val turn: Boolean = false,
+    val clothing: Clothing = Clothing.ESTIMATED, val sensor: Sensor = Sensor.JUDGED,
+    val calibrationPose: Boolean = false, val singleThread: Boolean = false
+)

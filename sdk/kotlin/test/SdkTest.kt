@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+// The package on a real virtual machine: scripts/kotlin-test runs this under -Xcheck:jni. Arguments: the folder of
+// tests/golden/data, a folder with the models' names, and pairs of a depth folder and what `im2fit measure --json` says
+// of it. A failed expectation ends the program with 1.
+package im2fit.sdk.test
+
+import im2fit.sdk.*
+import java.awt.image.DataBufferUShort
+import java.io.File
+import java.nio.ByteBuffer
+import java.nio.ByteOrder
+import java.util.concurrent.atomic.AtomicBoolean
+import java.util.concurrent.atomic.AtomicLong
+import javax.imageio.ImageIO
+import kotlin.concurrent.thread
+import kotlin.math.abs
+
+class Clip(folder: File) {
+    private val yaml = File(folder, "camera.yaml").readText()
+    private val k = Regex("camera_matrix:.*?data: \\[([^]]*)]", RegexOption.DOT_MATCHES_ALL).find(yaml)!!
+        .groupValues[1].split(",").map { it.trim().toFloat() }
+    private val rotate = Regex("im2fit_rotate_deg: (\\d+)").find(yaml)?.groupValues?.get(1)?.toInt() ?: 0
+    private fun number(key: String) = Regex("$key: (\\d+)").find(yaml)!!.groupValues[1].toInt()
+    val camera = Camera(number("image_width"), number("image_height"), k[0], k[4], k[2], k[5], rotate)
+    val depth: List<ShortArray> = folder.listFiles()!!.filter { it.name.endsWith(".png") }.sorted().map {
+        (ImageIO.read(it).raster.dataBuffer as DataBufferUShort).data
+    }
+    // As `im2fit measure` times a folder without timestamps.csv; the golden clip's are the same to the nanosecond's tens.
+    fun timeNs(number: Int) = number * 1_000_000_000L / 30
+    fun frames(): Sequence<Frame> = depth.asSequence().mapIndexed { i, mm ->
+        Frame.ofMillimetres(mm, timeNs(i), i.toLong())
+    }
+}
+
+val ran = mutableListOf<String>()
+fun test(name: String, body: () -> Unit) {
+    body()
+    ran += name
+}
+
+fun expect(truth: Boolean, what: () -> String) {
+    if (!truth) throw AssertionError(what())
+}
+
+fun <T> same(found: T, expected: T, what: String) = expect(found == expected) { "$what is $found, expected $expected" }
+
+inline fun <reified T : Throwable> fails(body: () -> Unit): T {
+    try {
+        body()
+    } catch (caught: Throwable) {
+        if (caught is T) return caught
+        throw caught
+    }
+    throw AssertionError("nothing was thrown, expected ${T::class.java.simpleName}")
+}
+
+val quick = Settings(framesWanted = 6, framesMin = 5, live = false)
+
+fun main(arguments: Array<String>) {
+    val golden = File(arguments[0])
+    val models = Models.of(File(arguments[1]))
+    val clip = Clip(File(golden, "clip"))
+
+    test("names are the library's") {
+        for ((list, found) in listOf(1 to State.values().map { it.name }, 2 to Guidance.values().map { it.name },
+                                     3 to Measurement.values().map { it.id }, 4 to Measurement.values().map { it.unit },
+                                     5 to JointName.values().map { it.name })) {
+            val native = Class.forName("im2fit.sdk.Native").getMethod("name", Int::class.java, Int::class.java)
+            val library = generateSequence(0) { it + 1 }.map { native.invoke(null, list, it) as ByteArray? }
+                .takeWhile { it != null }.map { String(it!!) }.toList()
+            same(found, library, "list $list")
+        }
+    }
+    test("failures have a status and a text") {
+        val missing = fails<Im2fitException> {
+            Session(clip.camera, Models(ModelFile.Path(File("/nonexistent.i2t")), models.index)).close()
+        }
+        expect(missing.statusName in listOf("not_found", "io") && "nonexistent" in missing.message!!) { "$missing" }
+        val wrong = fails<Im2fitException> { Session(clip.camera, models, Settings(framesWanted = 0)).close() }
+        same(wrong.statusName, "invalid_argument", "no frames wanted")
+        fails<IllegalArgumentException> { Camera(1, 1, 1f, 1f, 0f, 0f, rotateDeg = 45) }
+        fails<IllegalArgumentException> { Models.of(File("/nonexistent")) }
+        fails<IllegalArgumentException> { Frame(ByteBuffer.allocate(4), DepthFormat.U16) }
+        fails<IllegalArgumentException> { tapeDefinitions("xx") }
+    }
+    test("short buffers never reach the library") {
+        Session(clip.camera, models, quick).use { session ->
+            fails<IllegalArgumentException> { session.push(Frame.ofMillimetres(ShortArray(320 * 240 - 1))) }
+            val plane = ByteBuffer.allocateDirect(320 * 240 * 2)
+            fails<IllegalArgumentException> { session.push(Frame(plane, DepthFormat.U16, rowBytes = 642)) }
+            fails<IllegalArgumentException> { session.push(Frame(plane, DepthFormat.F32)) }
+            val odd = fails<Im2fitException> { session.push(Frame(plane, DepthFormat.U16, unitMm = -1f)) }
+            expect("unit_mm" in odd.message!!) { "$odd" }
+        }
+    }
+    test("an empty room is not measured") {
+        Session(clip.camera, models, quick).use { session ->
+            val told = mutableListOf<Progress>()
+            val outcome = session.measure(generateSequence { Frame.ofMillimetres(ShortArray(320 * 240)) }.take(3)) { told += it }
+            expect(outcome is Outcome.NotMeasured && Guidance.NO_PERSON in outcome.guidance) { "$outcome" }
+            same(told.last().state, State.SEARCHING, "state")
+            same(fails<Im2fitException> { session.mesh() }.statusName, "not_measured", "mesh of nobody")
+        }
+    }
+    for ((folder, said) in arguments.drop(2).chunked(2)) {
+        test("$folder measures as im2fit does") { measuresAsProgram(Clip(File(folder)), models, File(said).readText()) }
+    }
+    test("metres, millimetres and DEPTH16 are one person") {
+        val half = ByteOrder.nativeOrder()
+        val metres = clip.depth.asSequence().mapIndexed { i, mm ->
+            Frame.ofMetres(FloatArray(mm.size) { mm[it] / 1000f }, clip.timeNs(i), i.toLong())
+        }
+        val depth16 = clip.depth.asSequence().mapIndexed { i, mm -> // a row longer than the picture, confidence in the top bits
+            val buffer = ByteBuffer.allocateDirect(240 * 700).order(half)
+            for (y in 0 until 240) for (x in 0 until 320) {
+                val z = mm[y * 320 + x].toInt() and 0xffff
+                buffer.putShort(y * 700 + 2 * x, (if (z < 8192) z else 0).toShort())
+            }
+            Frame(buffer, DepthFormat.DEPTH16, rowBytes = 700, timeNs = clip.timeNs(i), sequence = i.toLong())
+        }
+        val people = listOf(clip.frames(), metres, depth16).map { frames ->
+            Session(clip.camera, models, quick).use { it.measure(frames) }
+        }
+        expect(people[0] is Outcome.Measured) { "${people[0]}" }
+        same(people[1], people[0], "in metres")
+        same(people[2], people[0], "as DEPTH16")
+    }
+    test("models from memory and from inside a file") {
+        fun content(file: ModelFile?) = (file as ModelFile.Path).file.readBytes()
+        val bytes = Models(ModelFile.Bytes(content(models.tracker)), ModelFile.Bytes(content(models.index)))
+        Session(clip.camera, bytes, quick).use { expect(it.measure(clip.frames()) is Outcome.Measured) { "not measured" } }
+    }
+    test("a state is told when it changes, and no frame is taken ahead") {
+        Session(clip.camera, models, quick.copy(singleThread = true)).use { session ->
+            var taken = 0
+            val states = session.states(clip.frames().onEach { taken++ }).iterator()
+            same(taken, 0, "frames before the first state")
+            val first = states.next()
+            same(taken, 1, "frames before the second state")
+            expect(first.framesSeen == 1L) { "$first" }
+            val all = listOf(first) + states.asSequence().toList()
+            same(all.last().state, State.MEASURED, "the last state")
+            same(all.last().joints.map { it.name }, JointName.values().toList(), "joints")
+            session.reset()
+            same(session.progress().state, State.SEARCHING, "after reset")
+        }
+    }
+    test("a screen asks from another thread, and a closed session says so") {
+        val session = Session(clip.camera, models, quick)
+        val ending = AtomicBoolean()
+        val asked = AtomicLong()
+        val screen = thread {
+            try {
+                while (!ending.get()) asked.addAndGet(session.progress().framesSeen.coerceAtMost(1))
+            } catch (closed: IllegalStateException) {
+                expect("closed" in closed.message!!) { "$closed" }
+            }
+        }
+        expect(session.measure(clip.frames()) is Outcome.Measured) { "not measured" }
+        session.close()
+        session.close()
+        ending.set(true)
+        screen.join()
+        fails<IllegalStateException> { session.progress() }
+        fails<IllegalStateException> { session.push(clip.frames().first()) }
+    }
+    test("two hundred sessions") {
+        repeat(200) { Session(clip.camera, models, quick.copy(singleThread = true)).close() }
+    }
+    println("SdkTest: ${ran.size} tests passed")
+}
+
+private val garments = Regex("\n  \"fit\": \\[.*?\n  ],", RegexOption.DOT_MATCHES_ALL)
+
+/** Each value, interval and probability to the digits that the program prints. */
+fun measuresAsProgram(clip: Clip, models: Models, said: String) = Session(clip.camera, models, quick).use { session ->
+    val outcome = session.measure(clip.frames())
+    // The same numbers in the same words, but for where the frames came from, and for garments, which the library has not.
+    fun lines(json: String) = json.substringAfter("\"views\"").replace(garments, "").trim().lines()
+    val (library, program) = lines(session.json()) to lines(said)
+    for ((line, pair) in library.zip(program).withIndex()) same(pair.first, pair.second, "line $line of result.json")
+    same(library.size, program.size, "lines of result.json")
+    val measured = "\"state\": \"MEASURED\"" in said
+    same(outcome is Outcome.Measured, measured, "measured")
+    if (outcome !is Outcome.Measured) return@use
+    val person = outcome.person
+    var compared = 0
+    fun close(found: Float, printed: String, what: String) {
+        val digits = printed.substringAfter('.', "").length
+        compared++
+        expect(abs(found - printed.toFloat()) <= 0.5001 * Math.pow(10.0, -digits.toDouble()) + 1e-6 * abs(found)) {
+            "$what is $found, im2fit says $printed"
+        }
+    }
+    val number = "\\s*(-?[\\d.]+)\\s*"
+    fun estimateAfter(text: String, key: String) =
+        Regex("\"$key\": \\{\\s*\"value\":$number,\\s*\"unit\": \"\\w+\",\\s*\"interval\": \\[$number,$number]").find(text)!!
+            .groupValues.drop(1)
+    val values = said.substringAfter("\"measurements\"")
+    for (measurement in Measurement.values()) {
+        val (value, low, high) = estimateAfter(values, measurement.id)
+        close(person[measurement].value, value, measurement.id)
+        close(person[measurement].low, low, measurement.id)
+        close(person[measurement].high, high, measurement.id)
+    }
+    close(person.age.value, estimateAfter(said, "age")[0], "age")
+    close(person.female, Regex("\"female\":$number").find(said)!!.groupValues[1], "female")
+    same(person.size.best, Regex("\"best\": \"([^\"]*)\"").find(said)!!.groupValues[1], "size")
+    for ((size, probability) in person.size.probabilities) {
+        close(probability, Regex("\"${Regex.escape(size)}\":$number").find(said.substringAfter("\"probabilities\""))!!.groupValues[1], size)
+    }
+    val tape = session.tape()
+    val tapeSaid = said.substringAfter("\"tape\"")
+    for (id in listOf("thigh_girth", "across_back", "head_girth")) {
+        val value = tape.getValue(id)
+        if (value is TapeValue.Measured) close(value.estimate.value, estimateAfter(tapeSaid, id)[0], id)
+        else expect((value as TapeValue.Refused).reason.length > 10) { "$id has neither value nor reason" }
+    }
+    expect(compared >= 3 * 11 + 2 + person.size.probabilities.size + 1) { "only $compared values compared" }
+    val mesh = session.mesh()
+    val heights = mesh.vertices.filterIndexed { i, _ -> i % 3 == 1 }
+    expect(abs(heights.min()!!) < 0.01f) { "soles at ${heights.min()}" }
+    expect(abs(heights.max()!! - person[Measurement.STATURE].value) < 60) { "mesh of ${heights.max()} mm" } // posed
+    same(mesh.triangles.max()!! + 1, mesh.vertices.size / 3, "vertices used")
+    same(String(session.avatar(Avatar.GLB).copyOf(4)), "glTF", ".glb")
+    expect(String(session.avatar(Avatar.BVH)).startsWith("HIERARCHY")) { ".bvh" }
+    expect(String(session.avatar(Avatar.OBJ)).startsWith("# im2fit avatar")) { ".obj" }
+}
