@@ -8,6 +8,8 @@
 namespace im2fit::body {
 namespace {
 
+constexpr std::size_t kBlock = 16;  // triangles
+
 std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
   const auto low = static_cast<std::uint64_t>(a < b ? a : b);
   const auto high = static_cast<std::uint64_t>(a < b ? b : a);
@@ -71,30 +73,61 @@ float steps_after(const Place& from, const Place& to, std::size_t count) {
 
 }  // namespace
 
-void Contours::cut(std::span<const Triangle> triangles, std::span<const Vec3f> vertices, const SectionPlane& plane) {
+void Contours::measure_heights(std::span<const Triangle> triangles, std::span<const Vec3f> vertices) {
+  heights_along(vertices, normal_, heights_);
+  blocks_.clear();
+  const auto height = [&](std::int32_t vertex) { return heights_[static_cast<std::size_t>(vertex)]; };
+  for (std::size_t begin = 0; begin < triangles.size(); begin += kBlock) {
+    Block block{height(triangles[begin][0]), height(triangles[begin][0])};
+    for (const Triangle& t : triangles.subspan(begin, std::min(kBlock, triangles.size() - begin)))
+      for (const std::int32_t vertex : t) {
+        block.low = std::min(block.low, height(vertex));
+        block.high = std::max(block.high, height(vertex));
+      }
+    blocks_.push_back(block);
+  }
+}
+
+void Contours::add_step(const Triangle& t, std::span<const Vec3f> vertices, float level) {
+  const std::array<float, 3> d = {heights_[static_cast<std::size_t>(t[0])] - level,
+                                  heights_[static_cast<std::size_t>(t[1])] - level,
+                                  heights_[static_cast<std::size_t>(t[2])] - level};
+  if ((d[0] > 0) == (d[1] > 0) && (d[1] > 0) == (d[2] > 0)) return;
+  // One edge goes down and one up; the neighbour passes them the other way round, and so lines follow one another.
+  Step step{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = i == 2 ? 0 : i + 1;
+    if ((d[i] > 0) == (d[j] > 0)) continue;
+    if (d[i] > 0) {
+      const Vec3f a = vertices[static_cast<std::size_t>(t[i])], b = vertices[static_cast<std::size_t>(t[j])];
+      step.to_edge = edge_key(t[i], t[j]);
+      step.point = a + (b - a) * (d[i] / (d[i] - d[j]));
+    } else {
+      step.from_edge = edge_key(t[i], t[j]);
+    }
+  }
+  steps_.push_back(step);
+}
+
+void Contours::cut(std::span<const Triangle> triangles, std::span<const Vec3f> vertices, const SectionPlane& plane,
+                   bool same_vertices) {
   plane_ = plane;
-  heights_along(vertices, plane.normal, heights_);
+  const Vec3f n = plane.normal;
+  if (!same_vertices || triangles.data() != triangles_ || triangles.size() != triangle_count_ || n.x != normal_.x ||
+      n.y != normal_.y || n.z != normal_.z) {
+    triangles_ = triangles.data();
+    triangle_count_ = triangles.size();
+    normal_ = n;
+    measure_heights(triangles, vertices);
+  }
   const float level = dot(plane.origin, plane.normal);
   steps_.clear();
-  for (const Triangle& t : triangles) {
-    const std::array<float, 3> d = {heights_[static_cast<std::size_t>(t[0])] - level,
-                                    heights_[static_cast<std::size_t>(t[1])] - level,
-                                    heights_[static_cast<std::size_t>(t[2])] - level};
-    if ((d[0] > 0) == (d[1] > 0) && (d[1] > 0) == (d[2] > 0)) continue;
-    // One edge goes down and one up; the neighbour passes them the other way round, and so lines follow one another.
-    Step step{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t j = i == 2 ? 0 : i + 1;
-      if ((d[i] > 0) == (d[j] > 0)) continue;
-      if (d[i] > 0) {
-        const Vec3f a = vertices[static_cast<std::size_t>(t[i])], b = vertices[static_cast<std::size_t>(t[j])];
-        step.to_edge = edge_key(t[i], t[j]);
-        step.point = a + (b - a) * (d[i] / (d[i] - d[j]));
-      } else {
-        step.from_edge = edge_key(t[i], t[j]);
-      }
-    }
-    steps_.push_back(step);
+  for (std::size_t block = 0; block < blocks_.size(); ++block) {
+    // Whether something lies above and something does not: as each triangle is asked.
+    if (!(blocks_[block].high - level > 0) || blocks_[block].low - level > 0) continue;
+    const std::size_t begin = block * kBlock;
+    for (const Triangle& t : triangles.subspan(begin, std::min(kBlock, triangles.size() - begin)))
+      add_step(t, vertices, level);
   }
   std::sort(steps_.begin(), steps_.end(), [](const Step& a, const Step& b) { return a.from_edge < b.from_edge; });
   // Where a mesh is open a line begins at a step that follows none.

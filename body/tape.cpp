@@ -115,6 +115,7 @@ class TapeMeasurer::Work {
     const Skeleton rest = rest_skeleton(model_, rest_);
     const Pose pose = relaxed_pose(rest, relaxed_spread_deg(model_, rest_));
     skin(model_, rest_, rest, pose, posed_);
+    cut_before_ = false;
     bones_ = pose_skeleton(rest, pose);
     sections_ = girth_sections(model_, posed_, gender);
     floor_ = posed_[0].y;
@@ -287,10 +288,15 @@ class TapeMeasurer::Work {
   }
 
   // At the chest arms may be one piece with the trunk: of the trunk the tape goes round all that is no arm.
+  void cut(std::span<const Triangle> triangles, const SectionPlane& plane) {
+    contours_.cut(triangles, body(), plane, cut_before_);
+    cut_before_ = true;
+  }
+
   float size_at(const TapeDefinition& d, std::span<const Vec3f> p, float share, TapeLines* lines) {
     const SectionPlane plane = plane_of(d, p, share);
     const bool trunk = d.side == TapeSide::middle && d.plane == TapePlane::level && d.kind != TapeKind::contour;
-    contours_.cut(trunk ? std::span<const Triangle>(armless_) : model_.body_triangles(), body(), plane);
+    cut(trunk ? std::span<const Triangle>(armless_) : model_.body_triangles(), plane);
     return size_of(d.kind, trunk ? contours_.points() : contours_.about(plane.origin), plane, lines);
   }
 
@@ -324,7 +330,7 @@ class TapeMeasurer::Work {
     if (d.plane == TapePlane::facing) normal = cross(chord, {0, 0, 1});
     if (norm(normal) == 0) return kNone;
     const SectionPlane plane = plane_through(p[0], normal);
-    contours_.cut(model_.body_triangles(), body(), plane);
+    cut(model_.body_triangles(), plane);
     taut_path(contours_.through(p[0], p[2]), plane, p[0], p[1], p[2], path_);
     if (path_.size() < 2) return kNone;
     if (lines != nullptr) lines->push_back(path_);
@@ -380,6 +386,7 @@ class TapeMeasurer::Work {
   float floor_ = 0;
   std::vector<Value> places_;  // left and right of each point
   Contours contours_;
+  bool cut_before_ = false;  // this body
   HullWork hulls_;
   std::vector<Vec3f> hull_, path_;
 };

@@ -16,6 +16,9 @@ struct Rgb {
   std::uint8_t r = 0, g = 0, b = 0;
 };
 
+// `alpha` 0..1 of `above` over `below`.
+Rgb mixed(Rgb below, Rgb above, float alpha);
+
 class Canvas {
  public:
   Canvas(int width, int height);

@@ -28,8 +28,9 @@ class Painter {
 
   Canvas paint() {
     find_range();
-    for (int y = 0; y < canvas_.height(); ++y)
-      for (int x = 0; x < canvas_.width(); ++x) paint_pixel(x, y);
+    for (int v = 0; v < in_.intrinsics.height; ++v)
+      for (int u = 0; u < in_.intrinsics.width; ++u)
+        canvas_.rectangle(u * scale_, v * scale_, scale_, scale_, ground_at(u, v));
     if (in_.has_joints) paint_skeleton();
     paint_sections();
     paint_captions();
@@ -75,22 +76,17 @@ class Painter {
     return std::clamp(dot(normal, normalized({-0.35F, -0.55F, -1.0F})), 0.15F, 1.0F);
   }
 
-  void paint_pixel(int x, int y) {
-    const int u = x / scale_;
-    const int v = y / scale_;
+  Rgb ground_at(int u, int v) const {
     const float z = depth_at(u, v);
-    if (z <= 0) {
-      canvas_.set(x, y, {18, 18, 24});
-      return;
-    }
+    if (z <= 0) return {18, 18, 24};
     const float nearness = 1.0F - std::clamp((z - near_mm_) / std::max(1.0F, far_mm_ - near_mm_), 0.0F, 1.0F);
-    const float light = shade_at(u, v) * (0.45F + 0.55F * nearness);
-    const auto grey = static_cast<std::uint8_t>(40 + 150 * light);
-    canvas_.set(x, y, {grey, grey, grey});
-    if (!person_at(u, v)) return;
-    const float bright = 0.25F + 0.75F * shade_at(u, v);
+    const float shade = shade_at(u, v);
+    const auto grey = static_cast<std::uint8_t>(40 + 150 * (shade * (0.45F + 0.55F * nearness)));
+    const Rgb ground{grey, grey, grey};
+    if (!person_at(u, v)) return ground;
+    const float bright = 0.25F + 0.75F * shade;
     const auto lit = [&](std::uint8_t c) { return static_cast<std::uint8_t>(static_cast<float>(c) * bright); };
-    canvas_.set(x, y, {lit(kTint.r), lit(kTint.g), lit(kTint.b)}, 0.8F);
+    return mixed(ground, {lit(kTint.r), lit(kTint.g), lit(kTint.b)}, 0.8F);
   }
 
   std::pair<float, float> project(Vec3f p) const {

@@ -10,6 +10,8 @@
 #include <optional>
 #include <utility>
 
+#include "hal/folder/plain_png.h"
+
 namespace im2fit::hal {
 namespace {
 
@@ -213,7 +215,7 @@ Result<DepthHeader> parse_depth_header(std::span<const std::byte> bytes, const s
   return Error{ErrorCode::corrupt, what + " is neither a PNG nor a binary PGM (P5); expected 16-bit depth in mm"};
 }
 
-Status decode_depth(std::span<const std::byte> bytes, const std::string& what, DepthImage out) {
+Status DepthDecoder::decode(std::span<const std::byte> bytes, const std::string& what, DepthImage out) {
   const auto header = parse_depth_header(bytes, what);
   if (!header) return header.error();
   if (header->width != out.width || header->height != out.height)
@@ -222,7 +224,8 @@ Status decode_depth(std::span<const std::byte> bytes, const std::string& what, D
                                          "x" + std::to_string(out.height) + " like the others; remove or rescale it"};
   if (header->format == DepthFormat::png) {
     PngInput input{bytes};
-    if (!read_png_rows(input, out)) return damaged(what, input.message[0] != '\0' ? input.message : "no memory");
+    if (!decode_plain_png(bytes, rows_, out) && !read_png_rows(input, out))
+      return damaged(what, input.message[0] != '\0' ? input.message : "no memory");
   } else {
     const auto pgm = parse_pgm_header(bytes, what);
     if (!pgm) return pgm.error();
@@ -236,6 +239,10 @@ Status decode_depth(std::span<const std::byte> bytes, const std::string& what, D
   }
   big_endian_to_host(out);
   return Ok{};
+}
+
+Status decode_depth(std::span<const std::byte> bytes, const std::string& what, DepthImage out) {
+  return DepthDecoder().decode(bytes, what, out);
 }
 
 Result<std::vector<std::byte>> encode_depth(DepthView image, DepthFormat format) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,6 +27,14 @@ inline constexpr std::size_t kHeaderBytes = 1024;
 Result<DepthHeader> parse_depth_header(std::span<const std::byte> bytes, const std::string& what);
 // `out` has the size the header gives.
 Status decode_depth(std::span<const std::byte> bytes, const std::string& what, DepthImage out);
+// The same of many pictures, with memory for the work kept from one to the next.
+class DepthDecoder {
+ public:
+  Status decode(std::span<const std::byte> bytes, const std::string& what, DepthImage out);
+
+ private:
+  std::vector<std::uint8_t> rows_;
+};
 Result<std::vector<std::byte>> encode_depth(DepthView image, DepthFormat format);
 
 }  // namespace im2fit::hal

@@ -51,6 +51,7 @@ class FolderSource final : public Source {
   std::size_t index_ = 0;
   double unit_mm_ = 1;
   std::vector<std::byte> file_bytes_;
+  DepthDecoder decoder_;
   SequenceBook book_;
 };
 

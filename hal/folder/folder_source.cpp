@@ -228,7 +228,7 @@ Result<FrameInfo> FolderSource::next(DepthImage depth, int /*timeout_ms*/) {
                  info_.name + ": all " + std::to_string(frames_.size()) + " frames were delivered"};
   const Frame& frame = frames_[index_++];
   Status status = read_file_into(frame.path, kFileBytesMax, SIZE_MAX, file_bytes_);
-  if (status) status = decode_depth(file_bytes_, frame.path, path_.camera_image());
+  if (status) status = decoder_.decode(file_bytes_, frame.path, path_.camera_image());
   if (!status) {
     book_.damaged();
     return Error{ErrorCode::corrupt, status.error().message};

@@ -58,6 +58,29 @@ TEST(Contours, ACylindersGirth) {
   EXPECT_TRUE(contours.about({}).empty());
 }
 
+// What is kept of the vertices from cut to cut gives the same lines as beginning anew.
+TEST(Contours, ASecondCutOfTheSameVerticesIsAsTheFirst) {
+  Mesh m;
+  add_turned(m, 0, 0, sphere(200, 40), 60);
+  Contours kept;
+  bool first = true;
+  for (const Vec3f normal : {Vec3f{0, 1, 0}, Vec3f{0.3F, 1, 0.1F}, Vec3f{0, 1, 0}})
+    for (float y = -210; y < 210; y += 7) {
+      const SectionPlane plane = plane_through({0, y, 0}, normal);
+      Contours fresh;
+      fresh.cut(m.triangles, m.vertices, plane);
+      kept.cut(m.triangles, m.vertices, plane, !first);
+      first = false;
+      ASSERT_EQ(kept.count(), fresh.count()) << y;
+      ASSERT_EQ(kept.points().size(), fresh.points().size()) << y;
+      for (std::size_t i = 0; i < fresh.points().size(); ++i) {
+        ASSERT_EQ(kept.points()[i].x, fresh.points()[i].x);
+        ASSERT_EQ(kept.points()[i].y, fresh.points()[i].y);
+        ASSERT_EQ(kept.points()[i].z, fresh.points()[i].z);
+      }
+    }
+}
+
 TEST(Contours, OfSeveralTheOneAboutThePoint) {
   Mesh m;
   add_turned(m, 0, 0, {{100, -500}, {100, 500}}, 90);

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// PNG (ISO/IEC 15948). What is taken here are files whose critical chunks are IHDR, IDAT and IEND, with right CRCs.
+// The zlib stream's Adler-32 is not worked out: the CRCs protect the same bytes.
+#include "hal/folder/plain_png.h"
+
+#include <zlib.h>
+
+#include <cstdlib>
+#include <cstring>
+
+namespace im2fit::hal {
+namespace {
+
+constexpr std::size_t kPixelBytes = 2;
+
+std::uint32_t big_endian32(const std::byte* p) {
+  std::uint32_t value = 0;
+  for (int i = 0; i < 4; ++i) value = value << 8 | std::to_integer<std::uint32_t>(p[i]);
+  return value;
+}
+
+struct Chunk {
+  const std::byte* type = nullptr;
+  std::span<const std::byte> data;
+  bool is(const char* name) const { return std::memcmp(type, name, 4) == 0; }
+  bool critical() const { return (std::to_integer<unsigned>(type[0]) & 0x20U) == 0; }
+};
+
+// Takes the first chunk from `rest`; false when it is cut off, or damaged and critical.
+bool take_chunk(std::span<const std::byte>& rest, Chunk& chunk) {
+  constexpr std::size_t kFrame = 12;  // length, type and CRC
+  if (rest.size() < kFrame) return false;
+  const std::size_t size = big_endian32(rest.data());
+  if (size > rest.size() - kFrame) return false;
+  chunk = {rest.data() + 4, rest.subspan(8, size)};
+  const auto* checked = reinterpret_cast<const Bytef*>(chunk.type);
+  if (chunk.critical() && crc32(0, checked, static_cast<uInt>(size + 4)) != big_endian32(rest.data() + 8 + size))
+    return false;
+  rest = rest.subspan(kFrame + size);
+  return true;
+}
+
+// The deflate stream of consecutive IDAT chunks.
+class Inflater {
+ public:
+  explicit Inflater(std::span<std::uint8_t> out) {
+    stream_.next_out = out.data();
+    stream_.avail_out = static_cast<uInt>(out.size());
+    sound_ = inflateInit(&stream_) == Z_OK && inflateValidate(&stream_, 0) == Z_OK;
+  }
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+  ~Inflater() { inflateEnd(&stream_); }
+  bool add(std::span<const std::byte> data) {
+    stream_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(data.data()));
+    stream_.avail_in = static_cast<uInt>(data.size());
+    if (!sound_ || ended_) return data.empty() && sound_;
+    const int code = inflate(&stream_, Z_NO_FLUSH);
+    ended_ = code == Z_STREAM_END;
+    // Z_BUF_ERROR: an empty chunk.
+    return (ended_ || code == Z_OK || (code == Z_BUF_ERROR && data.empty())) && stream_.avail_in == 0;
+  }
+  bool complete() const { return ended_ && stream_.avail_out == 0; }
+
+ private:
+  z_stream stream_{};
+  bool sound_ = false;
+  bool ended_ = false;
+};
+
+std::uint8_t paeth(int left, int above, int corner) {
+  const int estimate = left + above - corner;
+  const int from_left = std::abs(estimate - left);
+  const int from_above = std::abs(estimate - above);
+  const int from_corner = std::abs(estimate - corner);
+  if (from_left <= from_above && from_left <= from_corner) return static_cast<std::uint8_t>(left);
+  return static_cast<std::uint8_t>(from_above <= from_corner ? above : corner);
+}
+
+// `row` in place; `above`: the row before, zeros for the first one. False: no such filter.
+bool unfilter(int filter, std::uint8_t* row, const std::uint8_t* above, std::size_t count) {
+  const auto left = [&](std::size_t i) { return i < kPixelBytes ? 0 : row[i - kPixelBytes]; };
+  const auto corner = [&](std::size_t i) { return i < kPixelBytes ? 0 : above[i - kPixelBytes]; };
+  switch (filter) {
+    case 0:
+      return true;
+    case 1:
+      for (std::size_t i = kPixelBytes; i < count; ++i)
+        row[i] = static_cast<std::uint8_t>(row[i] + row[i - kPixelBytes]);
+      return true;
+    case 2:
+      for (std::size_t i = 0; i < count; ++i) row[i] = static_cast<std::uint8_t>(row[i] + above[i]);
+      return true;
+    case 3:
+      for (std::size_t i = 0; i < count; ++i) row[i] = static_cast<std::uint8_t>(row[i] + (left(i) + above[i]) / 2);
+      return true;
+    case 4:
+      for (std::size_t i = 0; i < count; ++i)
+        row[i] = static_cast<std::uint8_t>(row[i] + paeth(left(i), above[i], corner(i)));
+      return true;
+    default:
+      return false;
+  }
+}
+
+// 16-bit grey, deflate, the five filters, not interlaced; of the size of `image`.
+bool is_plain(const Chunk& header, DepthView image) {
+  constexpr std::byte kPlain[5] = {std::byte{16}, std::byte{0}, std::byte{0}, std::byte{0}, std::byte{0}};
+  return header.is("IHDR") && header.data.size() == 13 &&
+         big_endian32(header.data.data()) == static_cast<std::uint32_t>(image.width) &&
+         big_endian32(header.data.data() + 4) == static_cast<std::uint32_t>(image.height) &&
+         std::memcmp(header.data.data() + 8, kPlain, sizeof kPlain) == 0;
+}
+
+// The pixels' filtered rows: IHDR, chunks without meaning, IDATs one after the other, such chunks, IEND.
+bool inflate_rows(std::span<const std::byte> bytes, DepthView image, std::span<std::uint8_t> rows) {
+  constexpr std::size_t kSignature = 8;
+  if (bytes.size() < kSignature) return false;
+  std::span<const std::byte> rest = bytes.subspan(kSignature);
+  Chunk chunk;
+  if (!take_chunk(rest, chunk) || !is_plain(chunk, image)) return false;
+  Inflater inflater(rows);
+  enum class Part { before, pixels, after } part = Part::before;
+  while (take_chunk(rest, chunk)) {
+    if (chunk.is("IEND")) return inflater.complete();
+    if (chunk.is("IDAT")) {
+      if (part == Part::after || !inflater.add(chunk.data)) return false;
+      part = Part::pixels;
+    } else if (chunk.critical() || chunk.is("tRNS")) {
+      return false;
+    } else if (part == Part::pixels) {
+      part = Part::after;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+bool decode_plain_png(std::span<const std::byte> bytes, std::vector<std::uint8_t>& rows, DepthImage out) {
+  const std::size_t row_bytes = kPixelBytes * static_cast<std::size_t>(out.width);
+  const std::size_t filtered = 1 + row_bytes;  // the filter's number first
+  // A row of zeros before the first.
+  rows.assign(row_bytes, 0);
+  rows.resize(row_bytes + filtered * static_cast<std::size_t>(out.height));
+  if (!inflate_rows(bytes, out, std::span(rows).subspan(row_bytes))) return false;
+  const std::uint8_t* above = rows.data();
+  std::uint8_t* row = rows.data() + row_bytes;
+  for (int v = 0; v < out.height; ++v, row += filtered) {
+    if (!unfilter(row[0], row + 1, above, row_bytes)) return false;
+    above = row + 1;
+    std::memcpy(out.row(v), above, row_bytes);
+  }
+  return true;
+}
+
+}  // namespace im2fit::hal
