@@ -130,7 +130,13 @@ void BodySurface::advance(std::span<const Vec3f> posed) {
   assert(posed.size() >= begin_.size());
   begin_.swap(end_);
   begin_normal_.swap(end_normal_);
-  for (const std::int32_t v : vertices_) end_[static_cast<std::size_t>(v)] = posed[static_cast<std::size_t>(v)];
+  still_ = true;
+  for (const std::int32_t v : vertices_) {
+    const auto i = static_cast<std::size_t>(v);
+    end_[i] = posed[i];
+    const Vec3f moved = end_[i] - begin_[i];
+    still_ = still_ && dot(moved, moved) < kStillMm * kStillMm;
+  }
   normals(triangles_, vertices_, end_, end_normal_);
   build_grid();
 }
@@ -139,6 +145,7 @@ void BodySurface::put(std::span<const Vec3f> posed) {
   advance(posed);
   begin_ = end_;  // same sizes: no allocation
   begin_normal_ = end_normal_;
+  still_ = true;
   build_grid();
 }
 

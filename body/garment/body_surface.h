@@ -38,6 +38,9 @@ class BodySurface {
   // Indexed by vertices of the model.
   std::span<const Vec3f> position(bool at_end) const { return at_end ? end_ : begin_; }
   std::span<const Vec3f> normal(bool at_end) const { return at_end ? end_normal_ : begin_normal_; }
+  // Whether no vertex moves by kStillMm or more between beginning and end.
+  bool still() const { return still_; }
+  static constexpr float kStillMm = 0.01F;
 
   // The place at the beginning nearest to `point`, by the vertex nearest to it within `reach_mm` that faces as
   // `facing` does (cosine above `cosine`) and belongs to one of `limbs`, and the triangles about that vertex. `hint`:
@@ -58,6 +61,7 @@ class BodySurface {
   std::vector<std::int32_t> fan_first_, fan_;  // triangles about a vertex
   std::vector<std::uint8_t> limbs_;
   std::vector<Vec3f> begin_, end_, begin_normal_, end_normal_;
+  bool still_ = false;
   // Vertices by cells of a grid about the body at the beginning.
   Vec3f low_;
   std::array<int, 3> cells_{1, 1, 1};

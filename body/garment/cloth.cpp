@@ -20,6 +20,14 @@ constexpr float kReachMm = 60;      // farther cloth does not touch within a fra
 constexpr float kShoulderGrip = 2;  // times the friction
 constexpr float kWaistGrip = 4;     // a band is held by its belt
 constexpr float kBeltReachMm = 120;
+constexpr int kBeltSmoothPasses = 10;
+constexpr float kBeltOffMaxMm = 30;    // where a belt bridges a fold of skin
+constexpr float kPinchReachMm = 25;    // skin before the cloth, that it may be pinched by
+constexpr float kPinchNearMm = 15;     // off its own skin at most
+constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
+constexpr int kAwakeFrames = 12;       // of still skin, until folds have fallen
+constexpr float kSleepKeeps = 0.75F;   // of the motion, a frame
+constexpr float kAsleep = 0.01F;
 constexpr float kBeltPull = 0.2F;      // of the way to its place, a substep
 constexpr float kFreeMm = 30;          // so near its anchor a vertex needs no tether
 constexpr float kShoulderBandMm = 20;  // shoulders: above the shoulder joints less so much
@@ -38,7 +46,10 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric)
   contacts_.resize(count);
   place_.resize(count);
   hint_.assign(count, -1);
+  opposite_hint_.assign(count, -1);
+  frame_begin_ = vertices_;
   limbs_.assign(count, kTrunk);
+  pinched_.assign(count, 0);
   grip_.assign(count, 1);
   anchor_.assign(count, -1);
   anchor_mm_.assign(count, 0);
@@ -66,6 +77,7 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric)
     }
   }
   belt_.reserve(count);
+  find_ring();
   tether();
 }
 
@@ -110,7 +122,10 @@ void Cloth::carry(std::span<const Vec3f> vertices) {
     p.z = vertices[v].z;
     velocity_[v] = {};
     hint_[v] = -1;
+    opposite_hint_[v] = -1;
   }
+  still_frames_ = 0;
+  awake_ = 1;
   before_ = vertices_;  // the same size: no allocation
 }
 
@@ -124,17 +139,80 @@ void Cloth::close_belt(float girth_mm) {
   }
 }
 
+// The band's vertices in order round the waist, from the middle of the front on.
+void Cloth::find_ring() {
+  const std::size_t count = mesh_.vertex_count();
+  if (mesh_.hang != Hang::waist) return;
+  std::vector<std::array<std::int32_t, 2>> next(count, {-1, -1});
+  for (const BandEdge& e : constraints_.band)
+    for (const std::size_t k : {0U, 1U}) {
+      auto& of = next[static_cast<std::size_t>(constraints_.edges[e.edge][k])];
+      of[of[0] < 0 ? 0 : 1] = constraints_.edges[e.edge][1 - k];
+    }
+  std::int32_t start = -1;
+  for (std::size_t v = 0; v < count; ++v)
+    if (next[v][1] >= 0 && mesh_.side[v] == 0 && mesh_.layer[v] == kFrontLayer) start = static_cast<std::int32_t>(v);
+  for (std::int32_t v = start, before = -1; v >= 0 && ring_.size() < count;) {
+    ring_.push_back(v);
+    const auto& of = next[static_cast<std::size_t>(v)];
+    const std::int32_t after = of[0] != before ? of[0] : of[1];
+    before = v;
+    v = after == start ? -1 : after;
+  }
+  ring_at_.resize(ring_.size());
+  ring_work_.resize(ring_.size());
+}
+
+// A belt lies flat, and its band is spread evenly along it: the places of ring_ in ring_at_.
+void Cloth::lay_belt(float up_mm) {
+  const std::size_t count = ring_.size();
+  const auto vertex = [&](std::size_t i) { return static_cast<std::size_t>(ring_[i % count]); };
+  for (std::size_t i = 0; i < count; ++i) ring_at_[i] = position(vertex(i));
+  for (int pass = 0; pass < kBeltSmoothPasses; ++pass) {
+    std::copy(ring_at_.begin(), ring_at_.end(), ring_work_.begin());
+    for (std::size_t i = 0; i < count; ++i)
+      ring_at_[i] =
+          ring_work_[i] * 0.5F + (ring_work_[(i + count - 1) % count] + ring_work_[(i + 1) % count]) * 0.25F;
+  }
+  const auto cut_mm = [&](std::size_t i) {
+    const Flat a = mesh_.flat[vertex(i)], b = mesh_.flat[vertex(i + 1)];
+    return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
+  };
+  float cut = 0, laid = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    cut += cut_mm(i);
+    laid += norm(ring_at_[(i + 1) % count] - ring_at_[i]);
+  }
+  std::copy(ring_at_.begin(), ring_at_.end(), ring_work_.begin());
+  std::size_t piece = 0;
+  float want = 0, passed = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    float length = norm(ring_work_[(piece + 1) % count] - ring_work_[piece]);
+    while (piece + 1 < count && passed + length < want) {
+      passed += length;
+      ++piece;
+      length = norm(ring_work_[(piece + 1) % count] - ring_work_[piece]);
+    }
+    const float share = length > 0 ? std::min(1.0F, (want - passed) / length) : 0;
+    ring_at_[i] = ring_work_[piece] + (ring_work_[(piece + 1) % count] - ring_work_[piece]) * share;
+    ring_at_[i].y = mesh_.flat[vertex(i)].y + up_mm;
+    want += cut_mm(i) * laid / cut;
+  }
+}
+
 void Cloth::hold_belt(const BodySurface& skin, float up_mm) {
   update_normals();
   belt_.clear();
-  for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
-    if ((mesh_.border[v] & kOnOpening) == 0) continue;
+  lay_belt(up_mm);
+  for (std::size_t i = 0; i < ring_.size(); ++i) {
     Held held;
-    held.vertex = static_cast<std::int32_t>(v);
-    Vec3f at = position(v);
-    at.y = mesh_.flat[v].y + up_mm;
+    held.vertex = ring_[i];
+    const Vec3f facing = normals_[static_cast<std::size_t>(ring_[i])];
     std::int32_t hint = -1;
-    if (skin.nearest(at, normals_[v], 0, kTrunk, kBeltReachMm, hint, held.place)) belt_.push_back(held);
+    if (!skin.nearest(ring_at_[i], facing, 0, kTrunk, kBeltReachMm, hint, held.place)) continue;
+    const float off = dot(ring_at_[i] - skin.at(held.place, false), skin.facing(held.place, false));
+    held.off_mm = std::clamp(off, kSkinMm, kBeltOffMaxMm);
+    belt_.push_back(held);
   }
 }
 
@@ -167,6 +245,7 @@ void Cloth::find_contacts(const BodySurface& skin, const ClothFrame& frame, std:
   for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
     Contact& c = contacts_[v];
     Vec3f facing = normals_[v];
+    pinched_[v] = 0;
     if (frame.flat)
       facing = {0, 0, mesh_.layer[v] == kFrontLayer ? 1.0F : mesh_.layer[v] == kBackLayer ? -1.0F : 0.0F};
     // A seam between flat panels faces neither way.
@@ -175,24 +254,43 @@ void Cloth::find_contacts(const BodySurface& skin, const ClothFrame& frame, std:
       place_[v].triangle = -1;
       continue;
     }
+    c.clearance = kSkinMm;
     c.point = skin.at(place_[v], false);
     c.point_step = (skin.at(place_[v], true) - c.point) * kPerStep;
     c.normal = skin.facing(place_[v], false);
     c.normal_step = (skin.facing(place_[v], true) - c.normal) * kPerStep;
     c.friction = friction_ * grip_[v];
-    c.clearance = kSkinMm;
-    if (clearance_mm.empty()) continue;
-    const auto& t = skin.triangles()[static_cast<std::size_t>(place_[v].triangle)];
-    for (std::size_t k = 0; k < 3; ++k)
-      c.clearance += place_[v].share[k] * clearance_mm[static_cast<std::size_t>(t[k])];
+    if (!clearance_mm.empty()) {
+      const auto& t = skin.triangles()[static_cast<std::size_t>(place_[v].triangle)];
+      for (std::size_t k = 0; k < 3; ++k)
+        c.clearance += place_[v].share[k] * clearance_mm[static_cast<std::size_t>(t[k])];
+    }
+    if (!frame.flat) yield_to_opposite_skin(skin, v);
   }
+}
+
+// In an armpit, a crotch or a lap, cloth is pinched between two skins that face each other, and that overlap where a
+// body's limbs do: there it keeps to the middle, instead of being pushed to and fro.
+void Cloth::yield_to_opposite_skin(const BodySurface& skin, std::size_t v) {
+  Contact& c = contacts_[v];
+  const Vec3f off = position(v) - c.point;
+  if (dot(off, off) > kPinchNearMm * kPinchNearMm) return;
+  SkinPlace opposite;
+  constexpr std::uint8_t kAll = kTrunk | kLeftArm | kRightArm | kLeftLeg | kRightLeg;
+  if (!skin.nearest(position(v), normals_[v] * -1.0F, 0, kAll, kPinchReachMm, opposite_hint_[v], opposite)) return;
+  const Vec3f other = skin.facing(opposite, false);
+  if (dot(other, c.normal) > -0.2F) return;
+  const float gap = dot(skin.at(opposite, false) - c.point, c.normal);
+  if (gap / 2 >= c.clearance) return;
+  c.clearance = std::max(gap / 2, kPinchLeastMm);
+  pinched_[v] = 1;
 }
 
 void Cloth::follow_belt(const BodySurface& skin) {
   constexpr float kPerStep = 1.0F / kSubsteps;
   for (Held& held : belt_) {
-    held.point = skin.at(held.place, false) + skin.facing(held.place, false) * kSkinMm;
-    const Vec3f end = skin.at(held.place, true) + skin.facing(held.place, true) * kSkinMm;
+    held.point = skin.at(held.place, false) + skin.facing(held.place, false) * held.off_mm;
+    const Vec3f end = skin.at(held.place, true) + skin.facing(held.place, true) * held.off_mm;
     held.point_step = (end - held.point) * kPerStep;
   }
 }
@@ -267,15 +365,31 @@ void Cloth::update_velocities() {
   }
 }
 
+void Cloth::fall_asleep() {
+  for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
+    ClothVertex& p = vertices_[v];
+    const ClothVertex& from = frame_begin_[v];
+    p.x = from.x + (p.x - from.x) * awake_;
+    p.y = from.y + (p.y - from.y) * awake_;
+    p.z = from.z + (p.z - from.z) * awake_;
+    ClothVertex& speed = velocity_[v];
+    speed = {speed.x * awake_, speed.y * awake_, speed.z * awake_, 0};
+  }
+}
+
 void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm) {
   constexpr float kPerS2 = 1 / (kStepS * kStepS);
+  still_frames_ = frame.may_sleep && skin.still() ? still_frames_ + 1 : 0;
+  awake_ = still_frames_ > kAwakeFrames ? awake_ * kSleepKeeps : 1.0F;
+  if (awake_ < kAsleep) return;
+  if (awake_ < 1) std::copy(vertices_.begin(), vertices_.end(), frame_begin_.begin());
   update_normals();
   find_contacts(skin, frame, clearance_mm);
   follow_belt(skin);
   if (frame.flat)
     layers_.clear();
   else
-    layers_.find(vertices_);
+    layers_.find(vertices_, pinched_);
   for (int s = 0; s < kSubsteps; ++s) {
     integrate(frame);
     solve_stretch(constraints_.stretch, kPerS2, vertices_.data());
@@ -287,6 +401,7 @@ void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<cons
     collide(s);
     update_velocities();
   }
+  if (awake_ < 1) fall_asleep();
 }
 
 }  // namespace im2fit::body

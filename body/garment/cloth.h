@@ -18,6 +18,7 @@ struct ClothFrame {
   bool weightless = false;  // while a garment is put on
   bool flat = false;        // the front panel faces the front, the back panel the back, whatever its triangles say
   float damping_per_s = 2;
+  bool may_sleep = false;  // see Cloth::run
 };
 
 // Not shareable between threads. No allocation after construction. + - * / and sqrt of float32 in one order: the same
@@ -37,7 +38,8 @@ class Cloth {
   // belt does not slide.
   void hold_belt(const BodySurface& skin, float up_mm);
   // A thirtieth of a second, while the skin goes from its beginning to its end. `clearance_mm`: of each vertex of the
-  // model, what is worn below; empty: nothing.
+  // model, what is worn below; empty: nothing. Cloth that may sleep and whose skin has stood still for kAwakeFrames
+  // comes to a stop within some twenty more, and then costs nothing until the skin moves.
   void run(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm = {});
 
   const GarmentMesh& mesh() const { return mesh_; }
@@ -61,10 +63,15 @@ class Cloth {
   struct Held {  // of a belt
     std::int32_t vertex = 0;
     SkinPlace place;
+    float off_mm = 0;  // the skin
     Vec3f point, point_step;
   };
+  void find_ring();
+  void lay_belt(float up_mm);
   void follow_belt(const BodySurface& skin);
   void pull_belt(int substep);
+  void yield_to_opposite_skin(const BodySurface& skin, std::size_t v);
+  void fall_asleep();
   void find_contacts(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm);
   void tether();
   void hold_tethers();
@@ -81,8 +88,13 @@ class Cloth {
   std::vector<Contact> contacts_;
   std::vector<SkinPlace> place_;
   std::vector<Held> belt_;
-  std::vector<std::int32_t> hint_;
-  std::vector<std::uint8_t> limbs_;
+  std::vector<std::int32_t> hint_, opposite_hint_;
+  std::vector<ClothVertex> frame_begin_;
+  std::vector<std::int32_t> ring_;  // the band's vertices round the waist
+  std::vector<Vec3f> ring_at_, ring_work_;
+  int still_frames_ = 0;
+  float awake_ = 1;  // the share of a frame's motion that cloth falling asleep makes
+  std::vector<std::uint8_t> limbs_, pinched_;
   std::vector<float> grip_;           // of friction
   std::vector<std::int32_t> anchor_;  // the vertex a vertex hangs from, or -1
   std::vector<float> anchor_mm_;      // at most so far, in the pattern

@@ -43,7 +43,7 @@ bool ClothLayers::neighbours(std::int32_t a, std::int32_t b) const {
   return dx * dx + dy * dy < kNeighbourMm * kNeighbourMm;
 }
 
-void ClothLayers::find(std::span<const ClothVertex> vertices) {
+void ClothLayers::find(std::span<const ClothVertex> vertices, std::span<const std::uint8_t> pinched) {
   pairs_.clear();
   const std::size_t count = mesh_.vertex_count();
   Vec3f low = {vertices[0].x, vertices[0].y, vertices[0].z}, high = low;
@@ -98,6 +98,7 @@ void ClothLayers::find(std::span<const ClothVertex> vertices) {
         for (std::int32_t k = from; k < to; ++k) {
           const std::int32_t other = cell_vertices_[static_cast<std::size_t>(k)];
           if (other <= static_cast<std::int32_t>(v)) continue;
+          if (pinched[v] != 0 && pinched[static_cast<std::size_t>(other)] != 0) continue;
           const ClothVertex &a = vertices[v], &b = vertices[static_cast<std::size_t>(other)];
           const float ex = a.x - b.x, ey = a.y - b.y, ez = a.z - b.z;
           if (ex * ex + ey * ey + ez * ez > kSearchMm * kSearchMm) continue;

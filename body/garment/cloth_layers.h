@@ -16,8 +16,9 @@ namespace im2fit::body {
 class ClothLayers {
  public:
   explicit ClothLayers(const GarmentMesh& mesh);
-  // Of vertices nearer than kSearchMm; `vertices`: of the mesh.
-  void find(std::span<const ClothVertex> vertices);
+  // Of vertices nearer than kSearchMm; `vertices`: of the mesh. Two that are both `pinched` (1) between skins are
+  // left alone: what presses them is stronger.
+  void find(std::span<const ClothVertex> vertices, std::span<const std::uint8_t> pinched);
   void clear() { pairs_.clear(); }
   // Pushes pairs apart to kApartMm, half the way a call, and lets them rub. `before`: places a substep ago.
   void solve(std::span<ClothVertex> vertices, std::span<const ClothVertex> before) const;

@@ -11,11 +11,11 @@
 namespace im2fit::body {
 namespace {
 
-constexpr int kPutOnFrames = 40;  // from a flat body to a whole one
-constexpr int kFlatFrames = 30;   // of them with panels that face front and back
-constexpr int kHangFrames = 20;   // until folds have fallen
-constexpr int kPoseFrames = 30;   // from the dressing pose to another
-constexpr int kRestFrames = 20;
+constexpr int kPutOnFrames = 32;  // from a flat body to a whole one
+constexpr int kFlatFrames = 24;   // of them with panels that face front and back
+constexpr int kHangFrames = 12;   // until folds have fallen
+constexpr int kPoseFrames = 24;   // from the dressing pose to another
+constexpr int kRestFrames = 16;
 constexpr float kPutOnDamping = 12;  // per second
 constexpr float kFirstDepth = 0.02F;
 // Arms and trunk begin thin, so that a small size goes over them; thighs would slip beside the crotch.
@@ -143,7 +143,9 @@ void Outfit::run(const ClothFrame& frame) {
 void Outfit::frame(const Pose& pose) {
   skin_body(pose);
   surface_.advance(posed_);
-  run({});
+  ClothFrame frame;
+  frame.may_sleep = true;
+  run(frame);
 }
 
 void Outfit::move_to(const Pose& pose, int frames) {
@@ -293,21 +295,20 @@ void Outfit::pressed(std::size_t index, std::span<Vec3f> out) const {
     out[v] = p;
     for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
       const Cloth& upper = *cloths_[over];
-      float best = kClothBehindMm * kClothBehindMm + kPressAsideMm * kPressAsideMm, before = 0, aside = 0;
-      bool found = false;
+      float best = kClothBehindMm * kClothBehindMm + kPressAsideMm * kPressAsideMm, over_mm = 0, aside = 0;
+      Vec3f facing{};
       for (std::size_t c = 0; c < upper.mesh().vertex_count(); ++c) {
         const Vec3f d = upper.position(c) - p;
         const float squared = dot(d, d);
         if (squared >= best || (upper.limbs(c) & cloth.limbs(v)) == 0 || dot(upper.normals()[c], n) < kHiddenCosine)
           continue;
         best = squared;
-        before = dot(d, n);
-        aside = std::sqrt(std::max(0.0F, squared - before * before));
-        found = true;
+        facing = upper.normals()[c];
+        over_mm = kPressMm - dot(d, facing);
+        aside = std::sqrt(std::max(0.0F, squared - (over_mm - kPressMm) * (over_mm - kPressMm)));
       }
-      const float back = before - kPressMm;
-      if (!found || back >= 0 || aside >= kPressAsideMm) continue;
-      out[v] = p + n * (back * std::min(1.0F, 2 * (1 - aside / kPressAsideMm)));
+      if (over_mm <= 0 || aside >= kPressAsideMm) continue;
+      out[v] = p - facing * (over_mm * std::min(1.0F, 2 * (1 - aside / kPressAsideMm)));
     }
   }
 }

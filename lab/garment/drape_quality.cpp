@@ -70,17 +70,24 @@ std::map<std::int32_t, std::int32_t> rim_successors(const GarmentMesh& mesh) {
   return next;
 }
 
-std::vector<std::vector<std::int32_t>> rims_of(const GarmentMesh& mesh) {
+// A rim that touches itself in a vertex comes in pieces, which do not close.
+struct Rim {
+  std::vector<std::int32_t> vertices;
+  bool closed = false;
+};
+
+std::vector<Rim> rims_of(const GarmentMesh& mesh) {
   auto next = rim_successors(mesh);
-  std::vector<std::vector<std::int32_t>> rims;
+  std::vector<Rim> rims;
   while (!next.empty()) {
-    std::vector<std::int32_t> rim;
+    Rim rim;
     std::int32_t v = next.begin()->first;
     for (auto at = next.find(v); at != next.end(); at = next.find(v)) {
-      rim.push_back(v);
+      rim.vertices.push_back(v);
       v = at->second;
       next.erase(at);
     }
+    rim.closed = v == rim.vertices.front();
     rims.push_back(std::move(rim));
   }
   return rims;
@@ -89,11 +96,11 @@ std::vector<std::vector<std::int32_t>> rims_of(const GarmentMesh& mesh) {
 // A point between two and two others on a cubic: (4 (b + c) - (a + d)) / 6.
 float roughness_of(const Cloth& cloth) {
   float worst = 0;
-  for (const auto& rim : rims_of(cloth.mesh())) {
+  for (const auto& [rim, closed] : rims_of(cloth.mesh())) {
     const std::size_t n = rim.size();
     if (n < 8) continue;
     const auto at = [&](std::size_t i) { return cloth.position(static_cast<std::size_t>(rim[i % n])); };
-    for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = closed ? 0 : 2; i < (closed ? n : n - 2); ++i) {
       const Vec3f through = (at(i + n - 1) + at(i + 1)) * (4.0F / 6) - (at(i + n - 2) + at(i + 2)) * (1.0F / 6);
       worst = std::max(worst, norm(at(i) - through));
     }
@@ -162,11 +169,12 @@ Motion motion_since(const Cloth& cloth, const std::vector<Vec3f>& before) {
 float hem_girth_mm(const Cloth& cloth, bool in_pattern) {
   const GarmentMesh& mesh = cloth.mesh();
   float lowest = 1e9F, girth = 0;
-  for (const auto& rim : rims_of(mesh)) {
+  for (const auto& [rim, closed] : rims_of(mesh)) {
     float y = 0, length = 0;
     for (std::size_t i = 0; i < rim.size(); ++i) {
       const auto a = static_cast<std::size_t>(rim[i]), b = static_cast<std::size_t>(rim[(i + 1) % rim.size()]);
       y += mesh.flat[a].y / static_cast<float>(rim.size());
+      if (!closed && i + 1 == rim.size()) continue;
       const float dx = mesh.flat[a].x - mesh.flat[b].x, dy = mesh.flat[a].y - mesh.flat[b].y;
       length += in_pattern ? std::sqrt(dx * dx + dy * dy) : norm(cloth.position(a) - cloth.position(b));
     }

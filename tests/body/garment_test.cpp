@@ -118,7 +118,7 @@ TEST(GarmentMesh, IsSewnOfEveryGarmentInEverySize) {
         EXPECT_EQ(facts.components_of_rims, rims) << what;  // neck, cuffs, hem: no tear beside them
         // Where a seam bends sharply, front and back may join its vertices by the same chord.
         EXPECT_LE(facts.crowded_edges, 12) << what;
-        EXPECT_LT(facts.longest, 21.5F) << what;  // where lattice and outline meet
+        EXPECT_LT(facts.longest, 21.6F) << what;  // where lattice and outline meet
         EXPECT_LT(facts.over_12_share, 0.15F) << what;
         std::vector<int> uses(mesh.vertex_count(), 0);
         for (const auto& t : mesh.triangles)
