@@ -2,8 +2,10 @@
 #include "apps/common/input.h"
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <thread>
 
 #include "apps/common/events.h"
 #include "hal/open/open.h"
@@ -13,6 +15,8 @@
 
 namespace im2fit::apps {
 namespace {
+
+constexpr auto kHoldPeriod = std::chrono::milliseconds(20);
 
 std::atomic<bool> interrupt_seen{false};
 
@@ -115,7 +119,22 @@ bool interrupted() {
 FrameTap::FrameTap(hal::Source& source, std::uint64_t frame_count_max, Watch watch)
     : source_(source), frame_count_max_(frame_count_max), watch_(std::move(watch)) {}
 
+std::optional<Error> FrameTap::wait_while_held(DepthImage depth, int timeout_ms) {
+  while (held_ && held_()) {
+    if (interrupted()) break;
+    if (!source_.info().live) {
+      std::this_thread::sleep_for(kHoldPeriod);
+      continue;
+    }
+    const auto frame = source_.next(depth, timeout_ms);
+    if (frame || frame.error().code == ErrorCode::timeout || frame.error().code == ErrorCode::corrupt) continue;
+    return frame.error();
+  }
+  return std::nullopt;
+}
+
 Result<hal::FrameInfo> FrameTap::next(DepthImage depth, int timeout_ms) {
+  if (auto gone = wait_while_held(depth, timeout_ms)) return *gone;
   if (interrupted()) return Error{ErrorCode::end_of_stream, "stopped by the user"};
   if (frame_count_max_ > 0 && frame_count_ >= frame_count_max_)
     return Error{ErrorCode::end_of_stream, "the requested number of frames is reached"};

@@ -53,15 +53,20 @@ class FrameTap final : public hal::Source {
   Status start() override { return source_.start(); }
   Result<hal::FrameInfo> next(DepthImage depth, int timeout_ms) override;
   void stop() override { source_.stop(); }
+  // While `held`, asked before every frame, says so, next() hands none on and goes on waiting: a camera's are thrown
+  // away, a recording stands still.
+  void hold_while(std::function<bool()> held) { held_ = std::move(held); }
   bool lost() const override { return source_.lost(); }
   std::optional<Vec3f> down() const override { return source_.down(); }
   hal::SourceStats stats() const override { return source_.stats(); }
   const std::optional<Error>& first_damage() const { return first_damage_; }
 
  private:
+  std::optional<Error> wait_while_held(DepthImage depth, int timeout_ms);
   hal::Source& source_;
   std::uint64_t frame_count_max_;
   Watch watch_;
+  std::function<bool()> held_;
   std::uint64_t frame_count_ = 0;
   std::optional<Error> first_damage_;
 };

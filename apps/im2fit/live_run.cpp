@@ -38,11 +38,13 @@ class LiveRun {
         outcome_(outcome),
         preview_(preview_renderer),
         listener_(listener),
+        permit_(listener != nullptr ? listener->permit() : 0),
         started_(std::chrono::steady_clock::now()) {}
 
   // After every frame pushed; false ends the run.
   bool go_on() {
     ++frames_;
+    if (!permitted()) return true;
     if (auto done = handle_result(outcome_.engine->result()); !done) error_ = done.error();
     if (error_ || (options_.count > 0 && persons_ >= options_.count)) return false;
     // A recording is watched at the speed it was made.
@@ -55,7 +57,10 @@ class LiveRun {
   Result<int> conclude_run() {
     if (error_) return *error_;
     if (preview_.error()) return *preview_.error();
-    if (auto done = handle_result(outcome_.engine->result()); !done) return done.error();
+    if (!permitted())
+      outcome_.engine->reset();
+    else if (auto done = handle_result(outcome_.engine->result()); !done)
+      return done.error();
     if (error_) return *error_;
     if (persons_ == 0) return report_no_person();
     if (auto sent = publish({{"event", "end"}, {"frame", frames_}, {"persons", persons_}}); !sent)
@@ -65,6 +70,21 @@ class LiveRun {
   const std::string& tables() const { return tables_; }
 
  private:
+  // False when what the engine knows is of another than who may be measured: it is dropped.
+  bool permitted() {
+    if (listener_ == nullptr) return true;
+    const std::uint64_t permit = listener_->permit();
+    if (permit == permit_) return true;
+    // 0 while the one before is looked at: the engine gets no frames, and what it has goes with the next number.
+    if (permit == 0) return false;
+    permit_ = permit;
+    outcome_.engine->reset();
+    session_ = outcome_.engine->result().session;
+    reported_ = state_known_ = false;
+    started_ = std::chrono::steady_clock::now() - kFramePeriod * frames_;  // a recording stood still
+    return false;
+  }
+
   Status publish(const Json& event) {
     if (listener_ != nullptr) listener_->publish(event);
     return options_.session.json ? print_event(event) : Ok{};
@@ -157,6 +177,7 @@ class LiveRun {
   SessionOutcome& outcome_;
   PreviewRenderer& preview_;
   LiveListener* listener_;
+  std::uint64_t permit_;
   std::chrono::steady_clock::time_point started_;
   std::uint64_t frames_ = 0;
   int persons_ = 0;
@@ -194,7 +215,10 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
   if (!outcome) return outcome.error();
   preview_renderer = std::make_unique<PreviewRenderer>(
       options.preview_renderer, outcome->input.source->info().intrinsics, options.session.frames);
-  if (listener != nullptr) listener->begin(*outcome);
+  if (listener != nullptr) {
+    listener->begin(*outcome);
+    outcome->tap->hold_while([listener] { return listener->permit() == 0; });
+  }
   LiveRun live(options, *outcome, *preview_renderer, listener);
   const auto done = run(*outcome->engine, *outcome->tap, [&] { return live.go_on(); });
   auto code = live.conclude_run();

@@ -23,7 +23,10 @@ void add_live_options(cli::App& sub, LiveOptions& options);
 class LiveListener {
  public:
   virtual ~LiveListener() = default;
-  virtual void begin(const SessionOutcome& session) = 0;       // before the first frame
+  virtual void begin(const SessionOutcome& session) = 0;  // before the first frame
+  // Who may be measured now: a number that is another for each person, 0 while no one may. Frames are left out then,
+  // and of what was seen under another number nothing is used. Asked often, on the thread of the run.
+  virtual std::uint64_t permit() { return 1; }
   virtual void see(const FrameSeen& frame) = 0;                // on the engine's thread
   virtual void publish(const Json& event) = 0;                 // apps/common/events.h
   virtual Status measured(const SessionOutcome& session) = 0;  // a person; before the event

@@ -2,7 +2,9 @@
 // serve: live, with a page for a browser.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -14,9 +16,14 @@
 namespace im2fit::apps {
 namespace {
 
+constexpr auto kRetryPeriod = std::chrono::seconds(1);  // a page says within three that a camera is there
+constexpr auto kPollPeriod = std::chrono::milliseconds(20);
+
 struct ServeOptions {
   LiveOptions live;
   PageAddress address;
+  bool no_consent = false;
+  bool wait = false;
 };
 
 class PageListener final : public LiveListener {
@@ -24,8 +31,14 @@ class PageListener final : public LiveListener {
   PageListener(LivePage& page, int frames_wanted) : page_(page), frames_wanted_(frames_wanted) {}
   void begin(const SessionOutcome& session) override {
     page_.begin(session.input.source->info().intrinsics, frames_wanted_);
-    print_error("open " + page_.url() + " in a browser; Ctrl-C ends this");
+    page_.trouble("");
+    invite();
   }
+  void invite() {
+    if (!invited_) print_error("open " + page_.url() + " in a browser; Ctrl-C ends this");
+    invited_ = true;
+  }
+  std::uint64_t permit() override { return page_.permit(); }
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
@@ -35,15 +48,64 @@ class PageListener final : public LiveListener {
  private:
   LivePage& page_;
   int frames_wanted_;
+  bool invited_ = false;
 };
 
+// What write_outputs() made, and the folder if nothing else is in it.
+void erase_outputs(const std::string& folder) {
+  std::error_code fault;
+  for (const char* name : {"result.json", "overlay.png", "avatar.glb", "avatar.obj", "avatar.bvh"}) {
+    std::filesystem::remove(std::filesystem::path(folder) / name, fault);
+    if (fault) print_error("cannot delete " + folder + "/" + name + ": " + fault.message());
+  }
+  std::filesystem::remove(folder, fault);  // an error when it is not empty: it stays
+}
+
+void sleep_unless_interrupted(std::chrono::milliseconds time) {
+  for (auto slept = time * 0; slept < time && !interrupted(); slept += kPollPeriod)
+    std::this_thread::sleep_for(kPollPeriod);
+}
+
+// For a page: whether it is the models that are missing, or the camera.
+std::string_view trouble_of(const ServeOptions& options) {
+  return load_measuring_data(options.live.session, options.live.session.input.body) ? "NO_CAMERA" : "MODELS_MISSING";
+}
+
+Result<int> serve_until_interrupted(const ServeOptions& options, LivePage& page) {
+  PageListener listener(page, options.live.session.frames);
+  std::string last_said;
+  if (options.wait) listener.invite();
+  for (;;) {
+    auto code = run_live(options.live, &listener);
+    if (code || !options.wait || interrupted()) return code;
+    if (code.error().message != last_said) print_error(code.error().message + "; trying again until Ctrl-C");
+    last_said = code.error().message;
+    page.trouble(trouble_of(options));
+    sleep_unless_interrupted(kRetryPeriod);
+    if (interrupted()) return kExitOk;
+  }
+}
+
 Result<int> run_serve(const ServeOptions& options) {
-  auto page = LivePage::open(options.address);
+  if (!options.no_consent && !options.live.session.motion.empty())
+    return Error{
+        ErrorCode::invalid_argument,
+        "--motion writes the movements of all people into one file, from which no one can be deleted; it needs "
+        "--no-consent"};
+  catch_interrupt();
+  LivePageSettings settings;
+  settings.address = options.address;
+  settings.visit.ask = !options.no_consent;
+  settings.keeps_files = !options.live.session.out.empty();
+  settings.consented = [](std::uint64_t visit, const std::string& text) {
+    print_error(fmt::format("visit {}: consent to text {}", visit, text.empty() ? "unknown" : text));
+  };
+  settings.erase_folder = erase_outputs;
+  auto page = LivePage::open(settings);
   if (!page) return page.error();
-  PageListener listener(**page, options.live.session.frames);
-  auto code = run_live(options.live, &listener);
+  auto code = serve_until_interrupted(options, **page);
   // A recording is over sooner than people have read what it gave.
-  while (code && !interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (code && !interrupted()) sleep_unless_interrupted(kRetryPeriod);
   return code;
 }
 
@@ -53,11 +115,16 @@ void add_serve(cli::App& app, Command& chosen) {
   auto options = std::make_shared<ServeOptions>();
   auto* sub = add_command<ServeOptions>(
       app, chosen, "serve", "live, shown on a page for a browser: guidance, measurements, a 3D body that follows",
-      "  im2fit serve openni2 --rotate 90\n  im2fit serve FOLDER --port 0\n  im2fit serve usb --rotate 90 --host "
+      "  im2fit serve openni2 --rotate 90\n  im2fit serve FOLDER --no-consent --port 0\n  im2fit serve usb --rotate "
+      "90 --host "
       "0.0.0.0     whoever reaches this machine sees the camera's pictures",
       options, run_serve);
   add_live_options(*sub, options->live);
   sub->get_option("--count")->description("Measure so many people, then only show; 0: until Ctrl-C");
+  sub->add_flag("--no-consent", options->no_consent,
+                "Measure whoever stands there, without asking on the page: for recordings and for yourself");
+  sub->add_flag("--wait", options->wait,
+                "Wait for a camera and for models that are not there yet, and say so on the page: for a service");
   sub->add_option("--host", options->address.host, "Address to listen at; another than 127.0.0.1 lets others look")
       ->capture_default_str();
   sub->add_option("--port", options->address.port, "Port; 0: any that is free")

@@ -36,6 +36,12 @@ void Board::put(const std::string& path, PageFile file) {
   files_[path] = std::move(held);
 }
 
+void Board::withdraw(std::initializer_list<const char*> kinds, std::initializer_list<const char*> paths) {
+  const std::lock_guard lock(mutex_);
+  for (const char* kind : kinds) messages_.erase(kind);
+  for (const char* path : paths) files_.erase(path);
+}
+
 std::shared_ptr<const PageFile> Board::file(const std::string& path) const {
   const std::lock_guard lock(mutex_);
   const auto found = files_.find(path);

@@ -6,14 +6,15 @@
 #include <utility>
 #include <vector>
 
-#include "apps/common/preview_input.h"
+#include "apps/im2fit/page/small_picture.h"
 #include "engine/report/drawn_bones.h"
 
 namespace im2fit::apps {
 namespace {
 
 constexpr auto kPicturePeriod = std::chrono::milliseconds(100);
-constexpr int kPictureHeightPx = 480;
+constexpr auto kTickPeriod = std::chrono::milliseconds(100);
+constexpr int kTicksPerBeat = 10;  // a page that hears nothing for three beats says that the program is gone
 
 // To a tenth of a millimetre: the page needs no more.
 template <class Values>
@@ -26,27 +27,58 @@ Json rounded(Vec3f v) {
   return rounded(std::array{v.x, v.y, v.z});
 }
 
+// Of a joint in the picture, in thousandths of its width and height.
+Json in_picture(const Intrinsics& k, Vec3f p) {
+  return {std::lround(1000 * (k.fx * p.x / p.z + k.cx) / static_cast<float>(k.width)),
+          std::lround(1000 * (k.fy * p.y / p.z + k.cy) / static_cast<float>(k.height))};
+}
+
 bool all_finite(const JointSet& joints) {
-  return std::all_of(joints.position_mm.begin(), joints.position_mm.end(),
-                     [](const Vec3f& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); });
+  return std::all_of(joints.position_mm.begin(), joints.position_mm.end(), [](const Vec3f& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && p.z > 0;
+  });
 }
 
 }  // namespace
 
-Result<std::unique_ptr<LivePage>> LivePage::open(const PageAddress& address) {
-  std::unique_ptr<LivePage> page(new LivePage);
-  auto server = PageServer::open(address, page->board_);
+LivePage::LivePage(const LivePageSettings& settings) : settings_(settings), visit_(settings.visit, Clock::now()) {}
+
+Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& settings) {
+  std::unique_ptr<LivePage> page(new LivePage(settings));
+  LivePage& self = *page;
+  self.begin({}, 0);
+  self.publish_visit();
+  auto server = PageServer::open(settings.address, self.board_,
+                                 [&self](PageAction action, std::string_view visit, std::string_view note) {
+                                   return self.act(action, visit, note);
+                                 });
   if (!server) return server.error();
-  page->server_ = std::move(*server);
+  self.server_ = std::move(*server);
+  self.keeper_ = std::thread([&self] { self.tick(); });
   return page;
 }
 
+LivePage::~LivePage() {
+  {
+    const std::lock_guard lock(visit_mutex_);
+    ending_ = true;
+  }
+  if (keeper_.joinable()) keeper_.join();
+}
+
 void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
-  intrinsics_ = intrinsics;
+  {
+    const std::lock_guard lock(visit_mutex_);
+    intrinsics_ = intrinsics;
+    follows_ = false;
+  }
   Json bones = Json::array();
   for (const DrawnBone& bone : kDrawnBones)
     bones.push_back({static_cast<int>(bone.from), static_cast<int>(bone.to), static_cast<int>(bone.coloured_as)});
   board_.publish("hello", Json{{"event", "hello"},
+                               {"boot", boot_},
+                               {"asks", settings_.visit.ask},
+                               {"keeps_files", settings_.keeps_files},
                                {"frames_wanted", frames_wanted},
                                {"joints", kJointNames},
                                {"bones", bones},
@@ -54,7 +86,87 @@ void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
                               .dump());
 }
 
+void LivePage::trouble(std::string_view code) {
+  board_.publish("trouble", Json{{"event", "trouble"}, {"code", code}}.dump());
+}
+
+void LivePage::publish_visit() {
+  board_.publish("visit", Json{{"event", "visit"}, {"id", visit_.id()}, {"state", name_of(visit_.state())}}.dump());
+  publish_beat();
+}
+
+// A kind of its own: a page that comes later hears of the visit before it hears of its result.
+void LivePage::publish_beat() {
+  const auto left = visit_.left(Clock::now());
+  board_.publish("beat", Json{{"event", "beat"}, {"left_s", (left.count() + 999) / 1000}}.dump());
+}
+
+void LivePage::forget() {
+  // Files first: who hears of the new visit finds nothing of the one before.
+  board_.withdraw({"state", "frame", "picture", "measured", "left"}, {"/result.json", "/avatar.glb", "/picture.png"});
+  animator_.reset();
+  follows_ = false;
+  folder_.clear();
+  publish_visit();
+}
+
+bool LivePage::act(PageAction action, std::string_view visit, std::string_view note) {
+  std::string folder;
+  {
+    const std::lock_guard lock(visit_mutex_);
+    const auto now = Clock::now();
+    switch (action) {
+      case PageAction::touch:
+        if (!visit_.touch(visit, now)) return false;
+        publish_beat();
+        return true;
+      case PageAction::consent:
+        if (!visit_.consent(visit, now)) return false;
+        publish_visit();
+        if (settings_.consented) settings_.consented(visit_.number(), std::string(note));
+        return true;
+      case PageAction::erase:
+        folder = folder_;
+        if (!visit_.erase(visit, now)) return false;
+        forget();
+        break;
+    }
+  }
+  if (!folder.empty() && settings_.erase_folder) settings_.erase_folder(folder);
+  return true;
+}
+
+void LivePage::tick() {
+  for (int ticks = 0;; ++ticks) {
+    {
+      const std::lock_guard lock(visit_mutex_);
+      if (ending_) return;
+      if (visit_.tick(Clock::now()))
+        forget();
+      else if (ticks % kTicksPerBeat == 0)
+        publish_beat();
+    }
+    std::this_thread::sleep_for(kTickPeriod);
+  }
+}
+
+std::uint64_t LivePage::permit() {
+  const std::lock_guard lock(visit_mutex_);
+  const bool open = visit_.state() == VisitState::measuring || (visit_.state() == VisitState::result && follows_);
+  if (!settings_.visit.ask) {
+    permitted_ = visit_.number();
+    return 1;
+  }
+  if (!open) return 0;
+  return permitted_ = visit_.number();
+}
+
 void LivePage::see(const FrameSeen& frame) {
+  {
+    const std::lock_guard lock(visit_mutex_);
+    if (frame.result.user != 0) visit_.person_in_view(Clock::now());
+    if (!is_current()) return;  // of the visit before
+  }
   if (server_->watchers() == 0) return;
   move(frame);
   const auto now = std::chrono::steady_clock::now();
@@ -66,46 +178,69 @@ void LivePage::see(const FrameSeen& frame) {
 void LivePage::move(const FrameSeen& frame) {
   const EngineResult& result = frame.result;
   Json event = {{"event", "frame"}, {"frames_used", result.frames_used}, {"frames_back", result.frames_back}};
+  const std::lock_guard lock(visit_mutex_);
   if (result.has_joints && all_finite(result.display_joints)) {
-    Json joints = Json::array();
+    Json joints = Json::array(), pixels = Json::array();
     for (const Vec3f& p : standing_joints_m(result.display_joints, result.floor)) joints.push_back(rounded(p));
+    for (const Vec3f& p : result.display_joints.position_mm) pixels.push_back(in_picture(intrinsics_, p));
     event["joints"] = std::move(joints);
-    const std::lock_guard lock(animator_mutex_);
-    if (animator_) {
+    event["pixels"] = std::move(pixels);
+    if (animator_ && follows_) {
       const body::RigPose rig = animator_->follow(result.display_joints, result.floor);
       event["root"] = rounded(rig.root_m);
       for (const auto& rotation : rig.rotation) event["rotations"].push_back(rounded(rotation));
     }
   }
-  board_.publish("frame", event.dump());
+  if (is_current()) board_.publish("frame", event.dump());
 }
 
 void LivePage::draw(const FrameSeen& frame) {
-  const auto png = draw_preview(preview_of(frame, intrinsics_), kPictureHeightPx, false).png();
+  auto png = small_picture(frame.depth, frame.mask);
   if (!png) return;  // the next one may do
-  const auto* bytes = reinterpret_cast<const char*>(png->data());
-  board_.put("/picture.png", {"image/png", std::string(bytes, png->size())});
+  const std::lock_guard lock(visit_mutex_);
+  if (!is_current()) return;
+  board_.put("/picture.png", {"image/png", std::move(*png)});
   board_.publish("picture", Json{{"event", "picture"}, {"number", ++pictures_}}.dump());
 }
 
 void LivePage::publish(const Json& event) {
   const std::string kind = event["event"];
-  if (kind == "measured") board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
-  if (kind == "left") {
-    const std::lock_guard lock(animator_mutex_);
-    animator_.reset();  // the next person's joints are not theirs
-  }
   std::string line = line_of(event);
   line.pop_back();
+  const std::lock_guard lock(visit_mutex_);
+  if (kind == "camera") board_.publish(kind, std::move(line));
+  if (kind == "end") board_.publish(kind, R"({"event":"end"})");  // not with what the last frame showed
+  if (kind == "camera" || kind == "end") return;
+  // Whoever comes next without being asked ends the visit before them.
+  if (!settings_.visit.ask && visit_.state() == VisitState::result && !follows_ &&
+      (kind == "measured" || (kind == "state" && event["user"] != 0)))
+    next_visit();
+  if (!is_current()) return;  // deleted, or given up, while it was computed
+  if (kind == "measured") {
+    if (!visit_.measured(Clock::now())) return;
+    follows_ = true;
+    folder_ = event.value("out", std::string());
+    board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
+    publish_visit();
+  }
+  if (kind == "left") follows_ = false;  // the next person's joints are not theirs
   board_.publish(kind, std::move(line));
+}
+
+void LivePage::next_visit() {
+  visit_.next(Clock::now());
+  permitted_ = visit_.number();
+  forget();
 }
 
 Status LivePage::measured(const body::Avatar& avatar, std::span<const std::byte> glb) {
   auto animator = AvatarAnimator::create(avatar);
   if (!animator) return animator.error();
+  const std::lock_guard lock(visit_mutex_);
+  if (!settings_.visit.ask && visit_.state() == VisitState::result) next_visit();
+  if (!is_current()) return Ok{};  // deleted, or given up, while it was computed
   board_.put("/avatar.glb",
              {"model/gltf-binary", std::string(reinterpret_cast<const char*>(glb.data()), glb.size())});
-  const std::lock_guard lock(animator_mutex_);
   animator_ = *animator;
   return Ok{};
 }

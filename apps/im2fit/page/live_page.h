@@ -1,47 +1,90 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run in a browser: what the camera sees, what is needed, who was measured, and their body, which follows them.
+// A run in a browser: what the camera sees, what is needed, who was measured, and their body, which follows them. And
+// whose visit it is: nothing is taken from the camera before consent, and a result goes for every client at once.
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <thread>
 
 #include "apps/common/events.h"
 #include "apps/im2fit/page/avatar_animator.h"
 #include "apps/im2fit/page/board.h"
 #include "apps/im2fit/page/page_server.h"
+#include "apps/im2fit/page/visit.h"
 #include "engine/engine.h"
 
 namespace im2fit::apps {
+
+struct LivePageSettings {
+  PageAddress address;
+  VisitRules visit;
+  bool keeps_files = false;  // a result is written to a folder as well: consent has to say so
+  // On the server's thread. A person consented, to which text: "en-1".
+  std::function<void(std::uint64_t visit, const std::string& text)> consented;
+  // A person asked to delete what is theirs: what was written to this folder with it.
+  std::function<void(const std::string& folder)> erase_folder;
+};
 
 // `see` on the engine's thread, the rest on one other. Nothing is drawn while no browser watches.
 class LivePage {
  public:
   // Errors: as PageServer::open().
-  static Result<std::unique_ptr<LivePage>> open(const PageAddress& address);
+  static Result<std::unique_ptr<LivePage>> open(const LivePageSettings& settings);
+  ~LivePage();
+  LivePage(const LivePage&) = delete;
+  LivePage& operator=(const LivePage&) = delete;
   const std::string& url() const { return server_->url(); }
+  int watchers() const { return server_->watchers(); }  // pages that follow it now
 
+  // What keeps people from being measured: "NO_CAMERA", "MODELS_MISSING", "FAILED"; "": nothing.
+  void trouble(std::string_view code);
   // Before the first frame.
   void begin(const Intrinsics& intrinsics, int frames_wanted);
+  // As LiveListener::permit().
+  std::uint64_t permit();
   void see(const FrameSeen& frame);
   void publish(const Json& event);
   // Before its event.
   Status measured(const body::Avatar& avatar, std::span<const std::byte> glb);
 
  private:
-  LivePage() = default;
+  using Clock = std::chrono::steady_clock;
+  explicit LivePage(const LivePageSettings& settings);
+  // These hold visit_mutex_.
+  bool act(PageAction action, std::string_view visit, std::string_view note);
+  void tick();
+  // These need it held.
+  void publish_visit();
+  void publish_beat();
+  void forget();  // the visit before: all of it, for every client
+  void next_visit();
+  bool is_current() const { return permitted_ == visit_.number(); }
+
   void draw(const FrameSeen& frame);
   void move(const FrameSeen& frame);
 
+  const LivePageSettings settings_;
+  const std::string boot_ = random_id();
   Board board_;
   Intrinsics intrinsics_;
-  std::mutex animator_mutex_;
+  std::mutex visit_mutex_;
+  Visit visit_;
+  std::uint64_t permitted_ = 0;  // the visit whose frames the engine works on
+  bool follows_ = false;         // who was measured is still in view
+  std::string folder_;           // what was written of this visit
   std::optional<AvatarAnimator> animator_;
   std::chrono::steady_clock::time_point drawn_{};
   std::uint64_t pictures_ = 0;
+  bool ending_ = false;
+  std::thread keeper_;
   std::unique_ptr<PageServer> server_;  // last: it refers to the board
 };
 

@@ -50,6 +50,8 @@ constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"Referrer-Policy", "no-referrer"},
     {"X-Content-Type-Options", "nosniff"},
     {"X-Frame-Options", "DENY"}};
+constexpr std::pair<std::string_view, PageAction> kActions[] = {
+    {"/consent", PageAction::consent}, {"/touch", PageAction::touch}, {"/delete", PageAction::erase}};
 constexpr const char* kText = "text/plain; charset=utf-8";
 constexpr const char* kNotKept = "no-store";
 constexpr const char* kKept = "private, max-age=31536000, immutable";
@@ -179,9 +181,10 @@ struct PageServer::Parts {
     Clock::time_point read;  // when it was last asked for more
   };
 
-  Parts(Board& b, const std::string& host) : board(b), check(host) {}
+  Parts(Board& b, const std::string& host, PageActor a) : board(b), check(host), act(std::move(a)) {}
   MHD_Result answer(MHD_Connection* connection, std::string_view method, const std::string& path);
   MHD_Result answer_file(MHD_Connection* connection, const WebFile& file);
+  MHD_Result answer_action(MHD_Connection* connection, PageAction action);
   MHD_Result answer_stream(MHD_Connection* connection);
   static ssize_t read_stream(void* closure, std::uint64_t position, char* to, std::size_t room);
   static void end_stream(void* closure);
@@ -191,6 +194,7 @@ struct PageServer::Parts {
 
   Board& board;
   HostCheck check;
+  PageActor act;
   Visitors visitors{VisitorLimits{}};
   std::string url;
   MHD_Daemon* daemon = nullptr;
@@ -214,14 +218,18 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
   if (const std::string why = check.refusal(doubled ? std::nullopt : host.value, origin.value, site.value);
       !why.empty())
     return send(connection, MHD_HTTP_FORBIDDEN, copied(why + "\n"), kText);
-  if (method != "GET" && method != "HEAD") {
-    const Response response = copied("only GET and HEAD are answered\n");
-    if (response) MHD_add_response_header(response.get(), "Allow", "GET, HEAD");
+  const auto* action = std::find_if(std::begin(kActions), std::end(kActions),
+                                    [&](const auto& known) { return act && known.first == path; });
+  const bool acts = action != std::end(kActions);
+  if (acts ? method != "POST" : method != "GET" && method != "HEAD") {
+    const Response response = copied("another method is needed\n");
+    if (response) MHD_add_response_header(response.get(), "Allow", acts ? "POST" : "GET, HEAD");
     return send(connection, MHD_HTTP_METHOD_NOT_ALLOWED, response, kText);
   }
   // Nothing here has a use for a body: who sends one is cut off.
   const Field length = field_of(connection, "Content-Length");
   if (field_of(connection, "Transfer-Encoding").count > 0 || (length.count > 0 && length.value != "0")) return MHD_NO;
+  if (acts) return answer_action(connection, action->second);
   if (path == "/events")
     return method == "GET" ? answer_stream(connection) : send(connection, 200, copied(""), "text/event-stream");
   if (const WebFile* fixed = web_file(path)) return answer_file(connection, *fixed);
@@ -230,6 +238,19 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
     return send(connection, MHD_HTTP_OK, shared(std::move(file)), type.c_str());
   }
   return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there (yet)\n"), kText);
+}
+
+MHD_Result PageServer::Parts::answer_action(MHD_Connection* connection, PageAction action) {
+  const Field origin = field_of(connection, "Origin"), visit = field_of(connection, "X-Im2fit-Visit");
+  const Field note = field_of(connection, "X-Im2fit-Note");
+  if (origin.count != 1 || visit.count != 1 || note.count > 1)
+    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may ask for this\n"), kText);
+  const std::string_view text = note.value.value_or("");
+  if (visit.value->size() > kActionTextMax || text.size() > kActionTextMax)
+    return send(connection, MHD_HTTP_BAD_REQUEST, copied("too long\n"), kText);
+  if (!act(action, *visit.value, text))
+    return send(connection, MHD_HTTP_CONFLICT, copied("that visit is over\n"), kText);
+  return send(connection, MHD_HTTP_OK, copied("done\n"), kText);
 }
 
 MHD_Result PageServer::Parts::answer_file(MHD_Connection* connection, const WebFile& file) {
@@ -252,7 +273,8 @@ MHD_Result PageServer::Parts::answer_stream(MHD_Connection* connection) {
   }
   ++watchers;
   const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-  streams.push_back({*this, connection, info->connect_fd, 0, "", false, now});
+  // Who lost the stream asks again after a second: a page is to notice within three that all is well.
+  streams.push_back({*this, connection, info->connect_fd, 0, "retry: 1000\n\n", false, now});
   Stream* stream = &streams.back();
   lock.unlock();
   const Response response(
@@ -325,7 +347,7 @@ void PageServer::Parts::keep() {
   }
 }
 
-Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address, Board& board) {
+Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address, Board& board, PageActor act) {
   CloseSocket listening{listen_at(address)};
   const int reason = errno;
   const auto failed = [&](int code) {
@@ -334,7 +356,7 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
                                     "; try another --port or --host"};
   };
   if (listening.socket < 0) return failed(reason);
-  auto made = std::make_unique<Parts>(board, address.host);
+  auto made = std::make_unique<Parts>(board, address.host, std::move(act));
   Parts& parts = *made;
   const bool v6 = address.host.find(':') != std::string::npos;
   parts.url = "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" +

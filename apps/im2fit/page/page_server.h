@@ -2,8 +2,10 @@
 // A board over HTTP: its files, its messages as a stream at /events, and the page that shows them.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "apps/im2fit/page/board.h"
 #include "core/status.h"
@@ -15,15 +17,24 @@ struct PageAddress {
   int port = 8017;  // 0: any that is free
 };
 
+// What a page may ask for by POST, without a body.
+enum class PageAction { consent, touch, erase };
+// `visit`: the id the page names (the field X-Im2fit-Visit), `note`: what it says of it (X-Im2fit-Note), both at most
+// kActionTextMax long. On the server's thread. False: there is no such visit any more.
+using PageActor = std::function<bool(PageAction action, std::string_view visit, std::string_view note)>;
+inline constexpr std::size_t kActionTextMax = 64;
+
 // One thread serves all connections, and waits for none of them: visitors.h limits their number and their time, a
-// request's header is at most 16 KB, a body is not read at all. GET and HEAD only; host_check.h says whom it answers.
+// request's header is at most 16 KB, a body is not read at all. host_check.h says whom it answers. GET and HEAD, and
+// POST of /consent, /touch and /delete from the page itself: with its Origin, which browsers always send with a POST,
+// and with a field that no other site's page may send without being asked first (Fetch, CORS-preflight).
 class PageServer {
  public:
   static constexpr int kWatchersMax = 8;  // streams at once; further ones are answered 503
 
-  // Answers from here on, on two threads of its own. `board` must outlive it. Errors: the address cannot be listened
-  // at.
-  static Result<std::unique_ptr<PageServer>> open(const PageAddress& address, Board& board);
+  // Answers from here on, on two threads of its own. `board` must outlive it. Without `act` nothing is answered to
+  // POST. Errors: the address cannot be listened at.
+  static Result<std::unique_ptr<PageServer>> open(const PageAddress& address, Board& board, PageActor act = {});
   // Closes the board; streams get their end, everyone else is cut off. Takes less than half a second whatever clients
   // do.
   ~PageServer();

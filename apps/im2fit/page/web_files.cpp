@@ -14,6 +14,14 @@
 IM2FIT_EMBED(im2fit_web_index, IM2FIT_PAGE_MADE_DIR "/index.html")
 IM2FIT_EMBED(im2fit_web_style, IM2FIT_WEB_DIR "/page.css")
 IM2FIT_EMBED(im2fit_web_words, IM2FIT_WEB_DIR "/words.js")
+IM2FIT_EMBED(im2fit_web_icons, IM2FIT_WEB_DIR "/icons.js")
+IM2FIT_EMBED(im2fit_web_sounds, IM2FIT_WEB_DIR "/sounds.js")
+IM2FIT_EMBED(im2fit_web_mirror, IM2FIT_WEB_DIR "/mirror.js")
+IM2FIT_EMBED(im2fit_web_en, IM2FIT_WEB_DIR "/lang/en.json")
+IM2FIT_EMBED(im2fit_web_de, IM2FIT_WEB_DIR "/lang/de.json")
+IM2FIT_EMBED(im2fit_web_es, IM2FIT_WEB_DIR "/lang/es.json")
+IM2FIT_EMBED(im2fit_web_fr, IM2FIT_WEB_DIR "/lang/fr.json")
+IM2FIT_EMBED(im2fit_web_zh, IM2FIT_WEB_DIR "/lang/zh.json")
 IM2FIT_EMBED(im2fit_web_stage, IM2FIT_WEB_DIR "/stage.js")
 IM2FIT_EMBED(im2fit_web_page, IM2FIT_WEB_DIR "/page.js")
 IM2FIT_EMBED(im2fit_web_three, IM2FIT_THREE_DIR "/build/three.min.js")
@@ -26,6 +34,7 @@ IM2FIT_EMBED(im2fit_web_orbit_gzip, IM2FIT_PAGE_MADE_DIR "/orbit.gz")
 namespace im2fit::apps {
 namespace {
 
+constexpr const char* kWords = "application/json; charset=utf-8";
 constexpr const char* kScript = "text/javascript; charset=utf-8";
 
 }  // namespace
@@ -39,6 +48,14 @@ const WebFile* web_file(std::string_view path) {
       own("/", "text/html; charset=utf-8", im2fit_web_index, im2fit_web_index_end),
       own("/page.css", "text/css; charset=utf-8", im2fit_web_style, im2fit_web_style_end),
       own("/words.js", kScript, im2fit_web_words, im2fit_web_words_end),
+      own("/icons.js", kScript, im2fit_web_icons, im2fit_web_icons_end),
+      own("/sounds.js", kScript, im2fit_web_sounds, im2fit_web_sounds_end),
+      own("/mirror.js", kScript, im2fit_web_mirror, im2fit_web_mirror_end),
+      own("/lang/en.json", kWords, im2fit_web_en, im2fit_web_en_end),
+      own("/lang/de.json", kWords, im2fit_web_de, im2fit_web_de_end),
+      own("/lang/es.json", kWords, im2fit_web_es, im2fit_web_es_end),
+      own("/lang/fr.json", kWords, im2fit_web_fr, im2fit_web_fr_end),
+      own("/lang/zh.json", kWords, im2fit_web_zh, im2fit_web_zh_end),
       own("/stage.js", kScript, im2fit_web_stage, im2fit_web_stage_end),
       own("/page.js", kScript, im2fit_web_page, im2fit_web_page_end),
       WebFile{"/" IM2FIT_PAGE_THREE, kScript, between(im2fit_web_three, im2fit_web_three_end),

@@ -70,7 +70,7 @@ TEST_F(Served, ThePageAndAllItAsksForAreThere) {
     EXPECT_EQ(file->status, 200) << (*at)[1];
     EXPECT_GT(file->body.size(), 500U) << (*at)[1];
   }
-  EXPECT_EQ(found, 7);
+  EXPECT_EQ(found, 10);
   // Nothing of another machine.
   EXPECT_EQ(page->body.find("http"), std::string::npos);
 }
@@ -162,7 +162,7 @@ TEST_F(Served, TheStreamTellsWhatWasAndWhatComes) {
   ASSERT_TRUE(watched_by(1));
   board_.publish("state", "two");
   watcher.join();
-  EXPECT_EQ(watcher.text.rfind("data: {\"event\":\"hello\"}\n\n", 0), 0U) << watcher.text;
+  EXPECT_EQ(watcher.text.rfind("retry: 1000\n\ndata: {\"event\":\"hello\"}\n\n", 0), 0U) << watcher.text;
 }
 
 TEST_F(Served, NotMoreWatchThanThereAreThreadsFor) {

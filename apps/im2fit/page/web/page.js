@@ -1,124 +1,300 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program publishes at /events, shown. Its events are those of docs/result.md and docs/page.md.
+// What the program publishes at /events, shown. Its events are those of docs/result.md and docs/page.md. All that is
+// on the screen belongs to one visit; with another, or without the program, it goes.
 'use strict';
 
 const at = (id) => document.getElementById(id);
-const seen = {state: 'SEARCHING', guidance: ['NO_PERSON'], details: {}, camera: null, wanted: 30, used: 0, back: 0, over: false};
+const kQuietMs = 3000;    // the program sends something every second
+const kTouchMs = 2000;    // touches are reported no more often
+const kReconnectMs = 1000;
+const kRed = ['NO_CAMERA', 'MODELS_MISSING', 'SERVER_GONE', 'TOO_MANY_SCREENS'];
+const kAmber = ['CAMERA_LOST', 'OVER'];
+const kNothingSeen = {state: 'SEARCHING', guidance: [], details: {}, used: 0, back: 0};
+
+const words = new Words(new URLSearchParams(location.search).get('lang') || navigator.language || 'en');
+const sounds = new Sounds();
+const mirror = new Mirror(at('sight'));
 const failures = [];  // what went wrong here, for who looks into it
 for (const kind of ['error', 'unhandledrejection']) {
   window.addEventListener(kind, (e) => failures.push(String(e.message || e.reason)));
 }
+let boot = null, hello = {asks: true, keeps_files: false, frames_wanted: 30, segments: []};
+let visit = null;         // {id, state}
+let seen = {...kNothingSeen};
 let result = null;
-let inches = false;
-let segments = [];
+let link = 'SERVER_GONE';  // or 'TOO_MANY_SCREENS', or '' while events come
+let trouble = '', camera = '', over = false;
 let stage = null;
 try {
   stage = new Stage(at('canvas'));
 } catch (error) {
-  at('stage-caption').textContent = 'This browser shows no 3D (WebGL)';
+  document.body.dataset.flat = 'true';  // this browser shows no 3D (WebGL)
 }
 
-function showState() {
-  document.body.dataset.state = seen.state;
-  at('wish').textContent = seen.camera || (seen.over ? 'The recording is over' : wishFor(seen.state, seen.guidance, seen.details));
-  at('codes').textContent = seen.over ? '' : seen.guidance.join(', ');
+function codeNow() {
+  if (link) return link;
+  if (trouble) return trouble;
+  if (camera) return camera;
+  if (!visit || visit.state === 'ASKING') return over ? 'OVER' : 'WELCOME';
+  if (visit.state === 'RESULT') return 'DONE';
+  return over ? 'OVER' : codeFor(seen.state, seen.guidance, seen.details);
+}
+function stageFor(code) {
+  if (link || !visit) return 'trouble';
+  if (visit.state === 'RESULT') return result ? 'result' : 'trouble';
+  if (kRed.includes(code) || kAmber.includes(code)) return 'trouble';
+  return visit.state === 'ASKING' ? 'welcome' : 'measure';
+}
+function toneFor(code) {
+  if (kRed.includes(code)) return 'red';
+  if (kAmber.includes(code)) return 'amber';
+  return ['HOLD', 'WORKING', 'DONE'].includes(code) ? 'good' : 'plain';
+}
+// Of what is accumulated: of the back while turning.
+function share() {
   const accumulated = seen.state === 'TURNING' ? seen.back : seen.used;
-  at('accumulated').value = seen.state === 'MEASURED' ? 1 : Math.min(1, accumulated / seen.wanted);
+  return seen.state === 'MEASURED' ? 1 : Math.min(1, accumulated / Math.max(1, hello.frames_wanted));
+}
+
+function show() {
+  if (!words.table) return;
+  const code = codeNow();
+  const before = document.body.dataset.code;
+  document.body.dataset.stage = stageFor(code);
+  document.body.dataset.tone = toneFor(code);
+  if (before !== code) {
+    document.body.dataset.code = code;
+    at('icon').innerHTML = kIcons[code] || '';
+  }
+  if (at('message').textContent !== words.say(code)) at('message').textContent = words.say(code);
+  at('accumulated').value = document.body.dataset.stage === 'measure' ? share() : 0;
+  const counts = code === 'HOLD' && share() < 1;
+  at('count').textContent = counts ? String(Math.max(1, Math.ceil(3 * (1 - share())))) : '';
+  sounds.say(code);
+}
+
+function showTexts() {
+  if (!words.table) return;
+  document.documentElement.lang = words.language;
+  const page = words.table.page;
+  for (const id of ['agree', 'stop', 'delete', 'size-title', 'name-head', 'interval-head']) {
+    at(id).textContent = page[id];
+  }
+  at('consent-title').textContent = words.table.consent.title;
+  const points = [...words.table.consent.points, words.table.consent[hello.keeps_files ? 'files' : 'no_files']];
+  at('consent-points').replaceChildren(...points.map((text) => {
+    const item = document.createElement('li');
+    item.textContent = text;
+    return item;
+  }));
+  at('sight').setAttribute('aria-label', page.sight);
+  at('canvas').setAttribute('aria-label', page.body);
+  at('accumulated').setAttribute('aria-label', page.accumulated);
+  at('languages').setAttribute('aria-label', page.languages);
+  at('sound').textContent = sounds.on ? page.sound_on : page.sound_off;
+  at('sound').setAttribute('aria-pressed', String(sounds.on));
+  for (const button of at('languages').children) {
+    button.setAttribute('aria-current', String(button.lang === words.language));
+  }
+  showResult();
+  show();
 }
 
 function showSize() {
-  at('size').replaceChildren();
-  if (!result.size) return;
-  const likely = Object.entries(result.size.probabilities).sort((a, b) => b[1] - a[1]).slice(0, 2);
+  const likely = Object.entries(result.size ? result.size.probabilities : {}).sort((a, b) => b[1] - a[1]).slice(0, 2);
   const chances = document.createElement('small');
-  chances.textContent = ' ' + likely.map(([size, p]) => `${size} ${Math.round(100 * p)} %`).join(', ') +
-                        ` (${result.size.chart})`;
-  at('size').append(result.size.best, chances);
+  chances.textContent = ' ' + likely.map(([size, p]) => `${size} ${words.percent(p)}`).join(', ');
+  at('size').replaceChildren(...(result.size ? [result.size.best, chances] : []));
 }
 
 function showResult() {
+  at('unit').textContent = words.inches ? words.of('centimetres') : words.of('inches');
   if (!result) return;
-  at('unit-of').textContent = inches ? 'in' : 'cm';
-  at('unit').textContent = inches ? 'centimetres' : 'inches';
+  at('unit-head').textContent = words.unit('mm');
   at('values').tBodies[0].replaceChildren(...Object.entries(result.measurements).map(([id, m]) => {
     const row = document.createElement('tr');
-    const [low, high] = m.interval.map((v) => written(v, m.unit, inches));
-    for (const text of [nameOf(id, m.unit, inches), written(m.value, m.unit, inches), `${low} to ${high}`]) {
-      row.insertCell().textContent = text;
-    }
+    row.dataset.id = id;
+    const name = document.createElement('th');
+    name.scope = 'row';
+    name.textContent = words.name(id) + (m.unit === 'kg' ? ` (${words.unit('kg')})` : '');
+    row.append(name);
+    const [low, high] = m.interval.map((v) => words.value(v, m.unit));
+    for (const text of [words.value(m.value, m.unit), `${low} – ${high}`]) row.insertCell().textContent = text;
     return row;
   }));
   showSize();
-  const female = result.sex.female;
-  const sex = female >= 0.5 ? `female ${Math.round(100 * female)} %` : `male ${Math.round(100 - 100 * female)} %`;
-  at('others').textContent = sex + (result.views === 'front+back' ? ', from front and back' : ', from the front') +
-                             (result.clothing.answered_as === 'dressed' ? ', through clothes' : '');
+  const notes = [words.of(result.views === 'front+back' ? 'front_and_back' : 'front_only')];
+  if (result.clothing.answered_as === 'dressed') notes.push(words.of('dressed'));
+  at('others').textContent = notes.join(' ');
+}
+
+// Nothing of a visit stays, whoever's it was.
+function forget() {
+  result = null;
+  seen = {...kNothingSeen};
+  mirror.clear();
+  if (stage) {
+    stage.removeAvatar();
+    stage.setJoints(null);
+  }
+  delete document.body.dataset.avatar;
+  for (const id of ['size', 'others', 'left']) at(id).replaceChildren();
+  at('values').tBodies[0].replaceChildren();
+  document.dispatchEvent(new CustomEvent('im2fit-forget'));
 }
 
 const on = {
   hello(event) {
-    seen.wanted = event.frames_wanted;
-    segments = event.segments;
+    if (boot && boot !== event.boot) {  // another run of the program, perhaps another version
+      forget();
+      location.reload();
+      return;
+    }
+    boot = event.boot;
+    hello = event;
+    mirror.setBones(event.bones, event.joints);
     if (stage) stage.setBones(event.bones, event.joints);
+    camera = '';
+    over = false;
+    showTexts();
   },
+  visit(event) {
+    if (visit && visit.id !== event.id) {
+      forget();
+      words.language = words.home;
+      words.inches = words.homeInches;
+      visit = event;
+      showTexts();
+    }
+    visit = event;
+    document.body.dataset.visit = event.id;
+  },
+  beat(event) {
+    const text = visit && visit.state === 'RESULT' && words.table ? words.of('left').replace('{s}', event.left_s) : '';
+    at('left').textContent = text;
+  },
+  trouble(event) { trouble = event.code; },
   state(event) {
     seen.state = event.state;
     seen.guidance = event.guidance;
     seen.details = event.guidance_details;
     seen.used = event.frames_used;
-    showState();
   },
   frame(event) {
     seen.used = event.frames_used;
     seen.back = event.frames_back;
-    showState();
+    mirror.setJoints(event.pixels, codeNow());
     if (!stage) return;
     stage.setJoints(event.joints);
     if (event.rotations) stage.pose(event.root, event.rotations);
   },
   picture(event) {
-    at('picture').src = `/picture.png?${event.number}`;
+    if (visit && visit.state === 'MEASURING') mirror.load(event.number);
   },
   async measured(event) {
+    const whose = visit;
     result = event.result;
-    at('who').textContent = `Person ${event.person}`;
-    at('answer').classList.remove('left');
-    at('result').hidden = at('avatar').hidden = false;
     showResult();
-    if (!stage) return;
-    const shown = await stage.loadAvatar(`/avatar.glb?${event.person}`, segments);
+    document.dispatchEvent(new CustomEvent('im2fit-result', {detail: result}));
+    if (!stage || !whose) return;
+    const shown = await stage.loadAvatar(`/avatar.glb?${whose.id}`, hello.segments);
     if (shown) document.body.dataset.avatar = event.person;  // whose body stands on the stage
   },
-  left(event) {
-    at('who').textContent = `Person ${event.person}, who has left`;
-    at('answer').classList.add('left');
-    if (stage) stage.removeAvatar();
-    delete document.body.dataset.avatar;
+  left() {
+    if (stage) stage.setJoints(null);
   },
-  camera(event) {
-    seen.camera = event.state === 'PRESENT' ? null : 'The camera is away';
-    showState();
-  },
-  end() {
-    seen.over = true;
-    showState();
-  },
+  camera(event) { camera = event.state === 'PRESENT' ? '' : 'CAMERA_LOST'; },
+  end() { over = true; },
 };
 
+// --- the link to the program
+let stream = null, heardAt = 0;
+function lose(why) {
+  if (link === why) return;
+  link = why;
+  visit = null;
+  forget();
+  show();
+}
+function connect() {
+  if (stream) stream.close();
+  stream = new EventSource('/events');
+  heardAt = Date.now();
+  stream.onmessage = (message) => {
+    heardAt = Date.now();
+    link = '';
+    const event = JSON.parse(message.data);
+    if (on[event.event]) on[event.event](event);
+    show();
+  };
+  stream.onerror = () => {
+    // Answered, but not with a stream: it is there, and has no room.
+    const refused = stream.readyState === EventSource.CLOSED;
+    lose(refused ? 'TOO_MANY_SCREENS' : 'SERVER_GONE');
+    stream.close();
+    heardAt = Date.now() - kQuietMs + kReconnectMs;
+  };
+}
+setInterval(() => {
+  if (Date.now() - heardAt < kQuietMs) {
+    show();  // repeats tones
+    return;
+  }
+  if (!link) lose('SERVER_GONE');
+  connect();
+}, 250);
+
+// --- what people do
+async function ask(action, note = '') {
+  if (!visit) return;
+  const headers = {'X-Im2fit-Visit': visit.id, 'X-Im2fit-Note': note};
+  try {
+    await fetch(`/${action}`, {method: 'POST', headers});
+  } catch (error) {
+    // The stream says that the program has gone.
+  }
+}
+let touchedAt = 0;
+for (const kind of ['pointerdown', 'keydown', 'wheel']) {
+  window.addEventListener(kind, () => {
+    sounds.unlock();
+    if (Date.now() - touchedAt < kTouchMs) return;
+    touchedAt = Date.now();
+    ask('touch');
+  }, {passive: true});
+}
+at('agree').addEventListener('click', () => {
+  sounds.unlock();
+  ask('consent', `${words.language}-${words.table.consent.version}`);
+});
+for (const id of ['delete', 'stop']) {
+  at(id).addEventListener('click', () => {
+    ask('delete');
+    forget();
+  });
+}
 at('unit').addEventListener('click', () => {
-  inches = !inches;
+  words.inches = !words.inches;
   showResult();
 });
-const stream = new EventSource('/events');
-stream.onmessage = (message) => {
-  const event = JSON.parse(message.data);
-  if (on[event.event]) on[event.event](event);
-};
-stream.onopen = () => {
-  seen.camera = null;
-  showState();
-};
-stream.onerror = () => {
-  seen.camera = 'The program has ended, or cannot be reached';
-  showState();
-};
+at('sound').addEventListener('click', () => {
+  sounds.on = !sounds.on;
+  showTexts();
+});
+
+at('ghost').innerHTML = at('pose').innerHTML = kPose;
+words.load().then(() => {
+  at('languages').replaceChildren(...kLanguages.map((language) => {
+    const button = document.createElement('button');
+    button.type = 'button';
+    button.lang = language;
+    button.textContent = words.tables[language].name;
+    button.addEventListener('click', () => {
+      words.language = language;
+      showTexts();
+    });
+    return button;
+  }));
+  showTexts();
+});
+connect();

@@ -33,6 +33,7 @@ class Stage {
     this.nodes = [];
     this.wanted = null;
     this.drawRequested = false;
+    this.still = window.matchMedia('(prefers-reduced-motion: reduce)');
     new ResizeObserver(() => this.requestDraw()).observe(canvas);
     this.requestDraw();
   }
@@ -120,7 +121,7 @@ class Stage {
   // Frames come thirty times a second at most; in between the body glides.
   glide() {
     if (!this.wanted) return;
-    const share = 0.35;
+    const share = this.still.matches ? 1 : 0.35;
     this.nodes[0].position.lerp(this.wanted.root, share);
     let left = this.nodes[0].position.distanceTo(this.wanted.root);
     this.wanted.rotations.forEach((q, i) => {

@@ -1,51 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes in words for the person before the camera. docs/result.md says what each means.
+// Texts, numbers and units in the language chosen: one file a language, /lang/xx.json.
 'use strict';
 
+const kLanguages = ['en', 'de', 'es', 'fr', 'zh'];
 // What to ask for first: who is not wholly in view need not hear about their arms.
-const kWishes = [
-  ['NO_PERSON', 'Please step in front of the camera'],
-  ['TURN_ROUND', 'Please turn round and show your back'],
-  ['CLOTHED', 'You seem to be dressed: the figures are less certain'],
-  ['SEVERAL_PEOPLE', 'One person at a time, please'],
-  ['TOO_NEAR', 'Please step back'],
-  ['TOO_FAR', 'Please come closer'],
-  ['HEAD_CUT', 'Your head is out of the picture'],
-  ['FEET_CUT', 'Your feet are out of the picture'],
-  ['SIDE_CUT', 'Please move to the middle of the picture'],
-  ['CALIBRATION_POSE', 'Please raise your hands, upper arms level'],
-  ['NOT_FRONTAL', 'Please face the camera'],
-  ['NOT_UPRIGHT', 'Please stand straight'],
-  ['ARMS_CLOSE', 'Hold your arms well away from your body'],
-  ['MOVING', 'Please stand still'],
-  ['TOO_NOISY', 'The camera does not see well enough'],
-];
+const kOrder = ['NO_PERSON', 'TURN_ROUND', 'SEVERAL_PEOPLE', 'TOO_NEAR', 'TOO_FAR', 'HEAD_CUT', 'FEET_CUT', 'SIDE_CUT',
+                'CALIBRATION_POSE', 'NOT_FRONTAL', 'NOT_UPRIGHT', 'ARMS_CLOSE', 'MOVING', 'TOO_NOISY', 'CLOTHED'];
+// Unicode CLDR, measurementSystem: the regions that measure people in inches and pounds.
+const kInchRegions = ['US', 'LR', 'MM'];
 
-function armsWish(arms) {
-  const which = arms && arms.length === 1 ? `${arms[0]} arm` : 'arms';
-  return `Hold your ${which} well away from your body`;
+// The code of what to say to the person in view. Sets of one arm name it.
+function codeFor(state, guidance, details = {}) {
+  if (state === 'MEASURED') return 'WORKING';
+  const found = kOrder.find((code) => guidance.includes(code));
+  if (found === 'ARMS_CLOSE' && details.arms_close && details.arms_close.length === 1) {
+    return `ARMS_CLOSE_${details.arms_close[0].toUpperCase()}`;
+  }
+  if (found) return found;
+  return state === 'SEARCHING' || state === 'LOST' ? 'NO_PERSON' : 'HOLD';
 }
 
-function wishFor(state, guidance, details = {}) {
-  if (state === 'MEASURED') return 'Done. Please step out of the picture';
-  const found = kWishes.find(([code]) => guidance.includes(code));
-  if (found) return found[0] === 'ARMS_CLOSE' ? armsWish(details.arms_close) : found[1];
-  return state === 'SEARCHING' || state === 'LOST' ? 'Please step in front of the camera' : 'Good, stay like this';
-}
-
-const kNames = {
-  stature: 'height', sleeve_length: 'sleeve', leg_length: 'leg', shoulder_breadth: 'shoulder breadth',
-  neck_girth: 'neck', shoulder_girth: 'shoulders, round', chest_girth: 'chest', waist_girth: 'waist', hip_girth: 'hips',
-  inside_leg: 'inside leg', weight: 'weight',
-};
-function nameOf(id, unit, inches) {
-  const name = kNames[id] || id.replace(/_/g, ' ');
-  return unit === 'kg' ? `${name}, ${inches ? 'lb' : 'kg'}` : name;
-}
-
-// A value of result.json (mm or kg) as people write it.
-function written(value, unit, inches) {
-  if (value === null) return '–';
-  if (unit === 'kg') return inches ? (value * 2.20462).toFixed(0) : value.toFixed(1);
-  return inches ? (value / 25.4).toFixed(1) : (value / 10).toFixed(1);
+class Words {
+  constructor(locale) {
+    this.locale = locale;
+    this.tables = {};
+    this.home = kLanguages.find((l) => locale.toLowerCase().startsWith(l)) || 'en';
+    this.language = this.home;
+    const region = locale.split('-').pop().toUpperCase();
+    this.homeInches = kInchRegions.includes(region);
+    this.inches = this.homeInches;
+  }
+  // All at once: without the program there is nothing to fetch them from.
+  load() {
+    return Promise.all(kLanguages.map(async (language) => {
+      this.tables[language] = await (await fetch(`/lang/${language}.json`)).json();
+    }));
+  }
+  get table() { return this.tables[this.language]; }
+  say(code) { return this.table.say[code]; }
+  of(key) { return this.table.page[key]; }
+  name(id) { return this.table.measurements[id]; }
+  // Where the language is that of the browser, its region decides how numbers are written.
+  number(value, digits) {
+    const locale = this.locale.startsWith(this.language) ? this.locale : this.language;
+    return new Intl.NumberFormat(locale, {minimumFractionDigits: digits, maximumFractionDigits: digits}).format(value);
+  }
+  percent(share) { return new Intl.NumberFormat(this.language, {style: 'percent'}).format(share); }
+  unit(unit) {
+    if (unit === 'kg') return this.inches ? 'lb' : 'kg';
+    return this.inches ? 'in' : 'cm';
+  }
+  // A value of result.json (mm or kg) as people write it, without its unit.
+  value(value, unit) {
+    if (value === null) return '–';
+    if (unit === 'kg') return this.inches ? this.number(value * 2.20462, 0) : this.number(value, 1);
+    return this.number(this.inches ? value / 25.4 : value / 10, 1);
+  }
 }

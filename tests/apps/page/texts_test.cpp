@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page says, in every language: all of it, and short enough to be read from where one stands.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/guidance.h"
+#include "core/measurement.h"
+
+namespace im2fit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+const std::vector<std::string> kLanguages = {"en", "de", "es", "fr", "zh"};
+
+std::string text_of(const std::string& name) {
+  std::ifstream file(std::string(IM2FIT_WEB_DIR) + "/" + name);
+  EXPECT_TRUE(file) << name;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+Json table_of(const std::string& language) {
+  const Json table = Json::parse(text_of("lang/" + language + ".json"), nullptr, false);
+  EXPECT_TRUE(table.is_object()) << language;
+  return table;
+}
+std::size_t words_in(const std::string& text) {
+  std::istringstream words(text);
+  std::size_t count = 0;
+  // French sets its colon apart: no word.
+  for (std::string word; words >> word;) count += word != ":" && word != ";" && word != "!" && word != "?";
+  return count;
+}
+std::size_t characters_in(const std::string& text) {
+  std::size_t count = 0;
+  for (const char c : text) count += (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // UTF-8
+  return count;
+}
+// Every code of the engine, the arms it names, and the page's own.
+std::set<std::string> codes() {
+  std::set<std::string> all(kGuidanceNames.begin(), kGuidanceNames.end());
+  for (const char* code : {"WELCOME", "ARMS_CLOSE_LEFT", "ARMS_CLOSE_RIGHT", "HOLD", "WORKING", "DONE", "OVER",
+                           "CAMERA_LOST", "NO_CAMERA", "MODELS_MISSING", "SERVER_GONE", "TOO_MANY_SCREENS"})
+    all.insert(code);
+  return all;
+}
+std::set<std::string> keys_of(const Json& object) {
+  std::set<std::string> keys;
+  for (const auto& [key, value] : object.items()) {
+    keys.insert(key);
+    EXPECT_FALSE(value.empty() || value == "") << key;
+  }
+  return keys;
+}
+
+TEST(Texts, EveryLanguageSaysEverythingAndNothingElse) {
+  const Json english = table_of("en");
+  std::set<std::string> measurements;
+  for (const auto& info : kMeasurementTable) measurements.insert(std::string(info.id));
+  for (const std::string& language : kLanguages) {
+    SCOPED_TRACE(language);
+    const Json table = table_of(language);
+    EXPECT_EQ(table["language"], language);
+    EXPECT_EQ(keys_of(table["say"]), codes());
+    EXPECT_EQ(keys_of(table["measurements"]), measurements);
+    EXPECT_EQ(keys_of(table["page"]), keys_of(english["page"]));
+    EXPECT_EQ(keys_of(table["consent"]), keys_of(english["consent"]));
+    EXPECT_EQ(table["consent"]["points"].size(), english["consent"]["points"].size());
+    EXPECT_EQ(table["consent"]["version"], english["consent"]["version"]) << "one text, in five languages";
+    EXPECT_NE(table["page"]["left"].get<std::string>().find("{s}"), std::string::npos);
+  }
+}
+
+TEST(Texts, AMessageIsSixWordsAtMost) {
+  for (const std::string& language : kLanguages) {
+    const Json say = table_of(language)["say"];
+    for (const auto& [code, text] : say.items()) {
+      EXPECT_LE(language == "zh" ? (characters_in(text) + 1) / 2 : words_in(text), 6U) << code << ": " << text;
+    }
+  }
+}
+
+TEST(Texts, TwoCodesNeverSayTheSame) {
+  for (const std::string& language : kLanguages) {
+    std::set<std::string> said;
+    const Json say = table_of(language)["say"];
+    for (const auto& [code, text] : say.items()) EXPECT_TRUE(said.insert(text).second) << language << " " << code;
+  }
+}
+
+// The page's script asks for nothing that the languages lack.
+TEST(Texts, WhatTheScriptAsksForIsThere) {
+  const Json page = table_of("en")["page"];
+  const std::string script = text_of("page.js");
+  for (const std::string& before : {std::string("words.of('"), std::string("page.")}) {
+    for (std::size_t at = script.find(before); at != std::string::npos; at = script.find(before, at + 1)) {
+      const std::size_t from = at + before.size();
+      const std::size_t to = script.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", from);
+      const std::string key = script.substr(from, to - from);
+      EXPECT_TRUE(key == "js" || key == "md" || key.empty() || page.contains(key)) << key;
+    }
+  }
+}
+
+TEST(Texts, EveryCodeHasAPictureAndATone) {
+  const std::string icons = text_of("icons.js"), sounds = text_of("sounds.js");
+  for (const std::string& code : codes()) {
+    EXPECT_NE(icons.find("\n  " + code + ": "), std::string::npos) << code;
+    if (code == "WELCOME" || code == "OVER" || code == "TOO_MANY_SCREENS") continue;  // nothing to be heard from afar
+    EXPECT_NE(sounds.find("\n  " + code + ": [["), std::string::npos) << code;
+  }
+  std::set<std::string> tones;
+  std::istringstream lines(sounds.substr(sounds.find("kTones = {")));
+  for (std::string line; std::getline(lines, line) && line != "};";) {
+    const std::size_t at = line.find(": [[");
+    EXPECT_TRUE(at == std::string::npos || tones.insert(line.substr(at)).second) << "the same tones: " << line;
+  }
+  EXPECT_GE(tones.size(), kGuidanceCount);
+}
+
+}  // namespace
+}  // namespace im2fit

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit/page/visit.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace im2fit::apps {
+namespace {
+
+using std::chrono::seconds;
+
+class Visits : public testing::Test {
+ protected:
+  Visit::Time now_{};
+  Visit visit_{VisitRules{}, now_};
+};
+
+TEST_F(Visits, GoFromConsentToResultAndAreForgotten) {
+  const std::string first = visit_.id();
+  EXPECT_EQ(visit_.state(), VisitState::asking);
+  EXPECT_FALSE(visit_.measured(now_)) << "without consent";
+  EXPECT_TRUE(visit_.consent(first, now_));
+  EXPECT_FALSE(visit_.consent(first, now_)) << "once";
+  EXPECT_TRUE(visit_.measured(now_));
+  EXPECT_FALSE(visit_.measured(now_)) << "one result a visit";
+  EXPECT_TRUE(visit_.erase(first, now_));
+  EXPECT_EQ(visit_.state(), VisitState::asking);
+  EXPECT_NE(visit_.id(), first);
+  EXPECT_EQ(visit_.number(), 2U);
+}
+
+// A page that still shows the visit before.
+TEST_F(Visits, AnotherIdDoesNothing) {
+  const std::string old = visit_.id();
+  ASSERT_TRUE(visit_.next(now_));
+  EXPECT_FALSE(visit_.consent(old, now_));
+  EXPECT_FALSE(visit_.consent("", now_));
+  EXPECT_FALSE(visit_.erase(old, now_));
+  EXPECT_FALSE(visit_.touch(old, now_));
+  EXPECT_EQ(visit_.state(), VisitState::asking);
+  EXPECT_EQ(visit_.number(), 2U);
+}
+
+TEST_F(Visits, AResultGoesAMinuteAfterTheLastTouch) {
+  visit_.consent(visit_.id(), now_);
+  visit_.measured(now_);
+  EXPECT_FALSE(visit_.tick(now_ + seconds(59)));
+  EXPECT_TRUE(visit_.touch(visit_.id(), now_ + seconds(59)));
+  EXPECT_FALSE(visit_.tick(now_ + seconds(118)));
+  EXPECT_EQ(visit_.left(now_ + seconds(118)), seconds(1));
+  visit_.person_in_view(now_ + seconds(118));  // standing there is no touch
+  EXPECT_TRUE(visit_.tick(now_ + seconds(119)));
+  EXPECT_EQ(visit_.state(), VisitState::asking);
+}
+
+TEST_F(Visits, ConsentDoesNotOutliveItsPerson) {
+  visit_.consent(visit_.id(), now_);
+  visit_.person_in_view(now_ + seconds(20));
+  EXPECT_FALSE(visit_.tick(now_ + seconds(49)));
+  EXPECT_TRUE(visit_.tick(now_ + seconds(50)));
+  EXPECT_EQ(visit_.state(), VisitState::asking);
+}
+
+TEST_F(Visits, AskingLastsAndWithoutAQuestionMeasuringDoes) {
+  EXPECT_FALSE(visit_.tick(now_ + seconds(100'000)));
+  EXPECT_EQ(visit_.left(now_), seconds(0));
+  VisitRules rules;
+  rules.ask = false;
+  Visit open(rules, now_);
+  EXPECT_EQ(open.state(), VisitState::measuring);
+  EXPECT_FALSE(open.tick(now_ + seconds(100'000)));
+  EXPECT_TRUE(open.measured(now_));
+  EXPECT_TRUE(open.tick(now_ + seconds(60)));
+  EXPECT_EQ(open.state(), VisitState::measuring);
+}
+
+TEST(VisitIds, AreLongAndDiffer) {
+  std::set<std::string> seen;
+  for (int i = 0; i < 200; ++i) {
+    const std::string id = random_id();
+    EXPECT_EQ(id.size(), 32U);
+    EXPECT_EQ(id.find_first_not_of("0123456789abcdef"), std::string::npos) << id;
+    seen.insert(id);
+  }
+  EXPECT_EQ(seen.size(), 200U);
+}
+
+}  // namespace
+}  // namespace im2fit::apps

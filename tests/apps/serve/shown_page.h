@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// A LivePage that a test tells what happened, in place of a camera and an engine.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <httplib.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/im2fit/page/live_page.h"
+#include "core/measurement.h"
+
+namespace im2fit::test {
+
+class ShownPage {
+ public:
+  explicit ShownPage(apps::LivePageSettings settings = {}, int port = 0) {
+    settings.address.port = port;
+    auto page = apps::LivePage::open(settings);
+    EXPECT_TRUE(page) << page.error().message;
+    if (page) page_ = std::move(*page);
+    page_->begin(Intrinsics{}, 30);
+  }
+  apps::LivePage& page() { return *page_; }
+  std::string url() const { return page_->url().substr(0, page_->url().size() - 1); }
+  int port() const { return std::stoi(url().substr(url().rfind(':') + 1)); }
+  void end() { page_.reset(); }
+
+  httplib::Client client() const {
+    httplib::Client c(url());
+    c.set_read_timeout(20);
+    return c;
+  }
+  int status_of(const std::string& path) const {
+    const auto answer = client().Get(path);
+    return answer ? answer->status : 0;
+  }
+  // As the page's own script asks.
+  int post(const std::string& path, const std::string& visit, const std::string& note = "") const {
+    const auto answer = client().Post(
+        path, httplib::Headers{{"Origin", url()}, {"X-Im2fit-Visit", visit}, {"X-Im2fit-Note", note}}, "", "");
+    return answer ? answer->status : 0;
+  }
+  // The stream's events up to the first of the kind `last`.
+  std::vector<apps::Json> events(const std::string& last) const {
+    std::string text;
+    client().Get("/events", [&](const char* data, std::size_t size) {
+      text.append(data, size);
+      return text.find("\"event\":\"" + last + "\"") == std::string::npos;
+    });
+    std::vector<apps::Json> all;
+    for (std::size_t at = text.find("data: "); at != std::string::npos; at = text.find("data: ", at + 1))
+      all.push_back(apps::Json::parse(text.substr(at + 6, text.find('\n', at) - at - 6), nullptr, false));
+    return all;
+  }
+  std::string visit() const {
+    for (const auto& event : events("beat"))
+      if (event["event"] == "visit") return event["id"];
+    return "";
+  }
+
+  void state(const std::string& name, const std::vector<std::string>& guidance,
+             apps::Json details = apps::Json::object()) {
+    page_->permit();
+    page_->publish({{"event", "state"},
+                    {"frame", 1},
+                    {"state", name},
+                    {"guidance", guidance},
+                    {"guidance_details", std::move(details)},
+                    {"user", guidance == std::vector<std::string>{"NO_PERSON"} ? 0 : 1},
+                    {"view", "front"},
+                    {"frames_used", 12}});
+  }
+  // A result of this chest girth.
+  void measured(double chest_mm, const std::string& out = "") {
+    apps::Json result = {{"views", "front+back"}, {"sex", {{"female", 0.9}}}};
+    result["clothing"] = {{"answered_as", "bare"}};
+    result["size"] = {{"chart", "EN 13402-3"}, {"best", "M"}, {"probabilities", {{"M", 0.8}, {"L", 0.2}}}};
+    for (const auto& info : kMeasurementTable) {
+      const double value = info.unit == "kg" ? 70 : chest_mm;
+      result["measurements"][std::string(info.id)] = {
+          {"value", value}, {"unit", info.unit}, {"interval", {value - 20, value + 20}}};
+    }
+    apps::Json event = {{"event", "measured"}, {"frame", 1}, {"person", 1}, {"result", std::move(result)}};
+    if (!out.empty()) event["out"] = out;
+    page_->permit();
+    page_->publish(event);
+  }
+
+ private:
+  std::unique_ptr<apps::LivePage> page_;
+};
+
+}  // namespace im2fit::test
