@@ -30,6 +30,7 @@ void begin_attempt(Session& next, int user) {
   next.user = user;
   next.psi_frames = 0;
   next.psi_wait_frames = 0;
+  next.raised_frames = 0;
   next.rejected_frames = 0;
 }
 
@@ -127,9 +128,12 @@ SessionStep step_of(const SessionRules& rules, const Session& session, const Ses
   if (next.state == SessionState::user_found && step.guidance == 0)
     next.state = rules.calibration_psi ? SessionState::calibrating : SessionState::tracking;
   if (next.state == SessionState::calibrating) return on_calibrating(rules, step, view);
-  // Arms still raised after calibration: the person is lowering them.
-  if (next.state == SessionState::tracking && rules.calibration_psi && view.psi)
+  // Arms still raised after calibration: the person is lowering them, or is a recording of nothing else.
+  if (next.state == SessionState::tracking && rules.calibration_psi && view.psi &&
+      next.raised_frames < rules.psi_lower_frames_max) {
+    ++next.raised_frames;
     step.guidance |= bit(Guidance::moving);
+  }
   step.use_frame = next.state == SessionState::tracking && step.guidance == 0;
   return step;
 }

@@ -32,6 +32,7 @@ struct SessionRules {
   int absent_frames_max = kAbsentFramesMax;
   int psi_frames = 5;              // in a row
   int psi_wait_frames_max = 300;   // ten seconds to take the pose
+  int psi_lower_frames_max = 90;   // three to leave it again; who stays in it is measured in it
   int turn_wait_frames_max = 450;  // fifteen seconds in TURNING without a frame accumulated
   int rejected_frames_max = 30;    // in a row: the person stands still, but no longer as accumulated
   int unsteady_frames_max = MotionFilter::kFrameCount;  // accumulated before movement shows: part of that movement
@@ -48,6 +49,7 @@ struct Session {
   int absent_frames = 0;    // in a row
   int psi_frames = 0;       // in a row
   int psi_wait_frames = 0;  // in CALIBRATING
+  int raised_frames = 0;    // in TRACKING after it: with the arms still raised
   int rejected_frames = 0;  // in a row
   int attempts = 0;
   int turning_frames = 0;  // in TURNING

@@ -228,6 +228,23 @@ TEST(Session, ANewAttemptCalibratesFromTheStart) {
   EXPECT_EQ(step.next.psi_wait_frames, 0);
 }
 
+TEST(Session, WhoKeepsTheCalibrationPoseIsMeasuredInIt) {
+  SessionRules r = rules(true);
+  r.psi_lower_frames_max = 3;
+  SessionView raised = kGood;
+  raised.psi = true;
+  Session session = at(State::tracking);
+  for (int frame = 1; frame <= 5; ++frame) {
+    const SessionStep step = on_detection(r, session, raised);
+    EXPECT_EQ(has(step.guidance, Guidance::moving), frame <= 3) << frame;
+    EXPECT_EQ(step.use_frame, frame > 3) << frame;
+    session = step.next;
+  }
+  // A new attempt asks for the pose again, and waits again for it to be left.
+  session.state = State::lost;
+  EXPECT_EQ(on_detection(r, session, raised).next.raised_frames, 0);
+}
+
 struct Offer {
   const char* name;
   int rejected_before;
