@@ -7,7 +7,9 @@
 // no frame is in the pipeline both stages sleep, and the producer may touch what is theirs (finish, reset).
 #include "engine/engine.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <string>
@@ -20,6 +22,7 @@
 #include "engine/fit_stage.h"
 #include "engine/frame_pool.h"
 #include "engine/frame_stages.h"
+#include "engine/rest.h"
 #include "engine/snapshot.h"
 #include "engine/spsc_ring.h"
 
@@ -61,6 +64,23 @@ class ArrivalCounter {
   hal::FrameInfo previous_;
 };
 
+// Seconds in periods of 1/30 s, what is left over carried on. A slower camera's frames count as a fifth of a second
+// at most: no single frame says that a person has been away for long.
+class PeriodCounter {
+ public:
+  int step(float seconds) {
+    left_ += seconds / kFramePeriodS;
+    const int periods = static_cast<int>(left_ + 0.5F);
+    left_ -= static_cast<float>(periods);
+    return std::min(periods, kPeriodsMax);
+  }
+  void reset() { left_ = 0; }
+
+ private:
+  static constexpr int kPeriodsMax = 6;
+  float left_ = 0;
+};
+
 // Seconds from frame to frame by the source's clock; the nominal period where it has none or steps back.
 class FrameClock {
  public:
@@ -74,6 +94,25 @@ class FrameClock {
 
  private:
   std::int64_t previous_ns_ = 0;
+};
+
+// With EngineSettings::rest: the gate, and what was sensed last, for the looks at a scene that stands still.
+struct Rest {
+  Rest(int width, int height)
+      : gate(width, height), mask(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
+  void keep(const FrameSlot& slot) {
+    detection = slot.detection;
+    empty = detection.user_count == 0 && !detection.person.found;
+    std::memcpy(mask.data(), slot.mask.pixels, mask.size());
+  }
+  void repeat(FrameSlot& slot) const {
+    slot.detection = detection;
+    std::memcpy(slot.mask.pixels, mask.data(), mask.size());
+  }
+  RestGate gate;
+  Detection detection;
+  bool empty = false;
+  std::vector<std::uint8_t> mask;
 };
 
 class PipelineEngine final : public Engine {
@@ -90,6 +129,7 @@ class PipelineEngine final : public Engine {
         snapshot_(fit_.result()) {
     if (settings.live)
       spare_pixels_.resize(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height));
+    if (settings.rest) rest_.emplace(settings.width, settings.height);
     for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) put(free_, slot);
     people().select(settings.user);
   }
@@ -198,7 +238,7 @@ class PipelineEngine final : public Engine {
   void reset() override {
     drain();
     stages_->reset_sense();
-    clock_.reset();
+    reset_clock();
     fit_.reset();
     begin_again();
   }
@@ -206,12 +246,12 @@ class PipelineEngine final : public Engine {
   void next_person() override {
     drain();
     if (settings_.one_after_another && fit_.leaving()) {
-      if (settings_.live) clock_.reset();  // what passed while the answer was read is no frame gap
+      if (settings_.live) reset_clock();  // what passed while the answer was read is no frame gap
       finished_ = false;
       return;
     }
     if (!fit_.over()) people().release();
-    clock_.reset();  // frames were not processed meanwhile: that is no frame gap
+    reset_clock();  // frames were not processed meanwhile: that is no frame gap
     fit_.next_person();
     begin_again();
   }
@@ -242,7 +282,15 @@ class PipelineEngine final : public Engine {
     counts_ = {};
     arrival_.reset();
     finished_ = false;
+    for (std::uint32_t slot = 0; slot < pool_.slot_count(); ++slot) pool_[slot].leaving = false;
+    if (rest_) rest_->gate.wake();
     snapshot_.publish(fit_.result());
+  }
+
+  void reset_clock() {
+    clock_.reset();
+    periods_.reset();
+    since_processed_s_ = 0;
   }
 
   static Error after_finish() {
@@ -312,24 +360,46 @@ class PipelineEngine final : public Engine {
   void sense(FrameSlot& slot) {
     slot.sensed = settings_.one_after_another || !over_.load(std::memory_order_relaxed);
     if (!slot.sensed) return;
-    slot.seconds = clock_.step(slot.info.host_ns);
-    slot.after_frame_gap = slot.seconds > kFrameGapSecondsMax;
+    float seconds = clock_.step(slot.info.host_ns);
+    slot.after_frame_gap = seconds > kFrameGapSecondsMax;
     if (slot.after_frame_gap) {
       stages_->reset_sense();
-      slot.seconds = kFramePeriodS;
+      if (rest_) rest_->gate.wake();
+      since_processed_s_ = 0;
+      seconds = kFramePeriodS;
     }
-    slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, slot.seconds);
+    since_processed_s_ += seconds;
+    const RestStep step =
+        rest_ ? rest_->gate.step(slot.depth, seconds, rest_->empty || slot.leaving) : RestStep::sense;
+    slot.passed = step == RestStep::pass;
+    if (slot.passed) return;
+    slot.seconds = since_processed_s_;
+    slot.periods = periods_.step(since_processed_s_);
+    since_processed_s_ = 0;
+    if (step == RestStep::repeat)
+      rest_->repeat(slot);
+    else
+      // The frames passed looked like the one sensed last: what moves has moved for one frame.
+      slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, seconds);
+    if (rest_ && step == RestStep::sense) rest_->keep(slot);
     const Person& person = slot.detection.person;
-    people().hold(person.found ? person.id : 0, slot.detection.guidance == 0);
+    people().hold(person.found ? person.id : 0, slot.detection.guidance == 0, slot.periods);
   }
 
   void fit(FrameSlot& slot) {
-    if (!slot.sensed || fit_.over()) return;
-    fit_.process(slot);
+    if (slot.sensed && !fit_.over()) process(slot);
+    slot.leaving = fit_.leaving();
+  }
+
+  void process(const FrameSlot& slot) {
+    if (slot.passed)
+      fit_.pass(slot);
+    else
+      fit_.process(slot);
     if (fit_.fault() != nullptr) fault_.store(fit_.fault(), std::memory_order_release);
     if (fit_.over()) over_.store(true, std::memory_order_relaxed);
     snapshot_.publish(fit_.result());
-    if (!settings_.watch) return;
+    if (!settings_.watch || slot.passed) return;
     const Detection& detection = slot.detection;
     settings_.watch({slot.depth, slot.mask, slot.info,
                      std::span(detection.users).first(static_cast<std::size_t>(detection.user_count)),
@@ -374,8 +444,12 @@ class PipelineEngine final : public Engine {
   SpscRing input_;
   SpscRing sensed_;
   SpscRing free_;
-  FrameClock clock_;  // SENSE's, or the producer's while no frame is in the pipeline
-  FitStage fit_;      // FIT's, or the producer's while no frame is in the pipeline
+  // SENSE's, or the producer's while no frame is in the pipeline.
+  FrameClock clock_;
+  PeriodCounter periods_;
+  float since_processed_s_ = 0;  // since the frame before that was not only counted
+  std::optional<Rest> rest_;
+  FitStage fit_;  // FIT's, or the producer's while no frame is in the pipeline
   Snapshot<EngineResult> snapshot_;
 
   // The producer's.
@@ -411,7 +485,7 @@ Status check_settings(const EngineSettings& s) {
   if (auto ok = check_range("frames_min", s.frames_min, 1, s.frames_wanted); !ok) return ok;
   if (auto ok = check_range("pool_frames", s.pool_frames, kPoolFramesMin, kPoolFramesMax); !ok) return ok;
   if (s.one_after_another)
-    if (auto ok = check_range("pool_frames (one after another)", s.pool_frames, kPoolFramesMin, kAbsentFramesMax);
+    if (auto ok = check_range("pool_frames (one after another)", s.pool_frames, kPoolFramesMin, kAbsentPeriodsMax);
         !ok)
       return ok;
   if (auto ok = check_range("user", s.user, 0, std::numeric_limits<int>::max()); !ok) return ok;

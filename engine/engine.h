@@ -70,9 +70,13 @@ struct EngineSettings {
   // One person after the other: from the frame after MEASURED on whoever was measured is waited to leave, and the
   // next session begins by itself. So the frames alone say where a session begins, not when a caller looked, and
   // every person of a recording gets the same bits on one thread and on two. The answer stands for at least
-  // kAbsentFramesMax frames: a caller that looks at result() after every frame sees it, which is why pool_frames may
+  // kAbsentPeriodsMax frames: a caller that looks at result() after every frame sees it, which is why pool_frames may
   // be no more than that.
   bool one_after_another = false;
+  // For a camera that runs for days: while the picture is empty, or who was measured has not left, and nothing moves,
+  // five frames a second are passed on with what was sensed last, and the others are only counted: engine/rest.h.
+  // Decided by the frames and their times. Whoever is measured is measured as ever; `watch` sees fewer frames.
+  bool rest = false;
   int pool_frames = 8;  // 3..64 frames of 3 bytes a pixel
   FrameWatch watch;     // none by default
 };
@@ -149,10 +153,10 @@ class Engine : public FrameSink {
   virtual EngineResult result() const = 0;
   virtual void reset() = 0;  // a new person; after finish() or between frames. Waits for frames in the pipeline
   // The next person, after MEASURED: frames are processed again, the answer stands until who was measured has left
-  // the picture (kAbsentFramesMax frames), then a new session begins by itself. The floor and the ids are kept.
-  // Before MEASURED: the same as reset(), but for floor and ids; a preliminary answer goes with it. From the producer
-  // thread; waits as reset() does. With one_after_another it only lets frames in again after finish(): the session
-  // that waits goes on.
+  // the picture (for half a second, and kAbsentPeriodsMax frames), then a new session begins by itself. The floor and
+  // the ids are kept. Before MEASURED: the same as reset(), but for floor and ids; a preliminary answer goes with it.
+  // From the producer thread; waits as reset() does. With one_after_another it only lets frames in again after
+  // finish(): the session that waits goes on.
   virtual void next_person() = 0;
   // From the next frame on only the user of this id, 0: whoever stands right first. Another than before
   // begins anew, as next_person() before MEASURED does. From the producer thread; waits as reset() does.

@@ -57,11 +57,13 @@ void FitStage::show(const FrameSlot& slot) {
 void FitStage::wait_for_leaving(const FrameSlot& slot) {
   const Person& person = slot.detection.person;
   if (person.found && person.id == session_.user)
-    leaving_absent_frames_ = 0;
-  else if (++leaving_absent_frames_ > rules_.absent_frames_max) {
-    begin_next();
-    if (one_after_another_) before_ = slot.counts;
-  }
+    absence_ = {};
+  else
+    absence_ = {absence_.frames + 1, absence_.periods + slot.periods};
+  // Of slow cameras, too, the answer stands for the frames that EngineSettings::one_after_another promises.
+  if (absence_.frames <= kAbsentPeriodsMax || absence_.periods <= rules_.absent_periods_max) return;
+  begin_next();
+  if (one_after_another_) before_ = slot.counts;
 }
 
 void FitStage::begin_next() {
@@ -104,6 +106,7 @@ void FitStage::process(const FrameSlot& slot) {
   view.found = detection.person.found;
   view.guidance = detection.guidance;
   view.user = detection.person.id;
+  view.periods = slot.periods;
   view.view = detection.view;
   view.arms_close = detection.arms_close;
   view.frames_accumulated = stages_.frame_count();
@@ -131,6 +134,13 @@ void FitStage::process(const FrameSlot& slot) {
   leaving_ = leaving_ || (one_after_another_ && session_.state == SessionState::measured);
 }
 
+void FitStage::pass(const FrameSlot& slot) {
+  if (over() || leaving_) return;
+  ++result_.frames_seen;
+  take_counts(slot.counts);
+  take_guidance(result_.guidance);
+}
+
 // While turning: of the back; the front is kept.
 void FitStage::forget() {
   if (session_.state == SessionState::turning) {
@@ -145,7 +155,7 @@ void FitStage::forget() {
 bool FitStage::accumulate(const FrameSlot& slot) {
   const GuidanceSet refusal = stages_.add(slot.depth, slot.mask, intrinsics_, slot.detection);
   result_.guidance |= refusal;
-  const OfferStep offer = after_offer(rules_, session_, refusal != 0, stages_.frame_count());
+  const OfferStep offer = after_offer(rules_, session_, refusal != 0, stages_.frame_count(), slot.periods);
   session_ = offer.next;
   if (offer.forget) forget();
   return offer.measure;
@@ -235,7 +245,7 @@ void FitStage::reset() {
   motion_.reset();
   fault_.reset();
   leaving_ = false;
-  leaving_absent_frames_ = 0;
+  absence_ = {};
   before_ = {};
 }
 

@@ -19,6 +19,8 @@ class FitStage {
  public:
   FitStage(const EngineSettings& settings, FrameStages& stages);
   void process(const FrameSlot& slot);
+  // A frame between two looks at a scene that stands still: it counts as one like the frame before.
+  void pass(const FrameSlot& slot);
   // The stream has ended: measures when enough is accumulated.
   void end(const ArrivalCounts& counts);
   void reset();
@@ -61,7 +63,11 @@ class FitStage {
   const bool one_after_another_;
   bool leaving_ = false;
   ArrivalCounts before_;  // counted before this session began; 0 unless one session follows another by itself
-  int leaving_absent_frames_ = 0;
+  struct Absence {
+    int frames = 0;
+    int periods = 0;
+  };
+  Absence absence_;  // in a row, of who is waited for to leave
 };
 
 }  // namespace im2fit

@@ -27,10 +27,16 @@ struct FrameSlot {
   MaskImage mask;
   hal::FrameInfo info;
   ArrivalCounts counts;
-  float seconds = 0;             // since the frame sensed before
+  float seconds = 0;             // since the frame before that FIT processed
+  int periods = 1;               // the same in periods of kFramePeriodS, as limits are counted
   bool after_frame_gap = false;  // more than kFrameGapSecondsMax: the person seen now may be another
   Detection detection;
   bool sensed = false;  // false: passed through unread because the session is over
+  bool passed = false;  // between two looks at a scene that stands still: counted only
+  // Whether the session waited for who was measured to leave, after FIT was done with the frame that had this slot
+  // before. Slots come round in order, so unless frames are dropped that is the frame pool_frames before, on one
+  // thread and on two.
+  bool leaving = false;
 };
 
 class FramePool {

@@ -10,13 +10,14 @@ constexpr GuidanceSet bit(Guidance g) {
 
 // An absent person: flicker is waited for, a loss ends the attempt. What is accumulated is kept until a person
 // is found again, so that a stream that ends with an empty room still measures who stood there.
-SessionStep on_absence(const SessionRules& rules, SessionStep step) {
+SessionStep on_absence(const SessionRules& rules, SessionStep step, int periods) {
   Session& next = step.next;
   // A person too near to be found is not an absent one.
   if (!has(step.guidance, Guidance::too_near)) step.guidance |= bit(Guidance::no_person);
   if (next.state == SessionState::searching || next.state == SessionState::lost) return step;
   next.psi_frames = 0;
-  if (++next.absent_frames <= rules.absent_frames_max) return step;
+  next.absent_periods += periods;
+  if (next.absent_periods <= rules.absent_periods_max) return step;
   if (next.state == SessionState::turning)
     step.measure = step.drop_back = true;
   else
@@ -29,9 +30,9 @@ void begin_attempt(Session& next, int user) {
   next.arms = {};
   next.user = user;
   next.psi_frames = 0;
-  next.psi_wait_frames = 0;
-  next.raised_frames = 0;
-  next.rejected_frames = 0;
+  next.psi_wait_periods = 0;
+  next.raised_periods = 0;
+  next.rejected_periods = 0;
 }
 
 // Arms held close keep their code until they have been apart for some frames.
@@ -57,7 +58,8 @@ SessionStep on_calibrating(const SessionRules& rules, SessionStep step, const Se
     return step;
   }
   step.guidance |= bit(Guidance::calibration_pose);
-  if (++next.psi_wait_frames > rules.psi_wait_frames_max) next.state = SessionState::lost;
+  next.psi_wait_periods += view.periods;
+  if (next.psi_wait_periods > rules.psi_wait_periods_max) next.state = SessionState::lost;
   return step;
 }
 
@@ -84,7 +86,8 @@ SessionStep on_turning(const SessionRules& rules, SessionStep step, const Sessio
 
 // Every frame of TURNING counts, also those without the person.
 void bound_turning(const SessionRules& rules, SessionStep& step, const SessionView& view) {
-  if (++step.next.turning_frames - view.frames_accumulated <= rules.turn_wait_frames_max || step.measure) return;
+  step.next.turning_periods += view.periods;
+  if (step.next.turning_periods - view.frames_accumulated <= rules.turn_wait_periods_max || step.measure) return;
   step.use_frame = false;
   step.measure = true;
   step.drop_back = step.forget || view.frames_accumulated < rules.frames_min;
@@ -98,14 +101,14 @@ SessionStep step_of(const SessionRules& rules, const Session& session, const Ses
   if (session.state == SessionState::measured) return step;
   const bool begun = session.state == SessionState::calibrating || session.state == SessionState::tracking ||
                      session.state == SessionState::turning;
-  if (!view.found) return on_absence(rules, step);
+  if (!view.found) return on_absence(rules, step, view.periods);
   if (begun && view.user != session.user) {
     step.guidance = 0;  // the other's
-    return on_absence(rules, step);
+    return on_absence(rules, step, view.periods);
   }
 
   Session& next = step.next;
-  next.absent_frames = 0;
+  next.absent_periods = 0;
   if (next.state == SessionState::searching) {
     begin_attempt(next, view.user);
   } else if (next.state == SessionState::lost) {
@@ -130,8 +133,8 @@ SessionStep step_of(const SessionRules& rules, const Session& session, const Ses
   if (next.state == SessionState::calibrating) return on_calibrating(rules, step, view);
   // Arms still raised after calibration: the person is lowering them, or is a recording of nothing else.
   if (next.state == SessionState::tracking && rules.calibration_psi && view.psi &&
-      next.raised_frames < rules.psi_lower_frames_max) {
-    ++next.raised_frames;
+      next.raised_periods < rules.psi_lower_periods_max) {
+    next.raised_periods += view.periods;
     step.guidance |= bit(Guidance::moving);
   }
   step.use_frame = next.state == SessionState::tracking && step.guidance == 0;
@@ -156,19 +159,21 @@ void give_up_close_arms(OfferStep& step) {
 
 }  // namespace
 
-OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_accumulated) {
+OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_accumulated,
+                      int periods) {
   OfferStep step;
   step.next = session;
   if (!rejected) {
-    step.next.rejected_frames = 0;
+    step.next.rejected_periods = 0;
     step.measure = frames_accumulated >= rules.frames_wanted;
     give_up_close_arms(step);
     return step;
   }
-  if (++step.next.rejected_frames <= rules.rejected_frames_max) return step;
+  step.next.rejected_periods += periods;
+  if (step.next.rejected_periods <= rules.rejected_periods_max) return step;
   // Standing still, but not as before. Enough frames are measured now (waiting for the old pose may last for ever);
   // too few are given up for the new pose.
-  step.next.rejected_frames = 0;
+  step.next.rejected_periods = 0;
   if (frames_accumulated >= rules.frames_min) {
     step.measure = true;
     give_up_close_arms(step);
@@ -187,8 +192,8 @@ MeasuringStep after_measuring(const SessionRules& rules, const Session& session,
   if (succeeded) {
     step.turn = rules.turn && !ended && session.state == SessionState::tracking;
     step.next.state = step.turn ? SessionState::turning : SessionState::measured;
-    step.next.rejected_frames = 0;
-    step.next.turning_frames = 0;
+    step.next.rejected_periods = 0;
+    step.next.turning_periods = 0;
     step.next.turned = false;
     return step;
   }

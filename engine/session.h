@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The session as a pure function: what state follows, and what to do with the frame, given the state, what was
-// detected and the counts. No clock, no I/O, no memory besides Session: time is counted in frames.
+// detected and the counts. No clock, no I/O, no memory besides Session: time is counted in periods of 1/30 s,
+// evidence in frames.
 //
 //   SEARCHING -> USER_FOUND -> [CALIBRATING ->] TRACKING -> [TURNING ->] MEASURED
 //   LOST from USER_FOUND, CALIBRATING and TRACKING; back to USER_FOUND when a person is found again, at most
@@ -8,7 +9,7 @@
 //
 // TURNING: the front is measured, the person is asked to turn round, and the back is accumulated. It ends in MEASURED
 // whatever the person does: with both sides when frames_wanted frames of the back are accumulated, or frames_min of
-// them by the end of the stream or of turn_wait_frames_max; with the front alone when there are fewer, or the person
+// them by the end of the stream or of turn_wait_periods_max; with the front alone when there are fewer, or the person
 // left.
 //
 // Arms that touch the trunk are remembered over frames: arms_memory.h has the rule.
@@ -29,12 +30,12 @@ struct SessionRules {
   int frames_min = 5;
   bool calibration_psi = false;
   bool turn = false;
-  int absent_frames_max = kAbsentFramesMax;
-  int psi_frames = 5;              // in a row
-  int psi_wait_frames_max = 300;   // ten seconds to take the pose
-  int psi_lower_frames_max = 90;   // three to leave it again; who stays in it is measured in it
-  int turn_wait_frames_max = 450;  // fifteen seconds in TURNING without a frame accumulated
-  int rejected_frames_max = 30;    // in a row: the person stands still, but no longer as accumulated
+  int absent_periods_max = kAbsentPeriodsMax;
+  int psi_frames = 5;               // in a row
+  int psi_wait_periods_max = 300;   // ten seconds to take the pose
+  int psi_lower_periods_max = 90;   // three to leave it again; who stays in it is measured in it
+  int turn_wait_periods_max = 450;  // fifteen seconds in TURNING, but for one a frame accumulated
+  int rejected_periods_max = 30;    // a second in a row: the person stands still, but no longer as accumulated
   int unsteady_frames_max = MotionFilter::kFrameCount;  // accumulated before movement shows: part of that movement
   // Of people standing still as instructed, seen at 320x240, the middle sways by up to 20 mm/s and the tracker's
   // hands tremble by 180.
@@ -46,16 +47,16 @@ struct SessionRules {
 
 struct Session {
   SessionState state = SessionState::searching;
-  int absent_frames = 0;    // in a row
-  int psi_frames = 0;       // in a row
-  int psi_wait_frames = 0;  // in CALIBRATING
-  int raised_frames = 0;    // in TRACKING after it: with the arms still raised
-  int rejected_frames = 0;  // in a row
+  int absent_periods = 0;    // in a row
+  int psi_frames = 0;        // in a row
+  int psi_wait_periods = 0;  // in CALIBRATING
+  int raised_periods = 0;    // in TRACKING after it: with the arms still raised
+  int rejected_periods = 0;  // in a row
   int attempts = 0;
-  int turning_frames = 0;  // in TURNING
-  bool turned = false;     // in TURNING: the back has been seen, and no front since
-  int user = 0;            // the user of the latest frame that counted, in FIT's time; 0 before USER_FOUND
-  ArmsMemory arms;         // of that user, since USER_FOUND; in TURNING: since the back was seen
+  int turning_periods = 0;  // in TURNING
+  bool turned = false;      // in TURNING: the back has been seen, and no front since
+  int user = 0;             // the user of the latest frame that counted, in FIT's time; 0 before USER_FOUND
+  ArmsMemory arms;          // of that user, since USER_FOUND; in TURNING: since the back was seen
 };
 
 // The part of a Detection the session uses.
@@ -64,6 +65,7 @@ struct SessionView {
   GuidanceSet guidance = 0;
   bool psi = false;  // is_psi_pose
   int user = 0;
+  int periods = 1;  // since the frame before
   ViewSide view = ViewSide::unknown;
   Motion motion = {};
   int frames_accumulated = 0;  // before this frame; in TURNING: of the back
@@ -86,8 +88,10 @@ struct OfferStep {
   bool forget = false;
   bool measure = false;  // then call after_measuring
 };
-// `rejected`: the fuser's own guidance was not zero. `frames_accumulated`: after the offer.
-OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_accumulated);
+// `rejected`: the fuser's own guidance was not zero. `frames_accumulated`: after the offer. `periods`: as of the
+// view.
+OfferStep after_offer(const SessionRules& rules, const Session& session, bool rejected, int frames_accumulated,
+                      int periods = 1);
 
 struct MeasuringStep {
   Session next;

@@ -46,6 +46,7 @@ Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, con
   settings.live = options.live && source.live;
   settings.single_thread = options.threads == 1;
   settings.one_after_another = options.one_after_another;
+  settings.rest = options.rest && source.live;
   settings.watch = std::move(watch);
   return im2fit::make_engine(std::move(settings), data);
 }

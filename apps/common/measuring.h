@@ -27,6 +27,7 @@ struct MeasuringOptions {
   int user = 0;  // 0: the nearest
   bool live = false;
   bool one_after_another = false;  // as EngineSettings
+  bool rest = false;               // as EngineSettings; recordings never rest
 };
 
 // The files of the options, and the tape: the shipped one with people's own.

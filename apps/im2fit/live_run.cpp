@@ -235,6 +235,8 @@ Result<int> run_live(const LiveOptions& given, LiveListener* listener) {
   LiveOptions options = given;
   options.session.user = user_of(options.user).value_or(0);
   options.session.one_after_another = true;
+  // A motion and pictures of every frame leave none out.
+  options.session.rest = options.session.motion.empty() && options.preview_renderer.overlay.empty();
   std::string tables;
   auto code = run_live_shown(options, listener, tables);
   fmt::print("{}", tables);

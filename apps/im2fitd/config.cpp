@@ -132,6 +132,7 @@ Config interpret(const YAML::Node& root) {
   apps::MeasuringOptions& m = config.measuring;
   m.live = true;
   m.one_after_another = true;
+  m.rest = true;
   int buffer_kib = static_cast<int>(config.client_buffer_bytes / 1024);
   const Readers measure = {{"frames", whole(m.frames, 1, 1000)},
                            {"calibration", one_of(m.calibration, {"none", "psi"})},

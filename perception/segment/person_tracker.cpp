@@ -181,16 +181,17 @@ bool PersonTracker::disturbed(int user) const {
 
 void PersonTracker::select(int id) {
   requested_ = selected_ = id;
-  absent_frames_ = 0;
+  absent_periods_ = 0;
 }
 
-void PersonTracker::hold(int shown, bool ready) {
+void PersonTracker::hold(int shown, bool ready, int periods) {
   if (requested_ != 0) return;
   if (shown != 0) {
-    absent_frames_ = 0;
+    absent_periods_ = 0;
     if (selected_ == 0 && ready) selected_ = shown;
-  } else if (selected_ != 0 && ++absent_frames_ > kAbsentFramesMax) {
-    release();
+  } else if (selected_ != 0) {
+    absent_periods_ += periods;
+    if (absent_periods_ > kAbsentPeriodsMax) release();
   }
 }
 

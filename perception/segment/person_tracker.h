@@ -43,8 +43,8 @@ struct User {
 };
 inline constexpr int kUserCountMax = 8;
 
-// Shorter flicker of the mask is no loss: half a second at 30 Hz. The session counts the same frames.
-inline constexpr int kAbsentFramesMax = 15;
+// Shorter flicker of the mask is no loss: half a second, in frames at 30 Hz. The session counts the same.
+inline constexpr int kAbsentPeriodsMax = 15;
 
 // What the joints of one frame say about whether their owner is a person.
 struct JointEvidence {
@@ -99,9 +99,10 @@ class PersonTracker {
   int requested() const { return requested_; }  // by select()
   int selected() const { return selected_; }    // by select() or hold(), 0: anyone
   // After each frame of a session: `shown` is the id of the user seen, 0: none; `ready`: that person need change
-  // nothing. From the first such frame on only that user is selected, until absent for more than kAbsentFramesMax
-  // frames: then the session is LOST, and whoever comes next may begin one.
-  void hold(int shown, bool ready);
+  // nothing; `periods` of 1/30 s passed since the frame before. From the first such frame on only that user is
+  // selected, until absent for more than kAbsentPeriodsMax: then the session is LOST, and whoever comes next may
+  // begin one.
+  void hold(int shown, bool ready, int periods = 1);
   void release() { select(requested_); }  // whoever was held by hold()
 
  private:
@@ -189,7 +190,7 @@ class PersonTracker {
   int looked_at_ = 0;  // id, in the last frame; 0: none
   int requested_ = 0;
   int selected_ = 0;
-  int absent_frames_ = 0;  // in a row, of who is held
+  int absent_periods_ = 0;  // in a row, of who is held
 };
 
 }  // namespace im2fit

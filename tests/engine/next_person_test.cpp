@@ -31,7 +31,7 @@ TEST_P(NextPerson, TheNextPersonIsAwaitedOutsideThePicture) {
   rig.engine->finish();
   rig.engine->next_person();
   for (int i = 0; i < 50; ++i) rig.push({.value = 3000, .user = 1, .shift_mm = 40});
-  for (int i = 0; i < kAbsentFramesMax; ++i) rig.push({.found = false});
+  for (int i = 0; i < kAbsentPeriodsMax; ++i) rig.push({.found = false});
   for (int i = 0; i < 3; ++i) rig.push({.user = 1});
   rig.engine->finish();
   EngineResult r = rig.engine->result();
@@ -41,7 +41,7 @@ TEST_P(NextPerson, TheNextPersonIsAwaitedOutsideThePicture) {
   EXPECT_EQ(r.answer.measurements[0].value, 2000.0F * 55 + 2550);
 
   rig.engine->next_person();
-  for (int i = 0; i <= kAbsentFramesMax; ++i) rig.push({.found = false});
+  for (int i = 0; i <= kAbsentPeriodsMax; ++i) rig.push({.found = false});
   rig.push({.found = false});
   rig.engine->finish();
   r = rig.engine->result();
@@ -85,7 +85,7 @@ TEST_P(NextPerson, WhoeverWaitsBesideIsMeasuredWhenTheFirstLeaves) {
   for (int i = 0; i < 12; ++i) rig.push({.user = 1});
   rig.engine->finish();
   rig.engine->next_person();
-  for (int i = 0; i <= kAbsentFramesMax; ++i) rig.push({.value = 3000, .user = 5});
+  for (int i = 0; i <= kAbsentPeriodsMax; ++i) rig.push({.value = 3000, .user = 5});
   for (int i = 0; i < 10; ++i) rig.push({.value = 3000, .user = 5});
   rig.engine->finish();
   const EngineResult r = rig.engine->result();
@@ -156,7 +156,7 @@ TEST(Engine, EveryPersonOfARecordingHasTheSameBitsOnOneThreadAndTwo) {
 TEST(Engine, APoolDeeperThanAnAnswerStandsIsRefusedWhereSessionsFollowByThemselves) {
   EngineSettings settings = small_settings();
   settings.one_after_another = true;
-  settings.pool_frames = kAbsentFramesMax + 1;
+  settings.pool_frames = kAbsentPeriodsMax + 1;
   FakeStages::Control control;
   const auto engine = create_engine(settings, std::make_unique<FakeStages>(control));
   ASSERT_FALSE(engine);

@@ -20,13 +20,14 @@ struct Rig {
   void push(const Shot& shot) {
     hal::FrameInfo info;
     info.sequence = next;
-    info.host_ns = static_cast<std::int64_t>(++next) * 33333333;
+    info.host_ns = static_cast<std::int64_t>(++next) * period_ns;
     const Status status = engine->push(FramePixels(shot).view(), info);
     EXPECT_TRUE(status);
   }
   FakeStages::Control control;
   std::unique_ptr<Engine> engine;
   std::uint64_t next = 0;
+  std::int64_t period_ns = 33333333;
 };
 
 inline EngineSettings with(bool single) {

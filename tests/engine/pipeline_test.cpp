@@ -221,13 +221,13 @@ TEST_P(Threading, StaysWithItsUserAndIsLostWithHim) {
   for (int i = 0; i < 4; ++i) rig.push({.user = 2});
   for (int i = 0; i < 3; ++i) rig.push({.user = 9});  // another steps in front
   for (int i = 0; i < 3; ++i) rig.push({.user = 2});
-  for (int i = 0; i <= kAbsentFramesMax; ++i) rig.push({.user = 9});
+  for (int i = 0; i <= kAbsentPeriodsMax; ++i) rig.push({.user = 9});
   for (int i = 0; i < 10; ++i) rig.push({.value = 3000, .user = 9});
   rig.engine->finish();
   const EngineResult r = rig.engine->result();
   EXPECT_TRUE(r.measured);
   EXPECT_EQ(r.user, 9);
-  EXPECT_EQ(r.guidance_frames[0], 3U + kAbsentFramesMax + 1) << "NO_PERSON while only another is there";
+  EXPECT_EQ(r.guidance_frames[0], 3U + kAbsentPeriodsMax + 1) << "NO_PERSON while only another is there";
   EXPECT_EQ(r.answer.measurements[0].value, 3000.0F * 55 + 2550) << "the first user's frames are forgotten";
 }
 

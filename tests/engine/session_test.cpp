@@ -19,10 +19,10 @@ SessionRules rules(bool psi) {
   r.frames_wanted = 10;
   r.frames_min = 3;
   r.calibration_psi = psi;
-  r.absent_frames_max = 2;
+  r.absent_periods_max = 2;
   r.psi_frames = 2;
-  r.psi_wait_frames_max = 4;
-  r.rejected_frames_max = 3;
+  r.psi_wait_periods_max = 4;
+  r.rejected_periods_max = 3;
   r.attempts_max = 2;
   return r;
 }
@@ -42,9 +42,9 @@ struct Transition {
 Session at(State state, int absent = 0, int psi = 0, int psi_wait = 0, int attempts = 0) {
   Session s;
   s.state = state;
-  s.absent_frames = absent;
+  s.absent_periods = absent;
   s.psi_frames = psi;
-  s.psi_wait_frames = psi_wait;
+  s.psi_wait_periods = psi_wait;
   s.attempts = attempts;
   return s;
 }
@@ -134,7 +134,7 @@ TEST(Session, AnotherUserIsAnAbsence) {
     SessionStep step = on_detection(rules(true), of_user(state, 3), other);
     EXPECT_EQ(step.next.state, state);
     EXPECT_EQ(step.next.user, 3);
-    EXPECT_EQ(step.next.absent_frames, 1);
+    EXPECT_EQ(step.next.absent_periods, 1);
     EXPECT_EQ(step.guidance, kNoPerson) << "not what the other should do";
     EXPECT_FALSE(step.use_frame);
     step = on_detection(rules(true), of_user(state, 3, 2), other);
@@ -219,18 +219,18 @@ TEST(Session, MovementIsReportedWhenItCanBeKnown) {
 
 TEST(Session, BeingSeenClearsTheAbsence) {
   const SessionStep step = on_detection(rules(false), at(State::tracking, 2), kGood);
-  EXPECT_EQ(step.next.absent_frames, 0);
+  EXPECT_EQ(step.next.absent_periods, 0);
 }
 
 TEST(Session, ANewAttemptCalibratesFromTheStart) {
   const SessionStep step = on_detection(rules(true), at(State::lost, 0, 1, 4), kTooNear);
   EXPECT_EQ(step.next.psi_frames, 0);
-  EXPECT_EQ(step.next.psi_wait_frames, 0);
+  EXPECT_EQ(step.next.psi_wait_periods, 0);
 }
 
 TEST(Session, WhoKeepsTheCalibrationPoseIsMeasuredInIt) {
   SessionRules r = rules(true);
-  r.psi_lower_frames_max = 3;
+  r.psi_lower_periods_max = 3;
   SessionView raised = kGood;
   raised.psi = true;
   Session session = at(State::tracking);
@@ -242,7 +242,7 @@ TEST(Session, WhoKeepsTheCalibrationPoseIsMeasuredInIt) {
   }
   // A new attempt asks for the pose again, and waits again for it to be left.
   session.state = State::lost;
-  EXPECT_EQ(on_detection(r, session, raised).next.raised_frames, 0);
+  EXPECT_EQ(on_detection(r, session, raised).next.raised_periods, 0);
 }
 
 struct Offer {
@@ -269,11 +269,11 @@ TEST(Session, EveryOutcomeOfAnOffer) {
   for (const Offer& o : kOffers) {
     SCOPED_TRACE(o.name);
     Session session = at(State::tracking, 0, 0, 0, o.attempts);
-    session.rejected_frames = o.rejected_before;
+    session.rejected_periods = o.rejected_before;
     const OfferStep step = after_offer(rules(false), session, o.rejected, o.accumulated);
     EXPECT_EQ(step.measure, o.measure);
     EXPECT_EQ(step.forget, o.forget);
-    EXPECT_EQ(step.next.rejected_frames, o.rejected_after);
+    EXPECT_EQ(step.next.rejected_periods, o.rejected_after);
     EXPECT_EQ(step.next.attempts, o.attempts_after);
     EXPECT_EQ(step.next.state, State::tracking);
   }
@@ -304,14 +304,14 @@ constexpr GuidanceSet kNotFrontal = static_cast<GuidanceSet>(Guidance::not_front
 SessionRules turn_rules() {
   SessionRules r = rules(false);
   r.turn = true;
-  r.turn_wait_frames_max = 20;
+  r.turn_wait_periods_max = 20;
   r.unsteady_frames_max = 5;
   return r;
 }
-Session in_turning(bool turned, int turning_frames = 0, int absent = 0) {
+Session in_turning(bool turned, int turning_periods = 0, int absent = 0) {
   Session s = at(State::turning, absent);
   s.turned = turned;
-  s.turning_frames = turning_frames;
+  s.turning_periods = turning_periods;
   return s;
 }
 SessionView from(ViewSide side, GuidanceSet guidance = 0, int accumulated = 0, float body_mm_s = 0) {
@@ -326,15 +326,15 @@ SessionView from(ViewSide side, GuidanceSet guidance = 0, int accumulated = 0, f
 TEST(Turning, FollowsTheFrontWhenRequested) {
   EXPECT_EQ(after_measuring(rules(false), at(State::tracking), true).next.state, State::measured);
   Session session = at(State::tracking);
-  session.rejected_frames = 2;
-  session.turning_frames = 9;
+  session.rejected_periods = 2;
+  session.turning_periods = 9;
   session.turned = true;
   const MeasuringStep step = after_measuring(turn_rules(), session, true);
   EXPECT_EQ(step.next.state, State::turning);
   EXPECT_TRUE(step.turn);
   EXPECT_FALSE(step.forget);
-  EXPECT_EQ(step.next.rejected_frames, 0);
-  EXPECT_EQ(step.next.turning_frames, 0);
+  EXPECT_EQ(step.next.rejected_periods, 0);
+  EXPECT_EQ(step.next.turning_periods, 0);
   EXPECT_FALSE(step.next.turned);
   const MeasuringStep last = after_measuring(turn_rules(), session, true, true);
   EXPECT_EQ(last.next.state, State::measured) << "at the end of the stream no person turns any more";
@@ -378,7 +378,7 @@ TEST(Turning, SaysWhatTheBackNeeds) {
     EXPECT_EQ(step.use_frame, c.use_frame);
     EXPECT_EQ(step.forget, c.forget);
     EXPECT_EQ(step.next.turned, c.turned_after);
-    EXPECT_EQ(step.next.turning_frames, 1);
+    EXPECT_EQ(step.next.turning_periods, 1);
     EXPECT_FALSE(step.measure);
   }
 }
@@ -397,7 +397,7 @@ TEST(Turning, WhoLeavesIsMeasuredFromTheFront) {
     EXPECT_FALSE(step.use_frame);
     EXPECT_EQ(step.next.state, State::turning) << "MEASURED comes with the measurement";
   }
-  EXPECT_EQ(on_detection(turn_rules(), in_turning(false, 0, 2), from(ViewSide::front)).next.absent_frames, 0);
+  EXPECT_EQ(on_detection(turn_rules(), in_turning(false, 0, 2), from(ViewSide::front)).next.absent_periods, 0);
 }
 
 TEST(Turning, IsBoundedWhateverThePersonDoes) {
@@ -431,7 +431,7 @@ TEST(Turning, IsBoundedWhateverThePersonDoes) {
 
 TEST(Turning, ABackThatShiftsIsAccumulatedAnewWithoutAnotherAttempt) {
   Session session = in_turning(true);
-  session.rejected_frames = 3;
+  session.rejected_periods = 3;
   OfferStep step = after_offer(turn_rules(), session, true, 2);
   EXPECT_TRUE(step.forget);
   EXPECT_FALSE(step.measure);

@@ -80,8 +80,8 @@ TEST_P(TurnThreading, WhoDoesNotTurnOrLeavesIsMeasuredFromTheFront) {
     std::uint64_t seen;  // until MEASURED, after the front
   };
   const Case cases[] = {
-      {"leaves", {.found = false}, 60, kAbsentFramesMax + 1},
-      {"another takes the place", {.value = 3000, .user = 9, .view = ViewSide::back}, 60, kAbsentFramesMax + 1},
+      {"leaves", {.found = false}, 60, kAbsentPeriodsMax + 1},
+      {"another takes the place", {.value = 3000, .user = 9, .view = ViewSide::back}, 60, kAbsentPeriodsMax + 1},
       {"does not turn", {.value = 3000}, 500, 451},
       {"never stands right", {.guidance = kNear, .value = 3000, .view = ViewSide::back}, 500, 451},
       {"the stream ends", {.value = 3000}, 3, 3},

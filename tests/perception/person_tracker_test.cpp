@@ -168,10 +168,10 @@ TEST(PersonTrackerHold, FromTheFirstGoodFrameUntilTheUserIsGone) {
   EXPECT_EQ(people.selected(), 0) << "another may still come nearer";
   people.hold(4, true);
   EXPECT_EQ(people.selected(), 4);
-  for (int i = 0; i < kAbsentFramesMax; ++i) people.hold(0, false);
+  for (int i = 0; i < kAbsentPeriodsMax; ++i) people.hold(0, false);
   EXPECT_EQ(people.selected(), 4) << "a flicker";
   people.hold(4, false);
-  for (int i = 0; i < kAbsentFramesMax; ++i) people.hold(0, false);
+  for (int i = 0; i < kAbsentPeriodsMax; ++i) people.hold(0, false);
   EXPECT_EQ(people.selected(), 4) << "counted anew";
   people.hold(0, false);
   EXPECT_EQ(people.selected(), 0) << "lost";

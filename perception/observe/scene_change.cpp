@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "perception/observe/scene_change.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "perception/observe/scene_change_limits.h"
+
+namespace im2fit {
+
+using namespace scene_change_limits;
+
+SceneChange::SceneChange(int width, int height)
+    : step_px_(std::max(1, std::max(width, height) / kLookedAtLong)),
+      columns_(width / step_px_),
+      rows_(height / step_px_),
+      ranges_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+      counts_(static_cast<std::size_t>((columns_ + kBlockSide - 1) / kBlockSide)) {}
+
+void SceneChange::keep(DepthView depth) {
+  kept_ = true;
+  std::size_t i = 0;
+  for (int r = 0; r < rows_; ++r) {
+    const std::uint16_t* row = depth.row(r * step_px_);
+    for (int c = 0; c < columns_; ++c) {
+      const int z = row[c * step_px_];
+      // No data is a range of its own.
+      const std::int64_t tolerance = kToleranceMm + static_cast<std::int64_t>(z) * z / kToleranceDivisor;
+      const auto least = z == 0 ? 0 : std::max<std::int64_t>(1, z - tolerance);
+      const auto most = z == 0 ? 0 : std::min<std::int64_t>(UINT16_MAX, z + tolerance);
+      ranges_[i++] = {static_cast<std::uint16_t>(least), static_cast<std::uint16_t>(most - least)};
+    }
+  }
+}
+
+bool SceneChange::changed(DepthView depth) const {
+  if (!kept_) return true;
+  const Range* range = ranges_.data();
+  for (int r0 = 0; r0 < rows_; r0 += kBlockSide) {
+    std::fill(counts_.begin(), counts_.end(), std::uint8_t{0});
+    for (int r = r0; r < std::min(rows_, r0 + kBlockSide); ++r) {
+      const std::uint16_t* pixel = depth.row(r * step_px_);
+      for (int c = 0; c < columns_; ++c, ++range, pixel += step_px_) {
+        const auto above_least = static_cast<std::uint16_t>(*pixel - range->least_mm);
+        if (above_least > range->span_mm) ++counts_[static_cast<std::size_t>(c / kBlockSide)];
+      }
+    }
+    if (std::any_of(counts_.begin(), counts_.end(), [](std::uint8_t count) { return count >= kChangedMin; }))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace im2fit
