@@ -29,7 +29,11 @@ class PageListener final : public LiveListener {
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
-    return session.dressed ? page_.measured(session.dressed->avatar, session.dressed->glb) : Status(Ok{});
+    if (!session.dressed) return Ok{};
+    const body::Avatar& avatar = session.dressed->avatar;
+    page_.may_try_on(
+        {0, avatar.params, avatar.pose, session.person.result.answer.female > 0.5F, session.person.fits});
+    return page_.measured(avatar, session.dressed->glb);
   }
 
  private:
@@ -38,7 +42,7 @@ class PageListener final : public LiveListener {
 };
 
 Result<int> run_serve(const ServeOptions& options) {
-  auto page = LivePage::open(options.address);
+  auto page = LivePage::open(options.address, options.live.session.input.body);
   if (!page) return page.error();
   PageListener listener(**page, options.live.session.frames);
   auto code = run_live(options.live, &listener);

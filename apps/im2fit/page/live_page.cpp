@@ -33,9 +33,14 @@ bool all_finite(const JointSet& joints) {
 
 }  // namespace
 
-Result<std::unique_ptr<LivePage>> LivePage::open(const PageAddress& address) {
+Result<std::unique_ptr<LivePage>> LivePage::open(const PageAddress& address, const std::string& body_path) {
   std::unique_ptr<LivePage> page(new LivePage);
-  auto server = PageServer::open(address, page->board_);
+  Board& board = page->board_;
+  if (!body_path.empty())
+    page->fitting_ = std::make_unique<FittingRoom>(body_path, [&board](int person) {
+      board.publish("tryon", Json{{"event", "tryon"}, {"person", person}}.dump());
+    });
+  auto server = PageServer::open(address, board, page->fitting_.get());
   if (!server) return server.error();
   page->server_ = std::move(*server);
   return page;
@@ -90,7 +95,11 @@ void LivePage::draw(const FrameSeen& frame) {
 
 void LivePage::publish(const Json& event) {
   const std::string kind = event["event"];
-  if (kind == "measured") board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
+  if (kind == "measured") {
+    board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
+    customer_.person = event["person"];
+    if (fitting_) fitting_->welcome(customer_);
+  }
   if (kind == "left") {
     const std::lock_guard lock(animator_mutex_);
     animator_.reset();  // the next person's joints are not theirs

@@ -12,6 +12,7 @@
 #include "apps/common/events.h"
 #include "apps/im2fit/page/avatar_animator.h"
 #include "apps/im2fit/page/board.h"
+#include "apps/im2fit/page/fitting_room.h"
 #include "apps/im2fit/page/page_server.h"
 #include "engine/engine.h"
 
@@ -20,8 +21,8 @@ namespace im2fit::apps {
 // `see` on the engine's thread, the rest on one other. Nothing is drawn while no browser watches.
 class LivePage {
  public:
-  // Errors: as PageServer::open().
-  static Result<std::unique_ptr<LivePage>> open(const PageAddress& address);
+  // `body_path`: the body file with which /tryon.glb is made; "": it is not. Errors: as PageServer::open().
+  static Result<std::unique_ptr<LivePage>> open(const PageAddress& address, const std::string& body_path = "");
   const std::string& url() const { return server_->url(); }
 
   // Before the first frame.
@@ -30,6 +31,8 @@ class LivePage {
   void publish(const Json& event);
   // Before its event.
   Status measured(const body::Avatar& avatar, std::span<const std::byte> glb);
+  // Before its event, which says which person this is.
+  void may_try_on(Customer customer) { customer_ = std::move(customer); }
 
  private:
   LivePage() = default;
@@ -42,7 +45,9 @@ class LivePage {
   std::optional<AvatarAnimator> animator_;
   std::chrono::steady_clock::time_point drawn_{};
   std::uint64_t pictures_ = 0;
-  std::unique_ptr<PageServer> server_;  // last: it refers to the board
+  Customer customer_;
+  std::unique_ptr<FittingRoom> fitting_;
+  std::unique_ptr<PageServer> server_;  // last: it refers to the board and the fitting room
 };
 
 }  // namespace im2fit::apps

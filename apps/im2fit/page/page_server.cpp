@@ -177,10 +177,11 @@ struct PageServer::Parts {
     Clock::time_point read;  // when it was last asked for more
   };
 
-  Parts(Board& b, const std::string& host) : board(b), check(host) {}
+  Parts(Board& b, FittingRoom* f, const std::string& host) : board(b), fitting(f), check(host) {}
   MHD_Result answer(MHD_Connection* connection, std::string_view method, const std::string& path);
   MHD_Result answer_file(MHD_Connection* connection, const WebFile& file);
   MHD_Result answer_stream(MHD_Connection* connection);
+  MHD_Result answer_fitting(MHD_Connection* connection);
   static ssize_t read_stream(void* closure, std::uint64_t position, char* to, std::size_t room);
   static void end_stream(void* closure);
   void keep();
@@ -188,6 +189,7 @@ struct PageServer::Parts {
   Visitors::Visitor* visitor_of(MHD_Connection* connection) const;
 
   Board& board;
+  FittingRoom* fitting;
   HostCheck check;
   Visitors visitors{VisitorLimits{}};
   std::string url;
@@ -223,11 +225,27 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
   if (path == "/events")
     return method == "GET" ? answer_stream(connection) : send(connection, 200, copied(""), "text/event-stream");
   if (const WebFile* fixed = web_file(path)) return answer_file(connection, *fixed);
+  if (path == "/tryon.glb" && fitting != nullptr) return answer_fitting(connection);
   if (auto file = board.file(path)) {
     const std::string type = file->type;
     return send(connection, MHD_HTTP_OK, shared(std::move(file)), type.c_str());
   }
   return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there (yet)\n"), kText);
+}
+
+MHD_Result PageServer::Parts::answer_fitting(MHD_Connection* connection) {
+  std::vector<std::pair<std::string, std::string>> query;
+  MHD_get_connection_values(
+      connection, MHD_GET_ARGUMENT_KIND,
+      [](void* closure, MHD_ValueKind, const char* name, const char* value) {
+        static_cast<decltype(query)*>(closure)->emplace_back(name, value == nullptr ? "" : value);
+        return MHD_YES;
+      },
+      &query);
+  FittingRoom::Answer answer = fitting->ask(query);
+  if (!answer.file) return send(connection, answer.status, copied(answer.text + "\n"), kText);
+  const std::string type = answer.file->type;
+  return send(connection, answer.status, shared(std::move(answer.file)), type.c_str());
 }
 
 MHD_Result PageServer::Parts::answer_file(MHD_Connection* connection, const WebFile& file) {
@@ -323,7 +341,7 @@ void PageServer::Parts::keep() {
   }
 }
 
-Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address, Board& board) {
+Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address, Board& board, FittingRoom* fitting) {
   CloseSocket listening{listen_at(address)};
   const int reason = errno;
   const auto failed = [&](int code) {
@@ -332,7 +350,7 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
                                     "; try another --port or --host"};
   };
   if (listening.socket < 0) return failed(reason);
-  auto made = std::make_unique<Parts>(board, address.host);
+  auto made = std::make_unique<Parts>(board, fitting, address.host);
   Parts& parts = *made;
   const bool v6 = address.host.find(':') != std::string::npos;
   parts.url = "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" +

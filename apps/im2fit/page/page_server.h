@@ -6,6 +6,7 @@
 #include <string>
 
 #include "apps/im2fit/page/board.h"
+#include "apps/im2fit/page/fitting_room.h"
 #include "core/status.h"
 
 namespace im2fit::apps {
@@ -21,9 +22,10 @@ class PageServer {
  public:
   static constexpr int kWatchersMax = 8;  // streams at once; further ones are answered 503
 
-  // Answers from here on, on two threads of its own. `board` must outlive it. Errors: the address cannot be listened
-  // at.
-  static Result<std::unique_ptr<PageServer>> open(const PageAddress& address, Board& board);
+  // Answers from here on, on two threads of its own. `board` must outlive it, and `fitting`, which answers
+  // /tryon.glb, may be null. Errors: the address cannot be listened at.
+  static Result<std::unique_ptr<PageServer>> open(const PageAddress& address, Board& board,
+                                                  FittingRoom* fitting = nullptr);
   // Closes the board; streams get their end, everyone else is cut off. Takes less than half a second whatever clients
   // do.
   ~PageServer();

@@ -15,6 +15,8 @@ IM2FIT_EMBED(im2fit_web_index, IM2FIT_PAGE_MADE_DIR "/index.html")
 IM2FIT_EMBED(im2fit_web_style, IM2FIT_WEB_DIR "/page.css")
 IM2FIT_EMBED(im2fit_web_words, IM2FIT_WEB_DIR "/words.js")
 IM2FIT_EMBED(im2fit_web_stage, IM2FIT_WEB_DIR "/stage.js")
+IM2FIT_EMBED(im2fit_web_tryon, IM2FIT_WEB_DIR "/tryon.js")
+IM2FIT_EMBED(im2fit_web_tryon_style, IM2FIT_WEB_DIR "/tryon.css")
 IM2FIT_EMBED(im2fit_web_page, IM2FIT_WEB_DIR "/page.js")
 IM2FIT_EMBED(im2fit_web_three, IM2FIT_THREE_DIR "/build/three.min.js")
 IM2FIT_EMBED(im2fit_web_loader, IM2FIT_THREE_DIR "/examples/js/loaders/GLTFLoader.js")
@@ -40,6 +42,8 @@ const WebFile* web_file(std::string_view path) {
       own("/page.css", "text/css; charset=utf-8", im2fit_web_style, im2fit_web_style_end),
       own("/words.js", kScript, im2fit_web_words, im2fit_web_words_end),
       own("/stage.js", kScript, im2fit_web_stage, im2fit_web_stage_end),
+      own("/tryon.js", kScript, im2fit_web_tryon, im2fit_web_tryon_end),
+      own("/tryon.css", "text/css; charset=utf-8", im2fit_web_tryon_style, im2fit_web_tryon_style_end),
       own("/page.js", kScript, im2fit_web_page, im2fit_web_page_end),
       WebFile{"/" IM2FIT_PAGE_THREE, kScript, between(im2fit_web_three, im2fit_web_three_end),
               between(im2fit_web_three_gzip, im2fit_web_three_gzip_end), true},

@@ -85,9 +85,13 @@ const on = {
     at('answer').classList.remove('left');
     at('result').hidden = at('avatar').hidden = false;
     showResult();
+    fitting.measured(event);
     if (!stage) return;
     const shown = await stage.loadAvatar(`/avatar.glb?${event.person}`, segments);
     if (shown) document.body.dataset.avatar = event.person;  // whose body stands on the stage
+  },
+  tryon(event) {
+    fitting.ready(event);
   },
   left(event) {
     at('who').textContent = `Person ${event.person}, who has left`;
