@@ -42,7 +42,11 @@ class PageListener final : public LiveListener {
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
-    return session.dressed ? page_.measured(session.dressed->avatar, session.dressed->glb) : Status(Ok{});
+    if (!session.dressed) return Ok{};
+    const body::Avatar& avatar = session.dressed->avatar;
+    page_.may_try_on(
+        {"", avatar.params, avatar.pose, session.person.result.answer.female > 0.5F, session.person.fits});
+    return page_.measured(avatar, session.dressed->glb);
   }
 
  private:
@@ -95,6 +99,7 @@ Result<int> run_serve(const ServeOptions& options) {
   catch_interrupt();
   LivePageSettings settings;
   settings.address = options.address;
+  settings.body_path = options.live.session.input.body;
   settings.visit.ask = !options.no_consent;
   settings.keeps_files = !options.live.session.out.empty();
   settings.consented = [](std::uint64_t visit, const std::string& text) {

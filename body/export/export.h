@@ -16,8 +16,9 @@
 namespace im2fit::body {
 
 struct ClothLook {
-  std::string name;                                  // of the material
-  std::array<float, 3> colour = {0.5F, 0.5F, 0.5F};  // linear
+  std::string name;                                       // of the material
+  std::array<float, 3> colour = {0.5F, 0.5F, 0.5F};       // linear
+  std::vector<std::array<float, 3>> vertex_colours = {};  // of each vertex of the garment instead, or none
 };
 
 struct Avatar {

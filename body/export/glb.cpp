@@ -58,7 +58,8 @@ struct Part {
   std::vector<Vec3f> normals;
   std::vector<std::array<std::uint8_t, 4>> joints;
   std::vector<std::array<float, 4>> weights;
-  std::vector<Flat> texture;  // none, or one a vertex
+  std::vector<Flat> texture;                         // none, or one a vertex
+  std::vector<std::array<std::uint8_t, 4>> colours;  // linear, 255: 1; none, or one a vertex
   std::vector<std::uint16_t> indices;
   std::vector<std::uint16_t> hidden_indices;  // of triangles that cloth hides
 };
@@ -94,6 +95,11 @@ Part body_part(const BodyModel::Data& d, std::span<const Vec3f> rest, float floo
   return part;
 }
 
+std::array<std::uint8_t, 4> bytes_of_colour(const std::array<float, 3>& linear) {
+  const auto byte = [](float c) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(c, 0.0F, 1.0F))); };
+  return {byte(linear[0]), byte(linear[1]), byte(linear[2]), 255};
+}
+
 Part garment_part(const BodyModel& model, const Figure& figure, const Outfit& outfit, std::size_t index) {
   ClothPart cloth = cloth_part(model, outfit, index, figure.skeleton);
   Part part;
@@ -124,6 +130,10 @@ Json primitive(Buffer& buffer, const Part& part, int material) {
   Json attributes = {{"POSITION", positions}, {"NORMAL", normals}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}};
   if (!part.texture.empty())
     attributes["TEXCOORD_0"] = buffer.add(std::span(part.texture), "VEC2", kFloat, count, kArrayBuffer);
+  if (!part.colours.empty()) {
+    attributes["COLOR_0"] = buffer.add(std::span(part.colours), "VEC4", kUnsignedByte, count, kArrayBuffer);
+    buffer.accessors_.back()["normalized"] = true;
+  }
   Json json = {{"attributes", attributes}, {"indices", indices}, {"material", material}};
   // Skin below cloth is not drawn; whoever undresses the avatar, or measures it, finds its triangles there.
   if (!part.hidden_indices.empty())
@@ -244,9 +254,12 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
   Json materials = {material("skin", {0.78F, 0.63F, 0.55F, 1}, false)};
   for (std::size_t i = 0; i < garments; ++i) {
     const ClothLook look = i < avatar.looks.size() ? avatar.looks[i] : ClothLook{"cloth"};
-    const auto& c = look.colour;
-    primitives.push_back(
-        primitive(buffer, garment_part(*avatar.model, *figure, *avatar.outfit, i), static_cast<int>(i) + 1));
+    Part part = garment_part(*avatar.model, *figure, *avatar.outfit, i);
+    const bool painted = look.vertex_colours.size() == part.positions.size();
+    const std::array<float, 3> c = painted ? std::array<float, 3>{1, 1, 1} : look.colour;
+    if (painted)
+      for (const auto& colour : look.vertex_colours) part.colours.push_back(bytes_of_colour(colour));
+    primitives.push_back(primitive(buffer, part, static_cast<int>(i) + 1));
     materials.push_back(material(look.name.c_str(), {c[0], c[1], c[2], 1}, true));
   }
 

@@ -20,6 +20,13 @@ struct PageFile {
   std::string bytes;
 };
 
+// To a request with a query.
+struct PageAnswer {
+  unsigned status = 200;                 // HTTP
+  std::shared_ptr<const PageFile> file;  // with 200
+  std::string text;                      // else a line for people
+};
+
 class Board {
  public:
   // In place of the last message of that kind: who reads slowly misses some, never the latest. One line of text.

@@ -48,10 +48,17 @@ Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& setting
   LivePage& self = *page;
   self.begin({}, 0);
   self.publish_visit();
-  auto server = PageServer::open(settings.address, self.board_,
-                                 [&self](PageAction action, std::string_view visit, std::string_view note) {
-                                   return self.act(action, visit, note);
-                                 });
+  PageHandlers handlers;
+  handlers.act = [&self](PageAction action, std::string_view visit, std::string_view note) {
+    return self.act(action, visit, note);
+  };
+  if (!settings.body_path.empty()) {
+    self.fitting_ = std::make_unique<FittingRoom>(settings.body_path, [&self](const std::string& visit) {
+      self.board_.publish("tryon", Json{{"event", "tryon"}, {"visit", visit}}.dump());
+    });
+    handlers.try_on = [&self](auto fields) { return self.fitting_->ask(fields); };
+  }
+  auto server = PageServer::open(settings.address, self.board_, std::move(handlers));
   if (!server) return server.error();
   self.server_ = std::move(*server);
   self.keeper_ = std::thread([&self] { self.tick(); });
@@ -103,7 +110,9 @@ void LivePage::publish_beat() {
 
 void LivePage::forget() {
   // Files first: who hears of the new visit finds nothing of the one before.
-  board_.withdraw({"state", "frame", "picture", "measured", "left"}, {"/result.json", "/avatar.glb", "/picture.png"});
+  board_.withdraw({"state", "frame", "picture", "measured", "tryon", "left"},
+                  {"/result.json", "/avatar.glb", "/picture.png"});
+  if (fitting_) fitting_->forget();
   animator_.reset();
   follows_ = false;
   folder_.clear();
@@ -215,12 +224,17 @@ void LivePage::publish(const Json& event) {
   if (!settings_.visit.ask && visit_.state() == VisitState::result && !follows_ &&
       (kind == "measured" || (kind == "state" && event["user"] != 0)))
     next_visit();
-  if (!is_current()) return;  // deleted, or given up, while it was computed
+  if (!is_current()) {  // deleted, or given up, while it was computed
+    if (kind == "measured") customer_ = {};
+    return;
+  }
   if (kind == "measured") {
     if (!visit_.measured(Clock::now())) return;
     follows_ = true;
     folder_ = event.value("out", std::string());
     board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
+    customer_.visit = visit_.id();
+    if (fitting_) fitting_->welcome(std::exchange(customer_, {}));
     publish_visit();
   }
   if (kind == "left") follows_ = false;  // the next person's joints are not theirs
@@ -231,6 +245,11 @@ void LivePage::next_visit() {
   visit_.next(Clock::now());
   permitted_ = visit_.number();
   forget();
+}
+
+void LivePage::may_try_on(Customer customer) {
+  const std::lock_guard lock(visit_mutex_);
+  customer_ = std::move(customer);
 }
 
 Status LivePage::measured(const body::Avatar& avatar, std::span<const std::byte> glb) {

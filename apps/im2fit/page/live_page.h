@@ -17,6 +17,7 @@
 #include "apps/common/events.h"
 #include "apps/im2fit/page/avatar_animator.h"
 #include "apps/im2fit/page/board.h"
+#include "apps/im2fit/page/fitting_room.h"
 #include "apps/im2fit/page/page_server.h"
 #include "apps/im2fit/page/visit.h"
 #include "engine/engine.h"
@@ -26,6 +27,7 @@ namespace im2fit::apps {
 struct LivePageSettings {
   PageAddress address;
   VisitRules visit;
+  std::string body_path;     // the body file with which /tryon.glb is made; "": it is not
   bool keeps_files = false;  // a result is written to a folder as well: consent has to say so
   // On the server's thread. A person consented, to which text: "en-1".
   std::function<void(std::uint64_t visit, const std::string& text)> consented;
@@ -54,6 +56,8 @@ class LivePage {
   void publish(const Json& event);
   // Before its event.
   Status measured(const body::Avatar& avatar, std::span<const std::byte> glb);
+  // Before its event too. The visit is the current one.
+  void may_try_on(Customer customer);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -84,8 +88,10 @@ class LivePage {
   std::chrono::steady_clock::time_point drawn_{};
   std::uint64_t pictures_ = 0;
   bool ending_ = false;
+  Customer customer_;                     // who is measured next to be tried on
+  std::unique_ptr<FittingRoom> fitting_;  // null: nothing is tried on
   std::thread keeper_;
-  std::unique_ptr<PageServer> server_;  // last: it refers to the board
+  std::unique_ptr<PageServer> server_;  // last: it refers to the board and the fitting room
 };
 
 }  // namespace im2fit::apps

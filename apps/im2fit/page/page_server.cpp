@@ -181,11 +181,12 @@ struct PageServer::Parts {
     Clock::time_point read;  // when it was last asked for more
   };
 
-  Parts(Board& b, const std::string& host, PageActor a) : board(b), check(host), act(std::move(a)) {}
+  Parts(Board& b, const std::string& host, PageHandlers h) : board(b), check(host), handlers(std::move(h)) {}
   MHD_Result answer(MHD_Connection* connection, std::string_view method, const std::string& path);
   MHD_Result answer_file(MHD_Connection* connection, const WebFile& file);
   MHD_Result answer_action(MHD_Connection* connection, PageAction action);
   MHD_Result answer_stream(MHD_Connection* connection);
+  MHD_Result answer_try_on(MHD_Connection* connection);
   static ssize_t read_stream(void* closure, std::uint64_t position, char* to, std::size_t room);
   static void end_stream(void* closure);
   void keep();
@@ -194,7 +195,7 @@ struct PageServer::Parts {
 
   Board& board;
   HostCheck check;
-  PageActor act;
+  PageHandlers handlers;
   Visitors visitors{VisitorLimits{}};
   std::string url;
   MHD_Daemon* daemon = nullptr;
@@ -219,7 +220,7 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
       !why.empty())
     return send(connection, MHD_HTTP_FORBIDDEN, copied(why + "\n"), kText);
   const auto* action = std::find_if(std::begin(kActions), std::end(kActions),
-                                    [&](const auto& known) { return act && known.first == path; });
+                                    [&](const auto& known) { return handlers.act && known.first == path; });
   const bool acts = action != std::end(kActions);
   if (acts ? method != "POST" : method != "GET" && method != "HEAD") {
     const Response response = copied("another method is needed\n");
@@ -233,6 +234,7 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
   if (path == "/events")
     return method == "GET" ? answer_stream(connection) : send(connection, 200, copied(""), "text/event-stream");
   if (const WebFile* fixed = web_file(path)) return answer_file(connection, *fixed);
+  if (path == "/tryon.glb" && handlers.try_on) return answer_try_on(connection);
   if (auto file = board.file(path)) {
     const std::string type = file->type;
     return send(connection, MHD_HTTP_OK, shared(std::move(file)), type.c_str());
@@ -248,9 +250,24 @@ MHD_Result PageServer::Parts::answer_action(MHD_Connection* connection, PageActi
   const std::string_view text = note.value.value_or("");
   if (visit.value->size() > kActionTextMax || text.size() > kActionTextMax)
     return send(connection, MHD_HTTP_BAD_REQUEST, copied("too long\n"), kText);
-  if (!act(action, *visit.value, text))
+  if (!handlers.act(action, *visit.value, text))
     return send(connection, MHD_HTTP_CONFLICT, copied("that visit is over\n"), kText);
   return send(connection, MHD_HTTP_OK, copied("done\n"), kText);
+}
+
+MHD_Result PageServer::Parts::answer_try_on(MHD_Connection* connection) {
+  std::vector<std::pair<std::string, std::string>> query;
+  MHD_get_connection_values(
+      connection, MHD_GET_ARGUMENT_KIND,
+      [](void* closure, MHD_ValueKind, const char* name, const char* value) {
+        static_cast<decltype(query)*>(closure)->emplace_back(name, value == nullptr ? "" : value);
+        return MHD_YES;
+      },
+      &query);
+  PageAnswer answer = handlers.try_on(query);
+  if (!answer.file) return send(connection, answer.status, copied(answer.text + "\n"), kText);
+  const std::string type = answer.file->type;
+  return send(connection, answer.status, shared(std::move(answer.file)), type.c_str());
 }
 
 MHD_Result PageServer::Parts::answer_file(MHD_Connection* connection, const WebFile& file) {
@@ -347,7 +364,8 @@ void PageServer::Parts::keep() {
   }
 }
 
-Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address, Board& board, PageActor act) {
+Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address, Board& board,
+                                                     PageHandlers handlers) {
   CloseSocket listening{listen_at(address)};
   const int reason = errno;
   const auto failed = [&](int code) {
@@ -356,7 +374,7 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
                                     "; try another --port or --host"};
   };
   if (listening.socket < 0) return failed(reason);
-  auto made = std::make_unique<Parts>(board, address.host, std::move(act));
+  auto made = std::make_unique<Parts>(board, address.host, std::move(handlers));
   Parts& parts = *made;
   const bool v6 = address.host.find(':') != std::string::npos;
   parts.url = "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" +

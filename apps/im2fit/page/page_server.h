@@ -4,8 +4,11 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "apps/im2fit/page/board.h"
 #include "core/status.h"
@@ -23,6 +26,13 @@ enum class PageAction { consent, touch, erase };
 // kActionTextMax long. On the server's thread. False: there is no such visit any more.
 using PageActor = std::function<bool(PageAction action, std::string_view visit, std::string_view note)>;
 inline constexpr std::size_t kActionTextMax = 64;
+// The fields of /tryon.glb's query, as they are. On the server's thread.
+using PageQuery = std::function<PageAnswer(std::span<const std::pair<std::string, std::string>> fields)>;
+
+struct PageHandlers {
+  PageActor act;     // without it nothing is answered to POST
+  PageQuery try_on;  // without it there is no /tryon.glb
+};
 
 // One thread serves all connections, and waits for none of them: visitors.h limits their number and their time, a
 // request's header is at most 16 KB, a body is not read at all. host_check.h says whom it answers. GET and HEAD, and
@@ -32,9 +42,10 @@ class PageServer {
  public:
   static constexpr int kWatchersMax = 8;  // streams at once; further ones are answered 503
 
-  // Answers from here on, on two threads of its own. `board` must outlive it. Without `act` nothing is answered to
-  // POST. Errors: the address cannot be listened at.
-  static Result<std::unique_ptr<PageServer>> open(const PageAddress& address, Board& board, PageActor act = {});
+  // Answers from here on, on two threads of its own. `board` must outlive it. Errors: the address cannot be listened
+  // at.
+  static Result<std::unique_ptr<PageServer>> open(const PageAddress& address, Board& board,
+                                                  PageHandlers handlers = {});
   // Closes the board; streams get their end, everyone else is cut off. Takes less than half a second whatever clients
   // do.
   ~PageServer();

@@ -23,6 +23,8 @@ IM2FIT_EMBED(im2fit_web_es, IM2FIT_WEB_DIR "/lang/es.json")
 IM2FIT_EMBED(im2fit_web_fr, IM2FIT_WEB_DIR "/lang/fr.json")
 IM2FIT_EMBED(im2fit_web_zh, IM2FIT_WEB_DIR "/lang/zh.json")
 IM2FIT_EMBED(im2fit_web_stage, IM2FIT_WEB_DIR "/stage.js")
+IM2FIT_EMBED(im2fit_web_tryon, IM2FIT_WEB_DIR "/tryon.js")
+IM2FIT_EMBED(im2fit_web_tryon_style, IM2FIT_WEB_DIR "/tryon.css")
 IM2FIT_EMBED(im2fit_web_page, IM2FIT_WEB_DIR "/page.js")
 IM2FIT_EMBED(im2fit_web_three, IM2FIT_THREE_DIR "/build/three.min.js")
 IM2FIT_EMBED(im2fit_web_loader, IM2FIT_THREE_DIR "/examples/js/loaders/GLTFLoader.js")
@@ -57,6 +59,8 @@ const WebFile* web_file(std::string_view path) {
       own("/lang/fr.json", kWords, im2fit_web_fr, im2fit_web_fr_end),
       own("/lang/zh.json", kWords, im2fit_web_zh, im2fit_web_zh_end),
       own("/stage.js", kScript, im2fit_web_stage, im2fit_web_stage_end),
+      own("/tryon.js", kScript, im2fit_web_tryon, im2fit_web_tryon_end),
+      own("/tryon.css", "text/css; charset=utf-8", im2fit_web_tryon_style, im2fit_web_tryon_style_end),
       own("/page.js", kScript, im2fit_web_page, im2fit_web_page_end),
       WebFile{"/" IM2FIT_PAGE_THREE, kScript, between(im2fit_web_three, im2fit_web_three_end),
               between(im2fit_web_three_gzip, im2fit_web_three_gzip_end), true},

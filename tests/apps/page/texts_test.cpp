@@ -70,6 +70,10 @@ TEST(Texts, EveryLanguageSaysEverythingAndNothingElse) {
     EXPECT_EQ(keys_of(table["measurements"]), measurements);
     EXPECT_EQ(keys_of(table["page"]), keys_of(english["page"]));
     EXPECT_EQ(keys_of(table["consent"]), keys_of(english["consent"]));
+    EXPECT_EQ(keys_of(table["tryon"]), keys_of(english["tryon"]));
+    for (const char* group : {"garments", "regions", "verdicts"})
+      EXPECT_EQ(keys_of(table["tryon"][group]), keys_of(english["tryon"][group])) << group;
+    EXPECT_EQ(table["tryon"]["legend"].size(), english["tryon"]["legend"].size());
     EXPECT_EQ(table["consent"]["points"].size(), english["consent"]["points"].size());
     EXPECT_EQ(table["consent"]["version"], english["consent"]["version"]) << "one text, in five languages";
     EXPECT_NE(table["page"]["left"].get<std::string>().find("{s}"), std::string::npos);

@@ -96,6 +96,7 @@ function showTexts() {
   for (const button of at('languages').children) {
     button.setAttribute('aria-current', String(button.lang === words.language));
   }
+  fitting.draw();
   showResult();
   show();
 }
@@ -200,6 +201,7 @@ const on = {
     const shown = await stage.loadAvatar(`/avatar.glb?${whose.id}`, hello.segments);
     if (shown) document.body.dataset.avatar = event.person;  // whose body stands on the stage
   },
+  tryon(event) { fitting.ready(event); },
   left() {
     if (stage) stage.setJoints(null);
   },

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// Trying clothes on: which garments and sizes, bare or dressed, the map of ease. `fit` of result.json says how each
+// size sits; /tryon.glb is the body in it (docs/page.md).
+'use strict';
+
+const kTops = ['t_shirt', 'long_sleeved_shirt', 'dress'];  // what hangs from the shoulders; the rest from the waist
+
+class Fitting {
+  constructor(root) {
+    this.root = root;
+    this.visit = '';
+    this.fits = [];
+    this.worn = {top: null, bottom: null};  // {garment, size}
+    this.bare = false;
+    this.ease = false;
+    this.asked = null;   // the query wanted
+    this.shown = null;   // the query on the stage; null: the avatar as measured
+    this.asking = false;
+    this.status = '';
+  }
+
+  fit(id) { return this.fits.find((f) => f.garment === id); }
+
+  // `result`: result.json of the visit with this id.
+  measured(result, visit) {
+    this.visit = visit;
+    this.fits = result.fit || [];
+    this.bare = this.ease = false;
+    this.asked = this.shown = null;
+    this.status = '';
+    for (const [part, id] of [['top', 't_shirt'], ['bottom', 'trousers']]) {
+      const fit = this.fit(id);
+      this.worn[part] = fit ? {garment: id, size: fit.best} : null;
+    }
+    this.root.hidden = this.fits.length === 0;
+    this.draw();
+  }
+
+  forget() {
+    clearTimeout(this.later);
+    this.visit = '';
+    this.fits = [];
+    this.asked = this.shown = null;
+    this.root.hidden = true;
+    this.root.replaceChildren();
+  }
+
+  query() {
+    const fields = new URLSearchParams({visit: this.visit});
+    for (const part of ['top', 'bottom']) {
+      if (this.bare || !this.worn[part]) continue;
+      fields.set(part, this.worn[part].garment);
+      fields.set(`${part}_size`, this.worn[part].size);
+    }
+    if (this.ease && !this.bare) fields.set('colours', 'ease');
+    return fields.toString();
+  }
+
+  changed() {
+    this.asked = this.query();
+    this.draw();
+    this.ask();
+  }
+
+  ready(event) {
+    if (event.visit === this.visit) this.ask();
+  }
+
+  // The room makes one at a time and says when it is done; a word may be missed, so it is asked now and then as well.
+  async ask() {
+    if (this.asking || this.asked === null || this.asked === this.shown) return;
+    this.asking = true;
+    const query = this.asked;
+    let status = 'failed';
+    try {
+      const answer = await fetch(`/tryon.glb?${query}`, {method: 'HEAD'});
+      if (answer.status === 202) {
+        status = 'dressing';
+        clearTimeout(this.later);
+        this.later = setTimeout(() => this.ask(), 1500);
+      } else if (answer.ok) {
+        status = '';
+        if (query === this.asked && await this.show(`/tryon.glb?${query}`)) this.shown = query;
+      }
+    } catch (error) {
+      status = 'failed';  // the program has ended, or what was made is kept no longer
+    } finally {
+      this.asking = false;
+      this.status = status;
+      this.drawStatus();
+    }
+    if (this.asked !== query) this.ask();
+  }
+
+  // In the pose the body has.
+  async show(url) {
+    if (!stage) return true;
+    const wanted = stage.wanted;
+    const shown = await stage.loadAvatar(url, hello.segments);
+    if (shown && wanted) {
+      stage.wanted = wanted;
+      stage.requestDraw();
+    }
+    return shown;
+  }
+
+  element(tag, words, parent, properties = {}) {
+    const made = Object.assign(document.createElement(tag), {textContent: words}, properties);
+    if (parent) parent.append(made);
+    return made;
+  }
+
+  button(words, pressed, parent, press) {
+    const made = this.element('button', words, parent, {type: 'button', onclick: press});
+    made.setAttribute('aria-pressed', pressed);
+    return made;
+  }
+
+  get texts() { return words.table.tryon; }
+
+  draw() {
+    this.root.replaceChildren();
+    if (this.fits.length === 0 || !words.table) return;
+    this.element('h2', this.texts.title, this.root);
+    const switches = this.element('div', '', this.root, {className: 'row'});
+    this.button(this.texts.bare, this.bare, switches, () => { this.bare = !this.bare; this.changed(); }).id = 'fitting-bare';
+    const ease = this.button(this.texts.ease, this.ease, switches, () => { this.ease = !this.ease; this.changed(); });
+    ease.id = 'fitting-ease';
+    ease.disabled = this.bare;
+    if (this.ease && !this.bare) this.drawLegend(switches);
+    this.element('p', '', this.root, {id: 'fitting-status'}).setAttribute('role', 'status');
+    this.drawStatus();
+    const parts = this.element('div', '', this.root, {className: 'parts'});
+    for (const part of ['top', 'bottom']) this.drawPart(part, parts);
+  }
+
+  drawStatus() {
+    const line = document.getElementById('fitting-status');
+    const waits = this.asked !== null && this.asked !== this.shown;
+    const code = this.status || (waits ? 'dressing' : '');
+    if (line) line.textContent = code ? this.texts[code] : '';
+  }
+
+  drawLegend(parent) {
+    const legend = this.element('span', '', parent, {className: 'legend'});
+    this.texts.legend.forEach((words, i) => this.element('span', words, legend, {className: ['tight', 'good', 'loose'][i]}));
+  }
+
+  drawPart(part, parent) {
+    const box = this.element('div', '', parent, {className: 'part', id: `fitting-${part}`});
+    const garments = this.element('div', '', box, {className: 'row'});
+    this.element('h3', this.texts[part], garments);
+    const worn = this.worn[part];
+    for (const {garment} of this.fits.filter((f) => kTops.includes(f.garment) === (part === 'top'))) {
+      this.button(this.texts.garments[garment] || garment, Boolean(worn) && worn.garment === garment, garments, () => {
+        this.worn[part] = {garment, size: this.fit(garment).best};
+        if (garment === 'dress') this.worn.bottom = null;
+        this.bare = false;
+        this.changed();
+      }).dataset.garment = garment;
+    }
+    this.button(this.texts.none, !worn, garments, () => { this.worn[part] = null; this.changed(); });
+    if (worn) this.drawSizes(part, this.fit(worn.garment), box);
+  }
+
+  drawSizes(part, fit, box) {
+    const worn = this.worn[part];
+    const sizes = this.element('div', '', box, {className: 'row sizes'});
+    // From small to large: names do not tell.
+    const sum = (regions) => Object.values(regions).reduce((all, r) => all + r.ease_mm, 0);
+    for (const [size, regions] of Object.entries(fit.sizes).sort((a, b) => sum(a[1]) - sum(b[1]))) {
+      const verdicts = Object.values(regions).map((r) => r.verdict);
+      const worst = ['tight', 'loose', 'snug'].find((v) => verdicts.includes(v)) || 'good';
+      const chip = this.button(size, size === worn.size, sizes, () => {
+        worn.size = size;
+        this.bare = false;
+        this.changed();
+      });
+      chip.classList.add(worst);
+      chip.dataset.size = size;
+      if (size === fit.best) this.element('small', ` ${this.texts.best}`, chip);
+    }
+    const list = this.element('div', '', box, {className: 'regions'});
+    for (const [region, {ease_mm: ease, interval, verdict}] of Object.entries(fit.sizes[worn.size])) {
+      this.element('span', this.texts.regions[region] || region, list);
+      this.element('span', `${Math.round(ease)} ± ${Math.round((interval[1] - interval[0]) / 2)} mm`, list,
+                   {className: 'ease'});
+      this.element('span', this.texts.verdicts[verdict], list, {className: `verdict ${verdict}`});
+    }
+  }
+}
+const fitting = new Fitting(document.getElementById('tryon'));
+document.addEventListener('im2fit-result', (event) => fitting.measured(event.detail, visit.id));
+document.addEventListener('im2fit-forget', () => fitting.forget());
