@@ -19,7 +19,7 @@ std::uint8_t border_of(EdgeKind kind) {
 class Sewing {
  public:
   Sewing(const GarmentPattern& pattern, const CutBody& body, float edge_mm)
-      : pattern_(pattern), cut_(cut(pattern, body, edge_mm)), edge_mm_(edge_mm) {
+      : cut_(cut(pattern, body, edge_mm)), edge_mm_(edge_mm) {
     mesh_.hang = pattern.hang;
     mesh_.legs = pattern.legs;
     mesh_.body = body;
@@ -172,7 +172,6 @@ class Sewing {
       }
   }
 
-  const GarmentPattern& pattern_;
   CutPattern cut_;
   float edge_mm_;
   GarmentMesh mesh_;
