@@ -108,6 +108,29 @@ const Case kCases[] = {
        write_text(f + "/000006.pgm", "P5\n2000000000 2000000000\n65535\n");
      },
      1, "000006.pgm"},
+    // 128 MB of pixels would follow: it is refused by its header.
+    {"FramesOf8192Squared",
+     [](const std::string& f) {
+       plain_folder(f);
+       write_text(f + "/000006.pgm", "P5\n8192 8192\n65535\n" + std::string(1000, '\x07'));
+     },
+     1, "8192x8192"},
+    {"FramesOfOnePixel",
+     [](const std::string& f) {
+       test::write_depth_folder(
+           f, std::vector<Picture>(kFrames, Picture(1, 1, kWallMm)),
+           {.width = 1, .height = 1, .focal_x = "1", .focal_y = "1", .centre_x = 0, .centre_y = 0});
+     },
+     3, "NO_PERSON"},
+    {"TimesJumpByAYear",
+     [](const std::string& f) {
+       plain_folder(f);
+       write_text(
+           f + "/timestamps.csv",
+           "frame,host_ns\n0,0\n1,33000000\n2,66000000\n3,31536000000000000\n4,31536000033000000\n5,3153600006600"
+           "0000\n");
+     },
+     3, "NO_PERSON"},
     {"TwoFramesOfOneNumber",
      [](const std::string& f) {
        plain_folder(f);

@@ -27,6 +27,13 @@ TEST(Crc32c, MatchesTheRfc3720CheckValue) {
   EXPECT_EQ(crc32c(zeros), 0x8A9136AAU);
 }
 
+TEST(Crc32c, GoesOnFromASumBefore) {
+  const std::string text = "123456789";
+  const auto bytes = std::as_bytes(std::span(text));
+  for (std::size_t part = 0; part <= bytes.size(); ++part)
+    EXPECT_EQ(crc32c(bytes.subspan(part), crc32c(bytes.first(part))), 0xE3069283U) << part;
+}
+
 TEST(Container, GivesBackWhatWasPutIn) {
   const auto bytes = two_sections();
   const auto reader = ContainerReader::parse(bytes, "I2TS", 3, "test");

@@ -12,9 +12,9 @@
 
 namespace {
 
-// Three frames of 2 x 2 pixels, in memory.
+// Three frames of 2 x 2 pixels, in memory. Its name outlives every destructor: the end removes the folder by it.
 const std::string& folder() {
-  static const std::string path = [] {
+  static const std::string& path = *new std::string([] {
     std::string name = "/dev/shm/im2fit-fuzz-XXXXXX";
     if (::mkdtemp(name.data()) == nullptr) std::abort();
     std::atexit([] { std::filesystem::remove_all(folder()); });
@@ -25,7 +25,7 @@ const std::string& folder() {
       if (!writer || !(*writer)->write(im2fit::DepthView(pixels, 2, 2), {i, static_cast<std::int64_t>(i) + 1, -1}))
         std::abort();
     return name;
-  }();
+  }());
   return path;
 }
 

@@ -68,11 +68,13 @@ TEST(CodeTree, FindsWhatTheDefinitionSays) {
   compare(3000, 5, false, 3);
   compare(3000, 16, false, 4);
   compare(20000, 3, false, 7);  // several groups of leaves
+  compare(60000, 8, false, 9);  // so many that the search ends amid them, in whatever order they are stored
 }
 
 TEST(CodeTree, TiesGoToTheSmallerIndex) {
   compare(2000, 3, true, 5);
   compare(700, 1, true, 6);
+  compare(30000, 2, true, 10);  // a point in each group of leaves that is as near as the farthest found
 }
 
 TEST(CodeTree, EveryRowIsStoredOnceInALeafThatHoldsIt) {

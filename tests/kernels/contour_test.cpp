@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -107,6 +108,23 @@ TEST(Contour, WidestRowsAtBothExtremes) {
     contour(picture.depths(), picture.masks(), got.rows.data(), got.seen.data(), got.steps.data());
     EXPECT_EQ(got.rows[1].depth_sum, 2048U * static_cast<unsigned>(depth));
     EXPECT_EQ(got.rows[1].depth_square_sum, 2048U * static_cast<std::uint64_t>(depth) * static_cast<unsigned>(depth));
+  }
+}
+
+// What ends before a word of 64 without the person is no neighbour of what begins behind it.
+TEST(Contour, AnEmptyWordLiesBetween) {
+  constexpr int kWidth = 192;
+  std::vector<std::uint16_t> depth(kWidth, 20000);
+  std::fill(depth.begin() + 128, depth.end(), std::uint16_t{40000});
+  std::vector<std::uint8_t> mask(kWidth, 255);
+  std::fill(mask.begin() + 64, mask.begin() + 128, std::uint8_t{0});
+  for (const auto& variant : kContourKernels) {
+    if (!tier_available(variant.tier)) continue;
+    ContourRow row{};
+    std::array<std::uint64_t, 3> seen{}, steps{};
+    variant.function({depth.data(), kWidth, 1}, {mask.data(), kWidth, 1}, &row, seen.data(), steps.data());
+    EXPECT_EQ(seen[1], 0U) << variant.name;
+    for (const std::uint64_t word : steps) EXPECT_EQ(word, 0U) << variant.name;
   }
 }
 

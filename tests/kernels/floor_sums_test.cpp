@@ -71,6 +71,20 @@ TEST(FloorSums, FindThePlaneTheyAreMadeOf) {
   EXPECT_NEAR(s.weight, weight, 1e-9 * weight);
 }
 
+TEST(FloorSums, TenMetresCountAndNoMillimetreMore) {
+  const float ray = 0;
+  const FloorCell cell = {0, 0, 1, 1.0F};
+  const FloorGate gate = {0.0F, 0.0F, 1e9F, 0.0F, &ray, &ray, &ray};
+  for (const auto& variant : kFloorSumsKernels) {
+    if (!tier_available(variant.tier)) continue;
+    for (const auto& [depth, weight] : {std::pair{std::uint16_t{10000}, 1.0}, {std::uint16_t{10001}, 0.0}}) {
+      PlaneSums sums;
+      variant.function({&depth, 1, 1}, 1, gate, &cell, 1, sums);
+      EXPECT_EQ(sums.weight, weight) << variant.name << " at " << depth;
+    }
+  }
+}
+
 TEST(FloorSumsCheck, EveryTierGivesTheSameBits) {
   checkasm::Trial trial;
   for (const int step : {1, 2, 3, 4, 5}) {

@@ -53,6 +53,29 @@ TEST(Height, StaysInItsBuffersAtTheExtremes) {
   }
 }
 
+// One pixel whose place is the offset alone: the side's bound is outside, the lowest height inside.
+TEST(Height, BoundsAreExact) {
+  const std::int32_t none = 0;
+  const std::uint16_t depth = 40000;
+  const std::uint8_t mask = 255;
+  constexpr std::int32_t kSideMax = 300 << 10, kLowest = kHeightMinMm * (1 << CoordinateMm::kFractionBits);
+  const auto scan = [&](std::int32_t up_offset, std::int32_t side_offset) {
+    return HeightScan{{&depth, 1, 1}, {&mask, 1, 1}, &none, &none, &none, &none, up_offset, side_offset, kSideMax};
+  };
+  for (const auto& variant : kHeightKernels) {
+    if (!tier_available(variant.tier)) continue;
+    std::vector<std::uint64_t> squares(kHeightBins);
+    for (const std::int32_t side : {kSideMax, -kSideMax})
+      EXPECT_EQ(variant.function(scan(0, side), squares.data()), kHeightNone) << variant.name;
+    for (const std::int32_t side : {kSideMax - 1, 1 - kSideMax})
+      EXPECT_EQ(variant.function(scan(0, side), squares.data()), 0) << variant.name;
+    variant.function(scan(kLowest, 0), squares.data());
+    EXPECT_EQ(squares[0], 40000U * std::uint64_t{40000}) << variant.name;
+    variant.function(scan(kLowest - 1, 0), squares.data());
+    EXPECT_EQ(std::accumulate(squares.begin(), squares.end(), std::uint64_t{0}), 0U) << variant.name;
+  }
+}
+
 TEST(Height, NothingSeen) {
   checkasm::Trial trial;
   test::RayPicture p(50, 2, kSlopeOne, 1, 65535, trial);

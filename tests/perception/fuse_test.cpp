@@ -90,6 +90,14 @@ TEST(Decimate, GridPointsLieOnTheTiltedPlaneTheyCameFrom) {
   EXPECT_FALSE(std::isnan(z[0]));
 }
 
+// A grid point is in the middle of its pixels: the ray through the pixels' mean is the grid's.
+TEST(Decimate, AGridPointIsInTheMiddleOfItsPixels) {
+  const Intrinsics k{640, 480, 575.0F, 570.0F, 319.5F, 239.5F};
+  const Intrinsics grid = grid_intrinsics(k, 4);
+  EXPECT_FLOAT_EQ((10 - grid.cx) / grid.fx, (41.5F - k.cx) / k.fx);
+  EXPECT_FLOAT_EQ((7 - grid.cy) / grid.fy, (29.5F - k.cy) / k.fy);
+}
+
 TEST(Decimate, StepBringsTheGridToTwentyMillimetres) {
   const Intrinsics k{640, 480, 575.8F, 575.8F, 319.5F, 239.5F};
   EXPECT_EQ(grid_step_px(k, 2303.0F), 5);

@@ -410,8 +410,7 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
   };
   const unsigned limit = static_cast<unsigned>(VisitorLimits{}.visitors_max) + kSpareConnections;
   parts.daemon =
-      // epoll, which takes ten from the queue in a turn, where poll takes one and looks at all connections for it
-      MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, answer, &parts,
+      MHD_start_daemon(MHD_USE_POLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, answer, &parts,
                        MHD_OPTION_LISTEN_SOCKET, listening.socket, MHD_OPTION_NOTIFY_CONNECTION, connected, &parts,
                        MHD_OPTION_NOTIFY_COMPLETED, completed, &parts, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
                        kConnectionBytes, MHD_OPTION_CONNECTION_MEMORY_INCREMENT, std::size_t{1024},
