@@ -16,12 +16,15 @@
 #include <string>
 #include <vector>
 
+#include "bench/frame/room.h"
 #include "bench/kernels/cases.h"
 #include "body/measure.h"
 #include "body/measurement_fit.h"
 #include "body/population.h"
 #include "core/file.h"
 #include "core/rng.h"
+#include "engine/engine.h"
+#include "engine/sensing_stages.h"
 #include "index/index.h"
 #include "kernels/fpfh/fpfh.h"
 #include "kernels/normals/normals.h"
@@ -33,38 +36,9 @@
 namespace im2fit::bench {
 namespace {
 
-constexpr Intrinsics kCamera = {480, 640, 575.8F, 575.8F, 239.5F, 319.5F};
-constexpr float kDistanceMm = 2300;
-constexpr double kFloorMm = 900, kWallMm = 3900;  // the figure's soles, and a wall behind it
-constexpr int kAccumulated = 15;                  // frames of a session, and of the fused picture that is described
-constexpr int kWarmUp = 8;                        // frames before the first measured one: floor and tracker converge
-constexpr std::size_t kFrames = 2;                // with noise of their own
-
-std::string file_of(const char* variable, const char* name, const char* folder = "small/") {
-  if (const char* path = std::getenv(variable)) return path;
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  const char* home = std::getenv("HOME");
-  return (cache != nullptr ? std::string(cache) : std::string(home != nullptr ? home : "") + "/.cache") + "/im2fit/" +
-         folder + name;
-}
-
-// A Kinect's picture of the figure in a room: disparity in steps of 1/8 pixel, half a step of noise.
-std::vector<std::uint16_t> picture(const test::Figure& figure, std::uint64_t seed) {
-  constexpr double kStep = 2.85e-6;  // 1/mm
-  Rng rng(seed);
-  std::vector<std::uint16_t> depth;
-  for (int v = 0; v < kCamera.height; ++v) {
-    for (int u = 0; u < kCamera.width; ++u) {
-      const double tx = (u - double{kCamera.cx}) / double{kCamera.fx};
-      const double ty = (v - double{kCamera.cy}) / double{kCamera.fy};
-      test::Hit hit = test::nearer(figure.cast_ray(tx, ty), {kWallMm, {0, 0, -1}});
-      if (ty > 0) hit = test::nearer(hit, {kFloorMm / ty, {0, -1, 0}});
-      const double steps = std::floor(1.0 / hit.z / kStep + 0.5 * double{rng.fast_normal()} + 0.5);
-      depth.push_back(static_cast<std::uint16_t>(std::lround(1.0 / (kStep * steps))));
-    }
-  }
-  return depth;
-}
+constexpr int kAccumulated = 15;    // frames of a session, and of the fused picture that is described
+constexpr int kWarmUp = 8;          // frames before the first measured one: floor and tracker converge
+constexpr std::size_t kFrames = 2;  // with noise of their own
 
 struct Room {
   test::Figure figure = test::standing_figure(0, kDistanceMm);
@@ -241,6 +215,56 @@ void add_describe_parts(Cases& cases, const Bench& b) {
   });
 }
 
+// Enough of the stages to come to MEASURED.
+class RestingStages final : public SensingStages {
+ public:
+  using SensingStages::SensingStages;
+  // The figure has no face and is taken for a back.
+  Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) override {
+    Detection detection = SensingStages::sense(depth, intrinsics, mask, seconds);
+    detection.view = ViewSide::front;
+    detection.guidance &= ~static_cast<GuidanceSet>(Guidance::not_frontal);
+    return detection;
+  }
+  bool measure(MeasuredPerson& /*person*/) override { return true; }
+};
+
+// Five seconds at 30 Hz in which nothing moves, on one thread: of an empty room, and of a person who was measured and
+// stays. Five, since a frame is sensed that often.
+void add_rest(Cases& cases, const Bench& b) {
+  constexpr int kFramesInRun = 5 * 30;
+  constexpr std::int64_t kPeriodNs = 33333333;
+  for (const bool person : {false, true}) {
+    EngineSettings settings;
+    settings.intrinsics = kCamera;
+    settings.width = kCamera.width;
+    settings.height = kCamera.height;
+    settings.frames_wanted = kAccumulated;
+    settings.one_after_another = settings.rest = settings.single_thread = true;
+    auto made = create_engine(settings, std::make_unique<RestingStages>(kCamera.width, kCamera.height, *b.tracker));
+    const std::shared_ptr<Engine> engine = made ? std::move(*made) : nullptr;
+    const auto pictures = std::make_shared<std::array<std::vector<std::uint16_t>, kFrames>>();
+    for (std::size_t i = 0; i < kFrames; ++i)
+      (*pictures)[i] = picture(test::standing_figure(0, person ? kDistanceMm : 100 * kDistanceMm), 7 + i);
+    const auto sequence = std::make_shared<std::uint64_t>(0);
+    const auto five_seconds = [b, engine, pictures, sequence] {  // b: the engine refers to its tracker
+      for (int i = 0; i < kFramesInRun; ++i) {
+        hal::FrameInfo info;
+        info.sequence = (*sequence)++;
+        info.host_ns = static_cast<std::int64_t>(*sequence) * kPeriodNs;
+        const auto& pixels = (*pictures)[*sequence % kFrames];
+        keep(engine->push({pixels.data(), kCamera.width, kCamera.height}, info));
+      }
+    };
+    for (int i = 0; i < 2; ++i) five_seconds();
+    if (engine->result().measured != person)
+      std::fprintf(stderr, "frame: rest/%s is not what it says\n", person ? "measured" : "empty");
+    add(cases, person ? "rest/measured" : "rest/empty", {}, five_seconds);
+    cases.back().items = kFramesInRun / 30;
+    cases.back().item = "s";
+  }
+}
+
 // Once a session: the nearest entry drawn again, and its body fitted to what another person measures.
 void add_body_parts(Cases& cases) {
   const std::string path = file_of("IM2FIT_BODY", "body.i2b", "");
@@ -280,6 +304,7 @@ Cases all_cases(std::string_view only) {
   if (b.tracker != nullptr && any_of({"guided", "measuring", "query"})) add_whole(cases, b);
   if (any_of({"segment", "joints", "fuse"})) add_sense_parts(cases, b);
   if (any_of({"describe"})) add_describe_parts(cases, b);
+  if (b.tracker != nullptr && any_of({"rest"})) add_rest(cases, b);
   if (any_of({"body"})) add_body_parts(cases);
   return cases.empty() && !only.empty() ? all_cases({}) : cases;
 }

@@ -40,10 +40,19 @@ bool SceneChange::changed(DepthView depth) const {
     std::fill(counts_.begin(), counts_.end(), std::uint8_t{0});
     for (int r = r0; r < std::min(rows_, r0 + kBlockSide); ++r) {
       const std::uint16_t* pixel = depth.row(r * step_px_);
-      for (int c = 0; c < columns_; ++c, ++range, pixel += step_px_) {
-        const auto above_least = static_cast<std::uint16_t>(*pixel - range->least_mm);
-        if (above_least > range->span_mm) ++counts_[static_cast<std::size_t>(c / kBlockSide)];
+      const auto moved = [&](int i) {
+        return static_cast<std::uint16_t>(pixel[i * step_px_] - range[i].least_mm) > range[i].span_mm ? 1 : 0;
+      };
+      int block = 0;
+      for (; (block + 1) * kBlockSide <= columns_; ++block, range += kBlockSide, pixel += kBlockSide * step_px_) {
+        int count = 0;
+        for (int i = 0; i < kBlockSide; ++i) count += moved(i);
+        counts_[static_cast<std::size_t>(block)] =
+            static_cast<std::uint8_t>(counts_[static_cast<std::size_t>(block)] + count);
       }
+      for (int i = 0; i < columns_ - block * kBlockSide; ++i)
+        if (moved(i) != 0) ++counts_[static_cast<std::size_t>(block)];
+      range += columns_ - block * kBlockSide;
     }
     if (std::any_of(counts_.begin(), counts_.end(), [](std::uint8_t count) { return count >= kChangedMin; }))
       return true;
