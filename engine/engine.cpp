@@ -318,6 +318,7 @@ class PipelineEngine final : public Engine {
       stages_->reset_sense();
       slot.seconds = kFramePeriodS;
     }
+    if (slot.info.down) stages_->set_down(*slot.info.down);
     slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, slot.seconds);
     const Person& person = slot.detection.person;
     people().hold(person.found ? person.id : 0, slot.detection.guidance == 0);
