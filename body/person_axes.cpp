@@ -4,7 +4,8 @@
 namespace im2fit::body {
 
 PersonAxes::PersonAxes(const JointSet& camera_joints, const FloorPlane& floor) {
-  if (floor.known) level_ = rotation_between(half_turn(floor.up), {0, 1, 0});
+  // Of an unknown floor up is gravity's, or else the picture's, which needs no turn.
+  if (floor.known || floor.up.y != -1.0F) level_ = rotation_between(half_turn(floor.up), {0, 1, 0});
   unlevel_ = transpose(level_);
   shift_ = (direction_to_mesh(camera_joints[Joint::LH]) + direction_to_mesh(camera_joints[Joint::RH])) * -0.5F;
   // Levelled, the camera is the origin and stands camera_height above the floor.

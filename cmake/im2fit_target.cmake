@@ -34,6 +34,15 @@ function(im2fit_command_line_code)
   endforeach()
 endfunction()
 
+# What runs once a person, or when a handle is opened: a quarter smaller, and no frame waits for it.
+function(im2fit_person_code)
+  if(NOT IM2FIT_SANITIZE)
+    foreach(name ${ARGN})
+      target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-Os>)
+    endforeach()
+  endif()
+endfunction()
+
 # What runs once a frame: a guided frame is 17.4 M instructions at -O3 where -O2 needs 23.9 M. Sanitizers, which are
 # not about speed, keep the build type's level. No level changes a bit: fused and reordered arithmetic are both off.
 function(im2fit_frame_code)

@@ -368,6 +368,7 @@ class PipelineEngine final : public Engine {
       since_processed_s_ = 0;
       seconds = kFramePeriodS;
     }
+    if (slot.info.down) stages_->set_down(*slot.info.down);
     since_processed_s_ += seconds;
     const RestStep step =
         rest_ ? rest_->gate.step(slot.depth, seconds, rest_->empty || slot.leaving) : RestStep::sense;

@@ -111,8 +111,7 @@ void FitStage::process(const FrameSlot& slot) {
   view.arms_close = detection.arms_close;
   view.frames_accumulated = stages_.frame_count();
   if (view.found) view.motion = motion_.step(detection.person.centroid_mm, detection.joints, slot.seconds);
-  view.psi =
-      rules_.calibration_psi && view.found && is_psi_pose(detection.joints, floor.known ? floor.up : Vec3f{0, -1, 0});
+  view.psi = rules_.calibration_psi && view.found && is_psi_pose(detection.joints, floor.up);
 
   const SessionStep step = on_detection(rules_, session_, view);
   session_ = step.next;

@@ -28,6 +28,8 @@ class FrameStages {
   // Stage SENSE.
   // `seconds` since the frame before. Of whom: people().selected().
   virtual Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) = 0;
+  // Where down is, in the frames' axes, from the next frame on.
+  virtual void set_down(Vec3f /*down*/) {}
   virtual PersonTracker& people() = 0;
   virtual void reset_sense() = 0;  // and people()
 

@@ -7,6 +7,8 @@ namespace im2fit {
 namespace {
 
 constexpr int kWaitMs = 250;
+// Frames from asking where down is to asking again, about a second: a camera answers over the bus its frames come by.
+constexpr std::uint64_t kDownEvery = 30;
 
 }  // namespace
 
@@ -18,8 +20,9 @@ Result<Pumped> pump(hal::Source& source, FrameSink& sink, int timeout_ms) {
     return Error{ErrorCode::invalid_argument, source.info().uri + ": frames are " + std::to_string(k.width) + "x" +
                                                   std::to_string(k.height) + ", expected " +
                                                   std::to_string(place->width) + "x" + std::to_string(place->height)};
-  const auto info = source.next(*place, timeout_ms);
+  auto info = source.next(*place, timeout_ms);
   if (info) {
+    if (!info->down && info->sequence % kDownEvery == 0) info->down = source.down();
     if (auto taken = sink.commit(*info); !taken) return taken.error();
     return Pumped::frame;
   }

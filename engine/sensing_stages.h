@@ -20,6 +20,7 @@ class SensingStages : public FrameStages {
   Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) override {
     return sensor_.sense(depth, intrinsics, mask, seconds);
   }
+  void set_down(Vec3f down) override { sensor_.set_down(down); }
   PersonTracker& people() override { return sensor_.people(); }
   void reset_sense() override { sensor_.reset(); }
 

@@ -31,10 +31,11 @@ struct SourceInfo {
 
 // Pixels belong to the caller's pool: next() fills `depth`.
 struct FrameInfo {
-  std::uint64_t sequence = 0;   // device's own where it has one, else counted here from 0
-  std::int64_t host_ns = 0;     // live: CLOCK_MONOTONIC at arrival. Recordings: the recording's own clock, so that
-                                // a replay gives the same bits however fast it runs
-  std::int64_t device_us = -1;  // device ticks in microseconds; -1 when it has none
+  std::uint64_t sequence = 0;      // device's own where it has one, else counted here from 0
+  std::int64_t host_ns = 0;        // live: CLOCK_MONOTONIC at arrival. Recordings: the recording's own clock, so that
+                                   // a replay gives the same bits however fast it runs
+  std::int64_t device_us = -1;     // device ticks in microseconds; -1 when it has none
+  std::optional<Vec3f> down = {};  // unit, axes of the frame delivered; none: as before
 };
 
 struct SourceStats {

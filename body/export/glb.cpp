@@ -250,8 +250,9 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
     hidden.resize(static_cast<std::size_t>(avatar.model->body_vertex_count()));
     avatar.outfit->hidden_skin(hidden);
   }
-  Json primitives = {primitive(buffer, body_part(d, figure->rest, figure->floor_rest, hidden), 0)};
-  Json materials = {material("skin", {0.78F, 0.63F, 0.55F, 1}, false)};
+  // By name: clang reads a list of one in braces as that one, GCC as a list.
+  Json primitives = Json::array({primitive(buffer, body_part(d, figure->rest, figure->floor_rest, hidden), 0)});
+  Json materials = Json::array({material("skin", {0.78F, 0.63F, 0.55F, 1}, false)});
   for (std::size_t i = 0; i < garments; ++i) {
     const ClothLook look = i < avatar.looks.size() ? avatar.looks[i] : ClothLook{"cloth"};
     Part part = garment_part(*avatar.model, *figure, *avatar.outfit, i);

@@ -19,6 +19,8 @@ constexpr float kUnitMaxMm = 1000.0F;
 constexpr std::size_t kRowBytesMax = std::size_t{1} << 20;  // 2048 samples of 4 bytes are 8 KiB: this is a mistake
 constexpr float kDepthMaxMm = 65535.0F;                     // of 16 bits
 constexpr float kMmPerMetre = 1000.0F;
+// Lengths of what points down, whether in g, m/s2 or cm/s2: others are no acceleration.
+constexpr float kDownMin = 0.01F, kDownMax = 1.0e5F;
 
 Error wrong(const char* field, const std::string& found, const std::string& expected) {
   return {ErrorCode::invalid_argument, std::string("frame.") + field + " is " + found + ", expected " + expected};
@@ -69,6 +71,10 @@ Status check_frame(const im2fit_frame& f, const Intrinsics& upright) {
     return wrong("confidence_min", std::to_string(f.confidence_min), "0 to " + std::to_string(sure));
   if (f.format == IM2FIT_FORMAT_DEPTH16 && f.confidence != nullptr)
     return wrong("confidence", "set", "NULL: samples of DEPTH16 have their own");
+  if (f.reserved != 0) return wrong("reserved", "set", "0");
+  const float down = norm({f.down_x, f.down_y, f.down_z});
+  if (!(down < kDownMax) || (down != 0 && down < kDownMin))
+    return wrong("down_x, down_y, down_z", "of length " + std::to_string(down), "a direction, or all 0");
   return Ok{};
 }
 
@@ -166,6 +172,8 @@ Status FrameReader::push(Engine& engine, const im2fit_frame& f) {
   info.sequence = f.sequence;
   info.host_ns = f.time_ns;
   info.device_us = f.device_us;
+  const Vec3f down = {f.down_x, f.down_y, f.down_z};
+  if (norm(down) > 0) info.down = hal::rotate_upright(normalized(down), f.rotate_deg);
   return engine.commit(info);
 }
 

@@ -13,7 +13,8 @@ using im2fit::c::fail;
 using im2fit::c::guarded;
 
 // No padding at the end: a field that comes later would be read from it.
-static_assert(sizeof(im2fit_frame) == offsetof(im2fit_frame, device_us) + sizeof(std::int64_t));
+static_assert(sizeof(im2fit_frame) == offsetof(im2fit_frame, reserved) + sizeof(float));
+constexpr std::size_t kFirstSize = offsetof(im2fit_frame, down_x);
 
 im2fit_frame default_frame(std::size_t struct_size) {
   im2fit_frame frame{};
@@ -26,8 +27,10 @@ im2fit_frame default_frame(std::size_t struct_size) {
 // A struct a newer caller made: what we do not know must be unset. The first version is the shortest.
 bool copy_frame(const im2fit_frame& from, im2fit_frame& to) {
   const std::size_t size = from.struct_size;
-  if (size < sizeof to || size > 65536) return false;
-  std::memcpy(&to, &from, sizeof to);
+  if (size < kFirstSize || size > 65536) return false;
+  to = default_frame(sizeof to);
+  std::memcpy(&to, &from, std::min(size, sizeof to));
+  if (size <= sizeof to) return true;
   const std::span<const char> bytes(reinterpret_cast<const char*>(&from), size);
   return std::all_of(bytes.begin() + sizeof to, bytes.end(), [](char c) { return c == 0; });
 }

@@ -56,6 +56,7 @@ struct Fuser::Workspace {
   Vec3f up_sum;
   float camera_height_sum = 0;
   int floor_count = 0;
+  Vec3f hidden_up;  // of the latest frame without a floor
   Description description;
 
   JointSet median_joints() const;
@@ -82,6 +83,7 @@ JointSet Fuser::Workspace::median_joints() const {
 
 FloorPlane Fuser::Workspace::mean_floor() const {
   FloorPlane floor;
+  floor.up = hidden_up;
   if (floor_count == 0) return floor;
   floor.known = true;
   floor.up = normalized(up_sum);
@@ -118,6 +120,7 @@ void Fuser::reset() {
   w.up_sum = {};
   w.camera_height_sum = 0;
   w.floor_count = 0;
+  w.hidden_up = FloorPlane{}.up;
   w.description.valid = false;
 }
 
@@ -138,6 +141,8 @@ GuidanceSet Fuser::add(DepthView depth, MaskView mask, const Intrinsics& intrins
     w.up_sum = w.up_sum + person.floor.up;
     w.camera_height_sum += person.floor.camera_height_mm;
     ++w.floor_count;
+  } else {
+    w.hidden_up = person.floor.up;
   }
   return 0;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "core/camera.h"
@@ -47,6 +48,9 @@ class Sensor {
   Sensor(int width, int height, const JointModel& model);
   // `seconds` since the frame before.
   Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
+  // Where gravity pulls, a unit vector in the frames' axes, from the next frame on: what is upright where no floor is
+  // seen. Holds until reset().
+  void set_down(Vec3f down) { up_ = -down; }
   // Who is who, whom to sense from the next frame on, and whose session it is. Between frames.
   PersonTracker& people() { return people_; }
   void reset();  // forgets the room and the people; a selection stays
@@ -59,6 +63,7 @@ class Sensor {
   Segmenter segmenter_;
   PersonTracker people_;
   JointTracker tracker_;
+  std::optional<Vec3f> up_;
   int previous_user_ = 0;  // whose joints tracker_ followed in the last frame; 0: none's
 };
 

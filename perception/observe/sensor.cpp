@@ -12,23 +12,26 @@ using namespace sensor_limits;
 
 namespace {
 
-// Level, under the lowest row of a mask that ends in the picture; for the votes on a person, which know heights above
-// a floor. Unknown where the feet are cut off.
+// Level, or as gravity says, under the lowest row of a mask that ends in the picture; for the votes on a person,
+// which know heights above a floor. Unknown where the feet are cut off.
 FloorPlane assumed_floor(DepthView depth, MaskView mask, const Intrinsics& k, const Person& person) {
-  FloorPlane floor;
+  FloorPlane floor = person.floor;
   if (person.cut_bottom) return floor;
   const int v = person.v_max;
   float sum_mm = 0;
+  float sum_u = 0;
   int count = 0;
   for (int u = person.u_min; u <= person.u_max; ++u) {
     if (mask.at(u, v) == 0 || depth.at(u, v) == 0) continue;
     sum_mm += static_cast<float>(depth.at(u, v));
+    sum_u += static_cast<float>(u);
     ++count;
   }
   if (count == 0) return floor;
+  const float z = sum_mm / static_cast<float>(count);
+  const float x = (sum_u / static_cast<float>(count) - k.cx) / k.fx * z;
   floor.known = true;
-  floor.up = {0, -1, 0};
-  floor.camera_height_mm = (static_cast<float>(v) - k.cy) / k.fy * (sum_mm / static_cast<float>(count));
+  floor.camera_height_mm = -dot(floor.up, {x, (static_cast<float>(v) - k.cy) / k.fy * z, z});
   return floor;
 }
 
@@ -40,7 +43,7 @@ Sensor::Sensor(int width, int height, const JointModel& model)
 Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) {
   Detection detection;
   const DepthView filled = holes_.run(depth);
-  detection.person = segmenter_.run(filled, intrinsics, people_, mask, seconds);
+  detection.person = segmenter_.run(filled, intrinsics, people_, mask, seconds, up_);
   for (const User& user : people_.users()) detection.users[static_cast<std::size_t>(detection.user_count++)] = user;
   detection.guidance = detection.person.guidance;
   if (!detection.person.found) {
@@ -100,6 +103,7 @@ Detection Sensor::without_person(const Detection& refused, MaskImage mask) {
 void Sensor::reset() {
   segmenter_.reset();
   people_.reset();
+  up_.reset();
   previous_user_ = 0;
 }
 

@@ -5,7 +5,7 @@ namespace im2fit {
 
 PersonFrame person_frame(const FloorPlane& floor, Vec3f centroid_mm) {
   PersonFrame frame;
-  frame.up = floor.known ? floor.up : Vec3f{0, -1, 0};
+  frame.up = floor.up;
   frame.camera_height_mm = floor.known ? floor.camera_height_mm : 0.0F;
   // Horizontal part of the way from person to camera.
   const Vec3f back = -centroid_mm;

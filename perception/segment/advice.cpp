@@ -151,7 +151,7 @@ bool head_over_shoulders(const Grid& grid, const Blob& blob) {
 
 // Whether nothing of the person is seen near the floor, or, without one, too little of a body.
 bool feet_hidden(const Grid& grid, const Person& person, DepthView depth, MaskView mask) {
-  const Vec3f up = person.floor.known ? person.floor.up : Vec3f{0, -1, 0};
+  const Vec3f up = person.floor.up;
   float lowest = 1e9F;
   float highest = -1e9F;
   for (int v = person.v_max; v >= person.v_min; --v) {

@@ -153,7 +153,7 @@ FloorPlane FloorFinder::search(const Grid& grid, float up_z_max) const {
     const int i = draw();
     const int j = draw();
     const int k = draw();
-    if (!plane_through(candidate(i), candidate(j), candidate(k), up_z_max, plane)) continue;
+    if (!plane_through(candidate(i), candidate(j), candidate(k), up_z_max, plane) || !level(plane)) continue;
     int score = 0;
     for (int n = 0; n < count; n += stride) {
       const Vec3f p = candidate(n);
@@ -196,7 +196,7 @@ FloorPlane FloorFinder::fit_cells(FloorPlane plane) {
 }
 
 bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) {
-  if (!plane.known || !plausible(plane)) return false;
+  if (!plane.known || !plausible(plane) || !level(plane)) return false;
   const Candidates& all = candidates_;
   mark_on(plane, 1.0F);
   int count = 0;
@@ -227,7 +227,19 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) {
   return below * 20 <= grid.valid_count && below <= 3 * count;
 }
 
-FloorPlane FloorFinder::find(const Grid& grid) {
+// As far as gravity says so.
+bool FloorFinder::level(const FloorPlane& plane) const {
+  return !up_ || dot(plane.up, *up_) >= kLevelCosineMin;
+}
+
+FloorPlane FloorFinder::find(const Grid& grid, const std::optional<Vec3f>& up) {
+  up_ = up;
+  FloorPlane found = follow_or_search(grid);
+  if (!found.known && up) found.up = *up;
+  return found;
+}
+
+FloorPlane FloorFinder::follow_or_search(const Grid& grid) {
   if (tracked_.known) {
     collect_level_cells(grid, plausible(tracked_, kUpZMax) ? kLevelSlope : kSteepSlope);
     const FloorPlane followed = fit_cells(tracked_);

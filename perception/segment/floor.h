@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -85,7 +86,8 @@ class FloorFinder {
   explicit FloorFinder(const Grid& grid);
   void reset();
   // Plane of this frame: the tracked one when still supported, else searched for. Unknown when nothing supports it.
-  FloorPlane find(const Grid& grid);
+  // With `up`, against gravity, no plane that is not level; of an unknown floor it is the plane's up.
+  FloorPlane find(const Grid& grid, const std::optional<Vec3f>& up = std::nullopt);
   // Precise fit on the pixels of floor cells, those near `feet` counting most; cells with `taken` != 0 are left out.
   // Averages over the frames since the last reset or jump.
   FloorPlane refine(const Grid& grid, DepthView depth, const FloorPlane& coarse, Vec3f feet,
@@ -103,7 +105,9 @@ class FloorFinder {
 
   void collect_level_cells(const Grid& grid, float slope);  // rise over run in the picture's axes
   void mark_on(const FloorPlane& plane, float share);
+  FloorPlane follow_or_search(const Grid& grid);
   FloorPlane search(const Grid& grid, float up_z_max) const;
+  bool level(const FloorPlane& plane) const;
   bool supported(const Grid& grid, const FloorPlane& plane);
   FloorPlane fit_cells(FloorPlane plane);
   int list_cells(const Grid& grid, const FloorPlane& plane, Vec3f feet, std::span<const std::uint8_t> taken);
@@ -115,6 +119,7 @@ class FloorFinder {
   std::vector<float> away_;  // of those: their squared distance from the feet, in units of its weight's
   std::vector<float> pixel_ray_x_, pixel_ray_y_, row_up_;
   FloorPlane tracked_;
+  std::optional<Vec3f> up_;  // of the frame at work
   FloorEquations accumulated_;
   bool has_accumulated_ = false;
 };

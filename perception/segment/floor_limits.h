@@ -17,6 +17,9 @@ inline constexpr float kSteepUpZMax =
 inline constexpr float kCameraHeightMinMm = 420.0F;   // above the floor; [mount]
 inline constexpr float kCameraHeightMaxMm = 2500.0F;  // and most; [mount]
 
+// An accelerometer at rest is right to 1 degree, a plane through noisy cells to a few: 6 degrees; [rooms]
+inline constexpr float kLevelCosineMin = 0.9945F;
+
 // Level cells, and the search among them.
 inline constexpr float kLevelSlope = 0.5F;       // rise over run in the picture's axes, most; [rooms]
 inline constexpr float kSteepSlope = 0.9F;       // the same under a steep camera; [steep]

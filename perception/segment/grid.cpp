@@ -37,7 +37,7 @@ void Grid::sample(DepthView image, const Intrinsics& k) {
 }
 
 void Grid::measure_heights(const FloorPlane& floor) {
-  const Vec3f up = floor.known ? floor.up : Vec3f{0, -1, 0};
+  const Vec3f up = floor.up;
   const float camera = floor.known ? floor.camera_height_mm : 0.0F;
   for (int r = 0; r < height; ++r) {
     const float row = up.y * ray_y[static_cast<std::size_t>(r)] + up.z;

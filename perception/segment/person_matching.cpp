@@ -21,7 +21,7 @@ std::size_t at(int i) {
 }
 
 Vec3f along_floor(Vec3f p, const FloorPlane& floor) {
-  const Vec3f up = floor.known ? floor.up : Vec3f{0, -1, 0};
+  const Vec3f up = floor.up;
   return p - up * dot(up, p);
 }
 
@@ -259,7 +259,7 @@ void PersonTracker::follow(const Grid& grid, const BlobFinder& found, const Floo
 }
 
 void PersonTracker::list_expected(const FloorPlane& floor, float seconds) {
-  const Vec3f up = floor.known ? floor.up : Vec3f{0, -1, 0};
+  const Vec3f up = floor.up;
   const float camera = floor.known ? floor.camera_height_mm : 0.0F;
   expected_count_ = 0;
   for (int t = 0; t < track_count_; ++t) {

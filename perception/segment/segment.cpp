@@ -78,11 +78,11 @@ void Segmenter::reset() {
 }
 
 Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, PersonTracker& people, MaskImage mask,
-                      float seconds) {
+                      float seconds, const std::optional<Vec3f>& up) {
   Workspace& w = *work_;
   Person person;
   w.grid.sample(depth, intrinsics);
-  person.floor = w.floor.find(w.grid);
+  person.floor = w.floor.find(w.grid, up);
   w.grid.measure_heights(person.floor);
   w.background.observe(w.grid, person.floor);
   w.blobs.run(w.grid, person.floor, w.background.shown(), people.expected());

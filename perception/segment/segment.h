@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "core/camera.h"
 #include "core/floor_plane.h"
@@ -33,11 +34,12 @@ class Segmenter {
   Segmenter& operator=(Segmenter&&) noexcept;
 
   // `depth` and `mask` have the constructor's size; both upright (camera rolled by 12 degrees at most). Pixels of 0
-  // or more than 10,000 mm are no data. With the floor unknown, heights are along the picture's vertical.
+  // or more than 10,000 mm are no data. With the floor unknown, heights are along `up`, which is
+  // against gravity, or along the picture's vertical when that is unknown too.
   // `people` says who the blobs are and which of them to look at; the same one from frame to frame. `seconds`: since
   // the frame before, for those who walk or are hidden.
   Person run(DepthView depth, const Intrinsics& intrinsics, PersonTracker& people, MaskImage mask,
-             float seconds = 1.0F / 30.0F);
+             float seconds = 1.0F / 30.0F, const std::optional<Vec3f>& up = std::nullopt);
   void reset();  // forgets the floor and the background; reset the people as well
 
  private:

@@ -44,7 +44,7 @@ int BlobFinder::blob_under(const Grid& grid, Vec3f crown, Vec3f up) const {
 
 // Adds the heads expected, unless they are seen or alone in their blob.
 void BlobFinder::expect_heads(const Grid& grid, const FloorPlane& floor, std::span<const Vec3f> expected) {
-  const Vec3f up = floor.known ? floor.up : Vec3f{0, -1, 0};
+  const Vec3f up = floor.up;
   const int seen_count = head_count_;
   for (const Vec3f& crown : expected) {
     bool seen = head_count_ == kHeadCountMax;

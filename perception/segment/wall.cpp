@@ -149,8 +149,7 @@ bool WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::
   for (const std::uint8_t o : open) open_count += o;
   if (open_count < kOpenCountMin) return false;
   Plane plane{};
-  if (!search(grid, floor.known ? floor.up : Vec3f{0, -1, 0}, open, plane) || !refine(grid, open, plane))
-    return false;
+  if (!search(grid, floor.up, open, plane) || !refine(grid, open, plane)) return false;
   for (int r = 0; r < grid.height; ++r) {
     const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
     std::uint8_t* __restrict is_open = open.data() + grid.index(0, r);

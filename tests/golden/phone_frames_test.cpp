@@ -5,14 +5,18 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "core/file.h"
 #include "engine/include/im2fit/im2fit.h"
+#include "perception/observe/observe.h"
 #include "tests/golden/golden_run.h"
 
 namespace im2fit::golden {
@@ -221,6 +225,105 @@ TEST_F(PhoneFrames, AToldLensIsUsed) {
   EXPECT_GT(std::abs(untold_mm - truth_mm), 5.0F) << "the test's lens makes no difference";
   EXPECT_LT(std::abs(told_mm - truth_mm), 1.0F);
   EXPECT_EQ(first_difference(reference().json, said(wrong, tell(1)).json), "");
+}
+
+// The person of the clip alone, without room and floor, as a camera on the same spot sees it that looks down by
+// `pitch_deg`: turned about its own centre, a picture needs no more than other rays.
+struct TiltedClip {
+  static constexpr int kWidth = 320, kHeight = 560;
+  explicit TiltedClip(double pitch_deg)
+      : c(static_cast<float>(std::cos(pitch_deg * std::numbers::pi / 180))),
+        s(static_cast<float>(std::sin(pitch_deg * std::numbers::pi / 180))) {}
+
+  std::vector<std::uint16_t> seen(const std::vector<std::uint16_t>& depth, const std::vector<std::uint8_t>& mask,
+                                  const Intrinsics& k) const {
+    std::vector<std::uint16_t> out(std::size_t{kWidth} * kHeight);
+    for (int v = 0; v < kHeight; ++v)
+      for (int u = 0; u < kWidth; ++u) {
+        const float x = (static_cast<float>(u) - 0.5F * (kWidth - 1)) / k.fx,
+                    y = (static_cast<float>(v) - 0.5F * (kHeight - 1)) / k.fy;
+        const float level_y = c * y + s, level_z = c - s * y;  // the same ray in the level camera's axes
+        const int from_u = static_cast<int>(std::lround(k.cx + k.fx * x / level_z)),
+                  from_v = static_cast<int>(std::lround(k.cy + k.fy * level_y / level_z));
+        if (from_u < 0 || from_u >= k.width || from_v < 0 || from_v >= k.height) continue;
+        const auto from = static_cast<std::size_t>(from_v * k.width + from_u);
+        if (mask[from] == 0) continue;
+        out[static_cast<std::size_t>(v * kWidth + u)] =
+            static_cast<std::uint16_t>(static_cast<float>(depth[from]) / level_z + 0.5F);
+      }
+    return out;
+  }
+  float c, s;
+};
+
+TEST_F(PhoneFrames, GravityRightsATiltedCameraWhereNoFloorIsSeen) {
+  const Intrinsics& k = data_->intrinsics();
+  const TiltedClip tilted(20);
+  im2fit_settings s = settings();
+  s.width = TiltedClip::kWidth;
+  s.height = TiltedClip::kHeight;
+  s.cx = 0.5F * (TiltedClip::kWidth - 1);
+  s.cy = 0.5F * (TiltedClip::kHeight - 1);
+  Sensor sensor(k.width, k.height, data_->tracker());
+  FloorPlane floor;
+  std::vector<std::vector<std::uint16_t>> frames;
+  for (const auto& depth : data_->frames()) {
+    std::vector<std::uint8_t> mask(depth.size());
+    const Detection found =
+        sensor.sense({depth.data(), k.width, k.height}, k, MaskImage(mask.data(), k.width, k.height));
+    ASSERT_TRUE(found.person.found && found.person.floor.known);
+    floor = found.person.floor;
+    frames.push_back(tilted.seen(depth, mask, k));
+  }
+  const Vec3f up = floor.up;
+  const Vec3f down = {-up.x, -(tilted.c * up.y - tilted.s * up.z), -(tilted.s * up.y + tilted.c * up.z)};
+  const auto frame = [&](bool told) {
+    return [&, told](PhoneFrame& f, std::size_t number) {
+      f.samples = frames[number];
+      f.frame.width = TiltedClip::kWidth;
+      f.frame.height = TiltedClip::kHeight;
+      if (!told) return;
+      f.frame.down_x = 9.81F * down.x;
+      f.frame.down_y = 9.81F * down.y;
+      f.frame.down_z = 9.81F * down.z;
+    };
+  };
+  const Said untold = said(s, frame(false)), told = said(s, frame(true));
+  EXPECT_EQ(untold.result.measured, 0);
+  EXPECT_NE(untold.result.guidance_seen & IM2FIT_GUIDANCE_NOT_UPRIGHT, 0U) << untold.json;
+  ASSERT_EQ(told.result.measured, 1) << told.json;
+  const float stature_mm = told.result.measurements[IM2FIT_STATURE].value,
+              truth_mm = reference().result.measurements[IM2FIT_STATURE].value;
+  RecordProperty("stature_mm", std::to_string(stature_mm - truth_mm));
+  EXPECT_NEAR(stature_mm, truth_mm, 25);
+}
+
+TEST_F(PhoneFrames, GravityIsADirection) {
+  const im2fit_settings s = settings();
+  im2fit_handle* handle = nullptr;
+  ASSERT_EQ(im2fit_open(&s, &handle), IM2FIT_OK);
+  const auto status = [&](float x, float y, float z) {
+    PhoneFrame f = upright(0);
+    f.frame.pixels = f.samples.data();
+    f.frame.down_x = x;
+    f.frame.down_y = y;
+    f.frame.down_z = z;
+    return im2fit_push_frame(handle, &f.frame);
+  };
+  EXPECT_EQ(status(0, 9.81F, 0), IM2FIT_OK);
+  EXPECT_EQ(status(0, 0, 0), IM2FIT_OK) << "not known";
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  for (const float bad : {nan, inf, 1e-5F, 1e9F}) {
+    EXPECT_EQ(status(0, bad, 0), IM2FIT_ERROR_INVALID_ARGUMENT) << bad;
+    EXPECT_NE(std::strstr(im2fit_last_error(handle), "down_x"), nullptr) << im2fit_last_error(handle);
+  }
+  // A caller of the header before gravity.
+  PhoneFrame old = upright(1);
+  old.frame.pixels = old.samples.data();
+  old.frame.struct_size = offsetof(im2fit_frame, down_x);
+  old.frame.down_x = nan;
+  EXPECT_EQ(im2fit_push_frame(handle, &old.frame), IM2FIT_OK) << im2fit_last_error(handle);
+  im2fit_close(handle);
 }
 
 // Models from memory and from inside another file say what models by path say.

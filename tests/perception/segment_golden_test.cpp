@@ -49,9 +49,11 @@ std::uint32_t checksum(const Person& person, std::span<const std::uint8_t> mask,
                                            person.floor.known,
                                            person.pixel_count,
                                            static_cast<std::int32_t>(person.guidance)};
+  const Vec3f up =
+      person.floor.known ? person.floor.up : Vec3f{};  // an unknown floor's is the picture's or gravity's
   const std::vector<float> real = {
-      person.centroid_mm.x, person.centroid_mm.y, person.centroid_mm.z,         person.floor.up.x,
-      person.floor.up.y,    person.floor.up.z,    person.floor.camera_height_mm};
+      person.centroid_mm.x,         person.centroid_mm.y, person.centroid_mm.z, up.x, up.y, up.z,
+      person.floor.camera_height_mm};
   previous = crc32c(std::as_bytes(std::span(whole)), previous);
   previous = crc32c(std::as_bytes(std::span(real)), previous);
   return crc32c(std::as_bytes(mask), previous);

@@ -189,6 +189,11 @@ typedef struct im2fit_frame {
   uint64_t sequence; /* as im2fit_push */
   int64_t time_ns;
   int64_t device_us; /* the device's own clock; -1: it has none */
+  /* Which way gravity pulls, of any length, in the axes of the frame as delivered: x right, y down, z forward. All 0:
+   * not known, and then the latest told holds until im2fit_reset. Android's TYPE_GRAVITY points up: negate it. Where
+   * no floor is seen it says what is upright. */
+  float down_x, down_y, down_z;
+  float reserved; /* 0 */
 } im2fit_frame;
 
 /* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_frame) as the caller sees it. */

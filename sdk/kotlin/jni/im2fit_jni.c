@@ -146,7 +146,7 @@ static void native_close(JNIEnv* env, jclass type, jlong handle) {
 // Order of push's `numbers` and `longs`.
 enum { FORMAT, FRAME_WIDTH, FRAME_HEIGHT, ROTATE_DEG, CONFIDENCE_MIN, FRAME_NUMBERS };
 enum { PIXELS_AT, ROW_BYTES, CONFIDENCE_AT, CONFIDENCE_ROW_BYTES, SEQUENCE, TIME_NS, DEVICE_US, FRAME_LONGS };
-enum { UNIT_MM, FX, FY, CX, CY, FRAME_FLOATS };
+enum { UNIT_MM, FX, FY, CX, CY, DOWN_X, DOWN_Y, DOWN_Z, FRAME_FLOATS };
 
 // pixels, confidence: direct buffers, long enough from their ..._AT on: Frame.kt has checked.
 static jint native_push(JNIEnv* env, jclass type, jlong handle, jobject pixels, jobject confidence, jintArray numbers,
@@ -182,6 +182,9 @@ static jint native_push(JNIEnv* env, jclass type, jlong handle, jobject pixels, 
   frame.fy = f[FY];
   frame.cx = f[CX];
   frame.cy = f[CY];
+  frame.down_x = f[DOWN_X];
+  frame.down_y = f[DOWN_Y];
+  frame.down_z = f[DOWN_Z];
   return im2fit_push_frame(handle_of(handle), &frame);
 }
 

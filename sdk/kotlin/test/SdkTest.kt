@@ -99,7 +99,7 @@ fun main(arguments: Array<String>) {
             val outcome = session.measure(generateSequence { Frame.ofMillimetres(ShortArray(320 * 240)) }.take(3)) { told += it }
             expect(outcome is Outcome.NotMeasured && Guidance.NO_PERSON in outcome.guidance) { "$outcome" }
             same(told.last().state, State.SEARCHING, "state")
-            same(fails<Im2fitException> { session.mesh() }.statusName, "not_measured", "mesh of nobody")
+            same(fails<Im2fitException> { session.mesh() }.statusName, "not_measured", "mesh without a person")
         }
     }
     for ((folder, said) in arguments.drop(2).chunked(2)) {
@@ -124,6 +124,24 @@ fun main(arguments: Array<String>) {
         expect(people[0] is Outcome.Measured) { "${people[0]}" }
         same(people[1], people[0], "in metres")
         same(people[2], people[0], "as DEPTH16")
+    }
+    test("gravity") {
+        // Held upright, y of the sensor points up the screen: down is down the upright picture, and where that lies in a
+        // frame the camera delivers on its side.
+        val upright = floatArrayOf(0f, 9.81f, 0f)
+        same(Direction.ofAndroidGravity(upright, 0), Direction(-0f, 9.81f, 0f), "no turn")
+        same(Direction.ofAndroidGravity(upright, 90), Direction(9.81f, 0f, 0f), "by 90 degrees")
+        same(Direction.ofAndroidGravity(upright, 270), Direction(-9.81f, -0f, 0f), "by 270 degrees")
+        // Tilted forward, its back looks down: forward has a share of down.
+        expect(Direction.ofAndroidGravity(floatArrayOf(0f, 9f, 3f), 90).z > 0) { "looking down" }
+        Session(clip.camera, models, quick).use { session ->
+            val still = clip.frames().first()
+            session.push(Frame(still.pixels, still.format, down = Direction(9.81f, 0f, 0f)))
+            val bad = fails<Im2fitException> {
+                session.push(Frame(still.pixels, still.format, down = Direction(Float.NaN, 0f, 0f)))
+            }
+            expect("down_x" in bad.message!!) { "$bad" }
+        }
     }
     test("models from memory and from inside a file") {
         fun content(file: ModelFile?) = (file as ModelFile.Path).file.readBytes()

@@ -14,6 +14,29 @@ enum class DepthFormat(internal val sampleBytes: Int) {
     F32(4)
 }
 
+/** A direction of any length in the axes of the frame as delivered: x right, y down, z forward. */
+data class Direction(val x: Float, val y: Float, val z: Float) {
+    companion object {
+        /**
+         * Down, out of Android's gravity sensor (`Sensor.TYPE_GRAVITY`), for a camera on the back of the device.
+         *
+         * @param values of the `SensorEvent`, which point up: x to the right of the screen, y to its top, z out of it
+         * @param rotateDeg [Camera.rotateDeg]: `SENSOR_ORIENTATION` of the camera
+         */
+        @JvmStatic
+        fun ofAndroidGravity(values: FloatArray, rotateDeg: Int): Direction {
+            // In the picture turned upright in the screen's natural orientation.
+            val (x, y, z) = listOf(-values[0], values[1], values[2])
+            return when (rotateDeg) {
+                90 -> Direction(y, -x, z)
+                180 -> Direction(-x, -y, z)
+                270 -> Direction(-y, x, z)
+                else -> Direction(x, y, z)
+            }
+        }
+    }
+}
+
 /**
  * One depth frame as the camera delivers it. Nothing is copied before [Session.push] has it.
  *
@@ -25,11 +48,13 @@ enum class DepthFormat(internal val sampleBytes: Int) {
  * @property confidenceMin 0: all are taken. DEPTH16: sevenths of sure, 0..7. Else of [confidence], 0..255
  * @property camera of this frame, where focus or calibration changes; null: the session's
  * @property unitMm of U16
+ * @property down which way gravity pulls; null: not known, and then the latest told holds until [Session.reset]. Where no
+ *   floor is seen it says what is upright
  */
 class Frame(
     val pixels: ByteBuffer, val format: DepthFormat, val rowBytes: Int = 0, val timeNs: Long = 0, val sequence: Long = 0,
     val confidence: ByteBuffer? = null, val confidenceRowBytes: Int = 0, val confidenceMin: Int = 0,
-    val camera: Camera? = null, val unitMm: Float = 1f
+    val camera: Camera? = null, val unitMm: Float = 1f, val down: Direction? = null
 ) {
     init {
         require(pixels.isDirect) { "pixels must be a direct buffer (ByteBuffer.allocateDirect, or a plane of an Image)" }

@@ -24,7 +24,7 @@ class Session @JvmOverloads constructor(
     private val turn = Any()
     private val numbers = IntArray(5)
     private val longs = LongArray(7)
-    private val floats = FloatArray(5)
+    private val floats = FloatArray(8)
 
     /** Hands over one frame; it is copied. With [Settings.live] false it waits while the library is behind. */
     fun push(frame: Frame) {
@@ -45,6 +45,9 @@ class Session @JvmOverloads constructor(
             floats[2] = of.fy
             floats[3] = of.cx
             floats[4] = of.cy
+            floats[5] = frame.down?.x ?: 0f
+            floats[6] = frame.down?.y ?: 0f
+            floats[7] = frame.down?.z ?: 0f
             Native.push(it, frame.pixels, frame.confidence, numbers, longs, floats)
         }
     }
