@@ -142,7 +142,7 @@ Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& o
 std::string result_table(const SessionOutcome& outcome) {
   const EngineResult& result = outcome.person.result;
   const auto& truth = outcome.input.truth;
-  std::vector<std::string> header = {"measurement", "value", "95 % interval", "paper's method"};
+  std::vector<std::string> header = {"measurement", "value", "95 % interval", "paper's"};
   if (truth) header.insert(header.end(), {"truth", "error", "paper's error"});
   TextTable table(header);
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {

@@ -62,7 +62,8 @@ Status dress(SessionOutcome& outcome);
 
 // Files, then the answer on stdout; exit 3 when there is none.
 Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options);
-// result.json first and always; when measured, dress() and avatar.glb, .obj, .bvh; overlay.png when there was a frame.
+// result.json first and always; when measured, dress() and avatar.glb, .obj, .bvh; overlay.png when there was a
+// frame.
 Status write_outputs(SessionOutcome& outcome, const std::string& directory);
 // What a person should know of a measurement beside its values: damaged frames, a back that was not used.
 std::vector<std::string> session_notes(const SessionOutcome& outcome);
