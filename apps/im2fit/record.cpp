@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <csignal>
+#include <optional>
 
 #include "apps/common/events.h"
 #include "apps/common/input.h"

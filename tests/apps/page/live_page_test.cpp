@@ -178,12 +178,17 @@ TEST(LivePage, AnotherRunHasAnotherBootAndNothingOfTheOneBefore) {
 
 // Computing a body takes seconds: what was deleted meanwhile must not come back.
 TEST(LivePage, AResultThatComesAfterItsVisitIsNotShown) {
-  test::ShownPage shown;
+  LivePageSettings settings;
+  std::string erased;
+  settings.erase_folder = [&](const std::string& folder) { erased = folder; };
+  test::ShownPage shown(settings);
   ASSERT_EQ(shown.post("/consent", shown.visit()), 200);
   ASSERT_EQ(shown.page().permit(), 1U);
   ASSERT_EQ(shown.post("/delete", shown.visit()), 200);
   ASSERT_EQ(shown.post("/consent", shown.visit()), 200);
-  shown.page().publish({{"event", "measured"}, {"person", 1}, {"result", {{"of", "the one before"}}}});
+  shown.page().publish(
+      {{"event", "measured"}, {"person", 1}, {"out", "folder"}, {"result", {{"of", "the one before"}}}});
+  EXPECT_EQ(erased, "folder");
   EXPECT_EQ(with_files(shown), 0);
   EXPECT_EQ(shown.page().permit(), 2U);
 }
