@@ -102,7 +102,7 @@ Result<Input> open_input(const InputOptions& options) {
   auto source = open_patiently(options, opening);
   if (!source) return source.error();
   input.source = std::move(*source);
-  if (input.truth) return input;
+  if (input.truth && options.truth_path.empty()) return input;  // of the synthetic person
   auto truth = find_truth(options);
   if (!truth) return truth.error();
   input.truth = *truth;

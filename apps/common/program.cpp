@@ -2,6 +2,7 @@
 #include "apps/common/program.h"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -10,6 +11,7 @@
 #include <exception>
 
 #include "apps/common/manual.h"
+#include "apps/common/wrong_words.h"
 #include "core/text.h"
 
 namespace im2fit::apps {
@@ -32,13 +34,16 @@ Result<int> guarded(const Command& command) {
 }  // namespace
 
 void print_error(const std::string& text) {
-  fmt::print(stderr, "{}: {}\n", program_name(), printable(text));
+  // On a terminal progress may stand in this line (engine/report/progress.h).
+  const char* clear = ::isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "";
+  fmt::print(stderr, "{}{}: {}\n", clear, program_name(), printable(text));
 }
 
 int run_program(cli::App& program, Command& chosen, int argc, char** argv) {
   CLI::App& app = program.native();
   program_name() = app.get_name();
   app.require_subcommand(1);
+  app.set_version_flag("--version", app.get_name() + " " + IM2FIT_VERSION, "Print the version and exit");
   if (const auto manual = manual_asked(app, argc, argv)) {
     fmt::print("{}", *manual);
     return flush_output() ? kExitOk : kExitFailed;
@@ -48,7 +53,7 @@ int run_program(cli::App& program, Command& chosen, int argc, char** argv) {
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
-    print_error(fmt::format("{} (see {} --help)", error.what(), app.get_name()));
+    print_error(wrong_words(app, error, argc, argv));
     return kExitWrongUse;
   }
   const Result<int> code = guarded(chosen);

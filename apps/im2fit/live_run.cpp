@@ -148,7 +148,7 @@ class LiveRun {
     if (listener_ != nullptr)
       if (auto seen = listener_->measured(outcome_); !seen) return seen;
     if (auto sent = publish(event); !sent) return sent;
-    if (options_.session.json) return Ok{};
+    if (options_.session.json || !options_.print_results) return Ok{};
     std::string table = fmt::format("person {}\n{}", persons_, result_table(outcome_, options_.session.paper));
     if (!out.empty()) table += fmt::format("written to {}\n", out);
     // The view has the terminal: tables follow it.

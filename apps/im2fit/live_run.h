@@ -16,6 +16,7 @@ struct LiveOptions {
   PreviewRendererOptions preview_renderer;
   int count = 0;  // 0: until Ctrl-C or the end
   std::string user = "nearest";
+  bool print_results = true;  // false: values go to files, --json and the listener only
 };
 void add_live_options(cli::App& sub, LiveOptions& options);
 

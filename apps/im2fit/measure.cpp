@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <optional>
+
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/session.h"
 #include "engine/report/progress.h"
@@ -9,12 +11,13 @@ namespace im2fit::apps {
 namespace {
 
 Result<int> run_measure(const SessionOptions& options) {
-  Progress progress("reading frames", 0);
+  std::optional<Progress> progress(std::in_place, "reading frames", 0);
   auto outcome = run_session(options, [&](std::uint64_t frame_count, const EngineResult& result) {
     const std::string good = fmt::format("{} good", result.frames_used);
     const bool turn = has(result.guidance, Guidance::turn_round);
-    progress.update(frame_count, turn ? good + "; please turn round" : good);
+    progress->update(frame_count, turn ? good + "; please turn round" : good);
   });
+  progress.reset();  // its line goes before anything else is printed
   if (!outcome) return outcome.error();
   return report_motion(*outcome, options, report_session(*outcome, options));
 }

@@ -144,7 +144,7 @@ std::string result_table(const SessionOutcome& outcome, bool paper) {
   const auto& truth = outcome.input.truth;
   std::vector<std::string> header = {"measurement", "value", "95 % interval"};
   if (truth) header.insert(header.end(), {"truth", "error"});
-  if (paper) header.push_back("paper's method");
+  if (paper) header.push_back("paper's");
   if (paper && truth) header.push_back("paper's error");
   TextTable table(header);
   for (std::size_t i = 0; i < kMeasurementCount; ++i) {

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <csignal>
+#include <optional>
 
 #include "apps/common/events.h"
 #include "apps/common/input.h"
@@ -168,10 +169,11 @@ Result<int> run_record(const RecordOptions& given) {
   catch_interrupt();
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the size limit is an error of write(), as on a full disk
   const auto frames = static_cast<std::uint64_t>(options.frames);
-  Progress progress("recording", frames);
-  FrameTap tap(*input->source, frames, [&](std::uint64_t done) { progress.update(done); });
+  std::optional<Progress> progress(std::in_place, "recording", frames);
+  FrameTap tap(*input->source, frames, [&](std::uint64_t done) { progress->update(done); });
   const auto recorded = is_oni(options.out) ? record_oni(tap, follower.get(), options.out)
                                             : record_folder(tap, follower.get(), options.out);
+  progress.reset();  // its line goes before anything else is printed
   if (!recorded) return recorded.error();
   if (input->truth) {
     const std::string path = is_oni(options.out) ? options.out.substr(0, options.out.size() - 4) + ".truth.json"

@@ -76,11 +76,13 @@ std::string_view trouble_of(const ServeOptions& options) {
 }
 
 Result<int> serve_until_interrupted(const ServeOptions& options, LivePage& page) {
+  LiveOptions live = options.live;
+  live.print_results = options.no_consent;  // what a service prints is kept in a journal
   PageListener listener(page, options.live.session.frames);
   std::string last_said;
   if (options.wait) listener.invite();
   for (;;) {
-    auto code = run_live(options.live, &listener);
+    auto code = run_live(live, &listener);
     if (code || !options.wait || interrupted()) return code;
     if (code.error().message != last_said) print_error(code.error().message + "; trying again until Ctrl-C");
     last_said = code.error().message;
@@ -101,7 +103,7 @@ Result<int> run_serve(const ServeOptions& options) {
   settings.address = options.address;
   settings.body_path = options.live.session.input.body;
   settings.visit.ask = !options.no_consent;
-  settings.keeps_files = !options.live.session.out.empty();
+  settings.keeps_files = !options.live.session.out.empty() || options.live.session.json;
   settings.consented = [](std::uint64_t visit, const std::string& text) {
     print_error(fmt::format("visit {}: consent to text {}", visit, text.empty() ? "unknown" : text));
   };

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <string>
 
 #include "apps/common/manual.h"
 #include "apps/im2fitd/config.h"
@@ -52,6 +53,7 @@ int main(int argc, char** argv) {
   app.footer(
       "Made for systemd: see im2fitd.service and docs/daemon.md. Exit codes: 0 stopped, 1 failed, 2 wrong use.");
   Words words;
+  app.set_version_flag("--version", std::string("im2fitd ") + IM2FIT_VERSION, "Print the version and exit");
   app.add_option("--config", words.config, "Configuration")->type_name("YAML")->capture_default_str();
   app.add_flag("--check", words.check, "Look at the configuration and its files only: refuses what a start would");
   if (const auto manual = im2fit::apps::manual_asked(app, argc, argv))

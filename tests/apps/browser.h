@@ -69,6 +69,22 @@ class Browser {
   nlohmann::json run(const std::string& script) {
     return ask(session_ + "/execute/sync", {{"script", script}, {"args", nlohmann::json::array()}});
   }
+  // What its last argument, a function, is called with.
+  nlohmann::json run_until_called(const std::string& script) {
+    return ask(session_ + "/execute/async", {{"script", script}, {"args", nlohmann::json::array()}});
+  }
+  // A command of the Chrome DevTools Protocol.
+  void devtools(const std::string& command, const nlohmann::json& parameters) {
+    ask(session_ + "/goog/cdp/execute", {{"cmd", command}, {"params", parameters}});
+  }
+  void resize(int width, int height) {
+    devtools("Emulation.setDeviceMetricsOverride",
+             {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
+  }
+  // Tabs by what these give.
+  std::string tab() { return get(session_ + "/window"); }
+  std::string open_tab() { return ask(session_ + "/window/new", {{"type", "tab"}})["handle"]; }
+  void show_tab(const std::string& tab) { ask(session_ + "/window", {{"handle", tab}}); }
   // Until the script says true.
   bool wait_for(const std::string& script) {
     for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
@@ -79,6 +95,11 @@ class Browser {
   }
 
  private:
+  nlohmann::json get(const std::string& path) {
+    const auto answer = client_->Get(path);
+    EXPECT_TRUE(answer && answer->status == 200) << path;
+    return answer ? nlohmann::json::parse(answer->body, nullptr, false).value("value", nlohmann::json()) : nullptr;
+  }
   // Of the answer its value; null for none.
   nlohmann::json ask(const std::string& path, const nlohmann::json& body) {
     const auto answer = client_->Post(path, body.dump(), "application/json");

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line: wrong words, --help, --json, and data files that are not there.
+#include <sstream>
+#include <tuple>
+
 #include "measure_run.h"
 
 namespace im2fit {
@@ -73,6 +76,52 @@ TEST(Words, WrongOnesExitWithTwoAndOneLine) {
     EXPECT_EQ(run.out, "");
     EXPECT_TRUE(test::is_one_line_of(run.err, name_of(program))) << run.err;
   }
+}
+
+TEST(Words, ATypoIsNamedWithWhatWasMeantAndWhoseHelpToRead) {
+  const std::tuple<const char*, Words, const char*> table[] = {
+      {test::kProgram, {"mesure", "x"}, "im2fit: im2fit has no mesure; did you mean measure? (see im2fit --help)\n"},
+      {test::kProgram, {"xyzzy"}, "im2fit: im2fit has no xyzzy (see im2fit --help)\n"},
+      {test::kProgram,
+       {"measure", "x", "--rotat", "90"},
+       "im2fit: im2fit measure has no --rotat; did you mean --rotate? (see im2fit measure --help)\n"},
+      {test::kProgram,
+       {"measure", "x", "--siez-chart=a"},
+       "im2fit: im2fit measure has no --siez-chart; did you mean --size-chart? (see im2fit measure --help)\n"},
+      {test::kProgram,
+       {"models", "instal", "x"},
+       "im2fit: im2fit models has no instal; did you mean install? (see im2fit models --help)\n"},
+      {test::kProgram, {"measure"}, "im2fit: SOURCE is required (see im2fit measure --help)\n"},
+      {test::kLab, {"rendr"}, "im2fit-lab: im2fit-lab has no rendr; did you mean render? (see im2fit-lab --help)\n"},
+  };
+  for (const auto& [program, words, message] : table) EXPECT_EQ(start(program, words).err, message);
+}
+
+TEST(Words, TheVersionIsTheProjects) {
+  for (const char* program : {test::kProgram, test::kLab}) {
+    const test::Run run = start(program, {"--version"});
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_THAT(run.out, testing::MatchesRegex(name_of(program) + " [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  }
+}
+
+// Of a rendered person and of a synthetic one, who has a truth of their own.
+TEST(Words, ATruthThatIsAskedForMustBeThere) {
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  const test::Run run = test::measure("synthetic:1", folder.path("out"), {"--truth", folder.path("no.json")});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, testing::HasSubstr("no.json"));
+}
+
+TEST(Words, TheTableFitsATerminalOfEightyColumns) {
+  IM2FIT_NEED_DATA();
+  const test::TestFolder folder;
+  const test::Run run = test::measure("synthetic:7", folder.path("out"), {"--frames", "5", "--rotate", "90", "--paper"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, testing::HasSubstr("paper's error"));
+  std::istringstream lines(run.out.substr(0, run.out.find("written to")));
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
 }
 
 TEST(Words, HelpIsEverywhere) {

@@ -216,20 +216,30 @@ void LivePage::publish(const Json& event) {
   const std::string kind = event["event"];
   std::string line = line_of(event);
   line.pop_back();
-  const std::lock_guard lock(visit_mutex_);
   if (kind == "camera") board_.publish(kind, std::move(line));
   if (kind == "end") board_.publish(kind, R"({"event":"end"})");  // not with what the last frame showed
   if (kind == "camera" || kind == "end") return;
+  bool shown = false;
+  {
+    const std::lock_guard lock(visit_mutex_);
+    shown = publish_of_visit(kind, event, std::move(line));
+  }
+  if (!shown && kind == "measured" && event.contains("out") && settings_.erase_folder)
+    settings_.erase_folder(event["out"]);
+}
+
+// False: of a visit that was deleted, or given up, while this was computed.
+bool LivePage::publish_of_visit(const std::string& kind, const Json& event, std::string line) {
   // Whoever comes next without being asked ends the visit before them.
   if (!settings_.visit.ask && visit_.state() == VisitState::result && !follows_ &&
       (kind == "measured" || (kind == "state" && event["user"] != 0)))
     next_visit();
-  if (!is_current()) {  // deleted, or given up, while it was computed
+  if (!is_current()) {
     if (kind == "measured") customer_ = {};
-    return;
+    return false;
   }
   if (kind == "measured") {
-    if (!visit_.measured(Clock::now())) return;
+    if (!visit_.measured(Clock::now())) return false;
     follows_ = true;
     folder_ = event.value("out", std::string());
     board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
@@ -239,6 +249,7 @@ void LivePage::publish(const Json& event) {
   }
   if (kind == "left") follows_ = false;  // the next person's joints are not theirs
   board_.publish(kind, std::move(line));
+  return true;
 }
 
 void LivePage::next_visit() {

@@ -28,10 +28,11 @@ struct LivePageSettings {
   PageAddress address;
   VisitRules visit;
   std::string body_path;     // the body file with which /tryon.glb is made; "": it is not
-  bool keeps_files = false;  // a result is written to a folder as well: consent has to say so
+  bool keeps_files = false;  // a result is written elsewhere as well: consent has to say so
   // On the server's thread. A person consented, to which text: "en-1".
   std::function<void(std::uint64_t visit, const std::string& text)> consented;
-  // A person asked to delete what is theirs: what was written to this folder with it.
+  // A person asked to delete what is theirs, or consent was gone before the result came: what was written to this
+  // folder goes, too.
   std::function<void(const std::string& folder)> erase_folder;
 };
 
@@ -54,7 +55,7 @@ class LivePage {
   std::uint64_t permit();
   void see(const FrameSeen& frame);
   void publish(const Json& event);
-  // Before its event.
+  // Before its event, `measured`.
   Status measured(const body::Avatar& avatar, std::span<const std::byte> glb);
   // Before its event too. The visit is the current one.
   void may_try_on(Customer customer);
@@ -70,6 +71,7 @@ class LivePage {
   void publish_beat();
   void forget();  // the visit before: all of it, for every client
   void next_visit();
+  bool publish_of_visit(const std::string& kind, const Json& event, std::string line);
   bool is_current() const { return permitted_ == visit_.number(); }
 
   void draw(const FrameSeen& frame);

@@ -197,6 +197,7 @@ TEST_F(Serve, MeasuresAfterConsentAndForgetsOnDelete) {
   EXPECT_EQ(client().Get("/avatar.glb")->status, 200);
   const std::string folder = measured["out"];
   EXPECT_TRUE(std::filesystem::exists(folder + "/result.json"));
+  EXPECT_EQ(run_->messages().find("stature"), std::string::npos) << "a journal would keep it";
   ASSERT_EQ(post("/delete", visit), 200);
   for (const char* path : {"/result.json", "/avatar.glb", "/picture.png"})
     EXPECT_EQ(client().Get(path)->status, 404) << path;

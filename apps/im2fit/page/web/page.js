@@ -198,7 +198,8 @@ const on = {
     showResult();
     document.dispatchEvent(new CustomEvent('im2fit-result', {detail: result}));
     if (!stage || !whose) return;
-    const shown = await stage.loadAvatar(`/avatar.glb?${whose.id}`, hello.segments);
+    // A result may be without a body, or be deleted while that is on its way.
+    const shown = await stage.loadAvatar(`/avatar.glb?${whose.id}`, hello.segments).catch(() => false);
     if (shown) document.body.dataset.avatar = event.person;  // whose body stands on the stage
   },
   tryon(event) { fitting.ready(event); },

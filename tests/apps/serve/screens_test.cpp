@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page in Chromium: every state in every language on four screens; two tabs, a restart, a touch; axe-core's
+// rules.
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "browser.h"
+#include "core/guidance.h"
+#include "shown_page.h"
+
+namespace im2fit {
+namespace {
+
+using Json = nlohmann::json;
+
+// What is wrong with the page as it stands: an array of words. `kFaults` in the language it has, `kAllFaults` in
+// each.
+constexpr const char* kFaults = R"js(
+const faults = () => {
+  const found = [], say = (what) => found.push(`${words.language} ${document.body.dataset.code}: ${what}`);
+  const seen = (e) => e.getClientRects().length > 0;
+  const root = document.documentElement, message = at('message'), box = message.getBoundingClientRect();
+  if (root.lang !== words.language) say('lang');
+  if (root.scrollWidth > innerWidth) say(`${root.scrollWidth} wide`);
+  if (document.querySelectorAll('h1').length !== 1 || !seen(message)) say('no h1');
+  if (message.textContent !== words.say(document.body.dataset.code) || !message.textContent) say('no text');
+  if (/[A-Z]{3,}_[A-Z]/.test(document.body.innerText) || document.body.innerText.includes('undefined')) say('a raw code');
+  if (message.scrollWidth > message.clientWidth + 1) say('a word wider than the screen');
+  if (box.bottom > innerHeight) say('message below the screen');
+  if (!at('icon').childElementCount) say('no icon');
+  for (const e of document.querySelectorAll('button, a')) {
+    const r = e.getBoundingClientRect();
+    if (seen(e) && (r.height < 44 || r.width < 44)) say(`${e.id || e.lang} is ${r.width} x ${r.height}`);
+    if (seen(e) && !e.textContent.trim()) say(`${e.id} says nothing`);
+  }
+  const stage = document.body.dataset.stage, bar = at('accumulated');
+  if (['red', 'amber'].includes(document.body.dataset.tone) && seen(bar)) say('a bar');
+  if (stage === 'result' && at('size').getBoundingClientRect().bottom > innerHeight) say('size below the screen');
+  // 12 mm on a 10-inch tablet of 1280 x 800: 217 mm wide.
+  if (Math.max(innerWidth, innerHeight) === 1280 && ['measure', 'trouble'].includes(stage)) {
+    const pen = document.createElement('canvas').getContext('2d'), style = getComputedStyle(message);
+    pen.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`;
+    const mm = pen.measureText('H').actualBoundingBoxAscent * 217 / 1280;
+    if (mm < 12) say(`capitals of ${mm} mm`);
+  }
+  return found;
+};
+)js";
+const std::string kAllFaults = std::string(kFaults) + R"js(
+  const all = [], before = words.language;
+  for (const language of kLanguages) { words.language = language; showTexts(); all.push(...faults()); }
+  words.language = before; showTexts();
+  return all;
+)js";
+
+class Screens : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    if (!test::Browser::installed()) return;
+    folder_ = new test::TestFolder;
+    browser_ = new test::Browser(folder_->path(""), {"--lang=en-GB"});
+  }
+  static void TearDownTestSuite() {
+    delete std::exchange(browser_, nullptr);
+    delete std::exchange(folder_, nullptr);
+  }
+  void SetUp() override {
+    if (browser_ == nullptr) GTEST_SKIP() << "no chromium: scripts/deps browser";
+    ASSERT_TRUE(browser_->ready()) << browser_->messages();
+  }
+  static bool shows(const std::string& code) {
+    return browser_->wait_for("return document.body.dataset.code === '" + code + "'");
+  }
+  static std::string shown() {
+    return browser_->run("return document.body.dataset.code + ' ' + document.body.dataset.stage");
+  }
+  static void open(const test::ShownPage& page, const std::string& query = "?lang=en") {
+    browser_->go(page.url() + "/" + query);
+    ASSERT_TRUE(browser_->wait_for("return typeof words !== 'undefined' && !!words.table && visit !== null"));
+  }
+  // By its button, as a person does.
+  static void agree() {
+    browser_->run("at('agree').click()");
+    ASSERT_TRUE(browser_->wait_for("return visit.state === 'MEASURING'"));
+  }
+  // Brings the page into each of its states and calls `look` there.
+  static void through_all_states(const std::function<void(const std::string& code)>& look);
+  static inline test::TestFolder* folder_ = nullptr;
+  static inline test::Browser* browser_ = nullptr;
+};
+
+void Screens::through_all_states(const std::function<void(const std::string& code)>& look) {
+  const auto at = [&](const std::string& code) {
+    EXPECT_TRUE(shows(code)) << code << " wanted, " << shown();
+    look(code);
+  };
+  auto page = std::make_unique<test::ShownPage>();
+  ASSERT_NO_FATAL_FAILURE(open(*page));
+  at("WELCOME");
+  for (const char* code : {"NO_CAMERA", "MODELS_MISSING"}) {
+    page->page().trouble(code);
+    at(code);
+  }
+  page->page().trouble("");
+  ASSERT_TRUE(shows("WELCOME"));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  for (const std::string_view code : kGuidanceNames) {
+    page->state(code == "TURN_ROUND" ? "TURNING" : "TRACKING", {std::string(code)});
+    at(std::string(code));
+  }
+  for (const auto& [side, code] : {std::pair{"left", "ARMS_CLOSE_LEFT"}, {"right", "ARMS_CLOSE_RIGHT"}}) {
+    page->state("TRACKING", {"ARMS_CLOSE", "MOVING"}, {{"arms_close", {side}}});
+    at(code);
+  }
+  page->state("TRACKING", {});
+  at("HOLD");
+  page->page().publish({{"event", "camera"}, {"state", "LOST"}});
+  at("CAMERA_LOST");
+  page->page().publish({{"event", "camera"}, {"state", "PRESENT"}});
+  at("HOLD");
+  page->page().publish({{"event", "end"}});
+  at("OVER");
+  page->state("MEASURED", {});
+  page->measured(987.6);
+  at("DONE");
+  page.reset();
+  at("SERVER_GONE");
+}
+
+TEST_F(Screens, EveryStateInEveryLanguageOnFourScreens) {
+  constexpr std::pair<int, int> kScreens[] = {{390, 844}, {800, 1280}, {1280, 800}, {1920, 1080}};
+  int looked = 0;
+  through_all_states([&](const std::string& code) {
+    for (const auto& [width, height] : kScreens) {
+      browser_->resize(width, height);
+      const Json faults = browser_->run(kAllFaults);
+      EXPECT_EQ(faults, Json::array()) << code << " on " << width << "x" << height;
+      looked += 5;
+    }
+  });
+  EXPECT_EQ(looked, 26 * 4 * 5);
+  EXPECT_EQ(browser_->run("return failures"), Json::array());
+}
+
+TEST_F(Screens, EveryGuidanceIsHeard) {
+  test::ShownPage page;
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  for (const std::string_view code : kGuidanceNames) {
+    page.state("TRACKING", {std::string(code)});
+    ASSERT_TRUE(shows(std::string(code)));
+    EXPECT_EQ(browser_->run("return sounds.played[sounds.played.length - 1]"), code);
+  }
+  // The same again, after a while only.
+  const auto count =
+      browser_->run("sounds.say(sounds.last, sounds.lastAt + kRepeatMs - 1); return sounds.played.length");
+  EXPECT_EQ(browser_->run("sounds.say(sounds.last, sounds.lastAt + kRepeatMs); return sounds.played.length"),
+            count.get<int>() + 1);
+  browser_->run("at('sound').click()");
+  page.state("TRACKING", {"MOVING"});
+  ASSERT_TRUE(shows("MOVING"));
+  EXPECT_EQ(browser_->run("return sounds.played.length"), count.get<int>() + 1) << "switched off";
+  EXPECT_EQ(browser_->run("return at('sound').getAttribute('aria-pressed')"), "false");
+}
+
+TEST_F(Screens, UnitsAndNumbersAreThoseOfTheRegion) {
+  test::ShownPage page;
+  page.page().permit();
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.measured(1000);
+  const std::string chest =
+      "return document.querySelector('tr[data-id=chest_girth]').cells[1].textContent + ' ' + "
+      "at('unit-head').textContent";
+  for (const auto& [region, text] : {std::pair{"en-US", "39.4 in"},
+                                     {"en-GB", "100.0 cm"},
+                                     {"de-DE", "100,0 cm"},
+                                     {"fr-CA", "100,0 cm"},
+                                     {"zh-CN", "100.0 cm"}}) {
+    ASSERT_NO_FATAL_FAILURE(open(page, std::string("?lang=") + region));
+    ASSERT_TRUE(browser_->wait_for("return result !== null"));
+    EXPECT_EQ(browser_->run(chest), text) << region;
+  }
+}
+
+// Two tabs: what is deleted in one is gone in both, and a page left open over a restart shows nothing of before.
+TEST_F(Screens, TwoTabsAndARestartShowNothingOfTheOneBefore) {
+  auto page = std::make_unique<test::ShownPage>();
+  const int port = page->port();
+  ASSERT_NO_FATAL_FAILURE(open(*page));
+  const std::string first = browser_->tab(), second = browser_->open_tab();
+  browser_->show_tab(second);
+  ASSERT_NO_FATAL_FAILURE(open(*page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  const std::string holds = "return document.documentElement.outerHTML.includes('91.1')";
+  const std::string gone = "return !document.documentElement.outerHTML.includes('91.1') && result === null";
+  page->measured(911);
+  for (const std::string& tab : {second, first}) {
+    browser_->show_tab(tab);
+    ASSERT_TRUE(browser_->wait_for(holds));
+  }
+  browser_->run("at('delete').click()");
+  for (const std::string& tab : {first, second}) {
+    browser_->show_tab(tab);
+    EXPECT_TRUE(shows("WELCOME"));
+    EXPECT_EQ(browser_->run(gone), true);
+  }
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page->measured(911);
+  ASSERT_TRUE(browser_->wait_for(holds));
+  page.reset();
+  ASSERT_TRUE(shows("SERVER_GONE"));
+  EXPECT_EQ(browser_->run(gone), true) << "without the program there is no one to delete it";
+  browser_->run("window.of_before = true");
+  page = std::make_unique<test::ShownPage>(apps::LivePageSettings{}, port);
+  const auto back = test::Clock::now();
+  for (const std::string& tab : {second, first}) {
+    browser_->show_tab(tab);
+    EXPECT_TRUE(browser_->wait_for("return document.body.dataset.code === 'WELCOME'"));
+    EXPECT_EQ(browser_->run(gone), true);
+    EXPECT_EQ(browser_->run("return window.of_before === undefined"), true) << "the page of the new run";
+  }
+  EXPECT_LT(test::Clock::now() - back, std::chrono::seconds(3));
+  browser_->show_tab(second);
+  browser_->go("about:blank");
+  browser_->show_tab(first);
+}
+
+// A touch of the page is told to the program; without one the result goes from the screen, too.
+TEST_F(Screens, ATouchKeepsTheResult) {
+  apps::LivePageSettings settings;
+  settings.visit.result_max = std::chrono::milliseconds(1200);
+  test::ShownPage page(settings);
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  ASSERT_NO_FATAL_FAILURE(agree());
+  page.measured(911);
+  const auto start = test::Clock::now();
+  ASSERT_TRUE(shows("DONE"));
+  while (test::Clock::now() - start < std::chrono::milliseconds(1800)) {
+    browser_->run("touchedAt = 0; window.dispatchEvent(new Event('pointerdown'))");
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  EXPECT_EQ(browser_->run("return document.body.dataset.code"), "DONE");
+  EXPECT_TRUE(shows("WELCOME"));
+  EXPECT_GE(test::Clock::now() - start, std::chrono::milliseconds(2900));
+  EXPECT_EQ(page.status_of("/result.json"), 404);
+}
+
+TEST_F(Screens, TheNinthScreenSaysThatThereIsNoRoom) {
+  test::ShownPage page;
+  std::vector<std::thread> others;
+  for (int i = 0; i < apps::PageServer::kWatchersMax; ++i)
+    others.emplace_back([c = std::make_shared<httplib::Client>(page.client())] {
+      c->Get("/events", [](const char*, std::size_t) { return true; });
+    });
+  for (int i = 0; i < 400 && page.page().watchers() < apps::PageServer::kWatchersMax; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  browser_->go(page.url() + "/");
+  EXPECT_TRUE(shows("TOO_MANY_SCREENS")) << shown();
+  EXPECT_EQ(browser_->run(kAllFaults), Json::array());
+  page.end();
+  for (std::thread& other : others) other.join();
+}
+
+TEST_F(Screens, TheKeyboardIsEnough) {
+  test::ShownPage page;
+  ASSERT_NO_FATAL_FAILURE(open(page));
+  // In the order of the page: languages, sound, consent; each shows that it has the focus.
+  const Json order = browser_->run(R"js(
+    return [...document.querySelectorAll('button, a, input, [tabindex]')].filter((e) => e.getClientRects().length > 0)
+      .map((e) => [e.id || e.lang, e.tabIndex]);)js");
+  Json wanted = Json::array();
+  for (const char* id : {"en", "de", "es", "fr", "zh", "sound", "agree"}) wanted.push_back({id, 0});
+  EXPECT_EQ(order, wanted);
+  browser_->run("at('agree').focus()");
+  browser_->devtools("Input.dispatchKeyEvent", {{"type", "keyDown"}, {"key", "Enter"}, {"text", "\r"}});
+  browser_->devtools("Input.dispatchKeyEvent", {{"type", "keyUp"}, {"key", "Enter"}});
+  EXPECT_TRUE(browser_->wait_for("return visit.state === 'MEASURING'"));
+}
+
+// axe-core's rules for WCAG 2.1 A and AA and its best practices, in every state, light and dark. scripts/page-check
+// fetches it.
+class Axe : public Screens {};
+
+std::string axe_script() {
+  const char* path = std::getenv("IM2FIT_AXE");
+  std::ifstream file(path != nullptr ? path : "");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST_F(Axe, FindsNothingInAnyState) {
+  const std::string axe = axe_script();
+  if (axe.size() < 100'000) GTEST_SKIP() << "no axe-core: scripts/page-check";
+  int looked = 0;
+  for (const char* scheme : {"light", "dark"}) {
+    browser_->devtools("Emulation.setEmulatedMedia", {{"features",
+                                                       {{{"name", "prefers-color-scheme"}, {"value", scheme}},
+                                                        {{"name", "prefers-reduced-motion"}, {"value", "reduce"}}}}});
+    through_all_states([&](const std::string& code) {
+      if (browser_->run("return typeof axe") == "undefined") browser_->run(axe + ";window.axe = axe;");
+      const Json found = browser_->run_until_called(R"js(
+        const done = arguments[arguments.length - 1];
+        axe.run(document, {resultTypes: ['violations']}).then(
+          (r) => done(r.violations.map((v) => [v.id, v.nodes.map((n) => n.html.slice(0, 200))])), (e) => done(String(e)));
+      )js");
+      EXPECT_EQ(found, Json::array()) << code << ", " << scheme;
+      ++looked;
+    });
+  }
+  EXPECT_EQ(looked, 2 * 26);
+}
+
+}  // namespace
+}  // namespace im2fit
