@@ -55,7 +55,7 @@ class FittingRoom {
   };
   // Of a query's fields, each once: `person`, and either `top` and `top_size`, `bottom` and `bottom_size`, both or
   // none (bare); `colours=ease` for the ease map. 200: there it is. 202: it is being made, ask again when `ready` was
-  // called. 400: the query is none. 404: nobody, or another person, is here. 500: it cannot be made.
+  // called. 400: the query is none. 404: no person, or another one, is here. 500: it cannot be made.
   Answer ask(std::span<const std::pair<std::string, std::string>> query);
 
  private:
