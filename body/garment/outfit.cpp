@@ -96,6 +96,7 @@ Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model
   drawn_.resize(static_cast<std::size_t>(model.body_vertex_count()));
   clearance_mm_.resize(drawn_.size());
   flat_.reserve(most);
+  boxes_.reserve(most / kBlock + 1);
   level_.reserve(drawn_.size());
   hull_points_.reserve(drawn_.size());
   hull_.reserve(drawn_.size());
@@ -255,58 +256,89 @@ void Outfit::dress(std::span<const Vec3f> rest, const Skeleton& skeleton, const 
   for (int i = 0; i < kRestFrames; ++i) frame(pose);
 }
 
+void Outfit::box(const Cloth& cloth) const {
+  boxes_.clear();
+  for (std::size_t c = 0; c < cloth.mesh().vertex_count(); ++c) {
+    const Vec3f p = cloth.position(c);
+    if (c % kBlock == 0) boxes_.push_back({p, p});
+    Box& box = boxes_.back();
+    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+  }
+}
+
+template <class F>
+void Outfit::near(const Cloth& cloth, Vec3f p, const float& best, F consider) const {
+  constexpr float kRounding = 0.999F;  // a box is not passed by for the last bit
+  const auto outside = [](float value, float low, float high) {
+    return value < low ? low - value : value > high ? value - high : 0.0F;
+  };
+  const std::size_t count = cloth.mesh().vertex_count();
+  for (std::size_t b = 0; b < boxes_.size(); ++b) {
+    const Box& box = boxes_[b];
+    const float x = outside(p.x, box.low.x, box.high.x), y = outside(p.y, box.low.y, box.high.y),
+                z = outside(p.z, box.low.z, box.high.z);
+    if ((x * x + y * y + z * z) * kRounding >= best) continue;
+    const std::size_t end = std::min(count, (b + 1) * kBlock);
+    for (std::size_t c = b * kBlock; c < end; ++c) consider(c);
+  }
+}
+
 // What lies at `p` and faces `n` is hidden by the nearest cloth that faces as it does, from `behind_mm` behind it on,
 // but not by a hem's. An arm beside the trunk is hidden by its sleeve alone.
-bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm) {
+bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm) const {
   const GarmentMesh& mesh = cloth.mesh();
   const bool arm = (limbs & kTrunk) == 0 && (limbs & (kLeftArm | kRightArm)) != 0;
   float best = kHiddenReachMm * kHiddenReachMm, rim = 0;
-  for (std::size_t c = 0; c < mesh.vertex_count(); ++c) {
+  near(cloth, p, best, [&](std::size_t c) {
     const Vec3f d = cloth.position(c) - p;
     const float squared = dot(d, d);
-    if (squared >= best || (cloth.limbs(c) & limbs) == 0) continue;
+    if (squared >= best || (cloth.limbs(c) & limbs) == 0) return;
     const float before = dot(d, n);
     if (dot(cloth.normals()[c], n) < kHiddenCosine || squared - before * before > kHiddenAsideMm * kHiddenAsideMm)
-      continue;
+      return;
     best = squared;
     const bool sleeve = !arm || (cloth.limbs(c) & kTrunk) == 0;
     rim = before > -behind_mm && sleeve ? mesh.rim_mm[c] : 0;
-  }
+  });
   return rim > rim_mm;
 }
 
 void Outfit::hidden_skin(std::span<std::uint8_t> out) const {
   assert(out.size() >= drawn_.size());
   std::fill(out.begin(), out.end(), std::uint8_t{0});
-  for (const std::int32_t v : surface_.vertices()) {
-    const auto i = static_cast<std::size_t>(v);
-    for (const auto& cloth : cloths_)
+  for (const auto& cloth : cloths_) {
+    box(*cloth);
+    for (const std::int32_t v : surface_.vertices()) {
+      const auto i = static_cast<std::size_t>(v);
       if (out[i] == 0 &&
           hides(*cloth, posed_[i], surface_.normal(true)[i], surface_.limbs(v), kSkinBehindMm, kHiddenRimMm))
         out[i] = 1;
+    }
   }
 }
 
 void Outfit::pressed(std::size_t index, std::span<Vec3f> out) const {
   const Cloth& cloth = *cloths_[index];
   assert(out.size() >= cloth.mesh().vertex_count());
-  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
-    const Vec3f p = cloth.position(v), n = cloth.normals()[v];
-    out[v] = p;
-    for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
-      const Cloth& upper = *cloths_[over];
+  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = cloth.position(v);
+  for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
+    const Cloth& upper = *cloths_[over];
+    box(upper);
+    for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
+      const Vec3f p = cloth.position(v), n = cloth.normals()[v];
       float best = kClothBehindMm * kClothBehindMm + kPressAsideMm * kPressAsideMm, over_mm = 0, aside = 0;
       Vec3f facing{};
-      for (std::size_t c = 0; c < upper.mesh().vertex_count(); ++c) {
+      near(upper, p, best, [&](std::size_t c) {
         const Vec3f d = upper.position(c) - p;
         const float squared = dot(d, d);
         if (squared >= best || (upper.limbs(c) & cloth.limbs(v)) == 0 || dot(upper.normals()[c], n) < kHiddenCosine)
-          continue;
+          return;
         best = squared;
         facing = upper.normals()[c];
         over_mm = kPressMm - dot(d, facing);
         aside = std::sqrt(std::max(0.0F, squared - (over_mm - kPressMm) * (over_mm - kPressMm)));
-      }
+      });
       if (over_mm <= 0 || aside >= kPressAsideMm) continue;
       out[v] = p - facing * (over_mm * std::min(1.0F, 2 * (1 - aside / kPressAsideMm)));
     }
@@ -316,9 +348,10 @@ void Outfit::pressed(std::size_t index, std::span<Vec3f> out) const {
 void Outfit::hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const {
   const Cloth& cloth = *cloths_[index];
   assert(out.size() >= cloth.mesh().vertex_count());
-  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
-    out[v] = 0;
-    for (std::size_t over = index + 1; over < cloths_.size(); ++over)
+  std::fill(out.begin(), out.end(), std::uint8_t{0});
+  for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
+    box(*cloths_[over]);
+    for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v)
       if (out[v] == 0 && hides(*cloths_[over], cloth.position(v), cloth.normals()[v], cloth.limbs(v), kClothBehindMm,
                                kHiddenClothRimMm))
         out[v] = 1;

@@ -51,7 +51,17 @@ class Outfit {
   void hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const;
 
  private:
-  static bool hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm);
+  // Vertices of a garment that follow one another lie near each other: a box about each kBlock of them.
+  struct Box {
+    Vec3f low, high;
+  };
+  static constexpr std::size_t kBlock = 16;
+  // Makes boxes_ of the cloth as it lies now; hides() and near() are of that cloth.
+  void box(const Cloth& cloth) const;
+  // Calls `consider` with each vertex of the cloth that may be nearer to p than the square root of `best`, in order.
+  template <class F>
+  void near(const Cloth& cloth, Vec3f p, const float& best, F consider) const;
+  bool hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm) const;
   void add_clearance(const Cloth& cloth);
   void put_on(Cloth& cloth);
   float girth_at_band(const Cloth& cloth, const PosedSkeleton& bones);
@@ -68,6 +78,7 @@ class Outfit {
   std::vector<Vec3f> level_, hull_points_;
   HullWork hull_;
   std::vector<float> clearance_mm_;
+  mutable std::vector<Box> boxes_;
   Skeleton skeleton_;
   Pose pose_;
 };

@@ -96,7 +96,9 @@ std::vector<Rim> rims_of(const GarmentMesh& mesh) {
 // A point between two and two others on a cubic: (4 (b + c) - (a + d)) / 6.
 float roughness_of(const Cloth& cloth) {
   float worst = 0;
-  for (const auto& [rim, closed] : rims_of(cloth.mesh())) {
+  for (const Rim& one : rims_of(cloth.mesh())) {
+    const auto& rim = one.vertices;
+    const bool closed = one.closed;
     const std::size_t n = rim.size();
     if (n < 8) continue;
     const auto at = [&](std::size_t i) { return cloth.position(static_cast<std::size_t>(rim[i % n])); };

@@ -76,7 +76,7 @@ class Fitting : public testing::Test {
 TEST_F(Fitting, RefusesWhatIsNoQuery) {
   FittingRoom room(test::body_path(), [](const std::string&) {});
   const Query whole = {{"visit", "one"}, {"top", "t_shirt"}, {"top_size", "M"}};
-  EXPECT_EQ(room.ask(whole).status, 404U);  // nobody is here
+  EXPECT_EQ(room.ask(whole).status, 404U);  // no person is here
   room.welcome(*customer_);
   const std::pair<Query, const char*> refused[] = {
       {{{"top", "t_shirt"}, {"top_size", "M"}}, "visit"},

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Skin that shows where cloth should cover it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "body/garment/outfit.h"
+#include "body/model.h"
+
+namespace im2fit::lab {
+
+// The body's vertices that cloth covers now, some centimetres from any hem: 1 each.
+std::vector<std::uint8_t> covered_skin(const body::BodyModel& model, const body::Outfit& outfit);
+
+struct SkinSeen {
+  int cloth_px = 0;  // of all views
+  int skin_px = 0;   // of covered skin that is before the cloth
+};
+// Of four views (front, left, back, slant), 3 mm a pixel, with no skin left out: cloth itself has to cover it.
+// `covered`: of a pose in which it did.
+SkinSeen look_for_skin(const body::BodyModel& model, const body::Outfit& outfit,
+                       std::span<const std::uint8_t> covered);
+
+}  // namespace im2fit::lab
