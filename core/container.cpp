@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/crc32c.h"
+#include "core/text.h"
 
 namespace im2fit {
 namespace {
@@ -140,16 +141,17 @@ Result<ContainerReader> ContainerReader::parse(std::span<const std::byte> bytes,
     const auto row = table.subspan(i * kEntrySize, kEntrySize);
     const auto* name = reinterpret_cast<const char*>(row.data());
     const std::string key(name, strnlen(name, 16));
+    const std::string shown = printable(key);  // in messages, of one line
     const auto page = get<std::uint32_t>(row, 36);
     const Entry e{get<std::uint64_t>(row, 16), get<std::uint64_t>(row, 24), get<std::uint32_t>(row, 32), page != 0};
     if (e.offset % kAlignment != 0 || e.offset > bytes.size() || e.size > bytes.size() - e.offset)
-      return bad("section '" + key + "' reaches past the end of the file");
+      return bad("section '" + shown + "' reaches past the end of the file");
     if (page != 0 && page != PagedBytes::kPage)
-      return bad("section '" + key + "' is checked by pages of " + std::to_string(page) + " bytes, expected " +
+      return bad("section '" + shown + "' is checked by pages of " + std::to_string(page) + " bytes, expected " +
                  std::to_string(PagedBytes::kPage));
-    if (e.by_page && !list_of(bytes, e)) return bad("the checksums of section '" + key + "' are cut off");
+    if (e.by_page && !list_of(bytes, e)) return bad("the checksums of section '" + shown + "' are cut off");
     if (check_sections && crc32c(e.by_page ? *list_of(bytes, e) : part_of(bytes, e)) != e.crc)
-      return bad(std::string(e.by_page ? "the checksums of " : "") + "section '" + key + "' damaged (CRC-32C)");
+      return bad(std::string(e.by_page ? "the checksums of " : "") + "section '" + shown + "' damaged (CRC-32C)");
     reader.entries_.emplace(key, e);
   }
   return reader;
