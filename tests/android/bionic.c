@@ -4,7 +4,9 @@
 #include <locale.h>
 #include <stdlib.h>
 
-int* __errno(void) { return __errno_location(); }
+int* __errno(void) {
+  return __errno_location();
+}
 long long strtoll_l(const char* text, char** end, int base, locale_t locale) {
   (void)locale;
   return strtoll(text, end, base);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  * A recorded clip through the C library, for scripts/android-link: everything it says, floats to the last bit.
- *   clip FRAMES.raw TRACKER.i2t INDEX.i2f BODY.i2b      320x240 16-bit mm, to be turned by 90 degrees; BODY may be "" */
+ *   clip FRAMES.raw TRACKER.i2t INDEX.i2f BODY.i2b      320x240 16-bit mm, to be turned by 90 degrees; BODY may be ""
+ */
 #include <im2fit/im2fit.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -117,7 +117,8 @@ TEST(Words, ATruthThatIsAskedForMustBeThere) {
 TEST(Words, TheTableFitsATerminalOfEightyColumns) {
   IM2FIT_NEED_DATA();
   const test::TestFolder folder;
-  const test::Run run = test::measure("synthetic:7", folder.path("out"), {"--frames", "5", "--rotate", "90", "--paper"});
+  const test::Run run =
+      test::measure("synthetic:7", folder.path("out"), {"--frames", "5", "--rotate", "90", "--paper"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, testing::HasSubstr("paper's error"));
   std::istringstream lines(run.out.substr(0, run.out.find("written to")));

@@ -120,7 +120,8 @@ static void refuses_bad_frames_and_says_why(void) {
   CHECK(im2fit_tape(handle, ids, 1, values, sizeof values[0]) == IM2FIT_ERROR_UNSUPPORTED); /* no body model */
   CHECK(im2fit_tape(handle, ids, 1, NULL, sizeof values[0]) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(im2fit_tape(handle, ids, 1, values, 8) == IM2FIT_ERROR_INVALID_ARGUMENT);
-  CHECK(im2fit_tape(handle, NULL, im2fit_tape_count() + 1, values, sizeof values[0]) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_tape(handle, NULL, im2fit_tape_count() + 1, values, sizeof values[0]) ==
+        IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(logged == 16);
   CHECK(im2fit_push(NULL, depth, WIDTH, HEIGHT, 0, 0, 0) == IM2FIT_ERROR_INVALID_ARGUMENT);
   CHECK(strstr(im2fit_last_error(NULL), "NULL") != NULL);

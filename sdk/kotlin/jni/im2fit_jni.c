@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What im2fit.sdk.Native calls: im2fit.h with Java's arrays and buffers for its structs. Nothing is decided and nothing
-// thrown here: every function gives back the library's status, and Kotlin makes exceptions of it. Texts are bytes of
-// UTF-8, as Java's native strings are another encoding. Exceptions of the virtual machine itself (no memory) stay
-// pending, and the function returns at once.
+// What im2fit.sdk.Native calls: im2fit.h with Java's arrays and buffers for its structs. Nothing is decided and
+// nothing thrown here: every function gives back the library's status, and Kotlin makes exceptions of it. Texts are
+// bytes of UTF-8, as Java's native strings are another encoding. Exceptions of the virtual machine itself (no memory)
+// stay pending, and the function returns at once.
 #include <im2fit/im2fit.h>
 #include <jni.h>
 #include <math.h>
@@ -10,7 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static im2fit_handle* handle_of(jlong handle) { return (im2fit_handle*)(intptr_t)handle; }
+static im2fit_handle* handle_of(jlong handle) {
+  return (im2fit_handle*)(intptr_t)handle;
+}
 
 static jbyteArray bytes_of(JNIEnv* env, const char* text) {
   if (!text) return NULL;
@@ -50,14 +52,22 @@ enum { NAMES_STATUS, NAMES_STATE, NAMES_GUIDANCE, NAMES_MEASUREMENT, NAMES_UNIT,
 static jbyteArray native_name(JNIEnv* env, jclass type, jint list, jint index) {
   (void)type;
   switch (list) {
-    case NAMES_STATUS: return bytes_of(env, im2fit_status_name(index));
-    case NAMES_STATE: return bytes_of(env, im2fit_state_name(index));
-    case NAMES_GUIDANCE: return bytes_of(env, im2fit_guidance_name(index));
-    case NAMES_MEASUREMENT: return bytes_of(env, im2fit_measurement_name(index));
-    case NAMES_UNIT: return bytes_of(env, im2fit_measurement_unit(index));
-    case NAMES_JOINT: return bytes_of(env, im2fit_joint_name(index));
-    case NAMES_VIEW: return bytes_of(env, im2fit_view_name(index));
-    default: return NULL;
+    case NAMES_STATUS:
+      return bytes_of(env, im2fit_status_name(index));
+    case NAMES_STATE:
+      return bytes_of(env, im2fit_state_name(index));
+    case NAMES_GUIDANCE:
+      return bytes_of(env, im2fit_guidance_name(index));
+    case NAMES_MEASUREMENT:
+      return bytes_of(env, im2fit_measurement_name(index));
+    case NAMES_UNIT:
+      return bytes_of(env, im2fit_measurement_unit(index));
+    case NAMES_JOINT:
+      return bytes_of(env, im2fit_joint_name(index));
+    case NAMES_VIEW:
+      return bytes_of(env, im2fit_view_name(index));
+    default:
+      return NULL;
   }
 }
 
@@ -65,9 +75,22 @@ static jbyteArray native_name(JNIEnv* env, jclass type, jint list, jint index) {
 enum { TRACKER, INDEX, BODY, MEN_CHART, WOMEN_CHART, PATHS };
 enum { DATA = 3 };
 // Order of `numbers`.
-enum { WIDTH, HEIGHT, FRAMES_WANTED, FRAMES_MIN, CALIBRATION_PSI, LIVE, SINGLE_THREAD, TURN, CLOTHING, SENSOR, USER_ID };
+enum {
+  WIDTH,
+  HEIGHT,
+  FRAMES_WANTED,
+  FRAMES_MIN,
+  CALIBRATION_PSI,
+  LIVE,
+  SINGLE_THREAD,
+  TURN,
+  CLOTHING,
+  SENSOR,
+  USER_ID
+};
 
-// paths: byte[5][]; contents: byte[3][], null for a path; fds, offsets, sizes: of the three, fd -1 where there is none.
+// paths: byte[5][]; contents: byte[3][], null for a path; fds, offsets, sizes: of the three, fd -1 where there is
+// none.
 static jint native_open(JNIEnv* env, jclass type, jobjectArray paths, jobjectArray contents, jintArray fds,
                         jlongArray offsets, jlongArray sizes, jintArray numbers, jfloatArray intrinsics,
                         jlongArray opened) {
@@ -195,17 +218,26 @@ static jint native_act(JNIEnv* env, jclass type, jlong handle, jint what, jint n
   (void)env;
   (void)type;
   switch (what) {
-    case DO_WAIT: return im2fit_wait(handle_of(handle), number);
-    case DO_FINISH: return im2fit_finish(handle_of(handle));
-    case DO_RESET: return im2fit_reset(handle_of(handle));
-    case DO_NEXT: return im2fit_next(handle_of(handle));
-    case DO_SELECT_USER: return im2fit_select_user(handle_of(handle), number);
-    default: return IM2FIT_ERROR_INVALID_ARGUMENT;
+    case DO_WAIT:
+      return im2fit_wait(handle_of(handle), number);
+    case DO_FINISH:
+      return im2fit_finish(handle_of(handle));
+    case DO_RESET:
+      return im2fit_reset(handle_of(handle));
+    case DO_NEXT:
+      return im2fit_next(handle_of(handle));
+    case DO_SELECT_USER:
+      return im2fit_select_user(handle_of(handle), number);
+    default:
+      return IM2FIT_ERROR_INVALID_ARGUMENT;
   }
 }
 
 // poll's layout, for Result.kt: whole numbers, then floats.
-enum { RESULT_LONGS = 12, RESULT_FLOATS = 3 * IM2FIT_MEASUREMENT_COUNT + 8 * IM2FIT_JOINT_COUNT + 6 + IM2FIT_AGE_BAND_COUNT };
+enum {
+  RESULT_LONGS = 12,
+  RESULT_FLOATS = 3 * IM2FIT_MEASUREMENT_COUNT + 8 * IM2FIT_JOINT_COUNT + 6 + IM2FIT_AGE_BAND_COUNT
+};
 
 static jfloat* put_estimate(jfloat* to, const im2fit_estimate* estimate) {
   *to++ = estimate->value;
@@ -256,7 +288,7 @@ static jint native_poll(JNIEnv* env, jclass type, jlong handle, jlongArray longs
   return IM2FIT_OK;
 }
 
-enum { SIZES_MAX = 64 }; // of a chart; the built-in ones have 9
+enum { SIZES_MAX = 64 };  // of a chart; the built-in ones have 9
 
 // names: byte[SIZES_MAX][]; counted: their number and the likeliest's index.
 static jint native_sizes(JNIEnv* env, jclass type, jlong handle, jobjectArray names, jfloatArray probabilities,
@@ -354,7 +386,7 @@ static jint native_mesh(JNIEnv* env, jclass type, jlong handle, jfloatArray vert
   return status;
 }
 
-enum { BYTES_JSON = -1 }; // else IM2FIT_AVATAR_...
+enum { BYTES_JSON = -1 };  // else IM2FIT_AVATAR_...
 
 // The result as JSON, or an avatar, into made[0].
 static jint native_bytes(JNIEnv* env, jclass type, jlong handle, jint what, jobjectArray made) {
@@ -362,8 +394,7 @@ static jint native_bytes(JNIEnv* env, jclass type, jlong handle, jint what, jobj
   size_t size = 0;
   char* bytes = NULL;
   im2fit_handle* const of = handle_of(handle);
-  jint status =
-      what == BYTES_JSON ? im2fit_result_json(of, NULL, 0, &size) : im2fit_avatar(of, what, NULL, 0, &size);
+  jint status = what == BYTES_JSON ? im2fit_result_json(of, NULL, 0, &size) : im2fit_avatar(of, what, NULL, 0, &size);
   if (status == IM2FIT_ERROR_TOO_SMALL) {
     bytes = (char*)malloc(size + 1);
     if (!bytes) return IM2FIT_ERROR_NO_MEMORY;
@@ -381,7 +412,8 @@ static jint native_bytes(JNIEnv* env, jclass type, jlong handle, jint what, jobj
   return status;
 }
 
-// By name rather than by Java_im2fit_sdk_...: a method that is missing on either side fails when the library is loaded.
+// By name rather than by Java_im2fit_sdk_...: a method that is missing on either side fails when the library is
+// loaded.
 JNIEXPORT jint JNICALL JNI_OnLoad(JavaVM* machine, void* reserved) {
   (void)reserved;
   static const JNINativeMethod methods[] = {
