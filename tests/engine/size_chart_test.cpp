@@ -71,6 +71,19 @@ TEST(SizeProbabilities, OnAnEdgeAreHalfAndHalf) {
   EXPECT_EQ(answer.chart, "EN 13402-3");
 }
 
+// Whoever is between two sizes, which a chart leaves apart, takes the nearer.
+TEST(SizeProbabilities, AGapBetweenSizesIsSharedByBoth) {
+  SizeSystem sizes = builtin_size_system();
+  for (std::size_t i = 0; i < sizes.men.rows.size(); ++i) {
+    if (sizes.men.rows[i].size != "M") continue;
+    sizes.men.rows[i].high_mm -= 20;
+    sizes.men.rows.at(i + 1).low_mm += 30;
+  }
+  const auto p = as_map(size_probabilities(sizes, {1025, 1005, 1045}, 0));  // M to 1000, L from 1050
+  EXPECT_NEAR(p.at("M"), 0.5, 1e-6);
+  EXPECT_NEAR(p.at("L"), 0.5, 1e-6);
+}
+
 TEST(SizeProbabilities, FollowTheInterval) {
   const SizeAnswer answer = size_probabilities(builtin_size_system(), {1000, 960.8F, 1039.2F}, 0);
   const auto p = as_map(answer);

@@ -118,6 +118,13 @@ TEST_F(Served, ScriptsOfOthersAreCompressedBeforehandAndKept) {
   EXPECT_GT(plain->body.size(), 3 * std::stoul(gzip->get_header_value("Content-Length")));
 }
 
+// Nothing here reads a body: who sends one, of a length or in pieces, is cut off.
+TEST_F(Served, WhoSendsABodyIsNotAnswered) {
+  EXPECT_TRUE(client().Get("/", {{"Content-Length", "0"}}));
+  EXPECT_FALSE(client().Get("/", {{"Content-Length", "5"}}));
+  EXPECT_FALSE(client().Get("/", {{"Transfer-Encoding", "chunked"}}));
+}
+
 TEST_F(Served, OnlyNamesOfThisMachineAreAnswered) {
   const std::pair<const char*, int> verdicts[] = {{"localhost", 200},
                                                   {"localhost:1", 200},
