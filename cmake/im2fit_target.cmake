@@ -120,4 +120,8 @@ function(im2fit_test_room room)
     set(tests ${room})
   endif()
   set_tests_properties(${tests} PROPERTIES TIMEOUT ${timeout_s} SKIP_REGULAR_EXPRESSION "NOTHING_TO_TEST")
+  if(IM2FIT_SANITIZE MATCHES thread)
+    set_property(TEST ${tests} APPEND PROPERTY
+      ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan-suppressions.txt")
+  endif()
 endfunction()

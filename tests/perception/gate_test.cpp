@@ -139,6 +139,11 @@ TEST(PoseGate, LeaningIsNotUpright) {
   EXPECT_FALSE(has(pose_gate(leaning(8), kLevelFloor), Guidance::not_upright));
 }
 
+// A picture turned by half a circle, whose --rotate is missing.
+TEST(PoseGate, UpsideDownIsNotUpright) {
+  EXPECT_TRUE(has(pose_gate(leaning(180), kLevelFloor), Guidance::not_upright));
+}
+
 TEST(PoseGate, UprightMeansAgainstTheFloorNotThePicture) {
   // The camera rolls by 25 degrees: picture and floor lean together.
   const double a = 25 * 0.017453292519943295;
