@@ -51,7 +51,8 @@ TEST(DepthDiagnosis, SaysWhatOtherValuesLookLike) {
   EXPECT_THAT(diagnosis_of([&](int mm) { return ++n % 40 < 4 ? 2047 : 1091 - 355000 / mm; }),
               HasSubstr("raw disparity"));
   EXPECT_THAT(diagnosis_of([](int) { return 0; }), HasSubstr("nearly without depth"));
-  EXPECT_THAT(diagnosis_of([&](int) { return (++n * 40503) & 0xFFFF; }), HasSubstr("no depth picture"));
+  EXPECT_THAT(diagnosis_of([&](int) { return static_cast<int>((static_cast<unsigned>(++n) * 40503U) & 0xFFFFU); }),
+              HasSubstr("no depth picture"));
 }
 
 TEST(DepthDiagnosis, SaysHowThePictureIsTurned) {
