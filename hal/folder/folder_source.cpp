@@ -31,7 +31,7 @@ void to_millimetres(DepthImage image, double unit_mm) {
     for (int u = 0; u < image.width; ++u) {
       std::uint16_t& value = image.row(v)[u];
       const double mm = value * unit_mm + 0.5;
-      value = mm < 65536 ? static_cast<std::uint16_t>(mm) : 0;
+      value = static_cast<std::uint16_t>(mm < 65536 ? mm : 0);
     }
 }
 
