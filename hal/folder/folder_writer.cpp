@@ -40,8 +40,8 @@ Result<std::unique_ptr<FolderWriter>> FolderWriter::create(const std::string& pa
   }
   const std::string yaml =
       camera_yaml_text(Calibration{intrinsics, {}, options.rotate_deg, options.origin}, options.camera_name);
-  if (auto ok = write_file_atomically(path + "/camera.yaml", yaml, Readable::by_owner); !ok)
-    return with_advice(ok.error());
+  // The camera's, not a person's: a service may read it as its calibration.
+  if (auto ok = write_file_atomically(path + "/camera.yaml", yaml); !ok) return with_advice(ok.error());
   return std::unique_ptr<FolderWriter>(new FolderWriter(path, intrinsics, options));
 }
 

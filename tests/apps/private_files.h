@@ -31,13 +31,14 @@ inline std::set<std::string> all_files_in(const std::string& folder) {
   return names;
 }
 
-// Those among them that the group or others may read, write or run.
+// Those among them that the group or others may read, write or run. A camera's calibration is of no person.
 inline std::vector<std::string> readable_by_others(const std::string& folder) {
   constexpr auto kOthers = std::filesystem::perms::group_all | std::filesystem::perms::others_all;
   std::vector<std::string> names;
   for (const std::string& name : all_files_in(folder))
-    if ((std::filesystem::status(std::filesystem::path(folder) / name).permissions() & kOthers) !=
-        std::filesystem::perms::none)
+    if (std::filesystem::path(name).filename() != "camera.yaml" &&
+        (std::filesystem::status(std::filesystem::path(folder) / name).permissions() & kOthers) !=
+            std::filesystem::perms::none)
       names.push_back(name);
   return names;
 }
