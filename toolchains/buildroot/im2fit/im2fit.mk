@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+################################################################################
+#
+# im2fit
+#
+################################################################################
+
+IM2FIT_VERSION = 0.2.0
+# The checkout, or what git archive made of it: IM2FIT_OVERRIDE_SRCDIR in local.mk names another.
+IM2FIT_SITE = $(BR2_EXTERNAL_IM2FIT_PATH)/../..
+IM2FIT_SITE_METHOD = local
+IM2FIT_LICENSE = Apache-2.0
+IM2FIT_LICENSE_FILES = LICENSE NOTICE
+IM2FIT_INSTALL_STAGING = YES
+IM2FIT_DEPENDENCIES = cli11 fmt json-for-modern-cpp libpng libusb xz yaml-cpp zlib
+
+# The page wants three.js as Debian packs it, in IM2FIT_THREE_DIR, and libmicrohttpd.
+IM2FIT_CONF_OPTS = \
+	-DIM2FIT_BUILD_LAB=OFF \
+	-DIM2FIT_BUILD_TESTS=OFF \
+	-DIM2FIT_OPENNI2=OFF \
+	-DIM2FIT_PAGE=OFF \
+	-DIM2FIT_WARNINGS_ARE_ERRORS=OFF
+
+$(eval $(cmake-package))
