@@ -75,6 +75,11 @@ function(im2fit_precompile)
   endforeach()
 endfunction()
 
+# Files that IM2FIT_UNITY leaves alone: another of their library or program has a name of theirs, private to each.
+function(im2fit_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # A library of one room: im2fit_library(NAME SOURCES a.cpp b.cpp DEPENDS im2fit_base ...)
 function(im2fit_library name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
