@@ -502,6 +502,26 @@ TEST(Pipeline, LiveWithASlowFitStageNeverBlocksTheCamera) {
   EXPECT_GT(r.frames_dropped, 0U);
 }
 
+// Every place is behind SENSE, where nothing can be taken back: the frame that comes then is given up, and counted.
+TEST(Pipeline, LiveAFrameForWhichNothingCanBeTakenBackIsCounted) {
+  EngineSettings settings = with(false);
+  settings.live = true;
+  settings.frames_wanted = 1000;
+  settings.pool_frames = 3;
+  Rig rig(settings);
+  rig.control.fit_delay_us = 300'000;  // of the first frame alone
+  for (int i = 0; i < settings.pool_frames; ++i) {
+    rig.push({});
+    while (rig.control.sense_calls <= i) std::this_thread::yield();
+  }
+  for (int i = 0; i < 5; ++i) rig.push({});
+  rig.control.fit_delay_us = 0;
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_EQ(r.frames_seen, 3U);
+  EXPECT_EQ(r.frames_dropped, 5U);
+}
+
 TEST(Pipeline, ClosesFromAnyStateWithFramesInThePipeline) {
   for (int frames = 0; frames < 12; ++frames) {
     Rig rig(with(false));
