@@ -319,6 +319,35 @@ TEST_P(Threading, FrameGapsAreNoAttempts) {
   EXPECT_TRUE(rig.engine->result().measured);
 }
 
+// A clock that is set: back is a frame's time like any other, forward a gap, however far.
+TEST_P(Threading, AClockMayJumpAnywhere) {
+  constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kDay_ns = 86'400'000'000'000;
+  Rig rig(with(GetParam()));
+  const FramePixels frame(Shot{});
+  std::uint64_t sequence = 0;
+  const auto push_from = [&](std::int64_t host_ns, int frames) {
+    for (int i = 0; i < frames; ++i) {
+      hal::FrameInfo info;
+      info.sequence = sequence++;
+      info.host_ns = host_ns + i * 1000;
+      EXPECT_TRUE(rig.engine->push(frame.view(), info));
+    }
+    EXPECT_TRUE(rig.engine->wait_idle(-1));
+    return rig.engine->result().frames_used;
+  };
+  EXPECT_EQ(push_from(kDay_ns, 4), 4U);
+  EXPECT_EQ(push_from(1, 3), 7U) << "a day back";
+  EXPECT_EQ(push_from(kDay_ns, 2), 2U) << "a day forward";
+  EXPECT_EQ(push_from(kFirst, 3), 5U) << "as far back as there is";
+  EXPECT_EQ(push_from(kLast - 10'000, 4), 4U) << "as far forward as there is";
+  EXPECT_EQ(push_from(kFirst, 6), 10U);
+  rig.engine->finish();
+  EXPECT_TRUE(rig.engine->result().measured);
+  EXPECT_EQ(rig.engine->result().time_reversals, 3U);
+}
+
 TEST_P(Threading, AUserMayBeChosenWhileOthersAreThere) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 5; ++i) rig.push({.user = 1});
