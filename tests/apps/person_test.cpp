@@ -221,6 +221,20 @@ TEST_F(Person, CutAtTheHeadGetsGuidance) {
   }
 }
 
+// Cut off at the hips, with the joints written: legs that were not seen move by guesses, and that is said.
+TEST_F(Person, AHalfPersonsMotionSaysWhatIsMadeUp) {
+  const Window upper_half = {.v1 = one_->box.v1 - (one_->box.v1 - one_->box.v0) * 9 / 20};
+  for (const char* name : {"half.bvh", "half.glb", "half.csv"}) {
+    const std::string path = folder_.path(name);
+    const test::Run run = measure_through(upper_half, {"--motion", path});
+    EXPECT_EQ(run.exit_code, 3) << run.err;
+    EXPECT_TRUE(std::filesystem::exists(path));
+    EXPECT_FALSE(std::filesystem::exists(out() + "/avatar.bvh")) << "there is no measured body";
+    const bool said = run.err.find("LK, RK, LF, RF were not seen in most frames") != std::string::npos;
+    EXPECT_EQ(said, std::string(name) != "half.csv") << run.err;
+  }
+}
+
 TEST_F(Person, CutAtTheSideGetsGuidance) {
   const int quarter_out = -(one_->box.u0 + (one_->box.u1 - one_->box.u0) / 4);
   expect_guidance(measure_through({}, {}, {}, quarter_out), "SIDE_CUT");
