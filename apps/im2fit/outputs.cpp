@@ -223,11 +223,13 @@ std::string wanted_words(const SessionOutcome& outcome, const SessionOptions& op
                      std::min(EngineSettings{}.frames_min, options.frames));
 }
 
-// Of frames no person was found in: what they are, when they cannot be a room in millimetres.
+// Of frames no person was found in: what they are, when they cannot be a room in millimetres; else what they must
+// show.
 std::string depth_words(const SessionOutcome& outcome) {
   if (!has(reported_guidance(outcome.person), Guidance::no_person)) return "";
   const std::string diagnosis = hal::depth_diagnosis(outcome.shown->depth());
-  return diagnosis.empty() ? "" : "; " + diagnosis;
+  // Legs and hips may be furniture: without the chest no person is found.
+  return "; " + (diagnosis.empty() ? "the picture must reach from the floor to above the head" : diagnosis);
 }
 
 }  // namespace
