@@ -114,7 +114,12 @@ TEST(LongRun, ADayOfPeopleLeavesTheProcessAsItWas) {
   auto engine = make_engine(settings, *data);
   ASSERT_TRUE(engine) << engine.error().message;
 
-  const int frames = hal::frames_to_test("IM2FIT_ENGINE_FRAMES", 1500);
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr int kUsualFrames = 400;
+#else
+  constexpr int kUsualFrames = 1500;
+#endif
+  const int frames = hal::frames_to_test("IM2FIT_ENGINE_FRAMES", kUsualFrames);
   hal::Growth growth(frames);
   int measured = 0;
   bool was_measured = false;
