@@ -242,7 +242,8 @@ void Maker::several_people() {
 // A dog or a cat beside the person, standing or walking past.
 void Maker::pet() {
   const bool dog = rng_.uniform() < 0.6;
-  Animal animal = make_animal(dog ? draw(rng_, 350, 650) : draw(rng_, 220, 280), draw(rng_, 0, 360));
+  const float heading_deg = draw(rng_, 0, 360), height_mm = dog ? draw(rng_, 350, 650) : draw(rng_, 220, 280);
+  Animal animal = make_animal(height_mm, heading_deg);
   const float side = either_sign(rng_, 1);
   animal.place = {side * draw(rng_, 550, 900), 0, draw(rng_, -500, 350)};
   if (rng_.uniform() < 0.5) animal.step = {0, 0, either_sign(rng_, draw(rng_, 8, 25))};  // 0.25 to 0.75 m/s
@@ -257,7 +258,7 @@ void Maker::pet_alone() {
 }
 
 // A mirror on the wall behind the person, turned by 15 to 30 degrees so that the camera sees the person's back in it,
-// twice as far off as the wall is. The reflection is drawn as the same person turned round.
+// twice as far off as the wall is. The reflection is a person of the same sex, pose and clothes, turned round.
 void Maker::mirror() {
   const float turn = either_sign(rng_, draw(rng_, 15, 30)), wall = draw(rng_, 600, 1000);
   const float s = std::sin(turn * kDegree), c = std::cos(turn * kDegree);
