@@ -85,8 +85,9 @@ class PeriodCounter {
 class FrameClock {
  public:
   float step(std::int64_t host_ns) {
-    const std::int64_t passed_ns = host_ns - previous_ns_;
-    const bool known = previous_ns_ != 0 && passed_ns > 0;
+    const bool known = previous_ns_ != 0 && host_ns > previous_ns_;
+    // Unsigned: two times may be further apart than the half that is positive.
+    const std::uint64_t passed_ns = static_cast<std::uint64_t>(host_ns) - static_cast<std::uint64_t>(previous_ns_);
     previous_ns_ = host_ns;
     return known ? static_cast<float>(passed_ns) * 1e-9F : kFramePeriodS;
   }

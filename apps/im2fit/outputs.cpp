@@ -120,12 +120,26 @@ Status write_outputs(SessionOutcome& outcome, const std::string& directory) {
   return Ok{};
 }
 
+namespace {
+
+// "LK, RK", "" for none.
+std::string joint_names(JointFlags joints) {
+  std::string names;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    if ((joints & joint_bit(j)) != 0) names += (names.empty() ? "" : ", ") + std::string(kJointNames[j]);
+  return names;
+}
+
+}  // namespace
+
 Result<std::string> write_motion(const MotionRecording& motion, const std::string& path, const body::BodyModel& model,
                                  const std::optional<AnsweredBody>& body) {
   body::Avatar avatar;
   avatar.model = &model;
   if (body) avatar.params = body->params;
   if (const auto written = motion.write(path, avatar); !written) return written.error();
+  if (const std::string joints = joint_names(motion.hardly_seen()); !joints.empty() && !path.ends_with(".csv"))
+    print_error(path + ": " + joints + " were not seen in most frames: how they move there is made up");
   return fmt::format("{}: {} frames{}\n", path, motion.frame_count(),
                      motion.left_out() > 0 ? fmt::format(", {} more after an hour left out", motion.left_out()) : "");
 }
@@ -209,11 +223,13 @@ std::string wanted_words(const SessionOutcome& outcome, const SessionOptions& op
                      std::min(EngineSettings{}.frames_min, options.frames));
 }
 
-// Of frames no person was found in: what they are, when they cannot be a room in millimetres.
+// Of frames no person was found in: what they are, when they cannot be a room in millimetres; else what they must
+// show.
 std::string depth_words(const SessionOutcome& outcome) {
   if (!has(reported_guidance(outcome.person), Guidance::no_person)) return "";
   const std::string diagnosis = hal::depth_diagnosis(outcome.shown->depth());
-  return diagnosis.empty() ? "" : "; " + diagnosis;
+  // Legs and hips may be furniture: without the chest no person is found.
+  return "; " + (diagnosis.empty() ? "the picture must reach from the floor to above the head" : diagnosis);
 }
 
 }  // namespace

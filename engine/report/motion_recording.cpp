@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -86,6 +87,21 @@ int MotionRecording::main_user() const {
   for (const auto& [id, count] : counts)
     if (user == 0 || count > counts[user]) user = id;
   return user;
+}
+
+JointFlags MotionRecording::hardly_seen() const {
+  const int user = main_user();
+  std::size_t frames = 0;
+  std::array<std::size_t, kJointCount> inferred{};
+  for (const Frame& f : frames_) {
+    if (user == 0 || f.user != user) continue;
+    ++frames;
+    for (std::size_t j = 0; j < kJointCount; ++j) inferred[j] += (f.inferred & joint_bit(j)) != 0 ? 1 : 0;
+  }
+  JointFlags out = 0;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    if (2 * inferred[j] > frames) out |= joint_bit(j);
+  return out;
 }
 
 Result<std::vector<body::PoseKey>> MotionRecording::keys(const body::Avatar& avatar) const {

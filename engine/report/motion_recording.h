@@ -23,6 +23,10 @@ class MotionRecording {
   std::size_t frame_count() const { return frames_.size(); }
   std::size_t left_out() const { return left_out_; }
 
+  // Joints of who moves in .bvh and .glb that were inferred in most of that person's frames: what they do in the file
+  // is made up. A half person's legs, or head.
+  JointFlags hardly_seen() const;
+
   // By the ending of `path`. `avatar`: who moves in .bvh and .glb; .csv needs none. Errors: the file cannot be
   // written; no person was followed (.bvh and .glb need a pose); as the writers of body/export/motion.h.
   Status write(const std::string& path, const body::Avatar& avatar) const;

@@ -38,7 +38,7 @@ float either_sign(Rng& rng, float value) {
 class Maker {
  public:
   Maker(const body::BodyModel& model, Rng& rng, const Subject& subject)
-      : model_(model), rng_(rng), scene_{subject, {}, 0} {
+      : model_(model), rng_(rng), scene_{subject, {}, 0, {}} {
     Shot& shot = scene_.shot;
     shot.seed = rng.next();
     shot.sensor = rng.uniform() < 0.75 ? kinect_sensor() : tof_sensor();
@@ -67,6 +67,11 @@ class Maker {
   void moving();
   void several_people();
   void too_noisy() { scene_.lost_share = rng_.uniform(0.4, 0.6); }
+  void pet();
+  void pet_alone();
+  void wall() { options().wall_distance_mm = draw(rng_, 170, 400); }  // the back some 50 to 280 mm before it
+  void mirror();
+  void legs_alone();
   GuidanceScene take() { return std::move(scene_); }
 
  private:
@@ -234,6 +239,63 @@ void Maker::several_people() {
   }
 }
 
+// A dog or a cat beside the person, standing or walking past.
+void Maker::pet() {
+  const bool dog = rng_.uniform() < 0.6;
+  const float heading_deg = draw(rng_, 0, 360), height_mm = dog ? draw(rng_, 350, 650) : draw(rng_, 220, 280);
+  Animal animal = make_animal(height_mm, heading_deg);
+  const float side = either_sign(rng_, 1);
+  animal.place = {side * draw(rng_, 550, 900), 0, draw(rng_, -500, 350)};
+  if (rng_.uniform() < 0.5) animal.step = {0, 0, either_sign(rng_, draw(rng_, 8, 25))};  // 0.25 to 0.75 m/s
+  options().wall_distance_mm = draw(rng_, 1200, 2500);
+  scene_.props.animal = animal;
+}
+
+void Maker::pet_alone() {
+  pet();
+  options().person = false;
+  scene_.props.animal->place.x = draw(rng_, -400, 400);
+}
+
+// A mirror on the wall behind the person, turned by 15 to 30 degrees so that the camera sees the person's back in it,
+// twice as far off as the wall is. The reflection is a person of the same sex, pose and clothes, turned round.
+void Maker::mirror() {
+  const float turn = either_sign(rng_, draw(rng_, 15, 30)), wall = draw(rng_, 600, 1000);
+  const float s = std::sin(turn * kDegree), c = std::cos(turn * kDegree);
+  scene_.props.mirror =
+      MirrorWall{{s, 0, -c}, wall, draw(rng_, 450, 700), draw(rng_, 50, 300), draw(rng_, 1800, 2100)};
+  options().wall_distance_mm = 2 * wall + 600;
+  options().furniture_count = 0;
+  options().yaw_deg = 0;
+  Bystander reflection;
+  reflection.family = Family::held_out;
+  reflection.subject_seed = rng_.next();
+  reflection.subject_index = scene_.subject.woman ? 1 : 0;
+  reflection.pose = options().pose;
+  reflection.clothing = options().clothing;
+  reflection.hair = options().hair;
+  reflection.yaw_deg = 180 - 2 * turn;
+  reflection.path.from_x_mm = reflection.path.to_x_mm = 2 * wall * s;
+  reflection.path.from_z_mm = reflection.path.to_z_mm = -2 * wall * c;
+  options().others.push_back(reflection);
+}
+
+// The upper edge between the knees and the crotch.
+void Maker::legs_alone() {
+  for (int i = 0; i < kDrawsMax; ++i) {
+    const float distance = draw(rng_, 1700, 3000), height = draw(rng_, 400, 1000);
+    const float top = draw(rng_, 450, 750);
+    const float half = half_height_angle();
+    const float pitch = half - std::atan((top - height) / distance);
+    const float bottom = height - (distance - 300) * std::tan(std::min(1.5F, pitch + half));
+    if (bottom > -60 || std::fabs(pitch) > 45 * kDegree) continue;
+    options().distance_mm = distance;
+    options().camera_height_mm = height;
+    options().pitch_deg = pitch / kDegree;
+    return;
+  }
+}
+
 struct Kind {
   const char* name;
   GuidanceSet named;
@@ -242,10 +304,11 @@ struct Kind {
 };
 
 // Companions are what is true of such a scene as well: no person fits into the picture nearer than a metre; a person
-// turned aside or bent has the arms before the body, one who walks swings them past it.
-const std::array<Kind, 13>& kinds() {
+// turned aside or bent has the arms before the body, one who walks swings them past it. What a mirror shows may be
+// taken for another person; of legs alone neither the direction they face nor the arms can be seen.
+const std::array<Kind, 18>& kinds() {
   using G = Guidance;
-  static const std::array<Kind, 13> kKinds = {{
+  static const std::array<Kind, 18> kKinds = {{
       {"OK", 0, 0, &Maker::ok},
       {"NO_PERSON", bits({G::no_person}), 0, &Maker::no_person},
       {"TOO_NEAR", bits({G::too_near}), bits({G::feet_cut, G::head_cut, G::side_cut}), &Maker::too_near},
@@ -259,6 +322,12 @@ const std::array<Kind, 13>& kinds() {
       {"SEVERAL_PEOPLE", bits({G::several_people}), 0, &Maker::several_people},
       {"TOO_NOISY", bits({G::too_noisy}), 0, &Maker::too_noisy},
       {"SIDE_CUT", bits({G::side_cut}), 0, &Maker::side_cut},
+      {"PET", 0, 0, &Maker::pet},
+      {"PET_ALONE", bits({G::no_person}), 0, &Maker::pet_alone},
+      {"WALL", 0, 0, &Maker::wall},
+      {"MIRROR", 0, bits({G::several_people}), &Maker::mirror},
+      {"LEGS_ALONE", bits({G::head_cut}), bits({G::no_person, G::too_near, G::not_frontal, G::arms_close}),
+       &Maker::legs_alone},
   }};
   return kKinds;
 }

@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "core/guidance.h"
+#include "lab/tracker_evaluation/scene_props.h"
 #include "lab/tracker_evaluation/upright_scene.h"
 
 namespace im2fit::lab {
 
-// "OK" first, then the codes a scene can name, in their order. CALIBRATION_POSE is the session's wish, not a scene's.
+// "OK" first, then the codes a scene can name, in their order (CALIBRATION_POSE is the session's wish, not a
+// scene's), then scenes that people reported: PET, PET_ALONE, WALL, MIRROR, LEGS_ALONE.
 std::vector<std::string> guidance_kinds();
 
 // What a scene of this kind must raise (0 for OK), and what it may raise beside it.
@@ -26,6 +28,7 @@ struct GuidanceScene {
   Subject subject;
   Shot shot;
   double lost_share = 0;  // of the pixels, in blobs: sunlight
+  Props props;
 };
 // Depends on the arguments only.
 GuidanceScene draw_guidance_scene(const body::BodyModel& model, const std::string& kind, std::uint64_t seed,

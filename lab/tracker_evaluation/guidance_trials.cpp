@@ -42,9 +42,11 @@ Result<GuidanceSet> raised_by(const body::BodyModel& model, const JointModel& jo
   auto engine =
       create_engine(settings, std::make_unique<SensingStages>(settings.width, settings.height, joint_model));
   if (!engine) return engine.error();
+  const PropAxes axes(scene.floor(), scene.staged().distance_mm());
   std::array<int, kGuidanceCount> counts{};
   for (int i = 0; i < kFramesShown; ++i) {
     scene.show(static_cast<std::uint64_t>(i));
+    draw_props(drawn.props, axes, settings.intrinsics, drawn.shot.seed, static_cast<std::uint64_t>(i), scene.depth());
     spoil(scene.depth(), drawn.lost_share, drawn.shot.seed, static_cast<std::uint64_t>(i));
     hal::FrameInfo info;
     info.sequence = static_cast<std::uint64_t>(i);

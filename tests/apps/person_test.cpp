@@ -212,12 +212,33 @@ TEST_F(Person, CutAtTheFeetGetsGuidance) {
   }
 }
 
-// From the forehead to the chest. Of legs alone NO_PERSON is said.
+// From the forehead to the chest.
 TEST_F(Person, CutAtTheHeadGetsGuidance) {
   const int height = one_->box.v1 - one_->box.v0;
   for (const int twentieths : {2, 4, 6}) {
     SCOPED_TRACE(twentieths);
     expect_guidance(measure_through({.v0 = one_->box.v0 + height * twentieths / 20}), "HEAD_CUT");
+  }
+}
+
+// Legs and hips may be furniture: it is said what the picture must show.
+TEST_F(Person, LegsAloneAreNoPersonAndToldWhatIsMissing) {
+  const test::Run run = measure_through({.v0 = 110});  // the crotch; the picture's centre must lie in it
+  expect_guidance(run, "NO_PERSON");
+  EXPECT_THAT(run.err, testing::HasSubstr("the picture must reach from the floor to above the head"));
+}
+
+// Cut off at the hips, with the joints written: legs that were not seen move by guesses, and that is said.
+TEST_F(Person, AHalfPersonsMotionSaysWhatIsMadeUp) {
+  const Window upper_half = {.v1 = one_->box.v1 - (one_->box.v1 - one_->box.v0) * 9 / 20};
+  for (const char* name : {"half.bvh", "half.glb", "half.csv"}) {
+    const std::string path = folder_.path(name);
+    const test::Run run = measure_through(upper_half, {"--motion", path});
+    EXPECT_EQ(run.exit_code, 3) << run.err;
+    EXPECT_TRUE(std::filesystem::exists(path));
+    EXPECT_FALSE(std::filesystem::exists(out() + "/avatar.bvh")) << "there is no measured body";
+    const bool said = run.err.find("LK, RK, LF, RF were not seen in most frames") != std::string::npos;
+    EXPECT_EQ(said, std::string(name) != "half.csv") << run.err;
   }
 }
 
@@ -235,6 +256,36 @@ TEST_F(Person, BesideAnotherGetsGuidance) {
     put(*one_, i, -kShift, picture);
     put(*other_, i, kShift, picture);
     pictures.push_back(picture);
+  }
+  test::write_depth_folder(folder_.path("depth"), pictures);
+  expect_guidance(test::measure(folder_.path("depth"), out()), "SEVERAL_PEOPLE");
+}
+
+// Ten in one picture, more than are followed: whoever is nearest is looked at, and not measured among so many.
+TEST_F(Person, AmongTenGetsGuidance) {
+  const auto model = body::BodyModel::load(test::body_path());
+  ASSERT_TRUE(model) << model.error().message;
+  lab::SceneOptions options;
+  options.rotate_deg = 0;
+  options.distance_mm = 2600;
+  options.camera_height_mm = 1100;
+  options.yaw_deg = 0;
+  options.wall_distance_mm = 3500;
+  for (int i = 0; i < 9; ++i) {
+    lab::Bystander other;
+    other.subject_seed = 11;
+    other.subject_index = static_cast<std::uint64_t>(i);
+    other.yaw_deg = static_cast<float>(40 * i);
+    other.path.from_x_mm = other.path.to_x_mm = static_cast<float>(450 * (i - 4));
+    other.path.from_z_mm = other.path.to_z_mm = static_cast<float>(-500 - 300 * (i % 4));
+    options.others.push_back(other);
+  }
+  const lab::Subject subject = lab::draw_subject(*model, lab::Family::training, 5, 2);
+  lab::VirtualScene scene(*model, subject, options, {}, lab::kinect_intrinsics(kWidth, kHeight), 5);
+  std::vector<Picture> pictures;
+  for (std::uint64_t i = 0; i < kFrames; ++i) {
+    pictures.emplace_back(kWidth, kHeight, 0);
+    scene.render(i, {pictures.back().mm.data(), kWidth, kHeight});
   }
   test::write_depth_folder(folder_.path("depth"), pictures);
   expect_guidance(test::measure(folder_.path("depth"), out()), "SEVERAL_PEOPLE");

@@ -319,6 +319,35 @@ TEST_P(Threading, FrameGapsAreNoAttempts) {
   EXPECT_TRUE(rig.engine->result().measured);
 }
 
+// A clock that is set: back is a frame's time like any other, forward a gap, however far.
+TEST_P(Threading, AClockMayJumpAnywhere) {
+  constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kDay_ns = 86'400'000'000'000;
+  Rig rig(with(GetParam()));
+  const FramePixels frame(Shot{});
+  std::uint64_t sequence = 0;
+  const auto push_from = [&](std::int64_t host_ns, int frames) {
+    for (int i = 0; i < frames; ++i) {
+      hal::FrameInfo info;
+      info.sequence = sequence++;
+      info.host_ns = host_ns + i * 1000;
+      EXPECT_TRUE(rig.engine->push(frame.view(), info));
+    }
+    EXPECT_TRUE(rig.engine->wait_idle(-1));
+    return rig.engine->result().frames_used;
+  };
+  EXPECT_EQ(push_from(kDay_ns, 4), 4U);
+  EXPECT_EQ(push_from(1, 3), 7U) << "a day back";
+  EXPECT_EQ(push_from(kDay_ns, 2), 2U) << "a day forward";
+  EXPECT_EQ(push_from(kFirst, 3), 5U) << "as far back as there is";
+  EXPECT_EQ(push_from(kLast - 10'000, 4), 4U) << "as far forward as there is";
+  EXPECT_EQ(push_from(kFirst, 6), 10U);
+  rig.engine->finish();
+  EXPECT_TRUE(rig.engine->result().measured);
+  EXPECT_EQ(rig.engine->result().time_reversals, 3U);
+}
+
 TEST_P(Threading, AUserMayBeChosenWhileOthersAreThere) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 5; ++i) rig.push({.user = 1});
@@ -500,6 +529,26 @@ TEST(Pipeline, LiveWithASlowFitStageNeverBlocksTheCamera) {
   const EngineResult r = rig.engine->result();
   EXPECT_EQ(r.frames_seen + r.frames_dropped, 300U);
   EXPECT_GT(r.frames_dropped, 0U);
+}
+
+// Every place is behind SENSE, where nothing can be taken back: the frame that comes then is given up, and counted.
+TEST(Pipeline, LiveAFrameForWhichNothingCanBeTakenBackIsCounted) {
+  EngineSettings settings = with(false);
+  settings.live = true;
+  settings.frames_wanted = 1000;
+  settings.pool_frames = 3;
+  Rig rig(settings);
+  rig.control.fit_delay_us = 300'000;  // of the first frame alone
+  for (int i = 0; i < settings.pool_frames; ++i) {
+    rig.push({});
+    while (rig.control.sense_calls <= i) std::this_thread::yield();
+  }
+  for (int i = 0; i < 5; ++i) rig.push({});
+  rig.control.fit_delay_us = 0;
+  rig.engine->finish();
+  const EngineResult r = rig.engine->result();
+  EXPECT_EQ(r.frames_seen, 3U);
+  EXPECT_EQ(r.frames_dropped, 5U);
 }
 
 TEST(Pipeline, ClosesFromAnyStateWithFramesInThePipeline) {

@@ -77,6 +77,28 @@ TEST(CodeTree, TiesGoToTheSmallerIndex) {
   compare(30000, 2, true, 10);  // a point in each group of leaves that is as near as the farthest found
 }
 
+// Sixteen points at each of 4096 places of a grid, searched at each place of its diagonal for more than lie there:
+// the rest lie a step away, in groups whose boxes begin exactly that far off, and those stored first are wanted.
+TEST(CodeTree, AGroupExactlyAsFarAsTheFarthestFoundIsSearchedToo) {
+  constexpr int kSide = 64;
+  Codes codes;
+  for (int copy = 0; copy < 16; ++copy)
+    for (int i = 0; i < kSide * kSide; ++i) {
+      codes.push_back(static_cast<std::int8_t>(i % kSide));
+      codes.push_back(static_cast<std::int8_t>(i / kSide));
+    }
+  const Coordinates steps = {10, 10};
+  const PackedTree packed = pack_tree(codes, 2, steps);
+  ASSERT_GT(packed.view().group_count(), 4U);
+  CodeSearch search(packed.view());
+  for (int at = 0; at < kSide; ++at) {
+    const Coordinates q = {10 * at, 10 * at};
+    const auto truth = by_definition(codes, packed, q, 40);
+    const auto found = search.nearest(q, 40);
+    ASSERT_TRUE(std::equal(found.begin(), found.end(), truth.begin(), truth.end())) << "at " << at;
+  }
+}
+
 TEST(CodeTree, EveryRowIsStoredOnceInALeafThatHoldsIt) {
   Rng rng(8);
   const Coordinates steps = {100, 7, 31};

@@ -432,6 +432,26 @@ TEST(IndexFile, AlikeAreTheNearestEntriesNearestFirst) {
   }
 }
 
+// More to choose from make the choice no worse, but for what they change in the answer itself (2 % here). The
+// farthest of them is twice as far.
+TEST(IndexFile, TheEntryCalledNearestIsTheNearestOfThem) {
+  const World world(0.1);
+  const auto index = Index::parse(good_file(), "good");
+  ASSERT_TRUE(index);
+  const auto scratch = index->make_scratch();
+  QueryOptions few, many;
+  few.neighbour_count = 2;
+  many.neighbour_count = 40;
+  double of_few = 0, of_many = 0;
+  for (std::uint64_t s = 0; s < 100; ++s) {
+    const Sample sample = world.sample(testing::kFreshSubjects + s, 0);
+    const Seen seen{sample.feature, {}, {}, {}};
+    of_few += static_cast<double>(index->query(seen, few, *scratch)->nearest_distance);
+    of_many += static_cast<double>(index->query(seen, many, *scratch)->nearest_distance);
+  }
+  EXPECT_LT(of_many, 1.1 * of_few);
+}
+
 TEST(RawNearestTest, FindsTheNearestByHandAndSkipsWhatWasNotMeasured) {
   RawNearest raw(3);
   const auto sample = [](std::vector<float> f, float stature) {

@@ -186,6 +186,21 @@ TEST(ChainFilter, ABoneNeverSeenIsAsLongAsItsMirrorImage) {
   EXPECT_NEAR(norm(out.joints[Joint::RA] - (joints[Joint::RE] + along * length)), 0, 0.01);
 }
 
+// The elbow is a guess, and far off: what lies between it and the hand is no forearm.
+TEST(ChainFilter, ABoneIsNotLearnedFromAGuessedParent) {
+  ChainFilter chain;
+  chain.step(figure(), kPeriod);
+  const Vec3f bone = figure()[Joint::LA] - figure()[Joint::LE];
+  JointSet guessed = figure();
+  guessed[Joint::LE] = guessed[Joint::LA] + Vec3f{0, 0, 900};
+  guessed.confidence[joint_index(Joint::LE)] = 0.1F;
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(chain.step(guessed, kPeriod).inferred, joint_bit(joint_index(Joint::LE)));
+  JointSet hidden = figure(100);
+  hidden.confidence[joint_index(Joint::LA)] = 0.1F;
+  const ChainedJoints out = chain.step(hidden, kPeriod);
+  EXPECT_NEAR(norm(out.joints[Joint::LA] - (hidden[Joint::LE] + bone)), 0, 0.01);
+}
+
 TEST(ChainFilter, WithNothingKnownTheTrackersGuessStandsAndIsMarked) {
   ChainFilter chain;
   JointSet joints = figure();

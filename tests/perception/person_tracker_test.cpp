@@ -141,6 +141,38 @@ TEST_F(PersonTracking, ARejectionSticks) {
   EXPECT_TRUE(has(run(s).guidance, Guidance::several_people));
 }
 
+// A person who turns aside is shaped like one no more, and is not given up for that at once.
+TEST_F(PersonTracking, AConfirmedUserTurnedAsideStaysConfirmedForAWhile) {
+  Scene s = room(), aside = room();
+  add(s, person_at(0, 2600));
+  add(aside, profile_at(0, 2600));
+  const int id = run(s).id;
+  ASSERT_TRUE(confirmed(id)) << "a person in the first frame";
+  for (int i = 0; i < kConfirmed - kUnconfirmedBelow; ++i) {
+    ASSERT_EQ(run(aside).id, id) << i;
+    EXPECT_TRUE(confirmed(id)) << i;
+  }
+  ASSERT_EQ(run(aside).id, id);
+  EXPECT_FALSE(confirmed(id)) << "never again in the shape of a person";
+}
+
+// Two people about as far away: the choice does not flicker from one to the other.
+TEST_F(PersonTracking, WhoIsLookedAtIsKeptUntilAnotherIsClearlyNearer) {
+  const auto scene = [](float left_mm, float right_mm) {
+    Scene s = room();
+    add(s, person_at(-500, left_mm, 1));
+    add(s, person_at(500, right_mm, 2));
+    return s;
+  };
+  const int id = run(scene(2700, 2900)).id;
+  ASSERT_NE(id, 0);
+  for (const float closer : {50.0F, 100.0F, 150.0F, 200.0F})
+    EXPECT_EQ(run(scene(2900, 2900 - closer)).id, id) << closer << " mm nearer";
+  run(scene(2900, 2600));
+  run(scene(2900, 2500));
+  EXPECT_NE(run(scene(2900, 2400)).id, id) << "500 mm nearer";
+}
+
 TEST_F(PersonTracking, WhoIsSelectedNeedsNoJudgement) {
   Scene s = room();
   add(s, person_at(0, 2700, 1));
