@@ -37,7 +37,7 @@ namespace im2fit::bench {
 namespace {
 
 constexpr int kAccumulated = 15;    // frames of a session, and of the fused picture that is described
-constexpr int kWarmUp = 8;          // frames before the first measured one: floor and tracker converge
+constexpr int kWarmUp = 12;         // frames before the first measured one: floor and tracker converge
 constexpr std::size_t kFrames = 2;  // with noise of their own
 
 struct Room {

@@ -75,6 +75,7 @@ Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
 void Segmenter::reset() {
   work_->floor.reset();
   work_->background.reset();
+  work_->blobs.reset();
 }
 
 Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, PersonTracker& people, MaskImage mask,
