@@ -3,6 +3,9 @@
 //
 //   push() --input--> SENSE --sensed--> FIT --free--> push()
 //
+// The joints of the session's person change nothing of what SENSE looks for: FIT finds them, so that neither thread
+// has much more than a half of the work. Of anybody else SENSE finds them, once FIT is done with those it was left.
+//
 // A slot index is in exactly one ring or hand. `processed_` tells the producer when all it pushed came through; while
 // no frame is in the pipeline both stages sleep, and the producer may touch what is theirs (finish, reset).
 #include "engine/engine.h"
@@ -97,7 +100,8 @@ class FrameClock {
   std::int64_t previous_ns_ = 0;
 };
 
-// With EngineSettings::rest: the gate, and what was sensed last, for the looks at a scene that stands still.
+// With EngineSettings::rest: the gate, and what was sensed last, for the looks at a scene that stands still; of an
+// unfinished detection what SENSE needs (who is there), the rest of it is FIT's to know.
 struct Rest {
   Rest(int width, int height)
       : gate(width, height), mask(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
@@ -360,10 +364,12 @@ class PipelineEngine final : public Engine {
 
   void sense(FrameSlot& slot) {
     slot.sensed = settings_.one_after_another || !over_.load(std::memory_order_relaxed);
+    slot.passed = slot.repeated = slot.unfinished = false;
     if (!slot.sensed) return;
     float seconds = clock_.step(slot.info.host_ns);
     slot.after_frame_gap = seconds > kFrameGapSecondsMax;
     if (slot.after_frame_gap) {
+      if (!wait_for_finished()) return;
       stages_->reset_sense();
       if (rest_) rest_->gate.wake();
       since_processed_s_ = 0;
@@ -378,17 +384,61 @@ class PipelineEngine final : public Engine {
     slot.seconds = since_processed_s_;
     slot.periods = periods_.step(since_processed_s_);
     since_processed_s_ = 0;
-    if (step == RestStep::repeat)
+    slot.repeated = step == RestStep::repeat;
+    if (slot.repeated)
       rest_->repeat(slot);
-    else
-      // The frames passed looked like the one sensed last: what moves has moved for one frame.
-      slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, seconds);
-    if (rest_ && step == RestStep::sense) rest_->keep(slot);
+    else if (!look(slot, seconds))
+      return;
+    if (rest_ && !slot.repeated) rest_->keep(slot);
     const Person& person = slot.detection.person;
     people().hold(person.found ? person.id : 0, slot.detection.guidance == 0, slot.periods);
   }
 
+  // The frames passed looked like the one sensed last: what moves has moved for one frame. False: the engine ends.
+  bool look(FrameSlot& slot, float seconds) {
+    slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, seconds);
+    slot.unfinished = stages_->may_finish_later(slot.detection);
+    if (slot.unfinished) {
+      ++left_unfinished_;
+      return true;
+    }
+    if (!wait_for_finished()) return false;
+    stages_->finish(slot.depth, intrinsics_, slot.mask, slot.detection);
+    return true;
+  }
+
+  // SENSE, until FIT has finished every frame it was left: what finds joints is in one hand at a time. False: the
+  // engine ends.
+  bool wait_for_finished() {
+    if (finished_by_fit_.load(std::memory_order_acquire) == left_unfinished_) return true;
+    sense_waits_.store(true);
+    bool done = false;
+    while (!done && !stop_.load(std::memory_order_acquire)) {
+      const std::uint32_t ticket = sense_event_.ticket();
+      done = finished_by_fit_.load() == left_unfinished_;
+      if (!done) sense_event_.wait(ticket);
+    }
+    sense_waits_.store(false);
+    return done;
+  }
+
+  // FIT. Whether or not the session is over: the next one's joints depend on the frames before.
+  void finish(FrameSlot& slot) {
+    if (slot.unfinished) {
+      stages_->finish_later(slot.depth, intrinsics_, slot.mask, slot.detection);
+      finished_by_fit_.fetch_add(1);
+      // Either SENSE sees the count or it said that it waits before this looks.
+      if (sense_waits_.load()) sense_event_.signal();
+    }
+    if (!rest_ || !slot.sensed || slot.passed) return;
+    if (slot.repeated)
+      slot.detection = last_finished_;
+    else
+      last_finished_ = slot.detection;
+  }
+
   void fit(FrameSlot& slot) {
+    finish(slot);
     if (slot.sensed && !fit_.over()) process(slot);
     slot.leaving = fit_.leaving();
   }
@@ -451,7 +501,10 @@ class PipelineEngine final : public Engine {
   PeriodCounter periods_;
   float since_processed_s_ = 0;  // since the frame before that was not only counted
   std::optional<Rest> rest_;
-  FitStage fit_;  // FIT's, or the producer's while no frame is in the pipeline
+  std::uint64_t left_unfinished_ = 0;
+  // FIT's, or the producer's while no frame is in the pipeline.
+  FitStage fit_;
+  Detection last_finished_;  // with rest: of the frame sensed last
   Snapshot<EngineResult> snapshot_;
 
   // The producer's.
@@ -466,6 +519,8 @@ class PipelineEngine final : public Engine {
   std::atomic<bool> over_{false};  // FIT to SENSE: the session is over, frames need no reading
   // FIT to the producer: its fault, which stands still while the session is over.
   std::atomic<const Error*> fault_{nullptr};
+  std::atomic<std::uint64_t> finished_by_fit_{0};  // of left_unfinished_
+  std::atomic<bool> sense_waits_{false};           // for finished_by_fit_, on sense_event_
   std::atomic<bool> stop_{false};
   Event producer_event_;
   Event sense_event_;

@@ -26,8 +26,14 @@ class FrameStages {
   virtual ~FrameStages() = default;
 
   // Stage SENSE.
-  // `seconds` since the frame before. Of whom: people().selected().
+  // `seconds` since the frame before. Of whom: people().selected(). finish() comes before the next sense(), or, of a
+  // frame that may_finish_later(), finish_later() in stage FIT: of these one at a time, in their order.
   virtual Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) = 0;
+  virtual bool may_finish_later(const Detection& /*sensed*/) const { return false; }
+  virtual void finish(DepthView /*depth*/, const Intrinsics& /*intrinsics*/, MaskImage /*mask*/,
+                      Detection& /*detection*/) {}
+  virtual void finish_later(DepthView /*depth*/, const Intrinsics& /*intrinsics*/, MaskView /*mask*/,
+                            Detection& /*detection*/) {}
   // Where down is, in the frames' axes, from the next frame on.
   virtual void set_down(Vec3f /*down*/) {}
   virtual PersonTracker& people() = 0;

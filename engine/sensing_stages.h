@@ -18,7 +18,14 @@ class SensingStages : public FrameStages {
   }
 
   Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) override {
-    return sensor_.sense(depth, intrinsics, mask, seconds);
+    return sensor_.look(depth, intrinsics, mask, seconds);
+  }
+  bool may_finish_later(const Detection& sensed) const override { return sensor_.may_finish_later(sensed); }
+  void finish(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, Detection& detection) override {
+    sensor_.finish(depth, intrinsics, mask, detection);
+  }
+  void finish_later(DepthView depth, const Intrinsics& intrinsics, MaskView mask, Detection& detection) override {
+    sensor_.finish_later(depth, intrinsics, mask, detection);
   }
   void set_down(Vec3f down) override { sensor_.set_down(down); }
   PersonTracker& people() override { return sensor_.people(); }

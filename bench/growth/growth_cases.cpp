@@ -19,7 +19,7 @@
 namespace im2fit::bench {
 namespace {
 
-constexpr int kWarmUp = 8;        // frames until floor and tracker have converged
+constexpr int kWarmUp = 12;       // frames until floor and tracker have converged
 constexpr int kAccumulated = 15;  // frames of a session
 constexpr int kPeopleMax = 6;
 constexpr double kBehindMm = 1600;  // the wall, behind whom is measured

@@ -5,6 +5,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 
@@ -140,9 +141,9 @@ bool inflate_rows(std::span<const std::byte> bytes, DepthView image, std::span<s
 bool decode_plain_png(std::span<const std::byte> bytes, std::vector<std::uint8_t>& rows, DepthImage out) {
   const std::size_t row_bytes = kPixelBytes * static_cast<std::size_t>(out.width);
   const std::size_t filtered = 1 + row_bytes;  // the filter's number first
-  // A row of zeros before the first.
-  rows.assign(row_bytes, 0);
+  // A row of zeros before the first. The others are written whole, or the picture is refused.
   rows.resize(row_bytes + filtered * static_cast<std::size_t>(out.height));
+  std::fill_n(rows.begin(), row_bytes, std::uint8_t{0});
   if (!inflate_rows(bytes, out, std::span(rows).subspan(row_bytes))) return false;
   const std::uint8_t* above = rows.data();
   std::uint8_t* row = rows.data() + row_bytes;

@@ -21,14 +21,24 @@ class Components {
           std::span<std::uint16_t> labels);
 
  private:
-  std::int32_t root(std::int32_t cell);
-  void unite(std::int32_t a, std::int32_t b);
+  struct Run {
+    std::int32_t first = 0, count = 0;  // cells
+  };
+  void find_surfaces(std::span<const std::uint16_t> depth, std::span<const std::uint8_t> open);
+  void list_runs();
   void join();
+  void join_down(std::int32_t here, bool in_run);
+  void unite(std::int32_t a, std::int32_t b);  // cells
+  std::int32_t root(std::int32_t start);
 
   int width_, height_;
   std::vector<std::uint16_t> surface_, limit_;
   std::vector<std::uint8_t> links_;
-  std::vector<std::int32_t> parent_, size_;
+  std::vector<std::int32_t> start_;          // of each open cell: the first of its run
+  std::vector<std::int32_t> parent_, size_;  // of the first cell of each run
+  std::vector<std::uint16_t> label_;         // of the first cell of each surface
+  std::vector<Run> runs_;                    // in reading order, the first run_count_
+  std::int32_t run_count_ = 0;
 };
 
 }  // namespace im2fit

@@ -17,6 +17,7 @@
 #include "perception/observe/gate.h"
 #include "perception/observe/hole_filler.h"
 #include "perception/observe/joint_filter.h"
+#include "perception/observe/lean.h"
 #include "perception/observe/sensor_traits.h"
 #include "perception/paper/paper.h"
 #include "perception/profile/profile.h"
@@ -48,6 +49,16 @@ class Sensor {
   Sensor(int width, int height, const JointModel& model);
   // `seconds` since the frame before.
   Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
+
+  // The same in two parts, the second of which may run on another thread, frame by frame in their order: look() finds
+  // who is there and the mask, finish() that person's joints and pose. finish() must be done before the next look(),
+  // unless may_finish_later(): where no person is found, or the session's person is, the joints do not change what
+  // look() finds in later frames.
+  Detection look(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
+  bool may_finish_later(const Detection& looked) const;
+  void finish(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, Detection& detection);
+  // Of a frame that may_finish_later(). Touches nothing that look() and people() do.
+  void finish_later(DepthView depth, const Intrinsics& intrinsics, MaskView mask, Detection& detection);
   // Where gravity pulls, a unit vector in the frames' axes, from the next frame on: what is upright where no floor is
   // seen. Holds until reset().
   void set_down(Vec3f down) { up_ = -down; }
@@ -58,12 +69,19 @@ class Sensor {
  private:
   JointEvidence evidence(const Person& person) const;
   Detection without_person(const Detection& refused, MaskImage mask);
+  void find_joints(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Person& standing,
+                   Detection& detection);
+  void judge_pose(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Lean& lean,
+                  Detection& detection);
 
+  // look()'s.
   HoleFiller holes_;
+  DepthView filled_;  // the frame looked at last
   Segmenter segmenter_;
   PersonTracker people_;
-  JointTracker tracker_;
   std::optional<Vec3f> up_;
+  // finish()'s.
+  JointTracker tracker_;
   int previous_user_ = 0;  // whose joints tracker_ followed in the last frame; 0: none's
 };
 

@@ -35,46 +35,85 @@ FloorPlane assumed_floor(DepthView depth, MaskView mask, const Intrinsics& k, co
   return floor;
 }
 
+Lean lean_of_chosen(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Detection& detection) {
+  const auto users = std::span(detection.users).first(static_cast<std::size_t>(detection.user_count));
+  const auto is_chosen = [&](const User& user) { return user.id == detection.person.id; };
+  const auto user = std::find_if(users.begin(), users.end(), is_chosen);
+  return lean_of(depth, mask, intrinsics, detection.person, user != users.end() ? &*user : nullptr);
+}
+
 }  // namespace
 
 Sensor::Sensor(int width, int height, const JointModel& model)
     : holes_(width, height), segmenter_(width, height), tracker_(model) {}
 
 Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) {
+  Detection detection = look(depth, intrinsics, mask, seconds);
+  finish(depth, intrinsics, mask, detection);
+  return detection;
+}
+
+Detection Sensor::look(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) {
   Detection detection;
-  const DepthView filled = holes_.run(depth);
-  detection.person = segmenter_.run(filled, intrinsics, people_, mask, seconds, up_);
+  filled_ = holes_.run(depth);
+  detection.person = segmenter_.run(filled_, intrinsics, people_, mask, seconds, up_);
   for (const User& user : people_.users()) detection.users[static_cast<std::size_t>(detection.user_count++)] = user;
   detection.guidance = detection.person.guidance;
-  if (!detection.person.found) {
-    previous_user_ = 0;
-    return detection;
-  }
+  return detection;
+}
+
+// A filled picture is the hole filler's own.
+bool Sensor::may_finish_later(const Detection& looked) const {
+  return !holes_.filled() && (!looked.person.found || people_.selected() == looked.person.id);
+}
+
+void Sensor::find_joints(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Person& standing,
+                         Detection& detection) {
   const bool follows = previous_user_ != 0 && previous_user_ == detection.person.id;
-  const bool judged = !people_.accepted(detection.person.id);
-  Person standing = detection.person;
-  if (judged && !standing.floor.known) standing.floor = assumed_floor(filled, mask, intrinsics, standing);
-  detection.joints = tracker_.track(filled, mask, intrinsics, standing, follows);
-  if (judged && !people_.judge(detection.person.id, evidence(detection.person)))
-    return without_person(detection, mask);
-  const auto is_chosen = [&](const User& user) { return user.id == detection.person.id; };
-  const auto users = people_.users();
-  const auto user = std::find_if(users.begin(), users.end(), is_chosen);
-  const Lean lean = lean_of(filled, mask, intrinsics, detection.person, user != users.end() ? &*user : nullptr);
-  // Other people are a guess in such a picture, too.
-  if (holes_.filled() && drop_lost_pixels(depth, mask) > kLostShareMax)
-    detection.guidance = (detection.guidance & ~static_cast<GuidanceSet>(Guidance::several_people)) |
-                         static_cast<GuidanceSet>(Guidance::too_noisy);
+  detection.joints = tracker_.track(depth, mask, intrinsics, standing, follows);
+  previous_user_ = detection.person.id;
+}
+
+void Sensor::judge_pose(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Lean& lean,
+                        Detection& detection) {
   detection.back_chance = tracker_.back_chance();
   detection.view = view_side(detection.joints, detection.person.floor, detection.back_chance);
   GuidanceSet pose = pose_gate(detection.joints, detection.person.floor, detection.view, lean);
   detection.arms_close =
-      hands_close(detection.joints, detection.person.floor) | arms_joined(filled, mask, intrinsics, detection.joints);
+      hands_close(detection.joints, detection.person.floor) | arms_joined(depth, mask, intrinsics, detection.joints);
   if (detection.arms_close != 0) pose |= static_cast<GuidanceSet>(Guidance::arms_close);
   detection.guidance |= pose & pose_codes_seen(detection.guidance, detection.view);
   if (!has(detection.guidance, Guidance::arms_close)) detection.arms_close = 0;
-  previous_user_ = detection.person.id;
-  return detection;
+}
+
+void Sensor::finish_later(DepthView depth, const Intrinsics& intrinsics, MaskView mask, Detection& detection) {
+  if (!detection.person.found) {
+    previous_user_ = 0;
+    return;
+  }
+  find_joints(depth, intrinsics, mask, detection.person, detection);
+  judge_pose(depth, intrinsics, mask, lean_of_chosen(depth, mask, intrinsics, detection), detection);
+}
+
+void Sensor::finish(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, Detection& detection) {
+  if (!detection.person.found) {
+    previous_user_ = 0;
+    return;
+  }
+  const bool judged = !people_.accepted(detection.person.id);
+  Person standing = detection.person;
+  if (judged && !standing.floor.known) standing.floor = assumed_floor(filled_, mask, intrinsics, standing);
+  find_joints(filled_, intrinsics, mask, standing, detection);
+  if (judged && !people_.judge(detection.person.id, evidence(detection.person))) {
+    detection = without_person(detection, mask);
+    return;
+  }
+  const Lean lean = lean_of_chosen(filled_, mask, intrinsics, detection);
+  // Other people are a guess in such a picture, too.
+  if (holes_.filled() && drop_lost_pixels(depth, mask) > kLostShareMax)
+    detection.guidance = (detection.guidance & ~static_cast<GuidanceSet>(Guidance::several_people)) |
+                         static_cast<GuidanceSet>(Guidance::too_noisy);
+  judge_pose(filled_, intrinsics, mask, lean, detection);
 }
 
 JointEvidence Sensor::evidence(const Person& person) const {

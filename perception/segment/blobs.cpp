@@ -197,7 +197,7 @@ bool BlobFinder::close_further_walls(const Grid& grid, const FloorPlane& floor) 
 void BlobFinder::run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
                      std::span<const Vec3f> expected) {
   open_cells(grid, floor, background);
-  wall_.run(grid, floor, open_);
+  wall_.follow(grid, floor, open_);
   label(grid);
   if (close_further_walls(grid, floor)) label(grid);
   head_count_ = 0;

@@ -50,6 +50,7 @@ struct Head {
 class BlobFinder {
  public:
   explicit BlobFinder(const Grid& grid);
+  void reset() { wall_.reset(); }  // forgets the room
   // Labels every cell: blob index + 1, or 0 for floor, no data, specks and where `background` is 1. `expected`:
   // crowns of people known, who are kept apart also where their heads are not seen.
   void run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,

@@ -93,7 +93,8 @@ FloorFinder::FloorFinder(const Grid& grid)
 
 void FloorFinder::reset() {
   tracked_ = {};
-  has_accumulated_ = false;
+  has_accumulated_ = kept_ = false;
+  part_ = 0;
 }
 
 // A level cell: two cells further up the picture the surface has gone away from the camera, not up.
@@ -212,6 +213,7 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) {
     z_min = std::min(z_min, all.z[i]);
     z_max = std::max(z_max, all.z[i]);
   }
+  on_count_ = count;
   if (count < kSupportMin || x_max - x_min < kSupportWidthMm || z_max - z_min < kSupportLengthMm) return false;
   int below = 0;
   for (int r = 0; r < grid.height; ++r) {
@@ -239,28 +241,41 @@ FloorPlane FloorFinder::find(const Grid& grid, const std::optional<Vec3f>& up) {
   return found;
 }
 
+// As many cells lie on the plane of the frame before as when it was fitted, but for some that people hide.
+bool FloorFinder::still_there(const Grid& grid) {
+  return supported(grid, tracked_) && on_count_ * kKeepParts >= fitted_on_count_ * (kKeepParts - 1);
+}
+
 FloorPlane FloorFinder::follow_or_search(const Grid& grid) {
+  kept_ = false;
   if (tracked_.known) {
     collect_level_cells(grid, plausible(tracked_, kUpZMax) ? kLevelSlope : kSteepSlope);
+    kept_ = still_there(grid);
+    if (kept_) return tracked_;
     const FloorPlane followed = fit_cells(tracked_);
-    if (supported(grid, followed)) return tracked_ = followed;
+    if (supported(grid, followed)) return fitted(followed);
   }
   has_accumulated_ = false;
   collect_level_cells(grid, kLevelSlope);
   tracked_ = fit_cells(search(grid, kUpZMax));
-  if (supported(grid, tracked_)) return tracked_;
+  if (supported(grid, tracked_)) return fitted(tracked_);
   collect_level_cells(grid, kSteepSlope);
   tracked_ = fit_cells(search(grid, kSteepUpZMax));
-  if (!supported(grid, tracked_)) tracked_ = {};
-  return tracked_;
+  if (!supported(grid, tracked_)) return tracked_ = {};
+  return fitted(tracked_);
+}
+
+FloorPlane FloorFinder::fitted(const FloorPlane& plane) {
+  fitted_on_count_ = on_count_;
+  return tracked_ = plane;
 }
 
 // Cells of the floor near the feet, in reading order, every fourth pixel of each.
 int FloorFinder::list_cells(const Grid& grid, const FloorPlane& plane, Vec3f feet,
-                            std::span<const std::uint8_t> taken) {
+                            std::span<const std::uint8_t> taken, int first_row, int row_step) {
   const int stride = grid.step > 1 ? 2 : 1;
   int count = 0;
-  for (int r = 0; r < grid.height; ++r) {
+  for (int r = first_row; r < grid.height; r += row_step) {
     if (looks_up(grid, plane, r)) continue;
     for (int c = 0; c < grid.width; ++c) {
       const auto i = static_cast<std::size_t>(grid.index(c, r));
@@ -289,38 +304,67 @@ void FloorFinder::list_more_pixels(const Grid& grid, int count) {
   }
 }
 
+// Those listed that are near the plane say where it is.
+bool FloorFinder::fit_pixels(const Grid& grid, DepthView depth, float gate_share, int count, FloorPlane& plane,
+                             FloorEquations& equations) {
+  for (std::size_t v = 0; v < row_up_.size(); ++v) row_up_[v] = plane.up.y * pixel_ray_y_[v] + plane.up.z;
+  const FloorGate gate = {plane.up.x,           plane.camera_height_mm,
+                          gate_share * kGateMm, gate_share * kGateQuanta * quantum_mm(1.0F) * plane.camera_height_mm,
+                          pixel_ray_x_.data(),  pixel_ray_y_.data(),
+                          row_up_.data()};
+  PlaneSums sums;
+  floor_sums(depth, grid.step, gate, near_cells_.data(), count, sums);
+  equations = FloorEquations(sums);
+  return equations.solve(plane);
+}
+
+bool FloorFinder::refine_whole(const Grid& grid, DepthView depth, Vec3f feet, std::span<const std::uint8_t> taken,
+                               FloorPlane& plane, FloorEquations& equations) {
+  const int count = list_cells(grid, plane, feet, taken);
+  // The first pass only centres the gate.
+  if (!fit_pixels(grid, depth, kFirstPassShare, count, plane, equations) || equations.weight < kWeightMin)
+    return false;
+  list_more_pixels(grid, count);
+  return fit_pixels(grid, depth, 1.0F, count, plane, equations) && equations.weight >= kWeightMin;
+}
+
+// The gate is centred already.
+bool FloorFinder::refine_part(const Grid& grid, DepthView depth, Vec3f feet, std::span<const std::uint8_t> taken,
+                              FloorPlane& plane, FloorEquations& equations) {
+  if (!kept_ || !has_accumulated_ || accumulated_count_ < kWholeFrames) return false;
+  const int count = list_cells(grid, plane, feet, taken, part_, kRefineParts);
+  part_ = (part_ + 1) % kRefineParts;
+  list_more_pixels(grid, count);
+  return fit_pixels(grid, depth, 1.0F, count, plane, equations) && equations.weight * kRefineParts >= kWeightMin &&
+         near_accumulated(plane, feet);
+}
+
+// Else the camera moved.
+bool FloorFinder::near_accumulated(const FloorPlane& plane, Vec3f feet) const {
+  FloorPlane before;
+  return accumulated_.solve(before) && std::fabs(height_of(before, feet) - height_of(plane, feet)) < kJumpMm;
+}
+
 FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPlane& coarse, Vec3f feet,
                                std::span<const std::uint8_t> taken) {
-  FloorPlane plane = coarse;
-  FloorEquations equations;
   const Intrinsics& k = grid.intrinsics;
   const float inverse_fx = 1.0F / k.fx;
   const float inverse_fy = 1.0F / k.fy;
   for (std::size_t u = 0; u < pixel_ray_x_.size(); ++u) pixel_ray_x_[u] = (static_cast<float>(u) - k.cx) * inverse_fx;
   for (std::size_t v = 0; v < pixel_ray_y_.size(); ++v) pixel_ray_y_[v] = (static_cast<float>(v) - k.cy) * inverse_fy;
-  // The first pass only centres the gate.
-  const int count = list_cells(grid, coarse, feet, taken);
-  for (int pass = 0; pass < 2; ++pass) {
-    if (pass == 1) list_more_pixels(grid, count);
-    for (std::size_t v = 0; v < row_up_.size(); ++v) row_up_[v] = plane.up.y * pixel_ray_y_[v] + plane.up.z;
-    const float share = pass == 0 ? kFirstPassShare : 1.0F;
-    const FloorGate gate = {plane.up.x,          plane.camera_height_mm,
-                            share * kGateMm,     share * kGateQuanta * quantum_mm(1.0F) * plane.camera_height_mm,
-                            pixel_ray_x_.data(), pixel_ray_y_.data(),
-                            row_up_.data()};
-    PlaneSums sums;
-    floor_sums(depth, grid.step, gate, near_cells_.data(), count, sums);
-    equations = FloorEquations(sums);
-    FloorPlane next;
-    if (equations.weight < 30.0 || !equations.solve(next)) return coarse;
-    plane = next;
+  FloorPlane plane = coarse;
+  FloorEquations equations;
+  const bool part = refine_part(grid, depth, feet, taken, plane, equations);
+  if (!part) {
+    plane = coarse;
+    if (!refine_whole(grid, depth, feet, taken, plane, equations)) return coarse;
   }
-  if (has_accumulated_) {
-    FloorPlane before;
-    if (accumulated_.solve(before) && std::fabs(height_of(before, feet) - height_of(plane, feet)) < kJumpMm) {
-      equations.blend(accumulated_, kFrameKeep);
-      if (!equations.solve(plane)) return coarse;
-    }
+  if (has_accumulated_ && (part || near_accumulated(plane, feet))) {
+    equations.blend(accumulated_, part ? kPartKeep : kFrameKeep);
+    if (!equations.solve(plane)) return coarse;
+    ++accumulated_count_;
+  } else {
+    accumulated_count_ = 1;
   }
   accumulated_ = equations;
   has_accumulated_ = true;

@@ -85,11 +85,13 @@ class FloorFinder {
  public:
   explicit FloorFinder(const Grid& grid);
   void reset();
-  // Plane of this frame: the tracked one when still supported, else searched for. Unknown when nothing supports it.
+  // Plane of this frame: the one of the frame before as long as as many cells lie on it; else that one fitted to this
+  // frame's cells when still supported, else searched for. Unknown when nothing supports it.
   // With `up`, against gravity, no plane that is not level; of an unknown floor it is the plane's up.
   FloorPlane find(const Grid& grid, const std::optional<Vec3f>& up = std::nullopt);
   // Precise fit on the pixels of floor cells, those near `feet` counting most; cells with `taken` != 0 are left out.
-  // Averages over the frames since the last reset or jump.
+  // Averages over the frames since the last reset or jump: of a plane that find() kept from the frame before a part
+  // of the cells a frame is enough.
   FloorPlane refine(const Grid& grid, DepthView depth, const FloorPlane& coarse, Vec3f feet,
                     std::span<const std::uint8_t> taken);
 
@@ -109,9 +111,20 @@ class FloorFinder {
   FloorPlane search(const Grid& grid, float up_z_max) const;
   bool level(const FloorPlane& plane) const;
   bool supported(const Grid& grid, const FloorPlane& plane);
+  bool still_there(const Grid& grid);
+  FloorPlane fitted(const FloorPlane& plane);
   FloorPlane fit_cells(FloorPlane plane);
-  int list_cells(const Grid& grid, const FloorPlane& plane, Vec3f feet, std::span<const std::uint8_t> taken);
+  // Rows first_row, first_row + row_step, ...
+  int list_cells(const Grid& grid, const FloorPlane& plane, Vec3f feet, std::span<const std::uint8_t> taken,
+                 int first_row = 0, int row_step = 1);
   void list_more_pixels(const Grid& grid, int count);
+  bool fit_pixels(const Grid& grid, DepthView depth, float gate_share, int count, FloorPlane& plane,
+                  FloorEquations& equations);
+  bool refine_part(const Grid& grid, DepthView depth, Vec3f feet, std::span<const std::uint8_t> taken,
+                   FloorPlane& plane, FloorEquations& equations);
+  bool refine_whole(const Grid& grid, DepthView depth, Vec3f feet, std::span<const std::uint8_t> taken,
+                    FloorPlane& plane, FloorEquations& equations);
+  bool near_accumulated(const FloorPlane& plane, Vec3f feet) const;
 
   Candidates candidates_;
   std::vector<std::uint8_t> level_;  // of a row of cells
@@ -119,9 +132,14 @@ class FloorFinder {
   std::vector<float> away_;  // of those: their squared distance from the feet, in units of its weight's
   std::vector<float> pixel_ray_x_, pixel_ray_y_, row_up_;
   FloorPlane tracked_;
+  int on_count_ = 0;         // cells on a plane, of the last supported()
+  int fitted_on_count_ = 0;  // on tracked_, when its cells were last fitted
+  bool kept_ = false;        // tracked_ is of the frame before
+  int part_ = 0;             // of kRefineParts, refined next
   std::optional<Vec3f> up_;  // of the frame at work
   FloorEquations accumulated_;
   bool has_accumulated_ = false;
+  int accumulated_count_ = 0;  // frames
 };
 
 }  // namespace im2fit::segment

@@ -39,5 +39,15 @@ inline constexpr float kFirstPassShare = 1.5F;     // of the gate, in the pass t
 inline constexpr float kJumpMm = 12.0F;     // of the height at the feet, between frames: the camera moved; [rooms]
 inline constexpr float kBandMm = 60.0F;     // from the coarse floor: cells of the precise fit; [rooms]
 inline constexpr double kFrameKeep = 0.85;  // weight the frames before keep: about seven frames' worth; [rooms]
+inline constexpr float kWeightMin = 30.0F;  // of the precise fit's cells, least; [rooms]
+
+// A plane known is kept as long as cells lie on it: while no more than one in so many of those of its fit is lost, it
+// is the floor. Once the average holds what it ever will (kFrameKeep^kWholeFrames = 0.2 is missing), a frame refines
+// it with one in kRefineParts rows of cells, in turn, and keeps kFrameKeep^(1/kRefineParts) of those before, so that
+// each row counts as much as ever.
+inline constexpr int kKeepParts = 20;  // cells on a floor change by 1 % from frame to frame; [rooms]
+inline constexpr int kWholeFrames = 10;
+inline constexpr int kRefineParts = 4;
+inline constexpr double kPartKeep = 0.9601845;
 
 }  // namespace im2fit::segment::floor_limits

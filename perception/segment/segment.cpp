@@ -61,9 +61,9 @@ struct Segmenter::Workspace {
 
 // Where the mask must not grow down to the floor: what stands there.
 std::span<const std::uint8_t> Segmenter::Workspace::not_feet() {
-  const auto shown = background.shown();
-  const auto cut = furniture.cut();
-  for (std::size_t i = 0; i < barred.size(); ++i) barred[i] = shown[i] | cut[i];
+  const std::uint8_t *shown = background.shown().data(), *cut = furniture.cut().data();
+  std::uint8_t* __restrict bars = barred.data();
+  for (std::size_t i = 0, count = barred.size(); i < count; ++i) bars[i] = shown[i] | cut[i];
   return barred;
 }
 
@@ -75,6 +75,7 @@ Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
 void Segmenter::reset() {
   work_->floor.reset();
   work_->background.reset();
+  work_->blobs.reset();
 }
 
 Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, PersonTracker& people, MaskImage mask,

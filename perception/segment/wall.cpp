@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/votes/votes.h"
 #include "perception/segment/floor.h"
 #include "perception/segment/wall_limits.h"
 
@@ -20,6 +19,12 @@ std::size_t at(int i) {
 
 int vote_stride(std::size_t cells) {
   return std::max(1, static_cast<int>(cells) / kScoredCount) | 1;  // odd: walks all columns
+}
+
+int count_open(std::span<const std::uint8_t> open) {
+  int count = 0;
+  for (const std::uint8_t o : open) count += o;
+  return count;
 }
 
 }  // namespace
@@ -46,10 +51,17 @@ void WallRemover::collect_voters(const Grid& grid, std::span<const std::uint8_t>
   }
 }
 
-bool WallRemover::search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best) {
-  collect_voters(grid, open);
+Votes WallRemover::vote(const Plane& plane) const {
   const VotingPoints voters = {ray_x_.data(),   ray_y_.data(),  z_mm_.data(),
                                near_mm_.data(), far_mm_.data(), voter_count_};
+  const std::array<float, 3> q = {static_cast<float>(plane[0]), static_cast<float>(plane[1]),
+                                  static_cast<float>(plane[2])};
+  Votes count;
+  votes(voters, q.data(), count);
+  return count;
+}
+
+bool WallRemover::search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best) {
   const auto cells = static_cast<std::uint64_t>(open.size());
   std::uint32_t state = 0x9E3779B9U;
   const auto draw = [&] {
@@ -73,12 +85,12 @@ bool WallRemover::search(const Grid& grid, Vec3f up, std::span<const std::uint8_
     n = n * (1.0F / length);
     const float offset = -dot(n, a);
     if (std::fabs(dot(n, up)) > kUprightMax || std::fabs(offset) < kDistanceMinMm) continue;
-    const std::array<float, 3> q = {n.x / offset, n.y / offset, n.z / offset};
-    Votes count;
-    votes(voters, q.data(), count);
+    const Plane plane = {static_cast<double>(n.x / offset), static_cast<double>(n.y / offset),
+                         static_cast<double>(n.z / offset)};
+    const Votes count = vote(plane);
     if (count.on * 6 < voter_count_ || count.behind * 16 > voter_count_ || count.on <= best_support) continue;
     best_support = count.on;
-    best = {static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])};
+    best = plane;
   }
   return best_support > 0;
 }
@@ -144,12 +156,12 @@ bool WallRemover::refine(const Grid& grid, std::span<const std::uint8_t> open, P
   return across * across + along * along >= kWidthMinMm * kWidthMinMm && area_m2 >= kAreaMinM2;
 }
 
-bool WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open) {
-  int open_count = 0;
-  for (const std::uint8_t o : open) open_count += o;
-  if (open_count < kOpenCountMin) return false;
-  Plane plane{};
-  if (!search(grid, floor.up, open, plane) || !refine(grid, open, plane)) return false;
+bool WallRemover::find(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& plane) {
+  collect_voters(grid, open);
+  return search(grid, up, open, plane) && refine(grid, open, plane);
+}
+
+void WallRemover::close(const Grid& grid, const Plane& plane, std::span<std::uint8_t> open) {
   for (int r = 0; r < grid.height; ++r) {
     const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
     std::uint8_t* __restrict is_open = open.data() + grid.index(0, r);
@@ -162,6 +174,36 @@ bool WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::
       is_open[c] = static_cast<std::uint8_t>(is_open[c] & !((nearness > kNearnessMin) & behind));
     }
   }
+}
+
+bool WallRemover::run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open) {
+  Plane plane{};
+  if (count_open(open) < kOpenCountMin || !find(grid, floor.up, open, plane)) return false;
+  close(grid, plane, open);
+  return true;
+}
+
+bool WallRemover::follow(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open) {
+  if (count_open(open) < kOpenCountMin) {
+    followed_.reset();
+    return false;
+  }
+  if (followed_) {
+    collect_voters(grid, open);
+    const Votes now = vote(followed_->plane);
+    // The share of the voters, since what stands before the wall comes and goes.
+    const auto share = [](int count, int of, int others) { return std::int64_t{count} * of * others; };
+    const bool stands =
+        share(now.on, followed_->voters, kFollowParts) >= share(followed_->on, voter_count_, kFollowParts - 1) &&
+        now.behind * 16 <= voter_count_;
+    if (!stands) followed_.reset();
+  }
+  if (!followed_) {
+    Plane plane{};
+    if (!find(grid, floor.up, open, plane)) return false;
+    followed_ = {plane, vote(plane).on, voter_count_};
+  }
+  close(grid, followed_->plane, open);
   return true;
 }
 

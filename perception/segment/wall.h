@@ -5,9 +5,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "core/floor_plane.h"
+#include "kernels/votes/votes.h"
 #include "perception/segment/grid.h"
 
 namespace im2fit::segment {
@@ -17,10 +20,22 @@ class WallRemover {
   explicit WallRemover(const Grid& grid);
   // Closes the cells (`open` 1 to 0) of a wall and of what lies behind it; false: there is none.
   bool run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
+  // The same of a room's main wall, frame after frame: the plane of the frame before serves as long as the cells that
+  // vote on walls say that it still stands there. Depends on the frames alone.
+  bool follow(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
+  void reset() { followed_.reset(); }
 
  private:
   using Plane = std::array<double, 3>;  // q of q.r = -1/z
 
+  struct Followed {
+    Plane plane{};
+    int on = 0, voters = 0;  // when it was fitted
+  };
+
+  Votes vote(const Plane& plane) const;
+  bool find(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& plane);
+  static void close(const Grid& grid, const Plane& plane, std::span<std::uint8_t> open);
   void collect_voters(const Grid& grid, std::span<const std::uint8_t> open);
   bool search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best);
   void collect_on(const Grid& grid, std::span<const std::uint8_t> open, const Plane& plane, int row);
@@ -33,6 +48,7 @@ class WallRemover {
     std::vector<float> ray_x, z_mm, inverse_z;
     std::size_t count = 0;
   } row_on_;  // those, the first `count` of each
+  std::optional<Followed> followed_;
 };
 
 }  // namespace im2fit::segment

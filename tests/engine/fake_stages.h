@@ -61,7 +61,7 @@ inline JointSet standing_joints(bool psi) {
   return joints;
 }
 
-class FakeStages final : public FrameStages {
+class FakeStages : public FrameStages {
  public:
   struct Control {
     std::atomic<int> sense_calls{0};
