@@ -17,14 +17,13 @@ constexpr float kReachMm = 200;  // of skin below
 std::vector<Shares> skin_below(const BodyModel& model, const Outfit& outfit, const Cloth& cloth) {
   const auto& records = model.data().skin;
   std::vector<Shares> all(cloth.mesh().vertex_count());
+  std::int32_t hint = -1;  // vertices that follow one another lie near each other
   for (std::size_t v = 0; v < all.size(); ++v) {
     SkinPlace place;
     bool found = false;
-    for (const float cosine : {0.0F, -2.0F}) {
-      std::int32_t hint = -1;
+    for (const float cosine : {0.0F, -2.0F})
       found =
           found || outfit.skin().nearest(cloth.position(v), cloth.normals()[v], cosine, 0xFF, kReachMm, hint, place);
-    }
     Shares& shares = all[v];
     shares = {};
     if (!found) {

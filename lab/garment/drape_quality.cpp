@@ -116,6 +116,7 @@ DrapeQuality judge(const body::Outfit& outfit, std::size_t index) {
   const Cloth& cloth = outfit.cloth(index);
   DrapeQuality q;
   const auto positions = positions_of(cloth);
+  const auto normals = cloth.normals();
   for (const Vec3f& p : positions)
     q.finite = q.finite && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
   if (!q.finite) return q;
@@ -135,11 +136,15 @@ DrapeQuality judge(const body::Outfit& outfit, std::size_t index) {
   q.strain_p95 = strain[strain.size() * 95 / 100];
   q.strain_peak = strain.back();
 
+  // Of the nearest skin that faces as the cloth does, of the limbs it covers, looked for afresh: the solver leaves
+  // some of it out.
+  constexpr float kLookMm = 60;
   std::size_t inside = 0;
   for (std::size_t v = 0; v < positions.size(); ++v) {
-    const body::SkinPlace& place = cloth.contacts()[v];
-    if (place.triangle < 0) continue;
-    const float off = dot(positions[v] - outfit.skin().at(place, true), outfit.skin().facing(place, true));
+    body::SkinPlace place;
+    std::int32_t hint = -1;
+    if (!outfit.skin().nearest(positions[v], normals[v], 0, cloth.limbs(v), kLookMm, hint, place)) continue;
+    const float off = dot(positions[v] - outfit.skin().at(place, false), outfit.skin().facing(place, false));
     if (off >= 0) continue;
     ++inside;
     q.inside_deepest_mm = std::max(q.inside_deepest_mm, -off);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/garment/dressed_people.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "body/measure.h"
 #include "body/population.h"
+#include "body/tape.h"
+#include "engine/builtin_tape.h"
 #include "engine/garment_fit.h"
+#include "engine/report/dressing.h"
 #include "engine/size_chart.h"
 
 namespace im2fit::lab {
@@ -26,9 +29,8 @@ DressedPerson person_of(const body::BodyModel& model, std::string name, bool wom
   p.rest.resize(static_cast<std::size_t>(model.vertex_count()));
   model.morph(params, p.rest);
   p.skeleton = body::rest_skeleton(model, p.rest);
-  const auto values = body::measure_rest_mesh(model, p.rest, params.gender);
-  p.chest_mm = values[measurement_index(Measurement::chest_girth)];
-  p.hip_mm = values[measurement_index(Measurement::hip_girth)];
+  p.tape.resize(builtin_tape().definitions.size());
+  body::TapeMeasurer(model).measure(builtin_tape(), params, p.tape);
   return p;
 }
 
@@ -88,26 +90,13 @@ DressedPerson drawn_person(const body::BodyModel& model, std::uint64_t number) {
   return person_of(model, "person-" + std::to_string(number), drawn.woman, drawn.params);
 }
 
-float bought_chest_mm(bool woman, float chest_mm, int steps) {
-  const SizeChart& chart = woman ? builtin_size_system().women : builtin_size_system().men;
+float bought_chest_mm(const DressedPerson& person, const body::GarmentPattern& pattern, int steps) {
+  const SizeChart& chart = person.woman ? builtin_size_system().women : builtin_size_system().men;
+  const auto girths = girths_for(pattern, builtin_tape(), person.tape, {});
   int row = 0;
-  const int last = static_cast<int>(chart.rows.size()) - 1;
-  while (row < last && chest_mm >= chart.rows[static_cast<std::size_t>(row)].high_mm) ++row;
-  row = std::min(last, std::max(0, row + steps));
+  if (girths) row = static_cast<int>(fit_garment(pattern, builtin_wardrobe().law, chart, person.woman, *girths).best);
+  row = std::clamp(row + steps, 0, static_cast<int>(chart.rows.size()) - 1);
   return im2fit::size_chest_mm(chart.rows[static_cast<std::size_t>(row)]);
-}
-
-float bought_chest_for_hip_mm(const body::CutLaw& law, bool woman, float hip_mm) {
-  const SizeChart& chart = woman ? builtin_size_system().women : builtin_size_system().men;
-  float best = 0, least = 1e9F;
-  for (const SizeRow& row : chart.rows) {
-    const float chest = im2fit::size_chest_mm(row);
-    const float hip = body::cut_body(law, woman, chest)[static_cast<std::size_t>(body::CutMeasure::hip)];
-    if (std::fabs(hip - hip_mm) >= least) continue;
-    least = std::fabs(hip - hip_mm);
-    best = chest;
-  }
-  return best;
 }
 
 std::vector<NamedPose> dressed_poses(const body::BodyModel& model, const DressedPerson& person) {
@@ -153,11 +142,9 @@ std::vector<body::Outfit::Piece> pieces_for(const DressedPerson& person, const s
     const auto own = id.ends_with(".yaml") ? load_garment(id) : Result<body::GarmentPattern>(Error{});
     if (own) pattern = &*own;
     if (pattern == nullptr) continue;
-    const float chest = pattern->hang == body::Hang::waist
-                            ? bought_chest_for_hip_mm(wardrobe.law, person.woman, person.hip_mm)
-                            : bought_chest_mm(person.woman, person.chest_mm, steps);
-    pieces.push_back(
-        {body::sew(*pattern, body::cut_body(wardrobe.law, person.woman, chest)), *wardrobe.fabric(pattern->fabric)});
+    const float chest = bought_chest_mm(person, *pattern, steps);
+    pieces.push_back(body::Outfit::piece(*pattern, body::cut_body(wardrobe.law, person.woman, chest),
+                                         *wardrobe.fabric(pattern->fabric)));
   }
   return pieces;
 }
