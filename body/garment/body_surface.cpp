@@ -238,6 +238,7 @@ bool BodySurface::nearest(Vec3f point, Vec3f facing, float cosine, std::uint8_t 
 
 bool BodySurface::follow(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm,
                          std::int32_t& hint, SkinPlace& place) const {
+  const std::int32_t last = hint;
   float best = reach_mm * reach_mm;
   std::int32_t found = -1;
   const auto consider = [&](std::int32_t v) {
@@ -257,6 +258,17 @@ bool BodySurface::follow(Vec3f point, Vec3f facing, float cosine, std::uint8_t l
       consider(ring_[static_cast<std::size_t>(k)]);
   }
   hint = found;
+  // Still over the inside of its triangle.
+  if (found == last && place.triangle >= 0) {
+    const auto& t = triangles_[static_cast<std::size_t>(place.triangle)];
+    const auto corner = [&](std::size_t i) { return begin_[static_cast<std::size_t>(t[i])]; };
+    const auto share = closest(point, corner(0), corner(1), corner(2));
+    const bool about = t[0] == found || t[1] == found || t[2] == found;
+    if (about && share[0] > 0 && share[1] > 0 && share[2] > 0) {
+      place.share = share;
+      return true;
+    }
+  }
   return closest_about(found, point, place);
 }
 

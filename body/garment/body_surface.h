@@ -49,7 +49,7 @@ class BodySurface {
   bool nearest(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm, std::int32_t& hint,
                SkinPlace& place) const;
   // The same, a quarter of the work, where the place moved little since it was found: from `hint` over neighbours to
-  // ever nearer vertices. What is nearer beyond a farther one is not found.
+  // ever nearer vertices. What is nearer beyond a farther one is not found. `place`: the last one, or triangle -1.
   bool follow(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm, std::int32_t& hint,
               SkinPlace& place) const;
   Vec3f at(const SkinPlace& place, bool at_end) const;

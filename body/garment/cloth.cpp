@@ -18,7 +18,6 @@ constexpr float kReachMm = 60;         // farther cloth does not touch within a 
 constexpr float kNearMm = 20;          // cloth that comes so near is looked at each frame
 constexpr float kSeamCosine = -0.15F;  // a seam between flat panels faces neither way
 constexpr float kShoulderGrip = 2;     // times the friction
-constexpr float kWaistGrip = 4;        // a band is held by its belt
 constexpr float kBeltReachMm = 120;
 constexpr int kBeltSmoothPasses = 10;
 constexpr float kBeltOffMaxMm = 30;    // where a belt bridges a fold of skin
@@ -28,7 +27,10 @@ constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
 constexpr int kAwakeFrames = 12;       // of still skin, until folds have fallen
 constexpr float kSleepKeeps = 0.75F;   // of the motion, a frame
 constexpr float kAsleep = 0.01F;
-constexpr float kBeltPullPerS = 96;    // of the way to its place
+constexpr float kBeltPullPerS = 96;  // of the way to its place
+// A belt gives to trousers that a lap draws tight: it pulls as it does from kBeltFirmMm off its place until it has
+// slipped kBeltSlipMm.
+constexpr float kBeltFirmMm = 3, kBeltSlipMm = 30;
 constexpr float kFreeMm = 30;          // so near its anchor a vertex needs no tether
 constexpr float kShoulderBandMm = 20;  // shoulders: above the shoulder joints less so much
 constexpr float kLimbOverlapMm = 60;
@@ -83,7 +85,6 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
       limbs_[v] |= mesh.legs ? both(kLeftLeg, kRightLeg) : static_cast<std::uint8_t>(kLeftLeg | kRightLeg);
       if (mesh.legs && f.y < -of(CutMeasure::hip_to_crotch) - 2 * kLimbOverlapMm)
         limbs_[v] &= static_cast<std::uint8_t>(~kTrunk);
-      if (f.y > 0 || (mesh.border[v] & kOnOpening) != 0) grip_[v] = kWaistGrip;
     }
   }
   belt_.reserve(count);
@@ -246,9 +247,12 @@ void Cloth::pull_belt(int substep) {
   for (const Held& held : belt_) {
     ClothVertex& p = vertices_[static_cast<std::size_t>(held.vertex)];
     const Vec3f to = held.point + held.point_step * steps - Vec3f{p.x, p.y, p.z};
-    p.x += belt_pull_ * to.x;
-    p.y += belt_pull_ * to.y;
-    p.z += belt_pull_ * to.z;
+    const float far = norm(to);
+    const float pull = far > kBeltSlipMm + kBeltFirmMm ? far - kBeltSlipMm : std::min(far, kBeltFirmMm);
+    const float share = far > 0 ? belt_pull_ * pull / far : 0;
+    p.x += share * to.x;
+    p.y += share * to.y;
+    p.z += share * to.z;
   }
 }
 

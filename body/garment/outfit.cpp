@@ -11,12 +11,12 @@
 namespace im2fit::body {
 namespace {
 
-constexpr int kPutOnFrames = 32;  // from a flat body to a whole one
-constexpr int kFlatFrames = 24;   // of them with panels that face front and back
-constexpr int kHangFrames = 12;   // until folds have fallen
-constexpr int kPoseFrames = 24;   // from the dressing pose to another
-constexpr int kRoughRestFrames = 8;
-constexpr int kSettleFrames = 10;    // of the finer mesh, until its own folds have formed
+constexpr int kPutOnFrames = 24;  // from a flat body to a whole one
+constexpr int kFlatFrames = 18;   // of them with panels that face front and back
+constexpr int kHangFrames = 6;    // until folds have fallen
+constexpr int kPoseFrames = 16;   // from the dressing pose to another
+constexpr int kRoughRestFrames = 4;
+constexpr int kSettleFrames = 6;     // of the finer mesh, until its own folds have formed
 constexpr float kPutOnDamping = 12;  // per second
 constexpr float kFirstDepth = 0.02F;
 // Arms and trunk begin thin, so that a small size goes over them; thighs would slip beside the crotch.
@@ -28,8 +28,8 @@ constexpr float kWornMm = 3;         // cloth on cloth stands off by so much
 constexpr float kWornMaxMm = 4;      // looser cloth below is pressed flat, or hidden
 constexpr float kSlopeMm = 5;        // over an edge of the body's mesh
 constexpr int kSlopePasses = 4;
-constexpr float kHiddenReachMm = 150;  // farther cloth hides nothing
-constexpr float kHiddenRimMm = 40;     // skin nearer to a hem may be seen
+constexpr float kHiddenReachMm = 60;  // farther cloth hides nothing: it lies before it anyway
+constexpr float kHiddenRimMm = 40;    // skin nearer to a hem may be seen
 constexpr float kHiddenClothRimMm = 10;
 constexpr float kHiddenCosine = 0.2F;
 constexpr float kHiddenAsideMm = 30;
