@@ -21,19 +21,6 @@ std::size_t at(Segment s) {
   return static_cast<std::size_t>(s);
 }
 
-DressedPerson person_of(const body::BodyModel& model, std::string name, bool woman, const body::Params& params) {
-  DressedPerson p;
-  p.name = std::move(name);
-  p.woman = woman;
-  p.params = params;
-  p.rest.resize(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(params, p.rest);
-  p.skeleton = body::rest_skeleton(model, p.rest);
-  p.tape.resize(builtin_tape().definitions.size());
-  body::TapeMeasurer(model).measure(builtin_tape(), params, p.tape);
-  return p;
-}
-
 // Turns parts of a relaxed body, each relative to its parent.
 class Posing {
  public:
@@ -63,6 +50,19 @@ class Posing {
 
 }  // namespace
 
+DressedPerson dressed_person(const body::BodyModel& model, std::string name, bool woman, const body::Params& params) {
+  DressedPerson p;
+  p.name = std::move(name);
+  p.woman = woman;
+  p.params = params;
+  p.rest.resize(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(params, p.rest);
+  p.skeleton = body::rest_skeleton(model, p.rest);
+  p.tape.resize(builtin_tape().definitions.size());
+  body::TapeMeasurer(model).measure(builtin_tape(), params, p.tape);
+  return p;
+}
+
 std::vector<DressedPerson> example_people(const body::BodyModel& model) {
   std::vector<DressedPerson> people;
   struct Build {
@@ -79,7 +79,7 @@ std::vector<DressedPerson> example_people(const body::BodyModel& model) {
       const double stature_mm = woman ? 1640 : 1770;
       body::solve_stature_and_weight(model, params, stature_mm,
                                      build.body_mass_index * stature_mm * stature_mm * 1e-6);
-      people.push_back(person_of(model, std::string(build.name) + (woman ? "-woman" : "-man"), woman, params));
+      people.push_back(dressed_person(model, std::string(build.name) + (woman ? "-woman" : "-man"), woman, params));
     }
   return people;
 }
@@ -87,7 +87,7 @@ std::vector<DressedPerson> example_people(const body::BodyModel& model) {
 DressedPerson drawn_person(const body::BodyModel& model, std::uint64_t number) {
   constexpr std::uint64_t kSeed = 0x6472;
   const body::Drawn drawn = body::draw_person(model, body::Family::held_out, kSeed, number);
-  return person_of(model, "person-" + std::to_string(number), drawn.woman, drawn.params);
+  return dressed_person(model, "person-" + std::to_string(number), drawn.woman, drawn.params);
 }
 
 float bought_chest_mm(const DressedPerson& person, const body::GarmentPattern& pattern, int steps) {

@@ -21,6 +21,7 @@ struct DressedPerson {
   body::Skeleton skeleton;
   std::vector<float> tape;  // values of builtin_tape()
 };
+DressedPerson dressed_person(const body::BodyModel& model, std::string name, bool woman, const body::Params& params);
 // "thin", "median", "heavy" of each sex: body mass indices 17.5, 24, 35.
 std::vector<DressedPerson> example_people(const body::BodyModel& model);
 // Of the held-out family, by number.
