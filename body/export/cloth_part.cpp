@@ -17,14 +17,13 @@ constexpr float kReachMm = 200;  // of skin below
 std::vector<Shares> skin_below(const BodyModel& model, const Outfit& outfit, const Cloth& cloth) {
   const auto& records = model.data().skin;
   std::vector<Shares> all(cloth.mesh().vertex_count());
+  std::int32_t hint = -1;  // vertices that follow one another lie near each other
   for (std::size_t v = 0; v < all.size(); ++v) {
     SkinPlace place;
     bool found = false;
-    for (const float cosine : {0.0F, -2.0F}) {
-      std::int32_t hint = -1;
+    for (const float cosine : {0.0F, -2.0F})
       found =
           found || outfit.skin().nearest(cloth.position(v), cloth.normals()[v], cosine, 0xFF, kReachMm, hint, place);
-    }
     Shares& shares = all[v];
     shares = {};
     if (!found) {
@@ -86,10 +85,16 @@ ClothPart cloth_part(const BodyModel& model, const Outfit& outfit, std::size_t i
   std::vector<Vec3f> shown(all.size());
   outfit.pressed(index, shown);
   for (std::size_t v = 0; v < all.size(); ++v) {
-    std::array<std::uint8_t, kSegmentCount> order{};
-    for (std::size_t s = 0; s < order.size(); ++s) order[s] = static_cast<std::uint8_t>(s);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint8_t a, std::uint8_t b) { return all[v][a] > all[v][b]; });
+    std::array<std::uint8_t, 4> order{};  // the four that weigh most, of equals the first
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < kSegmentCount; ++i) {
+      std::size_t at = found;
+      while (at > 0 && all[v][order[at - 1]] < all[v][i]) --at;
+      if (at >= order.size()) continue;
+      found = std::min(found + 1, order.size());
+      for (std::size_t k = found - 1; k > at; --k) order[k] = order[k - 1];
+      order[at] = static_cast<std::uint8_t>(i);
+    }
     std::array<std::uint8_t, 4> segments{};
     std::array<float, 4> weights{};
     float sum = 0;

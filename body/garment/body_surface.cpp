@@ -103,10 +103,22 @@ BodySurface::BodySurface(const BodyModel& model) {
   for (std::size_t t = 0; t < triangles_.size(); ++t)
     for (const std::int32_t v : triangles_[t])
       fan_[static_cast<std::size_t>(next[static_cast<std::size_t>(v)]++)] = static_cast<std::int32_t>(t);
+  std::vector<std::int32_t> about;
+  for (std::size_t v = 0; v < count; ++v) {
+    about.clear();
+    for (std::int32_t k = fan_first_[v]; k < fan_first_[v + 1]; ++k)
+      for (const std::int32_t corner : triangles_[static_cast<std::size_t>(fan_[static_cast<std::size_t>(k)])])
+        if (corner != static_cast<std::int32_t>(v)) about.push_back(corner);
+    std::sort(about.begin(), about.end());
+    about.erase(std::unique(about.begin(), about.end()), about.end());
+    ring_first_.push_back(static_cast<std::int32_t>(ring_.size()));
+    ring_.insert(ring_.end(), about.begin(), about.end());
+  }
+  ring_first_.push_back(static_cast<std::int32_t>(ring_.size()));
   for (auto* list : {&begin_, &end_, &begin_normal_, &end_normal_}) list->resize(count);
   cell_first_.resize(kCellsMax + 1);
   cell_next_.resize(kCellsMax + 1);
-  cell_vertices_.resize(vertices_.size());
+  candidates_.resize(vertices_.size());
   vertex_cell_.resize(vertices_.size());
 }
 
@@ -130,13 +142,14 @@ void BodySurface::advance(std::span<const Vec3f> posed) {
   assert(posed.size() >= begin_.size());
   begin_.swap(end_);
   begin_normal_.swap(end_normal_);
-  still_ = true;
+  float farthest = 0;
   for (const std::int32_t v : vertices_) {
     const auto i = static_cast<std::size_t>(v);
     end_[i] = posed[i];
     const Vec3f moved = end_[i] - begin_[i];
-    still_ = still_ && dot(moved, moved) < kStillMm * kStillMm;
+    farthest = std::max(farthest, dot(moved, moved));
   }
+  moved_mm_ = std::sqrt(farthest);
   normals(triangles_, vertices_, end_, end_normal_);
   build_grid();
 }
@@ -145,7 +158,7 @@ void BodySurface::put(std::span<const Vec3f> posed) {
   advance(posed);
   begin_ = end_;  // same sizes: no allocation
   begin_normal_ = end_normal_;
-  still_ = true;
+  moved_mm_ = 0;
   build_grid();
 }
 
@@ -186,24 +199,27 @@ void BodySurface::build_grid() {
   }
   for (std::size_t c = 0; c < all; ++c) cell_first_[c + 1] += cell_first_[c];
   std::copy_n(cell_first_.begin(), all, cell_next_.begin());
-  for (std::size_t i = 0; i < vertices_.size(); ++i)
-    cell_vertices_[static_cast<std::size_t>(cell_next_[static_cast<std::size_t>(vertex_cell_[i])]++)] = vertices_[i];
+  for (std::size_t i = 0; i < vertices_.size(); ++i) {
+    const auto v = static_cast<std::size_t>(vertices_[i]);
+    candidates_[static_cast<std::size_t>(cell_next_[static_cast<std::size_t>(vertex_cell_[i])]++)] = {
+        begin_[v], begin_normal_[v], vertices_[i], limbs_[v]};
+  }
 }
 
 bool BodySurface::nearest(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm,
                           std::int32_t& hint, SkinPlace& place) const {
   float best = reach_mm * reach_mm, reach = reach_mm;
   std::int32_t found = -1;
-  const auto consider = [&](std::int32_t v) {
-    const auto i = static_cast<std::size_t>(v);
-    const Vec3f d = begin_[i] - point;
+  const auto consider = [&](const Candidate& c) {
+    const Vec3f d = c.at - point;
     const float squared = dot(d, d);
-    if (squared >= best || (limbs_[i] & limbs) == 0 || dot(facing, begin_normal_[i]) <= cosine) return;
+    if (squared >= best || (c.limbs & limbs) == 0 || dot(facing, c.facing) <= cosine) return;
     best = squared;
-    found = v;
+    found = c.vertex;
   };
   if (hint >= 0) {
-    consider(hint);
+    const auto i = static_cast<std::size_t>(hint);
+    consider({begin_[i], begin_normal_[i], hint, limbs_[i]});
     if (found >= 0) reach = std::sqrt(best);
   }
   const int x0 = cell(point.x - reach, low_.x, cells_[0]), x1 = cell(point.x + reach, low_.x, cells_[0]);
@@ -214,14 +230,53 @@ bool BodySurface::nearest(Vec3f point, Vec3f facing, float cosine, std::uint8_t 
       const int row = (z * cells_[1] + y) * cells_[0];
       const std::int32_t from = cell_first_[static_cast<std::size_t>(row + x0)];
       const std::int32_t to = cell_first_[static_cast<std::size_t>(row + x1 + 1)];
-      for (std::int32_t k = from; k < to; ++k) consider(cell_vertices_[static_cast<std::size_t>(k)]);
+      for (std::int32_t k = from; k < to; ++k) consider(candidates_[static_cast<std::size_t>(k)]);
     }
   hint = found;
-  if (found < 0) return false;
+  return found >= 0 && closest_about(found, point, place);
+}
+
+bool BodySurface::follow(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm,
+                         std::int32_t& hint, SkinPlace& place) const {
+  const std::int32_t last = hint;
+  float best = reach_mm * reach_mm;
+  std::int32_t found = -1;
+  const auto consider = [&](std::int32_t v) {
+    const auto i = static_cast<std::size_t>(v);
+    const Vec3f d = begin_[i] - point;
+    const float squared = dot(d, d);
+    if (squared >= best || (limbs_[i] & limbs) == 0 || dot(facing, begin_normal_[i]) <= cosine) return;
+    best = squared;
+    found = v;
+  };
+  consider(hint);
+  if (found < 0) return nearest(point, facing, cosine, limbs, reach_mm, hint, place);
+  for (std::int32_t from = -1; from != found;) {
+    from = found;
+    for (std::int32_t k = ring_first_[static_cast<std::size_t>(from)];
+         k < ring_first_[static_cast<std::size_t>(from) + 1]; ++k)
+      consider(ring_[static_cast<std::size_t>(k)]);
+  }
+  hint = found;
+  // Still over the inside of its triangle.
+  if (found == last && place.triangle >= 0) {
+    const auto& t = triangles_[static_cast<std::size_t>(place.triangle)];
+    const auto corner = [&](std::size_t i) { return begin_[static_cast<std::size_t>(t[i])]; };
+    const auto share = closest(point, corner(0), corner(1), corner(2));
+    const bool about = t[0] == found || t[1] == found || t[2] == found;
+    if (about && share[0] > 0 && share[1] > 0 && share[2] > 0) {
+      place.share = share;
+      return true;
+    }
+  }
+  return closest_about(found, point, place);
+}
+
+bool BodySurface::closest_about(std::int32_t vertex, Vec3f point, SkinPlace& place) const {
+  const auto v = static_cast<std::size_t>(vertex);
   float least = 1e30F;
   place.triangle = -1;
-  for (std::int32_t k = fan_first_[static_cast<std::size_t>(found)];
-       k < fan_first_[static_cast<std::size_t>(found) + 1]; ++k) {
+  for (std::int32_t k = fan_first_[v]; k < fan_first_[v + 1]; ++k) {
     const std::int32_t triangle = fan_[static_cast<std::size_t>(k)];
     const auto& t = triangles_[static_cast<std::size_t>(triangle)];
     const auto corner = [&](std::size_t i) { return begin_[static_cast<std::size_t>(t[i])]; };
@@ -248,6 +303,14 @@ Vec3f BodySurface::facing(const SkinPlace& place, bool at_end) const {
   return normalized(n[static_cast<std::size_t>(t[0])] * place.share[0] +
                     n[static_cast<std::size_t>(t[1])] * place.share[1] +
                     n[static_cast<std::size_t>(t[2])] * place.share[2]);
+}
+
+Vec3f BodySurface::along(const SkinPlace& place, bool at_end) const {
+  const auto& t = triangles_[static_cast<std::size_t>(place.triangle)];
+  const auto& p = at_end ? end_ : begin_;
+  const Vec3f n = facing(place, at_end);
+  const Vec3f edge = p[static_cast<std::size_t>(t[1])] - p[static_cast<std::size_t>(t[0])];
+  return normalized(edge - n * dot(edge, n));
 }
 
 }  // namespace im2fit::body

@@ -38,8 +38,9 @@ class BodySurface {
   // Indexed by vertices of the model.
   std::span<const Vec3f> position(bool at_end) const { return at_end ? end_ : begin_; }
   std::span<const Vec3f> normal(bool at_end) const { return at_end ? end_normal_ : begin_normal_; }
-  // Whether no vertex moves by kStillMm or more between beginning and end.
-  bool still() const { return still_; }
+  // The farthest that a vertex moves between beginning and end, and whether that is less than kStillMm.
+  float moved_mm() const { return moved_mm_; }
+  bool still() const { return moved_mm_ < kStillMm; }
   static constexpr float kStillMm = 0.01F;
 
   // The place at the beginning nearest to `point`, by the vertex nearest to it within `reach_mm` that faces as
@@ -47,26 +48,39 @@ class BodySurface {
   // that vertex of the last frame, or -1; kept up. False when there is none.
   bool nearest(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm, std::int32_t& hint,
                SkinPlace& place) const;
+  // The same, a quarter of the work, where the place moved little since it was found: from `hint` over neighbours to
+  // ever nearer vertices. What is nearer beyond a farther one is not found. `place`: the last one, or triangle -1.
+  bool follow(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm, std::int32_t& hint,
+              SkinPlace& place) const;
   Vec3f at(const SkinPlace& place, bool at_end) const;
   Vec3f facing(const SkinPlace& place, bool at_end) const;  // unit
+  Vec3f along(const SkinPlace& place, bool at_end) const;   // unit, square to facing(), the same way in all poses
 
  private:
   void build_grid();
+  bool closest_about(std::int32_t vertex, Vec3f point, SkinPlace& place) const;
   int cell(float value, float low, int count) const;
   static void normals(std::span<const std::array<std::int32_t, 3>> triangles, std::span<const std::int32_t> vertices,
                       std::span<const Vec3f> positions, std::span<Vec3f> out);
 
   std::vector<std::int32_t> vertices_;  // of the model, that count
   std::vector<std::array<std::int32_t, 3>> triangles_;
-  std::vector<std::int32_t> fan_first_, fan_;  // triangles about a vertex
+  std::vector<std::int32_t> fan_first_, fan_;    // triangles about a vertex
+  std::vector<std::int32_t> ring_first_, ring_;  // vertices about a vertex
   std::vector<std::uint8_t> limbs_;
   std::vector<Vec3f> begin_, end_, begin_normal_, end_normal_;
-  bool still_ = false;
+  float moved_mm_ = 0;
   // Vertices by cells of a grid about the body at the beginning.
   Vec3f low_;
   std::array<int, 3> cells_{1, 1, 1};
   float cell_mm_ = 20;
-  std::vector<std::int32_t> cell_first_, cell_next_, cell_vertices_, vertex_cell_;
+  struct Candidate {
+    Vec3f at, facing;
+    std::int32_t vertex = 0;
+    std::uint8_t limbs = 0;
+  };
+  std::vector<Candidate> candidates_;  // by cells
+  std::vector<std::int32_t> cell_first_, cell_next_, vertex_cell_;
 };
 
 }  // namespace im2fit::body

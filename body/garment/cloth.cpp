@@ -8,17 +8,16 @@
 namespace im2fit::body {
 namespace {
 
-constexpr int kSubsteps = 16;
 constexpr float kFrameS = 1.0F / 30;
-constexpr float kStepS = kFrameS / kSubsteps;
 constexpr float kGravityMmS2 = 9810 * kWeightShare;
-constexpr float kPushMm = 4;        // at most, a substep: no popping where skin meets skin
-constexpr float kSpeedMmS = 4000;   // at most
-constexpr float kRestMmS = 20;      // slower cloth is braked, so that it comes to rest
-constexpr float kRestKeeps = 0.8F;  // of its speed, a substep
-constexpr float kReachMm = 60;      // farther cloth does not touch within a frame
-constexpr float kShoulderGrip = 2;  // times the friction
-constexpr float kWaistGrip = 4;     // a band is held by its belt
+constexpr float kPushMm = 64;          // at most, a frame: no popping where skin meets skin
+constexpr float kSpeedMmS = 4000;      // at most
+constexpr float kRestMmS = 20;         // slower cloth is braked, so that it comes to rest
+constexpr float kBrakePerS = 96;       // of its speed
+constexpr float kReachMm = 60;         // farther cloth does not touch within a frame
+constexpr float kNearMm = 20;          // cloth that comes so near is looked at each frame
+constexpr float kSeamCosine = -0.15F;  // a seam between flat panels faces neither way
+constexpr float kShoulderGrip = 2;     // times the friction
 constexpr float kBeltReachMm = 120;
 constexpr int kBeltSmoothPasses = 10;
 constexpr float kBeltOffMaxMm = 30;    // where a belt bridges a fold of skin
@@ -28,18 +27,32 @@ constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
 constexpr int kAwakeFrames = 12;       // of still skin, until folds have fallen
 constexpr float kSleepKeeps = 0.75F;   // of the motion, a frame
 constexpr float kAsleep = 0.01F;
-constexpr float kBeltPull = 0.2F;      // of the way to its place, a substep
+constexpr float kBeltPullPerS = 96;  // of the way to its place
+// A belt gives to trousers that a lap draws tight: it pulls as it does from kBeltFirmMm off its place until it has
+// slipped kBeltSlipMm.
+constexpr float kBeltFirmMm = 3, kBeltSlipMm = 30;
 constexpr float kFreeMm = 30;          // so near its anchor a vertex needs no tether
 constexpr float kShoulderBandMm = 20;  // shoulders: above the shoulder joints less so much
 constexpr float kLimbOverlapMm = 60;
 
+Float4 lanes_of(Vec3f v) {
+  return Float4{v.x, v.y, v.z, 0};
+}
+
 }  // namespace
 
-Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric)
-    : mesh_(mesh), friction_(fabric.friction), constraints_(constrain(mesh, fabric)), layers_(mesh) {
+Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
+    : mesh_(mesh),
+      substeps_(substeps),
+      step_s_(kFrameS / static_cast<float>(substeps)),
+      push_mm_(kPushMm / static_cast<float>(substeps)),
+      rest_keeps_(1 - kBrakePerS * step_s_),
+      belt_pull_(kBeltPullPerS * step_s_),
+      friction_(fabric.friction),
+      constraints_(constrain(mesh, fabric, step_s_)),
+      layers_(mesh) {
   const std::size_t count = mesh.vertex_count();
   vertices_.resize(count + 1);
-  for (std::size_t v = 0; v < count; ++v) vertices_[v].inverse_mass = 1 / constraints_.mass_kg[v];
   before_ = vertices_;
   velocity_.resize(count + 1);
   normals_.resize(count);
@@ -47,12 +60,11 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric)
   place_.resize(count);
   hint_.assign(count, -1);
   opposite_hint_.assign(count, -1);
+  clear_mm_.assign(count, 0);
   frame_begin_ = vertices_;
   limbs_.assign(count, kTrunk);
   pinched_.assign(count, 0);
   grip_.assign(count, 1);
-  anchor_.assign(count, -1);
-  anchor_mm_.assign(count, 0);
   const auto of = [&](CutMeasure m) { return mesh.body[static_cast<std::size_t>(m)]; };
   for (std::size_t v = 0; v < count; ++v) {
     const Flat f = mesh.flat[v];
@@ -73,7 +85,6 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric)
       limbs_[v] |= mesh.legs ? both(kLeftLeg, kRightLeg) : static_cast<std::uint8_t>(kLeftLeg | kRightLeg);
       if (mesh.legs && f.y < -of(CutMeasure::hip_to_crotch) - 2 * kLimbOverlapMm)
         limbs_[v] &= static_cast<std::uint8_t>(~kTrunk);
-      if (f.y > 0 || (mesh.border[v] & kOnOpening) != 0) grip_[v] = kWaistGrip;
     }
   }
   belt_.reserve(count);
@@ -93,6 +104,7 @@ void Cloth::tether() {
   }
   for (std::size_t v = 0; v < count; ++v) {
     float nearest = 1e30F;
+    Tether tether;
     for (const std::size_t a : anchors) {
       const bool same_layer =
           mesh_.layer[v] == mesh_.layer[a] || mesh_.layer[v] == kBothLayers || mesh_.layer[a] == kBothLayers;
@@ -101,10 +113,11 @@ void Cloth::tether() {
       const float squared = dx * dx + dy * dy;
       if (squared >= nearest) continue;
       nearest = squared;
-      anchor_[v] = static_cast<std::int32_t>(a);
+      tether.anchor = static_cast<std::int32_t>(a);
     }
-    anchor_mm_[v] = std::sqrt(nearest);
-    if (anchor_mm_[v] < kFreeMm) anchor_[v] = -1;
+    tether.vertex = static_cast<std::int32_t>(v);
+    tether.most_mm = std::sqrt(nearest);
+    if (nearest < 1e29F && tether.most_mm >= kFreeMm) tethers_.push_back(tether);
   }
 }
 
@@ -123,9 +136,11 @@ void Cloth::carry(std::span<const Vec3f> vertices) {
     velocity_[v] = {};
     hint_[v] = -1;
     opposite_hint_[v] = -1;
+    clear_mm_[v] = 0;
   }
   still_frames_ = 0;
   awake_ = 1;
+  frames_ = 0;
   before_ = vertices_;  // the same size: no allocation
 }
 
@@ -202,16 +217,27 @@ void Cloth::lay_belt(float up_mm) {
 
 void Cloth::hold_belt(const BodySurface& skin, float up_mm) {
   update_normals();
-  belt_.clear();
   lay_belt(up_mm);
+  hold_ring(skin);
+}
+
+void Cloth::hold_belt_here(const BodySurface& skin) {
+  update_normals();
+  for (std::size_t i = 0; i < ring_.size(); ++i) ring_at_[i] = position(static_cast<std::size_t>(ring_[i]));
+  hold_ring(skin);
+}
+
+void Cloth::hold_ring(const BodySurface& skin) {
+  belt_.clear();
   for (std::size_t i = 0; i < ring_.size(); ++i) {
     Held held;
     held.vertex = ring_[i];
     const Vec3f facing = normals_[static_cast<std::size_t>(ring_[i])];
     std::int32_t hint = -1;
     if (!skin.nearest(ring_at_[i], facing, 0, kTrunk, kBeltReachMm, hint, held.place)) continue;
-    const float off = dot(ring_at_[i] - skin.at(held.place, false), skin.facing(held.place, false));
-    held.off_mm = std::clamp(off, kSkinMm, kBeltOffMaxMm);
+    const Vec3f off = ring_at_[i] - skin.at(held.place, false);
+    const Vec3f n = skin.facing(held.place, false), along = skin.along(held.place, false);
+    held.off_mm = {std::clamp(dot(off, n), kSkinMm, kBeltOffMaxMm), dot(off, along), dot(off, cross(n, along))};
     belt_.push_back(held);
   }
 }
@@ -221,9 +247,12 @@ void Cloth::pull_belt(int substep) {
   for (const Held& held : belt_) {
     ClothVertex& p = vertices_[static_cast<std::size_t>(held.vertex)];
     const Vec3f to = held.point + held.point_step * steps - Vec3f{p.x, p.y, p.z};
-    p.x += kBeltPull * to.x;
-    p.y += kBeltPull * to.y;
-    p.z += kBeltPull * to.z;
+    const float far = norm(to);
+    const float pull = far > kBeltSlipMm + kBeltFirmMm ? far - kBeltSlipMm : std::min(far, kBeltFirmMm);
+    const float share = far > 0 ? belt_pull_ * pull / far : 0;
+    p.x += share * to.x;
+    p.y += share * to.y;
+    p.z += share * to.z;
   }
 }
 
@@ -240,32 +269,72 @@ void Cloth::update_normals() {
   for (Vec3f& n : normals_) n = normalized(n);
 }
 
+// Behind the skin's plane, but farther aside than behind: crumpled cloth faces skin that it does not lie on.
+bool Cloth::lies_beside(const Contact& contact, Float4 at) {
+  const Float4 off = at - contact.point;
+  const float before = sum3(off * contact.normal);
+  return before < 0 && 2 * before * before < sum3(off * off);
+}
+
+// Skin is followed from where it was, and looked for everywhere in every fourth frame.
+bool Cloth::find_skin(const BodySurface& skin, const ClothFrame& frame, std::size_t v) {
+  Vec3f facing = normals_[v];
+  if (frame.flat) facing = {0, 0, mesh_.layer[v] == kFrontLayer ? 1.0F : mesh_.layer[v] == kBackLayer ? -1.0F : 0.0F};
+  const float cosine = frame.flat ? kSeamCosine : 0.0F;
+  // Cloth that falls asleep keeps to the skin it lies on.
+  if (hint_[v] >= 0 && (awake_ < 1 || (static_cast<unsigned>(frames_) + v) % 4 != 0))
+    return skin.follow(position(v), facing, cosine, limbs_[v], kReachMm, hint_[v], place_[v]);
+  if (hint_[v] < 0 && clear_mm_[v] > 0) {
+    const Vec3f moved = Vec3f{velocity_[v].x, velocity_[v].y, velocity_[v].z} * kFrameS;
+    clear_mm_[v] -= norm(moved) + skin.moved_mm();
+    if (clear_mm_[v] > 0) return false;
+  }
+  // A vertex that met no skin looks first where the one before it did.
+  if (hint_[v] < 0 && v > 0) hint_[v] = hint_[v - 1];
+  const bool found = skin.nearest(position(v), facing, cosine, limbs_[v], kReachMm, hint_[v], place_[v]);
+  clear_mm_[v] = found ? 0 : kReachMm - kNearMm;
+  return found;
+}
+
+void Cloth::touch(const BodySurface& skin, std::size_t v) {
+  const Float4 share = all_of(1.0F / static_cast<float>(substeps_));
+  Contact& c = contacts_[v];
+  c.clearance = kSkinMm;
+  c.point = lanes_of(skin.at(place_[v], false));
+  c.point_step = (lanes_of(skin.at(place_[v], true)) - c.point) * share;
+  c.normal = lanes_of(skin.facing(place_[v], false));
+  c.normal_step = (lanes_of(skin.facing(place_[v], true)) - c.normal) * share;
+}
+
 void Cloth::find_contacts(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm) {
-  constexpr float kPerStep = 1.0F / kSubsteps;
   for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
     Contact& c = contacts_[v];
-    Vec3f facing = normals_[v];
-    pinched_[v] = 0;
-    if (frame.flat)
-      facing = {0, 0, mesh_.layer[v] == kFrontLayer ? 1.0F : mesh_.layer[v] == kBackLayer ? -1.0F : 0.0F};
-    // A seam between flat panels faces neither way.
-    c.on = skin.nearest(position(v), facing, frame.flat ? -0.15F : 0.0F, limbs_[v], kReachMm, hint_[v], place_[v]);
+    c.on = find_skin(skin, frame, v);
     if (!c.on) {
       place_[v].triangle = -1;
+      pinched_[v] = 0;
       continue;
     }
-    c.clearance = kSkinMm;
-    c.point = skin.at(place_[v], false);
-    c.point_step = (skin.at(place_[v], true) - c.point) * kPerStep;
-    c.normal = skin.facing(place_[v], false);
-    c.normal_step = (skin.facing(place_[v], true) - c.normal) * kPerStep;
+    touch(skin, v);
+    if (lies_beside(c, load(vertices_[v]))) {
+      // Crumpled cloth gives way to the nearest skin, whichever way that faces.
+      std::int32_t hint = hint_[v];
+      SkinPlace nearest;
+      if (skin.nearest(position(v), {}, -1, limbs_[v], kReachMm, hint, nearest)) {
+        place_[v] = nearest;
+        touch(skin, v);
+      }
+    }
     c.friction = friction_ * grip_[v];
     if (!clearance_mm.empty()) {
       const auto& t = skin.triangles()[static_cast<std::size_t>(place_[v].triangle)];
       for (std::size_t k = 0; k < 3; ++k)
         c.clearance += place_[v].share[k] * clearance_mm[static_cast<std::size_t>(t[k])];
     }
-    if (!frame.flat) yield_to_opposite_skin(skin, v);
+    pinched_[v] = 0;
+    // Cloth that was not pinched is looked at in every second frame.
+    if (!frame.flat && (opposite_hint_[v] >= 0 || ((static_cast<unsigned>(frames_) + v) & 1U) == 0))
+      yield_to_opposite_skin(skin, v);
   }
 }
 
@@ -273,95 +342,85 @@ void Cloth::find_contacts(const BodySurface& skin, const ClothFrame& frame, std:
 // body's limbs do: there it keeps to the middle, instead of being pushed to and fro.
 void Cloth::yield_to_opposite_skin(const BodySurface& skin, std::size_t v) {
   Contact& c = contacts_[v];
-  const Vec3f off = position(v) - c.point;
-  if (dot(off, off) > kPinchNearMm * kPinchNearMm) return;
+  const Float4 off = load(vertices_[v]) - c.point;
+  if (sum3(off * off) > kPinchNearMm * kPinchNearMm) return;
   SkinPlace opposite;
   constexpr std::uint8_t kAll = kTrunk | kLeftArm | kRightArm | kLeftLeg | kRightLeg;
   if (!skin.nearest(position(v), normals_[v] * -1.0F, 0, kAll, kPinchReachMm, opposite_hint_[v], opposite)) return;
-  const Vec3f other = skin.facing(opposite, false);
-  if (dot(other, c.normal) > -0.2F) return;
-  const float gap = dot(skin.at(opposite, false) - c.point, c.normal);
+  if (sum3(lanes_of(skin.facing(opposite, false)) * c.normal) > -0.2F) return;
+  const float gap = sum3((lanes_of(skin.at(opposite, false)) - c.point) * c.normal);
   if (gap / 2 >= c.clearance) return;
   c.clearance = std::max(gap / 2, kPinchLeastMm);
   pinched_[v] = 1;
 }
 
 void Cloth::follow_belt(const BodySurface& skin) {
-  constexpr float kPerStep = 1.0F / kSubsteps;
+  const float per_step = 1.0F / static_cast<float>(substeps_);
   for (Held& held : belt_) {
-    held.point = skin.at(held.place, false) + skin.facing(held.place, false) * held.off_mm;
-    const Vec3f end = skin.at(held.place, true) + skin.facing(held.place, true) * held.off_mm;
-    held.point_step = (end - held.point) * kPerStep;
+    const auto held_at = [&](bool at_end) {
+      const Vec3f n = skin.facing(held.place, at_end), along = skin.along(held.place, at_end);
+      return skin.at(held.place, at_end) + n * held.off_mm.x + along * held.off_mm.y +
+             cross(n, along) * held.off_mm.z;
+    };
+    held.point = held_at(false);
+    held.point_step = (held_at(true) - held.point) * per_step;
   }
 }
 
 void Cloth::integrate(const ClothFrame& frame) {
-  const float keep = 1 - frame.damping_per_s * kStepS;
-  const float fall = frame.weightless ? 0 : kGravityMmS2 * kStepS;
+  const float keep = 1 - frame.damping_per_s * step_s_;
+  const Float4 fall = {0, frame.weightless ? 0 : kGravityMmS2 * step_s_, 0, 0};
   for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
-    ClothVertex& p = vertices_[v];
-    const ClothVertex& speed = velocity_[v];
-    before_[v] = p;
-    p.x += speed.x * keep * kStepS;
-    p.y += (speed.y - fall) * keep * kStepS;
-    p.z += speed.z * keep * kStepS;
+    const Float4 p = load(vertices_[v]);
+    store(before_[v], p);
+    store(vertices_[v], p + (load(velocity_[v]) - fall) * all_of(keep) * all_of(step_s_));
   }
 }
 
 void Cloth::hold_tethers() {
-  for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
-    if (anchor_[v] < 0) continue;
-    ClothVertex& p = vertices_[v];
-    const ClothVertex& a = vertices_[static_cast<std::size_t>(anchor_[v])];
-    const float dx = p.x - a.x, dy = p.y - a.y, dz = p.z - a.z;
-    const float squared = dx * dx + dy * dy + dz * dz;
-    if (squared <= anchor_mm_[v] * anchor_mm_[v]) continue;
+  for (const Tether& tether : tethers_) {
+    ClothVertex& vertex = vertices_[static_cast<std::size_t>(tether.vertex)];
+    const Float4 p = load(vertex);
+    const Float4 d = p - load(vertices_[static_cast<std::size_t>(tether.anchor)]);
+    const float squared = sum3(d * d);
+    if (squared <= tether.most_mm * tether.most_mm) continue;
     const float length = std::sqrt(squared);
-    const float back = 0.5F * (length - anchor_mm_[v]) / length;
-    p.x -= dx * back;
-    p.y -= dy * back;
-    p.z -= dz * back;
+    store(vertex, p - d * all_of(0.5F * (length - tether.most_mm) / length));
   }
 }
 
 // Out of the skin along its normal, then Coulomb friction against the skin's own motion.
 void Cloth::collide(int substep) {
-  const float steps = static_cast<float>(substep + 1);
+  const Float4 steps = all_of(static_cast<float>(substep + 1));
   for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
     const Contact& c = contacts_[v];
     if (!c.on) continue;
-    ClothVertex& p = vertices_[v];
-    const Vec3f point = c.point + c.point_step * steps;
-    const Vec3f normal = c.normal + c.normal_step * steps;
-    Vec3f at = {p.x, p.y, p.z};
-    const float depth = c.clearance - dot(normal, at - point);
+    const Float4 p = load(vertices_[v]);
+    const Float4 normal = c.normal + c.normal_step * steps;
+    const float depth = c.clearance - sum3(normal * (p - (c.point + c.point_step * steps)));
     if (depth <= 0) continue;
-    const float push = depth < kPushMm ? depth : kPushMm;
-    const Vec3f was = {before_[v].x, before_[v].y, before_[v].z};
-    Vec3f slide = at - was - c.point_step;
-    slide = slide - normal * dot(normal, slide);
-    const float length = norm(slide);
+    const float push = depth < push_mm_ ? depth : push_mm_;
+    Float4 slide = p - load(before_[v]) - c.point_step;
+    slide -= normal * all_of(sum3(normal * slide));
+    const float length = std::sqrt(sum3(slide * slide));
     const float most = c.friction * push;
-    at = at + normal * push;
-    if (length > 1e-6F) at = at - slide * (length < most ? 1.0F : most / length);
-    p.x = at.x;
-    p.y = at.y;
-    p.z = at.z;
+    Float4 at = p + normal * all_of(push);
+    if (length > 1e-6F) at -= slide * all_of(length < most ? 1.0F : most / length);
+    store(vertices_[v], at);
   }
 }
 
 void Cloth::update_velocities() {
-  constexpr float kPerS = 1 / kStepS;
+  const Float4 per_s = all_of(1 / step_s_);
   for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
-    const ClothVertex &p = vertices_[v], &b = before_[v];
-    float x = (p.x - b.x) * kPerS, y = (p.y - b.y) * kPerS, z = (p.z - b.z) * kPerS;
-    const float squared = x * x + y * y + z * z;
+    const Float4 speed = (load(vertices_[v]) - load(before_[v])) * per_s;
+    const float squared = sum3(speed * speed);
     float keep = 1;
     if (squared > kSpeedMmS * kSpeedMmS)
       keep = kSpeedMmS / std::sqrt(squared);
     else if (squared < kRestMmS * kRestMmS)
-      keep = kRestKeeps;
-    velocity_[v] = {x * keep, y * keep, z * keep, 0};
+      keep = rest_keeps_;
+    store(velocity_[v], speed * all_of(keep));
   }
 }
 
@@ -378,7 +437,6 @@ void Cloth::fall_asleep() {
 }
 
 void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm) {
-  constexpr float kPerS2 = 1 / (kStepS * kStepS);
   still_frames_ = frame.may_sleep && skin.still() ? still_frames_ + 1 : 0;
   awake_ = still_frames_ > kAwakeFrames ? awake_ * kSleepKeeps : 1.0F;
   if (awake_ < kAsleep) return;
@@ -386,16 +444,17 @@ void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<cons
   update_normals();
   find_contacts(skin, frame, clearance_mm);
   follow_belt(skin);
+  // Pairs within reach of each other serve for two frames.
   if (frame.flat)
     layers_.clear();
-  else
+  else if ((frames_ & 1) == 0)
     layers_.find(vertices_, pinched_);
-  for (int s = 0; s < kSubsteps; ++s) {
+  ++frames_;
+  for (int s = 0; s < substeps_; ++s) {
     integrate(frame);
-    solve_stretch(constraints_.stretch, kPerS2, vertices_.data());
-    // Bending is soft: every second substep at twice the time step's compliance is as good and half the work.
-    if ((s & 1) != 0) solve_bend(constraints_.bend, kPerS2 / 2, vertices_.data());
-    hold_tethers();
+    solve_stretch(constraints_.stretch, vertices_.data());
+    if ((s & 1) != 0) solve_bend(constraints_.bend, vertices_.data());
+    if ((s & 1) == 0) hold_tethers();
     layers_.solve(vertices_, before_);
     pull_belt(s);
     collide(s);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <utility>
 
@@ -30,7 +29,8 @@ struct Hinge {
 
 class Builder {
  public:
-  Builder(const GarmentMesh& mesh, const Fabric& fabric) : mesh_(mesh), fabric_(fabric) {}
+  Builder(const GarmentMesh& mesh, const Fabric& fabric, float step_s)
+      : mesh_(mesh), fabric_(fabric), step_s_(step_s) {}
 
   ClothConstraints run() {
     weigh();
@@ -43,7 +43,6 @@ class Builder {
       out.edge_mm.push_back(e.length);
     }
     pack(out);
-    out.mass_kg = std::move(mass_);
     return out;
   }
 
@@ -170,119 +169,83 @@ class Builder {
   }
 
   void pack(ClothConstraints& out) {
+    const float inverse_h2 = 1 / (step_s_ * step_s_);
     const auto unused = static_cast<std::int32_t>(mesh_.vertex_count());
+    const auto weight = [&](std::int32_t v) { return 1 / mass_[static_cast<std::size_t>(v)]; };
     for (const auto& four : fours(edges_, [](const Edge& e) { return std::array{e.a, e.b}; })) {
-      StretchBatch batch;
-      for (std::size_t lane = 0; lane < 4; ++lane) {
+      StretchBatch batch{{unused, unused, unused, unused}, {unused, unused, unused, unused}, {}, {}, {}};
+      for (std::size_t lane = 0; lane < four.size(); ++lane) {
         const int l = static_cast<int>(lane);
-        const Edge e = lane < four.size() ? edges_[four[lane]] : Edge{unused, unused, 0, 1, false};
+        const Edge& e = edges_[four[lane]];
         batch.a[lane] = e.a;
         batch.b[lane] = e.b;
         batch.length[l] = e.length;
-        batch.compliance[l] = e.compliance;
+        const float stiff = (weight(e.a) + weight(e.b)) + e.compliance * inverse_h2;
+        batch.share_a[l] = weight(e.a) / stiff;
+        batch.share_b[l] = weight(e.b) / stiff;
         if (e.band) out.band.push_back({four[lane], out.stretch.size(), l, e.length});
       }
       out.stretch.push_back(batch);
     }
-    for (const auto& four : fours(hinges_, [](const Hinge& h) { return h.vertex; })) {
-      BendBatch batch;
-      for (std::size_t lane = 0; lane < 4; ++lane) {
-        const int l = static_cast<int>(lane);
-        const Hinge h = lane < four.size() ? hinges_[four[lane]] : Hinge{{unused, unused, unused, unused}, {}, 1};
-        for (std::size_t k = 0; k < 4; ++k) {
-          batch.vertex[k][lane] = h.vertex[k];
-          batch.factor[k][l] = h.factor[k];
-        }
-        batch.compliance[l] = h.compliance;
+    for (const Hinge& h : hinges_) {
+      // Bending is soft: every second step at twice the step's compliance is as good and half the work.
+      float stiff = h.compliance * (inverse_h2 / 2);
+      for (std::size_t k = 0; k < 4; ++k) stiff += weight(h.vertex[k]) * (h.factor[k] * h.factor[k]);
+      BendHinge hinge{h.vertex, {}, {}};
+      for (std::size_t k = 0; k < 4; ++k) {
+        hinge.factor[static_cast<int>(k)] = h.factor[k];
+        hinge.share[static_cast<int>(k)] = h.factor[k] * weight(h.vertex[k]) / stiff;
       }
-      out.bend.push_back(batch);
+      out.bend.push_back(hinge);
     }
   }
 
   const GarmentMesh& mesh_;
   const Fabric& fabric_;
-  std::vector<float> mass_;
+  const float step_s_;
+  std::vector<float> mass_;  // kg, a vertex each
   std::vector<Edge> edges_;
   std::vector<Hinge> hinges_;
 };
 
-// Four vertices as rows x, y, z, inverse mass of four lanes.
-struct Gathered {
-  Float4 x, y, z, w;
-};
-inline Float4 load(const ClothVertex& vertex) {
-  Float4 row;
-  std::memcpy(&row, &vertex, sizeof row);
-  return row;
-}
-inline void store(ClothVertex& vertex, Float4 row) {
-  std::memcpy(static_cast<void*>(&vertex), &row, sizeof row);
-}
-inline Gathered gather(const ClothVertex* vertices, const std::array<std::int32_t, 4>& index) {
-  Gathered g{load(vertices[index[0]]), load(vertices[index[1]]), load(vertices[index[2]]), load(vertices[index[3]])};
-  transpose(g.x, g.y, g.z, g.w);
-  return g;
-}
-inline void scatter(ClothVertex* vertices, const std::array<std::int32_t, 4>& index, Gathered g) {
-  transpose(g.x, g.y, g.z, g.w);
-  store(vertices[index[0]], g.x);
-  store(vertices[index[1]], g.y);
-  store(vertices[index[2]], g.z);
-  store(vertices[index[3]], g.w);
-}
-
 }  // namespace
 
-ClothConstraints constrain(const GarmentMesh& mesh, const Fabric& fabric) {
-  return Builder(mesh, fabric).run();
+ClothConstraints constrain(const GarmentMesh& mesh, const Fabric& fabric, float step_s) {
+  return Builder(mesh, fabric, step_s).run();
 }
 
 // XPBD (Macklin et al. 2016) with one pass a substep, so without multipliers to carry (Macklin et al. 2019): equation
 // 18 with C = |a - b| - length.
-void solve_stretch(std::span<const StretchBatch> batches, float inverse_h2, ClothVertex* vertices) {
+void solve_stretch(std::span<const StretchBatch> batches, ClothVertex* vertices) {
   for (const StretchBatch& batch : batches) {
-    Gathered a = gather(vertices, batch.a), b = gather(vertices, batch.b);
-    const Float4 dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
-    const Float4 length = sqrt_of((dx * dx + dy * dy) + (dz * dz + all_of(1e-6F)));
-    const Float4 stiff = (a.w + b.w) + batch.compliance * all_of(inverse_h2);
-    const Float4 s = (length - batch.length) / (length * stiff);
-    const Float4 sa = s * a.w, sb = s * b.w;
-    a.x -= dx * sa;
-    a.y -= dy * sa;
-    a.z -= dz * sa;
-    b.x += dx * sb;
-    b.y += dy * sb;
-    b.z += dz * sb;
-    scatter(vertices, batch.a, a);
-    scatter(vertices, batch.b, b);
+    std::array<Float4, 4> a, b, d;
+    for (std::size_t k = 0; k < 4; ++k) {
+      a[k] = load(vertices[batch.a[k]]);
+      b[k] = load(vertices[batch.b[k]]);
+      d[k] = a[k] - b[k];
+    }
+    Float4 x = d[0], y = d[1], z = d[2], none = d[3];
+    transpose(x, y, z, none);
+    const Float4 length = sqrt_of((x * x + y * y) + (z * z + all_of(1e-6F)));
+    const Float4 excess = (length - batch.length) / length;
+    const Float4 back_a = excess * batch.share_a, back_b = excess * batch.share_b;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const int lane = static_cast<int>(k);
+      store(vertices[batch.a[k]], a[k] - d[k] * all_of(back_a[lane]));
+      store(vertices[batch.b[k]], b[k] + d[k] * all_of(back_b[lane]));
+    }
   }
 }
 
 // The same for the vector C = sum of k_i x_i, whose gradient for vertex i is k_i times the identity.
-void solve_bend(std::span<const BendBatch> batches, float inverse_h2, ClothVertex* vertices) {
-  for (const BendBatch& batch : batches) {
-    std::array<Gathered, 4> p;
-    Float4 cx{}, cy{}, cz{};
-    Float4 stiff = batch.compliance * all_of(inverse_h2);
-    for (std::size_t k = 0; k < 4; ++k) {
-      p[k] = gather(vertices, batch.vertex[k]);
-      const Float4 f = batch.factor[k];
-      cx += f * p[k].x;
-      cy += f * p[k].y;
-      cz += f * p[k].z;
-      stiff += p[k].w * (f * f);
-    }
-    const Float4 scale = all_of(-1) / stiff;
-    cx *= scale;
-    cy *= scale;
-    cz *= scale;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Float4 weight = batch.factor[k] * p[k].w;
-      p[k].x += cx * weight;
-      p[k].y += cy * weight;
-      p[k].z += cz * weight;
-      scatter(vertices, batch.vertex[k], p[k]);
-    }
+void solve_bend(std::span<const BendHinge> hinges, ClothVertex* vertices) {
+  for (const BendHinge& hinge : hinges) {
+    std::array<Float4, 4> p;
+    for (std::size_t k = 0; k < 4; ++k) p[k] = load(vertices[hinge.vertex[k]]);
+    const Float4 f = hinge.factor;
+    const Float4 bend = (p[0] * all_of(f[0]) + p[1] * all_of(f[1])) + (p[2] * all_of(f[2]) + p[3] * all_of(f[3]));
+    for (std::size_t k = 0; k < 4; ++k)
+      store(vertices[hinge.vertex[k]], p[k] - bend * all_of(hinge.share[static_cast<int>(k)]));
   }
 }
 

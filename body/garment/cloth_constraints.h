@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds cloth together, in batches of four that share no vertex: lengths of edges and the angle over each.
+// What holds cloth together: lengths of edges, in batches of four that share no vertex, and the angle over each.
 //
 // Constraints are coloured greedily in the order of the mesh, so that those of one colour touch no vertex twice, and
-// solved colour after colour (Gauss-Seidel, as Müller et al. 2007 do): four of a colour at once give the bits of one
-// after another, and the order is the same on every machine.
+// solved colour after colour (Gauss-Seidel, as Müller et al. 2007 do): several of a colour at once give the bits of
+// one after another, and the order is the same on every machine.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -21,21 +22,30 @@ namespace im2fit::body {
 // leaves half the strain.
 inline constexpr float kWeightShare = 0.25F;
 
-// A vertex of cloth: place in mm and the inverse of its mass, 1/kg.
+// A vertex of cloth: its place in mm, and a lane of nought.
 struct alignas(16) ClothVertex {
-  float x = 0, y = 0, z = 0, inverse_mass = 0;
+  float x = 0, y = 0, z = 0, none = 0;
 };
+inline Float4 load(const ClothVertex& vertex) {
+  Float4 row;
+  std::memcpy(&row, &vertex, sizeof row);
+  return row;
+}
+inline void store(ClothVertex& vertex, Float4 row) {
+  std::memcpy(static_cast<void*>(&vertex), &row, sizeof row);
+}
 
+// Masses and compliances never change, so what they make of a step is worked out beforehand: the share of an edge's
+// excess that either end makes up for, and of a hinge's bend each corner.
 struct StretchBatch {
   std::array<std::int32_t, 4> a, b;
-  Float4 length;      // mm, at rest
-  Float4 compliance;  // m/N: the inverse of kg/s²
+  Float4 length;  // mm, at rest
+  Float4 share_a, share_b;
 };
 // Quadratic bending over an edge (Bergou et al. 2006): |sum of k_i x_i|², isometric, so linear in places.
-struct BendBatch {
-  std::array<std::array<std::int32_t, 4>, 4> vertex;  // [corner][lane]
-  std::array<Float4, 4> factor;
-  Float4 compliance;
+struct BendHinge {
+  std::array<std::int32_t, 4> vertex;
+  Float4 factor, share;
 };
 
 // Where an edge of a band is kept.
@@ -47,18 +57,18 @@ struct BandEdge {
 
 struct ClothConstraints {
   std::vector<StretchBatch> stretch;
-  std::vector<BendBatch> bend;
-  std::vector<float> mass_kg;                      // a vertex each
+  std::vector<BendHinge> bend;
   std::vector<std::array<std::int32_t, 2>> edges;  // every edge once
   std::vector<float> edge_mm;                      // at rest
   std::vector<BandEdge> band;                      // edges along openings
   int stretch_colours = 0, bend_colours = 0;
 };
-// Empty places of a batch name vertex_count(): the caller keeps a vertex of no mass there.
-ClothConstraints constrain(const GarmentMesh& mesh, const Fabric& fabric);
+// `step_s`: of a pass of stretch; bending has one each second step. Empty places of a batch name vertex_count(): the
+// caller keeps a vertex there.
+ClothConstraints constrain(const GarmentMesh& mesh, const Fabric& fabric, float step_s);
 
-// One pass. `inverse_h2`: 1 / s² of the substep. Batches in order.
-void solve_stretch(std::span<const StretchBatch> batches, float inverse_h2, ClothVertex* vertices);
-void solve_bend(std::span<const BendBatch> batches, float inverse_h2, ClothVertex* vertices);
+// One pass, in order.
+void solve_stretch(std::span<const StretchBatch> batches, ClothVertex* vertices);
+void solve_bend(std::span<const BendHinge> hinges, ClothVertex* vertices);
 
 }  // namespace im2fit::body

@@ -7,14 +7,18 @@
 namespace im2fit::body {
 namespace {
 
-constexpr std::size_t kCellsMax = 1U << 18;
+constexpr std::size_t kCellsMax = 1U << 18;       // of kGarmentEdgeMm
+constexpr std::size_t kRoughCellsMax = 1U << 15;  // half as many each way
 constexpr std::size_t kPairsPerVertex = 4;
-constexpr float kNeighbourMm = 26;  // so near in the pattern two vertices are held apart by their own edges
-constexpr float kRub = 0.1F;        // of their relative motion, taken from each
+constexpr float kNeighbourEdges = 2.2F;
+constexpr float kRub = 0.1F;  // of their relative motion, taken from each
 
 }  // namespace
 
-ClothLayers::ClothLayers(const GarmentMesh& mesh) : mesh_(mesh) {
+ClothLayers::ClothLayers(const GarmentMesh& mesh)
+    : mesh_(mesh),
+      cells_max_(mesh.edge_mm > kGarmentEdgeMm ? kRoughCellsMax : kCellsMax),
+      neighbour_mm_(kNeighbourEdges * mesh.edge_mm) {
   const std::size_t count = mesh.vertex_count();
   to_seam_mm_.assign(count, 1e4F);
   std::vector<std::size_t> seams;
@@ -27,8 +31,8 @@ ClothLayers::ClothLayers(const GarmentMesh& mesh) : mesh_(mesh) {
     }
   for (float& d : to_seam_mm_) d = std::sqrt(d);
   pairs_.reserve(kPairsPerVertex * count);
-  cell_first_.resize(kCellsMax + 1);
-  cell_next_.resize(kCellsMax + 1);
+  cell_first_.resize(cells_max_ + 1);
+  cell_next_.resize(cells_max_ + 1);
   cell_vertices_.resize(count);
   vertex_cell_.resize(count);
 }
@@ -38,9 +42,9 @@ bool ClothLayers::neighbours(std::int32_t a, std::int32_t b) const {
   const bool same_panel =
       (mesh_.layer[i] == mesh_.layer[k] || mesh_.layer[i] == kBothLayers || mesh_.layer[k] == kBothLayers) &&
       mesh_.side[i] * mesh_.side[k] >= 0;
-  if (!same_panel) return to_seam_mm_[i] + to_seam_mm_[k] < kNeighbourMm;
+  if (!same_panel) return to_seam_mm_[i] + to_seam_mm_[k] < neighbour_mm_;
   const float dx = mesh_.flat[i].x - mesh_.flat[k].x, dy = mesh_.flat[i].y - mesh_.flat[k].y;
-  return dx * dx + dy * dy < kNeighbourMm * kNeighbourMm;
+  return dx * dx + dy * dy < neighbour_mm_ * neighbour_mm_;
 }
 
 void ClothLayers::find(std::span<const ClothVertex> vertices, std::span<const std::uint8_t> pinched) {
@@ -52,7 +56,8 @@ void ClothLayers::find(std::span<const ClothVertex> vertices, std::span<const st
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
-  float cell_mm = kSearchMm;
+  const float search = search_mm();
+  float cell_mm = search;
   std::array<int, 3> cells{};
   for (;; cell_mm *= 1.25F) {
     const auto size = [&](float from, float to) {
@@ -62,7 +67,7 @@ void ClothLayers::find(std::span<const ClothVertex> vertices, std::span<const st
     cells = {size(low.x, high.x), size(low.y, high.y), size(low.z, high.z)};
     if (static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) *
             static_cast<std::size_t>(cells[2]) <=
-        kCellsMax)
+        cells_max_)
       break;
   }
   const auto all =
@@ -101,7 +106,7 @@ void ClothLayers::find(std::span<const ClothVertex> vertices, std::span<const st
           if (pinched[v] != 0 && pinched[static_cast<std::size_t>(other)] != 0) continue;
           const ClothVertex &a = vertices[v], &b = vertices[static_cast<std::size_t>(other)];
           const float ex = a.x - b.x, ey = a.y - b.y, ez = a.z - b.z;
-          if (ex * ex + ey * ey + ez * ez > kSearchMm * kSearchMm) continue;
+          if (ex * ex + ey * ey + ez * ez > search * search) continue;
           if (neighbours(static_cast<std::int32_t>(v), other)) continue;
           if (pairs_.size() == most) return;
           pairs_.push_back({static_cast<std::int32_t>(v), other});
@@ -111,13 +116,14 @@ void ClothLayers::find(std::span<const ClothVertex> vertices, std::span<const st
 }
 
 void ClothLayers::solve(std::span<ClothVertex> vertices, std::span<const ClothVertex> before) const {
+  const float apart = apart_mm();
   for (const auto& pair : pairs_) {
     ClothVertex &a = vertices[static_cast<std::size_t>(pair[0])], &b = vertices[static_cast<std::size_t>(pair[1])];
     const float dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
     const float squared = dx * dx + dy * dy + dz * dz;
-    if (squared >= kApartMm * kApartMm || squared < 1e-6F) continue;
+    if (squared >= apart * apart || squared < 1e-6F) continue;
     const float length = std::sqrt(squared);
-    const float push = 0.25F * (kApartMm - length) / length;
+    const float push = 0.25F * (apart - length) / length;
     const ClothVertex &was_a = before[static_cast<std::size_t>(pair[0])],
                       &was_b = before[static_cast<std::size_t>(pair[1])];
     const float rx = ((a.x - was_a.x) - (b.x - was_b.x)) * kRub, ry = ((a.y - was_a.y) - (b.y - was_b.y)) * kRub,

@@ -20,6 +20,7 @@ class Sewing {
  public:
   Sewing(const GarmentPattern& pattern, const CutBody& body, float edge_mm)
       : cut_(cut(pattern, body, edge_mm)), edge_mm_(edge_mm) {
+    mesh_.edge_mm = edge_mm;
     mesh_.hang = pattern.hang;
     mesh_.legs = pattern.legs;
     mesh_.body = body;

@@ -13,10 +13,13 @@ namespace im2fit::body {
 
 // Edges of the lattice: finer costs twice as much and shows little.
 inline constexpr float kGarmentEdgeMm = 12;
+// Of the mesh a garment is put on as: a quarter of the vertices.
+inline constexpr float kRoughEdgeMm = 24;
 inline constexpr std::uint8_t kOnSeam = 1, kOnHem = 2, kOnOpening = 4;
 inline constexpr std::uint8_t kFrontLayer = 0, kBackLayer = 1, kBothLayers = 2;
 
 struct GarmentMesh {
+  float edge_mm = kGarmentEdgeMm;  // of its lattice
   Hang hang = Hang::shoulders;
   bool legs = false;
   std::vector<Flat> flat;            // place in the pattern of the left half, mm: of both sides

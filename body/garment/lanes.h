@@ -6,6 +6,10 @@
 
 #include <cmath>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace im2fit::body {
 
 using Float4 = float __attribute__((vector_size(16)));
@@ -15,7 +19,15 @@ inline Float4 all_of(float v) {
   return Float4{v, v, v, v};
 }
 inline Float4 sqrt_of(Float4 v) {
+#if defined(__SSE2__)
+  return reinterpret_cast<Float4>(_mm_sqrt_ps(reinterpret_cast<__m128>(v)));  // rounded as std::sqrt is
+#else
   return Float4{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])};
+#endif
+}
+// The first three lanes, in order.
+inline float sum3(Float4 v) {
+  return v[0] + v[1] + v[2];
 }
 // Rows become columns.
 inline void transpose(Float4& a, Float4& b, Float4& c, Float4& d) {

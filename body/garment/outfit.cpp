@@ -11,11 +11,12 @@
 namespace im2fit::body {
 namespace {
 
-constexpr int kPutOnFrames = 32;  // from a flat body to a whole one
-constexpr int kFlatFrames = 24;   // of them with panels that face front and back
-constexpr int kHangFrames = 12;   // until folds have fallen
-constexpr int kPoseFrames = 24;   // from the dressing pose to another
-constexpr int kRestFrames = 16;
+constexpr int kPutOnFrames = 24;  // from a flat body to a whole one
+constexpr int kFlatFrames = 18;   // of them with panels that face front and back
+constexpr int kHangFrames = 6;    // until folds have fallen
+constexpr int kPoseFrames = 16;   // from the dressing pose to another
+constexpr int kRoughRestFrames = 4;
+constexpr int kSettleFrames = 6;     // of the finer mesh, until its own folds have formed
 constexpr float kPutOnDamping = 12;  // per second
 constexpr float kFirstDepth = 0.02F;
 // Arms and trunk begin thin, so that a small size goes over them; thighs would slip beside the crotch.
@@ -27,8 +28,8 @@ constexpr float kWornMm = 3;         // cloth on cloth stands off by so much
 constexpr float kWornMaxMm = 4;      // looser cloth below is pressed flat, or hidden
 constexpr float kSlopeMm = 5;        // over an edge of the body's mesh
 constexpr int kSlopePasses = 4;
-constexpr float kHiddenReachMm = 150;  // farther cloth hides nothing
-constexpr float kHiddenRimMm = 40;     // skin nearer to a hem may be seen
+constexpr float kHiddenReachMm = 60;  // farther cloth hides nothing: it lies before it anyway
+constexpr float kHiddenRimMm = 40;    // skin nearer to a hem may be seen
 constexpr float kHiddenClothRimMm = 10;
 constexpr float kHiddenCosine = 0.2F;
 constexpr float kHiddenAsideMm = 30;
@@ -87,9 +88,13 @@ Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model
   std::size_t most = 0;
   for (Piece& piece : pieces) {
     meshes_.push_back(std::make_unique<GarmentMesh>(std::move(piece.mesh)));
+    rough_meshes_.push_back(std::make_unique<GarmentMesh>(std::move(piece.rough)));
     cloths_.push_back(std::make_unique<Cloth>(*meshes_.back(), piece.fabric));
+    rough_.push_back(std::make_unique<Cloth>(*rough_meshes_.back(), piece.fabric, Cloth::kRoughSubsteps));
+    refinements_.emplace_back(*rough_meshes_.back(), *meshes_.back());
     most = std::max(most, meshes_.back()->vertex_count());
   }
+  belt_mm_.resize(cloths_.size());
   const auto all = static_cast<std::size_t>(model.vertex_count());
   rest_.resize(all);
   posed_.resize(all);
@@ -103,6 +108,10 @@ Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model
 }
 
 Outfit::~Outfit() = default;
+
+Outfit::Piece Outfit::piece(const GarmentPattern& pattern, const CutBody& body, const Fabric& fabric) {
+  return {sew(pattern, body), sew(pattern, body, kRoughEdgeMm), fabric};
+}
 
 void Outfit::skin_body(const Pose& pose) {
   pose_ = pose;
@@ -133,26 +142,30 @@ void Outfit::add_clearance(const Cloth& cloth) {
     }
 }
 
-void Outfit::run(const ClothFrame& frame) {
-  std::fill(clearance_mm_.begin(), clearance_mm_.end(), 0.0F);
-  for (std::size_t i = 0; i < cloths_.size(); ++i) {
-    cloths_[i]->run(surface_, frame, i == 0 ? std::span<const float>() : clearance_mm_);
-    if (i + 1 < cloths_.size()) add_clearance(*cloths_[i]);
-  }
-}
-
-void Outfit::frame(const Pose& pose) {
+void Outfit::run(const Cloths& cloths, const Pose& pose) {
   skin_body(pose);
   surface_.advance(posed_);
   ClothFrame frame;
   frame.may_sleep = true;
-  run(frame);
+  std::fill(clearance_mm_.begin(), clearance_mm_.end(), 0.0F);
+  for (std::size_t i = 0; i < cloths.size(); ++i) {
+    cloths[i]->run(surface_, frame, i == 0 ? std::span<const float>() : clearance_mm_);
+    if (i + 1 < cloths.size()) add_clearance(*cloths[i]);
+  }
+}
+
+void Outfit::move(const Cloths& cloths, const Pose& pose, int frames) {
+  const Pose from = pose_;
+  for (int i = 1; i <= frames; ++i)
+    run(cloths, i == frames ? pose : between(from, pose, smooth(static_cast<float>(i) / static_cast<float>(frames))));
+}
+
+void Outfit::frame(const Pose& pose) {
+  run(cloths_, pose);
 }
 
 void Outfit::move_to(const Pose& pose, int frames) {
-  const Pose from = pose_;
-  for (int i = 1; i <= frames; ++i)
-    frame(i == frames ? pose : between(from, pose, smooth(static_cast<float>(i) / static_cast<float>(frames))));
+  move(cloths_, pose, frames);
 }
 
 void Outfit::place_flat(Cloth& cloth, const PosedSkeleton& bones) {
@@ -197,7 +210,8 @@ float Outfit::girth_at_band(const Cloth& cloth, const PosedSkeleton& bones) {
 }
 
 // A flat body grows between the panels until it fills them.
-void Outfit::put_on(Cloth& cloth) {
+void Outfit::put_on(std::size_t index) {
+  Cloth& cloth = *rough_[index];
   const Pose pose = dressing_pose(skeleton_);
   skin_body(pose);
   const PosedSkeleton bones = pose_skeleton(skeleton_, pose_);
@@ -207,7 +221,8 @@ void Outfit::put_on(Cloth& cloth) {
                                                         : bones.head[at(Segment::left_upper_leg)].z;
   const bool waist = cloth.mesh().hang == Hang::waist;
   const float sideways = waist ? 1.0F : kFirstSideways;
-  cloth.close_belt(waist ? kBeltShare * girth_at_band(cloth, bones) : 1e9F);
+  belt_mm_[index] = waist ? kBeltShare * girth_at_band(cloth, bones) : 1e9F;
+  cloth.close_belt(belt_mm_[index]);
   for (int i = 0; i <= kPutOnFrames; ++i) {
     const float share = static_cast<float>(i) / kPutOnFrames;
     drawn.depth = kFirstDepth + (1 - kFirstDepth) * share;
@@ -230,8 +245,8 @@ void Outfit::put_on(Cloth& cloth) {
   add_clearance(cloth);
 }
 
-void Outfit::turn(const Mat3f& rotation, Vec3f about) {
-  for (auto& cloth : cloths_) {
+void Outfit::turn_rough(const Mat3f& rotation, Vec3f about) {
+  for (auto& cloth : rough_) {
     flat_.clear();
     for (std::size_t v = 0; v < cloth->mesh().vertex_count(); ++v)
       flat_.push_back(about + rotation * (cloth->position(v) - about));
@@ -244,16 +259,30 @@ void Outfit::dress(std::span<const Vec3f> rest, const Skeleton& skeleton, const 
   std::copy(rest.begin(), rest.end(), rest_.begin());
   skeleton_ = skeleton;
   std::fill(clearance_mm_.begin(), clearance_mm_.end(), 0.0F);
-  for (auto& cloth : cloths_) put_on(*cloth);
+  for (std::size_t i = 0; i < rough_.size(); ++i) put_on(i);
   // A person seen from behind is not turned about within the cloth: everything turns with the pelvis first.
   const Mat3f& pelvis = pose.rotation[at(Segment::pelvis)];
   Pose start = dressing_pose(skeleton_);
-  turn(pelvis, skeleton_.head[at(Segment::pelvis)]);
+  turn_rough(pelvis, skeleton_.head[at(Segment::pelvis)]);
   for (Mat3f& r : start.rotation) r = pelvis * r;
   skin_body(start);
   surface_.put(posed_);
-  move_to(pose, kPoseFrames);
-  for (int i = 0; i < kRestFrames; ++i) frame(pose);
+  move(rough_, pose, kPoseFrames);
+  for (int i = 0; i < kRoughRestFrames; ++i) run(rough_, pose);
+  refine();
+  for (int i = 0; i < kSettleFrames; ++i) frame(pose);
+}
+
+// From the rough meshes to those that are shown.
+void Outfit::refine() {
+  for (std::size_t i = 0; i < cloths_.size(); ++i) {
+    rough_[i]->update_normals();
+    flat_.resize(meshes_[i]->vertex_count());
+    refinements_[i].places(*rough_[i], flat_);
+    cloths_[i]->place(flat_);
+    cloths_[i]->close_belt(belt_mm_[i]);
+    cloths_[i]->hold_belt_here(surface_);
+  }
 }
 
 void Outfit::box(const Cloth& cloth) const {

@@ -10,6 +10,7 @@
 #include "body/garment/body_surface.h"
 #include "body/garment/cloth.h"
 #include "body/garment/garment_mesh.h"
+#include "body/garment/refinement.h"
 #include "body/model.h"
 #include "body/section.h"
 #include "body/skeleton.h"
@@ -21,14 +22,17 @@ class Outfit {
  public:
   struct Piece {
     GarmentMesh mesh;
+    GarmentMesh rough;  // the same cut in longer edges, as which it is put on
     Fabric fabric;
   };
+  static Piece piece(const GarmentPattern& pattern, const CutBody& body, const Fabric& fabric);
   // `pieces`: what lies on the skin first. Allocates.
   Outfit(const BodyModel& model, std::vector<Piece> pieces);
   ~Outfit();
 
   // Puts everything on a body: `rest` has the model's vertices. Then the body stands in `pose` (its translation is
-  // not heeded: the pelvis stays where it is at rest), and the cloth has come to rest. Some 100 frames' work.
+  // not heeded: the pelvis stays where it is at rest), and the cloth has come nearly to rest. The rough
+  // meshes are put on and follow into the pose; then the others take their places and fall into their own folds.
   void dress(std::span<const Vec3f> rest, const Skeleton& skeleton, const Pose& pose);
   // A thirtieth of a second, in which the body goes from its last pose to this one (translation not heeded).
   void frame(const Pose& pose);
@@ -63,16 +67,21 @@ class Outfit {
   void near(const Cloth& cloth, Vec3f p, const float& best, F consider) const;
   bool hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm) const;
   void add_clearance(const Cloth& cloth);
-  void put_on(Cloth& cloth);
+  using Cloths = std::vector<std::unique_ptr<Cloth>>;
+  void put_on(std::size_t index);
+  void refine();
   float girth_at_band(const Cloth& cloth, const PosedSkeleton& bones);
   void place_flat(Cloth& cloth, const PosedSkeleton& bones);
-  void run(const ClothFrame& frame);
-  void turn(const Mat3f& rotation, Vec3f about);
+  void run(const Cloths& cloths, const Pose& pose);
+  void move(const Cloths& cloths, const Pose& pose, int frames);
+  void turn_rough(const Mat3f& rotation, Vec3f about);
   void skin_body(const Pose& pose);
 
   const BodyModel& model_;
-  std::vector<std::unique_ptr<GarmentMesh>> meshes_;
-  std::vector<std::unique_ptr<Cloth>> cloths_;
+  std::vector<std::unique_ptr<GarmentMesh>> meshes_, rough_meshes_;
+  Cloths cloths_, rough_;
+  std::vector<Refinement> refinements_;
+  std::vector<float> belt_mm_;  // of each garment
   BodySurface surface_;
   std::vector<Vec3f> rest_, posed_, drawn_, flat_;
   std::vector<Vec3f> level_, hull_points_;

@@ -113,17 +113,28 @@ std::vector<Place> lattice(const std::vector<Flat>& outline, double edge) {
   std::uint32_t number = 0;
   const int rows = static_cast<int>((high - low) / (edge * kRowShare)) + 1;
   const int columns = static_cast<int>((right - left) / edge) + 2;
-  for (int r = 0; r < rows; ++r)
+  std::vector<double> crossings;                            // of the outline with a row
+  std::vector<std::pair<std::size_t, std::size_t>> beside;  // its edges that come near a row
+  for (int r = 0; r < rows; ++r) {
+    const double y = low + (r + 0.5) * edge * kRowShare;
+    crossings.clear();
+    beside.clear();
+    for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
+      const double ax = outline[i].x, ay = outline[i].y, bx = outline[j].x, by = outline[j].y;
+      if ((ay > y) != (by > y)) crossings.push_back((bx - ax) * (y - ay) / (by - ay) + ax);
+      if (std::min(ay, by) < y + kClear * edge && std::max(ay, by) > y - kClear * edge) beside.push_back({i, j});
+    }
     for (int c = 0; c < columns; ++c) {
       const double x = left + (c + ((r & 1) != 0 ? 0.5 : 0.0)) * edge;
-      const double y = low + (r + 0.5) * edge * kRowShare;
-      if (!inside(outline, x, y)) continue;
+      const auto right_of = std::count_if(crossings.begin(), crossings.end(), [&](double at) { return x < at; });
+      if ((right_of & 1) == 0) continue;
       double nearest = 1e30;
-      for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++)
+      for (const auto& [i, j] : beside)
         nearest = std::min(nearest, squared_distance_to(outline[i], outline[j], x, y));
       if (nearest < kClear * kClear * edge * edge) continue;
       out.push_back({x + kShiftMm * shift_of(++number), y + kShiftMm * shift_of(++number)});
     }
+  }
   return out;
 }
 

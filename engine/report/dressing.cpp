@@ -57,7 +57,7 @@ Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body
     const body::Fabric* fabric = wardrobe.fabric(one.pattern->fabric);
     if (fabric == nullptr)
       return Error{ErrorCode::not_found, one.pattern->id + ": no fabric is called " + one.pattern->fabric};
-    pieces.push_back({body::sew(*one.pattern, body::cut_body(wardrobe.law, woman, one.chest_mm)), *fabric});
+    pieces.push_back(body::Outfit::piece(*one.pattern, body::cut_body(wardrobe.law, woman, one.chest_mm), *fabric));
   }
   auto outfit = std::make_unique<body::Outfit>(model, std::move(pieces));
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));

@@ -116,6 +116,7 @@ DrapeQuality judge(const body::Outfit& outfit, std::size_t index) {
   const Cloth& cloth = outfit.cloth(index);
   DrapeQuality q;
   const auto positions = positions_of(cloth);
+  const auto normals = cloth.normals();
   for (const Vec3f& p : positions)
     q.finite = q.finite && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
   if (!q.finite) return q;
@@ -135,14 +136,22 @@ DrapeQuality judge(const body::Outfit& outfit, std::size_t index) {
   q.strain_p95 = strain[strain.size() * 95 / 100];
   q.strain_peak = strain.back();
 
+  // Behind the nearest skin of the limbs it covers and behind the nearest that faces as it does, looked for afresh:
+  // the solver leaves some of it out. Crumpled cloth may face skin far beside it, and where limbs press on each other
+  // the nearest may be the other one's.
+  constexpr float kLookMm = 60;
   std::size_t inside = 0;
+  const auto behind_mm = [&](std::size_t v, Vec3f facing, float cosine) {
+    body::SkinPlace place;
+    std::int32_t hint = -1;
+    if (!outfit.skin().nearest(positions[v], facing, cosine, cloth.limbs(v), kLookMm, hint, place)) return 0.0F;
+    return dot(outfit.skin().at(place, false) - positions[v], outfit.skin().facing(place, false));
+  };
   for (std::size_t v = 0; v < positions.size(); ++v) {
-    const body::SkinPlace& place = cloth.contacts()[v];
-    if (place.triangle < 0) continue;
-    const float off = dot(positions[v] - outfit.skin().at(place, true), outfit.skin().facing(place, true));
-    if (off >= 0) continue;
+    const float behind = std::min(behind_mm(v, {}, -1), behind_mm(v, normals[v], 0));
+    if (behind <= 0) continue;
     ++inside;
-    q.inside_deepest_mm = std::max(q.inside_deepest_mm, -off);
+    q.inside_deepest_mm = std::max(q.inside_deepest_mm, behind);
   }
   q.inside_share = static_cast<float>(inside) / static_cast<float>(positions.size());
   q.folds_mm = folds_of(cloth);

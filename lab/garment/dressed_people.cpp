@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/garment/dressed_people.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "body/measure.h"
 #include "body/population.h"
+#include "body/tape.h"
+#include "engine/builtin_tape.h"
 #include "engine/garment_fit.h"
+#include "engine/report/dressing.h"
 #include "engine/size_chart.h"
 
 namespace im2fit::lab {
@@ -16,20 +19,6 @@ using body::Segment;
 
 std::size_t at(Segment s) {
   return static_cast<std::size_t>(s);
-}
-
-DressedPerson person_of(const body::BodyModel& model, std::string name, bool woman, const body::Params& params) {
-  DressedPerson p;
-  p.name = std::move(name);
-  p.woman = woman;
-  p.params = params;
-  p.rest.resize(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(params, p.rest);
-  p.skeleton = body::rest_skeleton(model, p.rest);
-  const auto values = body::measure_rest_mesh(model, p.rest, params.gender);
-  p.chest_mm = values[measurement_index(Measurement::chest_girth)];
-  p.hip_mm = values[measurement_index(Measurement::hip_girth)];
-  return p;
 }
 
 // Turns parts of a relaxed body, each relative to its parent.
@@ -61,6 +50,19 @@ class Posing {
 
 }  // namespace
 
+DressedPerson dressed_person(const body::BodyModel& model, std::string name, bool woman, const body::Params& params) {
+  DressedPerson p;
+  p.name = std::move(name);
+  p.woman = woman;
+  p.params = params;
+  p.rest.resize(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(params, p.rest);
+  p.skeleton = body::rest_skeleton(model, p.rest);
+  p.tape.resize(builtin_tape().definitions.size());
+  body::TapeMeasurer(model).measure(builtin_tape(), params, p.tape);
+  return p;
+}
+
 std::vector<DressedPerson> example_people(const body::BodyModel& model) {
   std::vector<DressedPerson> people;
   struct Build {
@@ -77,7 +79,7 @@ std::vector<DressedPerson> example_people(const body::BodyModel& model) {
       const double stature_mm = woman ? 1640 : 1770;
       body::solve_stature_and_weight(model, params, stature_mm,
                                      build.body_mass_index * stature_mm * stature_mm * 1e-6);
-      people.push_back(person_of(model, std::string(build.name) + (woman ? "-woman" : "-man"), woman, params));
+      people.push_back(dressed_person(model, std::string(build.name) + (woman ? "-woman" : "-man"), woman, params));
     }
   return people;
 }
@@ -85,29 +87,16 @@ std::vector<DressedPerson> example_people(const body::BodyModel& model) {
 DressedPerson drawn_person(const body::BodyModel& model, std::uint64_t number) {
   constexpr std::uint64_t kSeed = 0x6472;
   const body::Drawn drawn = body::draw_person(model, body::Family::held_out, kSeed, number);
-  return person_of(model, "person-" + std::to_string(number), drawn.woman, drawn.params);
+  return dressed_person(model, "person-" + std::to_string(number), drawn.woman, drawn.params);
 }
 
-float bought_chest_mm(bool woman, float chest_mm, int steps) {
-  const SizeChart& chart = woman ? builtin_size_system().women : builtin_size_system().men;
+float bought_chest_mm(const DressedPerson& person, const body::GarmentPattern& pattern, int steps) {
+  const SizeChart& chart = person.woman ? builtin_size_system().women : builtin_size_system().men;
+  const auto girths = girths_for(pattern, builtin_tape(), person.tape, {});
   int row = 0;
-  const int last = static_cast<int>(chart.rows.size()) - 1;
-  while (row < last && chest_mm >= chart.rows[static_cast<std::size_t>(row)].high_mm) ++row;
-  row = std::min(last, std::max(0, row + steps));
+  if (girths) row = static_cast<int>(fit_garment(pattern, builtin_wardrobe().law, chart, person.woman, *girths).best);
+  row = std::clamp(row + steps, 0, static_cast<int>(chart.rows.size()) - 1);
   return im2fit::size_chest_mm(chart.rows[static_cast<std::size_t>(row)]);
-}
-
-float bought_chest_for_hip_mm(const body::CutLaw& law, bool woman, float hip_mm) {
-  const SizeChart& chart = woman ? builtin_size_system().women : builtin_size_system().men;
-  float best = 0, least = 1e9F;
-  for (const SizeRow& row : chart.rows) {
-    const float chest = im2fit::size_chest_mm(row);
-    const float hip = body::cut_body(law, woman, chest)[static_cast<std::size_t>(body::CutMeasure::hip)];
-    if (std::fabs(hip - hip_mm) >= least) continue;
-    least = std::fabs(hip - hip_mm);
-    best = chest;
-  }
-  return best;
 }
 
 std::vector<NamedPose> dressed_poses(const body::BodyModel& model, const DressedPerson& person) {
@@ -153,11 +142,9 @@ std::vector<body::Outfit::Piece> pieces_for(const DressedPerson& person, const s
     const auto own = id.ends_with(".yaml") ? load_garment(id) : Result<body::GarmentPattern>(Error{});
     if (own) pattern = &*own;
     if (pattern == nullptr) continue;
-    const float chest = pattern->hang == body::Hang::waist
-                            ? bought_chest_for_hip_mm(wardrobe.law, person.woman, person.hip_mm)
-                            : bought_chest_mm(person.woman, person.chest_mm, steps);
-    pieces.push_back(
-        {body::sew(*pattern, body::cut_body(wardrobe.law, person.woman, chest)), *wardrobe.fabric(pattern->fabric)});
+    const float chest = bought_chest_mm(person, *pattern, steps);
+    pieces.push_back(body::Outfit::piece(*pattern, body::cut_body(wardrobe.law, person.woman, chest),
+                                         *wardrobe.fabric(pattern->fabric)));
   }
   return pieces;
 }

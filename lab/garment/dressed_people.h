@@ -19,17 +19,16 @@ struct DressedPerson {
   body::Params params;
   std::vector<Vec3f> rest;
   body::Skeleton skeleton;
-  float chest_mm = 0, hip_mm = 0;
+  std::vector<float> tape;  // values of builtin_tape()
 };
+DressedPerson dressed_person(const body::BodyModel& model, std::string name, bool woman, const body::Params& params);
 // "thin", "median", "heavy" of each sex: body mass indices 17.5, 24, 35.
 std::vector<DressedPerson> example_people(const body::BodyModel& model);
 // Of the held-out family, by number.
 DressedPerson drawn_person(const body::BodyModel& model, std::uint64_t number);
 
-// The mean of the size's chest girths, by EN 13402-3: the size a chest would buy, and `steps` sizes larger.
-float bought_chest_mm(bool woman, float chest_mm, int steps = 0);
-// Trousers are bought by the hips: the chest of the size whose body has them.
-float bought_chest_for_hip_mm(const body::CutLaw& law, bool woman, float hip_mm);
+// The size that fits best (fit_garment), and `steps` sizes larger, by the chest girth it is cut for.
+float bought_chest_mm(const DressedPerson& person, const body::GarmentPattern& pattern, int steps = 0);
 
 struct NamedPose {
   std::string name;

@@ -39,8 +39,8 @@ TEST_F(DressedBody, ClothLiesOutsideTheSkinAndHardlyStretches) {
       const DrapeQuality q = judge(outfit, i);
       ASSERT_TRUE(q.finite) << person.name;
       EXPECT_LT(q.strain_mean, 0.02F) << person.name << " " << i;
-      EXPECT_LT(q.strain_p95, 0.13F) << person.name << " " << i;
-      EXPECT_LT(q.inside_share, 0.004F) << person.name << " " << i;
+      EXPECT_LT(q.strain_p95, 0.11F) << person.name << " " << i;
+      EXPECT_LT(q.inside_share, 0.002F) << person.name << " " << i;
       EXPECT_LT(q.hem_roughness_mm, 10) << person.name << " " << i;
       EXPECT_GT(q.folds_mm, 0.3F) << person.name << " " << i;
     }
@@ -54,7 +54,7 @@ TEST_F(DressedBody, ComesToRestAndWakes) {
   const auto poses = dressed_poses(*real_body(), person);
   Outfit outfit(*real_body(), pieces_for(person, {"trousers", "t_shirt"}));
   outfit.dress(person.rest, person.skeleton, poses[0].pose);
-  rest(outfit, 14);
+  rest(outfit, 20);  // and ten in dress()
   for (std::size_t i = 0; i < outfit.size(); ++i) {
     const auto before = positions_of(outfit.cloth(i));
     rest(outfit, 1);
@@ -73,6 +73,7 @@ TEST_F(DressedBody, AHemMeasuresWhatThePatternSays) {
   const auto people = example_people(*real_body());
   Outfit outfit(*real_body(), pieces_for(people[0], {"t_shirt"}, 1));
   outfit.dress(people[0].rest, people[0].skeleton, dressed_poses(*real_body(), people[0])[0].pose);
+  rest(outfit, 20);
   EXPECT_NEAR(hem_girth_mm(outfit.cloth(0), false), hem_girth_mm(outfit.cloth(0), true), 3);
 }
 
@@ -126,7 +127,7 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
     const auto covered = covered_skin(*real_body(), outfit);
     for (const std::size_t p : shown) {
       if (p > 0) outfit.move_to(poses[p].pose, 20);
-      rest(outfit, p > 0 ? 29 : 9);
+      rest(outfit, p > 0 ? 29 : 19);  // 30 since the body stood still, ten of them in dress()
       std::vector<std::vector<Vec3f>> before;
       for (std::size_t i = 0; i < outfit.size(); ++i) before.push_back(positions_of(outfit.cloth(i)));
       rest(outfit, 1);

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a garment in long edges to the same garment in short ones.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "body/garment/cloth.h"
+#include "body/garment/garment_mesh.h"
+
+namespace im2fit::body {
+
+// Where the vertices of a garment's mesh lie in a rougher mesh of the same cut. No allocation after construction.
+// + - * / and sqrt only.
+class Refinement {
+ public:
+  Refinement(const GarmentMesh& rough, const GarmentMesh& fine);
+  // `out`: a place a vertex of the finer mesh, on a curved surface through the rough cloth's vertices (Boubekeur and
+  // Alexa 2008, Phong tessellation). The rough cloth's normals must be up to date.
+  void places(const Cloth& rough, std::span<Vec3f> out) const;
+
+ private:
+  struct Spot {
+    std::array<std::int32_t, 3> corner{};  // of the rough mesh
+    std::array<float, 3> share{};
+  };
+  std::vector<Spot> spots_;
+};
+
+}  // namespace im2fit::body
