@@ -59,6 +59,17 @@ void set_truth(Json& json, const PersonTruth& truth) {
   }
 }
 
+void set_settings(Json& json, const Settings& settings) {
+  if (settings.frames > 0)
+    json["frames"] = settings.frames;
+  else
+    json.erase("frames");
+  json["turn"] = settings.turn;
+  set_or_drop(json, "calibration", settings.calibration);
+  set_or_drop(json, "clothing", settings.clothing);
+  set_or_drop(json, "sensor", settings.sensor);
+}
+
 // ---- from JSON: the first field that is wrong ends it.
 
 class Fields {
@@ -91,12 +102,19 @@ class Fields {
     number(json, prefix, key, read);
     if (find(json, prefix, key, true) != nullptr && read) value = *read;
   }
-  void size(const Json& json, const std::string& prefix, const char* key, int& value) {
-    const Json* found = find(json, prefix, key, true);
+  // 1 to 65535
+  void count(const Json& json, const std::string& prefix, const char* key, int& value, bool needed) {
+    const Json* found = find(json, prefix, key, needed);
     if (found == nullptr) return;
     if (!found->is_number_integer() || found->get<std::int64_t>() < 1 || found->get<std::int64_t>() > 65535)
-      return wrong(prefix + key, "is no number of pixels");
+      return wrong(prefix + key, "is no number of 1 to 65535");
     value = found->get<int>();
+  }
+  void flag(const Json& json, const std::string& prefix, const char* key, bool& value) {
+    const Json* found = find(json, prefix, key, false);
+    if (found == nullptr) return;
+    if (!found->is_boolean()) return wrong(prefix + key, "is not true or false");
+    value = found->get<bool>();
   }
   const Json& object(const Json& json, const char* key, bool needed) {
     static const Json kNone = Json::object();
@@ -140,12 +158,20 @@ void read_truth(Fields& fields, const Json& json, PersonTruth& truth) {
 void read_camera(Fields& fields, const Json& json, Camera& camera) {
   fields.text(json, "camera.", "kind", camera.kind, false);
   fields.text(json, "camera.", "name", camera.name, false);
-  fields.size(json, "camera.", "width", camera.width);
-  fields.size(json, "camera.", "height", camera.height);
+  fields.count(json, "camera.", "width", camera.width, true);
+  fields.count(json, "camera.", "height", camera.height, true);
   fields.needed_number(json, "camera.", "fx", camera.fx);
   fields.needed_number(json, "camera.", "fy", camera.fy);
   fields.needed_number(json, "camera.", "cx", camera.cx);
   fields.needed_number(json, "camera.", "cy", camera.cy);
+}
+
+void read_settings(Fields& fields, const Json& json, Settings& settings) {
+  fields.count(json, "settings.", "frames", settings.frames, false);
+  fields.flag(json, "settings.", "turn", settings.turn);
+  fields.text(json, "settings.", "calibration", settings.calibration, false);
+  fields.text(json, "settings.", "clothing", settings.clothing, false);
+  fields.text(json, "settings.", "sensor", settings.sensor, false);
 }
 
 void read_record(Fields& fields, const Json& json, Record& record) {
@@ -166,6 +192,7 @@ void read_record(Fields& fields, const Json& json, Record& record) {
   fields.text(versions, "versions.", "body", record.versions.body, false);
   fields.text(versions, "versions.", "tracker", record.versions.tracker, false);
   fields.text(versions, "versions.", "index", record.versions.index, false);
+  read_settings(fields, fields.object(json, "settings", false), record.settings);
 }
 
 // ---- limits
@@ -263,6 +290,7 @@ std::string record_json(const Record& record) {
   set_text(versions, "body", record.versions.body);
   set_text(versions, "tracker", record.versions.tracker);
   set_text(versions, "index", record.versions.index);
+  set_settings(object_in(json, "settings"), record.settings);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

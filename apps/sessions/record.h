@@ -65,6 +65,13 @@ struct Versions {
   std::string body, tracker, index;  // CRC-32C of the files, 8 hexadecimal digits
 };
 
+// How it was measured, as `im2fit measure` takes it: so that the recording can be measured the same way again.
+struct Settings {
+  int frames = 0;  // good ones behind the answer, of each side; 0: not known
+  bool turn = false;
+  std::string calibration, clothing, sensor;  // "": not known
+};
+
 struct Record {
   std::string id;
   std::string started_utc;  // "2026-05-04T12:30:00Z"
@@ -75,6 +82,7 @@ struct Record {
   Camera camera;
   std::string site;  // "": not said
   Versions versions;
+  Settings settings;
   // The text it was read from: record_json() keeps the keys of it that are not known here.
   std::string document;
 };

@@ -77,7 +77,7 @@ std::string unfinished_id(const std::string& name) {
   return is_id(id) ? id : "";
 }
 
-// What a program that was killed has left: nobody holds its lock. The caller holds the root's.
+// What a program that was killed has left: its lock is free. The caller holds the root's.
 void sweep(const std::string& root) {
   std::error_code code;
   std::vector<fs::path> left;

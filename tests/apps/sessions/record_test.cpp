@@ -55,6 +55,9 @@ TEST(SessionRecord, EveryFieldComesBack) {
   EXPECT_EQ(read->camera.height, 640);
   EXPECT_EQ(read->camera.cy, 319.5);
   EXPECT_EQ(read->versions.index, "89ab0123");
+  EXPECT_EQ(read->settings.frames, 20);
+  EXPECT_TRUE(read->settings.turn);
+  EXPECT_EQ(read->settings.clothing, "bare");
   EXPECT_EQ(record_json(*read), text);
 }
 
@@ -102,8 +105,10 @@ TEST(SessionRecord, ErrorsNameFileAndField) {
       {changed([](Json& j) { j["person"] = "a\nb"; }), "person has control characters"},
       {changed([](Json& j) { j["consent"].erase("version"); }), "consent.version is missing"},
       {changed([](Json& j) { j["consent"]["text_sha256"] = "abc"; }), "consent.text_sha256"},
-      {changed([](Json& j) { j["camera"]["width"] = 0; }), "camera.width is no number of pixels"},
+      {changed([](Json& j) { j["camera"]["width"] = 0; }), "camera.width is no number of 1 to 65535"},
       {changed([](Json& j) { j["camera"].erase("fx"); }), "camera.fx is missing"},
+      {changed([](Json& j) { j["settings"]["frames"] = 0; }), "settings.frames is no number of 1 to 65535"},
+      {changed([](Json& j) { j["settings"]["turn"] = 1; }), "settings.turn is not true or false"},
       {changed([](Json& j) { j["started_utc"] = "yesterday"; }), "started_utc"},
       {changed([](Json& j) { j["schema"] = "im2fit.session/2"; }), "expected \"im2fit.session/1\""},
       {changed([](Json& j) { j["notes"] = std::string(5000, 'x'); }), "notes has 5000 bytes"},
