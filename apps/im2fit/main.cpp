@@ -9,7 +9,8 @@ int main(int argc, char** argv) {
       "folder.\n"
       "Exit codes: 0 done, 1 failed, 2 wrong use, 3 the stream gave no measurement.");
   Command chosen;
-  for (auto* add : {add_devices, add_measure, add_live, add_record, add_tape, add_try, add_models}) add(app, chosen);
+  for (auto* add : {add_devices, add_measure, add_live, add_record, add_tape, add_try, add_models, add_sessions})
+    add(app, chosen);
 #if IM2FIT_HAVE_PAGE
   add_serve(app, chosen);
 #endif

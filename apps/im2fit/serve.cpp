@@ -11,7 +11,14 @@
 
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/live_run.h"
+#include "apps/im2fit/page/host_check.h"
 #include "apps/im2fit/page/live_page.h"
+#include "apps/im2fit/page/operator_gate.h"
+#include "apps/im2fit/remeasure.h"
+#include "apps/sessions/store.h"
+#include "core/crc32c.h"
+#include "core/file.h"
+#include "engine/report/tape_file.h"
 
 namespace im2fit::apps {
 namespace {
@@ -24,18 +31,34 @@ struct ServeOptions {
   PageAddress address;
   bool no_consent = false;
   bool wait = false;
+  bool desk = false;  // the operator's part of the page
+  std::string password_file, sessions = sessions::default_root(), site;
 };
+
+// "": it cannot be read.
+std::string digest_of(const std::string& path) {
+  const auto file = MappedFile::open(path);
+  return file ? fmt::format("{:08x}", crc32c(file->bytes())) : "";
+}
+
+sessions::Versions versions_of(const SessionOptions& session) {
+  return {IM2FIT_VERSION, digest_of(session.input.body), digest_of(session.tracker), digest_of(session.index)};
+}
 
 class PageListener final : public LiveListener {
  public:
-  PageListener(LivePage& page, int frames_wanted) : page_(page), frames_wanted_(frames_wanted) {}
+  PageListener(LivePage& page, const ServeOptions& options)
+      : page_(page), options_(options), frames_wanted_(options.live.session.frames) {}
   void begin(const SessionOutcome& session) override {
+    if (options_.desk) page_.use_source(session.input.source->info(), versions_of(options_.live.session));
     page_.begin(session.input.source->info().intrinsics, frames_wanted_);
     page_.trouble("");
     invite();
   }
   void invite() {
     if (!invited_) print_error("open " + page_.url() + " in a browser; Ctrl-C ends this");
+    if (!invited_ && options_.desk)
+      print_error("the operator's page is " + page_.url() + "operator; sessions go to " + options_.sessions);
     invited_ = true;
   }
   std::uint64_t permit() override { return page_.permit(); }
@@ -51,6 +74,7 @@ class PageListener final : public LiveListener {
 
  private:
   LivePage& page_;
+  const ServeOptions& options_;
   int frames_wanted_;
   bool invited_ = false;
 };
@@ -78,7 +102,7 @@ std::string_view trouble_of(const ServeOptions& options) {
 Result<int> serve_until_interrupted(const ServeOptions& options, LivePage& page) {
   LiveOptions live = options.live;
   live.print_results = options.no_consent;  // what a service prints is kept in a journal
-  PageListener listener(page, options.live.session.frames);
+  PageListener listener(page, options);
   std::string last_said;
   if (options.wait) listener.invite();
   for (;;) {
@@ -92,7 +116,52 @@ Result<int> serve_until_interrupted(const ServeOptions& options, LivePage& page)
   }
 }
 
+Result<OperatorSettings> operator_settings(const ServeOptions& options) {
+  OperatorSettings desk;
+  desk.root = options.sessions;
+  desk.site = options.site;
+  const SessionOptions& session = options.live.session;
+  desk.settings = {session.frames, session.turn, session.calibration, session.clothing, session.sensor};
+  const auto tape = load_tapes(session.tapes);
+  if (!tape) return tape.error();
+  for (const body::TapeDefinition& d : tape->definitions) {
+    if (unit_of(d) != "mm") continue;  // a scale is in the form; what cannot be measured here can by a tape
+    Json names = Json::object();
+    for (std::size_t i = 0; i < body::kTapeLanguages.size(); ++i)
+      if (!d.names[i].empty()) names[std::string(body::kTapeLanguages[i])] = d.names[i];
+    desk.tape.emplace_back(d.id, std::move(names));
+  }
+  desk.measure = [&options](const std::string& id) -> Result<Json> {
+    RemeasureOptions again;
+    again.root = options.sessions;
+    again.id = id;
+    again.body = options.live.session.input.body;
+    again.tracker = options.live.session.tracker;
+    again.index = options.live.session.index;
+    auto done = remeasure(again);
+    if (!done) return done.error();
+    return Json{{"then", std::move(done->before)}, {"now", std::move(done->now)}};
+  };
+  return desk;
+}
+
+// What keeps the operator's part from being served.
+Status check_operator(const ServeOptions& options) {
+  if (!options.desk) {
+    if (options.password_file.empty()) return Ok{};
+    return Error{ErrorCode::invalid_argument, "--operator-password-file is of --operator; give both"};
+  }
+  if (options.no_consent)
+    return Error{ErrorCode::invalid_argument, "--operator records people who consent; leave --no-consent out"};
+  if (options.password_file.empty() && !is_this_machine(options.address.host))
+    return Error{ErrorCode::invalid_argument, "--operator at " + options.address.host +
+                                                  " lets others read and delete sessions; it needs "
+                                                  "--operator-password-file FILE, or --host 127.0.0.1"};
+  return Ok{};
+}
+
 Result<int> run_serve(const ServeOptions& options) {
+  if (const auto checked = check_operator(options); !checked) return checked.error();
   if (!options.no_consent && !options.live.session.motion.empty())
     return Error{
         ErrorCode::invalid_argument,
@@ -108,6 +177,16 @@ Result<int> run_serve(const ServeOptions& options) {
     print_error(fmt::format("visit {}: consent to text {}", visit, text.empty() ? "unknown" : text));
   };
   settings.erase_folder = erase_outputs;
+  if (options.desk) {
+    auto desk = operator_settings(options);
+    if (!desk) return desk.error();
+    settings.desk = std::move(*desk);
+    if (!options.password_file.empty()) {
+      auto password = read_password(options.password_file);
+      if (!password) return password.error();
+      settings.operator_password = std::move(*password);
+    }
+  }
   auto page = LivePage::open(settings);
   if (!page) return page.error();
   auto code = serve_until_interrupted(options, **page);
@@ -132,6 +211,15 @@ void add_serve(cli::App& app, Command& chosen) {
                 "Measure whoever stands there, without asking on the page: for recordings and for yourself");
   sub->add_flag("--wait", options->wait,
                 "Wait for a camera and for models that are not there yet, and say so on the page: for a service");
+  sub->add_flag("--operator", options->desk,
+                "Add a page at /operator that records people with what a tape says, see docs/sessions.md");
+  sub->add_option("--operator-password-file", options->password_file,
+                  "File with the operator's password, readable by its owner alone; needed at another --host")
+      ->type_name("FILE");
+  sub->add_option("--sessions", options->sessions, "Folder the operator's sessions go to")
+      ->type_name("DIR")
+      ->capture_default_str();
+  sub->add_option("--site", options->site, "Name of this place, proposed in the operator's form")->type_name("NAME");
   sub->add_option("--host", options->address.host, "Address to listen at; another than 127.0.0.1 lets others look")
       ->capture_default_str();
   sub->add_option("--port", options->address.port, "Port; 0: any that is free")

@@ -58,6 +58,13 @@ Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& setting
     });
     handlers.try_on = [&self](auto fields) { return self.fitting_->ask(fields); };
   }
+  if (settings.desk) {
+    self.desk_ = std::make_unique<OperatorDesk>(*settings.desk);
+    self.desk_->use_visits([&self](const auto& begun) { return self.begin_recorded_visit(begun); },
+                           [&self](std::uint64_t visit) { self.end_recorded_visit(visit); });
+    handlers.operate = [&self](const PageRequest& request) { return self.desk_->answer(request); };
+    handlers.operator_password = settings.operator_password;
+  }
   auto server = PageServer::open(settings.address, self.board_, std::move(handlers));
   if (!server) return server.error();
   self.server_ = std::move(*server);
@@ -108,7 +115,30 @@ void LivePage::publish_beat() {
   board_.publish("beat", Json{{"event", "beat"}, {"left_s", (left.count() + 999) / 1000}}.dump());
 }
 
-void LivePage::forget() {
+bool LivePage::begin_recorded_visit(const std::function<void(std::uint64_t visit)>& begun) {
+  const std::lock_guard lock(visit_mutex_);
+  const auto now = Clock::now();
+  if (visit_.state() != VisitState::asking) {
+    if (visit_.number() != desk_visit_) return false;  // a customer's
+    visit_.next(now);
+    forget(desk_visit_, false);
+  }
+  if (!visit_.consent(visit_.id(), now)) return false;
+  desk_visit_ = visit_.number();
+  begun(desk_visit_);
+  publish_visit();
+  return true;
+}
+
+void LivePage::end_recorded_visit(std::uint64_t visit) {
+  const std::lock_guard lock(visit_mutex_);
+  if (visit_.number() != visit || visit_.state() == VisitState::asking) return;
+  visit_.next(Clock::now());
+  forget(visit, true);
+}
+
+void LivePage::forget(std::uint64_t over, bool erased) {
+  if (desk_) desk_->visit_over(over, erased);
   // Files first: who hears of the new visit finds nothing of the one before.
   board_.withdraw({"state", "frame", "picture", "measured", "tryon", "left"},
                   {"/result.json", "/avatar.glb", "/picture.png"});
@@ -124,6 +154,7 @@ bool LivePage::act(PageAction action, std::string_view visit, std::string_view n
   {
     const std::lock_guard lock(visit_mutex_);
     const auto now = Clock::now();
+    const std::uint64_t number = visit_.number();
     switch (action) {
       case PageAction::touch:
         if (!visit_.touch(visit, now)) return false;
@@ -137,7 +168,7 @@ bool LivePage::act(PageAction action, std::string_view visit, std::string_view n
       case PageAction::erase:
         folder = folder_;
         if (!visit_.erase(visit, now)) return false;
-        forget();
+        forget(number, true);
         break;
     }
   }
@@ -150,8 +181,9 @@ void LivePage::tick() {
     {
       const std::lock_guard lock(visit_mutex_);
       if (ending_) return;
+      const std::uint64_t number = visit_.number();
       if (visit_.tick(Clock::now()))
-        forget();
+        forget(number, false);
       else if (ticks % kTicksPerBeat == 0)
         publish_beat();
     }
@@ -171,11 +203,14 @@ std::uint64_t LivePage::permit() {
 }
 
 void LivePage::see(const FrameSeen& frame) {
+  std::uint64_t visit = 0;
   {
     const std::lock_guard lock(visit_mutex_);
     if (frame.result.user != 0) visit_.person_in_view(Clock::now());
     if (!is_current()) return;  // of the visit before
+    visit = visit_.number();
   }
+  if (desk_) desk_->see(visit, frame);
   if (server_->watchers() == 0) return;
   move(frame);
   const auto now = std::chrono::steady_clock::now();
@@ -194,6 +229,11 @@ void LivePage::move(const FrameSeen& frame) {
     for (const Vec3f& p : result.display_joints.position_mm) pixels.push_back(in_picture(intrinsics_, p));
     event["joints"] = std::move(joints);
     event["pixels"] = std::move(pixels);
+    if (desk_) {
+      Json percent = Json::array();
+      for (const float share : result.display_joints.confidence) percent.push_back(std::lround(100 * share));
+      event["confidence"] = std::move(percent);
+    }
     if (animator_ && follows_) {
       const body::RigPose rig = animator_->follow(result.display_joints, result.floor);
       event["root"] = rounded(rig.root_m);
@@ -246,6 +286,7 @@ bool LivePage::publish_of_visit(const std::string& kind, const Json& event, std:
     customer_.visit = visit_.id();
     if (fitting_) fitting_->welcome(std::exchange(customer_, {}));
     publish_visit();
+    if (desk_) desk_->measured(visit_.number(), event["result"].dump(2) + "\n");
   }
   if (kind == "left") follows_ = false;  // the next person's joints are not theirs
   board_.publish(kind, std::move(line));
@@ -253,9 +294,10 @@ bool LivePage::publish_of_visit(const std::string& kind, const Json& event, std:
 }
 
 void LivePage::next_visit() {
+  const std::uint64_t over = visit_.number();
   visit_.next(Clock::now());
   permitted_ = visit_.number();
-  forget();
+  forget(over, false);
 }
 
 void LivePage::may_try_on(Customer customer) {

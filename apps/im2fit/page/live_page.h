@@ -18,6 +18,7 @@
 #include "apps/im2fit/page/avatar_animator.h"
 #include "apps/im2fit/page/board.h"
 #include "apps/im2fit/page/fitting_room.h"
+#include "apps/im2fit/page/operator_desk.h"
 #include "apps/im2fit/page/page_server.h"
 #include "apps/im2fit/page/visit.h"
 #include "engine/engine.h"
@@ -34,6 +35,8 @@ struct LivePageSettings {
   // A person asked to delete what is theirs, or consent was gone before the result came: what was written to this
   // folder goes, too.
   std::function<void(const std::string& folder)> erase_folder;
+  std::optional<OperatorSettings> desk;  // the operator's part of the page; none: there is none
+  std::string operator_password;         // "": none is asked for
 };
 
 // `see` on the engine's thread, the rest on one other. Nothing is drawn while no browser watches.
@@ -55,6 +58,10 @@ class LivePage {
   std::uint64_t permit();
   void see(const FrameSeen& frame);
   void publish(const Json& event);
+  // What the operator's part writes into sessions. Before begin().
+  void use_source(const hal::SourceInfo& source, const sessions::Versions& versions) {
+    if (desk_) desk_->use_source(source, versions);
+  }
   // Before its event, `measured`.
   Status measured(const body::Avatar& avatar, std::span<const std::byte> glb);
   // Before its event too. The visit is the current one.
@@ -66,10 +73,12 @@ class LivePage {
   // These hold visit_mutex_.
   bool act(PageAction action, std::string_view visit, std::string_view note);
   void tick();
+  bool begin_recorded_visit(const std::function<void(std::uint64_t visit)>& begun);
+  void end_recorded_visit(std::uint64_t visit);
   // These need it held.
   void publish_visit();
   void publish_beat();
-  void forget();  // the visit before: all of it, for every client
+  void forget(std::uint64_t over, bool erased);  // the visit of that number: all of it, for every client
   void next_visit();
   bool publish_of_visit(const std::string& kind, const Json& event, std::string line);
   bool is_current() const { return permitted_ == visit_.number(); }
@@ -92,8 +101,10 @@ class LivePage {
   bool ending_ = false;
   Customer customer_;                     // who is measured next to be tried on
   std::unique_ptr<FittingRoom> fitting_;  // null: nothing is tried on
+  std::unique_ptr<OperatorDesk> desk_;    // null: no operator
+  std::uint64_t desk_visit_ = 0;          // the last visit that the operator began
   std::thread keeper_;
-  std::unique_ptr<PageServer> server_;  // last: it refers to the board and the fitting room
+  std::unique_ptr<PageServer> server_;  // last: it refers to the board, the fitting room and the desk
 };
 
 }  // namespace im2fit::apps

@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "apps/im2fit/page/host_check.h"
+#include "apps/im2fit/page/operator_gate.h"
 #include "apps/im2fit/page/visitors.h"
 #include "apps/im2fit/page/web_files.h"
 
@@ -129,6 +130,43 @@ MHD_Result send(MHD_Connection* connection, unsigned status, const Response& res
   return MHD_queue_response(connection, status, response.get());
 }
 
+// A request that is being answered; of a POST with a body, what came of that.
+struct Upload {
+  std::string path;
+  std::string body;
+  bool wanted = false;  // false: answered already
+};
+
+bool is_operators(std::string_view path) {
+  return path == "/operator" || path.rfind("/operator/", 0) == 0;
+}
+
+// Digits alone, so that no two readers of it disagree (RFC 9110 8.6).
+std::optional<std::size_t> length_of(const Field& field) {
+  if (field.count != 1 || field.value->empty() || field.value->size() > 9 ||
+      field.value->find_first_not_of("0123456789") != std::string_view::npos)
+    return std::nullopt;
+  return std::stoul(std::string(*field.value));
+}
+
+std::vector<std::pair<std::string, std::string>> query_of(MHD_Connection* connection) {
+  std::vector<std::pair<std::string, std::string>> query;
+  MHD_get_connection_values(
+      connection, MHD_GET_ARGUMENT_KIND,
+      [](void* closure, MHD_ValueKind, const char* name, const char* value) {
+        static_cast<decltype(query)*>(closure)->emplace_back(name, value == nullptr ? "" : value);
+        return MHD_YES;
+      },
+      &query);
+  return query;
+}
+
+MHD_Result send_answer(MHD_Connection* connection, PageAnswer answer) {
+  if (!answer.file) return send(connection, answer.status, copied(answer.text + "\n"), kText);
+  const std::string type = answer.file->type;
+  return send(connection, answer.status, shared(std::move(answer.file)), type.c_str());
+}
+
 struct CloseSocket {
   int socket = -1;
   ~CloseSocket() {
@@ -181,8 +219,11 @@ struct PageServer::Parts {
     Clock::time_point read;  // when it was last asked for more
   };
 
-  Parts(Board& b, const std::string& host, PageHandlers h) : board(b), check(host), handlers(std::move(h)) {}
-  MHD_Result answer(MHD_Connection* connection, std::string_view method, const std::string& path);
+  Parts(Board& b, const std::string& host, PageHandlers h)
+      : board(b), check(host), handlers(std::move(h)), gate(handlers.operator_password) {}
+  MHD_Result answer(MHD_Connection* connection, std::string_view method, Upload& upload);
+  MHD_Result answer_operator(MHD_Connection* connection, std::string_view method, Upload& upload);
+  MHD_Result operate(MHD_Connection* connection, const Upload& upload);
   MHD_Result answer_file(MHD_Connection* connection, const WebFile& file);
   MHD_Result answer_action(MHD_Connection* connection, PageAction action);
   MHD_Result answer_stream(MHD_Connection* connection);
@@ -196,6 +237,7 @@ struct PageServer::Parts {
   Board& board;
   HostCheck check;
   PageHandlers handlers;
+  OperatorGate gate;
   Visitors visitors{VisitorLimits{}};
   std::string url;
   MHD_Daemon* daemon = nullptr;
@@ -211,7 +253,8 @@ Visitors::Visitor* PageServer::Parts::visitor_of(MHD_Connection* connection) con
   return info == nullptr ? nullptr : static_cast<Visitors::Visitor*>(info->socket_context);
 }
 
-MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_view method, const std::string& path) {
+MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_view method, Upload& upload) {
+  const std::string& path = upload.path;
   if (auto* visitor = visitor_of(connection)) visitors.now_does(visitor, Visitors::Doing::answering, Clock::now());
   const Field host = field_of(connection, "Host"), origin = field_of(connection, "Origin");
   const Field site = field_of(connection, "Sec-Fetch-Site");
@@ -219,6 +262,7 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
   if (const std::string why = check.refusal(doubled ? std::nullopt : host.value, origin.value, site.value);
       !why.empty())
     return send(connection, MHD_HTTP_FORBIDDEN, copied(why + "\n"), kText);
+  if (handlers.operate && is_operators(path)) return answer_operator(connection, method, upload);
   const auto* action = std::find_if(std::begin(kActions), std::end(kActions),
                                     [&](const auto& known) { return handlers.act && known.first == path; });
   const bool acts = action != std::end(kActions);
@@ -233,13 +277,61 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
   if (acts) return answer_action(connection, action->second);
   if (path == "/events")
     return method == "GET" ? answer_stream(connection) : send(connection, 200, copied(""), "text/event-stream");
-  if (const WebFile* fixed = web_file(path)) return answer_file(connection, *fixed);
+  if (const WebFile* fixed = is_operators(path) ? nullptr : web_file(path)) return answer_file(connection, *fixed);
   if (path == "/tryon.glb" && handlers.try_on) return answer_try_on(connection);
   if (auto file = board.file(path)) {
     const std::string type = file->type;
     return send(connection, MHD_HTTP_OK, shared(std::move(file)), type.c_str());
   }
   return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there (yet)\n"), kText);
+}
+
+// All that a request's header can be refused for, before a byte of its body is read.
+MHD_Result PageServer::Parts::answer_operator(MHD_Connection* connection, std::string_view method, Upload& upload) {
+  const Field authorization = field_of(connection, "Authorization");
+  switch (gate.admit(authorization.count > 1 ? std::nullopt : authorization.value, Clock::now())) {
+    case OperatorGate::Answer::admitted:
+      break;
+    case OperatorGate::Answer::too_many_tries:
+      return send(connection, MHD_HTTP_TOO_MANY_REQUESTS, copied("too many wrong passwords; wait a second\n"), kText);
+    case OperatorGate::Answer::password_needed: {
+      const Response response = copied("the operator's password is needed\n");
+      if (response)
+        MHD_add_response_header(response.get(), "WWW-Authenticate",
+                                R"(Basic realm="im2fit operator", charset="UTF-8")");
+      return send(connection, MHD_HTTP_UNAUTHORIZED, response, kText);
+    }
+  }
+  const bool post = method == "POST";
+  if (!post && method != "GET" && method != "HEAD") {
+    const Response response = copied("another method is needed\n");
+    if (response) MHD_add_response_header(response.get(), "Allow", "GET, HEAD, POST");
+    return send(connection, MHD_HTTP_METHOD_NOT_ALLOWED, response, kText);
+  }
+  const Field length = field_of(connection, "Content-Length");
+  const bool chunked = field_of(connection, "Transfer-Encoding").count > 0;
+  if (!post) {
+    if (chunked || (length.count > 0 && length.value != "0")) return MHD_NO;
+    if (upload.path == "/operator") return answer_file(connection, *web_file(upload.path));
+    if (upload.path == "/operator/token") return send(connection, MHD_HTTP_OK, copied(gate.token()), kText);
+    return operate(connection, upload);
+  }
+  const Field origin = field_of(connection, "Origin"), token = field_of(connection, "X-Im2fit-Token");
+  const Field type = field_of(connection, "Content-Type");
+  if (origin.count != 1 || token.count != 1 || !gate.is_token(*token.value))
+    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the operator's page itself may ask for this\n"), kText);
+  if (type.count != 1 || type.value != "application/json")
+    return send(connection, MHD_HTTP_UNSUPPORTED_MEDIA_TYPE, copied("application/json is needed\n"), kText);
+  const auto size = length_of(length);
+  if (chunked || !size) return send(connection, MHD_HTTP_LENGTH_REQUIRED, copied("a length is needed\n"), kText);
+  if (*size > kBodyBytesMax) return send(connection, MHD_HTTP_CONTENT_TOO_LARGE, copied("more than 64 kB\n"), kText);
+  upload.wanted = true;
+  return MHD_YES;  // the body comes next
+}
+
+MHD_Result PageServer::Parts::operate(MHD_Connection* connection, const Upload& upload) {
+  const auto query = query_of(connection);
+  return send_answer(connection, handlers.operate({upload.wanted, upload.path, upload.body, query}));
 }
 
 MHD_Result PageServer::Parts::answer_action(MHD_Connection* connection, PageAction action) {
@@ -256,18 +348,7 @@ MHD_Result PageServer::Parts::answer_action(MHD_Connection* connection, PageActi
 }
 
 MHD_Result PageServer::Parts::answer_try_on(MHD_Connection* connection) {
-  std::vector<std::pair<std::string, std::string>> query;
-  MHD_get_connection_values(
-      connection, MHD_GET_ARGUMENT_KIND,
-      [](void* closure, MHD_ValueKind, const char* name, const char* value) {
-        static_cast<decltype(query)*>(closure)->emplace_back(name, value == nullptr ? "" : value);
-        return MHD_YES;
-      },
-      &query);
-  PageAnswer answer = handlers.try_on(query);
-  if (!answer.file) return send(connection, answer.status, copied(answer.text + "\n"), kText);
-  const std::string type = answer.file->type;
-  return send(connection, answer.status, shared(std::move(answer.file)), type.c_str());
+  return send_answer(connection, handlers.try_on(query_of(connection)));
 }
 
 MHD_Result PageServer::Parts::answer_file(MHD_Connection* connection, const WebFile& file) {
@@ -381,15 +462,21 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
               std::to_string(port_of(listening.socket)) + "/";
 
   const MHD_AccessHandlerCallback answer = [](void* closure, MHD_Connection* connection, const char* url,
-                                              const char* method, const char*, const char*, std::size_t* upload,
+                                              const char* method, const char*, const char* data, std::size_t* upload,
                                               void** request) -> MHD_Result {
-    // Called again for a body, which a refused method may have.
-    if (*request != nullptr) {
-      *upload = 0;
-      return MHD_YES;
+    auto& parts = *static_cast<Parts*>(closure);
+    if (*request == nullptr) {
+      auto* begun = new Upload{url, "", false};  // until the request is completed
+      *request = begun;
+      return parts.answer(connection, method, *begun);
     }
-    *request = closure;
-    return static_cast<Parts*>(closure)->answer(connection, method, url);
+    auto& going = *static_cast<Upload*>(*request);
+    const std::size_t count = std::exchange(*upload, 0);
+    if (!going.wanted) return MHD_YES;  // a refused method may have a body
+    if (count == 0) return parts.operate(connection, going);
+    if (count > kBodyBytesMax - going.body.size()) return MHD_NO;
+    going.body.append(data, count);
+    return MHD_YES;
   };
   const MHD_NotifyConnectionCallback connected = [](void* closure, MHD_Connection* connection, void** context,
                                                     MHD_ConnectionNotificationCode code) {
@@ -402,8 +489,9 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
     const sockaddr* from = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS)->client_addr;
     *context = visitors.came(socket, from, Clock::now());
   };
-  const MHD_RequestCompletedCallback completed = [](void* closure, MHD_Connection* connection, void**,
+  const MHD_RequestCompletedCallback completed = [](void* closure, MHD_Connection* connection, void** request,
                                                     MHD_RequestTerminationCode) {
+    delete static_cast<Upload*>(std::exchange(*request, nullptr));
     auto* parts = static_cast<Parts*>(closure);
     if (auto* visitor = parts->visitor_of(connection))
       parts->visitors.now_does(visitor, Visitors::Doing::asking, Clock::now());

@@ -29,15 +29,29 @@ inline constexpr std::size_t kActionTextMax = 64;
 // The fields of /tryon.glb's query, as they are. On the server's thread.
 using PageQuery = std::function<PageAnswer(std::span<const std::pair<std::string, std::string>> fields)>;
 
+// What the operator's page asks for, below /operator/: by GET, or by POST with a body of JSON.
+struct PageRequest {
+  bool post = false;
+  std::string_view path;  // "/operator/save"
+  std::string_view body;  // at most kBodyBytesMax; "" for GET
+  std::span<const std::pair<std::string, std::string>> query;
+};
+using PageOperator = std::function<PageAnswer(const PageRequest& request)>;
+inline constexpr std::size_t kBodyBytesMax = std::size_t{64} << 10;
+
 struct PageHandlers {
-  PageActor act;     // without it nothing is answered to POST
-  PageQuery try_on;  // without it there is no /tryon.glb
+  PageActor act;                  // without it nothing is answered to POST
+  PageQuery try_on;               // without it there is no /tryon.glb
+  PageOperator operate;           // without it there is no /operator; on the server's thread
+  std::string operator_password;  // "": none is asked for
 };
 
 // One thread serves all connections, and waits for none of them: visitors.h limits their number and their time, a
-// request's header is at most 16 KB, a body is not read at all. host_check.h says whom it answers. GET and HEAD, and
-// POST of /consent, /touch and /delete from the page itself: with its Origin, which browsers always send with a POST,
-// and with a field that no other site's page may send without being asked first (Fetch, CORS-preflight).
+// request's header is at most 16 KB, a body is read of the operator's POST alone. host_check.h says whom it answers.
+// GET and HEAD, and POST of /consent, /touch and /delete from the page itself: with its Origin, which browsers always
+// send with a POST, and with a field that no other site's page may send without being asked first (Fetch,
+// CORS-preflight). Below /operator everything needs the password (operator_gate.h), and POST besides the Origin and
+// the token that GET /operator/token tells, in the field X-Im2fit-Token.
 class PageServer {
  public:
   static constexpr int kWatchersMax = 8;  // streams at once; further ones are answered 503

@@ -26,6 +26,9 @@ IM2FIT_EMBED(im2fit_web_stage, IM2FIT_WEB_DIR "/stage.js")
 IM2FIT_EMBED(im2fit_web_tryon, IM2FIT_WEB_DIR "/tryon.js")
 IM2FIT_EMBED(im2fit_web_tryon_style, IM2FIT_WEB_DIR "/tryon.css")
 IM2FIT_EMBED(im2fit_web_page, IM2FIT_WEB_DIR "/page.js")
+IM2FIT_EMBED(im2fit_web_operator, IM2FIT_WEB_DIR "/operator.html")
+IM2FIT_EMBED(im2fit_web_operator_script, IM2FIT_WEB_DIR "/operator.js")
+IM2FIT_EMBED(im2fit_web_operator_style, IM2FIT_WEB_DIR "/operator.css")
 IM2FIT_EMBED(im2fit_web_three, IM2FIT_THREE_DIR "/build/three.min.js")
 IM2FIT_EMBED(im2fit_web_loader, IM2FIT_THREE_DIR "/examples/js/loaders/GLTFLoader.js")
 IM2FIT_EMBED(im2fit_web_orbit, IM2FIT_THREE_DIR "/examples/js/controls/OrbitControls.js")
@@ -62,6 +65,9 @@ const WebFile* web_file(std::string_view path) {
       own("/tryon.js", kScript, im2fit_web_tryon, im2fit_web_tryon_end),
       own("/tryon.css", "text/css; charset=utf-8", im2fit_web_tryon_style, im2fit_web_tryon_style_end),
       own("/page.js", kScript, im2fit_web_page, im2fit_web_page_end),
+      own("/operator", "text/html; charset=utf-8", im2fit_web_operator, im2fit_web_operator_end),
+      own("/operator.js", kScript, im2fit_web_operator_script, im2fit_web_operator_script_end),
+      own("/operator.css", "text/css; charset=utf-8", im2fit_web_operator_style, im2fit_web_operator_style_end),
       WebFile{"/" IM2FIT_PAGE_THREE, kScript, between(im2fit_web_three, im2fit_web_three_end),
               between(im2fit_web_three_gzip, im2fit_web_three_gzip_end), true},
       WebFile{"/" IM2FIT_PAGE_LOADER, kScript, between(im2fit_web_loader, im2fit_web_loader_end),

@@ -2,6 +2,7 @@
 // What the page says, in every language: all of it, and short enough to be read from where one stands.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -49,6 +50,20 @@ std::set<std::string> codes() {
     all.insert(code);
   return all;
 }
+// Of every text at any depth, "list.title"; how many there are of a list belongs to its name.
+void add_names(const Json& json, const std::string& name, std::set<std::string>& names) {
+  if (json.is_object())
+    for (const auto& [key, value] : json.items()) add_names(value, name + "." + key, names);
+  else if (json.is_array())
+    for (std::size_t i = 0; i < json.size(); ++i) add_names(json[i], name + "." + std::to_string(i), names);
+  else
+    names.insert(name);
+}
+std::set<std::string> all_names(const Json& json) {
+  std::set<std::string> names;
+  add_names(json, "", names);
+  return names;
+}
 std::set<std::string> keys_of(const Json& object) {
   std::set<std::string> keys;
   for (const auto& [key, value] : object.items()) {
@@ -78,6 +93,32 @@ TEST(Texts, EveryLanguageSaysEverythingAndNothingElse) {
     EXPECT_EQ(table["consent"]["version"], english["consent"]["version"]) << "one text, in five languages";
     EXPECT_NE(table["page"]["left"].get<std::string>().find("{s}"), std::string::npos);
   }
+}
+
+TEST(Texts, TheOperatorsAreTheSameInEveryLanguageAndAllThatTheirPageAsksFor) {
+  const Json english = table_of("en")["operator"];
+  const std::set<std::string> names = all_names(english);
+  EXPECT_GT(names.size(), 40U);
+  for (const std::string& language : kLanguages) {
+    SCOPED_TRACE(language);
+    const Json texts = table_of(language)["operator"];
+    EXPECT_EQ(all_names(texts), names);
+    EXPECT_EQ(texts["consent"]["version"], english["consent"]["version"]);
+    for (const auto& [key, word] : {std::pair{"/phases/RECORDING", "{n}"},
+                                    {"/phases/RECORDING", "{max}"},
+                                    {"/misc/saved", "{id}"},
+                                    {"/misc/dropped", "{n}"},
+                                    {"/list/values", "{n}"}})
+      EXPECT_NE(texts.at(Json::json_pointer(key)).get<std::string>().find(word), std::string::npos) << key;
+  }
+  const std::string asking = text_of("operator.html") + text_of("operator.js");
+  for (const std::string& before : {std::string("data-text=\""), std::string(" of('"), std::string("(of('")})
+    for (std::size_t at = asking.find(before); at != std::string::npos; at = asking.find(before, at + 1)) {
+      const std::size_t from = at + before.size();
+      std::string pointer = "/" + asking.substr(from, asking.find_first_of("\"'", from) - from);
+      std::replace(pointer.begin(), pointer.end(), '.', '/');
+      EXPECT_TRUE(english.contains(Json::json_pointer(pointer))) << pointer;
+    }
 }
 
 TEST(Texts, AMessageIsSixWordsAtMost) {

@@ -109,6 +109,7 @@ function showSize() {
 }
 
 function showResult() {
+  if (!words.table) return;  // a result may come before the texts have; showTexts() shows it then
   at('unit').textContent = words.inches ? words.of('centimetres') : words.of('inches');
   if (!result) return;
   at('unit-head').textContent = words.unit('mm');

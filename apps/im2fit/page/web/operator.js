@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+// The operator's part: records one person with what a tape says, and has the sessions there are. docs/page.md names
+// what it asks for below /operator/.
+'use strict';
+
+const at = (id) => document.getElementById(id);
+const kPollMs = 500;
+const kReplayMs = 100;
+const kLowPercent = 50;  // a joint that is as likely wrong as right
+const kFormFields = ['person', 'height', 'weight', 'age', 'gender', 'worn_size', 'clothing', 'notes'];
+
+const words = new Words(new URLSearchParams(location.search).get('lang') || navigator.language || 'en');
+const mirror = new Mirror(at('sight'));
+const failures = [];
+for (const kind of ['error', 'unhandledrejection']) {
+  window.addEventListener(kind, (e) => failures.push(String(e.message || e.reason)));
+}
+let token = '', form = {tape: []}, state = {phase: 'IDLE', ready: false}, said = '', jobSeen = '';
+let joints = [], replaying = 0;
+
+// "list.title" of the operator's texts.
+const of = (key) => key.split('.').reduce((table, word) => table && table[word], words.table.operator);
+
+// --- asking
+async function get(path) {
+  const answer = await fetch(path);
+  if (!answer.ok) throw new Error((await answer.text()).trim());
+  return answer;
+}
+async function ask(path, body) {
+  const headers = {'Content-Type': 'application/json', 'X-Im2fit-Token': token};
+  const answer = await fetch(path, {method: 'POST', headers, body: JSON.stringify(body)});
+  if (!answer.ok) throw new Error((await answer.text()).trim());
+}
+// What goes wrong is said; a fault of the network, too.
+async function tried(work) {
+  try {
+    at('trouble').textContent = '';
+    await work();
+  } catch (error) {
+    at('trouble').textContent = error.message;
+  }
+  await poll();
+}
+
+// --- texts
+function showTexts() {
+  if (!words.table) return;
+  document.documentElement.lang = words.language;
+  for (const e of document.querySelectorAll('[data-text]')) e.textContent = of(e.dataset.text);
+  at('points').replaceChildren(...of('consent.points').map((text) => {
+    const item = document.createElement('li');
+    item.textContent = text;
+    return item;
+  }));
+  for (const id of ['sight', 'replayed']) at(id).setAttribute('aria-label', of('misc.sight'));
+  at('languages').setAttribute('aria-label', words.of('languages'));
+  at('comparison-name').textContent = words.of('name-head');
+  for (const button of at('languages').children) {
+    button.setAttribute('aria-current', String(button.lang === words.language));
+  }
+  showTape();
+  showState();
+  showSessions();
+}
+const nameOf = (entry) => entry.names[words.language] || entry.names.en || entry.id;
+function showTape() {
+  const blank = document.createElement('option');
+  blank.value = blank.textContent = '';
+  const taken = new Set([...at('readings').children].map((row) => row.dataset.id));
+  at('add').replaceChildren(blank, ...form.tape.filter((entry) => !taken.has(entry.id)).map((entry) => {
+    const option = document.createElement('option');
+    option.value = entry.id;
+    option.textContent = nameOf(entry);
+    return option;
+  }));
+  for (const row of at('readings').children) {
+    const name = nameOf(form.tape.find((entry) => entry.id === row.dataset.id));
+    const [title, first, second, remove] = row.children;
+    title.textContent = name;
+    first.setAttribute('aria-label', `${name}, ${of('form.first')}`);
+    second.setAttribute('aria-label', `${name}, ${of('form.second')}`);
+    first.placeholder = of('form.first');
+    second.placeholder = of('form.second');
+    remove.setAttribute('aria-label', `${of('form.remove')}: ${name}`);
+  }
+}
+function addReading(id) {
+  const row = document.createElement('div');
+  row.className = 'reading';
+  row.dataset.id = id;
+  const inputs = [0, 1].map(() => {
+    const input = document.createElement('input');
+    input.inputMode = 'decimal';
+    return input;
+  });
+  const remove = document.createElement('button');
+  remove.type = 'button';
+  remove.textContent = '×';
+  remove.addEventListener('click', () => {
+    row.remove();
+    showTape();
+  });
+  row.append(document.createElement('span'), ...inputs, remove);
+  at('readings').append(row);
+  showTape();
+  inputs[0].focus();
+}
+
+// --- the form as the truth of a session; decimal commas are read, nothing else is guessed
+function number(input, factor) {
+  const text = input.value.trim().replace(',', '.');
+  if (!text) return undefined;
+  const value = Number(text);
+  if (!Number.isFinite(value)) {
+    input.focus();
+    throw new Error(`${input.labels && input.labels[0] ? input.labels[0].innerText : input.ariaLabel}: ${input.value}`);
+  }
+  return Math.round(value * factor * 10) / 10;
+}
+function truth() {
+  const found = {
+    height_mm: number(at('height'), 10), weight_kg: number(at('weight'), 1), age_years: number(at('age'), 1),
+    gender: at('gender').value || undefined, worn_size: at('worn_size').value.trim() || undefined,
+    clothing: at('clothing').value || undefined, tape: {},
+  };
+  for (const row of at('readings').children) {
+    const values = [row.children[1], row.children[2]].map((input) => number(input, 10));
+    const given = values.filter((v) => v !== undefined);
+    if (given.length) found.tape[row.dataset.id] = given;
+  }
+  return found;
+}
+function clearForm() {
+  for (const id of kFormFields) at(id).value = '';
+  at('readings').replaceChildren();
+  showTape();
+}
+
+// --- what the program says
+function showState() {
+  if (!words.table) return;
+  const phase = state.ready ? state.phase : 'WAITING';
+  const recording = state.recording || {frames: 0, frames_max: 0, dropped: 0};
+  document.body.dataset.phase = phase;
+  const lines = [of(`phases.${phase}`).replace('{n}', recording.frames).replace('{max}', recording.frames_max)];
+  if (recording.full && phase === 'RECORDING') lines.push(of('misc.full'));
+  if (recording.dropped) lines.push(of('misc.dropped').replace('{n}', recording.dropped));
+  if (recording.error) lines.push(recording.error);
+  if (state.job && state.job.running) lines.push(of('misc.working'));
+  if (said) lines.push(of('misc.saved').replace('{id}', said));
+  const text = lines.join(' · ');
+  if (at('status').textContent !== text) at('status').textContent = text;
+  const busy = Boolean(state.job && state.job.running);
+  at('begin').disabled = phase !== 'IDLE' || busy;
+  at('save').disabled = phase !== 'MEASURED' || busy;
+  at('discard').disabled = !['RECORDING', 'MEASURED'].includes(phase) || busy;
+}
+function jobDone(job) {
+  if (job.error) at('trouble').textContent = job.error;
+  if (job.kind === 'save' && !job.error) {
+    said = job.id;
+    clearForm();
+  }
+  if (job.kind === 'measure' && job.result) showComparison(job.result);
+  loadSessions();
+}
+async function poll() {
+  try {
+    state = await (await get('/operator/state')).json();
+  } catch (error) {
+    state = {phase: 'IDLE', ready: false};
+  }
+  const key = state.job ? JSON.stringify([state.job.kind, state.job.id, state.job.error, state.job.running]) : '';
+  if (key !== jobSeen && state.job && !state.job.running) jobDone(state.job);
+  jobSeen = key;
+  showState();
+}
+
+// --- sessions
+let sessions = [];
+async function loadSessions() {
+  try {
+    sessions = await (await get('/operator/sessions')).json();
+  } catch (error) {
+    return;
+  }
+  showSessions();
+}
+function button(text, work) {
+  const made = document.createElement('button');
+  made.type = 'button';
+  made.textContent = text;
+  made.addEventListener('click', () => work(made));
+  return made;
+}
+function showSessions() {
+  if (!words.table) return;
+  at('none').hidden = sessions.length > 0;
+  at('list').replaceChildren(...sessions.map((one) => {
+    const item = document.createElement('li');
+    item.dataset.id = one.id;
+    const text = document.createElement('span');
+    text.textContent = one.damage ? one.damage : [one.person, one.started_utc.replace('T', ' ').replace('Z', ' UTC'),
+      of('list.values').replace('{n}', one.tape_values)].join(' · ');
+    item.append(text);
+    if (!one.damage) {
+      item.append(button(of('list.measure'), () => tried(() => ask('/operator/measure', {id: one.id}))));
+      item.append(button(of('list.replay'), () => replay(one.id)));
+    }
+    item.append(button(of('list.delete'), (made) => {
+      if (!made.dataset.sure) {  // the second press means it
+        made.dataset.sure = 'true';
+        made.textContent = of('list.sure');
+        return;
+      }
+      tried(() => ask('/operator/delete', {id: one.id})).then(loadSessions);
+    }));
+    return item;
+  }));
+}
+function showComparison(result) {
+  const rows = Object.entries(result.now.measurements || {}).map(([id, now]) => {
+    const then = ((result.then || {}).measurements || {})[id];
+    const row = document.createElement('tr');
+    const name = document.createElement('th');
+    name.scope = 'row';
+    name.textContent = `${words.name(id)}, ${words.unit(now.unit)}`;
+    row.append(name);
+    const known = then && then.value !== null && now.value !== null;
+    for (const text of [then ? words.value(then.value, now.unit) : '–', words.value(now.value, now.unit),
+      known ? words.value(now.value - then.value, now.unit).replace(/^-(0[.,]?0*)$/, '$1') : '–']) row.insertCell().textContent = text;
+    return row;
+  });
+  at('comparison').tBodies[0].replaceChildren(...rows);
+  at('comparison').hidden = rows.length === 0;
+}
+// Pictures of the recording one after the other, until there is none.
+async function replay(id) {
+  const mine = ++replaying;
+  at('again').hidden = false;
+  const shown = new Mirror(at('replayed'));
+  for (let frame = 0; mine === replaying; frame += 3) {
+    const answer = await fetch(`/operator/picture?id=${id}&number=${frame}`).catch(() => null);
+    if (!answer || !answer.ok) break;
+    shown.picture = await createImageBitmap(await answer.blob());
+    shown.picture.naturalWidth = shown.picture.width;
+    shown.picture.naturalHeight = shown.picture.height;
+    shown.draw();
+    document.body.dataset.replayed = frame;
+    await new Promise((done) => setTimeout(done, kReplayMs));
+  }
+}
+
+// --- live depth and joints, from the stream all pages have
+function showConfidence(percent) {
+  at('joints').tBodies[0].replaceChildren(...joints.map((name, i) => {
+    const row = document.createElement('tr');
+    const head = document.createElement('th');
+    head.scope = 'row';
+    head.textContent = name;
+    row.append(head);
+    const cell = row.insertCell();
+    cell.textContent = percent ? `${percent[i]} %` : '–';
+    cell.classList.toggle('low', Boolean(percent) && percent[i] < kLowPercent);
+    return row;
+  }));
+}
+const stream = new EventSource('/events');
+let drawnAt = 0;
+stream.onmessage = (message) => {
+  const event = JSON.parse(message.data);
+  if (event.event === 'hello') {
+    joints = event.joints;
+    mirror.setBones(event.bones, event.joints);
+    showConfidence(null);
+  }
+  if (event.event === 'picture') mirror.load(event.number);
+  if (event.event === 'visit' && event.state === 'ASKING') {
+    mirror.clear();
+    showConfidence(null);
+  }
+  if (event.event !== 'frame' || Date.now() - drawnAt < 100) return;
+  drawnAt = Date.now();
+  mirror.setJoints(event.pixels, '');
+  showConfidence(event.confidence);
+};
+
+// --- what the operator does
+at('begin').addEventListener('click', () => tried(async () => {
+  said = '';
+  await ask('/operator/begin', {language: words.language, version: of('consent.version')});
+}));
+at('discard').addEventListener('click', () => tried(() => ask('/operator/discard', {})));
+at('form').addEventListener('submit', (event) => {
+  event.preventDefault();
+  tried(() => ask('/operator/save', {
+    person: at('person').value.trim(), site: at('site').value.trim(), notes: at('notes').value, truth: truth(),
+  }));
+});
+at('add').addEventListener('change', () => {
+  if (at('add').value) addReading(at('add').value);
+});
+
+async function start() {
+  await words.load();
+  at('languages').replaceChildren(...kLanguages.map((language) => {
+    const made = button(words.tables[language].name, () => {
+      words.language = language;
+      showTexts();
+    });
+    made.lang = language;
+    return made;
+  }));
+  token = await (await get('/operator/token')).text();
+  form = await (await get('/operator/form')).json();
+  at('site').value = form.site;
+  showTexts();
+  await loadSessions();
+  await poll();
+  setInterval(poll, kPollMs);
+}
+start();

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit/remeasure.h"
+
+#include <nlohmann/json.hpp>
+
+#include "apps/im2fit/session.h"
+#include "apps/sessions/store.h"
+#include "core/file.h"
+#include "engine/report/result_json.h"
+
+namespace im2fit::apps {
+
+Result<Remeasured> remeasure(const RemeasureOptions& given) {
+  auto record = sessions::read(given.root, given.id);
+  if (!record) return record.error();
+  const auto recording = sessions::recording_of(given.root, given.id);
+  if (!recording) return recording.error();
+  SessionOptions options;
+  options.input.source = *recording;
+  options.input.body = given.body;
+  options.tracker = given.tracker;
+  options.index = given.index;
+  options.out = given.out;
+  const sessions::Settings& settings = record->settings;
+  if (settings.frames > 0) options.frames = settings.frames;
+  options.turn = settings.turn;
+  if (!settings.calibration.empty()) options.calibration = settings.calibration;
+  if (!settings.clothing.empty()) options.clothing = settings.clothing;
+  if (!settings.sensor.empty()) options.sensor = settings.sensor;
+  auto outcome = run_session(options, nullptr);
+  if (!outcome) return outcome.error();
+  if (!options.out.empty())
+    if (const auto written = write_outputs(*outcome, options.out); !written) return written.error();
+  Remeasured done{std::move(*record), nullptr, Json::parse(result_json(outcome->person))};
+  const auto folder = sessions::folder_of(given.root, given.id);
+  const auto before = folder ? read_file(*folder + "/" + sessions::kResultFile, kTextBytesMax) : folder.error();
+  if (before) {
+    const auto* text = reinterpret_cast<const char*>(before->data());
+    Json parsed = Json::parse(text, text + before->size(), nullptr, false);
+    if (parsed.is_object()) done.before = std::move(parsed);
+  }
+  return done;
+}
+
+std::optional<double> taken_by_tape(const sessions::PersonTruth& truth, const std::string& id) {
+  const auto found = truth.tape.find(id);
+  if (found != truth.tape.end()) return found->second.mean_mm();
+  if (id == "stature") return truth.height_mm;
+  if (id == "weight") return truth.weight_kg;
+  return std::nullopt;
+}
+
+}  // namespace im2fit::apps

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// The operator's part over a page that a test tells what happened: consent, recording, the form, sessions.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "apps/im2fit/page/consent_texts.h"
+#include "apps/sessions/store.h"
+#include "depth_folder.h"
+#include "shown_page.h"
+
+namespace im2fit {
+namespace {
+
+using apps::Json;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class Desk : public testing::Test {
+ protected:
+  void SetUp() override {
+    apps::LivePageSettings settings;
+    settings.desk.emplace();
+    settings.desk->root = root_;
+    settings.desk->site = "shop 3";
+    settings.desk->settings.frames = 5;
+    settings.desk->tape = {{"waist_girth", {{"en", "Waist"}}}};
+    settings.desk->measure = [](const std::string& id) -> Result<Json> {
+      return Json{{"then", nullptr}, {"now", {{"of", id}}}};
+    };
+    page_ = std::make_unique<test::ShownPage>(settings);
+    hal::SourceInfo source;
+    source.name = "fake";
+    source.intrinsics.width = 64;
+    source.intrinsics.height = 48;
+    source.intrinsics.fx = source.intrinsics.fy = 60;
+    source.intrinsics.cx = 31.5F;
+    source.intrinsics.cy = 23.5F;
+    page_->page().use_source(source, {"0.2.0", "a", "b", "c"});
+    token_ = page_->client().Get("/operator/token")->body;
+  }
+  // Its status, and what it said.
+  std::pair<int, std::string> post(const std::string& path, const Json& body) const {
+    const auto answer =
+        page_->client().Post(path, httplib::Headers{{"Origin", page_->url()}, {"X-Im2fit-Token", token_}},
+                             body.dump(), "application/json");
+    return answer ? std::pair(answer->status, answer->body) : std::pair(0, std::string());
+  }
+  Json get(const std::string& path) const { return Json::parse(page_->client().Get(path)->body, nullptr, false); }
+  std::string phase() const { return get("/operator/state")["phase"]; }
+  int begin() const { return post("/operator/begin", {{"language", "de"}, {"version", "1"}}).first; }
+  // A frame of the engine's session of this number.
+  void frame(std::uint64_t number, std::uint32_t session = 1) {
+    page_->page().permit();
+    std::vector<std::uint16_t> pixels(64 * 48, static_cast<std::uint16_t>(1000 + number));
+    EngineResult result;
+    result.session = session;
+    result.user = 1;
+    hal::FrameInfo info;
+    info.sequence = number;
+    info.host_ns = static_cast<std::int64_t>(number) * 33'000'000;
+    page_->page().see({DepthView(pixels.data(), 64, 48), {}, info, {}, result});
+  }
+  Json job_done() const {
+    for (int i = 0; i < 400; ++i) {
+      Json state = get("/operator/state");
+      if (state.contains("job") && state["job"]["running"] == false) return state["job"];
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return "it never ended";
+  }
+  std::size_t entries() const {
+    std::error_code code;
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(root_, code), {}));
+  }
+  void measured_visit() {
+    ASSERT_EQ(begin(), 200);
+    for (std::uint64_t number = 0; number < 6; ++number) frame(number);
+    page_->measured(987);
+    ASSERT_EQ(phase(), "MEASURED");
+  }
+  const test::TestFolder folder_;
+  const std::string root_ = folder_.path("sessions");
+  std::unique_ptr<test::ShownPage> page_;
+  std::string token_;
+};
+
+const Json kForm = {{"person", "P1"},
+                    {"site", "shop 3"},
+                    {"notes", "two\nlines"},
+                    {"truth", {{"height_mm", 1700}, {"gender", "female"}, {"tape", {{"waist_girth", {800, 806}}}}}}};
+
+TEST_F(Desk, AVisitIsRecordedAndSavedWithWhatTheFormSays) {
+  EXPECT_EQ(phase(), "IDLE");
+  EXPECT_EQ(get("/operator/form")["tape"][0]["id"], "waist_girth");
+  EXPECT_EQ(post("/operator/save", kForm).first, 409) << "no one was measured";
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  EXPECT_EQ(get("/operator/state")["recording"]["frames"], 6);
+  EXPECT_THAT(*sessions::list(root_), IsEmpty());
+  EXPECT_EQ(post("/operator/save", kForm).first, 202);
+  const Json job = job_done();
+  ASSERT_EQ(job["error"], "");
+  const auto record = sessions::read(root_, job["id"]);
+  ASSERT_TRUE(record) << record.error().message;
+  EXPECT_EQ(record->person, "P1");
+  EXPECT_EQ(record->truth.tape.at("waist_girth").second_mm, 806);
+  EXPECT_EQ(record->consent.version, "operator-de-1");
+  EXPECT_EQ(record->consent.text_sha256, apps::consent_text("de")->sha256);
+  EXPECT_EQ(record->camera.width, 64);
+  EXPECT_EQ(record->versions.index, "c");
+  EXPECT_EQ(record->settings.frames, 5);
+  const std::string folder = *sessions::folder_of(root_, job["id"]);
+  EXPECT_EQ(Json::parse(test::read_text(folder + "/result.json"))["measurements"]["chest_girth"]["value"], 987);
+  EXPECT_THAT(test::read_text(folder + "/joints.csv"), HasSubstr("\n"));
+  EXPECT_TRUE(std::filesystem::exists(folder + "/recording/000005.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder + "/recording/000006.png"));
+  EXPECT_EQ(get("/operator/sessions")[0]["person"], "P1");
+  const auto picture = page_->client().Get("/operator/picture?number=5&id=" + job["id"].get<std::string>());
+  EXPECT_EQ(picture->get_header_value("Content-Type"), "image/png");
+  EXPECT_EQ(page_->client().Get("/operator/picture?number=6&id=" + job["id"].get<std::string>())->status, 404);
+  EXPECT_EQ(phase(), "IDLE");
+  EXPECT_EQ(begin(), 200) << "the next person, while the one before is still on the screen";
+}
+
+TEST_F(Desk, ASessionOfTheEngineThatBeginsAnewBeginsTheRecordingAnew) {
+  ASSERT_EQ(begin(), 200);
+  for (std::uint64_t number = 0; number < 4; ++number) frame(number);
+  for (std::uint64_t number = 4; number < 7; ++number) frame(number, 2);
+  page_->measured(987);
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  const Json job = job_done();
+  ASSERT_EQ(job["error"], "");
+  int frames = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(*sessions::recording_of(root_, job["id"])))
+    frames += entry.path().extension() == ".png";
+  EXPECT_EQ(frames, 3);
+}
+
+TEST_F(Desk, NothingStaysOfWhoDeletesOrLeavesOrIsDiscarded) {
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  EXPECT_EQ(entries(), 1U);
+  EXPECT_EQ(page_->post("/delete", page_->visit()), 200) << "the person, on their own page";
+  EXPECT_EQ(entries(), 0U);
+  EXPECT_EQ(post("/operator/save", kForm).first, 409);
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  EXPECT_EQ(post("/operator/discard", Json::object()).first, 200);
+  EXPECT_EQ(entries(), 0U);
+  EXPECT_EQ(page_->status_of("/result.json"), 404);
+  ASSERT_EQ(begin(), 200);
+  frame(0);
+  page_.reset();
+  EXPECT_EQ(entries(), 0U) << "the program ended";
+}
+
+TEST_F(Desk, ConsentOfAnotherTextOrDuringACustomersVisitIsNone) {
+  EXPECT_EQ(post("/operator/begin", {{"language", "de"}, {"version", "0"}}).first, 409);
+  EXPECT_EQ(post("/operator/begin", {{"language", "xx"}, {"version", "1"}}).first, 409);
+  EXPECT_EQ(page_->post("/consent", page_->visit()), 200);
+  EXPECT_EQ(begin(), 409);
+  EXPECT_EQ(entries(), 0U);
+  frame(0);
+  page_->measured(987);
+  EXPECT_EQ(phase(), "IDLE") << "a customer's visit is never recorded";
+  EXPECT_EQ(entries(), 0U);
+}
+
+TEST_F(Desk, AFormThatIsWrongIsRefusedByItsFieldAndMayBeSentAgain) {
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  const auto refused = [&](const Json& patch, const std::string& expected) {
+    Json form = kForm;
+    form.merge_patch(patch);
+    const auto [status, text] = post("/operator/save", form);
+    EXPECT_EQ(status, 400) << expected;
+    EXPECT_THAT(text, HasSubstr(expected));
+  };
+  refused({{"person", ""}}, "person is missing");
+  refused({{"person", Json::array()}}, "person is no text");
+  refused({{"truth", {{"height_mm", 170}}}}, "truth.height_mm is 170, expected 500 to 2500");
+  refused({{"truth", {{"tape", {{"tail_length", {300}}}}}}}, "tail_length is no measurement of the tape");
+  refused({{"truth", {{"tape", {{"../x", {300}}}}}}}, "no id");
+  refused({{"notes", std::string(5000, 'x')}}, "notes has 5000 bytes");
+  EXPECT_EQ(post("/operator/save", Json::array()).first, 400);
+  EXPECT_EQ(phase(), "MEASURED");
+  EXPECT_EQ(post("/operator/save", kForm).first, 202);
+  EXPECT_EQ(job_done()["error"], "");
+}
+
+TEST_F(Desk, AnIdOfTheFormLeadsNowhereElse) {
+  ASSERT_NO_FATAL_FAILURE(measured_visit());
+  ASSERT_EQ(post("/operator/save", kForm).first, 202);
+  const std::string id = job_done()["id"];
+  test::write_text(folder_.path("session.json"), "{}");
+  for (const std::string& bad : {std::string(".."), "../sessions/" + id, std::string("/etc"), id + "/..",
+                                 std::string(), std::string("..%2F"), std::string(4000, 'a')}) {
+    EXPECT_EQ(post("/operator/delete", {{"id", bad}}).first, 400) << bad;
+    EXPECT_EQ(post("/operator/measure", {{"id", bad}}).first, 400) << bad;
+    EXPECT_EQ(page_->status_of("/operator/session?id=" + httplib::detail::encode_query_param(bad)), 400) << bad;
+    EXPECT_EQ(page_->status_of("/operator/picture?number=0&id=" + httplib::detail::encode_query_param(bad)), 400)
+        << bad;
+  }
+  EXPECT_EQ(page_->status_of("/operator/picture?number=-1&id=" + id), 400);
+  EXPECT_EQ(page_->status_of("/operator/picture?number=99999999999999999999&id=" + id), 404);
+  EXPECT_TRUE(std::filesystem::exists(folder_.path("session.json")));
+  EXPECT_EQ(post("/operator/measure", {{"id", id}}).first, 202);
+  EXPECT_EQ(job_done()["result"]["now"]["of"], id);
+  EXPECT_EQ(post("/operator/delete", {{"id", id}}).first, 200);
+  EXPECT_EQ(entries(), 0U);
+  EXPECT_EQ(post("/operator/delete", {{"id", id}}).first, 404);
+}
+
+}  // namespace
+}  // namespace im2fit
