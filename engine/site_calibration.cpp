@@ -71,7 +71,7 @@ std::string fault_of(const SiteCorrectionRow& row, std::uint32_t people, std::si
     return out_of_range(id + ".width", row.width, kSiteWidthMin, kSiteWidthMax);
   if (people > kSitePeopleMax) return id + " rests on " + std::to_string(people) + " people";
   if (people == 0 && (row.scale != 1 || row.offset_men != 0 || row.offset_women != 0 || row.width != 1))
-    return id + " is corrected, but nobody's value is behind it";
+    return id + " is corrected without any tape value behind it";
   return "";
 }
 

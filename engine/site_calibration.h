@@ -53,7 +53,7 @@ struct SiteCalibration {
   std::uint32_t people = 0;        // behind it
   std::uint32_t index_crc32c = 0;  // of the index file whose answers it corrects; 0: not known
   std::array<SiteCorrectionRow, kMeasurementCount> rows;
-  std::array<std::uint32_t, kMeasurementCount> row_people{};  // 0: nobody's tape value; that row changes nothing
+  std::array<std::uint32_t, kMeasurementCount> row_people{};  // with a tape value; 0: that row changes nothing
   std::vector<Camera> cameras;
   std::uint32_t crc32c = 0;  // of the file, where it was read from one
 

@@ -70,7 +70,7 @@ TEST(SiteCalibration, CorrectsValueAndIntervalAndNothingElse) {
   EXPECT_FLOAT_EQ(a.measurements[kWaist].value, 1008.5F);
   EXPECT_FLOAT_EQ(a.measurements[kWaist].low, 1008.5F - 25.25F);
   EXPECT_FLOAT_EQ(a.measurements[kWaist].high, 1008.5F + 37.875F);
-  // Nobody's value behind it: the same bits.
+  // Without a tape value behind it: the same bits.
   EXPECT_EQ(a.measurements[0].value, 1000.0F);
   EXPECT_EQ(a.measurements[0].low, 980.0F);
   EXPECT_EQ(a.measurements[0].high, 1030.0F);

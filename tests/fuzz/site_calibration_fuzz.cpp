@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A site calibration as anyone may write it: refused with one line, or one that a device may measure with. Checksums
-// are mended first, so that what is behind them is looked at.
+// are made right first, so that the ranges of values are tested.
 #include <cmath>
 #include <cstdint>
 #include <cstring>
