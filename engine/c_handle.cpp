@@ -62,6 +62,10 @@ Result<MeasuringData> load_data(const im2fit_settings& s, std::vector<std::strin
     return ok.error();
   if (auto ok = take_file(s.index_data, s.index_path, "index_data", files.index, bytes.index); !ok) return ok.error();
   if (auto ok = take_file(s.body_data, s.body_path, "body_data", files.body, bytes.body); !ok) return ok.error();
+  if (auto ok = take_file(s.calibration_site_data, s.calibration_site_path, "calibration_site_data", files.site,
+                          bytes.site);
+      !ok)
+    return ok.error();
   if (files.tracker.empty()) return missing("tracker_path");
   if (files.index.empty()) return missing("index_path");
   return load_measuring_data(files, std::move(bytes));
@@ -134,7 +138,7 @@ Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& sett
   auto data = load_data(settings, std::move(*charts));
   if (!data) return data.error();
   handle->data = std::move(*data);
-  auto engine = make_engine(words, handle->data);
+  auto engine = make_engine(words, handle->data, "");
   if (!engine) return engine.error();
   handle->engine = std::move(*engine);
   return handle;

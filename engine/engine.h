@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -17,6 +18,7 @@
 #include "core/status.h"
 #include "engine/age.h"
 #include "engine/pump.h"
+#include "engine/site_calibration.h"
 #include "hal/source.h"
 #include "index/index.h"
 #include "perception/observe/chain_filter.h"
@@ -64,9 +66,11 @@ struct EngineSettings {
   // alone.
   const body::ShapeSpace* shape_space = nullptr;
   SensorKind sensor = SensorKind::unknown;  // where it is known: a driver may smooth away what shows it
-  int user = 0;                             // measure the user of this id only; 0: whoever stands right first
-  bool live = false;                        // live: drop the oldest frame when behind; else wait (replay never drops)
-  bool single_thread = false;               // both stages on the caller's thread in push(): same bits
+  // Of the site and its camera: every answer is corrected before it is shown, and all that is made of it follows.
+  std::optional<SiteCorrection> site;
+  int user = 0;                // measure the user of this id only; 0: whoever stands right first
+  bool live = false;           // live: drop the oldest frame when behind; else wait (replay never drops)
+  bool single_thread = false;  // both stages on the caller's thread in push(): same bits
   // One person after the other: from the frame after MEASURED on whoever was measured is waited to leave, and the
   // next session begins by itself. So the frames alone say where a session begins, not when a caller looked, and
   // every person of a recording gets the same bits on one thread and on two. The answer stands for at least
@@ -112,9 +116,11 @@ struct EngineResult {
   bool front_measured = false;
   AnswerViews views = AnswerViews::none;  // of the answer
   index::Answer answer;                   // valid when measured or front_measured
-  AgeAnswer age;                          // as the answer
-  MeasurementValues paper{};              // NaN where not measured
-  JointSet measured_joints;               // robust mean behind the answer: the front's
+  // What was answered before EngineSettings::site corrected it; as the answer, and the same without a correction.
+  std::array<index::IntervalEstimate, kMeasurementCount> uncorrected{};
+  AgeAnswer age;              // as the answer
+  MeasurementValues paper{};  // NaN where not measured
+  JointSet measured_joints;   // robust mean behind the answer: the front's
 };
 
 struct FrameSeen {

@@ -26,6 +26,7 @@ EngineResult empty_result() {
 FitStage::FitStage(const EngineSettings& settings, FrameStages& stages)
     : intrinsics_(settings.intrinsics),
       clothing_(settings.clothing),
+      site_(settings.site),
       rules_(rules_of(settings)),
       stages_(stages),
       result_(empty_result()),
@@ -189,6 +190,7 @@ void FitStage::measure(bool ended) {
   if (!succeeded) {
     result_.views = AnswerViews::none;
     result_.answer = {};
+    result_.uncorrected = {};
     result_.age = {};
     result_.paper.fill(std::numeric_limits<float>::quiet_NaN());
     result_.guidance = static_cast<GuidanceSet>(Guidance::too_noisy);
@@ -198,6 +200,8 @@ void FitStage::measure(bool ended) {
   }
   result_.views = front_frames_ > 0 ? AnswerViews::front_and_back : AnswerViews::front;
   result_.answer = person.answer;
+  result_.uncorrected = person.answer.measurements;
+  if (site_) site_->apply(result_.answer);
   result_.age = person.age;
   result_.paper = person.paper;
   result_.measured_joints = person.joints;

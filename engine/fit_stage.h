@@ -51,6 +51,7 @@ class FitStage {
 
   Intrinsics intrinsics_;
   const ClothingGiven clothing_;
+  const std::optional<SiteCorrection> site_;
   const SessionRules rules_;
   FrameStages& stages_;
   Session session_;

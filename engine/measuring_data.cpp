@@ -42,10 +42,16 @@ Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, Measuring
       (data.index->fit_layout().size() == 0 || data.index->shape_key() != data.body_model->shape_space().key))
     data.warning = files.index + ": not made with the shapes of " + files.body +
                    ": features answer alone, less well; build the index again with im2fit-lab index";
+  if (files.site.empty() && !bytes.site) return data;
+  auto site = bytes.site ? SiteCalibration::parse(*bytes.site, files.site) : SiteCalibration::load(files.site);
+  if (!site) return site.error();
+  data.site = std::make_unique<SiteCalibration>(std::move(*site));
   return data;
 }
 
-Result<std::unique_ptr<Engine>> make_engine(EngineSettings settings, const MeasuringData& data) {
+Result<std::unique_ptr<Engine>> make_engine(EngineSettings settings, const MeasuringData& data,
+                                            const std::string& camera) {
+  if (data.site != nullptr) settings.site = data.site->for_camera(camera);
   if (data.body_model != nullptr) settings.shape_space = &data.body_model->shape_space();
   auto engine = Engine::create(settings, data.tracker->model(), *data.index);
   if (!engine)

@@ -9,6 +9,7 @@ Result<PersonMeasurement> measurement_of(const Engine& engine, const Measurement
   PersonMeasurement person;
   person.result = engine.result();
   person.source = source;
+  person.site = parts.site;
   if (!person.result.measured) return person;
   const index::Answer& answer = person.result.answer;
   if (parts.sizes != nullptr)

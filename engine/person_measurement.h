@@ -22,9 +22,10 @@ struct PersonMeasurement {
   // Answer with intervals, age, clothing, joints, the paper's values, and what they rest on: views, frames, guidance.
   // Before MEASURED the state of the session alone.
   EngineResult result;
-  hal::SourceInfo source;            // whence the frames came
-  std::uint64_t frames_damaged = 0;  // SourceStats::damaged, of whoever reads the source: left out
-  bool turn_asked = false;           // both sides were wanted, by whoever asked
+  hal::SourceInfo source;                 // whence the frames came
+  std::uint64_t frames_damaged = 0;       // SourceStats::damaged, of whoever reads the source: left out
+  const SiteCalibration* site = nullptr;  // what `result` was corrected by; null: nothing
+  bool turn_asked = false;                // both sides were wanted, by whoever asked
   // When measured:
   std::optional<SizeAnswer> size;               // of the chest
   std::optional<AnsweredBody> body;             // with a body model
@@ -41,6 +42,7 @@ struct MeasurementParts {
   const body::BodyModel* body_model = nullptr;  // null: no body and no tape are made
   const SizeSystem* sizes = nullptr;            // null: no size is made
   const body::Tape* tape = nullptr;             // null: no tape is made
+  const SiteCalibration* site = nullptr;        // whose correction the engine's settings have; null: none
 };
 
 // What the engine says now. Errors: engine.fault(), body_of_answer's. From the producer thread. Allocates; a few

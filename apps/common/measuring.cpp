@@ -22,7 +22,7 @@ std::optional<SensorKind> named_sensor(const std::string& name) {
 }  // namespace
 
 Result<MeasuringData> load_measuring_data(const MeasuringOptions& options, const std::string& body) {
-  auto data = im2fit::load_measuring_data({options.tracker, options.index, body, options.size_charts});
+  auto data = im2fit::load_measuring_data({options.tracker, options.index, body, options.size_charts, options.site});
   if (!data) return data;
   auto tape = load_tapes(options.tapes);
   if (!tape) return tape.error();
@@ -48,7 +48,7 @@ Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, con
   settings.one_after_another = options.one_after_another;
   settings.rest = options.rest && source.live;
   settings.watch = std::move(watch);
-  return im2fit::make_engine(std::move(settings), data);
+  return im2fit::make_engine(std::move(settings), data, source.name);
 }
 
 Result<PersonMeasurement> measured_person(const Engine& engine, const MeasuringData& data,

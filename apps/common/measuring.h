@@ -22,6 +22,7 @@ struct MeasuringOptions {
   std::string clothing = "auto";         // or another of kClothingGivenNames
   std::string sensor = "auto";           // or another of kSensorKindNames; auto: as the source says
   std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
+  std::string site;                      // .i2c (docs/calibration.md); "": none
   std::vector<std::string> tapes;        // files of definitions beside the shipped ones
   int threads = 2;
   int user = 0;  // 0: the nearest

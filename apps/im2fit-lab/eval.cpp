@@ -237,6 +237,10 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
   auto* frames = sub.add_option("--frames", o.evaluation.frames, "Accepted frames behind a measurement")
                      ->range(1, 1000)
                      ->capture_default_str();
+  auto* scale = sub.add_option("--camera-scale", o.evaluation.camera_scale,
+                               "Factor by which the camera's depth is off: 1.01 shows everybody a hundredth larger")
+                    ->range(0.9F, 1.1F)
+                    ->capture_default_str();
   auto* twice = sub.add_flag("--twice", o.evaluation.twice,
                              "Show everybody a second time in a new pose, room and noise: repeatability (TEM)");
   auto* samples =
@@ -261,8 +265,9 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                                         "Instead: what bench/references/icp_references wrote, ours beside PCL")
                              ->type_name("FILE")
                              ->excludes(icp);
-  return {condition, conditions,    all,   family, ansur, ends,   pressed, square,  frames,  twice,
-          samples,   no_raw,        index, html,   csv,   people, figures, runtime, indexes, runtime_references,
+  return {condition, conditions,    all,    family,  ansur,   ends,    pressed,
+          square,    frames,        scale,  twice,   samples, no_raw,  index,
+          html,      csv,           people, figures, runtime, indexes, runtime_references,
           icp,       icp_references};
 }
 

@@ -12,9 +12,13 @@ int main(int argc, char** argv) {
 #if IM2FIT_HAVE_EVALUATION
   add_population(app, chosen);
   add_eval(app, chosen);
+  add_study(app, chosen);
+  add_calibrate(app, chosen);
+  add_simulate_site(app, chosen);
 #else
   footer +=
-      "\nThis build has no eval and no population: they come with IM2FIT_BUILD_EVALUATION, as in preset release.";
+      "\nThis build has no eval, population, study, calibrate and simulate-site: they come with "
+      "IM2FIT_BUILD_EVALUATION, as in preset release.";
 #endif
   app.footer(footer);
   return run_program(app, chosen, argc, argv);

@@ -48,6 +48,9 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
       ->capture_default_str();
   sub.add_option("--size-chart", options.size_charts, "Size chart file(s), see docs/result.md (default: EN 13402-3)")
       ->type_name("CSV");
+  sub.add_option("--calibration-site", options.site,
+                 "Site calibration made by im2fit-lab calibrate, which corrects every answer; result.json says so")
+      ->type_name("FILE");
   sub.add_option("--tape", options.tapes,
                  "Measurements of your own, see docs/tape.md; result.json has them under tape")
       ->type_name("YAML");

@@ -140,7 +140,8 @@ Config interpret(const YAML::Node& root) {
                            {"clothing", one_of(m.clothing, {kClothingGivenNames.begin(), kClothingGivenNames.end()})},
                            {"sensor", one_of(m.sensor, {kSensorKindNames.begin(), kSensorKindNames.end()})},
                            {"threads", whole(m.threads, 1, 2)},
-                           {"size_charts", texts(m.size_charts)}};
+                           {"size_charts", texts(m.size_charts)},
+                           {"calibration_site", text(m.site)}};
   const Readers socket = {{"path", text(config.socket_path, false)},
                           {"mode", mode(config.socket_mode)},
                           {"group", text(config.socket_group)},

@@ -103,7 +103,7 @@ int run(int seconds) {
   settings.width = kCamera.width;
   settings.height = kCamera.height;
   settings.one_after_another = settings.rest = true;
-  auto engine = make_engine(settings, *data);
+  auto engine = make_engine(settings, *data, "");
   if (!engine) {
     std::fprintf(stderr, "device_bench: %s\n", engine.error().message.c_str());
     return 1;

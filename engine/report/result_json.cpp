@@ -61,6 +61,27 @@ Json measurements_json(const EngineResult& result) {
   return all;
 }
 
+// By whom the answer was corrected, and what it was before.
+Json site_json(const PersonMeasurement& person) {
+  const SiteCalibration& site = *person.site;
+  constexpr char kHex[] = "0123456789abcdef";
+  std::string crc;
+  for (int shift = 28; shift >= 0; shift -= 4) crc += kHex[site.crc32c >> shift & 15U];
+  Json uncorrected = Json::object();
+  for (std::size_t i = 0; i < kMeasurementCount; ++i) {
+    const MeasurementInfo& info = kMeasurementTable[i];
+    const index::IntervalEstimate& e = person.result.uncorrected[i];
+    const double steps = steps_of(info);
+    uncorrected[std::string(info.id)] = {{"value", rounded(e.value, steps)},
+                                         {"interval", Json::array({rounded(e.low, steps), rounded(e.high, steps)})}};
+  }
+  return {{"name", site.name},
+          {"people", site.people},
+          {"crc32c", crc},
+          {"camera_known", site.knows_camera(person.source.name)},
+          {"uncorrected", uncorrected}};
+}
+
 Json clothing_json(const index::Answer& answer) {
   return {{"probability", rounded(answer.clothing.probability, kTenThousandths)},
           {"ease_mm", rounded(answer.clothing.ease_mm, kTenths)},
@@ -321,6 +342,7 @@ std::string result_json(const PersonMeasurement& person, const std::optional<Res
   if (r.measured) json["estimator"] = std::string(name_of(r.answer.from));
   if (r.measured) json["clothing"] = clothing_json(r.answer);
   json["measurements"] = measurements_json(r);
+  if (r.measured && person.site != nullptr) json["calibration_site"] = site_json(person);
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured) json["age"] = age_json(r.age);
   if (r.measured && person.size) json["size"] = size_json(*person.size);

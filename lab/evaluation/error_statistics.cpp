@@ -81,6 +81,19 @@ Repeatability repeatability(const std::vector<std::array<double, 2>>& pairs) {
   return r;
 }
 
+Share share_of_count(int hits, int count) {
+  Share share{hits, count};
+  if (count <= 0) return share;
+  constexpr double z = 1.96;
+  const double n = count, p = hits / n;
+  const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
+  const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+  share.value = p;
+  share.low = std::max(0.0, centre - half);
+  share.high = std::min(1.0, centre + half);
+  return share;
+}
+
 Agreement agreement(const std::vector<std::array<double, 2>>& pairs) {
   std::vector<double> means, differences;
   for (const auto& [measured, truth] : pairs) {

@@ -38,6 +38,13 @@ struct Repeatability {
 // Pairs with a value that is not finite are left out.
 Repeatability repeatability(const std::vector<std::array<double, 2>>& pairs);
 
+// A share of so many, with its 95 % interval (Wilson 1927), which is never outside 0..1.
+struct Share {
+  int hits = 0, count = 0;
+  double value = 0, low = 0, high = 1;
+};
+Share share_of_count(int hits, int count);
+
 // Bland and Altman 1986: the difference of two methods against their mean.
 struct Agreement {
   int count = 0;

@@ -112,7 +112,13 @@ Result<PeopleFamily> people_family_of(std::string_view name) {
 
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing) {
-  HeldOutPerson person{{}, {}, options.smoothed, options.sensor_reported, options.clothing_reported, options.family};
+  HeldOutPerson person{{},
+                       {},
+                       options.smoothed,
+                       options.sensor_reported,
+                       options.clothing_reported,
+                       options.family,
+                       options.camera_scale};
   // A man and a woman of each.
   if (options.family == PeopleFamily::mixed)
     person.family = index / 2 % 2 == 0 ? PeopleFamily::ansur : PeopleFamily::modifiers;

@@ -45,8 +45,9 @@ struct EvaluationOptions {
   bool clothed = false;           // tight, normal or loose clothes, shoes and hair; the truth stays the body's
   int frames = 30;                // accepted frames wanted; three times as many are shown at most
   int width = 640, height = 480;
-  float distance_mm = 0;  // of the camera, grown until the whole person fits; 0: drawn
-  float yaw_deg = -1;     // of the person, to either side by turns; below 0: drawn
+  float camera_scale = 1;  // of the depth delivered, by the true one: a camera that is out of true
+  float distance_mm = 0;   // of the camera, grown until the whole person fits; 0: drawn
+  float yaw_deg = -1;      // of the person, to either side by turns; below 0: drawn
   StandingPose pose = StandingPose::relaxed;
   float body_mass_index_min = 0;  // only people of at least that much; 0: all
   Views views = Views::front;
@@ -63,6 +64,7 @@ struct HeldOutPerson {
   CaptureOptions capture;
   bool smoothed = false, sensor_reported = false, clothing_reported = true;
   PeopleFamily family = PeopleFamily::modifiers;  // never mixed
+  float camera_scale = 1;                         // as EvaluationOptions
 };
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing = 0);

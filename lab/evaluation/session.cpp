@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "lab/evaluation/smoothing.h"
 
@@ -15,9 +16,10 @@ constexpr int kShownMin = 15;  // detecting a person takes some frames, however 
 // Frames of one scene as the engine wants them.
 class Camera {
  public:
-  Camera(const Intrinsics& sensor, int rotate_deg, bool smooths)
+  Camera(const Intrinsics& sensor, int rotate_deg, bool smooths, float scale)
       : rotate_deg_(rotate_deg),
         smooths_(smooths),
+        scale_(scale),
         upright_k_(hal::rotate_upright(sensor, rotate_deg)),
         delivered_(static_cast<std::size_t>(sensor.width) * static_cast<std::size_t>(sensor.height)),
         upright_(delivered_.size()),
@@ -26,13 +28,20 @@ class Camera {
   DepthView take(VirtualScene& scene, std::uint64_t frame) {
     scene.render(frame, sensor_image_);
     if (smooths_) smoothing_.run(sensor_image_);
+    if (scale_ != 1)
+      for (std::uint16_t& depth_mm : delivered_) depth_mm = scaled(depth_mm);
     hal::rotate_upright(sensor_image_, rotate_deg_, image_);
     return image_;
   }
 
  private:
+  // No depth stays none.
+  std::uint16_t scaled(std::uint16_t depth_mm) const {
+    return static_cast<std::uint16_t>(std::min(65535.0F, std::floor(static_cast<float>(depth_mm) * scale_ + 0.5F)));
+  }
   int rotate_deg_;
   bool smooths_;
+  float scale_;
   TemporalSmoothing smoothing_;
   Intrinsics upright_k_;
   std::vector<std::uint16_t> delivered_, upright_;
@@ -58,6 +67,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
   settings.single_thread = true;
   if (person.sensor_reported) settings.sensor = capture.sensor.kind;
   settings.shape_space = models.shape_space;
+  settings.site = models.site;
   const bool dressed = capture.scene.clothing != Clothing::none && models.shape_space != nullptr;
   settings.clothing =
       person.clothing_reported ? dressed ? ClothingGiven::dressed : ClothingGiven::bare : ClothingGiven::unknown;
@@ -76,7 +86,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
     options.back_view = back;
     options.pose = pose;
     VirtualScene scene(models.body, person.subject, options, capture.sensor, capture.intrinsics, capture.seed);
-    Camera camera(capture.intrinsics, capture.scene.rotate_deg, person.smoothed);
+    Camera camera(capture.intrinsics, capture.scene.rotate_deg, person.smoothed, person.camera_scale);
     for (int i = 0; i < shown_a_side && !(*engine)->result().measured; ++i, ++frame) {
       hal::FrameInfo info;
       info.sequence = frame;

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "engine/engine.h"
 #include "lab/evaluation/evaluation.h"
@@ -15,6 +16,7 @@ struct SessionModels {
   const JointModel& joints;
   const index::Index& index;
   const body::ShapeSpace* shape_space = nullptr;  // null: features answer alone
+  std::optional<SiteCorrection> site = {};        // as EngineSettings
 };
 
 // Called after each frame with a person found: joints of the engine, and the truth.

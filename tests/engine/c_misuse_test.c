@@ -58,6 +58,7 @@ static void settings_out_of_range_are_named(void) {
       {offsetof(im2fit_settings, sensor), -1, "settings.sensor is -1"},
       {offsetof(im2fit_settings, tracker_data.kind), 3, "settings.tracker_data.kind is 3"},
       {offsetof(im2fit_settings, tracker_data.kind), IM2FIT_DATA_MEMORY, "settings.tracker_data.size is 0"},
+      {offsetof(im2fit_settings, calibration_site_data.kind), 3, "settings.calibration_site_data.kind is 3"},
       {offsetof(im2fit_settings, body_data.kind), IM2FIT_DATA_FD, "settings.body_data.size is 0"},
   };
   for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {

@@ -171,6 +171,30 @@ TEST(ResultJson, NamesTheSidesBehindTheAnswer) {
   EXPECT_TRUE(turning["measurements"].empty());
 }
 
+TEST(ResultJson, ACorrectedAnswerNamesItsSiteAndWhatItWasBefore) {
+  PersonMeasurement report = measured_report();
+  SiteCalibration site;
+  site.name = "Shop 3";
+  site.people = 21;
+  site.crc32c = 0x0123ABCD;
+  site.cameras.push_back({"folder", 1.01});
+  report.site = &site;
+  report.result.uncorrected = report.result.answer.measurements;
+  report.result.answer.measurements[0] = {1010, 1000, 1020};
+  const json j = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(j), testing::IsEmpty());
+  const json& said = j["calibration_site"];
+  EXPECT_EQ(said["name"], "Shop 3");
+  EXPECT_EQ(said["people"], 21);
+  EXPECT_EQ(said["crc32c"], "0123abcd");
+  EXPECT_EQ(said["camera_known"], true);
+  EXPECT_EQ(j["measurements"]["stature"]["value"], 1010);
+  EXPECT_EQ(said["uncorrected"]["stature"]["value"], 1000.1);
+  EXPECT_EQ(said["uncorrected"]["stature"]["interval"], json::array({987.7, 1012.4}));
+  report.site = nullptr;
+  EXPECT_FALSE(json::parse(result_json(report)).contains("calibration_site"));
+}
+
 TEST(ResultJson, KeysComeInTheOrderOfTheDesign) {
   const auto v = nlohmann::ordered_json::parse(result_json(measured_report()));
   std::vector<std::string> keys;

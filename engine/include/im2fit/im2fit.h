@@ -127,6 +127,8 @@ typedef struct im2fit_settings {
   im2fit_data tracker_data; /* instead of the paths above */
   im2fit_data index_data;
   im2fit_data body_data;
+  const char* calibration_site_path; /* .i2c, by which every answer is corrected (docs/calibration.md), or NULL */
+  im2fit_data calibration_site_data; /* instead of the path */
 } im2fit_settings;
 
 /* How a camera senses depth, where the caller knows: people's outlines come out differently. */

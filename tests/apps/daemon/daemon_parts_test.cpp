@@ -41,6 +41,7 @@ TEST_F(DaemonConfig, TheFileThatIsInstalledSaysTheDefaults) {
   EXPECT_EQ(shipped->measuring.sensor, d.measuring.sensor);
   EXPECT_EQ(shipped->measuring.threads, d.measuring.threads);
   EXPECT_EQ(shipped->measuring.size_charts, d.measuring.size_charts);
+  EXPECT_EQ(shipped->measuring.site, d.measuring.site);
   EXPECT_EQ(shipped->socket_path, d.socket_path);
   EXPECT_EQ(shipped->socket_mode, d.socket_mode);
   EXPECT_EQ(shipped->socket_group, d.socket_group);
@@ -54,7 +55,7 @@ TEST_F(DaemonConfig, EveryKeyIsTaken) {
   const auto c = load(
       "source: v4l2:/dev/video0\nrotate: 270\ncamera: c.yaml\nbody: b\ntracker: t\nindex: i\n"
       "measure: {frames: 7, calibration: psi, turn: true, clothing: dressed, sensor: time-of-flight,\n"
-      " threads: 1, size_charts: [a.csv, b.csv]}\n"
+      " threads: 1, size_charts: [a.csv, b.csv], calibration_site: shop.i2c}\n"
       "socket:\n  path: /x\n  mode: \"0666\"\n  group: video\n  clients: 3\n  client_buffer_kib: 17\n"
       "state_directory: /s\n");
   ASSERT_TRUE(c) << c.error().message;
@@ -68,6 +69,7 @@ TEST_F(DaemonConfig, EveryKeyIsTaken) {
   EXPECT_EQ(c->measuring.sensor, "time-of-flight");
   EXPECT_EQ(c->measuring.threads, 1);
   EXPECT_EQ(c->measuring.size_charts, (std::vector<std::string>{"a.csv", "b.csv"}));
+  EXPECT_EQ(c->measuring.site, "shop.i2c");
   EXPECT_EQ(c->socket_path, "/x");
   EXPECT_EQ(c->socket_mode, 0666U);
   EXPECT_EQ(c->socket_group, "video");

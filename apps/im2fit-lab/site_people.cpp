@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/im2fit-lab/site_people.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "core/crc32c.h"
+#include "core/file.h"
+
+namespace im2fit::apps {
+namespace {
+
+using nlohmann::json;
+
+constexpr char kSimulated[] = "simulated";  // the consent's version of people who are none
+constexpr std::size_t kResultBytesMax = std::size_t{16} << 20;
+
+lab::TapeReadings readings_of(const sessions::PersonTruth& truth, std::size_t m) {
+  lab::TapeReadings readings;
+  const std::string id(kMeasurementTable[m].id);
+  if (const auto tape = truth.tape.find(id); tape != truth.tape.end()) {
+    readings.first = tape->second.first_mm;
+    if (tape->second.second_mm) readings.second = *tape->second.second_mm;
+    return readings;
+  }
+  if (static_cast<Measurement>(m) == Measurement::stature && truth.height_mm) readings.first = *truth.height_mm;
+  if (static_cast<Measurement>(m) == Measurement::weight && truth.weight_kg) readings.first = *truth.weight_kg;
+  return readings;
+}
+
+std::optional<index::IntervalEstimate> estimate_in(const json& values, const std::string& id) {
+  if (!values.contains(id) || !values[id].at("value").is_number()) return std::nullopt;
+  const json& e = values[id];
+  return index::IntervalEstimate{e.at("value").get<float>(), e.at("interval").at(0).get<float>(),
+                                 e.at("interval").at(1).get<float>()};
+}
+
+// What result.json answers, into `person`. "" or why it cannot.
+std::string read_answer(const std::string& path, lab::SitePerson& person) {
+  const auto bytes = read_file(path, kResultBytesMax);
+  if (!bytes) return bytes.error().message;
+  try {
+    const json result = json::parse(reinterpret_cast<const char*>(bytes->data()),
+                                    reinterpret_cast<const char*>(bytes->data()) + bytes->size());
+    if (result.at("schema") != "im2fit.result/1") return "result.json is of another schema";
+    if (result.at("state") != "MEASURED") return "not measured: " + result.at("state").get<std::string>();
+    const json& values = result.contains("calibration_site") ? result["calibration_site"].at("uncorrected")
+                                                             : result.at("measurements");
+    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+      const auto estimate = estimate_in(values, std::string(kMeasurementTable[m].id));
+      if (!estimate) return fmt::format("result.json has no {}", kMeasurementTable[m].id);
+      person.answer[m] = *estimate;
+    }
+    person.female = result.at("sex").at("female").get<double>();
+    person.camera = result.at("source").at("name").get<std::string>();
+    if (result.contains("size")) person.answered_size = result["size"].at("best").get<std::string>();
+    return "";
+  } catch (const json::exception& wrong) {
+    return std::string("result.json: ") + wrong.what();
+  }
+}
+
+}  // namespace
+
+Result<SitePeople> site_people(const std::string& root) {
+  const auto listed = sessions::list(root);
+  if (!listed) return listed.error();
+  if (listed->empty())
+    return Error{ErrorCode::not_found,
+                 root + ": no sessions there; record some with im2fit serve --operator, or im2fit-lab simulate-site"};
+  SitePeople all;
+  std::set<std::string> sites, indexes;
+  for (const sessions::Listed& one : *listed) {
+    if (!one.damage.empty()) {
+      all.left_out.push_back(one.id + ": " + one.damage);
+      continue;
+    }
+    const sessions::Record& record = one.record;
+    lab::SitePerson person;
+    person.person = record.person.empty() ? record.id : record.person;
+    if (!record.truth.gender.empty()) person.woman = record.truth.gender == "female";
+    person.clothing = record.truth.clothing;
+    person.worn_size = record.truth.worn_size;
+    for (std::size_t m = 0; m < kMeasurementCount; ++m) person.tape[m] = readings_of(record.truth, m);
+    if (const std::string fault = read_answer(root + "/" + one.id + "/" + sessions::kResultFile, person);
+        !fault.empty()) {
+      all.left_out.push_back(one.id + ": " + fault);
+      continue;
+    }
+    sites.insert(record.site);
+    if (!record.versions.index.empty()) indexes.insert(record.versions.index);
+    all.synthetic = all.synthetic || record.consent.version == kSimulated;
+    all.people.push_back(std::move(person));
+  }
+  if (sites.size() == 1) all.site = *sites.begin();
+  all.indexes.assign(indexes.begin(), indexes.end());
+  return all;
+}
+
+Result<int> write_sessions(const std::string& root, const std::vector<lab::SimulatedVisit>& visits,
+                           const std::string& site, const sessions::Versions& versions) {
+  int written = 0;
+  for (const lab::SimulatedVisit& visit : visits) {
+    if (!visit.measured) continue;
+    auto session = sessions::NewSession::begin(root);
+    if (!session) return session.error();
+    if (auto ok = session->write(sessions::kResultFile, visit.result_json); !ok) return ok.error();
+    sessions::Record record;
+    record.started_utc = sessions::utc_now();
+    record.person = visit.person.person;
+    // Of nothing: there is no person. SHA-256 of the empty text.
+    record.consent = {kSimulated, "en", "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855",
+                      record.started_utc};
+    record.truth.age_years = visit.age_years;
+    record.truth.gender = *visit.person.woman ? "female" : "male";
+    record.truth.worn_size = visit.person.worn_size;
+    record.truth.clothing = visit.person.clothing;
+    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+      const lab::TapeReadings& tape = visit.person.tape[m];
+      if (static_cast<Measurement>(m) == Measurement::weight)
+        record.truth.weight_kg = tape.mean();
+      else
+        record.truth.tape[std::string(kMeasurementTable[m].id)] = {tape.first, tape.second};
+    }
+    record.truth.height_mm = visit.person.tape[measurement_index(Measurement::stature)].mean();
+    const Intrinsics& k = visit.intrinsics;
+    record.camera = {"structured-light",
+                     visit.person.camera,
+                     k.width,
+                     k.height,
+                     static_cast<double>(k.fx),
+                     static_cast<double>(k.fy),
+                     static_cast<double>(k.cx),
+                     static_cast<double>(k.cy)};
+    record.notes = "a simulated person";
+    record.site = site;
+    record.versions = versions;
+    if (auto ok = session->finish(std::move(record)); !ok) return ok.error();
+    ++written;
+  }
+  return written;
+}
+
+Result<std::string> crc_of_file(const std::string& path) {
+  const auto file = MappedFile::open(path);
+  if (!file) return file.error();
+  return fmt::format("{:08x}", crc32c(file->bytes()));
+}
+
+}  // namespace im2fit::apps

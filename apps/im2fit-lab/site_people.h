@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sessions on disk as the people a study and a calibration are of.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "apps/sessions/store.h"
+#include "lab/study/simulated_site.h"
+#include "lab/study/site_person.h"
+
+namespace im2fit::apps {
+
+struct SitePeople {
+  std::vector<lab::SitePerson> people;  // a visit each, the oldest first
+  std::vector<std::string> left_out;    // "ID: why": damaged, not measured
+  std::string site;                     // of the sessions; "" when they name none or several
+  std::vector<std::string> indexes;     // CRC-32C of the indexes that answered, 8 hexadecimal digits, each once
+  bool synthetic = false;               // some people are simulated
+};
+
+// Answers are those before any site calibration. Errors: io; not_found where there is no session at all.
+Result<SitePeople> site_people(const std::string& root);
+
+// Writes a session, without a recording, for each visit that was measured; returns how many. `versions`: of what
+// answered.
+Result<int> write_sessions(const std::string& root, const std::vector<lab::SimulatedVisit>& visits,
+                           const std::string& site, const sessions::Versions& versions);
+
+// CRC-32C of a file, 8 hexadecimal digits.
+Result<std::string> crc_of_file(const std::string& path);
+
+}  // namespace im2fit::apps

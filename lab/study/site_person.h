@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one visit to a site told: a person's tape values beside what was answered. From sessions
+// (apps/im2fit-lab/site_people.h) or from simulated people.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "core/measurement.h"
+#include "index/index.h"
+
+namespace im2fit::lab {
+
+inline constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+
+// mm, kg for the weight. NaN: not taken.
+struct TapeReadings {
+  double first = kNoValue, second = kNoValue;
+  bool taken() const { return std::isfinite(first); }
+  bool twice() const { return taken() && std::isfinite(second); }
+  double mean() const { return twice() ? (first + second) / 2 : first; }
+};
+
+struct SitePerson {
+  std::string person;  // a pseudonym: the same for the same person
+  std::optional<bool> woman;
+  std::string clothing;  // "bare", "close", "loose", "" not said
+  std::string camera;    // hal::SourceInfo::name
+  std::string worn_size, answered_size;
+  std::array<TapeReadings, kMeasurementCount> tape{};
+  std::array<index::IntervalEstimate, kMeasurementCount> answer{};  // before any site calibration
+  double female = 0.5;                                              // answered probability
+
+  double error(std::size_t m) const { return static_cast<double>(answer[m].value) - tape[m].mean(); }  // NaN: no tape
+  // kg/m^2 of what tape and scale said; NaN without both.
+  double mass_index() const {
+    const double metres = tape[measurement_index(Measurement::stature)].mean() / 1000;
+    return tape[measurement_index(Measurement::weight)].mean() / (metres * metres);
+  }
+};
+
+}  // namespace im2fit::lab
