@@ -81,7 +81,7 @@ std::string fault_of(const SiteCalibration& site) {
   if (site.people < 1 || site.people > kSitePeopleMax)
     return "it rests on " + std::to_string(site.people) + " people";
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
-    if (const std::string fault = fault_of(site.rows[m], site.row_people[m], m); !fault.empty()) return fault;
+    if (std::string fault = fault_of(site.rows[m], site.row_people[m], m); !fault.empty()) return fault;
   if (site.cameras.size() > kSiteCamerasMax) return std::to_string(site.cameras.size()) + " cameras";
   for (std::size_t i = 0; i < site.cameras.size(); ++i) {
     const SiteCalibration::Camera& camera = site.cameras[i];

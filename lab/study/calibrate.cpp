@@ -33,16 +33,18 @@ bool inside(const index::IntervalEstimate& e, double truth) {
 std::vector<std::string> leave_slips_aside(std::vector<SitePerson>& people) {
   std::vector<std::string> aside;
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+    // In the answer's own SDs: the heaviest person's weight is known worse than others'.
+    const auto sds_off = [m](const SitePerson& p) { return p.error(m) / answer_sd(p.answer[m]); };
     std::vector<double> errors;
     for (const SitePerson& p : people)
-      if (p.tape[m].taken()) errors.push_back(p.error(m));
+      if (p.tape[m].taken()) errors.push_back(sds_off(p));
     if (static_cast<int>(errors.size()) < kCalibrationPeopleMin) continue;
     const double median = box_statistics(errors).median;
     for (double& e : errors) e = std::abs(e - median);
     const double sd = 1.4826 * box_statistics(errors).median;
     if (!(sd > 0)) continue;
     for (SitePerson& p : people) {
-      if (!p.tape[m].taken() || !(std::abs(p.error(m) - median) > kSlipSds * sd)) continue;
+      if (!p.tape[m].taken() || !(std::abs(sds_off(p) - median) > kSlipSds * sd)) continue;
       aside.push_back(fmt::format("{}: {} {:.1f}, answered {:.1f}", p.person, kMeasurementTable[m].id,
                                   p.tape[m].mean(), p.answer[m].value));
       p.tape[m] = {};

@@ -15,8 +15,8 @@ namespace im2fit::lab {
 
 // Fewer say too little of anything: the bias of 10 people is known to a third of their spread.
 inline constexpr int kCalibrationPeopleMin = 10;
-// A tape value whose error lies farther from the median than so many robust SDs (1.4826 MAD) is taken for a slip of
-// the pen and left out: of 1,000 normal values none lies there.
+// A tape value whose error, in the answer's own SDs, lies farther from the median than so many robust SDs (1.4826
+// MAD) is taken for a slip of the pen and left out: of 1,000 normal values none lies there.
 inline constexpr double kSlipSds = 6;
 
 // Of one measurement: people left out of what was learned, as answered and corrected.
