@@ -57,7 +57,7 @@ Seen look_at(const body::BodyModel& model, const Subject& subject) {
   for (std::size_t v = 0; v < width; ++v)
     for (std::size_t u = 0; u < height; ++u) {
       const std::size_t p = (height - 1 - u) * width + v;  // virtual_camera.h: mounted turned by 90 degrees
-      seen.depth[v * height + u] = count[p] > kFrames / 2 ? sum[p] / count[p] : 0;
+      seen.depth[v * height + u] = count[p] > 0.5F * kFrames ? sum[p] / count[p] : 0;
     }
   return seen;
 }
@@ -74,8 +74,9 @@ Normals normals_of(const Seen& seen) {
   std::vector<float> x(count, none), y(count, none), z(count, none);
   for (std::size_t p = 0; p < count; ++p) {
     if (!(seen.depth[p] > 0)) continue;
-    const auto u = static_cast<float>(p % static_cast<std::size_t>(seen.k.width)),
-               v = static_cast<float>(p / static_cast<std::size_t>(seen.k.width));
+    const auto width = static_cast<std::size_t>(seen.k.width);
+    const std::size_t column = p % width, row = p / width;
+    const auto u = static_cast<float>(column), v = static_cast<float>(row);
     z[p] = seen.depth[p];
     x[p] = (u - seen.k.cx) / seen.k.fx * z[p];
     y[p] = (v - seen.k.cy) / seen.k.fy * z[p];
@@ -141,6 +142,7 @@ void draw_row(const body::BodyModel& model, std::uint64_t number, Canvas& plate)
   const body::Pose pose = dressed_poses(model, person)[0].pose;
   const std::vector<std::string> garments = {"trousers", "t_shirt"};
   std::vector<LinearColour> colours;
+  colours.reserve(garments.size());
   for (const std::string& id : garments) colours.push_back(builtin_wardrobe().garment(id)->colour);
   body::Outfit bare(model, {}), dressed(model, pieces_for(person, garments));
   bare.dress(person.rest, person.skeleton, pose);
