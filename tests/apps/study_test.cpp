@@ -57,7 +57,7 @@ TEST(Study, FromSessionsToACalibrationThatMeasuresBetter) {
   ASSERT_EQ(learned.exit_code, 0) << learned.err;
   EXPECT_EQ(json::parse(learned.out)["corrects"], "values");
 
-  // Somebody else before the same camera.
+  // Other people before the same camera.
   const Words fresh = {
       "simulate-site", folder.path("fresh"), "--people", "4", "--frames", "5", "--kind", "camera", "--seed", "5",
       "--out"};
