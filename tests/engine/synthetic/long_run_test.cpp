@@ -111,7 +111,7 @@ TEST(LongRun, ADayOfPeopleLeavesTheProcessAsItWas) {
   settings.height = settings.intrinsics.height;
   settings.frames_wanted = 12;
   settings.one_after_another = true;
-  auto engine = make_engine(settings, *data);
+  auto engine = make_engine(settings, *data, "");
   ASSERT_TRUE(engine) << engine.error().message;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
