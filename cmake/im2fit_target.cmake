@@ -75,6 +75,14 @@ function(im2fit_precompile)
   endforeach()
 endfunction()
 
+# Targets made after this in the directory, and below it, are compiled five files at a time with IM2FIT_UNITY.
+macro(im2fit_join_files)
+  if(IM2FIT_UNITY)
+    set(CMAKE_UNITY_BUILD ON)
+    set(CMAKE_UNITY_BUILD_BATCH_SIZE 5)
+  endif()
+endmacro()
+
 # Files that IM2FIT_UNITY leaves alone: another of their library or program has a name of theirs, private to each.
 function(im2fit_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
