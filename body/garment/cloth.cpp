@@ -282,7 +282,7 @@ bool Cloth::find_skin(const BodySurface& skin, const ClothFrame& frame, std::siz
   if (frame.flat) facing = {0, 0, mesh_.layer[v] == kFrontLayer ? 1.0F : mesh_.layer[v] == kBackLayer ? -1.0F : 0.0F};
   const float cosine = frame.flat ? kSeamCosine : 0.0F;
   // Cloth that falls asleep keeps to the skin it lies on.
-  if (hint_[v] >= 0 && (awake_ < 1 || (static_cast<unsigned>(frames_) + v) % 4 != 0))
+  if (hint_[v] >= 0 && (awake_ < 1 || (frames_ + v) % 4 != 0))
     return skin.follow(position(v), facing, cosine, limbs_[v], kReachMm, hint_[v], place_[v]);
   if (hint_[v] < 0 && clear_mm_[v] > 0) {
     const Vec3f moved = Vec3f{velocity_[v].x, velocity_[v].y, velocity_[v].z} * kFrameS;
@@ -333,8 +333,7 @@ void Cloth::find_contacts(const BodySurface& skin, const ClothFrame& frame, std:
     }
     pinched_[v] = 0;
     // Cloth that was not pinched is looked at in every second frame.
-    if (!frame.flat && (opposite_hint_[v] >= 0 || ((static_cast<unsigned>(frames_) + v) & 1U) == 0))
-      yield_to_opposite_skin(skin, v);
+    if (!frame.flat && (opposite_hint_[v] >= 0 || ((frames_ + v) & 1U) == 0)) yield_to_opposite_skin(skin, v);
   }
 }
 
@@ -447,7 +446,7 @@ void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<cons
   // Pairs within reach of each other serve for two frames.
   if (frame.flat)
     layers_.clear();
-  else if ((frames_ & 1) == 0)
+  else if ((frames_ & 1U) == 0)
     layers_.find(vertices_, pinched_);
   ++frames_;
   for (int s = 0; s < substeps_; ++s) {

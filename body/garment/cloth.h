@@ -113,7 +113,7 @@ class Cloth {
   std::vector<std::uint8_t> limbs_, pinched_;
   std::vector<float> grip_;  // of friction
   std::vector<Tether> tethers_;
-  int frames_ = 0;  // since the cloth was placed
+  unsigned frames_ = 0;  // since the cloth was placed
 };
 
 }  // namespace im2fit::body

@@ -362,7 +362,7 @@ FloorPlane FloorFinder::refine(const Grid& grid, DepthView depth, const FloorPla
   if (has_accumulated_ && (part || near_accumulated(plane, feet))) {
     equations.blend(accumulated_, part ? kPartKeep : kFrameKeep);
     if (!equations.solve(plane)) return coarse;
-    ++accumulated_count_;
+    accumulated_count_ = std::min(accumulated_count_ + 1, kWholeFrames);
   } else {
     accumulated_count_ = 1;
   }

@@ -139,7 +139,7 @@ class FloorFinder {
   std::optional<Vec3f> up_;  // of the frame at work
   FloorEquations accumulated_;
   bool has_accumulated_ = false;
-  int accumulated_count_ = 0;  // frames
+  int accumulated_count_ = 0;  // frames, at most kWholeFrames
 };
 
 }  // namespace im2fit::segment
