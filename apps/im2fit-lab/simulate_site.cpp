@@ -89,7 +89,7 @@ Result<int> run_sessions(const SimulateCommand& options, const Models& models, S
   for (const auto& [path, crc] : {std::pair(&options.body, &versions.body),
                                   {&options.joint_model, &versions.tracker},
                                   {&options.index, &versions.index}}) {
-    auto made = crc_of_file(*path);
+    auto made = sessions::digest_of_file(*path);
     if (!made) return made.error();
     *crc = std::move(*made);
   }

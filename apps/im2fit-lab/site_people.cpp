@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 
-#include "core/crc32c.h"
 #include "core/file.h"
 
 namespace im2fit::apps {
@@ -21,14 +20,10 @@ constexpr std::size_t kResultBytesMax = std::size_t{16} << 20;
 
 lab::TapeReadings readings_of(const sessions::PersonTruth& truth, std::size_t m) {
   lab::TapeReadings readings;
-  const std::string id(kMeasurementTable[m].id);
-  if (const auto tape = truth.tape.find(id); tape != truth.tape.end()) {
-    readings.first = tape->second.first_mm;
-    if (tape->second.second_mm) readings.second = *tape->second.second_mm;
-    return readings;
-  }
-  if (static_cast<Measurement>(m) == Measurement::stature && truth.height_mm) readings.first = *truth.height_mm;
-  if (static_cast<Measurement>(m) == Measurement::weight && truth.weight_kg) readings.first = *truth.weight_kg;
+  const auto reading = sessions::reading_of(truth, std::string(kMeasurementTable[m].id));
+  if (!reading) return readings;
+  readings.first = reading->first_mm;
+  if (reading->second_mm) readings.second = *reading->second_mm;
   return readings;
 }
 
@@ -143,12 +138,6 @@ Result<int> write_sessions(const std::string& root, const std::vector<lab::Simul
     ++written;
   }
   return written;
-}
-
-Result<std::string> crc_of_file(const std::string& path) {
-  const auto file = MappedFile::open(path);
-  if (!file) return file.error();
-  return fmt::format("{:08x}", crc32c(file->bytes()));
 }
 
 }  // namespace im2fit::apps

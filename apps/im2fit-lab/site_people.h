@@ -28,7 +28,4 @@ Result<SitePeople> site_people(const std::string& root);
 Result<int> write_sessions(const std::string& root, const std::vector<lab::SimulatedVisit>& visits,
                            const std::string& site, const sessions::Versions& versions);
 
-// CRC-32C of a file, 8 hexadecimal digits.
-Result<std::string> crc_of_file(const std::string& path);
-
 }  // namespace im2fit::apps

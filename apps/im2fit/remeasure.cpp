@@ -42,12 +42,4 @@ Result<Remeasured> remeasure(const RemeasureOptions& given) {
   return done;
 }
 
-std::optional<double> taken_by_tape(const sessions::PersonTruth& truth, const std::string& id) {
-  const auto found = truth.tape.find(id);
-  if (found != truth.tape.end()) return found->second.mean_mm();
-  if (id == "stature") return truth.height_mm;
-  if (id == "weight") return truth.weight_kg;
-  return std::nullopt;
-}
-
 }  // namespace im2fit::apps

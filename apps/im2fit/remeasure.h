@@ -27,8 +27,4 @@ struct Remeasured {
 // gives no measurement is no error: `now` then says what was needed.
 Result<Remeasured> remeasure(const RemeasureOptions& options);
 
-// Of a measurement of result.json, as the session's form has it: the tape's mean, the height, the weight; none when
-// it was not taken.
-std::optional<double> taken_by_tape(const sessions::PersonTruth& truth, const std::string& id);
-
 }  // namespace im2fit::apps

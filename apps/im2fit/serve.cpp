@@ -16,8 +16,6 @@
 #include "apps/im2fit/page/operator_gate.h"
 #include "apps/im2fit/remeasure.h"
 #include "apps/sessions/store.h"
-#include "core/crc32c.h"
-#include "core/file.h"
 #include "engine/report/tape_file.h"
 
 namespace im2fit::apps {
@@ -37,8 +35,8 @@ struct ServeOptions {
 
 // "": it cannot be read.
 std::string digest_of(const std::string& path) {
-  const auto file = MappedFile::open(path);
-  return file ? fmt::format("{:08x}", crc32c(file->bytes())) : "";
+  const auto digest = sessions::digest_of_file(path);
+  return digest ? *digest : "";
 }
 
 sessions::Versions versions_of(const SessionOptions& session) {

@@ -114,7 +114,8 @@ std::string comparison(const Remeasured& done) {
   for (const MeasurementInfo& info : kMeasurementTable) {
     const std::string id(info.id);
     const int decimals = info.unit == "kg" ? 1 : 0;
-    const double taken = taken_by_tape(done.record.truth, id).value_or(std::nan(""));
+    const auto reading = sessions::reading_of(done.record.truth, id);
+    const double taken = reading ? reading->mean_mm() : std::nan("");
     const double then = value_in(done.before, id), now = value_in(done.now, id);
     table.add({fmt::format("{} {}", id, info.unit), number(taken, decimals), number(then, decimals),
                number(now, decimals), signed_number(now - then, decimals), signed_number(now - taken, decimals)});

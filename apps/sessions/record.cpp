@@ -330,4 +330,11 @@ std::string fault_of(const Record& record) {
   return "";
 }
 
+std::optional<TapeReading> reading_of(const PersonTruth& truth, const std::string& id) {
+  if (const auto found = truth.tape.find(id); found != truth.tape.end()) return found->second;
+  if (id == "stature" && truth.height_mm) return TapeReading{*truth.height_mm, {}};
+  if (id == "weight" && truth.weight_kg) return TapeReading{*truth.weight_kg, {}};
+  return std::nullopt;
+}
+
 }  // namespace im2fit::sessions

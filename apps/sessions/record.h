@@ -52,6 +52,10 @@ struct PersonTruth {
   std::map<std::string, TapeReading> tape;  // by id of the tape's measurements (docs/tape.md)
 };
 
+// Of a measurement of result.json: what a tape says, else the height for the stature and the weight (kg) for the
+// weight. None: it was not taken.
+std::optional<TapeReading> reading_of(const PersonTruth& truth, const std::string& id);
+
 struct Camera {
   std::string kind;  // how it senses depth (core/sensor_kind.h): "structured-light"; "" when it is not known
   std::string name;

@@ -17,6 +17,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/crc32c.h"
 #include "core/file.h"
 #include "engine/paths.h"
 
@@ -133,6 +134,12 @@ bool is_id(std::string_view text) {
   return !text.empty() && text.size() <= kIdBytesMax &&
          text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") ==
              std::string_view::npos;
+}
+
+Result<std::string> digest_of_file(const std::string& path) {
+  const auto file = MappedFile::open(path);
+  if (!file) return file.error();
+  return fmt::format("{:08x}", crc32c(file->bytes()));
 }
 
 std::string utc_now() {

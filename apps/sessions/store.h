@@ -24,6 +24,8 @@ inline constexpr char kJointsFile[] = "joints.csv";
 std::string default_root();         // ${XDG_DATA_HOME:-~/.local/share}/im2fit/sessions
 bool is_id(std::string_view text);  // [A-Za-z0-9_-]{1,40}: also safe as a file's name
 std::string utc_now();              // "2026-05-04T12:30:00Z"
+// As Versions has it: CRC-32C of a file, 8 hexadecimal digits. Errors: of opening it.
+Result<std::string> digest_of_file(const std::string& path);
 
 // A session being written. Destroyed before finish() has succeeded it leaves nothing.
 class NewSession {
