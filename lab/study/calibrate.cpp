@@ -21,14 +21,6 @@ constexpr double kGainErrors = 1;
 constexpr double kCoverageGain = 0.01;
 constexpr double kStated = 0.95;
 
-double answer_sd(const index::IntervalEstimate& e) {
-  return std::max(1e-3, static_cast<double>(e.high - e.low) / (2 * 1.96));
-}
-
-bool inside(const index::IntervalEstimate& e, double truth) {
-  return truth >= static_cast<double>(e.low) && truth <= static_cast<double>(e.high);
-}
-
 // Takes out tape values that are slips of the pen.
 std::vector<std::string> leave_slips_aside(std::vector<SitePerson>& people) {
   std::vector<std::string> aside;
@@ -78,10 +70,10 @@ Judged judge(const std::vector<const SitePerson*>& people, const std::vector<Sit
       row.bias_after += left;
       row.mae_before += std::abs(error);
       row.mae_after += std::abs(left);
-      row.coverage_before += inside(p.answer[m], truth) ? 1 : 0;
-      row.coverage_after += inside(after, truth) ? 1 : 0;
-      inside_before += inside(p.answer[m], truth) ? 1 : 0;
-      inside_after += inside(after, truth) ? 1 : 0;
+      row.coverage_before += holds(p.answer[m], truth) ? 1 : 0;
+      row.coverage_after += holds(after, truth) ? 1 : 0;
+      inside_before += holds(p.answer[m], truth) ? 1 : 0;
+      inside_after += holds(after, truth) ? 1 : 0;
       ++all;
       ++count;
       gain += (std::abs(error) - std::abs(left)) / answer_sd(p.answer[m]);

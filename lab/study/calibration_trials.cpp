@@ -19,10 +19,6 @@ struct Judgement {
   double bias_before = 0, bias_after = 0, mae_before = 0, mae_after = 0, coverage_before = 0, coverage_after = 0;
 };
 
-bool inside(const index::IntervalEstimate& e, double truth) {
-  return truth >= static_cast<double>(e.low) && truth <= static_cast<double>(e.high);
-}
-
 Judgement judge(const CalibrationOutcome& outcome, const std::vector<const SitePerson*>& fresh) {
   Judgement judgement;
   const bool corrects = outcome.refusal.empty();
@@ -36,9 +32,9 @@ Judgement judge(const CalibrationOutcome& outcome, const std::vector<const SiteP
       const index::IntervalEstimate e = corrects ? corrected(outcome.model, *p, m, outcome.values) : p->answer[m];
       before.push_back(p->error(m));
       after.push_back(static_cast<double>(e.value) - truth);
-      sd += static_cast<double>(p->answer[m].high - p->answer[m].low) / (2 * 1.96);
-      held_before += inside(p->answer[m], truth) ? 1 : 0;
-      held_after += inside(e, truth) ? 1 : 0;
+      sd += answer_sd(p->answer[m]);
+      held_before += holds(p->answer[m], truth) ? 1 : 0;
+      held_after += holds(e, truth) ? 1 : 0;
     }
     const ErrorStatistics b = error_statistics(before), a = error_statistics(after);
     if (b.count == 0) continue;

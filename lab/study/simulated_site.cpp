@@ -34,7 +34,7 @@ double tape_of(SiteKind kind, std::size_t m, double truth) {
   if (kind != SiteKind::tape) return truth;
   const auto id = static_cast<Measurement>(m);
   if (id == Measurement::stature) return truth + kSimulatedShoesMm;
-  if (!kMeasurementTable[m].id.ends_with("girth")) return truth;
+  if (!is_girth(m)) return truth;
   return truth * kSimulatedTightness + (id == Measurement::waist_girth ? kSimulatedWaistMm : 0);
 }
 

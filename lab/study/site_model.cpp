@@ -16,8 +16,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kSdsInInterval = 2 * 1.96;
-
 // Each spread is one of these; the likelihood of the people chooses, with a half-normal prior of the SD named `usual`
 // (docs/calibration.md says from where).
 struct SpreadChoice {
@@ -45,26 +43,8 @@ double allowance(std::size_t m) {
   return limit_mm > 0 ? limit_mm : 1;
 }
 
-bool is_girth(std::size_t m) {
-  switch (static_cast<Measurement>(m)) {
-    case Measurement::neck_girth:
-    case Measurement::shoulder_girth:
-    case Measurement::chest_girth:
-    case Measurement::waist_girth:
-    case Measurement::hip_girth:
-      return true;
-    default:
-      return false;
-  }
-}
-
 double growth(std::size_t m) {
   return static_cast<Measurement>(m) == Measurement::weight ? 3 : 1;
-}
-
-double answer_sd(const SitePerson& person, std::size_t m) {
-  const index::IntervalEstimate& e = person.answer[m];
-  return std::max(1e-3, static_cast<double>(e.high - e.low) / kSdsInInterval);
 }
 
 // Where each unknown stands in the vector of all.
@@ -157,8 +137,8 @@ class Fit {
         y[i] = -p->error(m);
         for (int j = 0; j < k; ++j) {
           const std::size_t o = here[static_cast<std::size_t>(j)];
-          noise(i, j) = correlation_(layout_.place[m], layout_.place[o]) * answer_sd(*p, m) * answer_sd(*p, o) *
-                        std::sqrt(width2_[m] * width2_[o]);
+          noise(i, j) = correlation_(layout_.place[m], layout_.place[o]) * answer_sd(p->answer[m]) *
+                        answer_sd(p->answer[o]) * std::sqrt(width2_[m] * width2_[o]);
         }
         noise(i, i) += tape_variance(*p, m) + 1e-9;
       }
@@ -235,7 +215,7 @@ class Fit {
       for (const SitePerson* p : people_) {
         if (!p->tape[m].taken()) continue;
         const VectorXd x = factors(*p, m);
-        const double left = -p->error(m) - x.dot(mean), sd = answer_sd(*p, m);
+        const double left = -p->error(m) - x.dot(mean), sd = answer_sd(p->answer[m]);
         sum[m] += (left * left + x.dot(covariance * x) - tape_variance(*p, m)) / (sd * sd);
       }
       sum[m] = std::max(sum[m], 0.05 * taken_[m]);
@@ -257,7 +237,8 @@ class Fit {
     for (int i = 0; i < n; ++i) {
       const SitePerson& p = *people_[static_cast<std::size_t>(i)];
       for (const std::size_t m : layout_.measured)
-        if (p.tape[m].taken()) z(i, layout_.place[m]) = (-p.error(m) - factors(p, m).dot(mean_)) / answer_sd(p, m);
+        if (p.tape[m].taken())
+          z(i, layout_.place[m]) = (-p.error(m) - factors(p, m).dot(mean_)) / answer_sd(p.answer[m]);
     }
     for (int j = 0; j < k; ++j) {
       z.col(j).array() -= z.col(j).mean();
@@ -302,7 +283,7 @@ class Fit {
       for (const SitePerson* p : people_) {
         if (!p->tape[m].taken()) continue;
         const VectorXd x = factors(*p, m);
-        const double sd = answer_sd(*p, m);
+        const double sd = answer_sd(p->answer[m]);
         unknown += x.dot(covariance_ * x) / (sd * sd) / taken_[m];
       }
       row.width = few_people(m) * std::sqrt(width2_[m] + unknown) / row.scale;

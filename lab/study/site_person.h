@@ -3,6 +3,7 @@
 // (apps/im2fit-lab/site_people.h) or from simulated people.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -23,6 +24,17 @@ struct TapeReadings {
   bool twice() const { return taken() && std::isfinite(second); }
   double mean() const { return twice() ? (first + second) / 2 : first; }
 };
+
+inline bool is_girth(std::size_t m) {
+  return kMeasurementTable[m].id.ends_with("girth");
+}
+inline bool holds(const index::IntervalEstimate& e, double truth) {
+  return truth >= static_cast<double>(e.low) && truth <= static_cast<double>(e.high);
+}
+// SD of the error that an answer states: 95 % of a normal distribution lie within 1.96.
+inline double answer_sd(const index::IntervalEstimate& e) {
+  return std::max(1e-3, static_cast<double>(e.high - e.low) / (2 * 1.96));
+}
 
 struct SitePerson {
   std::string person;  // a pseudonym: the same for the same person

@@ -22,7 +22,7 @@ ErrorFigures figures_of(const People& taken, std::size_t m, double bias, double 
     const double error = bias + (p->error(m) - bias) * shrink;
     const double truth = static_cast<double>(p->answer[m].value) - error;
     errors.push_back(error);
-    if (truth >= static_cast<double>(p->answer[m].low) && truth <= static_cast<double>(p->answer[m].high)) ++inside;
+    if (holds(p->answer[m], truth)) ++inside;
   }
   const ErrorStatistics s = error_statistics(errors);
   figures.sd = s.sd;
@@ -75,7 +75,7 @@ StudyGroup group_of(std::string name, const People& people) {
       if (!p->tape[m].taken()) continue;
       errors.push_back(p->error(m));
       const double truth = p->tape[m].mean();
-      if (truth >= static_cast<double>(p->answer[m].low) && truth <= static_cast<double>(p->answer[m].high)) ++inside;
+      if (holds(p->answer[m], truth)) ++inside;
     }
     const ErrorStatistics s = error_statistics(errors);
     group.rows[m] = {s.count, s.bias, s.mae, share_of_count(inside, s.count)};
