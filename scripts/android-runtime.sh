@@ -28,17 +28,20 @@ libcxx_sources() {
 # android_runtime ABI: makes it if needed and prints its directory. flags, flags-c++, flags-link: for the compiler;
 # lib: libc++.a, builtins.a; headers/usr/include: JSON; musl: its C library, which is its loader; unpacked: Debian's.
 android_runtime() {
-  local abi=$1 arch triple musl linux target own sources into key work packages
+  local abi=$1 arch triple musl linux target own builtins sources into key work packages
   case $abi in
     arm64-v8a) arch=arm64 musl=aarch64-linux-musl linux=aarch64-linux-gnu target=aarch64-linux-android24
+      builtins=libclang-rt-14-dev
       # Outlined atomics ask glibc what the processor has.
       own=-mno-outline-atomics ;;
-    # musl for soft floats: as on Android, functions take floats in integer registers.
+    # musl for soft floats: as on Android, functions take floats in integer registers. Debian has LLVM's builtins for
+    # hard floats alone: GCC's take their place.
     armeabi-v7a) arch=armel musl=arm-linux-musleabi linux=arm-linux-gnueabi target=armv7a-linux-androideabi24
+      builtins=libgcc-12-dev
       own="-mthumb -mfpu=neon" ;;
     *) echo "no ABI '$abi'" >&2; return 1 ;;
   esac
-  packages="musl musl-dev linux-libc-dev libclang-rt-14-dev nlohmann-json3-dev"
+  packages="musl musl-dev linux-libc-dev $builtins nlohmann-json3-dev"
   into=$cache/sysroot/android-link-$abi
   key=$({ declare -f android_runtime; cat "$root/toolchains/bionic/first.h"; } | sha256sum | cut -c1-16)
   if [ "$(cat "$into/key" 2>/dev/null)" = "$key" ]; then
@@ -57,7 +60,20 @@ android_runtime() {
   cp -r "$root"/toolchains/bionic/. "$into/bionic/"
   ln -s ../../unpacked/usr/include "$into/headers/usr/include"
   ln -s ../../unpacked/usr/share "$into/headers/usr/share"
-  cp "$into"/unpacked/usr/lib/llvm-14/lib/clang/*/lib/linux/libclang_rt.builtins-a*.a "$into/lib/builtins.a" || return 1
+  if [ $builtins = libgcc-12-dev ]; then
+    # Thread-local variables are emulated before API 29; libgcc keeps what emulates them with its unwinder, and takes a
+    # C library without glibc's name for one without threads.
+    local gcc=$into/unpacked/usr/lib/gcc/$linux/12
+    cp "$gcc/libgcc.a" "$into/lib/builtins.a" && llvm-ar-14 p "$gcc/libgcc_eh.a" emutls.o > "$into/objects/emutls.o" &&
+      llvm-objcopy-14 --redefine-sym __pthread_key_create=pthread_key_create "$into/objects/emutls.o" &&
+      llvm-ar-14 q "$into/lib/builtins.a" "$into/objects/emutls.o" && rm "$into/objects/emutls.o" || return 1
+    # bionic's time_t has 32 bits there, musl's 64, under other names of the functions: these headers do as bionic. musl's
+    # library has the functions of 32 bits under the names without a suffix.
+    sed -i -e '/_REDIR_TIME64/d' -e 's/^typedef _Int64 \(time_t\|suseconds_t\);/typedef long \1;/' \
+      "$into/unpacked/usr/include/$musl/bits/alltypes.h" || return 1
+  else
+    cp "$into"/unpacked/usr/lib/llvm-14/lib/clang/*/lib/linux/libclang_rt.builtins-a*.a "$into/lib/builtins.a" || return 1
+  fi
   # Its libc.so is its loader, which programs are run with.
   cp "$into/unpacked/lib/$musl/libc.so" "$into/musl/" || return 1
   ln -s "unpacked/usr/lib/$musl" "$into/crt"
