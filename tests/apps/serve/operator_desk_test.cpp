@@ -105,7 +105,7 @@ TEST_F(Desk, AVisitIsRecordedAndSavedWithWhatTheFormSays) {
   const auto record = sessions::read(root_, job["id"]);
   ASSERT_TRUE(record) << record.error().message;
   EXPECT_EQ(record->person, "P1");
-  EXPECT_EQ(record->truth.tape.at("waist_girth").second_mm, 806);
+  EXPECT_EQ(record->truth.tape.at("waist_girth").second, 806);
   EXPECT_EQ(record->consent.version, "operator-de-1");
   EXPECT_EQ(record->consent.text_sha256, apps::consent_text("de")->sha256);
   EXPECT_EQ(record->camera.width, 64);
