@@ -39,7 +39,7 @@ struct MeasuringData {
   std::unique_ptr<SizeSystem> charts;
   std::unique_ptr<body::Tape> tape;       // null: no tape is measured
   std::unique_ptr<SiteCalibration> site;  // null: no file was named
-  std::string warning;                    // "": the files belong together
+  std::vector<std::string> warnings;      // a line for each two files that do not belong together
 
   MeasurementParts parts() const { return {index.get(), body_model.get(), charts.get(), tape.get(), site.get()}; }
 };

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -56,6 +57,9 @@ struct SiteCalibration {
   std::array<std::uint32_t, kMeasurementCount> row_people{};  // with a tape value; 0: that row changes nothing
   std::vector<Camera> cameras;
   std::uint32_t crc32c = 0;  // of the file, where it was read from one
+  // Whether the index it is used with is the one it was learned with; none: one of the two is not known. Set by
+  // load_measuring_data().
+  std::optional<bool> of_this_index = {};
 
   static Result<SiteCalibration> load(const std::string& path);
   // `what` names the file in errors. Errors: corrupt, naming what is out of range; unsupported, of another version.

@@ -22,8 +22,8 @@ lab::TapeReadings readings_of(const sessions::PersonTruth& truth, std::size_t m)
   lab::TapeReadings readings;
   const auto reading = sessions::reading_of(truth, std::string(kMeasurementTable[m].id));
   if (!reading) return readings;
-  readings.first = reading->first_mm;
-  if (reading->second_mm) readings.second = *reading->second_mm;
+  readings.first = reading->first;
+  if (reading->second) readings.second = *reading->second;
   return readings;
 }
 

@@ -39,7 +39,9 @@ class LiveRun {
         preview_(preview_renderer),
         listener_(listener),
         permit_(listener != nullptr ? listener->permit() : 0),
-        started_(std::chrono::steady_clock::now()) {}
+        started_(std::chrono::steady_clock::now()) {
+    if (permit_ != 0) listener_->begin_person(permit_);
+  }
 
   // After every frame pushed; false ends the run.
   bool go_on() {
@@ -78,11 +80,23 @@ class LiveRun {
     // 0 while the one before is looked at: the engine gets no frames, and what it has goes with the next number.
     if (permit == 0) return false;
     permit_ = permit;
+    begin_anew();
+    started_ = std::chrono::steady_clock::now() - kFramePeriod * frames_;  // a recording stood still
+    return false;
+  }
+
+  void begin_anew() {
     outcome_.engine->reset();
     session_ = outcome_.engine->result().session;
     reported_ = state_known_ = false;
-    started_ = std::chrono::steady_clock::now() - kFramePeriod * frames_;  // a recording stood still
-    return false;
+    if (listener_ != nullptr) listener_->begin_person(permit_);
+  }
+
+  void give_up() {
+    if (options_.recorded)
+      begin_anew();
+    else
+      outcome_.engine->next_person();
   }
 
   Status publish(const Json& event) {
@@ -98,7 +112,7 @@ class LiveRun {
       if (auto reported = left ? report_left() : Ok{}; !reported) return reported;
     }
     if (auto reported = report_state(result); !reported) return reported;
-    if (is_stuck(result)) outcome_.engine->next_person();
+    if (is_stuck(result)) give_up();
     if (!result.measured || reported_) return Ok{};
     reported_ = true;
     ++persons_;
@@ -235,8 +249,9 @@ Result<int> run_live(const LiveOptions& given, LiveListener* listener) {
   LiveOptions options = given;
   options.session.user = user_of(options.user).value_or(0);
   options.session.one_after_another = true;
-  // A motion and pictures of every frame leave none out.
-  options.session.rest = options.session.motion.empty() && options.preview_renderer.overlay.empty();
+  // A motion, pictures of every frame and a recording leave none out.
+  options.session.rest =
+      options.session.motion.empty() && options.preview_renderer.overlay.empty() && !options.recorded;
   std::string tables;
   auto code = run_live_shown(options, listener, tables);
   fmt::print("{}", tables);

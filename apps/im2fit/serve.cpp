@@ -60,6 +60,7 @@ class PageListener final : public LiveListener {
     invited_ = true;
   }
   std::uint64_t permit() override { return page_.permit(); }
+  void begin_person(std::uint64_t permit) override { page_.begin_person(permit); }
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
@@ -100,6 +101,7 @@ std::string_view trouble_of(const ServeOptions& options) {
 Result<int> serve_until_interrupted(const ServeOptions& options, LivePage& page) {
   LiveOptions live = options.live;
   live.print_results = options.no_consent;  // what a service prints is kept in a journal
+  live.recorded = options.desk;
   PageListener listener(page, options);
   std::string last_said;
   if (options.wait) listener.invite();

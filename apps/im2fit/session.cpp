@@ -99,7 +99,7 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   opening.clothed = clothing_of(options.clothing) == ClothingGiven::dressed;
   auto input = open_input(opening);
   if (!input) return input.error();
-  if (!data->warning.empty()) fmt::print(stderr, "{}\n", data->warning);
+  for (const std::string& warning : data->warnings) fmt::print(stderr, "{}\n", warning);
   auto shown = std::make_unique<ShownFrame>();
   std::unique_ptr<MotionRecording> motion;
   if (!options.motion.empty()) motion = std::make_unique<MotionRecording>();

@@ -73,7 +73,7 @@ void print_truth(const sessions::PersonTruth& truth) {
   if (truth.tape.empty()) return;
   TextTable table({"tape, mm", "first", "second"});
   for (const auto& [id, reading] : truth.tape)
-    table.add({id, number(reading.first_mm), number(reading.second_mm.value_or(std::nan("")))});
+    table.add({id, number(reading.first), number(reading.second.value_or(std::nan("")))});
   fmt::print("{}", table.text());
 }
 
@@ -115,7 +115,7 @@ std::string comparison(const Remeasured& done) {
     const std::string id(info.id);
     const int decimals = info.unit == "kg" ? 1 : 0;
     const auto reading = sessions::reading_of(done.record.truth, id);
-    const double taken = reading ? reading->mean_mm() : std::nan("");
+    const double taken = reading ? reading->mean() : std::nan("");
     const double then = value_in(done.before, id), now = value_in(done.now, id);
     table.add({fmt::format("{} {}", id, info.unit), number(taken, decimals), number(then, decimals),
                number(now, decimals), signed_number(now - then, decimals), signed_number(now - taken, decimals)});

@@ -48,7 +48,7 @@ Result<std::unique_ptr<Daemon>> Daemon::create(const Config& config, const std::
                                                Notifier& notifier) {
   auto data = apps::load_measuring_data(config.measuring, config.body);
   if (!data) return data.error();
-  if (!data->warning.empty()) log(Level::warning, data->warning);
+  for (const std::string& warning : data->warnings) log(Level::warning, warning);
   std::unique_ptr<Daemon> made(new Daemon(config, config_path, notifier, std::move(*data)));
   // systemd may name several, with colons between.
   const std::string given = environment("STATE_DIRECTORY");

@@ -53,8 +53,8 @@ void set_truth(Json& json, const PersonTruth& truth) {
   set_or_drop(json, "clothing", truth.clothing);
   json.erase("tape");
   for (const auto& [id, reading] : truth.tape) {
-    Json values = Json::array({reading.first_mm});
-    if (reading.second_mm) values.push_back(*reading.second_mm);
+    Json values = Json::array({reading.first});
+    if (reading.second) values.push_back(*reading.second);
     json["tape"][id] = values;
   }
 }
@@ -140,8 +140,8 @@ void read_tape(Fields& fields, const Json& json, PersonTruth& truth) {
                        std::all_of(values.begin(), values.end(), [](const Json& v) { return v.is_number(); });
     if (!right) return fields.wrong("truth.tape." + id, "is not one or two numbers");
     TapeReading& reading = truth.tape[id];
-    reading.first_mm = values[0].get<double>();
-    if (values.size() == 2) reading.second_mm = values[1].get<double>();
+    reading.first = values[0].get<double>();
+    if (values.size() == 2) reading.second = values[1].get<double>();
   }
 }
 
@@ -230,7 +230,7 @@ std::string fault_of_tape(const PersonTruth& truth) {
   for (const auto& [id, reading] : truth.tape) {
     if (!is_tape_id(id)) return fmt::format("truth.tape has \"{}\", which is no id", printable(id));
     const std::string field = "truth.tape." + id;
-    for (const std::optional<double>& value : {std::optional(reading.first_mm), reading.second_mm})
+    for (const std::optional<double>& value : {std::optional(reading.first), reading.second})
       if (std::string fault = fault_of_number(field.c_str(), value, kTapeMm); !fault.empty()) return fault;
   }
   return "";

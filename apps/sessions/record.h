@@ -36,11 +36,11 @@ struct Consent {
   std::string given_utc;    // "2026-05-04T12:30:00Z"
 };
 
-// One tape measurement: taken once, or twice for the tape's own error.
+// One tape measurement, in mm, or a weight in kg: taken once, or twice for the tape's own error.
 struct TapeReading {
-  double first_mm = 0;
-  std::optional<double> second_mm;
-  double mean_mm() const { return second_mm ? (first_mm + *second_mm) / 2 : first_mm; }
+  double first = 0;
+  std::optional<double> second;
+  double mean() const { return second ? (first + *second) / 2 : first; }
 };
 
 // What is known of the person without a camera. What is not known is absent, never 0 or "".

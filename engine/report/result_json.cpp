@@ -79,6 +79,7 @@ Json site_json(const PersonMeasurement& person) {
           {"people", site.people},
           {"crc32c", crc},
           {"camera_known", site.knows_camera(person.source.name)},
+          {"index_known", site.of_this_index ? Json(*site.of_this_index) : Json(nullptr)},
           {"uncorrected", uncorrected}};
 }
 

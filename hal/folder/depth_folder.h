@@ -2,7 +2,9 @@
 // Depth folders in and out (docs/formats.md): NNNNNN.png or .pgm in mm, camera.yaml, optional timestamps.csv.
 //
 // timestamps.csv: a header naming its columns, then a row a frame. Columns: frame (the file's number) and host_ns,
-// device_us or both; times must grow from row to row. Without it frames are taken to be 1/30 s apart.
+// device_us or both; times must grow from row to row. Without it frames are taken to be 1/30 s apart. A camera that
+// feels gravity has down_x, down_y and down_z besides (FrameInfo::down), empty where it was not asked; they are of
+// upright pictures, and of a folder that is turned they are not read.
 #pragma once
 
 #include <memory>
@@ -96,6 +98,7 @@ class FolderWriter {
   std::vector<Row> rows_;
   bool host_times_ = true;
   bool device_times_ = true;
+  bool downs_ = false;  // timestamps.csv has columns for them
   int times_fd_ = -1;
   std::int64_t times_bytes_ = 0;  // of timestamps.csv, with the rows of rows_
 };

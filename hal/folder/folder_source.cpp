@@ -43,20 +43,48 @@ bool to_number(const std::string& text, std::int64_t& value) {
 struct Times {
   std::int64_t host_ns = -1;
   std::int64_t device_us = -1;
+  std::optional<Vec3f> down;
 };
 
 // The columns of timestamps.csv by the names in its first line.
 struct Columns {
   std::array<std::size_t, 3> at = {SIZE_MAX, SIZE_MAX, SIZE_MAX};
+  std::array<std::size_t, 3> down = {SIZE_MAX, SIZE_MAX, SIZE_MAX};
   static constexpr std::array<const char*, 3> kNames = {"frame", "host_ns", "device_us"};
+  static constexpr std::array<const char*, 3> kDownNames = {"down_x", "down_y", "down_z"};
   explicit Columns(const std::vector<std::string>& cells) {
     for (std::size_t column = 0; column < kNames.size(); ++column) {
-      const auto it = std::find(cells.begin(), cells.end(), kNames[column]);
-      if (it != cells.end()) at[column] = static_cast<std::size_t>(it - cells.begin());
+      at[column] = find(cells, kNames[column]);
+      down[column] = find(cells, kDownNames[column]);
     }
   }
   bool usable() const { return at[0] != SIZE_MAX && (at[1] != SIZE_MAX || at[2] != SIZE_MAX); }
+
+ private:
+  static std::size_t find(const std::vector<std::string>& cells, const char* name) {
+    const auto it = std::find(cells.begin(), cells.end(), name);
+    return it == cells.end() ? SIZE_MAX : static_cast<std::size_t>(it - cells.begin());
+  }
 };
+
+// None: it is not there. Error: what is there is no vector of length 1.
+Result<std::optional<Vec3f>> down_in(const std::vector<std::string>& cells, const Columns& columns) {
+  std::array<float, 3> values{};
+  std::size_t empty = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::string text = columns.down[i] < cells.size() ? cells[columns.down[i]] : "";
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), values[i]);
+    if (text.empty())
+      ++empty;
+    else if (code != std::errc() || end != text.data() + text.size())
+      return Error{ErrorCode::corrupt, std::string(Columns::kDownNames[i]) + " is no number"};
+  }
+  if (empty == values.size()) return std::optional<Vec3f>();
+  const float square = values[0] * values[0] + values[1] * values[1] + values[2] * values[2];
+  if (empty > 0 || !(square > 0.99F && square < 1.01F))
+    return Error{ErrorCode::corrupt, "down_x, down_y, down_z are no vector of length 1"};
+  return std::optional(Vec3f{values[0], values[1], values[2]});
+}
 
 // By column: what is still a number and a time.
 constexpr std::array<std::int64_t, 3> kValueMax = {static_cast<std::int64_t>(kNumberMax), kTimeMaxNs,
@@ -99,7 +127,12 @@ Result<std::map<std::int64_t, Times>> parse_times(const std::string& path) {
                          " of the row before; put the frames in order of time, or delete the file"};
       last[column] = values[column];
     }
-    times[values[0]] = {values[1], values[2]};
+    const auto down = down_in(cells, columns);
+    if (!down && csv.cut_off()) return times;
+    if (!down)
+      return advised(
+          {ErrorCode::corrupt, path + " line " + std::to_string(csv.line()) + ": " + down.error().message});
+    times[values[0]] = {values[1], values[2], *down};
   }
 }
 
@@ -124,13 +157,13 @@ Result<std::unique_ptr<FolderSource>> FolderSource::open(const std::string& path
     return error;
   }
   if (auto ok = source->check_frames(camera->intrinsics); !ok) return ok.error();
-  if (std::filesystem::exists(path + "/timestamps.csv")) {
-    if (auto ok = source->read_timestamps(path + "/timestamps.csv"); !ok) return ok.error();
-  }
   SourceInfo& info = source->info_;
   info.uri = path;
   info.name = path;
   info.rotate_deg = options.rotate_deg.value_or(camera->rotate_deg.value_or(0));
+  if (std::filesystem::exists(path + "/timestamps.csv")) {
+    if (auto ok = source->read_timestamps(path + "/timestamps.csv"); !ok) return ok.error();
+  }
   info.intrinsics_origin = camera->origin;
   info.frame_count = static_cast<std::int64_t>(source->frames_.size());
   auto upright = UprightPath::make(*camera, info.rotate_deg, yaml);
@@ -211,6 +244,7 @@ Status FolderSource::read_timestamps(const std::string& path) {
       return Error{ErrorCode::corrupt, path + " has no row for " + frame.path + "; complete or delete the file"};
     frame.info.device_us = it->second.device_us;
     frame.info.host_ns = it->second.host_ns >= 0 ? it->second.host_ns : it->second.device_us * 1000;
+    if (info_.rotate_deg == 0) frame.info.down = it->second.down;
   }
   return Ok{};
 }

@@ -82,6 +82,7 @@ Status FolderWriter::note_times(const Row& row) {
   if (!host_times_) return Ok{};
   if (rows_.empty()) {
     device_times_ = row.info.device_us >= 0;
+    downs_ = row.info.down.has_value();
   } else if (row.info.host_ns <= rows_.back().info.host_ns) {
     host_times_ = false;  // 30 fps is assumed instead
     if (times_fd_ >= 0) ::close(std::exchange(times_fd_, -1));
@@ -89,6 +90,10 @@ Status FolderWriter::note_times(const Row& row) {
     return Ok{};
   } else if (device_times_ && row.info.device_us <= rows_.back().info.device_us) {
     device_times_ = false;
+    if (times_fd_ >= 0) ::close(std::exchange(times_fd_, -1));
+  }
+  if (row.info.down && !downs_) {
+    downs_ = true;
     if (times_fd_ >= 0) ::close(std::exchange(times_fd_, -1));
   }
   if (times_fd_ < 0)
@@ -99,7 +104,10 @@ Status FolderWriter::note_times(const Row& row) {
 // The header and the rows so far, then open for more.
 Status FolderWriter::rewrite_times() {
   const std::string path = path_ + "/timestamps.csv";
-  std::string text = device_times_ ? "frame,host_ns,device_us\n" : "frame,host_ns\n";
+  std::string text = "frame,host_ns";
+  if (device_times_) text += ",device_us";
+  if (downs_) text += ",down_x,down_y,down_z";
+  text += "\n";
   for (const Row& row : rows_) text += line_of(row);
   if (auto ok = write_file_atomically(path, text, Readable::by_owner); !ok) return ok;
   times_fd_ = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
@@ -111,7 +119,16 @@ Status FolderWriter::rewrite_times() {
 std::string FolderWriter::line_of(const Row& row) const {
   char line[80];
   std::snprintf(line, sizeof line, "%06" PRIu64 ",%" PRId64, row.number, row.info.host_ns);
-  return line + (device_times_ ? "," + std::to_string(row.info.device_us) : std::string()) + "\n";
+  std::string text = line;
+  if (device_times_) text += "," + std::to_string(row.info.device_us);
+  if (downs_ && !row.info.down) text += ",,,";
+  if (downs_ && row.info.down) {
+    const Vec3f down = *row.info.down;  // nine digits give a float back to the bit
+    std::snprintf(line, sizeof line, ",%.9g,%.9g,%.9g", static_cast<double>(down.x), static_cast<double>(down.y),
+                  static_cast<double>(down.z));
+    text += line;
+  }
+  return text + "\n";
 }
 
 Status FolderWriter::append(const std::string& line) {

@@ -188,9 +188,14 @@ TEST(ResultJson, ACorrectedAnswerNamesItsSiteAndWhatItWasBefore) {
   EXPECT_EQ(said["people"], 21);
   EXPECT_EQ(said["crc32c"], "0123abcd");
   EXPECT_EQ(said["camera_known"], true);
+  EXPECT_EQ(said["index_known"], nullptr);
   EXPECT_EQ(j["measurements"]["stature"]["value"], 1010);
   EXPECT_EQ(said["uncorrected"]["stature"]["value"], 1000.1);
   EXPECT_EQ(said["uncorrected"]["stature"]["interval"], json::array({987.7, 1012.4}));
+  site.of_this_index = false;
+  const json other = json::parse(result_json(report));
+  EXPECT_THAT(test::SchemaCheck(schema()).run(other), testing::IsEmpty());
+  EXPECT_EQ(other["calibration_site"]["index_known"], false);
   report.site = nullptr;
   EXPECT_FALSE(json::parse(result_json(report)).contains("calibration_site"));
 }

@@ -73,6 +73,37 @@ TEST_P(BothFormats, EveryBitTimeAndIntrinsicComesBack) {
 }
 INSTANTIATE_TEST_SUITE_P(Folder, BothFormats, testing::Values(DepthFormat::png, DepthFormat::pgm));
 
+// A camera says it once a second; the first row is mostly not the one.
+TEST(Folder, WhereDownIsComesBackToTheBitUnlessTheFolderIsTurned) {
+  const TestFolder folder;
+  auto writer = FolderWriter::create(folder.path("rec"), camera_of(kWidth, kHeight), {});
+  ASSERT_TRUE(writer);
+  const Picture picture = random_picture(kWidth, kHeight, 1);
+  const Vec3f down{0.1F, 0.99498745F, -1e-9F};
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    FrameInfo info{i, static_cast<std::int64_t>(i), -1};
+    if (i == 2) info.down = down;
+    ASSERT_TRUE((*writer)->write(picture.view(), info));
+  }
+  ASSERT_TRUE((*writer)->finish());
+  Picture out(kWidth, kHeight);
+  for (const int turned : {0, 180}) {
+    OpenOptions options;
+    options.rotate_deg = turned;
+    auto source = open_source(folder.path("rec"), options);
+    ASSERT_TRUE(source) << source.error().message;
+    for (std::uint64_t i = 0; i < 4; ++i) {
+      const auto frame = (*source)->next(out.image(), 0);
+      ASSERT_TRUE(frame) << frame.error().message;
+      ASSERT_EQ(frame->down.has_value(), i == 2 && turned == 0) << i;
+      if (!frame->down) continue;
+      EXPECT_EQ(frame->down->x, down.x);
+      EXPECT_EQ(frame->down->y, down.y);
+      EXPECT_EQ(frame->down->z, down.z);
+    }
+  }
+}
+
 TEST(Folder, AHandWrittenPgmIsReadByTheLetterOfItsStandard) {
   const TestFolder folder;
   put(folder.path("camera.yaml"), yaml_of({2, 2, 2, 2, 0.5F, 0.5F}, "tiny", 0));
@@ -293,6 +324,13 @@ const std::vector<BadFolder>& bad_folders() {
        ErrorCode::corrupt, "timestamps.csv line 2: device_us is 9223372036854775807, expected 0 to"},
       {"a time before all clocks", [](F f) { put(f + "/timestamps.csv", "frame,host_ns\n0,-5\n"); },
        ErrorCode::corrupt, "line 2: host_ns is -5"},
+      {"down in words",
+       [](F f) { put(f + "/timestamps.csv", "frame,host_ns,down_x,down_y,down_z\n0,1,0,below,0\n"); },
+       ErrorCode::corrupt, "timestamps.csv line 2: down_y is no number"},
+      {"down too long", [](F f) { put(f + "/timestamps.csv", "frame,host_ns,down_x,down_y,down_z\n0,1,0,2,0\n"); },
+       ErrorCode::corrupt, "timestamps.csv line 2: down_x, down_y, down_z are no vector of length 1"},
+      {"half of down", [](F f) { put(f + "/timestamps.csv", "frame,host_ns,down_x,down_y,down_z\n0,1,,1,\n"); },
+       ErrorCode::corrupt, "timestamps.csv line 2: down_x, down_y, down_z are no vector of length 1"},
       {"a number past all frames", [](F f) { std::filesystem::copy(f + "/000001.png", f + "/10000000000.png"); },
        ErrorCode::invalid_argument, "has the number 10000000000, expected at most 999999999"},
       {"a row of commas",

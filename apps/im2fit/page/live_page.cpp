@@ -198,8 +198,14 @@ std::uint64_t LivePage::permit() {
     permitted_ = visit_.number();
     return 1;
   }
-  if (!open) return 0;
-  return permitted_ = visit_.number();
+  return open ? visit_.number() : 0;
+}
+
+void LivePage::begin_person(std::uint64_t permit) {
+  const std::lock_guard lock(visit_mutex_);
+  if (!settings_.visit.ask) return;  // whoever comes next ends the visit before them: publish_of_visit()
+  permitted_ = permit;
+  if (desk_) desk_->begin_anew(permit);
 }
 
 void LivePage::see(const FrameSeen& frame) {

@@ -54,8 +54,9 @@ class LivePage {
   void trouble(std::string_view code);
   // Before the first frame.
   void begin(const Intrinsics& intrinsics, int frames_wanted);
-  // As LiveListener::permit().
+  // As those of LiveListener.
   std::uint64_t permit();
+  void begin_person(std::uint64_t permit);
   void see(const FrameSeen& frame);
   void publish(const Json& event);
   // What the operator's part writes into sessions. Before begin().

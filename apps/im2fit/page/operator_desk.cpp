@@ -70,6 +70,10 @@ std::shared_ptr<VisitRecorder> OperatorDesk::recorder_of(std::uint64_t visit) co
   return phase_ == Phase::recording && visit == visit_ ? recorder_ : nullptr;
 }
 
+void OperatorDesk::begin_anew(std::uint64_t visit) {
+  if (const auto recorder = recorder_of(visit)) recorder->begin_anew();
+}
+
 void OperatorDesk::see(std::uint64_t visit, const FrameSeen& frame) {
   if (const auto recorder = recorder_of(visit)) recorder->see(frame);
 }

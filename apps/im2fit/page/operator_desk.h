@@ -51,6 +51,8 @@ class OperatorDesk {
   PageAnswer answer(const PageRequest& request);  // on the server's thread
 
   // Of the visit of this number, on any thread; of others they do nothing.
+  // The engine begins anew: so does the recording, which holds what the engine then sees and nothing else.
+  void begin_anew(std::uint64_t visit);
   void see(std::uint64_t visit, const FrameSeen& frame);
   void measured(std::uint64_t visit, const std::string& result_json);
   // Its recording goes: the person asked to delete everything, or left before there was an answer. `erased`: by the

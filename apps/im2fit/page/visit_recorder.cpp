@@ -29,17 +29,21 @@ VisitRecorder::~VisitRecorder() {
   if (thread_.joinable()) thread_.join();
 }
 
-void VisitRecorder::see(const FrameSeen& frame) {
-  std::unique_lock lock(mutex_);
-  if (closed_ || !counts_.error.empty()) return;
-  const bool first = engine_session_ != frame.result.session;
-  if (first) {
-    engine_session_ = frame.result.session;
+void VisitRecorder::begin_anew() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_ || !counts_.error.empty()) return;
+    anew_ = true;
     motion_ = std::make_unique<MotionRecording>();
     queue_.clear();
     counts_ = {};
   }
-  if (counts_.full) return;
+  changed_.notify_all();
+}
+
+void VisitRecorder::see(const FrameSeen& frame) {
+  std::unique_lock lock(mutex_);
+  if (closed_ || !counts_.error.empty() || counts_.full) return;
   if (!source_.live)
     changed_.wait(lock, [&] { return queue_.size() < kQueueMax || closed_ || !counts_.error.empty(); });
   if (closed_ || !counts_.error.empty()) return;
@@ -48,7 +52,7 @@ void VisitRecorder::see(const FrameSeen& frame) {
     return;
   }
   Frame kept;
-  kept.first = first;
+  kept.first = std::exchange(anew_, false);
   kept.info = frame.info;
   const auto width = static_cast<std::size_t>(frame.depth.width);
   kept.pixels.resize(width * static_cast<std::size_t>(frame.depth.height));

@@ -8,7 +8,6 @@
 #include <deque>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,9 +30,10 @@ class VisitRecorder {
   VisitRecorder(const VisitRecorder&) = delete;
   VisitRecorder& operator=(const VisitRecorder&) = delete;
 
-  // On the engine's thread. A frame of another of the engine's sessions begins the recording anew: it holds the
-  // frames behind the answer, and no one else's. A camera's frame is left out when the disk is too slow; a recording
-  // waits.
+  // What was recorded goes: the engine has begun anew. On the thread that feeds it, between frames.
+  void begin_anew();
+  // On the engine's thread: every frame it worked on since then, so that measuring the recording gives the same bits.
+  // A camera's frame is left out, and counted, when the disk is too slow; a recording waits.
   void see(const FrameSeen& frame);
   // No frame after this is recorded.
   void measured();
@@ -49,7 +49,7 @@ class VisitRecorder {
 
  private:
   struct Frame {
-    bool first = false;  // of an engine's session
+    bool first = false;  // since begin_anew()
     std::vector<std::uint16_t> pixels;
     hal::FrameInfo info;
   };
@@ -65,7 +65,7 @@ class VisitRecorder {
   std::condition_variable changed_;
   std::deque<Frame> queue_;
   std::unique_ptr<MotionRecording> motion_;
-  std::optional<std::uint64_t> engine_session_;
+  bool anew_ = true;  // the next frame is the first
   Counts counts_;
   bool closed_ = false;    // no more frames
   bool given_up_ = false;  // those that wait are not written

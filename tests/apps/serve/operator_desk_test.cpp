@@ -51,12 +51,10 @@ class Desk : public testing::Test {
   Json get(const std::string& path) const { return Json::parse(page_->client().Get(path)->body, nullptr, false); }
   std::string phase() const { return get("/operator/state")["phase"]; }
   int begin() const { return post("/operator/begin", {{"language", "de"}, {"version", "1"}}).first; }
-  // A frame of the engine's session of this number.
-  void frame(std::uint64_t number, std::uint32_t session = 1) {
-    page_->page().permit();
+  void frame(std::uint64_t number) {
+    page_->begin_person();
     std::vector<std::uint16_t> pixels(64 * 48, static_cast<std::uint16_t>(1000 + number));
     EngineResult result;
-    result.session = session;
     result.user = 1;
     hal::FrameInfo info;
     info.sequence = number;
@@ -105,7 +103,7 @@ TEST_F(Desk, AVisitIsRecordedAndSavedWithWhatTheFormSays) {
   const auto record = sessions::read(root_, job["id"]);
   ASSERT_TRUE(record) << record.error().message;
   EXPECT_EQ(record->person, "P1");
-  EXPECT_EQ(record->truth.tape.at("waist_girth").second_mm, 806);
+  EXPECT_EQ(record->truth.tape.at("waist_girth").second, 806);
   EXPECT_EQ(record->consent.version, "operator-de-1");
   EXPECT_EQ(record->consent.text_sha256, apps::consent_text("de")->sha256);
   EXPECT_EQ(record->camera.width, 64);
@@ -124,10 +122,11 @@ TEST_F(Desk, AVisitIsRecordedAndSavedWithWhatTheFormSays) {
   EXPECT_EQ(begin(), 200) << "the next person, while the one before is still on the screen";
 }
 
-TEST_F(Desk, ASessionOfTheEngineThatBeginsAnewBeginsTheRecordingAnew) {
+TEST_F(Desk, AnEngineThatBeginsAnewBeginsTheRecordingAnew) {
   ASSERT_EQ(begin(), 200);
   for (std::uint64_t number = 0; number < 4; ++number) frame(number);
-  for (std::uint64_t number = 4; number < 7; ++number) frame(number, 2);
+  page_->page().begin_person(page_->page().permit());
+  for (std::uint64_t number = 4; number < 7; ++number) frame(number);
   page_->measured(987);
   ASSERT_EQ(post("/operator/save", kForm).first, 202);
   const Json job = job_done();

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -61,9 +62,15 @@ class ShownPage {
     return "";
   }
 
+  // Frames and events from here on are of whoever may be measured now.
+  void begin_person() {
+    const std::uint64_t permit = page_->permit();
+    if (permit != 0 && permit != permit_) page_->begin_person(permit);
+    permit_ = permit;
+  }
   void state(const std::string& name, const std::vector<std::string>& guidance,
              apps::Json details = apps::Json::object()) {
-    page_->permit();
+    begin_person();
     page_->publish({{"event", "state"},
                     {"frame", 1},
                     {"state", name},
@@ -85,12 +92,13 @@ class ShownPage {
     }
     apps::Json event = {{"event", "measured"}, {"frame", 1}, {"person", 1}, {"result", std::move(result)}};
     if (!out.empty()) event["out"] = out;
-    page_->permit();
+    begin_person();
     page_->publish(event);
   }
 
  private:
   std::unique_ptr<apps::LivePage> page_;
+  std::uint64_t permit_ = 0;
 };
 
 }  // namespace im2fit::test

@@ -47,10 +47,10 @@ TEST(SessionRecord, EveryFieldComesBack) {
   EXPECT_EQ(read->truth.age_years, 41);
   EXPECT_EQ(read->truth.gender, "female");
   EXPECT_EQ(read->truth.clothing, "close");
-  EXPECT_EQ(read->truth.tape.at("waist_girth").second_mm, 809.5);
-  EXPECT_EQ(read->truth.tape.at("waist_girth").mean_mm(), 810.75);
-  EXPECT_EQ(read->truth.tape.at("thigh_girth").second_mm, std::nullopt);
-  EXPECT_EQ(read->truth.tape.at("thigh_girth").mean_mm(), 566);
+  EXPECT_EQ(read->truth.tape.at("waist_girth").second, 809.5);
+  EXPECT_EQ(read->truth.tape.at("waist_girth").mean(), 810.75);
+  EXPECT_EQ(read->truth.tape.at("thigh_girth").second, std::nullopt);
+  EXPECT_EQ(read->truth.tape.at("thigh_girth").mean(), 566);
   EXPECT_EQ(read->notes, written.notes);
   EXPECT_EQ(read->camera.height, 640);
   EXPECT_EQ(read->camera.cy, 319.5);
