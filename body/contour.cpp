@@ -8,8 +8,6 @@
 namespace im2fit::body {
 namespace {
 
-constexpr std::size_t kBlock = 16;  // triangles
-
 std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
   const auto low = static_cast<std::uint64_t>(a < b ? a : b);
   const auto high = static_cast<std::uint64_t>(a < b ? b : a);
@@ -73,25 +71,11 @@ float steps_after(const Place& from, const Place& to, std::size_t count) {
 
 }  // namespace
 
-void Contours::measure_heights(std::span<const Triangle> triangles, std::span<const Vec3f> vertices) {
-  heights_along(vertices, normal_, heights_);
-  blocks_.clear();
-  const auto height = [&](std::int32_t vertex) { return heights_[static_cast<std::size_t>(vertex)]; };
-  for (std::size_t begin = 0; begin < triangles.size(); begin += kBlock) {
-    Block block{height(triangles[begin][0]), height(triangles[begin][0])};
-    for (const Triangle& t : triangles.subspan(begin, std::min(kBlock, triangles.size() - begin)))
-      for (const std::int32_t vertex : t) {
-        block.low = std::min(block.low, height(vertex));
-        block.high = std::max(block.high, height(vertex));
-      }
-    blocks_.push_back(block);
-  }
-}
-
 void Contours::add_step(const Triangle& t, std::span<const Vec3f> vertices, float level) {
-  const std::array<float, 3> d = {heights_[static_cast<std::size_t>(t[0])] - level,
-                                  heights_[static_cast<std::size_t>(t[1])] - level,
-                                  heights_[static_cast<std::size_t>(t[2])] - level};
+  const auto above = [&](std::size_t i) {
+    return dot(vertices[static_cast<std::size_t>(t[i])], plane_.normal) - level;
+  };
+  const std::array<float, 3> d = {above(0), above(1), above(2)};
   if ((d[0] > 0) == (d[1] > 0) && (d[1] > 0) == (d[2] > 0)) return;
   // One edge goes down and one up; the neighbour passes them the other way round, and so lines follow one another.
   Step step{};
@@ -109,26 +93,26 @@ void Contours::add_step(const Triangle& t, std::span<const Vec3f> vertices, floa
   steps_.push_back(step);
 }
 
-void Contours::cut(std::span<const Triangle> triangles, std::span<const Vec3f> vertices, const SectionPlane& plane,
-                   bool same_vertices) {
+void Contours::cut(const TriangleBlocks& mesh, const SectionPlane& plane) {
   plane_ = plane;
-  const Vec3f n = plane.normal;
-  if (!same_vertices || triangles.data() != triangles_ || triangles.size() != triangle_count_ || n.x != normal_.x ||
-      n.y != normal_.y || n.z != normal_.z) {
-    triangles_ = triangles.data();
-    triangle_count_ = triangles.size();
-    normal_ = n;
-    measure_heights(triangles, vertices);
-  }
   const float level = dot(plane.origin, plane.normal);
   steps_.clear();
-  for (std::size_t block = 0; block < blocks_.size(); ++block) {
-    // Whether something lies above and something does not: as each triangle is asked.
-    if (!(blocks_[block].high - level > 0) || blocks_[block].low - level > 0) continue;
-    const std::size_t begin = block * kBlock;
-    for (const Triangle& t : triangles.subspan(begin, std::min(kBlock, triangles.size() - begin)))
-      add_step(t, vertices, level);
-  }
+  mesh.at_plane(plane, [&](std::size_t, std::span<const Triangle> triangles) {
+    for (const Triangle& t : triangles) add_step(t, mesh.vertices(), level);
+  });
+  join();
+}
+
+void Contours::cut(const TriangleSlab& slab, const SectionPlane& plane) {
+  plane_ = plane;
+  const float level = dot(plane.origin, plane.normal);
+  steps_.clear();
+  slab.at_level(level, [&](const Triangle& t) { add_step(t, slab.vertices(), level); });
+  join();
+}
+
+// Steps to lines.
+void Contours::join() {
   std::sort(steps_.begin(), steps_.end(), [](const Step& a, const Step& b) { return a.from_edge < b.from_edge; });
   // Where a mesh is open a line begins at a step that follows none.
   const std::size_t count = steps_.size();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "body/section.h"
+#include "body/triangle_blocks.h"
 
 namespace im2fit::body {
 
@@ -14,9 +15,9 @@ namespace im2fit::body {
 class Contours {
  public:
   // The lines in which the plane meets the mesh: each closed where the mesh is. Triangles consistently oriented.
-  // `same_vertices`: they have not moved since the last cut; planes with the same normal then cost a tenth.
-  void cut(std::span<const Triangle> triangles, std::span<const Vec3f> vertices, const SectionPlane& plane,
-           bool same_vertices = false);
+  void cut(const TriangleBlocks& mesh, const SectionPlane& plane);
+  // The same of what lies about the plane.
+  void cut(const TriangleSlab& slab, const SectionPlane& plane);
   std::size_t count() const { return first_.empty() ? 0 : first_.size() - 1; }
   std::span<const Vec3f> loop(std::size_t i) const;
   std::span<const Vec3f> points() const { return points_; }  // of all lines
@@ -32,20 +33,10 @@ class Contours {
     std::uint64_t from_edge, to_edge;
     Vec3f point;  // on to_edge
   };
-  // Consecutive triangles, neighbours mostly: where they begin and end along the normal.
-  struct Block {
-    float low, high;
-  };
-  void measure_heights(std::span<const Triangle> triangles, std::span<const Vec3f> vertices);
+  void join();
   void add_step(const Triangle& triangle, std::span<const Vec3f> vertices, float level);
 
   SectionPlane plane_{};
-  // Of the last cut.
-  const Triangle* triangles_ = nullptr;
-  std::size_t triangle_count_ = 0;
-  Vec3f normal_;
-  std::vector<float> heights_;
-  std::vector<Block> blocks_;
   std::vector<Step> steps_;
   std::vector<std::size_t> next_;
   std::vector<std::uint8_t> state_;

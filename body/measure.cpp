@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <iterator>
 
 #include "body/model_data.h"
 #include "body/section.h"
-#include "body/skeleton.h"
 
 namespace im2fit::body {
 namespace {
@@ -226,9 +226,34 @@ double neck_girth_mm(const BodyModel& model, std::span<const Vec3f> posed_vertic
   return perimeter_mm(Standing(model, posed_vertices, 0.5F, work).neck());
 }
 
+namespace {
+
+constexpr std::array<Measurement, 5> kGirthIds = {Measurement::neck_girth, Measurement::shoulder_girth,
+                                                  Measurement::chest_girth, Measurement::waist_girth,
+                                                  Measurement::hip_girth};
+using Sections = std::array<Section, kGirthIds.size()>;
+
+void take_sections(Standing& standing, Sections& out) {
+  const auto take = [&](std::size_t i, std::span<const Vec3f> hull) {
+    out[i].id = kGirthIds[i];
+    out[i].hull.assign(hull.begin(), hull.end());
+  };
+  take(0, standing.neck());
+  take(1, standing.girth(kShoulder));
+  take(2, standing.girth(kChest));
+  take(3, standing.girth(kWaist));
+  take(4, standing.girth(kHip));
+}
+
+}  // namespace
+
 struct Measurer::Work {
   std::vector<Vec3f> rest, posed;
   StandingWork standing;
+  MeasurementValues values{};
+  Skeleton rest_bones;
+  PosedSkeleton bones;
+  Sections sections;
 };
 
 Measurer::Measurer(const BodyModel& model) : model_(&model), work_(std::make_unique<Work>()) {
@@ -236,6 +261,7 @@ Measurer::Measurer(const BodyModel& model) : model_(&model), work_(std::make_uni
   work_->rest.resize(count);
   work_->posed.resize(count);
   work_->standing.reserve(model);
+  for (Section& section : work_->sections) section.hull.reserve(kSectionPointMax);
 }
 Measurer::Measurer(Measurer&&) noexcept = default;
 Measurer& Measurer::operator=(Measurer&&) noexcept = default;
@@ -252,29 +278,26 @@ MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3
 
 MeasurementValues Measurer::measure_rest_mesh(std::span<const Vec3f> rest_vertices, float gender) {
   const BodyModel& model = *model_;
-  MeasurementValues out{};
+  MeasurementValues& out = work_->values;
   const auto set = [&](Measurement m, double value) { out[measurement_index(m)] = static_cast<float>(value); };
   const double litres = volume_litres(model, rest_vertices);
   const double tall_mm = stature_mm(model, rest_vertices);
   set(Measurement::stature, tall_mm);
   set(Measurement::weight, litres * 1e-3 * density_kg_m3(tall_mm, litres));
 
-  const Skeleton rest = rest_skeleton(model, rest_vertices);
+  const Skeleton& rest = work_->rest_bones = rest_skeleton(model, rest_vertices);
   const Pose pose = relaxed_pose(rest, spread_deg(tall_mm, litres));
   const std::span<Vec3f> posed = work_->posed;
   skin(model, rest_vertices, rest, pose, posed);
   Standing standing(model, posed, gender, work_->standing);
-  set(Measurement::chest_girth, perimeter_mm(standing.girth(kChest)));
-  set(Measurement::waist_girth, perimeter_mm(standing.girth(kWaist)));
-  set(Measurement::hip_girth, perimeter_mm(standing.girth(kHip)));
-  set(Measurement::shoulder_girth, perimeter_mm(standing.girth(kShoulder)));
-  set(Measurement::neck_girth, perimeter_mm(standing.neck()));
+  take_sections(standing, work_->sections);
+  for (const Section& section : work_->sections) set(section.id, perimeter_mm(section.hull));
   set(Measurement::inside_leg, standing.landmark(Landmark::crotch).y - extent_y(body_of(model, posed)).low);
 
   const Vec3f left = standing.landmark(Landmark::left_acromion);
   const Vec3f right = standing.landmark(Landmark::right_acromion);
   set(Measurement::shoulder_breadth, norm(left - right));
-  const PosedSkeleton bones = pose_skeleton(rest, pose);
+  const PosedSkeleton& bones = work_->bones = pose_skeleton(rest, pose);
   const auto head = [&](Segment s) { return bones.head[at(s)]; };
   set(Measurement::sleeve_length,
       0.5F * (chain_length({left, head(Segment::left_lower_arm), head(Segment::left_hand)}) +
@@ -286,6 +309,22 @@ MeasurementValues Measurer::measure_rest_mesh(std::span<const Vec3f> rest_vertic
   return out;
 }
 
+const MeasurementValues& Measurer::values() const {
+  return work_->values;
+}
+const Skeleton& Measurer::rest_bones() const {
+  return work_->rest_bones;
+}
+std::span<const Vec3f> Measurer::posed() const {
+  return work_->posed;
+}
+const PosedSkeleton& Measurer::bones() const {
+  return work_->bones;
+}
+std::span<const Section> Measurer::sections() const {
+  return work_->sections;
+}
+
 MeasurementValues measure_person(const BodyModel& model, const Params& params) {
   return Measurer(model).measure(params);
 }
@@ -293,16 +332,9 @@ MeasurementValues measure_person(const BodyModel& model, const Params& params) {
 std::vector<Section> girth_sections(const BodyModel& model, std::span<const Vec3f> relaxed_vertices, float gender) {
   StandingWork work;
   Standing standing(model, relaxed_vertices, gender, work);
-  std::vector<Section> sections;
-  const auto add = [&](Measurement id, std::span<const Vec3f> hull) {
-    sections.push_back({id, {hull.begin(), hull.end()}});
-  };
-  add(Measurement::neck_girth, standing.neck());
-  add(Measurement::shoulder_girth, standing.girth(kShoulder));
-  add(Measurement::chest_girth, standing.girth(kChest));
-  add(Measurement::waist_girth, standing.girth(kWaist));
-  add(Measurement::hip_girth, standing.girth(kHip));
-  return sections;
+  Sections sections;
+  take_sections(standing, sections);
+  return {std::make_move_iterator(sections.begin()), std::make_move_iterator(sections.end())};
 }
 
 }  // namespace im2fit::body

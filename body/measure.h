@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "body/model.h"
+#include "body/skeleton.h"
 #include "core/measurement.h"
 
 namespace im2fit::body {
@@ -17,6 +18,12 @@ MeasurementValues measure_person(const BodyModel& model, const Params& params);
 // The same on an already morphed rest mesh.
 MeasurementValues measure_rest_mesh(const BodyModel& model, std::span<const Vec3f> rest_vertices, float gender);
 
+// A section behind a girth (mesh axes, mm): its hull, a polygon in order.
+struct Section {
+  Measurement id;
+  std::vector<Vec3f> hull;
+};
+
 // The same, many times: no allocation after construction. Not shareable between threads; the model must outlive it.
 class Measurer {
  public:
@@ -26,6 +33,13 @@ class Measurer {
   ~Measurer();
   MeasurementValues measure(const Params& params);
   MeasurementValues measure_rest_mesh(std::span<const Vec3f> rest_vertices, float gender);
+  // Of the mesh measured last: its values, its bones as they rest, all vertices and the bones in the relaxed pose,
+  // and the sections of the five girths.
+  const MeasurementValues& values() const;
+  const Skeleton& rest_bones() const;
+  std::span<const Vec3f> posed() const;
+  const PosedSkeleton& bones() const;
+  std::span<const Section> sections() const;
 
  private:
   struct Work;
@@ -49,11 +63,7 @@ double neck_girth_mm(const BodyModel& model, std::span<const Vec3f> posed_vertic
 // Arm abduction of the relaxed pose for this build: 10 (slim) to 22 degrees (obese).
 float relaxed_spread_deg(const BodyModel& model, std::span<const Vec3f> rest_vertices);
 
-// The level sections behind the girths (mesh axes, mm), for drawing: hull polygons in order.
-struct Section {
-  Measurement id;
-  std::vector<Vec3f> hull;
-};
+// Of a posed mesh, as Measurer::sections().
 std::vector<Section> girth_sections(const BodyModel& model, std::span<const Vec3f> relaxed_vertices, float gender);
 
 // Sets params.height and params.weight (at its end: adds the fatness set of docs/makehuman.md to params.modifiers) so

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "body/fatness.h"
-#include "body/measure.h"
 
 namespace im2fit::body {
 namespace {
@@ -113,6 +112,7 @@ class MeasurementFitter::Work {
     whitened_.fill(0);
     MeasurementFit fit;
     double best_cost = 0;
+    int best_step = 0;
     Rows off{}, off_before{};
     Columns before{};
     for (fit.steps = 0;; ++fit.steps) {
@@ -126,6 +126,7 @@ class MeasurementFitter::Work {
       if (const double cost = cost_of(off); fit.steps == 0 || cost < best_cost) {
         best_cost = cost;
         best_ = here_;
+        best_step = fit.steps;
         fit.values = values;
         fit.distance = static_cast<float>(length(whitened_));
       }
@@ -137,8 +138,11 @@ class MeasurementFitter::Work {
     const Rows last = off_of(fit.values);
     for (std::size_t r = 0; r < kRows; ++r) fit.residual[r] = static_cast<float>(last[r]);
     params = best_;
+    if (best_step != fit.steps) measurer_.measure(best_);
     return fit;
   }
+  const Measurer& measured() const { return measurer_; }
+  const BodyModel& model() const { return model_; }
 
  private:
   void set_law(float gender) {
@@ -338,6 +342,13 @@ MeasurementFitter::~MeasurementFitter() = default;
 
 MeasurementFit MeasurementFitter::run(Params& params, const MeasurementGoals& goals) {
   return work_->run(params, goals);
+}
+
+const Measurer& MeasurementFitter::measured() const {
+  return work_->measured();
+}
+const BodyModel& MeasurementFitter::model() const {
+  return work_->model();
 }
 
 }  // namespace im2fit::body

@@ -11,6 +11,7 @@
 #include <memory>
 #include <string_view>
 
+#include "body/measure.h"
 #include "body/model.h"
 #include "core/measurement.h"
 
@@ -48,6 +49,9 @@ class MeasurementFitter {
   // `params`: where the search begins, and what it finds: the best met, should nothing meet all goals. They stay
   // within the limits of bodies.
   MeasurementFit run(Params& params, const MeasurementGoals& goals);
+  // Holds the body that was found, measured.
+  const Measurer& measured() const;
+  const BodyModel& model() const;
 
  private:
   class Work;

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "body/contour.h"
-#include "body/measure.h"
 #include "body/model_data.h"
 #include "body/skeleton.h"
 
@@ -66,24 +65,21 @@ std::string_view name_of(TapeSearch search) {
 class TapeMeasurer::Work {
  public:
   explicit Work(const BodyModel& model) : model_(model), measurer_(model) {
-    const auto count = static_cast<std::size_t>(model.vertex_count());
-    rest_.resize(count);
-    posed_.resize(count);
     const auto triangles = model.body_triangles();
     for (std::size_t i = 0; i < triangles.size(); ++i)
       if (model.data().triangle_is_arm[i] == 0) armless_.push_back(triangles[i]);
   }
 
   void measure(const Tape& tape, const Params& params, std::span<float> out) {
-    model_.morph(params, rest_);
-    measure_rest(tape, params.gender, out);
+    measurer_.measure(params);
+    measure(tape, measurer_, out);
   }
   void measure_rest_mesh(const Tape& tape, std::span<const Vec3f> rest_vertices, float gender, std::span<float> out) {
-    std::copy(rest_vertices.begin(), rest_vertices.end(), rest_.begin());
-    measure_rest(tape, gender, out);
+    measurer_.measure_rest_mesh(rest_vertices, gender);
+    measure(tape, measurer_, out);
   }
-  void measure_rest(const Tape& tape, float gender, std::span<float> out) {
-    pose(gender);
+  void measure(const Tape& tape, const Measurer& measured, std::span<float> out) {
+    take(measured);
     place_points(tape);
     for (std::size_t i = 0; i < tape.definitions.size(); ++i) {
       const TapeDefinition& d = tape.definitions[i];
@@ -110,20 +106,17 @@ class TapeMeasurer::Work {
   std::span<const Vec3f> mesh() const { return posed_; }
 
  private:
-  void pose(float gender) {
-    values_ = measurer_.measure_rest_mesh(rest_, gender);
-    const Skeleton rest = rest_skeleton(model_, rest_);
-    const Pose pose = relaxed_pose(rest, relaxed_spread_deg(model_, rest_));
-    skin(model_, rest_, rest, pose, posed_);
-    cut_before_ = false;
-    bones_ = pose_skeleton(rest, pose);
-    sections_ = girth_sections(model_, posed_, gender);
+  void take(const Measurer& measured) {
+    values_ = measured.values();
+    posed_ = measured.posed();
+    bones_ = measured.bones();
+    sections_ = measured.sections();
+    all_blocks_.place(model_.body_triangles(), body());
+    armless_blocks_.place(armless_, body());
     floor_ = posed_[0].y;
     for (const Vec3f& v : body()) floor_ = v.y < floor_ ? v.y : floor_;
   }
-  std::span<const Vec3f> body() const {
-    return std::span(posed_).first(static_cast<std::size_t>(model_.body_vertex_count()));
-  }
+  std::span<const Vec3f> body() const { return posed_.first(static_cast<std::size_t>(model_.body_vertex_count())); }
 
   void place_points(const Tape& tape) {
     places_.assign(2 * tape.points.size(), {});
@@ -193,23 +186,21 @@ class TapeMeasurer::Work {
     const float u = u_of(p);
     float best = 0;
     bool known = false;
-    const auto& arm = model_.data().triangle_is_arm;
-    const auto triangles = model_.body_triangles();
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      if (arm[i] != 0) continue;
-      const Triangle& t = triangles[i];
-      const Vec3f a = posed_[static_cast<std::size_t>(t[0])], b = posed_[static_cast<std::size_t>(t[1])],
-                  c = posed_[static_cast<std::size_t>(t[2])];
-      const auto edge = [&](const Vec3f& from, const Vec3f& to) {
-        return (u_of(to) - u_of(from)) * (p.y - from.y) - (to.y - from.y) * (u - u_of(from));
-      };
-      const float ab = edge(a, b), bc = edge(b, c), ca = edge(c, a), area = ab + bc + ca;
-      if (!((ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0)) || area == 0) continue;
-      const float w = (bc * w_of(a) + ca * w_of(b) + ab * w_of(c)) / area;
-      if (known && !(sign * w > sign * best)) continue;
-      best = w;
-      known = true;
-    }
+    armless_blocks_.at_height(p.y, [&](std::size_t, std::span<const Triangle> triangles) {
+      for (const Triangle& t : triangles) {
+        const Vec3f a = posed_[static_cast<std::size_t>(t[0])], b = posed_[static_cast<std::size_t>(t[1])],
+                    c = posed_[static_cast<std::size_t>(t[2])];
+        const auto edge = [&](const Vec3f& from, const Vec3f& to) {
+          return (u_of(to) - u_of(from)) * (p.y - from.y) - (to.y - from.y) * (u - u_of(from));
+        };
+        const float ab = edge(a, b), bc = edge(b, c), ca = edge(c, a), area = ab + bc + ca;
+        if (!((ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0)) || area == 0) continue;
+        const float w = (bc * w_of(a) + ca * w_of(b) + ab * w_of(c)) / area;
+        if (known && !(sign * w > sign * best)) continue;
+        best = w;
+        known = true;
+      }
+    });
     return {sideways ? Vec3f{best, p.y, p.z} : Vec3f{p.x, p.y, best}, known};
   }
 
@@ -288,25 +279,26 @@ class TapeMeasurer::Work {
   }
 
   // At the chest arms may be one piece with the trunk: of the trunk the tape goes round all that is no arm.
-  void cut(std::span<const Triangle> triangles, const SectionPlane& plane) {
-    contours_.cut(triangles, body(), plane, cut_before_);
-    cut_before_ = true;
+  static bool round_trunk(const TapeDefinition& d) {
+    return d.side == TapeSide::middle && d.plane == TapePlane::level && d.kind != TapeKind::contour;
   }
 
-  float size_at(const TapeDefinition& d, std::span<const Vec3f> p, float share, TapeLines* lines) {
-    const SectionPlane plane = plane_of(d, p, share);
-    const bool trunk = d.side == TapeSide::middle && d.plane == TapePlane::level && d.kind != TapeKind::contour;
-    cut(trunk ? std::span<const Triangle>(armless_) : model_.body_triangles(), plane);
-    return size_of(d.kind, trunk ? contours_.points() : contours_.about(plane.origin), plane, lines);
+  // `mesh`: blocks or a slab of the triangles that count.
+  template <class Mesh>
+  float size_at(const TapeDefinition& d, const Mesh& mesh, const SectionPlane& plane, TapeLines* lines) {
+    contours_.cut(mesh, plane);
+    return size_of(d.kind, round_trunk(d) ? contours_.points() : contours_.about(plane.origin), plane, lines);
   }
 
   float section(const TapeDefinition& d, std::span<const Vec3f> p, TapeLines* lines) {
-    if (d.search == TapeSearch::none) return size_at(d, p, d.share, lines);
+    const TriangleBlocks& mesh = round_trunk(d) ? armless_blocks_ : all_blocks_;
+    if (d.search == TapeSearch::none) return size_at(d, mesh, plane_of(d, p, d.share), lines);
+    slab_.gather(mesh, plane_of(d, p, d.search_from), plane_of(d, p, d.search_to));
     const float step = (d.search_to - d.search_from) / kSearchSteps;
     float best_share = d.search_from, best = kNone;
     const auto look = [&](float share) {
       if (share < d.search_from || share > d.search_to) return;
-      const float size = size_at(d, p, share, nullptr);
+      const float size = size_at(d, slab_, plane_of(d, p, share), nullptr);
       const bool better = d.search == TapeSearch::largest ? size > best : size < best;
       if (!better && !std::isnan(best)) return;
       best = size;
@@ -316,7 +308,7 @@ class TapeMeasurer::Work {
     const float coarse = best_share;
     for (int i = 1 - kSearchFine; i < kSearchFine; ++i)
       if (i != 0) look(coarse + step * static_cast<float>(i) / kSearchFine);
-    return lines == nullptr ? best : size_at(d, p, best_share, lines);
+    return lines == nullptr ? best : size_at(d, slab_, plane_of(d, p, best_share), lines);
   }
 
   // Arcs.
@@ -330,7 +322,7 @@ class TapeMeasurer::Work {
     if (d.plane == TapePlane::facing) normal = cross(chord, {0, 0, 1});
     if (norm(normal) == 0) return kNone;
     const SectionPlane plane = plane_through(p[0], normal);
-    cut(model_.body_triangles(), plane);
+    contours_.cut(all_blocks_, plane);
     taut_path(contours_.through(p[0], p[2]), plane, p[0], p[1], p[2], path_);
     if (path_.size() < 2) return kNone;
     if (lines != nullptr) lines->push_back(path_);
@@ -379,14 +371,15 @@ class TapeMeasurer::Work {
   const BodyModel& model_;
   Measurer measurer_;
   std::vector<Triangle> armless_;
-  std::vector<Vec3f> rest_, posed_;
+  std::span<const Vec3f> posed_;
   MeasurementValues values_{};
   PosedSkeleton bones_;
-  std::vector<Section> sections_;
+  std::span<const Section> sections_;
   float floor_ = 0;
   std::vector<Value> places_;  // left and right of each point
+  TriangleBlocks all_blocks_, armless_blocks_;
+  TriangleSlab slab_;
   Contours contours_;
-  bool cut_before_ = false;  // this body
   HullWork hulls_;
   std::vector<Vec3f> hull_, path_;
 };
@@ -402,6 +395,9 @@ void TapeMeasurer::measure(const Tape& tape, const Params& params, std::span<flo
 void TapeMeasurer::measure_rest_mesh(const Tape& tape, std::span<const Vec3f> rest_vertices, float gender,
                                      std::span<float> out) {
   work_->measure_rest_mesh(tape, rest_vertices, gender, out);
+}
+void TapeMeasurer::measure(const Tape& tape, const Measurer& body, std::span<float> out) {
+  work_->measure(tape, body, out);
 }
 TapeLines TapeMeasurer::lines(const Tape& tape, int definition) {
   return work_->lines(tape, definition);

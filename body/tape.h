@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "body/measure.h"
 #include "body/model.h"
 #include "core/measurement.h"
 
@@ -125,6 +126,9 @@ class TapeMeasurer {
   void measure(const Tape& tape, const Params& params, std::span<float> out);
   // The same of a rest mesh that parameters alone do not make. `rest_vertices`: all of the model's.
   void measure_rest_mesh(const Tape& tape, std::span<const Vec3f> rest_vertices, float gender, std::span<float> out);
+  // The same of a body that was measured already, which `body` holds and keeps holding while lines() and mesh() are
+  // asked.
+  void measure(const Tape& tape, const Measurer& body, std::span<float> out);
   // Of the body measured last.
   TapeLines lines(const Tape& tape, int definition);
   std::span<const Vec3f> mesh() const;  // posed, all vertices of the model

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "body/person_axes.h"
 #include "body/population.h"
@@ -23,7 +22,7 @@ body::MeasurementGoals goals_of(const index::Answer& answer) {
   return goals;
 }
 
-Result<AnsweredBody> body_of_goals(const body::BodyModel& model, const body::Params& start,
+Result<AnsweredBody> body_of_goals(body::MeasurementFitter& fitter, const body::Params& start,
                                    const body::MeasurementGoals& goals, const JointSet& measured_joints,
                                    const FloorPlane& floor) {
   for (std::size_t i = 0; i < kJointCount; ++i) {
@@ -38,21 +37,19 @@ Result<AnsweredBody> body_of_goals(const body::BodyModel& model, const body::Par
 
   AnsweredBody answered;
   answered.params = start;
-  answered.fit = body::MeasurementFitter(model).run(answered.params, goals);
-  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(answered.params, rest);
-  answered.pose = body::pose_from_joints(body::rest_skeleton(model, rest), to_mesh_axes(measured_joints, floor));
+  answered.fit = fitter.run(answered.params, goals);
+  answered.pose = body::pose_from_joints(fitter.measured().rest_bones(), to_mesh_axes(measured_joints, floor));
   return answered;
 }
 
-Result<AnsweredBody> body_of_answer(const body::BodyModel& model, const index::Index& index,
+Result<AnsweredBody> body_of_answer(body::MeasurementFitter& fitter, const index::Index& index,
                                     const index::Answer& answer, const JointSet& measured_joints,
                                     const FloorPlane& floor) {
   const auto person = index.person_of(answer.nearest);
   if (!person) return person.error();
-  const auto params = body::params_of_person(model, person->version, person->seed, person->number);
+  const auto params = body::params_of_person(fitter.model(), person->version, person->seed, person->number);
   if (!params) return params.error();
-  return body_of_goals(model, *params, goals_of(answer), measured_joints, floor);
+  return body_of_goals(fitter, *params, goals_of(answer), measured_joints, floor);
 }
 
 }  // namespace im2fit

@@ -24,14 +24,15 @@ struct AnsweredBody {
 // What is asked of the mesh: the answered values, each as well known as its interval says.
 body::MeasurementGoals goals_of(const index::Answer& answer);
 
-// `model`: of the body file the index was built with; another one draws other people unnoticed. Errors: the index was
-// built of another version of the population; as body_of_goals. Allocates; a few hundredths of a second.
-Result<AnsweredBody> body_of_answer(const body::BodyModel& model, const index::Index& index,
+// `fitter`: of the body file the index was built with; another one draws other people unnoticed. It then holds the
+// body, measured. Errors: the index was built of another version of the population; as body_of_goals. Allocates; a
+// few hundredths of a second.
+Result<AnsweredBody> body_of_answer(body::MeasurementFitter& fitter, const index::Index& index,
                                     const index::Answer& answer, const JointSet& measured_joints,
                                     const FloorPlane& floor);
 
 // The same from a body to begin with. Errors: joints or goals that are not finite, goals that are not positive.
-Result<AnsweredBody> body_of_goals(const body::BodyModel& model, const body::Params& start,
+Result<AnsweredBody> body_of_goals(body::MeasurementFitter& fitter, const body::Params& start,
                                    const body::MeasurementGoals& goals, const JointSet& measured_joints,
                                    const FloorPlane& floor);
 

@@ -4,7 +4,9 @@
 //   push() --input--> SENSE --sensed--> FIT --free--> push()
 //
 // The joints of the session's person change nothing of what SENSE looks for: FIT finds them, so that neither thread
-// has much more than a half of the work. Of anybody else SENSE finds them, once FIT is done with those it was left.
+// has much more than a half of the work. So it does of a person who has not stood right yet: whether this one now
+// does is known to SENSE a frame later, after it has looked at the next. Of whoever may be furniture SENSE finds
+// them, once FIT is done with those it was left.
 //
 // A slot index is in exactly one ring or hand. `processed_` tells the producer when all it pushed came through; while
 // no frame is in the pipeline both stages sleep, and the producer may touch what is theirs (finish, reset).
@@ -243,6 +245,7 @@ class PipelineEngine final : public Engine {
   void reset() override {
     drain();
     stages_->reset_sense();
+    to_hold_.reset();
     reset_clock();
     fit_.reset();
     begin_again();
@@ -250,6 +253,7 @@ class PipelineEngine final : public Engine {
 
   void next_person() override {
     drain();
+    hold_waiting();
     if (settings_.one_after_another && fit_.leaving()) {
       if (settings_.live) reset_clock();  // what passed while the answer was read is no frame gap
       finished_ = false;
@@ -270,6 +274,7 @@ class PipelineEngine final : public Engine {
 
   void select_user(int user) override {
     drain();
+    hold_waiting();
     if (people().requested() == user) return;
     people().select(user);
     fit_.begin_next();
@@ -364,13 +369,14 @@ class PipelineEngine final : public Engine {
 
   void sense(FrameSlot& slot) {
     slot.sensed = settings_.one_after_another || !over_.load(std::memory_order_relaxed);
-    slot.passed = slot.repeated = slot.unfinished = false;
+    slot.passed = slot.repeated = slot.unfinished = slot.asks_ready = false;
     if (!slot.sensed) return;
     float seconds = clock_.step(slot.info.host_ns);
     slot.after_frame_gap = seconds > kFrameGapSecondsMax;
     if (slot.after_frame_gap) {
       if (!wait_for_finished()) return;
       stages_->reset_sense();
+      to_hold_.reset();
       if (rest_) rest_->gate.wake();
       since_processed_s_ = 0;
       seconds = kFramePeriodS;
@@ -385,25 +391,45 @@ class PipelineEngine final : public Engine {
     slot.periods = periods_.step(since_processed_s_);
     since_processed_s_ = 0;
     slot.repeated = step == RestStep::repeat;
-    if (slot.repeated)
+    if (slot.repeated) {
       rest_->repeat(slot);
-    else if (!look(slot, seconds))
+      if (!hold_waiting()) return;
+    } else if (!look(slot, seconds)) {
       return;
+    }
     if (rest_ && !slot.repeated) rest_->keep(slot);
     const Person& person = slot.detection.person;
-    people().hold(person.found ? person.id : 0, slot.detection.guidance == 0, slot.periods);
+    const int shown = person.found ? person.id : 0;
+    if (slot.asks_ready)
+      to_hold_ = {shown, slot.periods};
+    else
+      people().hold(shown, stands_right_, slot.periods);
   }
 
   // The frames passed looked like the one sensed last: what moves has moved for one frame. False: the engine ends.
   bool look(FrameSlot& slot, float seconds) {
     slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, seconds);
+    if (!hold_waiting()) return false;
     slot.unfinished = stages_->may_finish_later(slot.detection);
     if (slot.unfinished) {
+      slot.asks_ready = slot.detection.person.found && people().selected() == 0;
       ++left_unfinished_;
       return true;
     }
     if (!wait_for_finished()) return false;
     stages_->finish(slot.depth, intrinsics_, slot.mask, slot.detection);
+    stands_right_ = slot.detection.guidance == 0;
+    return true;
+  }
+
+  // SENSE, or the producer while no frame is in the pipeline: tells who is who of the frame that FIT had to finish
+  // first, if there is one. After the look at the next frame, on one thread and on two. False: the engine ends.
+  bool hold_waiting() {
+    if (!to_hold_) return true;
+    if (!wait_for_finished()) return false;
+    stands_right_ = ready_;
+    people().hold(to_hold_->shown, stands_right_, to_hold_->periods);
+    to_hold_.reset();
     return true;
   }
 
@@ -426,6 +452,7 @@ class PipelineEngine final : public Engine {
   void finish(FrameSlot& slot) {
     if (slot.unfinished) {
       stages_->finish_later(slot.depth, intrinsics_, slot.mask, slot.detection);
+      if (slot.asks_ready) ready_ = slot.detection.guidance == 0;
       finished_by_fit_.fetch_add(1);
       // Either SENSE sees the count or it said that it waits before this looks.
       if (sense_waits_.load()) sense_event_.signal();
@@ -502,8 +529,14 @@ class PipelineEngine final : public Engine {
   float since_processed_s_ = 0;  // since the frame before that was not only counted
   std::optional<Rest> rest_;
   std::uint64_t left_unfinished_ = 0;
+  struct ToHold {
+    int shown = 0, periods = 0;
+  };
+  std::optional<ToHold> to_hold_;  // once FIT has finished that frame
+  bool stands_right_ = false;      // who was looked at last; of the session's person it does not matter
   // FIT's, or the producer's while no frame is in the pipeline.
   FitStage fit_;
+  bool ready_ = false;       // whether who was asked about stands right; SENSE reads it once finished_by_fit_ says so
   Detection last_finished_;  // with rest: of the frame sensed last
   Snapshot<EngineResult> snapshot_;
 

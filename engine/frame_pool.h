@@ -35,6 +35,7 @@ struct FrameSlot {
   bool passed = false;      // between two looks at a scene that stands still: counted only
   bool repeated = false;    // one of these looks: FIT knows what was sensed last
   bool unfinished = false;  // FIT finishes the detection
+  bool asks_ready = false;  // and SENSE will ask whether the person stands right
   // Whether the session waited for who was measured to leave, after FIT was done with the frame that had this slot
   // before. Slots come round in order, so unless frames are dropped that is the frame pool_frames before, on one
   // thread and on two.

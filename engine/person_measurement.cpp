@@ -16,15 +16,15 @@ Result<PersonMeasurement> measurement_of(const Engine& engine, const Measurement
     person.size = size_probabilities(*parts.sizes, answer.measurements[measurement_index(Measurement::chest_girth)],
                                      answer.female);
   if (parts.body_model == nullptr || parts.index == nullptr) return person;
-  auto body =
-      body_of_answer(*parts.body_model, *parts.index, answer, person.result.measured_joints, person.result.floor);
+  body::MeasurementFitter fitter(*parts.body_model);
+  auto body = body_of_answer(fitter, *parts.index, answer, person.result.measured_joints, person.result.floor);
   if (!body) return body.error();
   person.body = std::move(*body);
   person.modifier_names = parts.body_model->modifier_names();
   if (parts.tape == nullptr) return person;
   person.tape = parts.tape;
   person.tape_values.resize(parts.tape->definitions.size());
-  body::TapeMeasurer(*parts.body_model).measure(*parts.tape, person.body->params, person.tape_values);
+  body::TapeMeasurer(*parts.body_model).measure(*parts.tape, fitter.measured(), person.tape_values);
   person.tape_intervals = tape_intervals(*parts.tape, person.tape_values, answer);
   return person;
 }

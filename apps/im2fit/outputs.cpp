@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 
 #include "apps/im2fit/session.h"
 #include "body/export/export.h"
@@ -27,15 +28,13 @@ std::vector<SectionLine> section_lines(const SessionOutcome& outcome) {
   std::vector<SectionLine> lines;
   if (!outcome.person.body) return lines;
   const body::BodyModel& model = *outcome.data.body_model;
-  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
-  std::vector<Vec3f> relaxed(rest.size());
-  model.morph(outcome.person.body->params, rest);
-  const body::Skeleton skeleton = body::rest_skeleton(model, rest);
-  body::skin(model, rest, skeleton, body::relaxed_pose(skeleton, body::relaxed_spread_deg(model, rest)), relaxed);
+  body::Measurer measurer(model);
+  measurer.measure(outcome.person.body->params);
+  const std::span<const Vec3f> relaxed = measurer.posed();
   float lowest = relaxed[0].y;
   for (int i = 0; i < model.body_vertex_count(); ++i)
     lowest = std::min(lowest, relaxed[static_cast<std::size_t>(i)].y);
-  for (const body::Section& section : body::girth_sections(model, relaxed, outcome.person.body->params.gender)) {
+  for (const body::Section& section : measurer.sections()) {
     if (section.hull.empty() || section.id == Measurement::shoulder_girth) continue;
     SectionLine line;
     const std::size_t id = measurement_index(section.id);
@@ -100,22 +99,25 @@ Status dress(SessionOutcome& outcome) {
 }
 
 // The answer first: a few kilobytes, which fit where the body's megabytes do not, and nothing of the clothes loses
-// it.
+// it. The overlay is drawn while the body is dressed: on another thread where there is one to have.
 Status write_outputs(SessionOutcome& outcome, const std::string& directory) {
   if (const auto written = write_file_atomically(directory + "/result.json",
                                                  result_json(outcome.person, outcome.timing), Readable::by_owner);
       !written)
     return written.error();
+  std::future<Status> overlay;
   if (outcome.shown->depth().pixels != nullptr)
-    if (const auto drawn = write_overlay(outcome, directory + "/overlay.png"); !drawn) return drawn.error();
-  if (const auto dressed = dress(outcome); !dressed || !outcome.dressed) return dressed;
-  const DressedAvatar& dressed = *outcome.dressed;
-  if (const auto written = body::write_bvh(dressed.avatar, directory + "/avatar.bvh"); !written)
+    overlay = std::async([&outcome, path = directory + "/overlay.png"] { return write_overlay(outcome, path); });
+  const auto dressed = dress(outcome);
+  if (overlay.valid())
+    if (const auto drawn = overlay.get(); !drawn) return drawn;
+  if (!dressed || !outcome.dressed) return dressed;
+  const DressedAvatar& avatar = *outcome.dressed;
+  if (const auto written = body::write_bvh(avatar.avatar, directory + "/avatar.bvh"); !written)
     return written.error();
-  if (const auto written = write_file_atomically(directory + "/avatar.glb", dressed.glb, Readable::by_owner);
-      !written)
+  if (const auto written = write_file_atomically(directory + "/avatar.glb", avatar.glb, Readable::by_owner); !written)
     return written.error();
-  if (const auto written = body::write_obj(dressed.avatar, directory + "/avatar.obj"); !written)
+  if (const auto written = body::write_obj(avatar.avatar, directory + "/avatar.obj"); !written)
     return written.error();
   return Ok{};
 }

@@ -150,9 +150,15 @@ Result<ShapeSpace> read_shape_space(const ContainerReader& reader, const std::st
   for (std::size_t p = 0; p <= space.shape_count; ++p) {
     const Plane plane(p, space.shape_count);
     auto& points = points_of(space, plane);
-    for (std::size_t i = 0; i < point_values; ++i)
-      points[plane(i)] = static_cast<float>(sections->points[p * point_values + i]) *
-                         scale_of(sections->scales[p], i % kPointValues);
+    std::array<float, kPointValues> scales;
+    for (std::size_t v = 0; v < kPointValues; ++v) scales[v] = scale_of(sections->scales[p], v);
+    const std::int16_t* step = sections->points.data() + p * point_values;
+    float* out = points.data() + plane.first;
+    for (std::size_t point = 0; point < space.point_count; ++point)
+      for (const float scale : scales) {
+        *out = static_cast<float>(*step++) * scale;
+        out += plane.stride;
+      }
     auto& bones = bones_of(space, plane);
     for (std::size_t i = 0; i < kBoneValues; ++i) bones[plane(i)] = sections->bones[p * kBoneValues + i];
   }

@@ -44,15 +44,15 @@ std::uint8_t mixed(std::uint8_t below, std::uint8_t above, float alpha) {
   return static_cast<std::uint8_t>(std::lround(value));
 }
 
-// Distance of (x, y) from the segment.
-float distance(float x, float y, float x0, float y0, float x1, float y1) {
+// Squared distance of (x, y) from the segment.
+float squared_distance(float x, float y, float x0, float y0, float x1, float y1) {
   const float dx = x1 - x0;
   const float dy = y1 - y0;
   const float length2 = dx * dx + dy * dy;
   const float along = length2 > 0 ? std::clamp(((x - x0) * dx + (y - y0) * dy) / length2, 0.0F, 1.0F) : 0.0F;
   const float ex = x - x0 - along * dx;
   const float ey = y - y0 - along * dy;
-  return std::sqrt(ex * ex + ey * ey);
+  return ex * ex + ey * ey;
 }
 
 }  // namespace
@@ -82,10 +82,12 @@ void Canvas::line(float x0, float y0, float x1, float y1, float thickness, Rgb c
   const int right = static_cast<int>(std::min(static_cast<float>(width_ - 1), std::max(x0, x1) + half + 1));
   const int top = std::max(0, static_cast<int>(std::max(-1.0F, std::min(y0, y1) - half - 1)));
   const int bottom = static_cast<int>(std::min(static_cast<float>(height_ - 1), std::max(y0, y1) + half + 1));
+  const float reach = half + 0.5F;
   for (int y = top; y <= bottom; ++y)
     for (int x = left; x <= right; ++x) {
-      const float d = distance(static_cast<float>(x), static_cast<float>(y), x0, y0, x1, y1);
-      set(x, y, colour, alpha * std::clamp(half + 0.5F - d, 0.0F, 1.0F));
+      const float squared = squared_distance(static_cast<float>(x), static_cast<float>(y), x0, y0, x1, y1);
+      if (squared > reach * reach) continue;  // most of the box about a slanted line
+      set(x, y, colour, alpha * std::clamp(reach - std::sqrt(squared), 0.0F, 1.0F));
     }
 }
 

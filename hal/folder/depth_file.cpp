@@ -10,8 +10,6 @@
 #include <optional>
 #include <utility>
 
-#include "hal/folder/plain_png.h"
-
 namespace im2fit::hal {
 namespace {
 
@@ -224,7 +222,7 @@ Status DepthDecoder::decode(std::span<const std::byte> bytes, const std::string&
                                          "x" + std::to_string(out.height) + " like the others; remove or rescale it"};
   if (header->format == DepthFormat::png) {
     PngInput input{bytes};
-    if (!decode_plain_png(bytes, rows_, out) && !read_png_rows(input, out))
+    if (!plain_.decode(bytes, out) && !read_png_rows(input, out))
       return damaged(what, input.message[0] != '\0' ? input.message : "no memory");
   } else {
     const auto pgm = parse_pgm_header(bytes, what);

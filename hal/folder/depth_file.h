@@ -10,6 +10,7 @@
 
 #include "core/camera.h"
 #include "core/status.h"
+#include "hal/folder/plain_png.h"
 
 namespace im2fit::hal {
 
@@ -33,7 +34,7 @@ class DepthDecoder {
   Status decode(std::span<const std::byte> bytes, const std::string& what, DepthImage out);
 
  private:
-  std::vector<std::uint8_t> rows_;
+  PlainPngDecoder plain_;
 };
 Result<std::vector<std::byte>> encode_depth(DepthView image, DepthFormat format);
 

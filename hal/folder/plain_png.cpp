@@ -3,7 +3,7 @@
 // The zlib stream's Adler-32 is not worked out: the CRCs protect the same bytes.
 #include "hal/folder/plain_png.h"
 
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -34,40 +34,11 @@ bool take_chunk(std::span<const std::byte>& rest, Chunk& chunk) {
   const std::size_t size = big_endian32(rest.data());
   if (size > rest.size() - kFrame) return false;
   chunk = {rest.data() + 4, rest.subspan(8, size)};
-  const auto* checked = reinterpret_cast<const Bytef*>(chunk.type);
-  if (chunk.critical() && crc32(0, checked, static_cast<uInt>(size + 4)) != big_endian32(rest.data() + 8 + size))
+  if (chunk.critical() && libdeflate_crc32(0, chunk.type, size + 4) != big_endian32(rest.data() + 8 + size))
     return false;
   rest = rest.subspan(kFrame + size);
   return true;
 }
-
-// The deflate stream of consecutive IDAT chunks.
-class Inflater {
- public:
-  explicit Inflater(std::span<std::uint8_t> out) {
-    stream_.next_out = out.data();
-    stream_.avail_out = static_cast<uInt>(out.size());
-    sound_ = inflateInit(&stream_) == Z_OK && inflateValidate(&stream_, 0) == Z_OK;
-  }
-  Inflater(const Inflater&) = delete;
-  Inflater& operator=(const Inflater&) = delete;
-  ~Inflater() { inflateEnd(&stream_); }
-  bool add(std::span<const std::byte> data) {
-    stream_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(data.data()));
-    stream_.avail_in = static_cast<uInt>(data.size());
-    if (!sound_ || ended_) return data.empty() && sound_;
-    const int code = inflate(&stream_, Z_NO_FLUSH);
-    ended_ = code == Z_STREAM_END;
-    // Z_BUF_ERROR: an empty chunk.
-    return (ended_ || code == Z_OK || (code == Z_BUF_ERROR && data.empty())) && stream_.avail_in == 0;
-  }
-  bool complete() const { return ended_ && stream_.avail_out == 0; }
-
- private:
-  z_stream stream_{};
-  bool sound_ = false;
-  bool ended_ = false;
-};
 
 std::uint8_t paeth(int left, int above, int corner) {
   const int estimate = left + above - corner;
@@ -113,19 +84,46 @@ bool is_plain(const Chunk& header, DepthView image) {
          std::memcmp(header.data.data() + 8, kPlain, sizeof kPlain) == 0;
 }
 
+}  // namespace
+
+void PlainPngDecoder::Free::operator()(libdeflate_decompressor* decompressor) const {
+  libdeflate_free_decompressor(decompressor);
+}
+
+// A whole zlib stream (RFC 1950) without a dictionary, which makes `rows` and nothing more.
+bool PlainPngDecoder::inflate(std::span<const std::byte> stream, std::span<std::uint8_t> rows) {
+  constexpr std::size_t kHeader = 2, kChecksum = 4;
+  if (stream.size() < kHeader + kChecksum) return false;
+  const auto method = std::to_integer<unsigned>(stream[0]), flags = std::to_integer<unsigned>(stream[1]);
+  if ((method & 0x0FU) != 8 || method >> 4U > 7 || (method << 8U | flags) % 31 != 0 || (flags & 0x20U) != 0)
+    return false;
+  const std::size_t size = stream.size() - kHeader - kChecksum;
+  std::size_t used = 0;
+  return libdeflate_deflate_decompress_ex(decompressor_.get(), stream.data() + kHeader, size, rows.data(),
+                                          rows.size(), &used, nullptr) == LIBDEFLATE_SUCCESS &&
+         used == size;
+}
+
 // The pixels' filtered rows: IHDR, chunks without meaning, IDATs one after the other, such chunks, IEND.
-bool inflate_rows(std::span<const std::byte> bytes, DepthView image, std::span<std::uint8_t> rows) {
+bool PlainPngDecoder::inflate_rows(std::span<const std::byte> bytes, DepthView image, std::span<std::uint8_t> rows) {
   constexpr std::size_t kSignature = 8;
   if (bytes.size() < kSignature) return false;
   std::span<const std::byte> rest = bytes.subspan(kSignature);
   Chunk chunk;
   if (!take_chunk(rest, chunk) || !is_plain(chunk, image)) return false;
-  Inflater inflater(rows);
+  std::span<const std::byte> stream;
   enum class Part { before, pixels, after } part = Part::before;
   while (take_chunk(rest, chunk)) {
-    if (chunk.is("IEND")) return inflater.complete();
+    if (chunk.is("IEND")) return inflate(stream, rows);
     if (chunk.is("IDAT")) {
-      if (part == Part::after || !inflater.add(chunk.data)) return false;
+      if (part == Part::after) return false;
+      if (part == Part::before) {
+        stream = chunk.data;
+      } else {
+        if (stream.data() != stream_.data()) stream_.assign(stream.begin(), stream.end());
+        stream_.insert(stream_.end(), chunk.data.begin(), chunk.data.end());
+        stream = stream_;
+      }
       part = Part::pixels;
     } else if (chunk.critical() || chunk.is("tRNS")) {
       return false;
@@ -136,17 +134,17 @@ bool inflate_rows(std::span<const std::byte> bytes, DepthView image, std::span<s
   return false;
 }
 
-}  // namespace
-
-bool decode_plain_png(std::span<const std::byte> bytes, std::vector<std::uint8_t>& rows, DepthImage out) {
+bool PlainPngDecoder::decode(std::span<const std::byte> bytes, DepthImage out) {
+  if (decompressor_ == nullptr) decompressor_.reset(libdeflate_alloc_decompressor());
+  if (decompressor_ == nullptr) return false;
   const std::size_t row_bytes = kPixelBytes * static_cast<std::size_t>(out.width);
   const std::size_t filtered = 1 + row_bytes;  // the filter's number first
   // A row of zeros before the first. The others are written whole, or the picture is refused.
-  rows.resize(row_bytes + filtered * static_cast<std::size_t>(out.height));
-  std::fill_n(rows.begin(), row_bytes, std::uint8_t{0});
-  if (!inflate_rows(bytes, out, std::span(rows).subspan(row_bytes))) return false;
-  const std::uint8_t* above = rows.data();
-  std::uint8_t* row = rows.data() + row_bytes;
+  rows_.resize(row_bytes + filtered * static_cast<std::size_t>(out.height));
+  std::fill_n(rows_.begin(), row_bytes, std::uint8_t{0});
+  if (!inflate_rows(bytes, out, std::span(rows_).subspan(row_bytes))) return false;
+  const std::uint8_t* above = rows_.data();
+  std::uint8_t* row = rows_.data() + row_bytes;
   for (int v = 0; v < out.height; ++v, row += filtered) {
     if (!unfilter(row[0], row + 1, above, row_bytes)) return false;
     above = row + 1;

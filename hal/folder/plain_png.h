@@ -1,19 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
-// 16-bit grey PNGs as cameras' programs write them, decoded at once instead of row by row: half of libpng's work.
+// 16-bit grey PNGs as cameras' programs write them, decoded at once instead of row by row: two fifths of libpng's work.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/camera.h"
 
+struct libdeflate_decompressor;
+
 namespace im2fit::hal {
 
-// False, and `out` undefined, for whatever is not a whole, undamaged, not interlaced 16-bit grey PNG of the size of
-// `out`: libpng then decides, and says what is wrong. Pixels in the file's byte order (most significant byte first).
-// `rows`: memory for the work, kept from picture to picture.
-bool decode_plain_png(std::span<const std::byte> bytes, std::vector<std::uint8_t>& rows, DepthImage out);
+// Of many pictures, with memory for the work kept from one to the next. Not shareable between threads.
+class PlainPngDecoder {
+ public:
+  // False, and `out` undefined, for whatever is not a whole, undamaged, not interlaced 16-bit grey PNG of the size of
+  // `out`: libpng then decides, and says what is wrong. Pixels in the file's byte order (most significant byte
+  // first).
+  bool decode(std::span<const std::byte> bytes, DepthImage out);
+
+ private:
+  struct Free {
+    void operator()(libdeflate_decompressor* decompressor) const;
+  };
+  bool inflate_rows(std::span<const std::byte> bytes, DepthView image, std::span<std::uint8_t> rows);
+  bool inflate(std::span<const std::byte> stream, std::span<std::uint8_t> rows);
+
+  std::unique_ptr<libdeflate_decompressor, Free> decompressor_;  // made for the first picture
+  std::vector<std::byte> stream_;                                // of a picture in several pieces
+  std::vector<std::uint8_t> rows_;
+};
 
 }  // namespace im2fit::hal

@@ -41,7 +41,8 @@ Result<std::optional<IcpCase>> icp_case(const SessionModels& models, const HeldO
   if (!engine) return engine.error();
   const EngineResult result = (*engine)->result();
   if (!result.measured) return std::optional<IcpCase>{};
-  const auto body = body_of_answer(models.body, models.index, result.answer, result.measured_joints, result.floor);
+  body::MeasurementFitter fitter(models.body);
+  const auto body = body_of_answer(fitter, models.index, result.answer, result.measured_joints, result.floor);
   if (!body) return body.error();
   std::vector<Vec3f> rest(static_cast<std::size_t>(models.body.vertex_count()));
   models.body.morph(body->params, rest);

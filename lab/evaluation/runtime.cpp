@@ -87,7 +87,8 @@ Status time_bodies(const SessionModels& models, const index::Index& index, const
     std::array<double, 2> spent_ms{};
     for (const bool garment : {false, true}) {
       Stopwatch watch;
-      const auto body = body_of_answer(models.body, index, *answer, asker.joints, FloorPlane{});
+      body::MeasurementFitter fitter(models.body);
+      const auto body = body_of_answer(fitter, index, *answer, asker.joints, FloorPlane{});
       if (!body) return body.error();
       body::Avatar avatar{&models.body, body->params, body->pose, nullptr, {}};
       std::unique_ptr<body::Outfit> outfit;

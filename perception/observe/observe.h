@@ -52,8 +52,9 @@ class Sensor {
 
   // The same in two parts, the second of which may run on another thread, frame by frame in their order: look() finds
   // who is there and the mask, finish() that person's joints and pose. finish() must be done before the next look(),
-  // unless may_finish_later(): where no person is found, or the session's person is, the joints do not change what
-  // look() finds in later frames.
+  // unless may_finish_later(): where no person is found, or one who needs no judgement by joints
+  // (PersonTracker::accepted), the joints do not change what look() finds in later frames. Whether that person stands
+  // right is for people().hold(), when it is known.
   Detection look(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
   bool may_finish_later(const Detection& looked) const;
   void finish(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, Detection& detection);

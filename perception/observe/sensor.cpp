@@ -64,7 +64,7 @@ Detection Sensor::look(DepthView depth, const Intrinsics& intrinsics, MaskImage 
 
 // A filled picture is the hole filler's own.
 bool Sensor::may_finish_later(const Detection& looked) const {
-  return !holes_.filled() && (!looked.person.found || people_.selected() == looked.person.id);
+  return !holes_.filled() && (!looked.person.found || people_.accepted(looked.person.id));
 }
 
 void Sensor::find_joints(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Person& standing,

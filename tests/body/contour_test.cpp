@@ -15,6 +15,11 @@ namespace {
 struct Mesh {
   std::vector<Vec3f> vertices;
   std::vector<Triangle> triangles;
+  TriangleBlocks blocks() const {
+    TriangleBlocks all;
+    all.place(triangles, vertices);
+    return all;
+  }
 };
 
 // A closed surface of revolution about an upright axis at (x, 0, z), from the outline's radii, outward.
@@ -45,40 +50,70 @@ TEST(Contours, ACylindersGirth) {
   Mesh m;
   add_turned(m, 0, 0, {{100, -500}, {100, 500}}, 720);
   Contours contours;
-  contours.cut(m.triangles, m.vertices, level_plane(37));
+  contours.cut(m.blocks(), level_plane(37));
   ASSERT_EQ(contours.count(), 1U);
   EXPECT_NEAR(perimeter_mm(contours.loop(0)), 2 * std::numbers::pi * 100, 0.02);
   // Across at 45 degrees: an ellipse of 100 and 100 sqrt 2.
   const SectionPlane slanted = plane_through({0, 0, 0}, {0, 1, 1});
-  contours.cut(m.triangles, m.vertices, slanted);
+  contours.cut(m.blocks(), slanted);
   ASSERT_EQ(contours.count(), 1U);
   EXPECT_NEAR(perimeter_mm(contours.loop(0)), 764.04, 0.05);
-  contours.cut(m.triangles, m.vertices, level_plane(600));
+  contours.cut(m.blocks(), level_plane(600));
   EXPECT_EQ(contours.count(), 0U);
   EXPECT_TRUE(contours.about({}).empty());
 }
 
-// What is kept of the vertices from cut to cut gives the same lines as beginning anew.
-TEST(Contours, ASecondCutOfTheSameVerticesIsAsTheFirst) {
+// In blocks as triangle by triangle: planes that touch a vertex, that miss all, and askew.
+TEST(Contours, BlocksLeaveNoCrossingOut) {
   Mesh m;
   add_turned(m, 0, 0, sphere(200, 40), 60);
-  Contours kept;
-  bool first = true;
-  for (const Vec3f normal : {Vec3f{0, 1, 0}, Vec3f{0.3F, 1, 0.1F}, Vec3f{0, 1, 0}})
-    for (float y = -210; y < 210; y += 7) {
+  const TriangleBlocks blocks = m.blocks();
+  TriangleSlab slab;
+  Contours contours, sliced;
+  std::size_t crossed = 0;
+  for (const Vec3f normal : {Vec3f{0, 1, 0}, Vec3f{0.3F, 1, 0.1F}, Vec3f{1, 0, 0}, Vec3f{-1, 0.5F, 2}})
+    for (float y = -210; y <= 210; y += 5) {
       const SectionPlane plane = plane_through({0, y, 0}, normal);
-      Contours fresh;
-      fresh.cut(m.triangles, m.vertices, plane);
-      kept.cut(m.triangles, m.vertices, plane, !first);
-      first = false;
-      ASSERT_EQ(kept.count(), fresh.count()) << y;
-      ASSERT_EQ(kept.points().size(), fresh.points().size()) << y;
-      for (std::size_t i = 0; i < fresh.points().size(); ++i) {
-        ASSERT_EQ(kept.points()[i].x, fresh.points()[i].x);
-        ASSERT_EQ(kept.points()[i].y, fresh.points()[i].y);
-        ASSERT_EQ(kept.points()[i].z, fresh.points()[i].z);
+      contours.cut(blocks, plane);
+      std::size_t want = 0;
+      for (const Triangle& t : m.triangles) {
+        int above = 0;
+        for (const std::int32_t corner : t)
+          above += dot(m.vertices[static_cast<std::size_t>(corner)], plane.normal) > dot(plane.origin, plane.normal);
+        want += above == 1 || above == 2;
+      }
+      ASSERT_EQ(contours.points().size(), want) << y;
+      crossed += want;
+      // A slab that begins or ends there gives the same lines.
+      slab.gather(blocks, plane, plane_through({0, y - std::copysign(60.0F, y), 0}, normal));
+      sliced.cut(slab, plane);
+      ASSERT_EQ(sliced.count(), contours.count()) << y;
+      ASSERT_EQ(sliced.points().size(), contours.points().size()) << y;
+      for (std::size_t i = 0; i < want; ++i) {
+        ASSERT_EQ(sliced.points()[i].x, contours.points()[i].x) << y;
+        ASSERT_EQ(sliced.points()[i].y, contours.points()[i].y) << y;
+        ASSERT_EQ(sliced.points()[i].z, contours.points()[i].z) << y;
       }
     }
+  EXPECT_GT(crossed, 10000U);
+}
+
+TEST(TriangleBlocks, ABlockIsVisitedOnceAndInOrder) {
+  Mesh m;
+  add_turned(m, 0, 0, sphere(200, 40), 60);
+  const TriangleBlocks blocks = m.blocks();
+  std::size_t next = 0, visited = 0;
+  blocks.at_height(30, [&](std::size_t first, std::span<const Triangle> triangles) {
+    EXPECT_GE(first, next);
+    EXPECT_EQ(triangles.data(), m.triangles.data() + first);
+    next = first + triangles.size();
+    visited += triangles.size();
+  });
+  EXPECT_LT(visited, m.triangles.size() / 4);
+  std::size_t all = 0;
+  for (float y = -200; y <= 200; y += 1)
+    blocks.at_height(y, [&](std::size_t, std::span<const Triangle> triangles) { all += triangles.size(); });
+  EXPECT_GE(all, m.triangles.size());
 }
 
 TEST(Contours, OfSeveralTheOneAboutThePoint) {
@@ -86,7 +121,7 @@ TEST(Contours, OfSeveralTheOneAboutThePoint) {
   add_turned(m, 0, 0, {{100, -500}, {100, 500}}, 90);
   add_turned(m, 250, 0, {{40, -500}, {40, 500}}, 90);
   Contours contours;
-  contours.cut(m.triangles, m.vertices, level_plane(3));
+  contours.cut(m.blocks(), level_plane(3));
   ASSERT_EQ(contours.count(), 2U);
   EXPECT_NEAR(perimeter_mm(contours.about({10, 3, 20})), 2 * std::numbers::pi * 100, 0.5);
   EXPECT_NEAR(perimeter_mm(contours.about({270, 3, 0})), 2 * std::numbers::pi * 40, 0.5);
@@ -102,7 +137,7 @@ TEST(TautPath, ArcsOverASphere) {
   std::vector<Vec3f> path;
   // From the equator in front over the pole to the equator behind, and the short way over an eighth.
   const SectionPlane plane = plane_through({0.3F, 0, 0}, {1, 0, 0});
-  contours.cut(m.triangles, m.vertices, plane);
+  contours.cut(m.blocks(), plane);
   ASSERT_EQ(contours.count(), 1U);
   for (const float top : {200.0F, -200.0F}) {
     taut_path(contours.loop(0), plane, {0, 0, 200}, {0, top, 0}, {0, 0, -200}, path);
@@ -122,7 +157,7 @@ TEST(Contours, OpenSurfacesGiveWholeLines) {
   Mesh m;
   add_turned(m, 0, 0, {{100, -300}, {100, -100}, {100, 0}, {100, 100}, {100, 300}}, 180);
   Contours contours;
-  contours.cut(m.triangles, m.vertices, plane_through({0.2F, 0, 0}, {1, 0, 0}));
+  contours.cut(m.blocks(), plane_through({0.2F, 0, 0}, {1, 0, 0}));
   ASSERT_EQ(contours.count(), 2U);
   for (const std::size_t i : {0U, 1U}) EXPECT_NEAR(path_mm(contours.loop(i)), 500, 100);
 }
@@ -133,7 +168,7 @@ TEST(TautPath, BridgesHollows) {
   add_turned(m, 0, 0, {{0, -300}, {100, -300}, {100, -200}, {60, 0}, {100, 200}, {100, 300}, {0, 300}}, 180);
   const SectionPlane plane = plane_through({0.2F, 0, 0}, {1, 0, 0});
   Contours contours;
-  contours.cut(m.triangles, m.vertices, plane);
+  contours.cut(m.blocks(), plane);
   std::vector<Vec3f> path;
   ASSERT_EQ(contours.count(), 1U);
   for (const float z : {100.0F, -100.0F}) {

@@ -118,11 +118,13 @@ TEST_F(BodyOfGoals, MeasuresWhatIsAnsweredAndStandsAsMeasured) {
   wanted[measurement_index(Measurement::stature)] += 30;
   wanted[measurement_index(Measurement::waist_girth)] += 25;
   wanted[measurement_index(Measurement::weight)] += 4;
-  const auto answered = body_of_goals(*model_, someone, well_known(wanted), seen, floor_below(pitch));
+  body::MeasurementFitter fitter(*model_);
+  const auto answered = body_of_goals(fitter, someone, well_known(wanted), seen, floor_below(pitch));
   ASSERT_TRUE(answered) << answered.error().message;
   model_->morph(answered->params, mesh);
   const MeasurementValues values = body::measure_rest_mesh(*model_, mesh, answered->params.gender);
   EXPECT_EQ(values, answered->fit.values);
+  EXPECT_EQ(values, fitter.measured().values());
   for (std::size_t i = 0; i < kMeasurementCount; ++i)
     EXPECT_NEAR(values[i], wanted[i], 0.5) << kMeasurementTable[i].id;
 
@@ -138,8 +140,10 @@ TEST_F(BodyOfGoals, MeasuresWhatIsAnsweredAndStandsAsMeasured) {
 TEST_F(BodyOfGoals, BeyondTheModelGivesTheNearestAndSaysHowFar) {
   MeasurementValues wanted = body::measure_person(*model_, {});
   wanted[measurement_index(Measurement::chest_girth)] = 300;
-  const auto answered = body_of_goals(*model_, {}, well_known(wanted), test::standing_joints(false), {});
+  body::MeasurementFitter fitter(*model_);
+  const auto answered = body_of_goals(fitter, {}, well_known(wanted), test::standing_joints(false), {});
   ASSERT_TRUE(answered);
+  EXPECT_EQ(fitter.measured().values(), answered->fit.values);  // of the nearest, whichever step found it
   EXPECT_GT(body::girth_residual_mm(answered->fit.residual), 20);
 }
 
@@ -158,15 +162,16 @@ TEST_F(BodyOfGoals, RefusesOddNumbers) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   MeasurementValues wanted = body::measure_person(*model_, {});
   const body::MeasurementGoals sound = well_known(wanted);
+  body::MeasurementFitter fitter(*model_);
   for (const float bad : {nan, 0.0F, -5.0F}) {
     wanted[measurement_index(Measurement::hip_girth)] = bad;
-    const auto refused = body_of_goals(*model_, {}, well_known(wanted), joints, {});
+    const auto refused = body_of_goals(fitter, {}, well_known(wanted), joints, {});
     ASSERT_FALSE(refused);
     EXPECT_THAT(refused.error().message, testing::HasSubstr("hip_girth"));
   }
   JointSet odd = joints;
   odd[Joint::LK].z = nan;
-  const auto answered = body_of_goals(*model_, {}, sound, odd, {});
+  const auto answered = body_of_goals(fitter, {}, sound, odd, {});
   ASSERT_FALSE(answered);
   EXPECT_THAT(answered.error().message, testing::HasSubstr("LK"));
 }

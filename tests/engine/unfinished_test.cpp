@@ -81,6 +81,43 @@ TEST(Unfinished, FoundInOrderAndTheSameOnOneThreadAndTwo) {
   }
 }
 
+// Of each frame whose it is. Two people take turns; the first one stands right in frame 5.
+std::vector<int> users_of(bool single_thread, int finish_delay_us, bool later) {
+  FakeStages::Control control;
+  HalvedStages::Log log;
+  log.finish_delay_us = finish_delay_us;
+  std::vector<int> users;
+  EngineSettings settings = test::small_settings();
+  settings.frames_wanted = 200;
+  settings.single_thread = single_thread;
+  settings.watch = [&](const FrameSeen& seen) { users.push_back(seen.result.user); };
+  auto engine = create_engine(settings, std::make_unique<HalvedStages>(control, log));
+  EXPECT_TRUE(engine);
+  for (int i = 0; i < 40; ++i) {
+    test::FramePixels frame({.guidance = i == 5 ? 0U : 1U, .user = i < 6 || i % 4 == 3 ? 1 : 2});
+    frame.pixels[9] = later ? 1 : 0;
+    hal::FrameInfo info;
+    info.sequence = static_cast<std::uint64_t>(i);
+    info.host_ns = (i + 1) * 33333333LL;
+    EXPECT_TRUE((*engine)->push(frame.view(), info));
+  }
+  (*engine)->wait_idle(-1);
+  return users;
+}
+
+// Who stands right is held on to from the next frame on, and a frame later where FIT has to find that out.
+TEST(Unfinished, WhoStandsRightIsHeldTheSameOnOneThreadAndTwo) {
+  for (const bool later : {false, true}) {
+    const std::vector<int> want = users_of(true, 0, later);
+    ASSERT_EQ(want.size(), 40U);
+    for (std::size_t i = 0; i < want.size(); ++i) {
+      const bool let_through = later && i == 6;
+      EXPECT_EQ(want[i], i < 6 || i % 4 == 3 ? 1 : let_through ? 2 : 0) << i;
+    }
+    for (const int delay_us : {0, 300}) EXPECT_EQ(users_of(false, delay_us, later), want) << delay_us;
+  }
+}
+
 // Also while frames wait to be finished, and while SENSE waits for them.
 TEST(Unfinished, EngineEndsAtOnce) {
   for (int repeat = 0; repeat < 20; ++repeat) {

@@ -72,8 +72,7 @@ std::string png_of(const Picture& picture, int filter, std::size_t piece = 1 << 
 }
 
 bool plain(const std::string& png, Picture& out) {
-  std::vector<std::uint8_t> rows;
-  return decode_plain_png(std::as_bytes(std::span(png)), rows, out.image());
+  return PlainPngDecoder().decode(std::as_bytes(std::span(png)), out.image());
 }
 
 TEST(PlainPng, EveryFilterOfEveryPicture) {
@@ -117,6 +116,9 @@ TEST(PlainPng, LeavesWhatIsNotWhole) {
       {"a row too many",
        header_of(picture) + chunk("IDAT", deflated(filtered_rows(noisy_picture(64, 49, 4), 2))) + end},
       {"no such filter", header_of(picture) + chunk("IDAT", deflated(std::string(48 * 129, 5))) + end},
+      {"no deflate stream", header_of(picture) + chunk("IDAT", "\x77" + stream.substr(1)) + end},
+      {"a dictionary", header_of(picture) + chunk("IDAT", "\x78\xBB" + stream.substr(2)) + end},
+      {"a checksum alone", header_of(picture) + chunk("IDAT", stream.substr(0, 5)) + end},
       {"no pixels", header_of(picture) + end},
       {"an unknown critical chunk", header_of(picture) + chunk("ABCD", "?") + chunk("IDAT", stream) + end},
       {"interlaced", header_of(picture, 1) + chunk("IDAT", stream) + end},
