@@ -408,6 +408,7 @@ class PipelineEngine final : public Engine {
 
   // The frames passed looked like the one sensed last: what moves has moved for one frame. False: the engine ends.
   bool look(FrameSlot& slot, float seconds) {
+    stages_->restore_edges(slot.depth, intrinsics_);
     slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, seconds);
     if (!hold_waiting()) return false;
     slot.unfinished = stages_->may_finish_later(slot.detection);

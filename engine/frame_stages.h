@@ -26,6 +26,8 @@ class FrameStages {
   virtual ~FrameStages() = default;
 
   // Stage SENSE.
+  // Before sense() of a frame: its edges put back in place, where the sensor's driver spoils them.
+  virtual void restore_edges(DepthImage /*depth*/, const Intrinsics& /*intrinsics*/) {}
   // `seconds` since the frame before. Of whom: people().selected(). finish() comes before the next sense(), or, of a
   // frame that may_finish_later(), finish_later() in stage FIT: of these one at a time, in their order.
   virtual Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) = 0;

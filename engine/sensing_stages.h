@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "engine/frame_stages.h"
+#include "perception/observe/edge_restorer.h"
 #include "perception/observe/observe.h"
 
 namespace im2fit {
@@ -13,12 +14,15 @@ class SensingStages : public FrameStages {
  public:
   // The model must outlive the stages. `turn`: as the engine's settings; memory for the back only with Turn::asked.
   SensingStages(int width, int height, const JointModel& joint_model, Turn turn = Turn::none)
-      : sensor_(width, height, joint_model), front_(width, height) {
+      : edges_(width, height), sensor_(width, height, joint_model), front_(width, height) {
     if (turn == Turn::asked) back_.emplace(width, height);
   }
 
+  void restore_edges(DepthImage depth, const Intrinsics& intrinsics) override { edges_.run(depth, intrinsics.fx); }
   Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) override {
-    return sensor_.look(depth, intrinsics, mask, seconds);
+    Detection detection = sensor_.look(depth, intrinsics, mask, seconds);
+    detection.edges_restored = edges_.restored();
+    return detection;
   }
   bool may_finish_later(const Detection& sensed) const override { return sensor_.may_finish_later(sensed); }
   void finish(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, Detection& detection) override {
@@ -29,7 +33,10 @@ class SensingStages : public FrameStages {
   }
   void set_down(Vec3f down) override { sensor_.set_down(down); }
   PersonTracker& people() override { return sensor_.people(); }
-  void reset_sense() override { sensor_.reset(); }
+  void reset_sense() override {
+    edges_.reset();
+    sensor_.reset();
+  }
 
   GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Detection& detection) override {
     return accumulating().add(depth, mask, intrinsics, detection);
@@ -55,6 +62,7 @@ class SensingStages : public FrameStages {
  private:
   Fuser& accumulating() { return turned_ ? *back_ : front_; }
 
+  EdgeRestorer edges_;
   Sensor sensor_;
   Fuser front_;
   std::optional<Fuser> back_;

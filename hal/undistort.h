@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,6 +18,17 @@ struct Distortion {
   std::array<double, 8> coefficients{};
   bool any() const;
 };
+
+// Where in the camera's picture a pinhole's ray (x, y, 1) is seen, in pixels; the centre of pixel 0 is 0.
+struct PicturePoint {
+  double u = 0, v = 0;
+};
+PicturePoint seen_at(const Intrinsics& k, const Distortion& distortion, double x, double y);
+// The index of the pixel there, row by row; -1 outside the picture.
+std::int32_t pixel_at(const Intrinsics& k, const PicturePoint& point);
+
+// Error: invalid_argument when less than half of the undistorted picture's pixels are seen. `what` names the file.
+Status check_seen(std::size_t seen_count, std::size_t pixel_count, const std::string& what);
 
 // For each pixel of the undistorted picture, row by row, the index of the camera's pixel nearest to where the ray is
 // seen; -1 outside the camera's picture. Depths must not be interpolated: between two surfaces there is none. The

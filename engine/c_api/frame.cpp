@@ -72,6 +72,9 @@ Status check_frame(const im2fit_frame& f, const Intrinsics& upright) {
   if (f.format == IM2FIT_FORMAT_DEPTH16 && f.confidence != nullptr)
     return wrong("confidence", "set", "NULL: samples of DEPTH16 have their own");
   if (f.reserved != 0) return wrong("reserved", "set", "0");
+  if (f.reserved2 != 0) return wrong("reserved2", "set", "0");
+  for (const float k : {f.k1, f.k2, f.k3, f.p1, f.p2})
+    if (!std::isfinite(k)) return wrong("k1, k2, k3, p1, p2", "no number", "the lens's coefficients, or all 0");
   const float down = norm({f.down_x, f.down_y, f.down_z});
   if (!(down < kDownMax) || (down != 0 && down < kDownMin))
     return wrong("down_x, down_y, down_z", "of length " + std::to_string(down), "a direction, or all 0");
@@ -108,6 +111,11 @@ void read_samples(const im2fit_frame& f, DepthImage mm) {
   }
 }
 
+// What turns an upright picture back into the camera's.
+int back_from(int rotate_deg) {
+  return (360 - rotate_deg) % 360;
+}
+
 bool same(const Intrinsics& a, const Intrinsics& b) {
   return a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
 }
@@ -122,6 +130,11 @@ void map_axis(std::span<std::int32_t> map, float session_f, float session_c, flo
 }
 
 }  // namespace
+
+bool FrameReader::Lens::same_as(const Lens& other) const {
+  return same(camera, other.camera) && same(session, other.session) && rotate_deg == other.rotate_deg &&
+         distortion.coefficients == other.distortion.coefficients;
+}
 
 void FrameReader::prepare(const Intrinsics& upright) {
   settings_ = session_ = upright;
@@ -157,8 +170,14 @@ Status FrameReader::take_intrinsics(Engine& engine, const im2fit_frame& f) {
 Status FrameReader::push(Engine& engine, const im2fit_frame& f) {
   if (auto ok = check_frame(f, settings_); !ok) return ok;
   if (auto ok = take_intrinsics(engine, f); !ok) return ok;
+  if (auto ok = take_lens(f); !ok) return ok;
   const auto place = engine.acquire();
   if (!place) return place.error();
+  if (undistort_) {
+    read_samples(f, DepthImage(camera_.data(), f.width, f.height));
+    undistort(*place);
+    return commit(engine, f);
+  }
   const DepthImage upright = resample_ ? DepthImage(upright_.data(), settings_.width, settings_.height) : *place;
   if (f.rotate_deg == 0) {
     read_samples(f, upright);
@@ -168,6 +187,10 @@ Status FrameReader::push(Engine& engine, const im2fit_frame& f) {
     hal::rotate_upright(camera, f.rotate_deg, upright);
   }
   if (resample_) resample(upright, *place);
+  return commit(engine, f);
+}
+
+Status FrameReader::commit(Engine& engine, const im2fit_frame& f) {
   hal::FrameInfo info;
   info.sequence = f.sequence;
   info.host_ns = f.time_ns;
@@ -175,6 +198,42 @@ Status FrameReader::push(Engine& engine, const im2fit_frame& f) {
   const Vec3f down = {f.down_x, f.down_y, f.down_z};
   if (norm(down) > 0) info.down = hal::rotate_upright(normalized(down), f.rotate_deg);
   return engine.commit(info);
+}
+
+Status FrameReader::take_lens(const im2fit_frame& f) {
+  hal::Distortion distortion;
+  distortion.coefficients = {double{f.k1}, double{f.k2}, double{f.p1}, double{f.p2}, double{f.k3}};
+  undistort_ = distortion.any();
+  if (!undistort_) return Ok{};
+  const bool tells = f.fx != 0 || f.fy != 0 || f.cx != 0 || f.cy != 0;
+  const Intrinsics camera = tells ? Intrinsics{f.width, f.height, f.fx, f.fy, f.cx, f.cy}
+                                  : hal::rotate_upright(settings_, back_from(f.rotate_deg));
+  const Lens lens{camera, session_, f.rotate_deg, distortion};
+  if (!table_.empty() && lens.same_as(lens_)) return Ok{};
+  table_.resize(camera_.size());
+  lens_ = lens;
+  std::size_t seen_count = 0;
+  for (int v = 0; v < session_.height; ++v)
+    for (int u = 0; u < session_.width; ++u) {
+      const Vec3f upright = {(static_cast<float>(u) - session_.cx) / session_.fx,
+                             (static_cast<float>(v) - session_.cy) / session_.fy, 1};
+      const Vec3f ray = hal::rotate_upright(upright, back_from(f.rotate_deg));
+      const std::int32_t from = hal::pixel_at(
+          camera, hal::seen_at(camera, distortion, static_cast<double>(ray.x), static_cast<double>(ray.y)));
+      table_[static_cast<std::size_t>(v) * static_cast<std::size_t>(session_.width) + static_cast<std::size_t>(u)] =
+          from;
+      seen_count += from >= 0 ? 1 : 0;
+    }
+  auto enough = hal::check_seen(seen_count, table_.size(), "frame.k1, k2, k3, p1, p2");
+  if (!enough) table_.clear();
+  return enough;
+}
+
+void FrameReader::undistort(DepthImage to) const {
+  const std::int32_t* from = table_.data();
+  for (int v = 0; v < to.height; ++v)
+    for (int u = 0; u < to.width; ++u, ++from)
+      to.at(u, v) = *from < 0 ? std::uint16_t{0} : camera_[static_cast<std::size_t>(*from)];
 }
 
 void FrameReader::resample(DepthView from, DepthImage to) const {

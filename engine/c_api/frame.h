@@ -10,10 +10,11 @@
 #include "core/status.h"
 #include "engine/engine.h"
 #include "engine/include/im2fit/im2fit.h"
+#include "hal/undistort.h"
 
 namespace im2fit::c {
 
-// One thread at a time. Allocates only in prepare().
+// One thread at a time. Allocates only in prepare(), and with the first frame whose lens is told.
 class FrameReader {
  public:
   // `upright`: the settings' intrinsics.
@@ -27,11 +28,24 @@ class FrameReader {
  private:
   Status take_intrinsics(Engine& engine, const im2fit_frame& frame);
   void resample(DepthView from, DepthImage to) const;
+  static Status commit(Engine& engine, const im2fit_frame& frame);
+  Status take_lens(const im2fit_frame& frame);
+  void undistort(DepthImage to) const;
 
   Intrinsics settings_;  // the engine's when nothing is told
   Intrinsics session_;   // the engine's
   bool told_ = false;
   bool resample_ = false;
+  // A frame through a lens: from the camera's picture straight to the session's.
+  struct Lens {
+    Intrinsics camera, session;
+    int rotate_deg = 0;
+    hal::Distortion distortion;
+    bool same_as(const Lens& other) const;
+  };
+  bool undistort_ = false;
+  Lens lens_;                           // of the table
+  std::vector<std::int32_t> table_;     // for each pixel of the session's picture the camera's; -1: outside
   std::vector<std::uint16_t> camera_;   // a frame that is to be turned
   std::vector<std::uint16_t> upright_;  // one that is to be resampled; others go straight into the engine's place
   std::vector<std::int32_t> columns_, rows_;  // of a resampled picture: where its samples come from; -1: outside

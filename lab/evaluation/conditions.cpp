@@ -22,11 +22,43 @@ constexpr float kNearMm = 1900, kFarMm = 3600;
 
 constexpr float kHeavyMin = 38;  // kg/m^2: arms that hang rest on the body
 
-constexpr std::array<Word, 22> kWords = {{
+void phone(EvaluationOptions& o) {
+  o.tof = true;
+  o.width = 256;
+  o.height = 192;
+}
+
+constexpr std::array<Word, 33> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},
     {"smoothed", "a driver that smooths the depth over time", false, [](EvaluationOptions& o) { o.smoothed = true; }},
+    {"blend3", "a driver that blends 3x3 pixels across edges", false,
+     [](EvaluationOptions& o) { o.edges.blend = EdgeBlend::mean3; }},
+    {"blend5", "a driver that blends 5x5 pixels", false,
+     [](EvaluationOptions& o) { o.edges.blend = EdgeBlend::mean5; }},
+    {"gauss5", "a driver that blends 5x5 pixels by a normal", false,
+     [](EvaluationOptions& o) { o.edges.blend = EdgeBlend::gauss5; }},
+    {"bilinear2", "a sensor of half the resolution, interpolated", false,
+     [](EvaluationOptions& o) { o.edges.blend = EdgeBlend::bilinear2; }},
+    {"bilateral5", "a driver with a bilateral filter of 5x5 pixels", false,
+     [](EvaluationOptions& o) { o.edges.blend = EdgeBlend::bilateral5; }},
+    {"dropped", "a driver that drops the low confidence of edges", false,
+     [](EvaluationOptions& o) { o.edges.drop = true; }},
+    {"phone-smooth", "a phone: time of flight, 256x192 pixels, blended 3x3", false,
+     [](EvaluationOptions& o) {
+       phone(o);
+       o.edges.blend = EdgeBlend::mean3;
+     }},
+    {"phone-tof", "a phone: time of flight, 256x192 pixels, low confidence dropped", false,
+     [](EvaluationOptions& o) {
+       phone(o);
+       o.edges.drop = true;
+     }},
+    {"tremor1", "a camera held in the hand, turning by up to 1 degree", false,
+     [](EvaluationOptions& o) { o.tremor_deg = 1; }},
+    {"tremor3", "a camera held in the hand, turning by up to 3 degrees", false,
+     [](EvaluationOptions& o) { o.tremor_deg = 3; }},
     {"reported", "the driver reports what kind of sensor it is", false,
      [](EvaluationOptions& o) { o.sensor_reported = true; }},
     {"clothed", "in clothes, shoes and hair", true, [](EvaluationOptions& o) { o.clothed = true; }},
@@ -37,6 +69,7 @@ constexpr std::array<Word, 22> kWords = {{
     {"frames10", "10 frames", true, [](EvaluationOptions& o) { o.frames = 10; }},
     {"frames30", "30 frames", false, [](EvaluationOptions& o) { o.frames = 30; }},
     {"320", "320x240 pixels", true, [](EvaluationOptions& o) { o.width = 320, o.height = 240; }},
+    {"256", "256x192 pixels", false, [](EvaluationOptions& o) { o.width = 256, o.height = 192; }},
     {"640", "640x480 pixels", false, [](EvaluationOptions& o) { o.width = 640, o.height = 480; }},
     {"near", "as near as the whole person fits, 1.9 m or more", true,
      [](EvaluationOptions& o) { o.distance_mm = kNearMm; }},

@@ -118,7 +118,9 @@ HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions&
                        options.sensor_reported,
                        options.clothing_reported,
                        options.family,
-                       options.camera_scale};
+                       options.camera_scale,
+                       options.edges,
+                       options.tremor_deg};
   // A man and a woman of each.
   if (options.family == PeopleFamily::mixed)
     person.family = index / 2 % 2 == 0 ? PeopleFamily::ansur : PeopleFamily::modifiers;

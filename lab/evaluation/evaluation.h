@@ -14,6 +14,7 @@
 #include "engine/engine.h"
 #include "index/index.h"
 #include "lab/dataset/features.h"
+#include "lab/evaluation/edge_filter.h"
 #include "lab/index_building/raw_nearest.h"
 #include "lab/population/ansur_people.h"
 #include "perception/joints/tracker.h"
@@ -40,6 +41,8 @@ struct EvaluationOptions {
   bool noise = true;              // false: a perfect sensor in an empty room
   bool tof = false;               // a time-of-flight sensor in place of a Kinect
   bool smoothed = false;          // by a driver, over time (smoothing.h)
+  EdgeFilterOptions edges;        // what the driver does beside edges, before it smooths
+  float tremor_deg = 0;           // of a camera held in the hand (tremor.h)
   bool sensor_reported = false;   // the driver reports what kind of sensor it is
   bool clothing_reported = true;  // the device is told what is worn
   bool clothed = false;           // tight, normal or loose clothes, shoes and hair; the truth stays the body's
@@ -65,6 +68,8 @@ struct HeldOutPerson {
   bool smoothed = false, sensor_reported = false, clothing_reported = true;
   PeopleFamily family = PeopleFamily::modifiers;  // never mixed
   float camera_scale = 1;                         // as EvaluationOptions
+  EdgeFilterOptions edges = {};
+  float tremor_deg = 0;
 };
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing = 0);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lab/evaluation/smoothing.h"
+#include "lab/evaluation/tremor.h"
 
 namespace im2fit::lab {
 namespace {
@@ -16,17 +17,21 @@ constexpr int kShownMin = 15;  // detecting a person takes some frames, however 
 // Frames of one scene as the engine wants them.
 class Camera {
  public:
-  Camera(const Intrinsics& sensor, int rotate_deg, bool smooths, float scale)
-      : rotate_deg_(rotate_deg),
-        smooths_(smooths),
-        scale_(scale),
-        upright_k_(hal::rotate_upright(sensor, rotate_deg)),
+  Camera(const Intrinsics& sensor, const HeldOutPerson& person)
+      : rotate_deg_(person.capture.scene.rotate_deg),
+        smooths_(person.smoothed),
+        scale_(person.camera_scale),
+        edges_(person.edges),
+        tremor_(person.tremor_deg, person.capture.seed, sensor),
+        upright_k_(hal::rotate_upright(sensor, rotate_deg_)),
         delivered_(static_cast<std::size_t>(sensor.width) * static_cast<std::size_t>(sensor.height)),
         upright_(delivered_.size()),
         sensor_image_(delivered_.data(), sensor.width, sensor.height),
         image_(upright_.data(), upright_k_.width, upright_k_.height) {}
   DepthView take(VirtualScene& scene, std::uint64_t frame) {
     scene.render(frame, sensor_image_);
+    tremor_.run(frame, sensor_image_);
+    edges_.run(sensor_image_);
     if (smooths_) smoothing_.run(sensor_image_);
     if (scale_ != 1)
       for (std::uint16_t& depth_mm : delivered_) depth_mm = scaled(depth_mm);
@@ -42,6 +47,8 @@ class Camera {
   int rotate_deg_;
   bool smooths_;
   float scale_;
+  EdgeFilter edges_;
+  Tremor tremor_;
   TemporalSmoothing smoothing_;
   Intrinsics upright_k_;
   std::vector<std::uint16_t> delivered_, upright_;
@@ -86,7 +93,7 @@ Result<std::unique_ptr<Engine>> run_session(const SessionModels& models, const H
     options.back_view = back;
     options.pose = pose;
     VirtualScene scene(models.body, person.subject, options, capture.sensor, capture.intrinsics, capture.seed);
-    Camera camera(capture.intrinsics, capture.scene.rotate_deg, person.smoothed, person.camera_scale);
+    Camera camera(capture.intrinsics, person);
     for (int i = 0; i < shown_a_side && !(*engine)->result().measured; ++i, ++frame) {
       hal::FrameInfo info;
       info.sequence = frame;

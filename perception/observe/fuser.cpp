@@ -56,7 +56,8 @@ struct Fuser::Workspace {
   Vec3f up_sum;
   float camera_height_sum = 0;
   int floor_count = 0;
-  Vec3f hidden_up;  // of the latest frame without a floor
+  bool edges_restored = false;  // of the latest frame
+  Vec3f hidden_up;              // of the latest frame without a floor
   Description description;
 
   JointSet median_joints() const;
@@ -133,6 +134,7 @@ GuidanceSet Fuser::add(DepthView depth, MaskView mask, const Intrinsics& intrins
   } else if (norm(person.centroid_mm - w.start_mm) > kDriftMaxMm) {
     return static_cast<GuidanceSet>(Guidance::moving);
   }
+  w.edges_restored = detection.edges_restored;
   w.fusion.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   w.noise.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
   w.outline.add(depth, mask, person.u_min, person.v_min, person.u_max, person.v_max);
@@ -175,7 +177,7 @@ const Fuser::Description& Fuser::describe(SensorKind kind) {
   w.fpfh_values(feature.subspan(head.size(), kPaperFeatureSize - head.size()));
   section_profile(w.fusion.depth_q4(), w.fusion.mask(), w.intrinsics, d.joints, d.floor, w.profile,
                   feature.subspan(kPaperFeatureSize, kProfileSize));
-  const SensorSigns signs{w.noise.sd_mm(), w.outline.lost(), w.outline.one_sided()};
+  const SensorSigns signs{w.noise.sd_mm(), w.outline.lost(), w.outline.one_sided(), w.edges_restored};
   const auto traits = sensor_traits(signs, d.joints[Joint::TO].z, w.intrinsics.fx, kind);
   std::copy(traits.begin(), traits.end(), feature.end() - kSensorTraits);
   d.valid = true;

@@ -41,8 +41,9 @@ struct Detection {
   ViewSide view = ViewSide::unknown;
   std::array<User, kUserCountMax> users{};  // all people in view, nearest first; the first user_count are set
   int user_count = 0;
-  GuidanceSet guidance = 0;  // the person's and the pose's: zero means the frame may be used
-  ArmSet arms_close = 0;     // which arms arms_close is about; 0 without that code
+  GuidanceSet guidance = 0;     // the person's and the pose's: zero means the frame may be used
+  ArmSet arms_close = 0;        // which arms arms_close is about; 0 without that code
+  bool edges_restored = false;  // the frame's, by EdgeRestorer before it was sensed
 };
 class Sensor {
  public:

@@ -61,6 +61,7 @@ Shares shares_of(const SensorSigns& signs, float z) {
 std::array<float, kSensorTraits> sensor_traits(const SensorSigns& signs, float distance_mm, float focal_px,
                                                SensorKind kind) {
   const float pixel_mm = distance_mm / focal_px;
+  if (signs.edges_restored) return {0, pixel_mm, 1, pixel_mm, 0, 0};
   const float z = std::max(distance_mm / 1000.0F, kNearestM);
   Shares s;
   if (kind == SensorKind::structured_light) {

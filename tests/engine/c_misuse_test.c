@@ -170,6 +170,9 @@ static void frames_out_of_range_are_named(void) {
   REFUSED(f.confidence_row_bytes = 3, invalid, "frame.confidence_row_bytes is 3");
   REFUSED(f.fx = 14, invalid, "frame: the focal length fy");
   REFUSED(f.fx = f.fy = INFINITY, invalid, "frame: the focal length fx");
+  REFUSED(f.k2 = NAN, invalid, "frame.k1, k2, k3, p1, p2");
+  REFUSED(f.k1 = 1e6F, invalid, "distortion_coefficients leave");
+  REFUSED(f.reserved2 = 1, invalid, "frame.reserved2");
 #undef REFUSED
   im2fit_close(handle);
 }

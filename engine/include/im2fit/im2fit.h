@@ -196,6 +196,11 @@ typedef struct im2fit_frame {
    * no floor is seen it says what is upright. */
   float down_x, down_y, down_z;
   float reserved; /* 0 */
+  /* The lens, where the picture is not undistorted yet: Brown and Conrady's, radial and tangential, as OpenCV has it.
+   * Android's LENS_DISTORTION is k1 k2 k3 p1 p2 in this order. All 0: none. Undone through a table (nearest sample),
+   * made when lens, intrinsics or rotation differ from the frame's before; the first one allocates. */
+  float k1, k2, k3, p1, p2;
+  float reserved2; /* 0 */
 } im2fit_frame;
 
 /* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_frame) as the caller sees it. */

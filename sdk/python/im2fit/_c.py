@@ -33,7 +33,8 @@ class Frame(c.Structure):
         ("rotate_deg", c.c_int32), ("row_bytes", c.c_size_t), ("unit_mm", c.c_float), ("confidence_min", c.c_int32),
         ("confidence", c.c_void_p), ("confidence_row_bytes", c.c_size_t), ("fx", c.c_float), ("fy", c.c_float),
         ("cx", c.c_float), ("cy", c.c_float), ("sequence", c.c_uint64), ("time_ns", c.c_int64), ("device_us", c.c_int64),
-        ("down_x", c.c_float), ("down_y", c.c_float), ("down_z", c.c_float), ("reserved", c.c_float)]
+        ("down_x", c.c_float), ("down_y", c.c_float), ("down_z", c.c_float), ("reserved", c.c_float),
+        ("k1", c.c_float), ("k2", c.c_float), ("k3", c.c_float), ("p1", c.c_float), ("p2", c.c_float), ("reserved2", c.c_float)]
 
 
 class Estimate(c.Structure):

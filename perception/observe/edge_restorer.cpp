@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "perception/observe/edge_restorer.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+
+#include "perception/observe/edge_restorer_limits.h"
+
+namespace im2fit {
+
+using namespace edge_restorer_limits;
+
+namespace {
+
+// A row or column.
+template <class T>
+struct Line {
+  T* pixels;
+  std::ptrdiff_t step;
+  int count;
+  T& operator[](int i) const { return pixels[i * step]; }
+};
+
+// What a step is in a picture.
+struct StepRules {
+  int focal_px, reach_px, gap_px;
+  // Of a surface that near, from pixel to pixel.
+  int steep_mm(int z_mm) const {
+    const int z = std::min(z_mm, kFarthestMm);
+    return std::max(kSlopeLeastMm, z * z / (focal_px * kCameraHeightLeastMm));
+  }
+};
+
+StepRules rules_of(DepthView depth, float focal_px) {
+  const int side = std::max(depth.width, depth.height);
+  return {std::max(1, static_cast<int>(focal_px)), std::max(kReachLeastPx, side / kReachAcross),
+          std::max(kGapLeastPx, side / kGapAcross)};
+}
+
+// Calls f(first, last) for every stretch of a line that rises or falls steeply from pixel to pixel, over pixels
+// without data too, by kStepMinMm and more. `first` and `last` have data.
+template <class T, class F>
+void for_each_step(const Line<T>& line, const StepRules& rules, F&& f) {
+  int first = 0;
+  while (first < line.count) {
+    if (line[first] == 0) {
+      ++first;
+      continue;
+    }
+    int last = first, way = 0, next = first + 1;
+    while (true) {
+      while (next < line.count && line[next] == 0) ++next;
+      if (next >= line.count || next - last > rules.gap_px + 1 || next - first > rules.reach_px) break;
+      const int rise = line[next] - line[last];
+      const int steep = rules.steep_mm(std::min<int>(line[next], line[last])) * (next - last);
+      if (std::abs(rise) <= steep || (way != 0 && (rise > 0) != (way > 0))) break;
+      way = rise;
+      last = next++;
+    }
+    if (last != first && std::abs(line[last] - line[first]) >= kStepMinMm) f(first, last);
+    first = last == first ? next : last;
+  }
+}
+
+// Every other pixel's step on a line counts once; `before`: where the nearer surface comes first.
+void count_steps(const Line<const std::uint16_t>& line, const StepRules& rules, EdgeCounts& counts,
+                 EdgeCounts::Side& before, EdgeCounts::Side& after) {
+  for_each_step(line, rules, [&](int first, int last) {
+    const int nearer = std::min(line[first], line[last]), step = std::abs(line[last] - line[first]);
+    if (step < kJudgedMinMm) return;
+    int bridges = 0, lost = 0;
+    for (int i = first + 1; i < last; ++i) {
+      const int eighths = (line[i] - nearer) * 8;
+      if (line[i] == 0)
+        ++lost;
+      else if (eighths > step * kBridgeEighths && eighths < step * (8 - kBridgeEighths))
+        ++bridges;
+    }
+    ++counts.steps;
+    counts.bridged += bridges > 0 ? 1 : 0;
+    EdgeCounts::Side& side = line[first] < line[last] ? before : after;
+    ++side.steps;
+    side.gaps += lost > 0 ? 1 : 0;
+    side.gap_px += static_cast<std::uint32_t>(lost);
+  });
+}
+
+// Calls set(i, surface_mm, step_mm) for each pixel of a step that is neither surface's.
+template <class F>
+void restore_steps(const Line<const std::uint16_t>& line, const StepRules& rules, F&& set) {
+  for_each_step(line, rules, [&](int first, int last) {
+    const int start = line[first], end = line[last], middle = (start + end) / 2;
+    const auto starts = [&](int z) { return start < end ? z < middle : z > middle; };
+    int split = first;  // the last pixel of the first surface
+    while (split + 1 < last && line[split + 1] != 0 && starts(line[split + 1])) ++split;
+    int next = split + 1;
+    while (next < last && line[next] == 0) ++next;
+    // The one in the middle goes to either in turns, so that outlines neither grow nor shrink.
+    const int lost = next - split - 1;
+    split += (lost + next % 2) / 2;
+    for (int i = first + 1; i < last; ++i) {
+      const int surface = i <= split ? start : end;
+      if (line[i] == 0 || std::abs(line[i] - surface) > kSkinMm) set(i, surface, std::abs(end - start));
+    }
+  });
+}
+
+// Calls set(i, surface_mm, 1) for the pixels without data next to what is seen, where no step spans them.
+template <class F>
+void grow(const Line<const std::uint16_t>& line, const StepRules& rules, int half_gap_px, F&& set) {
+  int i = 0;
+  while (i < line.count) {
+    if (line[i] != 0) {
+      ++i;
+      continue;
+    }
+    const int first = i;
+    while (i < line.count && line[i] == 0) ++i;
+    const int before = first > 0 ? line[first - 1] : 0, after = i < line.count ? line[i] : 0, count = i - first;
+    if (before != 0 && after != 0 && count <= rules.gap_px && std::abs(before - after) >= kStepMinMm) continue;
+    const bool both = before != 0 && after != 0;
+    const int most = both ? count / 2 : count;
+    for (int k = 0; k < std::min(half_gap_px, most); ++k) {
+      if (before != 0) set(first + k, before, 1);
+      if (after != 0) set(i - 1 - k, after, 1);
+    }
+  }
+}
+
+}  // namespace
+
+void EdgeRestorer::judge(DepthView depth, float focal_px) {
+  const StepRules rules = rules_of(depth, focal_px);
+  if (counts_.steps >= kJudgedMany) {
+    counts_.steps /= 2;
+    counts_.bridged /= 2;
+    for (EdgeCounts::Side& side : counts_.sides) {
+      side.steps /= 2;
+      side.gaps /= 2;
+      side.gap_px /= 2;
+    }
+  }
+  auto& sides = counts_.sides;
+  for (int v = 0; v < depth.height; v += kLineStep)
+    count_steps({depth.row(v), 1, depth.width}, rules, counts_, sides[0], sides[1]);
+  for (int u = 0; u < depth.width; u += kLineStep)
+    count_steps({depth.pixels + u, depth.stride, depth.height}, rules, counts_, sides[2], sides[3]);
+  if (counts_.steps < kJudgedMin) return;
+  blends_ = counts_.bridged * 4 >= counts_.steps * 3;
+  const auto gapped = [](const EdgeCounts::Side& side) { return side.gaps * 10 >= side.steps * 8; };
+  drops_ = gapped(sides[0]) && gapped(sides[1]);
+}
+
+// Half of the pixels between two surfaces, of those seen so far.
+int EdgeRestorer::half_gap_px() const {
+  std::uint32_t gaps = 0, px = 0;
+  for (const EdgeCounts::Side& side : counts_.sides) {
+    gaps += side.gaps;
+    px += side.gap_px;
+  }
+  return gaps > 0 ? static_cast<int>((px + gaps) / (2 * gaps)) : 0;
+}
+
+void EdgeRestorer::restore(DepthImage depth, float focal_px) {
+  const StepRules rules = rules_of(depth, focal_px);
+  const int width = depth.width, height = depth.height, half_gap = half_gap_px();
+  for (int v = 0; v < height; ++v) std::copy_n(depth.row(v), width, before_.data() + std::ptrdiff_t{v} * width);
+  std::fill(step_mm_.begin(), step_mm_.end(), std::uint16_t{0});
+  const auto at = [&](int u, int v) {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
+  };
+  const auto set = [&](int u, int v, int surface_mm, int step_mm) {
+    if (step_mm <= step_mm_[at(u, v)]) return;
+    step_mm_[at(u, v)] = static_cast<std::uint16_t>(step_mm);
+    depth.at(u, v) = static_cast<std::uint16_t>(surface_mm);
+  };
+  for (int v = 0; v < height; ++v) {
+    const Line<const std::uint16_t> row{before_.data() + at(0, v), 1, width};
+    const auto set_row = [&](int u, int surface_mm, int step_mm) { set(u, v, surface_mm, step_mm); };
+    restore_steps(row, rules, set_row);
+    if (drops_) grow(row, rules, half_gap, set_row);
+  }
+  for (int u = 0; u < width; ++u) {
+    const Line<const std::uint16_t> column{before_.data() + u, width, height};
+    const auto set_column = [&](int v, int surface_mm, int step_mm) { set(u, v, surface_mm, step_mm); };
+    restore_steps(column, rules, set_column);
+    if (drops_) grow(column, rules, half_gap, set_column);
+  }
+}
+
+void EdgeRestorer::run(DepthImage depth, float focal_px) {
+  judge(depth, focal_px);
+  if (restored()) restore(depth, focal_px);
+}
+
+void EdgeRestorer::reset() {
+  counts_ = {};
+  blends_ = drops_ = false;
+}
+
+EdgeRestorer::EdgeRestorer(int width, int height)
+    : before_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)), step_mm_(before_.size()) {}
+
+}  // namespace im2fit

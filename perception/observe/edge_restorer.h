@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of sensors whose drivers blend depth across edges, or drop what lies beside them, with their edges put
+// back: a person's outline in them lies a pixel or two inside the person, and every girth comes out small. Phones do
+// this.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/camera.h"
+
+namespace im2fit {
+
+// What a sensor's edges are like, judged by the steps in depth of all frames since reset().
+struct EdgeCounts {
+  std::uint32_t steps = 0;
+  std::uint32_t bridged = 0;  // of them: with a value well between the two surfaces
+  // Steps whose pixels between the two surfaces have no data, by the side the nearer surface is on: left, right,
+  // above, below of the step.
+  struct Side {
+    std::uint32_t steps = 0, gaps = 0, gap_px = 0;
+  };
+  std::array<Side, 4> sides{};
+};
+
+// A blend that weighs all directions alike has, at an edge, the mean of the two surfaces, and what is dropped beside
+// edges is dropped on either side alike. So of the pixels between two surfaces those nearer than the mean get the
+// nearer surface's depth, the others the farther's; of pixels without data the half on either side. Where nothing is
+// seen behind, an outline grows by half of what lies between surfaces elsewhere.
+// Integers only; no allocation after construction; not shareable between threads.
+class EdgeRestorer {
+ public:
+  EdgeRestorer(int width, int height);
+  // Judges the frame's edges and restores them in place, where they need it. Sharp sensors' frames stay as they are
+  // to the bit. `depth` of the constructor's size; `focal_px` of its camera.
+  void run(DepthImage depth, float focal_px);
+  void reset();
+  // Whether the last run restored edges.
+  bool restored() const { return blends_ || drops_; }
+  const EdgeCounts& counts() const { return counts_; }
+
+ private:
+  void judge(DepthView depth, float focal_px);
+  void restore(DepthImage depth, float focal_px);
+  int half_gap_px() const;
+  EdgeCounts counts_;
+  bool blends_ = false, drops_ = false;
+  std::vector<std::uint16_t> before_;   // the frame as delivered
+  std::vector<std::uint16_t> step_mm_;  // by how large a step a row decided on a pixel; 0: it did not
+};
+
+}  // namespace im2fit
