@@ -11,7 +11,8 @@ namespace im2fit::body {
 namespace {
 
 constexpr std::size_t kCellsMax = 1U << 18;
-constexpr float kCellMm = 20;        // a little more than the mesh's edges: few candidates a cell
+constexpr float kCellMm = 20;           // a little more than the mesh's edges: few candidates a cell
+constexpr float kCoveredWeight = 0.2F;  // of segments that clothes cover in a vertex: hems reach over ankle and wrist
 constexpr float kLimbWeight = 0.1F;  // of a segment's weight in a vertex, from which the vertex belongs to its limb
 
 std::uint8_t limb_of(Segment s) {
@@ -84,9 +85,12 @@ BodySurface::BodySurface(const BodyModel& model) {
   limbs_.assign(count, 0);
   for (std::size_t v = 0; v < count; ++v) {
     const SkinRecord& s = d.skin[v];
-    counts[v] = touches_cloth(static_cast<Segment>(s.segment[0])) ? 1 : 0;
-    for (std::size_t k = 0; k < 4; ++k)
+    float covered = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      covered += touches_cloth(static_cast<Segment>(s.segment[k])) ? s.weight[k] : 0;
       if (k == 0 || s.weight[k] > kLimbWeight) limbs_[v] |= limb_of(static_cast<Segment>(s.segment[k]));
+    }
+    counts[v] = covered > kCoveredWeight ? 1 : 0;
     if (counts[v] != 0) vertices_.push_back(static_cast<std::int32_t>(v));
   }
   for (const auto& t : model.body_triangles()) {

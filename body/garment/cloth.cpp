@@ -24,8 +24,12 @@ constexpr float kBeltOffMaxMm = 30;    // where a belt bridges a fold of skin
 constexpr float kPinchReachMm = 25;    // skin before the cloth, that it may be pinched by
 constexpr float kPinchNearMm = 15;     // off its own skin at most
 constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
-constexpr int kAwakeFrames = 12;       // of still skin, until folds have fallen
-constexpr float kSleepKeeps = 0.75F;   // of the motion, a frame
+// Edges that are stretched by kStretched when a frame begins are held to kStrainMax until it ends, after the skin has
+// pushed: where skin pulls cloth apart, cloth wins.
+constexpr float kStretched = 0.1F, kStrainMax = 0.15F;
+constexpr std::size_t kStretchedPart = 4;  // of the edges, a fourth at most
+constexpr int kAwakeFrames = 12;           // of still skin, until folds have fallen
+constexpr float kSleepKeeps = 0.75F;       // of the motion, a frame
 constexpr float kAsleep = 0.01F;
 constexpr float kBeltPullPerS = 96;  // of the way to its place
 // A belt gives to trousers that a lap draws tight: it pulls as it does from kBeltFirmMm off its place until it has
@@ -37,6 +41,10 @@ constexpr float kLimbOverlapMm = 60;
 
 Float4 lanes_of(Vec3f v) {
   return Float4{v.x, v.y, v.z, 0};
+}
+
+float along_sleeve(Flat f) {
+  return f.x * kSleeveCosine - f.y * kSleeveSine;
 }
 
 }  // namespace
@@ -66,6 +74,7 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
   pinched_.assign(count, 0);
   grip_.assign(count, 1);
   const auto of = [&](CutMeasure m) { return mesh.body[static_cast<std::size_t>(m)]; };
+  const Flat underarm = mesh.underarm;
   for (std::size_t v = 0; v < count; ++v) {
     const Flat f = mesh.flat[v];
     const bool left = mesh.side[v] >= 0, right = mesh.side[v] <= 0;
@@ -73,11 +82,9 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
       return static_cast<std::uint8_t>((left ? l : 0) | (right ? r : 0));
     };
     if (mesh.hang == Hang::shoulders) {
-      // A sleeve begins above the underarm, or beyond the side seam.
-      const float chest = of(CutMeasure::chest);
-      const bool sleeve = f.y > -0.085F * chest - 50 - kLimbOverlapMm || f.x > chest / 4 + kLimbOverlapMm;
+      const bool sleeve = f.y > underarm.y - kLimbOverlapMm || f.x > underarm.x + kLimbOverlapMm;
       if (sleeve && f.x > of(CutMeasure::shoulder_x) - kLimbOverlapMm) limbs_[v] |= both(kLeftArm, kRightArm);
-      if (sleeve && f.x > of(CutMeasure::shoulder_x) + 2 * kLimbOverlapMm)
+      if (sleeve && along_sleeve(f) > along_sleeve(underarm) + kLimbOverlapMm / 2)
         limbs_[v] &= static_cast<std::uint8_t>(~kTrunk);
       if (!sleeve && f.y < -400) limbs_[v] |= kLeftLeg | kRightLeg;
       if (f.y > -kShoulderBandMm || (mesh.border[v] & kOnOpening) != 0) grip_[v] = kShoulderGrip;
@@ -88,6 +95,7 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
     }
   }
   belt_.reserve(count);
+  stretched_.reserve(constraints_.edges.size() / kStretchedPart);
   find_ring();
   tether();
 }
@@ -366,6 +374,33 @@ void Cloth::follow_belt(const BodySurface& skin) {
   }
 }
 
+void Cloth::find_stretched() {
+  stretched_.clear();
+  for (const StretchBatch& batch : constraints_.stretch)
+    for (std::size_t k = 0; k < 4; ++k) {
+      const int lane = static_cast<int>(k);
+      const Float4 d = load(vertices_[static_cast<std::size_t>(batch.a[k])]) -
+                       load(vertices_[static_cast<std::size_t>(batch.b[k])]);
+      const float length = batch.length[lane], much = length * (1 + kStretched);
+      if (sum3(d * d) <= much * much || length <= 0 || stretched_.size() == stretched_.capacity()) continue;
+      const float both = batch.share_a[lane] + batch.share_b[lane];
+      stretched_.push_back({batch.a[k], batch.b[k], length * (1 + kStrainMax), batch.share_a[lane] / both,
+                            batch.share_b[lane] / both});
+    }
+}
+
+void Cloth::limit_strain() {
+  for (const Stretched& e : stretched_) {
+    ClothVertex &a = vertices_[static_cast<std::size_t>(e.a)], &b = vertices_[static_cast<std::size_t>(e.b)];
+    const Float4 d = load(a) - load(b);
+    const float squared = sum3(d * d);
+    if (squared <= e.most_mm * e.most_mm) continue;
+    const float length = std::sqrt(squared), excess = (length - e.most_mm) / length;
+    store(a, load(a) - d * all_of(excess * e.share_a));
+    store(b, load(b) + d * all_of(excess * e.share_b));
+  }
+}
+
 void Cloth::integrate(const ClothFrame& frame) {
   const float keep = 1 - frame.damping_per_s * step_s_;
   const Float4 fall = {0, frame.weightless ? 0 : kGravityMmS2 * step_s_, 0, 0};
@@ -449,14 +484,22 @@ void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<cons
   else if ((frames_ & 1U) == 0)
     layers_.find(vertices_, pinched_);
   ++frames_;
+  if (frame.weightless)
+    stretched_.clear();
+  else
+    find_stretched();
   for (int s = 0; s < substeps_; ++s) {
     integrate(frame);
     solve_stretch(constraints_.stretch, vertices_.data());
-    if ((s & 1) != 0) solve_bend(constraints_.bend, vertices_.data());
+    if ((s & 1) != 0) {
+      solve_bend(constraints_.bend, vertices_.data());
+      solve_rims(constraints_.rims, vertices_.data());
+    }
     if ((s & 1) == 0) hold_tethers();
     layers_.solve(vertices_, before_);
     pull_belt(s);
     collide(s);
+    limit_strain();
     update_velocities();
   }
   if (awake_ < 1) fall_asleep();

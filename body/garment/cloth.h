@@ -74,6 +74,11 @@ class Cloth {
     std::int32_t vertex = 0, anchor = 0;
     float most_mm = 0;
   };
+  struct Stretched {  // an edge, how long it may be, and the share of what it is too long that either end makes up
+                      // for
+    std::int32_t a = 0, b = 0;
+    float most_mm = 0, share_a = 0, share_b = 0;
+  };
   void find_ring();
   void hold_ring(const BodySurface& skin);
   void lay_belt(float up_mm);
@@ -87,6 +92,8 @@ class Cloth {
   void find_contacts(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm);
   void tether();
   void hold_tethers();
+  void find_stretched();
+  void limit_strain();
   void integrate(const ClothFrame& frame);
   void collide(int substep);
   void update_velocities();
@@ -113,6 +120,7 @@ class Cloth {
   std::vector<std::uint8_t> limbs_, pinched_;
   std::vector<float> grip_;  // of friction
   std::vector<Tether> tethers_;
+  std::vector<Stretched> stretched_;
   unsigned frames_ = 0;  // since the cloth was placed
 };
 

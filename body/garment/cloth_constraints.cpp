@@ -14,6 +14,7 @@ constexpr float kBandStiffness = 3;  // ribs and hems are of several layers
 constexpr float kHemBending = 4;
 constexpr float kSeamBending = 2;
 constexpr float kHemMass = 1.6F;
+constexpr float kRimPull = 0.5F;  // of the way to a smooth rim, a pass: hems and bands are folded over and stitched
 constexpr int kColoursMax = 64;
 
 struct Edge {
@@ -43,6 +44,7 @@ class Builder {
       out.edge_mm.push_back(e.length);
     }
     pack(out);
+    span_rims(out);
     return out;
   }
 
@@ -55,6 +57,8 @@ class Builder {
   bool on(std::int32_t v, std::uint8_t border) const {
     return (mesh_.border[static_cast<std::size_t>(v)] & border) != 0;
   }
+
+  float mass_of(std::int32_t v) const { return mass_[static_cast<std::size_t>(v)]; }
 
   void weigh() {
     mass_.assign(mesh_.vertex_count(), 0);
@@ -78,9 +82,29 @@ class Builder {
             found.insert({{std::min(a, b), std::max(a, b)}, std::array<std::int32_t, 2>{opposite, -1}});
         if (!is_new && at->second[1] < 0) at->second[1] = opposite;
       }
+    for (const auto& t : mesh_.triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::int32_t a = t[k], b = t[(k + 1) % 3];
+        if (found.at({std::min(a, b), std::max(a, b)})[1] < 0) rim_next_[a] = b;
+      }
     for (const auto& [ends, opposite] : found) {
       add_edge(ends.first, ends.second, opposite[1] < 0);
       if (opposite[1] >= 0) add_hinge(ends.first, ends.second, opposite[0], opposite[1]);
+    }
+  }
+
+  void span_rims(ClothConstraints& out) const {
+    for (const auto& [first, unused] : rim_next_) {
+      RimSpan span{};
+      std::size_t length = 0;
+      for (auto at = rim_next_.find(first); at != rim_next_.end() && length < 5; at = rim_next_.find(at->second))
+        span.vertex[length++] = at->first;
+      // A rim of fewer vertices would meet itself.
+      if (length < 5 || std::find(span.vertex.begin() + 1, span.vertex.end(), first) != span.vertex.end()) continue;
+      float sum = 0;
+      for (std::size_t k = 0; k < 5; ++k) sum += kRimFactor[k] * kRimFactor[k] / mass_of(span.vertex[k]);
+      for (std::size_t k = 0; k < 5; ++k) span.share[k] = kRimPull * kRimFactor[k] / mass_of(span.vertex[k]) / sum;
+      out.rims.push_back(span);
     }
   }
 
@@ -171,7 +195,7 @@ class Builder {
   void pack(ClothConstraints& out) {
     const float inverse_h2 = 1 / (step_s_ * step_s_);
     const auto unused = static_cast<std::int32_t>(mesh_.vertex_count());
-    const auto weight = [&](std::int32_t v) { return 1 / mass_[static_cast<std::size_t>(v)]; };
+    const auto weight = [&](std::int32_t v) { return 1 / mass_of(v); };
     for (const auto& four : fours(edges_, [](const Edge& e) { return std::array{e.a, e.b}; })) {
       StretchBatch batch{{unused, unused, unused, unused}, {unused, unused, unused, unused}, {}, {}, {}};
       for (std::size_t lane = 0; lane < four.size(); ++lane) {
@@ -206,6 +230,7 @@ class Builder {
   std::vector<float> mass_;  // kg, a vertex each
   std::vector<Edge> edges_;
   std::vector<Hinge> hinges_;
+  std::map<std::int32_t, std::int32_t> rim_next_;  // along edges of one triangle
 };
 
 }  // namespace
@@ -246,6 +271,15 @@ void solve_bend(std::span<const BendHinge> hinges, ClothVertex* vertices) {
     const Float4 bend = (p[0] * all_of(f[0]) + p[1] * all_of(f[1])) + (p[2] * all_of(f[2]) + p[3] * all_of(f[3]));
     for (std::size_t k = 0; k < 4; ++k)
       store(vertices[hinge.vertex[k]], p[k] - bend * all_of(hinge.share[static_cast<int>(k)]));
+  }
+}
+
+void solve_rims(std::span<const RimSpan> rims, ClothVertex* vertices) {
+  for (const RimSpan& rim : rims) {
+    std::array<Float4, 5> p;
+    for (std::size_t k = 0; k < 5; ++k) p[k] = load(vertices[rim.vertex[k]]);
+    const Float4 off = (p[0] + p[4]) * all_of(kRimFactor[0]) + (p[1] + p[3]) * all_of(kRimFactor[1]) + p[2];
+    for (std::size_t k = 0; k < 5; ++k) store(vertices[rim.vertex[k]], p[k] - off * all_of(rim.share[k]));
   }
 }
 

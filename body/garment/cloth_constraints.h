@@ -48,6 +48,14 @@ struct BendHinge {
   Float4 factor, share;
 };
 
+// A vertex of a rim and its two neighbours on either side: where the middle lies off the cubic through the others.
+// Nought where a rim bends evenly, however far it bends.
+struct RimSpan {
+  std::array<std::int32_t, 5> vertex;
+  std::array<float, 5> share;
+};
+inline constexpr std::array<float, 5> kRimFactor = {1.0F / 6, -4.0F / 6, 1, -4.0F / 6, 1.0F / 6};
+
 // Where an edge of a band is kept.
 struct BandEdge {
   std::size_t edge, batch;
@@ -58,6 +66,7 @@ struct BandEdge {
 struct ClothConstraints {
   std::vector<StretchBatch> stretch;
   std::vector<BendHinge> bend;
+  std::vector<RimSpan> rims;
   std::vector<std::array<std::int32_t, 2>> edges;  // every edge once
   std::vector<float> edge_mm;                      // at rest
   std::vector<BandEdge> band;                      // edges along openings
@@ -70,5 +79,6 @@ ClothConstraints constrain(const GarmentMesh& mesh, const Fabric& fabric, float 
 // One pass, in order.
 void solve_stretch(std::span<const StretchBatch> batches, ClothVertex* vertices);
 void solve_bend(std::span<const BendHinge> hinges, ClothVertex* vertices);
+void solve_rims(std::span<const RimSpan> rims, ClothVertex* vertices);
 
 }  // namespace im2fit::body

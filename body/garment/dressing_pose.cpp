@@ -9,9 +9,6 @@
 namespace im2fit::body {
 namespace {
 
-constexpr float kCos22 = 0.92718385F, kSin22 = 0.37460659F;
-constexpr float kCos12 = 0.97814760F, kSin12 = 0.20791169F;
-
 std::size_t at(Segment s) {
   return static_cast<std::size_t>(s);
 }
@@ -80,7 +77,8 @@ Pose dressing_pose(const Skeleton& rest) {
     const auto aim = [&](Segment s, Vec3f direction) {
       pose.rotation[at(s)] = rotation_between(rest.tail[at(s)] - rest.head[at(s)], direction);
     };
-    const Vec3f arm = {side * kCos22, -kSin22, 0}, leg = {side * kSin12, -kCos12, 0};
+    const Vec3f arm = {side * kRaisedArmCosine, -kRaisedArmSine, 0},
+                leg = {side * kSpreadLegSine, -kSpreadLegCosine, 0};
     aim(left ? Segment::left_upper_arm : Segment::right_upper_arm, arm);
     aim(left ? Segment::left_lower_arm : Segment::right_lower_arm, arm);
     aim(left ? Segment::left_hand : Segment::right_hand, arm);

@@ -9,7 +9,10 @@
 
 namespace im2fit::body {
 
-// Arms straight, 22 degrees below level; legs straight, 12 degrees from upright: as patterns are drawn.
+// Of the angles a body is dressed at.
+inline constexpr float kRaisedArmCosine = 0.92718385F, kRaisedArmSine = 0.37460659F;  // 22 degrees below level
+inline constexpr float kSpreadLegCosine = 0.97814760F, kSpreadLegSine = 0.20791169F;  // 12 degrees from upright
+// Arms straight, 22 degrees below level; legs straight, 12 degrees from upright: nothing lies on anything.
 Pose dressing_pose(const Skeleton& rest);
 // `share` 0..1 of the way from `a` to `b`, each segment turning relative to its parent (normalised quaternions).
 Pose between(const Pose& a, const Pose& b, float share);

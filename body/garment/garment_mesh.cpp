@@ -33,6 +33,7 @@ class Sewing {
     mirror();
     compact();
     measure_rims();
+    find_underarm();
     return std::move(mesh_);
   }
 
@@ -171,6 +172,19 @@ class Sewing {
         const float dx = mesh_.flat[v].x - mesh_.flat[rim].x, dy = mesh_.flat[v].y - mesh_.flat[rim].y;
         mesh_.rim_mm[v] = std::min(mesh_.rim_mm[v], std::sqrt(dx * dx + dy * dy));
       }
+  }
+
+  // Of the seams below the sleeve's middle line what lies farthest in and up.
+  void find_underarm() {
+    const float shoulder_x = mesh_.body[static_cast<std::size_t>(CutMeasure::shoulder_x)];
+    float least = 1e30F;
+    for (std::size_t v = 0; v < mesh_.flat.size(); ++v) {
+      const Flat f = mesh_.flat[v];
+      const bool below = f.y * kSleeveCosine + (f.x - shoulder_x) * kSleeveSine < 0;
+      if ((mesh_.border[v] & kOnSeam) == 0 || !below || f.x - f.y >= least) continue;
+      least = f.x - f.y;
+      mesh_.underarm = f;
+    }
   }
 
   CutPattern cut_;

@@ -28,7 +28,8 @@ struct GarmentMesh {
   std::vector<std::uint8_t> border;  // kOnSeam | kOnHem | kOnOpening
   std::vector<float> rim_mm;         // in the pattern, to the nearest hem or opening of the same panel
   std::vector<std::array<std::int32_t, 3>> triangles;  // anticlockwise seen from outside
-  CutBody body{};                                      // it is cut for
+  Flat underarm;   // of what hangs from the shoulders: the corner between side and sleeve
+  CutBody body{};  // it is cut for
 
   std::size_t vertex_count() const { return flat.size(); }
 };

@@ -21,12 +21,13 @@ constexpr float kPutOnDamping = 12;  // per second
 constexpr float kFirstDepth = 0.02F;
 // Arms and trunk begin thin, so that a small size goes over them; thighs would slip beside the crotch.
 constexpr float kFirstSideways = 0.7F;
-constexpr float kBeltShare = 0.98F;  // of the body's girth where the band lies
-constexpr float kBeltLevelMm = 12;   // of skin above and below it
-constexpr float kLayerMm = 6;        // half the distance of front and back as they lie flat
-constexpr float kWornMm = 3;         // cloth on cloth stands off by so much
-constexpr float kWornMaxMm = 4;      // looser cloth below is pressed flat, or hidden
-constexpr float kSlopeMm = 5;        // over an edge of the body's mesh
+constexpr float kBeltShare = 0.98F;   // of the body's girth where the band lies
+constexpr float kBeltLevelMm = 12;    // of skin above and below it
+constexpr float kLayerMm = 6;         // half the distance of front and back as they lie flat
+constexpr float kTrunkTurnsMm = 150;  // below the underarm, as far as a sleeve that is raised takes the side along
+constexpr float kWornMm = 3;          // cloth on cloth stands off by so much
+constexpr float kWornMaxMm = 4;       // looser cloth below is pressed flat, or hidden
+constexpr float kSlopeMm = 5;         // over an edge of the body's mesh
 constexpr int kSlopePasses = 4;
 constexpr float kHiddenReachMm = 60;  // farther cloth hides nothing: it lies before it anyway
 constexpr float kHiddenRimMm = 40;    // skin nearer to a hem may be seen
@@ -172,24 +173,30 @@ void Outfit::place_flat(Cloth& cloth, const PosedSkeleton& bones) {
   const GarmentMesh& mesh = cloth.mesh();
   const Vec3f shoulder = bones.head[at(Segment::left_upper_arm)], hip = bones.head[at(Segment::left_upper_leg)];
   const Vec3f middle = bones.head[at(Segment::pelvis)];
+  constexpr float kRaised = kRaisedArmSine / kRaisedArmCosine, kSpread = kSpreadLegSine / kSpreadLegCosine;
+  // A pattern is drawn at other angles than a body is dressed at: its sleeves and legs are pushed over to those.
+  constexpr float kSleeveUp = kSleeveSine / kSleeveCosine - kRaised, kLegOut = kSpread - kLegTangent;
+  const float shoulder_x = mesh.body[static_cast<std::size_t>(CutMeasure::shoulder_x)];
   // The sleeve's middle line falls on the arm's: a pattern's shoulder joint may lie farther out than the body's.
-  constexpr float kTan22 = 0.40402623F;
-  const float out = shoulder.x - middle.x - mesh.body[static_cast<std::size_t>(CutMeasure::shoulder_x)];
-  const float up = mesh.hang == Hang::shoulders ? shoulder.y + kTan22 * out : hip.y;
+  const float out = shoulder.x - middle.x - shoulder_x;
+  const float up = mesh.hang == Hang::shoulders ? shoulder.y + kRaised * out : hip.y;
   const float z = mesh.hang == Hang::shoulders ? shoulder.z : hip.z;
   const CrotchDepth crotch(mesh);
   flat_.clear();
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     const Flat f = mesh.flat[v];
-    float x = f.x;
+    float x = f.x, y = f.y;
     float half = kLayerMm;
     if (mesh.legs) {
       half = crotch.half_mm(f);
-      x = mesh.side[v] == 0 ? 0.0F : std::max(x, 2.0F);
+      x = mesh.side[v] == 0 ? 0.0F : std::max(x + kLegOut * std::max(0.0F, -y), 2.0F);
     }
+    if (mesh.hang == Hang::shoulders)
+      y += kSleeveUp * std::max(0.0F, x - shoulder_x) *
+           std::clamp((y - mesh.underarm.y) / kTrunkTurnsMm + 1, 0.0F, 1.0F);
     const float toward = mesh.layer[v] == kFrontLayer ? half : mesh.layer[v] == kBackLayer ? -half : 0.0F;
     const float side = mesh.side[v] < 0 ? -1.0F : 1.0F;
-    flat_.push_back({middle.x + side * x, f.y + up, z + toward});
+    flat_.push_back({middle.x + side * x, y + up, z + toward});
   }
   cloth.place(flat_);
 }

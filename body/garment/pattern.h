@@ -2,9 +2,9 @@
 // A garment as a tailor draws it: a flat outline whose points are sums of body measurements, so that one drawing is
 // cut in every size. Text becomes a GarmentPattern in engine/report/garment_file.h; docs/garments.md has every field.
 //
-// Axes of a pattern: x outwards from the centre line to the wearer's left, y up along the grain, mm. It is drawn as
-// the body stands to be dressed (body/garment/dressing_pose.h): sleeves 22 degrees below level, legs 12 degrees from
-// upright.
+// Axes of a pattern: x outwards from the centre line to the wearer's left, y up along the grain, mm. Sleeves
+// are drawn 30 degrees below level and legs 7 degrees from upright: nearer to how people stand than to how they are
+// dressed (body/garment/dressing_pose.h), or cloth stands off arms that hang and hips.
 #pragma once
 
 #include <array>
@@ -61,6 +61,10 @@ struct LinearForm {
   float mm = 0;
   std::vector<Term> terms;
 };
+
+// Of these angles.
+inline constexpr float kSleeveCosine = 0.86602540F, kSleeveSine = 0.50000000F;
+inline constexpr float kLegTangent = 0.12278456F;
 
 enum class EdgeKind : std::uint8_t {
   centre,   // the middle: a fold, or the seam that joins left and right; both panels' own line
