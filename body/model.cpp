@@ -155,6 +155,9 @@ Status read_sections(std::span<const std::byte> bytes, const std::string& what, 
                                          std::to_string(d.modifier_names.size()) + " lines, 'modifiers' has " +
                                          std::to_string(d.modifiers.size()) + " records"};
   if (const Status valid = Validator(d, what).check(); !valid) return valid.error();
+  auto look = read_look(*reader, d.base.size(), d.quads.size(), what);
+  if (!look) return look.error();
+  d.look = *look;
   auto space = read_shape_space(*reader, what);
   if (!space) return space.error();
   d.shape_space = std::move(*space);

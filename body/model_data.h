@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "body/fit/shape_space.h"
+#include "body/look.h"
 #include "body/model.h"
 #include "core/file.h"
 #include "kernels/blend/blend.h"
@@ -112,6 +113,7 @@ struct BodyModel::Data {
   std::span<const std::int32_t> list_vertices;
   std::span<const std::int32_t> landmarks;
 
+  Look look;
   ShapeSpace shape_space;
   std::vector<std::string> modifier_names;
   std::vector<std::array<std::int32_t, 3>> triangles;

@@ -12,6 +12,7 @@
 #include "index/format.h"
 #include "lab/dataset/dataset.h"
 #include "lab/index_building/builder.h"
+#include "lab/makehuman/makehuman.h"
 #include "lab/population/shape_space_builder.h"
 #include "lab/tracker_training/train_tracker.h"
 #include "perception/joints/model_data.h"
@@ -81,8 +82,8 @@ Result<std::string> body_fingerprint(const body::BodyModel& model) {
   Checksum sum;
   for (const auto* values : {&space.point_mean, &space.point_basis, &space.bone_mean, &space.bone_basis})
     sum.add(*values);
-  return "body " + std::to_string(body::kBodyVersion) + " population " + std::to_string(body::kPopulationVersion) +
-         " trial " + sum.hex();
+  return "body " + std::to_string(body::kBodyVersion) + " look " + std::to_string(body::kLookVersion) +
+         " population " + std::to_string(body::kPopulationVersion) + " trial " + sum.hex();
 }
 
 Result<std::string> tracker_fingerprint(const body::BodyModel& model) {

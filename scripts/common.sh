@@ -47,11 +47,23 @@ fingerprint() {
 made() { [ -s "$1" ] && { [ "${IM2FIT_KEEP_DATA:-0}" = 1 ] || [ "$(cat "$1.made" 2>/dev/null)" = "$2" ]; }; }
 mark() { printf '%s\n' "$2" > "$1.made"; }
 
+# shape_digest LAB: of the body data, without what only pictures show; remembered for each file.
+shape_digest() {
+  local lab=$1 known
+  known=$cache/fingerprints/$(sha256sum "$IM2FIT_BODY" | cut -c1-24)-shape
+  if [ ! -s "$known" ]; then
+    mkdir -p "$cache/fingerprints"
+    "$lab" fingerprint shape --body "$IM2FIT_BODY" | sha256sum | cut -c1-16 > "$known.new" || return 1
+    mv "$known.new" "$known"
+  fi
+  cat "$known"
+}
+
 # prepare LAB DIRECTORY SUBJECTS TRAINING_IMAGES LEVEL_TREES: body data, tracker and index into DIRECTORY, each made
 # once and made again when its key changes: the file before it, the settings here, and the program's fingerprint, which
 # a change of arithmetic changes and a comment does not.
 prepare() {
-  local lab=$1 directory=$2 subjects=$3 images=$4 trees=$5 key print
+  local lab=$1 directory=$2 subjects=$3 images=$4 trees=$5 key print shape
   mkdir -p "$directory"
   export IM2FIT_BODY=$cache/body.i2b IM2FIT_TRACKER=$directory/tracker.i2t IM2FIT_INDEX=$directory/index.i2f
   # The trial needs a body: one that cannot be read is no longer good.
@@ -63,7 +75,8 @@ prepare() {
   fi
   # An assignment of its own: a trial that fails ends the script, where it would vanish inside a longer text.
   print=$(fingerprint "$lab" tracker)
-  key="$print, $images renders, $trees trees, body $(sha256sum "$IM2FIT_BODY" | cut -c1-16)"
+  shape=$(shape_digest "$lab")
+  key="$print, $images renders, $trees trees, body $shape"
   if ! made "$IM2FIT_TRACKER" "$key"; then
     say "tracker from $images renders"
     "$lab" train --images "$images" --level-trees "$trees" --out "$IM2FIT_TRACKER"

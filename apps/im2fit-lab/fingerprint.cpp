@@ -3,7 +3,11 @@
 
 #include <fmt/core.h>
 
+#include <cstdio>
+
 #include "apps/im2fit-lab/commands.h"
+#include "body/look.h"
+#include "core/file.h"
 #include "engine/data_files.h"
 #include "engine/paths.h"
 
@@ -26,7 +30,19 @@ Result<std::string> fingerprint_of(const FingerprintCommand& options) {
   return index_fingerprint(*model, tracker->model());
 }
 
+// The body file without its look: what trackers and indexes are made of.
+Result<int> write_shape(const std::string& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return bytes.error();
+  const auto shape = body::without_look(*bytes, path);
+  if (!shape) return shape.error();
+  if (std::fwrite(shape->data(), 1, shape->size(), stdout) != shape->size())
+    return Error{ErrorCode::io, "standard output cannot be written"};
+  return kExitOk;
+}
+
 Result<int> run_fingerprint(const FingerprintCommand& options) {
+  if (options.what == "shape") return write_shape(options.body);
   const auto text = fingerprint_of(options);
   if (!text) return text.error();
   fmt::print("{}\n", *text);
@@ -41,7 +57,11 @@ void add_fingerprint(cli::App& app, Command& chosen) {
       app, chosen, "fingerprint",
       "Versions, and a checksum of a small trial run, of what makes data: whether data made earlier is still good",
       "  im2fit-lab fingerprint tracker", options, run_fingerprint);
-  sub->add_option("WHAT", options->what, "body, tracker or index")->one_of({"body", "tracker", "index"})->required();
+  sub->add_option(
+         "WHAT", options->what,
+         "body, tracker or index; shape: the body file's bytes without what only pictures show, to take a digest of")
+      ->one_of({"body", "tracker", "index", "shape"})
+      ->required();
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
   sub->add_option("--tracker", options->tracker, "Tracker file")->type_name("FILE")->capture_default_str();
 }

@@ -92,7 +92,9 @@ Status draw(const TryOptions& options, const body::GarmentPattern& pattern, cons
   frame.high_mm = high + 40;
   constexpr PictureView kViews[] = {kFrontView, kSlantView, kLeftView, kBackView};
   const LinearColour colours[] = {pattern.colour};
-  const auto png = draw_outfit(model, **outfit, colours, kViews, frame).png();
+  const auto png = draw_outfit(model, **outfit, person.female > 0.5F ? body::LookOf::woman : body::LookOf::man,
+                               colours, kViews, frame)
+                       .png();
   if (!png) return png.error();
   return write_file_atomically(options.out, *png, Readable::by_owner);
 }

@@ -39,18 +39,6 @@ Mat3f local_rotation(const Pose& pose, std::size_t segment) {
                     : transpose(pose.rotation[static_cast<std::size_t>(parent)]) * pose.rotation[segment];
 }
 
-std::vector<Vec3f> vertex_normals(std::span<const Vec3f> vertices,
-                                  std::span<const std::array<std::int32_t, 4>> quads) {
-  std::vector<Vec3f> normals(vertices.size());
-  for (const auto& q : quads) {
-    const auto v = [&](std::size_t i) { return vertices[static_cast<std::size_t>(q[i])]; };
-    const Vec3f n = cross(v(2) - v(0), v(3) - v(1));  // the diagonals: twice the quad's area
-    for (const std::int32_t i : q) normals[static_cast<std::size_t>(i)] = normals[static_cast<std::size_t>(i)] + n;
-  }
-  for (Vec3f& n : normals) n = dot(n, n) > 0 ? normalized(n) : Vec3f{0, 1, 0};
-  return normals;
-}
-
 void append_number(std::string& out, double value, int decimals) {
   std::array<char, 64> text{};
   const auto [end, error] =

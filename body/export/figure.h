@@ -21,10 +21,6 @@ Result<Figure> make_figure(const Avatar& avatar);
 // Rotation of a segment relative to its parent.
 Mat3f local_rotation(const Pose& pose, std::size_t segment);
 
-// Unit normals, area-weighted over the quads; one a vertex of `vertices`, up where no face touches it.
-std::vector<Vec3f> vertex_normals(std::span<const Vec3f> vertices,
-                                  std::span<const std::array<std::int32_t, 4>> quads);
-
 // Appends with a fixed number of decimals and a point whatever the locale.
 void append_number(std::string& out, double value, int decimals);
 

@@ -20,6 +20,7 @@ using Json = nlohmann::json;
 
 constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedByte = 5121;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
+constexpr int kLinear = 9729, kLinearMipmapLinear = 9987;
 
 // The one binary buffer and the views and accessors into it.
 class Buffer {
@@ -35,6 +36,13 @@ class Buffer {
     accessors_.push_back(
         {{"bufferView", views_.size() - 1}, {"componentType", component}, {"count", count}, {"type", type}});
     return static_cast<int>(accessors_.size()) - 1;
+  }
+  // A view that no accessor reads; its number.
+  std::size_t add_bytes(std::span<const std::byte> bytes) {
+    while (bytes_.size() % 4 != 0) bytes_.push_back(std::byte{0});
+    views_.push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}});
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    return views_.size() - 1;
   }
   int add_positions(std::span<const Vec3f> values) {
     const int accessor = add(values, "VEC3", kFloat, values.size(), kArrayBuffer);
@@ -68,30 +76,40 @@ Vec3f standing(Vec3f rest, float floor_mm) {
   return Vec3f{rest.x, rest.y - floor_mm, rest.z} * kMetres;
 }
 
-// Quads whose corners are all hidden stand apart; `hidden` may be empty.
-Part body_part(const BodyModel::Data& d, std::span<const Vec3f> rest, float floor_mm,
-               std::span<const std::uint8_t> hidden) {
+// What is drawn of a look's surface at rest, triangle by triangle.
+Part part_of(const LookPart& look, float floor_mm) {
   Part part;
-  std::vector<int> number(rest.size(), -1);
-  const auto normals = vertex_normals(rest, d.quads);
-  const auto vertex = [&](std::int32_t old) {
-    const auto v = static_cast<std::size_t>(old);
-    if (number[v] < 0) {
-      number[v] = static_cast<int>(part.positions.size());
-      part.positions.push_back(standing(rest[v], floor_mm));
-      part.normals.push_back(normals[v]);
-      part.joints.push_back(d.skin[v].segment);
-      part.weights.push_back(d.skin[v].weight);
-    }
-    return static_cast<std::uint16_t>(number[v]);
-  };
-  for (const auto& q : d.quads) {
-    const bool seen = hidden.empty() || std::any_of(q.begin(), q.end(), [&](std::int32_t v) {
-                        return hidden[static_cast<std::size_t>(v)] == 0;
-                      });
-    for (const std::size_t i : {0, 1, 2, 0, 2, 3})
-      (seen ? part.indices : part.hidden_indices).push_back(vertex(q[i]));
+  for (const Vec3f& p : look.positions) part.positions.push_back(standing(p, floor_mm));
+  part.normals = look.normals;
+  for (const SkinRecord& s : look.skin) {
+    part.joints.push_back(s.segment);
+    part.weights.push_back(s.weight);
   }
+  for (const TextureCoordinate& t : look.texture) part.texture.push_back({t.u, t.v});
+  return part;
+}
+
+void append_quad(const std::array<std::int32_t, 4>& quad, std::vector<std::uint16_t>& indices) {
+  for (const std::size_t i : {0, 1, 2, 0, 2, 3}) indices.push_back(static_cast<std::uint16_t>(quad[i]));
+}
+
+// Quads whose corners are all hidden stand apart; `hidden` may be empty.
+Part body_part(const BodyModel& model, std::span<const Vec3f> rest, float floor_mm,
+               std::span<const std::uint8_t> hidden) {
+  const SkinPart look = skin_part(model, rest);
+  Part part = part_of(look, floor_mm);
+  for (const auto& q : look.quads) {
+    const bool seen = hidden.empty() || std::any_of(q.begin(), q.end(), [&](std::int32_t v) {
+                        return hidden[static_cast<std::size_t>(look.body_vertex[static_cast<std::size_t>(v)])] == 0;
+                      });
+    append_quad(q, seen ? part.indices : part.hidden_indices);
+  }
+  return part;
+}
+
+Part look_part(const LookPart& look, float floor_mm) {
+  Part part = part_of(look, floor_mm);
+  for (const auto& q : look.quads) append_quad(q, part.indices);
   return part;
 }
 
@@ -187,10 +205,18 @@ Json joint_nodes(const Figure& f) {
   return nodes;
 }
 
-Json material(const char* name, std::array<float, 4> colour, bool double_sided) {
-  return {{"name", name},
-          {"doubleSided", double_sided},
-          {"pbrMetallicRoughness", {{"baseColorFactor", colour}, {"metallicFactor", 0}, {"roughnessFactor", 0.8}}}};
+Json material(const char* name, std::array<float, 4> colour, bool double_sided, double roughness = 0.8) {
+  return {
+      {"name", name},
+      {"doubleSided", double_sided},
+      {"pbrMetallicRoughness", {{"baseColorFactor", colour}, {"metallicFactor", 0}, {"roughnessFactor", roughness}}}};
+}
+
+// Of the one texture.
+Json textured(const char* name, bool double_sided, double roughness) {
+  Json json = material(name, {1, 1, 1, 1}, double_sided, roughness);
+  json["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  return json;
 }
 
 // Channels for node 0's translation and every segment's rotation, all at the same times.
@@ -251,8 +277,11 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
     avatar.outfit->hidden_skin(hidden);
   }
   // By name: clang reads a list of one in braces as that one, GCC as a list.
-  Json primitives = Json::array({primitive(buffer, body_part(d, figure->rest, figure->floor_rest, hidden), 0)});
-  Json materials = Json::array({material("skin", {0.78F, 0.63F, 0.55F, 1}, false)});
+  Json primitives =
+      Json::array({primitive(buffer, body_part(*avatar.model, figure->rest, figure->floor_rest, hidden), 0)});
+  const bool has_look = !d.look.empty();
+  Json materials =
+      Json::array({has_look ? textured("skin", false, 0.7) : material("skin", {0.78F, 0.63F, 0.55F, 1}, false)});
   for (std::size_t i = 0; i < garments; ++i) {
     const ClothLook look = i < avatar.looks.size() ? avatar.looks[i] : ClothLook{"cloth"};
     Part part = garment_part(*avatar.model, *figure, *avatar.outfit, i);
@@ -262,6 +291,17 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
       for (const auto& colour : look.vertex_colours) part.colours.push_back(bytes_of_colour(colour));
     primitives.push_back(primitive(buffer, part, static_cast<int>(i) + 1));
     materials.push_back(material(look.name.c_str(), {c[0], c[1], c[2], 1}, true));
+  }
+  const LookOf whose = look_of(avatar.params.gender);
+  if (has_look) {
+    const auto add = [&](const LookPart& look, Json of) {
+      if (look.quads.empty()) return;
+      primitives.push_back(
+          primitive(buffer, look_part(look, figure->floor_rest), static_cast<int>(materials.size())));
+      materials.push_back(std::move(of));
+    };
+    add(eyes_part(*avatar.model, figure->rest), textured("eyes", false, 0.25));
+    add(hair_part(*avatar.model, figure->rest, {}, whose), textured("hair", true, 0.6));
   }
 
   // Column-major translations by minus the joint's rest position, in the mesh's own space (floor at y = 0).
@@ -276,6 +316,8 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
   const int matrices =
       buffer.add(std::span<const std::array<float, 16>>(inverse_bind), "MAT4", kFloat, inverse_bind.size());
 
+  const std::size_t image =
+      has_look ? buffer.add_bytes(d.look.texture[static_cast<std::size_t>(whose)]) : std::size_t{0};
   const Json animations = keys.empty() ? Json() : Json::array({animation(buffer, figure->skeleton, keys)});
 
   Json nodes = joint_nodes(*figure);
@@ -294,6 +336,11 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
       {"buffers", {{{"byteLength", buffer.bytes_.size()}}}},
   };
   if (!keys.empty()) document["animations"] = animations;
+  if (has_look) {
+    document["images"] = {{{"bufferView", image}, {"mimeType", "image/png"}, {"name", "skin"}}};
+    document["samplers"] = {{{"magFilter", kLinear}, {"minFilter", kLinearMipmapLinear}}};
+    document["textures"] = {{{"source", 0}, {"sampler", 0}}};
+  }
   const std::string text = document.dump();
 
   std::vector<std::byte> chunks;

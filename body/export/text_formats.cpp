@@ -82,32 +82,63 @@ std::string bvh_of(const Figure& figure, std::span<const Pose> poses, double fra
   return out;
 }
 
+// Appends an object. `first`: how many vertices, texture coordinates and normals the file has, kept up. `vertex_of`:
+// which of the part's positions and normals, whose first `vertex_count` are written, each of its vertices has.
+template <class VertexOf>
+void append_object(std::string& out, const char* name, const LookPart& part, std::size_t vertex_count,
+                   VertexOf vertex_of, std::array<std::size_t, 2>& first) {
+  out += std::string("o ") + name + "\n";
+  for (const Vec3f& v : std::span(part.positions).first(vertex_count)) {
+    out += "v ";
+    append_triple(out, v, 1e-3, 6);
+    out += '\n';
+  }
+  for (const TextureCoordinate& t : part.texture) {  // v upwards here
+    out += "vt ";
+    append_number(out, static_cast<double>(t.u), 5);
+    out += ' ';
+    append_number(out, 1 - static_cast<double>(t.v), 5);
+    out += '\n';
+  }
+  for (const Vec3f& n : std::span(part.normals).first(vertex_count)) {
+    out += "vn ";
+    append_triple(out, n, 1, 4);
+    out += '\n';
+  }
+  for (const auto& q : part.quads) {
+    out += 'f';
+    for (const std::int32_t v : q) {
+      const std::string index = std::to_string(first[0] + vertex_of(static_cast<std::size_t>(v)) + 1);
+      out += " " + index + "/";
+      if (!part.texture.empty()) out += std::to_string(first[1] + static_cast<std::size_t>(v) + 1);
+      out += "/" + index;
+    }
+    out += '\n';
+  }
+  first[0] += vertex_count;
+  first[1] += part.texture.size();
+}
+
 }  // namespace
 
 Result<std::string> obj_of(const Avatar& avatar) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
-  const auto body = std::span(figure->posed).first(static_cast<std::size_t>(avatar.model->body_vertex_count()));
-  const auto quads = avatar.model->body_quads();
-  std::string out = "# im2fit avatar: metres, y up\no body\n";
-  for (const Vec3f& v : body) {
-    out += "v ";
-    append_triple(out, v, 1e-3, 6);
-    out += '\n';
-  }
-  for (const Vec3f& n : vertex_normals(body, quads)) {
-    out += "vn ";
-    append_triple(out, n, 1, 4);
-    out += '\n';
-  }
-  for (const auto& q : quads) {
-    out += 'f';
-    for (const std::int32_t v : q) {
-      const std::string index = std::to_string(v + 1);
-      out += " " + index + "//" + index;
-    }
-    out += '\n';
-  }
+  const BodyModel& model = *avatar.model;
+  std::string out = "# im2fit avatar: metres, y up\n";
+  std::array<std::size_t, 2> first{};
+  const SkinPart body = skin_part(model, figure->posed);
+  append_object(
+      out, "body", body, static_cast<std::size_t>(model.body_vertex_count()),
+      [&](std::size_t v) { return static_cast<std::size_t>(body.body_vertex[v]); }, first);
+  const Mat3f& head = figure->pose.rotation[static_cast<std::size_t>(Segment::head)];
+  const std::pair<const char*, LookPart> others[] = {
+      {"eyes", eyes_part(model, figure->posed)},
+      {"hair", hair_part(model, figure->posed, head, look_of(avatar.params.gender))}};
+  for (const auto& [name, part] : others)
+    if (!part.quads.empty())
+      append_object(
+          out, name, part, part.positions.size(), [](std::size_t v) { return v; }, first);
   return out;
 }
 

@@ -26,6 +26,7 @@ struct Corner {
   float x, y, z;  // pixels, and towards the viewer in mm
   Vec3f normal;
   LinearColour colour;
+  body::TextureCoordinate place;
 };
 
 LinearColour lit(const LinearColour& colour, Vec3f normal) {
@@ -34,10 +35,10 @@ LinearColour lit(const LinearColour& colour, Vec3f normal) {
   return {colour[0] * light, colour[1] * light, colour[2] * light};
 }
 
-void fill(Raster& raster, const std::array<Corner, 3>& c, bool two_sided) {
+void fill(Raster& raster, const std::array<Corner, 3>& c, const PictureMesh& mesh) {
   const float area = (c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y);
   const bool inside = area > 0;  // pictures' y goes down
-  if (area == 0 || (inside && !two_sided)) return;
+  if (area == 0 || (inside && !mesh.two_sided)) return;
   const auto [x_low, x_high] = std::minmax({c[0].x, c[1].x, c[2].x});
   const auto [y_low, y_high] = std::minmax({c[0].y, c[1].y, c[2].y});
   const int x0 = std::max(0, static_cast<int>(std::floor(x_low)));
@@ -58,8 +59,11 @@ void fill(Raster& raster, const std::array<Corner, 3>& c, bool two_sided) {
       Vec3f normal = normalized(c[0].normal * a + c[1].normal * b + c[2].normal * d);
       if (inside) normal = normal * -1.0F;
       LinearColour mixed{};
-      for (std::size_t i = 0; i < 3; ++i)
-        mixed[i] = (c[0].colour[i] * a + c[1].colour[i] * b + c[2].colour[i] * d) * (inside ? kInside : 1.0F);
+      for (std::size_t i = 0; i < 3; ++i) mixed[i] = c[0].colour[i] * a + c[1].colour[i] * b + c[2].colour[i] * d;
+      if (mesh.texture != nullptr)
+        mixed = mesh.texture->at(c[0].place.u * a + c[1].place.u * b + c[2].place.u * d,
+                                 c[0].place.v * a + c[1].place.v * b + c[2].place.v * d);
+      for (float& channel : mixed) channel *= inside ? kInside : 1.0F;
       raster.colour[at] = lit(mixed, normal);
     }
 }
@@ -76,10 +80,14 @@ void draw(Raster& raster, const PictureMesh& mesh, const PictureView& view, cons
       const auto v = static_cast<std::size_t>(t[k]);
       all_left_out = all_left_out && mesh.left_out[v] != 0;
       const Vec3f p = turned(mesh.positions[v] - Vec3f{frame.middle_x_mm, 0, frame.middle_z_mm});
-      corners[k] = {static_cast<float>(raster.width) / 2 + p.x * scale, (frame.high_mm - p.y) * scale, p.z,
-                    turned(mesh.normals[v]), mesh.colours.empty() ? mesh.colour : mesh.colours[v]};
+      corners[k] = {static_cast<float>(raster.width) / 2 + p.x * scale,
+                    (frame.high_mm - p.y) * scale,
+                    p.z,
+                    turned(mesh.normals[v]),
+                    mesh.colours.empty() ? mesh.colour : mesh.colours[v],
+                    mesh.texture != nullptr ? mesh.coordinates[v] : body::TextureCoordinate{}};
     }
-    if (!all_left_out) fill(raster, corners, mesh.two_sided);
+    if (!all_left_out) fill(raster, corners, mesh);
   }
 }
 
@@ -113,21 +121,36 @@ Canvas draw_meshes(std::span<const PictureMesh> meshes, std::span<const PictureV
   return canvas;
 }
 
-Canvas draw_outfit(const body::BodyModel& model, const body::Outfit& outfit, std::span<const LinearColour> colours,
-                   std::span<const PictureView> views, const PictureFrame& frame) {
-  const auto count = static_cast<std::size_t>(model.body_vertex_count());
-  const auto skin = outfit.body().first(count);
-  std::vector<Vec3f> normals(count);
-  for (const auto& t : model.body_triangles()) {
-    const auto at = [&](std::size_t k) { return static_cast<std::size_t>(t[k]); };
-    const Vec3f n = cross(skin[at(1)] - skin[at(0)], skin[at(2)] - skin[at(0)]);
-    for (std::size_t k = 0; k < 3; ++k) normals[at(k)] = normals[at(k)] + n;
-  }
-  for (Vec3f& n : normals) n = normalized(n);
-  std::vector<std::uint8_t> hidden(count);
+Canvas draw_outfit(const body::BodyModel& model, const body::Outfit& outfit, body::LookOf whose,
+                   std::span<const LinearColour> colours, std::span<const PictureView> views,
+                   const PictureFrame& frame) {
+  const body::SkinPart skin = body::skin_part(model, outfit.body());
+  const body::Mat3f& head = outfit.pose().rotation[static_cast<std::size_t>(body::Segment::head)];
+  const std::array<body::LookPart, 2> others = {body::eyes_part(model, outfit.body()),
+                                                body::hair_part(model, outfit.body(), head, whose)};
+  const body::Look& look = model.data().look;
+  const auto texture =
+      look.empty() ? Result<Texture>(Error{}) : Texture::decode(look.texture[static_cast<std::size_t>(whose)]);
+  const Texture* const worn = texture ? &*texture : nullptr;
+  std::vector<std::uint8_t> hidden(static_cast<std::size_t>(model.body_vertex_count()));
   outfit.hidden_skin(hidden);
-  std::vector<PictureMesh> meshes(1);
-  meshes[0] = {skin, normals, model.body_triangles(), kSkin, {}, hidden, false};
+  for (std::size_t v = hidden.size(); v < skin.positions.size(); ++v)
+    hidden.push_back(hidden[static_cast<std::size_t>(skin.body_vertex[v])]);
+  std::array<std::vector<std::array<std::int32_t, 3>>, 3> triangles;
+  std::vector<PictureMesh> meshes;
+  const auto add = [&](const body::LookPart& part, LinearColour colour,
+                       std::vector<std::array<std::int32_t, 3>>& of) {
+    for (const auto& q : part.quads) {
+      of.push_back({q[0], q[1], q[2]});
+      of.push_back({q[0], q[2], q[3]});
+    }
+    meshes.push_back({part.positions, part.normals, of, colour, {}, {}, false, part.texture, worn});
+  };
+  add(skin, kSkin, triangles[0]);
+  meshes.back().left_out = hidden;
+  if (worn != nullptr)
+    for (std::size_t i = 0; i < others.size(); ++i) add(others[i], kSkin, triangles[i + 1]);
+  if (worn != nullptr) meshes.back().two_sided = true;  // the rim of hair
   std::vector<std::vector<Vec3f>> places(outfit.size());
   std::vector<std::vector<LinearColour>> tints(outfit.size());
   std::vector<std::vector<std::uint8_t>> covered(outfit.size());
@@ -145,7 +168,8 @@ Canvas draw_outfit(const body::BodyModel& model, const body::Outfit& outfit, std
     }
     covered[i].resize(mesh.vertex_count());
     outfit.hidden_cloth(i, covered[i]);
-    meshes.push_back({places[i], cloth.normals(), mesh.triangles, colours[i], tints[i], covered[i], true});
+    meshes.push_back(
+        {places[i], cloth.normals(), mesh.triangles, colours[i], tints[i], covered[i], true, {}, nullptr});
   }
   return draw_meshes(meshes, views, frame);
 }

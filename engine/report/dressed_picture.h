@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "body/garment/outfit.h"
+#include "body/look.h"
 #include "core/vec3.h"
 #include "engine/report/canvas.h"
+#include "engine/report/texture.h"
 
 namespace im2fit {
 
@@ -22,6 +24,9 @@ struct PictureMesh {
   std::span<const LinearColour> colours;   // a vertex each; empty: `colour`
   std::span<const std::uint8_t> left_out;  // a vertex each: 1, triangles of three such are not drawn; empty: all are
   bool two_sided = false;                  // the inside is drawn too, darker
+  std::span<const body::TextureCoordinate> coordinates =
+      {};  // a vertex each, with `texture`, whose colours are then the mesh's
+  const Texture* texture = nullptr;
 };
 
 struct PictureView {
@@ -39,8 +44,10 @@ struct PictureFrame {
 Canvas draw_meshes(std::span<const PictureMesh> meshes, std::span<const PictureView> views,
                    const PictureFrame& frame);
 
-// A body in clothes as its last frame ended, hidden skin left out. `colours`: a garment each.
-Canvas draw_outfit(const body::BodyModel& model, const body::Outfit& outfit, std::span<const LinearColour> colours,
-                   std::span<const PictureView> views, const PictureFrame& frame);
+// A body in clothes as its last frame ended, hidden skin left out. `colours`: a garment each. Eyes, hair and the
+// skin's texture are those of the body file; without them the skin has one colour.
+Canvas draw_outfit(const body::BodyModel& model, const body::Outfit& outfit, body::LookOf whose,
+                   std::span<const LinearColour> colours, std::span<const PictureView> views,
+                   const PictureFrame& frame);
 
 }  // namespace im2fit

@@ -160,8 +160,9 @@ void draw_row(const body::BodyModel& model, std::uint64_t number, Canvas& plate)
   frame.low_mm = low - margin;
   frame.high_mm = high + margin;
   constexpr PictureView kViews[] = {kFrontView, kLeftView, kBackView};
-  paste(draw_outfit(model, bare, {}, std::span(kViews).first(1), frame), plate, 2 * kCellWidth, top);
-  paste(draw_outfit(model, dressed, colours, kViews, frame), plate, 3 * kCellWidth, top);
+  const auto whose = subject.woman ? body::LookOf::woman : body::LookOf::man;
+  paste(draw_outfit(model, bare, whose, {}, std::span(kViews).first(1), frame), plate, 2 * kCellWidth, top);
+  paste(draw_outfit(model, dressed, whose, colours, kViews, frame), plate, 3 * kCellWidth, top);
 }
 
 }  // namespace

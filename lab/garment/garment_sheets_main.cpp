@@ -93,7 +93,9 @@ int run(const char* path, const std::string& folder, const std::vector<std::stri
     PictureFrame frame = frame_of(*model, outfit, person);
     frame.width = 400;
     frame.height = 860;
-    if (!write(draw_outfit(*model, outfit, colours, kViews, frame), folder + "/" + person.name + ".png")) return 1;
+    const auto whose = person.woman ? body::LookOf::woman : body::LookOf::man;
+    if (!write(draw_outfit(*model, outfit, whose, colours, kViews, frame), folder + "/" + person.name + ".png"))
+      return 1;
     if (quick) continue;
     frame.width = 300;
     frame.height = 420;
@@ -103,8 +105,8 @@ int run(const char* path, const std::string& folder, const std::vector<std::stri
       outfit.move_to(poses[i].pose, 20);
       for (int k = 0; k < 20; ++k) outfit.frame(poses[i].pose);
       report(person.name.c_str(), poses[i].name.c_str(), names, outfit);
-      paste(draw_outfit(*model, outfit, colours, kTwo, frame), sheet, static_cast<int>(i % 5) * 2 * frame.width,
-            static_cast<int>(i / 5) * frame.height);
+      paste(draw_outfit(*model, outfit, whose, colours, kTwo, frame), sheet,
+            static_cast<int>(i % 5) * 2 * frame.width, static_cast<int>(i / 5) * frame.height);
       outfit.move_to(poses[0].pose, 20);
     }
     if (!write(sheet, folder + "/" + person.name + "-poses.png")) return 1;
@@ -114,8 +116,8 @@ int run(const char* path, const std::string& folder, const std::vector<std::stri
       const float share = static_cast<float>(i < 6 ? i + 1 : 11 - i) / 6;
       constexpr int kFrames = 4;  // of each picture: the arms rise in 0.8 s
       outfit.move_to(body::between(poses[0].pose, poses[3].pose, share), kFrames);
-      paste(draw_outfit(*model, outfit, colours, std::span(kTwo).first(1), frame), frames, (i % 6) * frame.width,
-            (i / 6) * frame.height);
+      paste(draw_outfit(*model, outfit, whose, colours, std::span(kTwo).first(1), frame), frames,
+            (i % 6) * frame.width, (i / 6) * frame.height);
     }
     if (!write(frames, folder + "/motion.png")) return 1;
   }

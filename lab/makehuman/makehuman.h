@@ -12,7 +12,12 @@
 namespace im2fit::body {
 
 // Detects the layout (npm: public/data/targets/targets.bin; upstream: makehuman/data/3dobjs/base.obj or
-// data/3dobjs/base.obj) and packs what adults need.
-Result<std::vector<std::byte>> pack_makehuman(const std::string& directory);
+// data/3dobjs/base.obj) and packs what adults need. `texture_side`: of the skin's texture, pixels.
+inline constexpr int kTextureSide = 1024;
+Result<std::vector<std::byte>> pack_makehuman(const std::string& directory, int texture_side = kTextureSide);
+
+// Of eyes, hair and texture as they are drawn now: raised when they look otherwise, so that body files are made
+// again.
+inline constexpr int kLookVersion = 1;
 
 }  // namespace im2fit::body

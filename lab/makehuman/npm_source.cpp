@@ -136,13 +136,16 @@ class NpmSource : public Source {
     const auto json = read_json(path);
     if (!json) return json.error();
     const auto bad = [&](const std::string& why) { return Error{ErrorCode::corrupt, path + ": " + why}; };
-    for (const char* key : {"vertices", "faces", "materials", "bones", "skinIndices", "skinWeights"})
+    for (const char* key : {"vertices", "uvs", "faces", "materials", "bones", "skinIndices", "skinWeights"})
       if (!json->contains(key) || !(*json)[key].is_array()) return bad(std::string("no list '") + key + "'");
     const auto vertices = numbers<double>((*json)["vertices"]);
     if (vertices.size() != static_cast<std::size_t>(kSourceVertexCount) * 3)
       return bad(std::to_string(vertices.size() / 3) + " vertices, expected " + std::to_string(kSourceVertexCount));
     for (std::size_t i = 0; i < vertices.size(); i += 3)
       base_dm.push_back({vertices[i], vertices[i + 1], vertices[i + 2]});
+    const auto& uvs = (*json)["uvs"];
+    const auto places = uvs.size() == 1 && uvs[0].is_array() ? numbers<float>(uvs[0]) : std::vector<float>();
+    for (std::size_t i = 0; i + 1 < places.size(); i += 2) texture.push_back({places[i], places[i + 1]});
     if (!read_faces(*json)) return bad("faces are not the quads expected");
     if (!read_weights(*json)) return bad("skin weights are not four a vertex, or name no bone");
     return Ok{};
@@ -161,6 +164,10 @@ class NpmSource : public Source {
       for (const std::int32_t v : quad)
         if (v < 0 || v >= kSourceVertexCount) return false;
       groups[names[material]].push_back(quad);
+      const std::array<std::int32_t, 4> corner = {f[i + 6], f[i + 7], f[i + 8], f[i + 9]};
+      for (const std::int32_t c : corner)
+        if (c < 0 || static_cast<std::size_t>(c) >= texture.size()) return false;
+      corners[names[material]].push_back(corner);
     }
     return true;
   }

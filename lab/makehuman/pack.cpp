@@ -9,6 +9,7 @@
 
 #include "body/model_data.h"
 #include "core/container.h"
+#include "lab/makehuman/look_sections.h"
 #include "lab/makehuman/makehuman.h"
 #include "lab/makehuman/modifier_table.h"
 #include "lab/makehuman/segments.h"
@@ -18,7 +19,6 @@ namespace im2fit::body {
 namespace makehuman {
 namespace {
 
-constexpr double kMmPerDm = 100;
 constexpr float kAcromionOutwardsMm = 20;
 // Kept helpers: joint cubes, tights and skirt, ground cube. Dropped: tongue, teeth, eyes, lashes, genitals, hair.
 struct Range {
@@ -29,12 +29,12 @@ constexpr Range kKneeCubes[2] = {{13838, 13845}, {14278, 14285}};  // left, righ
 
 class Packer {
  public:
-  explicit Packer(const Source& source) : s_(source) {}
+  Packer(const Source& source, int texture_side) : s_(source), texture_side_(texture_side) {}
 
   Result<std::vector<std::byte>> pack() {
     keep_vertices();
-    for (const auto step :
-         {&Packer::quads, &Packer::lists, &Packer::skin, &Packer::landmarks, &Packer::macros, &Packer::modifiers}) {
+    for (const auto step : {&Packer::quads, &Packer::lists, &Packer::skin, &Packer::landmarks, &Packer::macros,
+                            &Packer::modifiers, &Packer::look}) {
       const Status status = (this->*step)();
       if (!status) return status.error();
     }
@@ -337,7 +337,10 @@ class Packer {
     return Ok{};
   }
 
+  Status look() { return add_look({s_, new_index_, segment_weights_, texture_side_}, writer_); }
+
   const Source& s_;
+  int texture_side_;
   ContainerWriter writer_{kBodyMagic, kBodyVersion};
   std::vector<int> kept_;       // new index -> source index
   std::vector<int> new_index_;  // source index -> new index or -1
@@ -352,7 +355,7 @@ class Packer {
 }  // namespace
 }  // namespace makehuman
 
-Result<std::vector<std::byte>> pack_makehuman(const std::string& directory) {
+Result<std::vector<std::byte>> pack_makehuman(const std::string& directory, int texture_side) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   Result<std::unique_ptr<makehuman::Source>> source = Error{
@@ -369,7 +372,7 @@ Result<std::vector<std::byte>> pack_makehuman(const std::string& directory) {
       }
   }
   if (!source) return source.error();
-  auto bytes = makehuman::Packer(**source).pack();
+  auto bytes = makehuman::Packer(**source, texture_side).pack();
   if (!bytes) return Error{bytes.error().code, directory + ": " + bytes.error().message};
   return bytes;
 }

@@ -16,6 +16,9 @@ namespace im2fit::body::makehuman {
 
 inline constexpr int kSourceVertexCount = 19158;
 inline constexpr int kBodyFirstHelper = 13380;
+inline constexpr double kMmPerDm = 100;
+
+using TextureCorner = std::array<float, 2>;  // u, v from the lower left corner, 0..1
 
 // A target in both layouts' words, without ".target": "torso/torso-vshape-incr" and "torso/torso-vshape-more".
 struct TargetName {
@@ -43,6 +46,9 @@ class Source {
 
   std::vector<std::array<double, 3>> base_dm;                              // kSourceVertexCount rows
   std::map<std::string, std::vector<std::array<std::int32_t, 4>>> groups;  // "body", "helper-tights", ...
+  std::vector<TextureCorner> texture;                                      // "vt" of an .obj
+  std::map<std::string, std::vector<std::array<std::int32_t, 4>>>
+      corners;  // into `texture`; as `groups`, face by face
   Rig rig;
   std::vector<std::vector<std::pair<std::string, double>>> influences;  // per vertex: bone, weight (any sum)
   bool npm_bugs = false;  // knee cubes of the height targets move wrongly; one breast target moves the whole body

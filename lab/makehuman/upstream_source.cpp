@@ -98,14 +98,20 @@ class UpstreamSource : public Source {
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();
     std::vector<std::array<std::int32_t, 4>>* group = nullptr;
+    std::vector<std::array<std::int32_t, 4>>* corner = nullptr;
     std::size_t line_number = 0;
     const bool ok = for_each_line(text(*bytes), [&](std::string_view line) {
       ++line_number;
       Words words(line);
       const auto kind = words.next();
       if (kind == "v") return read_vertex(words);
-      if (kind == "g") group = &groups[std::string(words.next())];
-      if (kind == "f") return group != nullptr && read_face(words, *group);
+      if (kind == "vt") return read_texture(words);
+      if (kind == "g") {
+        const std::string name(words.next());
+        group = &groups[name];
+        corner = &corners[name];
+      }
+      if (kind == "f") return group != nullptr && read_face(words, *group, *corner);
       return true;
     });
     if (!ok) return Error{ErrorCode::corrupt, path + ":" + std::to_string(line_number) + ": bad vertex or face"};
@@ -123,14 +129,32 @@ class UpstreamSource : public Source {
     return true;
   }
 
-  static bool read_face(Words& words, std::vector<std::array<std::int32_t, 4>>& group) {
-    std::array<std::int32_t, 4> quad{};
-    for (std::int32_t& v : quad) {
+  bool read_texture(Words& words) {
+    TextureCorner place{};
+    for (float& c : place)
+      if (!to_number(words.next(), c)) return false;
+    texture.push_back(place);
+    return true;
+  }
+
+  // "vertex/texture" four times; both count from 1.
+  bool read_face(Words& words, std::vector<std::array<std::int32_t, 4>>& group,
+                 std::vector<std::array<std::int32_t, 4>>& corner) const {
+    std::array<std::int32_t, 4> quad{}, places{};
+    for (std::size_t i = 0; i < 4; ++i) {
       const auto word = words.next();
-      if (!to_number(word.substr(0, word.find('/')), v) || v < 1 || v > kSourceVertexCount) return false;
-      --v;
+      const auto slash = word.find('/');
+      if (slash == std::string_view::npos) return false;
+      if (!to_number(word.substr(0, slash), quad[i]) || quad[i] < 1 || quad[i] > kSourceVertexCount) return false;
+      const auto place = word.substr(slash + 1);
+      if (!to_number(place.substr(0, place.find('/')), places[i]) || places[i] < 1 ||
+          static_cast<std::size_t>(places[i]) > texture.size())
+        return false;
+      --quad[i];
+      --places[i];
     }
     group.push_back(quad);
+    corner.push_back(places);
     return true;
   }
 

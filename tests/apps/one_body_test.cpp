@@ -10,12 +10,10 @@
 namespace im2fit {
 namespace {
 
-// glb vertices are numbered as the body's faces come to them.
+// glb vertices are the body's, in their order, before the copies at seams of the texture.
 test::AvatarFacts facts_of(const body::BodyModel& model) {
   test::AvatarFacts facts;
-  for (const auto& q : model.body_quads())
-    for (const std::size_t i : {0, 1, 2, 0, 2, 3})
-      facts.place_of_vertex.emplace(q[i], static_cast<int>(facts.place_of_vertex.size()));
+  for (int v = 0; v < model.body_vertex_count(); ++v) facts.place_of_vertex.emplace(v, v);
   facts.left_acromion = model.data().landmark(body::Landmark::left_acromion);
   facts.right_acromion = model.data().landmark(body::Landmark::right_acromion);
   return facts;

@@ -77,7 +77,8 @@ Canvas picture_of(const DressedPerson& person) {
   frame.low_mm = low - 40;
   frame.high_mm = low + 1900;
   constexpr PictureView kViews[] = {kFrontView, kLeftView, kBackView};
-  return draw_outfit(*real_body(), outfit, colours, kViews, frame);
+  return draw_outfit(*real_body(), outfit, person.woman ? body::LookOf::woman : body::LookOf::man, colours, kViews,
+                     frame);
 }
 
 TEST(DressedPictures, LookAsTheyDid) {

@@ -152,7 +152,9 @@ TEST_F(RealAvatar, AViewerSkinsTheGlbToThePosedMesh) {
     std::copy(inverse_bind[j].begin(), inverse_bind[j].end(), m.begin());
     bone.push_back(times(world.at(joint_nodes[j]), m));
   }
-  ASSERT_EQ(glb.json["meshes"][0]["primitives"].size(), 1U);
+  const bool has_look = !avatar_.model->data().look.empty();  // then eyes and hair follow
+  ASSERT_EQ(glb.json["meshes"][0]["primitives"].size(), has_look ? 3U : 1U);
+  EXPECT_LT(std::filesystem::file_size(folder_ / "a.glb"), 2'000'000U);
   const Json& primitive = glb.json["meshes"][0]["primitives"][0];
   const Json& attributes = primitive["attributes"];
   const auto positions = glb.read<Vec3f>(attributes["POSITION"]);
@@ -160,9 +162,9 @@ TEST_F(RealAvatar, AViewerSkinsTheGlbToThePosedMesh) {
   const auto joints = glb.read<std::array<std::uint8_t, 4>>(attributes["JOINTS_0"]);
   const auto weights = glb.read<std::array<float, 4>>(attributes["WEIGHTS_0"]);
   const auto indices = glb.read<std::uint16_t>(primitive["indices"]);
-  ASSERT_EQ(positions.size(), static_cast<std::size_t>(kBodyVertexCount));
+  ASSERT_GE(positions.size(), static_cast<std::size_t>(kBodyVertexCount));
   ASSERT_EQ(indices.size(), 26756U * 3);
-  // Vertices may be numbered afresh: faces tell which is which.
+  // At seams of the texture vertices are copied: faces tell which is which.
   const auto triangles = avatar_.model->body_triangles();
   for (std::size_t t = 0; t < triangles.size(); t += 7)
     for (std::size_t i = 0; i < 3; ++i) {
@@ -204,6 +206,68 @@ TEST_F(RealAvatar, AViewerSkinsTheGlbToThePosedMesh) {
   EXPECT_EQ(found, 15);
 }
 
+// Eyes and hair of the texture the skin has, in the places where they are in the posed mesh.
+TEST_F(RealAvatar, EyesAndHairAreFurtherPrimitivesOfOneTexture) {
+  if (avatar_.model->data().look.empty()) GTEST_SKIP() << "the body file has no look: run im2fit-lab fetch";
+  ASSERT_TRUE(write_glb(avatar_, folder_ / "a.glb"));
+  const Glb glb = parse_glb(folder_ / "a.glb");
+  const Json& primitives = glb.json["meshes"][0]["primitives"];
+  ASSERT_EQ(primitives.size(), 3U);
+  const char* names[] = {"skin", "eyes", "hair"};
+  const auto& d = avatar_.model->data();
+  std::vector<Vec3f> rest(static_cast<std::size_t>(avatar_.model->vertex_count()));
+  avatar_.model->morph(avatar_.params, rest);
+  float floor = 1e9F;
+  for (std::size_t v = 0; v < kBodyVertexCount; ++v) floor = std::min(floor, rest[v].y);
+  const LookPart parts[] = {skin_part(*avatar_.model, rest), eyes_part(*avatar_.model, rest),
+                            hair_part(*avatar_.model, rest, {}, LookOf::man)};
+  for (std::size_t p = 0; p < 3; ++p) {
+    const Json& primitive = primitives[p];
+    const Json& material = glb.json["materials"][primitive["material"].get<std::size_t>()];
+    EXPECT_EQ(material["name"], names[p]);
+    EXPECT_EQ(material["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);
+    const auto places = glb.read<Vec3f>(primitive["attributes"]["POSITION"]);
+    const auto texture = glb.read<std::array<float, 2>>(primitive["attributes"]["TEXCOORD_0"]);
+    ASSERT_EQ(places.size(), parts[p].positions.size());
+    ASSERT_EQ(texture.size(), places.size());
+    for (std::size_t v = 0; v < places.size(); ++v) {
+      const Vec3f at = {places[v].x * 1000, places[v].y * 1000 + floor, places[v].z * 1000};
+      ASSERT_LT(norm(at - parts[p].positions[v]), 0.01F) << names[p];
+      ASSERT_TRUE(texture[v][0] >= 0 && texture[v][0] <= 1 && texture[v][1] >= 0 && texture[v][1] <= 1);
+    }
+    for (const std::uint16_t i : glb.read<std::uint16_t>(primitive["indices"])) ASSERT_LT(i, places.size());
+  }
+  ASSERT_EQ(glb.json["images"].size(), 1U);
+  EXPECT_EQ(glb.json["images"][0]["mimeType"], "image/png");
+  const Json& view = glb.json["bufferViews"][glb.json["images"][0]["bufferView"].get<std::size_t>()];
+  const auto& png = d.look.texture[static_cast<std::size_t>(LookOf::man)];
+  ASSERT_EQ(view["byteLength"], png.size());
+  EXPECT_EQ(std::memcmp(glb.bin.data() + view["byteOffset"].get<std::size_t>(), png.data(), png.size()), 0);
+}
+
+TEST_F(RealAvatar, ObjHasTextureCoordinatesEyesAndHair) {
+  if (avatar_.model->data().look.empty()) GTEST_SKIP() << "the body file has no look: run im2fit-lab fetch";
+  ASSERT_TRUE(write_obj(avatar_, folder_ / "a.obj"));
+  std::vector<std::string> objects;
+  std::size_t vertices = 0, coordinates = 0, normals = 0;
+  for (const std::string& line : lines("a.obj")) {
+    std::stringstream in(line);
+    std::string kind, word;
+    in >> kind;
+    vertices += kind == "v" ? 1 : 0;
+    coordinates += kind == "vt" ? 1 : 0;
+    normals += kind == "vn" ? 1 : 0;
+    if (kind == "o" && in >> word) objects.push_back(word);
+    for (int corner = 0; kind == "f" && corner < 4; ++corner) {
+      std::size_t v = 0, t = 0, n = 0;
+      char slash = 0;
+      ASSERT_TRUE(in >> v >> slash >> t >> slash >> n) << line;
+      ASSERT_TRUE(v >= 1 && v <= vertices && t >= 1 && t <= coordinates && n >= 1 && n <= normals) << line;
+    }
+  }
+  EXPECT_EQ(objects, (std::vector<std::string>{"body", "eyes", "hair"}));
+}
+
 TEST_F(RealAvatar, NormalsPointOutwards) {
   ASSERT_TRUE(write_glb(avatar_, folder_ / "a.glb"));
   const Glb glb = parse_glb(folder_ / "a.glb");
@@ -233,7 +297,7 @@ TEST_F(RealAvatar, GarmentsArePrimitivesThatStandWhereTheyWereDraped) {
   EXPECT_LT(std::filesystem::file_size(folder_ / "a.glb"), 3U << 20);
   const Glb glb = parse_glb(folder_ / "a.glb");
   const Json& primitives = glb.json["meshes"][0]["primitives"];
-  ASSERT_EQ(primitives.size(), 3U);
+  ASSERT_EQ(primitives.size(), avatar_.model->data().look.empty() ? 3U : 5U);
   EXPECT_EQ(glb.json["materials"][2]["name"], "shirt");
   const auto count = [](const Glb& of, std::size_t primitive) {
     const Json& indices = of.json["meshes"][0]["primitives"][primitive]["indices"];
@@ -275,6 +339,7 @@ TEST_F(RealAvatar, ObjHoldsThePosedMeshInMetres) {
     std::stringstream in(line);
     std::string kind;
     in >> kind;
+    if (kind == "o" && line != "o body") break;  // eyes and hair
     if (kind == "v") {
       double x = 0, y = 0, z = 0;
       in >> x >> y >> z;

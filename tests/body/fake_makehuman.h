@@ -17,6 +17,7 @@
 namespace im2fit::body {
 
 inline constexpr int kFakeVertexCount = 19158;
+inline constexpr int kFakeTextureSide = 64;  // pixels: quickly drawn
 
 class TemporaryFolder {
  public:
@@ -87,6 +88,11 @@ class FakeMakeHuman {
       joint("foot" + side + "____tail", 1.0 * s, -8.3);
       cube = 14000;
     }
+    cube = 14080;
+    for (const std::string side : {".L", ".R"}) {
+      bone("eye" + side, "head", side == ".L" ? 0.3 : -0.3, 7.3);
+      joint("eye" + side + "____tail", side == ".L" ? 0.3 : -0.3, 7.4);
+    }
     for (int v = 0; v < kFakeVertexCount; ++v) weights.push_back({{"root", 1.0}});
     for (int i = 0; i < 10; ++i) {
       weights[static_cast<std::size_t>(kRingLeft + i)] = {{"lowerleg01.L", 0.4}, {"upperleg01.L", 0.3}};
@@ -126,14 +132,14 @@ class FakeMakeHuman {
   void write_upstream(const std::string& directory) const {
     const std::string data = directory + "/makehuman/data";
     write(data + "/rigs/default.mhskel", rig_json());
-    std::string obj = "# base\n";
+    std::string obj = "# base\nvt 0.25 0.5\nvt 0.5 0.5\nvt 0.5 0.75\nvt 0.25 0.75\n";
     for (const auto& v : base)
       obj += "v " + std::to_string(v[0]) + " " + std::to_string(v[1]) + " " + std::to_string(v[2]) + "\n";
     for (const auto& [group, quads] : groups()) {
       obj += "g " + group + "\n";
       for (const auto& q : quads) {
         obj += "f";
-        for (const int v : q) obj += " " + std::to_string(v + 1) + "/1";
+        for (std::size_t i = 0; i < 4; ++i) obj += " " + std::to_string(q[i] + 1) + "/" + std::to_string(i + 1);
         obj += "\n";
       }
     }
@@ -224,7 +230,7 @@ class FakeMakeHuman {
         comma(faces);
         faces += "11";
         for (const int v : q) faces += "," + std::to_string(v);
-        faces += "," + std::to_string(material) + ",0,0,0,0";
+        faces += "," + std::to_string(material) + ",0,1,2,3";
       }
       ++material;
     }
@@ -241,8 +247,9 @@ class FakeMakeHuman {
         index += std::to_string(i < list.size() ? number.at(list[i].first) : 0);
         weight += std::to_string(i < list.size() ? list[i].second : 0.0);
       }
-    return "{\"vertices\":[" + vertices + "],\"faces\":[" + faces + "],\"materials\":[" + materials +
-           "],\"bones\":[" + names + "],\"skinIndices\":[" + index + "],\"skinWeights\":[" + weight + "]}";
+    return "{\"uvs\":[[0.25,0.5,0.5,0.5,0.5,0.75,0.25,0.75]],\"vertices\":[" + vertices + "],\"faces\":[" + faces +
+           "],\"materials\":[" + materials + "],\"bones\":[" + names + "],\"skinIndices\":[" + index +
+           "],\"skinWeights\":[" + weight + "]}";
   }
 };
 

@@ -34,7 +34,7 @@ inline ShapeSpace fake_shape_space() {
 inline std::vector<std::byte> fake_body_file() {
   const TemporaryFolder folder;
   FakeMakeHuman().write_upstream(folder.path());
-  const auto packed = pack_makehuman(folder.path());
+  const auto packed = pack_makehuman(folder.path(), kFakeTextureSide);
   if (!packed) return {};
   auto whole = with_shape_space(*packed, fake_shape_space());
   return whole ? std::move(*whole) : std::vector<std::byte>();

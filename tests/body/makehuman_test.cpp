@@ -57,7 +57,7 @@ class Layout : public testing::TestWithParam<bool> {
   bool npm() const { return GetParam(); }
   BodyModel pack() {
     npm() ? fake_.write_npm(folder_.path()) : fake_.write_upstream(folder_.path());
-    auto bytes = pack_makehuman(folder_.path());
+    auto bytes = pack_makehuman(folder_.path(), kFakeTextureSide);
     EXPECT_TRUE(bytes) << bytes.error().message;
     auto model = BodyModel::parse(std::move(*bytes), "fake");
     EXPECT_TRUE(model) << model.error().message;

@@ -283,6 +283,23 @@ TEST_F(BodyFile, IndicesOutOfRangeAreRefusedEvenWithARightChecksum) {
   expect_named("lists", [](auto& b) { put(b, 4, std::uint32_t{0}); });
   expect_named("lists", [](auto& b) { put(b, 0, std::uint32_t{1 << 30}); });
   expect_named("landmarks", [](auto& b) { put(b, 0, std::int32_t{kBodyVertexCount}); });
+  expect_named("look_corners", [](auto& b) { b.resize(b.size() - 16); });
+  expect_named("look_man", [](auto& b) { put(b, 0, std::uint32_t{0}); });
+  expect_named("look_man", [](auto& b) { b.resize(20); });
+  expect_named("look_woman", [](auto& b) { put(b, 16, std::uint32_t{0x00100000}); });  // 4096 pixels, big-endian
+  expect_named("look_woman", [](auto& b) { put(b, 20, std::uint32_t{0x20000000}); });  // not square
+  expect_named("look_eyes", [](auto& b) { put(b, 0, std::int32_t{-1}); });
+  expect_named("look_eyes", [](auto& b) { put(b, 40, std::int32_t{1 << 20}); });
+  expect_named("look_eyes", [](auto& b) { put(b, 148, std::int32_t{1 << 20}); });
+  expect_named("look_eyes", [](auto& b) { put(b, 152, std::numeric_limits<float>::quiet_NaN()); });
+  expect_named("look_eyes", [](auto& b) { put(b, 156, 1.5F); });
+  expect_named("look_eyes", [](auto& b) { b.resize(b.size() / 2); });
+  expect_named("look_hair", [](auto& b) {
+    b.resize(16);
+    put(b, 0, static_cast<std::uint16_t>(kBodyVertexCount));
+  });
+  expect_named("look_hair", [](auto& b) { b.assign(32, std::byte{0}); });  // one vertex twice
+  expect_named("look_hair", [](auto& b) { b.resize(15); });
   expect_named("shape_about", [](auto& b) { put(b, 0, std::uint32_t{99}); });
   expect_named("shape_about", [](auto& b) { put(b, 0, std::uint32_t{10001}); });
   expect_named("shape_about", [](auto& b) { put(b, 4, std::uint32_t{0}); });

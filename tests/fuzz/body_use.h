@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "body/fit/shape_space.h"
+#include "body/look.h"
 #include "body/measure.h"
 #include "body/model.h"
 #include "body/skeleton.h"
@@ -46,6 +47,11 @@ inline std::optional<bool> use_body(std::vector<std::byte> bytes) {
     const auto rest = body::rest_skeleton(*model, mesh);
     body::skin(*model, mesh, rest, body::psi_pose(rest), posed);
     (void)body::joints_of(*model, posed);
+    for (const body::LookPart& part :
+         {static_cast<const body::LookPart&>(body::skin_part(*model, mesh)), body::eyes_part(*model, mesh),
+          body::hair_part(*model, mesh, {}, body::look_of(at))})
+      for (const auto* vertices : {&part.positions, &part.normals})
+        for (const Vec3f& v : *vertices) sane &= std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
   }
   return sane && use_space(model->shape_space());
 }

@@ -42,9 +42,10 @@ constexpr int kBacklog = SOMAXCONN;
 // The library stops listening at its own limit. Ours is kept by cutting off others, which close a little later.
 constexpr unsigned kSpareConnections = 64;
 
+// blob: the avatar's texture, which three.js takes out of the .glb.
 constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"Content-Security-Policy",
-     "default-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'none'; "
+     "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'none'; "
      "frame-ancestors 'none'"},
     {"Cross-Origin-Resource-Policy", "same-origin"},
     {"Cross-Origin-Opener-Policy", "same-origin"},

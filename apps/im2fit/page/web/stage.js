@@ -98,7 +98,11 @@ class Stage {
     ++this.avatarsRequested;
     if (!this.avatar) return;
     this.scene.remove(this.avatar);
-    this.avatar.traverse((o) => { if (o.geometry) o.geometry.dispose(); });
+    this.avatar.traverse((o) => {
+      if (o.geometry) o.geometry.dispose();
+      if (o.material && o.material.map) o.material.map.dispose();
+      if (o.material) o.material.dispose();
+    });
     this.avatar = null;
     this.nodes = [];
     this.wanted = null;
