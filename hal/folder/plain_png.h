@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// 16-bit grey PNGs as cameras' programs write them, decoded at once instead of row by row: two fifths of libpng's work.
+// 16-bit grey PNGs as cameras' programs write them, decoded at once instead of row by row: two fifths of libpng's
+// work.
 #pragma once
 
 #include <cstddef>
