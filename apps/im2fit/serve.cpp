@@ -31,6 +31,8 @@ struct ServeOptions {
   bool wait = false;
   bool desk = false;  // the operator's part of the page
   std::string password_file, sessions = sessions::default_root(), site;
+  std::string phones;  // address where phones take results; "": they do not
+  int phones_port = 8018;
 };
 
 // "": it cannot be read.
@@ -55,6 +57,8 @@ class PageListener final : public LiveListener {
   }
   void invite() {
     if (!invited_) print_error("open " + page_.url() + " in a browser; Ctrl-C ends this");
+    if (!invited_ && !options_.phones.empty())
+      print_error("phones in this network take results at " + page_.phone_url());
     if (!invited_ && options_.desk)
       print_error("the operator's page is " + page_.url() + "operator; sessions go to " + options_.sessions);
     invited_ = true;
@@ -160,8 +164,17 @@ Status check_operator(const ServeOptions& options) {
   return Ok{};
 }
 
+// A code must name an address that a phone can go to; these name all of them.
+Status check_hand_over(const ServeOptions& options) {
+  if (options.phones != "0.0.0.0" && options.phones != "::") return Ok{};
+  return Error{ErrorCode::invalid_argument, "--hand-over " + options.phones +
+                                                " is no address a phone could go to; give the one this machine has "
+                                                "in the network of the phones, such as 192.168.1.20"};
+}
+
 Result<int> run_serve(const ServeOptions& options) {
   if (const auto checked = check_operator(options); !checked) return checked.error();
+  if (const auto checked = check_hand_over(options); !checked) return checked.error();
   if (!options.no_consent && !options.live.session.motion.empty())
     return Error{
         ErrorCode::invalid_argument,
@@ -177,6 +190,8 @@ Result<int> run_serve(const ServeOptions& options) {
     print_error(fmt::format("visit {}: consent to text {}", visit, text.empty() ? "unknown" : text));
   };
   settings.erase_folder = erase_outputs;
+  if (!options.phones.empty())
+    settings.hand_over = {options.phones, options.phones_port, "--hand-over-port or --hand-over"};
   if (options.desk) {
     auto desk = operator_settings(options);
     if (!desk) return desk.error();
@@ -220,6 +235,13 @@ void add_serve(cli::App& app, Command& chosen) {
       ->type_name("DIR")
       ->capture_default_str();
   sub->add_option("--site", options->site, "Name of this place, proposed in the operator's form")->type_name("NAME");
+  sub->add_option("--hand-over", options->phones,
+                  "Let people take their result along by a QR code, once: this machine's address in the network of "
+                  "their phones, where nothing else is to be had")
+      ->type_name("ADDRESS");
+  sub->add_option("--hand-over-port", options->phones_port, "Port of --hand-over; 0: any that is free")
+      ->range(0, 65535)
+      ->capture_default_str();
   sub->add_option("--host", options->address.host, "Address to listen at; another than 127.0.0.1 lets others look")
       ->capture_default_str();
   sub->add_option("--port", options->address.port, "Port; 0: any that is free")

@@ -5,11 +5,13 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "background_run.h"
@@ -81,6 +83,8 @@ class Browser {
     devtools("Emulation.setDeviceMetricsOverride",
              {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
   }
+  // A PNG of what is in the window.
+  std::string screenshot() { return from_base64(get(session_ + "/screenshot")); }
   // Tabs by what these give.
   std::string tab() { return get(session_ + "/window"); }
   std::string open_tab() { return ask(session_ + "/window/new", {{"type", "tab"}})["handle"]; }
@@ -95,6 +99,22 @@ class Browser {
   }
 
  private:
+  static std::string from_base64(const std::string& text) {  // RFC 4648
+    constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out;
+    std::uint32_t bits = 0;
+    int count = 0;
+    for (const char c : text) {
+      const std::size_t digit = kDigits.find(c);
+      if (digit == std::string_view::npos) break;
+      bits = bits << 6U | static_cast<std::uint32_t>(digit);
+      count += 6;
+      if (count < 8) continue;
+      count -= 8;
+      out += static_cast<char>(bits >> static_cast<unsigned>(count) & 255U);
+    }
+    return out;
+  }
   nlohmann::json get(const std::string& path) {
     const auto answer = client_->Get(path);
     EXPECT_TRUE(answer && answer->status == 200) << path;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/im2fit/page/qr_code.h"
 #include "apps/im2fit/page/small_picture.h"
 #include "engine/report/drawn_bones.h"
 
@@ -41,7 +42,8 @@ bool all_finite(const JointSet& joints) {
 
 }  // namespace
 
-LivePage::LivePage(const LivePageSettings& settings) : settings_(settings), visit_(settings.visit, Clock::now()) {}
+LivePage::LivePage(const LivePageSettings& settings)
+    : settings_(settings), visit_(settings.visit, Clock::now()), hand_over_(settings.hand_over_max) {}
 
 Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& settings) {
   std::unique_ptr<LivePage> page(new LivePage(settings));
@@ -64,6 +66,14 @@ Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& setting
                            [&self](std::uint64_t visit) { self.end_recorded_visit(visit); });
     handlers.operate = [&self](const PageRequest& request) { return self.desk_->answer(request); };
     handlers.operator_password = settings.operator_password;
+  }
+  if (settings.hand_over) {
+    handlers.offer = [&self](std::string_view visit) { return self.offer(visit); };
+    PageHandlers of_phones;
+    of_phones.take = [&self](std::string_view token) { return self.take(token); };
+    auto phones = PageServer::open(*settings.hand_over, self.phone_board_, std::move(of_phones));
+    if (!phones) return phones.error();
+    self.phones_ = std::move(*phones);
   }
   auto server = PageServer::open(settings.address, self.board_, std::move(handlers));
   if (!server) return server.error();
@@ -93,6 +103,7 @@ void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
                                {"boot", boot_},
                                {"asks", settings_.visit.ask},
                                {"keeps_files", settings_.keeps_files},
+                               {"hands_over", settings_.hand_over.has_value()},
                                {"frames_wanted", frames_wanted},
                                {"joints", kJointNames},
                                {"bones", bones},
@@ -143,6 +154,7 @@ void LivePage::forget(std::uint64_t over, bool erased) {
   board_.withdraw({"state", "frame", "picture", "measured", "tryon", "left"},
                   {"/result.json", "/avatar.glb", "/picture.png"});
   if (fitting_) fitting_->forget();
+  hand_over_.forget();
   animator_.reset();
   follows_ = false;
   folder_.clear();
@@ -174,6 +186,33 @@ bool LivePage::act(PageAction action, std::string_view visit, std::string_view n
   }
   if (!folder.empty() && settings_.erase_folder) settings_.erase_folder(folder);
   return true;
+}
+
+// A code that only whoever asked for it is told: it goes to no other page.
+PageAnswer LivePage::offer(std::string_view visit) {
+  const std::lock_guard lock(visit_mutex_);
+  const auto now = Clock::now();
+  auto result = board_.file("/result.json");
+  if (!result || visit_.state() != VisitState::result || !visit_.touch(visit, now))
+    return {409, nullptr, "there is no result of that visit"};
+  publish_beat();
+  // Behind the '#' it is sent to no one: neither a proxy nor what looks at links ahead of people takes the result.
+  const std::string address = phones_->url() + "#" + hand_over_.offer(std::move(result), now);
+  const auto code = qr_code(address);
+  if (!code) return {500, nullptr, code.error().message};
+  // What it is good for at least; touches put the end of the visit off.
+  const auto of_visit = visit_.left(now);
+  const auto left = of_visit.count() > 0 ? std::min(of_visit, settings_.hand_over_max) : settings_.hand_over_max;
+  const Json json = {
+      {"address", address}, {"left_s", left.count() / 1000}, {"side", code->side}, {"path", code->path}};
+  return {200, std::make_shared<const PageFile>(PageFile{"application/json", json.dump()}), ""};
+}
+
+PageAnswer LivePage::take(std::string_view token) {
+  const std::lock_guard lock(visit_mutex_);
+  auto result = hand_over_.take(token, Clock::now());
+  if (!result) return {404, nullptr, "nothing there (any more)"};
+  return {200, std::move(result), ""};
 }
 
 void LivePage::tick() {

@@ -18,6 +18,7 @@
 #include "apps/im2fit/page/avatar_animator.h"
 #include "apps/im2fit/page/board.h"
 #include "apps/im2fit/page/fitting_room.h"
+#include "apps/im2fit/page/hand_over.h"
 #include "apps/im2fit/page/operator_desk.h"
 #include "apps/im2fit/page/page_server.h"
 #include "apps/im2fit/page/visit.h"
@@ -37,6 +38,9 @@ struct LivePageSettings {
   std::function<void(const std::string& folder)> erase_folder;
   std::optional<OperatorSettings> desk;  // the operator's part of the page; none: there is none
   std::string operator_password;         // "": none is asked for
+  // Where phones take results that the page hands over, and nothing else; none: it hands none over.
+  std::optional<PageAddress> hand_over;
+  std::chrono::milliseconds hand_over_max = kHandOverMax;
 };
 
 // `see` on the engine's thread, the rest on one other. Nothing is drawn while no browser watches.
@@ -48,7 +52,8 @@ class LivePage {
   LivePage(const LivePage&) = delete;
   LivePage& operator=(const LivePage&) = delete;
   const std::string& url() const { return server_->url(); }
-  int watchers() const { return server_->watchers(); }  // pages that follow it now
+  int watchers() const { return server_->watchers(); }                     // pages that follow it now
+  std::string phone_url() const { return phones_ ? phones_->url() : ""; }  // "": no phone is handed anything
 
   // What keeps people from being measured: "NO_CAMERA", "MODELS_MISSING", "FAILED"; "": nothing.
   void trouble(std::string_view code);
@@ -73,6 +78,8 @@ class LivePage {
   explicit LivePage(const LivePageSettings& settings);
   // These hold visit_mutex_.
   bool act(PageAction action, std::string_view visit, std::string_view note);
+  PageAnswer offer(std::string_view visit);
+  PageAnswer take(std::string_view token);
   void tick();
   bool begin_recorded_visit(const std::function<void(std::uint64_t visit)>& begun);
   void end_recorded_visit(std::uint64_t visit);
@@ -105,7 +112,11 @@ class LivePage {
   std::unique_ptr<OperatorDesk> desk_;    // null: no operator
   std::uint64_t desk_visit_ = 0;          // the last visit that the operator began
   std::thread keeper_;
-  std::unique_ptr<PageServer> server_;  // last: it refers to the board, the fitting room and the desk
+  HandOver hand_over_;
+  Board phone_board_;  // nothing stands on it
+  // Last: they refer to the boards, the fitting room and the desk.
+  std::unique_ptr<PageServer> phones_;  // null: no phone is handed anything
+  std::unique_ptr<PageServer> server_;
 };
 
 }  // namespace im2fit::apps

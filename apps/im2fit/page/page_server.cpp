@@ -54,6 +54,7 @@ constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"X-Frame-Options", "DENY"}};
 constexpr std::pair<std::string_view, PageAction> kActions[] = {
     {"/consent", PageAction::consent}, {"/touch", PageAction::touch}, {"/delete", PageAction::erase}};
+constexpr std::string_view kOffer = "/hand-over", kTake = "/take";
 constexpr const char* kText = "text/plain; charset=utf-8";
 constexpr const char* kNotKept = "no-store";
 constexpr const char* kKept = "private, max-age=31536000, immutable";
@@ -138,6 +139,14 @@ struct Upload {
   bool wanted = false;  // false: answered already
 };
 
+// Of a server for phones, where "/" is handed.html.
+const WebFile* phone_file(std::string_view path) {
+  if (path == "/") return web_file("/handed.html");
+  const bool known =
+      path == "/handed.js" || path == "/words.js" || path == "/page.css" || path.rfind("/lang/", 0) == 0;
+  return known ? web_file(path) : nullptr;
+}
+
 bool is_operators(std::string_view path) {
   return path == "/operator" || path.rfind("/operator/", 0) == 0;
 }
@@ -160,6 +169,12 @@ std::vector<std::pair<std::string, std::string>> query_of(MHD_Connection* connec
       },
       &query);
   return query;
+}
+
+MHD_Result send_not_allowed(MHD_Connection* connection, const char* allowed) {
+  const Response response = copied("another method is needed\n");
+  if (response) MHD_add_response_header(response.get(), "Allow", allowed);
+  return send(connection, MHD_HTTP_METHOD_NOT_ALLOWED, response, kText);
 }
 
 MHD_Result send_answer(MHD_Connection* connection, PageAnswer answer) {
@@ -226,7 +241,8 @@ struct PageServer::Parts {
   MHD_Result answer_operator(MHD_Connection* connection, std::string_view method, Upload& upload);
   MHD_Result operate(MHD_Connection* connection, const Upload& upload);
   MHD_Result answer_file(MHD_Connection* connection, const WebFile& file);
-  MHD_Result answer_action(MHD_Connection* connection, PageAction action);
+  MHD_Result answer_post(MHD_Connection* connection, std::string_view path);
+  MHD_Result answer_phone(MHD_Connection* connection, const std::string& path);
   MHD_Result answer_stream(MHD_Connection* connection);
   MHD_Result answer_try_on(MHD_Connection* connection);
   static ssize_t read_stream(void* closure, std::uint64_t position, char* to, std::size_t room);
@@ -264,18 +280,17 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
       !why.empty())
     return send(connection, MHD_HTTP_FORBIDDEN, copied(why + "\n"), kText);
   if (handlers.operate && is_operators(path)) return answer_operator(connection, method, upload);
-  const auto* action = std::find_if(std::begin(kActions), std::end(kActions),
-                                    [&](const auto& known) { return handlers.act && known.first == path; });
-  const bool acts = action != std::end(kActions);
-  if (acts ? method != "POST" : method != "GET" && method != "HEAD") {
-    const Response response = copied("another method is needed\n");
-    if (response) MHD_add_response_header(response.get(), "Allow", acts ? "POST" : "GET, HEAD");
-    return send(connection, MHD_HTTP_METHOD_NOT_ALLOWED, response, kText);
-  }
+  const bool acts = handlers.take ? path == kTake
+                                  : (handlers.offer && path == kOffer) ||
+                                        (handlers.act && std::any_of(std::begin(kActions), std::end(kActions),
+                                                                     [&](const auto& k) { return k.first == path; }));
+  if (acts ? method != "POST" : method != "GET" && method != "HEAD")
+    return send_not_allowed(connection, acts ? "POST" : "GET, HEAD");
   // Nothing here has a use for a body: who sends one is cut off.
   const Field length = field_of(connection, "Content-Length");
   if (field_of(connection, "Transfer-Encoding").count > 0 || (length.count > 0 && length.value != "0")) return MHD_NO;
-  if (acts) return answer_action(connection, action->second);
+  if (handlers.take) return answer_phone(connection, path);
+  if (acts) return answer_post(connection, path);
   if (path == "/events")
     return method == "GET" ? answer_stream(connection) : send(connection, 200, copied(""), "text/event-stream");
   if (const WebFile* fixed = is_operators(path) ? nullptr : web_file(path)) return answer_file(connection, *fixed);
@@ -304,11 +319,7 @@ MHD_Result PageServer::Parts::answer_operator(MHD_Connection* connection, std::s
     }
   }
   const bool post = method == "POST";
-  if (!post && method != "GET" && method != "HEAD") {
-    const Response response = copied("another method is needed\n");
-    if (response) MHD_add_response_header(response.get(), "Allow", "GET, HEAD, POST");
-    return send(connection, MHD_HTTP_METHOD_NOT_ALLOWED, response, kText);
-  }
+  if (!post && method != "GET" && method != "HEAD") return send_not_allowed(connection, "GET, HEAD, POST");
   const Field length = field_of(connection, "Content-Length");
   const bool chunked = field_of(connection, "Transfer-Encoding").count > 0;
   if (!post) {
@@ -335,7 +346,20 @@ MHD_Result PageServer::Parts::operate(MHD_Connection* connection, const Upload& 
   return send_answer(connection, handlers.operate({upload.wanted, upload.path, upload.body, query}));
 }
 
-MHD_Result PageServer::Parts::answer_action(MHD_Connection* connection, PageAction action) {
+// The token comes by a field that no other site's page may send unasked.
+MHD_Result PageServer::Parts::answer_phone(MHD_Connection* connection, const std::string& path) {
+  if (path == kTake) {
+    const Field origin = field_of(connection, "Origin"), token = field_of(connection, "X-Im2fit-Token");
+    if (origin.count != 1 || token.count != 1)
+      return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may ask for this\n"), kText);
+    return send_answer(connection, handlers.take(*token.value));
+  }
+  const WebFile* file = phone_file(path);
+  if (file == nullptr) return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there\n"), kText);
+  return answer_file(connection, *file);
+}
+
+MHD_Result PageServer::Parts::answer_post(MHD_Connection* connection, std::string_view path) {
   const Field origin = field_of(connection, "Origin"), visit = field_of(connection, "X-Im2fit-Visit");
   const Field note = field_of(connection, "X-Im2fit-Note");
   if (origin.count != 1 || visit.count != 1 || note.count > 1)
@@ -343,7 +367,10 @@ MHD_Result PageServer::Parts::answer_action(MHD_Connection* connection, PageActi
   const std::string_view text = note.value.value_or("");
   if (visit.value->size() > kActionTextMax || text.size() > kActionTextMax)
     return send(connection, MHD_HTTP_BAD_REQUEST, copied("too long\n"), kText);
-  if (!handlers.act(action, *visit.value, text))
+  if (path == kOffer) return send_answer(connection, handlers.offer(*visit.value));
+  const auto* action =
+      std::find_if(std::begin(kActions), std::end(kActions), [&](const auto& known) { return known.first == path; });
+  if (!handlers.act(action->second, *visit.value, text))
     return send(connection, MHD_HTTP_CONFLICT, copied("that visit is over\n"), kText);
   return send(connection, MHD_HTTP_OK, copied("done\n"), kText);
 }
@@ -453,7 +480,7 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
   const auto failed = [&](int code) {
     return Error{ErrorCode::io, "cannot listen at " + address.host + ":" + std::to_string(address.port) +
                                     (code != 0 ? std::string(" (") + std::strerror(code) + ")" : std::string()) +
-                                    "; try another --port or --host"};
+                                    "; try another " + address.options};
   };
   if (listening.socket < 0) return failed(reason);
   auto made = std::make_unique<Parts>(board, address.host, std::move(handlers));

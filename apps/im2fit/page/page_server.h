@@ -17,7 +17,8 @@ namespace im2fit::apps {
 
 struct PageAddress {
   std::string host = "127.0.0.1";
-  int port = 8017;  // 0: any that is free
+  int port = 8017;                           // 0: any that is free
+  std::string options = "--port or --host";  // what says so, for the error when it cannot be listened at
 };
 
 // What a page may ask for by POST, without a body.
@@ -39,19 +40,28 @@ struct PageRequest {
 using PageOperator = std::function<PageAnswer(const PageRequest& request)>;
 inline constexpr std::size_t kBodyBytesMax = std::size_t{64} << 10;
 
+// POST /hand-over of the page itself, for the visit it names: how a phone may get its result, as JSON.
+using PageOffer = std::function<PageAnswer(std::string_view visit)>;
+// POST /take: what waits for this token, given once; 404 without it.
+using PageTake = std::function<PageAnswer(std::string_view token)>;
+
 struct PageHandlers {
   PageActor act;                  // without it nothing is answered to POST
   PageQuery try_on;               // without it there is no /tryon.glb
   PageOperator operate;           // without it there is no /operator; on the server's thread
   std::string operator_password;  // "": none is asked for
+  PageOffer offer;                // without it there is no /hand-over
+  // With it the server is one for phones: there is the page that shows what is taken, its files, POST /take, and
+  // nothing else.
+  PageTake take;
 };
 
 // One thread serves all connections, and waits for none of them: visitors.h limits their number and their time, a
 // request's header is at most 16 KB, a body is read of the operator's POST alone. host_check.h says whom it answers.
-// GET and HEAD, and POST of /consent, /touch and /delete from the page itself: with its Origin, which browsers always
-// send with a POST, and with a field that no other site's page may send without being asked first (Fetch,
-// CORS-preflight). Below /operator everything needs the password (operator_gate.h), and POST besides the Origin and
-// the token that GET /operator/token tells, in the field X-Im2fit-Token.
+// GET and HEAD, and POST of /consent, /touch, /delete and /hand-over from the page itself: with its Origin, which
+// browsers always send with a POST, and with a field that no other site's page may send without being asked first
+// (Fetch, CORS-preflight). Below /operator everything needs the password (operator_gate.h), and POST besides the
+// Origin and the token that GET /operator/token tells, in the field X-Im2fit-Token.
 class PageServer {
  public:
   static constexpr int kWatchersMax = 8;  // streams at once; further ones are answered 503

@@ -26,6 +26,8 @@ IM2FIT_EMBED(im2fit_web_stage, IM2FIT_WEB_DIR "/stage.js")
 IM2FIT_EMBED(im2fit_web_tryon, IM2FIT_WEB_DIR "/tryon.js")
 IM2FIT_EMBED(im2fit_web_tryon_style, IM2FIT_WEB_DIR "/tryon.css")
 IM2FIT_EMBED(im2fit_web_page, IM2FIT_WEB_DIR "/page.js")
+IM2FIT_EMBED(im2fit_web_handed, IM2FIT_WEB_DIR "/handed.html")
+IM2FIT_EMBED(im2fit_web_handed_script, IM2FIT_WEB_DIR "/handed.js")
 IM2FIT_EMBED(im2fit_web_operator, IM2FIT_WEB_DIR "/operator.html")
 IM2FIT_EMBED(im2fit_web_operator_script, IM2FIT_WEB_DIR "/operator.js")
 IM2FIT_EMBED(im2fit_web_operator_style, IM2FIT_WEB_DIR "/operator.css")
@@ -65,6 +67,8 @@ const WebFile* web_file(std::string_view path) {
       own("/tryon.js", kScript, im2fit_web_tryon, im2fit_web_tryon_end),
       own("/tryon.css", "text/css; charset=utf-8", im2fit_web_tryon_style, im2fit_web_tryon_style_end),
       own("/page.js", kScript, im2fit_web_page, im2fit_web_page_end),
+      own("/handed.html", "text/html; charset=utf-8", im2fit_web_handed, im2fit_web_handed_end),
+      own("/handed.js", kScript, im2fit_web_handed_script, im2fit_web_handed_script_end),
       own("/operator", "text/html; charset=utf-8", im2fit_web_operator, im2fit_web_operator_end),
       own("/operator.js", kScript, im2fit_web_operator_script, im2fit_web_operator_script_end),
       own("/operator.css", "text/css; charset=utf-8", im2fit_web_operator_style, im2fit_web_operator_style_end),

@@ -85,13 +85,15 @@ TEST(Texts, EveryLanguageSaysEverythingAndNothingElse) {
     EXPECT_EQ(keys_of(table["measurements"]), measurements);
     EXPECT_EQ(keys_of(table["page"]), keys_of(english["page"]));
     EXPECT_EQ(keys_of(table["consent"]), keys_of(english["consent"]));
+    EXPECT_EQ(keys_of(table["handed"]), keys_of(english["handed"]));
     EXPECT_EQ(keys_of(table["tryon"]), keys_of(english["tryon"]));
     for (const char* group : {"garments", "regions", "verdicts"})
       EXPECT_EQ(keys_of(table["tryon"][group]), keys_of(english["tryon"][group])) << group;
     EXPECT_EQ(table["tryon"]["legend"].size(), english["tryon"]["legend"].size());
     EXPECT_EQ(table["consent"]["points"].size(), english["consent"]["points"].size());
     EXPECT_EQ(table["consent"]["version"], english["consent"]["version"]) << "one text, in five languages";
-    EXPECT_NE(table["page"]["left"].get<std::string>().find("{s}"), std::string::npos);
+    for (const char* key : {"left", "scan"})
+      EXPECT_NE(table["page"][key].get<std::string>().find("{s}"), std::string::npos) << key;
   }
 }
 
@@ -141,7 +143,7 @@ TEST(Texts, TwoCodesNeverSayTheSame) {
 // The page's script asks for nothing that the languages lack.
 TEST(Texts, WhatTheScriptAsksForIsThere) {
   const Json page = table_of("en")["page"];
-  const std::string script = text_of("page.js");
+  const std::string script = text_of("page.js") + text_of("handed.js");
   for (const std::string& before : {std::string("words.of('"), std::string("page.")}) {
     for (std::size_t at = script.find(before); at != std::string::npos; at = script.find(before, at + 1)) {
       const std::size_t from = at + before.size();

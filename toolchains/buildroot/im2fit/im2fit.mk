@@ -14,7 +14,7 @@ IM2FIT_LICENSE_FILES = LICENSE NOTICE
 IM2FIT_INSTALL_STAGING = YES
 IM2FIT_DEPENDENCIES = cli11 fmt json-for-modern-cpp libdeflate libpng libusb xz yaml-cpp
 
-# The page wants three.js as Debian packs it, in IM2FIT_THREE_DIR, and libmicrohttpd.
+# The page wants three.js as Debian packs it, in IM2FIT_THREE_DIR, libmicrohttpd and libqrencode.
 IM2FIT_CONF_OPTS = \
 	-DIM2FIT_BUILD_LAB=OFF \
 	-DIM2FIT_BUILD_TESTS=OFF \

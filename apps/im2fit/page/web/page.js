@@ -24,6 +24,7 @@ let seen = {...kNothingSeen};
 let result = null;
 let link = 'SERVER_GONE';  // or 'TOO_MANY_SCREENS', or '' while events come
 let trouble = '', camera = '', over = false;
+let offer = null, offerTimer = 0;  // what /hand-over answered
 let stage = null;
 try {
   stage = new Stage(at('canvas'));
@@ -91,6 +92,9 @@ function showTexts() {
   at('canvas').setAttribute('aria-label', page.body);
   at('accumulated').setAttribute('aria-label', page.accumulated);
   at('languages').setAttribute('aria-label', page.languages);
+  at('to-phone').textContent = page.to_phone;
+  at('to-phone').hidden = !hello.hands_over;
+  showCode();
   at('sound').textContent = sounds.on ? page.sound_on : page.sound_off;
   at('sound').setAttribute('aria-pressed', String(sounds.on));
   for (const button of at('languages').children) {
@@ -130,8 +134,28 @@ function showResult() {
   at('others').textContent = notes.join(' ');
 }
 
+// The code by which a phone takes the result, while it holds.
+function showCode() {
+  at('phone').hidden = !offer;
+  if (!offer) return;
+  const svg = at('code'), margin = 4;  // as readers need it
+  svg.setAttribute('viewBox', `${-margin} ${-margin} ${offer.side + 2 * margin} ${offer.side + 2 * margin}`);
+  svg.setAttribute('aria-label', offer.address);
+  for (const side of ['x', 'y']) svg.firstElementChild.setAttribute(side, -margin);
+  svg.lastElementChild.setAttribute('d', offer.path);
+  at('scan').textContent = words.of('scan').replace('{s}', offer.left_s);
+}
+function endOffer() {
+  clearTimeout(offerTimer);
+  offer = null;
+  at('code').lastElementChild.removeAttribute('d');
+  at('code').removeAttribute('aria-label');
+  showCode();
+}
+
 // Nothing of a visit stays, whoever's it was.
 function forget() {
+  endOffer();
   result = null;
   seen = {...kNothingSeen};
   mirror.clear();
@@ -258,6 +282,19 @@ async function ask(action, note = '') {
     // The stream says that the program has gone.
   }
 }
+at('to-phone').addEventListener('click', async () => {
+  const whose = visit;
+  if (!whose) return;
+  const headers = {'X-Im2fit-Visit': whose.id};
+  const answer = await fetch('/hand-over', {method: 'POST', headers}).catch(() => null);
+  const given = answer && answer.ok ? await answer.json().catch(() => null) : null;
+  if (!given || !visit || visit.id !== whose.id) return;  // over meanwhile
+  endOffer();
+  offer = given;
+  offerTimer = setTimeout(endOffer, 1000 * given.left_s);
+  showCode();
+  at('phone').scrollIntoView({block: 'nearest'});
+});
 let touchedAt = 0;
 for (const kind of ['pointerdown', 'keydown', 'wheel']) {
   window.addEventListener(kind, () => {

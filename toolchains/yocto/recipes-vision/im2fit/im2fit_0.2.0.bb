@@ -22,7 +22,7 @@ EXTRA_OECMAKE = " \
 
 # The page wants three.js as Debian packs it: build/ and examples/js/ of r111, in IM2FIT_THREE_DIR.
 PACKAGECONFIG ??= ""
-PACKAGECONFIG[page] = "-DIM2FIT_PAGE=ON,-DIM2FIT_PAGE=OFF,libmicrohttpd"
+PACKAGECONFIG[page] = "-DIM2FIT_PAGE=ON,-DIM2FIT_PAGE=OFF,libmicrohttpd qrencode"
 
 PACKAGES =+ "${PN}-tools ${PN}-daemon"
 SYSTEMD_PACKAGES = "${PN}-daemon"
