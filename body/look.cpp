@@ -120,7 +120,7 @@ void add_eye(const EyeRecord& eye, std::span<const Vec3f> vertices, LookPart& pa
 // of one ear, are the beginning, and the ears of others need this many passes.
 void spread_over_ears(std::span<const HairRecord> hair, std::span<const std::array<std::int32_t, 4>> quads,
                       std::vector<Vec3f>& at) {
-  constexpr int kPasses = 100;
+  constexpr int kPasses = 400;
   std::vector<std::array<std::size_t, 2>> edges;  // a vertex over an ear, its neighbour
   for (const auto& q : quads)
     for (std::size_t k = 0; k < 4; ++k) {

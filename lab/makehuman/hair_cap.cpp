@@ -104,7 +104,7 @@ Vec3f hair_over(Vec3f p, const Skull& skull, LookOf whose, float above_mm) {
 }
 
 bool about_ear(Vec3f p) {
-  return std::fabs(p.x) > 64 && p.y > 668 && p.y < 748 && p.z > -14 && p.z < 64;
+  return std::fabs(p.x) > 56 && p.y > 656 && p.y < 750 && p.z > -20 && p.z < 66;
 }
 
 }  // namespace
