@@ -18,14 +18,14 @@ float value(const MeasurementValues& v, Measurement m) {
   return v[measurement_index(m)];
 }
 
-struct Drawn {
+struct Measured {
   Params params;
   double stature_mm, weight_kg;
 };
 
 // Muscle falls with build, as docs/makehuman.md asks of whoever draws people.
-Drawn draw(Rng& rng, const BodyModel& model, int i) {
-  Drawn d{};
+Measured draw(Rng& rng, const BodyModel& model, int i) {
+  Measured d{};
   Params& p = d.params;
   p.gender = i % 2 == 0 ? 1.0F : 0.0F;
   p.age_years = static_cast<float>(rng.uniform(18, 80));
@@ -52,7 +52,7 @@ TEST(Solve, ThirtyPeopleGetTheirStatureAndWeight) {
   const BodyModel& model = *real_body();
   Rng rng(2024);
   for (int i = 0; i < 30; ++i) {
-    Drawn d = draw(rng, model, i);
+    Measured d = draw(rng, model, i);
     ASSERT_TRUE(solve_stature_and_weight(model, d.params, d.stature_mm, d.weight_kg))
         << i << ": " << d.stature_mm << " mm " << d.weight_kg << " kg, muscle " << d.params.muscle;
     EXPECT_GE(d.params.weight, 0);
