@@ -301,9 +301,10 @@ void LivePage::publish(const Json& event) {
   const std::string kind = event["event"];
   std::string line = line_of(event);
   line.pop_back();
-  if (kind == "camera") board_.publish(kind, std::move(line));
-  if (kind == "end") board_.publish(kind, R"({"event":"end"})");  // not with what the last frame showed
-  if (kind == "camera" || kind == "end") return;
+  if (kind == "camera" || kind == "end") {  // the end's not with what the last frame showed
+    board_.publish(kind, kind == "end" ? R"({"event":"end"})" : std::move(line));
+    return;
+  }
   bool shown = false;
   {
     const std::lock_guard lock(visit_mutex_);

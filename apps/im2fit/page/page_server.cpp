@@ -276,7 +276,10 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
   const Field host = field_of(connection, "Host"), origin = field_of(connection, "Origin");
   const Field site = field_of(connection, "Sec-Fetch-Site");
   const bool doubled = host.count > 1 || origin.count > 1 || site.count > 1;
-  if (const std::string why = check.refusal(doubled ? std::nullopt : host.value, origin.value, site.value);
+  // To the page for phones any scanner may lead: nothing is on it, and nothing is taken by GET.
+  const bool leads_to_phone_page = handlers.take && method != "POST";
+  if (const std::string why = check.refusal(doubled ? std::nullopt : host.value, origin.value,
+                                            leads_to_phone_page ? std::nullopt : site.value);
       !why.empty())
     return send(connection, MHD_HTTP_FORBIDDEN, copied(why + "\n"), kText);
   if (handlers.operate && is_operators(path)) return answer_operator(connection, method, upload);

@@ -104,6 +104,7 @@ TEST_F(Phones, FindThePageThatTakesAndNothingElse) {
   for (const char* path : {"/", "/handed.js", "/words.js", "/page.css", "/lang/en.json", "/lang/zh.json"})
     EXPECT_EQ(client.Get(path)->status, 200) << path;
   EXPECT_THAT(client.Get("/")->body, testing::HasSubstr("/handed.js"));
+  EXPECT_EQ(client.Get("/", {{"Sec-Fetch-Site", "cross-site"}})->status, 200) << "a scanner that is a page itself";
   for (const char* path :
        {"/result.json", "/events", "/picture.png", "/avatar.glb", "/page.js", "/operator", "/operator/token",
         "/tryon.glb?visit=1", "/handed.html", "/index.html", "/lang/../page.js"})
