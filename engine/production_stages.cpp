@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/refined_query.h"
+#include "engine/restored_edges.h"
 #include "engine/sensing_stages.h"
 
 namespace im2fit {
@@ -32,6 +33,9 @@ class ProductionStages final : public SensingStages {
       return false;
     }
     person.answer = answer->answer;
+    if (edges_restored())
+      restored_edges_correction(static_cast<float>(described.distance_mm) / front().intrinsics().fx)
+          .apply(person.answer);
     person.age = answer->age;
     person.paper = to_values(described.paper);
     person.joints = described.joints;

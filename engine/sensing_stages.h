@@ -22,6 +22,8 @@ class SensingStages : public FrameStages {
   Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) override {
     Detection detection = sensor_.look(depth, intrinsics, mask, seconds);
     detection.edges_restored = edges_.restored();
+    if (detection.person.found && edges_.beyond_repair())
+      detection.guidance |= static_cast<GuidanceSet>(Guidance::too_noisy);
     return detection;
   }
   bool may_finish_later(const Detection& sensed) const override { return sensor_.may_finish_later(sensed); }
@@ -39,6 +41,7 @@ class SensingStages : public FrameStages {
   }
 
   GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Detection& detection) override {
+    edges_restored_ = detection.edges_restored;
     return accumulating().add(depth, mask, intrinsics, detection);
   }
   int frame_count() const override { return turned_ ? back_->frame_count() : front_.frame_count(); }
@@ -56,6 +59,7 @@ class SensingStages : public FrameStages {
   MaskView fused_mask() const override { return front_.mask(); }
 
  protected:
+  bool edges_restored() const { return edges_restored_; }  // of the frame accumulated last
   Fuser& front() { return front_; }
   Fuser* back() { return turned_ ? &*back_ : nullptr; }  // null: the front alone is accumulated
 
@@ -67,6 +71,7 @@ class SensingStages : public FrameStages {
   Fuser front_;
   std::optional<Fuser> back_;
   bool turned_ = false;
+  bool edges_restored_ = false;  // FIT's
 };
 
 }  // namespace im2fit

@@ -79,6 +79,7 @@ void count_steps(const Line<const std::uint16_t>& line, const StepRules& rules, 
     }
     ++counts.steps;
     counts.bridged += bridges > 0 ? 1 : 0;
+    counts.bridge_px += static_cast<std::uint32_t>(bridges);
     EdgeCounts::Side& side = line[first] < line[last] ? before : after;
     ++side.steps;
     side.gaps += lost > 0 ? 1 : 0;
@@ -135,6 +136,7 @@ void EdgeRestorer::judge(DepthView depth, float focal_px) {
   if (counts_.steps >= kJudgedMany) {
     counts_.steps /= 2;
     counts_.bridged /= 2;
+    counts_.bridge_px /= 2;
     for (EdgeCounts::Side& side : counts_.sides) {
       side.steps /= 2;
       side.gaps /= 2;
@@ -150,21 +152,29 @@ void EdgeRestorer::judge(DepthView depth, float focal_px) {
   blends_ = counts_.bridged * 4 >= counts_.steps * 3;
   const auto gapped = [](const EdgeCounts::Side& side) { return side.gaps * 10 >= side.steps * 8; };
   drops_ = gapped(sides[0]) && gapped(sides[1]);
+  const auto wider = [&](std::uint32_t px, std::uint32_t count, float most_rad) {
+    return static_cast<float>(px) > most_rad * focal_px * static_cast<float>(count);
+  };
+  wide_ = (blends_ && wider(counts_.bridge_px, counts_.bridged, kBridgeMostRad)) ||
+          (drops_ && wider(gap_px(), gaps(), kGapMostRad));
 }
 
-// Half of the pixels between two surfaces, of those seen so far.
-int EdgeRestorer::half_gap_px() const {
-  std::uint32_t gaps = 0, px = 0;
-  for (const EdgeCounts::Side& side : counts_.sides) {
-    gaps += side.gaps;
-    px += side.gap_px;
-  }
-  return gaps > 0 ? static_cast<int>((px + gaps) / (2 * gaps)) : 0;
+std::uint32_t EdgeRestorer::gaps() const {
+  std::uint32_t sum = 0;
+  for (const EdgeCounts::Side& side : counts_.sides) sum += side.gaps;
+  return sum;
+}
+
+std::uint32_t EdgeRestorer::gap_px() const {
+  std::uint32_t sum = 0;
+  for (const EdgeCounts::Side& side : counts_.sides) sum += side.gap_px;
+  return sum;
 }
 
 void EdgeRestorer::restore(DepthImage depth, float focal_px) {
   const StepRules rules = rules_of(depth, focal_px);
-  const int width = depth.width, height = depth.height, half_gap = half_gap_px();
+  const int width = depth.width, height = depth.height,
+            half_gap = gaps() > 0 ? static_cast<int>((gap_px() + gaps()) / (2 * gaps())) : 0;
   for (int v = 0; v < height; ++v) std::copy_n(depth.row(v), width, before_.data() + std::ptrdiff_t{v} * width);
   std::fill(step_mm_.begin(), step_mm_.end(), std::uint16_t{0});
   const auto at = [&](int u, int v) {
@@ -196,7 +206,7 @@ void EdgeRestorer::run(DepthImage depth, float focal_px) {
 
 void EdgeRestorer::reset() {
   counts_ = {};
-  blends_ = drops_ = false;
+  blends_ = drops_ = wide_ = false;
 }
 
 EdgeRestorer::EdgeRestorer(int width, int height)

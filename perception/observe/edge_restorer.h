@@ -15,7 +15,8 @@ namespace im2fit {
 // What a sensor's edges are like, judged by the steps in depth of all frames since reset().
 struct EdgeCounts {
   std::uint32_t steps = 0;
-  std::uint32_t bridged = 0;  // of them: with a value well between the two surfaces
+  std::uint32_t bridged = 0;    // of them: with a value well between the two surfaces
+  std::uint32_t bridge_px = 0;  // such values
   // Steps whose pixels between the two surfaces have no data, by the side the nearer surface is on: left, right,
   // above, below of the step.
   struct Side {
@@ -38,14 +39,18 @@ class EdgeRestorer {
   void reset();
   // Whether the last run restored edges.
   bool restored() const { return blends_ || drops_; }
+  // Whether what lies between surfaces is so wide that hands and gaps beside arms are lost in it: nothing brings them
+  // back.
+  bool beyond_repair() const { return wide_; }
   const EdgeCounts& counts() const { return counts_; }
 
  private:
   void judge(DepthView depth, float focal_px);
   void restore(DepthImage depth, float focal_px);
-  int half_gap_px() const;
+  std::uint32_t gaps() const;
+  std::uint32_t gap_px() const;
   EdgeCounts counts_;
-  bool blends_ = false, drops_ = false;
+  bool blends_ = false, drops_ = false, wide_ = false;
   std::vector<std::uint16_t> before_;   // the frame as delivered
   std::vector<std::uint16_t> step_mm_;  // by how large a step a row decided on a pixel; 0: it did not
 };

@@ -26,6 +26,11 @@ inline constexpr int kGapAcross = 42, kGapLeastPx = 6;
 
 inline constexpr int kSkinMm = 40;  // off its surface: as far as a mask follows it (kernels/membership)
 
+// What lies between surfaces, as an angle: 3x3 pixels of 256 across blended make 2.1 px or 0.009, 5x5 4 px or 0.017,
+// a hand at 2.3 m is 0.035 to 0.05 wide. Dropped beside time of flight's own flying pixels 3.7 px or 0.016, the same
+// after a blend of 3x3 4.6 px or 0.020. im2fit-lab eval, 12 people a condition (docs/notebook/phones.md).
+inline constexpr float kBridgeMostRad = 0.0125F, kGapMostRad = 0.0178F;
+
 inline constexpr int kLineStep = 4;                 // every fourth row and column is judged
 inline constexpr std::uint32_t kJudgedMin = 60;     // steps, before anything is said: the rate is then within 0.1
 inline constexpr std::uint32_t kJudgedMany = 4096;  // then old ones count half: a driver's setting may change

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
@@ -288,6 +289,45 @@ TEST_F(PhoneFrames, AToldDistortionIsUndone) {
   EXPECT_LT(off_mm(told, IM2FIT_WAIST_GIRTH), 6.0F);
   EXPECT_GT(off_mm(untold, IM2FIT_STATURE), 10.0F) << "the test's lens makes no difference";
   EXPECT_EQ(first_difference(told.json, said(settings(), bend(true, 180)).json), "");
+}
+
+// The mean of what has data within `reach_px`, as phones' drivers blend edges.
+std::vector<std::uint16_t> blended(const std::vector<std::uint16_t>& depth, const Intrinsics& k, int reach_px) {
+  std::vector<std::uint16_t> out(depth.size());
+  const DepthView from(depth.data(), k.width, k.height);
+  for (int v = 0; v < k.height; ++v)
+    for (int u = 0; u < k.width; ++u) {
+      if (from.at(u, v) == 0) continue;
+      int sum_mm = 0, count = 0;
+      for (int y = std::max(0, v - reach_px); y <= std::min(k.height - 1, v + reach_px); ++y)
+        for (int x = std::max(0, u - reach_px); x <= std::min(k.width - 1, u + reach_px); ++x) {
+          sum_mm += from.at(x, y);
+          count += from.at(x, y) != 0 ? 1 : 0;
+        }
+      out[static_cast<std::size_t>(v * k.width + u)] = static_cast<std::uint16_t>(sum_mm / count);
+    }
+  return out;
+}
+
+// A blend of 3x3 pixels takes a pixel off either side of everything; after it is put back the answer to the sharp
+// frames and this one agree within their intervals, of which this one is wider. A blend as wide as a hand is refused.
+TEST_F(PhoneFrames, BlendedEdgesArePutBackOrRefused) {
+  const Intrinsics& k = data_->intrinsics();
+  const auto blend = [&](int reach_px) {
+    return [&k, reach_px](PhoneFrame& f, std::size_t) { f.samples = blended(f.samples, k, reach_px); };
+  };
+  const im2fit_result sharp = reference().result, found = said(settings(), blend(1)).result;
+  ASSERT_EQ(found.measured, 1);
+  for (const int id : {IM2FIT_STATURE, IM2FIT_CHEST_GIRTH, IM2FIT_WAIST_GIRTH, IM2FIT_HIP_GIRTH}) {
+    const im2fit_estimate &before = sharp.measurements[id], &now = found.measurements[id];
+    RecordProperty(im2fit_measurement_name(id), std::to_string(now.value - before.value));
+    EXPECT_LE(now.low, before.high) << im2fit_measurement_name(id);
+    EXPECT_GE(now.high, before.low) << im2fit_measurement_name(id);
+    EXPECT_GE(now.high - now.low, before.high - before.low) << im2fit_measurement_name(id);
+  }
+  const Said refused = said(settings(), blend(6));
+  EXPECT_EQ(refused.result.measured, 0);
+  EXPECT_NE(refused.result.guidance_seen & IM2FIT_GUIDANCE_TOO_NOISY, 0U) << refused.json;
 }
 
 // The person of the clip alone, without room and floor, as a camera on the same spot sees it that looks down by

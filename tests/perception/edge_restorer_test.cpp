@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include "core/rng.h"
@@ -94,6 +95,18 @@ TEST(EdgeRestorer, DroppedOutlinesComeBack) {
     restorer.run(disc.image(), kFocalPx);
     EXPECT_TRUE(restorer.restored());
     EXPECT_NEAR(disc.near_count(), sharp, 0.25 * kRoundPx) << reach_px;
+  }
+}
+
+// 3x3 of a picture 256 pixels high is no wider than what comes back, 5x5 is.
+TEST(EdgeRestorer, WideBlendsAreBeyondRepair) {
+  for (const auto& [reach_px, focal_px, beyond] :
+       {std::tuple{1, kFocalPx, false}, {2, kFocalPx, true}, {2, 2 * kFocalPx, false}, {0, kFocalPx, false}}) {
+    Disc disc;
+    blend(disc, reach_px);
+    EdgeRestorer restorer(kWidth, kHeight);
+    restorer.run(disc.image(), focal_px);
+    EXPECT_EQ(restorer.beyond_repair(), beyond) << reach_px << " " << focal_px;
   }
 }
 
