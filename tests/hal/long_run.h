@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 
 #include "tests/devices/process_state.h"
 
@@ -18,12 +20,16 @@ inline int frames_to_test(const char* variable, int usual = 200) {
 }
 
 // Memory at the end against memory after a tenth of the frames, within 1 MB. Short runs are not judged: buffers
-// and tables still fill.
+// and tables still fill. With IM2FIT_GROWTH_LOG fifty lines "frame kB" go into that file, which bench/report draws.
 class Growth {
  public:
-  explicit Growth(int frames) : frames_(frames) {}
+  explicit Growth(int frames) : frames_(frames) {
+    if (const char* path = std::getenv("IM2FIT_GROWTH_LOG")) log_.reset(std::fopen(path, "w"));
+  }
   void saw(int frame) {
     if (frame == frames_ / 10) early_kb_ = devices::resident_kb();
+    if (log_ != nullptr && frame % std::max(1, frames_ / kLines) == 0)
+      std::fprintf(log_.get(), "%d %ld\n", frame, devices::resident_kb());
   }
   void expect_none() const {
     if (frames_ < 10'000) return;
@@ -36,8 +42,13 @@ class Growth {
   }
 
  private:
+  static constexpr int kLines = 50;
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
   int frames_;
   long early_kb_ = 0;
+  std::unique_ptr<std::FILE, Close> log_;
 };
 
 }  // namespace im2fit::hal
