@@ -40,8 +40,9 @@ TEST_F(DressedBody, ClothLiesOutsideTheSkinAndHardlyStretches) {
       ASSERT_TRUE(q.finite) << person.name;
       EXPECT_LT(q.strain_mean, 0.02F) << person.name << " " << i;
       EXPECT_LT(q.strain_p95, 0.11F) << person.name << " " << i;
+      EXPECT_LT(q.strain_peak, 0.8F) << person.name << " " << i;
       EXPECT_LT(q.inside_share, 0.002F) << person.name << " " << i;
-      EXPECT_LT(q.hem_roughness_mm, 10) << person.name << " " << i;
+      EXPECT_LT(q.hem_roughness_mm, 5) << person.name << " " << i;
       EXPECT_GT(q.folds_mm, 0.3F) << person.name << " " << i;
     }
   }
