@@ -108,7 +108,7 @@ void paint_hair(Colour& colour, Vec3f p, LookOf whose) {
   mix(colour, hair, share);
 }
 
-// Trunks and a top, so that no avatar is naked.
+// Trunks and a top: an avatar without garments is still dressed.
 void paint_linen(Colour& colour, const SkinPlace& place, LookOf whose) {
   const Vec3f p = place.at;
   const float x = std::fabs(p.x);
