@@ -33,13 +33,13 @@ void draw_measurement(Svg& svg, const Frame& frame, const std::vector<ConditionR
     const Report& report = runs[i].report;
     const double y = frame.y + step * (static_cast<double>(i) + 0.5);
     svg.line({frame.x, y}, {frame.x + frame.width, y}, {kFaint, 0.8});
-    if (names) svg.text({frame.x - 8, y + 4}, report.condition, {Lettering::Anchor::end});
+    if (names) svg.text({frame.x - 8, y + 4}, title_of(report), {Lettering::Anchor::end});
     for (std::size_t estimator = kEstimatorCount; estimator-- > 0;) {
       const ErrorStatistics& s = report.measurements[m].errors[estimator];
       if (s.count > 0)
         svg.disc(
             {panel.x(s.mae), y}, estimator == 0 ? 5 : 3.6, kEstimatorColours[estimator], 0.95,
-            fmt::format("{}, {}, {}: {:.1f}", report.condition, words_of(m), kEstimators[estimator].words, s.mae));
+            fmt::format("{}, {}, {}: {:.1f}", title_of(report), words_of(m), kEstimators[estimator].words, s.mae));
     }
   }
 }
@@ -74,7 +74,7 @@ void draw_coverage(Svg& svg, const Frame& frame, const std::vector<ConditionRun>
   const double step = frame.height / static_cast<double>(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const double y = frame.y + step * (static_cast<double>(i) + 0.5);
-    svg.text({frame.x - 8, y + 4}, runs[i].report.condition, {Lettering::Anchor::end});
+    svg.text({frame.x - 8, y + 4}, title_of(runs[i].report), {Lettering::Anchor::end});
     svg.line({frame.x, y}, {frame.x + frame.width, y}, {kFaint, 0.8});
     if (runs[i].report.measured == 0) continue;
     double mean = 0;
@@ -83,7 +83,7 @@ void draw_coverage(Svg& svg, const Frame& frame, const std::vector<ConditionRun>
       mean += covered / kMeasurementCount;
       svg.disc({panel.x(std::max(kLowest, covered)), y}, 3.2,
                kMeasurementTable[m].id.ends_with("girth") ? kRed : kBlue, 0.6,
-               fmt::format("{}, {}: {:.1f} %", runs[i].report.condition, words_of(m), covered));
+               fmt::format("{}, {}: {:.1f} %", title_of(runs[i].report), words_of(m), covered));
     }
     const double x = panel.x(std::max(kLowest, mean));
     svg.line({x, y - 7}, {x, y + 7}, {kInk, 2.4});
@@ -95,7 +95,7 @@ void draw_coverage(Svg& svg, const Frame& frame, const std::vector<ConditionRun>
 Figure conditions_figure(const std::vector<ConditionRun>& runs) {
   constexpr std::size_t kColumns = 3;
   const double high = 17 * static_cast<double>(runs.size()), step_y = high + 58;
-  const double left = 110, wide = 240, step_x = 272;
+  const double left = 170, wide = 220, step_x = 252;  // "clothed+both of modifiers" to the left
   Svg svg(930, 44 + step_y * std::ceil(static_cast<double>(kMeasurementCount) / kColumns),
           "Mean absolute error by condition");
   std::vector<LegendEntry> legend;
@@ -119,9 +119,9 @@ Figure conditions_figure(const std::vector<ConditionRun>& runs) {
 Figure calibration_figure(const std::vector<ConditionRun>& runs) {
   const double high = std::max(280.0, 24.0 * static_cast<double>(runs.size()));
   Svg svg(930, high + 84, "Calibration of intervals");
-  draw_levels(svg, {56, 34, 330, high}, runs.front());
+  draw_levels(svg, {56, 34, 300, high}, runs.front());
   const int people = runs.front().report.measured;
-  draw_coverage(svg, {520, 34, 390, high}, runs);
+  draw_coverage(svg, {550, 34, 360, high}, runs);
   return {"calibration", "Do the intervals keep their word?",
           fmt::format(
               "Left, the first condition: the stated interval is one of 95 %; other shares read it as a normal's, as "
