@@ -3,8 +3,10 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
+#include <locale>
 #include <map>
 #include <optional>
+#include <sstream>
 
 #include "core/csv.h"
 #include "core/file.h"
@@ -67,16 +69,22 @@ struct Columns {
   }
 };
 
+// To the nearest float, whatever the locale: from_chars for floats is not in every standard library we build with.
+bool read_float(const std::string& text, float& value) {
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  return (stream >> value) && stream.peek() == std::istringstream::traits_type::eof();
+}
+
 // None: it is not there. Error: what is there is no vector of length 1.
 Result<std::optional<Vec3f>> down_in(const std::vector<std::string>& cells, const Columns& columns) {
   std::array<float, 3> values{};
   std::size_t empty = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::string text = columns.down[i] < cells.size() ? cells[columns.down[i]] : "";
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), values[i]);
     if (text.empty())
       ++empty;
-    else if (code != std::errc() || end != text.data() + text.size())
+    else if (!read_float(text, values[i]))
       return Error{ErrorCode::corrupt, std::string(Columns::kDownNames[i]) + " is no number"};
   }
   if (empty == values.size()) return std::optional<Vec3f>();
