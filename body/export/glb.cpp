@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binary glTF 2.0 (Khronos specification, sections 3.6 buffers, 3.7 meshes and skins, 4.4 GLB layout).
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -90,7 +91,8 @@ Part part_of(const LookPart& look, float floor_mm) {
 }
 
 void append_quad(const std::array<std::int32_t, 4>& quad, std::vector<std::uint16_t>& indices) {
-  for (const std::size_t i : {0, 1, 2, 0, 2, 3}) indices.push_back(static_cast<std::uint16_t>(quad[i]));
+  for (const std::size_t i : std::array<std::size_t, 6>{0, 1, 2, 0, 2, 3})
+    indices.push_back(static_cast<std::uint16_t>(quad[i]));
 }
 
 // Quads whose corners are all hidden stand apart; `hidden` may be empty.
