@@ -38,7 +38,7 @@ TEST(DamagedBody, AttacksAreRefusedOrGiveFiniteMeshes) {
   const Bytes& good = sound_body();
   Rng rng(20264);
   int accepted = 0;
-  for (int i = 0; i < 30000; ++i) {
+  for (int i = 0; i < 20000; ++i) {
     Bytes bytes = damaged(good, rng);
     mend_checksums(bytes);
     const auto sane = use_body(std::move(bytes));
