@@ -20,7 +20,7 @@ set(CMAKE_CXX_COMPILER clang++-14)
 set(CMAKE_AR llvm-ar-14 CACHE FILEPATH "")
 set(CMAKE_RANLIB llvm-ranlib-14 CACHE FILEPATH "")
 set(CMAKE_STRIP llvm-strip-14 CACHE FILEPATH "")
-# Sections of their own, as the NDK's toolchain file has them: the linker leaves out what nobody calls.
+# Sections of their own, as the NDK's toolchain file has them: the linker leaves out what is never called.
 set(CMAKE_C_FLAGS_INIT "@${runtime}/flags -ffunction-sections -fdata-sections")
 set(CMAKE_CXX_FLAGS_INIT "@${runtime}/flags-c++ @${runtime}/flags -ffunction-sections -fdata-sections")
 # lld's own default would be 64 kB pages on ARM64; Android 15 has 16 kB.
