@@ -49,6 +49,11 @@ void for_each_step(const Line<T>& line, const StepRules& rules, F&& f) {
       continue;
     }
     int last = first, way = 0, next = first + 1;
+    // Nearly all pixels: no steeper than any surface is allowed to be.
+    if (next < line.count && line[next] != 0 && std::abs(line[next] - line[first]) <= kSlopeLeastMm) {
+      first = next;
+      continue;
+    }
     while (true) {
       while (next < line.count && line[next] == 0) ++next;
       if (next >= line.count || next - last > rules.gap_px + 1 || next - first > rules.reach_px) break;
@@ -200,12 +205,15 @@ void EdgeRestorer::restore(DepthImage depth, float focal_px) {
 }
 
 void EdgeRestorer::run(DepthImage depth, float focal_px) {
-  judge(depth, focal_px);
+  const bool new_here = frames_ < kJudgedFrames && counts_.steps < kJudgedEnough;
+  if (new_here || frames_ % kJudgeEvery == 0) judge(depth, focal_px);
+  ++frames_;
   if (restored()) restore(depth, focal_px);
 }
 
 void EdgeRestorer::reset() {
   counts_ = {};
+  frames_ = 0;
   blends_ = drops_ = wide_ = false;
 }
 

@@ -50,6 +50,7 @@ class EdgeRestorer {
   std::uint32_t gaps() const;
   std::uint32_t gap_px() const;
   EdgeCounts counts_;
+  std::uint32_t frames_ = 0;  // since reset()
   bool blends_ = false, drops_ = false, wide_ = false;
   std::vector<std::uint16_t> before_;   // the frame as delivered
   std::vector<std::uint16_t> step_mm_;  // by how large a step a row decided on a pixel; 0: it did not
