@@ -13,14 +13,6 @@ namespace {
 constexpr std::array<const char*, 2> kTextureSections = {"look_man", "look_woman"};
 constexpr float kEyeRadiusMax = 2;  // of the lids' distance
 
-template <class T>
-Status take(const ContainerReader& reader, const char* name, std::span<const T>& out, std::size_t count) {
-  auto section = reader.array<T>(name, count);
-  if (!section) return section.error();
-  out = *section;
-  return Ok{};
-}
-
 std::uint32_t big_endian(std::span<const std::byte> bytes, std::size_t at) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < 4; ++i) value = value << 8U | std::to_integer<std::uint32_t>(bytes[at + i]);
@@ -151,7 +143,7 @@ Result<Look> read_look(const ContainerReader& reader, std::size_t vertex_count, 
                        const std::string& what) {
   Look look;
   if (!reader.entries().contains("look_corners")) return look;
-  if (const auto status = take(reader, "look_corners", look.corners, quad_count); !status) return status.error();
+  if (const auto status = reader.take("look_corners", look.corners, quad_count); !status) return status.error();
   for (std::size_t i = 0; i < kTextureSections.size(); ++i) {
     const auto section = reader.section(kTextureSections[i]);
     if (!section) return section.error();
@@ -161,7 +153,7 @@ Result<Look> read_look(const ContainerReader& reader, std::size_t vertex_count, 
                      " pixels a side");
     look.texture[i] = *section;
   }
-  if (const auto status = take(reader, "look_eyes", look.eyes, 2); !status) return status.error();
+  if (const auto status = reader.take("look_eyes", look.eyes, 2); !status) return status.error();
   for (const EyeRecord& eye : look.eyes) {
     for (const std::span<const std::int32_t> list :
          {std::span<const std::int32_t>(eye.centre), {eye.front}, {eye.rim}})
@@ -172,7 +164,7 @@ Result<Look> read_look(const ContainerReader& reader, std::size_t vertex_count, 
         !sane(eye.texture_r, 0, 1))
       return bad(what, "look_eyes", "a radius or a place in the texture is out of range");
   }
-  if (const auto status = take(reader, "look_hair", look.hair, SIZE_MAX); !status) return status.error();
+  if (const auto status = reader.take("look_hair", look.hair); !status) return status.error();
   for (std::size_t i = 0; i < look.hair.size(); ++i)
     if (look.hair[i].vertex >= kBodyVertexCount || (i > 0 && look.hair[i].vertex <= look.hair[i - 1].vertex))
       return bad(what, "look_hair", "vertices do not ascend, or are not the body's");

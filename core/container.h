@@ -124,6 +124,14 @@ class ContainerReader {
       return size_error(name, bytes->size(), count == SIZE_MAX ? 0 : count * sizeof(T), sizeof(T));
     return std::span<const T>(reinterpret_cast<const T*>(bytes->data()), bytes->size() / sizeof(T));
   }
+  // The same into `out`, which an error leaves as it is.
+  template <class T>
+  Status take(const std::string& name, std::span<const T>& out, std::size_t count = SIZE_MAX) const {
+    auto values = array<T>(name, count);
+    if (!values) return values.error();
+    out = *values;
+    return Ok{};
+  }
   struct Entry {
     std::uint64_t offset = 0;
     std::uint64_t size = 0;

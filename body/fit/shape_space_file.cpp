@@ -67,20 +67,12 @@ struct Sections {
   std::span<const float> bones;
 };
 
-template <class T>
-Status take(const ContainerReader& reader, const char* name, std::span<const T>& out, std::size_t count) {
-  auto section = reader.array<T>(name, count);
-  if (!section) return section.error();
-  out = *section;
-  return Ok{};
-}
-
 Result<Sections> read_sections(const ContainerReader& reader, const std::string& what) {
   const auto bad = [&](const char* section, const std::string& why) {
     return Error{ErrorCode::corrupt, what + ": section '" + section + "': " + why};
   };
   Sections s;
-  if (const auto status = take(reader, "shape_about", s.about, 1); !status) return status.error();
+  if (const auto status = reader.take("shape_about", s.about, 1); !status) return status.error();
   const std::size_t points = s.about[0].point_count, shapes = s.about[0].shape_count;
   if (points < kShapePointMin || points > kShapePointMax)
     return bad("shape_about", std::to_string(points) + " points, expected " + std::to_string(kShapePointMin) +
@@ -88,11 +80,11 @@ Result<Sections> read_sections(const ContainerReader& reader, const std::string&
   if (shapes < 1 || shapes > kShapeMax)
     return bad("shape_about", std::to_string(shapes) + " shapes, expected 1 to " + std::to_string(kShapeMax));
   const std::size_t planes = 1 + shapes;
-  if (const auto status = take(reader, "shape_scales", s.scales, planes); !status) return status.error();
-  if (const auto status = take(reader, "shape_points", s.points, planes * points * kPointValues); !status)
+  if (const auto status = reader.take("shape_scales", s.scales, planes); !status) return status.error();
+  if (const auto status = reader.take("shape_points", s.points, planes * points * kPointValues); !status)
     return status.error();
-  if (const auto status = take(reader, "shape_skin", s.skin, points); !status) return status.error();
-  if (const auto status = take(reader, "shape_bones", s.bones, planes * kBoneValues); !status) return status.error();
+  if (const auto status = reader.take("shape_skin", s.skin, points); !status) return status.error();
+  if (const auto status = reader.take("shape_bones", s.bones, planes * kBoneValues); !status) return status.error();
   for (const PlaneScale& scale : s.scales)
     if (!(scale.middle >= 0 && scale.diagonal >= 0) || !sane(scale.middle, 1) || !sane(scale.diagonal, 1))
       return bad("shape_scales", "a scale is not 0 to 1 mm a step");
