@@ -27,7 +27,7 @@ inline std::int16_t anchor_depth(const Anchor& a, const AnchorJoints& joints, co
   const int d = box.depth[inside ? static_cast<std::ptrdiff_t>(v) * box.width + u : 0];
   const int away = d - box.reference_mm;
   const int near = away > kAnchorFarMm ? kAnchorFarMm : (away < -kAnchorFarMm ? -kAnchorFarMm : away);
-  return static_cast<std::int16_t>(inside & (d != 0) ? near : kAnchorFarMm);
+  return static_cast<std::int16_t>((inside & (d != 0)) ? near : kAnchorFarMm);
 }
 
 }  // namespace

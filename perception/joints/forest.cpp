@@ -38,7 +38,7 @@ int probe_at(const Place& place, int dx, int dy) {
   const int d = view.depth[inside ? v * width + u : 0];
   const int away = d - place.z_mm;
   const int near = away > 1000 ? 1000 : (away < -1000 ? -1000 : away);
-  return inside & (d != 0) ? near : 1000;
+  return (inside & (d != 0)) ? near : 1000;
 }
 
 struct Walk {

@@ -223,7 +223,7 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) {
     for (int c = 0; c < grid.width; ++c) {
       const float z = static_cast<float>(depth[c]);
       const Vec3f p = {grid.ray_x[static_cast<std::size_t>(c)] * z, ry * z, z};
-      below += (z > 0) & (height_of(plane, p) < -kBelowMm - quantum_mm(z)) ? 1 : 0;
+      below += ((z > 0) & (height_of(plane, p) < -kBelowMm - quantum_mm(z))) ? 1 : 0;
     }
   }
   return below * 20 <= grid.valid_count && below <= 3 * count;
