@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <memory>
 #include <regex>
 
 #include "apps/sessions/store.h"
+#include "axe.h"
 #include "browser.h"
 #include "private_files.h"
 #include "run_program.h"
@@ -42,16 +42,6 @@ words.language = before;
 showTexts();
 return found;
 )js";
-
-// What axe-core says against the page as it stands; scripts/page-check fetches it.
-Json axe_violations(test::Browser& browser, const std::string& axe) {
-  browser.run(axe + ";window.axe = axe;");
-  return browser.run_until_called(R"js(
-    const done = arguments[arguments.length - 1];
-    axe.run(document, {resultTypes: ['violations']}).then(
-      (r) => done(r.violations.map((v) => [v.id, v.nodes.map((n) => n.html.slice(0, 200))])), (e) => done(String(e)));
-  )js");
-}
 
 class OperatorPage : public testing::Test {
  protected:
@@ -153,25 +143,22 @@ TEST_F(OperatorPage, FromAPersonToASessionThatIsMeasuredAgain) {
 class AxeOperator : public OperatorPage {};
 
 TEST_F(AxeOperator, FindsNothingBeforeAndAfterAPerson) {
-  const char* path = std::getenv("IM2FIT_AXE");
-  const std::string axe = test::read_text(path != nullptr ? path : "");
-  if (axe.size() < 100'000) GTEST_SKIP() << "no axe-core: scripts/page-check";
+  const std::string axe = test::axe_script();
+  if (axe.empty()) GTEST_SKIP() << "no axe-core: scripts/page-check";
   const std::string url = serve({});
   test::Browser browser(folder_.path(""), {"--lang=en-GB"});
   ASSERT_TRUE(browser.ready()) << browser.messages();
   browser.go(url + "/operator?lang=en");
   ASSERT_TRUE(browser.wait_for("return document.body.dataset.phase === 'IDLE'")) << run_->messages();
-  for (const char* scheme : {"light", "dark"}) {
-    browser.devtools("Emulation.setEmulatedMedia",
-                     {{"features", {{{"name", "prefers-color-scheme"}, {"value", scheme}}}}});
-    EXPECT_EQ(axe_violations(browser, axe), Json::array()) << "before, " << scheme;
+  for (const char* scheme : test::kColourSchemes) {
+    test::prefer_colours(browser, scheme);
+    EXPECT_EQ(test::axe_violations(browser, axe), Json::array()) << "before, " << scheme;
   }
   browser.run("at('begin').click(); addReading('waist_girth')");
   ASSERT_TRUE(browser.wait_for("return document.body.dataset.phase === 'MEASURED'"));
-  for (const char* scheme : {"light", "dark"}) {
-    browser.devtools("Emulation.setEmulatedMedia",
-                     {{"features", {{{"name", "prefers-color-scheme"}, {"value", scheme}}}}});
-    EXPECT_EQ(axe_violations(browser, axe), Json::array()) << "after, " << scheme;
+  for (const char* scheme : test::kColourSchemes) {
+    test::prefer_colours(browser, scheme);
+    EXPECT_EQ(test::axe_violations(browser, axe), Json::array()) << "after, " << scheme;
   }
 }
 

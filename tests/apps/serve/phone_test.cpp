@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "axe.h"
 #include "browser.h"
 #include "read_qr.h"
 #include "run_program.h"
@@ -193,6 +194,31 @@ TEST_F(Phone, ReadsTheCodeFromTheScreenAndShowsTheResult) {
   browser.go(address);
   ASSERT_TRUE(browser.wait_for("return document.body && document.body.dataset.state === 'gone'"));
   EXPECT_EQ(browser.run("return at('taken').hidden"), true);
+}
+
+class AxePhone : public Phone {};
+
+TEST_F(AxePhone, FindsNothingInAResultTakenNorInOneThatIsGone) {
+  const std::string axe = test::axe_script();
+  if (axe.empty()) GTEST_SKIP() << "no axe-core: scripts/page-check";
+  if (!test::Browser::installed()) GTEST_SKIP() << "no chromium: scripts/deps browser";
+  const test::TestFolder folder;
+  test::ShownPage page(handing_over());
+  ASSERT_NO_FATAL_FAILURE(measure(page, 911));
+  const std::string address = offer(page, page.visit()).second["address"];
+  test::Browser browser(folder.path(""), {"--lang=en-GB"});
+  ASSERT_TRUE(browser.ready()) << browser.messages();
+  browser.resize(390, 844);
+  for (const char* state : {"once", "gone"}) {
+    browser.go("about:blank");
+    browser.go(address);
+    ASSERT_TRUE(
+        browser.wait_for("return document.body && document.body.dataset.state === '" + std::string(state) + "'"));
+    for (const char* scheme : test::kColourSchemes) {
+      test::prefer_colours(browser, scheme);
+      EXPECT_EQ(test::axe_violations(browser, axe), Json::array()) << state << ", " << scheme;
+    }
+  }
 }
 
 }  // namespace

@@ -4,12 +4,10 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <thread>
 
+#include "axe.h"
 #include "browser.h"
 #include "core/guidance.h"
 #include "shown_page.h"
@@ -289,32 +287,16 @@ TEST_F(Screens, TheKeyboardIsEnough) {
   EXPECT_TRUE(browser_->wait_for("return visit.state === 'MEASURING'"));
 }
 
-// axe-core's rules for WCAG 2.1 A and AA and its best practices, in every state, light and dark. scripts/page-check
-// fetches it.
 class Axe : public Screens {};
 
-std::string axe_script() {
-  const char* path = std::getenv("IM2FIT_AXE");
-  std::ifstream file(path != nullptr ? path : "");
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 TEST_F(Axe, FindsNothingInAnyState) {
-  const std::string axe = axe_script();
-  if (axe.size() < 100'000) GTEST_SKIP() << "no axe-core: scripts/page-check";
+  const std::string axe = test::axe_script();
+  if (axe.empty()) GTEST_SKIP() << "no axe-core: scripts/page-check";
   int looked = 0;
-  for (const char* scheme : {"light", "dark"}) {
-    browser_->devtools("Emulation.setEmulatedMedia", {{"features",
-                                                       {{{"name", "prefers-color-scheme"}, {"value", scheme}},
-                                                        {{"name", "prefers-reduced-motion"}, {"value", "reduce"}}}}});
+  for (const char* scheme : test::kColourSchemes) {
+    test::prefer_colours(*browser_, scheme);
     through_all_states([&](const std::string& code) {
-      if (browser_->run("return typeof axe") == "undefined") browser_->run(axe + ";window.axe = axe;");
-      const Json found = browser_->run_until_called(R"js(
-        const done = arguments[arguments.length - 1];
-        axe.run(document, {resultTypes: ['violations']}).then(
-          (r) => done(r.violations.map((v) => [v.id, v.nodes.map((n) => n.html.slice(0, 200))])), (e) => done(String(e)));
-      )js");
-      EXPECT_EQ(found, Json::array()) << code << ", " << scheme;
+      EXPECT_EQ(test::axe_violations(*browser_, axe), Json::array()) << code << ", " << scheme;
       ++looked;
     });
   }
