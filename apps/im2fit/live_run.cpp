@@ -184,6 +184,8 @@ class LiveRun {
     Json event = {{"event", "end"}, {"frame", frames_}, {"persons", 0}};
     event["result"] = Json::parse(result_json(outcome_.person));
     if (auto sent = publish(event); !sent) return sent.error();
+    // Whoever stops a page, or its service, stops it between people: nothing has failed.
+    if (listener_ != nullptr && interrupted()) return kExitOk;
     return options_.session.json ? kExitNoMeasurement : report_session(outcome_, options_.session);
   }
 
