@@ -243,7 +243,7 @@ TEST_F(Serve, WaitsForWhatIsMissing) {
   EXPECT_EQ(trouble_until(""), "");
   EXPECT_LT(test::Clock::now() - plugged, std::chrono::seconds(3));
   run_->signal(SIGINT);
-  EXPECT_EQ(run_->wait(), 0) << "nobody was measured, which is no failure of a page: " << run_->messages();
+  EXPECT_EQ(run_->wait(), 0) << "a page that has measured no one has not failed: " << run_->messages();
 }
 
 // Words, the table, and the body on the stage, in Chromium.
