@@ -25,7 +25,8 @@ constexpr std::uint64_t kLevelStream = 0x6C65766C;
 constexpr int kBatchTreeCount = 8;  // trees that learn on the same residuals; any thread count gives the same
 constexpr int kCandidateCount = 90;
 constexpr int kExaminedMax = 1200;
-constexpr int kScoreSize = 6;  // two joints' residuals judge a split
+constexpr std::size_t kScoreSize = 6;  // two joints' residuals judge a split
+using Score = std::array<float, 8>;    // them, a count, and what makes it whole vectors
 constexpr double kShrinkage = 0.11;
 constexpr double kLeafPrior = 12;      // samples' worth of "no correction" in every leaf
 constexpr double kBetweenShare = 0.6;  // of the anchors lie between two joints, and nearer to that line:
@@ -133,40 +134,52 @@ class TreeGrower {
       for (int k = 0; k < 3; ++k)
         dims[3 * static_cast<std::size_t>(half) + static_cast<std::size_t>(k)] = 3 * joint + k;
     }
-    scores_.resize(examined * kScoreSize);
+    scores_.resize(examined);
+    Score total{};
     for (std::size_t n = 0; n < examined; ++n) {
       const float* r = level_.left_to_go(mine[n * stride]);
-      for (std::size_t d = 0; d < kScoreSize; ++d) scores_[n * kScoreSize + d] = r[dims[d]];
+      for (std::size_t d = 0; d < kScoreSize; ++d) scores_[n][d] = r[dims[d]];
+      scores_[n][kScoreSize] = 1;  // counts
+      for (std::size_t d = 0; d < kScoreSize; ++d) total[d] += scores_[n][d];
     }
-    std::array<float, kScoreSize> total{};
-    for (std::size_t n = 0; n < examined; ++n)
-      for (std::size_t d = 0; d < kScoreSize; ++d) total[d] += scores_[n * kScoreSize + d];
-    float best_gain = -1;
-    for (int c = 0; c < kCandidateCount; ++c) {
-      Split s = draw();
+    std::array<Split, kCandidateCount> candidates;
+    for (Split& s : candidates) {
+      s = draw();
       const std::int16_t* p = level_.row(mine[static_cast<std::size_t>(rng_.index(static_cast<int>(mine.size())))]);
       s.threshold = static_cast<std::int16_t>(p[s.a] - p[s.b] + static_cast<int>(rng_.normal(0, 10)));
-      float high_count = 0;
-      std::array<float, kScoreSize> high{};
-      for (std::size_t n = 0; n < examined; ++n) {
-        const std::int16_t* q = level_.row(mine[n * stride]);
-        const float w = q[s.a] - q[s.b] > s.threshold ? 1.0F : 0.0F;
-        high_count += w;
-        for (std::size_t d = 0; d < kScoreSize; ++d) high[d] += w * scores_[n * kScoreSize + d];
+    }
+    // Start by start, so that its row of pixels is read from memory once for all candidates.
+    std::array<Score, kCandidateCount> high{};
+    for (std::size_t n = 0; n < examined; ++n) {
+      const std::int16_t* q = level_.row(mine[n * stride]);
+      if (n + 1 < examined) prefetch(level_.row(mine[(n + 1) * stride]));
+      const Score score = scores_[n];
+      for (std::size_t c = 0; c < candidates.size(); ++c) {
+        const Split& s = candidates[c];
+        const auto w = static_cast<float>(static_cast<int>(q[s.a] - q[s.b] > s.threshold));  // no branch
+        for (std::size_t d = 0; d < score.size(); ++d) high[c][d] += w * score[d];
       }
-      const float low_count = static_cast<float>(examined) - high_count;
+    }
+    float best_gain = -1;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      const float high_count = high[c][kScoreSize], low_count = static_cast<float>(examined) - high_count;
       if (high_count < 5 || low_count < 5) continue;
       float gain = 0;
       for (std::size_t d = 0; d < kScoreSize; ++d) {
-        const float low = total[d] - high[d];
-        gain += high[d] * high[d] / high_count + low * low / low_count;
+        const float low = total[d] - high[c][d];
+        gain += high[c][d] * high[c][d] / high_count + low * low / low_count;
       }
       if (gain > best_gain) {
         best_gain = gain;
-        best = s;
+        best = candidates[c];
       }
     }
     return best;
+  }
+
+  void prefetch(const std::int16_t* row) const {
+    constexpr int kLine = 64 / sizeof(std::int16_t);
+    for (int i = 0; i < level_.pixel_count; i += kLine) __builtin_prefetch(row + i);
   }
 
   void fill_leaf(std::span<const std::int32_t> mine, std::int8_t* out) const {
@@ -185,7 +198,7 @@ class TreeGrower {
 
   const Level& level_;
   Rng rng_;
-  std::vector<float> scores_;
+  std::vector<Score> scores_;
 };
 
 std::vector<Anchor> draw_anchors(const TrainOptions& options, int level) {

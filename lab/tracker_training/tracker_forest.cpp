@@ -2,6 +2,7 @@
 #include "lab/tracker_training/tracker_forest.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
 
@@ -49,6 +50,37 @@ std::int16_t to_int16(double v) {
   return static_cast<std::int16_t>(std::lround(std::clamp(v, -32000.0, 32000.0)));
 }
 
+struct Candidate {
+  JumpNode node;
+  std::array<std::size_t, kThresholdCount> like{};  // thresholds are the values of these samples
+};
+using Candidates = std::array<Candidate, kCandidateCount>;
+
+// What jump_feature() of every candidate reads, on its way from memory.
+class Probes {
+ public:
+  Probes() = default;
+  Probes(const joints::View& view, Vec3f p, const Candidates& candidates) : z_(joints::safe_depth(p.z)) {
+    const float inverse_z = 1.0F / z_;
+    const auto place = [&](int dx, int dy) {
+      const std::uint16_t* pixel =
+          view.pixel_at_ray((p.x + static_cast<float>(dx)) * inverse_z, (p.y + static_cast<float>(dy)) * inverse_z);
+      __builtin_prefetch(pixel);
+      return pixel;
+    };
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      const JumpNode& n = candidates[c].node;
+      pixels_[c] = {place(n.a, n.b), place(n.c, n.d)};
+    }
+  }
+  int feature(std::size_t candidate) const { return probe(pixels_[candidate][0]) - probe(pixels_[candidate][1]); }
+
+ private:
+  int probe(const std::uint16_t* pixel) const { return joints::probe_of(pixel != nullptr ? *pixel : 0, z_); }
+  float z_ = 1;
+  std::array<std::array<const std::uint16_t*, 2>, kCandidateCount> pixels_{};  // nullptr: beside the picture
+};
+
 class TreeTrainer {
  public:
   TreeTrainer(std::span<const TrackerImage> images, std::vector<Sample>& samples, int depth_max, Rng rng)
@@ -66,9 +98,8 @@ class TreeTrainer {
   }
 
  private:
-  int feature(const Sample& s, const JumpNode& n) const {
-    return joints::jump_feature(images_[static_cast<std::size_t>(s.image)].view, s.from, n);
-  }
+  const joints::View& view_of(const Sample& s) const { return images_[static_cast<std::size_t>(s.image)].view; }
+  int feature(const Sample& s, const JumpNode& n) const { return joints::jump_feature(view_of(s), s.from, n); }
 
   JumpNode draw_candidate() {
     JumpNode n;
@@ -87,27 +118,42 @@ class TreeTrainer {
     const int count = task.last - task.first;
     const int examined = std::min(count, task.depth < 6 ? 2400 : 1200);
     chosen_.resize(static_cast<std::size_t>(examined));
-    values_.resize(static_cast<std::size_t>(examined));
     for (int i = 0; i < examined; ++i)
-      chosen_[static_cast<std::size_t>(i)] = task.first + (examined == count ? i : rng_.index(count));
+      chosen_[static_cast<std::size_t>(i)] =
+          samples_[static_cast<std::size_t>(task.first + (examined == count ? i : rng_.index(count)))];
+    Candidates candidates;
+    for (Candidate& c : candidates) {
+      c.node = draw_candidate();
+      for (std::size_t& i : c.like) i = static_cast<std::size_t>(rng_.index(examined));
+    }
+    for (auto& values : values_) values.resize(chosen_.size());
+    // Nearly every probe comes from memory, for pictures are many: those of a sample are asked for at once, and
+    // before those of the sample before it are read.
+    std::array<Probes, 2> probes;
+    probes[0] = Probes(view_of(chosen_[0]), chosen_[0].from, candidates);
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      if (i + 1 < chosen_.size())
+        probes[(i + 1) % 2] = Probes(view_of(chosen_[i + 1]), chosen_[i + 1].from, candidates);
+      for (std::size_t c = 0; c < candidates.size(); ++c) values_[c][i] = probes[i % 2].feature(c);
+    }
+
     const double least = static_cast<double>(kLeafSamplesMin) * examined / count + 3;
     double best_gain = -1;
-    for (int c = 0; c < kCandidateCount; ++c) {
-      JumpNode n = draw_candidate();
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      std::array<int, kThresholdCount> thresholds;
+      std::array<std::array<Sums, 2>, kThresholdCount> sums{};  // of values up to it, and above
+      for (std::size_t t = 0; t < thresholds.size(); ++t) thresholds[t] = values_[c][candidates[c].like[t]];
       for (std::size_t i = 0; i < chosen_.size(); ++i)
-        values_[i] = feature(samples_[static_cast<std::size_t>(chosen_[i])], n);
-      for (int t = 0; t < kThresholdCount; ++t) {
-        const int threshold = values_[static_cast<std::size_t>(rng_.index(examined))];
-        Sums low;
-        Sums high;
-        for (std::size_t i = 0; i < chosen_.size(); ++i)
-          (values_[i] > threshold ? high : low).add(samples_[static_cast<std::size_t>(chosen_[i])].jump);
+        for (std::size_t t = 0; t < thresholds.size(); ++t)
+          sums[t][values_[c][i] > thresholds[t] ? 1 : 0].add(chosen_[i].jump);
+      for (std::size_t t = 0; t < thresholds.size(); ++t) {
+        const auto& [low, high] = sums[t];
         if (low.n < least || high.n < least) continue;
         const double gain = low.gain() + high.gain();
         if (gain <= best_gain) continue;
         best_gain = gain;
-        best = n;
-        best.threshold = static_cast<std::int16_t>(threshold);
+        best = candidates[c].node;
+        best.threshold = static_cast<std::int16_t>(thresholds[t]);
       }
     }
     return best_gain >= 0;
@@ -146,8 +192,8 @@ class TreeTrainer {
   Rng rng_;
   std::vector<JumpNode> nodes_;
   std::vector<Task> tasks_;
-  std::vector<int> chosen_;
-  std::vector<int> values_;
+  std::vector<Sample> chosen_;                              // a node's subsample
+  std::array<std::vector<int>, kCandidateCount> values_{};  // of it, by candidate
 };
 
 // Points where a walk may stand: where it starts, far, near and at the joint.

@@ -71,12 +71,15 @@ inline float safe_depth(float z) {
   return z > kProbeDepthMinMm ? z : kProbeDepthMinMm;
 }
 
-// Depth at the metric point (x, y, z) relative to z, within +-1000; nothing there counts as far behind.
-inline int probe(const View& view, float x, float y, float z, float inverse_z) {
-  const int d = view.at_ray(x * inverse_z, y * inverse_z);
+// Depth d relative to z, within +-1000; nothing there, 0, counts as far behind.
+inline int probe_of(int d, float z) {
   if (d == 0) return 1000;
   const int q = d - static_cast<int>(z);
   return q > 1000 ? 1000 : (q < -1000 ? -1000 : q);
+}
+// Of the metric point (x, y, z).
+inline int probe(const View& view, float x, float y, float z, float inverse_z) {
+  return probe_of(view.at_ray(x * inverse_z, y * inverse_z), z);
 }
 inline int jump_feature(const View& view, Vec3f p, const JumpNode& n) {
   const float z = safe_depth(p.z);

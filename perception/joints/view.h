@@ -26,13 +26,18 @@ struct View {
   // Of the box. The offset keeps the truncation a floor for rays left of and above the picture.
   int column_of(float rx) const { return static_cast<int>(fx * rx + cx + 8192.5F) - 8192 - u_first; }
   int row_of(float ry) const { return static_cast<int>(fy * ry + cy + 8192.5F) - 8192 - v_first; }
-  int at_ray(float rx, float ry) const {
+  // nullptr: beside the box.
+  const std::uint16_t* pixel_at_ray(float rx, float ry) const {
     const int u = column_of(rx);
     const int v = row_of(ry);
     if (static_cast<unsigned>(u) >= static_cast<unsigned>(width) ||
         static_cast<unsigned>(v) >= static_cast<unsigned>(height))
-      return 0;
-    return depth[static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u)];
+      return nullptr;
+    return depth.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
+  }
+  int at_ray(float rx, float ry) const {
+    const std::uint16_t* pixel = pixel_at_ray(rx, ry);
+    return pixel != nullptr ? *pixel : 0;
   }
 };
 
