@@ -226,7 +226,7 @@ int im2fit_finish(im2fit_handle* handle) {
 int im2fit_reset(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
     h.engine->reset();
-    h.person.reset();
+    h.forget_person();
     h.frames.forget();
     return static_cast<int>(IM2FIT_OK);
   });

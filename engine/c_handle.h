@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "body/skeleton.h"
 #include "engine/c_api/frame.h"
 #include "engine/frame_stages.h"
 #include "engine/include/im2fit/im2fit.h"
@@ -43,6 +45,23 @@ struct im2fit_handle {
   std::unique_ptr<im2fit::Engine> engine;
   // Of whoever is measured, made when first asked for: nothing said of that person changes until another session.
   std::optional<im2fit::PersonMeasurement> person;
+
+  // Of that person too, made when first asked for.
+  struct Dressed {
+    std::string worn;  // which garments in which sizes
+    std::vector<std::byte> glb;
+  };
+  Dressed dressed;
+  struct Skeleton {
+    im2fit::body::Skeleton rest;
+    float floor_mm = 0;  // under it
+  };
+  std::optional<Skeleton> skeleton;
+  void forget_person() {
+    person.reset();
+    dressed = {};
+    skeleton.reset();
+  }
 
   im2fit_log_fn log = nullptr;
   void* log_user = nullptr;

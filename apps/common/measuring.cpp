@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/report/dressing.h"
+#include "engine/dressing.h"
 #include "engine/report/tape_file.h"
 
 namespace im2fit::apps {

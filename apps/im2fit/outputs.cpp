@@ -9,7 +9,7 @@
 #include "body/export/export.h"
 #include "body/measure.h"
 #include "core/file.h"
-#include "engine/report/dressing.h"
+#include "engine/dressing.h"
 #include "engine/report/overlay.h"
 #include "engine/report/text_table.h"
 #include "hal/depth_diagnosis.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "body/export/figure.h"
+#include "body/export/motion.h"
 
 namespace im2fit::body {
 namespace {
@@ -32,6 +33,10 @@ RigPose rig_pose(const Skeleton& rest, const Pose& pose) {
   rig.root_m = (rest.head[0] + pose.translation_mm) * kMetres;
   for (std::size_t s = 0; s < rig.rotation.size(); ++s) rig.rotation[s] = quaternion(local_rotation(pose, s));
   return rig;
+}
+
+RigPose rig_of_joints(const Skeleton& rest, float floor_rest_mm, const JointSet& joints) {
+  return rig_pose(rest, on_lower_sole(rest, floor_rest_mm, pose_from_joints(rest, joints)));
 }
 
 }  // namespace im2fit::body

@@ -21,6 +21,8 @@ constexpr float kDepthMaxMm = 65535.0F;                     // of 16 bits
 constexpr float kMmPerMetre = 1000.0F;
 // Lengths of what points down, whether in g, m/s2 or cm/s2: others are no acceleration.
 constexpr float kDownMin = 0.01F, kDownMax = 1.0e5F;
+constexpr float kUnitTolerance = 0.01F;  // of platforms' quaternions; they are made units
+constexpr float kPlaceMaxMm = 1.0e6F;    // floats count tenths of a millimetre up to there
 
 Error wrong(const char* field, const std::string& found, const std::string& expected) {
   return {ErrorCode::invalid_argument, std::string("frame.") + field + " is " + found + ", expected " + expected};
@@ -46,6 +48,24 @@ Status check_rows(const im2fit_frame& f) {
   if (f.confidence_row_bytes != 0 && (f.confidence_row_bytes < width || f.confidence_row_bytes > kRowBytesMax))
     return wrong("confidence_row_bytes", std::to_string(f.confidence_row_bytes),
                  "0, or " + std::to_string(width) + " to " + std::to_string(kRowBytesMax));
+  return Ok{};
+}
+
+float turn_length(const im2fit_frame& f) {
+  return std::sqrt(f.turn_x * f.turn_x + f.turn_y * f.turn_y + f.turn_z * f.turn_z + f.turn_w * f.turn_w);
+}
+
+Status check_pose(const im2fit_frame& f) {
+  const float length = turn_length(f);
+  const bool told = f.turn_x != 0 || f.turn_y != 0 || f.turn_z != 0 || f.turn_w != 0;
+  if (told && !(length > 1 - kUnitTolerance && length < 1 + kUnitTolerance))
+    return wrong("turn_x, turn_y, turn_z, turn_w", "of length " + std::to_string(length),
+                 "a unit quaternion, or all 0");
+  for (const float place : {f.x_mm, f.y_mm, f.z_mm}) {
+    if (!(std::abs(place) <= kPlaceMaxMm))
+      return wrong("x_mm, y_mm, z_mm", std::to_string(place), "a place up to a kilometre away");
+    if (!told && place != 0) return wrong("x_mm, y_mm, z_mm", "set", "0 without turn_x, turn_y, turn_z, turn_w");
+  }
   return Ok{};
 }
 
@@ -75,6 +95,8 @@ Status check_frame(const im2fit_frame& f, const Intrinsics& upright) {
   if (f.reserved2 != 0) return wrong("reserved2", "set", "0");
   for (const float k : {f.k1, f.k2, f.k3, f.p1, f.p2})
     if (!std::isfinite(k)) return wrong("k1, k2, k3, p1, p2", "no number", "the lens's coefficients, or all 0");
+  if (f.reserved3 != 0) return wrong("reserved3", "set", "0");
+  if (auto ok = check_pose(f); !ok) return ok;
   const float down = norm({f.down_x, f.down_y, f.down_z});
   if (!(down < kDownMax) || (down != 0 && down < kDownMin))
     return wrong("down_x, down_y, down_z", "of length " + std::to_string(down), "a direction, or all 0");
@@ -108,6 +130,27 @@ void read_samples(const im2fit_frame& f, DepthImage mm) {
     const std::uint8_t* sure = f.confidence + static_cast<std::size_t>(v) * sure_bytes;
     for (std::size_t u = 0; u < width; ++u)
       if (sure[u] < f.confidence_min) row[u] = 0;
+  }
+}
+
+// A pinhole's ray (x, y, 1).
+struct Ray {
+  double x = 0, y = 0;
+};
+// Of a pixel of the upright picture, in the axes of the frame as delivered. In double, as hal::undistortion_table():
+// a folder that names its lens gives the same bits.
+Ray delivered_ray(const Intrinsics& upright, int u, int v, int rotate_deg) {
+  const double x = (u - static_cast<double>(upright.cx)) / static_cast<double>(upright.fx);
+  const double y = (v - static_cast<double>(upright.cy)) / static_cast<double>(upright.fy);
+  switch (rotate_deg) {
+    case 90:
+      return {y, -x};
+    case 180:
+      return {-x, -y};
+    case 270:
+      return {-y, x};
+    default:
+      return {x, y};
   }
 }
 
@@ -171,12 +214,13 @@ Status FrameReader::push(Engine& engine, const im2fit_frame& f) {
   if (auto ok = check_frame(f, settings_); !ok) return ok;
   if (auto ok = take_intrinsics(engine, f); !ok) return ok;
   if (auto ok = take_lens(f); !ok) return ok;
+  take_pose(f);
   const auto place = engine.acquire();
   if (!place) return place.error();
   if (undistort_) {
     read_samples(f, DepthImage(camera_.data(), f.width, f.height));
     undistort(*place);
-    return commit(engine, f);
+    return commit(engine, *place, f);
   }
   const DepthImage upright = resample_ ? DepthImage(upright_.data(), settings_.width, settings_.height) : *place;
   if (f.rotate_deg == 0) {
@@ -187,16 +231,33 @@ Status FrameReader::push(Engine& engine, const im2fit_frame& f) {
     hal::rotate_upright(camera, f.rotate_deg, upright);
   }
   if (resample_) resample(upright, *place);
-  return commit(engine, f);
+  return commit(engine, *place, f);
 }
 
-Status FrameReader::commit(Engine& engine, const im2fit_frame& f) {
+void FrameReader::take_pose(const im2fit_frame& f) {
+  const float length = turn_length(f);
+  posed_ = length > 0;
+  if (!posed_) return;
+  if (!steady_) {
+    steady_.emplace();
+    steady_->prepare(settings_.width, settings_.height);
+  }
+  const hal::CameraPose delivered{
+      f.turn_x / length, f.turn_y / length, f.turn_z / length, f.turn_w / length, {f.x_mm, f.y_mm, f.z_mm}};
+  moves_ = steady_->take(hal::rotate_upright(delivered, f.rotate_deg));
+}
+
+Status FrameReader::commit(Engine& engine, DepthImage place, const im2fit_frame& f) {
+  if (posed_ && moves_) steady_->run(session_, place);
   hal::FrameInfo info;
   info.sequence = f.sequence;
   info.host_ns = f.time_ns;
   info.device_us = f.device_us;
   const Vec3f down = {f.down_x, f.down_y, f.down_z};
-  if (norm(down) > 0) info.down = hal::rotate_upright(normalized(down), f.rotate_deg);
+  if (norm(down) > 0) {
+    const Vec3f upright = hal::rotate_upright(normalized(down), f.rotate_deg);
+    info.down = posed_ ? steady_->in_view(upright) : upright;
+  }
   return engine.commit(info);
 }
 
@@ -215,11 +276,8 @@ Status FrameReader::take_lens(const im2fit_frame& f) {
   std::size_t seen_count = 0;
   for (int v = 0; v < session_.height; ++v)
     for (int u = 0; u < session_.width; ++u) {
-      const Vec3f upright = {(static_cast<float>(u) - session_.cx) / session_.fx,
-                             (static_cast<float>(v) - session_.cy) / session_.fy, 1};
-      const Vec3f ray = hal::rotate_upright(upright, back_from(f.rotate_deg));
-      const std::int32_t from = hal::pixel_at(
-          camera, hal::seen_at(camera, distortion, static_cast<double>(ray.x), static_cast<double>(ray.y)));
+      const Ray ray = delivered_ray(session_, u, v, f.rotate_deg);
+      const std::int32_t from = hal::pixel_at(camera, hal::seen_at(camera, distortion, ray.x, ray.y));
       table_[static_cast<std::size_t>(v) * static_cast<std::size_t>(session_.width) + static_cast<std::size_t>(u)] =
           from;
       seen_count += from >= 0 ? 1 : 0;

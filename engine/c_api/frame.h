@@ -4,23 +4,28 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/camera.h"
 #include "core/status.h"
 #include "engine/engine.h"
 #include "engine/include/im2fit/im2fit.h"
+#include "hal/steady_view.h"
 #include "hal/undistort.h"
 
 namespace im2fit::c {
 
-// One thread at a time. Allocates only in prepare(), and with the first frame whose lens is told.
+// One thread at a time. Allocates only in prepare(), and with the first frame whose lens, or whose pose, is told.
 class FrameReader {
  public:
   // `upright`: the settings' intrinsics.
   void prepare(const Intrinsics& upright);
-  // A new session: the next frame's intrinsics are its.
-  void forget() { told_ = false; }
+  // A new session: the next frame's intrinsics, and its view, are the session's.
+  void forget() {
+    told_ = false;
+    if (steady_) steady_->forget();
+  }
   const Intrinsics& session() const { return session_; }
   // Reads `frame` and pushes it. Errors: invalid_argument naming the field; the engine's.
   Status push(Engine& engine, const im2fit_frame& frame);
@@ -28,7 +33,8 @@ class FrameReader {
  private:
   Status take_intrinsics(Engine& engine, const im2fit_frame& frame);
   void resample(DepthView from, DepthImage to) const;
-  static Status commit(Engine& engine, const im2fit_frame& frame);
+  void take_pose(const im2fit_frame& frame);
+  Status commit(Engine& engine, DepthImage place, const im2fit_frame& frame);
   Status take_lens(const im2fit_frame& frame);
   void undistort(DepthImage to) const;
 
@@ -44,10 +50,12 @@ class FrameReader {
     bool same_as(const Lens& other) const;
   };
   bool undistort_ = false;
-  Lens lens_;                           // of the table
-  std::vector<std::int32_t> table_;     // for each pixel of the session's picture the camera's; -1: outside
-  std::vector<std::uint16_t> camera_;   // a frame that is to be turned
-  std::vector<std::uint16_t> upright_;  // one that is to be resampled; others go straight into the engine's place
+  Lens lens_;                              // of the table
+  std::vector<std::int32_t> table_;        // for each pixel of the session's picture the camera's; -1: outside
+  std::vector<std::uint16_t> camera_;      // a frame that is to be turned
+  std::vector<std::uint16_t> upright_;     // one that is to be resampled; others go straight into the engine's place
+  std::optional<hal::SteadyView> steady_;  // once a pose is told
+  bool posed_ = false, moves_ = false;     // of the frame at hand: its pose is told, and is not the view's
   std::vector<std::int32_t> columns_, rows_;  // of a resampled picture: where its samples come from; -1: outside
 };
 

@@ -13,7 +13,7 @@ using im2fit::c::fail;
 using im2fit::c::guarded;
 
 // No padding at the end: a field that comes later would be read from it.
-static_assert(sizeof(im2fit_frame) == offsetof(im2fit_frame, reserved2) + sizeof(float));
+static_assert(sizeof(im2fit_frame) == offsetof(im2fit_frame, reserved3) + sizeof(float));
 constexpr std::size_t kFirstSize = offsetof(im2fit_frame, down_x);
 
 im2fit_frame default_frame(std::size_t struct_size) {

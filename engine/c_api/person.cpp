@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/builtin_tape.h"
+#include "engine/dressing.h"
 
 namespace im2fit::c {
 
@@ -12,13 +13,16 @@ Result<const PersonMeasurement*> person_of(im2fit_handle& handle) {
   const bool made =
       now.measured && handle.person && handle.person->result.measured && handle.person->result.session == now.session;
   if (!made) {
-    handle.person.reset();
+    handle.forget_person();
     hal::SourceInfo source = handle.origin;
     source.intrinsics = handle.frames.session();
     MeasurementParts parts = handle.data.parts();
     parts.tape = &builtin_tape();
     auto person = measurement_of(*handle.engine, parts, source);
     if (!person) return person.error();
+    if (person->body)
+      person->fits = fits_of(builtin_wardrobe(), *handle.data.charts, person->result.answer.female, *person->tape,
+                             person->tape_values, person->tape_intervals);
     handle.person = std::move(*person);
   }
   return &*handle.person;

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "body/tape.h"
 #include "core/file.h"
-#include "engine/report/builtin_garments.h"
+#include "engine/report/source_literals.h"
 #include "engine/report/yaml_fields.h"
+#include "engine/wardrobe_row.h"
 
 namespace im2fit {
 namespace {
@@ -27,6 +30,7 @@ using yaml::text_of;
 constexpr std::size_t kListMax = 64;  // lengths, points, edges, regions
 constexpr float kPlaceMaxMm = 3000;
 constexpr float kFactorMax = 10;
+constexpr std::size_t kColumns = 118;  // of a line of the table
 const char* const kGarmentKind = "a garment in YAML (docs/garments.md)";
 
 template <class T>
@@ -276,22 +280,10 @@ body::CutLaw read_cut_law(const YAML::Node& root) {
   return law;
 }
 
-Wardrobe read_builtin() {
-  // The texts are ours and a test parses them; a fault here would be a fault of the build.
-  Wardrobe wardrobe;
-  for (const BuiltinText& part : builtin_garment_texts())
-    if (auto garment = parse_garment(part.text, part.file)) wardrobe.garments.push_back(std::move(*garment));
-  if (auto fabrics = parse_fabrics(kBuiltinFabrics.text, kBuiltinFabrics.file))
-    wardrobe.fabrics = std::move(*fabrics);
-  if (const auto law = parse_cut_law(kBuiltinCutLaw.text, kBuiltinCutLaw.file)) wardrobe.law = *law;
-  return wardrobe;
-}
-
-template <class T>
-const T* find(const std::vector<T>& list, std::string_view id) {
-  for (const T& one : list)
-    if (one.id == id) return &one;
-  return nullptr;
+Result<std::string> text_of_file(const std::string& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return bytes.error();
+  return std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size());
 }
 
 }  // namespace
@@ -302,9 +294,9 @@ Result<GarmentPattern> parse_garment(const std::string& text, const std::string&
 }
 
 Result<GarmentPattern> load_garment(const std::string& path) {
-  const auto bytes = read_file(path);
-  if (!bytes) return bytes.error();
-  return parse_garment(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), path);
+  const auto text = text_of_file(path);
+  if (!text) return text.error();
+  return parse_garment(*text, path);
 }
 
 Result<std::vector<body::Fabric>> parse_fabrics(const std::string& text, const std::string& what) {
@@ -315,16 +307,55 @@ Result<body::CutLaw> parse_cut_law(const std::string& text, const std::string& w
   return yaml::read_fields<body::CutLaw>(text, what, kGarmentKind, read_cut_law);
 }
 
-const GarmentPattern* Wardrobe::garment(std::string_view id) const {
-  return find(garments, id);
-}
-const body::Fabric* Wardrobe::fabric(std::string_view id) const {
-  return find(fabrics, id);
+Result<Wardrobe> read_shipped_wardrobe(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code failed;
+  for (const auto& entry : std::filesystem::directory_iterator(folder + "/garments", failed))
+    if (entry.path().extension() == ".yaml" && entry.path().filename() != "bodies.yaml")
+      names.push_back(entry.path().string());
+  if (failed) return Error{ErrorCode::io, folder + "/garments: " + failed.message()};
+  std::sort(names.begin(), names.end());
+  Wardrobe wardrobe;
+  for (const std::string& name : names) {
+    auto garment = load_garment(name);
+    if (!garment) return garment.error();
+    wardrobe.garments.push_back(std::move(*garment));
+  }
+  const std::string fabrics_path = folder + "/fabrics/fabrics.yaml", law_path = folder + "/garments/bodies.yaml";
+  const auto fabrics_text = text_of_file(fabrics_path), law_text = text_of_file(law_path);
+  if (!fabrics_text) return fabrics_text.error();
+  if (!law_text) return law_text.error();
+  auto fabrics = parse_fabrics(*fabrics_text, fabrics_path);
+  if (!fabrics) return fabrics.error();
+  wardrobe.fabrics = std::move(*fabrics);
+  const auto law = parse_cut_law(*law_text, law_path);
+  if (!law) return law.error();
+  wardrobe.law = *law;
+  return wardrobe;
 }
 
-const Wardrobe& builtin_wardrobe() {
-  static const Wardrobe wardrobe = read_builtin();
-  return wardrobe;
+std::string wardrobe_table(const Wardrobe& wardrobe) {
+  WardrobeRow row;
+  put_wardrobe(row, wardrobe);
+  std::string text =
+      "// Made of data/garments/ and data/fabrics/ by im2fit-wardrobe-table; see engine/wardrobe.h.\n"
+      "// clang-format off\n";
+  const auto add = [&](const char* type, const char* name, const auto& values, const auto& literal) {
+    text += std::string("constexpr ") + type + " " + name + "[] = {";
+    std::size_t column = kColumns;
+    for (const auto& value : values) {
+      const std::string word = literal(value) + ",";
+      column += word.size() + 1;
+      text += column > kColumns ? "\n    " : " ";
+      if (column > kColumns) column = 4 + word.size();
+      text += word;
+    }
+    text += "\n};\n";
+  };
+  add("float", "kNumbers", row.numbers, float_literal);
+  add("int", "kWholes", row.wholes, [](int value) { return std::to_string(value); });
+  add("std::string_view", "kTexts", row.texts, quoted_literal);
+  return text + "// clang-format on\n";
 }
 
 }  // namespace im2fit

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Garments, fabrics and the bodies sizes are cut for, from their text (YAML, docs/garments.md): those shipped, which
-// are compiled in, and people's own files.
+// Garments, fabrics and the bodies sizes are cut for, from their text (YAML, docs/garments.md): people's own files,
+// and those shipped, of which engine/builtin_wardrobe.inc is made.
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "body/garment/pattern.h"
 #include "core/status.h"
+#include "engine/wardrobe.h"
 
 namespace im2fit {
 
@@ -18,14 +18,9 @@ Result<body::GarmentPattern> load_garment(const std::string& path);
 Result<std::vector<body::Fabric>> parse_fabrics(const std::string& text, const std::string& what);
 Result<body::CutLaw> parse_cut_law(const std::string& text, const std::string& what);
 
-struct Wardrobe {
-  std::vector<body::GarmentPattern> garments;  // their fabrics are among `fabrics`
-  std::vector<body::Fabric> fabrics;
-  body::CutLaw law;
-  const body::GarmentPattern* garment(std::string_view id) const;  // nullptr: none
-  const body::Fabric* fabric(std::string_view id) const;           // nullptr: none
-};
-// data/garments/*.yaml and data/fabrics/*.yaml, compiled in.
-const Wardrobe& builtin_wardrobe();
+// The files of data/garments and data/fabrics, by name in the order of their letters. `folder`: that of both.
+Result<Wardrobe> read_shipped_wardrobe(const std::string& folder);
+// The text of engine/builtin_wardrobe.inc.
+std::string wardrobe_table(const Wardrobe& wardrobe);
 
 }  // namespace im2fit

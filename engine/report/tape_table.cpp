@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "engine/builtin_tape.h"
+#include "engine/report/source_literals.h"
 #include "engine/report/tape_file.h"
 
 namespace im2fit {
@@ -14,25 +15,6 @@ namespace {
 using body::PointRef;
 using body::TapeDefinition;
 using body::TapePoint;
-
-// UTF-8 stands as it is.
-std::string quoted(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
-}
-
-// The shortest text that reads back as the same float, as a literal.
-std::string literal(float value) {
-  std::array<char, 32> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
-  std::string out(text.data(), error == std::errc() ? end : text.data());
-  if (out.find_first_of(".e") == std::string::npos) out += ".0";
-  return out + "F";
-}
 
 std::string boolean(bool value) {
   return value ? "true" : "false";
@@ -54,26 +36,28 @@ std::string reference(PointRef ref) {
 std::string point_row(const TapePoint& p) {
   constexpr std::array<std::string_view, 7> kKinds = {"vertex", "bone", "level", "between", "at", "moved", "skin"};
   constexpr std::array<std::string_view, 3> kTowards = {"front", "back", "outside"};
-  return "    {" + quoted(p.id) + ", Kind::" + std::string(kKinds[static_cast<std::size_t>(p.kind)]) + ", " +
+  return "    {" + quoted_literal(p.id) + ", Kind::" + std::string(kKinds[static_cast<std::size_t>(p.kind)]) + ", " +
          boolean(p.paired) + ", {" + std::to_string(p.vertex[0]) + ", " + std::to_string(p.vertex[1]) + "}, {" +
          segment(p.segment[0]) + ", " + segment(p.segment[1]) + "}, " + boolean(p.tail) + ", " +
-         measurement(p.level) + ", " + reference(p.a) + ", " + reference(p.b) + ", " + literal(p.share) + ", {" +
-         literal(p.by.x) + ", " + literal(p.by.y) + ", " + literal(p.by.z) +
+         measurement(p.level) + ", " + reference(p.a) + ", " + reference(p.b) + ", " + float_literal(p.share) +
+         ", {" + float_literal(p.by.x) + ", " + float_literal(p.by.y) + ", " + float_literal(p.by.z) +
          "}, Toward::" + std::string(kTowards[static_cast<std::size_t>(p.toward)]) + "},\n";
 }
 
 std::string definition_row(const TapeDefinition& d) {
-  std::string row = "    {" + quoted(d.id) + ", {";
-  for (std::size_t i = 0; i < d.names.size(); ++i) row += (i > 0 ? ", " : "") + quoted(d.names[i]);
-  row += "},\n     " + quoted(d.iso_8559) + ", " + quoted(d.iso_7250) + ", " + quoted(d.astm_d5219) + ",\n     " +
-         quoted(d.source) + ", " + quoted(d.reason) + ",\n     TapeKind::" + std::string(name_of(d.kind)) + ", " +
-         measurement(d.value) + ", " + std::to_string(d.points.size()) + ", {{";
+  std::string row = "    {" + quoted_literal(d.id) + ", {";
+  for (std::size_t i = 0; i < d.names.size(); ++i) row += (i > 0 ? ", " : "") + quoted_literal(d.names[i]);
+  row += "},\n     " + quoted_literal(d.iso_8559) + ", " + quoted_literal(d.iso_7250) + ", " +
+         quoted_literal(d.astm_d5219) + ",\n     " + quoted_literal(d.source) + ", " + quoted_literal(d.reason) +
+         ",\n     TapeKind::" + std::string(name_of(d.kind)) + ", " + measurement(d.value) + ", " +
+         std::to_string(d.points.size()) + ", {{";
   for (std::size_t i = 0; i < d.points.size(); ++i) row += (i > 0 ? ", " : "") + reference(d.points[i]);
   row += "}}, TapePlane::" + std::string(name_of(d.plane)) + ", TapeSearch::" + std::string(name_of(d.search)) +
-         ", " + literal(d.share) + ", " + literal(d.search_from) + ", " + literal(d.search_to) +
+         ", " + float_literal(d.share) + ", " + float_literal(d.search_from) + ", " + float_literal(d.search_to) +
          ", TapeSide::" + std::string(name_of(d.side)) + ", " + std::to_string(d.terms.size()) + ", {{";
   for (std::size_t i = 0; i < d.terms.size(); ++i)
-    row += (i > 0 ? ", {" : "{") + std::to_string(d.terms[i].definition) + ", " + literal(d.terms[i].factor) + "}";
+    row +=
+        (i > 0 ? ", {" : "{") + std::to_string(d.terms[i].definition) + ", " + float_literal(d.terms[i].factor) + "}";
   return row + "}}},\n";
 }
 

@@ -28,7 +28,7 @@ void phone(EvaluationOptions& o) {
   o.height = 192;
 }
 
-constexpr std::array<Word, 33> kWords = {{
+constexpr std::array<Word, 34> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},
@@ -59,6 +59,8 @@ constexpr std::array<Word, 33> kWords = {{
      [](EvaluationOptions& o) { o.tremor_deg = 1; }},
     {"tremor3", "a camera held in the hand, turning by up to 3 degrees", false,
      [](EvaluationOptions& o) { o.tremor_deg = 3; }},
+    {"posed", "the device says where a camera held in the hand is", false,
+     [](EvaluationOptions& o) { o.poses_told = true; }},
     {"reported", "the driver reports what kind of sensor it is", false,
      [](EvaluationOptions& o) { o.sensor_reported = true; }},
     {"clothed", "in clothes, shoes and hair", true, [](EvaluationOptions& o) { o.clothed = true; }},

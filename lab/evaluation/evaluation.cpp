@@ -120,7 +120,8 @@ HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions&
                        options.family,
                        options.camera_scale,
                        options.edges,
-                       options.tremor_deg};
+                       options.tremor_deg,
+                       options.poses_told};
   // A man and a woman of each.
   if (options.family == PeopleFamily::mixed)
     person.family = index / 2 % 2 == 0 ? PeopleFamily::ansur : PeopleFamily::modifiers;

@@ -43,6 +43,7 @@ struct EvaluationOptions {
   bool smoothed = false;          // by a driver, over time (smoothing.h)
   EdgeFilterOptions edges;        // what the driver does beside edges, before it smooths
   float tremor_deg = 0;           // of a camera held in the hand (tremor.h)
+  bool poses_told = false;        // the device says where that camera is, frame by frame
   bool sensor_reported = false;   // the driver reports what kind of sensor it is
   bool clothing_reported = true;  // the device is told what is worn
   bool clothed = false;           // tight, normal or loose clothes, shoes and hair; the truth stays the body's
@@ -70,6 +71,7 @@ struct HeldOutPerson {
   float camera_scale = 1;                         // as EvaluationOptions
   EdgeFilterOptions edges = {};
   float tremor_deg = 0;
+  bool poses_told = false;
 };
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing = 0);

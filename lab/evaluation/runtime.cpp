@@ -12,7 +12,7 @@
 #include "core/file.h"
 #include "engine/avatar.h"
 #include "engine/data_files.h"
-#include "engine/report/dressing.h"
+#include "engine/dressing.h"
 #include "lab/evaluation/error_statistics.h"
 #include "lab/stopwatch.h"
 

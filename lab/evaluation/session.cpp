@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "hal/steady_view.h"
 #include "lab/evaluation/smoothing.h"
 #include "lab/evaluation/tremor.h"
 
@@ -23,11 +24,14 @@ class Camera {
         scale_(person.camera_scale),
         edges_(person.edges),
         tremor_(person.tremor_deg, person.capture.seed, sensor),
+        poses_told_(person.poses_told),
         upright_k_(hal::rotate_upright(sensor, rotate_deg_)),
         delivered_(static_cast<std::size_t>(sensor.width) * static_cast<std::size_t>(sensor.height)),
         upright_(delivered_.size()),
         sensor_image_(delivered_.data(), sensor.width, sensor.height),
-        image_(upright_.data(), upright_k_.width, upright_k_.height) {}
+        image_(upright_.data(), upright_k_.width, upright_k_.height) {
+    steady_.prepare(upright_k_.width, upright_k_.height);
+  }
   DepthView take(VirtualScene& scene, std::uint64_t frame) {
     scene.render(frame, sensor_image_);
     tremor_.run(frame, sensor_image_);
@@ -36,6 +40,8 @@ class Camera {
     if (scale_ != 1)
       for (std::uint16_t& depth_mm : delivered_) depth_mm = scaled(depth_mm);
     hal::rotate_upright(sensor_image_, rotate_deg_, image_);
+    if (poses_told_ && steady_.take(hal::rotate_upright(tremor_.pose(frame), rotate_deg_)))
+      steady_.run(upright_k_, image_);
     return image_;
   }
 
@@ -49,6 +55,8 @@ class Camera {
   float scale_;
   EdgeFilter edges_;
   Tremor tremor_;
+  bool poses_told_;
+  hal::SteadyView steady_;
   TemporalSmoothing smoothing_;
   Intrinsics upright_k_;
   std::vector<std::uint16_t> delivered_, upright_;

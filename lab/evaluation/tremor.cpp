@@ -40,6 +40,18 @@ Tremor::Turn Tremor::at(std::uint64_t frame) const {
   return turn;
 }
 
+hal::CameraPose Tremor::pose(std::uint64_t frame) const {
+  const Turn t = at(frame);
+  const double cx = std::cos(t.x / 2), sx = std::sin(t.x / 2), cy = std::cos(t.y / 2), sy = std::sin(t.y / 2),
+               cz = std::cos(t.z / 2), sz = std::sin(t.z / 2);
+  // Quaternions of the turns about z, then y, then x, multiplied.
+  return {static_cast<float>(sx * cy * cz + cx * sy * sz),
+          static_cast<float>(cx * sy * cz - sx * cy * sz),
+          static_cast<float>(cx * cy * sz + sx * sy * cz),
+          static_cast<float>(cx * cy * cz - sx * sy * sz),
+          {}};
+}
+
 void Tremor::run(std::uint64_t frame, DepthImage picture) {
   if (amplitude_rad_ == 0) return;
   before_.resize(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height));

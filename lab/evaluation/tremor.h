@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "hal/steady_view.h"
 
 namespace im2fit::lab {
 
@@ -20,6 +21,8 @@ class Tremor {
     double x = 0, y = 0, z = 0;
   };
   Turn at(std::uint64_t frame) const;
+  // The same as a device tells it.
+  hal::CameraPose pose(std::uint64_t frame) const;
   // In place.
   void run(std::uint64_t frame, DepthImage picture);
 

@@ -7,8 +7,8 @@
 #include "body/population.h"
 #include "body/tape.h"
 #include "engine/builtin_tape.h"
+#include "engine/dressing.h"
 #include "engine/garment_fit.h"
-#include "engine/report/dressing.h"
 #include "engine/size_chart.h"
 
 namespace im2fit::lab {

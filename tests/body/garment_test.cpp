@@ -8,6 +8,7 @@
 #include <set>
 
 #include "body/garment/garment_mesh.h"
+#include "core/file.h"
 #include "engine/builtin_tape.h"
 #include "engine/garment_fit.h"
 #include "engine/report/garment_file.h"
@@ -42,6 +43,19 @@ TEST(Wardrobe, HasTheSixAndTheirFabrics) {
   }
   EXPECT_EQ(ids, (std::set<std::string>{"t_shirt", "long_sleeved_shirt", "trousers", "shorts", "skirt", "dress"}));
   EXPECT_EQ(wardrobe.fabrics.size(), 3U);
+}
+
+TEST(Wardrobe, IsWhatTheFilesSay) {
+  const std::string folder = IM2FIT_DATA_FOLDER;
+  const auto of_files = read_shipped_wardrobe(folder);
+  ASSERT_TRUE(of_files) << of_files.error().message;
+  const std::string text = wardrobe_table(*of_files);
+  EXPECT_TRUE(wardrobe_table(builtin_wardrobe()) == text)
+      << "run im2fit-wardrobe-table data > engine/builtin_wardrobe.inc";
+  const auto kept = read_file(folder + "/../engine/builtin_wardrobe.inc");
+  ASSERT_TRUE(kept) << kept.error().message;
+  EXPECT_TRUE(std::string(reinterpret_cast<const char*>(kept->data()), kept->size()) == text)
+      << "engine/builtin_wardrobe.inc was changed by hand";
 }
 
 // The chart's step, at the girth the chart is about.

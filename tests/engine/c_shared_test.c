@@ -34,6 +34,18 @@ static void names_and_version(void) {
   CHECK(im2fit_tape_id(im2fit_tape_count()) == NULL && im2fit_tape_unit(im2fit_tape_count()) == NULL);
   CHECK(im2fit_tape_iso(im2fit_tape_count()) == NULL && im2fit_tape_name(im2fit_tape_count(), "en") == NULL);
   CHECK(im2fit_tape_name(0, "it") == NULL && im2fit_tape_name(0, NULL) == NULL);
+  CHECK(im2fit_garment_count() == 6);
+  CHECK(im2fit_garment_id(6) == NULL && im2fit_garment_name(6, "en") == NULL && im2fit_garment_name(0, "it") == NULL);
+  CHECK(im2fit_garment_name(0, NULL) == NULL);
+  for (size_t i = 0; i < im2fit_garment_count(); ++i)
+    CHECK(im2fit_garment_id(i)[0] != '\0' && im2fit_garment_name(i, "de")[0] != '\0');
+  CHECK(strcmp(im2fit_fit_name(IM2FIT_FIT_TIGHT), "tight") == 0 && strcmp(im2fit_fit_name(3), "loose") == 0);
+  CHECK(im2fit_fit_name(-1) == NULL && im2fit_fit_name(4) == NULL);
+  CHECK(strcmp(im2fit_rig_node_name(0), "pelvis") == 0 && im2fit_rig_node_parent(0) == -1);
+  CHECK(im2fit_rig_node_name(IM2FIT_RIG_NODE_COUNT) == NULL && im2fit_rig_node_name(-1) == NULL);
+  CHECK(im2fit_rig_node_parent(IM2FIT_RIG_NODE_COUNT) == -1);
+  for (int i = 1; i < IM2FIT_RIG_NODE_COUNT; ++i)
+    CHECK(im2fit_rig_node_name(i)[0] != '\0' && im2fit_rig_node_parent(i) >= 0 && im2fit_rig_node_parent(i) < i);
   for (size_t i = 0; i < im2fit_tape_count(); ++i) {
     CHECK(strcmp(im2fit_tape_unit(i), strcmp(im2fit_tape_id(i), "weight") == 0 ? "kg" : "mm") == 0);
     CHECK(im2fit_tape_name(i, "en")[0] != '\0' && im2fit_tape_name(i, "zh")[0] != '\0');
@@ -124,6 +136,16 @@ static void an_empty_room_has_no_person(void) {
   id = "tail_length";
   CHECK(im2fit_tape(handle, &id, 1, &value, sizeof value) == IM2FIT_ERROR_NOT_FOUND);
   CHECK(strstr(im2fit_last_error(handle), "tail_length") != NULL);
+  size_t size = 0;
+  im2fit_size_fit fit;
+  im2fit_rig rig;
+  const im2fit_worn worn = {"toga", NULL};
+  CHECK(im2fit_garment_fit(handle, "t_shirt", &fit, sizeof fit, 1, &size, NULL) == IM2FIT_ERROR_NOT_MEASURED);
+  CHECK(im2fit_garment_fit(handle, "toga", &fit, sizeof fit, 1, &size, NULL) == IM2FIT_ERROR_NOT_FOUND);
+  CHECK(strstr(im2fit_last_error(handle), "toga") != NULL);
+  CHECK(im2fit_dressed_avatar(handle, NULL, 0, NULL, 0, &size) == IM2FIT_ERROR_NOT_MEASURED);
+  CHECK(im2fit_dressed_avatar(handle, &worn, 1, NULL, 0, &size) == IM2FIT_ERROR_NOT_FOUND);
+  CHECK(im2fit_live_rig(handle, &rig, sizeof rig) == IM2FIT_ERROR_NOT_MEASURED);
   free(depth);
   im2fit_close(handle);
 }

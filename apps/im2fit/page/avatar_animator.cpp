@@ -5,7 +5,6 @@
 #include <array>
 
 #include "body/export/figure.h"
-#include "body/export/motion.h"
 #include "engine/avatar.h"
 
 namespace im2fit::apps {
@@ -20,8 +19,7 @@ Result<AvatarAnimator> AvatarAnimator::create(const body::Avatar& avatar) {
 }
 
 body::RigPose AvatarAnimator::follow(const JointSet& joints, const FloorPlane& floor) const {
-  const body::Pose pose = body::pose_from_joints(rest_, to_mesh_axes(joints, floor));
-  return body::rig_pose(rest_, body::on_lower_sole(rest_, floor_mm_, pose));
+  return body::rig_of_joints(rest_, floor_mm_, to_mesh_axes(joints, floor));
 }
 
 std::array<Vec3f, kJointCount> standing_joints_m(const JointSet& joints, const FloorPlane& floor) {

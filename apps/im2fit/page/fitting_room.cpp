@@ -5,7 +5,7 @@
 #include <map>
 
 #include "body/export/export.h"
-#include "engine/report/dressing.h"
+#include "engine/dressing.h"
 #include "engine/report/ease_map.h"
 
 namespace im2fit::apps {

@@ -201,6 +201,16 @@ typedef struct im2fit_frame {
    * made when lens, intrinsics or rotation differ from the frame's before; the first one allocates. */
   float k1, k2, k3, p1, p2;
   float reserved2; /* 0 */
+  /* Where the camera is, when it is held in the hand or moves, as the platform tracks it: turn_x .. turn_w is the
+   * unit quaternion that takes a direction in the axes of the frame as delivered to those of a place at rest, and
+   * x_mm .. z_mm where the camera is there (0: taken to turn about itself). All 0: not known, and the frame is taken
+   * as it is. The frame becomes what the first one told was a view of (nearest sample); after a turn of more than 10
+   * degrees or a step of more than 150 mm it begins a view of its own. ARKit and OpenGL have y up and z backwards:
+   * negate y and z of the axes on the camera's side, which makes (x, y, z, w) into (w, z, -y, -x). The first told
+   * allocates. */
+  float turn_x, turn_y, turn_z, turn_w;
+  float x_mm, y_mm, z_mm;
+  float reserved3; /* 0 */
 } im2fit_frame;
 
 /* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_frame) as the caller sees it. */
@@ -451,6 +461,69 @@ enum { IM2FIT_AVATAR_GLB = 0, IM2FIT_AVATAR_OBJ = 1, IM2FIT_AVATAR_BVH = 2 };
  * also from a library built without it. Allocates. */
 IM2FIT_API int im2fit_avatar(im2fit_handle* handle, int32_t format, void* bytes, size_t capacity, size_t* size);
 
+/* How the nodes 0 to 18 of an avatar's .glb, im2fit_avatar's or im2fit_dressed_avatar's, are to stand so that it does
+ * what the person does: in the file's order and axes (y up, metres, the hips above the origin, the lower foot on
+ * y = 0). Set node 0's translation and every node's rotation; other translations stay as they are. */
+#define IM2FIT_RIG_NODE_COUNT 19
+typedef struct im2fit_rig {
+  float root_m[3];                           /* x y z, translation of node 0 */
+  float rotations[IM2FIT_RIG_NODE_COUNT][4]; /* unit quaternions x y z w, relative to the node's parent */
+  int32_t user_id;                           /* whose joints these are */
+  uint32_t joints_inferred;                  /* as im2fit_result's: where the pose is a guess */
+} im2fit_rig;
+
+/* The rig of the latest frame, by im2fit_result.display_joints, on the body of whoever was measured: so from MEASURED
+ * on, and moving once im2fit_next lets frames in again, until the next session begins. NOT_FOUND: no person is
+ * followed in the latest frame. `struct_size` is sizeof *rig as the caller sees it. As im2fit_body_mesh, and
+ * UNSUPPORTED as im2fit_avatar; allocates the first time for each person. */
+IM2FIT_API int im2fit_live_rig(im2fit_handle* handle, im2fit_rig* rig, size_t struct_size);
+
+/* ---- Garments (docs/garments.md) ------------------------------------------------------------------------------- */
+
+/* How a garment sits at a place. */
+enum {
+  IM2FIT_FIT_TIGHT = 0, /* it binds */
+  IM2FIT_FIT_SNUG,      /* closer than meant */
+  IM2FIT_FIT_GOOD,      /* as meant */
+  IM2FIT_FIT_LOOSE      /* wider than meant */
+};
+
+typedef struct im2fit_region_fit {
+  const char* name;      /* "chest"; the library's, constant */
+  float ease_mm;         /* finished girth less the body's */
+  float low_mm, high_mm; /* 95 % interval */
+  int32_t verdict;       /* IM2FIT_FIT_..., of ease_mm */
+} im2fit_region_fit;
+#define IM2FIT_REGION_COUNT_MAX 8
+
+typedef struct im2fit_size_fit {
+  char name[32];        /* "M" */
+  float cost;           /* 0: as meant everywhere; comparable between sizes of one garment */
+  int32_t region_count; /* of `regions`; the same for each size of a garment */
+  im2fit_region_fit regions[IM2FIT_REGION_COUNT_MAX];
+} im2fit_size_fit;
+
+/* How each size of the chart for the person's sex would sit, small to large, in the garment of an id of
+ * im2fit_garment_id. `fit_size` is sizeof(im2fit_size_fit) as the caller sees it, and the distance from one to the
+ * next. *count gets the number of sizes, *best (may be NULL) the index of the one to buy; none fits when that one is
+ * tight somewhere, or loose everywhere. NOT_FOUND names an unknown garment; TOO_SMALL when `capacity` is less than
+ * *count (ask with 0). As im2fit_tape. */
+IM2FIT_API int im2fit_garment_fit(im2fit_handle* handle, const char* garment, im2fit_size_fit* fits, size_t fit_size,
+                                  size_t capacity, size_t* count, size_t* best);
+
+typedef struct im2fit_worn {
+  const char* garment; /* an id of im2fit_garment_id */
+  const char* size;    /* of the chart, "M"; NULL: the best */
+} im2fit_worn;
+#define IM2FIT_WORN_COUNT_MAX 4
+
+/* The person as im2fit_avatar's .glb, dressed: the garments draped on the body in the measured pose, what lies on the
+ * skin first. A `worn_count` of 0: trousers and a T-shirt of the best sizes. NOT_FOUND names an unknown garment or
+ * size. The latest one made is kept, so that asking with a `capacity` of 0 first costs nothing: a tenth of a second a
+ * garment and some megabytes. Else as im2fit_avatar. */
+IM2FIT_API int im2fit_dressed_avatar(im2fit_handle* handle, const im2fit_worn* worn, size_t worn_count, void* bytes,
+                                     size_t capacity, size_t* size);
+
 /* ---- Names, as in result.json; NULL when out of range ---------------------------------------------------------- */
 
 IM2FIT_API const char* im2fit_state_name(int state);    /* "TRACKING" */
@@ -463,6 +536,13 @@ IM2FIT_API size_t im2fit_tape_count(void);              /* definitions of the ta
 IM2FIT_API const char* im2fit_tape_id(size_t index);    /* "thigh_girth" */
 IM2FIT_API const char* im2fit_tape_unit(size_t index);  /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_tape_iso(size_t index);   /* "5.3.20" of ISO 8559-1:2017, or "" */
+IM2FIT_API size_t im2fit_garment_count(void);           /* any thread, at any time */
+IM2FIT_API const char* im2fit_garment_id(size_t index); /* "t_shirt" */
+IM2FIT_API const char* im2fit_fit_name(int verdict);    /* "tight" */
+IM2FIT_API const char* im2fit_rig_node_name(int node);  /* "left_upper_arm" */
+IM2FIT_API int im2fit_rig_node_parent(int node);        /* a node; -1: node 0's, or out of range */
+/* "T-shirt"; languages as im2fit_tape_name's. */
+IM2FIT_API const char* im2fit_garment_name(size_t index, const char* language);
 /* "Thigh girth"; in the language "en", "de", "es", "fr" or "zh", UTF-8. */
 IM2FIT_API const char* im2fit_tape_name(size_t index, const char* language);
 

@@ -36,6 +36,22 @@ static char* text_at(JNIEnv* env, jobjectArray texts, jsize at) {
   return text;
 }
 
+// A text as element `at`; a failure is pending afterwards. No exception may be pending before.
+static void put_text(JNIEnv* env, jobjectArray texts, jsize at, const char* text) {
+  jbyteArray bytes = bytes_of(env, text);
+  if ((*env)->ExceptionCheck(env)) return;
+  (*env)->SetObjectArrayElement(env, texts, at, bytes);
+  if (bytes) (*env)->DeleteLocalRef(env, bytes);
+}
+
+// Bytes of the library's as made[0].
+static void put_bytes(JNIEnv* env, jobjectArray made, const char* bytes, size_t size) {
+  jbyteArray array = (*env)->NewByteArray(env, (jsize)size);
+  if (!array) return;
+  (*env)->SetByteArrayRegion(env, array, 0, (jsize)size, (const jbyte*)bytes);
+  (*env)->SetObjectArrayElement(env, made, 0, array);
+}
+
 static jbyteArray native_version(JNIEnv* env, jclass type) {
   (void)type;
   return bytes_of(env, im2fit_version());
@@ -169,7 +185,29 @@ static void native_close(JNIEnv* env, jclass type, jlong handle) {
 // Order of push's `numbers` and `longs`.
 enum { FORMAT, FRAME_WIDTH, FRAME_HEIGHT, ROTATE_DEG, CONFIDENCE_MIN, FRAME_NUMBERS };
 enum { PIXELS_AT, ROW_BYTES, CONFIDENCE_AT, CONFIDENCE_ROW_BYTES, SEQUENCE, TIME_NS, DEVICE_US, FRAME_LONGS };
-enum { UNIT_MM, FX, FY, CX, CY, DOWN_X, DOWN_Y, DOWN_Z, FRAME_FLOATS };
+enum {
+  UNIT_MM,
+  FX,
+  FY,
+  CX,
+  CY,
+  DOWN_X,
+  DOWN_Y,
+  DOWN_Z,
+  K1,
+  K2,
+  K3,
+  P1,
+  P2,
+  TURN_X,
+  TURN_Y,
+  TURN_Z,
+  TURN_W,
+  X_MM,
+  Y_MM,
+  Z_MM,
+  FRAME_FLOATS
+};
 
 // pixels, confidence: direct buffers, long enough from their ..._AT on: Frame.kt has checked.
 static jint native_push(JNIEnv* env, jclass type, jlong handle, jobject pixels, jobject confidence, jintArray numbers,
@@ -208,6 +246,18 @@ static jint native_push(JNIEnv* env, jclass type, jlong handle, jobject pixels, 
   frame.down_x = f[DOWN_X];
   frame.down_y = f[DOWN_Y];
   frame.down_z = f[DOWN_Z];
+  frame.k1 = f[K1];
+  frame.k2 = f[K2];
+  frame.k3 = f[K3];
+  frame.p1 = f[P1];
+  frame.p2 = f[P2];
+  frame.turn_x = f[TURN_X];
+  frame.turn_y = f[TURN_Y];
+  frame.turn_z = f[TURN_Z];
+  frame.turn_w = f[TURN_W];
+  frame.x_mm = f[X_MM];
+  frame.y_mm = f[Y_MM];
+  frame.z_mm = f[Z_MM];
   return im2fit_push_frame(handle_of(handle), &frame);
 }
 
@@ -401,15 +451,122 @@ static jint native_bytes(JNIEnv* env, jclass type, jlong handle, jint what, jobj
     status = what == BYTES_JSON ? im2fit_result_json(of, bytes, size + 1, &size)
                                 : im2fit_avatar(of, what, bytes, size + 1, &size);
   }
-  if (status == IM2FIT_OK) {
-    jbyteArray array = (*env)->NewByteArray(env, (jsize)size);
-    if (array) {
-      (*env)->SetByteArrayRegion(env, array, 0, (jsize)size, (const jbyte*)bytes);
-      (*env)->SetObjectArrayElement(env, made, 0, array);
-    }
-  }
+  if (status == IM2FIT_OK) put_bytes(env, made, bytes, size);
   free(bytes);
   return status;
+}
+
+static jint native_garment_count(JNIEnv* env, jclass type) {
+  (void)env;
+  (void)type;
+  return (jint)im2fit_garment_count();
+}
+
+// id and name in `language` of one garment.
+static void native_garment_words(JNIEnv* env, jclass type, jint index, jbyteArray language, jobjectArray words) {
+  (void)type;
+  char code[8] = {0};
+  const jsize length = (*env)->GetArrayLength(env, language);
+  (*env)->GetByteArrayRegion(env, language, 0, length < 7 ? length : 7, (jbyte*)code);
+  const char* texts[2] = {im2fit_garment_id((size_t)index), im2fit_garment_name((size_t)index, code)};
+  for (jsize i = 0; i < 2 && !(*env)->ExceptionCheck(env); ++i) put_text(env, words, i, texts[i]);
+}
+
+// Of a garment, the only element of `id`: sizes' names byte[SIZES_MAX][], places' names
+// byte[IM2FIT_REGION_COUNT_MAX][]; a float a size, its cost, and three a place, one size after the other; an int a
+// place, its verdict; counted: sizes, the best one, places.
+static jint native_fit(JNIEnv* env, jclass type, jlong handle, jobjectArray id, jobjectArray sizes,
+                       jobjectArray places, jfloatArray floats, jintArray verdicts, jintArray counted) {
+  (void)type;
+  char* garment = text_at(env, id, 0);
+  im2fit_size_fit* fits = (im2fit_size_fit*)calloc(SIZES_MAX, sizeof *fits);
+  size_t count = 0;
+  size_t best = 0;
+  jint status = IM2FIT_ERROR_NO_MEMORY;
+  if (garment && fits)
+    status = im2fit_garment_fit(handle_of(handle), garment, fits, sizeof *fits, SIZES_MAX, &count, &best);
+  jint place_count = 0;
+  for (size_t i = 0; status == IM2FIT_OK && i < count && !(*env)->ExceptionCheck(env); ++i) {
+    jfloat f[1 + 3 * IM2FIT_REGION_COUNT_MAX];
+    jint v[IM2FIT_REGION_COUNT_MAX];
+    place_count = fits[i].region_count;
+    f[0] = fits[i].cost;
+    for (jint r = 0; r < place_count; ++r) {
+      const im2fit_region_fit* place = &fits[i].regions[r];
+      f[1 + 3 * r] = place->ease_mm;
+      f[2 + 3 * r] = place->low_mm;
+      f[3 + 3 * r] = place->high_mm;
+      v[r] = place->verdict;
+      if (i == 0) put_text(env, places, r, place->name);
+    }
+    if (!(*env)->ExceptionCheck(env)) put_text(env, sizes, (jsize)i, fits[i].name);
+    const jsize step = 1 + 3 * place_count;
+    if (!(*env)->ExceptionCheck(env)) (*env)->SetFloatArrayRegion(env, floats, (jsize)i * step, step, f);
+    if (!(*env)->ExceptionCheck(env))
+      (*env)->SetIntArrayRegion(env, verdicts, (jsize)i * place_count, place_count, v);
+  }
+  free(fits);
+  free(garment);
+  if ((*env)->ExceptionCheck(env)) return IM2FIT_ERROR_NO_MEMORY;
+  const jint numbers[3] = {(jint)count, (jint)best, place_count};
+  (*env)->SetIntArrayRegion(env, counted, 0, 3, numbers);
+  return status;
+}
+
+// ids, sizes: byte[count][]; a size null for the best. The avatar into made[0].
+static jint native_dressed(JNIEnv* env, jclass type, jlong handle, jobjectArray ids, jobjectArray sizes,
+                           jobjectArray made) {
+  (void)type;
+  im2fit_worn worn[IM2FIT_WORN_COUNT_MAX];
+  char* texts[2 * IM2FIT_WORN_COUNT_MAX] = {NULL};
+  const jsize asked = (*env)->GetArrayLength(env, ids);
+  const jsize count = asked < IM2FIT_WORN_COUNT_MAX ? asked : IM2FIT_WORN_COUNT_MAX; /* Session.kt has checked */
+  for (jsize i = 0; i < count && !(*env)->ExceptionCheck(env); ++i) {
+    texts[2 * i] = text_at(env, ids, i);
+    if (!(*env)->ExceptionCheck(env)) texts[2 * i + 1] = text_at(env, sizes, i);
+    worn[i].garment = texts[2 * i];
+    worn[i].size = texts[2 * i + 1];
+  }
+  jint status = IM2FIT_ERROR_NO_MEMORY;
+  if (!(*env)->ExceptionCheck(env)) {
+    size_t size = 0;
+    im2fit_handle* const of = handle_of(handle);
+    char* bytes = NULL;
+    status = im2fit_dressed_avatar(of, worn, (size_t)count, NULL, 0, &size);
+    if (status == IM2FIT_ERROR_TOO_SMALL) {
+      bytes = (char*)malloc(size);
+      status = bytes ? im2fit_dressed_avatar(of, worn, (size_t)count, bytes, size, &size) : IM2FIT_ERROR_NO_MEMORY;
+    }
+    if (status == IM2FIT_OK) put_bytes(env, made, bytes, size);
+    free(bytes);
+  }
+  for (jsize i = 0; i < 2 * IM2FIT_WORN_COUNT_MAX; ++i) free(texts[i]);
+  return status;
+}
+
+// floats: the root, then the nodes' quaternions; numbers: whose, and the inferred joints' bits.
+static jint native_rig(JNIEnv* env, jclass type, jlong handle, jfloatArray floats, jintArray numbers) {
+  (void)type;
+  im2fit_rig rig;
+  const jint status = im2fit_live_rig(handle_of(handle), &rig, sizeof rig);
+  if (status != IM2FIT_OK) return status;
+  (*env)->SetFloatArrayRegion(env, floats, 0, 3, rig.root_m);
+  if (!(*env)->ExceptionCheck(env))
+    (*env)->SetFloatArrayRegion(env, floats, 3, 4 * IM2FIT_RIG_NODE_COUNT, rig.rotations[0]);
+  const jint n[2] = {rig.user_id, (jint)rig.joints_inferred};
+  if (!(*env)->ExceptionCheck(env)) (*env)->SetIntArrayRegion(env, numbers, 0, 2, n);
+  return IM2FIT_OK;
+}
+
+// Names of the nodes, and the numbers of their parents.
+static void native_rig_nodes(JNIEnv* env, jclass type, jobjectArray names, jintArray parents) {
+  (void)type;
+  jint of[IM2FIT_RIG_NODE_COUNT];
+  for (jsize i = 0; i < IM2FIT_RIG_NODE_COUNT && !(*env)->ExceptionCheck(env); ++i) {
+    put_text(env, names, i, im2fit_rig_node_name(i));
+    of[i] = im2fit_rig_node_parent(i);
+  }
+  if (!(*env)->ExceptionCheck(env)) (*env)->SetIntArrayRegion(env, parents, 0, IM2FIT_RIG_NODE_COUNT, of);
 }
 
 // By name rather than by Java_im2fit_sdk_...: a method that is missing on either side fails when the library is
@@ -431,6 +588,12 @@ JNIEXPORT jint JNICALL JNI_OnLoad(JavaVM* machine, void* reserved) {
       {"tape", "(J[I[F[[B)I", (void*)native_tape},
       {"mesh", "(J[F[I[I)I", (void*)native_mesh},
       {"bytes", "(JI[[B)I", (void*)native_bytes},
+      {"garmentCount", "()I", (void*)native_garment_count},
+      {"garmentWords", "(I[B[[B)V", (void*)native_garment_words},
+      {"fit", "(J[[B[[B[[B[F[I[I)I", (void*)native_fit},
+      {"dressed", "(J[[B[[B[[B)I", (void*)native_dressed},
+      {"rig", "(J[F[I)I", (void*)native_rig},
+      {"rigNodes", "([[B[I)V", (void*)native_rig_nodes},
   };
   JNIEnv* env = NULL;
   if ((*machine)->GetEnv(machine, (void**)&env, JNI_VERSION_1_6) != JNI_OK) return JNI_ERR;

@@ -21,7 +21,10 @@ class Clip(folder: File) {
         .groupValues[1].split(",").map { it.trim().toFloat() }
     private val rotate = Regex("im2fit_rotate_deg: (\\d+)").find(yaml)?.groupValues?.get(1)?.toInt() ?: 0
     private fun number(key: String) = Regex("$key: (\\d+)").find(yaml)!!.groupValues[1].toInt()
-    val camera = Camera(number("image_width"), number("image_height"), k[0], k[4], k[2], k[5], rotate)
+    // OpenCV's order in the file: k1 k2 p1 p2 k3.
+    private val lens = Regex("distortion_coefficients:.*?data: \\[([^]]*)]", RegexOption.DOT_MATCHES_ALL).find(yaml)
+        ?.groupValues?.get(1)?.split(",")?.map { it.trim().toFloat() }?.let { Lens(it[0], it[1], it[4], it[2], it[3]) } ?: Lens()
+    val camera = Camera(number("image_width"), number("image_height"), k[0], k[4], k[2], k[5], rotate, lens)
     val depth: List<ShortArray> = folder.listFiles()!!.filter { it.name.endsWith(".png") }.sorted().map {
         (ImageIO.read(it).raster.dataBuffer as DataBufferUShort).data
     }
@@ -143,6 +146,58 @@ fun main(arguments: Array<String>) {
             expect("down_x" in bad.message!!) { "$bad" }
         }
     }
+    test("garments and nodes have names") {
+        same(garments().map { it.id }.toSet(), setOf("dress", "long_sleeved_shirt", "shorts", "skirt", "t_shirt", "trousers"), "ids")
+        same(garments("de").first { it.id == "trousers" }.name, "Hose", "in German")
+        fails<IllegalArgumentException> { garments("xx") }
+        same(rigNodes().first(), RigNode("pelvis", -1), "the first node")
+        Session(clip.camera, models, quick).use { session ->
+            same(fails<Im2fitException> { session.rig() }.statusName, "not_measured", "rig")
+            same(fails<Im2fitException> { session.fit("t_shirt") }.statusName, "not_measured", "fit")
+            same(fails<Im2fitException> { session.dressedAvatar() }.statusName, "not_measured", "dressed")
+        }
+    }
+    test("a camera in the hand") {
+        // ARCore looks along -z with y up: its identity is a half turn about x in our axes.
+        same(Pose.ofArCore(floatArrayOf(0f, 0f, 0f, 1f), floatArrayOf(1f, 2f, 3f)), Pose(1f, 0f, -0f, -0f, 1000f, 2000f, 3000f), "ARCore")
+        fun posed(pose: Pose) = clip.frames().map {
+            Frame(it.pixels, it.format, timeNs = it.timeNs, sequence = it.sequence, pose = pose)
+        }
+        val still = Session(clip.camera, models, quick).use { it.measure(clip.frames()) }
+        // Wherever a camera is that does not move, its frames are taken as they are.
+        val held = Pose(0.5f, -0.5f, 0.5f, 0.5f, 10f, 20f, 30f)
+        same(Session(clip.camera, models, quick).use { it.measure(posed(held)) }, still, "a camera at rest")
+        // Each number reaches the library: alone, one that is no number is refused.
+        fun bad(at: Int) = FloatArray(7) { if (it == at) Float.NaN else if (it == 3) 1f else 0f }
+            .let { Pose(it[0], it[1], it[2], it[3], it[4], it[5], it[6]) }
+        for (at in 0 until 7) Session(clip.camera, models, quick).use { session ->
+            val found = fails<Im2fitException> { session.push(posed(bad(at)).first()) }
+            expect((if (at < 4) "frame.turn_x" else "frame.x_mm") in found.message!!) { "$found" }
+        }
+    }
+    test("a lens") {
+        // Android's order is the C interface's.
+        same(Lens.ofAndroid(floatArrayOf(1f, 2f, 3f, 4f, 5f)), Lens(k1 = 1f, k2 = 2f, k3 = 3f, p1 = 4f, p2 = 5f), "the order")
+        fails<IllegalArgumentException> { Lens.ofAndroid(floatArrayOf(1f, 2f, 3f, 4f, 5f, 6f)) }
+        // Each coefficient reaches the library: alone, one that is no number is refused.
+        for (lens in (0..4).map { at -> Lens.ofAndroid(FloatArray(5) { if (it == at) Float.NaN else 0f }) }) {
+            Session(clip.camera.copy(lens = lens), models, quick).use { session ->
+                val bad = fails<Im2fitException> { session.push(clip.frames().first()) }
+                expect("frame.k1, k2, k3, p1, p2" in bad.message!!) { "$bad" }
+            }
+        }
+        // A picture that is straight is not measured as the same person when a lens is undone that it never saw.
+        val straight = Session(clip.camera, models, quick).use { it.measure(clip.frames()) }
+        val bent = clip.camera.copy(lens = Lens(k1 = 0.1f))
+        val other = Session(bent, models, quick).use { it.measure(clip.frames()) }
+        expect(other != straight) { "the lens changes nothing" }
+        // A frame's own camera counts, as its focal length does.
+        same(Session(clip.camera, models, quick).use { session ->
+            session.measure(clip.frames().map {
+                Frame(it.pixels, it.format, timeNs = it.timeNs, sequence = it.sequence, camera = bent)
+            })
+        }, other, "the lens of frames")
+    }
     test("models from memory and from inside a file") {
         fun content(file: ModelFile?) = (file as ModelFile.Path).file.readBytes()
         val bytes = Models(ModelFile.Bytes(content(models.tracker)), ModelFile.Bytes(content(models.index)))
@@ -188,13 +243,11 @@ fun main(arguments: Array<String>) {
     println("SdkTest: ${ran.size} tests passed")
 }
 
-private val garments = Regex("\n  \"fit\": \\[.*?\n  ],", RegexOption.DOT_MATCHES_ALL)
-
 /** Each value, interval and probability to the digits that the program prints. */
 fun measuresAsProgram(clip: Clip, models: Models, said: String) = Session(clip.camera, models, quick).use { session ->
     val outcome = session.measure(clip.frames())
-    // The same numbers in the same words, but for where the frames came from, and for garments, which the library has not.
-    fun lines(json: String) = json.substringAfter("\"views\"").replace(garments, "").trim().lines()
+    // The same numbers in the same words, but for where the frames came from.
+    fun lines(json: String) = json.substringAfter("\"views\"").trim().lines()
     val (library, program) = lines(session.json()) to lines(said)
     for ((line, pair) in library.zip(program).withIndex()) same(pair.first, pair.second, "line $line of result.json")
     same(library.size, program.size, "lines of result.json")
@@ -235,6 +288,34 @@ fun measuresAsProgram(clip: Clip, models: Models, said: String) = Session(clip.c
         else expect((value as TapeValue.Refused).reason.length > 10) { "$id has neither value nor reason" }
     }
     expect(compared >= 3 * 11 + 2 + person.size.probabilities.size + 1) { "only $compared values compared" }
+    val shirt = session.fit("t_shirt")
+    val shirtSaid = said.substringAfter("\"garment\": \"t_shirt\"")
+    same(shirt.best.size, Regex("\"best\": \"([^\"]*)\"").find(shirtSaid)!!.groupValues[1], "the T-shirt's size")
+    same(!shirt.noneFits, "\"fits\": true" in shirtSaid.substringBefore("\"garment\""), "whether one fits")
+    val bestSaid = shirtSaid.substringAfter("\"${shirt.best.size}\": {")
+    for ((place, found) in shirt.best.places) {
+        val words = Regex("\"$place\": \\{\\s*\"ease_mm\":$number,\\s*\"interval\": \\[$number,$number],\\s*\"verdict\": \"(\\w+)\"")
+            .find(bestSaid)!!.groupValues.drop(1)
+        close(found.ease.value, words[0], "ease at the $place")
+        close(found.ease.low, words[1], "least ease at the $place")
+        close(found.ease.high, words[2], "most ease at the $place")
+        same(found.fit.name.toLowerCase(), words[3], "fit at the $place")
+    }
+    same(shirt.best.places.size, 4, "places of a T-shirt")
+    val dressed = session.dressedAvatar()
+    same(String(dressed.copyOf(4)), "glTF", "the dressed .glb")
+    expect("\"name\":\"t_shirt\"" in String(dressed, Charsets.ISO_8859_1)) { "no T-shirt is worn" }
+    expect(session.dressedAvatar(listOf(Worn("t_shirt"))).contentEquals(
+        session.dressedAvatar(listOf(Worn("t_shirt", shirt.best.size))))) { "the best size is another" }
+    same(fails<Im2fitException> { session.dressedAvatar(listOf(Worn("t_shirt", "?"))) }.statusName, "not_found", "a size")
+    fails<IllegalArgumentException> { session.dressedAvatar(List(5) { Worn("t_shirt") }) }
+    same(fails<Im2fitException> { session.fit("toga") }.statusName, "not_found", "a garment")
+    val rig = session.rig()!!
+    expect(rig.root[1] in 0.6f..1.2f) { "hips at ${rig.root[1]} m" }
+    for (q in rig.rotations.toList().chunked(4)) {
+        expect(abs(q.map { it * it }.sum() - 1) < 1e-4) { "a quaternion of $q" }
+    }
+    expect(rigNodes().withIndex().all { (i, node) -> node.parent < i }) { "parents come first" }
     val mesh = session.mesh()
     val heights = mesh.vertices.filterIndexed { i, _ -> i % 3 == 1 }
     expect(abs(heights.min()!!) < 0.01f) { "soles at ${heights.min()}" }

@@ -27,7 +27,8 @@ import numpy as np
 
 from . import _c, _folder
 
-__all__ = ["Error", "Estimate", "Guidance", "Models", "Person", "Session", "measure", "version"]
+__all__ = ["Error", "Estimate", "GarmentFit", "Guidance", "Models", "Person", "Session", "garments", "measure", "rig_nodes",
+           "version"]
 
 _library = None
 
@@ -52,6 +53,16 @@ def version():
     return _lib().im2fit_version().decode()
 
 
+def garments():
+    """Ids of the garments that can be tried on."""
+    return [_lib().im2fit_garment_id(i).decode() for i in range(_lib().im2fit_garment_count())]
+
+
+def rig_nodes():
+    """Names of the nodes that Session.rig() speaks of, in its order."""
+    return [_lib().im2fit_rig_node_name(i).decode() for i in range(_c.RIG_NODES)]
+
+
 @dataclasses.dataclass(frozen=True)
 class Estimate:
     """A value with its 95 % interval."""
@@ -71,6 +82,16 @@ class Guidance:
     measured: bool
     frames_seen: int
     frames_used: int
+
+
+@dataclasses.dataclass(frozen=True)
+class GarmentFit:
+    """How a garment sits: `sizes` by name, small to large, each a dictionary of places ("chest") with a pair: the
+    Estimate of the ease, and a verdict, "tight", "snug", "good" or "loose". `best` is the size to buy."""
+
+    garment: str
+    best: str
+    sizes: dict
 
 
 @dataclasses.dataclass(frozen=True)
@@ -148,10 +169,11 @@ class Person:
 
 class Session:
     """One person before one camera. `fx, fy, cx, cy`: of the depth camera, in pixels of frames as they are pushed;
-    width and height as well. `rotate_deg` makes them upright. Other keywords are fields of im2fit_settings: turn=1,
+    width and height as well. `rotate_deg` makes them upright. `distortion`: of the lens, where nothing has undone it yet,
+    as OpenCV has it: k1, k2, p1, p2 and, if there is a fifth, k3. Other keywords are fields of im2fit_settings: turn=1,
     frames_wanted=30, clothing=1, sensor=2, single_thread=1, live=1."""
 
-    def __init__(self, width, height, fx, fy, cx, cy, rotate_deg=0, models=None, **settings):
+    def __init__(self, width, height, fx, fy, cx, cy, rotate_deg=0, models=None, distortion=(), **settings):
         self._handle = ctypes.c_void_p()
         models = models or Models.find()
         s = _c.Settings()
@@ -165,11 +187,14 @@ class Session:
                 raise TypeError(f"no setting is called {name}; there are {', '.join(sorted(known))}")
             setattr(s, name, int(value))
         self._size, self._rotate_deg, self._number = (height, width), rotate_deg, 0
+        self._intrinsics, self._lens = (fx, fy, cx, cy), _lens_of(distortion)
         self._check(_lib().im2fit_open(ctypes.byref(s), ctypes.byref(self._handle)))
 
-    def push(self, depth, time_ns=None, sequence=None, confidence=None, confidence_min=0):
+    def push(self, depth, time_ns=None, sequence=None, confidence=None, confidence_min=0, pose=None):
         """`depth`: height x width, uint16 millimetres or float32 metres (NaN or 0: no data). `confidence`: uint8 of the
-        same shape; less than confidence_min is no data. Returns the Guidance so far."""
+        same shape; less than confidence_min is no data. `pose`: where a camera that is held in the hand is, seven numbers:
+        the unit quaternion x, y, z, w that takes directions in the axes of the frame (x right, y down, z forward) to those of
+        a place at rest, and the camera's place there, mm. Returns the Guidance so far."""
         depth = np.asarray(depth)
         if depth.shape != self._size or depth.dtype not in (np.uint16, np.float32):
             raise ValueError(f"depth is {depth.dtype} {depth.shape}, expected uint16 or float32 {self._size}")
@@ -179,11 +204,15 @@ class Session:
         frame.pixels, frame.format = depth.ctypes.data, _c.FORMAT_U16 if depth.dtype == np.uint16 else _c.FORMAT_F32
         frame.height, frame.width = depth.shape
         frame.rotate_deg = self._rotate_deg
+        frame.fx, frame.fy, frame.cx, frame.cy = self._intrinsics
+        frame.k1, frame.k2, frame.p1, frame.p2, frame.k3 = self._lens
         if confidence is not None:
             confidence = np.ascontiguousarray(confidence, np.uint8)
             if confidence.shape != self._size:
                 raise ValueError(f"confidence is {confidence.shape}, expected {self._size}")
             frame.confidence, frame.confidence_min = confidence.ctypes.data, confidence_min
+        if pose is not None:
+            (frame.turn_x, frame.turn_y, frame.turn_z, frame.turn_w, frame.x_mm, frame.y_mm, frame.z_mm) = map(float, pose)
         frame.sequence = self._number if sequence is None else sequence
         frame.time_ns = self._number * 33_333_333 if time_ns is None else time_ns
         self._number += 1
@@ -221,6 +250,44 @@ class Session:
         self._check(_lib().im2fit_body_mesh(handle, vertices.ctypes.data, count, ctypes.byref(count), triangles.ctypes.data,
                                             faces, ctypes.byref(faces)))
         return vertices, triangles
+
+    def fit(self, garment):
+        """The GarmentFit of the person measured."""
+        count, best, handle = ctypes.c_size_t(), ctypes.c_size_t(), self._open_handle()
+        arguments = (handle, garment.encode())
+        status = _lib().im2fit_garment_fit(*arguments, None, ctypes.sizeof(_c.SizeFit), 0, ctypes.byref(count), None)
+        if status != _c.TOO_SMALL:
+            self._check(status)
+        fits = (_c.SizeFit * count.value)()
+        self._check(_lib().im2fit_garment_fit(*arguments, fits, ctypes.sizeof(_c.SizeFit), count, ctypes.byref(count),
+                                              ctypes.byref(best)))
+        sizes = {fit.name.decode(): {
+            place.name.decode(): (Estimate(place.ease_mm, place.low_mm, place.high_mm, "mm"),
+                                  _lib().im2fit_fit_name(place.verdict).decode())
+            for place in fit.regions[:fit.region_count]} for fit in fits}
+        return GarmentFit(garment, fits[best.value].name.decode(), sizes)
+
+    def dressed_avatar(self, *worn):
+        """The bytes of a .glb of the person in clothes, what lies on the skin first: each a garment's id, in the best size, or
+        a pair of id and size. Without any: trousers and a T-shirt."""
+        pairs = [(one, None) if isinstance(one, str) else one for one in worn]
+        items = (_c.Worn * len(pairs))(*((garment.encode(), size.encode() if size else None) for garment, size in pairs))
+        return self._bytes(_lib().im2fit_dressed_avatar, items, ctypes.c_size_t(len(pairs)))
+
+    def rig(self):
+        """(root, 3 numbers, metres; rotations, 19 x 4, unit quaternions x y z w) of the avatar's nodes, rig_nodes(), as the
+        person stands in the latest frame; None when no person is followed there. Needs a measurement."""
+        rig = _c.Rig()
+        status = _lib().im2fit_live_rig(self._open_handle(), ctypes.byref(rig), ctypes.sizeof(rig))
+        if status == _c.NOT_FOUND:
+            return None
+        self._check(status)
+        return np.array(rig.root_m, np.float32), np.array(rig.rotations, np.float32)
+
+    def next(self):
+        """The next person, after the measurement: frames are taken again, and the answer stands until whoever was measured has
+        left."""
+        self._check(_lib().im2fit_next(self._open_handle()))
 
     def reset(self):
         """A new person; forgets everything seen."""
@@ -265,6 +332,14 @@ class Session:
         place = ctypes.create_string_buffer(needed.value + 1)
         self._check(function(self._handle, *arguments, place, needed.value + 1, ctypes.byref(needed)))
         return place.raw[:needed.value]
+
+
+def _lens_of(distortion):
+    """k1, k2, p1, p2, k3: OpenCV's order."""
+    numbers = [float(number) for number in np.ravel(distortion)]
+    if len(numbers) not in (0, 4, 5):
+        raise ValueError(f"distortion has {len(numbers)} numbers, expected k1, k2, p1, p2 and perhaps k3")
+    return tuple(numbers + [0.0] * (5 - len(numbers)))
 
 
 def _upright(width, height, fx, fy, cx, cy, rotate_deg):

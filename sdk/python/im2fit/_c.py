@@ -6,7 +6,8 @@ import ctypes as c
 import os
 import pathlib
 
-OK, TIMEOUT, TOO_SMALL = 0, -7, -11
+OK, NOT_FOUND, TIMEOUT, TOO_SMALL = 0, -2, -7, -11
+REGIONS, RIG_NODES = 8, 19
 MEASUREMENTS, JOINTS, USERS, AGE_BANDS = 11, 15, 8, 4
 FORMAT_U16, FORMAT_DEPTH16, FORMAT_F32 = 0, 1, 2
 AVATAR_FORMATS = {"glb": 0, "obj": 1, "bvh": 2}
@@ -34,7 +35,9 @@ class Frame(c.Structure):
         ("confidence", c.c_void_p), ("confidence_row_bytes", c.c_size_t), ("fx", c.c_float), ("fy", c.c_float),
         ("cx", c.c_float), ("cy", c.c_float), ("sequence", c.c_uint64), ("time_ns", c.c_int64), ("device_us", c.c_int64),
         ("down_x", c.c_float), ("down_y", c.c_float), ("down_z", c.c_float), ("reserved", c.c_float),
-        ("k1", c.c_float), ("k2", c.c_float), ("k3", c.c_float), ("p1", c.c_float), ("p2", c.c_float), ("reserved2", c.c_float)]
+        ("k1", c.c_float), ("k2", c.c_float), ("k3", c.c_float), ("p1", c.c_float), ("p2", c.c_float), ("reserved2", c.c_float),
+        ("turn_x", c.c_float), ("turn_y", c.c_float), ("turn_z", c.c_float), ("turn_w", c.c_float), ("x_mm", c.c_float),
+        ("y_mm", c.c_float), ("z_mm", c.c_float), ("reserved3", c.c_float)]
 
 
 class Estimate(c.Structure):
@@ -63,8 +66,27 @@ class Result(c.Structure):
         ("clothing_probability", c.c_float), ("clothing_ease_mm", c.c_float)]
 
 
+class RegionFit(c.Structure):
+    _fields_ = [("name", c.c_char_p), ("ease_mm", c.c_float), ("low_mm", c.c_float), ("high_mm", c.c_float),
+                ("verdict", c.c_int32)]
+
+
+class SizeFit(c.Structure):
+    _fields_ = [("name", c.c_char * 32), ("cost", c.c_float), ("region_count", c.c_int32), ("regions", RegionFit * REGIONS)]
+
+
+class Worn(c.Structure):
+    _fields_ = [("garment", c.c_char_p), ("size", c.c_char_p)]
+
+
+class Rig(c.Structure):
+    _fields_ = [("root_m", c.c_float * 3), ("rotations", c.c_float * 4 * RIG_NODES), ("user_id", c.c_int32),
+                ("joints_inferred", c.c_uint32)]
+
+
 STRUCTS = {"im2fit_data": Data, "im2fit_settings": Settings, "im2fit_frame": Frame, "im2fit_estimate": Estimate,
-           "im2fit_joint": Joint, "im2fit_user": User, "im2fit_result": Result}
+           "im2fit_joint": Joint, "im2fit_user": User, "im2fit_result": Result,
+           "im2fit_region_fit": RegionFit, "im2fit_size_fit": SizeFit, "im2fit_worn": Worn, "im2fit_rig": Rig}
 
 
 def load(path=None):
@@ -87,6 +109,12 @@ def load(path=None):
             ("avatar", c.c_int, [pointer, c.c_int32, pointer, c.c_size_t, c.POINTER(c.c_size_t)]),
             ("body_mesh", c.c_int, [pointer, pointer, c.c_size_t, c.POINTER(c.c_size_t), pointer, c.c_size_t,
                                     c.POINTER(c.c_size_t)]),
+            ("garment_fit", c.c_int, [pointer, c.c_char_p, c.POINTER(SizeFit), c.c_size_t, c.c_size_t, c.POINTER(c.c_size_t),
+                                      c.POINTER(c.c_size_t)]),
+            ("dressed_avatar", c.c_int, [pointer, c.POINTER(Worn), c.c_size_t, pointer, c.c_size_t, c.POINTER(c.c_size_t)]),
+            ("live_rig", c.c_int, [pointer, c.POINTER(Rig), c.c_size_t]),
+            ("garment_count", c.c_size_t, []), ("garment_id", c.c_char_p, [c.c_size_t]), ("fit_name", c.c_char_p, [c.c_int]),
+            ("rig_node_name", c.c_char_p, [c.c_int]),
             ("state_name", c.c_char_p, [c.c_int]), ("guidance_name", c.c_char_p, [c.c_int])):
         handle = getattr(lib, "im2fit_" + function)
         handle.restype, handle.argtypes = result, arguments

@@ -27,6 +27,7 @@ class Camera:
     cx: float
     cy: float
     rotate_deg: int = 0
+    distortion: tuple = ()  # OpenCV's order: k1, k2, p1, p2, k3
 
 
 def _numbers(text, key, path, required=True):
@@ -48,9 +49,14 @@ def read_camera(path):
         return int(found.group(1)) if found else default
 
     k = _numbers(text, "camera_matrix", path)
-    if any(_numbers(text, "distortion_coefficients", path, required=False)):
-        raise ValueError(f"{path}: the lens distorts, which this reader does not undo; measure with the program im2fit")
-    return Camera(whole("image_width"), whole("image_height"), k[0], k[4], k[2], k[5], whole("im2fit_rotate_deg", 0))
+    lens = _numbers(text, "distortion_coefficients", path, required=False)
+    if any(lens):
+        model = re.search(r"^distortion_model:\s*(\S+)\s*$", text, re.M)
+        if len(lens) not in (4, 5) or (model and model.group(1) != "plumb_bob"):
+            raise ValueError(f"{path}: {len(lens)} distortion_coefficients of {model.group(1) if model else 'no model'}; this "
+                             "reader knows plumb_bob's 4 or 5; measure with the program im2fit")
+    return Camera(whole("image_width"), whole("image_height"), k[0], k[4], k[2], k[5], whole("im2fit_rotate_deg", 0),
+                  tuple(lens) if any(lens) else ())
 
 
 def _unfilter(raw, width, height):

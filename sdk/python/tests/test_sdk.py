@@ -75,9 +75,11 @@ class Folder(unittest.TestCase):
                 _folder.frames_of(folder)
             text = (GOLDEN / "clip/camera.yaml").read_text()
             bad = pathlib.Path(folder) / "camera.yaml"
-            bad.write_text(text.replace("data: [0, 0, 0, 0, 0]", "data: [0.1, 0, 0, 0, 0]"))
-            with self.assertRaisesRegex(ValueError, "distorts"):
+            bad.write_text(text.replace("data: [0, 0, 0, 0, 0]", "data: [0.1, 0, 0, 0, 0, 1, 0, 0]"))
+            with self.assertRaisesRegex(ValueError, "8 distortion_coefficients"):
                 _folder.read_camera(bad)
+            bad.write_text(text.replace("data: [0, 0, 0, 0, 0]", "data: [0.1, 0.2, 0.3, 0.4, 0.5]"))
+            self.assertEqual(_folder.read_camera(bad).distortion, (0.1, 0.2, 0.3, 0.4, 0.5))
             bad.write_text(text.replace("image_width", "width"))
             with self.assertRaisesRegex(ValueError, "image_width"):
                 _folder.read_camera(bad)
@@ -139,6 +141,77 @@ class Measuring(unittest.TestCase):
                 self.assertLess(abs(np.ptp(vertices[:, 1]) - person.measurements["stature"].value), 60)  # posed
                 self.assertEqual(triangles.max() + 1, len(vertices))
         self.assertEqual(texts[0], texts[1])
+
+    def test_garments_and_the_rig(self):
+        camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
+        words = (camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, camera.rotate_deg)
+        with im2fit.Session(*words, models=models(), **FRAMES) as session:
+            with self.assertRaisesRegex(im2fit.Error, "nothing is measured"):
+                session.fit("t_shirt")
+            for number, path in _folder.frames_of(GOLDEN / "clip"):
+                session.push(_folder.read_frame(path), sequence=number)
+            person = session.finish()
+            self.assertTrue(person.measured)
+            self.assertIn("t_shirt", im2fit.garments())
+            fit = session.fit("t_shirt")
+            self.assertIn(fit.best, fit.sizes)
+            ease, verdict = fit.sizes[fit.best]["chest"]
+            self.assertTrue(ease.low < ease.value < ease.high)
+            self.assertIn(verdict, ("tight", "snug", "good", "loose"))
+            eases = [places["chest"][0].value for places in fit.sizes.values()]
+            self.assertEqual(eases, sorted(eases))
+            self.assertEqual(session.dressed_avatar("t_shirt"), session.dressed_avatar(("t_shirt", fit.best)))
+            everyday = session.dressed_avatar()
+            self.assertEqual(everyday[:4], b"glTF")
+            self.assertIn(b'"name":"trousers"', everyday)
+            with self.assertRaisesRegex(im2fit.Error, "toga"):
+                session.dressed_avatar("toga")
+            root, rotations = session.rig()
+            self.assertTrue(0.6 < root[1] < 1.2)
+            np.testing.assert_allclose(np.linalg.norm(rotations, axis=1), 1, atol=1e-5)
+            self.assertEqual(im2fit.rig_nodes()[0], "pelvis")
+
+    def test_the_pose_of_a_camera_in_the_hand(self):
+        camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
+        words = (camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, camera.rotate_deg)
+        texts = []
+        for turned in (None, (0, 0, 0, 1, 0, 0, 0), (0.5, -0.5, 0.5, 0.5, 100, 200, 300)):
+            with im2fit.Session(*words, models=models(), **FRAMES) as session:
+                for number, path in _folder.frames_of(GOLDEN / "clip"):
+                    session.push(_folder.read_frame(path), sequence=number, pose=turned)
+                texts.append(session.finish().json)
+                with self.assertRaisesRegex(im2fit.Error, "unit quaternion|after finish"):
+                    session.push(_folder.read_frame(path), pose=(1, 1, 1, 1, 0, 0, 0))
+        self.assertEqual(texts[0], texts[1])  # a camera at rest, wherever it is
+        self.assertEqual(texts[0], texts[2])
+
+    def test_a_lens_is_undone(self):
+        # The same by numpy: for each pixel of the straight picture the nearest of the bent one.
+        camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
+        size = (camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy)
+        lens = (0.06, -0.03, 0.002, -0.001, 0.01)
+        k1, k2, p1, p2, k3 = (float(np.float32(number)) for number in lens)
+        fx, fy, cx, cy = (float(np.float32(number)) for number in size[2:])
+        v, u = np.mgrid[0:camera.height, 0:camera.width]
+        x, y = (u - cx) / fx, (v - cy) / fy
+        r2 = x * x + y * y
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        column = np.floor((x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) * fx + cx + 0.5).astype(int)
+        row = np.floor((y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) * fy + cy + 0.5).astype(int)
+        seen = (column >= 0) & (column < camera.width) & (row >= 0) & (row < camera.height)
+        self.assertTrue(0.5 < seen.mean() < 1)
+        bent = [_folder.read_frame(path) for _, path in _folder.frames_of(GOLDEN / "clip")]
+        straight = [np.where(seen, depth[row.clip(0, camera.height - 1), column.clip(0, camera.width - 1)], 0) for depth in bent]
+        texts = []
+        for frames, distortion in ((bent, lens), (straight, ()), (bent, ())):
+            with im2fit.Session(*size, camera.rotate_deg, models=models(), distortion=distortion, **FRAMES) as session:
+                for depth in frames:
+                    session.push(depth.astype(np.uint16))
+                texts.append(session.finish().json)
+        self.assertEqual(texts[0], texts[1])
+        self.assertNotEqual(texts[0], texts[2])
+        with self.assertRaisesRegex(ValueError, "3 numbers"):
+            im2fit.Session(*size, models=models(), distortion=(1, 2, 3))
 
     def test_an_empty_room_is_not_measured(self):
         with im2fit.Session(320, 240, 287.9, 287.9, 159.5, 119.5, models=models()) as session:

@@ -14,11 +14,13 @@ import android.hardware.camera2.CameraCharacteristics
 import android.hardware.camera2.CameraDevice
 import android.hardware.camera2.CameraManager
 import android.media.ImageReader
+import android.os.Build
 import android.os.Handler
 import im2fit.sdk.Camera
 import im2fit.sdk.DepthFormat
 import im2fit.sdk.Direction
 import im2fit.sdk.Frame
+import im2fit.sdk.Lens
 import im2fit.sdk.Models
 import im2fit.sdk.Progress
 import im2fit.sdk.Session
@@ -105,10 +107,14 @@ class DepthFeeder(context: Context, models: Models, private val handler: Handler
                 ?: throw UnsupportedOperationException("the camera does not say its focal length: calibrate it")
             val whole = about.get(CameraCharacteristics.SENSOR_INFO_PRE_CORRECTION_ACTIVE_ARRAY_SIZE)!!
             val scale = size.width.toFloat() / whole.width()
+            // Absent where the camera's pictures are straight already. The coefficients are of rays, not of pixels, so that
+            // they hold at any size.
+            val bends = if (Build.VERSION.SDK_INT >= 28) about.get(CameraCharacteristics.LENS_DISTORTION) else null
             // Half a pixel is half a pixel at any scale: the centre of pixel 0 is 0.
             return Camera(
                 size.width, size.height, lens[0] * scale, lens[1] * scale, (lens[2] + 0.5f) * scale - 0.5f,
-                (lens[3] + 0.5f) * scale - 0.5f, about.get(CameraCharacteristics.SENSOR_ORIENTATION) ?: 0
+                (lens[3] + 0.5f) * scale - 0.5f, about.get(CameraCharacteristics.SENSOR_ORIENTATION) ?: 0,
+                if (bends != null) Lens.ofAndroid(bends) else Lens()
             )
         }
     }

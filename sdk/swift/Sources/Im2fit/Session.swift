@@ -13,6 +13,15 @@ public struct Estimate: Equatable {
     public let value, low, high: Float
 }
 
+/// What a lens does to the picture: Brown and Conrady's model, radial k1 to k3, tangential p1 and p2, as OpenCV has it. The
+/// library undoes it. ARKit's depth is straight already.
+public struct Lens: Equatable {
+    public var k1, k2, k3, p1, p2: Float
+    public init(k1: Float = 0, k2: Float = 0, k3: Float = 0, p1: Float = 0, p2: Float = 0) {
+        (self.k1, self.k2, self.k3, self.p1, self.p2) = (k1, k2, k3, p1, p2)
+    }
+}
+
 /// The depth camera: upright pixels, the centre of pixel 0 is 0.
 public struct Camera {
     public var width, height: Int32
@@ -27,6 +36,40 @@ public struct Progress: Equatable {
     public let state: String
     public let guidance: [String]
     public let framesUsed: UInt64
+}
+
+/// Where the camera is while it is held in the hand: the unit quaternion that takes a direction in the axes of the frame as
+/// delivered (x right, y down, z forward) to those of a place at rest, and the camera's place there, mm.
+public struct Pose: Equatable {
+    public var x, y, z, w: Float
+    public var placeMm: SIMD3<Float>
+    public init(x: Float, y: Float, z: Float, w: Float, placeMm: SIMD3<Float> = .zero) {
+        (self.x, self.y, self.z, self.w, self.placeMm) = (x, y, z, w, placeMm)
+    }
+    /// Of ARKit's `ARCamera.transform`, whose axes have y up and z backwards: its rotation as a quaternion's x, y, z, w
+    /// (`simd_quatf(transform).vector`) and its last column, metres.
+    public init(arkit q: SIMD4<Float>, metres: SIMD3<Float>) {
+        self.init(x: q.w, y: q.z, z: -q.y, w: -q.x, placeMm: metres * 1000)
+    }
+}
+
+/// How a size sits at a place.
+public struct PlaceFit: Equatable {
+    public let place: String        // "chest"
+    public let easeMm: Estimate     // finished girth less the body's
+    public let verdict: String      // "tight", "snug", "good", "loose"
+}
+
+/// How a size of a garment sits.
+public struct SizeFit: Equatable {
+    public let size: String
+    public let places: [PlaceFit]
+}
+
+/// How an avatar's nodes are to stand: the .glb's node 0's translation in metres, and every node's rotation, x y z w.
+public struct Rig: Equatable {
+    public let root: SIMD3<Float>
+    public let rotations: [SIMD4<Float>]
 }
 
 /// How a session ended.
@@ -69,8 +112,10 @@ public final class Session {
 
     /// Depth as ARKit and AVFoundation deliver it: 32-bit metres, NaN or 0 where there is none. `rotateDeg` makes it
     /// upright. `down`: which way gravity pulls in the axes of this picture (x right, y down, z forward), where known.
+    /// `lens`: of a picture that nothing has straightened yet. `pose`: of a camera in the hand.
     public func push(metres: UnsafePointer<Float>, width: Int32, height: Int32, rowBytes: Int = 0, rotateDeg: Int32 = 0,
-                     timeNs: Int64 = 0, sequence: UInt64 = 0, down: SIMD3<Float> = .zero) throws {
+                     timeNs: Int64 = 0, sequence: UInt64 = 0, down: SIMD3<Float> = .zero, lens: Lens = Lens(),
+                     pose: Pose? = nil) throws {
         var frame = im2fit_frame()
         im2fit_frame_init(&frame, MemoryLayout<im2fit_frame>.size)
         frame.pixels = UnsafeRawPointer(metres)
@@ -82,6 +127,11 @@ public final class Session {
         frame.time_ns = timeNs
         frame.sequence = sequence
         (frame.down_x, frame.down_y, frame.down_z) = (down.x, down.y, down.z)
+        (frame.k1, frame.k2, frame.k3, frame.p1, frame.p2) = (lens.k1, lens.k2, lens.k3, lens.p1, lens.p2)
+        if let pose = pose {
+            (frame.turn_x, frame.turn_y, frame.turn_z, frame.turn_w) = (pose.x, pose.y, pose.z, pose.w)
+            (frame.x_mm, frame.y_mm, frame.z_mm) = (pose.placeMm.x, pose.placeMm.y, pose.placeMm.z)
+        }
         try check(im2fit_push_frame(handle, &frame))
     }
 
@@ -117,6 +167,53 @@ public final class Session {
     public func avatar() throws -> Data {
         Data(try bytes { im2fit_avatar(self.handle, Int32(IM2FIT_AVATAR_GLB), $0, $1, $2) })
     }
+
+    /// The person as .glb in clothes of the best sizes, what lies on the skin first; of no garment: trousers and a T-shirt.
+    /// Garments by their ids ("t_shirt").
+    public func dressedAvatar(_ garments: [String] = []) throws -> Data {
+        let names = garments.map { strdup($0) }
+        defer { names.forEach { free($0) } }
+        let worn = names.map { im2fit_worn(garment: UnsafePointer($0), size: nil) }
+        return Data(try bytes { im2fit_dressed_avatar(self.handle, worn, worn.count, $0, $1, $2) })
+    }
+
+    /// How each size of a garment sits, small to large, and the one to buy.
+    public func fit(_ garment: String) throws -> (sizes: [SizeFit], best: Int) {
+        let stride = MemoryLayout<im2fit_size_fit>.size
+        var count = 0
+        var best = 0
+        let asked = im2fit_garment_fit(handle, garment, nil, stride, 0, &count, nil)
+        if asked != Int32(IM2FIT_ERROR_TOO_SMALL) { try check(asked) }
+        var fits = [im2fit_size_fit](repeating: im2fit_size_fit(), count: count)
+        try check(im2fit_garment_fit(handle, garment, &fits, stride, count, &count, &best))
+        return (fits.map { fit in
+            let name = withUnsafeBytes(of: fit.name) { String(decoding: $0.prefix { $0 != 0 }, as: UTF8.self) }
+            let places = withUnsafeBytes(of: fit.regions) {
+                $0.bindMemory(to: im2fit_region_fit.self).prefix(Int(fit.region_count)).map { place in
+                    PlaceFit(place: Session.text(place.name),
+                             easeMm: Estimate(value: place.ease_mm, low: place.low_mm, high: place.high_mm),
+                             verdict: Session.text(im2fit_fit_name(place.verdict)))
+                }
+            }
+            return SizeFit(size: name, places: places)
+        }, best)
+    }
+
+    /// How the avatar stands as the person does in the latest frame; nil when no person is followed there. Needs a
+    /// measurement; moves once `next()` lets frames in again.
+    public func rig() throws -> Rig? {
+        var rig = im2fit_rig()
+        let status = im2fit_live_rig(handle, &rig, MemoryLayout<im2fit_rig>.size)
+        if status == Int32(IM2FIT_ERROR_NOT_FOUND) { return nil }
+        try check(status)
+        let numbers = withUnsafeBytes(of: rig.rotations) { Array($0.bindMemory(to: Float.self)) }
+        return Rig(root: SIMD3(rig.root_m.0, rig.root_m.1, rig.root_m.2), rotations: (0..<Int(IM2FIT_RIG_NODE_COUNT)).map {
+            SIMD4(numbers[4 * $0], numbers[4 * $0 + 1], numbers[4 * $0 + 2], numbers[4 * $0 + 3])
+        })
+    }
+
+    /// The next person, after the measurement, which stands until whoever was measured has left.
+    public func next() throws { try check(im2fit_next(handle)) }
 
     private func bytes(_ call: (UnsafeMutableRawPointer?, Int, UnsafeMutablePointer<Int>) -> Int32) throws -> [UInt8] {
         var size = 0

@@ -38,6 +38,30 @@ data class Direction(val x: Float, val y: Float, val z: Float) {
 }
 
 /**
+ * Where the camera is while it is held in the hand, as the platform tracks it (ARCore): the unit quaternion that takes a
+ * direction in the axes of the frame as delivered (x right, y down, z forward) to those of a place at rest, and the camera's
+ * place there.
+ *
+ * @property xMm millimetres; 0 0 0 where only the turn is known: then the camera is taken to turn about itself
+ */
+data class Pose(
+    val x: Float, val y: Float, val z: Float, val w: Float, val xMm: Float = 0f, val yMm: Float = 0f, val zMm: Float = 0f
+) {
+    companion object {
+        /**
+         * @param rotation of `Camera.getPose().getRotationQuaternion()`: x, y, z, w, of axes with y up and z backwards. That of
+         *   the physical camera, whose axes are the delivered picture's, not `getDisplayOrientedPose()`
+         * @param translation of `getTranslation()`, metres
+         */
+        @JvmStatic
+        fun ofArCore(rotation: FloatArray, translation: FloatArray): Pose {
+            val (x, y, z, w) = rotation
+            return Pose(w, z, -y, -x, 1000 * translation[0], 1000 * translation[1], 1000 * translation[2])
+        }
+    }
+}
+
+/**
  * One depth frame as the camera delivers it. Nothing is copied before [Session.push] has it.
  *
  * @property pixels a direct buffer of the machine's byte order: rows from the top, from its position on
@@ -50,11 +74,13 @@ data class Direction(val x: Float, val y: Float, val z: Float) {
  * @property unitMm of U16
  * @property down which way gravity pulls; null: not known, and then the latest told holds until [Session.reset]. Where no
  *   floor is seen it says what is upright
+ * @property pose where the camera is, of one that is held in the hand; null: not known, and the frame is taken as it is
  */
 class Frame(
     val pixels: ByteBuffer, val format: DepthFormat, val rowBytes: Int = 0, val timeNs: Long = 0, val sequence: Long = 0,
     val confidence: ByteBuffer? = null, val confidenceRowBytes: Int = 0, val confidenceMin: Int = 0,
-    val camera: Camera? = null, val unitMm: Float = 1f, val down: Direction? = null
+    val camera: Camera? = null, val unitMm: Float = 1f, val down: Direction? = null,
+    val pose: Pose? = null
 ) {
     init {
         require(pixels.isDirect) { "pixels must be a direct buffer (ByteBuffer.allocateDirect, or a plane of an Image)" }

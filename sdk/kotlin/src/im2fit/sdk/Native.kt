@@ -26,6 +26,8 @@ internal object Native {
     const val RESULT_LONGS = 12
     const val RESULT_FLOATS = 3 * 11 + 8 * 15 + 6 + 4
     const val SIZES_MAX = 64
+    const val PLACES_MAX = 8
+    const val WORN_MAX = 4
 
     init {
         System.loadLibrary("im2fit_jni")
@@ -52,6 +54,17 @@ internal object Native {
     @JvmStatic external fun tape(handle: Long, statuses: IntArray, values: FloatArray, reasons: Array<ByteArray?>): Int
     @JvmStatic external fun mesh(handle: Long, vertices: FloatArray?, triangles: IntArray?, counted: IntArray): Int
     @JvmStatic external fun bytes(handle: Long, what: Int, made: Array<ByteArray?>): Int
+    @JvmStatic external fun garmentCount(): Int
+    @JvmStatic external fun garmentWords(index: Int, language: ByteArray, words: Array<ByteArray?>)
+    @JvmStatic external fun fit(
+        handle: Long, id: Array<ByteArray?>, sizes: Array<ByteArray?>, places: Array<ByteArray?>, floats: FloatArray,
+        verdicts: IntArray, counted: IntArray
+    ): Int
+    @JvmStatic external fun dressed(
+        handle: Long, ids: Array<ByteArray?>, sizes: Array<ByteArray?>, made: Array<ByteArray?>
+    ): Int
+    @JvmStatic external fun rig(handle: Long, floats: FloatArray, numbers: IntArray): Int
+    @JvmStatic external fun rigNodes(names: Array<ByteArray?>, parents: IntArray)
 
     fun text(bytes: ByteArray?): String? = bytes?.let { String(it, Charsets.UTF_8) }
     fun nameOf(list: Int, index: Int): String? = text(name(list, index))

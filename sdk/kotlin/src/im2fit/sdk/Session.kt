@@ -24,7 +24,7 @@ class Session @JvmOverloads constructor(
     private val turn = Any()
     private val numbers = IntArray(5)
     private val longs = LongArray(7)
-    private val floats = FloatArray(8)
+    private val floats = FloatArray(20)
 
     /** Hands over one frame; it is copied. With [Settings.live] false it waits while the library is behind. */
     fun push(frame: Frame) {
@@ -48,6 +48,18 @@ class Session @JvmOverloads constructor(
             floats[5] = frame.down?.x ?: 0f
             floats[6] = frame.down?.y ?: 0f
             floats[7] = frame.down?.z ?: 0f
+            floats[8] = of.lens.k1
+            floats[9] = of.lens.k2
+            floats[10] = of.lens.k3
+            floats[11] = of.lens.p1
+            floats[12] = of.lens.p2
+            floats[13] = frame.pose?.x ?: 0f
+            floats[14] = frame.pose?.y ?: 0f
+            floats[15] = frame.pose?.z ?: 0f
+            floats[16] = frame.pose?.w ?: 0f
+            floats[17] = frame.pose?.xMm ?: 0f
+            floats[18] = frame.pose?.yMm ?: 0f
+            floats[19] = frame.pose?.zMm ?: 0f
             Native.push(it, frame.pixels, frame.confidence, numbers, longs, floats)
         }
     }
@@ -138,6 +150,53 @@ class Session @JvmOverloads constructor(
         }
     }
 
+    /**
+     * How each size of a garment ([garments]' id) sits on the person. Needs a measurement and [Models.body], as do
+     * [dressedAvatar] and [rig].
+     */
+    fun fit(garment: String): GarmentFit {
+        val sizes = arrayOfNulls<ByteArray>(Native.SIZES_MAX)
+        val places = arrayOfNulls<ByteArray>(Native.PLACES_MAX)
+        val floats = FloatArray(Native.SIZES_MAX * (1 + 3 * Native.PLACES_MAX))
+        val verdicts = IntArray(Native.SIZES_MAX * Native.PLACES_MAX)
+        val counted = IntArray(3)
+        change { Native.fit(it, arrayOf(garment.toByteArray()), sizes, places, floats, verdicts, counted) }
+        val (count, best, placeCount) = counted
+        val names = (0 until placeCount).map { Native.text(places[it])!! }
+        val fits = (0 until count).map { i ->
+            val at = i * (1 + 3 * placeCount)
+            SizeFit(Native.text(sizes[i])!!, floats[at], names.withIndex().associate { (r, name) ->
+                val ease = Estimate(floats[at + 1 + 3 * r], floats[at + 2 + 3 * r], floats[at + 3 + 3 * r])
+                name to PlaceFit(ease, Fit.values()[verdicts[i * placeCount + r]])
+            })
+        }
+        return GarmentFit(fits, fits[best])
+    }
+
+    /** The person's .glb, dressed, what lies on the skin first; of nothing: in trousers and a T-shirt of the best sizes. */
+    @JvmOverloads
+    fun dressedAvatar(worn: List<Worn> = emptyList()): ByteArray {
+        require(worn.size <= Native.WORN_MAX) { "${worn.size} garments, expected at most ${Native.WORN_MAX}" }
+        val made = arrayOfNulls<ByteArray>(1)
+        val ids = Array<ByteArray?>(worn.size) { worn[it].garment.toByteArray() }
+        val sizes = Array(worn.size) { worn[it].size?.toByteArray() }
+        change { Native.dressed(it, ids, sizes, made) }
+        return made[0]!!
+    }
+
+    /**
+     * How the avatar stands as the person does in the latest frame; null when no person is followed there. It moves once
+     * [next] lets frames in again, until the next person's session begins.
+     */
+    fun rig(): Rig? = turn { handle ->
+        val floats = FloatArray(3 + 4 * Rig.NODE_COUNT)
+        val numbers = IntArray(2)
+        val status = Native.rig(handle, floats, numbers)
+        if (status == NOT_FOUND) return@turn null
+        check(status)
+        Rig(floats.copyOf(3), floats.copyOfRange(3, floats.size), numbers[0], bitsOf(numbers[1].toLong()))
+    }
+
     /** Stops the threads and frees everything; frames in the pipeline are given up. Fine to call again. */
     override fun close() = open.write {
         if (handle != 0L) Native.close(handle)
@@ -177,6 +236,7 @@ class Session @JvmOverloads constructor(
     }
 
     private companion object {
+        const val NOT_FOUND = -2
         const val TIMEOUT = -7
 
         fun open(camera: Camera, models: Models, settings: Settings): Long {

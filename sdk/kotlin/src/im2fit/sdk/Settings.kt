@@ -2,25 +2,48 @@
 package im2fit.sdk
 
 /**
+ * What a lens does to the picture: Brown and Conrady's model, radial [k1] to [k3], tangential [p1] and [p2], as OpenCV has
+ * it. The library undoes it. All 0: the picture is straight.
+ */
+data class Lens(
+    val k1: Float = 0f, val k2: Float = 0f, val k3: Float = 0f, val p1: Float = 0f, val p2: Float = 0f
+) {
+    companion object {
+        /**
+         * @param coefficients `CameraCharacteristics.LENS_DISTORTION`, which has this order: k1, k2, k3, p1, p2. Not the
+         *   older `LENS_RADIAL_DISTORTION`, which has another model
+         */
+        @JvmStatic
+        fun ofAndroid(coefficients: FloatArray): Lens {
+            require(coefficients.size == 5) { "${coefficients.size} coefficients, expected the 5 of LENS_DISTORTION" }
+            val (k1, k2, k3, p1, p2) = coefficients
+            return Lens(k1, k2, k3, p1, p2)
+        }
+    }
+}
+
+/**
  * The depth camera (not the colour camera): pixels of frames as they are delivered, before they are upright.
  *
  * @property width pixels, 1..2048
  * @property fx focal lengths and principal point in pixels; the centre of pixel 0 is 0
  * @property rotateDeg 0, 90, 180, 270: clockwise, what makes the picture upright
+ * @property lens of frames whose distortion nothing has undone yet
  */
-data class Camera(
-    val width: Int, val height: Int, val fx: Float, val fy: Float, val cx: Float, val cy: Float, val rotateDeg: Int = 0
+data class Camera @JvmOverloads constructor(
+    val width: Int, val height: Int, val fx: Float, val fy: Float, val cx: Float, val cy: Float, val rotateDeg: Int = 0,
+    val lens: Lens = Lens()
 ) {
     init {
         require(rotateDeg in listOf(0, 90, 180, 270)) { "rotateDeg is $rotateDeg, expected 0, 90, 180 or 270" }
     }
 
-    /** The camera of the upright picture. hal/rotate.cpp has the same lines. */
+    /** The pinhole camera of the upright picture. hal/rotate.cpp has the same lines. */
     internal fun upright(): Camera = when (rotateDeg) {
         90 -> Camera(height, width, fy, fx, height - 1 - cy, cx)
         180 -> Camera(width, height, fx, fy, width - 1 - cx, height - 1 - cy)
         270 -> Camera(height, width, fy, fx, cy, width - 1 - cx)
-        else -> copy(rotateDeg = 0)
+        else -> copy(rotateDeg = 0, lens = Lens())
     }
 }
 

@@ -10,9 +10,9 @@
 #include "body/garment/outfit.h"
 #include "body/tape.h"
 #include "engine/garment_fit.h"
-#include "engine/report/garment_file.h"
 #include "engine/size_chart.h"
 #include "engine/tape_law.h"
+#include "engine/wardrobe.h"
 
 namespace im2fit {
 

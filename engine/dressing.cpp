@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/report/dressing.h"
+#include "engine/dressing.h"
 
 #include <cmath>
 #include <utility>
