@@ -28,7 +28,7 @@ void phone(EvaluationOptions& o) {
   o.height = 192;
 }
 
-constexpr std::array<Word, 33> kWords = {{
+constexpr std::array<Word, 34> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},
@@ -62,6 +62,8 @@ constexpr std::array<Word, 33> kWords = {{
     {"reported", "the driver reports what kind of sensor it is", false,
      [](EvaluationOptions& o) { o.sensor_reported = true; }},
     {"clothed", "in clothes, shoes and hair", true, [](EvaluationOptions& o) { o.clothed = true; }},
+    {"garments", "in draped garments, shoes and hair", false,
+     [](EvaluationOptions& o) { o.clothed = o.garments = true; }},
     {"untold", "what is worn is not reported to the device", false,
      [](EvaluationOptions& o) { o.clothing_reported = false; }},
     {"frames1", "one frame", true, [](EvaluationOptions& o) { o.frames = 1; }},
