@@ -51,8 +51,7 @@ class Builder {
  private:
   Flat flat(std::int32_t v) const { return mesh_.flat[static_cast<std::size_t>(v)]; }
   float distance(std::int32_t a, std::int32_t b) const {
-    const float dx = flat(a).x - flat(b).x, dy = flat(a).y - flat(b).y;
-    return std::sqrt(dx * dx + dy * dy);
+    return mesh_.length_mm(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
   }
   bool on(std::int32_t v, std::uint8_t border) const {
     return (mesh_.border[static_cast<std::size_t>(v)] & border) != 0;
@@ -66,7 +65,10 @@ class Builder {
     for (const auto& t : mesh_.triangles) {
       const Flat a = flat(t[0]), b = flat(t[1]), c = flat(t[2]);
       const float area = std::fabs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
-      for (const std::int32_t v : t) mass_[static_cast<std::size_t>(v)] += kg_per_mm2 * area / 3;
+      for (const std::int32_t v : t) {
+        const float longer = mesh_.longer[static_cast<std::size_t>(v)];
+        mass_[static_cast<std::size_t>(v)] += kg_per_mm2 * area * (longer * longer) / 3;
+      }
     }
     for (std::size_t v = 0; v < mass_.size(); ++v)
       if ((mesh_.border[v] & (kOnHem | kOnOpening)) != 0) mass_[v] *= kHemMass;
@@ -110,7 +112,9 @@ class Builder {
 
   void add_edge(std::int32_t a, std::int32_t b, bool free) {
     const float length = distance(a, b);
-    const float along_warp = length > 0 ? std::fabs(flat(a).y - flat(b).y) / length : 0;
+    const float dx = flat(a).x - flat(b).x, dy = flat(a).y - flat(b).y;
+    const float drawn = std::sqrt(dx * dx + dy * dy);
+    const float along_warp = drawn > 0 ? std::fabs(dy) / drawn : 0;
     const float share = along_warp * along_warp;
     float stiffness = share * fabric_.stretch_warp_n_m + (1 - share) * fabric_.stretch_weft_n_m;
     const bool band = free && on(a, kOnOpening) && on(b, kOnOpening);

@@ -19,7 +19,7 @@ std::uint8_t border_of(EdgeKind kind) {
 class Sewing {
  public:
   Sewing(const GarmentPattern& pattern, const CutBody& body, float edge_mm)
-      : cut_(cut(pattern, body, edge_mm)), edge_mm_(edge_mm) {
+      : cut_(cut(pattern, body, edge_mm)), gusset_(pattern.gusset), edge_mm_(edge_mm) {
     mesh_.edge_mm = edge_mm;
     mesh_.hang = pattern.hang;
     mesh_.legs = pattern.legs;
@@ -34,6 +34,7 @@ class Sewing {
     compact();
     measure_rims();
     find_underarm();
+    let_in_gusset();
     return std::move(mesh_);
   }
 
@@ -187,13 +188,30 @@ class Sewing {
     }
   }
 
+  // The square of what is left of the reach: without a step in length, nor a kink where it ends.
+  void let_in_gusset() {
+    mesh_.longer.assign(mesh_.flat.size(), 1.0F);
+    if (gusset_.at < 0) return;
+    for (std::size_t v = 0; v < mesh_.flat.size(); ++v) {
+      const float dx = mesh_.flat[v].x - cut_.gusset_at.x, dy = mesh_.flat[v].y - cut_.gusset_at.y;
+      const float left = std::max(0.0F, 1 - std::sqrt(dx * dx + dy * dy) / gusset_.reach_mm);
+      mesh_.longer[v] += gusset_.more * left * left;
+    }
+  }
+
   CutPattern cut_;
+  Gusset gusset_;
   float edge_mm_;
   GarmentMesh mesh_;
   std::array<std::vector<int>, 2> outline_;  // of the left half, by layer
 };
 
 }  // namespace
+
+float GarmentMesh::length_mm(std::size_t a, std::size_t b) const {
+  const float dx = flat[a].x - flat[b].x, dy = flat[a].y - flat[b].y;
+  return std::sqrt(dx * dx + dy * dy) * ((longer[a] + longer[b]) / 2);
+}
 
 GarmentMesh sew(const GarmentPattern& pattern, const CutBody& body, float edge_mm) {
   return Sewing(pattern, body, edge_mm).run();

@@ -26,12 +26,15 @@ struct GarmentMesh {
   std::vector<std::int8_t> side;     // 1 left, -1 right, 0 on the centre line
   std::vector<std::uint8_t> layer;   // kFrontLayer, kBackLayer, kBothLayers
   std::vector<std::uint8_t> border;  // kOnSeam | kOnHem | kOnOpening
+  std::vector<float> longer;         // cloth is there so many times as long as drawn: 1, more in a gusset
   std::vector<float> rim_mm;         // in the pattern, to the nearest hem or opening of the same panel
   std::vector<std::array<std::int32_t, 3>> triangles;  // anticlockwise seen from outside
   Flat underarm;   // of what hangs from the shoulders: the corner between side and sleeve
   CutBody body{};  // it is cut for
 
   std::size_t vertex_count() const { return flat.size(); }
+  // Of cloth at rest, between two vertices of a triangle.
+  float length_mm(std::size_t a, std::size_t b) const;
 };
 
 GarmentMesh sew(const GarmentPattern& pattern, const CutBody& body, float edge_mm = kGarmentEdgeMm);

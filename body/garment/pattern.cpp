@@ -133,6 +133,7 @@ CutPattern cut(const GarmentPattern& pattern, const CutBody& body, float edge_mm
     out.lines.push_back(std::move(line));
     from = edge.to;
   }
+  if (pattern.gusset.at >= 0) out.gusset_at = n.front[static_cast<std::size_t>(pattern.gusset.at)];
   for (const FitRegion& region : pattern.regions) out.girth_mm.push_back(n.value(region.girth));
   return out;
 }

@@ -96,6 +96,13 @@ struct FitRegion {
   float good_low_mm = 0, good_high_mm = 0;  // as it is meant to be worn
 };
 
+// Cloth let in about a point of the outline, as a tailor lets in a gusset so that arms rise: lengths there are
+// 1 + `more` times what is drawn, and less more the farther off, down to what is drawn at `reach_mm`.
+struct Gusset {
+  int at = -1;  // point; -1: none
+  float more = 0, reach_mm = 0;
+};
+
 inline constexpr std::size_t kGarmentLanguages = 5;  // body::kTapeLanguages' order
 struct GarmentPattern {
   std::string id;
@@ -109,6 +116,7 @@ struct GarmentPattern {
   std::vector<PatternPoint> points;
   int start = 0;
   std::vector<PatternEdge> edges;  // of the left half, anticlockwise, closed (a fold: by the centre line)
+  Gusset gusset;
   std::vector<FitRegion> regions;
 };
 
@@ -133,6 +141,7 @@ struct CutPattern {
     std::vector<Flat> front, back;  // from end to end, evenly spaced, as many points in both of a seam
   };
   std::vector<Line> lines;      // closed; of the left half
+  Flat gusset_at;               // of the pattern's gusset
   std::vector<float> girth_mm;  // a region each
 };
 // Edges no longer than `edge_mm`.

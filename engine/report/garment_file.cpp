@@ -43,7 +43,7 @@ class GarmentReader {
   GarmentPattern read(const YAML::Node& root) {
     expect_keys(root, "file",
                 {"schema", "id", "name", "hang", "legs", "fabric", "colour", "lengths", "points", "start", "outline",
-                 "regions"});
+                 "gusset", "regions"});
     yaml::expect_schema(root, "im2fit.garment/1");
     g_.id = id_of(needed(root, "id", "id", "a word"), "id");
     names(root);
@@ -59,6 +59,7 @@ class GarmentReader {
     lengths(root);
     points(root);
     outline(root);
+    gusset(root);
     regions(root);
     return std::move(g_);
   }
@@ -148,6 +149,15 @@ class GarmentReader {
     const bool closed = g_.edges.back().to == g_.start;
     if (g_.legs && !closed) refuse(all, "outline", "does not end where it starts: legs have a seam along the centre");
     if (!g_.legs && closed) refuse(all, "outline", "ends where it starts; expected both ends on the fold, at x = 0");
+  }
+
+  void gusset(const YAML::Node& root) {
+    const YAML::Node node = root["gusset"];
+    if (!node.IsDefined()) return;
+    expect_keys(node, "gusset", {"at", "more", "reach_mm"});
+    g_.gusset.at = point_of(needed(node, "at", "gusset.at", "a point"), "gusset.at");
+    g_.gusset.more = number_of(needed(node, "more", "gusset.more", "a share"), "gusset.more", 0, 1);
+    g_.gusset.reach_mm = number_of(needed(node, "reach_mm", "gusset.reach_mm", "mm"), "gusset.reach_mm", 1, 500);
   }
 
   void regions(const YAML::Node& root) {

@@ -65,6 +65,7 @@ struct SceneOptions {
   // Off by default; what is off leaves every other draw as it was.
   Clothing clothing = Clothing::none;  // also shoes; joints and person_mesh stay the naked body's, raised by the sole
   bool hair = false;                   // volume of 0..40 mm on the head's hair region
+  Dresser dresser;                     // of Clothing::garments, of the main person
   std::uint64_t outfit_seed = 0;       // of clothes, shoes and hair; 0: the scene's
   bool person = true;                  // false: the room (and `others`) without the main person, who is still drawn
                                        // for the camera's place; mask empty, joints of confidence 0

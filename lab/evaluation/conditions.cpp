@@ -64,6 +64,8 @@ constexpr std::array<Word, 34> kWords = {{
     {"reported", "the driver reports what kind of sensor it is", false,
      [](EvaluationOptions& o) { o.sensor_reported = true; }},
     {"clothed", "in clothes, shoes and hair", true, [](EvaluationOptions& o) { o.clothed = true; }},
+    {"garments", "in draped garments, shoes and hair", false,
+     [](EvaluationOptions& o) { o.clothed = o.garments = true; }},
     {"untold", "what is worn is not reported to the device", false,
      [](EvaluationOptions& o) { o.clothing_reported = false; }},
     {"frames1", "one frame", true, [](EvaluationOptions& o) { o.frames = 1; }},

@@ -10,6 +10,7 @@
 #include "lab/camera/synthetic_person.h"
 #include "lab/dataset/features.h"
 #include "lab/evaluation/session.h"
+#include "lab/garment/draped_clothes.h"
 #include "lab/parallel.h"
 
 namespace im2fit::lab {
@@ -18,6 +19,7 @@ namespace {
 constexpr std::uint64_t kSceneStream = 0x5CE9E;
 constexpr std::uint64_t kSecondSceneStream = 0x5CE9F;
 constexpr std::uint64_t kClothesStream = 0xC107;
+constexpr std::uint64_t kGarmentsStream = 0xC108;
 constexpr float kWithinMm = 100.0F;
 
 void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t index) {
@@ -25,6 +27,14 @@ void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t index) {
   Rng rng = Rng::for_item(seed, kClothesStream, index);
   scene.clothing = kWorn[rng.index(3)];
   scene.hair = true;
+}
+
+void dress_in_garments(SceneOptions& scene, const body::BodyModel& model, bool woman, std::uint64_t seed,
+                       std::uint64_t index) {
+  Rng rng = Rng::for_item(seed, kGarmentsStream, index);
+  scene.clothing = Clothing::garments;
+  scene.hair = true;
+  scene.dresser = dresser_of(model, woman, draw_garments(rng));
 }
 
 float body_mass_index(const Subject& subject) {
@@ -136,7 +146,10 @@ HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions&
   scene.pose = options.pose;
   if (options.body_mass_index_min > 0)
     person.subject = heavy_enough(model, options, index, std::move(person.subject));
-  if (options.clothed) dress(scene, options.seed, index);
+  if (options.clothed && options.garments)
+    dress_in_garments(scene, model, person.subject.woman, options.seed, index);
+  else if (options.clothed)
+    dress(scene, options.seed, index);
   if (options.distance_mm > 0) {
     scene.distance_mm = options.distance_mm;
     scene.enlarge_to_fit = true;

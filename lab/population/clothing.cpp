@@ -255,10 +255,12 @@ void Tailor::dress(std::span<const Vec3f> rest, const body::Skeleton& skeleton, 
   out.sole_mm = 0;
   locate(rest, skeleton);
   if (clothing != Clothing::none) {
-    find_normals(rest);
-    const Cut cut = draw_cut(clothing, woman, rng);
-    clothe(rest, cut, rng, out);
-    if (cut.skirt) hang_skirt(rest, cut, rng, out);
+    if (clothing != Clothing::garments) {
+      find_normals(rest);
+      const Cut cut = draw_cut(clothing, woman, rng);
+      clothe(rest, cut, rng, out);
+      if (cut.skirt) hang_skirt(rest, cut, rng, out);
+    }
     const bool shod = rng.uniform() >= kBarefootShare;
     out.sole_mm = draw(rng, kSoleLeastMm, kSoleMostMm);
     make_shoes(model_, rest, skeleton, draw(rng, 4, 8), out.sole_mm, out.shoe, out.shoe_body);

@@ -18,7 +18,8 @@
 
 namespace im2fit::lab {
 
-enum class Clothing : std::uint8_t { none, tight, normal, loose };
+// garments: shoes and hair are the tailor's, what covers the skin is draped (scene_person.h).
+enum class Clothing : std::uint8_t { none, tight, normal, loose, garments };
 
 // Distance from skin to the cloth's outside wherever there is cloth, mm: tight 3..8, normal 4..20, loose 6..28 on the
 // trunk and 6..20 on the limbs. Skirts hang free below the seat and are not held to it. Where posed skin meets skin

@@ -177,6 +177,15 @@ void ScenePerson::dress(const Worn& worn, Tailor* tailor) {
   }
 }
 
+// Drawn after the shoes.
+void ScenePerson::drape(const body::Pose& pose) {
+  const DrapedCloth cloth = plan_.dresser(rest_, skeleton_, pose);
+  const auto first = static_cast<std::int32_t>(worn_.size());
+  worn_.insert(worn_.end(), cloth.vertices.begin(), cloth.vertices.end());
+  open_.clear();
+  for (const Triangle& t : cloth.triangles) open_.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
 // Skins body and clothes, turns them and puts the lowest vertex on the floor, the hips above the origin.
 void ScenePerson::pose_as(const body::Pose& pose) {
   const auto body_count = static_cast<std::size_t>(model_.body_vertex_count());
@@ -196,6 +205,7 @@ void ScenePerson::pose_as(const body::Pose& pose) {
       const auto foot = static_cast<std::size_t>(i < half ? Segment::left_foot : Segment::right_foot);
       worn_.push_back(pose.rotation[foot] * (outfit_.shoe[i] - skeleton_.head[foot]) + bones.head[foot]);
     }
+    if (plan_.clothing == Clothing::garments && plan_.dresser) drape(pose);
   }
   for (const Vec3f& p : surface()) lowest = std::min(lowest, p.y);
   const Vec3f hips = (joints_[Joint::LH] + joints_[Joint::RH]) * 0.5F;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -34,6 +35,16 @@ struct AboutTurn {
   int frame_count = 0;  // 0: never
 };
 
+// Cloth on a posed body, in the axes of body::skin().
+struct DrapedCloth {
+  std::vector<Vec3f> vertices;
+  std::vector<Triangle> triangles;  // seen from both sides
+};
+// Hangs clothes on a body: `rest` has all vertices of the model. The same for the same arguments; called from the
+// threads of whoever holds it.
+using Dresser =
+    std::function<DrapedCloth(std::span<const Vec3f> rest, const body::Skeleton& skeleton, const body::Pose& pose)>;
+
 struct PersonPlan {
   StandingPose pose = StandingPose::relaxed;
   Clothing clothing = Clothing::none;
@@ -44,6 +55,7 @@ struct PersonPlan {
   bool sway = true;
   FloorPath path;
   AboutTurn turn;
+  Dresser dresser;  // of Clothing::garments: called for every pose, so a walk takes its time
 };
 
 // Slow sway about the ankles and a little turning: sums of three incommensurate waves, 0.1..0.6 Hz, so that any
@@ -98,6 +110,7 @@ class ScenePerson {
   };
   void dress(const Worn& worn, Tailor* tailor);
   void pose_as(const body::Pose& pose);
+  void drape(const body::Pose& pose);
   void find_seat(Vec3f origin);
   struct Gait {
     float phase = 0, strength = 0;

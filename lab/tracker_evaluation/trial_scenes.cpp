@@ -40,9 +40,11 @@ const char* clothing_name(Clothing clothing) {
     case Clothing::normal:
       return "normal";
     case Clothing::loose:
+      return "loose";
+    case Clothing::garments:
       break;
   }
-  return "loose";
+  return "garments";
 }
 
 // The targets distinguish calm standing, which Psi is as well, and of free poses.

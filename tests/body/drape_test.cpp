@@ -11,6 +11,7 @@
 #include "body_pack.h"
 #include "engine/garment_fit.h"
 #include "lab/garment/drape_quality.h"
+#include "lab/garment/draped_clothes.h"
 #include "lab/garment/dressed_people.h"
 #include "lab/garment/skin_seen.h"
 
@@ -109,6 +110,33 @@ TEST_F(DressedBody, TheSameTwice) {
     print = fingerprint(outfit.cloth(0));
   }
   EXPECT_EQ(prints[0], prints[1]);
+}
+
+// What evaluation people wear: off the skin, the same twice, and wider in a larger size.
+TEST_F(DressedBody, GarmentsOfAnEvaluationHangOnTheSkin) {
+  const auto people = example_people(*real_body());
+  const DressedPerson& person = people[1];
+  const body::Pose pose = dressed_poses(*real_body(), person)[0].pose;
+  const auto hang = [&](int sizes_larger) {
+    return dresser_of(*real_body(), person.woman, {{"trousers", "t_shirt"}, sizes_larger})(person.rest,
+                                                                                           person.skeleton, pose);
+  };
+  const DrapedCloth cloth = hang(0), again = hang(0), larger = hang(1);
+  ASSERT_GT(cloth.triangles.size(), 10'000U);
+  ASSERT_EQ(cloth.vertices.size(), again.vertices.size());
+  Vec3f low = cloth.vertices[0], high = low;
+  for (std::size_t i = 0; i < cloth.vertices.size(); ++i) {
+    const Vec3f p = cloth.vertices[i], q = again.vertices[i];
+    ASSERT_TRUE(p.x == q.x && p.y == q.y && p.z == q.z);
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  for (const body::Segment covered : {body::Segment::pelvis, body::Segment::chest, body::Segment::left_lower_leg}) {
+    const Vec3f joint = body::pose_skeleton(person.skeleton, pose).head[static_cast<std::size_t>(covered)];
+    EXPECT_TRUE(joint.x > low.x && joint.x < high.x && joint.y > low.y && joint.y < high.y && joint.z > low.z &&
+                joint.z < high.z);
+  }
+  EXPECT_NE(larger.vertices.size(), cloth.vertices.size());
 }
 
 TEST_F(DressedBody, FollowsPeopleThroughPoses) {

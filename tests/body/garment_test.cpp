@@ -191,6 +191,32 @@ TEST(GarmentFile, IsReadAndCut) {
   EXPECT_FLOAT_EQ(highest_back, 60);
 }
 
+TEST(GarmentMesh, AGussetLetsInClothAboutItsPointAlone) {
+  const auto plain = parse_garment(shirt_with("", ""), "tube.yaml");
+  const auto let_in = parse_garment(
+      shirt_with("regions:", "gusset: {at: high_side, more: 0.5, reach_mm: 80}\nregions:"), "tube.yaml");
+  ASSERT_TRUE(plain && let_in) << let_in.error().message;
+  CutBody body{};
+  body[static_cast<std::size_t>(body::CutMeasure::hip)] = 1000;
+  const GarmentMesh a = sew(*plain, body), b = sew(*let_in, body);
+  ASSERT_EQ(a.triangles, b.triangles);
+  float most = 1;
+  for (const auto& t : b.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto from = static_cast<std::size_t>(t[k]), to = static_cast<std::size_t>(t[(k + 1) % 3]);
+      const float longer = b.length_mm(from, to) / a.length_mm(from, to);
+      const auto far = [&](std::size_t v) { return std::hypot(b.flat[v].x - 260, b.flat[v].y - 50) > 80; };
+      EXPECT_GE(longer, 1);
+      if (far(from) && far(to)) {
+        EXPECT_FLOAT_EQ(longer, 1);
+      }
+      most = std::max(most, longer);
+    }
+  // 1.5 at the point itself, less at an edge's other end: (1 - 12 / 80)^2 of it.
+  EXPECT_GT(most, 1.4F);
+  EXPECT_LT(most, 1.5F);
+}
+
 TEST(GarmentFile, FaultsNameLineFieldAndWhatIsExpected) {
   struct Fault {
     const char *from, *to, *message;
@@ -204,6 +230,9 @@ TEST(GarmentFile, FaultsNameLineFieldAndWhatIsExpected) {
       {"is: seam", "is: glue", "tube.yaml line 16: outline.is is \"glue\", expected seam, hem, opening or centre"},
       {"to: high,", "to: sky,", "tube.yaml line 17: outline.to is \"sky\", expected a point of `points`"},
       {"{to: high, is: opening}", "{to: low, is: opening}", "outline ends where it starts"},
+      {"regions:", "gusset: {at: sky, more: 0.5, reach_mm: 80}\nregions:",
+       "tube.yaml line 18: gusset.at is \"sky\", expected a point of `points`"},
+      {"regions:", "gusset: {at: high, more: 2, reach_mm: 80}\nregions:", "tube.yaml line 18: gusset.more"},
       {"good_mm: [20, 60]", "good_mm: [60, 20]",
        "tube.yaml line 19: regions.hip.good_mm expected tight_mm <= from < to"},
       {"fabric: jersey\n", "fabric: jersey\ncolor: red\n", "tube.yaml line 6: file.color is not known"},

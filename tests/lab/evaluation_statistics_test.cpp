@@ -85,6 +85,10 @@ TEST(Conditions, AreWordsThatChangeOneThingEach) {
   ASSERT_TRUE(smoothed);
   EXPECT_TRUE(smoothed->options.smoothed && smoothed->options.sensor_reported);
   EXPECT_FALSE(plain->options.smoothed || plain->options.sensor_reported);
+  const auto garments = condition_of("garments", base);
+  ASSERT_TRUE(garments);
+  EXPECT_TRUE(garments->options.clothed && garments->options.garments);
+  EXPECT_FALSE(both->options.garments);
   for (const std::string& name : all_conditions()) EXPECT_TRUE(condition_of(name, base)) << name;
 }
 

@@ -259,6 +259,37 @@ TEST_F(People, RestagedInTheSameClothesIsAsNew) {
     }
 }
 
+// A plate that hangs before the body, in the body's own axes, is what the camera sees there, and is the person's.
+TEST_F(People, GarmentsHangOnThePosedBody) {
+  constexpr float kBeforeMm = 400;
+  SceneOptions options = landscape();
+  options.yaw_deg = 0;
+  options.clothing = Clothing::garments;
+  VirtualScene bare = make(options, exact_sensor(), 4);
+  int calls = 0;
+  options.dresser = [&](std::span<const Vec3f> rest, const body::Skeleton& skeleton, const body::Pose& pose) {
+    ++calls;
+    EXPECT_EQ(rest.size(), static_cast<std::size_t>(model().vertex_count()));
+    const Vec3f middle = body::pose_skeleton(skeleton, pose).head[0] + Vec3f{0, 0, kBeforeMm};
+    DrapedCloth cloth;
+    for (const float x : {-150.0F, 150.0F})
+      for (const float y : {-150.0F, 150.0F}) cloth.vertices.push_back(middle + Vec3f{x, y, 0});
+    cloth.triangles = {{0, 1, 2}, {1, 3, 2}};
+    return cloth;
+  };
+  VirtualScene dressed = make(options, exact_sensor(), 4);
+  const Shot a = take(bare, 0), b = take(dressed, 0);
+  EXPECT_EQ(calls, 1);
+  int nearer = 0;
+  for (std::size_t i = 0; i < a.depth.size(); ++i) {
+    if (b.masks[0][i] != 255 || b.depth[i] == 0 || a.depth[i] < b.depth[i] + kBeforeMm / 2) continue;
+    ++nearer;
+  }
+  // 300 mm square, 2.4 to 3.2 m and more away, of 288 pixels focal length: 27 to 36 pixels a side.
+  EXPECT_GT(nearer, 500);
+  EXPECT_LT(nearer, 1600);
+}
+
 TEST_F(People, AnEmptyRoomHasNoPersonInIt) {
   SceneOptions options = landscape();
   options.person = false;
