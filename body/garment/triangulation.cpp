@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 namespace im2fit::body {
@@ -61,11 +60,12 @@ std::vector<std::array<int, 3>> delaunay(const std::vector<Place>& points) {
     const Place &l = p[static_cast<std::size_t>(a)], &r = p[static_cast<std::size_t>(b)];
     return l.x != r.x ? l.x < r.x : l.y < r.y;
   });
-  std::vector<Circled> open = {circled(p, count, count + 1, count + 2)}, kept, done;
+  std::vector<Circled> open = {circled(p, count, count + 1, count + 2)}, done;
+  std::vector<std::pair<int, int>> rim;  // directed edges of the hole that no second triangle has
   for (const int i : order) {
     const Place at = p[static_cast<std::size_t>(i)];
-    std::map<std::pair<int, int>, bool> rim;  // directed edges of the hole that no second triangle has
-    kept.clear();
+    rim.clear();
+    std::size_t kept = 0;
     for (const Circled& t : open) {
       const double dx = at.x - t.x, dy = at.y - t.y;
       if (dx > 0 && dx * dx > t.squared_radius) {
@@ -73,14 +73,20 @@ std::vector<std::array<int, 3>> delaunay(const std::vector<Place>& points) {
       } else if (dx * dx + dy * dy < t.squared_radius) {
         for (std::size_t k = 0; k < 3; ++k) {
           const std::pair<int, int> edge = {t.corner[k], t.corner[(k + 1) % 3]};
-          if (rim.erase({edge.second, edge.first}) == 0) rim[edge] = true;
+          const auto other = std::find(rim.begin(), rim.end(), std::pair{edge.second, edge.first});
+          if (other == rim.end())
+            rim.push_back(edge);
+          else
+            rim.erase(other);
         }
       } else {
-        kept.push_back(t);
+        if (&open[kept] != &t) open[kept] = t;
+        ++kept;
       }
     }
-    open.swap(kept);
-    for (const auto& [edge, unused] : rim) open.push_back(circled(p, edge.first, edge.second, i));
+    open.erase(open.begin() + static_cast<std::ptrdiff_t>(kept), open.end());
+    std::sort(rim.begin(), rim.end());
+    for (const auto& [from, to] : rim) open.push_back(circled(p, from, to, i));
   }
   done.insert(done.end(), open.begin(), open.end());
   std::vector<std::array<int, 3>> out;
