@@ -12,14 +12,39 @@ struct Place {
   double x, y;
 };
 
-bool inside(const std::vector<Flat>& outline, double x, double y) {
-  bool in = false;
-  for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
-    const double ax = outline[i].x, ay = outline[i].y, bx = outline[j].x, by = outline[j].y;
-    if ((ay > y) != (by > y) && x < (bx - ax) * (y - ay) / (by - ay) + ax) in = !in;
+// An outline's edges by the bands of height they reach into: a place is asked of those of its band alone.
+class Outline {
+ public:
+  Outline(const std::vector<Flat>& places, double band_mm) : band_mm_(band_mm), low_(places[0].y) {
+    double high = low_;
+    for (const Flat& f : places) {
+      low_ = std::min<double>(low_, f.y);
+      high = std::max<double>(high, f.y);
+    }
+    bands_.resize(static_cast<std::size_t>((high - low_) / band_mm_) + 1);
+    for (std::size_t i = 0, j = places.size() - 1; i < places.size(); j = i++) {
+      const Edge edge = {places[i].x, places[i].y, places[j].x, places[j].y};
+      for (std::size_t b = band(std::min(edge.ay, edge.by)); b <= band(std::max(edge.ay, edge.by)); ++b)
+        bands_[b].push_back(edge);
+    }
   }
-  return in;
-}
+  bool holds(double x, double y) const {
+    bool in = false;
+    for (const Edge& e : bands_[band(y)])
+      if ((e.ay > y) != (e.by > y) && x < (e.bx - e.ax) * (y - e.ay) / (e.by - e.ay) + e.ax) in = !in;
+    return in;
+  }
+
+ private:
+  struct Edge {
+    double ax, ay, bx, by;
+  };
+  std::size_t band(double y) const {
+    return std::min(bands_.size() - 1, static_cast<std::size_t>(std::max(0.0, (y - low_) / band_mm_)));
+  }
+  double band_mm_, low_;
+  std::vector<std::vector<Edge>> bands_;
+};
 
 double squared_distance_to(Flat a, Flat b, double x, double y) {
   const double dx = static_cast<double>(b.x) - a.x, dy = static_cast<double>(b.y) - a.y;
@@ -154,10 +179,11 @@ FilledPanel fill_panel(const std::vector<Flat>& outline, float edge_mm) {
   points.insert(points.end(), inner.begin(), inner.end());
   FilledPanel panel;
   for (const Place& p : points) panel.points.push_back({static_cast<float>(p.x), static_cast<float>(p.y)});
+  const Outline border(outline, static_cast<double>(edge_mm));
   for (const auto& t : delaunay(points)) {
     const auto at = [&](std::size_t k) { return points[static_cast<std::size_t>(t[k])]; };
     const Place a = at(0), b = at(1), c = at(2);
-    if (!inside(outline, (a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3)) continue;
+    if (!border.holds((a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3)) continue;
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (std::fabs(area) < 0.1) continue;  // mm²: along a straight outline
     if (area > 0)
