@@ -12,12 +12,12 @@
 namespace im2fit::body {
 namespace {
 
-constexpr int kPutOnFrames = 24;  // from a flat body to a whole one
-constexpr int kFlatFrames = 18;   // of them with panels that face front and back
-constexpr int kHangFrames = 6;    // until folds have fallen
-constexpr int kPoseFrames = 16;   // from the dressing pose to another
-constexpr int kRoughRestFrames = 4;
-constexpr int kSettleFrames = 6;     // of the finer mesh, until its own folds have formed
+constexpr int kPutOnFrames = 10;     // from a flat body to a whole one
+constexpr int kFlatFrames = 7;       // of them with panels that face front and back
+constexpr int kHangFrames = 2;       // until folds have fallen
+constexpr int kPoseFrames = 8;       // from the dressing pose to another
+constexpr int kRoughRestFrames = 6;  // until it hangs
+constexpr int kSettleFrames = 2;     // of the finer mesh, until its own folds have formed
 constexpr float kPutOnDamping = 12;  // per second
 constexpr float kFirstDepth = 0.02F;
 // Arms and trunk begin thin, so that a small size goes over them; thighs would slip beside the crotch.
