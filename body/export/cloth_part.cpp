@@ -39,23 +39,34 @@ std::vector<Shares> skin_below(const BodyModel& model, const Outfit& outfit, con
   return all;
 }
 
+// Those that any vertex follows: of the others there is nothing to mix.
+std::vector<std::size_t> followed_segments(const std::vector<Shares>& all) {
+  std::array<bool, kSegmentCount> followed{};
+  for (const Shares& shares : all)
+    for (std::size_t s = 0; s < shares.size(); ++s) followed[s] = followed[s] || shares[s] != 0;
+  std::vector<std::size_t> segments;
+  for (std::size_t s = 0; s < followed.size(); ++s)
+    if (followed[s]) segments.push_back(s);
+  return segments;
+}
+
 void smooth(const Cloth& cloth, std::vector<Shares>& all) {
+  const std::vector<std::size_t> segments = followed_segments(all);
   std::vector<Shares> sum(all.size());
-  std::vector<float> count(all.size());
+  std::vector<float> count(all.size(), 1.0F);
+  for (const auto& e : cloth.constraints().edges)
+    for (const std::int32_t v : e) count[static_cast<std::size_t>(v)] += 1;
   for (int pass = 0; pass < kSmoothings; ++pass) {
     sum = all;
-    std::fill(count.begin(), count.end(), 1.0F);
     for (const auto& e : cloth.constraints().edges) {
       const auto a = static_cast<std::size_t>(e[0]), b = static_cast<std::size_t>(e[1]);
-      for (std::size_t s = 0; s < all[a].size(); ++s) {
+      for (const std::size_t s : segments) {
         sum[a][s] += all[b][s];
         sum[b][s] += all[a][s];
       }
-      count[a] += 1;
-      count[b] += 1;
     }
     for (std::size_t v = 0; v < all.size(); ++v)
-      for (std::size_t s = 0; s < all[v].size(); ++s) all[v][s] = sum[v][s] / count[v];
+      for (const std::size_t s : segments) all[v][s] = sum[v][s] / count[v];
   }
 }
 

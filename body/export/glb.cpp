@@ -38,6 +38,13 @@ class Buffer {
         {{"bufferView", views_.size() - 1}, {"componentType", component}, {"count", count}, {"type", type}});
     return static_cast<int>(accessors_.size()) - 1;
   }
+  // Of 0..1: the component's largest number means 1. One a vertex.
+  template <class T>
+  int add_shares(std::span<const T> values, const char* type, int component) {
+    const int accessor = add(values, type, component, values.size(), kArrayBuffer);
+    accessors_.back()["normalized"] = true;
+    return accessor;
+  }
   // A view that no accessor reads; its number.
   std::size_t add_bytes(std::span<const std::byte> bytes) {
     while (bytes_.size() % 4 != 0) bytes_.push_back(std::byte{0});
@@ -66,9 +73,10 @@ struct Part {
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;
   std::vector<std::array<std::uint8_t, 4>> joints;
-  std::vector<std::array<float, 4>> weights;
-  std::vector<Flat> texture;                         // none, or one a vertex
-  std::vector<std::array<std::uint8_t, 4>> colours;  // linear, 255: 1; none, or one a vertex
+  std::vector<std::array<std::uint16_t, 4>> weights;  // 65535: 1; they sum to it
+  std::vector<Flat> texture;                          // none, or one a vertex: repeated, so beyond 0..1
+  std::vector<TexturePlace> texture_places;           // within 0..1 instead
+  std::vector<std::array<std::uint8_t, 4>> colours;   // linear, 255: 1; none, or one a vertex
   std::vector<std::uint16_t> indices;
   std::vector<std::uint16_t> hidden_indices;  // of triangles that cloth hides
 };
@@ -77,16 +85,37 @@ Vec3f standing(Vec3f rest, float floor_mm) {
   return Vec3f{rest.x, rest.y - floor_mm, rest.z} * kMetres;
 }
 
+constexpr float kWhole = 65535;  // 1 in 16 bits
+
+// The heaviest, which is the first, takes what rounding leaves. A joint whose weight vanishes is joint 0, as glTF
+// wants.
+void add_influences(Part& part, std::array<std::uint8_t, 4> joints, const std::array<float, 4>& weights) {
+  std::array<std::uint16_t, 4> out{};
+  long left = std::lround(kWhole);
+  for (std::size_t k = 1; k < 4; ++k) {
+    out[k] = static_cast<std::uint16_t>(std::clamp(std::lround(kWhole * weights[k]), 0L, left));
+    left -= out[k];
+    if (out[k] == 0) joints[k] = 0;
+  }
+  out[0] = static_cast<std::uint16_t>(left);
+  part.joints.push_back(joints);
+  part.weights.push_back(out);
+}
+
+TexturePlace rounded_place(TextureCoordinate t) {
+  const auto share = [](float of) {
+    return static_cast<std::uint16_t>(std::lround(kWhole * std::clamp(of, 0.0F, 1.0F)));
+  };
+  return {share(t.u), share(t.v)};
+}
+
 // What is drawn of a look's surface at rest, triangle by triangle.
 Part part_of(const LookPart& look, float floor_mm) {
   Part part;
   for (const Vec3f& p : look.positions) part.positions.push_back(standing(p, floor_mm));
   part.normals = look.normals;
-  for (const SkinRecord& s : look.skin) {
-    part.joints.push_back(s.segment);
-    part.weights.push_back(s.weight);
-  }
-  for (const TextureCoordinate& t : look.texture) part.texture.push_back({t.u, t.v});
+  for (const SkinRecord& s : look.skin) add_influences(part, s.segment, s.weight);
+  for (const TextureCoordinate& t : look.texture) part.texture_places.push_back(rounded_place(t));
   return part;
 }
 
@@ -125,8 +154,7 @@ Part garment_part(const BodyModel& model, const Figure& figure, const Outfit& ou
   Part part;
   for (const Vec3f& p : cloth.rest) part.positions.push_back(standing(p, figure.floor_rest));
   part.normals = std::move(cloth.normals);
-  part.joints = std::move(cloth.segments);
-  part.weights = std::move(cloth.weights);
+  for (std::size_t v = 0; v < cloth.weights.size(); ++v) add_influences(part, cloth.segments[v], cloth.weights[v]);
   part.texture = std::move(cloth.texture);
   std::vector<std::uint8_t> hidden(part.positions.size());
   outfit.hidden_cloth(index, hidden);
@@ -144,16 +172,16 @@ Json primitive(Buffer& buffer, const Part& part, int material) {
   const int positions = buffer.add_positions(part.positions);
   const int normals = buffer.add(std::span(part.normals), "VEC3", kFloat, count, kArrayBuffer);
   const int joints = buffer.add(std::span(part.joints), "VEC4", kUnsignedByte, count, kArrayBuffer);
-  const int weights = buffer.add(std::span(part.weights), "VEC4", kFloat, count, kArrayBuffer);
+  const int weights = buffer.add_shares(std::span(part.weights), "VEC4", kUnsignedShort);
   const int indices =
       buffer.add(std::span(part.indices), "SCALAR", kUnsignedShort, part.indices.size(), kElementArrayBuffer);
   Json attributes = {{"POSITION", positions}, {"NORMAL", normals}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}};
   if (!part.texture.empty())
     attributes["TEXCOORD_0"] = buffer.add(std::span(part.texture), "VEC2", kFloat, count, kArrayBuffer);
-  if (!part.colours.empty()) {
-    attributes["COLOR_0"] = buffer.add(std::span(part.colours), "VEC4", kUnsignedByte, count, kArrayBuffer);
-    buffer.accessors_.back()["normalized"] = true;
-  }
+  if (!part.texture_places.empty())
+    attributes["TEXCOORD_0"] = buffer.add_shares(std::span(part.texture_places), "VEC2", kUnsignedShort);
+  if (!part.colours.empty())
+    attributes["COLOR_0"] = buffer.add_shares(std::span(part.colours), "VEC4", kUnsignedByte);
   Json json = {{"attributes", attributes}, {"indices", indices}, {"material", material}};
   // Skin below cloth is not drawn; whoever undresses the avatar, or measures it, finds its triangles there.
   if (!part.hidden_indices.empty())

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // .obj, .bvh, .skel and the attribute file.
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 
 #include "body/export/export.h"
@@ -18,6 +20,12 @@ void append_triple(std::string& out, Vec3f v, double scale, int decimals) {
   append_number(out, v.y * scale, decimals);
   out += ' ';
   append_number(out, v.z * scale, decimals);
+}
+
+void append_count(std::string& out, std::size_t count) {
+  std::array<char, 24> text{};
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), count);
+  out.append(text.data(), written.ptr);
 }
 
 constexpr double kDegrees = 57.29577951308232;
@@ -108,10 +116,13 @@ void append_object(std::string& out, const char* name, const LookPart& part, std
   for (const auto& q : part.quads) {
     out += 'f';
     for (const std::int32_t v : q) {
-      const std::string index = std::to_string(first[0] + vertex_of(static_cast<std::size_t>(v)) + 1);
-      out += " " + index + "/";
-      if (!part.texture.empty()) out += std::to_string(first[1] + static_cast<std::size_t>(v) + 1);
-      out += "/" + index;
+      const std::size_t index = first[0] + vertex_of(static_cast<std::size_t>(v)) + 1;
+      out += ' ';
+      append_count(out, index);
+      out += '/';
+      if (!part.texture.empty()) append_count(out, first[1] + static_cast<std::size_t>(v) + 1);
+      out += '/';
+      append_count(out, index);
     }
     out += '\n';
   }

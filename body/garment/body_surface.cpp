@@ -121,7 +121,6 @@ BodySurface::BodySurface(const BodyModel& model) {
   ring_first_.push_back(static_cast<std::int32_t>(ring_.size()));
   for (auto* list : {&begin_, &end_, &begin_normal_, &end_normal_}) list->resize(count);
   cell_first_.resize(kCellsMax + 1);
-  cell_next_.resize(kCellsMax + 1);
   candidates_.resize(vertices_.size());
   vertex_cell_.resize(vertices_.size());
 }
@@ -199,13 +198,14 @@ void BodySurface::build_grid() {
     const int at = (cell(p.z, low_.z, cells_[2]) * cells_[1] + cell(p.y, low_.y, cells_[1])) * cells_[0] +
                    cell(p.x, low_.x, cells_[0]);
     vertex_cell_[i] = at;
-    ++cell_first_[static_cast<std::size_t>(at) + 1];
+    ++cell_first_[static_cast<std::size_t>(at)];
   }
-  for (std::size_t c = 0; c < all; ++c) cell_first_[c + 1] += cell_first_[c];
-  std::copy_n(cell_first_.begin(), all, cell_next_.begin());
-  for (std::size_t i = 0; i < vertices_.size(); ++i) {
+  // Ends of cells, which filling them from behind makes their beginnings.
+  std::int32_t end = 0;
+  for (std::size_t c = 0; c <= all; ++c) cell_first_[c] = end += cell_first_[c];
+  for (std::size_t i = vertices_.size(); i-- > 0;) {
     const auto v = static_cast<std::size_t>(vertices_[i]);
-    candidates_[static_cast<std::size_t>(cell_next_[static_cast<std::size_t>(vertex_cell_[i])]++)] = {
+    candidates_[static_cast<std::size_t>(--cell_first_[static_cast<std::size_t>(vertex_cell_[i])])] = {
         begin_[v], begin_normal_[v], vertices_[i], limbs_[v]};
   }
 }

@@ -80,7 +80,7 @@ class BodySurface {
     std::uint8_t limbs = 0;
   };
   std::vector<Candidate> candidates_;  // by cells
-  std::vector<std::int32_t> cell_first_, cell_next_, vertex_cell_;
+  std::vector<std::int32_t> cell_first_, vertex_cell_;
 };
 
 }  // namespace im2fit::body

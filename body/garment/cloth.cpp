@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "body/garment/flat_places.h"
+
 namespace im2fit::body {
 namespace {
 
@@ -104,28 +106,24 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
 void Cloth::tether() {
   const std::size_t count = mesh_.vertex_count();
   const float shoulder = mesh_.body[static_cast<std::size_t>(CutMeasure::shoulder)] / 2;
-  std::vector<std::size_t> anchors;
+  // Of one panel: by what its vertices' layers and sides are.
+  std::array<std::array<FlatPlaces, 3>, 3> anchors;
+  const auto row = [](int side) { return static_cast<std::size_t>(side + 1); };
   for (std::size_t v = 0; v < count; ++v) {
     const bool seam = mesh_.hang == Hang::shoulders && (mesh_.border[v] & kOnSeam) != 0 && mesh_.flat[v].y > 0 &&
                       mesh_.flat[v].x < shoulder;
-    if (seam || (mesh_.border[v] & kOnOpening) != 0) anchors.push_back(v);
+    if (!seam && (mesh_.border[v] & kOnOpening) == 0) continue;
+    for (const std::uint8_t layer : {kFrontLayer, kBackLayer, kBothLayers})
+      for (const int side : {-1, 0, 1}) {
+        const bool same_layer = layer == mesh_.layer[v] || layer == kBothLayers || mesh_.layer[v] == kBothLayers;
+        if (same_layer && side * mesh_.side[v] >= 0) anchors[layer][row(side)].add(mesh_.flat[v], v);
+      }
   }
   for (std::size_t v = 0; v < count; ++v) {
-    float nearest = 1e30F;
-    Tether tether;
-    for (const std::size_t a : anchors) {
-      const bool same_layer =
-          mesh_.layer[v] == mesh_.layer[a] || mesh_.layer[v] == kBothLayers || mesh_.layer[a] == kBothLayers;
-      if (!same_layer || mesh_.side[v] * mesh_.side[a] < 0) continue;
-      const float dx = mesh_.flat[v].x - mesh_.flat[a].x, dy = mesh_.flat[v].y - mesh_.flat[a].y;
-      const float squared = dx * dx + dy * dy;
-      if (squared >= nearest) continue;
-      nearest = squared;
-      tether.anchor = static_cast<std::int32_t>(a);
-    }
-    tether.vertex = static_cast<std::int32_t>(v);
-    tether.most_mm = std::sqrt(nearest);
-    if (nearest < 1e29F && tether.most_mm >= kFreeMm) tethers_.push_back(tether);
+    const auto nearest = anchors[mesh_.layer[v]][row(mesh_.side[v])].nearest(mesh_.flat[v]);
+    const float most_mm = std::sqrt(nearest.squared_mm);
+    if (nearest.vertex >= 0 && most_mm >= kFreeMm)
+      tethers_.push_back({static_cast<std::int32_t>(v), nearest.vertex, most_mm});
   }
 }
 
@@ -309,8 +307,10 @@ void Cloth::touch(const BodySurface& skin, std::size_t v) {
   Contact& c = contacts_[v];
   c.clearance = kSkinMm;
   c.point = lanes_of(skin.at(place_[v], false));
-  c.point_step = (lanes_of(skin.at(place_[v], true)) - c.point) * share;
   c.normal = lanes_of(skin.facing(place_[v], false));
+  c.point_step = c.normal_step = Float4{};
+  if (skin.moved_mm() <= 0) return;
+  c.point_step = (lanes_of(skin.at(place_[v], true)) - c.point) * share;
   c.normal_step = (lanes_of(skin.facing(place_[v], true)) - c.normal) * share;
 }
 

@@ -26,8 +26,8 @@ struct ClothFrame {
 class Cloth {
  public:
   static constexpr float kSkinMm = 4;  // cloth lies so far off the skin: faces between vertices stay outside
-  // A mesh of twice the edges needs fewer for the same strain: 8 leave a fifth more, 16 a twentieth less.
-  static constexpr int kSubsteps = 16, kRoughSubsteps = 12;  // a frame
+  // A mesh of longer edges needs fewer for the same strain.
+  static constexpr int kSubsteps = 16, kRoughSubsteps = 10;  // a frame
   Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps = kSubsteps);
   Cloth(const Cloth&) = delete;
   Cloth& operator=(const Cloth&) = delete;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 namespace im2fit::body {
@@ -74,33 +73,53 @@ class Builder {
       if ((mesh_.border[v] & (kOnHem | kOnOpening)) != 0) mass_[v] *= kHemMass;
   }
 
+  // A side of a triangle, as it is gone along.
+  struct Side {
+    std::int32_t from, to, opposite;
+    std::int32_t low() const { return std::min(from, to); }
+    std::int32_t high() const { return std::max(from, to); }
+  };
+
+  // In ascending order of low(), then high(); those of one edge in the order of the mesh.
+  std::vector<Side> sides() const {
+    std::vector<std::size_t> first(mesh_.vertex_count() + 1, 0);
+    for (const auto& t : mesh_.triangles)
+      for (std::size_t k = 0; k < 3; ++k) ++first[static_cast<std::size_t>(std::min(t[k], t[(k + 1) % 3])) + 1];
+    for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) first[v + 1] += first[v];
+    std::vector<std::size_t> end(first.begin(), first.end() - 1);
+    std::vector<Side> sorted(3 * mesh_.triangles.size());
+    for (const auto& t : mesh_.triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Side side = {t[k], t[(k + 1) % 3], t[(k + 2) % 3]};
+        const auto low = static_cast<std::size_t>(side.low());
+        std::size_t at = end[low]++;
+        for (; at > first[low] && sorted[at - 1].high() > side.high(); --at) sorted[at] = sorted[at - 1];
+        sorted[at] = side;
+      }
+    return sorted;
+  }
+
   void collect() {
-    // Ends in ascending order -> the vertices opposite.
-    std::map<std::pair<std::int32_t, std::int32_t>, std::array<std::int32_t, 2>> found;
-    for (const auto& t : mesh_.triangles)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::int32_t a = t[k], b = t[(k + 1) % 3], opposite = t[(k + 2) % 3];
-        const auto [at, is_new] =
-            found.insert({{std::min(a, b), std::max(a, b)}, std::array<std::int32_t, 2>{opposite, -1}});
-        if (!is_new && at->second[1] < 0) at->second[1] = opposite;
-      }
-    for (const auto& t : mesh_.triangles)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::int32_t a = t[k], b = t[(k + 1) % 3];
-        if (found.at({std::min(a, b), std::max(a, b)})[1] < 0) rim_next_[a] = b;
-      }
-    for (const auto& [ends, opposite] : found) {
-      add_edge(ends.first, ends.second, opposite[1] < 0);
-      if (opposite[1] >= 0) add_hinge(ends.first, ends.second, opposite[0], opposite[1]);
+    const std::vector<Side> all = sides();
+    rim_next_.assign(mesh_.vertex_count(), -1);
+    for (std::size_t i = 0; i < all.size();) {
+      const Side& side = all[i];
+      std::size_t end = i + 1;
+      while (end < all.size() && all[end].low() == side.low() && all[end].high() == side.high()) ++end;
+      const bool free = end == i + 1;
+      if (free) rim_next_[static_cast<std::size_t>(side.from)] = side.to;
+      add_edge(side.low(), side.high(), free);
+      if (!free) add_hinge(side.low(), side.high(), side.opposite, all[i + 1].opposite);
+      i = end;
     }
   }
 
   void span_rims(ClothConstraints& out) const {
-    for (const auto& [first, unused] : rim_next_) {
+    for (std::int32_t first = 0; first < static_cast<std::int32_t>(rim_next_.size()); ++first) {
       RimSpan span{};
       std::size_t length = 0;
-      for (auto at = rim_next_.find(first); at != rim_next_.end() && length < 5; at = rim_next_.find(at->second))
-        span.vertex[length++] = at->first;
+      for (std::int32_t at = first; at >= 0 && length < 5; at = rim_next_[static_cast<std::size_t>(at)])
+        if (rim_next_[static_cast<std::size_t>(at)] >= 0) span.vertex[length++] = at;
       // A rim of fewer vertices would meet itself.
       if (length < 5 || std::find(span.vertex.begin() + 1, span.vertex.end(), first) != span.vertex.end()) continue;
       float sum = 0;
@@ -170,16 +189,21 @@ class Builder {
     return most;
   }
 
+  struct Four {
+    std::array<std::size_t, 4> index{};
+    std::size_t count = 0;
+  };
   // Fours of the list, in order, that share no vertex: one that does waits for a later four.
   template <class T, class F>
-  std::vector<std::vector<std::size_t>> fours(const std::vector<T>& list, F vertices_of) {
+  std::vector<Four> fours(const std::vector<T>& list, F vertices_of) {
     std::vector<std::uint8_t> done(list.size(), 0);
-    std::vector<std::vector<std::size_t>> out;
+    std::vector<Four> out;
+    std::vector<std::int32_t> taken;
     std::size_t first = 0;
     while (first < list.size()) {
-      std::vector<std::size_t> four;
-      std::vector<std::int32_t> taken;
-      for (std::size_t i = first; i < list.size() && four.size() < 4; ++i) {
+      Four four;
+      taken.clear();
+      for (std::size_t i = first; i < list.size() && four.count < four.index.size(); ++i) {
         if (done[i] != 0) continue;
         const auto vertices = vertices_of(list[i]);
         const bool free = std::none_of(vertices.begin(), vertices.end(), [&](std::int32_t v) {
@@ -187,7 +211,7 @@ class Builder {
         });
         if (!free) continue;
         taken.insert(taken.end(), vertices.begin(), vertices.end());
-        four.push_back(i);
+        four.index[four.count++] = i;
         done[i] = 1;
       }
       out.push_back(four);
@@ -202,16 +226,16 @@ class Builder {
     const auto weight = [&](std::int32_t v) { return 1 / mass_of(v); };
     for (const auto& four : fours(edges_, [](const Edge& e) { return std::array{e.a, e.b}; })) {
       StretchBatch batch{{unused, unused, unused, unused}, {unused, unused, unused, unused}, {}, {}, {}};
-      for (std::size_t lane = 0; lane < four.size(); ++lane) {
+      for (std::size_t lane = 0; lane < four.count; ++lane) {
         const int l = static_cast<int>(lane);
-        const Edge& e = edges_[four[lane]];
+        const Edge& e = edges_[four.index[lane]];
         batch.a[lane] = e.a;
         batch.b[lane] = e.b;
         batch.length[l] = e.length;
         const float stiff = (weight(e.a) + weight(e.b)) + e.compliance * inverse_h2;
         batch.share_a[l] = weight(e.a) / stiff;
         batch.share_b[l] = weight(e.b) / stiff;
-        if (e.band) out.band.push_back({four[lane], out.stretch.size(), l, e.length});
+        if (e.band) out.band.push_back({four.index[lane], out.stretch.size(), l, e.length});
       }
       out.stretch.push_back(batch);
     }
@@ -234,7 +258,7 @@ class Builder {
   std::vector<float> mass_;  // kg, a vertex each
   std::vector<Edge> edges_;
   std::vector<Hinge> hinges_;
-  std::map<std::int32_t, std::int32_t> rim_next_;  // along edges of one triangle
+  std::vector<std::int32_t> rim_next_;  // of each vertex, along edges of one triangle; -1: none
 };
 
 }  // namespace

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body/garment/flat_places.h"
+
 namespace im2fit::body {
 namespace {
 
 constexpr std::size_t kCellsMax = 1U << 18;       // of kGarmentEdgeMm
 constexpr std::size_t kRoughCellsMax = 1U << 15;  // half as many each way
 constexpr std::size_t kPairsPerVertex = 4;
+constexpr float kNoSeamMm2 = 1e4F;
 constexpr float kNeighbourEdges = 2.2F;
 constexpr float kRub = 0.1F;  // of their relative motion, taken from each
 
@@ -20,19 +23,13 @@ ClothLayers::ClothLayers(const GarmentMesh& mesh)
       cells_max_(mesh.edge_mm > kGarmentEdgeMm ? kRoughCellsMax : kCellsMax),
       neighbour_mm_(kNeighbourEdges * mesh.edge_mm) {
   const std::size_t count = mesh.vertex_count();
-  to_seam_mm_.assign(count, 1e4F);
-  std::vector<std::size_t> seams;
+  FlatPlaces seams;
   for (std::size_t v = 0; v < count; ++v)
-    if (((mesh.border[v] & kOnSeam) != 0 || mesh.side[v] == 0) && mesh.side[v] >= 0) seams.push_back(v);
-  for (std::size_t v = 0; v < count; ++v)
-    for (const std::size_t s : seams) {
-      const float dx = mesh.flat[v].x - mesh.flat[s].x, dy = mesh.flat[v].y - mesh.flat[s].y;
-      to_seam_mm_[v] = std::min(to_seam_mm_[v], dx * dx + dy * dy);
-    }
-  for (float& d : to_seam_mm_) d = std::sqrt(d);
+    if (((mesh.border[v] & kOnSeam) != 0 || mesh.side[v] == 0) && mesh.side[v] >= 0) seams.add(mesh.flat[v], v);
+  to_seam_mm_.reserve(count);
+  for (const Flat& f : mesh.flat) to_seam_mm_.push_back(std::sqrt(std::min(kNoSeamMm2, seams.nearest(f).squared_mm)));
   pairs_.reserve(kPairsPerVertex * count);
   cell_first_.resize(cells_max_ + 1);
-  cell_next_.resize(cells_max_ + 1);
   cell_vertices_.resize(count);
   vertex_cell_.resize(count);
 }
@@ -83,12 +80,13 @@ void ClothLayers::find(std::span<const ClothVertex> vertices, std::span<const st
     const int at =
         (cell(p.z, low.z, cells[2]) * cells[1] + cell(p.y, low.y, cells[1])) * cells[0] + cell(p.x, low.x, cells[0]);
     vertex_cell_[v] = at;
-    ++cell_first_[static_cast<std::size_t>(at) + 1];
+    ++cell_first_[static_cast<std::size_t>(at)];
   }
-  for (std::size_t c = 0; c < all; ++c) cell_first_[c + 1] += cell_first_[c];
-  std::copy_n(cell_first_.begin(), all, cell_next_.begin());
-  for (std::size_t v = 0; v < count; ++v)
-    cell_vertices_[static_cast<std::size_t>(cell_next_[static_cast<std::size_t>(vertex_cell_[v])]++)] =
+  // Ends of cells, which filling them from behind makes their beginnings.
+  std::int32_t filled = 0;
+  for (std::size_t c = 0; c <= all; ++c) cell_first_[c] = filled += cell_first_[c];
+  for (std::size_t v = count; v-- > 0;)
+    cell_vertices_[static_cast<std::size_t>(--cell_first_[static_cast<std::size_t>(vertex_cell_[v])])] =
         static_cast<std::int32_t>(v);
 
   const std::size_t most = kPairsPerVertex * count;

@@ -35,7 +35,7 @@ class ClothLayers {
   float neighbour_mm_;             // so near in the pattern two vertices are held apart by their own edges
   std::vector<float> to_seam_mm_;  // in the pattern
   std::vector<std::array<std::int32_t, 2>> pairs_;
-  std::vector<std::int32_t> cell_first_, cell_next_, cell_vertices_, vertex_cell_;
+  std::vector<std::int32_t> cell_first_, cell_vertices_, vertex_cell_;
 };
 
 }  // namespace im2fit::body

@@ -94,8 +94,8 @@ Pose between(const Pose& a, const Pose& b, float share) {
   return pose_from_local(local, a.translation_mm + (b.translation_mm - a.translation_mm) * share);
 }
 
-void draw_in(const BodyModel& model, const PosedSkeleton& bones, const DrawnIn& drawn, std::span<const Vec3f> posed,
-             std::span<Vec3f> out) {
+void bone_axes(const BodyModel& model, const PosedSkeleton& bones, std::span<const Vec3f> posed,
+               std::span<Vec3f> out) {
   const auto& skin = model.data().skin;
   const float middle_x = bones.head[at(Segment::pelvis)].x;
   for (std::size_t v = 0; v < out.size(); ++v) {
@@ -106,6 +106,13 @@ void draw_in(const BodyModel& model, const PosedSkeleton& bones, const DrawnIn& 
       const Vec3f near = is_trunk(s) ? Vec3f{middle_x, p.y, p.z} : on_line(p, bones.head[at(s)], bones.tail[at(s)]);
       axis = axis + near * skin[v].weight[k];
     }
+    out[v] = axis;
+  }
+}
+
+void draw_in(const DrawnIn& drawn, std::span<const Vec3f> axes, std::span<const Vec3f> posed, std::span<Vec3f> out) {
+  for (std::size_t v = 0; v < out.size(); ++v) {
+    const Vec3f p = posed[v], axis = axes[v];
     out[v] = {axis.x + drawn.sideways * (p.x - axis.x), axis.y + drawn.sideways * (p.y - axis.y),
               drawn.middle_z + drawn.depth * (p.z - drawn.middle_z)};
   }

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body/garment/flat_places.h"
 #include "body/garment/triangulation.h"
 
 namespace im2fit::body {
 namespace {
+
+constexpr float kNoRimMm = 1e4F;
 
 // Of an edge: what its inner points and ends lie on.
 std::uint8_t border_of(EdgeKind kind) {
@@ -161,18 +164,16 @@ class Sewing {
   }
 
   void measure_rims() {
-    mesh_.rim_mm.assign(mesh_.flat.size(), 1e4F);
-    std::vector<std::size_t> rims;
+    std::array<FlatPlaces, 3> rims;  // that a layer's vertices share a panel with
+    for (std::size_t v = 0; v < mesh_.flat.size(); ++v) {
+      if ((mesh_.border[v] & (kOnHem | kOnOpening)) == 0 || mesh_.side[v] < 0) continue;
+      for (const std::uint8_t layer : {kFrontLayer, kBackLayer, kBothLayers})
+        if (layer == mesh_.layer[v] || layer == kBothLayers || mesh_.layer[v] == kBothLayers)
+          rims[layer].add(mesh_.flat[v], v);
+    }
+    mesh_.rim_mm.reserve(mesh_.flat.size());
     for (std::size_t v = 0; v < mesh_.flat.size(); ++v)
-      if ((mesh_.border[v] & (kOnHem | kOnOpening)) != 0 && mesh_.side[v] >= 0) rims.push_back(v);
-    for (std::size_t v = 0; v < mesh_.flat.size(); ++v)
-      for (const std::size_t rim : rims) {
-        const bool together =
-            mesh_.layer[v] == mesh_.layer[rim] || mesh_.layer[v] == kBothLayers || mesh_.layer[rim] == kBothLayers;
-        if (!together) continue;
-        const float dx = mesh_.flat[v].x - mesh_.flat[rim].x, dy = mesh_.flat[v].y - mesh_.flat[rim].y;
-        mesh_.rim_mm[v] = std::min(mesh_.rim_mm[v], std::sqrt(dx * dx + dy * dy));
-      }
+      mesh_.rim_mm.push_back(std::min(kNoRimMm, std::sqrt(rims[mesh_.layer[v]].nearest(mesh_.flat[v]).squared_mm)));
   }
 
   // Of the seams below the sleeve's middle line what lies farthest in and up.

@@ -13,8 +13,8 @@ namespace im2fit::body {
 
 // Edges of the lattice: finer costs twice as much and shows little.
 inline constexpr float kGarmentEdgeMm = 12;
-// Of the mesh a garment is put on as: a quarter of the vertices.
-inline constexpr float kRoughEdgeMm = 24;
+// Of the mesh a garment is put on as: a fifth of the vertices. Of 32 mm, armpits are inside.
+inline constexpr float kRoughEdgeMm = 28;
 inline constexpr std::uint8_t kOnSeam = 1, kOnHem = 2, kOnOpening = 4;
 inline constexpr std::uint8_t kFrontLayer = 0, kBackLayer = 1, kBothLayers = 2;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "body/garment/dressing_pose.h"
 #include "body/model_data.h"
@@ -11,12 +12,12 @@
 namespace im2fit::body {
 namespace {
 
-constexpr int kPutOnFrames = 24;  // from a flat body to a whole one
-constexpr int kFlatFrames = 18;   // of them with panels that face front and back
-constexpr int kHangFrames = 6;    // until folds have fallen
-constexpr int kPoseFrames = 16;   // from the dressing pose to another
-constexpr int kRoughRestFrames = 4;
-constexpr int kSettleFrames = 6;     // of the finer mesh, until its own folds have formed
+constexpr int kPutOnFrames = 10;     // from a flat body to a whole one
+constexpr int kFlatFrames = 7;       // of them with panels that face front and back
+constexpr int kHangFrames = 2;       // until folds have fallen
+constexpr int kPoseFrames = 8;       // from the dressing pose to another
+constexpr int kRoughRestFrames = 6;  // until it hangs
+constexpr int kSettleFrames = 2;     // of the finer mesh, until its own folds have formed
 constexpr float kPutOnDamping = 12;  // per second
 constexpr float kFirstDepth = 0.02F;
 // Arms and trunk begin thin, so that a small size goes over them; thighs would slip beside the crotch.
@@ -39,6 +40,13 @@ constexpr float kSkinBehindMm = 8, kClothBehindMm = 40;  // cloth worn below may
 
 std::size_t at(Segment s) {
   return static_cast<std::size_t>(s);
+}
+
+// Whatever their translations.
+bool stands_alike(const Pose& a, const Pose& b) {
+  for (std::size_t s = 0; s < a.rotation.size(); ++s)
+    if (a.rotation[s].m != b.rotation[s].m) return false;
+  return true;
 }
 
 float smooth(float share) {
@@ -100,9 +108,11 @@ Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model
   rest_.resize(all);
   posed_.resize(all);
   drawn_.resize(static_cast<std::size_t>(model.body_vertex_count()));
+  axes_.resize(drawn_.size());
   clearance_mm_.resize(drawn_.size());
   flat_.reserve(most);
   boxes_.reserve(most / kBlock + 1);
+  groups_.reserve(most / (kBlock * kBlock) + 1);
   level_.reserve(drawn_.size());
   hull_points_.reserve(drawn_.size());
   hull_.reserve(drawn_.size());
@@ -144,8 +154,10 @@ void Outfit::add_clearance(const Cloth& cloth) {
 }
 
 void Outfit::run(const Cloths& cloths, const Pose& pose) {
-  skin_body(pose);
-  surface_.advance(posed_);
+  if (surface_.moved_mm() > 0 || !stands_alike(pose, pose_)) {
+    skin_body(pose);
+    surface_.advance(posed_);
+  }
   ClothFrame frame;
   frame.may_sleep = true;
   std::fill(clearance_mm_.begin(), clearance_mm_.end(), 0.0F);
@@ -222,6 +234,7 @@ void Outfit::put_on(std::size_t index) {
   const Pose pose = dressing_pose(skeleton_);
   skin_body(pose);
   const PosedSkeleton bones = pose_skeleton(skeleton_, pose_);
+  bone_axes(model_, bones, posed_, axes_);
   place_flat(cloth, bones);
   DrawnIn drawn;
   drawn.middle_z = cloth.mesh().hang == Hang::shoulders ? bones.head[at(Segment::left_upper_arm)].z
@@ -234,7 +247,7 @@ void Outfit::put_on(std::size_t index) {
     const float share = static_cast<float>(i) / kPutOnFrames;
     drawn.depth = kFirstDepth + (1 - kFirstDepth) * share;
     drawn.sideways = sideways + (1 - sideways) * share;
-    draw_in(model_, bones, drawn, std::span(posed_).first(drawn_.size()), drawn_);
+    draw_in(drawn, axes_, posed_, drawn_);
     if (i == 0) {
       surface_.put(drawn_);
       continue;
@@ -292,51 +305,70 @@ void Outfit::refine() {
   }
 }
 
+void Outfit::Box::take(Vec3f p) {
+  low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+  high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+}
+
+// A little less, so that a box is not passed by for the last bit.
+float Outfit::Box::squared_to(Vec3f p) const {
+  constexpr float kRounding = 0.999F;
+  const float x = std::max(std::max(low.x - p.x, p.x - high.x), 0.0F);
+  const float y = std::max(std::max(low.y - p.y, p.y - high.y), 0.0F);
+  const float z = std::max(std::max(low.z - p.z, p.z - high.z), 0.0F);
+  return (x * x + y * y + z * z) * kRounding;
+}
+
 void Outfit::box(const Cloth& cloth) const {
   boxes_.clear();
+  groups_.clear();
   for (std::size_t c = 0; c < cloth.mesh().vertex_count(); ++c) {
     const Vec3f p = cloth.position(c);
     if (c % kBlock == 0) boxes_.push_back({p, p});
-    Box& box = boxes_.back();
-    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
-    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+    if (c % (kBlock * kBlock) == 0) groups_.push_back({p, p});
+    boxes_.back().take(p);
+    groups_.back().take(p);
   }
 }
 
 template <class F>
 void Outfit::near(const Cloth& cloth, Vec3f p, const float& best, F consider) const {
-  constexpr float kRounding = 0.999F;  // a box is not passed by for the last bit
-  const auto outside = [](float value, float low, float high) {
-    return value < low ? low - value : value > high ? value - high : 0.0F;
-  };
   const std::size_t count = cloth.mesh().vertex_count();
-  for (std::size_t b = 0; b < boxes_.size(); ++b) {
-    const Box& box = boxes_[b];
-    const float x = outside(p.x, box.low.x, box.high.x), y = outside(p.y, box.low.y, box.high.y),
-                z = outside(p.z, box.low.z, box.high.z);
-    if ((x * x + y * y + z * z) * kRounding >= best) continue;
-    const std::size_t end = std::min(count, (b + 1) * kBlock);
-    for (std::size_t c = b * kBlock; c < end; ++c) consider(c);
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (groups_[g].squared_to(p) > best) continue;
+    const std::size_t boxes_end = std::min(boxes_.size(), (g + 1) * kBlock);
+    for (std::size_t b = g * kBlock; b < boxes_end; ++b) {
+      if (boxes_[b].squared_to(p) > best) continue;
+      const std::size_t end = std::min(count, (b + 1) * kBlock);
+      for (std::size_t c = b * kBlock; c < end; ++c) consider(c);
+    }
   }
 }
 
 // What lies at `p` and faces `n` is hidden by the nearest cloth that faces as it does, from `behind_mm` behind it on,
-// but not by a hem's. An arm beside the trunk is hidden by its sleeve alone.
-bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm) const {
+// but not by a hem's. An arm beside the trunk is hidden by its sleeve alone. `hint`: what hid the place asked for
+// before, most often near to this one; kept up.
+bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm,
+                   std::size_t& hint) const {
   const GarmentMesh& mesh = cloth.mesh();
   const bool arm = (limbs & kTrunk) == 0 && (limbs & (kLeftArm | kRightArm)) != 0;
   float best = kHiddenReachMm * kHiddenReachMm, rim = 0;
-  near(cloth, p, best, [&](std::size_t c) {
+  std::size_t found = 0;  // of vertices equally near the first
+  const auto consider = [&](std::size_t c) {
     const Vec3f d = cloth.position(c) - p;
     const float squared = dot(d, d);
-    if (squared >= best || (cloth.limbs(c) & limbs) == 0) return;
+    if (squared > best || (squared == best && c >= found) || (cloth.limbs(c) & limbs) == 0) return;
     const float before = dot(d, n);
     if (dot(cloth.normals()[c], n) < kHiddenCosine || squared - before * before > kHiddenAsideMm * kHiddenAsideMm)
       return;
     best = squared;
+    found = c;
     const bool sleeve = !arm || (cloth.limbs(c) & kTrunk) == 0;
     rim = before > -behind_mm && sleeve ? mesh.rim_mm[c] : 0;
-  });
+  };
+  consider(hint);
+  near(cloth, p, best, consider);
+  hint = found;
   return rim > rim_mm;
 }
 
@@ -345,10 +377,11 @@ void Outfit::hidden_skin(std::span<std::uint8_t> out) const {
   std::fill(out.begin(), out.end(), std::uint8_t{0});
   for (const auto& cloth : cloths_) {
     box(*cloth);
+    std::size_t hint = 0;
     for (const std::int32_t v : surface_.vertices()) {
       const auto i = static_cast<std::size_t>(v);
       if (out[i] == 0 &&
-          hides(*cloth, posed_[i], surface_.normal(true)[i], surface_.limbs(v), kSkinBehindMm, kHiddenRimMm))
+          hides(*cloth, posed_[i], surface_.normal(true)[i], surface_.limbs(v), kSkinBehindMm, kHiddenRimMm, hint))
         out[i] = 1;
     }
   }
@@ -361,20 +394,26 @@ void Outfit::pressed(std::size_t index, std::span<Vec3f> out) const {
   for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
     const Cloth& upper = *cloths_[over];
     box(upper);
+    std::size_t found = 0;
     for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
       const Vec3f p = cloth.position(v), n = cloth.normals()[v];
       float best = kClothBehindMm * kClothBehindMm + kPressAsideMm * kPressAsideMm, over_mm = 0, aside = 0;
       Vec3f facing{};
-      near(upper, p, best, [&](std::size_t c) {
+      const auto consider = [&](std::size_t c) {
         const Vec3f d = upper.position(c) - p;
         const float squared = dot(d, d);
-        if (squared >= best || (upper.limbs(c) & cloth.limbs(v)) == 0 || dot(upper.normals()[c], n) < kHiddenCosine)
+        if (squared > best || (squared == best && c >= found) || (upper.limbs(c) & cloth.limbs(v)) == 0 ||
+            dot(upper.normals()[c], n) < kHiddenCosine)
           return;
         best = squared;
+        found = c;
         facing = upper.normals()[c];
         over_mm = kPressMm - dot(d, facing);
         aside = std::sqrt(std::max(0.0F, squared - (over_mm - kPressMm) * (over_mm - kPressMm)));
-      });
+      };
+      const std::size_t hint = std::exchange(found, 0);
+      consider(hint);
+      near(upper, p, best, consider);
       if (over_mm <= 0 || aside >= kPressAsideMm) continue;
       out[v] = p - facing * (over_mm * std::min(1.0F, 2 * (1 - aside / kPressAsideMm)));
     }
@@ -387,9 +426,10 @@ void Outfit::hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const 
   std::fill(out.begin(), out.end(), std::uint8_t{0});
   for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
     box(*cloths_[over]);
+    std::size_t hint = 0;
     for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v)
       if (out[v] == 0 && hides(*cloths_[over], cloth.position(v), cloth.normals()[v], cloth.limbs(v), kClothBehindMm,
-                               kHiddenClothRimMm))
+                               kHiddenClothRimMm, hint))
         out[v] = 1;
   }
 }

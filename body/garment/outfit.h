@@ -55,17 +55,21 @@ class Outfit {
   void hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const;
 
  private:
-  // Vertices of a garment that follow one another lie near each other: a box about each kBlock of them.
+  // Vertices of a garment that follow one another lie near each other: a box about each kBlock of them, and one about
+  // each kBlock boxes.
   struct Box {
     Vec3f low, high;
+    void take(Vec3f p);
+    float squared_to(Vec3f p) const;
   };
   static constexpr std::size_t kBlock = 16;
-  // Makes boxes_ of the cloth as it lies now; hides() and near() are of that cloth.
+  // Makes boxes_ and groups_ of the cloth as it lies now; hides() and near() are of that cloth.
   void box(const Cloth& cloth) const;
-  // Calls `consider` with each vertex of the cloth that may be nearer to p than the square root of `best`, in order.
+  // Calls `consider` with each vertex of the cloth that may be as near to p as the square root of `best`, in order.
   template <class F>
   void near(const Cloth& cloth, Vec3f p, const float& best, F consider) const;
-  bool hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm) const;
+  bool hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm,
+             std::size_t& hint) const;
   void add_clearance(const Cloth& cloth);
   using Cloths = std::vector<std::unique_ptr<Cloth>>;
   void put_on(std::size_t index);
@@ -83,11 +87,11 @@ class Outfit {
   std::vector<Refinement> refinements_;
   std::vector<float> belt_mm_;  // of each garment
   BodySurface surface_;
-  std::vector<Vec3f> rest_, posed_, drawn_, flat_;
+  std::vector<Vec3f> rest_, posed_, axes_, drawn_, flat_;
   std::vector<Vec3f> level_, hull_points_;
   HullWork hull_;
   std::vector<float> clearance_mm_;
-  mutable std::vector<Box> boxes_;
+  mutable std::vector<Box> boxes_, groups_;
   Skeleton skeleton_;
   Pose pose_;
 };

@@ -47,17 +47,22 @@ class Cells {
   // The triangle that a place lies in, or least far out of, among those of its cell and the cells about it.
   void find(std::size_t panel, Flat f, std::array<std::int32_t, 3>& corner, std::array<float, 3>& share) const {
     float best = -1e30F;
+    const auto look_at = [&](int c, int r) {
+      for (const std::size_t t : of_[cell(panel, c, r)]) {
+        const auto s = shares(mesh_.triangles[t], f);
+        const float least = std::min({s[0], s[1], s[2]});
+        if (least <= best) continue;
+        best = least;
+        corner = mesh_.triangles[t];
+        share = s;
+      }
+    };
     const int column_of = column(f.x), row_of = row(f.y);
+    look_at(column_of, row_of);
+    if (best > 0) return;  // within it, so within no other
+    best = -1e30F;
     for (int r = std::max(0, row_of - 1); r <= std::min(rows_ - 1, row_of + 1); ++r)
-      for (int c = std::max(0, column_of - 1); c <= std::min(columns_ - 1, column_of + 1); ++c)
-        for (const std::size_t t : of_[cell(panel, c, r)]) {
-          const auto s = shares(mesh_.triangles[t], f);
-          const float least = std::min({s[0], s[1], s[2]});
-          if (least <= best) continue;
-          best = least;
-          corner = mesh_.triangles[t];
-          share = s;
-        }
+      for (int c = std::max(0, column_of - 1); c <= std::min(columns_ - 1, column_of + 1); ++c) look_at(c, r);
   }
 
  private:

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 namespace im2fit::body {
@@ -13,14 +12,39 @@ struct Place {
   double x, y;
 };
 
-bool inside(const std::vector<Flat>& outline, double x, double y) {
-  bool in = false;
-  for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
-    const double ax = outline[i].x, ay = outline[i].y, bx = outline[j].x, by = outline[j].y;
-    if ((ay > y) != (by > y) && x < (bx - ax) * (y - ay) / (by - ay) + ax) in = !in;
+// An outline's edges by the bands of height they reach into: a place is asked of those of its band alone.
+class Outline {
+ public:
+  Outline(const std::vector<Flat>& places, double band_mm) : band_mm_(band_mm), low_(places[0].y) {
+    double high = low_;
+    for (const Flat& f : places) {
+      low_ = std::min<double>(low_, f.y);
+      high = std::max<double>(high, f.y);
+    }
+    bands_.resize(static_cast<std::size_t>((high - low_) / band_mm_) + 1);
+    for (std::size_t i = 0, j = places.size() - 1; i < places.size(); j = i++) {
+      const Edge edge = {places[i].x, places[i].y, places[j].x, places[j].y};
+      for (std::size_t b = band(std::min(edge.ay, edge.by)); b <= band(std::max(edge.ay, edge.by)); ++b)
+        bands_[b].push_back(edge);
+    }
   }
-  return in;
-}
+  bool holds(double x, double y) const {
+    bool in = false;
+    for (const Edge& e : bands_[band(y)])
+      if ((e.ay > y) != (e.by > y) && x < (e.bx - e.ax) * (y - e.ay) / (e.by - e.ay) + e.ax) in = !in;
+    return in;
+  }
+
+ private:
+  struct Edge {
+    double ax, ay, bx, by;
+  };
+  std::size_t band(double y) const {
+    return std::min(bands_.size() - 1, static_cast<std::size_t>(std::max(0.0, (y - low_) / band_mm_)));
+  }
+  double band_mm_, low_;
+  std::vector<std::vector<Edge>> bands_;
+};
 
 double squared_distance_to(Flat a, Flat b, double x, double y) {
   const double dx = static_cast<double>(b.x) - a.x, dy = static_cast<double>(b.y) - a.y;
@@ -61,11 +85,12 @@ std::vector<std::array<int, 3>> delaunay(const std::vector<Place>& points) {
     const Place &l = p[static_cast<std::size_t>(a)], &r = p[static_cast<std::size_t>(b)];
     return l.x != r.x ? l.x < r.x : l.y < r.y;
   });
-  std::vector<Circled> open = {circled(p, count, count + 1, count + 2)}, kept, done;
+  std::vector<Circled> open = {circled(p, count, count + 1, count + 2)}, done;
+  std::vector<std::pair<int, int>> rim;  // directed edges of the hole that no second triangle has
   for (const int i : order) {
     const Place at = p[static_cast<std::size_t>(i)];
-    std::map<std::pair<int, int>, bool> rim;  // directed edges of the hole that no second triangle has
-    kept.clear();
+    rim.clear();
+    std::size_t kept = 0;
     for (const Circled& t : open) {
       const double dx = at.x - t.x, dy = at.y - t.y;
       if (dx > 0 && dx * dx > t.squared_radius) {
@@ -73,14 +98,20 @@ std::vector<std::array<int, 3>> delaunay(const std::vector<Place>& points) {
       } else if (dx * dx + dy * dy < t.squared_radius) {
         for (std::size_t k = 0; k < 3; ++k) {
           const std::pair<int, int> edge = {t.corner[k], t.corner[(k + 1) % 3]};
-          if (rim.erase({edge.second, edge.first}) == 0) rim[edge] = true;
+          const auto other = std::find(rim.begin(), rim.end(), std::pair{edge.second, edge.first});
+          if (other == rim.end())
+            rim.push_back(edge);
+          else
+            rim.erase(other);
         }
       } else {
-        kept.push_back(t);
+        if (&open[kept] != &t) open[kept] = t;
+        ++kept;
       }
     }
-    open.swap(kept);
-    for (const auto& [edge, unused] : rim) open.push_back(circled(p, edge.first, edge.second, i));
+    open.erase(open.begin() + static_cast<std::ptrdiff_t>(kept), open.end());
+    std::sort(rim.begin(), rim.end());
+    for (const auto& [from, to] : rim) open.push_back(circled(p, from, to, i));
   }
   done.insert(done.end(), open.begin(), open.end());
   std::vector<std::array<int, 3>> out;
@@ -148,10 +179,11 @@ FilledPanel fill_panel(const std::vector<Flat>& outline, float edge_mm) {
   points.insert(points.end(), inner.begin(), inner.end());
   FilledPanel panel;
   for (const Place& p : points) panel.points.push_back({static_cast<float>(p.x), static_cast<float>(p.y)});
+  const Outline border(outline, static_cast<double>(edge_mm));
   for (const auto& t : delaunay(points)) {
     const auto at = [&](std::size_t k) { return points[static_cast<std::size_t>(t[k])]; };
     const Place a = at(0), b = at(1), c = at(2);
-    if (!inside(outline, (a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3)) continue;
+    if (!border.holds((a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3)) continue;
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (std::fabs(area) < 0.1) continue;  // mm²: along a straight outline
     if (area > 0)

@@ -41,7 +41,7 @@ const Glyph* glyph_of(char letter) {
 
 std::uint8_t mixed(std::uint8_t below, std::uint8_t above, float alpha) {
   const float value = static_cast<float>(below) + (static_cast<float>(above) - static_cast<float>(below)) * alpha;
-  return static_cast<std::uint8_t>(std::lround(value));
+  return static_cast<std::uint8_t>(value + 0.5F);  // never below nought
 }
 
 // Squared distance of (x, y) from the segment.
@@ -101,6 +101,10 @@ void Canvas::rectangle(int x, int y, int width, int height, Rgb colour, float al
   if (alpha <= 0) return;
   for (int v = std::max(0, y); v < bottom; ++v) {
     Rgb* row = pixels_.data() + static_cast<std::ptrdiff_t>(v) * width_;
+    if (alpha >= 1) {
+      std::fill(row + std::max(0, x), row + std::max({0, x, right}), colour);
+      continue;
+    }
     for (int u = std::max(0, x); u < right; ++u) row[u] = mixed(row[u], colour, alpha);
   }
 }

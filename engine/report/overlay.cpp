@@ -11,6 +11,7 @@ namespace im2fit {
 namespace {
 
 constexpr int kWantedHeight = 1200;
+const Vec3f kLight = normalized({-0.35F, -0.55F, -1.0F});
 constexpr Rgb kTint{96, 170, 255};
 constexpr Rgb kBone{255, 255, 255};
 constexpr Rgb kLeft{255, 120, 90};
@@ -73,7 +74,7 @@ class Painter {
     const float sx = slope(depth_at(u0, v), depth_at(u1, v), static_cast<float>(u1 - u0), k.fx);
     const float sy = slope(depth_at(u, v0), depth_at(u, v1), static_cast<float>(v1 - v0), k.fy);
     const Vec3f normal = normalized({sx, sy, -1.0F});
-    return std::clamp(dot(normal, normalized({-0.35F, -0.55F, -1.0F})), 0.15F, 1.0F);
+    return std::clamp(dot(normal, kLight), 0.15F, 1.0F);
   }
 
   Rgb ground_at(int u, int v) const {

@@ -82,7 +82,7 @@ int run(const char* path, const std::string& folder, const std::vector<std::stri
     const auto poses = dressed_poses(*model, person);
     outfit.dress(person.rest, person.skeleton, poses[0].pose);
     const double dressed_ms = 1e3 * watch.lap();
-    for (int i = 0; i < 20; ++i) outfit.frame(poses[0].pose);  // 30 since it stood still
+    for (int i = 0; i < 22; ++i) outfit.frame(poses[0].pose);  // 30 since it stood still
     const auto before = positions_of(outfit.cloth(0));
     outfit.frame(poses[0].pose);
     const Motion motion = motion_since(outfit.cloth(0), before);

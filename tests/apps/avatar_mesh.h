@@ -70,7 +70,7 @@ struct AvatarMesh {
     const auto& attributes = body["attributes"];
     std::vector<std::array<float, 3>> positions;
     std::vector<std::array<std::uint8_t, 4>> influences;
-    std::vector<std::array<float, 4>> weights;
+    std::vector<std::array<std::uint16_t, 4>> weights;  // 65535: 1
     std::vector<std::array<float, 16>> inverse_bind;
     values(attributes["POSITION"], positions);
     values(attributes["JOINTS_0"], influences);
@@ -84,7 +84,9 @@ struct AvatarMesh {
     values(json["skins"][0]["inverseBindMatrices"], inverse_bind);
     for (std::size_t i = 0; i < positions.size(); ++i) {
       points.push_back(Point{positions[i][0], positions[i][1], positions[i][2]} * 1e3);
-      skin.push_back({influences[i], weights[i]});
+      Influence influence{influences[i], {}};
+      for (std::size_t k = 0; k < 4; ++k) influence.weight[k] = static_cast<float>(weights[i][k]) / 65535;
+      skin.push_back(influence);
     }
     const auto& names = json["skins"][0]["joints"];
     for (std::size_t j = 0; j < names.size(); ++j) {

@@ -56,7 +56,7 @@ TEST_F(DressedBody, ComesToRestAndWakes) {
   const auto poses = dressed_poses(*real_body(), person);
   Outfit outfit(*real_body(), pieces_for(person, {"trousers", "t_shirt"}));
   outfit.dress(person.rest, person.skeleton, poses[0].pose);
-  rest(outfit, 20);  // and ten in dress()
+  rest(outfit, 22);  // and eight in dress()
   for (std::size_t i = 0; i < outfit.size(); ++i) {
     const auto before = positions_of(outfit.cloth(i));
     rest(outfit, 1);
@@ -156,7 +156,7 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
     const auto covered = covered_skin(*real_body(), outfit);
     for (const std::size_t p : shown) {
       if (p > 0) outfit.move_to(poses[p].pose, 20);
-      rest(outfit, p > 0 ? 29 : 19);  // 30 since the body stood still, ten of them in dress()
+      rest(outfit, p > 0 ? 29 : 21);  // 30 since the body stood still, eight of them in dress()
       std::vector<std::vector<Vec3f>> before;
       for (std::size_t i = 0; i < outfit.size(); ++i) before.push_back(positions_of(outfit.cloth(i)));
       rest(outfit, 1);

@@ -68,6 +68,19 @@ struct Glb {
     std::memcpy(out.data(), bin.data() + view["byteOffset"].get<std::size_t>(), out.size() * sizeof(T));
     return out;
   }
+  // Of 0..1 in 16 bits.
+  template <std::size_t N>
+  std::vector<std::array<float, N>> shares(std::size_t accessor) const {
+    EXPECT_EQ(json["accessors"][accessor]["componentType"], 5123);
+    EXPECT_EQ(json["accessors"][accessor]["normalized"], true);
+    std::vector<std::array<float, N>> out;
+    for (const auto& whole : read<std::array<std::uint16_t, N>>(accessor))
+      for (std::size_t k = 0; k < N; ++k) {
+        if (k == 0) out.emplace_back();
+        out.back()[k] = static_cast<float>(whole[k]) / 65535;
+      }
+    return out;
+  }
 };
 
 Glb parse_glb(const std::string& path) {
@@ -160,7 +173,7 @@ TEST_F(RealAvatar, AViewerSkinsTheGlbToThePosedMesh) {
   const auto positions = glb.read<Vec3f>(attributes["POSITION"]);
   const auto normals = glb.read<Vec3f>(attributes["NORMAL"]);
   const auto joints = glb.read<std::array<std::uint8_t, 4>>(attributes["JOINTS_0"]);
-  const auto weights = glb.read<std::array<float, 4>>(attributes["WEIGHTS_0"]);
+  const auto weights = glb.shares<4>(attributes["WEIGHTS_0"]);
   const auto indices = glb.read<std::uint16_t>(primitive["indices"]);
   ASSERT_GE(positions.size(), static_cast<std::size_t>(kBodyVertexCount));
   ASSERT_EQ(indices.size(), 26756U * 3);
@@ -227,7 +240,7 @@ TEST_F(RealAvatar, EyesAndHairAreFurtherPrimitivesOfOneTexture) {
     EXPECT_EQ(material["name"], names[p]);
     EXPECT_EQ(material["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);
     const auto places = glb.read<Vec3f>(primitive["attributes"]["POSITION"]);
-    const auto texture = glb.read<std::array<float, 2>>(primitive["attributes"]["TEXCOORD_0"]);
+    const auto texture = glb.shares<2>(primitive["attributes"]["TEXCOORD_0"]);
     ASSERT_EQ(places.size(), parts[p].positions.size());
     ASSERT_EQ(texture.size(), places.size());
     for (std::size_t v = 0; v < places.size(); ++v) {
@@ -313,7 +326,7 @@ TEST_F(RealAvatar, GarmentsArePrimitivesThatStandWhereTheyWereDraped) {
     const Json& attributes = primitives[garment + 1]["attributes"];
     const auto places = glb.read<Vec3f>(attributes["POSITION"]);
     const auto joints = glb.read<std::array<std::uint8_t, 4>>(attributes["JOINTS_0"]);
-    const auto weights = glb.read<std::array<float, 4>>(attributes["WEIGHTS_0"]);
+    const auto weights = glb.shares<4>(attributes["WEIGHTS_0"]);
     ASSERT_EQ(places.size(), outfit.cloth(garment).mesh().vertex_count());
     EXPECT_EQ(glb.read<Flat>(attributes["TEXCOORD_0"]).size(), places.size());
     std::vector<Vec3f> shown(places.size());
