@@ -292,6 +292,15 @@ void Outfit::refine() {
   }
 }
 
+void Outfit::keep_rough_alone() {
+  cloths_ = std::move(rough_);  // before the meshes: cloth refers to them
+  meshes_ = std::move(rough_meshes_);
+  rough_.clear();
+  rough_meshes_.clear();
+  refinements_.clear();
+  for (auto& cloth : cloths_) cloth->update_normals();
+}
+
 void Outfit::box(const Cloth& cloth) const {
   boxes_.clear();
   for (std::size_t c = 0; c < cloth.mesh().vertex_count(); ++c) {
@@ -340,15 +349,15 @@ bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, flo
   return rim > rim_mm;
 }
 
-void Outfit::hidden_skin(std::span<std::uint8_t> out) const {
+void Outfit::hidden_skin(std::span<std::uint8_t> out, float more_mm) const {
   assert(out.size() >= drawn_.size());
   std::fill(out.begin(), out.end(), std::uint8_t{0});
   for (const auto& cloth : cloths_) {
     box(*cloth);
     for (const std::int32_t v : surface_.vertices()) {
       const auto i = static_cast<std::size_t>(v);
-      if (out[i] == 0 &&
-          hides(*cloth, posed_[i], surface_.normal(true)[i], surface_.limbs(v), kSkinBehindMm, kHiddenRimMm))
+      if (out[i] == 0 && hides(*cloth, posed_[i], surface_.normal(true)[i], surface_.limbs(v), kSkinBehindMm,
+                               kHiddenRimMm + more_mm))
         out[i] = 1;
     }
   }
@@ -381,7 +390,7 @@ void Outfit::pressed(std::size_t index, std::span<Vec3f> out) const {
   }
 }
 
-void Outfit::hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const {
+void Outfit::hidden_cloth(std::size_t index, std::span<std::uint8_t> out, float more_mm) const {
   const Cloth& cloth = *cloths_[index];
   assert(out.size() >= cloth.mesh().vertex_count());
   std::fill(out.begin(), out.end(), std::uint8_t{0});
@@ -389,7 +398,7 @@ void Outfit::hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const 
     box(*cloths_[over]);
     for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v)
       if (out[v] == 0 && hides(*cloths_[over], cloth.position(v), cloth.normals()[v], cloth.limbs(v), kClothBehindMm,
-                               kHiddenClothRimMm))
+                               kHiddenClothRimMm + more_mm))
         out[v] = 1;
   }
 }
