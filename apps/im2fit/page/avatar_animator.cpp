@@ -19,9 +19,8 @@ Result<AvatarAnimator> AvatarAnimator::create(const body::Avatar& avatar) {
   return animator;
 }
 
-body::RigPose AvatarAnimator::follow(const JointSet& joints, const FloorPlane& floor) const {
-  const body::Pose pose = body::pose_from_joints(rest_, to_mesh_axes(joints, floor));
-  return body::rig_pose(rest_, body::on_lower_sole(rest_, floor_mm_, pose));
+body::Pose AvatarAnimator::pose(const JointSet& joints, const FloorPlane& floor) const {
+  return body::on_lower_sole(rest_, floor_mm_, body::pose_from_joints(rest_, to_mesh_axes(joints, floor)));
 }
 
 std::array<Vec3f, kJointCount> standing_joints_m(const JointSet& joints, const FloorPlane& floor) {
