@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A frame of clothes on a body that moves: a median man whose arms sink and rise by two degrees a frame, in a
 // T-shirt, in trousers and in both. cloth/body is the same with nothing on: the body posed and skinned, its grid
-// built.
+// built. cloth/moving is both as a page shows them: the rough meshes, their offsets, and those as bytes each third
+// frame.
 //
 // The body: IM2FIT_BODY, else the cache's; where it is absent there is no case, and standard error says so.
 #include <cstdio>
@@ -12,6 +13,8 @@
 
 #include "bench/frame/room.h"
 #include "bench/kernels/cases.h"
+#include "body/export/moving_clothes.h"
+#include "body/export/offset_wire.h"
 #include "body/garment/dressing_pose.h"
 #include "body/garment/outfit.h"
 #include "body/measure.h"
@@ -26,13 +29,21 @@ constexpr int kSettleFrames = 12;
 struct Dressed {
   std::shared_ptr<body::BodyModel> model;
   std::unique_ptr<body::Outfit> outfit;
+  std::unique_ptr<body::MovingClothes> moving;  // instead of the outfit
   std::vector<body::Pose> poses;
+  body::Skeleton skeleton;
+  std::string told;
   std::size_t next = 0;
 
   void step() {
     next = (next + 1) % poses.size();
-    outfit->frame(poses[next]);
+    if (!moving) return outfit->frame(poses[next]);
+    moving->frame(poses[next]);
+    if (next % 3 != 0) return;
+    told.clear();
+    for (std::size_t i = 0; i < moving->size(); ++i) body::append_offsets(moving->offsets(i), told);
   }
+  void move_roughly() { moving = std::make_unique<body::MovingClothes>(*model, std::move(outfit), skeleton); }
 };
 
 std::shared_ptr<Dressed> dressed_in(const std::shared_ptr<body::BodyModel>& model,
@@ -56,6 +67,7 @@ std::shared_ptr<Dressed> dressed_in(const std::shared_ptr<body::BodyModel>& mode
   dressed->outfit = std::make_unique<body::Outfit>(*model, std::move(pieces));
   for (const float spread : {16.0F, 18.0F, 20.0F, 22.0F, 20.0F, 18.0F})
     dressed->poses.push_back(body::relaxed_pose(skeleton, spread));
+  dressed->skeleton = skeleton;
   dressed->outfit->dress(rest, skeleton, dressed->poses[0]);
   for (int i = 0; i < kSettleFrames; ++i) dressed->step();
   return dressed;
@@ -72,12 +84,13 @@ Cases all_cases(std::string_view only) {
   }
   const auto model = std::make_shared<body::BodyModel>(std::move(*loaded));
   Cases cases;
-  const auto add = [&](const std::string& kernel, const std::vector<const char*>& garments) {
+  const auto add = [&](const std::string& kernel, const std::vector<const char*>& garments, bool moving = false) {
     if (!only.empty() && !only.starts_with(kernel) && !kernel.starts_with(only)) return;
     const auto dressed = dressed_in(model, garments);
     double vertices = 0;
     for (std::size_t i = 0; i < dressed->outfit->size(); ++i)
       vertices += static_cast<double>(dressed->outfit->cloth(i).mesh().vertex_count());
+    if (moving) dressed->move_roughly();
     Case one;
     one.kernel = kernel;
     one.variant = "best";
@@ -90,6 +103,7 @@ Cases all_cases(std::string_view only) {
   add("cloth/t_shirt", {"t_shirt"});
   add("cloth/trousers", {"trousers"});
   add("cloth/both", {"trousers", "t_shirt"});
+  add("cloth/moving", {"trousers", "t_shirt"}, true);
   return cases;
 }
 

@@ -11,7 +11,9 @@ namespace {
 
 using Shares = std::array<float, kSegmentCount>;
 constexpr int kSmoothings = 8;   // neighbours' weights are mixed, so that no fold is torn where limbs meet
-constexpr float kReachMm = 200;  // of skin below
+constexpr float kSmoothMm = 12;  // edges that are smoothed so often; what is mixed reaches as far over longer ones
+constexpr float kLeastVolume = 0.1F;  // that mixed rotations leave of a cube
+constexpr float kReachMm = 200;       // of skin below
 
 // Of the skin nearest to each vertex of the cloth.
 std::vector<Shares> skin_below(const BodyModel& model, const Outfit& outfit, const Cloth& cloth) {
@@ -56,7 +58,9 @@ void smooth(const Cloth& cloth, std::vector<Shares>& all) {
   std::vector<float> count(all.size(), 1.0F);
   for (const auto& e : cloth.constraints().edges)
     for (const std::int32_t v : e) count[static_cast<std::size_t>(v)] += 1;
-  for (int pass = 0; pass < kSmoothings; ++pass) {
+  const float edge = cloth.mesh().edge_mm / kSmoothMm;
+  const int passes = std::max(1, static_cast<int>(static_cast<float>(kSmoothings) / (edge * edge)));
+  for (int pass = 0; pass < passes; ++pass) {
     sum = all;
     for (const auto& e : cloth.constraints().edges) {
       const auto a = static_cast<std::size_t>(e[0]), b = static_cast<std::size_t>(e[1]);
@@ -76,22 +80,49 @@ struct Affine {
   Vec3f shift;
 };
 
-Vec3f undone(const Affine& a, Vec3f posed) {
+Affine mixed(std::span<const Mat3f> rotation, std::span<const Vec3f> shift,
+             const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights) {
+  Affine affine;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::size_t s = segments[k];
+    for (std::size_t i = 0; i < 9; ++i) affine.m[i] += weights[k] * rotation[s].m[i];
+    affine.shift = affine.shift + shift[s] * weights[k];
+  }
+  return affine;
+}
+
+std::array<Vec3f, kSegmentCount> shifts(const Skeleton& rest, const Pose& pose) {
+  const PosedSkeleton posed = pose_skeleton(rest, pose);
+  std::array<Vec3f, kSegmentCount> out;
+  for (std::size_t s = 0; s < out.size(); ++s) out[s] = posed.head[s] - pose.rotation[s] * rest.head[s];
+  return out;
+}
+
+bool undone(const Affine& a, Vec3f posed, Vec3f& at_rest) {
   const auto& m = a.m;
   const Vec3f r0 = {m[0], m[1], m[2]}, r1 = {m[3], m[4], m[5]}, r2 = {m[6], m[7], m[8]};
   const Vec3f c0 = cross(r1, r2), c1 = cross(r2, r0), c2 = cross(r0, r1);
   const float determinant = dot(r0, c0);
+  if (determinant < kLeastVolume) return false;
   const Vec3f p = posed - a.shift;
-  return (c0 * p.x + c1 * p.y + c2 * p.z) * (1 / determinant);
+  at_rest = (c0 * p.x + c1 * p.y + c2 * p.z) * (1 / determinant);
+  return true;
 }
 
 }  // namespace
+
+Unposing::Unposing(const Skeleton& rest, const Pose& pose) : rotation_(pose.rotation), shift_(shifts(rest, pose)) {}
+
+bool Unposing::undo(const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights, Vec3f posed,
+                    Vec3f& at_rest) const {
+  return undone(mixed(rotation_, shift_, segments, weights), posed, at_rest);
+}
 
 ClothPart cloth_part(const BodyModel& model, const Outfit& outfit, std::size_t index, const Skeleton& rest) {
   const Cloth& cloth = outfit.cloth(index);
   std::vector<Shares> all = skin_below(model, outfit, cloth);
   smooth(cloth, all);
-  const PosedSkeleton posed = pose_skeleton(rest, outfit.pose());
+  const std::array<Vec3f, kSegmentCount> shift = shifts(rest, outfit.pose());
   ClothPart part;
   std::vector<Vec3f> shown(all.size());
   outfit.pressed(index, shown);
@@ -110,17 +141,14 @@ ClothPart cloth_part(const BodyModel& model, const Outfit& outfit, std::size_t i
     std::array<float, 4> weights{};
     float sum = 0;
     for (std::size_t k = 0; k < 4; ++k) sum += all[v][order[k]];
-    Affine affine;
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::size_t s = order[k];
-      const float weight = all[v][s] / sum;
-      segments[k] = weight > 0 ? order[k] : std::uint8_t{0};
-      weights[k] = weight;
-      const Mat3f& r = outfit.pose().rotation[s];
-      for (std::size_t i = 0; i < 9; ++i) affine.m[i] += weight * r.m[i];
-      affine.shift = affine.shift + (posed.head[s] - r * rest.head[s]) * weight;
+      weights[k] = all[v][order[k]] / sum;
+      segments[k] = weights[k] > 0 ? order[k] : std::uint8_t{0};
     }
-    part.rest.push_back(undone(affine, shown[v]));
+    const Affine affine = mixed(outfit.pose().rotation, shift, segments, weights);
+    Vec3f at_rest = shown[v];
+    undone(affine, shown[v], at_rest);
+    part.rest.push_back(at_rest);
     const Vec3f n = cloth.normals()[v];
     const auto& m = affine.m;
     part.normals.push_back(normalized({m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "body/garment/outfit.h"
+#include "body/skeleton.h"
 
 namespace im2fit::body {
 
@@ -19,5 +20,18 @@ struct ClothPart {
 };
 // `rest`: the skeleton the outfit's body has.
 ClothPart cloth_part(const BodyModel& model, const Outfit& outfit, std::size_t index, const Skeleton& rest);
+
+// From a pose back to rest, by the motion that a vertex's four segments mix (linear blend skinning undone).
+class Unposing {
+ public:
+  Unposing(const Skeleton& rest, const Pose& pose);
+  // False where the four are turned so far against each other that their mean says nothing: `at_rest` stays.
+  bool undo(const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights, Vec3f posed,
+            Vec3f& at_rest) const;
+
+ private:
+  std::array<Mat3f, kSegmentCount> rotation_;
+  std::array<Vec3f, kSegmentCount> shift_;
+};
 
 }  // namespace im2fit::body

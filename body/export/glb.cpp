@@ -21,6 +21,7 @@ using Json = nlohmann::json;
 
 constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedByte = 5121;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
+constexpr float kUncoversMm = 60;  // cloth that moves, on either side of a hem
 constexpr int kLinear = 9729, kLinearMipmapLinear = 9987;
 
 // The one binary buffer and the views and accessors into it.
@@ -77,6 +78,9 @@ struct Part {
   std::vector<Flat> texture;                          // none, or one a vertex: repeated, so beyond 0..1
   std::vector<TexturePlace> texture_places;           // within 0..1 instead
   std::vector<std::array<std::uint8_t, 4>> colours;   // linear, 255: 1; none, or one a vertex
+  // In the rough mesh, of cloth that moves: three vertices, the fourth number is none; and their shares.
+  std::vector<std::array<std::uint16_t, 4>> corners;
+  std::vector<std::array<float, 3>> shares;
   std::vector<std::uint16_t> indices;
   std::vector<std::uint16_t> hidden_indices;  // of triangles that cloth hides
 };
@@ -149,7 +153,8 @@ std::array<std::uint8_t, 4> bytes_of_colour(const std::array<float, 3>& linear) 
   return {byte(linear[0]), byte(linear[1]), byte(linear[2]), 255};
 }
 
-Part garment_part(const BodyModel& model, const Figure& figure, const Outfit& outfit, std::size_t index) {
+Part garment_part(const BodyModel& model, const Figure& figure, const Avatar& avatar, std::size_t index) {
+  const Outfit& outfit = *avatar.outfit;
   ClothPart cloth = cloth_part(model, outfit, index, figure.skeleton);
   Part part;
   for (const Vec3f& p : cloth.rest) part.positions.push_back(standing(p, figure.floor_rest));
@@ -157,7 +162,13 @@ Part garment_part(const BodyModel& model, const Figure& figure, const Outfit& ou
   for (std::size_t v = 0; v < cloth.weights.size(); ++v) add_influences(part, cloth.segments[v], cloth.weights[v]);
   part.texture = std::move(cloth.texture);
   std::vector<std::uint8_t> hidden(part.positions.size());
-  outfit.hidden_cloth(index, hidden);
+  outfit.hidden_cloth(index, hidden, avatar.cloth_moves ? kUncoversMm : 0);
+  if (avatar.cloth_moves)
+    for (const Refinement::Spot& spot : outfit.refinement(index).spots()) {
+      const auto corner = [&](std::size_t k) { return static_cast<std::uint16_t>(spot.corner[k]); };
+      part.corners.push_back({corner(0), corner(1), corner(2), 0});
+      part.shares.push_back(spot.share);
+    }
   for (const auto& t : outfit.cloth(index).mesh().triangles) {
     const bool seen =
         std::any_of(t.begin(), t.end(), [&](std::int32_t v) { return hidden[static_cast<std::size_t>(v)] == 0; });
@@ -182,6 +193,10 @@ Json primitive(Buffer& buffer, const Part& part, int material) {
     attributes["TEXCOORD_0"] = buffer.add_shares(std::span(part.texture_places), "VEC2", kUnsignedShort);
   if (!part.colours.empty())
     attributes["COLOR_0"] = buffer.add_shares(std::span(part.colours), "VEC4", kUnsignedByte);
+  if (!part.corners.empty()) {
+    attributes["_CORNERS"] = buffer.add(std::span(part.corners), "VEC4", kUnsignedShort, count, kArrayBuffer);
+    attributes["_SHARES"] = buffer.add(std::span(part.shares), "VEC3", kFloat, count, kArrayBuffer);
+  }
   Json json = {{"attributes", attributes}, {"indices", indices}, {"material", material}};
   // Skin below cloth is not drawn; whoever undresses the avatar, or measures it, finds its triangles there.
   if (!part.hidden_indices.empty())
@@ -304,7 +319,7 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
   const std::size_t garments = avatar.outfit != nullptr ? avatar.outfit->size() : 0;
   if (garments > 0) {
     hidden.resize(static_cast<std::size_t>(avatar.model->body_vertex_count()));
-    avatar.outfit->hidden_skin(hidden);
+    avatar.outfit->hidden_skin(hidden, avatar.cloth_moves ? kUncoversMm : 0);
   }
   // By name: clang reads a list of one in braces as that one, GCC as a list.
   Json primitives =
@@ -314,7 +329,7 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
       Json::array({has_look ? textured("skin", false, 0.7) : material("skin", {0.78F, 0.63F, 0.55F, 1}, false)});
   for (std::size_t i = 0; i < garments; ++i) {
     const ClothLook look = i < avatar.looks.size() ? avatar.looks[i] : ClothLook{"cloth"};
-    Part part = garment_part(*avatar.model, *figure, *avatar.outfit, i);
+    Part part = garment_part(*avatar.model, *figure, avatar, i);
     const bool painted = look.vertex_colours.size() == part.positions.size();
     const std::array<float, 3> c = painted ? std::array<float, 3>{1, 1, 1} : look.colour;
     if (painted)

@@ -35,8 +35,12 @@ RigPose rig_pose(const Skeleton& rest, const Pose& pose) {
   return rig;
 }
 
+Pose standing_pose(const Skeleton& rest, float floor_rest_mm, const JointSet& joints) {
+  return on_lower_sole(rest, floor_rest_mm, pose_from_joints(rest, joints));
+}
+
 RigPose rig_of_joints(const Skeleton& rest, float floor_rest_mm, const JointSet& joints) {
-  return rig_pose(rest, on_lower_sole(rest, floor_rest_mm, pose_from_joints(rest, joints)));
+  return rig_pose(rest, standing_pose(rest, floor_rest_mm, joints));
 }
 
 }  // namespace im2fit::body

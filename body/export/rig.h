@@ -18,6 +18,7 @@ struct RigPose {
 // `pose` of the avatar whose rest skeleton that is.
 RigPose rig_pose(const Skeleton& rest, const Pose& pose);
 // Of whoever stands as these joints say, in mesh axes, the lower foot on y = 0. `floor_rest_mm`: Figure::floor_rest.
+Pose standing_pose(const Skeleton& rest, float floor_rest_mm, const JointSet& joints);
 RigPose rig_of_joints(const Skeleton& rest, float floor_rest_mm, const JointSet& joints);
 
 }  // namespace im2fit::body

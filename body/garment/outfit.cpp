@@ -319,6 +319,15 @@ float Outfit::Box::squared_to(Vec3f p) const {
   return (x * x + y * y + z * z) * kRounding;
 }
 
+void Outfit::keep_rough_alone() {
+  cloths_ = std::move(rough_);  // before the meshes: cloth refers to them
+  meshes_ = std::move(rough_meshes_);
+  rough_.clear();
+  rough_meshes_.clear();
+  refinements_.clear();
+  for (auto& cloth : cloths_) cloth->update_normals();
+}
+
 void Outfit::box(const Cloth& cloth) const {
   boxes_.clear();
   groups_.clear();
@@ -372,7 +381,7 @@ bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, flo
   return rim > rim_mm;
 }
 
-void Outfit::hidden_skin(std::span<std::uint8_t> out) const {
+void Outfit::hidden_skin(std::span<std::uint8_t> out, float more_mm) const {
   assert(out.size() >= drawn_.size());
   std::fill(out.begin(), out.end(), std::uint8_t{0});
   for (const auto& cloth : cloths_) {
@@ -380,8 +389,8 @@ void Outfit::hidden_skin(std::span<std::uint8_t> out) const {
     std::size_t hint = 0;
     for (const std::int32_t v : surface_.vertices()) {
       const auto i = static_cast<std::size_t>(v);
-      if (out[i] == 0 &&
-          hides(*cloth, posed_[i], surface_.normal(true)[i], surface_.limbs(v), kSkinBehindMm, kHiddenRimMm, hint))
+      if (out[i] == 0 && hides(*cloth, posed_[i], surface_.normal(true)[i], surface_.limbs(v), kSkinBehindMm,
+                               kHiddenRimMm + more_mm, hint))
         out[i] = 1;
     }
   }
@@ -420,7 +429,7 @@ void Outfit::pressed(std::size_t index, std::span<Vec3f> out) const {
   }
 }
 
-void Outfit::hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const {
+void Outfit::hidden_cloth(std::size_t index, std::span<std::uint8_t> out, float more_mm) const {
   const Cloth& cloth = *cloths_[index];
   assert(out.size() >= cloth.mesh().vertex_count());
   std::fill(out.begin(), out.end(), std::uint8_t{0});
@@ -429,7 +438,7 @@ void Outfit::hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const 
     std::size_t hint = 0;
     for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v)
       if (out[v] == 0 && hides(*cloths_[over], cloth.position(v), cloth.normals()[v], cloth.limbs(v), kClothBehindMm,
-                               kHiddenClothRimMm, hint))
+                               kHiddenClothRimMm + more_mm, hint))
         out[v] = 1;
   }
 }

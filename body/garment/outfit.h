@@ -39,20 +39,25 @@ class Outfit {
   // The same in `frames` even steps.
   void move_to(const Pose& pose, int frames);
 
+  // Once dressed: gives up the fine meshes for the rough ones, which lie where they were when the others took their
+  // places. All that is told of cloth from here on is of these. Cannot be dressed again.
+  void keep_rough_alone();
+
   std::size_t size() const { return cloths_.size(); }
   const Cloth& cloth(std::size_t i) const { return *cloths_[i]; }
+  const Refinement& refinement(std::size_t i) const { return refinements_[i]; }  // not after keep_rough_alone()
   const BodySurface& skin() const { return surface_; }
   std::span<const Vec3f> body() const { return posed_; }  // all vertices of the model, as the last frame ended
   const Pose& pose() const { return pose_; }
 
   // Which of the body's vertices cloth hides whatever way one looks: `out` has body_vertex_count() places, 1: hidden.
-  // Skin near hems is not.
-  void hidden_skin(std::span<std::uint8_t> out) const;
+  // Skin near hems is not; `more_mm`: so much farther from them, where cloth will move.
+  void hidden_skin(std::span<std::uint8_t> out, float more_mm = 0) const;
   // Where a garment's vertices are shown: those that stand out of cloth worn over it lie under that cloth. `out` has
   // a place a vertex of the garment.
   void pressed(std::size_t index, std::span<Vec3f> out) const;
   // The same as hidden_skin of a garment's vertices below the garments over it.
-  void hidden_cloth(std::size_t index, std::span<std::uint8_t> out) const;
+  void hidden_cloth(std::size_t index, std::span<std::uint8_t> out, float more_mm = 0) const;
 
  private:
   // Vertices of a garment that follow one another lie near each other: a box about each kBlock of them, and one about

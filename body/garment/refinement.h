@@ -21,11 +21,15 @@ class Refinement {
   // Alexa 2008, Phong tessellation). The rough cloth's normals must be up to date.
   void places(const Cloth& rough, std::span<Vec3f> out) const;
 
- private:
+  // The place of a vertex in the flat pattern: sums of three rough vertices. Shares sum to 1; of a vertex a little
+  // outside all rough triangles one is below 0.
   struct Spot {
     std::array<std::int32_t, 3> corner{};  // of the rough mesh
     std::array<float, 3> share{};
   };
+  std::span<const Spot> spots() const { return spots_; }  // of each vertex of the finer mesh
+
+ private:
   std::vector<Spot> spots_;
 };
 

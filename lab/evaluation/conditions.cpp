@@ -28,7 +28,7 @@ void phone(EvaluationOptions& o) {
   o.height = 192;
 }
 
-constexpr std::array<Word, 34> kWords = {{
+constexpr std::array<Word, 35> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},

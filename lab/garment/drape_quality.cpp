@@ -110,7 +110,43 @@ float roughness_of(const Cloth& cloth) {
   return worst;
 }
 
+// Behind the nearest skin of the limbs it covers and behind the nearest that faces as it does, looked for afresh: the
+// solver leaves some of it out. Crumpled cloth may face skin far beside it, and where limbs press on each other the
+// nearest may be the other one's.
+Inside inside_of(const body::BodySurface& skin, const Cloth& cloth, std::span<const Vec3f> places,
+                 std::span<const Vec3f> normals) {
+  constexpr float kLookMm = 60;
+  std::size_t count = 0;
+  Inside inside;
+  const auto behind_mm = [&](std::size_t v, Vec3f facing, float cosine) {
+    body::SkinPlace place;
+    std::int32_t hint = -1;
+    if (!skin.nearest(places[v], facing, cosine, cloth.limbs(v), kLookMm, hint, place)) return 0.0F;
+    return dot(skin.at(place, false) - places[v], skin.facing(place, false));
+  };
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    const float behind = std::min(behind_mm(v, {}, -1), behind_mm(v, normals[v], 0));
+    if (behind <= 0) continue;
+    ++count;
+    inside.deepest_mm = std::max(inside.deepest_mm, behind);
+  }
+  inside.share = static_cast<float>(count) / static_cast<float>(places.size());
+  return inside;
+}
+
 }  // namespace
+
+Inside judge_inside(const body::BodySurface& skin, const Cloth& cloth, std::span<const Vec3f> places) {
+  std::vector<Vec3f> normals(places.size());
+  for (const auto& t : cloth.mesh().triangles) {
+    const auto a = static_cast<std::size_t>(t[0]), b = static_cast<std::size_t>(t[1]),
+               c = static_cast<std::size_t>(t[2]);
+    const Vec3f n = cross(places[b] - places[a], places[c] - places[a]);
+    for (const std::size_t v : {a, b, c}) normals[v] = normals[v] + n;
+  }
+  for (Vec3f& n : normals) n = normalized(n);
+  return inside_of(skin, cloth, places, normals);
+}
 
 DrapeQuality judge(const body::Outfit& outfit, std::size_t index) {
   const Cloth& cloth = outfit.cloth(index);
@@ -136,24 +172,9 @@ DrapeQuality judge(const body::Outfit& outfit, std::size_t index) {
   q.strain_p95 = strain[strain.size() * 95 / 100];
   q.strain_peak = strain.back();
 
-  // Behind the nearest skin of the limbs it covers and behind the nearest that faces as it does, looked for afresh:
-  // the solver leaves some of it out. Crumpled cloth may face skin far beside it, and where limbs press on each other
-  // the nearest may be the other one's.
-  constexpr float kLookMm = 60;
-  std::size_t inside = 0;
-  const auto behind_mm = [&](std::size_t v, Vec3f facing, float cosine) {
-    body::SkinPlace place;
-    std::int32_t hint = -1;
-    if (!outfit.skin().nearest(positions[v], facing, cosine, cloth.limbs(v), kLookMm, hint, place)) return 0.0F;
-    return dot(outfit.skin().at(place, false) - positions[v], outfit.skin().facing(place, false));
-  };
-  for (std::size_t v = 0; v < positions.size(); ++v) {
-    const float behind = std::min(behind_mm(v, {}, -1), behind_mm(v, normals[v], 0));
-    if (behind <= 0) continue;
-    ++inside;
-    q.inside_deepest_mm = std::max(q.inside_deepest_mm, behind);
-  }
-  q.inside_share = static_cast<float>(inside) / static_cast<float>(positions.size());
+  const Inside inside = inside_of(outfit.skin(), cloth, positions, normals);
+  q.inside_share = inside.share;
+  q.inside_deepest_mm = inside.deepest_mm;
   q.folds_mm = folds_of(cloth);
   q.hem_roughness_mm = roughness_of(cloth);
   return q;

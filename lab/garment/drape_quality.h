@@ -17,6 +17,12 @@ struct DrapeQuality {
 };
 DrapeQuality judge(const body::Outfit& outfit, std::size_t cloth);
 
+// How much of a garment lies under the skin where that is at the beginning of the frame, were it at these places.
+struct Inside {
+  float share = 0, deepest_mm = 0;  // of its vertices
+};
+Inside judge_inside(const body::BodySurface& skin, const body::Cloth& cloth, std::span<const Vec3f> places);
+
 // Root mean square and largest motion of the vertices since `before`, mm.
 struct Motion {
   float rms_mm = 0, most_mm = 0;

@@ -18,8 +18,8 @@ Result<AvatarAnimator> AvatarAnimator::create(const body::Avatar& avatar) {
   return animator;
 }
 
-body::RigPose AvatarAnimator::follow(const JointSet& joints, const FloorPlane& floor) const {
-  return body::rig_of_joints(rest_, floor_mm_, to_mesh_axes(joints, floor));
+body::Pose AvatarAnimator::pose(const JointSet& joints, const FloorPlane& floor) const {
+  return body::standing_pose(rest_, floor_mm_, to_mesh_axes(joints, floor));
 }
 
 std::array<Vec3f, kJointCount> standing_joints_m(const JointSet& joints, const FloorPlane& floor) {

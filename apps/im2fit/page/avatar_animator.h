@@ -16,7 +16,8 @@ class AvatarAnimator {
   // Errors: as make_figure().
   static Result<AvatarAnimator> create(const body::Avatar& avatar);
   // Of finite joints in camera axes. In the axes of the .glb, hips above the origin, the lower foot on y = 0.
-  body::RigPose follow(const JointSet& joints, const FloorPlane& floor) const;
+  body::Pose pose(const JointSet& joints, const FloorPlane& floor) const;
+  body::RigPose rig(const body::Pose& pose) const { return body::rig_pose(rest_, pose); }
 
  private:
   body::Skeleton rest_;

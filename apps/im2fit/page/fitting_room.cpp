@@ -19,8 +19,12 @@ Error refused(std::string why) {
 
 }  // namespace
 
-FittingRoom::FittingRoom(std::string body_path, std::function<void(const std::string&)> ready)
-    : body_path_(std::move(body_path)), ready_(std::move(ready)), thread_([this] { work(); }) {}
+FittingRoom::FittingRoom(std::string body_path, std::function<void(const std::string&)> ready,
+                         std::function<void(std::uint32_t)> moved)
+    : body_path_(std::move(body_path)),
+      ready_(std::move(ready)),
+      live_(std::move(moved)),
+      thread_([this] { work(); }) {}
 
 FittingRoom::~FittingRoom() {
   {
@@ -37,6 +41,7 @@ void FittingRoom::welcome(Customer customer) {
   ++visit_;
   waiting_.reset();
   made_.clear();
+  live_.wear("", nullptr);
 }
 
 void FittingRoom::forget() {
@@ -45,6 +50,7 @@ void FittingRoom::forget() {
   ++visit_;
   waiting_.reset();
   made_.clear();
+  live_.wear("", nullptr);
 }
 
 // Words of a customer alone: the fits say which garments and sizes there are.
@@ -96,13 +102,28 @@ PageAnswer FittingRoom::ask(std::span<const std::pair<std::string, std::string>>
   const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& m) { return m.name == wish->name; });
   if (found != made_.end()) {
     made_.splice(made_.begin(), made_, found);
-    return made_.front().answer;
+    live_.wear(found->name, found->clothes);
+    return found->answer;
   }
   if (making_ != wish->name) {
     waiting_ = std::move(*wish);
     news_.notify_all();
   }
   return {kAccepted, nullptr, "being dressed; ask again"};
+}
+
+PageAnswer FittingRoom::ask_cloth(std::span<const std::pair<std::string, std::string>> query) {
+  const auto visit =
+      std::find_if(query.begin(), query.end(), [](const auto& field) { return field.first == "visit"; });
+  if (visit == query.end()) return {kBadRequest, nullptr, "visit is missing"};
+  const std::lock_guard lock(mutex_);
+  if (!customer_ || customer_->visit != visit->second)
+    return {kNotFound, nullptr, "that person is not here (any more)"};
+  const auto wish = wish_of(query);
+  if (!wish) return {kBadRequest, nullptr, wish.error().message};
+  const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& m) { return m.name == wish->name; });
+  if (found == made_.end() || !found->clothes) return {kNotFound, nullptr, "no cloth of this name moves"};
+  return live_.ask(wish->name);
 }
 
 void FittingRoom::work() {
@@ -115,16 +136,11 @@ void FittingRoom::work() {
     const Customer customer = *customer_;
     const std::uint64_t visit = visit_;
     lock.unlock();
-    auto glb = make(customer, wish);
+    auto made = make(customer, wish);
     lock.lock();
     making_.clear();
     if (visit != visit_) continue;  // they have gone meanwhile
-    PageAnswer answer{kOk, nullptr, ""};
-    if (glb)
-      answer.file = std::make_shared<const PageFile>(PageFile{"model/gltf-binary", std::move(*glb)});
-    else
-      answer = {kFailed, nullptr, glb.error().message};
-    made_.push_front({wish.name, std::move(answer)});
+    made_.push_front(made ? std::move(*made) : Made{wish.name, {kFailed, nullptr, made.error().message}, nullptr});
     if (made_.size() > kKept) made_.pop_back();
     lock.unlock();
     ready_(customer.visit);
@@ -132,7 +148,7 @@ void FittingRoom::work() {
   }
 }
 
-Result<std::string> FittingRoom::make(const Customer& customer, const Wish& wish) {
+Result<FittingRoom::Made> FittingRoom::make(const Customer& customer, const Wish& wish) {
   if (!model_) {
     auto model = body::BodyModel::load(body_path_);
     if (!model) return model.error();
@@ -148,6 +164,7 @@ Result<std::string> FittingRoom::make(const Customer& customer, const Wish& wish
     if (!dressed) return dressed.error();
     outfit = std::move(*dressed);
     avatar.outfit = outfit.get();
+    avatar.cloth_moves = true;
     for (std::size_t i = 0; i < worn.size(); ++i) {
       body::ClothLook look{worn[i].pattern->id, worn[i].pattern->colour, {}};
       if (wish.ease) look.vertex_colours = ease_map(*outfit, i);
@@ -156,7 +173,16 @@ Result<std::string> FittingRoom::make(const Customer& customer, const Wish& wish
   }
   const auto glb = body::glb_of(avatar);
   if (!glb) return glb.error();
-  return std::string(reinterpret_cast<const char*>(glb->data()), glb->size());
+  Made made{wish.name, {kOk, nullptr, ""}, nullptr};
+  made.answer.file = std::make_shared<const PageFile>(
+      PageFile{"model/gltf-binary", std::string(reinterpret_cast<const char*>(glb->data()), glb->size())});
+  if (outfit) {
+    std::vector<Vec3f> rest(static_cast<std::size_t>(model_->vertex_count()));
+    model_->morph(customer.params, rest);
+    made.clothes =
+        std::make_shared<body::MovingClothes>(*model_, std::move(outfit), body::rest_skeleton(*model_, rest));
+  }
+  return made;
 }
 
 }  // namespace im2fit::apps

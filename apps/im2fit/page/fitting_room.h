@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "apps/im2fit/page/board.h"
+#include "apps/im2fit/page/live_cloth.h"
 #include "body/model.h"
 #include "body/skeleton.h"
 #include "core/status.h"
@@ -38,8 +39,10 @@ class FittingRoom {
   static constexpr std::size_t kKept = 8;
 
   // `body_path`: loaded when first needed. `ready`, on the room's thread: something asked for has been made, or
-  // failed.
-  FittingRoom(std::string body_path, std::function<void(const std::string& visit)> ready);
+  // failed. `moved`, on another: cloth has, to a frame of this number.
+  FittingRoom(
+      std::string body_path, std::function<void(const std::string& visit)> ready,
+      std::function<void(std::uint32_t number)> moved = [](std::uint32_t) {});
   ~FittingRoom();  // waits for what is being made: some seconds
   FittingRoom(const FittingRoom&) = delete;
   FittingRoom& operator=(const FittingRoom&) = delete;
@@ -51,7 +54,12 @@ class FittingRoom {
   // Of a query's fields, each once: `visit`, and either `top` and `top_size`, `bottom` and `bottom_size`, both or
   // none (bare); `colours=ease` for the ease map. 200: there it is. 202: it is being made, ask again when `ready` was
   // called. 400: the query is none. 404: no person is here, or another one. 500: it cannot be made.
+  // What was got last is what moves.
   PageAnswer ask(std::span<const std::pair<std::string, std::string>> query);
+  // Of the same query: its cloth as LiveCloth::ask() tells it. 404 also of what is bare, or is kept no longer.
+  PageAnswer ask_cloth(std::span<const std::pair<std::string, std::string>> query);
+  // How whoever is dressed stands now. Waits for nothing.
+  void follow(const body::Pose& pose) { live_.follow(pose); }
 
  private:
   struct Piece {
@@ -66,10 +74,11 @@ class FittingRoom {
   struct Made {
     std::string name;
     PageAnswer answer;
+    std::shared_ptr<body::MovingClothes> clothes;  // null: bare, or failed
   };
   Result<Wish> wish_of(std::span<const std::pair<std::string, std::string>> query) const;
   void work();
-  Result<std::string> make(const Customer& customer, const Wish& wish);
+  Result<Made> make(const Customer& customer, const Wish& wish);
 
   const std::string body_path_;
   const std::function<void(const std::string&)> ready_;
@@ -81,7 +90,8 @@ class FittingRoom {
   std::optional<Wish> waiting_;
   std::string making_;                      // name of the wish; "": none
   std::list<Made> made_;                    // the latest used first
-  std::unique_ptr<body::BodyModel> model_;  // of the thread alone
+  std::unique_ptr<body::BodyModel> model_;  // written by the thread alone, before any clothes are made
+  LiveCloth live_;
   std::thread thread_;
 };
 

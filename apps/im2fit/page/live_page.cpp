@@ -55,10 +55,16 @@ Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& setting
     return self.act(action, visit, note);
   };
   if (!settings.body_path.empty()) {
-    self.fitting_ = std::make_unique<FittingRoom>(settings.body_path, [&self](const std::string& visit) {
-      self.board_.publish("tryon", Json{{"event", "tryon"}, {"visit", visit}}.dump());
-    });
+    self.fitting_ = std::make_unique<FittingRoom>(
+        settings.body_path,
+        [&self](const std::string& visit) {
+          self.board_.publish("tryon", Json{{"event", "tryon"}, {"visit", visit}}.dump());
+        },
+        [&self](std::uint32_t number) {
+          self.board_.publish("cloth", Json{{"event", "cloth"}, {"number", number}}.dump());
+        });
     handlers.try_on = [&self](auto fields) { return self.fitting_->ask(fields); };
+    handlers.cloth = [&self](auto fields) { return self.fitting_->ask_cloth(fields); };
   }
   if (settings.desk) {
     self.desk_ = std::make_unique<OperatorDesk>(*settings.desk);
@@ -151,7 +157,7 @@ void LivePage::end_recorded_visit(std::uint64_t visit) {
 void LivePage::forget(std::uint64_t over, bool erased) {
   if (desk_) desk_->visit_over(over, erased);
   // Files first: who hears of the new visit finds nothing of the one before.
-  board_.withdraw({"state", "frame", "picture", "measured", "tryon", "left"},
+  board_.withdraw({"state", "frame", "picture", "measured", "tryon", "cloth", "left"},
                   {"/result.json", "/avatar.glb", "/picture.png"});
   if (fitting_) fitting_->forget();
   hand_over_.forget();
@@ -280,7 +286,9 @@ void LivePage::move(const FrameSeen& frame) {
       event["confidence"] = std::move(percent);
     }
     if (animator_ && follows_) {
-      const body::RigPose rig = animator_->follow(result.display_joints, result.floor);
+      const body::Pose pose = animator_->pose(result.display_joints, result.floor);
+      if (fitting_) fitting_->follow(pose);
+      const body::RigPose rig = animator_->rig(pose);
       event["root"] = rounded(rig.root_m);
       for (const auto& rotation : rig.rotation) event["rotations"].push_back(rounded(rotation));
     }

@@ -244,7 +244,6 @@ struct PageServer::Parts {
   MHD_Result answer_post(MHD_Connection* connection, std::string_view path);
   MHD_Result answer_phone(MHD_Connection* connection, const std::string& path);
   MHD_Result answer_stream(MHD_Connection* connection);
-  MHD_Result answer_try_on(MHD_Connection* connection);
   static ssize_t read_stream(void* closure, std::uint64_t position, char* to, std::size_t room);
   static void end_stream(void* closure);
   void keep();
@@ -297,7 +296,8 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
   if (path == "/events")
     return method == "GET" ? answer_stream(connection) : send(connection, 200, copied(""), "text/event-stream");
   if (const WebFile* fixed = is_operators(path) ? nullptr : web_file(path)) return answer_file(connection, *fixed);
-  if (path == "/tryon.glb" && handlers.try_on) return answer_try_on(connection);
+  if (path == "/tryon.glb" && handlers.try_on) return send_answer(connection, handlers.try_on(query_of(connection)));
+  if (path == "/cloth.bin" && handlers.cloth) return send_answer(connection, handlers.cloth(query_of(connection)));
   if (auto file = board.file(path)) {
     const std::string type = file->type;
     return send(connection, MHD_HTTP_OK, shared(std::move(file)), type.c_str());
@@ -376,10 +376,6 @@ MHD_Result PageServer::Parts::answer_post(MHD_Connection* connection, std::strin
   if (!handlers.act(action->second, *visit.value, text))
     return send(connection, MHD_HTTP_CONFLICT, copied("that visit is over\n"), kText);
   return send(connection, MHD_HTTP_OK, copied("done\n"), kText);
-}
-
-MHD_Result PageServer::Parts::answer_try_on(MHD_Connection* connection) {
-  return send_answer(connection, handlers.try_on(query_of(connection)));
 }
 
 MHD_Result PageServer::Parts::answer_file(MHD_Connection* connection, const WebFile& file) {

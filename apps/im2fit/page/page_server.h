@@ -27,7 +27,7 @@ enum class PageAction { consent, touch, erase };
 // kActionTextMax long. On the server's thread. False: there is no such visit any more.
 using PageActor = std::function<bool(PageAction action, std::string_view visit, std::string_view note)>;
 inline constexpr std::size_t kActionTextMax = 64;
-// The fields of /tryon.glb's query, as they are. On the server's thread.
+// The fields of the query of /tryon.glb or /cloth.bin, as they are. On the server's thread.
 using PageQuery = std::function<PageAnswer(std::span<const std::pair<std::string, std::string>> fields)>;
 
 // What the operator's page asks for, below /operator/: by GET, or by POST with a body of JSON.
@@ -48,6 +48,7 @@ using PageTake = std::function<PageAnswer(std::string_view token)>;
 struct PageHandlers {
   PageActor act;                  // without it nothing is answered to POST
   PageQuery try_on;               // without it there is no /tryon.glb
+  PageQuery cloth;                // without it there is no /cloth.bin
   PageOperator operate;           // without it there is no /operator; on the server's thread
   std::string operator_password;  // "": none is asked for
   PageOffer offer;                // without it there is no /hand-over

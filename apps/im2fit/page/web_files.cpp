@@ -23,6 +23,7 @@ IM2FIT_EMBED(im2fit_web_es, IM2FIT_WEB_DIR "/lang/es.json")
 IM2FIT_EMBED(im2fit_web_fr, IM2FIT_WEB_DIR "/lang/fr.json")
 IM2FIT_EMBED(im2fit_web_zh, IM2FIT_WEB_DIR "/lang/zh.json")
 IM2FIT_EMBED(im2fit_web_stage, IM2FIT_WEB_DIR "/stage.js")
+IM2FIT_EMBED(im2fit_web_cloth, IM2FIT_WEB_DIR "/cloth.js")
 IM2FIT_EMBED(im2fit_web_tryon, IM2FIT_WEB_DIR "/tryon.js")
 IM2FIT_EMBED(im2fit_web_tryon_style, IM2FIT_WEB_DIR "/tryon.css")
 IM2FIT_EMBED(im2fit_web_page, IM2FIT_WEB_DIR "/page.js")
@@ -64,6 +65,7 @@ const WebFile* web_file(std::string_view path) {
       own("/lang/fr.json", kWords, im2fit_web_fr, im2fit_web_fr_end),
       own("/lang/zh.json", kWords, im2fit_web_zh, im2fit_web_zh_end),
       own("/stage.js", kScript, im2fit_web_stage, im2fit_web_stage_end),
+      own("/cloth.js", kScript, im2fit_web_cloth, im2fit_web_cloth_end),
       own("/tryon.js", kScript, im2fit_web_tryon, im2fit_web_tryon_end),
       own("/tryon.css", "text/css; charset=utf-8", im2fit_web_tryon_style, im2fit_web_tryon_style_end),
       own("/page.js", kScript, im2fit_web_page, im2fit_web_page_end),

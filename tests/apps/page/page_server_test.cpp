@@ -70,7 +70,7 @@ TEST_F(Served, ThePageAndAllItAsksForAreThere) {
     EXPECT_EQ(file->status, 200) << (*at)[1];
     EXPECT_GT(file->body.size(), 500U) << (*at)[1];
   }
-  EXPECT_EQ(found, 12);
+  EXPECT_EQ(found, 13);
   // Nothing of another machine.
   EXPECT_EQ(page->body.find("http"), std::string::npos);
 }

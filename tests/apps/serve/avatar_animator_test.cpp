@@ -67,7 +67,7 @@ TEST_F(AvatarAnimators, StandsAsTheJointsSay) {
 
     const auto animator = AvatarAnimator::create({model_.get(), params_, pose});
     ASSERT_TRUE(animator) << animator.error().message;
-    const body::RigPose rig = animator->follow(seen, floor);
+    const body::RigPose rig = animator->rig(animator->pose(seen, floor));
     std::array<body::Mat3f, body::kSegmentCount> local;
     for (std::size_t s = 0; s < local.size(); ++s) local[s] = matrix(rig.rotation[s]);
     const std::vector<Vec3f> stood = skinned(body::pose_from_local(local, rig.root_m * 1000.0F - skeleton_.head[0]));

@@ -225,9 +225,12 @@ const on = {
     if (!stage || !whose) return;
     // A result may be without a body, or be deleted while that is on its way.
     const shown = await stage.loadAvatar(`/avatar.glb?${whose.id}`, hello.segments).catch(() => false);
-    if (shown) document.body.dataset.avatar = event.person;  // whose body stands on the stage
+    if (!shown) return;
+    document.body.dataset.avatar = event.person;  // whose body stands on the stage
+    fitting.dressAsMeasured();
   },
   tryon(event) { fitting.ready(event); },
+  cloth() { clothLink.fetch(); },
   left() {
     if (stage) stage.setJoints(null);
   },

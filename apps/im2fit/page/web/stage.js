@@ -29,6 +29,7 @@ class Stage {
     this.scene.add(grid);
     this.lines = null;
     this.avatar = null;
+    this.cloth = null;  // of the avatar, where it moves
     this.avatarsRequested = 0;
     this.nodes = [];
     this.wanted = null;
@@ -88,6 +89,7 @@ class Stage {
       this.avatar = gltf.scene;
       this.avatar.traverse((o) => { o.frustumCulled = false; });  // bones move it out of the box it was made in
       this.nodes = segments.map((name) => this.avatar.getObjectByName(name));
+      this.cloth = new MovingCloth(this.avatar);
       this.scene.add(this.avatar);
       this.requestDraw();
       resolve(true);
@@ -104,6 +106,7 @@ class Stage {
       if (o.material) o.material.dispose();
     });
     this.avatar = null;
+    this.cloth = null;
     this.nodes = [];
     this.wanted = null;
     this.requestDraw();
@@ -145,6 +148,7 @@ class Stage {
       this.camera.updateProjectionMatrix();
     }
     this.glide();
+    if (this.cloth && this.cloth.advance(performance.now(), this.still.matches)) this.requestDraw();
     this.renderer.render(this.scene, this.camera);
   }
 }

@@ -17,6 +17,7 @@ class Fitting {
     this.shown = null;   // the query on the stage; null: the avatar as measured
     this.asking = false;
     this.status = '';
+    this.quiet = false;  // what is asked for was not chosen by a person
   }
 
   fit(id) { return this.fits.find((f) => f.garment === id); }
@@ -57,8 +58,17 @@ class Fitting {
   }
 
   changed() {
+    this.quiet = false;
     this.asked = this.query();
     this.draw();
+    this.ask();
+  }
+
+  // The avatar as measured, once more: with cloth that moves. No person chose it, so a failure is not shown.
+  dressAsMeasured() {
+    if (this.fits.length === 0 || this.asked !== null) return;
+    this.quiet = true;
+    this.asked = this.query();
     this.ask();
   }
 
@@ -80,7 +90,11 @@ class Fitting {
         this.later = setTimeout(() => this.ask(), 1500);
       } else if (answer.ok) {
         status = '';
-        if (query === this.asked && await this.show(`/tryon.glb?${query}`)) this.shown = query;
+        if (query === this.asked) clothLink.end();  // offsets of one avatar are none of another's
+        if (query === this.asked && await this.show(`/tryon.glb?${query}`)) {
+          this.shown = query;
+          clothLink.begin(query);
+        }
       }
     } catch (error) {
       status = 'failed';  // the program has ended, or what was made is kept no longer
@@ -137,7 +151,7 @@ class Fitting {
   drawStatus() {
     const line = document.getElementById('fitting-status');
     const waits = this.asked !== null && this.asked !== this.shown;
-    const code = this.status || (waits ? 'dressing' : '');
+    const code = this.quiet ? '' : this.status || (waits ? 'dressing' : '');
     if (line) line.textContent = code ? this.texts[code] : '';
   }
 

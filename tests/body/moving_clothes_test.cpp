@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clothes that move as rough meshes and are shown as fine ones: beside the fine cloth simulated itself, and beside
+// cloth that the skeleton alone takes along.
+#include "body/export/moving_clothes.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstring>
+
+#include "allocations.h"
+#include "body/garment/dressing_pose.h"
+#include "body_pack.h"
+#include "lab/garment/drape_quality.h"
+#include "lab/garment/dressed_people.h"
+#include "shown_cloth.h"
+
+namespace im2fit::body {
+namespace {
+
+class MovingCloth : public testing::Test {
+ protected:
+  void SetUp() override {
+    IM2FIT_NEEDS_BODY();
+    person_ = lab::example_people(*real_body())[1];  // a median man
+    poses_ = lab::dressed_poses(*real_body(), person_);
+  }
+  std::unique_ptr<Outfit> dressed() const {
+    auto outfit = std::make_unique<Outfit>(*real_body(), lab::pieces_for(person_, {"trousers", "t_shirt"}));
+    outfit->dress(person_.rest, person_.skeleton, poses_[0].pose);
+    return outfit;
+  }
+  std::unique_ptr<MovingClothes> moving() const {
+    return std::make_unique<MovingClothes>(*real_body(), dressed(), person_.skeleton);
+  }
+  const Pose& pose(const std::string& name) const {
+    for (const auto& p : poses_)
+      if (p.name == name) return p.pose;
+    ADD_FAILURE() << name;
+    return poses_[0].pose;
+  }
+  // As a person moves there and stays a while.
+  static void go(MovingClothes& clothes, const Pose& to, int frames = 20, int stay = 10) {
+    const Pose from = clothes.outfit().pose();
+    for (int i = 1; i <= frames + stay; ++i)
+      clothes.frame(between(from, to, std::min(1.0F, static_cast<float>(i) / static_cast<float>(frames))));
+  }
+  static float longest(const MovingClothes& clothes) {
+    float most = 0;
+    for (std::size_t i = 0; i < clothes.size(); ++i)
+      for (const Vec3f& o : clothes.offsets(i)) most = std::max(most, norm(o));
+    return most;
+  }
+  lab::DressedPerson person_;
+  std::vector<lab::NamedPose> poses_;
+};
+
+double mean_distance(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b) {
+  double sum = 0;
+  for (std::size_t v = 0; v < a.size(); ++v) sum += static_cast<double>(norm(a[v] - b[v]));
+  return sum / static_cast<double>(a.size());
+}
+
+TEST_F(MovingCloth, BeginsAtRestAndComesBackThere) {
+  const auto clothes = moving();
+  EXPECT_EQ(longest(*clothes), 0);
+  for (int i = 0; i < 10; ++i) clothes->frame(poses_[0].pose);
+  EXPECT_LT(longest(*clothes), MovingClothes::kClearMm + 6) << "it had come to rest";
+  go(*clothes, pose("arms-up"));
+  EXPECT_GT(longest(*clothes), 30);
+  go(*clothes, poses_[0].pose, 20, 20);
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < clothes->size(); ++i)
+    for (const Vec3f& o : clothes->offsets(i)) {
+      sum += static_cast<double>(norm(o));
+      ++count;
+    }
+  EXPECT_LT(sum / count, 12) << "folds fall otherwise, but there they are again";
+}
+
+// Bounds are what it keeps today with a margin.
+TEST_F(MovingCloth, IsNearerToFineClothThanTheSkeletonAlone) {
+  const auto fine = dressed();
+  const auto clothes = moving();
+  std::vector<ClothPart> parts;
+  for (std::size_t i = 0; i < fine->size(); ++i)
+    parts.push_back(cloth_part(*real_body(), *fine, i, person_.skeleton));
+  double shown_inside = 0, skinned_inside = 0, off = 0, skinned_off = 0;
+  int count = 0;
+  for (const char* name : {"arms-up", "stride", "twist", "knee", "relaxed"}) {
+    const Pose& to = pose(name);
+    go(*clothes, to);
+    const Pose from = fine->pose();
+    for (int i = 1; i <= 30; ++i) fine->frame(between(from, to, std::min(1.0F, static_cast<float>(i) / 20)));
+    for (std::size_t i = 0; i < clothes->size(); ++i) {
+      const auto spots = fine->refinement(i).spots();
+      const auto of = [&](std::span<const Vec3f> offsets) {
+        return shown_cloth(parts[i], spots, offsets, person_.skeleton, clothes->outfit().pose());
+      };
+      const auto shown = of(clothes->offsets(i)), skinned = of({});
+      const auto truth = lab::positions_of(fine->cloth(i));
+      const auto inside = lab::judge_inside(fine->skin(), fine->cloth(i), shown);
+      const auto skinned_is = lab::judge_inside(fine->skin(), fine->cloth(i), skinned);
+      std::printf(
+          "%-8s %zu: %.1f mm off fine cloth (skinned alone %.1f); inside %.2f %%, deepest %.0f mm (%.2f %%, %.0f "
+          "mm)\n",
+          name, i, mean_distance(shown, truth), mean_distance(skinned, truth), 100.0 * inside.share,
+          inside.deepest_mm, 100.0 * skinned_is.share, skinned_is.deepest_mm);
+      shown_inside += inside.share;
+      skinned_inside += skinned_is.share;
+      off += mean_distance(shown, truth);
+      skinned_off += mean_distance(skinned, truth);
+      ++count;
+    }
+  }
+  std::printf("mean: %.1f mm off fine cloth (skinned alone %.1f); inside %.2f %% (%.2f %%)\n", off / count,
+              skinned_off / count, 100 * shown_inside / count, 100 * skinned_inside / count);
+  EXPECT_LT(off, 0.6 * skinned_off);
+  EXPECT_LT(shown_inside / count, 0.02) << "the skeleton alone takes skin and cloth along, so that fewer are inside";
+}
+
+TEST_F(MovingCloth, TakesLeapsInStrides) {
+  const auto clothes = moving();
+  const Pose& far = pose("arms-up");
+  clothes->frame(far);
+  const PosedSkeleton before = pose_skeleton(person_.skeleton, poses_[0].pose),
+                      now = pose_skeleton(person_.skeleton, clothes->outfit().pose());
+  const auto hand = static_cast<std::size_t>(Segment::left_hand);
+  EXPECT_GT(norm(now.head[hand] - before.head[hand]), MovingClothes::kStrideMm / 3);
+  EXPECT_LT(norm(now.head[hand] - before.head[hand]), MovingClothes::kStrideMm * 1.2F);
+  for (int i = 0; i < 30; ++i) clothes->frame(far);
+  const PosedSkeleton there = pose_skeleton(person_.skeleton, clothes->outfit().pose()),
+                      wanted = pose_skeleton(person_.skeleton, far);
+  EXPECT_LT(norm(there.head[hand] - wanted.head[hand]), 0.1F);
+}
+
+TEST_F(MovingCloth, IsTheSameTwiceAndAllocatesNothing) {
+  std::vector<Vec3f> first;
+  for (const int time : {0, 1}) {
+    const auto clothes = moving();
+    const Pose& to = pose("elbows");
+    const auto before = allocations_so_far();
+    for (int i = 0; i < 8; ++i) clothes->frame(to);
+    EXPECT_EQ(allocations_so_far(), before);
+    const auto offsets = clothes->offsets(1);
+    if (time == 0) first.assign(offsets.begin(), offsets.end());
+    ASSERT_EQ(first.size(), offsets.size());
+    EXPECT_EQ(std::memcmp(first.data(), offsets.data(), offsets.size_bytes()), 0);
+  }
+}
+
+}  // namespace
+}  // namespace im2fit::body
