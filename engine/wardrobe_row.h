@@ -47,6 +47,9 @@ void put_pattern(Row& row, Pattern& p) {
     row.whole(edge.to);
     row.list(edge.via, [&](auto& at) { row.whole(at); });
   });
+  row.whole(p.gusset.at);
+  row.number(p.gusset.more);
+  row.number(p.gusset.reach_mm);
   row.list(p.regions, [&](auto& region) {
     row.text(region.id);
     row.text(region.measure);

@@ -56,6 +56,16 @@ TEST(Wardrobe, IsWhatTheFilesSay) {
   ASSERT_TRUE(kept) << kept.error().message;
   EXPECT_TRUE(std::string(reinterpret_cast<const char*>(kept->data()), kept->size()) == text)
       << "engine/builtin_wardrobe.inc was changed by hand";
+  // What the table leaves out of a pattern would be missing from both.
+  const CutBody body = body::cut_body(of_files->law, true, 920);
+  for (const GarmentPattern& pattern : of_files->garments) {
+    const GarmentMesh filed = sew(pattern, body), built_in = sew(garment(pattern.id), body);
+    ASSERT_EQ(filed.vertex_count(), built_in.vertex_count()) << pattern.id;
+    EXPECT_EQ(filed.longer, built_in.longer) << pattern.id;
+    EXPECT_EQ(filed.border, built_in.border) << pattern.id;
+    for (std::size_t v = 0; v < filed.vertex_count(); ++v)
+      ASSERT_TRUE(filed.flat[v].x == built_in.flat[v].x && filed.flat[v].y == built_in.flat[v].y) << pattern.id;
+  }
 }
 
 // The chart's step, at the girth the chart is about.
