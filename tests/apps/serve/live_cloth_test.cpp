@@ -21,7 +21,7 @@
 #include "data_paths.h"
 #include "depth_folder.h"
 #include "engine/builtin_tape.h"
-#include "engine/report/dressing.h"
+#include "engine/dressing.h"
 #include "engine/report/result_json.h"
 #include "lab/garment/drape_quality.h"
 #include "lab/garment/dressed_people.h"
