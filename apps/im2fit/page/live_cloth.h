@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clothes that pages show, simulated on a thread of their own while somebody looks: the latest pose wins, and
+// The clothes that pages show, simulated on a thread of their own while a page shows them: the latest pose wins, and
 // whoever tells it never waits.
 #pragma once
 

@@ -97,7 +97,7 @@ class MovingPerson : public testing::Test {
   static inline std::vector<lab::NamedPose>* poses_ = nullptr;
 };
 
-TEST_F(MovingPerson, NothingIsSimulatedUnlessSomebodyLooks) {
+TEST_F(MovingPerson, NothingIsSimulatedUnlessAPageAsks) {
   std::atomic<std::uint32_t> moved{0};
   FittingRoom room(
       test::body_path(), [](const std::string&) {}, [&](std::uint32_t number) { moved = number; });
@@ -111,7 +111,7 @@ TEST_F(MovingPerson, NothingIsSimulatedUnlessSomebodyLooks) {
     }
   };
   follow(10);
-  EXPECT_EQ(moved, 0U) << "nobody has asked";
+  EXPECT_EQ(moved, 0U) << "no page has asked";
   EXPECT_EQ(room.ask_cloth(query("one")).status, 202U);
   for (int i = 0; i < 100 && moved < 2; ++i) follow(3);
   EXPECT_GE(moved, 2U);

@@ -85,7 +85,7 @@ class MovingCloth {
 }
 
 // Asks for what moves while an avatar of that query is on the stage: a frame when the program says there is one, and
-// every second a word that somebody looks.
+// every second a word that a page shows it.
 class ClothLink {
   constructor() { this.query = ''; }
 
