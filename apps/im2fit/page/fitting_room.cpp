@@ -90,40 +90,43 @@ Result<FittingRoom::Wish> FittingRoom::wish_of(std::span<const std::pair<std::st
   return wish;
 }
 
-PageAnswer FittingRoom::ask(std::span<const std::pair<std::string, std::string>> query) {
+std::optional<PageAnswer> FittingRoom::read_wish(std::span<const std::pair<std::string, std::string>> query,
+                                                 Wish& wish) const {
   const auto visit =
       std::find_if(query.begin(), query.end(), [](const auto& field) { return field.first == "visit"; });
-  if (visit == query.end()) return {kBadRequest, nullptr, "visit is missing"};
-  const std::lock_guard lock(mutex_);
+  if (visit == query.end()) return PageAnswer{kBadRequest, nullptr, "visit is missing"};
   if (!customer_ || customer_->visit != visit->second)
-    return {kNotFound, nullptr, "that person is not here (any more)"};
-  auto wish = wish_of(query);
-  if (!wish) return {kBadRequest, nullptr, wish.error().message};
-  const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& m) { return m.name == wish->name; });
+    return PageAnswer{kNotFound, nullptr, "that person is not here (any more)"};
+  auto read = wish_of(query);
+  if (!read) return PageAnswer{kBadRequest, nullptr, read.error().message};
+  wish = std::move(*read);
+  return std::nullopt;
+}
+
+PageAnswer FittingRoom::ask(std::span<const std::pair<std::string, std::string>> query) {
+  const std::lock_guard lock(mutex_);
+  Wish wish;
+  if (auto refusal = read_wish(query, wish)) return *refusal;
+  const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& m) { return m.name == wish.name; });
   if (found != made_.end()) {
     made_.splice(made_.begin(), made_, found);
     live_.wear(found->name, found->clothes);
     return found->answer;
   }
-  if (making_ != wish->name) {
-    waiting_ = std::move(*wish);
+  if (making_ != wish.name) {
+    waiting_ = std::move(wish);
     news_.notify_all();
   }
   return {kAccepted, nullptr, "being dressed; ask again"};
 }
 
 PageAnswer FittingRoom::ask_cloth(std::span<const std::pair<std::string, std::string>> query) {
-  const auto visit =
-      std::find_if(query.begin(), query.end(), [](const auto& field) { return field.first == "visit"; });
-  if (visit == query.end()) return {kBadRequest, nullptr, "visit is missing"};
   const std::lock_guard lock(mutex_);
-  if (!customer_ || customer_->visit != visit->second)
-    return {kNotFound, nullptr, "that person is not here (any more)"};
-  const auto wish = wish_of(query);
-  if (!wish) return {kBadRequest, nullptr, wish.error().message};
-  const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& m) { return m.name == wish->name; });
+  Wish wish;
+  if (auto refusal = read_wish(query, wish)) return *refusal;
+  const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& m) { return m.name == wish.name; });
   if (found == made_.end() || !found->clothes) return {kNotFound, nullptr, "no cloth of this name moves"};
-  return live_.ask(wish->name);
+  return live_.ask(wish.name);
 }
 
 void FittingRoom::work() {

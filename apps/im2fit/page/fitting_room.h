@@ -77,6 +77,8 @@ class FittingRoom {
     std::shared_ptr<body::MovingClothes> clothes;  // null: bare, or failed
   };
   Result<Wish> wish_of(std::span<const std::pair<std::string, std::string>> query) const;
+  // What to answer where there is no wish; nullopt: it is in `wish`.
+  std::optional<PageAnswer> read_wish(std::span<const std::pair<std::string, std::string>> query, Wish& wish) const;
   void work();
   Result<Made> make(const Customer& customer, const Wish& wish);
 
