@@ -70,7 +70,8 @@ struct LevelSections {
     const float y[] = {marks.buttock, marks.navel, marks.nipple, marks.crotch - kThighBelowCrotchMm, calf_y};
     for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = {y[i], true, {}};
     section_levels(model.body_quads(), model.data().triangle_is_arm, mesh, heights, levels);
-    for (const std::size_t leg : {3, 4}) std::erase_if(levels[leg].points, [](Vec3f p) { return p.x <= 0; });
+    for (const std::size_t leg : {std::size_t{3}, std::size_t{4}})
+      std::erase_if(levels[leg].points, [](Vec3f p) { return p.x <= 0; });
     Hull* const out[] = {&hip, &waist, &chest, &thigh, &calf};
     for (std::size_t i = 0; i < levels.size(); ++i) *out[i] = convex_hull(levels[i].points, level_plane(y[i]));
   }
