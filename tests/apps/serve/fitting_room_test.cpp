@@ -154,7 +154,11 @@ TEST_F(Fitting, ABrowserTriesClothesOn) {
                  {"views", "front"},
                  {"clothing", {{"answered_as", "bare"}}},
                  {"fit", Json::array()}};
-  for (const GarmentFit& fit : customer_->fits) result["fit"].push_back(Json::parse(fit_json(fit)));
+  for (const GarmentFit& fit : customer_->fits) {
+    Json json = Json::parse(fit_json(fit));
+    if (fit.garment == "shorts") json["fits"] = false;
+    result["fit"].push_back(json);
+  }
   (*page)->publish({{"event", "measured"}, {"frames", 30}, {"person", 1}, {"result", result}});
 
   test::Browser browser(folder.path(""), {"--window-size=390,844"});
@@ -189,6 +193,13 @@ TEST_F(Fitting, ABrowserTriesClothesOn) {
   };
   press("#fitting-bottom [data-garment=skirt]");
   EXPECT_EQ(materials(), with_look({"skin", "skirt", "t_shirt"}));
+  const auto said_of_best = [&](const std::string& part) {
+    return browser.run("return document.querySelector('#fitting-" + part + " .sizes small').textContent.trim()");
+  };
+  EXPECT_EQ(said_of_best("top"), "best");
+  press("#fitting-bottom [data-garment=shorts]");
+  EXPECT_EQ(said_of_best("bottom"), "closest, none fits");  // nothing is called best that does not fit
+  press("#fitting-bottom [data-garment=skirt]");
   press("#fitting-top .sizes button:last-child");
   EXPECT_THAT(browser.run("return fitting.shown").get<std::string>(), HasSubstr("top_size=3XL"));
   press("#fitting-ease");

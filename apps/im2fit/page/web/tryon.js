@@ -192,7 +192,7 @@ class Fitting {
       });
       chip.classList.add(worst);
       chip.dataset.size = size;
-      if (size === fit.best) this.element('small', ` ${this.texts.best}`, chip);
+      if (size === fit.best) this.element('small', ` ${fit.fits ? this.texts.best : this.texts.closest}`, chip);
     }
     const list = this.element('div', '', box, {className: 'regions'});
     for (const [region, {ease_mm: ease, interval, verdict}] of Object.entries(fit.sizes[worn.size])) {
