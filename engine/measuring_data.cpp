@@ -44,6 +44,11 @@ Status compare_index(MeasuringData& data, std::optional<std::uint32_t> index_crc
 
 }  // namespace
 
+bool MeasuringData::fits_shapes() const {
+  return body_model != nullptr && index->fit_layout().size() > 0 &&
+         index->shape_key() == body_model->shape_space().key;
+}
+
 Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, MeasuringBytes bytes) {
   MeasuringData data;
   data.files = files;
@@ -64,8 +69,7 @@ Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, Measuring
   auto charts = load_size_charts(files.size_charts);
   if (!charts) return charts.error();
   data.charts = std::move(*charts);
-  if (data.body_model != nullptr &&
-      (data.index->fit_layout().size() == 0 || data.index->shape_key() != data.body_model->shape_space().key))
+  if (data.body_model != nullptr && !data.fits_shapes())
     data.warnings.push_back(files.index + ": not made with the shapes of " + files.body +
                             ": features answer alone, less well; build the index again with im2fit-lab index");
   if (files.site.empty() && !bytes.site) return data;

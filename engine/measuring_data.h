@@ -41,6 +41,8 @@ struct MeasuringData {
   std::unique_ptr<SiteCalibration> site;  // null: no file was named
   std::vector<std::string> warnings;      // a line for each two files that do not belong together
 
+  // Whether a shape is fitted to the depth: the index was made with the shapes of this body.
+  bool fits_shapes() const;
   MeasurementParts parts() const { return {index.get(), body_model.get(), charts.get(), tape.get(), site.get()}; }
 };
 // All but the tape. Errors name the file and say what makes it.

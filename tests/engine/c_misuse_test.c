@@ -142,6 +142,10 @@ static void every_function_refuses_null(void) {
   CHECK(im2fit_dressed_avatar(handle, worn, 2, NULL, 0, &n) == invalid);
   CHECK(im2fit_dressed_avatar(handle, worn, 5, NULL, 0, &n) == invalid);
   CHECK(im2fit_dressed_avatar(handle, NULL, 0, NULL, 0, &n) == IM2FIT_ERROR_UNSUPPORTED);
+  im2fit_models models;
+  CHECK(im2fit_get_models(NULL, &models, sizeof models) == invalid);
+  CHECK(im2fit_get_models(handle, NULL, sizeof models) == invalid);
+  CHECK(im2fit_get_models(handle, &models, sizeof models) == IM2FIT_OK && models.people == 0 && models.made_by[0] == 0);
   CHECK(im2fit_live_rig(NULL, &rig, sizeof rig) == invalid && im2fit_live_rig(handle, NULL, sizeof rig) == invalid);
   CHECK(im2fit_live_rig(handle, &rig, sizeof rig) == IM2FIT_ERROR_UNSUPPORTED);
   im2fit_frame_init(NULL, 8);

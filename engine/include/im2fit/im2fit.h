@@ -270,6 +270,25 @@ IM2FIT_API int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms);
 /* Closes the attached source, if any; im2fit_close does so too. */
 IM2FIT_API int im2fit_detach(im2fit_handle* handle);
 
+/* ---- The models a handle was opened with ----------------------------------------------------------------------- */
+
+typedef struct im2fit_models {
+  const char* made_by;     /* the index: by which program, from what; the handle's, constant */
+  uint32_t people;         /* whom the index was made of */
+  uint32_t captures;       /* of these people, in the index */
+  uint32_t tracker_key;    /* names the tracker; an index made with another is refused when opened */
+  int32_t has_body;        /* 1: body data was given, so that there are meshes, tape, avatars and garments */
+  int32_t answers_shape;   /* 1: a shape is fitted to the depth as well; 0: the body data is not what the index was */
+                           /* made with, or there is none, and answers are less good */
+  int32_t answers_turned;  /* 1: the index knows people from behind, so that settings.turn is of use */
+  int32_t answers_clothed; /* 1: it knows people in clothes */
+  int32_t site_corrected;  /* 1: answers are corrected for the site (settings.calibration_site_path) */
+} im2fit_models;
+
+/* What the models are and what they can answer: for a support page, or to refuse a pack that is not enough.
+ * `struct_size` is sizeof *models as the caller sees it. No allocation. */
+IM2FIT_API int im2fit_get_models(im2fit_handle* handle, im2fit_models* models, size_t struct_size);
+
 /* ---- Results --------------------------------------------------------------------------------------------------- */
 
 enum {

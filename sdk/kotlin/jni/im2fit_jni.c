@@ -3,54 +3,12 @@
 // nothing thrown here: every function gives back the library's status, and Kotlin makes exceptions of it. Texts are
 // bytes of UTF-8, as Java's native strings are another encoding. Exceptions of the virtual machine itself (no memory)
 // stay pending, and the function returns at once.
-#include <im2fit/im2fit.h>
-#include <jni.h>
+#include "im2fit_jni.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-static im2fit_handle* handle_of(jlong handle) {
-  return (im2fit_handle*)(intptr_t)handle;
-}
-
-static jbyteArray bytes_of(JNIEnv* env, const char* text) {
-  if (!text) return NULL;
-  const jsize length = (jsize)strlen(text);
-  jbyteArray bytes = (*env)->NewByteArray(env, length);
-  if (bytes) (*env)->SetByteArrayRegion(env, bytes, 0, length, (const jbyte*)text);
-  return bytes;
-}
-
-// A zero-ended copy of an element of byte[][]; NULL where the element is null, or after a failure, which is pending.
-static char* text_at(JNIEnv* env, jobjectArray texts, jsize at) {
-  jbyteArray bytes = (jbyteArray)(*env)->GetObjectArrayElement(env, texts, at);
-  if (!bytes) return NULL;
-  const jsize length = (*env)->GetArrayLength(env, bytes);
-  char* text = (char*)malloc((size_t)length + 1);
-  if (text) {
-    (*env)->GetByteArrayRegion(env, bytes, 0, length, (jbyte*)text);
-    text[length] = 0;
-  }
-  (*env)->DeleteLocalRef(env, bytes);
-  return text;
-}
-
-// A text as element `at`; a failure is pending afterwards. No exception may be pending before.
-static void put_text(JNIEnv* env, jobjectArray texts, jsize at, const char* text) {
-  jbyteArray bytes = bytes_of(env, text);
-  if ((*env)->ExceptionCheck(env)) return;
-  (*env)->SetObjectArrayElement(env, texts, at, bytes);
-  if (bytes) (*env)->DeleteLocalRef(env, bytes);
-}
-
-// Bytes of the library's as made[0].
-static void put_bytes(JNIEnv* env, jobjectArray made, const char* bytes, size_t size) {
-  jbyteArray array = (*env)->NewByteArray(env, (jsize)size);
-  if (!array) return;
-  (*env)->SetByteArrayRegion(env, array, 0, (jsize)size, (const jbyte*)bytes);
-  (*env)->SetObjectArrayElement(env, made, 0, array);
-}
 
 static jbyteArray native_version(JNIEnv* env, jclass type) {
   (void)type;
@@ -338,8 +296,6 @@ static jint native_poll(JNIEnv* env, jclass type, jlong handle, jlongArray longs
   return IM2FIT_OK;
 }
 
-enum { SIZES_MAX = 64 };  // of a chart; the built-in ones have 9
-
 // names: byte[SIZES_MAX][]; counted: their number and the likeliest's index.
 static jint native_sizes(JNIEnv* env, jclass type, jlong handle, jobjectArray names, jfloatArray probabilities,
                          jintArray counted) {
@@ -456,117 +412,18 @@ static jint native_bytes(JNIEnv* env, jclass type, jlong handle, jint what, jobj
   return status;
 }
 
-static jint native_garment_count(JNIEnv* env, jclass type) {
-  (void)env;
+// longs: people, captures, the tracker's key, and whether body, shape, backs, clothes and the site's corrections are
+// there; texts[0]: what made the index.
+static jint native_models(JNIEnv* env, jclass type, jlong handle, jlongArray longs, jobjectArray texts) {
   (void)type;
-  return (jint)im2fit_garment_count();
-}
-
-// id and name in `language` of one garment.
-static void native_garment_words(JNIEnv* env, jclass type, jint index, jbyteArray language, jobjectArray words) {
-  (void)type;
-  char code[8] = {0};
-  const jsize length = (*env)->GetArrayLength(env, language);
-  (*env)->GetByteArrayRegion(env, language, 0, length < 7 ? length : 7, (jbyte*)code);
-  const char* texts[2] = {im2fit_garment_id((size_t)index), im2fit_garment_name((size_t)index, code)};
-  for (jsize i = 0; i < 2 && !(*env)->ExceptionCheck(env); ++i) put_text(env, words, i, texts[i]);
-}
-
-// Of a garment, the only element of `id`: sizes' names byte[SIZES_MAX][], places' names
-// byte[IM2FIT_REGION_COUNT_MAX][]; a float a size, its cost, and three a place, one size after the other; an int a
-// place, its verdict; counted: sizes, the best one, places.
-static jint native_fit(JNIEnv* env, jclass type, jlong handle, jobjectArray id, jobjectArray sizes,
-                       jobjectArray places, jfloatArray floats, jintArray verdicts, jintArray counted) {
-  (void)type;
-  char* garment = text_at(env, id, 0);
-  im2fit_size_fit* fits = (im2fit_size_fit*)calloc(SIZES_MAX, sizeof *fits);
-  size_t count = 0;
-  size_t best = 0;
-  jint status = IM2FIT_ERROR_NO_MEMORY;
-  if (garment && fits)
-    status = im2fit_garment_fit(handle_of(handle), garment, fits, sizeof *fits, SIZES_MAX, &count, &best);
-  jint place_count = 0;
-  for (size_t i = 0; status == IM2FIT_OK && i < count && !(*env)->ExceptionCheck(env); ++i) {
-    jfloat f[1 + 3 * IM2FIT_REGION_COUNT_MAX];
-    jint v[IM2FIT_REGION_COUNT_MAX];
-    place_count = fits[i].region_count;
-    f[0] = fits[i].cost;
-    for (jint r = 0; r < place_count; ++r) {
-      const im2fit_region_fit* place = &fits[i].regions[r];
-      f[1 + 3 * r] = place->ease_mm;
-      f[2 + 3 * r] = place->low_mm;
-      f[3 + 3 * r] = place->high_mm;
-      v[r] = place->verdict;
-      if (i == 0) put_text(env, places, r, place->name);
-    }
-    if (!(*env)->ExceptionCheck(env)) put_text(env, sizes, (jsize)i, fits[i].name);
-    const jsize step = 1 + 3 * place_count;
-    if (!(*env)->ExceptionCheck(env)) (*env)->SetFloatArrayRegion(env, floats, (jsize)i * step, step, f);
-    if (!(*env)->ExceptionCheck(env))
-      (*env)->SetIntArrayRegion(env, verdicts, (jsize)i * place_count, place_count, v);
-  }
-  free(fits);
-  free(garment);
-  if ((*env)->ExceptionCheck(env)) return IM2FIT_ERROR_NO_MEMORY;
-  const jint numbers[3] = {(jint)count, (jint)best, place_count};
-  (*env)->SetIntArrayRegion(env, counted, 0, 3, numbers);
-  return status;
-}
-
-// ids, sizes: byte[count][]; a size null for the best. The avatar into made[0].
-static jint native_dressed(JNIEnv* env, jclass type, jlong handle, jobjectArray ids, jobjectArray sizes,
-                           jobjectArray made) {
-  (void)type;
-  im2fit_worn worn[IM2FIT_WORN_COUNT_MAX];
-  char* texts[2 * IM2FIT_WORN_COUNT_MAX] = {NULL};
-  const jsize asked = (*env)->GetArrayLength(env, ids);
-  const jsize count = asked < IM2FIT_WORN_COUNT_MAX ? asked : IM2FIT_WORN_COUNT_MAX; /* Session.kt has checked */
-  for (jsize i = 0; i < count && !(*env)->ExceptionCheck(env); ++i) {
-    texts[2 * i] = text_at(env, ids, i);
-    if (!(*env)->ExceptionCheck(env)) texts[2 * i + 1] = text_at(env, sizes, i);
-    worn[i].garment = texts[2 * i];
-    worn[i].size = texts[2 * i + 1];
-  }
-  jint status = IM2FIT_ERROR_NO_MEMORY;
-  if (!(*env)->ExceptionCheck(env)) {
-    size_t size = 0;
-    im2fit_handle* const of = handle_of(handle);
-    char* bytes = NULL;
-    status = im2fit_dressed_avatar(of, worn, (size_t)count, NULL, 0, &size);
-    if (status == IM2FIT_ERROR_TOO_SMALL) {
-      bytes = (char*)malloc(size);
-      status = bytes ? im2fit_dressed_avatar(of, worn, (size_t)count, bytes, size, &size) : IM2FIT_ERROR_NO_MEMORY;
-    }
-    if (status == IM2FIT_OK) put_bytes(env, made, bytes, size);
-    free(bytes);
-  }
-  for (jsize i = 0; i < 2 * IM2FIT_WORN_COUNT_MAX; ++i) free(texts[i]);
-  return status;
-}
-
-// floats: the root, then the nodes' quaternions; numbers: whose, and the inferred joints' bits.
-static jint native_rig(JNIEnv* env, jclass type, jlong handle, jfloatArray floats, jintArray numbers) {
-  (void)type;
-  im2fit_rig rig;
-  const jint status = im2fit_live_rig(handle_of(handle), &rig, sizeof rig);
+  im2fit_models models;
+  const jint status = im2fit_get_models(handle_of(handle), &models, sizeof models);
   if (status != IM2FIT_OK) return status;
-  (*env)->SetFloatArrayRegion(env, floats, 0, 3, rig.root_m);
-  if (!(*env)->ExceptionCheck(env))
-    (*env)->SetFloatArrayRegion(env, floats, 3, 4 * IM2FIT_RIG_NODE_COUNT, rig.rotations[0]);
-  const jint n[2] = {rig.user_id, (jint)rig.joints_inferred};
-  if (!(*env)->ExceptionCheck(env)) (*env)->SetIntArrayRegion(env, numbers, 0, 2, n);
+  const jlong known[] = {models.people,        models.captures,       models.tracker_key,     models.has_body,
+                         models.answers_shape, models.answers_turned, models.answers_clothed, models.site_corrected};
+  (*env)->SetLongArrayRegion(env, longs, 0, (jsize)(sizeof known / sizeof known[0]), known);
+  if (!(*env)->ExceptionCheck(env)) put_text(env, texts, 0, models.made_by);
   return IM2FIT_OK;
-}
-
-// Names of the nodes, and the numbers of their parents.
-static void native_rig_nodes(JNIEnv* env, jclass type, jobjectArray names, jintArray parents) {
-  (void)type;
-  jint of[IM2FIT_RIG_NODE_COUNT];
-  for (jsize i = 0; i < IM2FIT_RIG_NODE_COUNT && !(*env)->ExceptionCheck(env); ++i) {
-    put_text(env, names, i, im2fit_rig_node_name(i));
-    of[i] = im2fit_rig_node_parent(i);
-  }
-  if (!(*env)->ExceptionCheck(env)) (*env)->SetIntArrayRegion(env, parents, 0, IM2FIT_RIG_NODE_COUNT, of);
 }
 
 // By name rather than by Java_im2fit_sdk_...: a method that is missing on either side fails when the library is
@@ -593,6 +450,7 @@ JNIEXPORT jint JNICALL JNI_OnLoad(JavaVM* machine, void* reserved) {
       {"fit", "(J[[B[[B[[B[F[I[I)I", (void*)native_fit},
       {"dressed", "(J[[B[[B[[B)I", (void*)native_dressed},
       {"rig", "(J[F[I)I", (void*)native_rig},
+      {"models", "(J[J[[B)I", (void*)native_models},
       {"rigNodes", "([[B[I)V", (void*)native_rig_nodes},
   };
   JNIEnv* env = NULL;

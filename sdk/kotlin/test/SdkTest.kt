@@ -152,6 +152,9 @@ fun main(arguments: Array<String>) {
         fails<IllegalArgumentException> { garments("xx") }
         same(rigNodes().first(), RigNode("pelvis", -1), "the first node")
         Session(clip.camera, models, quick).use { session ->
+            val info = session.modelInfo()
+            expect(info.people in 1..info.captures && info.madeBy.isNotEmpty()) { "$info" }
+            expect(info.hasBody && !info.siteCorrected) { "$info" }
             same(fails<Im2fitException> { session.rig() }.statusName, "not_measured", "rig")
             same(fails<Im2fitException> { session.fit("t_shirt") }.statusName, "not_measured", "fit")
             same(fails<Im2fitException> { session.dressedAvatar() }.statusName, "not_measured", "dressed")

@@ -284,6 +284,16 @@ class Session:
         self._check(status)
         return np.array(rig.root_m, np.float32), np.array(rig.rotations, np.float32)
 
+    def models(self):
+        """What the models are and can answer: a dict with the fields of im2fit_models (made_by, people, captures, tracker_key,
+        and has_body, answers_shape, answers_turned, answers_clothed, site_corrected as bool)."""
+        models = _c.Models()
+        self._check(_lib().im2fit_get_models(self._open_handle(), ctypes.byref(models), ctypes.sizeof(models)))
+        known = {name: getattr(models, name) for name, _ in _c.Models._fields_}
+        known["made_by"] = known["made_by"].decode()
+        return {name: bool(v) if kind is ctypes.c_int32 else v
+                for (name, kind), v in zip(_c.Models._fields_, known.values())}
+
     def next(self):
         """The next person, after the measurement: frames are taken again, and the answer stands until whoever was measured has
         left."""

@@ -84,9 +84,16 @@ class Rig(c.Structure):
                 ("joints_inferred", c.c_uint32)]
 
 
+class Models(c.Structure):
+    _fields_ = [("made_by", c.c_char_p), ("people", c.c_uint32), ("captures", c.c_uint32), ("tracker_key", c.c_uint32),
+                ("has_body", c.c_int32), ("answers_shape", c.c_int32), ("answers_turned", c.c_int32),
+                ("answers_clothed", c.c_int32), ("site_corrected", c.c_int32)]
+
+
 STRUCTS = {"im2fit_data": Data, "im2fit_settings": Settings, "im2fit_frame": Frame, "im2fit_estimate": Estimate,
            "im2fit_joint": Joint, "im2fit_user": User, "im2fit_result": Result,
-           "im2fit_region_fit": RegionFit, "im2fit_size_fit": SizeFit, "im2fit_worn": Worn, "im2fit_rig": Rig}
+           "im2fit_region_fit": RegionFit, "im2fit_size_fit": SizeFit, "im2fit_worn": Worn, "im2fit_rig": Rig,
+           "im2fit_models": Models}
 
 
 def load(path=None):
@@ -113,6 +120,7 @@ def load(path=None):
                                       c.POINTER(c.c_size_t)]),
             ("dressed_avatar", c.c_int, [pointer, c.POINTER(Worn), c.c_size_t, pointer, c.c_size_t, c.POINTER(c.c_size_t)]),
             ("live_rig", c.c_int, [pointer, c.POINTER(Rig), c.c_size_t]),
+            ("get_models", c.c_int, [pointer, c.POINTER(Models), c.c_size_t]),
             ("garment_count", c.c_size_t, []), ("garment_id", c.c_char_p, [c.c_size_t]), ("fit_name", c.c_char_p, [c.c_int]),
             ("rig_node_name", c.c_char_p, [c.c_int]),
             ("state_name", c.c_char_p, [c.c_int]), ("guidance_name", c.c_char_p, [c.c_int])):

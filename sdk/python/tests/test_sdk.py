@@ -146,6 +146,11 @@ class Measuring(unittest.TestCase):
         camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
         words = (camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, camera.rotate_deg)
         with im2fit.Session(*words, models=models(), **FRAMES) as session:
+            known = session.models()
+            self.assertGreater(known["captures"], known["people"] - 1)
+            self.assertGreater(known["people"], 0)
+            self.assertIs(known["has_body"], True)
+            self.assertIs(known["site_corrected"], False)
             with self.assertRaisesRegex(im2fit.Error, "nothing is measured"):
                 session.fit("t_shirt")
             for number, path in _folder.frames_of(GOLDEN / "clip"):

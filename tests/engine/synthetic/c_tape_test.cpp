@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -16,6 +17,7 @@
 #include "engine/wardrobe.h"
 #include "hal/source.h"
 #include "hal/steady_view.h"
+#include "index/index.h"
 #include "lab/camera/virtual_camera.h"
 #include "lab/population/population.h"
 
@@ -66,6 +68,42 @@ class CTape : public testing::Test {
   im2fit_handle* handle_ = nullptr;
   im2fit_result result_{};
 };
+
+TEST_F(CTape, TheModelsAreThoseOfTheFiles) {
+  const auto index = index::Index::open(std::getenv("IM2FIT_INDEX"));
+  ASSERT_TRUE(index) << index.error().message;
+  im2fit_models models{};
+  ASSERT_EQ(im2fit_get_models(handle_, &models, sizeof models), IM2FIT_OK);
+  EXPECT_EQ(models.people, index->info().subject_count);
+  EXPECT_EQ(models.captures, index->size());
+  EXPECT_EQ(models.made_by, index->info().provenance);
+  EXPECT_EQ(models.tracker_key, index->info().tracker_key);
+  EXPECT_EQ(models.has_body, 1);
+  EXPECT_EQ(models.answers_shape, 1);
+  EXPECT_EQ(models.answers_turned, 1);
+  EXPECT_EQ(models.answers_clothed, index->knows_clothed() ? 1 : 0);
+  EXPECT_EQ(models.site_corrected, 0);
+  // A caller of an older header gets what it has room for, one of a newer header zeros.
+  struct {
+    im2fit_models models;
+    std::uint64_t more = 7;
+  } grown;
+  ASSERT_EQ(im2fit_get_models(handle_, &grown.models, sizeof grown), IM2FIT_OK);
+  EXPECT_EQ(grown.more, 0U);
+  grown.models.people = 77;
+  ASSERT_EQ(im2fit_get_models(handle_, &grown.models, offsetof(im2fit_models, people)), IM2FIT_OK);
+  EXPECT_EQ(grown.models.people, 77U);
+
+  // Without body data nothing is fitted, and the library says so.
+  im2fit_settings bare = settings_;
+  bare.body_path = nullptr;
+  im2fit_handle* without = nullptr;
+  ASSERT_EQ(im2fit_open(&bare, &without), IM2FIT_OK) << im2fit_last_error(nullptr);
+  ASSERT_EQ(im2fit_get_models(without, &models, sizeof models), IM2FIT_OK);
+  EXPECT_EQ(models.people, index->info().subject_count);
+  EXPECT_EQ(models.has_body + models.answers_shape + models.answers_turned + models.answers_clothed, 0);
+  im2fit_close(without);
+}
 
 TEST_F(CTape, EveryMeasurementHasAValueOrAReason) {
   const std::size_t count = im2fit_tape_count();

@@ -40,3 +40,21 @@ class Models(val tracker: ModelFile, val index: ModelFile, val body: ModelFile? 
         }
     }
 }
+
+/**
+ * What the models of a session are and can answer: for a support page, or to refuse a pack that is not enough.
+ *
+ * @property madeBy by which program the index was made, and from what
+ * @property people whom the index was made of
+ * @property captures of these people, in the index
+ * @property trackerKey names the tracker; an index made with another is refused when opened
+ * @property hasBody meshes, tape, avatars and garments are there
+ * @property answersShape a shape is fitted to the depth as well; false: answers are less good
+ * @property answersTurned the index knows people from behind
+ * @property answersClothed it knows people in clothes
+ * @property siteCorrected answers are corrected for the site
+ */
+data class ModelInfo(
+    val madeBy: String, val people: Long, val captures: Long, val trackerKey: Long, val hasBody: Boolean,
+    val answersShape: Boolean, val answersTurned: Boolean, val answersClothed: Boolean, val siteCorrected: Boolean
+)

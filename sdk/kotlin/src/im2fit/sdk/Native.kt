@@ -3,7 +3,7 @@ package im2fit.sdk
 
 import java.nio.ByteBuffer
 
-/** jni/im2fit_jni.c, one to one: statuses, arrays in its order. Loads libim2fit_jni, which brings libim2fit with it. */
+/** jni/, one to one: statuses, arrays in its order. Loads libim2fit_jni, which brings libim2fit with it. */
 internal object Native {
     const val OK = 0
     const val NOT_MEASURED = -10
@@ -64,6 +64,7 @@ internal object Native {
         handle: Long, ids: Array<ByteArray?>, sizes: Array<ByteArray?>, made: Array<ByteArray?>
     ): Int
     @JvmStatic external fun rig(handle: Long, floats: FloatArray, numbers: IntArray): Int
+    @JvmStatic external fun models(handle: Long, longs: LongArray, texts: Array<ByteArray?>): Int
     @JvmStatic external fun rigNodes(names: Array<ByteArray?>, parents: IntArray)
 
     fun text(bytes: ByteArray?): String? = bytes?.let { String(it, Charsets.UTF_8) }

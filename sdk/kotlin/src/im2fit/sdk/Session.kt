@@ -197,6 +197,14 @@ class Session @JvmOverloads constructor(
         Rig(floats.copyOf(3), floats.copyOfRange(3, floats.size), numbers[0], bitsOf(numbers[1].toLong()))
     }
 
+    /** What the session was opened with. */
+    fun modelInfo(): ModelInfo = turn { handle ->
+        val n = LongArray(8)
+        val texts = arrayOfNulls<ByteArray>(1)
+        check(Native.models(handle, n, texts))
+        ModelInfo(Native.text(texts[0])!!, n[0], n[1], n[2], n[3] != 0L, n[4] != 0L, n[5] != 0L, n[6] != 0L, n[7] != 0L)
+    }
+
     /** Stops the threads and frees everything; frames in the pipeline are given up. Fine to call again. */
     override fun close() = open.write {
         if (handle != 0L) Native.close(handle)
