@@ -2,6 +2,7 @@
 #include "lab/dataset/dataset.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -25,7 +26,7 @@ namespace {
 constexpr auto kArmsClose =
     static_cast<std::size_t>(std::countr_zero(static_cast<GuidanceSet>(Guidance::arms_close)));
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 19;  // raise when a sample of a subject changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 20;  // raise when a sample of a subject changes: shards are then made again
 constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
 constexpr int kClothedCaptures = 8192;         // of those in clothes
 constexpr int kAgainCaptures = 16384;          // and of people seen again
@@ -99,11 +100,11 @@ void grow_hair(SceneOptions& scene, std::uint64_t seed, std::uint64_t number) {
   scene.outfit_seed = rng.next() | 1U;
 }
 
-// Everyday clothes, most with shoes and hair, as they come.
+// Everyday clothes, most with shoes and hair, as they come. Most shirts that people wear untucked hang.
 void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t number, bool again) {
-  constexpr Clothing kWorn[] = {Clothing::tight, Clothing::normal, Clothing::loose};
+  constexpr std::array kWorn = {Clothing::tight, Clothing::normal, Clothing::loose, Clothing::hanging};
   Rng rng = Rng::for_item(seed, again ? kOutfitAgainStream : kOutfitStream, number);
-  scene.clothing = kWorn[rng.index(3)];
+  scene.clothing = kWorn[static_cast<std::size_t>(rng.index(static_cast<int>(kWorn.size())))];
   scene.outfit_seed = rng.next() | 1U;
   scene.hair = rng.uniform() >= kDressedBaldShare;
 }

@@ -13,6 +13,9 @@ namespace im2fit::lab {
 namespace {
 
 constexpr float kLimbMostMm = 20;  // of loose clothes, off the trunk
+// A shirt off a slim waist, below chest and shoulder blades: half of the hull's depth more than the waist's. The
+// garments of data/garments lie up to 90 mm off slim men in a size too large.
+constexpr float kHangingMostMm = 120, kHangingLimbMostMm = 28;
 constexpr int kDrapePasses = 5;
 constexpr float kStiffness = 0.3F;      // how much of its own ease the cloth keeps in a pass
 constexpr double kBarefootShare = 0.2;  // of people in clothes, so that shoes do not stand for these: judgement
@@ -31,14 +34,16 @@ float mix(float a, float b, float t) {
 
 }  // namespace
 
-EaseRange ease_range(Clothing clothing, bool trunk) {
+EaseRange ease_range(Clothing clothing, bool shirt) {
   switch (clothing) {
     case Clothing::tight:
       return {3, 8};
     case Clothing::normal:
       return {4, 20};
     case Clothing::loose:
-      return {6, trunk ? 28.0F : kLimbMostMm};
+      return {6, shirt ? 28.0F : kLimbMostMm};
+    case Clothing::hanging:
+      return {4, shirt ? kHangingMostMm : kHangingLimbMostMm};
     default:
       return {};
   }
@@ -52,6 +57,7 @@ struct Tailor::Cut {
   float hem = 0, waist = 0.35F;  // of upper and lower garment, on the trunk
   float flare = 1;               // of the trouser leg at its end
   float slack_mm = 0;            // TrunkHang
+  float crotch_mm = 0;           // that of trousers hangs lower, of hanging ones
   bool skirt = false;
   float skirt_end = 1;  // share of the length from hips to ankles
 };
@@ -72,6 +78,12 @@ Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {
       cut.leg_mm = draw(rng, 5, 12);
       cut.fold_mm = draw(rng, 2.0, 4.2);
       break;
+    case Clothing::hanging:
+      cut.trunk_mm = draw(rng, 5, 26);  // of a shirt of the right size 10 to 22, of one too large more
+      cut.arm_mm = draw(rng, 8, 20);
+      cut.leg_mm = draw(rng, 5, 18);
+      cut.fold_mm = draw(rng, 2.5, 8);
+      break;
     default:
       cut.trunk_mm = draw(rng, 14, 24);
       cut.arm_mm = draw(rng, 10, 16);
@@ -84,10 +96,31 @@ Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {
   cut.collar = rng.uniform() < 0.1 ? draw(rng, 0.6, 0.9) : draw(rng, -0.2, 0.3);
   cut.hem = rng.uniform() < 0.3 ? 0.3F : draw(rng, -0.25, 0.15);  // tucked in, or over the trousers
   cut.flare = draw(rng, 0.75, 1.35);
-  cut.slack_mm = clothing == Clothing::loose ? draw(rng, 0, 4) : draw(rng, 2, 9);
+  if (clothing == Clothing::hanging) {
+    cut.hem = draw(rng, -0.35, 0.02);  // nobody's is tucked in
+    cut.crotch_mm = draw(rng, 0, 60);
+    cut.slack_mm = draw(rng, 0, 1);
+  } else {
+    cut.slack_mm = clothing == Clothing::loose ? draw(rng, 0, 4) : draw(rng, 2, 9);
+  }
   cut.skirt = woman && clothing != Clothing::tight && rng.uniform() < kSkirtShare;
   cut.skirt_end = rng.uniform() < 0.3 ? draw(rng, 0.85, 0.97) : draw(rng, 0.4, 0.75);
   return cut;
+}
+
+// How much of its crotch's drop trousers have here: all of it where skin faces the floor between the legs.
+float Tailor::groin_share(std::size_t vertex, const Cut& cut) const {
+  const Place& place = place_[vertex];
+  if (cut.crotch_mm <= 0 || place.up > 0 || place.up < -0.45F) return 0;
+  if (place.part != Part::trunk && place.part != Part::leg) return 0;
+  return smooth((-normal_[vertex].y - 0.2F) / 0.5F);
+}
+
+EaseRange Tailor::range_of(std::size_t vertex, const Cut& cut, Cover cover) const {
+  const Part part = place_[vertex].part;
+  if (groin_share(vertex, cut) > 0) return ease_range(cut.clothing, true);
+  const bool over_thigh = cut.clothing == Clothing::hanging && part == Part::leg && cover == Cover::upper;
+  return ease_range(cut.clothing, part == Part::trunk || over_thigh);
 }
 
 Cover Tailor::cover_of(const Place& place, const Cut& cut) const {
@@ -112,7 +145,9 @@ float Tailor::ease_of(std::size_t vertex, const Cut& cut, Cover cover) const {
   switch (place.part) {
     case Part::trunk: {
       // Cloth lies on the shoulders and hangs from the chest; what is under a shirt lies closer.
-      const float hanging = smooth((0.95F - place.along) / 0.45F) * (1 - 0.7F * std::max(0.0F, normal_[vertex].y));
+      float hanging = smooth((0.95F - place.along) / 0.45F) * (1 - 0.7F * std::max(0.0F, normal_[vertex].y));
+      // Not between the legs, over which a long shirt falls.
+      if (cut.clothing == Clothing::hanging && normal_[vertex].y < 0) hanging *= smooth(1 + 1.5F * normal_[vertex].y);
       return cover == Cover::upper ? mix(least, cut.trunk_mm, hanging) : least + 1;
     }
     case Part::arm:
@@ -169,11 +204,11 @@ void Tailor::clothe(std::span<const Vec3f> rest, const Cut& cut, Rng& rng, Outfi
     const Cover cover = cover_of(place_[i], cut);
     out.cover[i] = cover;
     if (cover == Cover::bare) continue;
-    ease_[i] = ease_of(i, cut, cover);
+    ease_[i] = std::max(ease_of(i, cut, cover), cut.crotch_mm * groin_share(i, cut));
   }
   hang(cut, out);
   for (std::size_t i = 0; i < count; ++i) {
-    const EaseRange range = ease_range(cut.clothing, place_[i].part == Part::trunk);
+    const EaseRange range = range_of(i, cut, out.cover[i]);
     if (out.cover[i] != Cover::bare) ease_[i] = std::clamp(ease_[i], range.least_mm, range.most_mm);
   }
   // Tension: the cloth evens out what is smaller than itself; it touches where the body stands out and spans hollows.
@@ -192,7 +227,7 @@ void Tailor::clothe(std::span<const Vec3f> rest, const Cut& cut, Rng& rng, Outfi
         sum = sum + spare_[other];
         shares += 1;
       }
-      const EaseRange range = ease_range(cut.clothing, place_[i].part == Part::trunk);
+      const EaseRange range = range_of(i, cut, out.cover[i]);
       const float even = dot(sum * (1 / shares) - rest[i], normal_[i]);
       const float wanted = mix(even, base_[i], kStiffness);
       next_[i] = std::clamp(wanted, range.least_mm, range.most_mm);
@@ -203,7 +238,7 @@ void Tailor::clothe(std::span<const Vec3f> rest, const Cut& cut, Rng& rng, Outfi
   for (std::size_t i = 0; i < count; ++i) {
     if (out.cover[i] == Cover::bare) continue;
     const Part part = place_[i].part;
-    const EaseRange range = ease_range(cut.clothing, part == Part::trunk);
+    const EaseRange range = range_of(i, cut, out.cover[i]);
     const Folds& folds = part == Part::arm ? arm : part == Part::leg ? leg : trunk;
     // Cloth that lies on the shoulders does not fold.
     const float hanging = part == Part::trunk ? 1 - std::max(0.0F, normal_[i].y) : 1;

@@ -18,17 +18,20 @@
 
 namespace im2fit::lab {
 
-// garments: shoes and hair are the tailor's, what covers the skin is draped (scene_person.h).
-enum class Clothing : std::uint8_t { none, tight, normal, loose, garments };
+// hanging: a wide shirt that falls from chest, belly and shoulder blades as a tube, off the waist by as much as it
+// takes. garments: shoes and hair are the tailor's, what covers the skin is draped (scene_person.h).
+enum class Clothing : std::uint8_t { none, tight, normal, loose, hanging, garments };
 
 // Distance from skin to the cloth's outside wherever there is cloth, mm: tight 3..8, normal 4..20, loose 6..28 on the
-// trunk and 6..20 on the limbs. Skirts hang free below the seat and are not held to it. Where posed skin meets skin
-// (armpits, groin, bent knees) layers run into each other, unseen.
+// trunk and 6..20 on the limbs, hanging 4..120 of a shirt on trunk and thighs and 4..28 elsewhere. Skirts hang free
+// below the seat and are not held to it. Where posed skin meets skin (armpits, groin, bent knees) layers run into
+// each other, unseen.
 struct EaseRange {
   float least_mm = 0;
   float most_mm = 0;
 };
-EaseRange ease_range(Clothing clothing, bool trunk);
+// `shirt`: on the trunk; of hanging, of what hangs over the thighs as well.
+EaseRange ease_range(Clothing clothing, bool shirt);
 inline constexpr float kHairMostMm = 40;
 inline constexpr float kSoleLeastMm = 10;
 inline constexpr float kSoleMostMm = 30;
@@ -72,6 +75,8 @@ class Tailor {
   };
   struct Cut;
   static Cut draw_cut(Clothing clothing, bool woman, Rng& rng);
+  float groin_share(std::size_t vertex, const Cut& cut) const;
+  EaseRange range_of(std::size_t vertex, const Cut& cut, Cover cover) const;
   void find_normals(std::span<const Vec3f> rest);
   void locate(std::span<const Vec3f> rest, const body::Skeleton& skeleton);
   Cover cover_of(const Place& place, const Cut& cut) const;

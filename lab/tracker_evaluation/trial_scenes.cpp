@@ -41,6 +41,8 @@ const char* clothing_name(Clothing clothing) {
       return "normal";
     case Clothing::loose:
       return "loose";
+    case Clothing::hanging:
+      return "hanging";
     case Clothing::garments:
       break;
   }

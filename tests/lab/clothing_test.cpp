@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/population/clothing.h"
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -43,6 +44,25 @@ class Clothes : public WithBody {
     return s == Segment::pelvis || s == Segment::abdomen || s == Segment::chest || s == Segment::left_shoulder ||
            s == Segment::right_shoulder;
   }
+  static bool of_leg(std::size_t vertex) {
+    const Segment s = segment_of(vertex);
+    return s == Segment::left_upper_leg || s == Segment::right_upper_leg || s == Segment::left_lower_leg ||
+           s == Segment::right_lower_leg;
+  }
+  // Mean distance of cloth and skin about the waist, a third of the way from hips to shoulders.
+  static double off_the_waist(const Dressed& d) {
+    const auto y = [&](Segment s) { return d.skeleton.head[static_cast<std::size_t>(s)].y; };
+    const float hips = y(Segment::left_upper_leg), shoulders = y(Segment::left_upper_arm);
+    double sum = 0;
+    int count = 0;
+    for (std::size_t v = 0; v < body_count(); ++v) {
+      const float up = (d.rest[v].y - hips) / (shoulders - hips);
+      if (!of_trunk(v) || up < 0.3F || up > 0.4F) continue;
+      sum += static_cast<double>(norm(d.outfit.rest[v] - d.rest[v]));
+      ++count;
+    }
+    return sum / count;
+  }
   static std::size_t body_count() { return static_cast<std::size_t>(model().body_vertex_count()); }
 };
 
@@ -51,8 +71,10 @@ TEST_F(Clothes, ThicknessIsWithinTheStatedRange) {
     Clothing clothing;
     float least, trunk, limb;
   };
-  for (const auto& [clothing, least, trunk, limb] :
-       {Stated{Clothing::tight, 3, 8, 8}, {Clothing::normal, 4, 20, 20}, {Clothing::loose, 6, 28, 20}}) {
+  for (const auto& [clothing, least, trunk, limb] : {Stated{Clothing::tight, 3, 8, 8},
+                                                     {Clothing::normal, 4, 20, 20},
+                                                     {Clothing::loose, 6, 28, 20},
+                                                     {Clothing::hanging, 4, 120, 28}}) {
     double sum = 0;
     int count = 0;
     for (std::uint64_t i = 0; i < 8; ++i) {
@@ -64,7 +86,9 @@ TEST_F(Clothes, ThicknessIsWithinTheStatedRange) {
           continue;
         }
         ASSERT_GE(thick, least - 0.01F);
-        ASSERT_LE(thick, (of_trunk(v) ? trunk : limb) + 0.01F);
+        // Over the thighs, and where trousers' crotch hangs.
+        const bool over_thigh = clothing == Clothing::hanging && of_leg(v);
+        ASSERT_LE(thick, (of_trunk(v) || over_thigh ? trunk : limb) + 0.01F);
         sum += static_cast<double>(thick);
         ++count;
       }
@@ -72,6 +96,17 @@ TEST_F(Clothes, ThicknessIsWithinTheStatedRange) {
     EXPECT_GT(sum / count, static_cast<double>(least) + 0.2);
     EXPECT_GT(count, 8 * 2500);
   }
+}
+
+// As a draped shirt does, which lies 30 to 90 mm off a slim man's waist.
+TEST_F(Clothes, AHangingShirtIsFurtherOffTheWaistThanALooseOne) {
+  double loose = 0, hanging = 0;
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    loose += off_the_waist(dress(i, Clothing::loose, false)) / 8;
+    hanging += off_the_waist(dress(i, Clothing::hanging, false)) / 8;
+  }
+  EXPECT_GT(hanging, loose + 5);
+  EXPECT_LT(hanging, 90);
 }
 
 TEST_F(Clothes, HandsFaceAndFeetStayBare) {
@@ -95,8 +130,10 @@ TEST_F(Clothes, HandsFaceAndFeetStayBare) {
 // At rest cloth is nowhere deeper than 2 mm inside the body, except in armpits and groin, where the path out along
 // the cloth runs into the body again within two layers.
 TEST_F(Clothes, NeverInsideTheBody) {
-  for (std::uint64_t i = 0; i < 6; ++i) {
-    const Dressed d = dress(i, i % 3 == 0 ? Clothing::tight : i % 3 == 1 ? Clothing::normal : Clothing::loose, true);
+  constexpr std::array kKinds = {Clothing::tight,  Clothing::normal, Clothing::loose,   Clothing::tight,
+                                 Clothing::normal, Clothing::loose,  Clothing::hanging, Clothing::hanging};
+  for (std::uint64_t i = 0; i < kKinds.size(); ++i) {
+    const Dressed d = dress(i, kKinds[i], true);
     const auto triangles = model().body_triangles();
     int checked = 0, met = 0;
     for (std::size_t v = i; v < body_count(); v += 37) {
@@ -104,7 +141,10 @@ TEST_F(Clothes, NeverInsideTheBody) {
       const Vec3f path = d.outfit.rest[v] - d.rest[v];
       const Vec3f out = normalized(path);
       const float again = first_hit(d.rest[v] + out * 2, out, d.rest, triangles);
-      if (again > 0 && again < 2.5F * norm(path)) {
+      // A long shirt falls over the groin; what is under it there is between the thighs, and unseen.
+      const bool groin = kKinds[i] == Clothing::hanging && of_trunk(v) && std::abs(d.rest[v].x) < 30 &&
+                         d.rest[v].y < d.skeleton.head[static_cast<std::size_t>(Segment::left_upper_leg)].y;
+      if (groin || (again > 0 && again < 2.5F * norm(path))) {
         ++met;
         continue;
       }
@@ -121,7 +161,7 @@ TEST_F(Clothes, NeverInsideTheBody) {
 // Nor does the body show through when posed: covered skin is inside the drawn surface or within 2 mm of it.
 TEST_F(Clothes, CoveredSkinDoesNotShow) {
   for (std::uint64_t i = 0; i < 4; ++i) {
-    const Dressed d = dress(i, i % 2 == 0 ? Clothing::normal : Clothing::loose, true);
+    const Dressed d = dress(i, i % 2 == 0 ? Clothing::hanging : Clothing::loose, true);
     Rng rng(200 + i);
     const body::Pose pose = draw_pose(d.skeleton, i < 2 ? StandingPose::free : StandingPose::seated, rng, 15);
     std::vector<Vec3f> naked(d.rest.size()), worn(d.rest.size());
@@ -179,7 +219,7 @@ TEST_F(Clothes, FeetAreInsideTheirShoes) {
 
 // The same person in the same pose, dressed and not: joints differ by the sole's height and nothing else.
 TEST_F(Clothes, TruthStaysTheNakedBodysRaisedByTheSole) {
-  for (const Clothing clothing : {Clothing::tight, Clothing::normal, Clothing::loose}) {
+  for (const Clothing clothing : {Clothing::tight, Clothing::normal, Clothing::loose, Clothing::hanging}) {
     SceneOptions options;
     options.sway = false;
     options.distance_mm = 2600;
@@ -190,6 +230,7 @@ TEST_F(Clothes, TruthStaysTheNakedBodysRaisedByTheSole) {
     VirtualScene bare(model(), subject, options, exact_sensor(), k, 9);
     options.clothing = clothing;
     options.hair = true;
+    if (clothing == Clothing::hanging) options.outfit_seed = 9;  // somebody with shoes
     VirtualScene dressed(model(), subject, options, exact_sensor(), k, 9);
     const JointSet a = bare.joints(0), b = dressed.joints(0);
     const Vec3f up = bare.floor().up;
