@@ -97,7 +97,7 @@ Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {
   cut.hem = rng.uniform() < 0.3 ? 0.3F : draw(rng, -0.25, 0.15);  // tucked in, or over the trousers
   cut.flare = draw(rng, 0.75, 1.35);
   if (clothing == Clothing::hanging) {
-    cut.hem = draw(rng, -0.35, 0.02);  // nobody's is tucked in
+    cut.hem = draw(rng, -0.35, 0.02);  // never tucked in
     cut.crotch_mm = draw(rng, 0, 60);
     cut.slack_mm = draw(rng, 0, 1);
   } else {

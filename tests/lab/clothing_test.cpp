@@ -230,7 +230,7 @@ TEST_F(Clothes, TruthStaysTheNakedBodysRaisedByTheSole) {
     VirtualScene bare(model(), subject, options, exact_sensor(), k, 9);
     options.clothing = clothing;
     options.hair = true;
-    if (clothing == Clothing::hanging) options.outfit_seed = 9;  // somebody with shoes
+    if (clothing == Clothing::hanging) options.outfit_seed = 9;  // with shoes
     VirtualScene dressed(model(), subject, options, exact_sensor(), k, 9);
     const JointSet a = bare.joints(0), b = dressed.joints(0);
     const Vec3f up = bare.floor().up;
