@@ -13,8 +13,7 @@ namespace im2fit::lab {
 namespace {
 
 constexpr float kLimbMostMm = 20;  // of loose clothes, off the trunk
-// A shirt off a slim waist, below chest and shoulder blades: half of the hull's depth more than the waist's. The
-// garments of data/garments lie up to 90 mm off slim men in a size too large.
+// Bounds, not what is worn: a shirt off a slim waist below chest and shoulder blades; sleeves and legs. Judgement.
 constexpr float kHangingMostMm = 120, kHangingLimbMostMm = 28;
 constexpr int kDrapePasses = 5;
 constexpr float kStiffness = 0.3F;      // how much of its own ease the cloth keeps in a pass
@@ -79,7 +78,7 @@ Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {
       cut.fold_mm = draw(rng, 2.0, 4.2);
       break;
     case Clothing::hanging:
-      cut.trunk_mm = draw(rng, 5, 26);  // of a shirt of the right size 10 to 22, of one too large more
+      cut.trunk_mm = draw(rng, 5, 26);  // 60 to 140 mm of girth (data/garments, good_mm) are 10 to 22
       cut.arm_mm = draw(rng, 8, 20);
       cut.leg_mm = draw(rng, 5, 18);
       cut.fold_mm = draw(rng, 2.5, 8);
@@ -98,7 +97,7 @@ Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {
   cut.flare = draw(rng, 0.75, 1.35);
   if (clothing == Clothing::hanging) {
     cut.hem = draw(rng, -0.35, 0.02);  // never tucked in
-    cut.crotch_mm = draw(rng, 0, 60);
+    cut.crotch_mm = draw(rng, 0, 60);  // judgement
     cut.slack_mm = draw(rng, 0, 1);
   } else {
     cut.slack_mm = clothing == Clothing::loose ? draw(rng, 0, 4) : draw(rng, 2, 9);
@@ -108,7 +107,7 @@ Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {
   return cut;
 }
 
-// How much of its crotch's drop trousers have here: all of it where skin faces the floor between the legs.
+// How much of its crotch's drop trousers have here: all of it where skin faces the floor, from the hips to mid-thigh.
 float Tailor::groin_share(std::size_t vertex, const Cut& cut) const {
   const Place& place = place_[vertex];
   if (cut.crotch_mm <= 0 || place.up > 0 || place.up < -0.45F) return 0;

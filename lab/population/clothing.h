@@ -23,9 +23,9 @@ namespace im2fit::lab {
 enum class Clothing : std::uint8_t { none, tight, normal, loose, hanging, garments };
 
 // Distance from skin to the cloth's outside wherever there is cloth, mm: tight 3..8, normal 4..20, loose 6..28 on the
-// trunk and 6..20 on the limbs, hanging 4..120 of a shirt on trunk and thighs and 4..28 elsewhere. Skirts hang free
-// below the seat and are not held to it. Where posed skin meets skin (armpits, groin, bent knees) layers run into
-// each other, unseen.
+// trunk and 6..20 on the limbs, hanging 4..120 of a shirt on trunk and thighs and in the crotch, 4..28 elsewhere.
+// Skirts hang free below the seat and are not held to it. Where posed skin meets skin (armpits, groin, bent knees)
+// layers run into each other, unseen.
 struct EaseRange {
   float least_mm = 0;
   float most_mm = 0;

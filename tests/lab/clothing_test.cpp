@@ -98,7 +98,7 @@ TEST_F(Clothes, ThicknessIsWithinTheStatedRange) {
   }
 }
 
-// As a draped shirt does, which lies 30 to 90 mm off a slim man's waist.
+// A draped shirt does not follow the waist.
 TEST_F(Clothes, AHangingShirtIsFurtherOffTheWaistThanALooseOne) {
   double loose = 0, hanging = 0;
   for (std::uint64_t i = 0; i < 8; ++i) {
