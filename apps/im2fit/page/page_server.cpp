@@ -2,7 +2,6 @@
 #include "apps/im2fit/page/page_server.h"
 
 #include <microhttpd.h>
-#include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -21,6 +20,8 @@
 #include <utility>
 
 #include "apps/im2fit/page/host_check.h"
+#include "apps/im2fit/page/http_message.h"
+#include "apps/im2fit/page/listening_socket.h"
 #include "apps/im2fit/page/operator_gate.h"
 #include "apps/im2fit/page/visitors.h"
 #include "apps/im2fit/page/web_files.h"
@@ -36,101 +37,13 @@ constexpr Patience kStuckMax{15000};       // a stream whose client reads nothin
 constexpr Patience kFarewell{150};         // for streams to take their end
 constexpr std::size_t kConnectionBytes = 16 * 1024;  // a header and the library's own; browsers send 1 KB
 constexpr std::size_t kStreamBlockBytes = 4096;
-// A connection that finds the queue full is dropped, and its client asks again after a whole second (RFC 6298): as
-// long a queue as the system gives.
-constexpr int kBacklog = SOMAXCONN;
 // The library stops listening at its own limit. Ours is kept by cutting off others, which close a little later.
 constexpr unsigned kSpareConnections = 64;
 
-// blob: the avatar's texture, which three.js takes out of the .glb.
-constexpr std::pair<const char*, const char*> kHeaders[] = {
-    {"Content-Security-Policy",
-     "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'none'; "
-     "frame-ancestors 'none'"},
-    {"Cross-Origin-Resource-Policy", "same-origin"},
-    {"Cross-Origin-Opener-Policy", "same-origin"},
-    {"Referrer-Policy", "no-referrer"},
-    {"X-Content-Type-Options", "nosniff"},
-    {"X-Frame-Options", "DENY"}};
 constexpr std::pair<std::string_view, PageAction> kActions[] = {
     {"/consent", PageAction::consent}, {"/touch", PageAction::touch}, {"/delete", PageAction::erase}};
 constexpr std::string_view kOffer = "/hand-over", kTake = "/take";
-constexpr const char* kText = "text/plain; charset=utf-8";
-constexpr const char* kNotKept = "no-store";
 constexpr const char* kKept = "private, max-age=31536000, immutable";
-
-struct FreeResponse {
-  void operator()(MHD_Response* response) const { MHD_destroy_response(response); }
-};
-using Response = std::unique_ptr<MHD_Response, FreeResponse>;
-
-// Of a field given once; none when it is absent, two of a kind are not decided between.
-struct Field {
-  std::optional<std::string_view> value;
-  int count = 0;
-};
-Field field_of(MHD_Connection* connection, std::string_view name) {
-  struct Search {
-    std::string_view name;
-    Field field;
-  } search{name, {}};
-  MHD_get_connection_values(
-      connection, MHD_HEADER_KIND,
-      [](void* closure, MHD_ValueKind, const char* key, const char* value) {
-        auto& found = *static_cast<Search*>(closure);
-        if (found.name.size() == std::strlen(key) && ::strncasecmp(key, found.name.data(), found.name.size()) == 0) {
-          ++found.field.count;
-          found.field.value = value == nullptr ? "" : value;
-        }
-        return MHD_YES;
-      },
-      &search);
-  return search.field;
-}
-
-// RFC 9110 12.5.3, as far as gzip goes: named, and not with a weight of zero.
-bool takes_gzip(std::string_view accepted) {
-  while (!accepted.empty()) {
-    std::string word;
-    const std::size_t end = std::min(accepted.find(','), accepted.size());
-    for (const char c : accepted.substr(0, end))
-      if (c != ' ' && c != '\t') word += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    accepted.remove_prefix(std::min(end + 1, accepted.size()));
-    if (word == "gzip") return true;
-    if (word.rfind("gzip;q=", 0) == 0) return word.find_first_of("123456789", 7) != std::string::npos;
-  }
-  return false;
-}
-
-Response lasting_bytes(std::string_view bytes) {
-  return Response(
-      MHD_create_response_from_buffer(bytes.size(), const_cast<char*>(bytes.data()), MHD_RESPMEM_PERSISTENT));
-}
-
-Response copied(const std::string& text) {
-  return Response(
-      MHD_create_response_from_buffer(text.size(), const_cast<char*>(text.data()), MHD_RESPMEM_MUST_COPY));
-}
-
-// The file stays in memory until it is sent, whatever replaces it on the board.
-Response shared(std::shared_ptr<const PageFile> file) {
-  auto held = std::make_unique<std::shared_ptr<const PageFile>>(std::move(file));
-  const std::string& bytes = (*held)->bytes;
-  Response response(MHD_create_response_from_buffer_with_free_callback_cls(
-      bytes.size(), const_cast<char*>(bytes.data()),
-      [](void* closure) { delete static_cast<std::shared_ptr<const PageFile>*>(closure); }, held.get()));
-  if (response) held.release();  // NOLINT(bugprone-unused-return-value): the response has it
-  return response;
-}
-
-MHD_Result send(MHD_Connection* connection, unsigned status, const Response& response, const char* type,
-                const char* kept = kNotKept) {
-  if (!response) return MHD_NO;
-  for (const auto& [name, value] : kHeaders) MHD_add_response_header(response.get(), name, value);
-  MHD_add_response_header(response.get(), "Content-Type", type);
-  MHD_add_response_header(response.get(), "Cache-Control", kept);
-  return MHD_queue_response(connection, status, response.get());
-}
 
 // A request that is being answered; of a POST with a body, what came of that.
 struct Upload {
@@ -151,75 +64,12 @@ bool is_operators(std::string_view path) {
   return path == "/operator" || path.rfind("/operator/", 0) == 0;
 }
 
-// Digits alone, so that no two readers of it disagree (RFC 9110 8.6).
-std::optional<std::size_t> length_of(const Field& field) {
-  if (field.count != 1 || field.value->empty() || field.value->size() > 9 ||
-      field.value->find_first_not_of("0123456789") != std::string_view::npos)
-    return std::nullopt;
-  return std::stoul(std::string(*field.value));
-}
-
-std::vector<std::pair<std::string, std::string>> query_of(MHD_Connection* connection) {
-  std::vector<std::pair<std::string, std::string>> query;
-  MHD_get_connection_values(
-      connection, MHD_GET_ARGUMENT_KIND,
-      [](void* closure, MHD_ValueKind, const char* name, const char* value) {
-        static_cast<decltype(query)*>(closure)->emplace_back(name, value == nullptr ? "" : value);
-        return MHD_YES;
-      },
-      &query);
-  return query;
-}
-
-MHD_Result send_not_allowed(MHD_Connection* connection, const char* allowed) {
-  const Response response = copied("another method is needed\n");
-  if (response) MHD_add_response_header(response.get(), "Allow", allowed);
-  return send(connection, MHD_HTTP_METHOD_NOT_ALLOWED, response, kText);
-}
-
-MHD_Result send_answer(MHD_Connection* connection, PageAnswer answer) {
-  if (!answer.file) return send(connection, answer.status, copied(answer.text + "\n"), kText);
-  const std::string type = answer.file->type;
-  return send(connection, answer.status, shared(std::move(answer.file)), type.c_str());
-}
-
 struct CloseSocket {
   int socket = -1;
   ~CloseSocket() {
     if (socket >= 0) ::close(socket);
   }
 };
-
-// A listening socket. No error text: errno has it, 0 for a host that is no address.
-int listen_at(const PageAddress& address) {
-  addrinfo wanted{}, *found = nullptr;
-  wanted.ai_family = AF_UNSPEC;
-  wanted.ai_socktype = SOCK_STREAM;
-  wanted.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
-  errno = 0;
-  if (::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &wanted, &found) != 0) return -1;
-  int socket = -1, reason = 0;
-  for (const addrinfo* at = found; at != nullptr && socket < 0; at = at->ai_next) {
-    socket = ::socket(at->ai_family, at->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, at->ai_protocol);
-    if (socket < 0) continue;
-    const int yes = 1;
-    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    if (::bind(socket, at->ai_addr, at->ai_addrlen) == 0 && ::listen(socket, kBacklog) == 0) break;
-    reason = errno;
-    ::close(std::exchange(socket, -1));
-  }
-  ::freeaddrinfo(found);
-  errno = reason;
-  return socket;
-}
-
-int port_of(int socket) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof address;
-  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
-  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
-                                             : reinterpret_cast<const sockaddr_in&>(address).sin_port);
-}
 
 }  // namespace
 
@@ -280,7 +130,7 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
   if (const std::string why = check.refusal(doubled ? std::nullopt : host.value, origin.value,
                                             leads_to_phone_page ? std::nullopt : site.value);
       !why.empty())
-    return send(connection, MHD_HTTP_FORBIDDEN, copied(why + "\n"), kText);
+    return send(connection, MHD_HTTP_FORBIDDEN, copied(why + "\n"), kPlainText);
   if (handlers.operate && is_operators(path)) return answer_operator(connection, method, upload);
   const bool acts = handlers.take ? path == kTake
                                   : (handlers.offer && path == kOffer) ||
@@ -302,7 +152,7 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
     const std::string type = file->type;
     return send(connection, MHD_HTTP_OK, shared(std::move(file)), type.c_str());
   }
-  return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there (yet)\n"), kText);
+  return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there (yet)\n"), kPlainText);
 }
 
 // All that a request's header can be refused for, before a byte of its body is read.
@@ -312,13 +162,14 @@ MHD_Result PageServer::Parts::answer_operator(MHD_Connection* connection, std::s
     case OperatorGate::Answer::admitted:
       break;
     case OperatorGate::Answer::too_many_tries:
-      return send(connection, MHD_HTTP_TOO_MANY_REQUESTS, copied("too many wrong passwords; wait a second\n"), kText);
+      return send(connection, MHD_HTTP_TOO_MANY_REQUESTS, copied("too many wrong passwords; wait a second\n"),
+                  kPlainText);
     case OperatorGate::Answer::password_needed: {
       const Response response = copied("the operator's password is needed\n");
       if (response)
         MHD_add_response_header(response.get(), "WWW-Authenticate",
                                 R"(Basic realm="im2fit operator", charset="UTF-8")");
-      return send(connection, MHD_HTTP_UNAUTHORIZED, response, kText);
+      return send(connection, MHD_HTTP_UNAUTHORIZED, response, kPlainText);
     }
   }
   const bool post = method == "POST";
@@ -328,18 +179,20 @@ MHD_Result PageServer::Parts::answer_operator(MHD_Connection* connection, std::s
   if (!post) {
     if (chunked || (length.count > 0 && length.value != "0")) return MHD_NO;
     if (upload.path == "/operator") return answer_file(connection, *web_file(upload.path));
-    if (upload.path == "/operator/token") return send(connection, MHD_HTTP_OK, copied(gate.token()), kText);
+    if (upload.path == "/operator/token") return send(connection, MHD_HTTP_OK, copied(gate.token()), kPlainText);
     return operate(connection, upload);
   }
   const Field origin = field_of(connection, "Origin"), token = field_of(connection, "X-Im2fit-Token");
   const Field type = field_of(connection, "Content-Type");
   if (origin.count != 1 || token.count != 1 || !gate.is_token(*token.value))
-    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the operator's page itself may ask for this\n"), kText);
+    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the operator's page itself may ask for this\n"),
+                kPlainText);
   if (type.count != 1 || type.value != "application/json")
-    return send(connection, MHD_HTTP_UNSUPPORTED_MEDIA_TYPE, copied("application/json is needed\n"), kText);
+    return send(connection, MHD_HTTP_UNSUPPORTED_MEDIA_TYPE, copied("application/json is needed\n"), kPlainText);
   const auto size = length_of(length);
-  if (chunked || !size) return send(connection, MHD_HTTP_LENGTH_REQUIRED, copied("a length is needed\n"), kText);
-  if (*size > kBodyBytesMax) return send(connection, MHD_HTTP_CONTENT_TOO_LARGE, copied("more than 64 kB\n"), kText);
+  if (chunked || !size) return send(connection, MHD_HTTP_LENGTH_REQUIRED, copied("a length is needed\n"), kPlainText);
+  if (*size > kBodyBytesMax)
+    return send(connection, MHD_HTTP_CONTENT_TOO_LARGE, copied("more than 64 kB\n"), kPlainText);
   upload.wanted = true;
   return MHD_YES;  // the body comes next
 }
@@ -354,11 +207,11 @@ MHD_Result PageServer::Parts::answer_phone(MHD_Connection* connection, const std
   if (path == kTake) {
     const Field origin = field_of(connection, "Origin"), token = field_of(connection, "X-Im2fit-Token");
     if (origin.count != 1 || token.count != 1)
-      return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may ask for this\n"), kText);
+      return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may ask for this\n"), kPlainText);
     return send_answer(connection, handlers.take(*token.value));
   }
   const WebFile* file = phone_file(path);
-  if (file == nullptr) return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there\n"), kText);
+  if (file == nullptr) return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there\n"), kPlainText);
   return answer_file(connection, *file);
 }
 
@@ -366,16 +219,16 @@ MHD_Result PageServer::Parts::answer_post(MHD_Connection* connection, std::strin
   const Field origin = field_of(connection, "Origin"), visit = field_of(connection, "X-Im2fit-Visit");
   const Field note = field_of(connection, "X-Im2fit-Note");
   if (origin.count != 1 || visit.count != 1 || note.count > 1)
-    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may ask for this\n"), kText);
+    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may ask for this\n"), kPlainText);
   const std::string_view text = note.value.value_or("");
   if (visit.value->size() > kActionTextMax || text.size() > kActionTextMax)
-    return send(connection, MHD_HTTP_BAD_REQUEST, copied("too long\n"), kText);
+    return send(connection, MHD_HTTP_BAD_REQUEST, copied("too long\n"), kPlainText);
   if (path == kOffer) return send_answer(connection, handlers.offer(*visit.value));
   const auto* action =
       std::find_if(std::begin(kActions), std::end(kActions), [&](const auto& known) { return known.first == path; });
   if (!handlers.act(action->second, *visit.value, text))
-    return send(connection, MHD_HTTP_CONFLICT, copied("that visit is over\n"), kText);
-  return send(connection, MHD_HTTP_OK, copied("done\n"), kText);
+    return send(connection, MHD_HTTP_CONFLICT, copied("that visit is over\n"), kPlainText);
+  return send(connection, MHD_HTTP_OK, copied("done\n"), kPlainText);
 }
 
 MHD_Result PageServer::Parts::answer_file(MHD_Connection* connection, const WebFile& file) {
@@ -394,7 +247,7 @@ MHD_Result PageServer::Parts::answer_stream(MHD_Connection* connection) {
   if (visitor == nullptr || stopping || watchers >= kWatchersMax) {
     lock.unlock();
     return send(connection, MHD_HTTP_SERVICE_UNAVAILABLE, copied("too many are watching; close another page\n"),
-                kText);
+                kPlainText);
   }
   ++watchers;
   const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
@@ -474,7 +327,7 @@ void PageServer::Parts::keep() {
 
 Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address, Board& board,
                                                      PageHandlers handlers) {
-  CloseSocket listening{listen_at(address)};
+  CloseSocket listening{listen_at(address.host, address.port)};
   const int reason = errno;
   const auto failed = [&](int code) {
     return Error{ErrorCode::io, "cannot listen at " + address.host + ":" + std::to_string(address.port) +
