@@ -8,6 +8,7 @@
 
 #include "core/rng.h"
 #include "lab/parallel.h"
+#include "lab/simd_clones.h"
 
 namespace im2fit::lab {
 namespace {
@@ -59,6 +60,16 @@ struct Tree {
   std::array<Split, kSplitCount> splits{};
   std::vector<std::int8_t> leaves = std::vector<std::int8_t>(static_cast<std::size_t>(kLeafCount * kLeafSize));
 };
+
+// Adds a start's score to each candidate that sends it to the high side. `row`: the start's pixels.
+IM2FIT_SIMD_CLONES void add_to_high(const std::array<Split, kCandidateCount>& candidates, const std::int16_t* row,
+                                    const Score& score, std::array<Score, kCandidateCount>& high) {
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const Split& s = candidates[c];
+    const auto w = static_cast<float>(static_cast<int>(row[s.a] - row[s.b] > s.threshold));  // no branch
+    for (std::size_t d = 0; d < score.size(); ++d) high[c][d] += w * score[d];
+  }
+}
 
 double anchor_spread_mm(int level) {
   return level < 3 ? 220 : (level < 6 ? 150 : 100);
@@ -153,12 +164,7 @@ class TreeGrower {
     for (std::size_t n = 0; n < examined; ++n) {
       const std::int16_t* q = level_.row(mine[n * stride]);
       if (n + 1 < examined) prefetch(level_.row(mine[(n + 1) * stride]));
-      const Score score = scores_[n];
-      for (std::size_t c = 0; c < candidates.size(); ++c) {
-        const Split& s = candidates[c];
-        const auto w = static_cast<float>(static_cast<int>(q[s.a] - q[s.b] > s.threshold));  // no branch
-        for (std::size_t d = 0; d < score.size(); ++d) high[c][d] += w * score[d];
-      }
+      add_to_high(candidates, q, scores_[n], high);
     }
     float best_gain = -1;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
