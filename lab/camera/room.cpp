@@ -7,14 +7,12 @@
 #include <cstddef>
 #include <numbers>
 
+#include "lab/draw.h"
+
 namespace im2fit::lab {
 namespace {
 
 constexpr float kClearMm = 120;
-
-float draw(Rng& rng, double low, double high) {
-  return static_cast<float>(rng.uniform(low, high));
-}
 
 // A piece in its own axes: origin on the floor, front towards +z.
 class Piece {

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "body/model_data.h"
+#include "lab/draw.h"
 #include "lab/population/drape.h"
 #include "lab/population/shoes.h"
 
@@ -20,9 +21,6 @@ constexpr float kStiffness = 0.3F;      // how much of its own ease the cloth ke
 constexpr double kBarefootShare = 0.2;  // of people in clothes, so that shoes do not stand for these: judgement
 constexpr double kSkirtShare = 0.3;     // of women not in tight clothes
 
-float draw(Rng& rng, double low, double high) {
-  return static_cast<float>(rng.uniform(low, high));
-}
 float smooth(float x) {  // 0..1, level at both ends
   const float t = std::clamp(x, 0.0F, 1.0F);
   return t * t * (3 - 2 * t);

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "lab/draw.h"
 #include "lab/population/reach.h"
 
 namespace im2fit::lab {
@@ -26,9 +27,6 @@ constexpr std::size_t at(Segment s) {
 }
 float gauss(Rng& rng, double sd) {
   return static_cast<float>(rng.normal() * sd);
-}
-float draw(Rng& rng, double low, double high) {
-  return static_cast<float>(rng.uniform(low, high));
 }
 Mat3f about(Vec3f axis, float degrees) {
   return body::rotation_about(axis, degrees);
