@@ -23,11 +23,13 @@
 #include <utility>
 #include <vector>
 
+#include "engine/arrival.h"
 #include "engine/event.h"
 #include "engine/fit_stage.h"
 #include "engine/frame_pool.h"
 #include "engine/frame_stages.h"
 #include "engine/rest.h"
+#include "engine/settings_check.h"
 #include "engine/snapshot.h"
 #include "engine/spsc_ring.h"
 
@@ -45,62 +47,6 @@ const Error& full_ring() {
   static const Error error{ErrorCode::invalid_argument, "a ring of the engine is full: a fault of this program"};
   return error;
 }
-
-// Counts what is odd about arrival; producer thread.
-class ArrivalCounter {
- public:
-  void count(const hal::FrameInfo& info, ArrivalCounts& counts) {
-    if (any_) {
-      if (info.sequence <= previous_.sequence)
-        ++counts.sequence_repeats;
-      else
-        counts.sequence_gaps += info.sequence - previous_.sequence - 1;
-      // Zero twice is a source without a clock.
-      const bool clock = info.host_ns != 0 || previous_.host_ns != 0;
-      if (clock && info.host_ns <= previous_.host_ns) ++counts.time_reversals;
-    }
-    any_ = true;
-    previous_ = info;
-  }
-  void reset() { any_ = false; }
-
- private:
-  bool any_ = false;
-  hal::FrameInfo previous_;
-};
-
-// Seconds in periods of 1/30 s, what is left over carried on. A slower camera's frames count as a fifth of a second
-// at most: no single frame says that a person has been away for long.
-class PeriodCounter {
- public:
-  int step(float seconds) {
-    left_ += seconds / kFramePeriodS;
-    const int periods = static_cast<int>(left_ + 0.5F);
-    left_ -= static_cast<float>(periods);
-    return std::min(periods, kPeriodsMax);
-  }
-  void reset() { left_ = 0; }
-
- private:
-  static constexpr int kPeriodsMax = 6;
-  float left_ = 0;
-};
-
-// Seconds from frame to frame by the source's clock; the nominal period where it has none or steps back.
-class FrameClock {
- public:
-  float step(std::int64_t host_ns) {
-    const bool known = previous_ns_ != 0 && host_ns > previous_ns_;
-    // Unsigned: two times may be further apart than the half that is positive.
-    const std::uint64_t passed_ns = static_cast<std::uint64_t>(host_ns) - static_cast<std::uint64_t>(previous_ns_);
-    previous_ns_ = host_ns;
-    return known ? static_cast<float>(passed_ns) * 1e-9F : kFramePeriodS;
-  }
-  void reset() { previous_ns_ = 0; }
-
- private:
-  std::int64_t previous_ns_ = 0;
-};
 
 // With EngineSettings::rest: the gate, and what was sensed last, for the looks at a scene that stands still; of an
 // unfinished detection what SENSE needs (who is there), the rest of it is FIT's to know.
@@ -562,30 +508,6 @@ class PipelineEngine final : public Engine {
   std::thread sense_thread_;
   std::thread fit_thread_;
 };
-
-Status check_range(const char* name, int value, int low, int high) {
-  if (value >= low && value <= high) return Ok{};
-  return Error{ErrorCode::invalid_argument, std::string("engine setting ") + name + " is " + std::to_string(value) +
-                                                ", expected " + std::to_string(low) + " to " + std::to_string(high)};
-}
-
-Status check_settings(const EngineSettings& s) {
-  if (auto ok = check_range("width", s.width, 1, kImageSideMax); !ok) return ok;
-  if (auto ok = check_range("height", s.height, 1, kImageSideMax); !ok) return ok;
-  if (auto ok = check_range("frames_wanted", s.frames_wanted, 1, kFramesWantedMax); !ok) return ok;
-  if (auto ok = check_range("frames_min", s.frames_min, 1, s.frames_wanted); !ok) return ok;
-  if (auto ok = check_range("pool_frames", s.pool_frames, kPoolFramesMin, kPoolFramesMax); !ok) return ok;
-  if (s.one_after_another)
-    if (auto ok = check_range("pool_frames (one after another)", s.pool_frames, kPoolFramesMin, kAbsentPeriodsMax);
-        !ok)
-      return ok;
-  if (auto ok = check_range("user", s.user, 0, std::numeric_limits<int>::max()); !ok) return ok;
-  if (s.intrinsics.width != s.width || s.intrinsics.height != s.height)
-    return Error{ErrorCode::invalid_argument, "engine intrinsics are for " + std::to_string(s.intrinsics.width) +
-                                                  "x" + std::to_string(s.intrinsics.height) + ", the frames are " +
-                                                  std::to_string(s.width) + "x" + std::to_string(s.height)};
-  return hal::check_intrinsics(s.intrinsics, "engine intrinsics");
-}
 
 }  // namespace
 
