@@ -20,7 +20,7 @@ std::string distortion_text(const Distortion& distortion) {
   const bool rational = c[5] != 0 || c[6] != 0 || c[7] != 0;
   const std::size_t count = rational ? 8 : 5;
   std::string text = std::string("distortion_model: ") + (rational ? "rational_polynomial" : "plumb_bob") + "\n";
-  text += "distortion_coefficients:\n  rows: 1\n  cols: " + std::to_string(count) + "\n  data: [";
+  text.append("distortion_coefficients:\n  rows: 1\n  cols: ").append(std::to_string(count)).append("\n  data: [");
   for (std::size_t i = 0; i < count; ++i) text += (i > 0 ? ", " : "") + number(c[i]);
   return text + "]\n";
 }
