@@ -262,13 +262,15 @@ int im2fit_attach(im2fit_handle* handle, const char* uri) {
     if (uri == nullptr) return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the URI is NULL");
     if (h.opener == nullptr)
       return fail(&h, IM2FIT_ERROR_UNSUPPORTED,
-                  std::string("no opener for ") + uri + ": call im2fit_set_opener first, or push frames");
+                  std::string("no opener for ") + uri +
+                      ": call im2fit_set_opener (im2fit_cameras_use) first, or push frames");
     h.source.reset();
     im2fit_source source{};
     const int status = h.opener(h.opener_user, uri, &source);
     if (status != IM2FIT_OK)
       return fail(&h, im2fit::c::known_status(status),
-                  std::string("cannot open ") + uri + ": the opener returned " + std::to_string(status));
+                  std::string("cannot open ") + uri + ": the opener returned " + std::to_string(status) + " (" +
+                      im2fit_status_name(status) + ")");
     if (source.next == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, std::string("the opener set no next() for ") + uri);
     h.source = std::make_unique<OpenedSource>(source, h.origin);
@@ -289,7 +291,8 @@ int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms) {
     const int status = h.source->status();
     if (status != IM2FIT_OK)
       return fail(&h, im2fit::c::known_status(status),
-                  "the attached source gave no frame: its next() returned " + std::to_string(status));
+                  "the attached source gave no frame: its next() returned " + std::to_string(status) + " (" +
+                      im2fit_status_name(status) + ")");
     return fail(&h, pumped.error());
   });
 }

@@ -90,28 +90,6 @@ im2fit::Result<im2fit::hal::FrameInfo> OpenedSource::next(im2fit::DepthImage dep
 
 namespace im2fit {
 
-int status_of(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::invalid_argument:
-      return IM2FIT_ERROR_INVALID_ARGUMENT;
-    case ErrorCode::not_found:
-      return IM2FIT_ERROR_NOT_FOUND;
-    case ErrorCode::io:
-      return IM2FIT_ERROR_IO;
-    case ErrorCode::corrupt:
-      return IM2FIT_ERROR_CORRUPT;
-    case ErrorCode::unsupported:
-      return IM2FIT_ERROR_UNSUPPORTED;
-    case ErrorCode::no_device:
-      return IM2FIT_ERROR_NO_DEVICE;
-    case ErrorCode::timeout:
-      return IM2FIT_ERROR_TIMEOUT;
-    case ErrorCode::end_of_stream:
-      break;
-  }
-  return IM2FIT_ERROR_END_OF_STREAM;
-}
-
 Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& settings,
                                                      std::unique_ptr<FrameStages> stages) {
   if (auto ok = c::check_settings(settings); !ok) return ok.error();

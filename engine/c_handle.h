@@ -11,6 +11,7 @@
 
 #include "body/skeleton.h"
 #include "engine/c_api/frame.h"
+#include "engine/c_api/status_of.h"
 #include "engine/frame_stages.h"
 #include "engine/include/im2fit/im2fit.h"
 #include "engine/measuring_data.h"
@@ -81,8 +82,6 @@ struct im2fit_handle {
 };
 
 namespace im2fit {
-
-int status_of(ErrorCode code);
 
 // `stages` null: the production stages, from the settings' files. Otherwise paths of tracker and index are not used.
 Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& settings,

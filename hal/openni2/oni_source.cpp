@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/openni2/oni_source.h"
 
+#include <dlfcn.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,23 +17,33 @@ namespace {
 
 constexpr std::size_t kSmallPayload = oni::kFailureBytesMax;
 
-// Installed, the reader is beside the program or in libexec; in a build tree it is where CMake makes it.
+// Installed, the reader is beside the program or in libexec; in a build tree it is where CMake makes it. A library's
+// folder may have one for the architecture below it.
 constexpr const char* kReaderPlaces[] = {"im2fit-oni-reader", "../libexec/im2fit/im2fit-oni-reader",
-                                         "../hal/openni2/im2fit-oni-reader", "../../hal/openni2/im2fit-oni-reader"};
+                                         "../../libexec/im2fit/im2fit-oni-reader", "../hal/openni2/im2fit-oni-reader",
+                                         "../../hal/openni2/im2fit-oni-reader"};
 
-// "" when there is none.
+std::string reader_near(const std::filesystem::path& file) {
+  for (const char* place : kReaderPlaces) {
+    const auto candidate = file.parent_path() / place;
+    if (::access(candidate.c_str(), X_OK) == 0) return candidate.string();
+  }
+  return "";
+}
+
+// Beside the program; of libim2fit-cameras beside the library, whose program is anybody's. "" when there is none.
 std::string find_reader(const std::string& given) {
   if (!given.empty()) return given;
   if (const char* variable = std::getenv("IM2FIT_ONI_READER"); variable != nullptr && *variable != '\0')
     return variable;
   std::error_code code;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", code);
-  if (code) return "";
-  for (const char* place : kReaderPlaces) {
-    const auto candidate = program.parent_path() / place;
-    if (::access(candidate.c_str(), X_OK) == 0) return candidate.string();
-  }
-  return "";
+  if (!code)
+    if (auto found = reader_near(program); !found.empty()) return found;
+  Dl_info here{};
+  if (::dladdr(reinterpret_cast<const void*>(&reader_near), &here) == 0 || here.dli_fname == nullptr) return "";
+  const auto library = std::filesystem::canonical(here.dli_fname, code);
+  return code ? "" : reader_near(library);
 }
 
 // A child may have run wild: what it says goes into an error message, so it is made one line of plain text.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/lazy_zeros.h"
 #include "kernels/tier.h"
 
 namespace im2fit {
@@ -30,24 +31,24 @@ struct OrganisedCloud {
   const float* nz = nullptr;  // unit
 };
 
-// Buffers sized once for images up to width x height. Contents are the kernels' own. 200 bytes a pixel, of which the
-// 164 of the counts are left untouched until points need them, so that most never become resident.
+// Buffers sized once for images up to width x height. Contents are the kernels' own. 200 bytes a pixel, of which only
+// what points need becomes resident.
 class FpfhWorkspace {
  public:
   FpfhWorkspace(int width, int height);
 
   // Compacted valid points in row order; metres, because PCL's float rounding at the radius is in metres.
-  std::vector<float> x, y, z, nx, ny, nz;
-  std::vector<std::int32_t> row_table;          // (width + 1) per row: first compact point at or right of a column
-  std::vector<std::uint8_t> has_normal;         // per compact point
-  std::vector<std::uint8_t> needed;             // per compact point: a keypoint wants its SPFH
+  LazyZeros<float> x, y, z, nx, ny, nz;
+  LazyZeros<std::int32_t> row_table;            // (width + 1) per row: first compact point at or right of a column
+  LazyZeros<std::uint8_t> has_normal;           // per compact point
+  LazyZeros<std::uint8_t> needed;               // per compact point: a keypoint wants its SPFH
   std::unique_ptr<std::int32_t[]> counts;       // kFpfhSize per compact point
   std::unique_ptr<std::uint8_t[]> count_bytes;  // the hand-written tiers' (fpfh_blocks.h), not yet in `counts`
   std::vector<float> row_slope, row_norm, row_inverse_norm;  // y/z of a row's rays, sqrt(1 + slope^2), its inverse
   std::vector<std::int32_t> columns_low, columns_high;       // a sphere's outline, by row
   std::vector<std::int32_t> ranges;                          // begin and end of a source's candidates
-  std::vector<std::int32_t> near_list;                       // neighbours with a normal
-  std::vector<std::int32_t> blank_list;                      // neighbours without one
+  LazyZeros<std::int32_t> near_list;                         // neighbours with a normal
+  LazyZeros<std::int32_t> blank_list;                        // neighbours without one
 };
 
 // Descriptors of `keypoints` (any positions in mm, not necessarily cloud points): out has 33 values each, three

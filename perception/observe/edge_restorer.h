@@ -6,9 +6,9 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "core/camera.h"
+#include "core/lazy_zeros.h"
 
 namespace im2fit {
 
@@ -52,8 +52,8 @@ class EdgeRestorer {
   EdgeCounts counts_;
   std::uint32_t frames_ = 0;  // since reset()
   bool blends_ = false, drops_ = false, wide_ = false;
-  std::vector<std::uint16_t> before_;   // the frame as delivered
-  std::vector<std::uint16_t> step_mm_;  // by how large a step a row decided on a pixel; 0: it did not
+  LazyZeros<std::uint16_t> before_;   // the frame as delivered
+  LazyZeros<std::uint16_t> step_mm_;  // by how large a step a row decided on a pixel; 0: it did not
 };
 
 }  // namespace im2fit

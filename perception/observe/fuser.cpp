@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
+#include "core/lazy_zeros.h"
 #include "kernels/fpfh/fpfh.h"
 #include "kernels/normals/normals.h"
 #include "perception/fuse/decimate.h"
@@ -48,7 +48,7 @@ struct Fuser::Workspace {
   PaperWorkspace paper;
   FpfhWorkspace fpfh;
   ProfileWorkspace profile;
-  std::vector<float> grid;  // x y z nx ny nz of the decimated person
+  LazyZeros<float> grid;  // x y z nx ny nz of the decimated person, whose grid is coarser the nearer they stand
   std::array<JointSet, kFramesMax> joints;
   int joints_count = 0;
   Intrinsics intrinsics;
@@ -97,7 +97,7 @@ void Fuser::Workspace::fpfh_values(std::span<float> out) {
   const int step = std::max(kStepMin, grid_step_px(intrinsics, distance));
   const Intrinsics k = grid_intrinsics(intrinsics, step);
   const auto size = static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height);
-  const auto plane = [&](std::size_t i) { return std::span(grid).subspan(i * size, size); };
+  const auto plane = [&](std::size_t i) { return std::span(grid.data(), grid.size()).subspan(i * size, size); };
   decimate(fusion.depth_q4(), fusion.mask(), k, step, plane(0), plane(1), plane(2));
   normals(k, plane(0).data(), plane(1).data(), plane(2).data(), 1, kNormalStepMm, plane(3).data(), plane(4).data(),
           plane(5).data());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/lazy_zeros.h"
 
 namespace im2fit {
 
@@ -28,7 +29,7 @@ class HoleFiller {
 
   int reach_px_;
   bool filled_ = false;
-  std::vector<std::uint16_t> out_;
+  LazyZeros<std::uint16_t> out_;
   std::vector<int> above_row_, below_row_;  // by column: the nearest rows with data
 };
 

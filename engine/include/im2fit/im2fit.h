@@ -257,7 +257,8 @@ typedef struct im2fit_source {
  * (42, say) comes out of im2fit_attach and im2fit_pump as IO, with a text that names the number. */
 typedef int (*im2fit_opener_fn)(void* opener_user, const char* uri, im2fit_source* source);
 
-/* Who opens URIs for this handle; NULL: none. The library itself knows none of the cameras yet. */
+/* Who opens URIs for this handle; NULL: none. The library itself knows no cameras: libim2fit-cameras has an opener
+ * for them (im2fit/cameras.h). */
 IM2FIT_API int im2fit_set_opener(im2fit_handle* handle, im2fit_opener_fn opener, void* opener_user);
 
 /* Opens `uri` through the opener, after closing what was attached. UNSUPPORTED without an opener. Allocates. */

@@ -2,7 +2,7 @@
 """Body measurements from a depth camera, on this machine alone.
 
     import im2fit
-    person = im2fit.measure("FOLDER")          # a depth folder
+    person = im2fit.measure("FOLDER")          # a depth folder; "me.oni" and "openni2" with libim2fit-cameras
     person.measurements["chest_girth"]         # Estimate(value=..., low=..., high=..., unit='mm')
     person.size, person.json, person.avatar("glb")
 
@@ -30,7 +30,7 @@ from . import _c, _folder
 __all__ = ["Error", "Estimate", "GarmentFit", "Guidance", "Models", "Person", "Session", "garments", "measure", "rig_nodes",
            "version"]
 
-_library = None
+_library = _cameras_library = None
 
 
 def _lib():
@@ -38,6 +38,14 @@ def _lib():
     if _library is None:
         _library = _c.load()
     return _library
+
+
+def _cameras():
+    global _cameras_library
+    if _cameras_library is None:
+        _lib()  # its own libim2fit is the one that is there already
+        _cameras_library = _c.load_cameras()
+    return _cameras_library
 
 
 class Error(RuntimeError):
@@ -96,7 +104,7 @@ class GarmentFit:
 
 @dataclasses.dataclass(frozen=True)
 class Models:
-    """The three files that measuring needs."""
+    """The three files that measuring needs; without a body ("") there are measurements, but no Person.avatar."""
 
     body: str
     tracker: str
@@ -168,7 +176,9 @@ class Person:
 
 
 class Session:
-    """One person before one camera. `fx, fy, cx, cy`: of the depth camera, in pixels of frames as they are pushed;
+    """One person before one camera, whose frames are pushed, or come from where Session.of or attach say.
+
+    `fx, fy, cx, cy`: of the depth camera, in pixels of frames as they are pushed;
     width and height as well. `rotate_deg` makes them upright. `distortion`: of the lens, where nothing has undone it yet,
     as OpenCV has it: k1, k2, p1, p2 and, if there is a fifth, k3. Other keywords are fields of im2fit_settings: turn=1,
     frames_wanted=30, clothing=1, sensor=2, single_thread=1, live=1."""
@@ -179,7 +189,7 @@ class Session:
         s = _c.Settings()
         _lib().im2fit_settings_init(ctypes.byref(s), ctypes.sizeof(s))
         s.tracker_path, s.index_path = os.fsencode(models.tracker), os.fsencode(models.index)
-        s.body_path = os.fsencode(models.body)
+        s.body_path = os.fsencode(models.body) if models.body else None
         s.width, s.height, s.fx, s.fy, s.cx, s.cy = _upright(width, height, fx, fy, cx, cy, rotate_deg)
         known = {name for name, kind in _c.Settings._fields_ if kind is ctypes.c_int32}
         for name, value in settings.items():
@@ -187,8 +197,56 @@ class Session:
                 raise TypeError(f"no setting is called {name}; there are {', '.join(sorted(known))}")
             setattr(s, name, int(value))
         self._size, self._rotate_deg, self._number = (height, width), rotate_deg, 0
-        self._intrinsics, self._lens = (fx, fy, cx, cy), _lens_of(distortion)
+        self._intrinsics, self._lens, self._options = (fx, fy, cx, cy), _lens_of(distortion), None
+        self._has_body = bool(models.body)
         self._check(_lib().im2fit_open(ctypes.byref(s), ctypes.byref(self._handle)))
+
+    @classmethod
+    def of(cls, uri, rotate_deg=None, calibration=None, models=None, **settings):
+        """A session on a camera ("openni2", "usb", "v4l2:/dev/video2"), a recording ("me.oni") or a folder, which is attached;
+        needs libim2fit-cameras. `rotate_deg`: how the camera is mounted, `calibration`: the path of a YAML, where the source
+        does not know. Then pump() until there is enough:
+
+            with im2fit.Session.of("openni2", rotate_deg=90) as session:
+                while not session.pump().measured: ...
+                person = session.finish()
+        """
+        options, told = _camera_options(rotate_deg, calibration), _c.Settings()
+        _lib().im2fit_settings_init(ctypes.byref(told), ctypes.sizeof(told))
+        status = _cameras().im2fit_cameras_describe(os.fsencode(uri), ctypes.byref(options), ctypes.byref(told))
+        if status != _c.OK:
+            raise Error(status, _cameras().im2fit_cameras_error().decode(errors="replace"))
+        settings = {"sensor": told.sensor, "live": told.live, **settings}
+        session = cls(told.width, told.height, told.fx, told.fy, told.cx, told.cy, models=models, **settings)
+        try:
+            session.attach(uri, rotate_deg, calibration)
+        except BaseException:
+            session.close()
+            raise
+        return session
+
+    def attach(self, uri, rotate_deg=None, calibration=None):
+        """Takes frames from `uri`, as of Session.of, by pump(); instead of whatever was attached before. Its upright frames have
+        the session's size, and are taken to have its intrinsics."""
+        options = _camera_options(rotate_deg, calibration)
+        handle, cameras = self._open_handle(), _cameras()
+        status = cameras.im2fit_cameras_use(handle, ctypes.byref(options))
+        if status == _c.OK:
+            self._options = options  # which are read by im2fit_attach: they live as long as the handle
+            status = _lib().im2fit_attach(handle, os.fsencode(uri))
+        if status != _c.OK:
+            raise Error(status, cameras.im2fit_cameras_error().decode(errors="replace"))
+
+    def pump(self, timeout_ms=1000):
+        """Takes one frame from what is attached, if one comes in time; a damaged one is left out. Returns the Guidance so far,
+        and None when a recording or folder has ended. An Error "no_device": the camera is gone."""
+        status = _lib().im2fit_pump(self._open_handle(), timeout_ms)
+        if status == _c.END_OF_STREAM:
+            return None
+        if status not in (_c.OK, _c.TIMEOUT, _c.CORRUPT):
+            said = _cameras().im2fit_cameras_error() if self._options is not None else b""
+            raise Error(status, (said or _lib().im2fit_last_error(self._handle)).decode(errors="replace"))
+        return self.poll()
 
     def push(self, depth, time_ns=None, sequence=None, confidence=None, confidence_min=0, pose=None):
         """`depth`: height x width, uint16 millimetres or float32 metres (NaN or 0: no data). `confidence`: uint8 of the
@@ -236,7 +294,7 @@ class Session:
         text = self._bytes(_lib().im2fit_result_json).decode()
         result = json.loads(text)
         avatars = {}
-        if result["state"] == "MEASURED":
+        if result["state"] == "MEASURED" and self._has_body:
             for kind, number in _c.AVATAR_FORMATS.items():
                 avatars[kind] = self._bytes(_lib().im2fit_avatar, ctypes.c_int32(number))
         return Person(result, text, avatars)
@@ -352,6 +410,16 @@ def _lens_of(distortion):
     return tuple(numbers + [0.0] * (5 - len(numbers)))
 
 
+def _camera_options(rotate_deg, calibration):
+    options = _c.CamerasOptions()
+    _cameras().im2fit_cameras_options_init(ctypes.byref(options), ctypes.sizeof(options))
+    if rotate_deg is not None:
+        options.rotate_deg = rotate_deg
+    if calibration is not None:
+        options.calibration_path = os.fsencode(calibration)
+    return options
+
+
 def _upright(width, height, fx, fy, cx, cy, rotate_deg):
     """The camera of the upright picture: hal/rotate.cpp has the same lines."""
     if rotate_deg == 90:
@@ -365,10 +433,20 @@ def _upright(width, height, fx, fy, cx, cy, rotate_deg):
     return width, height, fx, fy, cx, cy
 
 
-def measure(folder, models=None, **settings):
-    """Measures the person in a depth folder: frames until the measurement, or all of them. Returns a Person; look at its
-    `measured` and `guidance`. `settings` as of Session."""
-    folder = pathlib.Path(folder)
+def measure(source, models=None, rotate_deg=None, calibration=None, **settings):
+    """Measures the person in a depth folder, a recording (.oni) or before a camera, as of Session.of: frames until the
+    measurement, or all of them. Returns a Person; look at its `measured` and `guidance`. A folder needs no
+    libim2fit-cameras. `settings` as of Session."""
+    if pathlib.Path(source).is_dir() and rotate_deg is None and calibration is None:
+        return _measure_folder(pathlib.Path(source), models, settings)
+    with Session.of(source, rotate_deg, calibration, models, **settings) as session:
+        said = session.pump()
+        while said is not None and not said.measured:
+            said = session.pump()
+        return session.finish()
+
+
+def _measure_folder(folder, models, settings):
     camera = _folder.read_camera(folder / "camera.yaml")
     frames, times = _folder.frames_of(folder), _folder.read_times(folder)
     with Session(**dataclasses.asdict(camera), models=models, **settings) as session:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C interface im2fit.h as ctypes sees it: structs, statuses, functions. tests/test_layout.py holds the structs to the
-header with a C compiler."""
+"""The C interface im2fit.h and cameras.h as ctypes sees it: structs, statuses, functions. tests/test_sdk.py holds the structs
+to the headers with a C compiler."""
 
 import ctypes as c
 import os
 import pathlib
 
-OK, NOT_FOUND, TIMEOUT, TOO_SMALL = 0, -2, -7, -11
+OK, NOT_FOUND, CORRUPT, TIMEOUT, END_OF_STREAM, TOO_SMALL = 0, -2, -4, -7, -8, -11
 REGIONS, RIG_NODES = 8, 19
 MEASUREMENTS, JOINTS, USERS, AGE_BANDS = 11, 15, 8, 4
 FORMAT_U16, FORMAT_DEPTH16, FORMAT_F32 = 0, 1, 2
@@ -90,10 +90,15 @@ class Models(c.Structure):
                 ("answers_clothed", c.c_int32), ("site_corrected", c.c_int32)]
 
 
+class CamerasOptions(c.Structure):
+    _fields_ = [("struct_size", c.c_size_t), ("calibration_path", c.c_char_p), ("rotate_deg", c.c_int32), ("width", c.c_int32),
+                ("height", c.c_int32), ("unit_mm", c.c_float)]
+
+
 STRUCTS = {"im2fit_data": Data, "im2fit_settings": Settings, "im2fit_frame": Frame, "im2fit_estimate": Estimate,
            "im2fit_joint": Joint, "im2fit_user": User, "im2fit_result": Result,
            "im2fit_region_fit": RegionFit, "im2fit_size_fit": SizeFit, "im2fit_worn": Worn, "im2fit_rig": Rig,
-           "im2fit_models": Models}
+           "im2fit_models": Models, "im2fit_cameras_options": CamerasOptions}
 
 
 def load(path=None):
@@ -105,7 +110,7 @@ def load(path=None):
     except OSError as error:
         raise OSError(f"{error}; install libim2fit0 or the wheel, or set IM2FIT_LIBRARY to libim2fit.so") from None
     pointer = c.c_void_p
-    for function, result, arguments in (
+    _declare(lib, (
             ("version", c.c_char_p, []), ("status_name", c.c_char_p, [c.c_int]), ("last_error", c.c_char_p, [pointer]),
             ("settings_init", None, [c.POINTER(Settings), c.c_size_t]), ("frame_init", None, [c.POINTER(Frame), c.c_size_t]),
             ("open", c.c_int, [c.POINTER(Settings), c.POINTER(pointer)]), ("close", None, [pointer]),
@@ -123,7 +128,27 @@ def load(path=None):
             ("get_models", c.c_int, [pointer, c.POINTER(Models), c.c_size_t]),
             ("garment_count", c.c_size_t, []), ("garment_id", c.c_char_p, [c.c_size_t]), ("fit_name", c.c_char_p, [c.c_int]),
             ("rig_node_name", c.c_char_p, [c.c_int]),
-            ("state_name", c.c_char_p, [c.c_int]), ("guidance_name", c.c_char_p, [c.c_int])):
+            ("attach", c.c_int, [pointer, c.c_char_p]), ("pump", c.c_int, [pointer, c.c_int32]), ("detach", c.c_int, [pointer]),
+            ("state_name", c.c_char_p, [c.c_int]), ("guidance_name", c.c_char_p, [c.c_int])))
+    return lib
+
+
+def load_cameras():
+    """libim2fit-cameras, after load(): IM2FIT_CAMERAS_LIBRARY, else the system's."""
+    name = os.environ.get("IM2FIT_CAMERAS_LIBRARY") or "libim2fit-cameras.so.0"
+    try:
+        lib = c.CDLL(name)
+    except OSError as error:
+        raise OSError(f"{error}; cameras and recordings need libim2fit-cameras: install libim2fit-cameras0, or set "
+                      "IM2FIT_CAMERAS_LIBRARY to libim2fit-cameras.so") from None
+    options = c.POINTER(CamerasOptions)
+    _declare(lib, (("cameras_options_init", None, [options, c.c_size_t]),
+                   ("cameras_describe", c.c_int, [c.c_char_p, options, c.POINTER(Settings)]),
+                   ("cameras_use", c.c_int, [c.c_void_p, options]), ("cameras_error", c.c_char_p, [])))
+    return lib
+
+
+def _declare(lib, functions):
+    for function, result, arguments in functions:
         handle = getattr(lib, "im2fit_" + function)
         handle.restype, handle.argtypes = result, arguments
-    return lib

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Python package on the golden clip: IM2FIT_LIBRARY is libim2fit.so, IM2FIT_GOLDEN the folder of tests/golden/data,
-IM2FIT_BODY the body file (without one, what needs it is left out and said)."""
+IM2FIT_BODY the body file, IM2FIT_CAMERAS_LIBRARY libim2fit-cameras.so, IM2FIT_RECORDING a .oni of the clip (without one, what
+needs it is left out and said)."""
 
 import ctypes
 import json
@@ -21,7 +22,10 @@ import im2fit  # noqa: E402
 from im2fit import _c, _folder  # noqa: E402
 
 GOLDEN = pathlib.Path(os.environ.get("IM2FIT_GOLDEN", HERE.parents[2] / "tests/golden/data"))
-HEADER = HERE.parents[2] / "engine/include/im2fit/im2fit.h"
+INCLUDE = HERE.parents[2] / "engine/include"
+HEADER = INCLUDE / "im2fit/im2fit.h"
+CAMERAS = os.environ.get("IM2FIT_CAMERAS_LIBRARY", "")
+RECORDING = os.environ.get("IM2FIT_RECORDING", "")  # of the golden clip
 BODY = os.environ.get("IM2FIT_BODY", "")
 FRAMES = {"frames_wanted": 6, "frames_min": 5}  # of the clip's 8
 
@@ -34,7 +38,7 @@ class Layout(unittest.TestCase):
     def test_structs_are_the_headers(self):
         compiler = shutil.which("cc")
         self.assertTrue(compiler, "needs a C compiler")
-        lines = ['#include <stdio.h>', '#include "im2fit.h"', "int main(void) {"]
+        lines = ["#include <stddef.h>", "#include <stdio.h>", "#include <im2fit/cameras.h>", "int main(void) {"]
         for name, struct in _c.STRUCTS.items():
             lines.append(f'  printf("{name} %zu\\n", sizeof({name}));')
             for field in struct._fields_:
@@ -44,7 +48,7 @@ class Layout(unittest.TestCase):
             source = pathlib.Path(folder) / "layout.c"
             source.write_text("\n".join(lines))
             program = pathlib.Path(folder) / "layout"
-            subprocess.run([compiler, "-I", str(HEADER.parent), str(source), "-o", str(program)], check=True)
+            subprocess.run([compiler, "-I", str(INCLUDE), str(source), "-o", str(program)], check=True)
             said = subprocess.run([str(program)], check=True, capture_output=True, text=True).stdout
         expected = []
         for name, struct in _c.STRUCTS.items():
@@ -85,6 +89,64 @@ class Folder(unittest.TestCase):
                 _folder.read_camera(bad)
 
 
+@unittest.skipUnless(CAMERAS, "IM2FIT_CAMERAS_LIBRARY names no library")
+class Cameras(unittest.TestCase):
+    @staticmethod
+    def children():
+        names = []
+        for path in pathlib.Path("/proc").glob("[0-9]*/stat"):
+            try:
+                name, parent = re.match(r"\d+ \((.*)\) \S (\d+)", path.read_text()).groups()
+            except OSError:  # it has ended meanwhile
+                continue
+            if int(parent) == os.getpid():
+                names.append(name)
+        return names
+
+    def test_a_recording_is_measured_as_its_frames_are(self):
+        self.assertTrue(RECORDING, "IM2FIT_RECORDING names no recording")
+        bare = im2fit.Models(body="", tracker=str(GOLDEN / "tracker.i2t"), index=str(GOLDEN / "index.i2f"))
+        texts, joints = [], []
+        for uri in (GOLDEN / "clip", RECORDING, None):
+            camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
+            session = im2fit.Session(**vars(camera), models=bare, **FRAMES) if uri is None else \
+                im2fit.Session.of(uri, models=bare, **FRAMES)
+            with session:
+                if uri == RECORDING:  # read by a process of its own, found beside the library
+                    self.assertEqual(self.children(), ["im2fit-oni-read"])
+                for number, path in _folder.frames_of(GOLDEN / "clip"):
+                    if uri is None:
+                        session.push(_folder.read_frame(path), sequence=number)
+                    else:
+                        self.assertIsNotNone(session.pump())
+                if uri is not None:
+                    self.assertIsNone(session.pump())
+                person = session.finish()
+                self.assertTrue(person.measured, person.guidance)
+                self.assertIsNone(person.avatar())
+                texts.append(person.result["measurements"])
+                joints.append(session.joints().tobytes())
+        self.assertEqual(texts[0], texts[2])
+        self.assertEqual(texts[1], texts[2])
+        self.assertEqual(joints, joints[:1] * 3)
+
+    def test_what_cannot_be_opened_is_said(self):
+        with self.assertRaisesRegex(im2fit.Error, "telepathy:1 does not exist") as caught:
+            im2fit.measure("telepathy:1", models=models("b"))
+        self.assertEqual(caught.exception.name, "not_found")
+        with self.assertRaisesRegex(im2fit.Error, "45"):
+            im2fit.Session.of(GOLDEN / "clip", rotate_deg=45, models=models("b"))
+        with self.assertRaisesRegex(im2fit.Error, "v4l2|nonexistent"):
+            im2fit.Session.of("v4l2:/dev/nonexistent", models=models("b"))
+        kept = os.environ.pop("IM2FIT_CAMERAS_LIBRARY")
+        os.environ["IM2FIT_CAMERAS_LIBRARY"] = "/nonexistent.so"
+        try:
+            with self.assertRaisesRegex(OSError, "libim2fit-cameras0"):
+                _c.load_cameras()
+        finally:
+            os.environ["IM2FIT_CAMERAS_LIBRARY"] = kept
+
+
 class Errors(unittest.TestCase):
     def test_a_failure_has_a_status_and_a_text(self):
         with self.assertRaises(im2fit.Error) as caught:
@@ -123,6 +185,9 @@ class Measuring(unittest.TestCase):
         self.assertEqual(person.avatar("glb")[:4], b"glTF")
         self.assertTrue(person.avatar("obj").startswith(b"# im2fit avatar"))
         self.assertTrue(person.avatar("bvh").startswith(b"HIERARCHY"))
+        if CAMERAS and RECORDING:
+            recorded = im2fit.measure(RECORDING, models=models(), **FRAMES)
+            self.assertEqual(recorded.measurements, person.measurements)
 
     def test_metres_are_millimetres_and_the_mesh_is_the_person(self):
         camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")

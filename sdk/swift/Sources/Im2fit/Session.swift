@@ -72,6 +72,19 @@ public struct Rig: Equatable {
     public let rotations: [SIMD4<Float>]
 }
 
+/// What the models are and what they can answer: for a support page, or to refuse a pack that is not enough.
+public struct ModelInfo: Equatable {
+    public let madeBy: String        // the index: by which program, from what
+    public let people: UInt32        // whom it was made of
+    public let captures: UInt32      // of these people
+    public let trackerKey: UInt32    // an index made with another tracker is refused when opened
+    public let hasBody: Bool         // there are meshes, tape, avatars and garments
+    public let answersShape: Bool    // a shape is fitted to the depth as well; without it answers are less good
+    public let answersTurned: Bool   // people from behind are known
+    public let answersClothed: Bool  // people in clothes are known
+    public let siteCorrected: Bool   // answers are corrected for the site
+}
+
 /// How a session ended.
 public enum Outcome {
     /// Values by name ("chest_girth").
@@ -210,6 +223,16 @@ public final class Session {
         return Rig(root: SIMD3(rig.root_m.0, rig.root_m.1, rig.root_m.2), rotations: (0..<Int(IM2FIT_RIG_NODE_COUNT)).map {
             SIMD4(numbers[4 * $0], numbers[4 * $0 + 1], numbers[4 * $0 + 2], numbers[4 * $0 + 3])
         })
+    }
+
+    /// What the files are that the session was opened with.
+    public func modelInfo() throws -> ModelInfo {
+        var models = im2fit_models()
+        try check(im2fit_get_models(handle, &models, MemoryLayout<im2fit_models>.size))
+        return ModelInfo(madeBy: Session.text(models.made_by), people: models.people, captures: models.captures,
+                         trackerKey: models.tracker_key, hasBody: models.has_body != 0,
+                         answersShape: models.answers_shape != 0, answersTurned: models.answers_turned != 0,
+                         answersClothed: models.answers_clothed != 0, siteCorrected: models.site_corrected != 0)
     }
 
     /// The next person, after the measurement, which stands until whoever was measured has left.

@@ -24,13 +24,14 @@ EXTRA_OECMAKE = " \
 PACKAGECONFIG ??= ""
 PACKAGECONFIG[page] = "-DIM2FIT_PAGE=ON,-DIM2FIT_PAGE=OFF,libmicrohttpd qrencode"
 
-PACKAGES =+ "${PN}-tools ${PN}-daemon"
+PACKAGES =+ "${PN}-cameras ${PN}-tools ${PN}-daemon"
 SYSTEMD_PACKAGES = "${PN}-daemon"
 SYSTEMD_SERVICE:${PN}-daemon = "im2fitd.service"
 # A vendor enables it once models are installed: docs/models.md.
 SYSTEMD_AUTO_ENABLE = "disable"
 
 FILES:${PN} = "${libdir}/libim2fit.so.* ${datadir}/im2fit"
+FILES:${PN}-cameras = "${libdir}/libim2fit-cameras.so.*"
 FILES:${PN}-tools = "${bindir}/im2fit ${libexecdir}/im2fit ${nonarch_base_libdir}/udev ${nonarch_libdir}/udev"
 FILES:${PN}-daemon = "${bindir}/im2fitd ${sysconfdir}/im2fit ${systemd_system_unitdir}"
 CONFFILES:${PN}-daemon = "${sysconfdir}/im2fit/im2fitd.yaml"
