@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "body/fatness.h"
+#include "body/seen_prior.h"
 
 namespace im2fit::body {
 namespace {
@@ -18,6 +19,9 @@ using Rows = std::array<double, kRows>;
 using Columns = std::array<double, kColumns>;
 
 constexpr int kStepCountMax = 14;
+// With a body seen, which may lie where slopes of the table say little: then the search begins anew without it. Of 80
+// people one needs that.
+constexpr int kSeenStepCountMax = 8;
 // A goal's share of its own standard deviation that it may be missed by for one standard deviation of people: so
 // small that goals are met, and those known best where they contradict one another.
 constexpr double kTightness = 0.02;
@@ -100,17 +104,35 @@ void change_body(const BodyModel& model, const Params& from, const FitParameters
 
 class MeasurementFitter::Work {
  public:
-  explicit Work(const BodyModel& model) : model_(model), measurer_(model) {
+  explicit Work(const BodyModel& model) : model_(model), measurer_(model), seen_prior_(model) {
     for (Params* p : {&from_, &here_, &best_}) p->modifiers.reserve(model.modifier_names().size());
   }
 
-  MeasurementFit run(Params& params, const MeasurementGoals& goals) {
+  MeasurementFit run(Params& params, const MeasurementGoals& goals, const SeenBody* seen) {
     from_ = params;
-    set_law(params.gender);
     set_goals(goals);
     set_limits();
-    whitened_.fill(0);
     MeasurementFit fit;
+    bool found = false;
+    if (seen != nullptr && seen->valid) {
+      set_prior(params.gender, seen);
+      found = search(kSeenStepCountMax, fit);
+    }
+    if (!found) {
+      set_prior(params.gender, nullptr);
+      search(kStepCountMax, fit);
+    }
+    params = best_;
+    return fit;
+  }
+  const Measurer& measured() const { return measurer_; }
+  const BodyModel& model() const { return model_; }
+
+ private:
+  // Whether all goals are met. The measurer then holds what was found.
+  bool search(int step_count_max, MeasurementFit& fit) {
+    fit = {};
+    whitened_.fill(0);
     double best_cost = 0;
     int best_step = 0;
     Rows off{}, off_before{};
@@ -130,30 +152,28 @@ class MeasurementFitter::Work {
         fit.values = values;
         fit.distance = static_cast<float>(length(whitened_));
       }
-      if (met(off) || fit.steps == kStepCountMax) break;
+      if (met(off) || fit.steps == step_count_max) break;
       before = whitened_;
       off_before = off;
       step(off);
     }
     const Rows last = off_of(fit.values);
     for (std::size_t r = 0; r < kRows; ++r) fit.residual[r] = static_cast<float>(last[r]);
-    params = best_;
     if (best_step != fit.steps) measurer_.measure(best_);
-    return fit;
+    return met(last);
   }
-  const Measurer& measured() const { return measurer_; }
-  const BodyModel& model() const { return model_; }
 
- private:
-  void set_law(float gender) {
+  void set_prior(float gender, const SeenBody* seen) {
     const MeasurementLaw& law = kLaws[gender < 0.5F ? 0 : 1];
     std::size_t next = 0;
+    prior_ = {};
     for (std::size_t i = 0; i < kColumns; ++i)
-      for (std::size_t j = 0; j < kColumns; ++j) spread_[i][j] = j <= i ? static_cast<double>(law.spread[next++]) : 0;
+      for (std::size_t j = 0; j <= i; ++j) prior_.factor[i][j] = static_cast<double>(law.spread[next++]);
+    if (seen != nullptr) seen_prior_.see(from_, *seen, prior_);
     for (std::size_t r = 0; r < kRows; ++r)
       for (std::size_t j = 0; j < kColumns; ++j) {
         double sum = 0;
-        for (std::size_t i = j; i < kColumns; ++i) sum += static_cast<double>(law.slopes[r][i]) * spread_[i][j];
+        for (std::size_t i = j; i < kColumns; ++i) sum += static_cast<double>(law.slopes[r][i]) * prior_.factor[i][j];
         slopes_[r][j] = sum;
       }
   }
@@ -181,9 +201,9 @@ class MeasurementFitter::Work {
   }
 
   void go_to(const Columns& whitened) {
-    FitParameters change{};
+    FitParameters change = prior_.centre;
     for (std::size_t i = 0; i < kColumns; ++i)
-      for (std::size_t j = 0; j <= i; ++j) change[i] += spread_[i][j] * whitened[j];
+      for (std::size_t j = 0; j <= i; ++j) change[i] += prior_.factor[i][j] * whitened[j];
     change_body(model_, from_, change, here_);
   }
 
@@ -249,7 +269,7 @@ class MeasurementFitter::Work {
       const Beyond worst = worst_beyond(next, held);
       if (worst.by <= 0) break;
       held[worst.unknown] = true;
-      ask(spread_[worst.unknown], worst.limit, kHeldSlack);
+      ask(prior_.factor[worst.unknown], worst.limit - prior_.centre[worst.unknown], kHeldSlack);
       next = nearest();
     }
     Columns by{};
@@ -285,9 +305,9 @@ class MeasurementFitter::Work {
     Beyond worst;
     for (std::size_t i = 0; i < kColumns; ++i) {
       if (held[i]) continue;
-      const double change = product(spread_[i], whitened);
+      const double change = prior_.centre[i] + product(prior_.factor[i], whitened);
       const double limit = limited(change, low_[i], high_[i]);
-      const double by = std::fabs(change - limit) / std::sqrt(product(spread_[i], spread_[i]));
+      const double by = std::fabs(change - limit) / std::sqrt(product(prior_.factor[i], prior_.factor[i]));
       if (by > worst.by) worst = {i, by, limit};
     }
     return worst;
@@ -323,7 +343,8 @@ class MeasurementFitter::Work {
   const BodyModel& model_;
   Measurer measurer_;
   Params from_, here_, best_;
-  std::array<std::array<double, kColumns>, kColumns> spread_{};
+  SeenPrior seen_prior_;
+  FitPrior prior_;
   std::array<std::array<double, kColumns>, kRows> slopes_{};  // by whitened unknowns
   std::array<bool, kRows> asked_{};
   Rows goal_{}, sd_{};
@@ -340,8 +361,8 @@ MeasurementFitter::MeasurementFitter(MeasurementFitter&&) noexcept = default;
 MeasurementFitter& MeasurementFitter::operator=(MeasurementFitter&&) noexcept = default;
 MeasurementFitter::~MeasurementFitter() = default;
 
-MeasurementFit MeasurementFitter::run(Params& params, const MeasurementGoals& goals) {
-  return work_->run(params, goals);
+MeasurementFit MeasurementFitter::run(Params& params, const MeasurementGoals& goals, const SeenBody* seen) {
+  return work_->run(params, goals, seen);
 }
 
 const Measurer& MeasurementFitter::measured() const {

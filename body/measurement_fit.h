@@ -11,6 +11,7 @@
 #include <memory>
 #include <string_view>
 
+#include "body/fit/shape_fitter.h"
 #include "body/measure.h"
 #include "body/model.h"
 #include "core/measurement.h"
@@ -48,7 +49,8 @@ class MeasurementFitter {
   ~MeasurementFitter();
   // `params`: where the search begins, and what it finds: the best met, should nothing meet all goals. They stay
   // within the limits of bodies.
-  MeasurementFit run(Params& params, const MeasurementGoals& goals);
+  // `seen`: the body fitted to depth pictures, which the skin follows where the goals leave it free; null: none.
+  MeasurementFit run(Params& params, const MeasurementGoals& goals, const SeenBody* seen = nullptr);
   // Holds the body that was found, measured.
   const Measurer& measured() const;
   const BodyModel& model() const;
@@ -66,6 +68,13 @@ inline constexpr std::string_view kCrotchModifier = "hip/hip-scale-vert";
 using FitParameters = std::array<double, kFitParameterCount>;
 // `from` changed by `change`, limited to what bodies are; `out` may not be `from`.
 void change_body(const BodyModel& model, const Params& from, const FitParameters& change, Params& out);
+
+// What is known of the unknowns before the goals are looked at: their change is centre + factor z, z of unit
+// variance.
+struct FitPrior {
+  FitParameters centre{};
+  std::array<FitParameters, kFitParameterCount> factor{};  // its lower triangle
+};
 
 // What is known of bodies in general, a sex each; made by lab/measurement_law.
 struct MeasurementLaw {

@@ -48,15 +48,18 @@ constexpr float kShoulderDepthShare = 0.3F;  // of the chest's, at the height of
 
 class Field {
  public:
-  Field(const BodyModel& model, const Warp& warp, std::span<const Vec3f> rest)
-      : d_(model.data()),
-        warp_(warp),
-        rest_(rest),
-        skeleton_(rest_skeleton(model, rest)),
-        marks_(warp_landmarks(model, rest)) {
-    list_nodes(model);
-    list_rises();
+  // Without a warp until it is set.
+  Field(const BodyModel& model, std::span<const Vec3f> rest)
+      : d_(model.data()), rest_(rest), skeleton_(rest_skeleton(model, rest)), marks_(warp_landmarks(model, rest)) {
+    place_nodes(model);
     for (const bool left : {true, false}) place_arm(left);
+  }
+
+  void set(const Warp& warp) {
+    warp_ = warp;
+    set_nodes();
+    list_rises();
+    for (Arm& arm : arms_) arm.shoulder_move = of_body(arm.shoulder);
   }
 
   Vec3f moved(std::size_t vertex) const {
@@ -88,27 +91,30 @@ class Field {
   }
   static SectionWarp even(float girth) { return {girth, girth, girth, 0}; }
 
-  void list_nodes(const BodyModel& model) {
+  void place_nodes(const BodyModel& model) {
     const auto frame = [&](float y) { return section_frame(model, rest_, y); };
     const auto middle_z = [&](Vec3f a, Vec3f b) { return 0.5F * (a.z + b.z); };
-    const Node hip = {marks_.buttock, trunk_warp(WarpValue::hip_breadth), frame(marks_.buttock)};
-    Node low = hip;
-    low.y = marks_.crotch;
-    const SectionWarp chest = trunk_warp(WarpValue::chest_breadth);
+    const SectionFrame hip = frame(marks_.buttock);
     SectionFrame neck, head;
     neck.middle_z = middle_z(skeleton_.head[at(Segment::neck)], skeleton_.head[at(Segment::head)]);
     head.middle_z = middle_z(skeleton_.head[at(Segment::head)], skeleton_.tail[at(Segment::head)]);
+    nodes_ = {{{marks_.crotch, {}, hip},
+               {marks_.buttock, {}, hip},
+               {marks_.navel, {}, frame(marks_.navel)},
+               {marks_.nipple, {}, frame(marks_.nipple)},
+               {marks_.shoulder, {}, frame(marks_.shoulder)},
+               {0.5F * (marks_.neck + marks_.head), {}, neck},
+               {between(marks_.head, marks_.crown, 0.4F), {}, head}}};
+  }
+  void set_nodes() {
+    nodes_[0].warp = nodes_[1].warp = trunk_warp(WarpValue::hip_breadth);
+    nodes_[2].warp = trunk_warp(WarpValue::waist_breadth);
+    const SectionWarp chest = nodes_[3].warp = trunk_warp(WarpValue::chest_breadth);
+    nodes_[4].warp = {warp_[WarpValue::shoulder_breadth], kShoulderDepthShare * chest.front,
+                      kShoulderDepthShare * chest.back, 0};
+    nodes_[5].warp = even(warp_[WarpValue::neck_girth]);
     const float length = warp_[WarpValue::head_length];
-    nodes_ = {
-        low,
-        hip,
-        {marks_.navel, trunk_warp(WarpValue::waist_breadth), frame(marks_.navel)},
-        {marks_.nipple, chest, frame(marks_.nipple)},
-        {marks_.shoulder,
-         {warp_[WarpValue::shoulder_breadth], kShoulderDepthShare * chest.front, kShoulderDepthShare * chest.back, 0},
-         frame(marks_.shoulder)},
-        {0.5F * (marks_.neck + marks_.head), even(warp_[WarpValue::neck_girth]), neck},
-        {between(marks_.head, marks_.crown, 0.4F), {warp_[WarpValue::head_breadth], length, length, 0}, head}};
+    nodes_[6].warp = {warp_[WarpValue::head_breadth], length, length, 0};
   }
 
   void list_rises() {
@@ -191,7 +197,6 @@ class Field {
     a.shoulder = skeleton_.head[upper];
     a.elbow = skeleton_.head[upper + 1];
     a.wrist = skeleton_.head[upper + 2];
-    a.shoulder_move = of_body(a.shoulder);
   }
   static float along(Vec3f p, Vec3f from, Vec3f bone) { return dot(p - from, bone) / dot(bone, bone); }
   Vec3f of_upper_arm(const Arm& a, Vec3f p) const {
@@ -217,8 +222,8 @@ class Field {
   }
 
   const BodyModel::Data& d_;
-  const Warp& warp_;
   std::span<const Vec3f> rest_;
+  Warp warp_;
   Skeleton skeleton_;
   WarpLandmarks marks_;
   std::array<Node, 7> nodes_;
@@ -288,9 +293,23 @@ WarpLandmarks warp_landmarks(const BodyModel& model, std::span<const Vec3f> rest
 }
 
 void apply_warp(const BodyModel& model, const Warp& warp, std::span<Vec3f> rest) {
-  const Field field(model, warp, rest);
+  Field field(model, rest);
+  field.set(warp);
   // A vertex is moved by where it and the joints were: the field keeps what it needs of the mesh before.
   for (std::size_t v = 0; v < rest.size(); ++v) rest[v] = field.moved(v);
+}
+
+void warp_slopes(const BodyModel& model, std::span<const Vec3f> rest, std::span<const std::int32_t> vertices,
+                 std::span<Vec3f> out) {
+  assert(out.size() == vertices.size() * kWarpCount);
+  Field field(model, rest);
+  for (std::size_t i = 0; i < kWarpCount; ++i) {
+    Warp one;
+    one.values[i] = 1;
+    field.set(one);
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+      out[v * kWarpCount + i] = field.moved(at(vertices[v])) - rest[at(vertices[v])];
+  }
 }
 
 }  // namespace im2fit::body

@@ -24,7 +24,7 @@ body::MeasurementGoals goals_of(const index::Answer& answer) {
 
 Result<AnsweredBody> body_of_goals(body::MeasurementFitter& fitter, const body::Params& start,
                                    const body::MeasurementGoals& goals, const JointSet& measured_joints,
-                                   const FloorPlane& floor) {
+                                   const FloorPlane& floor, const body::SeenBody& seen) {
   for (std::size_t i = 0; i < kJointCount; ++i) {
     const Vec3f& p = measured_joints.position_mm[i];
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
@@ -37,19 +37,23 @@ Result<AnsweredBody> body_of_goals(body::MeasurementFitter& fitter, const body::
 
   AnsweredBody answered;
   answered.params = start;
-  answered.fit = fitter.run(answered.params, goals);
-  answered.pose = body::pose_from_joints(fitter.measured().rest_bones(), to_mesh_axes(measured_joints, floor));
+  answered.fit = fitter.run(answered.params, goals, seen.valid ? &seen : nullptr);
+  answered.pose = seen.valid
+                      ? seen.pose
+                      : body::pose_from_joints(fitter.measured().rest_bones(), to_mesh_axes(measured_joints, floor));
   return answered;
 }
 
 Result<AnsweredBody> body_of_answer(body::MeasurementFitter& fitter, const index::Index& index,
                                     const index::Answer& answer, const JointSet& measured_joints,
-                                    const FloorPlane& floor) {
+                                    const FloorPlane& floor, const body::SeenBody& seen) {
   const auto person = index.person_of(answer.nearest);
   if (!person) return person.error();
   const auto params = body::params_of_person(fitter.model(), person->version, person->seed, person->number);
   if (!params) return params.error();
-  return body_of_goals(fitter, *params, goals_of(answer), measured_joints, floor);
+  // Of a dressed person the skin seen is cloth.
+  return body_of_goals(fitter, *params, goals_of(answer), measured_joints, floor,
+                       answer.clothed ? body::SeenBody{} : seen);
 }
 
 }  // namespace im2fit

@@ -18,23 +18,25 @@ namespace im2fit {
 struct AnsweredBody {
   body::Params params;
   body::MeasurementFit fit;  // what the mesh of `params` measures, and how far that is off the answer
-  body::Pose pose;  // joints as measured, mesh axes; the hips above the origin, the floor (where known) at y = 0
+  body::Pose pose;  // as seen, else joints as measured; mesh axes; the hips above the origin, the floor (where known)
+                    // at y = 0
 };
 
 // What is asked of the mesh: the answered values, each as well known as its interval says.
 body::MeasurementGoals goals_of(const index::Answer& answer);
 
 // `fitter`: of the body file the index was built with; another one draws other people unnoticed. It then holds the
-// body, measured. Errors: the index was built of another version of the population; as body_of_goals. Allocates; a
+// body, measured. `seen`: the body fitted to the pictures, whose shape and pose it follows, unless clothes were seen
+// rather than skin. Errors: the index was built of another version of the population; as body_of_goals. Allocates; a
 // few hundredths of a second.
 Result<AnsweredBody> body_of_answer(body::MeasurementFitter& fitter, const index::Index& index,
                                     const index::Answer& answer, const JointSet& measured_joints,
-                                    const FloorPlane& floor);
+                                    const FloorPlane& floor, const body::SeenBody& seen = {});
 
 // The same from a body to begin with. Errors: joints or goals that are not finite, goals that are not positive.
 Result<AnsweredBody> body_of_goals(body::MeasurementFitter& fitter, const body::Params& start,
                                    const body::MeasurementGoals& goals, const JointSet& measured_joints,
-                                   const FloorPlane& floor);
+                                   const FloorPlane& floor, const body::SeenBody& seen = {});
 
 // To the axes of meshes (body/person_axes.h); see AnsweredBody::pose.
 JointSet to_mesh_axes(const JointSet& camera_joints, const FloorPlane& floor);

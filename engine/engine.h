@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 
+#include "body/fit/shape_fitter.h"
 #include "body/model.h"
 #include "core/clothing.h"
 #include "core/guidance.h"
@@ -119,6 +120,7 @@ struct EngineResult {
   // What was answered before EngineSettings::site corrected it; as the answer, and the same without a correction.
   std::array<index::IntervalEstimate, kMeasurementCount> uncorrected{};
   AgeAnswer age;              // as the answer
+  body::SeenBody seen;        // as the answer: the body fitted to the pictures behind it
   MeasurementValues paper{};  // NaN where not measured
   JointSet measured_joints;   // robust mean behind the answer: the front's
 };

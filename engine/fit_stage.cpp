@@ -192,6 +192,7 @@ void FitStage::measure(bool ended) {
     result_.answer = {};
     result_.uncorrected = {};
     result_.age = {};
+    result_.seen = {};
     result_.paper.fill(std::numeric_limits<float>::quiet_NaN());
     result_.guidance = static_cast<GuidanceSet>(Guidance::too_noisy);
     result_.arms_close = 0;
@@ -203,6 +204,7 @@ void FitStage::measure(bool ended) {
   result_.uncorrected = person.answer.measurements;
   if (site_) site_->apply(result_.answer);
   result_.age = person.age;
+  result_.seen = person.seen;
   result_.paper = person.paper;
   result_.measured_joints = person.joints;
   if (person.floor.known) result_.floor = person.floor;

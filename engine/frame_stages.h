@@ -15,6 +15,7 @@ namespace im2fit {
 struct MeasuredPerson {
   index::Answer answer;
   AgeAnswer age;
+  body::SeenBody seen;
   MeasurementValues paper{};
   JointSet joints;
   FloorPlane floor;

@@ -37,6 +37,7 @@ class ProductionStages final : public SensingStages {
       restored_edges_correction(static_cast<float>(described.distance_mm) / front().intrinsics().fx)
           .apply(person.answer);
     person.age = answer->age;
+    person.seen = answer->seen;
     person.paper = to_values(described.paper);
     person.joints = described.joints;
     person.floor = described.floor;

@@ -61,7 +61,7 @@ Result<RefinedQuery::Queried> RefinedQuery::queried(index::Seen seen, const inde
   seen.clothing = answer->clothed ? ClothingGiven::dressed : ClothingGiven::bare;
   const auto age = age_of(seen);
   if (!age) return age.error();
-  return Queried{*answer, *age};
+  return Queried{*answer, *age, {}};
 }
 
 Result<RefinedQuery::Queried> RefinedQuery::query(const Side& front, const std::optional<Side>& back) {
@@ -70,14 +70,21 @@ Result<RefinedQuery::Queried> RefinedQuery::query(const Side& front, const std::
   options.distance_mm = front.description.distance_mm;
   index::Seen seen{front.description.feature, {}, {}, {}, clothing_, options.frame_count};
   if (fitter_ == nullptr) return queried(seen, options);
+  body::SeenBody body;
   if (back) {
     const std::array<body::FitView, 2> views = {view_of(front), view_of(*back)};
-    seen.fit_both = values_of(fitter_->run(views), both_fit_);
-    seen.fit = values_of(fitter_->first_alone(), front_fit_);
+    const body::ShapeFit& both = fitter_->run(views);
+    const body::ShapeFit& alone = fitter_->first_alone();
+    seen.fit_both = values_of(both, both_fit_);
+    seen.fit = values_of(alone, front_fit_);
+    body = body::seen_body(both.valid ? both : alone, both.valid);
   } else {
     const std::array<body::FitView, 1> views = {view_of(front)};
-    seen.fit = values_of(fitter_->run(views), front_fit_);
+    const body::ShapeFit& alone = fitter_->run(views);
+    seen.fit = values_of(alone, front_fit_);
+    body = body::seen_body(alone, false);
   }
+  body.valid = body.valid && front.description.floor.known;
   if (!seen.fit_both.empty() && !seen.fit.empty()) {
     seen.back = back->description.feature;
     seen.frame_count = options.frame_count = std::min(options.frame_count, back->fuser.frame_count());
@@ -86,7 +93,9 @@ Result<RefinedQuery::Queried> RefinedQuery::query(const Side& front, const std::
     // Without a fit the others are answered by features alone; of people in clothes these say too little.
     seen.fit = unknown_fit();
   }
-  return queried(seen, options);
+  auto answered = queried(seen, options);
+  if (answered) answered->seen = body;
+  return answered;
 }
 
 }  // namespace im2fit

@@ -30,6 +30,9 @@ class RefinedQuery {
   struct Queried {
     index::Answer answer;
     AgeAnswer age;
+    // Of both sides where they could be fitted, else of the front. Not valid where the floor is not known: then the
+    // fit's axes are not those of whoever knows it.
+    body::SeenBody seen;
   };
   // Some tens of milliseconds with a shape space, for each side.
   // Errors: the index is damaged where it was read, or of people this program cannot draw.

@@ -117,7 +117,7 @@ Status write_outputs(SessionOutcome& outcome, const std::string& directory) {
     return written.error();
   if (const auto written = write_file_atomically(directory + "/avatar.glb", avatar.glb, Readable::by_owner); !written)
     return written.error();
-  if (const auto written = body::write_obj(avatar.avatar, directory + "/avatar.obj"); !written)
+  if (const auto written = body::write_textured_obj(avatar.avatar, directory + "/avatar.obj"); !written)
     return written.error();
   return Ok{};
 }

@@ -85,7 +85,8 @@ class PageListener final : public LiveListener {
 // What write_outputs() made, and the folder if nothing else is in it.
 void erase_outputs(const std::string& folder) {
   std::error_code fault;
-  for (const char* name : {"result.json", "overlay.png", "avatar.glb", "avatar.obj", "avatar.bvh"}) {
+  for (const char* name :
+       {"result.json", "overlay.png", "avatar.glb", "avatar.obj", "avatar.mtl", "avatar_skin.png", "avatar.bvh"}) {
     std::filesystem::remove(std::filesystem::path(folder) / name, fault);
     if (fault) print_error("cannot delete " + folder + "/" + name + ": " + fault.message());
   }

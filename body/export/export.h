@@ -34,10 +34,13 @@ struct Avatar {
 };
 // metres, +Y up, skinned, 19 joints; the file's bytes
 Result<std::vector<std::byte>> glb_of(const Avatar& avatar);
-Result<std::string> obj_of(const Avatar& avatar);  // the texts that write_obj and write_bvh write
-Result<std::string> bvh_of(const Avatar& avatar);
+// `material_library`: the file beside it that says where the texture is; "": it names none.
+Result<std::string> obj_of(const Avatar& avatar, const std::string& material_library = "");
+Result<std::string> bvh_of(const Avatar& avatar);  // the text that write_bvh writes
 Status write_glb(const Avatar& avatar, const std::string& path);
-Status write_obj(const Avatar& avatar, const std::string& path);   // metres, posed
+Status write_obj(const Avatar& avatar, const std::string& path);  // metres, posed
+// Beside NAME.obj also NAME.mtl and NAME_skin.png, its materials and their texture, where the body file has a look.
+Status write_textured_obj(const Avatar& avatar, const std::string& path);
 Status write_bvh(const Avatar& avatar, const std::string& path);   // centimetres, one frame: the pose
 Status write_skel(const Avatar& avatar, const std::string& path);  // the fifteen joints, mm
 // The paper's nine attributes, one "name value" a line (docs/formats-body.md).

@@ -90,11 +90,12 @@ std::string bvh_of(const Figure& figure, std::span<const Pose> poses, double fra
   return out;
 }
 
-// Appends an object. `first`: how many vertices, texture coordinates and normals the file has, kept up. `vertex_of`:
-// which of the part's positions and normals, whose first `vertex_count` are written, each of its vertices has.
+// Appends an object. `material`: of its faces, "" for none. `first`: how many vertices, texture coordinates and
+// normals the file has, kept up. `vertex_of`: which of the part's positions and normals, whose first `vertex_count`
+// are written, each of its vertices has.
 template <class VertexOf>
-void append_object(std::string& out, const char* name, const LookPart& part, std::size_t vertex_count,
-                   VertexOf vertex_of, std::array<std::size_t, 2>& first) {
+void append_object(std::string& out, const char* name, const char* material, const LookPart& part,
+                   std::size_t vertex_count, VertexOf vertex_of, std::array<std::size_t, 2>& first) {
   out += std::string("o ") + name + "\n";
   for (const Vec3f& v : std::span(part.positions).first(vertex_count)) {
     out += "v ";
@@ -113,6 +114,7 @@ void append_object(std::string& out, const char* name, const LookPart& part, std
     append_triple(out, n, 1, 4);
     out += '\n';
   }
+  if (*material != 0) out += std::string("usemtl ") + material + "\n";
   for (const auto& q : part.quads) {
     out += 'f';
     for (const std::int32_t v : q) {
@@ -130,32 +132,70 @@ void append_object(std::string& out, const char* name, const LookPart& part, std
   first[1] += part.texture.size();
 }
 
+// Phong's terms that come nearest to the materials of the .glb (Ns = 2 / roughness^4 - 2, Blinn's exponent); skin
+// reflects 4 % of what falls on it.
+struct ObjMaterial {
+  const char *name, *object;
+  double shininess;
+};
+constexpr ObjMaterial kObjMaterials[] = {{"skin", "body", 6.3}, {"eyes", "eyes", 510}, {"hair", "hair", 13.4}};
+
+std::string mtl_of(const std::string& texture_name) {
+  std::string out = "# im2fit avatar\n";
+  for (const ObjMaterial& material : kObjMaterials) {
+    out += std::string("\nnewmtl ") + material.name + "\nKa 0 0 0\nKd 1 1 1\nKs 0.04 0.04 0.04\nNs ";
+    append_number(out, material.shininess, 1);
+    out += "\nillum 2\nmap_Kd " + texture_name + "\n";
+  }
+  return out;
+}
+
 }  // namespace
 
-Result<std::string> obj_of(const Avatar& avatar) {
+Result<std::string> obj_of(const Avatar& avatar, const std::string& material_library) {
   const auto figure = make_figure(avatar);
   if (!figure) return figure.error();
   const BodyModel& model = *avatar.model;
   std::string out = "# im2fit avatar: metres, y up\n";
+  if (!material_library.empty()) out += "mtllib " + material_library + "\n";
   std::array<std::size_t, 2> first{};
+  const auto append = [&](const ObjMaterial& material, const LookPart& part, std::size_t vertex_count,
+                          auto vertex_of) {
+    append_object(out, material.object, material_library.empty() ? "" : material.name, part, vertex_count, vertex_of,
+                  first);
+  };
   const SkinPart body = skin_part(model, figure->posed);
-  append_object(
-      out, "body", body, static_cast<std::size_t>(model.body_vertex_count()),
-      [&](std::size_t v) { return static_cast<std::size_t>(body.body_vertex[v]); }, first);
+  append(kObjMaterials[0], body, static_cast<std::size_t>(model.body_vertex_count()),
+         [&](std::size_t v) { return static_cast<std::size_t>(body.body_vertex[v]); });
   const Mat3f& head = figure->pose.rotation[static_cast<std::size_t>(Segment::head)];
-  const std::pair<const char*, LookPart> others[] = {
-      {"eyes", eyes_part(model, figure->posed)},
-      {"hair", hair_part(model, figure->posed, head, look_of(avatar.params.gender))}};
-  for (const auto& [name, part] : others)
-    if (!part.quads.empty())
-      append_object(
-          out, name, part, part.positions.size(), [](std::size_t v) { return v; }, first);
+  const std::pair<const ObjMaterial&, LookPart> others[] = {
+      {kObjMaterials[1], eyes_part(model, figure->posed)},
+      {kObjMaterials[2], hair_part(model, figure->posed, head, look_of(avatar.params.gender))}};
+  for (const auto& [material, part] : others)
+    if (!part.quads.empty()) append(material, part, part.positions.size(), [](std::size_t v) { return v; });
   return out;
 }
 
 Status write_obj(const Avatar& avatar, const std::string& path) {
   const auto text = obj_of(avatar);
   if (!text) return text.error();
+  return write_file_atomically(path, *text, Readable::by_owner);
+}
+
+// The .obj last: what it names is there before it.
+Status write_textured_obj(const Avatar& avatar, const std::string& path) {
+  if (avatar.model == nullptr || avatar.model->data().look.empty()) return write_obj(avatar, path);
+  const std::string stem = path.substr(0, path.size() - (path.ends_with(".obj") ? 4 : 0));
+  const std::string name = stem.substr(stem.find_last_of('/') + 1);
+  const auto text = obj_of(avatar, name + ".mtl");
+  if (!text) return text.error();
+  const auto whose = static_cast<std::size_t>(look_of(avatar.params.gender));
+  if (auto written =
+          write_file_atomically(stem + "_skin.png", avatar.model->data().look.texture[whose], Readable::by_owner);
+      !written)
+    return written;
+  if (auto written = write_file_atomically(stem + ".mtl", mtl_of(name + "_skin.png"), Readable::by_owner); !written)
+    return written;
   return write_file_atomically(path, *text, Readable::by_owner);
 }
 

@@ -336,6 +336,7 @@ void ShapeFitter::Work::look_back() {
     for (std::size_t p = 0; p < kPatchMax; ++p)
       if (count[p] > 0) result.off_mm[v][p] = sum[p] / static_cast<float>(count[p]);
   }
+  result.pose = views_[0].pose;
   result.surface_mm = static_cast<float>(surface_sum_ / std::max(result.surface_rows, 1));
   result.rim_mm = static_cast<float>(rim_sum_ / std::max(result.rim_rows, 1));
   result.valid = result.surface_rows >= kSurfaceRowsMin;

@@ -14,6 +14,7 @@
 #include "body/fit/limb_axes.h"
 #include "body/fit/shape_space.h"
 #include "body/fit/skin_patches.h"
+#include "body/skeleton.h"
 #include "core/camera.h"
 #include "core/fit_layout.h"
 #include "core/floor_plane.h"
@@ -40,10 +41,22 @@ struct ShapeFit {
   // view. NaN where none of them is seen.
   std::array<std::array<float, kPatchMax>, kFitViewMax> off_mm{};
   std::array<LimbAxes, kFitViewMax> limbs{};  // of the pose in each view; NaN where there is no view
+  Pose pose;                                  // in the first view, PersonAxes of its joints and floor
   float surface_mm = 0;                       // mean absolute distances at the end
   float rim_mm = 0;
   int surface_rows = 0, rim_rows = 0;
 };
+
+// What is kept of a fit once its pictures are gone.
+struct SeenBody {
+  bool valid = false;
+  bool back = false;  // from both sides
+  std::array<float, kShapeMax> shape{};
+  Pose pose;  // in the first view, axes of PersonAxes
+};
+inline SeenBody seen_body(const ShapeFit& fit, bool back) {
+  return {fit.valid, back, fit.shape, fit.pose};
+}
 
 // As indexes and queries take a fit: its coefficients, off_mm of both views, limbs of both. `out` has
 // fit_layout(space).size() places.

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "body/model_data.h"
+#include "body/fit/shape_points.h"
 #include "body/skeleton.h"
 #include "lab/parallel.h"
 #include "lab/population/ood_subjects.h"
@@ -18,57 +18,10 @@ namespace im2fit::lab {
 namespace {
 
 using body::kPointValues;
-using Quad = std::array<std::int32_t, 4>;
+using body::Quad;
 
 Vec3f corner(std::span<const Vec3f> mesh, const Quad& quad, std::size_t i) {
   return mesh[static_cast<std::size_t>(quad[i])];
-}
-
-// Weights of the corners added up, the four heaviest kept.
-SkinRecord skin_of(const body::BodyModel& model, const Quad& quad) {
-  std::array<float, body::kSegmentCount> sum{};
-  for (const std::int32_t v : quad) {
-    const SkinRecord& r = model.data().skin[static_cast<std::size_t>(v)];
-    for (std::size_t i = 0; i < 4; ++i) sum[r.segment[i]] += 0.25F * r.weight[i];
-  }
-  SkinRecord out;
-  float total = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto heaviest = std::max_element(sum.begin(), sum.end());
-    out.segment[i] = static_cast<std::uint8_t>(heaviest - sum.begin());
-    out.weight[i] = *heaviest;
-    total += *heaviest;
-    *heaviest = 0;
-  }
-  for (float& w : out.weight) w /= total;
-  return out;
-}
-
-bool is_hand(const SkinRecord& skin) {
-  const auto segment = static_cast<body::Segment>(skin.segment[0]);
-  return segment == body::Segment::left_hand || segment == body::Segment::right_hand;
-}
-
-// Quads at equal steps of skin area, hands left out: fingers are bent and no measurement uses them.
-std::vector<Quad> choose_quads(const body::BodyModel& model, std::span<const Vec3f> mesh, int count) {
-  std::vector<Quad> all;
-  std::vector<double> area_before;
-  double area = 0;
-  for (const Quad& quad : model.body_quads()) {
-    if (is_hand(skin_of(model, quad))) continue;
-    all.push_back(quad);
-    area_before.push_back(area);
-    area += 0.5 * static_cast<double>(norm(cross(corner(mesh, quad, 2) - corner(mesh, quad, 0),
-                                                 corner(mesh, quad, 3) - corner(mesh, quad, 1))));
-  }
-  std::vector<Quad> chosen;
-  std::size_t at = 0;
-  for (int i = 0; i < count; ++i) {
-    const double wanted = area * (i + 0.5) / count;
-    while (at + 1 < all.size() && area_before[at + 1] <= wanted) ++at;
-    if (chosen.empty() || chosen.back() != all[at]) chosen.push_back(all[at]);
-  }
-  return chosen;
 }
 
 void describe(const body::BodyModel& model, const std::vector<Quad>& quads, std::span<const Vec3f> mesh,
@@ -97,8 +50,8 @@ body::ShapeSpace build_shape_space(const body::BodyModel& model, const ShapeSpac
   body::ShapeSpace space;
   std::vector<Vec3f> mesh(static_cast<std::size_t>(model.vertex_count()));
   model.morph({}, mesh);
-  const std::vector<Quad> quads = choose_quads(model, mesh, options.points);
-  for (const Quad& quad : quads) space.skin.push_back(skin_of(model, quad));
+  const std::vector<Quad> quads = body::quads_at_equal_area(model, mesh, static_cast<std::size_t>(options.points));
+  for (const Quad& quad : quads) space.skin.push_back(body::skin_of_quad(model, quad));
   space.point_count = quads.size();
   space.shape_count = static_cast<std::size_t>(options.shapes);
 

@@ -136,8 +136,8 @@ TEST_F(Person, WholeAndAloneIsMeasured) {
   const auto result = nlohmann::json::parse(test::read_text(out() + "/result.json"));
   EXPECT_EQ(result["state"], "MEASURED");
   EXPECT_TRUE(result["guidance"].empty()) << result["guidance"];
-  EXPECT_THAT(test::files_in(out()),
-              testing::IsSupersetOf({"result.json", "avatar.glb", "avatar.obj", "avatar.bvh", "overlay.png"}));
+  EXPECT_THAT(test::files_in(out()), testing::IsSupersetOf({"result.json", "avatar.glb", "avatar.obj", "avatar.mtl",
+                                                            "avatar_skin.png", "avatar.bvh", "overlay.png"}));
   // Only the owner may read what a person measures.
   for (const auto& file : std::filesystem::directory_iterator(out()))
     EXPECT_EQ(file.status().permissions(), std::filesystem::perms(0600)) << file.path();

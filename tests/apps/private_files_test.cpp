@@ -55,8 +55,8 @@ TEST_F(PrivateFiles, OfAMeasurementItsMotionAndAGarmentTriedOn) {
   const auto written = written_by(
       with_data({test::kProgram, "measure", clip(), "--frames", "5", "--out", out, "--motion", own_.path("m.csv")}));
   EXPECT_THAT(written, IsSupersetOf({"m.csv"}));
-  EXPECT_THAT(test::all_files_in(out),
-              IsSupersetOf({"result.json", "avatar.glb", "avatar.obj", "avatar.bvh", "overlay.png"}));
+  EXPECT_THAT(test::all_files_in(out), IsSupersetOf({"result.json", "avatar.glb", "avatar.obj", "avatar.mtl",
+                                                     "avatar_skin.png", "avatar.bvh", "overlay.png"}));
   for (const std::string picture : {"t.png", "t.glb"})
     EXPECT_THAT(written_by({test::kProgram, "try", "t_shirt", "--result", out + "/result.json", "--body",
                             test::body_path(), "--out", own_.path(picture)}),

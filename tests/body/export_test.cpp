@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
@@ -281,6 +283,52 @@ TEST_F(RealAvatar, ObjHasTextureCoordinatesEyesAndHair) {
   EXPECT_EQ(objects, (std::vector<std::string>{"body", "eyes", "hair"}));
 }
 
+// As a reader goes: from the .obj to its library, from the library to the pictures, all beside it.
+TEST_F(RealAvatar, ATexturedObjLeadsToItsTexture) {
+  const auto& look = avatar_.model->data().look;
+  if (look.empty()) GTEST_SKIP() << "the body file has no look: run im2fit-lab fetch";
+  ASSERT_TRUE(write_textured_obj(avatar_, folder_ / "a.obj"));
+  std::string library, object, material;
+  std::map<std::string, std::string> worn;  // by object
+  for (const std::string& line : lines("a.obj")) {
+    std::stringstream in(line);
+    std::string kind;
+    in >> kind;
+    if (kind == "mtllib") {
+      EXPECT_TRUE(object.empty()) << "named before it is used";
+      in >> library;
+    }
+    if (kind == "o") in >> object;
+    if (kind == "usemtl") in >> material;
+    if (kind == "f") {
+      worn.emplace(object, material);
+      ASSERT_EQ(worn[object], material);
+    }
+  }
+  EXPECT_EQ(worn, (std::map<std::string, std::string>{{"body", "skin"}, {"eyes", "eyes"}, {"hair", "hair"}}));
+  ASSERT_EQ(library, "a.mtl");
+  std::map<std::string, std::string> picture;  // by material
+  for (const std::string& line : lines(library)) {
+    std::stringstream in(line);
+    std::string kind;
+    in >> kind;
+    if (kind == "newmtl") in >> material;
+    if (kind == "map_Kd") in >> picture[material];
+  }
+  const auto& png = look.texture[static_cast<std::size_t>(LookOf::man)];
+  for (const auto& [of, uses] : worn) {
+    ASSERT_TRUE(picture.contains(uses)) << uses;
+    EXPECT_EQ(picture[uses].find('/'), std::string::npos) << "beside it, wherever the folder goes";
+    const auto bytes = read_file(folder_ / picture[uses]);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    EXPECT_TRUE(std::equal(bytes->begin(), bytes->end(), png.begin(), png.end())) << uses;
+  }
+  // The text alone, for a caller who writes no files, names none.
+  const auto alone = obj_of(avatar_);
+  ASSERT_TRUE(alone);
+  EXPECT_EQ(alone->find("mtl"), std::string::npos);
+}
+
 TEST_F(RealAvatar, NormalsPointOutwards) {
   ASSERT_TRUE(write_glb(avatar_, folder_ / "a.glb"));
   const Glb glb = parse_glb(folder_ / "a.glb");
@@ -468,7 +516,7 @@ TEST_F(RealAvatar, AttributesAreTheNine) {
 }
 
 TEST_F(RealAvatar, NothingIsLeftBehindWhereNothingCanBeWritten) {
-  for (const auto write : {write_glb, write_obj, write_bvh, write_skel, write_attributes}) {
+  for (const auto write : {write_glb, write_obj, write_textured_obj, write_bvh, write_skel, write_attributes}) {
     const Status status = write(avatar_, folder_ / "no/such/folder/file");
     ASSERT_FALSE(status);
     EXPECT_NE(status.error().message.find("no/such/folder"), std::string::npos);

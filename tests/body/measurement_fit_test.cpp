@@ -10,7 +10,10 @@
 #include <vector>
 
 #include "allocations.h"
+#include "body/fit/shape_points.h"
+#include "body/look.h"
 #include "body/measure.h"
+#include "body/model_data.h"
 #include "body/population.h"
 #include "body_pack.h"
 
@@ -184,6 +187,85 @@ TEST_F(MeasurementFitTest, TheBetterKnownIsMet) {
   Params params = drawn.params;
   const MeasurementFit fit = fitter.run(params, goals);
   EXPECT_GT(std::fabs(fit.residual[crotch]), 10 * std::fabs(fit.residual[legs]));
+}
+
+// A person of the shape space: what a perfect fit to pictures would say.
+SeenBody seen_perfectly(const BodyModel& model, const Params& params) {
+  const ShapeSpace& space = model.shape_space();
+  std::vector<Vec3f> mesh(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(params, mesh);
+  const std::vector<Quad> quads = quads_of_shape_space(model);
+  EXPECT_EQ(quads.size(), space.point_count);
+  SeenBody seen;
+  seen.valid = true;
+  for (std::size_t k = 0; k < space.shape_count; ++k) {  // components are orthogonal
+    double along = 0, square = 0;
+    for (std::size_t p = 0; p < quads.size(); ++p) {
+      Vec3f middle{};
+      for (const std::int32_t v : quads[p]) middle = middle + mesh[static_cast<std::size_t>(v)] * 0.25F;
+      for (const auto& [axis, value] : {std::pair(0U, middle.x), std::pair(1U, middle.y), std::pair(2U, middle.z)}) {
+        const std::size_t at = p * kPointValues + axis;
+        const double slope = static_cast<double>(space.point_basis[at * space.shape_count + k]);
+        along += slope * static_cast<double>(value - space.point_mean[at]);
+        square += slope * slope;
+      }
+    }
+    seen.shape[k] = static_cast<float>(along / square);
+  }
+  return seen;
+}
+
+// How far the front of trunk and thighs lies from another's, mm, along the normals, with neither nearer the camera.
+double front_apart_mm(const BodyModel& model, const Params& a, const Params& b) {
+  std::vector<Vec3f> of_a(static_cast<std::size_t>(model.vertex_count())), of_b(of_a.size());
+  model.morph(a, of_a);
+  model.morph(b, of_b);
+  const auto normals = vertex_normals(of_b, model.body_quads());
+  std::vector<double> off;
+  double mean = 0;
+  for (std::size_t v = 0; v < static_cast<std::size_t>(model.body_vertex_count()); ++v) {
+    const auto s = static_cast<Segment>(model.data().skin[v].segment[0]);
+    if (s != Segment::pelvis && s != Segment::abdomen && s != Segment::chest && s != Segment::left_upper_leg &&
+        s != Segment::right_upper_leg)
+      continue;
+    if (normals[v].z < 0.7F) continue;
+    off.push_back(static_cast<double>(dot(normals[v], of_a[v] - of_b[v])));
+    mean += off.back();
+  }
+  mean /= static_cast<double>(off.size());
+  double sum = 0;
+  for (const double d : off) sum += std::fabs(d - mean);
+  return sum / static_cast<double>(off.size());
+}
+
+TEST_F(MeasurementFitTest, FollowsTheBodySeenAndMeetsTheSame) {
+  const BodyModel& model = *real_body();
+  if (model.shape_space().point_count == 0) GTEST_SKIP() << "the body file has no shape space: run im2fit-lab fetch";
+  MeasurementFitter fitter(model);
+  double with = 0, without = 0;
+  for (std::uint64_t number = 0; number < 16; ++number) {
+    const Drawn person = draw_person(model, Family::held_out, 25, number);
+    const MeasurementValues reported = measure_person(model, person.params);
+    const SeenBody seen = seen_perfectly(model, person.params);
+    const Params start = nearest(person.woman, reported);
+    Params blind = start, follows = start, again = start;
+    fitter.run(blind, goals_of(reported));
+    const std::size_t before = allocations_so_far();
+    const MeasurementFit fit = fitter.run(follows, goals_of(reported), &seen);
+    EXPECT_EQ(allocations_so_far(), before);
+    for (std::size_t i = 0; i < kMeasurementCount; ++i)
+      EXPECT_LE(std::fabs(fit.residual[i]), 0.5F) << kMeasurementTable[i].id << " of person " << number;
+    without += front_apart_mm(model, blind, person.params);
+    with += front_apart_mm(model, follows, person.params);
+    fitter.run(again, goals_of(reported), &seen);
+    EXPECT_EQ(again.warp.values, follows.warp.values);
+    SeenBody none = seen;
+    none.valid = false;
+    again = start;
+    fitter.run(again, goals_of(reported), &none);
+    EXPECT_EQ(again.warp.values, blind.warp.values) << "what is not valid says nothing";
+  }
+  EXPECT_LT(with, 0.8 * without);
 }
 
 // How much the line down the front and the line down the back of a trunk bend: the largest second difference of

@@ -48,6 +48,26 @@ TEST(Warp, KeepsStatureFloorAndTheMirrorImage) {
   EXPECT_LT(moved, 120);
 }
 
+TEST(Warp, SlopesAddUpToIt) {
+  IM2FIT_NEEDS_BODY();
+  const BodyModel& model = *real_body();
+  const std::vector<Vec3f> rest = mesh_of(model, adult(1));
+  Warp warp;
+  for (std::size_t i = 0; i < kWarpCount; ++i)
+    warp.values[i] = (i < 7 ? 0.004F : 0.05F) * static_cast<float>(static_cast<int>(i * 7 % 5) - 2);
+  std::vector<Vec3f> warped = rest;
+  apply_warp(model, warp, warped);
+  std::vector<std::int32_t> some;
+  for (std::int32_t v = 0; v < model.body_vertex_count(); v += 17) some.push_back(v);
+  std::vector<Vec3f> slopes(some.size() * kWarpCount);
+  warp_slopes(model, rest, some, slopes);
+  for (std::size_t k = 0; k < some.size(); ++k) {
+    Vec3f moved = rest[static_cast<std::size_t>(some[k])];
+    for (std::size_t i = 0; i < kWarpCount; ++i) moved = moved + slopes[k * kWarpCount + i] * warp.values[i];
+    EXPECT_LT(norm(moved - warped[static_cast<std::size_t>(some[k])]), 0.01F) << some[k];
+  }
+}
+
 // Bones move with the skin: every joint stays inside, between the extents of its neighbourhood.
 TEST(Warp, JointsFollowTheSkin) {
   IM2FIT_NEEDS_BODY();

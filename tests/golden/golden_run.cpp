@@ -135,12 +135,15 @@ struct BodyCase {
   const char* name;
   float gender, age_years, muscle, weight, height;
   MeasurementValues more;
+  bool seen = false;  // beside a body seen
 };
 constexpr BodyCase kBodyCases[] = {
     {"man", 1, 40, 0.45F, 0.6F, 0.5F, {30, 10, 15, 5, 8, 20, -25, 30, 18, 12, 4}},
     {"heavy woman", 0, 61, 0.2F, 1, 0.5F, {-40, -12, -30, -4, 15, 30, 50, 60, -20, -28, 5}},
     {"slim woman", 0.04F, 22, 0.4F, 0.3F, 0.55F, {12, -15, 10, 8, -6, -30, -20, -35, -25, 14, -4}},
     {"impossible", 1, 30, 0.5F, 0.5F, 0.5F, {0, 0, 0, 0, 0, 0, 0, 900, 0, -300, 0}},
+    {"seen man", 1, 40, 0.45F, 0.6F, 0.5F, {30, 10, 15, 5, 8, 20, -25, 30, 18, 12, 4}, true},
+    {"seen woman", 0, 61, 0.2F, 1, 0.5F, {-40, -12, -30, -4, 15, 30, 50, 60, -20, -28, 5}, true},
 };
 
 void add_body(Lines& lines, const body::BodyModel& model, const BodyCase& person) {
@@ -154,7 +157,11 @@ void add_body(Lines& lines, const body::BodyModel& model, const BodyCase& person
   lines.add_checksum((std::string(person.name) + " before").c_str(), checksum(own));
   body::MeasurementGoals goals;
   for (std::size_t i = 0; i < kMeasurementCount; ++i) goals[i] = {own[i] + person.more[i], 0.01F * own[i]};
-  const body::MeasurementFit fit = body::MeasurementFitter(model).run(params, goals);
+  body::SeenBody seen;
+  seen.valid = true;
+  for (std::size_t k = 0; k < seen.shape.size(); ++k)
+    seen.shape[k] = 0.25F * static_cast<float>(static_cast<int>(7 * k % 5) - 2);
+  const body::MeasurementFit fit = body::MeasurementFitter(model).run(params, goals, person.seen ? &seen : nullptr);
   lines.add("%s fitted in %d steps, distance %.9g, height %.9g weight %.9g warp %08x modifiers %08x", person.name,
             fit.steps, exact(fit.distance), exact(params.height), exact(params.weight),
             static_cast<unsigned>(checksum(params.warp.values)), static_cast<unsigned>(checksum(params.modifiers)));
@@ -253,6 +260,7 @@ Result<std::string> bodies(const std::string& body_path) {
   std::uint32_t crc = crc32c(std::as_bytes(d.base));
   crc = crc32c(std::as_bytes(d.deltas), crc);
   crc = crc32c(std::as_bytes(d.skin), crc);
+  crc = crc32c(std::as_bytes(std::span(d.shape_space.point_basis)), crc);
   Lines lines;
   lines.add_checksum("body file", crc);
   for (const BodyCase& person : kBodyCases) add_body(lines, *model, person);

@@ -478,7 +478,8 @@ enum { IM2FIT_AVATAR_GLB = 0, IM2FIT_AVATAR_OBJ = 1, IM2FIT_AVATAR_BVH = 2 };
 
 /* The person as a file other programs read (docs/formats-body.md): the bytes of a .glb, .obj or .bvh. *size gets
  * their number, TOO_SMALL when `capacity` is less (ask with 0). Errors and needs as im2fit_body_mesh; UNSUPPORTED
- * also from a library built without it. Allocates. */
+ * also from a library built without it. The .obj has texture coordinates but names no material library, as bytes have
+ * no file beside them; its texture is the image in the .glb. Allocates. */
 IM2FIT_API int im2fit_avatar(im2fit_handle* handle, int32_t format, void* bytes, size_t capacity, size_t* size);
 
 /* How the nodes 0 to 18 of an avatar's .glb, im2fit_avatar's or im2fit_dressed_avatar's, are to stand so that it does

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "body/fit/shape_points.h"
+
+#include <algorithm>
+
+#include "body/fit/shape_space.h"
+#include "body/model_data.h"
+
+namespace im2fit::body {
+namespace {
+
+Vec3f corner(std::span<const Vec3f> mesh, const Quad& quad, std::size_t i) {
+  return mesh[static_cast<std::size_t>(quad[i])];
+}
+
+bool is_hand(const SkinRecord& skin) {
+  const auto segment = static_cast<Segment>(skin.segment[0]);
+  return segment == Segment::left_hand || segment == Segment::right_hand;
+}
+
+struct QuadAreas {
+  std::vector<Quad> quads;
+  std::vector<double> area_before;
+  double area = 0;
+};
+QuadAreas quad_areas(const BodyModel& model, std::span<const Vec3f> mesh) {
+  QuadAreas all;
+  for (const Quad& quad : model.body_quads()) {
+    if (is_hand(skin_of_quad(model, quad))) continue;
+    all.quads.push_back(quad);
+    all.area_before.push_back(all.area);
+    all.area += 0.5 * static_cast<double>(norm(cross(corner(mesh, quad, 2) - corner(mesh, quad, 0),
+                                                     corner(mesh, quad, 3) - corner(mesh, quad, 1))));
+  }
+  return all;
+}
+
+std::vector<Quad> at_equal_steps(const QuadAreas& all, std::size_t count) {
+  std::vector<Quad> chosen;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double wanted = all.area * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+    while (at + 1 < all.quads.size() && all.area_before[at + 1] <= wanted) ++at;
+    if (chosen.empty() || chosen.back() != all.quads[at]) chosen.push_back(all.quads[at]);
+  }
+  return chosen;
+}
+
+bool same(const SkinRecord& a, const SkinRecord& b) {
+  for (std::size_t i = 0; i < 4; ++i)
+    if (a.weight[i] != b.weight[i] || (a.weight[i] > 0 && a.segment[i] != b.segment[i])) return false;
+  return true;
+}
+
+}  // namespace
+
+SkinRecord skin_of_quad(const BodyModel& model, const Quad& quad) {
+  std::array<float, kSegmentCount> sum{};
+  for (const std::int32_t v : quad) {
+    const SkinRecord& r = model.data().skin[static_cast<std::size_t>(v)];
+    for (std::size_t i = 0; i < 4; ++i) sum[r.segment[i]] += 0.25F * r.weight[i];
+  }
+  SkinRecord out;
+  float total = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto heaviest = std::max_element(sum.begin(), sum.end());
+    out.segment[i] = static_cast<std::uint8_t>(heaviest - sum.begin());
+    out.weight[i] = *heaviest;
+    total += *heaviest;
+    *heaviest = 0;
+  }
+  for (float& w : out.weight) w /= total;
+  return out;
+}
+
+std::vector<Quad> quads_at_equal_area(const BodyModel& model, std::span<const Vec3f> mesh, std::size_t count) {
+  return at_equal_steps(quad_areas(model, mesh), count);
+}
+
+// The file says how many points there are, not how many were asked for.
+std::vector<Quad> quads_of_shape_space(const BodyModel& model) {
+  const ShapeSpace& space = model.shape_space();
+  if (space.point_count == 0) return {};
+  std::vector<Vec3f> mesh(static_cast<std::size_t>(model.vertex_count()));
+  model.morph({}, mesh);
+  const QuadAreas all = quad_areas(model, mesh);
+  for (std::size_t count = space.point_count; count <= space.point_count + space.point_count / 4; ++count) {
+    std::vector<Quad> quads = at_equal_steps(all, count);
+    if (quads.size() != space.point_count) continue;
+    std::size_t i = 0;
+    while (i < quads.size() && same(skin_of_quad(model, quads[i]), space.skin[i])) ++i;
+    if (i == quads.size()) return quads;
+  }
+  return {};
+}
+
+}  // namespace im2fit::body
