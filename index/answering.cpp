@@ -146,6 +146,7 @@ Result<Answer> Answerer::answer_as(bool dressed, const Seen& seen, const QueryOp
     const RefinementContents& c = refiner->contents();
     uncertainty = {c.record.noise, c.record.interval_kind == static_cast<std::uint32_t>(IntervalKind::local_spread),
                    c.interval, c.spread_floor, c.sex_table};
+    if (dressed) uncertainty.novelty = ValueMap::novelty(*refining);
     out.from = sees_back(refiner->map().kind()) ? AnsweredFrom::front_and_back : AnsweredFrom::fitted_front;
     out.clothed = dressed;
   }
@@ -176,7 +177,7 @@ void Answerer::fill_nearest(const Corrected& corrected, Answer& out) const {
 void Answerer::fill_estimates(const Targets& targets, const Targets& spread, const Uncertainty& uncertainty,
                               const QueryOptions& options, Answer& out) const {
   const Contents& c = contents_;
-  const double noise = uncertainty.noise.width(options.frame_count, options.distance_mm);
+  const double noise = uncertainty.noise.width(options.frame_count, options.distance_mm, uncertainty.novelty);
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     const double unit = static_cast<double>(c.target_scale[m]);
     const double value = static_cast<double>(c.target_mean[m]) + unit * targets[m];

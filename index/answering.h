@@ -57,6 +57,7 @@ class Answerer {
     NoiseModel noise;
     bool local;
     std::span<const float> interval, spread_floor, sex_table;
+    double novelty = 0;  // of clothes (index/noise_model.h)
   };
   void fill_estimates(const Targets& targets, const Targets& spread, const Uncertainty& uncertainty,
                       const QueryOptions& options, Answer& out) const;

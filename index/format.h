@@ -22,7 +22,7 @@
 namespace im2fit::index {
 
 inline constexpr char kMagic[] = "I2FX";
-inline constexpr std::uint32_t kVersion = 12;
+inline constexpr std::uint32_t kVersion = 13;
 inline constexpr std::uint32_t kFeatureMax = 16384;
 inline constexpr std::uint32_t kEntryMax = 1U << 24;
 inline constexpr std::uint32_t kGroupMax = 16;
@@ -58,7 +58,7 @@ struct MetaRecord {
   std::uint32_t tracker_key = 0;      // 0: unknown
   std::uint32_t reserved = 0;
 };
-static_assert(sizeof(MetaRecord) == 128);
+static_assert(sizeof(MetaRecord) == 136);
 
 struct GroupRecord {
   char name[24] = {};

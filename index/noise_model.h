@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much further off answers are by how a person was seen: few frames and much distance make them worse.
+// How much further off answers are by how a person was seen: few frames and much distance make them worse, and so do
+// clothes unlike those that were learned from.
 #pragma once
 
 #include <algorithm>
@@ -15,14 +16,16 @@ namespace im2fit::index {
 inline constexpr double kWellSeenMm = 2500;
 
 // What the variance of an error grows with: nothing, one over the frames fused and one more, the square of the
-// distance beyond kWellSeenMm in kWellSeenMm, and that over the same. One more, because the law is fitted to people
-// seen in 3 frames or more and has to hold for one as well (docs/formats-index.md). Fewer than one frame count as
-// one; a distance of 0 or less is not known, and taken for the farthest at which people are measured.
-inline constexpr std::size_t kNoiseTerms = 4;
-inline std::array<double, kNoiseTerms> noise_terms(int frame_count, int distance_mm) {
+// distance beyond kWellSeenMm in kWellSeenMm, that over the same, and the mean square of what is seen in standard
+// deviations of the people learned from (ValueMap::novelty; of people in clothes, else 0). One more, because the
+// law is fitted to people seen in 3 frames or more and has to hold for one as well (docs/formats-index.md). Fewer
+// than one frame count as one; a distance of 0 or less is not known, and taken for the farthest at which people are
+// measured.
+inline constexpr std::size_t kNoiseTerms = 5;
+inline std::array<double, kNoiseTerms> noise_terms(int frame_count, int distance_mm, double novelty) {
   const double beyond = std::max((distance_mm > 0 ? distance_mm : kTooFarMm) / kWellSeenMm - 1, 0.0);
   const double per_frame = 1.0 / (std::max(frame_count, 1) + 1);
-  return {1, per_frame, beyond * beyond, beyond * beyond * per_frame};
+  return {1, per_frame, beyond * beyond, beyond * beyond * per_frame, novelty};
 }
 
 // Of the file; fixed layout.
@@ -31,8 +34,8 @@ struct NoiseModel {
   std::array<double, kNoiseTerms> share = {1};
 
   // Standard deviation, relative as well.
-  double width(int frame_count, int distance_mm) const {
-    const auto terms = noise_terms(frame_count, distance_mm);
+  double width(int frame_count, int distance_mm, double novelty = 0) const {
+    const auto terms = noise_terms(frame_count, distance_mm, novelty);
     double variance = 0;
     for (std::size_t i = 0; i < kNoiseTerms; ++i) variance += share[i] * terms[i];
     return std::sqrt(variance);

@@ -64,6 +64,17 @@ Targets ValueMap::operator()(const Seen& seen, Work& work) const {
   return regressor_(work.standardised);
 }
 
+// Whole numbers: the same in any order. A value that was not seen is 0, and hardly one that was.
+double ValueMap::novelty(const Work& work) {
+  constexpr double kOne = std::int64_t{1} << StandardFeature::kFractionBits;
+  std::int64_t sum = 0, count = 0;
+  for (const std::int16_t raw : work.standardised) {
+    sum += std::int64_t{raw} * raw;
+    count += raw != 0 ? 1 : 0;
+  }
+  return count > 0 ? static_cast<double>(sum) / (kOne * kOne * static_cast<double>(count)) : 0;
+}
+
 Refiner::Refiner(Refinement kind, const RefinementContents& contents, std::size_t feature_size)
     : contents_(contents), map_(kind, contents.record.fit, contents.map, feature_size) {}
 

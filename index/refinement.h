@@ -79,7 +79,7 @@ struct RefinementRecord {
   MeasurementValues mae{};                // of answers to people it was not learned from
   MeasurementValues coverage{};           // of the 95 % intervals
 };
-static_assert(sizeof(RefinementRecord) == 64 + 4 * kTargetMin + 8 * kMeasurementCount);
+static_assert(sizeof(RefinementRecord) == 72 + 4 * kTargetMin + 8 * kMeasurementCount);
 
 // The nearest float whose lower half is zero, and its upper half: three digits, enough to standardise by.
 constexpr std::uint16_t upper_of_float(float value) {
@@ -109,6 +109,9 @@ class ValueMap {
   // Whether all that it needs is there, in the right sizes, whatever is worn.
   bool applies(const Seen& seen) const;
   Targets operator()(const Seen& seen, Work& work) const;  // no allocation
+  // Of what `work` was used for last: the mean square of the values that were seen, in standard deviations of the
+  // people learned from. About 1 for people like these, more for clothes of a cut that none of them wore.
+  static double novelty(const Work& work);
   Refinement kind() const { return kind_; }
 
  private:

@@ -30,8 +30,8 @@ struct Row {
   std::uint64_t subject = 0;
   std::uint16_t frame_count = 0;
   std::uint16_t back_frame_count = 0;  // 0 unless turned
-  std::uint16_t flags = 0;             // 1 woman, 2 calibrate_only, 4 turned, 8 clothed, 16 again
-  std::uint16_t body_values = 0;       // other than zero
+  std::uint16_t flags = 0;  // 1 woman, 2 calibrate_only, 4 turned, 8 clothed, 16 again, 32 times the clothes' kind
+  std::uint16_t body_values = 0;  // other than zero
   std::uint16_t distance_mm = 0;
   std::uint16_t back_distance_mm = 0;  // 0 unless turned
   std::uint32_t reserved = 0;
@@ -42,6 +42,7 @@ constexpr std::uint16_t kCalibrateOnly = 2;
 constexpr std::uint16_t kTurned = 4;  // has a view from behind and fits, in the order of rows
 constexpr std::uint16_t kClothed = 8;
 constexpr std::uint16_t kAgain = 16;
+constexpr int kClothesShift = 5;
 
 template <class Visit>
 void visit_fields(const RunKey& r, const Visit& visit) {
@@ -179,9 +180,9 @@ Status write_shard(const std::string& path, const RunKey& run, const SubjectRang
     row.back_frame_count = static_cast<std::uint16_t>(s.back_frame_count);
     row.distance_mm = static_cast<std::uint16_t>(s.distance_mm);
     row.back_distance_mm = static_cast<std::uint16_t>(s.back_distance_mm);
-    row.flags =
-        static_cast<std::uint16_t>((s.woman ? kWoman : 0) | (s.calibrate_only ? kCalibrateOnly : 0) |
-                                   (s.refines() ? kTurned : 0) | (s.clothed ? kClothed : 0) | (s.again ? kAgain : 0));
+    row.flags = static_cast<std::uint16_t>((s.woman ? kWoman : 0) | (s.calibrate_only ? kCalibrateOnly : 0) |
+                                           (s.refines() ? kTurned : 0) | (s.clothed ? kClothed : 0) |
+                                           (s.again ? kAgain : 0) | s.clothes_kind << kClothesShift);
     if (s.refines() &&
         (s.fit.size() != run.fit.size() || s.fit_both.size() != run.fit.size() || s.back.size() != run.feature_size))
       return wrong(path, "a sample's view from behind is not of the run's sizes");
@@ -263,7 +264,7 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
   for (std::size_t i = 0; i < n; ++i) {
     const Row& row = (*rows)[i];
     if (row.subject < range.first || row.subject >= range.end()) return damaged(path, "a subject out of its range");
-    if (row.reserved != 0 || row.flags > (kWoman | kCalibrateOnly | kTurned | kClothed | kAgain))
+    if (row.reserved != 0 || row.flags >= index::kClothesKindMax << kClothesShift)
       return damaged(path, "a row with flags this program does not know");
     if (columns->size() - at < row.body_values) return damaged(path, "bodies cut short");
     index::Sample s;
@@ -276,6 +277,7 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
     s.calibrate_only = (row.flags & kCalibrateOnly) != 0;
     s.clothed = (row.flags & kClothed) != 0;
     s.again = (row.flags & kAgain) != 0;
+    s.clothes_kind = static_cast<std::uint8_t>(row.flags >> kClothesShift);
     read_feature(*features, i, s.feature);
     if ((row.flags & kTurned) != 0) {
       read_feature(*backs, turn, s.back);

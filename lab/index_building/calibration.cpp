@@ -14,7 +14,7 @@ constexpr double kSpreadMin = 1e-6;  // standardised: a measurement that never v
 double width_of(const IntervalModel& model, const HeldOut& row, std::size_t m) {
   const auto floor = static_cast<double>(model.spread_floor[m]);
   const double base = model.kind == IntervalKind::local_spread ? 0.5 * (floor + row.spread[m]) : floor;
-  return base * model.noise.width(row.frame_count, row.distance_mm);
+  return base * model.noise.width(row.frame_count, row.distance_mm, row.novelty);
 }
 
 double error_of(const HeldOut& row, std::size_t m) {
@@ -59,7 +59,7 @@ NoiseModel fit_noise(const IntervalModel& model, const std::vector<HeldOut>& row
   std::array<std::array<double, kNoiseTerms>, kNoiseTerms> gram{};
   std::array<double, kNoiseTerms> cross{};
   for (const HeldOut& row : rows) {
-    const auto terms = noise_terms(row.frame_count, row.distance_mm);
+    const auto terms = noise_terms(row.frame_count, row.distance_mm, row.novelty);
     double square = 0;
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
       const double e = error_of(row, m) / static_cast<double>(model.spread_floor[m]);

@@ -16,6 +16,7 @@ struct HeldOut {
   std::uint32_t subject = 0;
   int frame_count = 1;
   int distance_mm = 0;
+  double novelty = 0;  // ValueMap's; of people in clothes
   Targets truth{};
   Targets answer{};
   Targets spread{};  // of the residuals nearby
@@ -59,7 +60,7 @@ void widen(std::array<float, 2 * kMeasurementCount>& quantiles, const Widening& 
 std::vector<std::size_t> ood_beside(std::size_t ordinary, std::size_t ood_count, double share);
 
 // Split conformal prediction on signed errors over a width that may follow the local spread (normalised scores;
-// Lei et al. 2018), and the number of fused frames and the distance. The kind with the better interval score
+// Lei et al. 2018), the number of fused frames, the distance and the novelty. The kind with the better interval score
 // (Gneiting & Raftery 2007) wins.
 IntervalModel calibrate_intervals(const std::vector<HeldOut>& rows);
 

@@ -117,6 +117,8 @@ FeatureScale file_scale(const std::vector<const std::vector<float>*>& values) {
   return scale;
 }
 
+using Repeats = std::vector<std::array<std::ptrdiff_t, 2>>;  // rows of the same body, one after the other
+
 // The rows of one kind as a query sees them, and the sums behind their regressions.
 struct Table {
   FeatureScale scale;
@@ -148,9 +150,10 @@ struct Table {
     if (!rows.empty()) sums.add(z(rows, Eigen::all), y(rows, Eigen::all), weight(rows));
     return sums;
   }
-  // `repeats`: pairs of rows.
-  void learn_unlike(const std::vector<std::array<std::ptrdiff_t, 2>>& repeats) {
-    if (repeats.empty()) return;
+  // Mean of d d^T, lower triangle, over pairs of rows.
+  Eigen::MatrixXd unlike_of(const Repeats& repeats) const {
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(z.cols(), z.cols());
+    if (repeats.empty()) return out;
     RowMatrixF rows(static_cast<std::ptrdiff_t>(repeats.size()), z.cols());
     double sum = 0;
     for (std::size_t i = 0; i < repeats.size(); ++i) {
@@ -159,8 +162,9 @@ struct Table {
       rows.row(static_cast<std::ptrdiff_t>(i)) = (z.row(a) - z.row(b)) * static_cast<float>(std::sqrt(counts));
       sum += counts;
     }
-    add_gram(rows, unlike);
-    unlike /= sum;
+    add_gram(rows, out);
+    out /= sum;
+    return out;
   }
   Sums without(const Sums& some) const {
     Sums rest = all;
@@ -191,6 +195,46 @@ CrossFit choose_penalty(const Table& table, const Eigen::VectorXd& shares) {
     best = {tried, std::move(answer)};
   }
   return best;
+}
+
+// Answers to people in clothes by regressions that met neither them nor any clothes of their kind: real wardrobes
+// hold cuts that none of the training people wear. `met_none`: for whom enough others are left to learn from.
+Eigen::MatrixXd answer_unknown_clothes(const Table& table, const std::vector<int>& kind_of_row,
+                                       const Repeats& repeats, const Eigen::VectorXd& penalties,
+                                       std::vector<bool>& met_none) {
+  Eigen::MatrixXd answer = Eigen::MatrixXd::Zero(table.z.rows(), table.y.cols());
+  met_none.assign(kind_of_row.size(), false);
+  for (int kind = 0; kind < kClothesKindMax; ++kind) {
+    std::array<std::vector<std::ptrdiff_t>, kFolds> rows;
+    Sums of_kind(table.z.cols(), table.y.cols());
+    for (std::size_t f = 0; f < kFolds; ++f) {
+      for (const std::ptrdiff_t i : table.of_fold[f])
+        if (kind_of_row[static_cast<std::size_t>(i)] == kind) rows[f].push_back(i);
+      of_kind.add(table.sums_of(rows[f]), 1);
+    }
+    if (of_kind.count == 0) continue;
+    // What two captures of a body differ by is what clothes change, too: those of this kind must not tell of it.
+    Repeats others;
+    for (const auto& [a, b] : repeats)
+      if (kind_of_row[static_cast<std::size_t>(a)] != kind && kind_of_row[static_cast<std::size_t>(b)] != kind)
+        others.push_back({a, b});
+    const Eigen::MatrixXd unlike = table.unlike_of(others);
+    for (std::size_t f = 0; f < kFolds; ++f) {
+      Sums rest = table.without(table.folds[f]);
+      rest.add(of_kind, -1);
+      rest.add(table.sums_of(rows[f]), 1);  // taken off twice
+      if (rows[f].empty() || rest.count < static_cast<std::ptrdiff_t>(RefinementBuilder::kSampleMin)) continue;
+      table.answer(solve(rest, unlike, penalties), rows[f], answer);
+      for (const std::ptrdiff_t i : rows[f]) met_none[static_cast<std::size_t>(i)] = true;
+    }
+  }
+  return answer;
+}
+
+// As ValueMap::novelty.
+double novelty_of(const RowMatrixF& z, std::ptrdiff_t row) {
+  const auto seen = (z.row(row).array() != 0).count();
+  return seen > 0 ? z.row(row).cast<double>().squaredNorm() / static_cast<double>(seen) : 0;
 }
 
 // Estimates shrink to the mean, the more so for people of another make: whoever is slim or heavy would read too near
@@ -226,6 +270,7 @@ void RefinementBuilder::add(const Sample& sample) {
   row.distance_mm = {sample.distance_mm, std::max(sample.distance_mm, sample.back_distance_mm)};
   row.ood = sample.calibrate_only;
   row.woman = sample.woman;
+  row.clothes_kind = sample.clothes_kind;
   row.truth = sample.truth;
   Seen seen{sample.feature, sample.fit, sample.back, sample.fit_both, ClothingGiven::unknown, 0};
   for (const Refinement kind : {Refinement::fitted, Refinement::turned}) {
@@ -256,8 +301,8 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
                                                         std::uint64_t seed, bool for_unknown_makes) const {
   const auto count = static_cast<std::ptrdiff_t>(people.size());
   std::vector<const std::vector<float>*> values;
-  std::vector<int> fold_of_row;
-  std::vector<std::array<std::ptrdiff_t, 2>> repeats;  // rows of the same body, one after the other
+  std::vector<int> fold_of_row, kind_of_row;
+  Repeats repeats;
   Eigen::MatrixXd y(count, kTargetMin);
   Eigen::VectorXd weights(count);
   FoldDealer dealer(seed, kFolds);
@@ -267,10 +312,11 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
     weights(at) = weight_at(row.distance_mm[sees_back(kind) ? 1 : 0]);
     values.push_back(&row.values[sees_back(kind) ? 1 : 0]);
     fold_of_row.push_back(dealer.fold_of(row.subject));
+    kind_of_row.push_back(row.clothes_kind);
     if (at > 0 && people[static_cast<std::size_t>(at - 1)].subject == row.subject) repeats.push_back({at - 1, at});
   }
   Table table(values, std::move(y), std::move(weights), fold_of_row);
-  table.learn_unlike(repeats);
+  table.unlike = table.unlike_of(repeats);
   const Eigen::VectorXd shares = penalty_shares(kind, feature_size_, fit_);
   CrossFit cross = choose_penalty(table, shares);
 
@@ -284,11 +330,19 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
     if (is_of_clothed(kind) || plain.contains(row.subject)) (row.ood ? ood : ordinary).push_back(i);
   }
   LinearFit fit = solve(table.all, table.unlike, cross.penalty * shares);
+  Learned::Answers answers;
+  if (is_of_clothed(kind)) {
+    answers.of_unknown_clothes =
+        answer_unknown_clothes(table, kind_of_row, repeats, cross.penalty * shares, answers.met_none);
+    for (std::ptrdiff_t i = 0; i < count; ++i) answers.novelty.push_back(novelty_of(table.z, i));
+  }
   Eigen::VectorXd mean;
   const Eigen::VectorXd share_answered = answered_share(cross.answer, table.y, ood, mean);
   for (std::ptrdiff_t t = 0; t < static_cast<std::ptrdiff_t>(kMeasurementCount); ++t) {
     const double stretch = 1 / share_answered(t);
     cross.answer.col(t) = (cross.answer.col(t).array() - mean(t)) * stretch + mean(t);
+    if (is_of_clothed(kind))
+      answers.of_unknown_clothes.col(t) = (answers.of_unknown_clothes.col(t).array() - mean(t)) * stretch + mean(t);
     fit.weights.col(t) *= stretch;
     fit.bias(t) = (fit.bias(t) - mean(t)) * stretch + mean(t);
   }
@@ -302,8 +356,10 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   } else {
     judged.insert(judged.end(), ood.begin(), ood.end());
   }
+  answers.truth = table.y;
+  answers.answered = std::move(cross.answer);
   if (!judged.empty())
-    out.judge(kind, people, judged, many ? ood : judged, targets, plain, table.y, cross.answer, for_unknown_makes);
+    out.judge(kind, people, judged, many ? ood : judged, targets, plain, answers, for_unknown_makes);
   return out;
 }
 
@@ -359,19 +415,37 @@ RefinementBuilder::LearnedClothing RefinementBuilder::learn_clothing(Refinement 
   return out;
 }
 
+HeldOut RefinementBuilder::Learned::held_out_of(Refinement kind, const Row& row, const Answers& answers,
+                                                std::ptrdiff_t at, const Eigen::MatrixXd& answered,
+                                                const PlainAnswers& plain) const {
+  HeldOut h;
+  h.subject = static_cast<std::uint32_t>(row.subject);
+  h.frame_count = row.frame_count[sees_back(kind) ? 1 : 0];
+  h.distance_mm = row.distance_mm[sees_back(kind) ? 1 : 0];
+  if (is_of_clothed(kind)) h.novelty = answers.novelty[static_cast<std::size_t>(at)];
+  for (std::size_t t = 0; t < kTargetMin; ++t) {
+    const auto column = static_cast<std::ptrdiff_t>(t);
+    h.truth[t] = answers.truth(at, column);
+    h.answer[t] = answered(at, column);
+    if (is_of_clothed(kind)) continue;
+    const double before = plain.at(row.subject)[t];
+    h.answer[t] = before + static_cast<double>(record.share[t]) * (h.answer[t] - before);
+  }
+  return h;
+}
+
 void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
                                        const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets,
-                                       const PlainAnswers& plain, const Eigen::MatrixXd& truth,
-                                       const Eigen::MatrixXd& answered, bool for_unknown_makes) {
+                                       const PlainAnswers& plain, const Answers& answers, bool for_unknown_makes) {
   // Of people in clothes there is no plain answer to mix with.
   record.share.fill(1.0F);
   for (std::ptrdiff_t t = 0; !is_of_clothed(kind) && t < kTargetMin; ++t) {
     double change_square = 1e-12, change_right = 0;
     for (const std::ptrdiff_t i : unlike) {
       const double before = plain.at(people[static_cast<std::size_t>(i)].subject)[static_cast<std::size_t>(t)];
-      const double change = answered(i, t) - before;
+      const double change = answers.answered(i, t) - before;
       change_square += change * change;
-      change_right += change * (truth(i, t) - before);
+      change_right += change * (answers.truth(i, t) - before);
     }
     record.share[static_cast<std::size_t>(t)] =
         static_cast<float>(std::clamp(change_right / change_square, 0.0, 1.0));
@@ -379,23 +453,17 @@ void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, cons
   std::vector<HeldOut> held_out;
   for (const std::ptrdiff_t i : judged) {
     const Row& row = people[static_cast<std::size_t>(i)];
-    HeldOut& h = held_out.emplace_back();
-    h.subject = static_cast<std::uint32_t>(row.subject);
-    h.frame_count = row.frame_count[sees_back(kind) ? 1 : 0];
-    h.distance_mm = row.distance_mm[sees_back(kind) ? 1 : 0];
-    for (std::size_t t = 0; t < kTargetMin; ++t) {
-      const auto column = static_cast<std::ptrdiff_t>(t);
-      h.truth[t] = truth(i, column);
-      h.answer[t] = answered(i, column);
-      if (!is_of_clothed(kind)) {
-        const double before = plain.at(row.subject)[t];
-        h.answer[t] = before + static_cast<double>(record.share[t]) * (h.answer[t] - before);
-      }
-      if (t < kMeasurementCount)
-        record.mae[t] += static_cast<float>(targets.scale(t) * std::abs(h.truth[t] - h.answer[t]) /
-                                            static_cast<double>(judged.size()));
-    }
+    const HeldOut& h = held_out.emplace_back(held_out_of(kind, row, answers, i, answers.answered, plain));
+    for (std::size_t t = 0; t < kMeasurementCount; ++t)
+      record.mae[t] += static_cast<float>(targets.scale(t) * std::abs(h.truth[t] - h.answer[t]) /
+                                          static_cast<double>(judged.size()));
   }
+  // As often as not a person is taken to wear what no training person wore.
+  if (is_of_clothed(kind))
+    for (const std::ptrdiff_t i : judged)
+      if (answers.met_none[static_cast<std::size_t>(i)])
+        held_out.push_back(
+            held_out_of(kind, people[static_cast<std::size_t>(i)], answers, i, answers.of_unknown_clothes, plain));
   IntervalModel intervals = calibrate_intervals(held_out);
   if (for_unknown_makes) widen(intervals.quantiles, kUnknownMakeWidening[static_cast<std::size_t>(kind)]);
   record.interval_kind = static_cast<std::uint32_t>(intervals.kind);

@@ -46,6 +46,7 @@ class RefinementBuilder {
     std::array<int, 2> frame_count{}, distance_mm{};
     bool ood = false;
     bool woman = false;
+    std::uint8_t clothes_kind = 0;
     MeasurementValues truth{};
     std::array<std::vector<float>, 2> values;  // of the front, and of both sides
   };
@@ -62,12 +63,22 @@ class RefinementBuilder {
     RefinementRecord record;
     LearnedMap map;
     std::vector<float> interval, spread_floor, sex_table;
+    // Of each of the people: the truth and what regressions that were not trained on them answered, standardised;
+    // how new to the regression they look (ValueMap::novelty), where clothes are worn.
+    struct Answers {
+      Eigen::MatrixXd truth, answered;
+      // By regressions that met no clothes of the person's kind either; `met_none`: for whom there is one.
+      Eigen::MatrixXd of_unknown_clothes;
+      std::vector<bool> met_none;
+      std::vector<double> novelty;
+    };
     // Intervals from the rows `judged`, shares from the rows `unlike` (out-of-distribution subjects, where there are
-    // enough). `truth`, and what a regression that was not trained on them `answered`: standardised, a row for each
-    // of the people.
+    // enough).
     void judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
                const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets, const PlainAnswers& plain,
-               const Eigen::MatrixXd& truth, const Eigen::MatrixXd& answered, bool for_unknown_makes);
+               const Answers& answers, bool for_unknown_makes);
+    HeldOut held_out_of(Refinement kind, const Row& row, const Answers& answers, std::ptrdiff_t at,
+                        const Eigen::MatrixXd& answered, const PlainAnswers& plain) const;
   };
   Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
                     std::uint64_t seed, bool for_unknown_makes) const;

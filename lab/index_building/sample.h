@@ -13,6 +13,8 @@
 
 namespace im2fit::index {
 
+inline constexpr std::uint8_t kClothesKindMax = 8;
+
 // One training subject seen once. Several samples may share a subject (different pose, noise, distance); they must
 // follow each other.
 struct Sample {
@@ -28,6 +30,9 @@ struct Sample {
   bool calibrate_only = false;
   // Seen in clothes: no entry; answers to people in clothes are learned from it, and nothing else.
   bool clothed = false;
+  // Which clothes, where some are worn: samples of one number wear clothes of one kind, below kClothesKindMax.
+  // Answers by regressions that met none of a kind tell how far off those of unknown clothes are.
+  std::uint8_t clothes_kind = 0;
   // Seen once more, as undressed or as dressed as in an earlier sample of the subject: no entry and nothing the plain
   // answer learns from, but refined answers learn from it, and that it is the same body.
   bool again = false;

@@ -207,7 +207,8 @@ TEST(IndexFile, HostileValuesBehindCorrectChecksumsAreRefused) {
       {"meta", patched("meta", 80, -1.0)},
       {"meta", patched("meta", 88, -1.0)},
       {"meta", patched("meta", 96, 2e9)},
-      {"meta", patched("meta", 124, std::uint32_t{1})},  // reserved
+      {"meta", patched("meta", 104, -1.0)},
+      {"meta", patched("meta", 132, std::uint32_t{1})},  // reserved
       {"ridge", patched("ridge", 400, std::int16_t{-32768})},
       {"ridge.unit", patched("ridge.unit", 8, kNaN)},
       {"ridge.unit", patched("ridge.unit", 8, 1e30F)},

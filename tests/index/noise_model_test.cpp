@@ -91,6 +91,50 @@ TEST(NoiseModel, FindsTheLawItWasDrawnBy) {
   EXPECT_EQ(noise.width(3, 0), noise.width(3, 4000)) << "a distance that is not known is taken for the farthest";
 }
 
+// People whose errors grow with how new they look, and not with how they stand.
+std::vector<HeldOut> people_of_novelty(std::uint64_t seed, double least, double most, bool known) {
+  std::vector<HeldOut> rows(4000);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Rng rng = Rng::for_item(seed, 0x4E0, i);
+    rows[i].subject = static_cast<std::uint32_t>(i);
+    rows[i].frame_count = 9;
+    rows[i].distance_mm = 2000;
+    const double novelty = rng.uniform(least, most);
+    rows[i].novelty = known ? novelty : 0;
+    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+      rows[i].truth[m] = rng.normal(0, std::sqrt(0.3 + 0.7 * novelty));
+      rows[i].spread[m] = 1;
+    }
+  }
+  return rows;
+}
+
+// Of three in four of the people learned from novelty is below 1.5; of those measured it is 2 to 3.
+TEST(NoiseModel, IntervalsHoldForPeopleWhoLookNew) {
+  for (const bool known : {true, false}) {
+    std::vector<HeldOut> rows = people_of_novelty(5, 0.5, 1.5, known);
+    const auto newer = people_of_novelty(6, 1.5, 2.5, known);
+    rows.insert(rows.end(), newer.begin(), newer.begin() + 1333);
+    const IntervalModel model = calibrate_intervals(rows);
+    EXPECT_EQ(model.noise.share[4] > 0, known);
+    double inside = 0;
+    const auto fresh = people_of_novelty(7, 2, 3, known);
+    for (const HeldOut& row : fresh)
+      for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+        const double width = model.noise.width(9, 2000, row.novelty) * static_cast<double>(model.spread_floor[m]);
+        inside += row.truth[m] >= width * static_cast<double>(model.quantiles[2 * m]) &&
+                          row.truth[m] <= width * static_cast<double>(model.quantiles[2 * m + 1])
+                      ? 1.0 / static_cast<double>(fresh.size() * kMeasurementCount)
+                      : 0;
+      }
+    if (known) {
+      EXPECT_NEAR(inside, 0.95, 0.012);
+    } else {
+      EXPECT_LT(inside, 0.9);
+    }
+  }
+}
+
 // What is seen from far away is noisier.
 Sample seen_from(const World& world, std::uint64_t subject, int distance_mm) {
   Sample s = world.sample(subject, static_cast<std::uint64_t>(distance_mm));

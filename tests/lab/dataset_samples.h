@@ -31,10 +31,10 @@ class TemporaryFolder {
 // NaN features are equal when their bits are.
 inline bool same(const index::Sample& a, const index::Sample& b) {
   return a.subject == b.subject && a.woman == b.woman && a.calibrate_only == b.calibrate_only &&
-         a.clothed == b.clothed && a.again == b.again && a.frame_count == b.frame_count &&
-         a.back_frame_count == b.back_frame_count && a.distance_mm == b.distance_mm &&
-         a.back_distance_mm == b.back_distance_mm && a.truth == b.truth && a.body == b.body &&
-         a.feature.size() == b.feature.size() &&
+         a.clothed == b.clothed && a.clothes_kind == b.clothes_kind && a.again == b.again &&
+         a.frame_count == b.frame_count && a.back_frame_count == b.back_frame_count &&
+         a.distance_mm == b.distance_mm && a.back_distance_mm == b.back_distance_mm && a.truth == b.truth &&
+         a.body == b.body && a.feature.size() == b.feature.size() &&
          std::memcmp(a.feature.data(), b.feature.data(), a.feature.size() * sizeof(float)) == 0;
 }
 inline bool same(const std::vector<index::Sample>& a, const std::vector<index::Sample>& b) {

@@ -39,6 +39,7 @@ Chunk small_chunk() {
     s.woman = i == 1;
     s.calibrate_only = i == 2;
     s.clothed = i == 0;
+    s.clothes_kind = i == 0 ? 4 : 0;
     s.frame_count = 4 + static_cast<int>(i);
     s.back_frame_count = i == 2 ? 3 : 0;
     s.distance_mm = 2345 + 30000 * static_cast<int>(i);

@@ -85,6 +85,7 @@ TEST_F(Dataset, EverySecondPairIsSeenInClothesToo) {
   std::vector<index::Sample> rest;
   std::vector<std::uint64_t> clothed;
   for (const index::Sample& s : make(o)) {
+    EXPECT_EQ(s.clothes_kind > 0, s.clothed);
     if (!s.clothed) {
       rest.push_back(s);
       continue;
