@@ -51,13 +51,14 @@ std::vector<Worn> everyday_clothes(const Wardrobe& wardrobe, std::span<const Gar
 
 Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body::BodyModel& model,
                                             const body::Params& params, const body::Pose& pose, bool woman,
-                                            std::span<const Worn> worn) {
+                                            std::span<const Worn> worn, bool moves) {
   std::vector<body::Outfit::Piece> pieces;
   for (const Worn& one : worn) {
     const body::Fabric* fabric = wardrobe.fabric(one.pattern->fabric);
     if (fabric == nullptr)
       return Error{ErrorCode::not_found, one.pattern->id + ": no fabric is called " + one.pattern->fabric};
-    pieces.push_back(body::Outfit::piece(*one.pattern, body::cut_body(wardrobe.law, woman, one.chest_mm), *fabric));
+    pieces.push_back(
+        body::Outfit::piece(*one.pattern, body::cut_body(wardrobe.law, woman, one.chest_mm), *fabric, moves));
   }
   auto outfit = std::make_unique<body::Outfit>(model, std::move(pieces));
   std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));

@@ -40,9 +40,10 @@ Result<std::unique_ptr<body::Outfit>> dress_everyday(const Wardrobe& wardrobe, c
                                                      const body::BodyModel& model, const body::Params& params,
                                                      const body::Pose& pose, float female);
 
-// `worn`: the lowest first. A tenth of a second a garment. Errors: a garment's fabric is not in the wardrobe.
+// `worn`: the lowest first. A tenth of a second a garment. `moves`: for body::MovingClothes, too. Errors: a garment's
+// fabric is not in the wardrobe.
 Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body::BodyModel& model,
                                             const body::Params& params, const body::Pose& pose, bool woman,
-                                            std::span<const Worn> worn);
+                                            std::span<const Worn> worn, bool moves = false);
 
 }  // namespace im2fit

@@ -40,6 +40,7 @@ struct Dressed {
     if (!moving) return outfit->frame(poses[next]);
     moving->frame(poses[next]);
     if (next % 3 != 0) return;
+    moving->find_offsets();
     told.clear();
     for (std::size_t i = 0; i < moving->size(); ++i) body::append_offsets(moving->offsets(i), told);
   }
@@ -53,7 +54,7 @@ std::shared_ptr<Dressed> dressed_in(const std::shared_ptr<body::BodyModel>& mode
   for (const char* id : garments) {
     const body::GarmentPattern& pattern = *wardrobe.garment(id);
     pieces.push_back(body::Outfit::piece(pattern, body::cut_body(wardrobe.law, false, kChestMm),
-                                         *wardrobe.fabric(pattern.fabric)));
+                                         *wardrobe.fabric(pattern.fabric), true));
   }
   body::Params params;
   params.gender = 1;

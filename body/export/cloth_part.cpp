@@ -74,15 +74,9 @@ void smooth(const Cloth& cloth, std::vector<Shares>& all) {
   }
 }
 
-// Rotation and shift of the four segments, mixed.
-struct Affine {
-  std::array<float, 9> m{};
-  Vec3f shift;
-};
-
-Affine mixed(std::span<const Mat3f> rotation, std::span<const Vec3f> shift,
-             const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights) {
-  Affine affine;
+MixedMotion mixed(std::span<const Mat3f> rotation, std::span<const Vec3f> shift,
+                  const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights) {
+  MixedMotion affine;
   for (std::size_t k = 0; k < 4; ++k) {
     const std::size_t s = segments[k];
     for (std::size_t i = 0; i < 9; ++i) affine.m[i] += weights[k] * rotation[s].m[i];
@@ -98,7 +92,7 @@ std::array<Vec3f, kSegmentCount> shifts(const Skeleton& rest, const Pose& pose) 
   return out;
 }
 
-bool undone(const Affine& a, Vec3f posed, Vec3f& at_rest) {
+bool undone(const MixedMotion& a, Vec3f posed, Vec3f& at_rest) {
   const auto& m = a.m;
   const Vec3f r0 = {m[0], m[1], m[2]}, r1 = {m[3], m[4], m[5]}, r2 = {m[6], m[7], m[8]};
   const Vec3f c0 = cross(r1, r2), c1 = cross(r2, r0), c2 = cross(r0, r1);
@@ -111,7 +105,21 @@ bool undone(const Affine& a, Vec3f posed, Vec3f& at_rest) {
 
 }  // namespace
 
+Vec3f MixedMotion::of(Vec3f p) const {
+  return {m[0] * p.x + m[1] * p.y + m[2] * p.z + shift.x, m[3] * p.x + m[4] * p.y + m[5] * p.z + shift.y,
+          m[6] * p.x + m[7] * p.y + m[8] * p.z + shift.z};
+}
+
+Vec3f MixedMotion::transposed(Vec3f n) const {
+  return {m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
+          m[2] * n.x + m[5] * n.y + m[8] * n.z};
+}
+
 Unposing::Unposing(const Skeleton& rest, const Pose& pose) : rotation_(pose.rotation), shift_(shifts(rest, pose)) {}
+
+MixedMotion Unposing::motion(const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights) const {
+  return mixed(rotation_, shift_, segments, weights);
+}
 
 bool Unposing::undo(const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights, Vec3f posed,
                     Vec3f& at_rest) const {
@@ -145,14 +153,12 @@ ClothPart cloth_part(const BodyModel& model, const Outfit& outfit, std::size_t i
       weights[k] = all[v][order[k]] / sum;
       segments[k] = weights[k] > 0 ? order[k] : std::uint8_t{0};
     }
-    const Affine affine = mixed(outfit.pose().rotation, shift, segments, weights);
+    const MixedMotion affine = mixed(outfit.pose().rotation, shift, segments, weights);
     Vec3f at_rest = shown[v];
     undone(affine, shown[v], at_rest);
     part.rest.push_back(at_rest);
     const Vec3f n = cloth.normals()[v];
-    const auto& m = affine.m;
-    part.normals.push_back(normalized({m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
-                                       m[2] * n.x + m[5] * n.y + m[8] * n.z}));
+    part.normals.push_back(normalized(affine.transposed(n)));
     part.texture.push_back({cloth.mesh().flat[v].x * 1e-3F, -cloth.mesh().flat[v].y * 1e-3F});
     part.segments.push_back(segments);
     part.weights.push_back(weights);

@@ -21,10 +21,19 @@ struct ClothPart {
 // `rest`: the skeleton the outfit's body has.
 ClothPart cloth_part(const BodyModel& model, const Outfit& outfit, std::size_t index, const Skeleton& rest);
 
-// From a pose back to rest, by the motion that a vertex's four segments mix (linear blend skinning undone).
+// The motion that a vertex's four segments mix (linear blend skinning).
+struct MixedMotion {
+  std::array<float, 9> m{};  // rows
+  Vec3f shift;
+  Vec3f of(Vec3f at_rest) const;
+  Vec3f transposed(Vec3f direction) const;
+};
+
+// From rest to a pose and back.
 class Unposing {
  public:
   Unposing(const Skeleton& rest, const Pose& pose);
+  MixedMotion motion(const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights) const;
   // False where the four are turned so far against each other that their mean says nothing: `at_rest` stays.
   bool undo(const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights, Vec3f posed,
             Vec3f& at_rest) const;

@@ -28,8 +28,8 @@ struct Avatar {
   // .glb: what the body wears, draped in `pose`, as primitives of their own; the skin it hides is left out.
   const Outfit* outfit = nullptr;
   std::vector<ClothLook> looks = {};  // of each garment of the outfit
-  // .glb: cloth will be moved by offsets of its rough mesh (MovingClothes). Each of its vertices says which of those
-  // it is moved by, and what cloth may uncover is left in.
+  // .glb: cloth, of an outfit that can_move(), will be moved by offsets of its moving mesh (MovingClothes). Each of
+  // its vertices says which of those it is moved by, and what cloth may uncover is left in.
   bool cloth_moves = false;
 };
 // metres, +Y up, skinned, 19 joints; the file's bytes

@@ -78,7 +78,7 @@ struct Part {
   std::vector<Flat> texture;                          // none, or one a vertex: repeated, so beyond 0..1
   std::vector<TexturePlace> texture_places;           // within 0..1 instead
   std::vector<std::array<std::uint8_t, 4>> colours;   // linear, 255: 1; none, or one a vertex
-  // In the rough mesh, of cloth that moves: three vertices, the fourth number is none; and their shares.
+  // In its moving mesh, of cloth that moves: three vertices, the fourth number is none; and their shares.
   std::vector<std::array<std::uint16_t, 4>> corners;
   std::vector<std::array<float, 3>> shares;
   std::vector<std::uint16_t> indices;

@@ -16,15 +16,16 @@ constexpr int kRestFrames = 12;  // of the rough cloth, before offsets are told 
 
 MovingClothes::MovingClothes(const BodyModel& model, std::unique_ptr<Outfit> dressed, const Skeleton& rest)
     : outfit_(std::move(dressed)), rest_(rest) {
-  outfit_->keep_rough_alone();
+  std::vector<OffsetClearing> fine;
+  for (std::size_t i = 0; i < outfit_->size(); ++i)
+    fine.emplace_back(cloth_part(model, *outfit_, i, rest_), outfit_->refinement(i).spots(), outfit_->cloth(i));
+  outfit_->keep_moving_alone();
   const Pose pose = outfit_->pose();
   for (int i = 0; i < kRestFrames; ++i) outfit_->frame(pose);
   const Unposing unposing(rest_, outfit_->pose());
   for (std::size_t i = 0; i < outfit_->size(); ++i) {
     ClothPart part = cloth_part(model, *outfit_, i, rest_);
-    Bound bound;
-    bound.segments = std::move(part.segments);
-    bound.weights = std::move(part.weights);
+    Bound bound{std::move(part.segments), std::move(part.weights), {}, {}, std::move(fine[i])};
     // Not those of the part, which lie under what is worn over them.
     bound.rest.resize(bound.segments.size());
     for (std::size_t v = 0; v < bound.rest.size(); ++v)
@@ -48,17 +49,6 @@ float MovingClothes::stride_mm(const Pose& pose) const {
 void MovingClothes::frame(const Pose& pose) {
   const float stride = stride_mm(pose);
   outfit_->frame(stride <= kStrideMm ? pose : between(outfit_->pose(), pose, kStrideMm / stride));
-  find_offsets();
-}
-
-// Rough cloth lies on the skin with its vertices; fine cloth between them needs more room.
-Vec3f MovingClothes::clearing(std::size_t garment, std::size_t vertex) const {
-  const Cloth& cloth = outfit_->cloth(garment);
-  const SkinPlace& place = cloth.contacts()[vertex];
-  if (place.triangle < 0) return {};
-  const Vec3f facing = outfit_->skin().facing(place, true);
-  const float off = dot(cloth.position(vertex) - outfit_->skin().at(place, true), facing);
-  return facing * std::clamp(Cloth::kSkinMm + kClearMm - off, 0.0F, kClearMm);
 }
 
 void MovingClothes::find_offsets() {
@@ -66,13 +56,14 @@ void MovingClothes::find_offsets() {
   for (std::size_t i = 0; i < bound_.size(); ++i) {
     Bound& bound = bound_[i];
     for (std::size_t v = 0; v < bound.rest.size(); ++v) {
-      const Vec3f now = outfit_->cloth(i).position(v) + clearing(i, v);
       Vec3f at;
-      if (!unposing.undo(bound.segments[v], bound.weights[v], now, at)) continue;  // as it was
+      if (!unposing.undo(bound.segments[v], bound.weights[v], outfit_->cloth(i).position(v), at))
+        continue;  // as it was
       const Vec3f offset = at - bound.rest[v];
       const float length = norm(offset);
       bound.offsets[v] = length > kFarthestMm ? offset * (kFarthestMm / length) : offset;
     }
+    bound.fine.clear(outfit_->skin(), unposing, bound.offsets);
   }
 }
 

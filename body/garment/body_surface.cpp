@@ -237,35 +237,56 @@ bool BodySurface::nearest(Vec3f point, Vec3f facing, float cosine, std::uint8_t 
       for (std::int32_t k = from; k < to; ++k) consider(candidates_[static_cast<std::size_t>(k)]);
     }
   hint = found;
-  return found >= 0 && closest_about(found, point, place);
+  return found >= 0 && closest_about(found, point, place, false);
 }
 
-bool BodySurface::follow(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm,
-                         std::int32_t& hint, SkinPlace& place) const {
-  const std::int32_t last = hint;
+// Over neighbours to ever nearer vertices; -1: where it begins is out of reach.
+std::int32_t BodySurface::walk(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm,
+                               std::int32_t from, bool at_end) const {
+  const auto& position = at_end ? end_ : begin_;
+  const auto& normal = at_end ? end_normal_ : begin_normal_;
   float best = reach_mm * reach_mm;
   std::int32_t found = -1;
   const auto consider = [&](std::int32_t v) {
     const auto i = static_cast<std::size_t>(v);
-    const Vec3f d = begin_[i] - point;
+    const Vec3f d = position[i] - point;
     const float squared = dot(d, d);
-    if (squared >= best || (limbs_[i] & limbs) == 0 || dot(facing, begin_normal_[i]) <= cosine) return;
+    if (squared >= best || (limbs_[i] & limbs) == 0 || dot(facing, normal[i]) <= cosine) return;
     best = squared;
     found = v;
   };
-  consider(hint);
-  if (found < 0) return nearest(point, facing, cosine, limbs, reach_mm, hint, place);
-  for (std::int32_t from = -1; from != found;) {
-    from = found;
-    for (std::int32_t k = ring_first_[static_cast<std::size_t>(from)];
-         k < ring_first_[static_cast<std::size_t>(from) + 1]; ++k)
+  consider(from);
+  for (std::int32_t at = -1; at != found;) {
+    at = found;
+    for (std::int32_t k = ring_first_[static_cast<std::size_t>(at)];
+         k < ring_first_[static_cast<std::size_t>(at) + 1]; ++k)
       consider(ring_[static_cast<std::size_t>(k)]);
   }
+  return found;
+}
+
+bool BodySurface::follow(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm,
+                         std::int32_t& hint, SkinPlace& place) const {
+  const std::int32_t last = hint, found = walk(point, facing, cosine, limbs, reach_mm, last, false);
+  if (found < 0) return nearest(point, facing, cosine, limbs, reach_mm, hint, place);
   hint = found;
+  return closest_from(last, found, point, place, false);
+}
+
+bool BodySurface::follow_at_end(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm,
+                                std::int32_t& hint, SkinPlace& place) const {
+  const std::int32_t last = hint;
+  hint = walk(point, facing, cosine, limbs, reach_mm, last, true);
+  return hint >= 0 && closest_from(last, hint, point, place, true);
+}
+
+bool BodySurface::closest_from(std::int32_t last, std::int32_t found, Vec3f point, SkinPlace& place,
+                               bool at_end) const {
   // Still over the inside of its triangle.
   if (found == last && place.triangle >= 0) {
+    const auto& position = at_end ? end_ : begin_;
     const auto& t = triangles_[static_cast<std::size_t>(place.triangle)];
-    const auto corner = [&](std::size_t i) { return begin_[static_cast<std::size_t>(t[i])]; };
+    const auto corner = [&](std::size_t i) { return position[static_cast<std::size_t>(t[i])]; };
     const auto share = closest(point, corner(0), corner(1), corner(2));
     const bool about = t[0] == found || t[1] == found || t[2] == found;
     if (about && share[0] > 0 && share[1] > 0 && share[2] > 0) {
@@ -273,17 +294,18 @@ bool BodySurface::follow(Vec3f point, Vec3f facing, float cosine, std::uint8_t l
       return true;
     }
   }
-  return closest_about(found, point, place);
+  return closest_about(found, point, place, at_end);
 }
 
-bool BodySurface::closest_about(std::int32_t vertex, Vec3f point, SkinPlace& place) const {
+bool BodySurface::closest_about(std::int32_t vertex, Vec3f point, SkinPlace& place, bool at_end) const {
+  const auto& position = at_end ? end_ : begin_;
   const auto v = static_cast<std::size_t>(vertex);
   float least = 1e30F;
   place.triangle = -1;
   for (std::int32_t k = fan_first_[v]; k < fan_first_[v + 1]; ++k) {
     const std::int32_t triangle = fan_[static_cast<std::size_t>(k)];
     const auto& t = triangles_[static_cast<std::size_t>(triangle)];
-    const auto corner = [&](std::size_t i) { return begin_[static_cast<std::size_t>(t[i])]; };
+    const auto corner = [&](std::size_t i) { return position[static_cast<std::size_t>(t[i])]; };
     const auto share = closest(point, corner(0), corner(1), corner(2));
     const Vec3f d = corner(0) * share[0] + corner(1) * share[1] + corner(2) * share[2] - point;
     const float squared = dot(d, d);

@@ -52,13 +52,19 @@ class BodySurface {
   // ever nearer vertices. What is nearer beyond a farther one is not found. `place`: the last one, or triangle -1.
   bool follow(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm, std::int32_t& hint,
               SkinPlace& place) const;
+  // The same of the skin at the end. False, too, where the hint is out of reach.
+  bool follow_at_end(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm, std::int32_t& hint,
+                     SkinPlace& place) const;
   Vec3f at(const SkinPlace& place, bool at_end) const;
   Vec3f facing(const SkinPlace& place, bool at_end) const;  // unit
   Vec3f along(const SkinPlace& place, bool at_end) const;   // unit, square to facing(), the same way in all poses
 
  private:
   void build_grid();
-  bool closest_about(std::int32_t vertex, Vec3f point, SkinPlace& place) const;
+  std::int32_t walk(Vec3f point, Vec3f facing, float cosine, std::uint8_t limbs, float reach_mm, std::int32_t from,
+                    bool at_end) const;
+  bool closest_from(std::int32_t last, std::int32_t found, Vec3f point, SkinPlace& place, bool at_end) const;
+  bool closest_about(std::int32_t vertex, Vec3f point, SkinPlace& place, bool at_end) const;
   int cell(float value, float low, int count) const;
   static void normals(std::span<const std::array<std::int32_t, 3>> triangles, std::span<const std::int32_t> vertices,
                       std::span<const Vec3f> positions, std::span<Vec3f> out);

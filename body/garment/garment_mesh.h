@@ -15,6 +15,8 @@ namespace im2fit::body {
 inline constexpr float kGarmentEdgeMm = 12;
 // Of the mesh a garment is put on as: a fifth of the vertices. Of 32 mm, armpits are inside.
 inline constexpr float kRoughEdgeMm = 28;
+// Of the mesh it is simulated as while its wearer moves.
+inline constexpr float kMovingEdgeMm = 24;
 inline constexpr std::uint8_t kOnSeam = 1, kOnHem = 2, kOnOpening = 4;
 inline constexpr std::uint8_t kFrontLayer = 0, kBackLayer = 1, kBothLayers = 2;
 

@@ -101,6 +101,11 @@ Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model
     cloths_.push_back(std::make_unique<Cloth>(*meshes_.back(), piece.fabric));
     rough_.push_back(std::make_unique<Cloth>(*rough_meshes_.back(), piece.fabric, Cloth::kRoughSubsteps));
     refinements_.emplace_back(*rough_meshes_.back(), *meshes_.back());
+    if (piece.moving) {
+      moving_meshes_.push_back(std::make_unique<GarmentMesh>(std::move(*piece.moving)));
+      moving_.push_back(std::make_unique<Cloth>(*moving_meshes_.back(), piece.fabric, Cloth::kRoughSubsteps));
+      from_moving_.emplace_back(*moving_meshes_.back(), *meshes_.back());
+    }
     most = std::max(most, meshes_.back()->vertex_count());
   }
   belt_mm_.resize(cloths_.size());
@@ -120,8 +125,9 @@ Outfit::Outfit(const BodyModel& model, std::vector<Piece> pieces) : model_(model
 
 Outfit::~Outfit() = default;
 
-Outfit::Piece Outfit::piece(const GarmentPattern& pattern, const CutBody& body, const Fabric& fabric) {
-  return {sew(pattern, body), sew(pattern, body, kRoughEdgeMm), fabric};
+Outfit::Piece Outfit::piece(const GarmentPattern& pattern, const CutBody& body, const Fabric& fabric, bool moves) {
+  return {sew(pattern, body), sew(pattern, body, kRoughEdgeMm), fabric,
+          moves ? std::optional(sew(pattern, body, kMovingEdgeMm)) : std::nullopt};
 }
 
 void Outfit::skin_body(const Pose& pose) {
@@ -319,13 +325,25 @@ float Outfit::Box::squared_to(Vec3f p) const {
   return (x * x + y * y + z * z) * kRounding;
 }
 
-void Outfit::keep_rough_alone() {
-  cloths_ = std::move(rough_);  // before the meshes: cloth refers to them
-  meshes_ = std::move(rough_meshes_);
+void Outfit::keep_moving_alone() {
+  assert(can_move());
+  for (std::size_t i = 0; i < cloths_.size(); ++i) {
+    std::vector<Vec3f> places(moving_meshes_[i]->vertex_count());
+    cloths_[i]->update_normals();
+    Refinement(*meshes_[i], *moving_meshes_[i]).places(*cloths_[i], places);
+    moving_[i]->place(places);
+    moving_[i]->close_belt(belt_mm_[i]);
+    moving_[i]->hold_belt_here(surface_);
+    moving_[i]->update_normals();
+  }
+  cloths_ = std::move(moving_);  // before the meshes: cloth refers to them
   rough_.clear();
+  meshes_ = std::move(moving_meshes_);
   rough_meshes_.clear();
+  moving_.clear();
+  moving_meshes_.clear();
   refinements_.clear();
-  for (auto& cloth : cloths_) cloth->update_normals();
+  from_moving_.clear();
 }
 
 void Outfit::box(const Cloth& cloth) const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,8 +25,10 @@ class Outfit {
     GarmentMesh mesh;
     GarmentMesh rough;  // the same cut in longer edges, as which it is put on
     Fabric fabric;
+    std::optional<GarmentMesh> moving;  // and as which it is simulated while its wearer moves
   };
-  static Piece piece(const GarmentPattern& pattern, const CutBody& body, const Fabric& fabric);
+  // `moves`: with a mesh for that.
+  static Piece piece(const GarmentPattern& pattern, const CutBody& body, const Fabric& fabric, bool moves = false);
   // `pieces`: what lies on the skin first. Allocates.
   Outfit(const BodyModel& model, std::vector<Piece> pieces);
   ~Outfit();
@@ -39,13 +42,16 @@ class Outfit {
   // The same in `frames` even steps.
   void move_to(const Pose& pose, int frames);
 
-  // Once dressed: gives up the fine meshes for the rough ones, which lie where they were when the others took their
-  // places. All that is told of cloth from here on is of these. Cannot be dressed again.
-  void keep_rough_alone();
+  // Whether all pieces have a moving mesh.
+  bool can_move() const { return moving_.size() == cloths_.size(); }
+  // Once dressed, of such pieces: gives up all other meshes for the moving ones, which lie where the fine ones do.
+  // All that is told of cloth from here on is of these. Cannot be dressed again.
+  void keep_moving_alone();
 
   std::size_t size() const { return cloths_.size(); }
   const Cloth& cloth(std::size_t i) const { return *cloths_[i]; }
-  const Refinement& refinement(std::size_t i) const { return refinements_[i]; }  // not after keep_rough_alone()
+  // From the moving mesh to the fine one; not after keep_moving_alone().
+  const Refinement& refinement(std::size_t i) const { return from_moving_[i]; }
   const BodySurface& skin() const { return surface_; }
   std::span<const Vec3f> body() const { return posed_; }  // all vertices of the model, as the last frame ended
   const Pose& pose() const { return pose_; }
@@ -87,10 +93,10 @@ class Outfit {
   void skin_body(const Pose& pose);
 
   const BodyModel& model_;
-  std::vector<std::unique_ptr<GarmentMesh>> meshes_, rough_meshes_;
-  Cloths cloths_, rough_;
-  std::vector<Refinement> refinements_;
-  std::vector<float> belt_mm_;  // of each garment
+  std::vector<std::unique_ptr<GarmentMesh>> meshes_, rough_meshes_, moving_meshes_;
+  Cloths cloths_, rough_, moving_;
+  std::vector<Refinement> refinements_, from_moving_;  // to the fine meshes
+  std::vector<float> belt_mm_;                         // of each garment
   BodySurface surface_;
   std::vector<Vec3f> rest_, posed_, axes_, drawn_, flat_;
   std::vector<Vec3f> level_, hull_points_;

@@ -134,7 +134,7 @@ std::vector<NamedPose> dressed_poses(const body::BodyModel& model, const Dressed
 }
 
 std::vector<body::Outfit::Piece> pieces_for(const DressedPerson& person, const std::vector<std::string>& garments,
-                                            int steps) {
+                                            int steps, bool moves) {
   const Wardrobe& wardrobe = builtin_wardrobe();
   std::vector<body::Outfit::Piece> pieces;
   for (const std::string& id : garments) {
@@ -144,7 +144,7 @@ std::vector<body::Outfit::Piece> pieces_for(const DressedPerson& person, const s
     if (pattern == nullptr) continue;
     const float chest = bought_chest_mm(person, *pattern, steps);
     pieces.push_back(body::Outfit::piece(*pattern, body::cut_body(wardrobe.law, person.woman, chest),
-                                         *wardrobe.fabric(pattern->fabric)));
+                                         *wardrobe.fabric(pattern->fabric), moves));
   }
   return pieces;
 }

@@ -39,6 +39,6 @@ std::vector<NamedPose> dressed_poses(const body::BodyModel& model, const Dressed
 
 // Garments by id or file (.yaml), in this order from the skin; each in the size the person would buy.
 std::vector<body::Outfit::Piece> pieces_for(const DressedPerson& person, const std::vector<std::string>& garments,
-                                            int steps = 0);
+                                            int steps = 0, bool moves = false);
 
 }  // namespace im2fit::lab

@@ -163,7 +163,7 @@ Result<FittingRoom::Made> FittingRoom::make(const Customer& customer, const Wish
     std::vector<Worn> worn;
     for (const Piece& piece : wish.pieces)
       worn.push_back({builtin_wardrobe().garment(piece.garment), piece.chest_mm});
-    auto dressed = dress(builtin_wardrobe(), *model_, customer.params, customer.pose, customer.woman, worn);
+    auto dressed = dress(builtin_wardrobe(), *model_, customer.params, customer.pose, customer.woman, worn, true);
     if (!dressed) return dressed.error();
     outfit = std::move(*dressed);
     avatar.outfit = outfit.get();

@@ -59,7 +59,8 @@ PageAnswer LiveCloth::ask(const std::string& name) {
   return {200, frame_, ""};
 }
 
-std::shared_ptr<const PageFile> LiveCloth::told(const body::MovingClothes& clothes) {
+std::shared_ptr<const PageFile> LiveCloth::told(body::MovingClothes& clothes) {
+  clothes.find_offsets();
   std::vector<std::span<const Vec3f>> garments;
   for (std::size_t i = 0; i < clothes.size(); ++i) garments.push_back(clothes.offsets(i));
   return std::make_shared<const PageFile>(
@@ -78,9 +79,9 @@ void LiveCloth::work() {
     lock.unlock();
     const auto began = Clock::now();
     clothes->frame(pose);
-    const auto ended = Clock::now();
-    const bool tells = ended - told_ >= kSendPeriod;
+    const bool tells = Clock::now() - told_ >= kSendPeriod;
     auto frame = tells ? told(*clothes) : nullptr;
+    const auto ended = Clock::now();
     lock.lock();
     if (tells && clothes == clothes_) {  // not of who has gone meanwhile
       frame_ = std::move(frame);

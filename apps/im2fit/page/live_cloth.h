@@ -44,7 +44,7 @@ class LiveCloth {
  private:
   void work();
   bool is_wanted() const;  // holds mutex_
-  std::shared_ptr<const PageFile> told(const body::MovingClothes& clothes);
+  std::shared_ptr<const PageFile> told(body::MovingClothes& clothes);
 
   const std::function<void(std::uint32_t)> moved_;
   std::mutex mutex_;

@@ -282,8 +282,8 @@ TEST_F(MovingPerson, ABrowserShowsClothThatMovesWithThem) {
           "apart\n",
           name, g, 100.0 * inside[0].share, inside[0].deepest_mm, 100.0 * inside[1].share, inside[1].deepest_mm,
           most);
-      // What no drape would show. How much is inside, and that it is more than it should be: docs/garments.md.
-      EXPECT_LT(inside[0].share, 0.05F) << name << " " << g;
+      // Pose and cloth are not of one moment here: docs/garments.md has how much is inside where they are.
+      EXPECT_LT(inside[0].share, 0.02F) << name << " " << g;
       if (stops > 0) {
         EXPECT_GT(most, 5) << name << " " << g << ": it is simulated";
         EXPECT_LT(most, 400) << name << " " << g << ": and on the person";
