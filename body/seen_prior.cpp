@@ -20,11 +20,12 @@ constexpr double kSeenSdMm = 16;
 constexpr double kShiftSdMm = 100;
 constexpr float kBackMost = -0.25F;  // of a normal's part to the front: what is behind was not seen from there
 constexpr float kSmallStep = 0.02F;  // of a slider
-constexpr std::size_t kCount = kFitParameterCount, kAll = kCount + 3;  // and a shift of the whole body
+constexpr std::size_t kUnknownCount = kFitParameterCount,
+                      kShiftedCount = kUnknownCount + 3;  // and a shift of the whole body
 constexpr std::array<std::size_t, 3> kSliders = {0, 1, kCrotchParameter};
 
-using Row = std::array<double, kAll>;
-using Square = std::array<Row, kAll>;
+using Row = std::array<double, kShiftedCount>;
+using Square = std::array<Row, kShiftedCount>;
 
 // Trunk and thighs stay: how arms and shins hang at rest is the pose's rather than the shape's, and hair hides a
 // head.
@@ -131,9 +132,9 @@ Row SeenPrior::Work::row_of(std::size_t point, Vec3f normal) const {
   for (std::size_t k = 0; k < 3; ++k) row[kSliders[k]] = static_cast<double>(dot(normal, moves[k][vertex]));
   for (std::size_t i = 0; i < kWarpCount; ++i)
     row[2 + i] = static_cast<double>(dot(normal, slopes[point * kWarpCount + i]));
-  row[kCount] = static_cast<double>(normal.x);
-  row[kCount + 1] = static_cast<double>(normal.y);
-  row[kCount + 2] = static_cast<double>(normal.z);
+  row[kUnknownCount] = static_cast<double>(normal.x);
+  row[kUnknownCount + 1] = static_cast<double>(normal.y);
+  row[kUnknownCount + 2] = static_cast<double>(normal.z);
   return row;
 }
 
@@ -147,7 +148,7 @@ void SeenPrior::Work::add_equations(const SeenBody& seen, Square& sum, Row& righ
     for (const std::int32_t v : quads[p]) own = own + warped[static_cast<std::size_t>(v)];
     const double off = static_cast<double>(dot(normal, shape.middle(points[p]) - own * 0.25F));
     const Row row = row_of(p, normal);
-    for (std::size_t i = 0; i < kAll; ++i) {
+    for (std::size_t i = 0; i < kShiftedCount; ++i) {
       right[i] += weight * row[i] * off;
       for (std::size_t j = 0; j <= i; ++j) sum[i][j] += weight * row[i] * row[j];
     }
@@ -166,41 +167,41 @@ void SeenPrior::see(const Params& from, const SeenBody& seen, FitPrior& prior) {
   Square sum{};
   Row right{};
   w.add_equations(seen, sum, right);
-  for (std::size_t i = 0; i < kAll; ++i)
+  for (std::size_t i = 0; i < kShiftedCount; ++i)
     for (std::size_t j = 0; j < i; ++j) sum[j][i] = sum[i][j];
 
   // Whitened: I + F' sum F, F people's factor and the shift's standard deviation.
   Square factor{};
-  for (std::size_t i = 0; i < kCount; ++i)
+  for (std::size_t i = 0; i < kUnknownCount; ++i)
     for (std::size_t j = 0; j <= i; ++j) factor[i][j] = prior.factor[i][j];
-  for (std::size_t i = kCount; i < kAll; ++i) factor[i][i] = kShiftSdMm;
+  for (std::size_t i = kUnknownCount; i < kShiftedCount; ++i) factor[i][i] = kShiftSdMm;
   Square half{}, whole{};
   Row m{};
-  for (std::size_t i = 0; i < kAll; ++i)
-    for (std::size_t j = 0; j < kAll; ++j)
-      for (std::size_t k = j; k < kAll; ++k) half[i][j] += sum[i][k] * factor[k][j];
-  for (std::size_t i = 0; i < kAll; ++i) {
+  for (std::size_t i = 0; i < kShiftedCount; ++i)
+    for (std::size_t j = 0; j < kShiftedCount; ++j)
+      for (std::size_t k = j; k < kShiftedCount; ++k) half[i][j] += sum[i][k] * factor[k][j];
+  for (std::size_t i = 0; i < kShiftedCount; ++i) {
     for (std::size_t j = 0; j <= i; ++j)
-      for (std::size_t k = i; k < kAll; ++k) whole[i][j] += factor[k][i] * half[k][j];
+      for (std::size_t k = i; k < kShiftedCount; ++k) whole[i][j] += factor[k][i] * half[k][j];
     whole[i][i] += 1;
-    for (std::size_t k = i; k < kAll; ++k) m[i] += factor[k][i] * right[k];
+    for (std::size_t k = i; k < kShiftedCount; ++k) m[i] += factor[k][i] * right[k];
   }
-  cholesky(whole, kAll);
-  solve(whole, kAll, m);
-  for (std::size_t i = 0; i < kCount; ++i)
+  cholesky(whole, kShiftedCount);
+  solve(whole, kShiftedCount, m);
+  for (std::size_t i = 0; i < kUnknownCount; ++i)
     for (std::size_t j = 0; j <= i; ++j) prior.centre[i] += factor[i][j] * m[j];
 
   // Back to the unknowns: F P F', whose factor is the new one.
   Square covariance{};
-  for (std::size_t c = 0; c < kCount; ++c) {
+  for (std::size_t c = 0; c < kUnknownCount; ++c) {
     Row column{};
     for (std::size_t j = 0; j <= c; ++j) column[j] = factor[c][j];
-    solve(whole, kAll, column);  // P F' e_c
-    for (std::size_t i = c; i < kCount; ++i)
+    solve(whole, kShiftedCount, column);  // P F' e_c
+    for (std::size_t i = c; i < kUnknownCount; ++i)
       for (std::size_t k = 0; k <= i; ++k) covariance[i][c] += factor[i][k] * column[k];
   }
-  cholesky(covariance, kCount);
-  for (std::size_t i = 0; i < kCount; ++i)
+  cholesky(covariance, kUnknownCount);
+  for (std::size_t i = 0; i < kUnknownCount; ++i)
     for (std::size_t j = 0; j <= i; ++j) prior.factor[i][j] = covariance[i][j];
 }
 
