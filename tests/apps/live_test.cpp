@@ -83,7 +83,7 @@ TEST_F(Live, MeasuresOnePersonAfterTheOtherAndTellsItLineByLine) {
   EXPECT_EQ(std::count(states.begin(), states.end(), "LOST"), 0);
   for (const char* person : {"/person-001", "/person-002"}) {
     EXPECT_TRUE(test::partial_files_in(out + person).empty()) << person;
-    EXPECT_EQ(test::files_in(out + person).size(), 5U);
+    EXPECT_EQ(test::files_in(out + person).size(), 7U);
   }
 }
 

@@ -70,7 +70,7 @@ class Models : public testing::Test {
     EXPECT_TRUE(write_file_atomically(path, *pack));
     return path;
   }
-  static constexpr std::uint32_t kIndexFormat = 12;
+  static constexpr std::uint32_t kIndexFormat = 13;
 
   std::string folder_;
 };
@@ -135,12 +135,12 @@ TEST_F(Models, OlderAndNewerAreRefusedByName) {
   test::Run run = models({"install", small_pack(kIndexFormat - 1)});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(
-      run.err.find("its index (index.i2f) is of format 11, older than the 12 this im2fit reads; get a newer pack"),
+      run.err.find("its index (index.i2f) is of format 12, older than the 13 this im2fit reads; get a newer pack"),
       std::string::npos)
       << run.err;
   run = models({"install", small_pack(kIndexFormat + 1)});
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_NE(run.err.find("newer than the 12 this im2fit reads; get a newer im2fit"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("newer than the 13 this im2fit reads; get a newer im2fit"), std::string::npos) << run.err;
   run = models({"install", small_pack(kIndexFormat, 2)});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.err.find("is a model pack of format 2, newer than the 1"), std::string::npos) << run.err;
