@@ -75,11 +75,11 @@ function(im2fit_precompile)
   endforeach()
 endfunction()
 
-# Targets made after this in the directory, and below it, never leave the workstation: undefined behaviour, whose checks
-# double the time to compile, is looked for in what ships. Memory is watched everywhere.
+# Targets made after this in the directory, and below it, never leave the workstation: arithmetic, whose checks double
+# the time to compile, is checked in what ships. Memory is watched everywhere.
 macro(im2fit_workstation_code)
-  if(IM2FIT_SANITIZE MATCHES undefined)
-    set(im2fit_not_sanitized -fno-sanitize=undefined)
+  if(im2fit_arithmetic)
+    set(im2fit_not_sanitized -fno-sanitize=${im2fit_arithmetic})
   endif()
 endmacro()
 
@@ -111,8 +111,9 @@ endfunction()
 
 # One GoogleTest program per tests/<room>: im2fit_test_room(ROOM DEPENDS im2fit_kernels ...), takes every *_test.cpp.
 # EMULATED_SHARDS N: under an emulator N ctest entries, ROOM_1 to ROOM_N, for rooms that take minutes there.
+# COST N: about how many seconds it takes; ctest starts the longest first, so that none is left running alone.
 function(im2fit_test_room room)
-  cmake_parse_arguments(arg "" "EMULATED_SHARDS" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "" "EMULATED_SHARDS;COST" "DEPENDS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
   if(NOT sources)
     return()
@@ -139,6 +140,9 @@ function(im2fit_test_room room)
   else()
     add_test(NAME ${room} COMMAND ${room}_tests)
     set(tests ${room})
+  endif()
+  if(arg_COST)
+    set_tests_properties(${tests} PROPERTIES COST ${arg_COST})
   endif()
   set_tests_properties(${tests} PROPERTIES TIMEOUT ${timeout_s} SKIP_REGULAR_EXPRESSION "NOTHING_TO_TEST")
   if(IM2FIT_SANITIZE MATCHES thread)

@@ -22,7 +22,7 @@ TEST(DamagedBody, AccidentsAreNoticedOrHarmless) {
   ASSERT_TRUE(model);
   const std::vector<Vec3f> truth = mesh_of(*model);
   Rng rng(20263);
-  for (int i = 0; i < 50000; ++i) {
+  for (int i = 0; i < trials(50000); ++i) {
     Bytes bytes = damaged(good, rng);
     const auto found = body::BodyModel::parse(std::move(bytes), "damaged");
     if (!found) continue;
@@ -38,7 +38,7 @@ TEST(DamagedBody, AttacksAreRefusedOrGiveFiniteMeshes) {
   const Bytes& good = sound_body();
   Rng rng(20264);
   int accepted = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < trials(20000); ++i) {
     Bytes bytes = damaged(good, rng);
     mend_checksums(bytes);
     const auto sane = use_body(std::move(bytes));
@@ -46,7 +46,7 @@ TEST(DamagedBody, AttacksAreRefusedOrGiveFiniteMeshes) {
     ++accepted;
     ASSERT_TRUE(*sane) << "attack " << i;
   }
-  EXPECT_GT(accepted, 2000);  // else the checksums still refuse them
+  EXPECT_GT(accepted, trials(2000));  // else the checksums still refuse them
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Every device library must call the handlers of overflow, or its flags were lost; and hold no code of a hand-written
-# instruction set. (base counts in unsigned integers, whose wrap-round is defined: nothing to handle there.)
+# Every device library must call the handlers of overflow, or its flags were lost. (core counts in unsigned integers,
+# whose wrap-round is defined: nothing to handle there.)
 foreach(library ${LIBRARIES})
   execute_process(COMMAND ${NM} ${library} OUTPUT_VARIABLE symbols RESULT_VARIABLE status ERROR_QUIET)
   if(status)
@@ -8,8 +8,5 @@ foreach(library ${LIBRARIES})
   endif()
   if(NOT symbols MATCHES "__ubsan_handle_[a-z]+_overflow_abort")
     message(FATAL_ERROR "${library} is not compiled to stop at integer overflow: see IM2FIT_CHECKED_FIXED")
-  endif()
-  if(symbols MATCHES "_(avx2|neon)\\.cpp")
-    message(FATAL_ERROR "${library} holds a hand-written tier, which cannot be checked: see IM2FIT_PORTABLE_ONLY")
   endif()
 endforeach()

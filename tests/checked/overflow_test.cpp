@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The checked-fixed build stops the program where a number no longer fits its type. Compiled with the device rooms'
+// A build with IM2FIT_CHECKED_FIXED stops the program where a number no longer fits its type. Compiled with the device rooms'
 // own flags; checked_rooms.cmake looks whether they have them too.
 #include <gtest/gtest.h>
 
@@ -7,13 +7,11 @@
 #include <limits>
 
 #include "core/fixed.h"
-#include "kernels/tier.h"
 
 namespace im2fit {
 namespace {
 
 static_assert(kFixedIsChecked);
-static_assert(IM2FIT_HAVE_AVX2 == 0 && IM2FIT_HAVE_NEON == 0);
 
 // Volatile: the compiler must not know what will overflow.
 volatile std::int32_t largest = std::numeric_limits<std::int32_t>::max();

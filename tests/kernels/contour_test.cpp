@@ -29,7 +29,7 @@ struct Picture {
         mask_stride(w + mask_gap),
         depth(static_cast<std::size_t>(depth_stride * (h - 1) + w), trial.next_end()),
         mask(static_cast<std::size_t>(mask_stride * (h - 1) + w), trial.next_end()) {
-    const auto draw = [&](int count) { return static_cast<int>(trial.rng().index(static_cast<std::size_t>(count))); };
+    const auto draw = [&](int count) { return trial.rng().index(count); };
     trial.fill(depth.span());
     int level = 30000, left = 0;
     bool inside = false;
