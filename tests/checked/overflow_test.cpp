@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A build with IM2FIT_CHECKED_FIXED stops the program where a number no longer fits its type. Compiled with the device rooms'
-// own flags; checked_rooms.cmake looks whether they have them too.
+// A build with IM2FIT_CHECKED_FIXED stops the program where a number no longer fits its type. Compiled with the
+// device rooms' own flags; checked_rooms.cmake looks whether they have them too.
 #include <gtest/gtest.h>
 
 #include <cstdint>
