@@ -6,6 +6,7 @@
 
 #include "body/fatness.h"
 #include "body/seen_prior.h"
+#include "core/cholesky.h"
 
 namespace im2fit::body {
 namespace {
@@ -28,6 +29,7 @@ constexpr double kTightness = 0.02;
 constexpr double kSdMin = 0.25, kSdMax = 1000;  // mm or kg
 constexpr std::size_t kHeldMax = 10;            // unknowns held at their limits
 constexpr double kHeldSlack = 1e-4;
+constexpr double kAskedPivotMin = 1e-12;  // where goals contradict one another
 constexpr std::size_t kAskedMax = kRows + kHeldMax;
 constexpr double kStepMax = 4;  // standard deviations of people: farther no slope is believed
 // Met: the search ends. A tenth of what is told.
@@ -290,7 +292,8 @@ class MeasurementFitter::Work {
   Columns nearest() {
     Products m = products_;
     std::array<double, kAskedMax> x = to_;
-    solve(m, x, count_);
+    cholesky_factor(m, count_, kAskedPivotMin);
+    cholesky_solve(m, count_, x);
     Columns out{};
     for (std::size_t r = 0; r < count_; ++r)
       for (std::size_t j = 0; j < kColumns; ++j) out[j] += asking_[r][j] * x[r];
@@ -320,25 +323,6 @@ class MeasurementFitter::Work {
   }
 
   using Products = std::array<std::array<double, kAskedMax>, kAskedMax>;
-
-  // Cholesky, in place.
-  static void solve(Products& m, std::array<double, kAskedMax>& x, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) {
-        double sum = m[i][j];
-        for (std::size_t k = 0; k < j; ++k) sum -= m[i][k] * m[j][k];
-        m[i][j] = i == j ? std::sqrt(std::max(sum, 1e-12)) : sum / m[j][j];
-      }
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
-      x[i] /= m[i][i];
-    }
-    for (std::size_t i = count; i-- > 0;) {
-      for (std::size_t k = i + 1; k < count; ++k) x[i] -= m[k][i] * x[k];
-      x[i] /= m[i][i];
-    }
-  }
 
   const BodyModel& model_;
   Measurer measurer_;

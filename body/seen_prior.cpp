@@ -8,6 +8,7 @@
 #include "body/fit/posed_shape.h"
 #include "body/fit/shape_points.h"
 #include "body/measurement_fit.h"
+#include "core/cholesky.h"
 
 namespace im2fit::body {
 namespace {
@@ -22,6 +23,7 @@ constexpr float kBackMost = -0.25F;  // of a normal's part to the front: what is
 constexpr float kSmallStep = 0.02F;  // of a slider
 constexpr std::size_t kUnknownCount = kFitParameterCount,
                       kShiftedCount = kUnknownCount + 3;  // and a shift of the whole body
+constexpr double kSeenPivotMin = 1e-14;                   // rounding of a matrix of ones and what the skin adds
 constexpr std::array<std::size_t, 3> kSliders = {0, 1, kCrotchParameter};
 
 using Row = std::array<double, kShiftedCount>;
@@ -48,26 +50,6 @@ bool is_left_out(const SkinRecord& skin) {
       return true;
     default:
       return false;
-  }
-}
-
-// In place, lower triangle.
-void cholesky(Square& m, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t j = 0; j <= i; ++j) {
-      double sum = m[i][j];
-      for (std::size_t k = 0; k < j; ++k) sum -= m[i][k] * m[j][k];
-      m[i][j] = i == j ? std::sqrt(std::max(sum, 1e-14)) : sum / m[j][j];
-    }
-}
-void solve(const Square& factor, std::size_t count, Row& x) {
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t k = 0; k < i; ++k) x[i] -= factor[i][k] * x[k];
-    x[i] /= factor[i][i];
-  }
-  for (std::size_t i = count; i-- > 0;) {
-    for (std::size_t k = i + 1; k < count; ++k) x[i] -= factor[k][i] * x[k];
-    x[i] /= factor[i][i];
   }
 }
 
@@ -186,8 +168,8 @@ void SeenPrior::see(const Params& from, const SeenBody& seen, FitPrior& prior) {
     whole[i][i] += 1;
     for (std::size_t k = i; k < kShiftedCount; ++k) m[i] += factor[k][i] * right[k];
   }
-  cholesky(whole, kShiftedCount);
-  solve(whole, kShiftedCount, m);
+  cholesky_factor(whole, kShiftedCount, kSeenPivotMin);
+  cholesky_solve(whole, kShiftedCount, m);
   for (std::size_t i = 0; i < kUnknownCount; ++i)
     for (std::size_t j = 0; j <= i; ++j) prior.centre[i] += factor[i][j] * m[j];
 
@@ -196,11 +178,11 @@ void SeenPrior::see(const Params& from, const SeenBody& seen, FitPrior& prior) {
   for (std::size_t c = 0; c < kUnknownCount; ++c) {
     Row column{};
     for (std::size_t j = 0; j <= c; ++j) column[j] = factor[c][j];
-    solve(whole, kShiftedCount, column);  // P F' e_c
+    cholesky_solve(whole, kShiftedCount, column);  // P F' e_c
     for (std::size_t i = c; i < kUnknownCount; ++i)
       for (std::size_t k = 0; k <= i; ++k) covariance[i][c] += factor[i][k] * column[k];
   }
-  cholesky(covariance, kUnknownCount);
+  cholesky_factor(covariance, kUnknownCount, kSeenPivotMin);
   for (std::size_t i = 0; i < kUnknownCount; ++i)
     for (std::size_t j = 0; j <= i; ++j) prior.factor[i][j] = covariance[i][j];
 }

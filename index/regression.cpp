@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/cholesky.h"
 #include "kernels/gram/gram.h"
 #include "kernels/project/project.h"
 #include "kernels/standardise/standardise.h"
@@ -18,27 +19,13 @@ constexpr double kPositionClip = 4.0;
 static_assert(kGramWidth == kDimensionMax);
 using Gram = std::array<std::array<double, kOrderMax>, kOrderMax>;
 
-// The first row of the inverse. In place Cholesky factorisation and solution (Golub & Van Loan, algorithm 4.2.1); the
-// matrix is positive definite because every diagonal element carries a penalty.
+// The first row of the inverse; the matrix is positive definite because every diagonal element carries a penalty.
 std::array<double, kOrderMax> first_of_inverse(Gram& a, std::size_t order) {
-  for (std::size_t j = 0; j < order; ++j) {
-    for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
-    a[j][j] = std::sqrt(std::max(a[j][j], 1e-12));
-    for (std::size_t i = j + 1; i < order; ++i) {
-      for (std::size_t k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k];
-      a[i][j] /= a[j][j];
-    }
-  }
+  constexpr double kPivotMin = 1e-12;
+  cholesky_factor(a, order, kPivotMin);
   std::array<double, kOrderMax> x{};
-  for (std::size_t i = 0; i < order; ++i) {
-    double sum = i == 0 ? 1 : 0;
-    for (std::size_t k = 0; k < i; ++k) sum -= a[i][k] * x[k];
-    x[i] = sum / a[i][i];
-  }
-  for (std::size_t i = order; i-- > 0;) {
-    for (std::size_t k = i + 1; k < order; ++k) x[i] -= a[k][i] * x[k];
-    x[i] /= a[i][i];
-  }
+  x[0] = 1;
+  cholesky_solve(a, order, x);
   return x;
 }
 
