@@ -18,8 +18,8 @@ namespace im2fit::fuzz {
 
 using Bytes = std::vector<std::byte>;
 
-// How many of so many damaged files to try. Under the address sanitizer each takes several times as long, and the same
-// build has a fuzzer of the same reader: a quarter.
+// How many of so many damaged files to try. Under the address sanitizer each takes several times as long, and the
+// same build has a fuzzer of the same reader: a quarter.
 constexpr int trials(int count) {
 #if defined(__SANITIZE_ADDRESS__)
   count /= 4;
