@@ -12,6 +12,7 @@ namespace im2fit::body {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr float kMiddleMm = 0.01F;  // off the middle of the mean body, which is symmetric
 // A search walks its way in 16 steps, then looks about the best one in eighths of a step: 3 mm along a thigh's 400.
 constexpr int kSearchSteps = 16;
 constexpr int kSearchFine = 8;
@@ -68,6 +69,7 @@ class TapeMeasurer::Work {
     const auto triangles = model.body_triangles();
     for (std::size_t i = 0; i < triangles.size(); ++i)
       if (model.data().triangle_is_arm[i] == 0) armless_.push_back(triangles[i]);
+    find_middle_line();
   }
 
   void measure(const Tape& tape, const Params& params, std::span<float> out) {
@@ -115,6 +117,31 @@ class TapeMeasurer::Work {
     armless_blocks_.place(armless_, body());
     floor_ = posed_[0].y;
     for (const Vec3f& v : body()) floor_ = v.y < floor_ ? v.y : floor_;
+    for (std::size_t i = 0; i < middle_line_.size(); ++i)
+      middle_points_[i] = posed_[static_cast<std::size_t>(middle_line_[i])];
+  }
+  // Round the body in its middle: vertices that lie there in the mean body, in order along the mesh's edges, whose line
+  // closes. It stays in the middle however unlike a person's halves are, where a plane would cut into a thigh.
+  void find_middle_line() {
+    const std::span<const Vec3f> base = model_.data().base;
+    const auto in_middle = [&](std::int32_t v) { return std::fabs(base[static_cast<std::size_t>(v)].x) < kMiddleMm; };
+    std::vector<std::array<std::int32_t, 2>> next(base.size(), {-1, -1});
+    for (const Triangle& t : model_.body_triangles())
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::int32_t from = t[k], to = t[(k + 1) % 3];
+        if (!in_middle(from) || !in_middle(to)) continue;
+        auto& of = next[static_cast<std::size_t>(from)];
+        if (of[0] != to && of[1] != to) of[of[0] < 0 ? 0 : 1] = to;
+      }
+    const std::int32_t start = model_.data().landmark(Landmark::crotch);
+    for (std::int32_t v = start, before = -1; v >= 0 && middle_line_.size() < base.size();) {
+      middle_line_.push_back(v);
+      const auto& of = next[static_cast<std::size_t>(v)];
+      const std::int32_t after = of[0] != before ? of[0] : of[1];
+      before = v;
+      v = after == start ? -1 : after;
+    }
+    middle_points_.resize(middle_line_.size());
   }
   std::span<const Vec3f> body() const { return posed_.first(static_cast<std::size_t>(model_.body_vertex_count())); }
 
@@ -322,8 +349,12 @@ class TapeMeasurer::Work {
     if (d.plane == TapePlane::facing) normal = cross(chord, {0, 0, 1});
     if (norm(normal) == 0) return kNone;
     const SectionPlane plane = plane_through(p[0], normal);
-    contours_.cut(all_blocks_, plane);
-    taut_path(contours_.through(p[0], p[2]), plane, p[0], p[1], p[2], path_);
+    std::span<const Vec3f> line = middle_points_;
+    if (d.plane != TapePlane::sagittal) {
+      contours_.cut(all_blocks_, plane);
+      line = contours_.through(p[0], p[2]);
+    }
+    taut_path(line, plane, p[0], p[1], p[2], path_);
     if (path_.size() < 2) return kNone;
     if (lines != nullptr) lines->push_back(path_);
     return static_cast<float>(path_mm(path_));
@@ -371,6 +402,8 @@ class TapeMeasurer::Work {
   const BodyModel& model_;
   Measurer measurer_;
   std::vector<Triangle> armless_;
+  std::vector<std::int32_t> middle_line_;
+  std::vector<Vec3f> middle_points_;
   std::span<const Vec3f> posed_;
   MeasurementValues values_{};
   PosedSkeleton bones_;
