@@ -19,10 +19,9 @@ constexpr std::size_t kRows = kMeasurementCount, kColumns = kFitParameterCount;
 using Rows = std::array<double, kRows>;
 using Columns = std::array<double, kColumns>;
 
+// With a body seen most need five, one in twelve nine; where these do not do, for the body seen may lie where slopes
+// of the table say little, the search begins anew without it.
 constexpr int kStepCountMax = 14;
-// With a body seen, which may lie where slopes of the table say little: then the search begins anew without it. Of 80
-// people one needs that.
-constexpr int kSeenStepCountMax = 8;
 // A goal's share of its own standard deviation that it may be missed by for one standard deviation of people: so
 // small that goals are met, and those known best where they contradict one another.
 constexpr double kTightness = 0.02;
@@ -118,11 +117,11 @@ class MeasurementFitter::Work {
     bool found = false;
     if (seen != nullptr && seen->valid) {
       set_prior(params.gender, seen);
-      found = search(kSeenStepCountMax, fit);
+      found = search(fit);
     }
     if (!found) {
       set_prior(params.gender, nullptr);
-      search(kStepCountMax, fit);
+      search(fit);
     }
     params = best_;
     return fit;
@@ -132,7 +131,7 @@ class MeasurementFitter::Work {
 
  private:
   // Whether all goals are met. The measurer then holds what was found.
-  bool search(int step_count_max, MeasurementFit& fit) {
+  bool search(MeasurementFit& fit) {
     fit = {};
     whitened_.fill(0);
     double best_cost = 0;
@@ -154,7 +153,7 @@ class MeasurementFitter::Work {
         fit.values = values;
         fit.distance = static_cast<float>(length(whitened_));
       }
-      if (met(off) || fit.steps == step_count_max) break;
+      if (met(off) || fit.steps == kStepCountMax) break;
       before = whitened_;
       off_before = off;
       step(off);

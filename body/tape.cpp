@@ -121,7 +121,7 @@ class TapeMeasurer::Work {
       middle_points_[i] = posed_[static_cast<std::size_t>(middle_line_[i])];
   }
   // Round the body in its middle: vertices that lie there in the mean body, in order along the mesh's edges, whose line
-  // closes. It stays in the middle however unlike a person's halves are, where a plane would cut into a thigh.
+  // closes. It stays in the middle however uneven a person is, where a plane would cut into a thigh.
   void find_middle_line() {
     const std::span<const Vec3f> base = model_.data().base;
     const auto in_middle = [&](std::int32_t v) { return std::fabs(base[static_cast<std::size_t>(v)].x) < kMiddleMm; };
