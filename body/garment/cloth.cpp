@@ -27,8 +27,10 @@ constexpr float kPinchReachMm = 25;    // skin before the cloth, that it may be 
 constexpr float kPinchNearMm = 15;     // off its own skin at most
 constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
 // Edges that are stretched by kStretched when a frame begins are held to kStrainMax until it ends, after the skin has
-// pushed: where skin pulls cloth apart, cloth wins.
+// pushed: where skin pulls cloth apart, cloth wins. One pass moves a corner's pull to its neighbours alone, and leaves
+// 70 % at an underarm; with 16 no edge of 24 drapes keeps more than 27 %, with 8 three of them do.
 constexpr float kStretched = 0.1F, kStrainMax = 0.15F;
+constexpr int kStrainPasses = 16;  // at most, a substep
 constexpr std::size_t kStretchedPart = 4;  // of the edges, a fourth at most
 constexpr int kAwakeFrames = 12;           // of still skin, until folds have fallen
 constexpr float kSleepKeeps = 0.75F;       // of the motion, a frame
@@ -389,16 +391,19 @@ void Cloth::find_stretched() {
     }
 }
 
-void Cloth::limit_strain() {
+bool Cloth::limit_strain() {
+  bool any = false;
   for (const Stretched& e : stretched_) {
     ClothVertex &a = vertices_[static_cast<std::size_t>(e.a)], &b = vertices_[static_cast<std::size_t>(e.b)];
     const Float4 d = load(a) - load(b);
     const float squared = sum3(d * d);
     if (squared <= e.most_mm * e.most_mm) continue;
+    any = true;
     const float length = std::sqrt(squared), excess = (length - e.most_mm) / length;
     store(a, load(a) - d * all_of(excess * e.share_a));
     store(b, load(b) + d * all_of(excess * e.share_b));
   }
+  return any;
 }
 
 void Cloth::integrate(const ClothFrame& frame) {
@@ -499,7 +504,7 @@ void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<cons
     layers_.solve(vertices_, before_);
     pull_belt(s);
     collide(s);
-    limit_strain();
+    for (int pass = 0; pass < kStrainPasses && limit_strain();) ++pass;
     update_velocities();
   }
   if (awake_ < 1) fall_asleep();

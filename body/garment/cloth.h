@@ -93,7 +93,7 @@ class Cloth {
   void tether();
   void hold_tethers();
   void find_stretched();
-  void limit_strain();
+  bool limit_strain();  // whether any edge was too long
   void integrate(const ClothFrame& frame);
   void collide(int substep);
   void update_velocities();
