@@ -27,13 +27,14 @@ constexpr float kPinchReachMm = 25;    // skin before the cloth, that it may be 
 constexpr float kPinchNearMm = 15;     // off its own skin at most
 constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
 // Edges that are stretched by kStretched when a frame begins are held to kStrainMax until it ends, after the skin has
-// pushed: where skin pulls cloth apart, cloth wins. One pass moves a corner's pull to its neighbours alone, and leaves
-// 70 % at an underarm; with 16 no edge of 24 drapes keeps more than 27 %, with 8 three of them do.
+// pushed: where skin pulls cloth apart, cloth wins. One pass moves a corner's pull to its neighbours alone, and
+// leaves 70 % at an underarm; with 16 no edge of 24 drapes keeps more than 27 %, with 8 three of them do.
 constexpr float kStretched = 0.1F, kStrainMax = 0.15F;
-constexpr int kStrainPasses = 16;  // at most, a substep
-constexpr std::size_t kStretchedPart = 4;  // of the edges, a fourth at most
-constexpr int kAwakeFrames = 12;           // of still skin, until folds have fallen
-constexpr float kSleepKeeps = 0.75F;       // of the motion, a frame
+constexpr int kStrainPasses = 16, kRoughStrainPasses = 1;  // at most, a substep
+constexpr std::size_t kStretchedPart = 4;                  // of the edges, a fourth at most
+constexpr unsigned kPlacedFrames = 3;  // in which a band that was drawn together spreads: one pass
+constexpr int kAwakeFrames = 12;       // of still skin, until folds have fallen
+constexpr float kSleepKeeps = 0.75F;   // of the motion, a frame
 constexpr float kAsleep = 0.01F;
 constexpr float kBeltPullPerS = 96;  // of the way to its place
 // A belt gives to trousers that a lap draws tight: it pulls as it does from kBeltFirmMm off its place until it has
@@ -61,6 +62,7 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
       rest_keeps_(1 - kBrakePerS * step_s_),
       belt_pull_(kBeltPullPerS * step_s_),
       friction_(fabric.friction),
+      strain_passes_(substeps == kSubsteps ? kStrainPasses : kRoughStrainPasses),
       constraints_(constrain(mesh, fabric, step_s_)),
       layers_(mesh) {
   const std::size_t count = mesh.vertex_count();
@@ -493,6 +495,7 @@ void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<cons
     stretched_.clear();
   else
     find_stretched();
+  const int passes = frames_ <= kPlacedFrames ? 1 : strain_passes_;
   for (int s = 0; s < substeps_; ++s) {
     integrate(frame);
     solve_stretch(constraints_.stretch, vertices_.data());
@@ -504,7 +507,7 @@ void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<cons
     layers_.solve(vertices_, before_);
     pull_belt(s);
     collide(s);
-    for (int pass = 0; pass < kStrainPasses && limit_strain();) ++pass;
+    for (int pass = 0; pass < passes && limit_strain();) ++pass;
     update_velocities();
   }
   if (awake_ < 1) fall_asleep();

@@ -103,6 +103,7 @@ class Cloth {
   float step_s_;
   float push_mm_, rest_keeps_, belt_pull_;  // a substep
   float friction_;
+  int strain_passes_;
   ClothConstraints constraints_;
   ClothLayers layers_;
   std::vector<ClothVertex> vertices_, before_, velocity_;  // one more than the mesh has: the empty places' vertex
