@@ -43,28 +43,23 @@ void cross_level(const Triangle& corner, std::span<const Vec3f> vertices, std::s
 
 void TriangleStack::clear() {
   triangles_.clear();
-  low_.clear();
-  high_.clear();
+  along_.clear();
 }
 
 void TriangleStack::reserve(std::size_t triangle_count) {
   triangles_.reserve(triangle_count);
-  low_.reserve(triangle_count);
-  high_.reserve(triangle_count);
+  along_.reserve(triangle_count);
 }
 
 void TriangleStack::add(const Triangle& triangle, std::span<const float> heights) {
   const auto height = [&](std::size_t i) { return heights[static_cast<std::size_t>(triangle[i])]; };
   triangles_.push_back(triangle);
-  low_.push_back(std::min({height(0), height(1), height(2)}));
-  high_.push_back(std::max({height(0), height(1), height(2)}));
+  along_.add(std::min({height(0), height(1), height(2)}), std::max({height(0), height(1), height(2)}));
 }
 
 void TriangleStack::cut(std::span<const Vec3f> vertices, std::span<const float> heights, float level,
                         std::vector<Vec3f>& out) const {
-  for (std::size_t t = 0; t < triangles_.size(); ++t)
-    if ((low_[t] - level > 0) != (high_[t] - level > 0))
-      cross_level(triangles_[t], vertices, heights, level, true, out);
+  along_.at_level(level, [&](std::size_t t) { cross_level(triangles_[t], vertices, heights, level, true, out); });
 }
 
 void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::span<const std::uint8_t> skip,

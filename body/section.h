@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "body/interval_blocks.h"
 #include "core/vec3.h"
 
 namespace im2fit::body {
@@ -40,7 +41,7 @@ class TriangleStack {
 
  private:
   std::vector<Triangle> triangles_;
-  std::vector<float> low_, high_;
+  IntervalBlocks along_;
 };
 
 // The same of a mesh of quads at up to kLevelsMax levels in one pass. `skip` has two entries a quad, for its

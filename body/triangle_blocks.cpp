@@ -21,7 +21,8 @@ void TriangleBlocks::place(std::span<const Triangle> triangles, std::span<const 
 
 void TriangleSlab::gather(const TriangleBlocks& mesh, const SectionPlane& from, const SectionPlane& to) {
   vertices_ = mesh.vertices();
-  entries_.clear();
+  triangles_.clear();
+  along_.clear();
   const Vec3f normal = from.normal;
   const float one = dot(from.origin, normal), other = dot(to.origin, normal);
   constexpr float kSlackMm = 0.05F;  // the planes between are rounded
@@ -30,8 +31,10 @@ void TriangleSlab::gather(const TriangleBlocks& mesh, const SectionPlane& from, 
     for (const Triangle& t : triangles) {
       const auto height = [&](std::size_t i) { return dot(vertices_[static_cast<std::size_t>(t[i])], normal); };
       const float a = height(0), b = height(1), c = height(2);
-      const Entry entry{std::min({a, b, c}), std::max({a, b, c}), t};
-      if (entry.high >= low && entry.low <= high) entries_.push_back(entry);
+      const float begin = std::min({a, b, c}), end = std::max({a, b, c});
+      if (end < low || begin > high) continue;
+      triangles_.push_back(t);
+      along_.add(begin, end);
     }
   });
 }

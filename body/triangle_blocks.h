@@ -80,17 +80,13 @@ class TriangleSlab {
   // Calls visit(triangle) in the mesh's order with every one that a plane of the same normal crosses.
   template <class F>
   void at_level(float level, F visit) const {
-    for (const Entry& e : entries_)
-      if (e.high - level > 0 && !(e.low - level > 0)) visit(e.triangle);
+    along_.at_level(level, [&](std::size_t i) { visit(triangles_[i]); });
   }
 
  private:
-  struct Entry {
-    float low, high;  // along the normal
-    Triangle triangle;
-  };
   std::span<const Vec3f> vertices_;
-  std::vector<Entry> entries_;
+  std::vector<Triangle> triangles_;
+  IntervalBlocks along_;  // the normal
 };
 
 }  // namespace im2fit::body

@@ -43,13 +43,19 @@ std::uint32_t by_tables(std::span<const std::byte> bytes, std::uint32_t crc) {
   return crc;
 }
 
-// The processor's own instruction: a 100 MB index is checked in some 15 ms instead of 70.
+[[maybe_unused]] std::uint64_t word_at(std::span<const std::byte> bytes, std::size_t i) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, bytes.data() + i * sizeof word, sizeof word);
+  return word;
+}
+
+// The processor's own instruction: a 100 MB index is checked in some 15 ms instead of 70. Four words a turn: what
+// counts words costs more than what sums them.
 #if defined(__x86_64__)
 [[gnu::target("sse4.2")]] std::uint32_t by_instruction(std::span<const std::byte> bytes, std::uint32_t crc) {
-  for (; bytes.size() >= 8; bytes = bytes.subspan(8)) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data(), sizeof word);
-    crc = static_cast<std::uint32_t>(_mm_crc32_u64(crc, word));
+  for (; bytes.size() >= 32; bytes = bytes.subspan(32)) {
+    const std::uint64_t half = _mm_crc32_u64(_mm_crc32_u64(crc, word_at(bytes, 0)), word_at(bytes, 1));
+    crc = static_cast<std::uint32_t>(_mm_crc32_u64(_mm_crc32_u64(half, word_at(bytes, 2)), word_at(bytes, 3)));
   }
   return by_tables(bytes, crc);
 }
@@ -57,12 +63,15 @@ bool has_instruction() {
   return __builtin_cpu_supports("sse4.2") != 0;
 }
 #elif defined(__aarch64__) && defined(__linux__)
+std::uint32_t add_word(std::uint32_t crc, std::uint64_t word) {
+  // Not by intrinsic: clang before 16 neither declares it nor spells the function's target as GCC does.
+  asm(".arch_extension crc\n\tcrc32cx %w0, %w0, %x1" : "+r"(crc) : "r"(word));
+  return crc;
+}
 std::uint32_t by_instruction(std::span<const std::byte> bytes, std::uint32_t crc) {
-  for (; bytes.size() >= 8; bytes = bytes.subspan(8)) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data(), sizeof word);
-    // Not by intrinsic: clang before 16 neither declares it nor spells the function's target as GCC does.
-    asm(".arch_extension crc\n\tcrc32cx %w0, %w0, %x1" : "+r"(crc) : "r"(word));
+  for (; bytes.size() >= 32; bytes = bytes.subspan(32)) {
+    const std::uint32_t half = add_word(add_word(crc, word_at(bytes, 0)), word_at(bytes, 1));
+    crc = add_word(add_word(half, word_at(bytes, 2)), word_at(bytes, 3));
   }
   return by_tables(bytes, crc);
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/lazy_zeros.h"
 #include "hal/source.h"
 #include "perception/observe/observe.h"
 
@@ -63,8 +64,8 @@ class FramePool {
   static std::size_t pixels(int width, int height) {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   }
-  std::vector<std::uint16_t> depth_;
-  std::vector<std::uint8_t> mask_;
+  LazyZeros<std::uint16_t> depth_;
+  LazyZeros<std::uint8_t> mask_;
   std::vector<FrameSlot> slots_;
 };
 

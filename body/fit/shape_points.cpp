@@ -13,9 +13,18 @@ Vec3f corner(std::span<const Vec3f> mesh, const Quad& quad, std::size_t i) {
   return mesh[static_cast<std::size_t>(quad[i])];
 }
 
-bool is_hand(const SkinRecord& skin) {
-  const auto segment = static_cast<Segment>(skin.segment[0]);
+bool is_hand(std::uint8_t number) {
+  const auto segment = static_cast<Segment>(number);
   return segment == Segment::left_hand || segment == Segment::right_hand;
+}
+
+bool is_hand(const BodyModel& model, const Quad& quad) {
+  const auto of_hand = [&](std::int32_t v) {
+    const SkinRecord& skin = model.data().skin[static_cast<std::size_t>(v)];
+    return std::any_of(skin.segment.begin(), skin.segment.end(), [](std::uint8_t s) { return is_hand(s); });
+  };
+  // Of most quads no corner knows a hand: their weights need not be added up.
+  return std::any_of(quad.begin(), quad.end(), of_hand) && is_hand(skin_of_quad(model, quad).segment[0]);
 }
 
 struct QuadAreas {
@@ -26,7 +35,7 @@ struct QuadAreas {
 QuadAreas quad_areas(const BodyModel& model, std::span<const Vec3f> mesh) {
   QuadAreas all;
   for (const Quad& quad : model.body_quads()) {
-    if (is_hand(skin_of_quad(model, quad))) continue;
+    if (is_hand(model, quad)) continue;
     all.quads.push_back(quad);
     all.area_before.push_back(all.area);
     all.area += 0.5 * static_cast<double>(norm(cross(corner(mesh, quad, 2) - corner(mesh, quad, 0),
@@ -35,15 +44,16 @@ QuadAreas quad_areas(const BodyModel& model, std::span<const Vec3f> mesh) {
   return all;
 }
 
-std::vector<Quad> at_equal_steps(const QuadAreas& all, std::size_t count) {
-  std::vector<Quad> chosen;
-  std::size_t at = 0;
+// Calls visit(quad) in order with each quad that lies at one of `count` equal steps of area, until it returns false.
+template <class F>
+void for_each_at_equal_steps(const QuadAreas& all, std::size_t count, F visit) {
+  std::size_t at = 0, before = all.quads.size();
   for (std::size_t i = 0; i < count; ++i) {
     const double wanted = all.area * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
     while (at + 1 < all.quads.size() && all.area_before[at + 1] <= wanted) ++at;
-    if (chosen.empty() || chosen.back() != all.quads[at]) chosen.push_back(all.quads[at]);
+    if (at != before && !visit(all.quads[at])) return;
+    before = at;
   }
-  return chosen;
 }
 
 bool same(const SkinRecord& a, const SkinRecord& b) {
@@ -74,22 +84,33 @@ SkinRecord skin_of_quad(const BodyModel& model, const Quad& quad) {
 }
 
 std::vector<Quad> quads_at_equal_area(const BodyModel& model, std::span<const Vec3f> mesh, std::size_t count) {
-  return at_equal_steps(quad_areas(model, mesh), count);
+  std::vector<Quad> chosen;
+  for_each_at_equal_steps(quad_areas(model, mesh), count, [&](const Quad& quad) {
+    chosen.push_back(quad);
+    return true;
+  });
+  return chosen;
 }
 
-// The file says how many points there are, not how many were asked for.
+// The file says how many points there are, not how many were asked for: of the counts that were not, most are known
+// by one of the first points.
 std::vector<Quad> quads_of_shape_space(const BodyModel& model) {
   const ShapeSpace& space = model.shape_space();
   if (space.point_count == 0) return {};
   std::vector<Vec3f> mesh(static_cast<std::size_t>(model.vertex_count()));
   model.morph({}, mesh);
   const QuadAreas all = quad_areas(model, mesh);
+  std::vector<Quad> quads;
+  quads.reserve(space.point_count);
   for (std::size_t count = space.point_count; count <= space.point_count + space.point_count / 4; ++count) {
-    std::vector<Quad> quads = at_equal_steps(all, count);
-    if (quads.size() != space.point_count) continue;
-    std::size_t i = 0;
-    while (i < quads.size() && same(skin_of_quad(model, quads[i]), space.skin[i])) ++i;
-    if (i == quads.size()) return quads;
+    bool alike = true;
+    quads.clear();
+    for_each_at_equal_steps(all, count, [&](const Quad& quad) {
+      alike = quads.size() < space.point_count && same(skin_of_quad(model, quad), space.skin[quads.size()]);
+      if (alike) quads.push_back(quad);
+      return alike;
+    });
+    if (alike && quads.size() == space.point_count) return quads;
   }
   return {};
 }

@@ -17,6 +17,7 @@ DepthFusion::DepthFusion(int width, int height)
       mask_(sum_mm_.size()) {}
 
 void DepthFusion::reset() {
+  if (frame_count_ == 0) return;  // all zero still
   frame_count_ = 0;
   std::fill(sum_mm_.begin(), sum_mm_.end(), 0U);
   std::fill(count_.begin(), count_.end(), std::uint16_t{0});

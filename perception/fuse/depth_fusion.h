@@ -4,9 +4,9 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "core/camera.h"
+#include "core/lazy_zeros.h"
 
 namespace im2fit {
 
@@ -25,10 +25,10 @@ class DepthFusion {
  private:
   int width_, height_;
   int frame_count_ = 0;
-  std::vector<std::uint32_t> sum_mm_;
-  std::vector<std::uint16_t> count_;
-  std::vector<std::uint16_t> depth_q4_;
-  std::vector<std::uint8_t> mask_;
+  LazyZeros<std::uint32_t> sum_mm_;
+  LazyZeros<std::uint16_t> count_;
+  LazyZeros<std::uint16_t> depth_q4_;
+  LazyZeros<std::uint8_t> mask_;
 };
 
 }  // namespace im2fit

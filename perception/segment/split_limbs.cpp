@@ -182,9 +182,15 @@ void SplitLimbJoiner::scan_around(const Grid& grid, std::span<const std::uint16_
   }
   if (!edge || kind_[b] == Kind::enclosed) return;
   const Vec3f here = grid.point(cell);
+  const int first = std::max(0, c - kGapReachCells), end = std::min(grid.width, c + kGapReachCells + 1);
+  const int together = static_cast<int>(kTogether);
   for (int rr = std::max(0, r - kGapReachCells); rr <= std::min(grid.height - 1, r + kGapReachCells); ++rr) {
-    for (int cc = std::max(0, c - kGapReachCells); cc <= std::min(grid.width - 1, c + kGapReachCells); ++cc) {
+    for (int cc = first; cc < end; ++cc) {
       const int other = grid.index(cc, rr);
+      if (cc + together <= end && none(&chosen[at(other)])) {
+        cc += together - 1;
+        continue;
+      }
       if (chosen[at(other)] != 0) gap_mm_[b] = std::min(gap_mm_[b], norm(grid.point(other) - here));
     }
   }

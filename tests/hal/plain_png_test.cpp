@@ -87,6 +87,41 @@ TEST(PlainPng, EveryFilterOfEveryPicture) {
       }
 }
 
+// What a PNG's IDATs inflate to.
+std::string rows_of(std::span<const std::byte> bytes, std::size_t size) {
+  const std::string png(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::string stream;
+  for (std::size_t at = 8; at + 12 <= png.size();) {
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<unsigned char>(png[at + i]);
+    if (png.substr(at + 4, 4) == "IDAT") stream += png.substr(at + 8, length);
+    at += 12 + length;
+  }
+  std::string rows(size, '\0');
+  uLongf made = rows.size();
+  EXPECT_EQ(uncompress(reinterpret_cast<Bytef*>(rows.data()), &made, reinterpret_cast<const Bytef*>(stream.data()),
+                       stream.size()),
+            Z_OK);
+  EXPECT_EQ(made, size);
+  return rows;
+}
+
+// Structured light's depths repeat from row to row and are written as they are; of others the differences are.
+TEST(DepthFile, FewDepthsAreWrittenAsTheyAre) {
+  constexpr std::size_t kWidth = 160, kHeight = 120;
+  for (const auto& [depth_count, filter] : {std::pair{500U, 0}, {2000U, 2}}) {
+    Picture picture(kWidth, kHeight);
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i)
+      picture.pixels[i] = static_cast<std::uint16_t>(800 + i * 7919 % depth_count);
+    const auto png = encode_depth(picture.view(), DepthFormat::png);
+    ASSERT_TRUE(png);
+    EXPECT_EQ(rows_of(*png, (1 + 2 * kWidth) * kHeight), filtered_rows(picture, filter)) << depth_count << " depths";
+    Picture out(kWidth, kHeight);
+    ASSERT_TRUE(decode_depth(*png, "as written", out.image()));
+    EXPECT_EQ(out.pixels, picture.pixels);
+  }
+}
+
 TEST(PlainPng, StreamsCutIntoChunksAnywhere) {
   const Picture picture = noisy_picture(64, 48, 3);
   for (const std::size_t piece : {1, 2, 13, 1000}) {
