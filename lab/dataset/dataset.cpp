@@ -26,7 +26,7 @@ namespace {
 constexpr auto kArmsClose =
     static_cast<std::size_t>(std::countr_zero(static_cast<GuidanceSet>(Guidance::arms_close)));
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
-constexpr std::uint64_t kDatasetVersion = 21;  // raise when a sample of a subject changes: shards are then made again
+constexpr std::uint64_t kDatasetVersion = 22;  // raise when a sample of a subject changes: shards are then made again
 constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
 constexpr int kClothedCaptures = 8192;         // of those in clothes
 constexpr int kAgainCaptures = 16384;          // and of people seen again

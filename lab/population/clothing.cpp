@@ -54,7 +54,7 @@ struct Tailor::Cut {
   float hem = 0, waist = 0.35F;  // of upper and lower garment, on the trunk
   float flare = 1;               // of the trouser leg at its end
   float slack_mm = 0;            // TrunkHang
-  float crotch_mm = 0;           // that of trousers hangs lower, of hanging ones
+  std::optional<HangingCut> hanging;
   bool skirt = false;
   float skirt_end = 1;  // share of the length from hips to ankles
 };
@@ -77,8 +77,8 @@ Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {
       break;
     case Clothing::hanging:
       cut.trunk_mm = draw(rng, 5, 26);  // 60 to 140 mm of girth (data/garments, good_mm) are 10 to 22
-      cut.arm_mm = draw(rng, 8, 20);
-      cut.leg_mm = draw(rng, 5, 18);
+      cut.arm_mm = draw(rng, 4, 14);
+      cut.leg_mm = draw(rng, 4, 12);
       cut.fold_mm = draw(rng, 2.5, 8);
       break;
     default:
@@ -94,30 +94,20 @@ Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {
   cut.hem = rng.uniform() < 0.3 ? 0.3F : draw(rng, -0.25, 0.15);  // tucked in, or over the trousers
   cut.flare = draw(rng, 0.75, 1.35);
   if (clothing == Clothing::hanging) {
-    cut.hem = draw(rng, -0.35, 0.02);  // never tucked in
-    cut.crotch_mm = draw(rng, 0, 60);  // judgement
+    cut.hem = 0.05F;  // of what lies on the skin; the tail falls over it
+    cut.flare = 0.7F;
     cut.slack_mm = draw(rng, 0, 1);
   } else {
     cut.slack_mm = clothing == Clothing::loose ? draw(rng, 0, 4) : draw(rng, 2, 9);
   }
   cut.skirt = woman && clothing != Clothing::tight && rng.uniform() < kSkirtShare;
   cut.skirt_end = rng.uniform() < 0.3 ? draw(rng, 0.85, 0.97) : draw(rng, 0.4, 0.75);
+  if (clothing == Clothing::hanging) cut.hanging = draw_hanging_cut(rng, cut.sleeve_end, cut.leg_end, cut.skirt);
   return cut;
 }
 
-// How much of its crotch's drop trousers have here: all of it where skin faces the floor, from the hips to mid-thigh.
-float Tailor::groin_share(std::size_t vertex, const Cut& cut) const {
-  const Place& place = place_[vertex];
-  if (cut.crotch_mm <= 0 || place.up > 0 || place.up < -0.45F) return 0;
-  if (place.part != Part::trunk && place.part != Part::leg) return 0;
-  return smooth((-normal_[vertex].y - 0.2F) / 0.5F);
-}
-
-EaseRange Tailor::range_of(std::size_t vertex, const Cut& cut, Cover cover) const {
-  const Part part = place_[vertex].part;
-  if (groin_share(vertex, cut) > 0) return ease_range(cut.clothing, true);
-  const bool over_thigh = cut.clothing == Clothing::hanging && part == Part::leg && cover == Cover::upper;
-  return ease_range(cut.clothing, part == Part::trunk || over_thigh);
+EaseRange Tailor::range_of(std::size_t vertex, const Cut& cut) const {
+  return ease_range(cut.clothing, place_[vertex].part == Part::trunk);
 }
 
 Cover Tailor::cover_of(const Place& place, const Cut& cut) const {
@@ -142,9 +132,7 @@ float Tailor::ease_of(std::size_t vertex, const Cut& cut, Cover cover) const {
   switch (place.part) {
     case Part::trunk: {
       // Cloth lies on the shoulders and hangs from the chest; what is under a shirt lies closer.
-      float hanging = smooth((0.95F - place.along) / 0.45F) * (1 - 0.7F * std::max(0.0F, normal_[vertex].y));
-      // Not between the legs, over which a long shirt falls.
-      if (cut.clothing == Clothing::hanging && normal_[vertex].y < 0) hanging *= smooth(1 + 1.5F * normal_[vertex].y);
+      const float hanging = smooth((0.95F - place.along) / 0.45F) * (1 - 0.7F * std::max(0.0F, normal_[vertex].y));
       return cover == Cover::upper ? mix(least, cut.trunk_mm, hanging) : least + 1;
     }
     case Part::arm:
@@ -201,11 +189,11 @@ void Tailor::clothe(std::span<const Vec3f> rest, const Cut& cut, Rng& rng, Outfi
     const Cover cover = cover_of(place_[i], cut);
     out.cover[i] = cover;
     if (cover == Cover::bare) continue;
-    ease_[i] = std::max(ease_of(i, cut, cover), cut.crotch_mm * groin_share(i, cut));
+    ease_[i] = ease_of(i, cut, cover);
   }
   hang(cut, out);
   for (std::size_t i = 0; i < count; ++i) {
-    const EaseRange range = range_of(i, cut, out.cover[i]);
+    const EaseRange range = range_of(i, cut);
     if (out.cover[i] != Cover::bare) ease_[i] = std::clamp(ease_[i], range.least_mm, range.most_mm);
   }
   // Tension: the cloth evens out what is smaller than itself; it touches where the body stands out and spans hollows.
@@ -224,7 +212,7 @@ void Tailor::clothe(std::span<const Vec3f> rest, const Cut& cut, Rng& rng, Outfi
         sum = sum + spare_[other];
         shares += 1;
       }
-      const EaseRange range = range_of(i, cut, out.cover[i]);
+      const EaseRange range = range_of(i, cut);
       const float even = dot(sum * (1 / shares) - rest[i], normal_[i]);
       const float wanted = mix(even, base_[i], kStiffness);
       next_[i] = std::clamp(wanted, range.least_mm, range.most_mm);
@@ -235,7 +223,7 @@ void Tailor::clothe(std::span<const Vec3f> rest, const Cut& cut, Rng& rng, Outfi
   for (std::size_t i = 0; i < count; ++i) {
     if (out.cover[i] == Cover::bare) continue;
     const Part part = place_[i].part;
-    const EaseRange range = range_of(i, cut, out.cover[i]);
+    const EaseRange range = range_of(i, cut);
     const Folds& folds = part == Part::arm ? arm : part == Part::leg ? leg : trunk;
     // Cloth that lies on the shoulders does not fold.
     const float hanging = part == Part::trunk ? 1 - std::max(0.0F, normal_[i].y) : 1;
@@ -282,6 +270,7 @@ void Tailor::dress(std::span<const Vec3f> rest, const body::Skeleton& skeleton, 
   out.rest.assign(rest.begin(), rest.end());
   out.cover.assign(count, Cover::bare);
   out.skirt.clear();
+  out.hanging.reset();
   out.shoe.clear();
   out.shoe_body.clear();
   out.sole_mm = 0;
@@ -292,6 +281,7 @@ void Tailor::dress(std::span<const Vec3f> rest, const body::Skeleton& skeleton, 
       const Cut cut = draw_cut(clothing, woman, rng);
       clothe(rest, cut, rng, out);
       if (cut.skirt) hang_skirt(rest, cut, rng, out);
+      out.hanging = cut.hanging;
     }
     const bool shod = rng.uniform() >= kBarefootShare;
     out.sole_mm = draw(rng, kSoleLeastMm, kSoleMostMm);

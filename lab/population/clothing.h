@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,22 +16,24 @@
 #include "body/skeleton.h"
 #include "core/rng.h"
 #include "lab/camera/raster.h"
+#include "lab/population/hanging_clothes.h"
 
 namespace im2fit::lab {
 
 // hanging: a wide shirt that falls from chest, belly and shoulder blades as a tube, off the waist by as much as it
-// takes. garments: shoes and hair are the tailor's, what covers the skin is draped (scene_person.h).
+// takes, wide legs and short sleeves (hanging_clothes.h). garments: shoes and hair are the tailor's, what covers the
+// skin is draped (scene_person.h).
 enum class Clothing : std::uint8_t { none, tight, normal, loose, hanging, garments };
 
 // Distance from skin to the cloth's outside wherever there is cloth, mm: tight 3..8, normal 4..20, loose 6..28 on the
-// trunk and 6..20 on the limbs, hanging 4..120 of a shirt on trunk and thighs and in the crotch, 4..28 elsewhere.
-// Skirts hang free below the seat and are not held to it. Where posed skin meets skin (armpits, groin, bent knees)
+// trunk and 6..20 on the limbs, hanging 4..120 of a shirt on the trunk, 4..28 elsewhere. Skirts and what hangs as a
+// tube are free of the body and not held to it. Where posed skin meets skin (armpits, groin, bent knees)
 // layers run into each other, unseen.
 struct EaseRange {
   float least_mm = 0;
   float most_mm = 0;
 };
-// `shirt`: on the trunk; of hanging, of what hangs over the thighs as well.
+// `shirt`: on the trunk.
 EaseRange ease_range(Clothing clothing, bool shirt);
 inline constexpr float kHairMostMm = 40;
 inline constexpr float kSoleLeastMm = 10;
@@ -40,13 +43,14 @@ enum class Cover : std::uint8_t { bare, upper, lower, hair };
 
 // One person's things on the rest mesh.
 struct Outfit {
-  std::vector<Vec3f> rest;          // model.vertex_count(): the body's vertices moved to the cloth's outside
-  std::vector<Cover> cover;         // body_vertex_count
-  std::vector<std::uint8_t> hair;   // of the body's triangles: 1 hair
-  std::vector<Triangle> skirt;      // open, into `rest`; empty for trousers
-  std::vector<Vec3f> shoe;          // rest axes; first half left, second half right; feet are inside
-  std::vector<Triangle> shoe_body;  // closed, into `shoe`
-  float sole_mm = 0;                // under the foot; 0: barefoot
+  std::vector<Vec3f> rest;            // model.vertex_count(): the body's vertices moved to the cloth's outside
+  std::vector<Cover> cover;           // body_vertex_count
+  std::vector<std::uint8_t> hair;     // of the body's triangles: 1 hair
+  std::vector<Triangle> skirt;        // open, into `rest`; empty for trousers
+  std::vector<Vec3f> shoe;            // rest axes; first half left, second half right; feet are inside
+  std::vector<Triangle> shoe_body;    // closed, into `shoe`
+  std::optional<HangingCut> hanging;  // over all this, of who is posed
+  float sole_mm = 0;                  // under the foot; 0: barefoot
 };
 
 // Crown, sides and back of the head: per body vertex, from the rest mesh and the head bone.
@@ -75,8 +79,7 @@ class Tailor {
   };
   struct Cut;
   static Cut draw_cut(Clothing clothing, bool woman, Rng& rng);
-  float groin_share(std::size_t vertex, const Cut& cut) const;
-  EaseRange range_of(std::size_t vertex, const Cut& cut, Cover cover) const;
+  EaseRange range_of(std::size_t vertex, const Cut& cut) const;
   void find_normals(std::span<const Vec3f> rest);
   void locate(std::span<const Vec3f> rest, const body::Skeleton& skeleton);
   Cover cover_of(const Place& place, const Cut& cut) const;

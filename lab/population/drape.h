@@ -3,11 +3,19 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <vector>
 
 #include "core/rng.h"
 #include "core/vec3.h"
 
 namespace im2fit::lab {
+
+// Cloth on a posed body, in the axes of body::skin().
+struct DrapedCloth {
+  std::vector<Vec3f> vertices;
+  std::vector<std::array<std::int32_t, 3>> triangles;  // seen from both sides
+};
 
 // Sum of plane waves: folds run across their wave vectors.
 class Folds {

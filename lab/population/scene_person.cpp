@@ -146,6 +146,7 @@ void ScenePerson::dress(const Worn& worn, Tailor* tailor) {
   dressed_ = worn.dressed;
   open_.clear();
   skirt_.clear();
+  skirt_triangle_count_ = 0;
   if (!dressed_) {
     labels_ = hair_labels(model_, rest_, skeleton_, worn.who);
     return;
@@ -167,6 +168,7 @@ void ScenePerson::dress(const Worn& worn, Tailor* tailor) {
     }
     open_.push_back(moved);
   }
+  skirt_triangle_count_ = open_.size();
   triangles_.assign(model_.body_triangles().begin(), model_.body_triangles().end());
   labels_.clear();
   for (const std::uint8_t hair : outfit_.hair) labels_.push_back(label_of(worn.who, hair != 0));
@@ -179,10 +181,12 @@ void ScenePerson::dress(const Worn& worn, Tailor* tailor) {
 
 // Drawn after the shoes.
 void ScenePerson::drape(const body::Pose& pose) {
-  const DrapedCloth cloth = plan_.dresser(rest_, skeleton_, pose);
+  add_cloth(plan_.dresser(rest_, skeleton_, pose));
+}
+
+void ScenePerson::add_cloth(const DrapedCloth& cloth) {
   const auto first = static_cast<std::int32_t>(worn_.size());
   worn_.insert(worn_.end(), cloth.vertices.begin(), cloth.vertices.end());
-  open_.clear();
   for (const Triangle& t : cloth.triangles) open_.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
@@ -205,7 +209,9 @@ void ScenePerson::pose_as(const body::Pose& pose) {
       const auto foot = static_cast<std::size_t>(i < half ? Segment::left_foot : Segment::right_foot);
       worn_.push_back(pose.rotation[foot] * (outfit_.shoe[i] - skeleton_.head[foot]) + bones.head[foot]);
     }
+    open_.resize(skirt_triangle_count_);
     if (plan_.clothing == Clothing::garments && plan_.dresser) drape(pose);
+    if (outfit_.hanging) add_cloth(hang_clothes(model_, *outfit_.hanging, worn_, bones));
   }
   for (const Vec3f& p : surface()) lowest = std::min(lowest, p.y);
   const Vec3f hips = (joints_[Joint::LH] + joints_[Joint::RH]) * 0.5F;

@@ -35,11 +35,6 @@ struct AboutTurn {
   int frame_count = 0;  // 0: never
 };
 
-// Cloth on a posed body, in the axes of body::skin().
-struct DrapedCloth {
-  std::vector<Vec3f> vertices;
-  std::vector<Triangle> triangles;  // seen from both sides
-};
 // Hangs clothes on a body: `rest` has all vertices of the model. The same for the same arguments; called from the
 // threads of whoever holds it.
 using Dresser =
@@ -111,6 +106,7 @@ class ScenePerson {
   void dress(const Worn& worn, Tailor* tailor);
   void pose_as(const body::Pose& pose);
   void drape(const body::Pose& pose);
+  void add_cloth(const DrapedCloth& cloth);
   void find_seat(Vec3f origin);
   struct Gait {
     float phase = 0, strength = 0;
@@ -130,7 +126,8 @@ class ScenePerson {
   bool faces_path_ = false;
   bool striding_ = false;  // body_ is in mid-stride
   std::vector<Triangle> triangles_, open_;
-  std::vector<std::int32_t> skirt_;  // vertices of `open_` in the rest mesh, in the order drawn
+  std::size_t skirt_triangle_count_ = 0;  // first ones of `open_`
+  std::vector<std::int32_t> skirt_;       // vertices of `open_` in the rest mesh, in the order drawn
   std::vector<std::uint8_t> labels_;
   std::optional<Seat> seat_;
   std::vector<Vec3f> posed_, body_, worn_;
