@@ -212,7 +212,7 @@ HangingCut draw_hanging_cut(Rng& rng, float sleeve_end, float leg_end, bool skir
   cut.shirt.folds = 3 + rng.index(8);
   cut.shirt.phase = draw(rng, 0, 6.28);
   if (!skirt) {
-    HangingCut::Trousers& t = cut.trousers.emplace();
+    HangingCut::Trousers& t = cut.trousers.emplace(HangingCut::Trousers{});
     // Crotches of fitted trousers lie 10 to 30 mm below the body's, of wide ones and jogging trousers 100: judgement.
     t.drop_mm = draw(rng, 5, 100);
     const bool shorts = leg_end < 1.2F;
@@ -224,7 +224,7 @@ HangingCut draw_hanging_cut(Rng& rng, float sleeve_end, float leg_end, bool skir
     t.rest = rest();
   }
   if (sleeve_end > 0.3F) {
-    HangingCut::Sleeve& s = cut.sleeve.emplace();
+    HangingCut::Sleeve& s = cut.sleeve.emplace(HangingCut::Sleeve{});
     s.is_short = sleeve_end < 1;
     s.end = std::min(sleeve_end, 1.0F);
     // 30 to 250 mm of girth, as T-shirts are sold from fitted to oversized; judgement.
