@@ -31,7 +31,6 @@ constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
 // leaves 70 % at an underarm; with 16 no edge of 24 drapes keeps more than 27 %, with 8 three of them do.
 constexpr float kStretched = 0.1F, kStrainMax = 0.15F;
 constexpr int kStrainPasses = 16, kRoughStrainPasses = 1;  // at most, a substep
-constexpr std::size_t kStretchedPart = 4;                  // of the edges, a fourth at most
 constexpr unsigned kPlacedFrames = 3;  // in which a band that was drawn together spreads: one pass
 constexpr int kAwakeFrames = 12;       // of still skin, until folds have fallen
 constexpr float kSleepKeeps = 0.75F;   // of the motion, a frame
@@ -101,7 +100,7 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
     }
   }
   belt_.reserve(count);
-  stretched_.reserve(constraints_.edges.size() / kStretchedPart);
+  stretched_.reserve(constraints_.edges.size());
   find_ring();
   tether();
 }
@@ -386,7 +385,7 @@ void Cloth::find_stretched() {
       const Float4 d = load(vertices_[static_cast<std::size_t>(batch.a[k])]) -
                        load(vertices_[static_cast<std::size_t>(batch.b[k])]);
       const float length = batch.length[lane], much = length * (1 + kStretched);
-      if (sum3(d * d) <= much * much || length <= 0 || stretched_.size() == stretched_.capacity()) continue;
+      if (sum3(d * d) <= much * much || length <= 0) continue;
       const float both = batch.share_a[lane] + batch.share_b[lane];
       stretched_.push_back({batch.a[k], batch.b[k], length * (1 + kStrainMax), batch.share_a[lane] / both,
                             batch.share_b[lane] / both});
