@@ -120,8 +120,8 @@ class TapeMeasurer::Work {
     for (std::size_t i = 0; i < middle_line_.size(); ++i)
       middle_points_[i] = posed_[static_cast<std::size_t>(middle_line_[i])];
   }
-  // Round the body in its middle: vertices that lie there in the mean body, in order along the mesh's edges, whose line
-  // closes. It stays in the middle however uneven a person is, where a plane would cut into a thigh.
+  // Round the body in its middle: vertices that lie there in the mean body, in order along the mesh's edges, whose
+  // line closes. It stays in the middle however uneven a person is, where a plane would cut into a thigh.
   void find_middle_line() {
     const std::span<const Vec3f> base = model_.data().base;
     const auto in_middle = [&](std::int32_t v) { return std::fabs(base[static_cast<std::size_t>(v)].x) < kMiddleMm; };
@@ -134,13 +134,16 @@ class TapeMeasurer::Work {
         if (of[0] != to && of[1] != to) of[of[0] < 0 ? 0 : 1] = to;
       }
     const std::int32_t start = model_.data().landmark(Landmark::crotch);
-    for (std::int32_t v = start, before = -1; v >= 0 && middle_line_.size() < base.size();) {
+    bool closed = false;
+    for (std::int32_t v = start, before = -1; v >= 0 && !closed && middle_line_.size() < base.size();) {
       middle_line_.push_back(v);
       const auto& of = next[static_cast<std::size_t>(v)];
       const std::int32_t after = of[0] != before ? of[0] : of[1];
       before = v;
-      v = after == start ? -1 : after;
+      v = after;
+      closed = v == start;
     }
+    if (!closed) middle_line_.clear();  // no body of ours: lengths in its middle are not known
     middle_points_.resize(middle_line_.size());
   }
   std::span<const Vec3f> body() const { return posed_.first(static_cast<std::size_t>(model_.body_vertex_count())); }

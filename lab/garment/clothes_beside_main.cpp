@@ -185,6 +185,10 @@ int run(int argc, char** argv) {
     return 1;
   }
   const int people = argc > 2 ? std::atoi(argv[2]) : 40;
+  if (people < 1) {
+    std::fprintf(stderr, "im2fit-clothes-beside: PEOPLE is \"%s\", expected a number from 1 on\n", argv[2]);
+    return 2;
+  }
   std::vector<Kind> kinds = {{"normal", Clothing::normal, {}},
                              {"loose", Clothing::loose, {}},
                              {"hanging", Clothing::hanging, {}},
@@ -242,7 +246,10 @@ int run(int argc, char** argv) {
   if (argc > 3) {
     const int across = static_cast<int>(kinds.size()), rows = static_cast<int>(drawn.size()) / across;
     std::FILE* out = std::fopen(argv[3], "wb");
-    if (out == nullptr) return 1;
+    if (out == nullptr) {
+      std::fprintf(stderr, "im2fit-clothes-beside: cannot write %s\n", argv[3]);
+      return 1;
+    }
     std::fprintf(out, "P5\n%d %d\n255\n", across * kWidth, rows * kHeight);
     for (int y = 0; y < rows * kHeight; ++y)
       for (int x = 0; x < across * kWidth; ++x) {
