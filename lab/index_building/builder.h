@@ -29,12 +29,13 @@ struct BuildOptions {
   std::size_t densify_to = 0;  // entries to reach by mixing real ones (lab/index_building/densify.h); 0: none
   // Intervals are also to hold for makes of body that no sample is of: wider by kUnknownMakeWidening (calibration.h).
   bool for_unknown_makes = true;
+  int threads = 1;  // refinements are learned side by side; the result does not depend on them
   // Called now and then: the stage, samples so far.
   std::function<void(const std::string& stage, std::size_t samples)> progress;
 };
 
 // Reads the source three times, a sample at a time: memory is bounded by chosen_on features, 16,384 samples that
-// refine (14 kB each, and as much again while one refinement is learned), about 100 bytes a sample and the file
+// refine (14 kB each, and as much again while one refinement is learned, by each thread), about 100 bytes a sample and the file
 // twice: 1.01 GiB for 5,000,000 entries. Deterministic: depends on the samples, their order and the options only; the
 // sums behind the regression are exact, so that any order of adding them up gives the same bits. Errors: too few
 // subjects (< 20), samples that disagree in size or are not finite, options out of range, errors of the source.

@@ -11,6 +11,7 @@
 #include "core/rng.h"
 #include "index/format.h"
 #include "lab/index_building/ridge.h"
+#include "lab/parallel.h"
 
 namespace im2fit::index {
 namespace {
@@ -281,31 +282,47 @@ void RefinementBuilder::add(const Sample& sample) {
   }
 }
 
-void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed,
-                              std::uint32_t shape_key, bool for_unknown_makes) {
-  if (rows_[0].size() >= kSampleMin && rows_[1].size() >= kSampleMin)
-    for (std::size_t v = 0; v < kClothingViews.size(); ++v) clothing_[v] = learn_clothing(kClothingViews[v], seed);
-  for (const Refinement kind : kRefinements) {
-    Rows& rows = rows_[is_of_clothed(kind) ? 1 : 0];
-    if (rows.size() < kSampleMin) continue;
-    auto& learned = learned_[static_cast<std::size_t>(kind)];
-    learned = learn_one(kind, rows, targets, plain, seed, for_unknown_makes);
-    learned->record.fit = fit_;
-    learned->record.shape_key = shape_key;
-    for (Row& row : rows) std::vector<float>().swap(row.values[sees_back(kind) ? 1 : 0]);
+void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& plain, const Settings& settings) {
+  // Those of most values first: they take longest.
+  struct Task {
+    Refinement kind;
+    bool tells_clothes;
+  };
+  std::vector<Task> tasks;
+  const bool has_both = rows_[0].size() >= kSampleMin && rows_[1].size() >= kSampleMin;
+  for (const bool back : {true, false}) {
+    for (const Refinement view : kClothingViews)
+      if (has_both && sees_back(view) == back) tasks.push_back({view, true});
+    for (const Refinement kind : kRefinements)
+      if (rows_[is_of_clothed(kind) ? 1 : 0].size() >= kSampleMin && sees_back(kind) == back)
+        tasks.push_back({kind, false});
   }
+  lab::for_each_item(tasks.size(), settings.threads, [&](std::size_t i) {
+    const auto [kind, tells_clothes] = tasks[i];
+    if (tells_clothes) {
+      const auto at = std::find(kClothingViews.begin(), kClothingViews.end(), kind) - kClothingViews.begin();
+      clothing_[static_cast<std::size_t>(at)] = learn_clothing(kind, settings.seed);
+      return;
+    }
+    auto& learned = learned_[static_cast<std::size_t>(kind)];
+    learned = learn_one(kind, rows_[is_of_clothed(kind) ? 1 : 0], targets, plain, settings);
+    learned->record.fit = fit_;
+    learned->record.shape_key = settings.shape_key;
+  });
+  for (Rows& rows : rows_)
+    for (Row& row : rows) row.values = {};
 }
 
 RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const Rows& people,
                                                         const TargetSpace& targets, const PlainAnswers& plain,
-                                                        std::uint64_t seed, bool for_unknown_makes) const {
+                                                        const Settings& settings) const {
   const auto count = static_cast<std::ptrdiff_t>(people.size());
   std::vector<const std::vector<float>*> values;
   std::vector<int> fold_of_row, kind_of_row;
   Repeats repeats;
   Eigen::MatrixXd y(count, kTargetMin);
   Eigen::VectorXd weights(count);
-  FoldDealer dealer(seed, kFolds);
+  FoldDealer dealer(settings.seed, kFolds);
   for (const Row& row : people) {
     const auto at = static_cast<std::ptrdiff_t>(values.size());
     y.row(at) = targets.measured(row.truth, row.woman).transpose();
@@ -359,7 +376,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   answers.truth = table.y;
   answers.answered = std::move(cross.answer);
   if (!judged.empty())
-    out.judge(kind, people, judged, many ? ood : judged, targets, plain, answers, for_unknown_makes);
+    out.judge(kind, people, judged, many ? ood : judged, targets, plain, answers, settings.for_unknown_makes);
   return out;
 }
 

@@ -26,16 +26,22 @@ struct LinearFit {
 class RefinementBuilder {
  public:
   static constexpr std::size_t kSampleMin = 150;  // fewer teach too little
-  // Held in memory, of people undressed and in clothes: 18 kB each, and as much again while they are learned from.
+  // Held in memory, of people undressed and in clothes: 18 kB each, and as much again while they are learned from, by
+  // each of two threads.
   static constexpr std::size_t kSampleMax = 16384;
   // Keeps what it needs of a sample that refines.
   void add(const Sample& sample);
   // The index' plain answers, standardised, to the first capture of subjects that had no part in them.
   using PlainAnswers = std::map<std::uint64_t, Targets>;
-  // `targets`: as the index standardises them. `for_unknown_makes`: intervals are wider by kUnknownMakeWidening. A
-  // kind of people with fewer than kSampleMin samples is left out.
-  void learn(const TargetSpace& targets, const PlainAnswers& plain, std::uint64_t seed, std::uint32_t shape_key,
-             bool for_unknown_makes);
+  struct Settings {
+    std::uint64_t seed = 1;
+    std::uint32_t shape_key = 0;
+    bool for_unknown_makes = true;  // intervals are wider by kUnknownMakeWidening
+    int threads = 1;                // the result does not depend on them
+  };
+  // `targets`: as the index standardises them. A kind of people with fewer than kSampleMin samples is left out. Gives
+  // up what add() kept.
+  void learn(const TargetSpace& targets, const PlainAnswers& plain, const Settings& settings);
   // Sections of every kind that was learned, and of how clothes are told.
   void write(ContainerWriter& out) const;
 
@@ -81,7 +87,7 @@ class RefinementBuilder {
                         const Eigen::MatrixXd& answered, const PlainAnswers& plain) const;
   };
   Learned learn_one(Refinement kind, const Rows& rows, const TargetSpace& targets, const PlainAnswers& plain,
-                    std::uint64_t seed, bool for_unknown_makes) const;
+                    const Settings& settings) const;
 
   struct LearnedClothing {
     ClothingRecord record;

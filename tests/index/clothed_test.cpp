@@ -80,6 +80,23 @@ const Index& index_of_cuts(bool noted) {
   return noted ? with : without;
 }
 
+TEST(Clothed, LearnedOnManyThreadsTheIndexIsTheSame) {
+  const World world;
+  std::vector<Sample> samples;
+  for (std::uint64_t i = 0; i < 600; ++i) {
+    samples.push_back(turned(world, i));
+    if (i % 2 == 0) samples.push_back(in_cut(world, i, static_cast<std::uint8_t>(1 + i / 2 % 4)));
+  }
+  BuildOptions options = options_for(world);
+  const auto one = build_index(options, source_of(samples));
+  options.threads = 4;
+  const auto four = build_index(options, source_of(samples));
+  ASSERT_TRUE(one && four);
+  EXPECT_NE(std::string_view(reinterpret_cast<const char*>(one->data()), one->size()).find("cloth2.weights"),
+            std::string_view::npos);
+  EXPECT_EQ(*one, *four);
+}
+
 struct Held {
   double inside = 0, width_mm = 0;  // share of truths; mean over people and measurements
 };
