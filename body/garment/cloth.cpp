@@ -22,15 +22,18 @@ constexpr float kSeamCosine = -0.15F;  // a seam between flat panels faces neith
 constexpr float kShoulderGrip = 2;     // times the friction
 constexpr float kBeltReachMm = 120;
 constexpr int kBeltSmoothPasses = 10;
-constexpr float kBeltOffMaxMm = 30;    // where a belt bridges a fold of skin
-constexpr float kPinchReachMm = 25;    // skin before the cloth, that it may be pinched by
+constexpr float kBeltOffMaxMm = 30;  // where a belt bridges a fold of skin
+// Skin before the cloth, that it may be pinched by: two layers' kSkinMm; a rough mesh's vertices are far between.
+constexpr float kPinchReachMm = 8, kRoughPinchReachMm = 25;
 constexpr float kPinchNearMm = 15;     // off its own skin at most
 constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
-// Edges that are stretched by kStretched when a frame begins are held to kStrainMax until it ends, after the skin has
-// pushed: where skin pulls cloth apart, cloth wins. One pass moves a corner's pull to its neighbours alone, and
-// leaves 70 % at an underarm, 16 leave at most 31 (docs/garments.md, 120 drapes).
-constexpr float kStretched = 0.1F, kStrainMax = 0.15F;
-constexpr int kStrainPasses = 16, kRoughStrainPasses = 1;  // at most, a substep
+// What is stretched by kListed when a frame begins is held until it ends, after the skin has pushed: where skin pulls
+// cloth apart, cloth wins. In the first passes what is over kOver is drawn to kHeld, a little shorter, so that an
+// edge is not drawn again for a hair; in the others what is over kPeak, to that: there skin and cloth do not agree,
+// and a corner's pull is handed on to ever farther neighbours (docs/garments.md has what other numbers do, 120
+// drapes).
+constexpr float kListed = 0.07F, kHeld = 0.07F, kOver = 0.08F, kPeak = 0.155F;
+constexpr int kFirmPasses = 8, kStrainPasses = 12, kRoughStrainPasses = 1;  // at most, a substep
 constexpr unsigned kPlacedFrames = 3;  // in which a band that was drawn together spreads: one pass
 constexpr int kAwakeFrames = 12;       // of still skin, until folds have fallen
 constexpr float kSleepKeeps = 0.75F;   // of the motion, a frame
@@ -38,7 +41,7 @@ constexpr float kAsleep = 0.01F;
 constexpr float kBeltPullPerS = 96;  // of the way to its place
 // A belt gives to trousers that a lap draws tight: it pulls as it does from kBeltFirmMm off its place until it has
 // slipped kBeltSlipMm.
-constexpr float kBeltFirmMm = 3, kBeltSlipMm = 30;
+constexpr float kBeltFirmMm = 3, kBeltSlipMm = 60;
 constexpr float kFreeMm = 30;          // so near its anchor a vertex needs no tether
 constexpr float kShoulderBandMm = 20;  // shoulders: above the shoulder joints less so much
 constexpr float kLimbOverlapMm = 60;
@@ -62,6 +65,7 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
       belt_pull_(kBeltPullPerS * step_s_),
       friction_(fabric.friction),
       strain_passes_(substeps == kSubsteps ? kStrainPasses : kRoughStrainPasses),
+      pinch_reach_mm_(substeps == kSubsteps ? kPinchReachMm : kRoughPinchReachMm),
       constraints_(constrain(mesh, fabric, step_s_)),
       layers_(mesh) {
   const std::size_t count = mesh.vertex_count();
@@ -101,6 +105,7 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
   }
   belt_.reserve(count);
   stretched_.reserve(constraints_.edges.size());
+  moved_in_.assign(count, 0);
   find_ring();
   tether();
 }
@@ -356,7 +361,7 @@ void Cloth::yield_to_opposite_skin(const BodySurface& skin, std::size_t v) {
   if (sum3(off * off) > kPinchNearMm * kPinchNearMm) return;
   SkinPlace opposite;
   constexpr std::uint8_t kAll = kTrunk | kLeftArm | kRightArm | kLeftLeg | kRightLeg;
-  if (!skin.nearest(position(v), normals_[v] * -1.0F, 0, kAll, kPinchReachMm, opposite_hint_[v], opposite)) return;
+  if (!skin.nearest(position(v), normals_[v] * -1.0F, 0, kAll, pinch_reach_mm_, opposite_hint_[v], opposite)) return;
   if (sum3(lanes_of(skin.facing(opposite, false)) * c.normal) > -0.2F) return;
   const float gap = sum3((lanes_of(skin.at(opposite, false)) - c.point) * c.normal);
   if (gap / 2 >= c.clearance) return;
@@ -379,30 +384,38 @@ void Cloth::follow_belt(const BodySurface& skin) {
 
 void Cloth::find_stretched() {
   stretched_.clear();
+  std::fill(moved_in_.begin(), moved_in_.end(), std::uint16_t{0});
+  strain_pass_ = 0;
   for (const StretchBatch& batch : constraints_.stretch)
     for (std::size_t k = 0; k < 4; ++k) {
       const int lane = static_cast<int>(k);
       const Float4 d = load(vertices_[static_cast<std::size_t>(batch.a[k])]) -
                        load(vertices_[static_cast<std::size_t>(batch.b[k])]);
-      const float length = batch.length[lane], much = length * (1 + kStretched);
+      const float length = batch.length[lane], much = length * (1 + kListed);
       if (sum3(d * d) <= much * much || length <= 0) continue;
       const float both = batch.share_a[lane] + batch.share_b[lane];
-      stretched_.push_back({batch.a[k], batch.b[k], length * (1 + kStrainMax), batch.share_a[lane] / both,
-                            batch.share_b[lane] / both});
+      stretched_.push_back({batch.a[k], batch.b[k], length, batch.share_a[lane] / both, batch.share_b[lane] / both});
     }
 }
 
-bool Cloth::limit_strain() {
+// The n-th pass of a substep over what is stretched; whether any of it was too long. After the first, an edge whose
+// ends no pass has moved since it was looked at is as it was.
+bool Cloth::limit_strain(int pass, bool firm) {
+  const float over = 1 + (firm ? kOver : kPeak), to = 1 + (firm ? kHeld : kPeak);
+  const std::uint16_t now = ++strain_pass_;
+  const auto [vertices, before, velocity, count] = arrays();
+  std::uint16_t* const moved_in = moved_in_.data();
   bool any = false;
   for (const Stretched& e : stretched_) {
-    ClothVertex &a = vertices_[static_cast<std::size_t>(e.a)], &b = vertices_[static_cast<std::size_t>(e.b)];
-    const Float4 d = load(a) - load(b);
-    const float squared = sum3(d * d);
-    if (squared <= e.most_mm * e.most_mm) continue;
+    if (pass > 0 && std::max(moved_in[e.a], moved_in[e.b]) + 1 < now) continue;
+    const Float4 a = load(vertices[e.a]), b = load(vertices[e.b]), d = a - b;
+    const float squared = sum3(d * d), most_mm = e.rest_mm * over;
+    if (squared <= most_mm * most_mm) continue;
     any = true;
-    const float length = std::sqrt(squared), excess = (length - e.most_mm) / length;
-    store(a, load(a) - d * all_of(excess * e.share_a));
-    store(b, load(b) + d * all_of(excess * e.share_b));
+    moved_in[e.a] = moved_in[e.b] = now;
+    const float length = std::sqrt(squared), excess = (length - e.rest_mm * to) / length;
+    store(vertices[e.a], a - d * all_of(excess * e.share_a));
+    store(vertices[e.b], b + d * all_of(excess * e.share_b));
   }
   return any;
 }
@@ -410,10 +423,12 @@ bool Cloth::limit_strain() {
 void Cloth::integrate(const ClothFrame& frame) {
   const float keep = 1 - frame.damping_per_s * step_s_;
   const Float4 fall = {0, frame.weightless ? 0 : kGravityMmS2 * step_s_, 0, 0};
-  for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
-    const Float4 p = load(vertices_[v]);
-    store(before_[v], p);
-    store(vertices_[v], p + (load(velocity_[v]) - fall) * all_of(keep) * all_of(step_s_));
+  const Float4 kept = all_of(keep), step_s = all_of(step_s_);
+  const auto [vertices, before, velocity, count] = arrays();
+  for (std::size_t v = 0; v < count; ++v) {
+    const Float4 p = load(vertices[v]);
+    store(before[v], p);
+    store(vertices[v], p + (load(velocity[v]) - fall) * kept * step_s);
   }
 }
 
@@ -432,35 +447,40 @@ void Cloth::hold_tethers() {
 // Out of the skin along its normal, then Coulomb friction against the skin's own motion.
 void Cloth::collide(int substep) {
   const Float4 steps = all_of(static_cast<float>(substep + 1));
-  for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
-    const Contact& c = contacts_[v];
+  const auto [vertices, before, velocity, count] = arrays();
+  const Contact* const contacts = contacts_.data();
+  const float most_push = push_mm_;
+  for (std::size_t v = 0; v < count; ++v) {
+    const Contact& c = contacts[v];
     if (!c.on) continue;
-    const Float4 p = load(vertices_[v]);
+    const Float4 p = load(vertices[v]);
     const Float4 normal = c.normal + c.normal_step * steps;
     const float depth = c.clearance - sum3(normal * (p - (c.point + c.point_step * steps)));
     if (depth <= 0) continue;
-    const float push = depth < push_mm_ ? depth : push_mm_;
-    Float4 slide = p - load(before_[v]) - c.point_step;
+    const float push = depth < most_push ? depth : most_push;
+    Float4 slide = p - load(before[v]) - c.point_step;
     slide -= normal * all_of(sum3(normal * slide));
     const float length = std::sqrt(sum3(slide * slide));
     const float most = c.friction * push;
     Float4 at = p + normal * all_of(push);
     if (length > 1e-6F) at -= slide * all_of(length < most ? 1.0F : most / length);
-    store(vertices_[v], at);
+    store(vertices[v], at);
   }
 }
 
 void Cloth::update_velocities() {
   const Float4 per_s = all_of(1 / step_s_);
-  for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
-    const Float4 speed = (load(vertices_[v]) - load(before_[v])) * per_s;
+  const float rest_keeps = rest_keeps_;
+  const auto [vertices, before, velocity, count] = arrays();
+  for (std::size_t v = 0; v < count; ++v) {
+    const Float4 speed = (load(vertices[v]) - load(before[v])) * per_s;
     const float squared = sum3(speed * speed);
     float keep = 1;
     if (squared > kSpeedMmS * kSpeedMmS)
       keep = kSpeedMmS / std::sqrt(squared);
     else if (squared < kRestMmS * kRestMmS)
-      keep = rest_keeps_;
-    store(velocity_[v], speed * all_of(keep));
+      keep = rest_keeps;
+    store(velocity[v], speed * all_of(keep));
   }
 }
 
@@ -506,7 +526,7 @@ void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<cons
     layers_.solve(vertices_, before_);
     pull_belt(s);
     collide(s);
-    for (int pass = 0; pass < passes && limit_strain();) ++pass;
+    for (int pass = 0; pass < passes && limit_strain(pass, passes > 1 && pass < kFirmPasses);) ++pass;
     update_velocities();
   }
   if (awake_ < 1) fall_asleep();

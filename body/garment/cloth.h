@@ -74,11 +74,18 @@ class Cloth {
     std::int32_t vertex = 0, anchor = 0;
     float most_mm = 0;
   };
-  struct Stretched {  // an edge, how long it may be, and the share of what it is too long that either end makes up
+  struct Stretched {  // an edge, its length at rest, and the share of what it is too long that either end makes up
                       // for
     std::int32_t a = 0, b = 0;
-    float most_mm = 0, share_a = 0, share_b = 0;
+    float rest_mm = 0, share_a = 0, share_b = 0;
   };
+  // For loops that store: for all the compiler knows a vector of floats might be stored over the members behind
+  // these.
+  struct Arrays {
+    ClothVertex *vertices, *before, *velocity;
+    std::size_t count;
+  };
+  Arrays arrays() { return {vertices_.data(), before_.data(), velocity_.data(), mesh_.vertex_count()}; }
   void find_ring();
   void hold_ring(const BodySurface& skin);
   void lay_belt(float up_mm);
@@ -93,7 +100,7 @@ class Cloth {
   void tether();
   void hold_tethers();
   void find_stretched();
-  bool limit_strain();  // whether any edge was too long
+  bool limit_strain(int pass, bool firm);
   void integrate(const ClothFrame& frame);
   void collide(int substep);
   void update_velocities();
@@ -104,6 +111,7 @@ class Cloth {
   float push_mm_, rest_keeps_, belt_pull_;  // a substep
   float friction_;
   int strain_passes_;
+  float pinch_reach_mm_;
   ClothConstraints constraints_;
   ClothLayers layers_;
   std::vector<ClothVertex> vertices_, before_, velocity_;  // one more than the mesh has: the empty places' vertex
@@ -122,6 +130,8 @@ class Cloth {
   std::vector<float> grip_;  // of friction
   std::vector<Tether> tethers_;
   std::vector<Stretched> stretched_;
+  std::vector<std::uint16_t> moved_in_;  // of a vertex, the last of the frame's passes that moved it
+  std::uint16_t strain_pass_ = 0;
   unsigned frames_ = 0;  // since the cloth was placed
 };
 

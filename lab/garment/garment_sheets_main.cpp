@@ -74,8 +74,10 @@ int run(const char* path, const std::string& folder, const std::vector<std::stri
     }
     colours.push_back(own ? own->colour : pattern->colour);
   }
+  bool any = false;
   for (const DressedPerson& person : example_people(*model)) {
     if (!only.empty() && person.name != only) continue;
+    any = true;
     Stopwatch watch;
     body::Outfit outfit(*model, pieces_for(person, names));
     const double built_ms = 1e3 * watch.lap();
@@ -120,6 +122,13 @@ int run(const char* path, const std::string& folder, const std::vector<std::stri
             (i % 6) * frame.width, (i / 6) * frame.height);
     }
     if (!write(frames, folder + "/motion.png")) return 1;
+  }
+  if (!any) {
+    std::fprintf(
+        stderr,
+        "im2fit-garment-sheets: no example person is called %s; they are thin-, median- and heavy-, man and woman\n",
+        only.c_str());
+    return 2;
   }
   return 0;
 }
