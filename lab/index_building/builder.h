@@ -35,10 +35,11 @@ struct BuildOptions {
 };
 
 // Reads the source three times, a sample at a time: memory is bounded by chosen_on features, 16,384 samples that
-// refine (14 kB each, and as much again while one refinement is learned, by each thread), about 100 bytes a sample and the file
-// twice: 1.01 GiB for 5,000,000 entries. Deterministic: depends on the samples, their order and the options only; the
-// sums behind the regression are exact, so that any order of adding them up gives the same bits. Errors: too few
-// subjects (< 20), samples that disagree in size or are not finite, options out of range, errors of the source.
+// refine (14 kB each, and as much again while one refinement is learned, by each thread), about 100 bytes a sample
+// and the file twice: 1.01 GiB for 5,000,000 entries. Deterministic: depends on the samples, their order and the
+// options only; the sums behind the regression are exact, so that any order of adding them up gives the same bits.
+// Errors: too few subjects (< 20), samples that disagree in size or are not finite, options out of range, errors of
+// the source.
 Result<std::vector<std::byte>> build_index(const BuildOptions& options, const SampleSource& source);
 
 }  // namespace im2fit::index
