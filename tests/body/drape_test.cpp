@@ -199,7 +199,7 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
   std::printf("skin before cloth: %.0f of %.0f pixels, in %d of %d poses\n", skin_px, cloth_px, poses_with_skin,
               poses_seen);
   EXPECT_LT(strain / drapes, 0.02);
-  EXPECT_LT(highest_peak, 0.4);
+  EXPECT_LT(highest_peak, asked != nullptr ? 0.7 : 0.4);  // a waist band may be narrower than its wearer
   EXPECT_LT(inside / drapes, 0.004);
   EXPECT_EQ(restless, 0);
   EXPECT_LT(skin_px / cloth_px, 0.001);
