@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): that of CLI11
 class App;
 class Option;
 }  // namespace CLI
