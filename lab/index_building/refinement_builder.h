@@ -27,7 +27,7 @@ class RefinementBuilder {
  public:
   static constexpr std::size_t kSampleMin = 150;  // fewer teach too little
   // Held in memory, of people undressed and in clothes: 18 kB each, and as much again while they are learned from, by
-  // each of two threads.
+  // each thread.
   static constexpr std::size_t kSampleMax = 16384;
   // Keeps what it needs of a sample that refines.
   void add(const Sample& sample);
