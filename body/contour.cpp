@@ -26,7 +26,7 @@ double turn(Flat o, Flat a, Flat b) {
          (static_cast<double>(a.v) - o.v) * (static_cast<double>(b.u) - o.u);
 }
 
-bool goes_round(std::span<const Vec3f> loop, const SectionPlane& plane, Flat p) {
+bool goes_round_flat(std::span<const Vec3f> loop, const SectionPlane& plane, Flat p) {
   bool inside = false;
   for (std::size_t i = 0; i < loop.size(); ++i) {
     const Flat a = flat(loop[i], plane), b = flat(loop[i + 1 == loop.size() ? 0 : i + 1], plane);
@@ -143,6 +143,10 @@ std::span<const Vec3f> Contours::loop(std::size_t i) const {
   return std::span(points_).subspan(first_[i], first_[i + 1] - first_[i]);
 }
 
+bool goes_round(std::span<const Vec3f> loop, const SectionPlane& plane, Vec3f point) {
+  return goes_round_flat(loop, plane, flat(point, plane));
+}
+
 std::span<const Vec3f> Contours::about(Vec3f inside) const {
   const Flat p = flat(inside, plane_);
   std::span<const Vec3f> round, near;
@@ -156,7 +160,7 @@ std::span<const Vec3f> Contours::about(Vec3f inside) const {
       near = line;
       nearest = distance;
     }
-    if (!goes_round(line, plane_, p)) continue;
+    if (!goes_round_flat(line, plane_, p)) continue;
     const double length = perimeter_mm(line);
     if (round.empty() || length < shortest) {
       round = line;

@@ -11,6 +11,9 @@
 
 namespace im2fit::body {
 
+// Whether a closed line in the plane goes round the point, as seen along the plane's normal.
+bool goes_round(std::span<const Vec3f> loop, const SectionPlane& plane, Vec3f point);
+
 // Memory grows with the largest section seen and is kept from call to call.
 class Contours {
  public:

@@ -243,11 +243,7 @@ class TapeMeasurer::Work {
       return sum;
     }
     std::array<Vec3f, kTapePointsMax> at_points{};
-    for (std::size_t i = 0; i < d.points.size(); ++i) {
-      const Value v = at(d.points[i], side);
-      if (!v.known) return kNone;
-      at_points[i] = v.p;
-    }
+    if (!find_points(d, side, at_points)) return kNone;
     const std::span<const Vec3f> p = std::span(at_points).first(d.points.size());
     switch (d.kind) {
       case TapeKind::height:
@@ -258,8 +254,21 @@ class TapeMeasurer::Work {
       case TapeKind::arc:
         return arc(d, p, lines);
       default:
-        return section(d, p, lines);
+        break;
     }
+    std::array<Vec3f, kTapePointsMax> at_other{};
+    const bool limb = d.side != TapeSide::middle && d.plane != TapePlane::points &&
+                      find_points(d, side == Side::left ? Side::right : Side::left, at_other);
+    return section(d, p, limb ? std::span(at_other).first(p.size()) : std::span<const Vec3f>(), lines);
+  }
+
+  bool find_points(const TapeDefinition& d, Side side, std::array<Vec3f, kTapePointsMax>& out) const {
+    for (std::size_t i = 0; i < d.points.size(); ++i) {
+      const Value v = at(d.points[i], side);
+      if (!v.known) return false;
+      out[i] = v.p;
+    }
+    return true;
   }
 
   float height(std::span<const Vec3f> p, TapeLines* lines) const {
@@ -313,24 +322,31 @@ class TapeMeasurer::Work {
     return d.side == TapeSide::middle && d.plane == TapePlane::level && d.kind != TapeKind::contour;
   }
 
-  // `mesh`: blocks or a slab of the triangles that count.
+  // `mesh`: blocks or a slab of the triangles that count. `share`: where between the points. A limb's tape goes round
+  // no other limb: below the crotch flesh that hangs may still join the thighs, and high up an arm may join the
+  // trunk.
   template <class Mesh>
-  float size_at(const TapeDefinition& d, const Mesh& mesh, const SectionPlane& plane, TapeLines* lines) {
+  float size_at(const TapeDefinition& d, const Mesh& mesh, std::span<const Vec3f> p, std::span<const Vec3f> other,
+                float share, TapeLines* lines) {
+    const SectionPlane plane = plane_of(d, p, share);
     contours_.cut(mesh, plane);
-    return size_of(d.kind, round_trunk(d) ? contours_.points() : contours_.about(plane.origin), plane, lines);
+    const std::span<const Vec3f> loop = round_trunk(d) ? contours_.points() : contours_.about(plane.origin);
+    if (!other.empty() && goes_round(loop, plane, plane_of(d, other, share).origin)) return kNone;
+    return size_of(d.kind, loop, plane, lines);
   }
 
-  float section(const TapeDefinition& d, std::span<const Vec3f> p, TapeLines* lines) {
+  // `other`: a limb's points on the other side, else none.
+  float section(const TapeDefinition& d, std::span<const Vec3f> p, std::span<const Vec3f> other, TapeLines* lines) {
     const TriangleBlocks& mesh = round_trunk(d) ? armless_blocks_ : all_blocks_;
-    if (d.search == TapeSearch::none) return size_at(d, mesh, plane_of(d, p, d.share), lines);
+    if (d.search == TapeSearch::none) return size_at(d, mesh, p, other, d.share, lines);
     slab_.gather(mesh, plane_of(d, p, d.search_from), plane_of(d, p, d.search_to));
     const float step = (d.search_to - d.search_from) / kSearchSteps;
     float best_share = d.search_from, best = kNone;
     const auto look = [&](float share) {
       if (share < d.search_from || share > d.search_to) return;
-      const float size = size_at(d, slab_, plane_of(d, p, share), nullptr);
+      const float size = size_at(d, slab_, p, other, share, nullptr);
       const bool better = d.search == TapeSearch::largest ? size > best : size < best;
-      if (!better && !std::isnan(best)) return;
+      if (!better && (std::isnan(size) || !std::isnan(best))) return;
       best = size;
       best_share = share;
     };
@@ -338,7 +354,7 @@ class TapeMeasurer::Work {
     const float coarse = best_share;
     for (int i = 1 - kSearchFine; i < kSearchFine; ++i)
       if (i != 0) look(coarse + step * static_cast<float>(i) / kSearchFine);
-    return lines == nullptr ? best : size_at(d, slab_, plane_of(d, p, best_share), lines);
+    return lines == nullptr ? best : size_at(d, slab_, p, other, best_share, lines);
   }
 
   // Arcs.

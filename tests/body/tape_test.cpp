@@ -242,6 +242,19 @@ TEST_F(TapeTest, WhatGoesThroughTheCrotchGoesRoundNoThigh) {
   }
 }
 
+// Flesh of these people joins their thighs below the crotch, where a tape once went round both.
+TEST_F(TapeTest, AThighIsMeasuredAlone) {
+  const Tape& tape = builtin_tape();
+  TapeMeasurer measurer(*real_body());
+  for (const std::uint64_t number : {7U, 17U, 39U, 55U}) {
+    const Params p = draw_person(*real_body(), Family::held_out, 0x6472, number).params;
+    const std::vector<float> values = measured(measurer, tape, p);
+    const float thigh = value(tape, values, "thigh_girth");
+    EXPECT_LT(thigh, 0.75F * value(tape, values, "hip_girth")) << number;
+    EXPECT_GT(thigh, value(tape, values, "mid_thigh_girth")) << number;
+  }
+}
+
 TEST_F(TapeTest, TheSameBitsWhateverWasMeasuredBefore) {
   const Tape& tape = builtin_tape();
   const Params a = draw_person(*real_body(), Family::training, 33, 4).params;
