@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "body/garment/dressing_pose.h"
 #include "engine/builtin_tape.h"
 
 namespace im2fit {
@@ -52,17 +53,18 @@ std::vector<Worn> everyday_clothes(const Wardrobe& wardrobe, std::span<const Gar
 Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body::BodyModel& model,
                                             const body::Params& params, const body::Pose& pose, bool woman,
                                             std::span<const Worn> worn, bool moves) {
+  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
+  model.morph(params, rest);
+  const float inside_leg_mm = body::inside_leg_mm(model, rest);
   std::vector<body::Outfit::Piece> pieces;
   for (const Worn& one : worn) {
     const body::Fabric* fabric = wardrobe.fabric(one.pattern->fabric);
     if (fabric == nullptr)
       return Error{ErrorCode::not_found, one.pattern->id + ": no fabric is called " + one.pattern->fabric};
-    pieces.push_back(
-        body::Outfit::piece(*one.pattern, body::cut_body(wardrobe.law, woman, one.chest_mm), *fabric, moves));
+    const body::CutBody cut = body::turned_up(body::cut_body(wardrobe.law, woman, one.chest_mm), inside_leg_mm);
+    pieces.push_back(body::Outfit::piece(*one.pattern, cut, *fabric, moves));
   }
   auto outfit = std::make_unique<body::Outfit>(model, std::move(pieces));
-  std::vector<Vec3f> rest(static_cast<std::size_t>(model.vertex_count()));
-  model.morph(params, rest);
   outfit->dress(rest, body::rest_skeleton(model, rest), pose);
   return outfit;
 }

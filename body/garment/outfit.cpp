@@ -23,7 +23,6 @@ constexpr float kFirstDepth = 0.02F;
 // Arms and trunk begin thin, so that a small size goes over them; thighs would slip beside the crotch.
 constexpr float kFirstSideways = 0.7F;
 constexpr float kBeltShare = 0.98F;   // of the body's girth where the band lies
-constexpr float kBeltLevelMm = 12;    // of skin above and below it
 constexpr float kLayerMm = 6;         // half the distance of front and back as they lie flat
 constexpr float kTrunkTurnsMm = 150;  // below the underarm, as far as a sleeve that is raised takes the side along
 constexpr float kWornMm = 3;          // cloth on cloth stands off by so much
@@ -219,16 +218,26 @@ void Outfit::place_flat(Cloth& cloth, const PosedSkeleton& bones) {
   cloth.place(flat_);
 }
 
-// Round the trunk's hull where the band will lie.
+// A tape round the trunk at the mean height of the band.
 float Outfit::girth_at_band(const Cloth& cloth, const PosedSkeleton& bones) {
-  float top = -1e9F;
-  for (const Flat& f : cloth.mesh().flat) top = std::max(top, f.y);
-  const float level = bones.head[at(Segment::left_upper_leg)].y + top;
+  const GarmentMesh& mesh = cloth.mesh();
+  float sum = 0, count = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    if ((mesh.border[v] & kOnOpening) == 0) continue;
+    sum += mesh.flat[v].y;
+    ++count;
+  }
+  if (count == 0) return 0;
+  const float level = bones.head[at(Segment::left_upper_leg)].y + sum / count;
+  const auto on_arm = [&](std::int32_t v) { return (surface_.limbs(v) & (kLeftArm | kRightArm)) != 0; };
   level_.clear();
-  for (const std::int32_t v : surface_.vertices()) {
-    const Vec3f p = posed_[static_cast<std::size_t>(v)];
-    if (std::fabs(p.y - level) < kBeltLevelMm && (surface_.limbs(v) & (kLeftArm | kRightArm)) == 0)
-      level_.push_back(p);
+  for (const auto& t : surface_.triangles()) {
+    if (on_arm(t[0]) || on_arm(t[1]) || on_arm(t[2])) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3f a = posed_[static_cast<std::size_t>(t[k])], b = posed_[static_cast<std::size_t>(t[(k + 1) % 3])];
+      // Two triangles share an edge and pass it in opposite directions: one of them adds it.
+      if (a.y < level && b.y >= level) level_.push_back(a + (b - a) * ((level - a.y) / (b.y - a.y)));
+    }
   }
   hull_.convex_hull(level_, level_plane(level), hull_points_);
   return static_cast<float>(perimeter_mm(hull_points_));

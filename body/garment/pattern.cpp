@@ -7,9 +7,11 @@
 namespace im2fit::body {
 
 const std::array<std::string_view, kCutMeasureCount> kCutMeasureNames = {
-    "chest",        "waist", "high_hip",     "hip", "thigh",      "knee",    "calf",       "upper_arm",
-    "wrist",        "neck",  "shoulder",     "arm", "inside_leg", "stature", "shoulder_x", "shoulder_to_neck",
-    "shoulder_top", "hip_x", "hip_to_crotch"};
+    "chest",        "waist",   "high_hip",      "hip",
+    "thigh",        "knee",    "calf",          "upper_arm",
+    "wrist",        "neck",    "shoulder",      "arm",
+    "inside_leg",   "stature", "shoulder_x",    "shoulder_to_neck",
+    "shoulder_top", "hip_x",   "hip_to_crotch", "hip_to_high_hip"};
 
 CutBody cut_body(const CutLaw& law, bool woman, float chest_mm) {
   CutBody body{};
@@ -18,6 +20,12 @@ CutBody cut_body(const CutLaw& law, bool woman, float chest_mm) {
     body[i] = line.mm + line.per_chest * chest_mm;
   }
   body[static_cast<std::size_t>(CutMeasure::chest)] = chest_mm;
+  return body;
+}
+
+CutBody turned_up(CutBody body, float inside_leg_mm) {
+  float& leg = body[static_cast<std::size_t>(CutMeasure::inside_leg)];
+  leg = inside_leg_mm < leg ? inside_leg_mm : leg;
   return body;
 }
 

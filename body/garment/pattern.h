@@ -36,8 +36,9 @@ enum class CutMeasure : std::uint8_t {
   shoulder_top,      // height of the skin over the shoulder joint above it
   hip_x,             // of the hip joint from the middle
   hip_to_crotch,     // height of the hip joint above the crotch
+  hip_to_high_hip,   // height of the high hip above the hip joint
 };
-inline constexpr std::size_t kCutMeasureCount = 19;
+inline constexpr std::size_t kCutMeasureCount = 20;
 extern const std::array<std::string_view, kCutMeasureCount> kCutMeasureNames;
 using CutBody = std::array<float, kCutMeasureCount>;
 
@@ -49,6 +50,8 @@ struct CutLaw {
   std::array<std::array<Line, kCutMeasureCount>, 2> lines{};  // men, women
 };
 CutBody cut_body(const CutLaw& law, bool woman, float chest_mm);
+// As a shop turns legs up: cut for no longer legs than the wearer has.
+CutBody turned_up(CutBody body, float inside_leg_mm);
 
 // A sum of measures, earlier lengths and earlier points' coordinates, each times a factor, and a constant.
 struct LinearForm {

@@ -81,14 +81,13 @@ int run(const char* path) {
     set(CutMeasure::shoulder_top, top_at(*model, posed, shoulder.x, 1e9F) - shoulder.y);
     set(CutMeasure::hip_x, hip.x);
     const Vec3f crotch = rest[static_cast<std::size_t>(model->data().landmark(Landmark::crotch))];
-    set(CutMeasure::hip_to_crotch, skeleton.head[static_cast<std::size_t>(Segment::left_upper_leg)].y - crotch.y);
+    const float hip_to_crotch = skeleton.head[static_cast<std::size_t>(Segment::left_upper_leg)].y - crotch.y;
+    set(CutMeasure::hip_to_crotch, hip_to_crotch);
+    set(CutMeasure::hip_to_high_hip, values[static_cast<std::size_t>(definition_index(tape, "high_hip_height"))] -
+                                         own[static_cast<std::size_t>(CutMeasure::inside_leg)] - hip_to_crotch);
     bool whole = true;
     for (const float v : own) whole = whole && std::isfinite(v);
-    // Thighs that touch are measured as one.
-    constexpr float kThighOfHipMax = 0.68F;
-    if (!whole || own[static_cast<std::size_t>(CutMeasure::thigh)] >
-                      kThighOfHipMax * own[static_cast<std::size_t>(CutMeasure::hip)])
-      continue;
+    if (!whole) continue;
     for (std::size_t k = 1; k < kCutMeasureCount; ++k)
       fits[person.woman ? 1 : 0][k].add(static_cast<double>(own[0]), static_cast<double>(own[k]));
   }

@@ -136,6 +136,7 @@ std::vector<NamedPose> dressed_poses(const body::BodyModel& model, const Dressed
 std::vector<body::Outfit::Piece> pieces_for(const DressedPerson& person, const std::vector<std::string>& garments,
                                             int steps, bool moves) {
   const Wardrobe& wardrobe = builtin_wardrobe();
+  const float leg = person.tape[static_cast<std::size_t>(definition_index(builtin_tape(), "inside_leg"))];
   std::vector<body::Outfit::Piece> pieces;
   for (const std::string& id : garments) {
     const body::GarmentPattern* pattern = wardrobe.garment(id);
@@ -143,8 +144,8 @@ std::vector<body::Outfit::Piece> pieces_for(const DressedPerson& person, const s
     if (own) pattern = &*own;
     if (pattern == nullptr) continue;
     const float chest = bought_chest_mm(person, *pattern, steps);
-    pieces.push_back(body::Outfit::piece(*pattern, body::cut_body(wardrobe.law, person.woman, chest),
-                                         *wardrobe.fabric(pattern->fabric), moves));
+    const body::CutBody cut = body::turned_up(body::cut_body(wardrobe.law, person.woman, chest), leg);
+    pieces.push_back(body::Outfit::piece(*pattern, cut, *wardrobe.fabric(pattern->fabric), moves));
   }
   return pieces;
 }

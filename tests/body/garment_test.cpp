@@ -129,6 +129,23 @@ MeshFacts facts_of(const GarmentMesh& mesh) {
   return facts;
 }
 
+// A shop turns legs up and does not lengthen them; nothing else changes.
+TEST(Wardrobe, LegsAreTurnedUpForAShorterWearer) {
+  const Wardrobe& wardrobe = builtin_wardrobe();
+  const CutBody cut = cut_body(wardrobe.law, true, 860);
+  const auto leg = static_cast<std::size_t>(body::CutMeasure::inside_leg);
+  EXPECT_EQ(body::turned_up(cut, cut[leg] + 50), cut);
+  CutBody shorter = cut;
+  shorter[leg] = cut[leg] - 50;
+  EXPECT_EQ(body::turned_up(cut, cut[leg] - 50), shorter);
+  const auto length = [&](const CutBody& person) {
+    float low = 0;
+    for (const body::Flat& f : sew(*wardrobe.garment("trousers"), person).flat) low = std::min(low, f.y);
+    return -low;
+  };
+  EXPECT_NEAR(length(cut) - length(shorter), 50 * 0.95F, 1);
+}
+
 TEST(GarmentMesh, IsSewnOfEveryGarmentInEverySize) {
   const std::map<std::string, int> holes = {
       {"t_shirt", 4}, {"long_sleeved_shirt", 4}, {"dress", 4}, {"trousers", 3}, {"shorts", 3}, {"skirt", 2}};
