@@ -257,6 +257,13 @@ int im2fit_set_opener(im2fit_handle* handle, im2fit_opener_fn opener, void* open
   });
 }
 
+int im2fit_set_opener_down(im2fit_handle* handle, im2fit_down_fn down) {
+  return guarded(handle, [&](im2fit_handle& h) {
+    h.opener_down = down;
+    return static_cast<int>(IM2FIT_OK);
+  });
+}
+
 int im2fit_attach(im2fit_handle* handle, const char* uri) {
   return guarded(handle, [&](im2fit_handle& h) {
     if (uri == nullptr) return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, "the URI is NULL");
@@ -273,7 +280,7 @@ int im2fit_attach(im2fit_handle* handle, const char* uri) {
                       im2fit_status_name(status) + ")");
     if (source.next == nullptr)
       return fail(&h, IM2FIT_ERROR_INVALID_ARGUMENT, std::string("the opener set no next() for ") + uri);
-    h.source = std::make_unique<OpenedSource>(source, h.origin);
+    h.source = std::make_unique<OpenedSource>(source, h.opener_down, h.origin);
     return static_cast<int>(IM2FIT_OK);
   });
 }

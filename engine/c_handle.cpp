@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <utility>
 
 #include "engine/c_api/data.h"
@@ -80,7 +81,14 @@ im2fit::Result<im2fit::hal::FrameInfo> OpenedSource::next(im2fit::DepthImage dep
   im2fit::hal::FrameInfo frame;
   status_ = opened_.next(opened_.user, depth.pixels, depth.width, depth.height, timeout_ms, &frame.sequence,
                          &frame.host_ns);
-  if (status_ == IM2FIT_OK) return frame;
+  if (status_ == IM2FIT_OK) {
+    float down[3] = {};
+    if (down_ != nullptr && down_(opened_.user, down) == 1) {
+      const im2fit::Vec3f said{down[0], down[1], down[2]};
+      if (const float length = norm(said); length > 0 && std::isfinite(length)) frame.down = normalized(said);
+    }
+    return frame;
+  }
   const ErrorCode code = status_ == IM2FIT_ERROR_TIMEOUT         ? ErrorCode::timeout
                          : status_ == IM2FIT_ERROR_END_OF_STREAM ? ErrorCode::end_of_stream
                          : status_ == IM2FIT_ERROR_CORRUPT       ? ErrorCode::corrupt

@@ -19,7 +19,8 @@
 // What an opener opened, as a source of the engine's; closed with it.
 class OpenedSource final : public im2fit::hal::Source {
  public:
-  OpenedSource(const im2fit_source& opened, const im2fit::hal::SourceInfo& info) : opened_(opened), info_(info) {}
+  OpenedSource(const im2fit_source& opened, im2fit_down_fn down, const im2fit::hal::SourceInfo& info)
+      : opened_(opened), down_(down), info_(info) {}
   ~OpenedSource() override {
     if (opened_.close != nullptr) opened_.close(opened_.user);
   }
@@ -35,6 +36,7 @@ class OpenedSource final : public im2fit::hal::Source {
 
  private:
   im2fit_source opened_;
+  im2fit_down_fn down_;  // null: it does not feel gravity
   im2fit::hal::SourceInfo info_;
   int status_ = IM2FIT_OK;
 };
@@ -72,6 +74,7 @@ struct im2fit_handle {
 
   im2fit_opener_fn opener = nullptr;
   void* opener_user = nullptr;
+  im2fit_down_fn opener_down = nullptr;
   std::unique_ptr<OpenedSource> source;  // null: nothing is attached
 
   // In a forked child: the engine's threads and the source are the parent's, neither can be stopped from here.

@@ -7,8 +7,6 @@ namespace im2fit {
 namespace {
 
 constexpr int kWaitMs = 250;
-// Frames from asking where down is to asking again, about a second: a camera answers over the bus its frames come by.
-constexpr std::uint64_t kDownEvery = 30;
 
 }  // namespace
 
@@ -22,7 +20,7 @@ Result<Pumped> pump(hal::Source& source, FrameSink& sink, int timeout_ms) {
                                                   std::to_string(place->width) + "x" + std::to_string(place->height)};
   auto info = source.next(*place, timeout_ms);
   if (info) {
-    if (!info->down && info->sequence % kDownEvery == 0) info->down = source.down();
+    info->down = hal::down_of(source, *info);
     if (auto taken = sink.commit(*info); !taken) return taken.error();
     return Pumped::frame;
   }

@@ -64,6 +64,10 @@ class Source {
   virtual bool lost() const { return false; }
 };
 
+// Where down is, of a frame that was just delivered: its own, or, every second or so, what the camera says when asked,
+// over the bus its frames come by. None: as before.
+std::optional<Vec3f> down_of(const Source& source, const FrameInfo& frame);
+
 // The upright picture of a camera that was turned when it was mounted. With W x H the size of `in`:
 //    90: upright(u, v) = in(v, H - 1 - u)            `out` is H wide and W high
 //   180: upright(u, v) = in(W - 1 - u, H - 1 - v)

@@ -8,8 +8,10 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "engine/c_api/status_of.h"
 #include "hal/open/open.h"
@@ -99,10 +101,17 @@ Result<std::unique_ptr<hal::Source>> open(const char* uri, const im2fit_cameras_
   return hal::open_source(uri, *words);
 }
 
+// An attached source, and where down was in its latest frame.
+struct Attached {
+  std::unique_ptr<hal::Source> source;
+  std::optional<im2fit::Vec3f> down;
+};
+
 int next_frame(void* user, std::uint16_t* depth_mm, std::int32_t width, std::int32_t height, std::int32_t timeout_ms,
                std::uint64_t* sequence, std::int64_t* time_ns) {
   return guarded([&] {
-    auto& source = *static_cast<hal::Source*>(user);
+    auto& attached = *static_cast<Attached*>(user);
+    hal::Source& source = *attached.source;
     const im2fit::Intrinsics& k = source.info().intrinsics;
     if (k.width != width || k.height != height)
       return fail(IM2FIT_ERROR_INVALID_ARGUMENT,
@@ -113,14 +122,24 @@ int next_frame(void* user, std::uint16_t* depth_mm, std::int32_t width, std::int
     if (!frame) return fail(frame.error());
     *sequence = frame->sequence;
     *time_ns = frame->host_ns;
+    attached.down = hal::down_of(source, *frame);
     return static_cast<int>(IM2FIT_OK);
   });
 }
 
+int down_now(void* user, float down[3]) {
+  const auto& known = static_cast<const Attached*>(user)->down;
+  if (!known) return 0;
+  down[0] = known->x;
+  down[1] = known->y;
+  down[2] = known->z;
+  return 1;
+}
+
 void close_source(void* user) {
-  const std::unique_ptr<hal::Source> source(static_cast<hal::Source*>(user));
+  const std::unique_ptr<Attached> attached(static_cast<Attached*>(user));
   guarded([&] {
-    source->stop();
+    attached->source->stop();
     return static_cast<int>(IM2FIT_OK);
   });
 }
@@ -131,7 +150,7 @@ int open_uri(void* user, const char* uri, im2fit_source* place) {
     auto source = open(uri, static_cast<const im2fit_cameras_options*>(user));
     if (!source) return fail(source.error());
     if (const auto started = (*source)->start(); !started) return fail(started.error());
-    *place = {source->release(), next_frame, close_source};
+    *place = {new Attached{std::move(*source), {}}, next_frame, close_source};
     return static_cast<int>(IM2FIT_OK);
   });
 }
@@ -177,7 +196,8 @@ int im2fit_cameras_use(im2fit_handle* handle, const im2fit_cameras_options* opti
   return guarded([&] {
     // What is wrong with the options is said here, not by each im2fit_attach.
     if (const auto words = opening(options); !words) return fail(words.error());
-    const int status = im2fit_set_opener(handle, open_uri, const_cast<im2fit_cameras_options*>(options));
+    int status = im2fit_set_opener(handle, open_uri, const_cast<im2fit_cameras_options*>(options));
+    if (status == IM2FIT_OK) status = im2fit_set_opener_down(handle, down_now);
     return status == IM2FIT_OK ? status : fail(status, im2fit_last_error(nullptr));
   });
 }

@@ -7,8 +7,9 @@
 
 namespace {
 
+im2fit::test::FakeStages::Control control;
+
 im2fit::Result<std::unique_ptr<im2fit_handle>> open_on_fake_stages(const im2fit_settings& settings) {
-  static im2fit::test::FakeStages::Control control;
   return im2fit::open_c_handle(settings, std::make_unique<im2fit::test::FakeStages>(control));
 }
 
@@ -22,4 +23,9 @@ extern "C" im2fit_handle* open_with_fake_stages(const im2fit_settings* settings)
 extern "C" int status_of_opening(const im2fit_settings* settings) {
   const auto handle = open_on_fake_stages(*settings);
   return handle ? static_cast<int>(IM2FIT_OK) : im2fit::status_of(handle.error().code);
+}
+
+extern "C" int fake_downs(float* down_y) {
+  *down_y = control.down_y;
+  return control.downs;
 }

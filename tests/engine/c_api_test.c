@@ -165,6 +165,15 @@ static int open_tape(void* opener_user, const char* uri, im2fit_source* source) 
   return IM2FIT_OK;
 }
 
+/* Of the first frame in m/s2; of the second it does not know, of the third and fourth it gives no direction. */
+static int tape_down(void* user, float down[3]) {
+  const int at = ((const Tape*)user)->at;
+  down[0] = 0;
+  down[1] = at == 5 ? 0 : at == 3 ? 7 : -9.81F;
+  down[2] = at == 6 ? NAN : 0;
+  return at != 3;
+}
+
 static void pumps_an_attached_source(void) {
   im2fit_settings settings = small_settings();
   im2fit_handle* handle = open_with_fake_stages(&settings);
@@ -185,8 +194,17 @@ static void pumps_an_attached_source(void) {
   CHECK(im2fit_detach(handle) == IM2FIT_OK);
   CHECK(tape.closed == 2);
   CHECK(im2fit_attach(handle, "tape:") == IM2FIT_OK);
+  CHECK(im2fit_reset(handle) == IM2FIT_OK);
+  tape.at = 0;
+  float down_y = 0;
+  CHECK(fake_downs(&down_y) == 0);
+  CHECK(im2fit_set_opener_down(handle, tape_down) == IM2FIT_OK);
+  CHECK(im2fit_attach(handle, "tape:") == IM2FIT_OK);
+  for (int i = 0; i < 7; ++i) CHECK(im2fit_pump(handle, 40) == expected[i]);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(fake_downs(&down_y) == 1 && down_y == -1);
   im2fit_close(handle);
-  CHECK(tape.closed == 3);
+  CHECK(tape.closed == 4);
 }
 
 /* Callers built with an older or newer header. */

@@ -116,6 +116,7 @@ static void every_function_refuses_null(void) {
   CHECK(im2fit_push_frame(handle, NULL) == invalid);
   CHECK(im2fit_wait(NULL, 1) == invalid);
   CHECK(im2fit_finish(NULL) == invalid && im2fit_reset(NULL) == invalid && im2fit_next(NULL) == invalid);
+  CHECK(im2fit_set_opener_down(NULL, NULL) == invalid);
   CHECK(im2fit_set_opener(NULL, NULL, NULL) == invalid && im2fit_attach(NULL, "x") == invalid);
   CHECK(im2fit_pump(NULL, 0) == invalid && im2fit_detach(NULL) == invalid);
   CHECK(im2fit_sizes(NULL, NULL, 0, &n, NULL) == invalid);

@@ -57,14 +57,19 @@ static im2fit_settings clip_settings(void) {
   return s;
 }
 
-/* Measures and closes. */
-static im2fit_result answer_of(im2fit_handle* handle) {
+/* Closes. */
+static im2fit_result end_of(im2fit_handle* handle) {
   im2fit_result result;
   memset(&result, 0, sizeof result);
   CHECK(im2fit_finish(handle) == IM2FIT_OK);
   CHECK(im2fit_poll(handle, &result, sizeof result) == IM2FIT_OK);
-  CHECK(result.measured == 1);
   im2fit_close(handle);
+  return result;
+}
+
+static im2fit_result answer_of(im2fit_handle* handle) {
+  const im2fit_result result = end_of(handle);
+  CHECK(result.measured == 1);
   return result;
 }
 
@@ -81,8 +86,8 @@ static im2fit_result pushed(im2fit_settings s) {
   return answer_of(handle);
 }
 
-/* Frames of `uri`, at most FRAMES of them. */
-static im2fit_result pumped(im2fit_settings s, const char* uri, const im2fit_cameras_options* options) {
+/* The end after frames of `uri`, at most FRAMES of them. */
+static im2fit_result pumped_to_the_end(im2fit_settings s, const char* uri, const im2fit_cameras_options* options) {
   im2fit_handle* handle = NULL;
   s.live = 0;
   CHECK(im2fit_open(&s, &handle) == IM2FIT_OK);
@@ -93,7 +98,13 @@ static im2fit_result pumped(im2fit_settings s, const char* uri, const im2fit_cam
   int status = attached;
   for (int i = 0; i < FRAMES && status == IM2FIT_OK; ++i) status = im2fit_pump(handle, 5000);
   CHECK(status == IM2FIT_OK);
-  return answer_of(handle);
+  return end_of(handle);
+}
+
+static im2fit_result pumped(im2fit_settings s, const char* uri, const im2fit_cameras_options* options) {
+  const im2fit_result result = pumped_to_the_end(s, uri, options);
+  CHECK(result.measured == 1);
+  return result;
 }
 
 static void same_answers(const im2fit_result* a, const im2fit_result* b) {
@@ -167,6 +178,69 @@ static void a_recording(const char* uri) {
   fclose(to);
   CHECK(im2fit_cameras_describe(joined(scratch, "cut.oni"), NULL, &s) == IM2FIT_ERROR_CORRUPT);
   CHECK(strstr(im2fit_cameras_error(), "cut.oni") != NULL && strstr(im2fit_cameras_error(), "checksum") != NULL);
+}
+
+/* The clip upright, and where down is said to be in its first frame: ten degrees off, so that the person leans. */
+static void a_recording_that_feels_gravity(void) {
+  static uint16_t depth[STORED_WIDTH * STORED_HEIGHT];
+  const float down[3] = {0, 0.9848F, 0.1736F};
+  char folder[2100];
+  snprintf(folder, sizeof folder, "%s/gravity", scratch);
+  CHECK(mkdir(folder, 0755) == 0 || errno == EEXIST);
+  FILE* yaml = fopen(joined(folder, "camera.yaml"), "w");
+  FILE* times = fopen(joined(folder, "timestamps.csv"), "w");
+  CHECK(yaml != NULL && times != NULL);
+  if (yaml == NULL || times == NULL) return;
+  fputs(
+      "image_width: 240\nimage_height: 320\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
+      "  data: [287.9, 0, 119.5, 0, 287.9, 159.5, 0, 0, 1]\n",
+      yaml);
+  fclose(yaml);
+  im2fit_settings s = clip_settings();
+  im2fit_handle* handle = NULL;
+  fputs("frame,host_ns,down_x,down_y,down_z\n", times);
+  for (unsigned i = 0; i < FRAMES; ++i) {
+    char name[32];
+    snprintf(name, sizeof name, "%06u.pgm", i);
+    FILE* picture = fopen(joined(folder, name), "wb");
+    CHECK(picture != NULL);
+    if (picture == NULL) return;
+    fprintf(picture, "P5 %d %d 65535\n", STORED_HEIGHT, STORED_WIDTH);
+    read_upright(i, depth);
+    for (size_t k = 0; k < sizeof depth / sizeof *depth; ++k) {
+      fputc(depth[k] >> 8, picture);
+      fputc(depth[k] & 255, picture);
+    }
+    fclose(picture);
+    fprintf(times, "%u,%lld,", i, (long long)i * 33333333);
+    if (i == 0) fprintf(times, "%.9g,%.9g,%.9g", (double)down[0], (double)down[1], (double)down[2]);
+    fputs(i == 0 ? "\n" : ",,\n", times);
+  }
+  fclose(times);
+
+  CHECK(im2fit_cameras_describe(folder, NULL, &s) == IM2FIT_OK);
+  CHECK(pushed(s).measured == 1);
+  CHECK(im2fit_open(&s, &handle) == IM2FIT_OK);
+  for (unsigned i = 0; i < FRAMES; ++i) {
+    im2fit_frame frame;
+    im2fit_frame_init(&frame, sizeof frame);
+    read_upright(i, depth);
+    frame.pixels = depth;
+    frame.width = STORED_HEIGHT;
+    frame.height = STORED_WIDTH;
+    frame.sequence = i;
+    frame.time_ns = (int64_t)i * 33333333;
+    if (i == 0) {
+      frame.down_x = down[0];
+      frame.down_y = down[1];
+      frame.down_z = down[2];
+    }
+    CHECK(im2fit_push_frame(handle, &frame) == IM2FIT_OK);
+  }
+  const im2fit_result truth = end_of(handle);
+  const im2fit_result seen = pumped_to_the_end(s, folder, NULL);
+  CHECK(truth.measured == 0 && truth.guidance != 0);
+  CHECK(seen.measured == 0 && seen.guidance == truth.guidance && seen.frames_seen == truth.frames_seen);
 }
 
 /* The virtual device shows the clip again and again, by what the runtime says of its lens. */
@@ -272,6 +346,7 @@ int main(int argc, char** argv) {
   CHECK(mkdir(scratch, 0755) == 0 || errno == EEXIST);
   what_cannot_be_opened_is_said();
   a_folder();
+  a_recording_that_feels_gravity();
   if (argv[3][0] != '\0') a_recording(argv[3]);
   if (argv[4][0] != '\0') a_camera();
   return check_failures == 0 ? 0 : 1;

@@ -64,6 +64,8 @@ inline JointSet standing_joints(bool psi) {
 class FakeStages : public FrameStages {
  public:
   struct Control {
+    std::atomic<int> downs{0};  // how often set_down was called, and the last one
+    std::atomic<float> down_y{0};
     std::atomic<int> sense_calls{0};
     std::atomic<int> measure_calls{0};
     std::atomic<int> sense_delay_us{0};
@@ -100,6 +102,10 @@ class FakeStages : public FrameStages {
     for (int v = 0; v < mask.height; ++v)
       for (int u = 0; u < mask.width; ++u) mask.at(u, v) = depth.at(u, v) % 2 == 0 ? 255 : 0;
     return detection;
+  }
+  void set_down(Vec3f down) override {
+    ++control_.downs;
+    control_.down_y = down.y;
   }
   void reset_sense() override {
     sense_state_ = 0;
