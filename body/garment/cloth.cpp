@@ -2,6 +2,7 @@
 #include "body/garment/cloth.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 
@@ -23,6 +24,7 @@ constexpr float kShoulderGrip = 2;     // times the friction
 // Skin before the cloth, that it may be pinched by: two layers' kSkinMm; a rough mesh's vertices are far between.
 constexpr float kPinchReachMm = 8, kRoughPinchReachMm = 25;
 constexpr float kPinchNearMm = 15;     // off its own skin at most
+constexpr float kCaughtMm = 25;        // cloth runs into another limb by so much at most
 constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
 // What is stretched by kListed when a frame begins is held until it ends, after the skin has pushed: where skin pulls
 // cloth apart, cloth wins. In the first passes what is over kOver is drawn to kHeld, a little shorter, so that an
@@ -75,6 +77,7 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
   frame_begin_ = vertices_;
   limbs_.assign(count, kTrunk);
   pinched_.assign(count, 0);
+  joint_.assign(count, 0);
   grip_.assign(count, 1);
   const auto of = [&](CutMeasure m) { return mesh.body[static_cast<std::size_t>(m)]; };
   const Flat underarm = mesh.underarm;
@@ -97,6 +100,7 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
         limbs_[v] &= static_cast<std::uint8_t>(~kTrunk);
     }
   }
+  for (std::size_t v = 0; v < count; ++v) joint_[v] = std::popcount(limbs_[v]) > 1 ? 1 : 0;
   belt_.reserve(count);
   stretched_.reserve(constraints_.edges.size());
   moved_in_.assign(count, 0);
@@ -187,21 +191,26 @@ bool Cloth::find_skin(const BodySurface& skin, const ClothFrame& frame, std::siz
   }
   // A vertex that met no skin looks first where the one before it did.
   if (hint_[v] < 0 && v > 0) hint_[v] = hint_[v - 1];
-  const bool found = skin.nearest(position(v), facing, cosine, limbs_[v], kReachMm, hint_[v], place_[v]);
+  bool found = skin.nearest(position(v), facing, cosine, limbs_[v], kReachMm, hint_[v], place_[v]);
+  if (!found && !frame.flat && skin.nearest(position(v), {}, -1, limbs_[v], kCaughtMm, hint_[v], place_[v])) {
+    // Crumpled within a limb no skin of which faces as the cloth does.
+    found = dot(position(v) - skin.at(place_[v], false), skin.facing(place_[v], false)) < 0;
+    if (!found) hint_[v] = -1;
+  }
   clear_mm_[v] = found ? 0 : kReachMm - kNearMm;
   return found;
 }
 
-void Cloth::touch(const BodySurface& skin, std::size_t v) {
+void Cloth::touch(const BodySurface& skin, std::size_t v, const SkinPlace& place) {
   const Float4 share = all_of(1.0F / static_cast<float>(substeps_));
   Contact& c = contacts_[v];
   c.clearance = kSkinMm;
-  c.point = lanes_of(skin.at(place_[v], false));
-  c.normal = lanes_of(skin.facing(place_[v], false));
+  c.point = lanes_of(skin.at(place, false));
+  c.normal = lanes_of(skin.facing(place, false));
   c.point_step = c.normal_step = Float4{};
   if (skin.moved_mm() <= 0) return;
-  c.point_step = (lanes_of(skin.at(place_[v], true)) - c.point) * share;
-  c.normal_step = (lanes_of(skin.facing(place_[v], true)) - c.normal) * share;
+  c.point_step = (lanes_of(skin.at(place, true)) - c.point) * share;
+  c.normal_step = (lanes_of(skin.facing(place, true)) - c.normal) * share;
 }
 
 void Cloth::find_contacts(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm) {
@@ -213,14 +222,14 @@ void Cloth::find_contacts(const BodySurface& skin, const ClothFrame& frame, std:
       pinched_[v] = 0;
       continue;
     }
-    touch(skin, v);
+    touch(skin, v, place_[v]);
     if (lies_beside(c, load(vertices_[v]))) {
       // Crumpled cloth gives way to the nearest skin, whichever way that faces.
       std::int32_t hint = hint_[v];
       SkinPlace nearest;
       if (skin.nearest(position(v), {}, -1, limbs_[v], kReachMm, hint, nearest)) {
         place_[v] = nearest;
-        touch(skin, v);
+        touch(skin, v, place_[v]);
       }
     }
     c.friction = friction_ * grip_[v];
@@ -231,23 +240,41 @@ void Cloth::find_contacts(const BodySurface& skin, const ClothFrame& frame, std:
     }
     pinched_[v] = 0;
     // Cloth that was not pinched is looked at in every second frame.
-    if (!frame.flat && (opposite_hint_[v] >= 0 || ((frames_ + v) & 1U) == 0)) yield_to_opposite_skin(skin, v);
+    if (!frame.flat && (opposite_hint_[v] >= 0 || ((frames_ + v) & 1U) == 0) && !yield_to_opposite_skin(skin, v))
+      leave_other_limb(skin, v);
   }
 }
 
 // In an armpit, a crotch or a lap, cloth is pinched between two skins that face each other, and that overlap where a
-// body's limbs do: there it keeps to the middle, instead of being pushed to and fro.
-void Cloth::yield_to_opposite_skin(const BodySurface& skin, std::size_t v) {
+// body's limbs do: there it keeps to the middle, instead of being pushed to and fro. Whether the opposite skin is
+// there.
+bool Cloth::yield_to_opposite_skin(const BodySurface& skin, std::size_t v) {
   Contact& c = contacts_[v];
   const Float4 off = load(vertices_[v]) - c.point;
-  if (sum3(off * off) > kPinchNearMm * kPinchNearMm) return;
+  if (sum3(off * off) > kPinchNearMm * kPinchNearMm) return false;
   SkinPlace opposite;
   constexpr std::uint8_t kAll = kTrunk | kLeftArm | kRightArm | kLeftLeg | kRightLeg;
-  if (!skin.nearest(position(v), normals_[v] * -1.0F, 0, kAll, pinch_reach_mm_, opposite_hint_[v], opposite)) return;
-  if (sum3(lanes_of(skin.facing(opposite, false)) * c.normal) > -0.2F) return;
+  if (!skin.nearest(position(v), normals_[v] * -1.0F, 0, kAll, pinch_reach_mm_, opposite_hint_[v], opposite) ||
+      sum3(lanes_of(skin.facing(opposite, false)) * c.normal) > -0.2F)
+    return false;
   const float gap = sum3((lanes_of(skin.at(opposite, false)) - c.point) * c.normal);
-  if (gap / 2 >= c.clearance) return;
+  if (gap / 2 >= c.clearance) return true;
   c.clearance = std::max(gap / 2, kPinchLeastMm);
+  pinched_[v] = 1;
+  return true;
+}
+
+// Where limbs meet, cloth that is off one of them may run into the side of another: out of that.
+void Cloth::leave_other_limb(const BodySurface& skin, std::size_t v) {
+  Contact& c = contacts_[v];
+  if (joint_[v] == 0 || sum3((load(vertices_[v]) - c.point) * c.normal) < 0) return;
+  SkinPlace other;
+  std::int32_t hint = hint_[v];
+  if (!skin.nearest(position(v), {}, -1, limbs_[v], kCaughtMm, hint, other) ||
+      dot(position(v) - skin.at(other, false), skin.facing(other, false)) >= 0)
+    return;
+  touch(skin, v, other);
+  c.clearance = kPinchLeastMm;
   pinched_[v] = 1;
 }
 

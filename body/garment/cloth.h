@@ -91,10 +91,11 @@ class Cloth {
   void lay_belt(float up_mm);
   void follow_belt(const BodySurface& skin);
   void pull_belt(int substep);
-  void touch(const BodySurface& skin, std::size_t v);
+  void touch(const BodySurface& skin, std::size_t v, const SkinPlace& place);
   static bool lies_beside(const Contact& contact, Float4 at);
   bool find_skin(const BodySurface& skin, const ClothFrame& frame, std::size_t v);
-  void yield_to_opposite_skin(const BodySurface& skin, std::size_t v);
+  bool yield_to_opposite_skin(const BodySurface& skin, std::size_t v);
+  void leave_other_limb(const BodySurface& skin, std::size_t v);
   void fall_asleep();
   void find_contacts(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm);
   void tether();
@@ -127,7 +128,8 @@ class Cloth {
   int still_frames_ = 0;
   float awake_ = 1;  // the share of a frame's motion that cloth falling asleep makes
   std::vector<std::uint8_t> limbs_, pinched_;
-  std::vector<float> grip_;  // of friction
+  std::vector<std::uint8_t> joint_;  // whether limbs meet there: armpit, crotch
+  std::vector<float> grip_;          // of friction
   std::vector<Tether> tethers_;
   std::vector<Stretched> stretched_;
   std::vector<std::uint16_t> moved_in_;  // of a vertex, the last of the frame's passes that moved it

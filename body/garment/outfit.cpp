@@ -35,6 +35,7 @@ constexpr float kHiddenClothRimMm = 10;
 constexpr float kHiddenCosine = 0.2F;
 constexpr float kHiddenAsideMm = 30;
 constexpr float kPressMm = 2, kPressAsideMm = 45;
+constexpr float kPressedOffSkinMm = 2;  // of the places shown: half of what cloth keeps, see Cloth::kSkinMm
 constexpr float kSkinBehindMm = 8, kClothBehindMm = 40;  // cloth worn below may stand out of what is worn over it
 
 std::size_t at(Segment s) {
@@ -451,7 +452,15 @@ void Outfit::pressed(std::size_t index, std::span<Vec3f> out) const {
       consider(hint);
       near(upper, p, best, consider);
       if (over_mm <= 0 || aside >= kPressAsideMm) continue;
-      out[v] = p - facing * (over_mm * std::min(1.0F, 2 * (1 - aside / kPressAsideMm)));
+      float by_mm = over_mm * std::min(1.0F, 2 * (1 - aside / kPressAsideMm));
+      const SkinPlace& place = cloth.contacts()[v];
+      const Vec3f skin = place.triangle >= 0 ? surface_.facing(place, true) : Vec3f{};
+      const float slope = dot(facing, skin);
+      if (slope > 0) {
+        const float off = dot(p - surface_.at(place, true), skin) - kPressedOffSkinMm;
+        by_mm = std::min(by_mm, std::max(0.0F, off) / slope);
+      }
+      out[v] = p - facing * by_mm;
     }
   }
 }

@@ -10,11 +10,13 @@ namespace im2fit::lab {
 namespace {
 
 constexpr float kPixelMm = 3;
+constexpr float kThroughMm = 40;  // deeper folds are rare; the cloth on the other side of a wrist is farther
 constexpr int kWidth = 680, kHeight = 860;  // arms out, and up
 enum : std::uint8_t { kNothing, kSkin, kCoveredSkin, kCloth };
 
 struct Picture {
   std::vector<float> nearest = std::vector<float>(std::size_t{kWidth} * kHeight, -1e9F);
+  std::vector<float> cloth = nearest;  // the nearest of the cloth alone
   std::vector<std::uint8_t> what = std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight, kNothing);
 
   // Pixels and millimetres towards the viewer.
@@ -35,6 +37,7 @@ struct Picture {
         if (s < 0 || t < 0 || s + t > 1) continue;
         const float z = a.z + s * (b.z - a.z) + t * (c.z - a.z);
         const auto at = static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x);
+        if (kind == kCloth) cloth[at] = std::max(cloth[at], z);
         if (z <= nearest[at]) continue;
         nearest[at] = z;
         what[at] = kind;
@@ -83,7 +86,10 @@ SkinSeen look_for_skin(const body::BodyModel& model, const body::Outfit& outfit,
         picture.fill(at(v(0)), at(v(1)), at(v(2)), kCloth);
       }
     seen.cloth_px += static_cast<int>(std::count(picture.what.begin(), picture.what.end(), kCloth));
-    seen.skin_px += static_cast<int>(std::count(picture.what.begin(), picture.what.end(), kCoveredSkin));
+    for (std::size_t i = 0; i < picture.what.size(); ++i) {
+      if (picture.what[i] != kCoveredSkin) continue;
+      ++(picture.nearest[i] - picture.cloth[i] < kThroughMm ? seen.through_px : seen.bare_px);
+    }
   }
   return seen;
 }

@@ -15,8 +15,9 @@ namespace im2fit::lab {
 std::vector<std::uint8_t> covered_skin(const body::BodyModel& model, const body::Outfit& outfit);
 
 struct SkinSeen {
-  int cloth_px = 0;  // of all views
-  int skin_px = 0;   // of covered skin that is before the cloth
+  int cloth_px = 0;    // of all views
+  int through_px = 0;  // of covered skin with the cloth that covers it right behind
+  int bare_px = 0;     // of covered skin from which a hem has moved away: a shirt's as arms rise, a leg's in a lap
 };
 // Of four views (front, left, back, slant), 3 mm a pixel, with no skin left out: cloth itself has to cover it.
 // `covered`: of a pose in which it did.
