@@ -64,8 +64,8 @@ class Source {
   virtual bool lost() const { return false; }
 };
 
-// Where down is, of a frame that was just delivered: its own, or, every second or so, what the camera says when asked,
-// over the bus its frames come by. None: as before.
+// Where down is, of a frame that was just delivered: its own, or, every second or so, what the camera says when
+// asked, over the bus its frames come by. None: as before.
 std::optional<Vec3f> down_of(const Source& source, const FrameInfo& frame);
 
 // The upright picture of a camera that was turned when it was mounted. With W x H the size of `in`:

@@ -25,8 +25,8 @@
  *   FOLDER                           16-bit PNG or PGM and camera.yaml
  * What this build was made without is UNSUPPORTED. Which cameras are there: `im2fit devices`.
  *
- * The rules of im2fit.h hold. A source gives the same bits as its frames pushed by im2fit_push, and where a camera feels
- * gravity, or a recording says where down is, as those pushed with it by im2fit_push_frame. A camera that is
+ * The rules of im2fit.h hold. A source gives the same bits as its frames pushed by im2fit_push, and where a camera
+ * feels gravity, or a recording says where down is, as those pushed with it by im2fit_push_frame. A camera that is
  * unplugged is NO_DEVICE: attach it again. While a handle uses this library, the library must stay loaded.
  */
 #ifndef IM2FIT_CAMERAS_H

@@ -261,13 +261,13 @@ typedef int (*im2fit_opener_fn)(void* opener_user, const char* uri, im2fit_sourc
  * for them (im2fit/cameras.h). */
 IM2FIT_API int im2fit_set_opener(im2fit_handle* handle, im2fit_opener_fn opener, void* opener_user);
 
-/* Which way gravity pulls, for the frame that the source of this `user` has just given: to `down`, of any length but 0,
- * in that frame's axes (x right, y down, z forward). Returns 1, or 0 where it is not known: then what was known before
- * stands. Called by im2fit_pump after each frame. */
+/* Which way gravity pulls, for the frame that the source of this `user` has just given: to `down`, of any length but
+ * 0, in that frame's axes (x right, y down, z forward). Returns 1, or 0 where it is not known: then what was known
+ * before stands. Called by im2fit_pump after each frame. */
 typedef int (*im2fit_down_fn)(void* user, float down[3]);
 
-/* For the sources that the opener opens from now on; NULL, as at first: they do not feel gravity. What it is good for:
- * im2fit_frame.down_x. Since 0.2. */
+/* For the sources that the opener opens from now on; NULL, as at first: they do not feel gravity. What it is good
+ * for: im2fit_frame.down_x. Since 0.2. */
 IM2FIT_API int im2fit_set_opener_down(im2fit_handle* handle, im2fit_down_fn down);
 
 /* Opens `uri` through the opener, after closing what was attached. UNSUPPORTED without an opener. Allocates. */
