@@ -99,7 +99,7 @@ typedef struct im2fit_data {
   int32_t fd;     /* FD: open for reading, seekable; stays the caller's, who may close it after im2fit_open */
   int64_t offset; /* FD: bytes before the file; an asset must be stored, not deflated */
   const void* bytes; /* MEMORY: copied by im2fit_open */
-  size_t size;       /* of the file in bytes; MEMORY and FD. Copied where a path is mapped: so much more memory */
+  size_t size;       /* of the file in bytes; MEMORY and FD. Copied; a path's file of more than 64 MiB is mapped */
 } im2fit_data;
 
 typedef struct im2fit_settings {

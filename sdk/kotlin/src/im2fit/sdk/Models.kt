@@ -5,7 +5,7 @@ import java.io.File
 
 /** Where one data file is. */
 sealed class ModelFile {
-    /** A file of the file system; mapped, so that it costs no memory. */
+    /** A file of the file system; copied when the session is opened, mapped when it has more than 64 MiB. */
     data class Path(val file: File) : ModelFile()
 
     /** Its whole content; copied when the session is opened. */
