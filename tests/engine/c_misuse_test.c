@@ -197,6 +197,9 @@ static void frames_out_of_range_are_named(void) {
   REFUSED(f.fx = f.fy = INFINITY, invalid, "frame: the focal length fx");
   REFUSED(f.k2 = NAN, invalid, "frame.k1, k2, k3, p1, p2");
   REFUSED(f.k1 = 1e6F, invalid, "distortion_coefficients leave");
+  REFUSED(f.down_y = NAN, invalid, "frame.down_x, down_y, down_z");
+  REFUSED(f.down_y = 1e-6F, invalid, "frame.down_x, down_y, down_z");
+  REFUSED(f.reserved = 1, invalid, "frame.reserved is");
   REFUSED(f.reserved2 = 1, invalid, "frame.reserved2");
   REFUSED(f.reserved3 = 1, invalid, "frame.reserved3");
   REFUSED(f.turn_w = 2, invalid, "frame.turn_x, turn_y, turn_z, turn_w");
