@@ -6,7 +6,7 @@
 
 #include "apps/common/pack/model_pack.h"
 #include "apps/im2fit-lab/commands.h"
-#include "apps/im2fit-lab/tape_texts.h"
+#include "apps/im2fit-lab/pack_texts.h"
 #include "body/fit/shape_space.h"
 #include "core/file.h"
 #include "engine/builtin_charts.h"
@@ -74,7 +74,7 @@ std::vector<std::pair<std::string, std::vector<std::byte>>> texts_of(const PackM
                             manifest.provenance))},
       {"size-charts/en13402-3-men.csv", bytes_of(kBuiltinMenChart)},
       {"size-charts/en13402-3-women.csv", bytes_of(kBuiltinWomenChart)}};
-  for (const TapeText& tape : kTapeTexts) texts.emplace_back(std::string("tape/") + tape.file, bytes_of(tape.text));
+  for (const PackText& text : pack_texts()) texts.emplace_back(text.file, bytes_of(text.text));
   return texts;
 }
 

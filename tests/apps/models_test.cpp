@@ -102,6 +102,12 @@ TEST_F(Models, ArePackedInstalledAndMeasureAsBefore) {
   }
   EXPECT_TRUE(fs::exists(folder_ + "/data/im2fit/size-charts/en13402-3-men.csv"));
   EXPECT_TRUE(fs::exists(folder_ + "/data/im2fit/LICENCE.txt"));
+  for (const char* text : {"tape/lengths.yaml", "garments/t_shirt.yaml", "fabrics/fabrics.yaml"}) {
+    const auto ours = read_file(std::string(IM2FIT_DATA "/") + text);
+    const auto packed = read_file(folder_ + "/data/im2fit/" + text);
+    ASSERT_TRUE(ours && packed) << text;
+    EXPECT_TRUE(*ours == *packed) << text;
+  }
   EXPECT_EQ(models({"verify"}).exit_code, 0);
   const auto list = nlohmann::json::parse(models({"list", "--json"}).out, nullptr, false);
   ASSERT_TRUE(list.is_array() && list.size() == 1) << list;
