@@ -4,6 +4,7 @@
 // of it. A failed expectation ends the program with 1.
 package im2fit.sdk.test
 
+import im2fit.sample.states
 import im2fit.sdk.*
 import java.awt.image.DataBufferUShort
 import java.io.File
@@ -13,7 +14,13 @@ import java.util.concurrent.atomic.AtomicBoolean
 import java.util.concurrent.atomic.AtomicLong
 import javax.imageio.ImageIO
 import kotlin.concurrent.thread
+import kotlin.coroutines.Continuation
+import kotlin.coroutines.EmptyCoroutineContext
+import kotlin.coroutines.startCoroutine
 import kotlin.math.abs
+import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.FlowCollector
+import kotlinx.coroutines.flow.flow
 
 class Clip(folder: File) {
     private val yaml = File(folder, "camera.yaml").readText()
@@ -221,6 +228,24 @@ fun main(arguments: Array<String>) {
             same(session.progress().state, State.SEARCHING, "after reset")
         }
     }
+    test("a flow of frames gives the sequence's states") {
+        val single = quick.copy(singleThread = true)
+        val told = Session(clip.camera, models, single).use { it.states(clip.frames()).toList() }
+        Session(clip.camera, models, single).use { session ->
+            var taken = 0
+            val states = session.states(flow<Frame> {
+                for (frame in clip.frames()) {
+                    taken++
+                    emit(frame)
+                }
+            })
+            same(taken, 0, "frames before it is collected")
+            same(collected(states), told, "states")
+            expect(taken <= clip.depth.size && session.outcome() is Outcome.Measured) { "$taken frames, ${session.outcome()}" }
+        }
+        val broken = { Session(clip.camera, models, single).use { collected(it.states(flow<Frame> { error("no camera") })) } }
+        same(fails<IllegalStateException> { broken() }.message, "no camera", "a camera that fails")
+    }
     test("a screen asks from another thread, and a closed session says so") {
         val session = Session(clip.camera, models, quick)
         val ending = AtomicBoolean()
@@ -244,6 +269,23 @@ fun main(arguments: Array<String>) {
         repeat(200) { Session(clip.camera, models, quick.copy(singleThread = true)).close() }
     }
     println("SdkTest: ${ran.size} tests passed")
+}
+
+/** All that a flow emits; nothing here suspends. */
+fun <T> collected(flow: Flow<T>): List<T> {
+    val all = mutableListOf<T>()
+    val collecting: suspend () -> Unit = {
+        flow.collect(object : FlowCollector<T> {
+            override suspend fun emit(value: T) {
+                all += value
+            }
+        })
+    }
+    collecting.startCoroutine(object : Continuation<Unit> {
+        override val context = EmptyCoroutineContext
+        override fun resumeWith(result: kotlin.Result<Unit>) = result.getOrThrow()
+    })
+    return all
 }
 
 /** Each value, interval and probability to the digits that the program prints. */

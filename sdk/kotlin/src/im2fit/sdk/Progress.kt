@@ -54,7 +54,7 @@ data class Progress(
     val framesDropped: Long, val userId: Int, val session: Int, val joints: List<Joint>
 ) {
     /** Whether a person is to be told something else than before. */
-    internal fun saysMoreThan(before: Progress?): Boolean = before == null || state != before.state ||
+    fun saysMoreThan(before: Progress?): Boolean = before == null || state != before.state ||
         guidance != before.guidance || armsClose != before.armsClose || framesUsed != before.framesUsed
 }
 
