@@ -248,11 +248,12 @@ class Session:
             raise Error(status, (said or _lib().im2fit_last_error(self._handle)).decode(errors="replace"))
         return self.poll()
 
-    def push(self, depth, time_ns=None, sequence=None, confidence=None, confidence_min=0, pose=None):
+    def push(self, depth, time_ns=None, sequence=None, confidence=None, confidence_min=0, pose=None, down=None):
         """`depth`: height x width, uint16 millimetres or float32 metres (NaN or 0: no data). `confidence`: uint8 of the
         same shape; less than confidence_min is no data. `pose`: where a camera that is held in the hand is, seven numbers:
         the unit quaternion x, y, z, w that takes directions in the axes of the frame (x right, y down, z forward) to those of
-        a place at rest, and the camera's place there, mm. Returns the Guidance so far."""
+        a place at rest, and the camera's place there, mm. `down`: which way gravity pulls in those axes of the frame, of any
+        length; without it the latest told holds. Returns the Guidance so far."""
         depth = np.asarray(depth)
         if depth.shape != self._size or depth.dtype not in (np.uint16, np.float32):
             raise ValueError(f"depth is {depth.dtype} {depth.shape}, expected uint16 or float32 {self._size}")
@@ -271,6 +272,8 @@ class Session:
             frame.confidence, frame.confidence_min = confidence.ctypes.data, confidence_min
         if pose is not None:
             (frame.turn_x, frame.turn_y, frame.turn_z, frame.turn_w, frame.x_mm, frame.y_mm, frame.z_mm) = map(float, pose)
+        if down is not None:
+            frame.down_x, frame.down_y, frame.down_z = map(float, down)
         frame.sequence = self._number if sequence is None else sequence
         frame.time_ns = self._number * 33_333_333 if time_ns is None else time_ns
         self._number += 1
@@ -449,9 +452,10 @@ def measure(source, models=None, rotate_deg=None, calibration=None, **settings):
 def _measure_folder(folder, models, settings):
     camera = _folder.read_camera(folder / "camera.yaml")
     frames, times = _folder.frames_of(folder), _folder.read_times(folder)
+    downs = {} if camera.rotate_deg else _folder.read_downs(folder)  # of pictures that are stored upright
     with Session(**dataclasses.asdict(camera), models=models, **settings) as session:
         for number, path in frames:
             time_ns = times.get(number, number * 1_000_000_000 // 30)
-            if session.push(_folder.read_frame(path), time_ns=time_ns, sequence=number).measured:
+            if session.push(_folder.read_frame(path), time_ns=time_ns, sequence=number, down=downs.get(number)).measured:
                 break
         return session.finish()

@@ -137,5 +137,15 @@ def read_times(folder):
                 for row in csv.DictReader(stream)}
 
 
+def read_downs(folder):
+    """Which way gravity pulls by frame number, where timestamps.csv says it."""
+    path, names = pathlib.Path(folder) / "timestamps.csv", ("down_x", "down_y", "down_z")
+    if not path.exists():
+        return {}
+    with open(path, newline="", encoding="utf-8") as stream:
+        return {int(row["frame"]): tuple(float(row[name]) for name in names)
+                for row in csv.DictReader(stream) if all(row.get(name) for name in names)}
+
+
 def read_frame(path):
     return read_png(path) if path.suffix == ".png" else read_pgm(path)

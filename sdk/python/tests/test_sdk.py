@@ -255,6 +255,34 @@ class Measuring(unittest.TestCase):
         self.assertEqual(texts[0], texts[1])  # a camera at rest, wherever it is
         self.assertEqual(texts[0], texts[2])
 
+    def test_gravity_is_used_where_no_floor_is_seen(self):
+        camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
+        self.assertEqual(camera.rotate_deg, 90)
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "camera.yaml").write_text(
+                f"image_width: {camera.height}\nimage_height: {camera.width}\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: "
+                f"[{camera.fy}, 0, {camera.height - 1 - camera.cy}, 0, {camera.fx}, {camera.cx}, 0, 0, 1]\n")
+            for number, path in _folder.frames_of(GOLDEN / "clip"):
+                upright = np.rot90(_folder.read_frame(path), -1).astype(">u2")
+                header = f"P5 {upright.shape[1]} {upright.shape[0]} 65535\n".encode()
+                (folder / f"{number:06d}.pgm").write_bytes(header + upright.tobytes())
+            rows = [f"{number},{number * 33333333}" for number, _ in _folder.frames_of(folder)]
+            (folder / "timestamps.csv").write_text("frame,host_ns\n" + "\n".join(rows) + "\n")
+            self.assertTrue(im2fit.measure(folder, models=models(), **FRAMES).measured)
+            # Ten degrees off, as the first frame says: who stands straight leans.
+            rows = [rows[0] + ",0,0.9848,0.1736"] + [row + ",,," for row in rows[1:]]
+            (folder / "timestamps.csv").write_text("frame,host_ns,down_x,down_y,down_z\n" + "\n".join(rows) + "\n")
+            leaning = im2fit.measure(folder, models=models(), **FRAMES)
+            self.assertFalse(leaning.measured)
+            if CAMERAS:
+                self.assertEqual(im2fit.measure(folder, models=models(), rotate_deg=0, **FRAMES).guidance, leaning.guidance)
+        size = (camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy)
+        with im2fit.Session(*size, models=models()) as session:
+            for at in range(3):
+                with self.assertRaisesRegex(im2fit.Error, "frame.down_x, down_y, down_z"):
+                    session.push(np.zeros((240, 320), np.uint16), down=[float("nan") if i == at else 0.5 for i in range(3)])
+
     def test_a_lens_is_undone(self):
         # The same by numpy: for each pixel of the straight picture the nearest of the bent one.
         camera = _folder.read_camera(GOLDEN / "clip/camera.yaml")
