@@ -4,7 +4,7 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdlib>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <type_traits>
@@ -12,16 +12,22 @@
 
 namespace im2fit {
 
-// `size` values that are 0, as a vector's; but pages become resident where they are written first, for calloc() takes
-// large blocks from the system, whose new pages are zero, and leaves them untouched.
+// Large blocks come from the system, whose new pages are zero, and go back to it. calloc() does the same until a
+// block was freed: from then on glibc keeps such blocks and writes their zeros, so that a second engine took twice
+// the memory.
+void* lazy_zero_bytes(std::size_t size);
+void free_lazy_zero_bytes(void* bytes, std::size_t size);
+
+// `size` values that are 0, as a vector's; but pages become resident where they are written first.
 template <class T>
 class LazyZeros {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
   LazyZeros() = default;
-  explicit LazyZeros(std::size_t size) : data_(static_cast<T*>(std::calloc(size, sizeof(T)))), size_(size) {
-    if (data_ == nullptr && size > 0) throw std::bad_alloc();
+  explicit LazyZeros(std::size_t size) : size_(size) {
+    if (size > SIZE_MAX / sizeof(T)) throw std::bad_alloc();
+    data_ = std::unique_ptr<T, Free>(static_cast<T*>(lazy_zero_bytes(size * sizeof(T))), Free{size * sizeof(T)});
   }
   LazyZeros(LazyZeros&& other) noexcept : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)) {}
   LazyZeros& operator=(LazyZeros&& other) noexcept {
@@ -41,7 +47,8 @@ class LazyZeros {
 
  private:
   struct Free {
-    void operator()(T* data) const { std::free(data); }
+    std::size_t bytes = 0;
+    void operator()(T* data) const { free_lazy_zero_bytes(data, bytes); }
   };
   std::unique_ptr<T, Free> data_;
   std::size_t size_ = 0;

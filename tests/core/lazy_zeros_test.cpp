@@ -37,6 +37,19 @@ TEST(LazyZeros, TakeMemoryWhereTheyAreWritten) {
   EXPECT_LT(devices::resident_kb() - before_kb, 40 * 1024);
   EXPECT_EQ(values[32 * kMegabyte], 0);
 }
+
+// Not only the first time, before the allocator has learned how large blocks are.
+TEST(LazyZeros, GiveMemoryBack) {
+  constexpr std::size_t kMegabyte = 1 << 20;
+  const long before_kb = devices::resident_kb();
+  for (int i = 0; i < 20; ++i) {
+    LazyZeros<std::uint8_t> values(16 * kMegabyte);
+    std::fill_n(values.begin(), kMegabyte, std::uint8_t{1});
+    EXPECT_EQ(values[2 * kMegabyte], 0);
+    EXPECT_LT(devices::resident_kb() - before_kb, 4 * 1024);
+  }
+  EXPECT_LT(devices::resident_kb() - before_kb, 2 * 1024);
+}
 #endif
 
 }  // namespace
