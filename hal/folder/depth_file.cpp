@@ -3,13 +3,11 @@
 
 #include <png.h>
 
-#include <bit>
 #include <bitset>
 #include <csetjmp>
 #include <cstdint>
 #include <cstring>
 #include <optional>
-#include <utility>
 
 namespace im2fit::hal {
 namespace {
@@ -107,10 +105,6 @@ struct PngInput {
   char message[128] = "";
 };
 
-struct PngOutput {
-  std::vector<std::byte> bytes;
-};
-
 void on_error(png_structp png, png_const_charp message) {
   auto* input = static_cast<PngInput*>(png_get_error_ptr(png));
   std::strncpy(input->message, message, sizeof input->message - 1);
@@ -124,12 +118,6 @@ void read_some(png_structp png, png_bytep to, std::size_t count) {
   if (count > input->bytes.size()) png_error(png, "it ends too early");
   std::memcpy(to, input->bytes.data(), count);
   input->bytes = input->bytes.subspan(count);
-}
-
-void write_some(png_structp png, png_bytep from, std::size_t count) {
-  auto& bytes = static_cast<PngOutput*>(png_get_io_ptr(png))->bytes;
-  const auto* begin = reinterpret_cast<const std::byte*>(from);
-  bytes.insert(bytes.end(), begin, begin + count);
 }
 
 void big_endian_to_host(DepthImage image) {
@@ -173,29 +161,6 @@ bool has_few_depths(DepthView image) {
   for (int v = 0; v < image.height; v += kRowStep)
     for (int u = 0; u < image.width; ++u) seen.set(image.at(u, v));
   return seen.count() <= kFew;
-}
-
-bool write_png_rows(PngOutput& output, PngInput& errors, const DepthView& image, int filter) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &errors, on_error, on_warning);
-  if (png == nullptr) return false;
-  png_infop info = png_create_info_struct(png);
-  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
-    png_destroy_write_struct(&png, &info);
-    return false;
-  }
-  png_set_write_fn(png, &output, write_some, nullptr);
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 16,
-               PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_filter(png, 0, filter);
-  // A fast deflate keeps up with 30 frames a second.
-  png_set_compression_level(png, 1);
-  png_write_info(png, info);
-  if constexpr (std::endian::native == std::endian::little) png_set_swap(png);
-  for (int v = 0; v < image.height; ++v)
-    png_write_row(png, const_cast<png_bytep>(reinterpret_cast<png_const_bytep>(image.row(v))));
-  png_write_end(png, nullptr);
-  png_destroy_write_struct(&png, &info);
-  return true;
 }
 
 std::vector<std::byte> encode_pgm(DepthView image) {
@@ -259,13 +224,9 @@ Result<std::vector<std::byte>> encode_depth(DepthView image, DepthFormat format)
   if (image.pixels == nullptr) return Error{ErrorCode::invalid_argument, "there is no picture to write"};
   if (auto ok = check_size(image.width, image.height, "the picture to write"); !ok) return ok.error();
   if (format == DepthFormat::pgm) return encode_pgm(image);
-  PngOutput output;
-  PngInput errors;
   // Depth is smooth downwards. But where it is of few values, rows repeat one another's bytes, which differences
   // hide: of a Kinect's noise files are a sixth smaller without, of time of flight's a third larger.
-  if (!write_png_rows(output, errors, image, has_few_depths(image) ? PNG_FILTER_NONE : PNG_FILTER_UP))
-    return Error{ErrorCode::io, std::string("cannot make a PNG: ") + errors.message};
-  return std::move(output.bytes);
+  return encode_plain_png(image, has_few_depths(image) ? RowFilter::none : RowFilter::up);
 }
 
 }  // namespace im2fit::hal

@@ -13,6 +13,8 @@ namespace im2fit::hal {
 namespace {
 
 constexpr std::size_t kPixelBytes = 2;
+constexpr std::byte kSignature[8] = {std::byte{0x89}, std::byte{'P'},  std::byte{'N'},  std::byte{'G'},
+                                     std::byte{'\r'}, std::byte{'\n'}, std::byte{0x1A}, std::byte{'\n'}};
 
 std::uint32_t big_endian32(const std::byte* p) {
   std::uint32_t value = 0;
@@ -75,13 +77,48 @@ bool unfilter(int filter, std::uint8_t* row, const std::uint8_t* above, std::siz
   }
 }
 
+constexpr std::byte kPlain[5] = {std::byte{16}, std::byte{0}, std::byte{0}, std::byte{0}, std::byte{0}};
+
 // 16-bit grey, deflate, the five filters, not interlaced; of the size of `image`.
 bool is_plain(const Chunk& header, DepthView image) {
-  constexpr std::byte kPlain[5] = {std::byte{16}, std::byte{0}, std::byte{0}, std::byte{0}, std::byte{0}};
   return header.is("IHDR") && header.data.size() == 13 &&
          big_endian32(header.data.data()) == static_cast<std::uint32_t>(image.width) &&
          big_endian32(header.data.data() + 4) == static_cast<std::uint32_t>(image.height) &&
          std::memcmp(header.data.data() + 8, kPlain, sizeof kPlain) == 0;
+}
+
+// A fast deflate keeps up with 30 frames a second: as much work as zlib's quickest level, for a quarter less to store
+// and to read. Slower levels save a fifth of the reading for twice the work and more.
+constexpr int kDeflateLevel = 4;
+
+void put_big_endian32(std::byte* to, std::size_t value) {
+  for (unsigned i = 0; i < 4; ++i) to[i] = static_cast<std::byte>(value >> (24 - 8 * i));
+}
+
+// `chunk`: room for length and type, data, room for the CRC. Gives its end.
+std::byte* frame_chunk(std::byte* chunk, const char* type, std::size_t data_size) {
+  put_big_endian32(chunk, data_size);
+  std::memcpy(chunk + 4, type, 4);
+  put_big_endian32(chunk + 8 + data_size, libdeflate_crc32(0, chunk + 4, data_size + 4));
+  return chunk + 12 + data_size;
+}
+
+// Rows as they go into the stream, each after its filter's number.
+std::vector<std::uint8_t> filtered_rows(DepthView image, RowFilter filter) {
+  const std::size_t row_bytes = kPixelBytes * static_cast<std::size_t>(image.width);
+  std::vector<std::uint8_t> rows((1 + row_bytes) * static_cast<std::size_t>(image.height));
+  std::uint8_t* row = rows.data();
+  for (int v = 0; v < image.height; ++v) {
+    *row++ = static_cast<std::uint8_t>(filter);
+    const std::uint16_t *pixels = image.row(v),
+                        *above = filter == RowFilter::up && v > 0 ? image.row(v - 1) : nullptr;
+    for (int u = 0; u < image.width; ++u, row += kPixelBytes) {
+      const unsigned here = pixels[u], less = above != nullptr ? above[u] : 0U;
+      row[0] = static_cast<std::uint8_t>((here >> 8) - (less >> 8));
+      row[1] = static_cast<std::uint8_t>(here - less);
+    }
+  }
+  return rows;
 }
 
 }  // namespace
@@ -106,9 +143,8 @@ bool PlainPngDecoder::inflate(std::span<const std::byte> stream, std::span<std::
 
 // The pixels' filtered rows: IHDR, chunks without meaning, IDATs one after the other, such chunks, IEND.
 bool PlainPngDecoder::inflate_rows(std::span<const std::byte> bytes, DepthView image, std::span<std::uint8_t> rows) {
-  constexpr std::size_t kSignature = 8;
-  if (bytes.size() < kSignature) return false;
-  std::span<const std::byte> rest = bytes.subspan(kSignature);
+  if (bytes.size() < sizeof kSignature) return false;
+  std::span<const std::byte> rest = bytes.subspan(sizeof kSignature);
   Chunk chunk;
   if (!take_chunk(rest, chunk) || !is_plain(chunk, image)) return false;
   std::span<const std::byte> stream;
@@ -151,6 +187,28 @@ bool PlainPngDecoder::decode(std::span<const std::byte> bytes, DepthImage out) {
     std::memcpy(out.row(v), above, row_bytes);
   }
   return true;
+}
+
+Result<std::vector<std::byte>> encode_plain_png(DepthView image, RowFilter filter) {
+  struct Free {
+    void operator()(libdeflate_compressor* compressor) const { libdeflate_free_compressor(compressor); }
+  };
+  const std::unique_ptr<libdeflate_compressor, Free> compressor(libdeflate_alloc_compressor(kDeflateLevel));
+  if (compressor == nullptr) return Error{ErrorCode::io, "cannot make a PNG: no memory"};
+  const std::vector<std::uint8_t> rows = filtered_rows(image, filter);
+  constexpr std::size_t kFrame = 12, kHeaderData = 13;  // length, type and CRC; of IHDR
+  const std::size_t bound = libdeflate_zlib_compress_bound(compressor.get(), rows.size());
+  std::vector<std::byte> bytes(sizeof kSignature + 3 * kFrame + kHeaderData + bound);
+  std::memcpy(bytes.data(), kSignature, sizeof kSignature);
+  std::byte* at = bytes.data() + sizeof kSignature;
+  put_big_endian32(at + 8, static_cast<std::size_t>(image.width));
+  put_big_endian32(at + 12, static_cast<std::size_t>(image.height));
+  std::memcpy(at + 16, kPlain, sizeof kPlain);
+  at = frame_chunk(at, "IHDR", kHeaderData);
+  at = frame_chunk(at, "IDAT", libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(), at + 8, bound));
+  at = frame_chunk(at, "IEND", 0);
+  bytes.resize(static_cast<std::size_t>(at - bytes.data()));
+  return bytes;
 }
 
 }  // namespace im2fit::hal

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// 16-bit grey PNGs as cameras' programs write them, decoded at once instead of row by row: two fifths of libpng's
-// work.
+// 16-bit grey PNGs as cameras' programs write them, coded at once instead of row by row: two fifths of libpng's work
+// to read one.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/status.h"
 
 struct libdeflate_decompressor;
 
@@ -34,5 +35,10 @@ class PlainPngDecoder {
   std::vector<std::byte> stream_;                                // of a picture in several pieces
   std::vector<std::uint8_t> rows_;
 };
+
+enum class RowFilter : std::uint8_t { none = 0, up = 2 };  // the standard's numbers
+
+// Every row is written with that filter: its pixels as they are, or each byte less the one above it.
+Result<std::vector<std::byte>> encode_plain_png(DepthView image, RowFilter filter);
 
 }  // namespace im2fit::hal
