@@ -38,19 +38,25 @@ StepRules rules_of(DepthView depth, float focal_px) {
           std::max(kGapLeastPx, side / kGapAcross)};
 }
 
+// The pixel and the next have data and lie no farther apart than any surface's may: no stretch goes over both.
+template <class T>
+bool level(const Line<T>& line, int i) {
+  return line[i] != 0 && line[i + 1] != 0 && std::abs(line[i + 1] - line[i]) <= kSlopeLeastMm;
+}
+
 // Calls f(first, last) for every stretch of a line that rises or falls steeply from pixel to pixel, over pixels
-// without data too, by kStepMinMm and more. `first` and `last` have data.
+// without data too, by kStepMinMm and more. `first` and `last` have data. Looks at stretches that begin at `first` or
+// behind it, before `end`; gives where the next would begin.
 template <class T, class F>
-void for_each_step(const Line<T>& line, const StepRules& rules, F&& f) {
-  int first = 0;
-  while (first < line.count) {
+int for_each_step(const Line<T>& line, const StepRules& rules, int first, int end, F&& f) {
+  while (first < end) {
     if (line[first] == 0) {
       ++first;
       continue;
     }
     int last = first, way = 0, next = first + 1;
     // Nearly all pixels: no steeper than any surface is allowed to be.
-    if (next < line.count && line[next] != 0 && std::abs(line[next] - line[first]) <= kSlopeLeastMm) {
+    if (next < line.count && level(line, first)) {
       first = next;
       continue;
     }
@@ -66,12 +72,40 @@ void for_each_step(const Line<T>& line, const StepRules& rules, F&& f) {
     if (last != first && std::abs(line[last] - line[first]) >= kStepMinMm) f(first, last);
     first = last == first ? next : last;
   }
+  return first;
+}
+
+// Nearest, without pixels without data, and farthest of a part of a line.
+struct Extent {
+  int nearest_mm = 1 << 16, farthest_mm = 0;
+};
+Extent extent_of(const Line<const std::uint16_t>& line, int first, int end) {
+  std::uint16_t nearest = 0xFFFF, farthest = 0;  // the nearest less 1: without data is the farthest then
+  for (int i = first; i < end; ++i) {
+    nearest = std::min(nearest, static_cast<std::uint16_t>(line[i] - 1));
+    farthest = std::max(farthest, line[i]);
+  }
+  return {nearest + 1, farthest};
+}
+
+// Calls f(first, end) for parts of a line, in order, in which alone steps of kJudgedMinMm may be.
+template <class F>
+void for_each_deep_part(const Line<const std::uint16_t>& line, const StepRules& rules, F&& f) {
+  const int block = (rules.reach_px + 7) / 8 * 8;  // no stretch is longer: it ends in its block or in the next
+  Extent before;
+  for (int first = 0; first < line.count; first += block) {
+    const int end = std::min(first + block, line.count);
+    const Extent here = extent_of(line, first, end);
+    if (std::max(before.farthest_mm, here.farthest_mm) - std::min(before.nearest_mm, here.nearest_mm) >= kJudgedMinMm)
+      f(std::max(first - block, 0), end);
+    before = here;
+  }
 }
 
 // Every other pixel's step on a line counts once; `before`: where the nearer surface comes first.
 void count_steps(const Line<const std::uint16_t>& line, const StepRules& rules, EdgeCounts& counts,
                  EdgeCounts::Side& before, EdgeCounts::Side& after) {
-  for_each_step(line, rules, [&](int first, int last) {
+  const auto count = [&](int first, int last) {
     const int nearer = std::min(line[first], line[last]), step = std::abs(line[last] - line[first]);
     if (step < kJudgedMinMm) return;
     int bridges = 0, lost = 0;
@@ -89,13 +123,19 @@ void count_steps(const Line<const std::uint16_t>& line, const StepRules& rules, 
     ++side.steps;
     side.gaps += lost > 0 ? 1 : 0;
     side.gap_px += static_cast<std::uint32_t>(lost);
+  };
+  int next = 0;
+  for_each_deep_part(line, rules, [&](int first, int end) {
+    // Whatever came before, a stretch begins behind two level pixels.
+    while (first > next && !level(line, first - 1)) --first;
+    next = for_each_step(line, rules, std::max(first, next), end, count);
   });
 }
 
 // Calls set(i, surface_mm, step_mm) for each pixel of a step that is neither surface's.
 template <class F>
 void restore_steps(const Line<const std::uint16_t>& line, const StepRules& rules, F&& set) {
-  for_each_step(line, rules, [&](int first, int last) {
+  for_each_step(line, rules, 0, line.count, [&](int first, int last) {
     const int start = line[first], end = line[last], middle = (start + end) / 2;
     const auto starts = [&](int z) { return start < end ? z < middle : z > middle; };
     int split = first;  // the last pixel of the first surface

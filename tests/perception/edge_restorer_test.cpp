@@ -151,6 +151,24 @@ TEST(EdgeRestorer, AShadowIsNoDroppedEdge) {
   EXPECT_EQ(disc.pixels, sharp);
 }
 
+// Only parts of a line where near and far lie together are looked through: a long step counts wherever it begins.
+TEST(EdgeRestorer, AStepCountsWhereverItLies) {
+  constexpr int kLong = 640, kRows = 8, kStepPx = 22;
+  for (const bool noisy : {false, true})
+    for (int begin = 1; begin + kStepPx < kLong; ++begin) {
+      std::vector<std::uint16_t> pixels(kLong * kRows);
+      for (int v = 0; v < kRows; ++v)
+        for (int u = 0; u < kLong; ++u) {
+          const int slope_mm = kNearMm + (kWallMm - kNearMm) * std::clamp(u - begin, 0, kStepPx) / kStepPx;
+          const int noise_mm = noisy && u > begin + kStepPx && u % 2 != 0 ? 70 : 0;
+          pixels[static_cast<std::size_t>(v * kLong + u)] = static_cast<std::uint16_t>(slope_mm + noise_mm);
+        }
+      EdgeRestorer restorer(kLong, kRows);
+      restorer.run({pixels.data(), kLong, kRows}, 575);
+      ASSERT_EQ(restorer.counts().steps, 2) << "of two rows of eight, from pixel " << begin;
+    }
+}
+
 TEST(EdgeRestorer, AFloorIsNoStep) {
   // A camera 1.2 m above a floor that fills the picture from the horizon on.
   std::vector<std::uint16_t> pixels(kWidth * kHeight);
