@@ -36,12 +36,14 @@ void transpose(const std::uint16_t* rows, std::ptrdiff_t step, Lanes columns[kLa
 // By a quarter turn; 90 degrees: out(u, v) = in(v, in.height - 1 - u), 270: in(in.width - 1 - v, u).
 void turn(DepthView in, bool by_90, DepthImage out) {
   const auto pick = [&](int u, int v) { return by_90 ? in.at(v, in.height - 1 - u) : in.at(in.width - 1 - v, u); };
+  // Eight rows from below up, or eight columns' places from below up: the lanes stay in registers either way.
   const std::ptrdiff_t step = by_90 ? -std::ptrdiff_t{in.stride} : std::ptrdiff_t{in.stride};
+  const std::ptrdiff_t out_step = by_90 ? std::ptrdiff_t{out.stride} : -std::ptrdiff_t{out.stride};
   const auto eight = [&](int u, int v) {
     Lanes rows[kLanes];
     transpose(by_90 ? in.row(in.height - 1 - u) + v : in.row(u) + in.width - v - kLanes, step, rows);
-    for (int i = 0; i < kLanes; ++i)
-      std::memcpy(out.row(v + i) + u, &rows[by_90 ? i : kLanes - 1 - i], sizeof rows[i]);
+    std::uint16_t* to = out.row(by_90 ? v : v + kLanes - 1) + u;
+    for (int i = 0; i < kLanes; ++i, to += out_step) std::memcpy(to, &rows[i], sizeof rows[i]);
   };
   const int whole_width = out.width - out.width % kLanes, whole_height = out.height - out.height % kLanes;
   for (int v0 = 0; v0 < whole_height; v0 += kTile)
