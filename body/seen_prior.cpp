@@ -61,22 +61,24 @@ struct SeenPrior::Work {
     for (std::size_t i = 0; i < all.size(); i += kEach) {
       if (is_left_out(m.shape_space().skin[i])) continue;
       points.push_back(i);
-      quads.push_back(all[i]);
+      for (const std::int32_t corner : all[i]) quads.push_back(corner);
       corners.push_back(all[i][0]);
     }
     slopes.resize(corners.size() * kWarpCount);
-    for (auto* mesh : {&rest, &warped, &moves[0], &moves[1], &moves[2]})
+    warped.resize(quads.size());
+    for (auto* mesh : {&rest, &moves[0], &moves[1], &moves[2]})
       mesh->resize(static_cast<std::size_t>(m.vertex_count()));
     for (Params* p : {&bare, &moved[0], &moved[1], &moved[2]}) p->modifiers.reserve(m.modifier_names().size());
   }
 
   const BodyModel& model;
   RestShape shape;
-  std::vector<std::size_t> points;  // of the space
-  std::vector<Quad> quads;
+  std::vector<std::size_t> points;    // of the space
+  std::vector<std::int32_t> quads;    // their four vertices each
   std::vector<std::int32_t> corners;  // one of each quad
   std::vector<Vec3f> slopes;
-  std::vector<Vec3f> rest, warped;
+  std::vector<Vec3f> rest;
+  std::vector<Vec3f> warped;  // of the quads
   std::array<std::vector<Vec3f>, 3> moves;
   Params bare;
   std::array<Params, 3> moved;
@@ -93,8 +95,7 @@ void SeenPrior::Work::set_slopes(const Params& from) {
   bare.warp = {};
   model.morph(bare, rest);
   warp_slopes(model, rest, corners, slopes);
-  warped = rest;
-  apply_warp(model, from.warp, warped);
+  warp_vertices(model, from.warp, rest, quads, warped);
   std::array<BodyModel::BodyMove, 3> all;
   const std::array<float, 3> at = {bare.height, bare.weight, 0};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -127,7 +128,7 @@ void SeenPrior::Work::add_equations(const SeenBody& seen, Square& sum, Row& righ
     const Vec3f normal = normalized(shape.normal(points[p]));
     if (!seen.back && normal.z < kBackMost) continue;
     Vec3f own{};
-    for (const std::int32_t v : quads[p]) own = own + warped[static_cast<std::size_t>(v)];
+    for (const Vec3f corner : std::span(warped).subspan(4 * p, 4)) own = own + corner;
     const double off = static_cast<double>(dot(normal, shape.middle(points[p]) - own * 0.25F));
     const Row row = row_of(p, normal);
     for (std::size_t i = 0; i < kShiftedCount; ++i) {

@@ -299,6 +299,14 @@ void apply_warp(const BodyModel& model, const Warp& warp, std::span<Vec3f> rest)
   for (std::size_t v = 0; v < rest.size(); ++v) rest[v] = field.moved(v);
 }
 
+void warp_vertices(const BodyModel& model, const Warp& warp, std::span<const Vec3f> rest,
+                   std::span<const std::int32_t> vertices, std::span<Vec3f> out) {
+  assert(out.size() == vertices.size());
+  Field field(model, rest);
+  field.set(warp);
+  for (std::size_t v = 0; v < vertices.size(); ++v) out[v] = field.moved(at(vertices[v]));
+}
+
 void warp_slopes(const BodyModel& model, std::span<const Vec3f> rest, std::span<const std::int32_t> vertices,
                  std::span<Vec3f> out) {
   assert(out.size() == vertices.size() * kWarpCount);

@@ -90,6 +90,10 @@ Vec3f section_move(const SectionWarp& warp, const SectionFrame& frame, Vec3f p);
 // only, so the mesh has the same bits on every machine. No allocation.
 void apply_warp(const BodyModel& model, const Warp& warp, std::span<Vec3f> rest);
 
+// Where some vertices of that mesh would be then. No allocation.
+void warp_vertices(const BodyModel& model, const Warp& warp, std::span<const Vec3f> rest,
+                   std::span<const std::int32_t> vertices, std::span<Vec3f> out);
+
 // How far a value of 1 moves each of some vertices of a rest mesh without a warp: vertex by vertex, kWarpCount each.
 // A warp's moves are linear in its values. No allocation.
 void warp_slopes(const BodyModel& model, std::span<const Vec3f> rest, std::span<const std::int32_t> vertices,
