@@ -208,7 +208,7 @@ TEST(UnwritableOut, IsReportedInOneLine) {
 // The largest file that can be written stands in for the room left on the disk.
 TEST(FullDisk, LeavesNothingHalfWritten) {
   IM2FIT_NEED_DATA();
-  for (const rlim_t room : {rlim_t{0}, rlim_t{100}, rlim_t{700}}) {
+  for (const rlim_t room : {rlim_t{0}, rlim_t{100}, rlim_t{250}}) {
     SCOPED_TRACE("room for " + std::to_string(room) + " bytes");
     const test::TestFolder folder;
     const std::string wall = wall_folder(folder);
