@@ -24,7 +24,7 @@ constexpr float kShoulderGrip = 2;     // times the friction
 // Skin before the cloth, that it may be pinched by: two layers' kSkinMm; a rough mesh's vertices are far between.
 constexpr float kPinchReachMm = 8, kRoughPinchReachMm = 25;
 constexpr float kPinchNearMm = 15;     // off its own skin at most
-constexpr float kCaughtMm = 25;        // cloth runs into another limb by so much at most
+constexpr float kCaughtMm = 25;        // skin that cloth is within, at most
 constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
 // What is stretched by kListed when a frame begins is held until it ends, after the skin has pushed: where skin pulls
 // cloth apart, cloth wins. In the first passes what is over kOver is drawn to kHeld, a little shorter, so that an

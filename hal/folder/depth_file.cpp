@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/folder/depth_file.h"
 
-#include <png.h>
-
 #include <bitset>
-#include <csetjmp>
 #include <cstdint>
 #include <cstring>
 #include <optional>
 
+#include "hal/folder/libpng.h"
+
 namespace im2fit::hal {
 namespace {
-
-constexpr std::byte kPngSignature[8] = {std::byte{0x89}, std::byte{'P'},  std::byte{'N'},  std::byte{'G'},
-                                        std::byte{'\r'}, std::byte{'\n'}, std::byte{0x1A}, std::byte{'\n'}};
 
 Error damaged(const std::string& what, const std::string& found) {
   return {ErrorCode::corrupt, what + " is damaged or truncated (" + found + "); write or copy it again"};
@@ -99,19 +95,10 @@ bool is_pgm(std::span<const std::byte> bytes) {
   return bytes.size() >= 3 && byte_at(bytes, 0) == 'P' && byte_at(bytes, 1) == '5';
 }
 
-// libpng reports errors by longjmp: everything it may jump over is plain data owned by the caller.
-struct PngInput {
+struct PngInput : PngMessage {
+  explicit PngInput(std::span<const std::byte> all) : bytes(all) {}
   std::span<const std::byte> bytes;
-  char message[128] = "";
 };
-
-void on_error(png_structp png, png_const_charp message) {
-  auto* input = static_cast<PngInput*>(png_get_error_ptr(png));
-  std::strncpy(input->message, message, sizeof input->message - 1);
-  png_longjmp(png, 1);
-}
-
-void on_warning(png_structp, png_const_charp) {}
 
 void read_some(png_structp png, png_bytep to, std::size_t count) {
   auto* input = static_cast<PngInput*>(png_get_io_ptr(png));
@@ -132,7 +119,8 @@ void big_endian_to_host(DepthImage image) {
 }
 
 bool read_png_rows(PngInput& input, const DepthImage& out) {
-  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &input, on_error, on_warning);
+  png_structp png =
+      png_create_read_struct(PNG_LIBPNG_VER_STRING, static_cast<PngMessage*>(&input), on_png_error, on_png_warning);
   if (png == nullptr) return false;
   png_infop info = png_create_info_struct(png);
   if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
@@ -200,7 +188,7 @@ Status DepthDecoder::decode(std::span<const std::byte> bytes, const std::string&
   if (header->format == DepthFormat::png) {
     PngInput input{bytes};
     if (!plain_.decode(bytes, out) && !read_png_rows(input, out))
-      return damaged(what, input.message[0] != '\0' ? input.message : "no memory");
+      return damaged(what, input.text[0] != '\0' ? input.text : "no memory");
   } else {
     const auto pgm = parse_pgm_header(bytes, what);
     if (!pgm) return pgm.error();

@@ -13,8 +13,6 @@ namespace im2fit::hal {
 namespace {
 
 constexpr std::size_t kPixelBytes = 2;
-constexpr std::byte kSignature[8] = {std::byte{0x89}, std::byte{'P'},  std::byte{'N'},  std::byte{'G'},
-                                     std::byte{'\r'}, std::byte{'\n'}, std::byte{0x1A}, std::byte{'\n'}};
 
 std::uint32_t big_endian32(const std::byte* p) {
   std::uint32_t value = 0;
@@ -143,8 +141,8 @@ bool PlainPngDecoder::inflate(std::span<const std::byte> stream, std::span<std::
 
 // The pixels' filtered rows: IHDR, chunks without meaning, IDATs one after the other, such chunks, IEND.
 bool PlainPngDecoder::inflate_rows(std::span<const std::byte> bytes, DepthView image, std::span<std::uint8_t> rows) {
-  if (bytes.size() < sizeof kSignature) return false;
-  std::span<const std::byte> rest = bytes.subspan(sizeof kSignature);
+  if (bytes.size() < sizeof kPngSignature) return false;
+  std::span<const std::byte> rest = bytes.subspan(sizeof kPngSignature);
   Chunk chunk;
   if (!take_chunk(rest, chunk) || !is_plain(chunk, image)) return false;
   std::span<const std::byte> stream;
@@ -198,9 +196,9 @@ Result<std::vector<std::byte>> encode_plain_png(DepthView image, RowFilter filte
   const std::vector<std::uint8_t> rows = filtered_rows(image, filter);
   constexpr std::size_t kFrame = 12, kHeaderData = 13;  // length, type and CRC; of IHDR
   const std::size_t bound = libdeflate_zlib_compress_bound(compressor.get(), rows.size());
-  std::vector<std::byte> bytes(sizeof kSignature + 3 * kFrame + kHeaderData + bound);
-  std::memcpy(bytes.data(), kSignature, sizeof kSignature);
-  std::byte* at = bytes.data() + sizeof kSignature;
+  std::vector<std::byte> bytes(sizeof kPngSignature + 3 * kFrame + kHeaderData + bound);
+  std::memcpy(bytes.data(), kPngSignature, sizeof kPngSignature);
+  std::byte* at = bytes.data() + sizeof kPngSignature;
   put_big_endian32(at + 8, static_cast<std::size_t>(image.width));
   put_big_endian32(at + 12, static_cast<std::size_t>(image.height));
   std::memcpy(at + 16, kPlain, sizeof kPlain);

@@ -36,6 +36,9 @@ class PlainPngDecoder {
   std::vector<std::uint8_t> rows_;
 };
 
+inline constexpr std::byte kPngSignature[8] = {std::byte{0x89}, std::byte{'P'},  std::byte{'N'},  std::byte{'G'},
+                                               std::byte{'\r'}, std::byte{'\n'}, std::byte{0x1A}, std::byte{'\n'}};
+
 enum class RowFilter : std::uint8_t { none = 0, up = 2 };  // the standard's numbers
 
 // Every row is written with that filter: its pixels as they are, or each byte less the one above it.

@@ -1,31 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where libdeflate is missing: libpng reads and writes everything.
-#include <png.h>
-
 #include <bit>
-#include <csetjmp>
-#include <cstring>
 #include <string>
 #include <utility>
 
+#include "hal/folder/libpng.h"
 #include "hal/folder/plain_png.h"
 
 namespace im2fit::hal {
 namespace {
 
-// libpng reports errors by longjmp: everything it may jump over is plain data owned by the caller.
-struct Output {
+struct Output : PngMessage {
   std::vector<std::byte> bytes;
-  char message[128] = "";
 };
-
-void on_error(png_structp png, png_const_charp message) {
-  auto* output = static_cast<Output*>(png_get_error_ptr(png));
-  std::strncpy(output->message, message, sizeof output->message - 1);
-  png_longjmp(png, 1);
-}
-
-void on_warning(png_structp, png_const_charp) {}
 
 void write_some(png_structp png, png_bytep from, std::size_t count) {
   auto& bytes = static_cast<Output*>(png_get_io_ptr(png))->bytes;
@@ -34,7 +21,8 @@ void write_some(png_structp png, png_bytep from, std::size_t count) {
 }
 
 bool write_rows(Output& output, const DepthView& image, RowFilter filter) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &output, on_error, on_warning);
+  png_structp png =
+      png_create_write_struct(PNG_LIBPNG_VER_STRING, static_cast<PngMessage*>(&output), on_png_error, on_png_warning);
   if (png == nullptr) return false;
   png_infop info = png_create_info_struct(png);
   if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
@@ -67,7 +55,7 @@ bool PlainPngDecoder::decode(std::span<const std::byte> /*bytes*/, DepthImage /*
 Result<std::vector<std::byte>> encode_plain_png(DepthView image, RowFilter filter) {
   Output output;
   if (!write_rows(output, image, filter))
-    return Error{ErrorCode::io, std::string("cannot make a PNG: ") + output.message};
+    return Error{ErrorCode::io, std::string("cannot make a PNG: ") + output.text};
   return std::move(output.bytes);
 }
 
