@@ -124,7 +124,7 @@ void add_pack(cli::App& app, Command& chosen) {
   auto* sub = add_command<PackOptions>(
       app, chosen, "pack", "Body, tracker and index in one file, for devices to install",
       "  im2fit-lab pack --source upstream\n"
-      "  im2fit-lab pack --source npm --add size-charts/mine.csv=mine.csv --out im2fit-models-0.2.0.i2p",
+      "  im2fit-lab pack --source npm --add size-charts/mine.csv=mine.csv --out im2fit-models-1.0.0.i2p",
       options, run_pack);
   sub->add_option(
          "--source", options->source,

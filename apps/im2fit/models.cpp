@@ -102,7 +102,7 @@ Result<int> run_verify(const ModelsOptions& options) {
 
 void add_models(cli::App& app, Command& chosen) {
   cli::App* parent = app.add_subcommand("models", "The models that measuring needs: list, install or verify");
-  parent->footer("Examples:\n  im2fit models install im2fit-models-0.2.0.i2p\n  im2fit models list");
+  parent->footer("Examples:\n  im2fit models install im2fit-models-1.0.0.i2p\n  im2fit models list");
   auto listed = std::make_shared<ModelsOptions>();
   cli::App* list = add_command<ModelsOptions>(*parent, chosen, "list", "List what is installed; * is what is used",
                                               "  im2fit models list --json", listed, run_list);
@@ -110,7 +110,7 @@ void add_models(cli::App& app, Command& chosen) {
   auto installed = std::make_shared<ModelsOptions>();
   cli::App* install = add_command<ModelsOptions>(
       *parent, chosen, "install", "Install a model pack",
-      "  im2fit models install im2fit-models-0.2.0.i2p\n  im2fit models install PACK --to /usr/share/im2fit",
+      "  im2fit models install im2fit-models-1.0.0.i2p\n  im2fit models install PACK --to /usr/share/im2fit",
       installed, run_install);
   install->add_option("PACK", installed->pack, "The pack, a .i2p file")->required()->type_name("FILE");
   install->add_option("--to", installed->directory, "Where to (default: the user's data directory)")

@@ -29,8 +29,8 @@ struct PackedFile {
 };
 
 struct PackManifest {
-  std::string version;  // of the pack: "0.2.0"
-  std::string made_by;  // "im2fit-lab 0.2.0"
+  std::string version;  // of the pack: "1.0.0"
+  std::string made_by;  // "im2fit-lab 1.0.0"
   std::string source;   // of the body data
   std::string licence;  // SPDX identifier of what the models derive from
   std::uint64_t people = 0;

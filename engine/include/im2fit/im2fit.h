@@ -38,10 +38,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define IM2FIT_VERSION_MAJOR 0
-#define IM2FIT_VERSION_MINOR 2
+#define IM2FIT_VERSION_MAJOR 1
+#define IM2FIT_VERSION_MINOR 0
 #define IM2FIT_VERSION_PATCH 0
-/* For #if: 200 is 0.2.0, 10203 is 1.2.3. */
+/* For #if: 10000 is 1.0.0, 10203 is 1.2.3. */
 #define IM2FIT_VERSION_NUMBER (IM2FIT_VERSION_MAJOR * 10000 + IM2FIT_VERSION_MINOR * 100 + IM2FIT_VERSION_PATCH)
 
 #if defined(_WIN32)
@@ -76,7 +76,7 @@ enum {
   IM2FIT_ERROR_FORKED = -13 /* the handle was opened before fork(), in the parent process: open one of your own */
 };
 
-/* "0.2.0": of the library in use, which may be newer than this header. */
+/* "1.0.0": of the library in use, which may be newer than this header. */
 IM2FIT_API const char* im2fit_version(void);
 
 /* A short name, "no_device"; "unknown" for other numbers. */

@@ -38,7 +38,7 @@ class Desk : public testing::Test {
     source.intrinsics.fx = source.intrinsics.fy = 60;
     source.intrinsics.cx = 31.5F;
     source.intrinsics.cy = 23.5F;
-    page_->page().use_source(source, {"0.2.0", "a", "b", "c"});
+    page_->page().use_source(source, {"1.0.0", "a", "b", "c"});
     token_ = page_->client().Get("/operator/token")->body;
   }
   // Its status, and what it said.

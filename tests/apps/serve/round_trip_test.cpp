@@ -96,7 +96,7 @@ class Shop {
     page.desk->settings = {kFramesWanted, false, "none", "auto", "auto"};
     page_ = std::make_unique<test::ShownPage>(page);
     page_->page().use_source(
-        source_, {"0.2.0", digest(test::body_path()), digest(test::tracker_path()), digest(test::index_path())});
+        source_, {"1.0.0", digest(test::body_path()), digest(test::tracker_path()), digest(test::index_path())});
     token_ = page_->client().Get("/operator/token")->body;
   }
   const body::BodyModel& model() const { return *data_->body_model; }

@@ -5,7 +5,7 @@
 #
 ################################################################################
 
-IM2FIT_VERSION = 0.2.0
+IM2FIT_VERSION = 1.0.0
 # The checkout, or what git archive made of it: IM2FIT_OVERRIDE_SRCDIR in local.mk names another.
 IM2FIT_SITE = $(BR2_EXTERNAL_IM2FIT_PATH)/../..
 IM2FIT_SITE_METHOD = local

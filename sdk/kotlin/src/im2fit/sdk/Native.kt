@@ -81,5 +81,5 @@ class Im2fitException internal constructor(val status: Int, message: String) : R
     val statusName: String get() = Native.nameOf(Native.NAMES_STATUS, status) ?: "unknown"
 }
 
-/** The library's version, "0.2.0". */
+/** The library's version, "1.0.0". */
 fun im2fitVersion(): String = Native.text(Native.version())!!

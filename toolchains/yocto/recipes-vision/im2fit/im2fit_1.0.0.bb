@@ -5,7 +5,7 @@ SECTION = "multimedia"
 LICENSE = "Apache-2.0"
 LIC_FILES_CHKSUM = "file://LICENSE;md5=3b83ef96387f14655fc854ddc3c6bd57 file://NOTICE;md5=b679f98ee57d44092fe5ab545966197e"
 
-# Beside this recipe: git archive --prefix=im2fit-0.2.0/ -o im2fit-0.2.0.tar.gz HEAD
+# Beside this recipe: git archive --prefix=im2fit-1.0.0/ -o im2fit-1.0.0.tar.gz HEAD
 SRC_URI = "file://im2fit-${PV}.tar.gz"
 
 # The layers openembedded-core and meta-oe.
