@@ -116,6 +116,25 @@ bool whole(const ShapeSpace& s) {
          finite(s.bone_mean, kBoneValues) && finite(s.bone_basis, kBoneValues * s.shape_count);
 }
 
+// The file has plane after plane, the basis the planes of a value side by side: a few points of all planes at a time,
+// so that what is written stays in the first cache.
+void read_points(const Sections& sections, ShapeSpace& space) {
+  constexpr std::size_t kPointsAtATime = 16;
+  const std::size_t point_values = space.point_count * kPointValues;
+  for (std::size_t begin = 0; begin < space.point_count; begin += kPointsAtATime) {
+    const std::size_t count = std::min(kPointsAtATime, space.point_count - begin);
+    for (std::size_t p = 0; p <= space.shape_count; ++p) {
+      const Plane plane(p, space.shape_count);
+      const PlaneScale& scale = sections.scales[p];
+      const std::int16_t* step = sections.points.data() + p * point_values + begin * kPointValues;
+      float* out = points_of(space, plane).data() + plane(begin * kPointValues);
+      for (std::size_t point = 0; point < count; ++point)
+        for (std::size_t v = 0; v < kPointValues; ++v, out += plane.stride)
+          *out = static_cast<float>(*step++) * scale_of(scale, v);
+    }
+  }
+}
+
 PlaneScale largest_over_steps(const std::vector<float>& values, const Plane& plane, std::size_t count) {
   std::array<float, 2> largest{};
   for (std::size_t i = 0; i < count; ++i) {
@@ -138,19 +157,9 @@ Result<ShapeSpace> read_shape_space(const ContainerReader& reader, const std::st
   for (const auto& [name, entry] : reader.entries())
     if (name.starts_with(kSectionPrefix)) sums.push_back(entry.crc);
   space.key = crc32c(std::as_bytes(std::span(sums)));
-  const std::size_t point_values = space.point_count * kPointValues;
+  read_points(*sections, space);
   for (std::size_t p = 0; p <= space.shape_count; ++p) {
     const Plane plane(p, space.shape_count);
-    auto& points = points_of(space, plane);
-    std::array<float, kPointValues> scales;
-    for (std::size_t v = 0; v < kPointValues; ++v) scales[v] = scale_of(sections->scales[p], v);
-    const std::int16_t* step = sections->points.data() + p * point_values;
-    float* out = points.data() + plane.first;
-    for (std::size_t point = 0; point < space.point_count; ++point)
-      for (const float scale : scales) {
-        *out = static_cast<float>(*step++) * scale;
-        out += plane.stride;
-      }
     auto& bones = bones_of(space, plane);
     for (std::size_t i = 0; i < kBoneValues; ++i) bones[plane(i)] = sections->bones[p * kBoneValues + i];
   }
