@@ -68,29 +68,41 @@ SkinSeen look_for_skin(const body::BodyModel& model, const body::Outfit& outfit,
     outfit.pressed(i, cloth[i]);
   }
   SkinSeen seen;
-  for (const PictureView& view : {kFrontView, kLeftView, kBackView, kSlantView}) {
-    Picture picture;
-    const auto at = [&](Vec3f v) {
-      const Vec3f p = v - middle;
-      return Vec3f{kWidth / 2.0F + (view.cosine * p.x - view.sine * p.z) / kPixelMm, kHeight / 2.0F - p.y / kPixelMm,
-                   view.sine * p.x + view.cosine * p.z};
-    };
-    for (const auto& t : model.body_triangles()) {
-      const auto v = [&](std::size_t k) { return static_cast<std::size_t>(t[k]); };
-      const bool all = covered[v(0)] != 0 && covered[v(1)] != 0 && covered[v(2)] != 0;
-      picture.fill(at(skin[v(0)]), at(skin[v(1)]), at(skin[v(2)]), all ? kCoveredSkin : kSkin);
-    }
-    for (std::size_t i = 0; i < outfit.size(); ++i)
-      for (const auto& t : outfit.cloth(i).mesh().triangles) {
-        const auto v = [&](std::size_t k) { return cloth[i][static_cast<std::size_t>(t[k])]; };
-        picture.fill(at(v(0)), at(v(1)), at(v(2)), kCloth);
+  const auto hidden = covered_skin(model, outfit);
+  for (const PictureView& view : {kFrontView, kLeftView, kBackView, kSlantView})
+    for (const bool drawn : {false, true}) {
+      Picture picture;
+      const auto at = [&](Vec3f v) {
+        const Vec3f p = v - middle;
+        return Vec3f{kWidth / 2.0F + (view.cosine * p.x - view.sine * p.z) / kPixelMm,
+                     kHeight / 2.0F - p.y / kPixelMm, view.sine * p.x + view.cosine * p.z};
+      };
+      for (const auto& t : model.body_triangles()) {
+        const auto v = [&](std::size_t k) { return static_cast<std::size_t>(t[k]); };
+        const auto all = [&](std::span<const std::uint8_t> of) {
+          return of[v(0)] != 0 && of[v(1)] != 0 && of[v(2)] != 0;
+        };
+        if (drawn && all(hidden)) continue;
+        picture.fill(at(skin[v(0)]), at(skin[v(1)]), at(skin[v(2)]), all(covered) ? kCoveredSkin : kSkin);
       }
-    seen.cloth_px += static_cast<int>(std::count(picture.what.begin(), picture.what.end(), kCloth));
-    for (std::size_t i = 0; i < picture.what.size(); ++i) {
-      if (picture.what[i] != kCoveredSkin) continue;
-      ++(picture.nearest[i] - picture.cloth[i] < kThroughMm ? seen.through_px : seen.bare_px);
+      for (std::size_t i = 0; i < outfit.size(); ++i)
+        for (const auto& t : outfit.cloth(i).mesh().triangles) {
+          const auto v = [&](std::size_t k) { return cloth[i][static_cast<std::size_t>(t[k])]; };
+          picture.fill(at(v(0)), at(v(1)), at(v(2)), kCloth);
+        }
+      int through = 0, bare = 0;
+      for (std::size_t i = 0; i < picture.what.size(); ++i) {
+        if (picture.what[i] != kCoveredSkin) continue;
+        ++(picture.nearest[i] - picture.cloth[i] < kThroughMm ? through : bare);
+      }
+      if (drawn) {
+        seen.drawn_px += through;
+        continue;
+      }
+      seen.cloth_px += static_cast<int>(std::count(picture.what.begin(), picture.what.end(), kCloth));
+      seen.through_px += through;
+      seen.bare_px += bare;
     }
-  }
   return seen;
 }
 

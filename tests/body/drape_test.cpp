@@ -168,8 +168,8 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
   const std::vector<std::size_t> shown = asked != nullptr ? std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}
                                                           : std::vector<std::size_t>{0, 3, 7, 9};
   double strain = 0, p95 = 0, peak = 0, highest_peak = 0, inside = 0, deepest = 0, folds = 0, moved = 0;
-  int drapes = 0, restless = 0, poses_with_skin = 0, poses_seen = 0;
-  double through_px = 0, bare_px = 0, cloth_px = 0;
+  int drapes = 0, restless = 0, poses_with_skin = 0, poses_drawn_with_skin = 0, poses_seen = 0;
+  double through_px = 0, bare_px = 0, cloth_px = 0, drawn_px = 0;
   for (int number = 0; number < count; ++number) {
     const DressedPerson person = drawn_person(*real_body(), static_cast<std::uint64_t>(number));
     const auto poses = dressed_poses(*real_body(), person);
@@ -205,12 +205,14 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
       const SkinSeen seen = look_for_skin(*real_body(), outfit, covered);
       through_px += seen.through_px;
       bare_px += seen.bare_px;
+      drawn_px += seen.drawn_px;
       cloth_px += seen.cloth_px;
       poses_with_skin += seen.through_px > 0 ? 1 : 0;
+      poses_drawn_with_skin += seen.drawn_px > 0 ? 1 : 0;
       ++poses_seen;
       if (asked != nullptr)
-        std::printf("%s %s: of %d pixels skin is before cloth in %d, bare in %d\n", person.name.c_str(),
-                    poses[p].name.c_str(), seen.cloth_px, seen.through_px, seen.bare_px);
+        std::printf("%s %s: of %d pixels skin is before cloth in %d, bare in %d, drawn in %d\n", person.name.c_str(),
+                    poses[p].name.c_str(), seen.cloth_px, seen.through_px, seen.bare_px, seen.drawn_px);
       if (p > 0) outfit.move_to(poses[0].pose, 20);
     }
   }
@@ -219,8 +221,9 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
       "%.3f mm a frame at rest, %d over 0.1\n",
       drapes, 100 * strain / drapes, 100 * p95 / drapes, 100 * peak / drapes, 100 * inside / drapes, deepest,
       folds / drapes, moved / drapes, restless);
-  std::printf("of %.0f pixels skin is before cloth in %.0f, of %d in %d poses; bare in %.0f\n", cloth_px, through_px,
-              poses_seen, poses_with_skin, bare_px);
+  std::printf(
+      "of %.0f pixels skin is before cloth in %.0f, of %d in %d poses; bare in %.0f; drawn in %.0f, in %d poses\n",
+      cloth_px, through_px, poses_seen, poses_with_skin, bare_px, drawn_px, poses_drawn_with_skin);
   EXPECT_LT(strain / drapes, 0.02);
   EXPECT_LT(highest_peak, asked != nullptr ? 0.5 : 0.4);
   EXPECT_LT(inside / drapes, 0.004);
