@@ -133,7 +133,7 @@ ClothPart cloth_part(const BodyModel& model, const Outfit& outfit, std::size_t i
   const std::array<Vec3f, kSegmentCount> shift = shifts(rest, outfit.pose());
   ClothPart part;
   std::vector<Vec3f> shown(all.size());
-  outfit.pressed(index, shown);
+  outfit.shown(index, shown);
   for (std::size_t v = 0; v < all.size(); ++v) {
     std::array<std::uint8_t, 4> order{};  // the four that weigh most, of equals the first
     std::size_t found = 0;

@@ -56,6 +56,7 @@ class Cloth {
   std::uint8_t limbs(std::size_t v) const { return limbs_[v]; }
   // Where a vertex lay nearest to the skin when the last frame began; triangle -1: beyond reach.
   std::span<const SkinPlace> contacts() const { return place_; }
+  std::span<const std::uint8_t> pinched() const { return pinched_; }  // 1: between two skins that face each other
 
  private:
   struct Contact {

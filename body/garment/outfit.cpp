@@ -34,9 +34,11 @@ constexpr float kHiddenRimMm = 40;    // skin nearer to a hem may be seen
 constexpr float kHiddenClothRimMm = 10;
 constexpr float kHiddenCosine = 0.2F;
 constexpr float kHiddenAsideMm = 30;
+constexpr float kCrumpledMm = 16;  // more than an edge of the mesh
 constexpr float kPressMm = 2, kPressAsideMm = 45;
-constexpr float kPressedOffSkinMm = 2;  // of the places shown: half of what cloth keeps, see Cloth::kSkinMm
-constexpr float kSkinBehindMm = 8, kClothBehindMm = 40;  // cloth worn below may stand out of what is worn over it
+constexpr float kLiftedOffSkinMm = 2;  // of the places shown: half of what cloth keeps, see Cloth::kSkinMm
+constexpr float kSkinBehindMm = 20;    // skin that stands farther out of cloth is seen
+constexpr float kClothBehindMm = 40;   // cloth worn below may stand out of what is worn over it
 
 std::size_t at(Segment s) {
   return static_cast<std::size_t>(s);
@@ -385,8 +387,8 @@ void Outfit::near(const Cloth& cloth, Vec3f p, const float& best, F consider) co
 // What lies at `p` and faces `n` is hidden by the nearest cloth that faces as it does, from `behind_mm` behind it on,
 // but not by a hem's. An arm beside the trunk is hidden by its sleeve alone. `hint`: what hid the place asked for
 // before, most often near to this one; kept up.
-bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm,
-                   std::size_t& hint) const {
+bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float crumpled_mm,
+                   float rim_mm, std::size_t& hint) const {
   const GarmentMesh& mesh = cloth.mesh();
   const bool arm = (limbs & kTrunk) == 0 && (limbs & (kLeftArm | kRightArm)) != 0;
   float best = kHiddenReachMm * kHiddenReachMm, rim = 0;
@@ -396,8 +398,9 @@ bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, flo
     const float squared = dot(d, d);
     if (squared > best || (squared == best && c >= found) || (cloth.limbs(c) & limbs) == 0) return;
     const float before = dot(d, n);
-    if (dot(cloth.normals()[c], n) < kHiddenCosine || squared - before * before > kHiddenAsideMm * kHiddenAsideMm)
-      return;
+    // Crumpled cloth that is so near hides and is hidden whichever way it faces.
+    const bool facing = dot(cloth.normals()[c], n) >= kHiddenCosine || squared < crumpled_mm * crumpled_mm;
+    if (!facing || squared - before * before > kHiddenAsideMm * kHiddenAsideMm) return;
     best = squared;
     found = c;
     const bool sleeve = !arm || (cloth.limbs(c) & kTrunk) == 0;
@@ -417,25 +420,43 @@ void Outfit::hidden_skin(std::span<std::uint8_t> out, float more_mm) const {
     std::size_t hint = 0;
     for (const std::int32_t v : surface_.vertices()) {
       const auto i = static_cast<std::size_t>(v);
-      if (out[i] == 0 && hides(*cloth, posed_[i], surface_.normal(true)[i], surface_.limbs(v), kSkinBehindMm,
+      if (out[i] == 0 && hides(*cloth, posed_[i], surface_.normal(true)[i], surface_.limbs(v), kSkinBehindMm, 0,
                                kHiddenRimMm + more_mm, hint))
         out[i] = 1;
     }
   }
 }
 
-void Outfit::pressed(std::size_t index, std::span<Vec3f> out) const {
+// Cloth that skin would pull apart lies within it, and is shown on it. In folds of the skin there is no room for it.
+void Outfit::lifted(std::size_t index, std::span<Vec3f> out) const {
+  const Cloth& cloth = *cloths_[index];
+  const float off_mm = index == 0 ? kLiftedOffSkinMm : kLiftedOffSkinMm + kPressMm;
+  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
+    out[v] = cloth.position(v);
+    const SkinPlace& place = cloth.contacts()[v];
+    if (place.triangle < 0 || cloth.pinched()[v] != 0) continue;
+    const Vec3f facing = surface_.facing(place, true);
+    const float off = dot(out[v] - surface_.at(place, true), facing);
+    if (off < off_mm && off > -kSkinBehindMm) out[v] = out[v] + facing * (off_mm - off);
+  }
+}
+
+void Outfit::shown(std::size_t index, std::span<Vec3f> out) const {
   const Cloth& cloth = *cloths_[index];
   assert(out.size() >= cloth.mesh().vertex_count());
-  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = cloth.position(v);
+  lifted(index, out);
+  std::vector<Vec3f> places;
   for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
     const Cloth& upper = *cloths_[over];
     box(upper);
+    places.resize(upper.mesh().vertex_count());
+    lifted(over, places);
     std::size_t found = 0;
     for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
-      const Vec3f p = cloth.position(v), n = cloth.normals()[v];
-      float best = kClothBehindMm * kClothBehindMm + kPressAsideMm * kPressAsideMm, over_mm = 0, aside = 0;
-      Vec3f facing{};
+      const Vec3f p = out[v], n = cloth.normals()[v];
+      constexpr float kReachSquared = kClothBehindMm * kClothBehindMm + kPressAsideMm * kPressAsideMm;
+      float best = kReachSquared;
+      const std::size_t hint = std::exchange(found, upper.mesh().vertex_count());
       const auto consider = [&](std::size_t c) {
         const Vec3f d = upper.position(c) - p;
         const float squared = dot(d, d);
@@ -444,20 +465,20 @@ void Outfit::pressed(std::size_t index, std::span<Vec3f> out) const {
           return;
         best = squared;
         found = c;
-        facing = upper.normals()[c];
-        over_mm = kPressMm - dot(d, facing);
-        aside = std::sqrt(std::max(0.0F, squared - (over_mm - kPressMm) * (over_mm - kPressMm)));
       };
-      const std::size_t hint = std::exchange(found, 0);
-      consider(hint);
+      consider(hint < upper.mesh().vertex_count() ? hint : 0);
       near(upper, p, best, consider);
+      if (found == upper.mesh().vertex_count()) continue;
+      const Vec3f facing = upper.normals()[found], d = places[found] - p;
+      const float over_mm = kPressMm - dot(d, facing);
+      const float aside = std::sqrt(std::max(0.0F, dot(d, d) - dot(d, facing) * dot(d, facing)));
       if (over_mm <= 0 || aside >= kPressAsideMm) continue;
       float by_mm = over_mm * std::min(1.0F, 2 * (1 - aside / kPressAsideMm));
       const SkinPlace& place = cloth.contacts()[v];
       const Vec3f skin = place.triangle >= 0 ? surface_.facing(place, true) : Vec3f{};
       const float slope = dot(facing, skin);
       if (slope > 0) {
-        const float off = dot(p - surface_.at(place, true), skin) - kPressedOffSkinMm;
+        const float off = dot(p - surface_.at(place, true), skin) - kLiftedOffSkinMm;
         by_mm = std::min(by_mm, std::max(0.0F, off) / slope);
       }
       out[v] = p - facing * by_mm;
@@ -474,7 +495,7 @@ void Outfit::hidden_cloth(std::size_t index, std::span<std::uint8_t> out, float 
     std::size_t hint = 0;
     for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v)
       if (out[v] == 0 && hides(*cloths_[over], cloth.position(v), cloth.normals()[v], cloth.limbs(v), kClothBehindMm,
-                               kHiddenClothRimMm + more_mm, hint))
+                               kCrumpledMm, kHiddenClothRimMm + more_mm, hint))
         out[v] = 1;
   }
 }

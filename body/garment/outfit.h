@@ -59,9 +59,9 @@ class Outfit {
   // Which of the body's vertices cloth hides whatever way one looks: `out` has body_vertex_count() places, 1: hidden.
   // Skin near hems is not; `more_mm`: so much farther from them, where cloth will move.
   void hidden_skin(std::span<std::uint8_t> out, float more_mm = 0) const;
-  // Where a garment's vertices are shown: those that stand out of cloth worn over it lie under that cloth. `out` has
-  // a place a vertex of the garment.
-  void pressed(std::size_t index, std::span<Vec3f> out) const;
+  // Where a garment's vertices are shown: those within the skin lie on it, and those that stand out of cloth worn
+  // over it lie under that cloth. `out` has a place a vertex of the garment.
+  void shown(std::size_t index, std::span<Vec3f> out) const;
   // The same as hidden_skin of a garment's vertices below the garments over it.
   void hidden_cloth(std::size_t index, std::span<std::uint8_t> out, float more_mm = 0) const;
 
@@ -74,13 +74,15 @@ class Outfit {
     float squared_to(Vec3f p) const;
   };
   static constexpr std::size_t kBlock = 16;
+  // Where a garment's vertices are, those within the skin on it.
+  void lifted(std::size_t index, std::span<Vec3f> out) const;
   // Makes boxes_ and groups_ of the cloth as it lies now; hides() and near() are of that cloth.
   void box(const Cloth& cloth) const;
   // Calls `consider` with each vertex of the cloth that may be as near to p as the square root of `best`, in order.
   template <class F>
   void near(const Cloth& cloth, Vec3f p, const float& best, F consider) const;
-  bool hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float rim_mm,
-             std::size_t& hint) const;
+  bool hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float crumpled_mm,
+             float rim_mm, std::size_t& hint) const;
   void add_clearance(const Cloth& cloth);
   using Cloths = std::vector<std::unique_ptr<Cloth>>;
   void put_on(std::size_t index);

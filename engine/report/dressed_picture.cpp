@@ -158,7 +158,7 @@ Canvas draw_outfit(const body::BodyModel& model, const body::Outfit& outfit, bod
     const body::Cloth& cloth = outfit.cloth(i);
     const body::GarmentMesh& mesh = cloth.mesh();
     places[i].resize(mesh.vertex_count());
-    outfit.pressed(i, places[i]);
+    outfit.shown(i, places[i]);
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
       const bool opening = (mesh.border[v] & body::kOnOpening) != 0;
       LinearColour tint = colours[i];

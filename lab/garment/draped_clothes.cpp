@@ -15,7 +15,7 @@ namespace {
 void add(const body::Outfit& outfit, std::size_t index, Vec3f by, DrapedCloth& out) {
   const body::GarmentMesh& mesh = outfit.cloth(index).mesh();
   std::vector<Vec3f> places(mesh.vertex_count());
-  outfit.pressed(index, places);
+  outfit.shown(index, places);
   const auto first = static_cast<std::int32_t>(out.vertices.size());
   for (const Vec3f& p : places) out.vertices.push_back(p + by);
   for (const Triangle& t : mesh.triangles) out.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// im2fit-garment-sheets BODY.i2b DIR [--quick] [--only PERSON] [GARMENT...]; --quick: at rest alone
-// Contact sheets of dressed people: DIR/PERSON.png (front, slant, side, back at rest), DIR/PERSON-poses.png, and
-// DIR/motion.png (12 frames of arms that rise and sink). What each drape measures goes to stdout.
+// im2fit-garment-sheets BODY.i2b DIR [--quick] [--only PERSON] [GARMENT...]; --quick: at rest alone. PERSON: one of
+// the examples, or person-17: a held-out one by its number, as the drapes' test names them. Contact sheets of dressed
+// people: DIR/PERSON.png (front, slant, side, back at rest), DIR/PERSON-poses.png, and DIR/motion.png (12 frames of
+// arms that rise and sink). What each drape measures goes to stdout.
+#include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -56,6 +59,21 @@ void report(const char* person, const char* pose, const std::vector<std::string>
   }
 }
 
+// All examples, or who is asked for; none where none is called so.
+std::vector<DressedPerson> people_of(const body::BodyModel& model, const std::string& only) {
+  const std::string_view kDrawn = "person-";
+  if (only.starts_with(kDrawn)) {
+    const std::string_view digits = std::string_view(only).substr(kDrawn.size());
+    std::uint64_t number = 0;
+    const auto [end, error] = std::from_chars(digits.begin(), digits.end(), number);
+    if (error != std::errc{} || end != digits.end()) return {};
+    return {drawn_person(model, number)};
+  }
+  auto people = example_people(model);
+  if (!only.empty()) std::erase_if(people, [&](const DressedPerson& p) { return p.name != only; });
+  return people;
+}
+
 int run(const char* path, const std::string& folder, const std::vector<std::string>& names, bool quick,
         const std::string& only) {
   const auto model = body::BodyModel::load(path);
@@ -74,10 +92,15 @@ int run(const char* path, const std::string& folder, const std::vector<std::stri
     }
     colours.push_back(own ? own->colour : pattern->colour);
   }
-  bool any = false;
-  for (const DressedPerson& person : example_people(*model)) {
-    if (!only.empty() && person.name != only) continue;
-    any = true;
+  const auto people = people_of(*model, only);
+  if (people.empty()) {
+    std::fprintf(stderr,
+                 "im2fit-garment-sheets: %s is not there; people are thin-, median- and heavy-, man and woman, and "
+                 "person-NUMBER\n",
+                 only.c_str());
+    return 2;
+  }
+  for (const DressedPerson& person : people) {
     Stopwatch watch;
     body::Outfit outfit(*model, pieces_for(person, names));
     const double built_ms = 1e3 * watch.lap();
@@ -122,13 +145,6 @@ int run(const char* path, const std::string& folder, const std::vector<std::stri
             (i % 6) * frame.width, (i / 6) * frame.height);
     }
     if (!write(frames, folder + "/motion.png")) return 1;
-  }
-  if (!any) {
-    std::fprintf(
-        stderr,
-        "im2fit-garment-sheets: no example person is called %s; they are thin-, median- and heavy-, man and woman\n",
-        only.c_str());
-    return 2;
   }
   return 0;
 }

@@ -65,7 +65,7 @@ SkinSeen look_for_skin(const body::BodyModel& model, const body::Outfit& outfit,
   std::vector<std::vector<Vec3f>> cloth(outfit.size());
   for (std::size_t i = 0; i < outfit.size(); ++i) {
     cloth[i].resize(outfit.cloth(i).mesh().vertex_count());
-    outfit.pressed(i, cloth[i]);
+    outfit.shown(i, cloth[i]);
   }
   SkinSeen seen;
   const auto hidden = covered_skin(model, outfit);

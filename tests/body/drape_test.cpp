@@ -120,7 +120,7 @@ TEST_F(DressedBody, WhatIsPressedDownStaysOffTheSkin) {
   outfit.move_to(dressed_poses(*real_body(), person)[7].pose, 20);
   const body::Cloth& trousers = outfit.cloth(0);
   std::vector<Vec3f> shown(trousers.mesh().vertex_count());
-  outfit.pressed(0, shown);
+  outfit.shown(0, shown);
   int pressed = 0;
   for (std::size_t v = 0; v < shown.size(); ++v) {
     if (norm(shown[v] - trousers.position(v)) < 1) continue;
@@ -132,6 +132,33 @@ TEST_F(DressedBody, WhatIsPressedDownStaysOffTheSkin) {
     EXPECT_GT(off(shown[v]), std::min(off(trousers.position(v)), 2.0F) - 0.01F) << v;
   }
   EXPECT_GT(pressed, 20);
+}
+
+// A heavy woman's trousers, which her lap would pull apart, lie within her thighs: they are shown on them.
+TEST_F(DressedBody, WhatLiesWithinTheSkinIsShownOnIt) {
+  const DressedPerson person = drawn_person(*real_body(), 99);
+  const auto poses = dressed_poses(*real_body(), person);
+  Outfit outfit(*real_body(), pieces_for(person, {"trousers", "t_shirt"}));
+  outfit.dress(person.rest, person.skeleton, poses[0].pose);
+  const auto covered = covered_skin(*real_body(), outfit);
+  outfit.move_to(poses[9].pose, 20);
+  rest(outfit, 20);
+  const body::Cloth& trousers = outfit.cloth(0);
+  std::vector<Vec3f> shown(trousers.mesh().vertex_count());
+  outfit.shown(0, shown);
+  int lifted = 0;
+  for (std::size_t v = 0; v < shown.size(); ++v) {
+    const body::SkinPlace& place = trousers.contacts()[v];
+    if (place.triangle < 0 || trousers.pinched()[v] != 0) continue;
+    const Vec3f facing = outfit.skin().facing(place, true);
+    const auto off = [&](Vec3f p) { return dot(p - outfit.skin().at(place, true), facing); };
+    if (off(trousers.position(v)) > -4 || off(trousers.position(v)) < -20) continue;
+    ++lifted;
+    EXPECT_GT(off(shown[v]), 1.9F) << v;
+  }
+  EXPECT_GT(lifted, 5);
+  // It was a patch of 500 pixels.
+  EXPECT_LT(look_for_skin(*real_body(), outfit, covered).drawn_px, 20);
 }
 
 // What evaluation people wear: off the skin, the same twice, and wider in a larger size.

@@ -378,7 +378,7 @@ TEST_F(RealAvatar, GarmentsArePrimitivesThatStandWhereTheyWereDraped) {
     ASSERT_EQ(places.size(), outfit.cloth(garment).mesh().vertex_count());
     EXPECT_EQ(glb.read<Flat>(attributes["TEXCOORD_0"]).size(), places.size());
     std::vector<Vec3f> shown(places.size());
-    outfit.pressed(garment, shown);
+    outfit.shown(garment, shown);
     float worst = 0;
     for (std::size_t v = 0; v < places.size(); ++v) {
       const Vec3f at = {places[v].x * 1000, places[v].y * 1000 + floor, places[v].z * 1000};
