@@ -195,6 +195,7 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
   const std::vector<std::size_t> shown = asked != nullptr ? std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}
                                                           : std::vector<std::size_t>{0, 3, 7, 9};
   double strain = 0, p95 = 0, peak = 0, highest_peak = 0, inside = 0, deepest = 0, folds = 0, moved = 0;
+  double shown_inside = 0, shown_deepest = 0;
   int drapes = 0, restless = 0, poses_with_skin = 0, poses_drawn_with_skin = 0, poses_seen = 0;
   double through_px = 0, bare_px = 0, cloth_px = 0, drawn_px = 0;
   for (int number = 0; number < count; ++number) {
@@ -213,6 +214,11 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
         const DrapeQuality q = judge(outfit, i);
         ASSERT_TRUE(q.finite) << person.name << " " << poses[p].name;
         const Motion motion = motion_since(outfit.cloth(i), before[i]);
+        std::vector<Vec3f> shown_at(outfit.cloth(i).mesh().vertex_count());
+        outfit.shown(i, shown_at);
+        const Inside as_shown = judge_inside(outfit.skin(), outfit.cloth(i), shown_at);
+        shown_inside += static_cast<double>(as_shown.share);
+        shown_deepest = std::max(shown_deepest, static_cast<double>(as_shown.deepest_mm));
         strain += static_cast<double>(q.strain_mean);
         p95 += static_cast<double>(q.strain_p95);
         peak += static_cast<double>(q.strain_peak);
@@ -225,9 +231,12 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
         ++drapes;
         if (asked != nullptr)
           std::printf(
-              "%s %s %zu: strain %.2f %% p95 %.1f peak %.0f inside %.2f %% deepest %.1f folds %.2f rest %.3f\n",
+              "%s %s %zu: strain %.2f %% p95 %.1f peak %.0f inside %.2f %% deepest %.1f folds %.2f rest %.3f shown "
+              "inside %.2f "
+              "%% deepest %.1f\n",
               person.name.c_str(), poses[p].name.c_str(), i, 100.0 * q.strain_mean, 100.0 * q.strain_p95,
-              100.0 * q.strain_peak, 100.0 * q.inside_share, q.inside_deepest_mm, q.folds_mm, motion.rms_mm);
+              100.0 * q.strain_peak, 100.0 * q.inside_share, q.inside_deepest_mm, q.folds_mm, motion.rms_mm,
+              100.0 * as_shown.share, as_shown.deepest_mm);
       }
       const SkinSeen seen = look_for_skin(*real_body(), outfit, covered);
       through_px += seen.through_px;
@@ -245,9 +254,9 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
   }
   std::printf(
       "%d drapes: strain mean %.2f %%, p95 %.1f %%, peak %.0f %%; inside %.3f %%, deepest %.1f mm; folds %.2f mm; "
-      "%.3f mm a frame at rest, %d over 0.1\n",
+      "%.3f mm a frame at rest, %d over 0.1; as shown inside %.3f %%, deepest %.1f mm\n",
       drapes, 100 * strain / drapes, 100 * p95 / drapes, 100 * peak / drapes, 100 * inside / drapes, deepest,
-      folds / drapes, moved / drapes, restless);
+      folds / drapes, moved / drapes, restless, 100 * shown_inside / drapes, shown_deepest);
   std::printf(
       "of %.0f pixels skin is before cloth in %.0f, of %d in %d poses; bare in %.0f; drawn in %.0f, in %d poses\n",
       cloth_px, through_px, poses_seen, poses_with_skin, bare_px, drawn_px, poses_drawn_with_skin);

@@ -176,7 +176,6 @@ TEST_F(TapeTest, TheElevenAreMeasuresOwnToTheBit) {
     for (std::size_t i = 0; i < kMeasurementCount; ++i)
       EXPECT_EQ(value(tape, values, kMeasurementTable[i].id), own[i]) << kMeasurementTable[i].id;
     // Sections at the same level by the other way: the same tape.
-    Tape level = tape;
     const auto added = parse_tape(
         "schema: im2fit.tape/1\nmeasurements:\n"
         "- {id: my_waist, name: {en: w}, kind: girth, points: [waist_middle], source: s}\n"
