@@ -29,10 +29,10 @@ constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
 // What is stretched by kListed when a frame begins is held until it ends, after the skin has pushed: where skin pulls
 // cloth apart, cloth wins. In the first passes what is over kOver is drawn to kHeld, a little shorter, so that an
 // edge is not drawn again for a hair; in the others what is over kPeak, to that: there skin and cloth do not agree,
-// and a corner's pull is handed on to ever farther neighbours (docs/garments.md has what other numbers do, 120
-// drapes).
-constexpr float kListed = 0.07F, kHeld = 0.07F, kOver = 0.08F, kPeak = 0.155F;
-constexpr int kFirmPasses = 8, kStrainPasses = 12, kRoughStrainPasses = 1;  // at most, a substep
+// and a corner's pull is handed on to ever farther neighbours; in the last, which few substeps need, what is over
+// kLast (docs/garments.md has what other numbers do).
+constexpr float kListed = 0.07F, kHeld = 0.07F, kOver = 0.08F, kPeak = 0.155F, kLast = 0.25F;
+constexpr int kFirmPasses = 9, kStrainPasses = 12, kLastPasses = 36;  // of a substep, at most so far; rough meshes: 1
 constexpr unsigned kPlacedFrames = 3;  // in which a band that was drawn together spreads: one pass
 constexpr int kAwakeFrames = 12;       // of still skin, until folds have fallen
 constexpr float kSleepKeeps = 0.75F;   // of the motion, a frame
@@ -60,8 +60,8 @@ Cloth::Cloth(const GarmentMesh& mesh, const Fabric& fabric, int substeps)
       rest_keeps_(1 - kBrakePerS * step_s_),
       belt_pull_(kBeltPullPerS * step_s_),
       friction_(fabric.friction),
-      strain_passes_(substeps == kSubsteps ? kStrainPasses : kRoughStrainPasses),
-      pinch_reach_mm_(substeps == kSubsteps ? kPinchReachMm : kRoughPinchReachMm),
+      rough_(substeps != kSubsteps),
+      pinch_reach_mm_(rough_ ? kRoughPinchReachMm : kPinchReachMm),
       constraints_(constrain(mesh, fabric, step_s_)),
       layers_(mesh) {
   const std::size_t count = mesh.vertex_count();
@@ -294,10 +294,10 @@ void Cloth::find_stretched() {
     }
 }
 
-// The n-th pass of a substep over what is stretched; whether any of it was too long. After the first, an edge whose
-// ends no pass has moved since it was looked at is as it was.
-bool Cloth::limit_strain(int pass, bool firm) {
-  const float over = 1 + (firm ? kOver : kPeak), to = 1 + (firm ? kHeld : kPeak);
+// The n-th pass of a substep over what is stretched by more than `over`, to `to`; whether any of it was. After the
+// first, an edge whose ends no pass has moved since it was looked at is as it was.
+bool Cloth::limit_strain(int pass, float over_share, float to_share) {
+  const float over = 1 + over_share, to = 1 + to_share;
   const std::uint16_t now = ++strain_pass_;
   const auto [vertices, before, velocity, count] = arrays();
   std::uint16_t* const moved_in = moved_in_.data();
@@ -314,6 +314,19 @@ bool Cloth::limit_strain(int pass, bool firm) {
     store(vertices[e.b], b + d * all_of(excess * e.share_b));
   }
   return any;
+}
+
+void Cloth::limit_all_strain(bool placed) {
+  if (placed || rough_) {
+    limit_strain(0, kPeak, kPeak);
+    return;
+  }
+  int pass = 0;
+  while (pass < kFirmPasses && limit_strain(pass, kOver, kHeld)) ++pass;
+  if (pass < kFirmPasses) return;
+  while (pass < kStrainPasses && limit_strain(pass, kPeak, kPeak)) ++pass;
+  if (pass < kStrainPasses) return;
+  while (pass < kLastPasses && limit_strain(pass, kLast, kLast)) ++pass;
 }
 
 void Cloth::integrate(const ClothFrame& frame) {
@@ -410,7 +423,6 @@ void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<cons
     stretched_.clear();
   else
     find_stretched();
-  const int passes = frames_ <= kPlacedFrames ? 1 : strain_passes_;
   for (int s = 0; s < substeps_; ++s) {
     integrate(frame);
     solve_stretch(constraints_.stretch, vertices_.data());
@@ -422,7 +434,7 @@ void Cloth::run(const BodySurface& skin, const ClothFrame& frame, std::span<cons
     layers_.solve(vertices_, before_);
     pull_belt(s);
     collide(s);
-    for (int pass = 0; pass < passes && limit_strain(pass, passes > 1 && pass < kFirmPasses);) ++pass;
+    limit_all_strain(frames_ <= kPlacedFrames);
     update_velocities();
   }
   if (awake_ < 1) fall_asleep();

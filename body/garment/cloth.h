@@ -102,7 +102,8 @@ class Cloth {
   void tether();
   void hold_tethers();
   void find_stretched();
-  bool limit_strain(int pass, bool firm);
+  void limit_all_strain(bool placed);
+  bool limit_strain(int pass, float over_share, float to_share);
   void integrate(const ClothFrame& frame);
   void collide(int substep);
   void update_velocities();
@@ -112,7 +113,7 @@ class Cloth {
   float step_s_;
   float push_mm_, rest_keeps_, belt_pull_;  // a substep
   float friction_;
-  int strain_passes_;
+  bool rough_;
   float pinch_reach_mm_;
   ClothConstraints constraints_;
   ClothLayers layers_;

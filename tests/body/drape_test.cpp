@@ -191,6 +191,7 @@ TEST_F(DressedBody, GarmentsOfAnEvaluationHangOnTheSkin) {
 TEST_F(DressedBody, FollowsPeopleThroughPoses) {
   const char* asked = std::getenv("IM2FIT_GARMENT_PEOPLE");
   const int count = asked != nullptr ? std::atoi(asked) : 2;
+  const char* const from = std::getenv("IM2FIT_GARMENT_FROM");  // so that two processes share the people
   // Relaxed, arms up, stride, sitting; or all ten.
   const std::vector<std::size_t> shown = asked != nullptr ? std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}
                                                           : std::vector<std::size_t>{0, 3, 7, 9};
@@ -198,7 +199,7 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
   double shown_inside = 0, shown_deepest = 0;
   int drapes = 0, restless = 0, poses_with_skin = 0, poses_drawn_with_skin = 0, poses_seen = 0;
   double through_px = 0, bare_px = 0, cloth_px = 0, drawn_px = 0;
-  for (int number = 0; number < count; ++number) {
+  for (int number = from != nullptr ? std::atoi(from) : 0; number < count; ++number) {
     const DressedPerson person = drawn_person(*real_body(), static_cast<std::uint64_t>(number));
     const auto poses = dressed_poses(*real_body(), person);
     Outfit outfit(*real_body(), pieces_for(person, {"trousers", "t_shirt"}));
