@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/report/canvas.h"
 
-#include <png.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "hal/folder/plain_png.h"
 
 namespace im2fit {
 namespace {
@@ -122,20 +122,8 @@ void Canvas::text(int x, int y, std::string_view words, int scale, Rgb colour) {
 }
 
 Result<std::vector<std::byte>> Canvas::png() const {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(width_);
-  image.height = static_cast<png_uint_32>(height_);
-  image.format = PNG_FORMAT_RGB;
-  // A third of the work; of pictures of a few colours, many pixels of which repeat the one beside them, the file is
-  // smaller, too.
-  image.flags = PNG_IMAGE_FLAG_FAST;
-  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
-  std::vector<std::byte> bytes(size);
-  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels_.data(), 0, nullptr) == 0)
-    return Error{ErrorCode::io, std::string("PNG encoder: ") + image.message};
-  bytes.resize(size);
-  return bytes;
+  static_assert(sizeof(Rgb) == 3);
+  return hal::encode_rgb_png(width_, height_, {&pixels_[0].r, 3 * pixels_.size()});
 }
 
 }  // namespace im2fit

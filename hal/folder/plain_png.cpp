@@ -6,6 +6,7 @@
 #include <libdeflate.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <cstring>
 
@@ -75,14 +76,15 @@ bool unfilter(int filter, std::uint8_t* row, const std::uint8_t* above, std::siz
   }
 }
 
-constexpr std::byte kPlain[5] = {std::byte{16}, std::byte{0}, std::byte{0}, std::byte{0}, std::byte{0}};
+// Of IHDR: bits, colour type, deflate, the five filters, not interlaced.
+constexpr std::array<std::byte, 5> kPlain = {std::byte{16}}, kRgb = {std::byte{8}, std::byte{2}};
 
 // 16-bit grey, deflate, the five filters, not interlaced; of the size of `image`.
 bool is_plain(const Chunk& header, DepthView image) {
   return header.is("IHDR") && header.data.size() == 13 &&
          big_endian32(header.data.data()) == static_cast<std::uint32_t>(image.width) &&
          big_endian32(header.data.data() + 4) == static_cast<std::uint32_t>(image.height) &&
-         std::memcmp(header.data.data() + 8, kPlain, sizeof kPlain) == 0;
+         std::memcmp(header.data.data() + 8, kPlain.data(), kPlain.size()) == 0;
 }
 
 // A fast deflate keeps up with 30 frames a second: as much work as zlib's quickest level, for a quarter less to store
@@ -99,6 +101,29 @@ std::byte* frame_chunk(std::byte* chunk, const char* type, std::size_t data_size
   std::memcpy(chunk + 4, type, 4);
   put_big_endian32(chunk + 8 + data_size, libdeflate_crc32(0, chunk + 4, data_size + 4));
   return chunk + 12 + data_size;
+}
+
+// A whole file of `rows`, each after its filter's number. `kind`: the last five bytes of IHDR.
+Result<std::vector<std::byte>> packed(int width, int height, const std::array<std::byte, 5>& kind,
+                                      const std::vector<std::uint8_t>& rows) {
+  struct Free {
+    void operator()(libdeflate_compressor* compressor) const { libdeflate_free_compressor(compressor); }
+  };
+  const std::unique_ptr<libdeflate_compressor, Free> compressor(libdeflate_alloc_compressor(kDeflateLevel));
+  if (compressor == nullptr) return Error{ErrorCode::io, "cannot make a PNG: no memory"};
+  constexpr std::size_t kFrame = 12, kHeaderData = 13;  // length, type and CRC; of IHDR
+  const std::size_t bound = libdeflate_zlib_compress_bound(compressor.get(), rows.size());
+  std::vector<std::byte> bytes(sizeof kPngSignature + 3 * kFrame + kHeaderData + bound);
+  std::memcpy(bytes.data(), kPngSignature, sizeof kPngSignature);
+  std::byte* at = bytes.data() + sizeof kPngSignature;
+  put_big_endian32(at + 8, static_cast<std::size_t>(width));
+  put_big_endian32(at + 12, static_cast<std::size_t>(height));
+  std::memcpy(at + 16, kind.data(), kind.size());
+  at = frame_chunk(at, "IHDR", kHeaderData);
+  at = frame_chunk(at, "IDAT", libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(), at + 8, bound));
+  at = frame_chunk(at, "IEND", 0);
+  bytes.resize(static_cast<std::size_t>(at - bytes.data()));
+  return bytes;
 }
 
 // Rows as they go into the stream, each after its filter's number.
@@ -188,25 +213,15 @@ bool PlainPngDecoder::decode(std::span<const std::byte> bytes, DepthImage out) {
 }
 
 Result<std::vector<std::byte>> encode_plain_png(DepthView image, RowFilter filter) {
-  struct Free {
-    void operator()(libdeflate_compressor* compressor) const { libdeflate_free_compressor(compressor); }
-  };
-  const std::unique_ptr<libdeflate_compressor, Free> compressor(libdeflate_alloc_compressor(kDeflateLevel));
-  if (compressor == nullptr) return Error{ErrorCode::io, "cannot make a PNG: no memory"};
-  const std::vector<std::uint8_t> rows = filtered_rows(image, filter);
-  constexpr std::size_t kFrame = 12, kHeaderData = 13;  // length, type and CRC; of IHDR
-  const std::size_t bound = libdeflate_zlib_compress_bound(compressor.get(), rows.size());
-  std::vector<std::byte> bytes(sizeof kPngSignature + 3 * kFrame + kHeaderData + bound);
-  std::memcpy(bytes.data(), kPngSignature, sizeof kPngSignature);
-  std::byte* at = bytes.data() + sizeof kPngSignature;
-  put_big_endian32(at + 8, static_cast<std::size_t>(image.width));
-  put_big_endian32(at + 12, static_cast<std::size_t>(image.height));
-  std::memcpy(at + 16, kPlain, sizeof kPlain);
-  at = frame_chunk(at, "IHDR", kHeaderData);
-  at = frame_chunk(at, "IDAT", libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(), at + 8, bound));
-  at = frame_chunk(at, "IEND", 0);
-  bytes.resize(static_cast<std::size_t>(at - bytes.data()));
-  return bytes;
+  return packed(image.width, image.height, kPlain, filtered_rows(image, filter));
+}
+
+Result<std::vector<std::byte>> encode_rgb_png(int width, int height, std::span<const std::uint8_t> pixels) {
+  const std::size_t row_bytes = 3 * static_cast<std::size_t>(width);
+  std::vector<std::uint8_t> rows((1 + row_bytes) * static_cast<std::size_t>(height));
+  for (std::size_t v = 0; v < static_cast<std::size_t>(height); ++v)
+    std::memcpy(rows.data() + v * (1 + row_bytes) + 1, pixels.data() + v * row_bytes, row_bytes);
+  return packed(width, height, kRgb, rows);
 }
 
 }  // namespace im2fit::hal

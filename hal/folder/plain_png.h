@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// 16-bit grey PNGs as cameras' programs write them, coded at once instead of row by row: two fifths of libpng's work
-// to read one.
+// PNGs coded at once instead of row by row: 16-bit grey ones as cameras' programs write them, two fifths of libpng's
+// work to read one; and pictures to look at.
 #pragma once
 
 #include <cstddef>
@@ -43,5 +43,8 @@ enum class RowFilter : std::uint8_t { none = 0, up = 2 };  // the standard's num
 
 // Every row is written with that filter: its pixels as they are, or each byte less the one above it.
 Result<std::vector<std::byte>> encode_plain_png(DepthView image, RowFilter filter);
+
+// Red, green, blue, 8 bits each, rows from the top: 3 * width * height bytes.
+Result<std::vector<std::byte>> encode_rgb_png(int width, int height, std::span<const std::uint8_t> pixels);
 
 }  // namespace im2fit::hal

@@ -59,4 +59,19 @@ Result<std::vector<std::byte>> encode_plain_png(DepthView image, RowFilter filte
   return std::move(output.bytes);
 }
 
+Result<std::vector<std::byte>> encode_rgb_png(int width, int height, std::span<const std::uint8_t> pixels) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(width);
+  image.height = static_cast<png_uint_32>(height);
+  image.format = PNG_FORMAT_RGB;
+  image.flags = PNG_IMAGE_FLAG_FAST;  // a third of the work
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
+  std::vector<std::byte> bytes(size);
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0)
+    return Error{ErrorCode::io, std::string("cannot make a PNG: ") + image.message};
+  bytes.resize(size);
+  return bytes;
+}
+
 }  // namespace im2fit::hal

@@ -2,6 +2,7 @@
 #include "hal/folder/plain_png.h"
 
 #include <gtest/gtest.h>
+#include <png.h>
 #include <zlib.h>
 
 #include <cstdlib>
@@ -120,6 +121,24 @@ TEST(DepthFile, FewDepthsAreWrittenAsTheyAre) {
     ASSERT_TRUE(decode_depth(*png, "as written", out.image()));
     EXPECT_EQ(out.pixels, picture.pixels);
   }
+}
+
+// libpng, which is independent, reads what was written.
+TEST(RgbPng, PixelsComeBack) {
+  constexpr int kWidth = 61, kHeight = 7;
+  std::vector<std::uint8_t> pixels(3 * kWidth * kHeight);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i * i / 7);
+  const auto bytes = encode_rgb_png(kWidth, kHeight, pixels);
+  ASSERT_TRUE(bytes);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  ASSERT_NE(png_image_begin_read_from_memory(&image, bytes->data(), bytes->size()), 0) << image.message;
+  EXPECT_EQ(image.width, static_cast<png_uint_32>(kWidth));
+  EXPECT_EQ(image.height, static_cast<png_uint_32>(kHeight));
+  EXPECT_EQ(image.format, static_cast<png_uint_32>(PNG_FORMAT_RGB));
+  std::vector<std::uint8_t> read(PNG_IMAGE_SIZE(image));
+  ASSERT_NE(png_image_finish_read(&image, nullptr, read.data(), 0, nullptr), 0) << image.message;
+  EXPECT_EQ(read, pixels);
 }
 
 TEST(PlainPng, StreamsCutIntoChunksAnywhere) {
