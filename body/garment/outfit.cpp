@@ -428,34 +428,28 @@ void Outfit::hidden_skin(std::span<std::uint8_t> out, float more_mm) const {
 }
 
 // Cloth that skin would pull apart lies within it, and is shown on it. In folds of the skin there is no room for it.
-void Outfit::lifted(std::size_t index, std::span<Vec3f> out) const {
+Vec3f Outfit::lifted(std::size_t index, std::size_t v) const {
   const Cloth& cloth = *cloths_[index];
+  const Vec3f p = cloth.position(v);
+  const SkinPlace& place = cloth.contacts()[v];
+  if (place.triangle < 0 || cloth.pinched()[v] != 0) return p;
   const float off_mm = index == 0 ? kLiftedOffSkinMm : kLiftedOffSkinMm + kPressMm;
-  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
-    out[v] = cloth.position(v);
-    const SkinPlace& place = cloth.contacts()[v];
-    if (place.triangle < 0 || cloth.pinched()[v] != 0) continue;
-    const Vec3f facing = surface_.facing(place, true);
-    const float off = dot(out[v] - surface_.at(place, true), facing);
-    if (off < off_mm && off > -kSkinBehindMm) out[v] = out[v] + facing * (off_mm - off);
-  }
+  const Vec3f facing = surface_.facing(place, true);
+  const float off = dot(p - surface_.at(place, true), facing);
+  return off < off_mm && off > -kSkinBehindMm ? p + facing * (off_mm - off) : p;
 }
 
 void Outfit::shown(std::size_t index, std::span<Vec3f> out) const {
   const Cloth& cloth = *cloths_[index];
   assert(out.size() >= cloth.mesh().vertex_count());
-  lifted(index, out);
-  std::vector<Vec3f> places;
+  for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) out[v] = lifted(index, v);
   for (std::size_t over = index + 1; over < cloths_.size(); ++over) {
     const Cloth& upper = *cloths_[over];
     box(upper);
-    places.resize(upper.mesh().vertex_count());
-    lifted(over, places);
     std::size_t found = 0;
     for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
       const Vec3f p = out[v], n = cloth.normals()[v];
-      constexpr float kReachSquared = kClothBehindMm * kClothBehindMm + kPressAsideMm * kPressAsideMm;
-      float best = kReachSquared;
+      float best = kClothBehindMm * kClothBehindMm + kPressAsideMm * kPressAsideMm;
       const std::size_t hint = std::exchange(found, upper.mesh().vertex_count());
       const auto consider = [&](std::size_t c) {
         const Vec3f d = upper.position(c) - p;
@@ -469,7 +463,7 @@ void Outfit::shown(std::size_t index, std::span<Vec3f> out) const {
       consider(hint < upper.mesh().vertex_count() ? hint : 0);
       near(upper, p, best, consider);
       if (found == upper.mesh().vertex_count()) continue;
-      const Vec3f facing = upper.normals()[found], d = places[found] - p;
+      const Vec3f facing = upper.normals()[found], d = lifted(over, found) - p;
       const float over_mm = kPressMm - dot(d, facing);
       const float aside = std::sqrt(std::max(0.0F, dot(d, d) - dot(d, facing) * dot(d, facing)));
       if (over_mm <= 0 || aside >= kPressAsideMm) continue;

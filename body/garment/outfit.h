@@ -74,8 +74,8 @@ class Outfit {
     float squared_to(Vec3f p) const;
   };
   static constexpr std::size_t kBlock = 16;
-  // Where a garment's vertices are, those within the skin on it.
-  void lifted(std::size_t index, std::span<Vec3f> out) const;
+  // Where a garment's vertex is, or on the skin it lies within.
+  Vec3f lifted(std::size_t index, std::size_t v) const;
   // Makes boxes_ and groups_ of the cloth as it lies now; hides() and near() are of that cloth.
   void box(const Cloth& cloth) const;
   // Calls `consider` with each vertex of the cloth that may be as near to p as the square root of `best`, in order.
