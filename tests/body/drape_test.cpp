@@ -262,7 +262,7 @@ TEST_F(DressedBody, FollowsPeopleThroughPoses) {
       "of %.0f pixels skin is before cloth in %.0f, of %d in %d poses; bare in %.0f; drawn in %.0f, in %d poses\n",
       cloth_px, through_px, poses_seen, poses_with_skin, bare_px, drawn_px, poses_drawn_with_skin);
   EXPECT_LT(strain / drapes, 0.02);
-  EXPECT_LT(highest_peak, asked != nullptr ? 0.5 : 0.4);
+  EXPECT_LT(highest_peak, 0.3);
   EXPECT_LT(inside / drapes, 0.004);
   EXPECT_EQ(restless, 0);
   EXPECT_LT(through_px / cloth_px, 0.00005);
