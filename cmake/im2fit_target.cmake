@@ -15,6 +15,10 @@ function(im2fit_target name)
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     target_compile_options(${name} PRIVATE -Wno-restrict)
   endif()
+  # GCC stops to look for garbage from 128 MB on; up to a gigabyte it compiles a twentieth quicker without.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    target_compile_options(${name} PRIVATE --param=ggc-min-heapsize=1000000)
+  endif()
   # Branchless code joins truths with &. GCC's -Wconversion leaves signs out, and so do we.
   if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
     target_compile_options(${name} PRIVATE -Wno-bitwise-instead-of-logical -Wno-bitwise-conditional-parentheses
@@ -34,9 +38,10 @@ function(im2fit_command_line_code)
   endforeach()
 endfunction()
 
-# What runs once a person, or when a handle is opened: a quarter smaller, and no frame waits for it.
+# What runs once a person, or when a handle is opened: a quarter smaller on a device, where no frame waits for it. On a
+# workstation, where it runs once a training person, data sets would take a tenth longer.
 function(im2fit_person_code)
-  if(NOT IM2FIT_SANITIZE)
+  if(NOT IM2FIT_SANITIZE AND NOT IM2FIT_BUILD_LAB)
     foreach(name ${ARGN})
       target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-Os>)
     endforeach()
