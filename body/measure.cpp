@@ -205,6 +205,11 @@ double stature_mm(const BodyModel& model, std::span<const Vec3f> vertices) {
   return static_cast<double>(e.high) - e.low;
 }
 
+float inside_leg_mm(const BodyModel& model, std::span<const Vec3f> vertices) {
+  const auto crotch = static_cast<std::size_t>(model.data().landmark(Landmark::crotch));
+  return vertices[crotch].y - extent_y(body_of(model, vertices)).low;
+}
+
 namespace {
 
 float spread_deg(double tall_mm, double litres) {
@@ -292,7 +297,7 @@ MeasurementValues Measurer::measure_rest_mesh(std::span<const Vec3f> rest_vertic
   Standing standing(model, posed, gender, work_->standing);
   take_sections(standing, work_->sections);
   for (const Section& section : work_->sections) set(section.id, perimeter_mm(section.hull));
-  set(Measurement::inside_leg, standing.landmark(Landmark::crotch).y - extent_y(body_of(model, posed)).low);
+  set(Measurement::inside_leg, inside_leg_mm(model, posed));
 
   const Vec3f left = standing.landmark(Landmark::left_acromion);
   const Vec3f right = standing.landmark(Landmark::right_acromion);

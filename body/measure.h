@@ -56,6 +56,8 @@ inline constexpr double kLeanIndex = 18;  // litres per square metre of stature;
 inline constexpr double kObeseIndex = 42;
 double density_kg_m3(double stature_mm, double volume_l);
 double stature_mm(const BodyModel& model, std::span<const Vec3f> vertices);
+// From the crotch to the floor, of a mesh that stands.
+float inside_leg_mm(const BodyModel& model, std::span<const Vec3f> vertices);
 
 // The smallest section square to the neck's axis, of a posed mesh.
 double neck_girth_mm(const BodyModel& model, std::span<const Vec3f> posed_vertices);

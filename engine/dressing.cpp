@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "body/garment/dressing_pose.h"
+#include "body/measure.h"
 #include "engine/builtin_tape.h"
 
 namespace im2fit {

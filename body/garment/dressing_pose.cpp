@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "body/garment/dressing_pose.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -93,13 +92,6 @@ Pose between(const Pose& a, const Pose& b, float share) {
   std::array<Mat3f, kSegmentCount> local;
   for (std::size_t s = 0; s < local.size(); ++s) local[s] = between_rotations(local_of(a, s), local_of(b, s), share);
   return pose_from_local(local, a.translation_mm + (b.translation_mm - a.translation_mm) * share);
-}
-
-float inside_leg_mm(const BodyModel& model, std::span<const Vec3f> rest) {
-  const auto body = rest.first(static_cast<std::size_t>(model.body_vertex_count()));
-  float floor = 1e9F;
-  for (const Vec3f& v : body) floor = std::min(floor, v.y);
-  return rest[static_cast<std::size_t>(model.data().landmark(Landmark::crotch))].y - floor;
 }
 
 void bone_axes(const BodyModel& model, const PosedSkeleton& bones, std::span<const Vec3f> posed,

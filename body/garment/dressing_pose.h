@@ -17,9 +17,6 @@ Pose dressing_pose(const Skeleton& rest);
 // `share` 0..1 of the way from `a` to `b`, each segment turning relative to its parent (normalised quaternions).
 Pose between(const Pose& a, const Pose& b, float share);
 
-// From the crotch of a body at rest to the floor, mm.
-float inside_leg_mm(const BodyModel& model, std::span<const Vec3f> rest);
-
 // Where the bones of each vertex of the body lie, mixed by its weights: what it is drawn in towards. `out`: as many
 // as vertices are wanted.
 void bone_axes(const BodyModel& model, const PosedSkeleton& bones, std::span<const Vec3f> posed,

@@ -11,6 +11,9 @@
 
 namespace im2fit::test {
 
+inline constexpr GuidanceSet kTooNear = static_cast<GuidanceSet>(Guidance::too_near);
+inline constexpr GuidanceSet kStillMoving = static_cast<GuidanceSet>(Guidance::moving);
+
 struct Rig {
   explicit Rig(const EngineSettings& settings) {
     auto made = create_engine(settings, std::make_unique<FakeStages>(control));
@@ -35,5 +38,8 @@ inline EngineSettings with(bool single) {
   settings.single_thread = single;
   return settings;
 }
+
+// Cases that hold with one thread (the parameter is true) and with two.
+class Threading : public testing::TestWithParam<bool> {};
 
 }  // namespace im2fit::test
