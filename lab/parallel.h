@@ -16,14 +16,16 @@ inline int default_threads() {
   return cores > 0 ? static_cast<int>(cores) : 1;
 }
 
-// work(i) for every i below `count`. `on_done`, with the number of items done so far, is called one call at a time.
-template <class Index, class Work>
-void for_each_item(Index count, int thread_count, const Work& work,
-                   const std::function<void(std::uint64_t)>& on_done = {}) {
+// Each thread makes itself a worker, with what one item may leave to the next, and calls it with every i below
+// `count` that falls to it. `on_done`, with the number of items done so far, is called one call at a time.
+template <class Index, class MakeWorker>
+void for_each_item_by_worker(Index count, int thread_count, const MakeWorker& make_worker,
+                             const std::function<void(std::uint64_t)>& on_done = {}) {
   std::atomic<Index> next{0};
   std::mutex mutex;
   std::uint64_t done = 0;
-  const auto worker = [&] {
+  const auto run = [&] {
+    auto work = make_worker();
     for (Index i = next++; i < count; i = next++) {
       work(i);
       if (!on_done) continue;
@@ -32,8 +34,16 @@ void for_each_item(Index count, int thread_count, const Work& work,
     }
   };
   std::vector<std::jthread> helpers;
-  for (int t = 1; t < thread_count && static_cast<Index>(t) < count; ++t) helpers.emplace_back(worker);
-  worker();
+  for (int t = 1; t < thread_count && static_cast<Index>(t) < count; ++t) helpers.emplace_back(run);
+  run();
+}
+
+// work(i) for every i below `count`.
+template <class Index, class Work>
+void for_each_item(Index count, int thread_count, const Work& work,
+                   const std::function<void(std::uint64_t)>& on_done = {}) {
+  for_each_item_by_worker(
+      count, thread_count, [&] { return [&](Index i) { work(i); }; }, on_done);
 }
 
 }  // namespace im2fit::lab

@@ -34,7 +34,12 @@ struct VirtualScene::Impl {
 
   void stage(const Subject& subject, std::span<const Vec3f> rest);
   void stage_others();
-  const Subject& subject_of(const Bystander& other);
+  struct Known {
+    Bystander who;
+    Subject subject;
+    std::vector<Vec3f> rest;
+  };
+  const Known& known_of(const Bystander& other);
   Tailor* tailor_for(Clothing clothing, bool hair);
   void furnish();
   Standing standing() const;
@@ -58,7 +63,7 @@ struct VirtualScene::Impl {
   std::vector<ScenePerson> people;  // [0] the main person; those past the scene's are kept for the next
   std::size_t people_count = 1;
   std::unique_ptr<Tailor> tailor;
-  std::vector<std::pair<Bystander, Subject>> known;
+  std::vector<Known> known;
   CameraPlace camera;
   Room room;
   std::vector<Vec3f> furniture;  // sensor axes
@@ -94,14 +99,16 @@ Tailor* VirtualScene::Impl::tailor_for(Clothing clothing, bool hair) {
   return tailor.get();
 }
 
-const Subject& VirtualScene::Impl::subject_of(const Bystander& other) {
-  for (const auto& [who, subject] : known)
-    if (who.family == other.family && who.subject_seed == other.subject_seed &&
-        who.subject_index == other.subject_index)
-      return subject;
+const VirtualScene::Impl::Known& VirtualScene::Impl::known_of(const Bystander& other) {
+  for (const Known& k : known)
+    if (k.who.family == other.family && k.who.subject_seed == other.subject_seed &&
+        k.who.subject_index == other.subject_index)
+      return k;
   if (known.size() >= kSubjectsKept) known.erase(known.begin());
-  known.emplace_back(other, draw_subject(model, other.family, other.subject_seed, other.subject_index));
-  return known.back().second;
+  Known& added = known.emplace_back();
+  added.who = other;
+  added.subject = draw_subject(model, other.family, other.subject_seed, other.subject_index, added.rest);
+  return added;
 }
 
 void VirtualScene::Impl::stage_others() {
@@ -110,7 +117,8 @@ void VirtualScene::Impl::stage_others() {
     PersonPlan plan{other.pose, other.clothing, other.hair, 0, {}, false, scene.sway, other.path, {}, {}};
     if (other.yaw_deg <= kDrawnDeg) plan.yaw_deg = other.yaw_deg;
     const std::uint64_t own_seed = Rng::for_item(seed, kOthersStream, who).next();
-    people[who].stage(subject_of(other), {}, plan, own_seed, who, tailor_for(other.clothing, other.hair));
+    const Known& is = known_of(other);
+    people[who].stage(is.subject, is.rest, plan, own_seed, who, tailor_for(other.clothing, other.hair));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "core/rng.h"
@@ -38,6 +39,13 @@ constexpr double kUnitMinMm = 1e-3;
 
 using Sums = std::array<std::int32_t, static_cast<std::size_t>(kLeafSize)>;
 
+// A shape's coefficients, filled up with zeros to whole vectors.
+constexpr std::size_t kWideSize = 48;
+static_assert(kWideSize >= static_cast<std::size_t>(kShapeSize));
+using Wide = std::array<float, kWideSize>;
+using WideSum = std::array<double, kWideSize>;
+using WideBasis = std::array<Wide, static_cast<std::size_t>(kLeafSize)>;
+
 struct Level {
   std::span<const Anchor> anchors;
   Basis basis{};
@@ -45,30 +53,54 @@ struct Level {
   std::vector<Sums> sums;                         // by start: what the level's trees have given
   std::array<double, kJointCount> joint_share{};  // of the residual's spread
   std::vector<std::array<float, 2>> where;        // anchors about the mean shape, mm
-  std::vector<std::int16_t> pixels;               // starts * pixel_count
-  std::vector<float> residual;                    // starts * 45
+  std::vector<std::int16_t> pixels;               // starts * pixel_count: judging splits reads a start's
+  std::vector<std::int16_t> columns;              // pixel_count * starts: splitting reads a pixel of all starts
+  std::vector<Wide> residual;                     // by start
   int pixel_count = 0;
   const std::int16_t* row(std::int32_t start) const {
     return pixels.data() + static_cast<std::size_t>(start) * static_cast<std::size_t>(pixel_count);
   }
-  const float* left_to_go(std::int32_t start) const {
-    return residual.data() + static_cast<std::size_t>(start) * static_cast<std::size_t>(kShapeSize);
-  }
+  const std::int16_t* column(std::size_t pixel) const { return columns.data() + pixel * residual.size(); }
+  const Wide& left_to_go(std::int32_t start) const { return residual[static_cast<std::size_t>(start)]; }
 };
 
 struct Tree {
   std::array<Split, kSplitCount> splits{};
   std::vector<std::int8_t> leaves = std::vector<std::int8_t>(static_cast<std::size_t>(kLeafCount * kLeafSize));
+  std::vector<std::uint8_t> leaf_of;  // by start
 };
 
-// Adds a start's score to each candidate that sends it to the high side. `row`: the start's pixels.
+// Adds a start's score to each candidate that sends it to the high side. `row`: the start's pixels. Vectors by hand,
+// of a score's eight numbers: the vectoriser would take sixteen candidates at once, and spend its time on putting
+// them in order.
 IM2FIT_SIMD_CLONES void add_to_high(const std::array<Split, kCandidateCount>& candidates, const std::int16_t* row,
                                     const Score& score, std::array<Score, kCandidateCount>& high) {
+  using Bits [[gnu::vector_size(sizeof(Score))]] = std::int32_t;
+  using Floats [[gnu::vector_size(sizeof(Score))]] = float;
+  const auto added = std::bit_cast<Bits>(score);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const Split& s = candidates[c];
-    const auto w = static_cast<float>(static_cast<int>(row[s.a] - row[s.b] > s.threshold));  // no branch
-    for (std::size_t d = 0; d < score.size(); ++d) high[c][d] += w * score[d];
+    const std::int32_t all_if_high = (s.threshold - (row[s.a] - row[s.b])) >> 31;  // no branch
+    const auto sum = std::bit_cast<Floats>(high[c]) + std::bit_cast<Floats>(added & all_if_high);
+    high[c] = std::bit_cast<Score>(sum);
   }
+}
+
+// What is left to go, summed by leaf.
+IM2FIT_SIMD_CLONES void add_by_leaf(std::span<const Wide> residual, const std::uint8_t* leaf_of, WideSum* sums) {
+  for (const Wide& r : residual) {
+    WideSum& sum = sums[*leaf_of++];
+    for (std::size_t d = 0; d < kWideSize; ++d) sum[d] += static_cast<double>(r[d]);
+  }
+}
+
+IM2FIT_SIMD_CLONES void take_away(const Sums& units, const WideBasis& basis, Wide& residual) {
+  Wide r = residual;
+  for (std::size_t k = 0; k < units.size(); ++k) {
+    const auto amount = static_cast<float>(units[k]);
+    for (std::size_t d = 0; d < kWideSize; ++d) r[d] -= amount * basis[k][d];
+  }
+  residual = r;
 }
 
 double anchor_spread_mm(int level) {
@@ -81,35 +113,53 @@ class TreeGrower {
 
   Tree run() {
     Tree tree;
-    const std::size_t count = level_.residual.size() / static_cast<std::size_t>(kShapeSize);
+    const std::size_t count = level_.residual.size();
     std::vector<std::int32_t> order(count);
     for (std::size_t i = 0; i < count; ++i) order[i] = static_cast<std::int32_t>(i);
+    high_.resize(count);
     std::array<std::size_t, kSplitCount + kLeafCount + 1> first{};
     std::array<std::size_t, kSplitCount + kLeafCount + 1> last{};
     last[0] = count;
     for (std::size_t node = 0; node < static_cast<std::size_t>(kSplitCount); ++node) {
       const std::span<std::int32_t> mine(order.data() + first[node], last[node] - first[node]);
-      const Split s = choose(mine);
-      tree.splits[node] = s;
-      const auto middle = std::stable_partition(mine.begin(), mine.end(), [&](std::int32_t i) {
-        const std::int16_t* p = level_.row(i);
-        return p[s.a] - p[s.b] <= s.threshold;
-      });
-      const std::size_t cut = first[node] + static_cast<std::size_t>(middle - mine.begin());
+      tree.splits[node] = choose(mine);
+      const std::size_t cut = first[node] + put_low_first(mine, tree.splits[node]);
       first[2 * node + 1] = first[node];
       last[2 * node + 1] = cut;
       first[2 * node + 2] = cut;
       last[2 * node + 2] = last[node];
     }
-    for (std::size_t leaf = 0; leaf < static_cast<std::size_t>(kLeafCount); ++leaf) {
+    tree.leaf_of.resize(count);
+    std::array<std::size_t, static_cast<std::size_t>(kLeafCount)> sizes{};
+    for (std::size_t leaf = 0; leaf < sizes.size(); ++leaf) {
       const std::size_t node = leaf + static_cast<std::size_t>(kSplitCount);
-      fill_leaf({order.data() + first[node], last[node] - first[node]},
-                tree.leaves.data() + leaf * static_cast<std::size_t>(kLeafSize));
+      sizes[leaf] = last[node] - first[node];
+      for (std::size_t i = first[node]; i < last[node]; ++i)
+        tree.leaf_of[static_cast<std::size_t>(order[i])] = static_cast<std::uint8_t>(leaf);
     }
+    std::array<WideSum, static_cast<std::size_t>(kLeafCount)> sums{};
+    add_by_leaf(level_.residual, tree.leaf_of.data(), sums.data());
+    for (std::size_t leaf = 0; leaf < sizes.size(); ++leaf)
+      fill_leaf(sums[leaf], sizes[leaf], tree.leaves.data() + leaf * static_cast<std::size_t>(kLeafSize));
     return tree;
   }
 
  private:
+  // Starts whose difference is at most the threshold go to the front, in order; returns how many.
+  std::size_t put_low_first(std::span<std::int32_t> mine, const Split& s) {
+    const std::int16_t* a = level_.column(s.a);
+    const std::int16_t* b = level_.column(s.b);
+    std::size_t low = 0, high = 0;
+    for (const std::int32_t i : mine) {  // no branch
+      const bool is_high = a[i] - b[i] > s.threshold;
+      mine[low] = high_[high] = i;
+      low += is_high ? 0 : 1;
+      high += is_high ? 1 : 0;
+    }
+    std::copy_n(high_.begin(), high, mine.begin() + static_cast<std::ptrdiff_t>(low));
+    return low;
+  }
+
   // Joints with larger residuals are drawn more often.
   int draw_joint() {
     double left = rng_.uniform();
@@ -148,8 +198,8 @@ class TreeGrower {
     scores_.resize(examined);
     Score total{};
     for (std::size_t n = 0; n < examined; ++n) {
-      const float* r = level_.left_to_go(mine[n * stride]);
-      for (std::size_t d = 0; d < kScoreSize; ++d) scores_[n][d] = r[dims[d]];
+      const Wide& r = level_.left_to_go(mine[n * stride]);
+      for (std::size_t d = 0; d < kScoreSize; ++d) scores_[n][d] = r[static_cast<std::size_t>(dims[d])];
       scores_[n][kScoreSize] = 1;  // counts
       for (std::size_t d = 0; d < kScoreSize; ++d) total[d] += scores_[n][d];
     }
@@ -188,16 +238,13 @@ class TreeGrower {
     for (int i = 0; i < level_.pixel_count; i += kLine) __builtin_prefetch(row + i);
   }
 
-  void fill_leaf(std::span<const std::int32_t> mine, std::int8_t* out) const {
-    std::array<double, static_cast<std::size_t>(kShapeSize)> sum{};
-    for (const std::int32_t i : mine) {
-      const float* r = level_.left_to_go(i);
-      for (std::size_t d = 0; d < sum.size(); ++d) sum[d] += static_cast<double>(r[d]);
-    }
-    const double scale = kShrinkage / (static_cast<double>(mine.size()) + kLeafPrior);
+  // `sum`: of what the `count` starts in it have left to go.
+  void fill_leaf(const WideSum& sum, std::size_t count, std::int8_t* out) const {
+    const double scale = kShrinkage / (static_cast<double>(count) + kLeafPrior);
     for (std::size_t k = 0; k < level_.units.size(); ++k) {
       double value = 0;
-      for (std::size_t d = 0; d < sum.size(); ++d) value += sum[d] * static_cast<double>(level_.units[k][d]);
+      for (std::size_t d = 0; d < static_cast<std::size_t>(kShapeSize); ++d)
+        value += sum[d] * static_cast<double>(level_.units[k][d]);
       out[k] = static_cast<std::int8_t>(std::lround(std::clamp(value * scale, -127.0, 127.0)));
     }
   }
@@ -205,6 +252,7 @@ class TreeGrower {
   const Level& level_;
   Rng rng_;
   std::vector<Score> scores_;
+  std::vector<std::int32_t> high_;
 };
 
 std::vector<Anchor> draw_anchors(const TrainOptions& options, int level) {
@@ -231,27 +279,37 @@ std::vector<Anchor> draw_anchors(const TrainOptions& options, int level) {
 
 void prepare(Level& level, std::span<const TrackerImage> images, std::span<const CascadeStart> starts, int threads) {
   level.pixels.resize(starts.size() * static_cast<std::size_t>(level.pixel_count));
-  level.residual.resize(starts.size() * static_cast<std::size_t>(kShapeSize));
+  level.columns.resize(level.pixels.size());
+  level.residual.resize(starts.size());
   const int chunk = 256;
   for_each_item(static_cast<int>((starts.size() + chunk - 1) / chunk), threads, [&](int item) {
     const std::size_t end =
         std::min(starts.size(), (static_cast<std::size_t>(item) + 1) * static_cast<std::size_t>(chunk));
-    for (std::size_t i = static_cast<std::size_t>(item) * static_cast<std::size_t>(chunk); i < end; ++i) {
+    const std::size_t begin = static_cast<std::size_t>(item) * static_cast<std::size_t>(chunk);
+    for (std::size_t i = begin; i < end; ++i) {
       const TrackerImage& image = images[static_cast<std::size_t>(starts[i].image)];
       joints::read_anchors(level.anchors, image.view, starts[i].shape,
                            level.pixels.data() + i * static_cast<std::size_t>(level.pixel_count));
-      float* r = level.residual.data() + i * static_cast<std::size_t>(kShapeSize);
-      for (int j = 0; j < static_cast<int>(kJointCount); ++j) {
-        const Vec3f d = image.truth[static_cast<std::size_t>(j)] - joints::joint_of(starts[i].shape, j);
+      Wide& r = level.residual[i];
+      r = {};
+      for (std::size_t j = 0; j < kJointCount; ++j) {
+        const Vec3f d = image.truth[j] - joints::joint_of(starts[i].shape, static_cast<int>(j));
         r[3 * j] = d.x;
         r[3 * j + 1] = d.y;
         r[3 * j + 2] = d.z;
       }
     }
+    for (std::size_t p = 0; p < static_cast<std::size_t>(level.pixel_count); ++p) {
+      std::int16_t* column = level.columns.data() + p * starts.size();
+      for (std::size_t i = begin; i < end; ++i) column[i] = level.row(static_cast<std::int32_t>(i))[p];
+    }
   });
 }
 
 void subtract(Level& level, std::span<const Tree> trees, int threads) {
+  WideBasis basis{};
+  for (std::size_t k = 0; k < basis.size(); ++k)
+    std::copy_n(level.basis.data() + k * static_cast<std::size_t>(kShapeSize), kShapeSize, basis[k].begin());
   const int chunk = 1024;
   const std::size_t count = level.sums.size();
   for_each_item(static_cast<int>((count + chunk - 1) / chunk), threads, [&](int item) {
@@ -259,17 +317,11 @@ void subtract(Level& level, std::span<const Tree> trees, int threads) {
     for (std::size_t i = static_cast<std::size_t>(item) * static_cast<std::size_t>(chunk); i < end; ++i) {
       Sums batch{};
       for (const Tree& tree : trees) {
-        const int leaf = joints::find_leaf(tree.splits.data(), level.row(static_cast<std::int32_t>(i)));
-        const std::int8_t* values = tree.leaves.data() + leaf * kLeafSize;
+        const std::int8_t* values = tree.leaves.data() + tree.leaf_of[i] * kLeafSize;
         for (std::size_t k = 0; k < batch.size(); ++k) batch[k] += values[k];
       }
-      float* r = level.residual.data() + i * static_cast<std::size_t>(kShapeSize);
-      for (std::size_t k = 0; k < batch.size(); ++k) {
-        const float amount = static_cast<float>(batch[k]);
-        const float* mm = level.basis.data() + k * static_cast<std::size_t>(kShapeSize);
-        for (std::size_t d = 0; d < static_cast<std::size_t>(kShapeSize); ++d) r[d] -= amount * mm[d];
-        level.sums[i][k] += batch[k];
-      }
+      take_away(batch, basis, level.residual[i]);
+      for (std::size_t k = 0; k < batch.size(); ++k) level.sums[i][k] += batch[k];
     }
   });
 }
@@ -283,8 +335,7 @@ void choose_basis(Level& level) {
   Matrix moments = Matrix::Zero();
   for (std::size_t i = 0; i < count; ++i) {
     const Vector r =
-        Eigen::Map<const Eigen::Matrix<float, joints::kShapeSize, 1>>(level.left_to_go(static_cast<std::int32_t>(i)))
-            .cast<double>();
+        Eigen::Map<const Eigen::Matrix<float, joints::kShapeSize, 1>>(level.residual[i].data()).cast<double>();
     moments += r * r.transpose();
   }
   moments /= static_cast<double>(count);

@@ -2,7 +2,6 @@
 #include "lab/tracker_training/tracker_detections.h"
 
 #include <algorithm>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -27,20 +26,23 @@ class ExampleCollector {
  public:
   ExampleCollector(const body::BodyModel& model, const JointModel& joint_model,
                    std::span<const joints::Anchor> anchors)
-      : studio_(model), tracker_(joint_model), anchors_(anchors) {
-    found_.value_count = static_cast<int>(anchors.size()) + joints::kClueCount;
+      : model_(model), studio_(model), tracker_(joint_model), anchors_(anchors) {}
+
+  // Whose pictures, or whose size of room, come next.
+  void change_subject(std::uint64_t seed, std::uint64_t index) {
+    subject_ = draw_subject(model_, Family::training, seed, index, rest_);
   }
 
-  void add_person(const Subject& subject, Rng& rng) {
-    const UprightFrame frame = studio_.render(subject, draw_tracker_scene(person_mix(), rng));
+  void add_person(Rng& rng) {
+    const UprightFrame frame = studio_.render(subject_, rest_, draw_tracker_scene(person_mix(), rng));
     Segmenter segmenter(frame.intrinsics.width, frame.intrinsics.height);
     PersonTracker people;
     const Person person = detect(segmenter, people, frame);
     if (person.found && overlap(mask_, frame.truth_mask)) add(frame, person, people.shape_odds(person.id), true);
   }
 
-  void add_room(const Subject& subject, Rng& rng) {
-    const UprightFrame frame = studio_.render(subject, draw_empty_room(rng));
+  void add_room(Rng& rng) {
+    const UprightFrame frame = studio_.render(subject_, rest_, draw_empty_room(rng));
     Segmenter segmenter(frame.intrinsics.width, frame.intrinsics.height);
     PersonTracker people;
     std::vector<int> seen;
@@ -53,7 +55,12 @@ class ExampleCollector {
     }
   }
 
-  VoteExamples take() { return std::move(found_); }
+  // What was found since the last call.
+  VoteExamples take() {
+    found_.value_count = value_count();
+    detection_count_ = 0;
+    return std::exchange(found_, {});
+  }
 
  private:
   Person detect(Segmenter& segmenter, PersonTracker& people, const UprightFrame& frame) {
@@ -80,11 +87,16 @@ class ExampleCollector {
   void add_row(const joints::View& view, const joints::JointEstimate& estimate, const joints::Witness& witness,
                bool yes) {
     const std::size_t first = found_.values.size();
-    found_.values.resize(first + static_cast<std::size_t>(found_.value_count));
+    found_.values.resize(first + static_cast<std::size_t>(value_count()));
     joints::read_values(anchors_, view, estimate, witness, found_.values.data() + first);
     found_.yes.push_back(yes ? 1 : 0);
   }
 
+  int value_count() const { return static_cast<int>(anchors_.size()) + joints::kClueCount; }
+
+  const body::BodyModel& model_;
+  Subject subject_;
+  std::vector<Vec3f> rest_;
   Studio studio_;
   JointTracker tracker_;
   std::span<const joints::Anchor> anchors_;
@@ -108,11 +120,8 @@ VoteExamples collect_detections(const body::BodyModel& model, const JointModel& 
   const int room_items = (plan.room_count + kRoomsPerStudio - 1) / kRoomsPerStudio;
   const std::uint64_t subject_seed = Rng::for_item(plan.seed, kSubjectStream, 0).next();
   std::vector<VoteExamples> parts(static_cast<std::size_t>(person_items + room_items));
-  std::mutex report;
-  int done = 0;
-  for_each_item(person_items + room_items, plan.thread_count, [&](int item) {
-    ExampleCollector collector(model, joint_model, anchors);
-    const Subject subject = draw_subject(model, Family::training, subject_seed, static_cast<std::uint64_t>(item));
+  const auto collect = [&](ExampleCollector& collector, int item) {
+    collector.change_subject(subject_seed, static_cast<std::uint64_t>(item));
     const bool people = item < person_items;
     const int per_item = people ? kPicturesPerSubject : kRoomsPerStudio;
     const int first = (people ? item : item - person_items) * per_item;
@@ -120,13 +129,19 @@ VoteExamples collect_detections(const body::BodyModel& model, const JointModel& 
     for (int i = first; i < last; ++i) {
       Rng rng = Rng::for_item(plan.seed, people ? kPeopleStream : kRoomStream, static_cast<std::uint64_t>(i));
       if (people)
-        collector.add_person(subject, rng);
+        collector.add_person(rng);
       else
-        collector.add_room(subject, rng);
+        collector.add_room(rng);
     }
     parts[static_cast<std::size_t>(item)] = collector.take();
-    const std::lock_guard lock(report);
-    if (progress) progress(static_cast<double>(++done) / (person_items + room_items));
+  };
+  const auto make_worker = [&] {
+    return [&, collector = ExampleCollector(model, joint_model, anchors)](int item) mutable {
+      collect(collector, item);
+    };
+  };
+  for_each_item_by_worker(person_items + room_items, plan.thread_count, make_worker, [&](std::uint64_t done) {
+    if (progress) progress(static_cast<double>(done) / (person_items + room_items));
   });
   VoteExamples all;
   all.value_count = static_cast<int>(anchors.size()) + joints::kClueCount;

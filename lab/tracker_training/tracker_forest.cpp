@@ -9,6 +9,7 @@
 #include "core/rng.h"
 #include "core/skeleton.h"
 #include "lab/parallel.h"
+#include "lab/simd_clones.h"
 
 namespace im2fit::lab {
 namespace {
@@ -43,8 +44,28 @@ struct Sums {
     y += static_cast<double>(v.y);
     z += static_cast<double>(v.z);
   }
-  double gain() const { return (x * x + y * y + z * z) / n; }
 };
+
+// A jump's x, y, z in steps of 2^-30 mm, and 1 to count: sums of 2^11 such jumps are exact, whatever their order.
+using Jump = std::array<double, 4>;
+constexpr double kJumpSteps = 1 << 30;
+Jump to_jump(Vec3f v) {
+  const auto rounded = [](float mm) { return std::nearbyint(static_cast<double>(mm) * kJumpSteps) / kJumpSteps; };
+  return {rounded(v.x), rounded(v.y), rounded(v.z), 1};
+}
+double gain_of(const Jump& sum) {
+  return (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / sum[3];
+}
+
+using Thresholds = std::array<int, kThresholdCount>;
+// How many of the thresholds each value is above.
+IM2FIT_SIMD_CLONES void count_below(std::span<const int> values, const Thresholds& thresholds, std::uint8_t* counts) {
+  for (const int v : values) {
+    int count = 0;
+    for (const int t : thresholds) count += v > t ? 1 : 0;
+    *counts++ = static_cast<std::uint8_t>(count);
+  }
+}
 
 std::int16_t to_int16(double v) {
   return static_cast<std::int16_t>(std::lround(std::clamp(v, -32000.0, 32000.0)));
@@ -127,6 +148,9 @@ class TreeTrainer {
       for (std::size_t& i : c.like) i = static_cast<std::size_t>(rng_.index(examined));
     }
     for (auto& values : values_) values.resize(chosen_.size());
+    jumps_.resize(chosen_.size());
+    std::transform(chosen_.begin(), chosen_.end(), jumps_.begin(), [](const Sample& s) { return to_jump(s.jump); });
+    above_.resize(chosen_.size());
     // Nearly every probe comes from memory, for pictures are many: those of a sample are asked for at once, and
     // before those of the sample before it are read.
     std::array<Probes, 2> probes;
@@ -140,16 +164,23 @@ class TreeTrainer {
     const double least = static_cast<double>(kLeafSamplesMin) * examined / count + 3;
     double best_gain = -1;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
-      std::array<int, kThresholdCount> thresholds;
-      std::array<std::array<Sums, 2>, kThresholdCount> sums{};  // of values up to it, and above
+      Thresholds thresholds;
       for (std::size_t t = 0; t < thresholds.size(); ++t) thresholds[t] = values_[c][candidates[c].like[t]];
-      for (std::size_t i = 0; i < chosen_.size(); ++i)
-        for (std::size_t t = 0; t < thresholds.size(); ++t)
-          sums[t][values_[c][i] > thresholds[t] ? 1 : 0].add(chosen_[i].jump);
+      Thresholds rising = thresholds;
+      std::sort(rising.begin(), rising.end());
+      count_below(values_[c], rising, above_.data());
+      std::array<Jump, kThresholdCount + 1> sums{};  // by how many thresholds a value is above
+      for (std::size_t i = 0; i < jumps_.size(); ++i)
+        for (std::size_t k = 0; k < jumps_[i].size(); ++k) sums[above_[i]][k] += jumps_[i][k];
       for (std::size_t t = 0; t < thresholds.size(); ++t) {
-        const auto& [low, high] = sums[t];
-        if (low.n < least || high.n < least) continue;
-        const double gain = low.gain() + high.gain();
+        const auto place = std::find(rising.begin(), rising.end(), thresholds[t]) - rising.begin();
+        Jump low{}, high{};  // of values up to it, and above
+        for (std::size_t part = 0; part < sums.size(); ++part) {
+          Jump& sum = static_cast<std::ptrdiff_t>(part) <= place ? low : high;
+          for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += sums[part][k];
+        }
+        if (low[3] < least || high[3] < least) continue;
+        const double gain = gain_of(low) + gain_of(high);
         if (gain <= best_gain) continue;
         best_gain = gain;
         best = candidates[c].node;
@@ -192,7 +223,9 @@ class TreeTrainer {
   Rng rng_;
   std::vector<JumpNode> nodes_;
   std::vector<Task> tasks_;
-  std::vector<Sample> chosen_;                              // a node's subsample
+  std::vector<Sample> chosen_;  // a node's subsample
+  std::vector<Jump> jumps_;     // of it
+  std::vector<std::uint8_t> above_;
   std::array<std::vector<int>, kCandidateCount> values_{};  // of it, by candidate
 };
 

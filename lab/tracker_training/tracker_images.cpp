@@ -2,7 +2,6 @@
 #include "lab/tracker_training/tracker_images.h"
 
 #include <algorithm>
-#include <mutex>
 
 #include "core/rng.h"
 #include "hal/source.h"
@@ -62,9 +61,10 @@ Person box_of(const std::vector<std::uint8_t>& mask, int width, int height) {
   return person;
 }
 
-TrackerImage make_image(Studio& studio, const Subject& subject, std::uint64_t seed, std::uint64_t index) {
+TrackerImage make_image(Studio& studio, const Subject& subject, std::span<const Vec3f> rest, std::uint64_t seed,
+                        std::uint64_t index) {
   Rng rng = Rng::for_item(seed, kImageStream, index);
-  const UprightFrame frame = studio.render(subject, draw_tracker_scene(training_mix(), rng));
+  const UprightFrame frame = studio.render(subject, rest, draw_tracker_scene(training_mix(), rng));
   const Intrinsics& k = frame.intrinsics;
   std::vector<std::uint8_t> mask = frame.truth_mask;
   if (rng.uniform() >= kTruthMaskShare) {
@@ -88,22 +88,29 @@ TrackerImage make_image(Studio& studio, const Subject& subject, std::uint64_t se
 
 }  // namespace
 
-UprightFrame Studio::render(const Subject& subject, const TrackerScene& drawn) {
-  if (scene_ != nullptr && drawn.same_camera(last_))
-    scene_->restage(subject, drawn.scene, drawn.seed);
-  else
-    scene_ = std::make_unique<VirtualScene>(model_, subject, drawn.scene, drawn.sensor, drawn.intrinsics, drawn.seed);
-  last_ = drawn;
+UprightFrame Studio::render(const Subject& subject, std::span<const Vec3f> rest, const TrackerScene& drawn) {
   const int width = drawn.intrinsics.width, height = drawn.intrinsics.height;
+  const auto of_size = [&](const auto& s) {
+    return s->intrinsics().width == width && s->intrinsics().height == height;
+  };
+  auto found = std::find_if(scenes_.begin(), scenes_.end(), of_size);
+  if (found == scenes_.end()) {
+    scenes_.push_back(
+        std::make_unique<VirtualScene>(model_, subject, drawn.scene, drawn.sensor, drawn.intrinsics, drawn.seed));
+    found = scenes_.end() - 1;
+  } else {
+    (*found)->restage(subject, drawn.scene, drawn.sensor, drawn.seed, rest);
+  }
+  VirtualScene& scene = **found;
   std::vector<std::uint16_t> depth(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   std::vector<std::uint8_t> mask(depth.size());
-  scene_->render(0, DepthImage(depth.data(), width, height));
-  scene_->person_mask(MaskImage(mask.data(), width, height));
+  scene.render(0, DepthImage(depth.data(), width, height));
+  scene.person_mask(MaskImage(mask.data(), width, height));
   UprightFrame frame;
   frame.intrinsics = hal::rotate_upright(drawn.intrinsics, drawn.rotate_deg);
   turn_upright(depth, width, height, drawn.rotate_deg, frame.depth);
   turn_upright(mask, width, height, drawn.rotate_deg, frame.truth_mask);
-  frame.joints = scene_->joints(0);
+  frame.joints = scene.joints(0);
   return frame;
 }
 
@@ -122,16 +129,16 @@ std::vector<TrackerImage> render_tracker_images(const body::BodyModel& model, in
                                                 const std::function<void(double)>& progress) {
   std::vector<TrackerImage> images(static_cast<std::size_t>(image_count));
   const int subject_count = (image_count + images_per_subject - 1) / images_per_subject;
-  std::mutex report;
-  int done = 0;
-  for_each_item(subject_count, thread_count, [&](int s) {
-    const Subject subject = draw_subject(model, Family::training, seed, static_cast<std::uint64_t>(s));
-    const int last = std::min(image_count, (s + 1) * images_per_subject);
-    Studio studio(model);
-    for (int i = s * images_per_subject; i < last; ++i)
-      images[static_cast<std::size_t>(i)] = make_image(studio, subject, seed, static_cast<std::uint64_t>(i));
-    const std::lock_guard lock(report);
-    if (progress) progress(static_cast<double>(++done) / subject_count);
+  const auto make_worker = [&] {
+    return [&, studio = Studio(model), rest = std::vector<Vec3f>()](int s) mutable {
+      const Subject subject = draw_subject(model, Family::training, seed, static_cast<std::uint64_t>(s), rest);
+      const int last = std::min(image_count, (s + 1) * images_per_subject);
+      for (int i = s * images_per_subject; i < last; ++i)
+        images[static_cast<std::size_t>(i)] = make_image(studio, subject, rest, seed, static_cast<std::uint64_t>(i));
+    };
+  };
+  for_each_item_by_worker(subject_count, thread_count, make_worker, [&](std::uint64_t done) {
+    if (progress) progress(static_cast<double>(done) / subject_count);
   });
   return images;
 }

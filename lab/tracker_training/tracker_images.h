@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "body/model.h"
@@ -31,17 +32,17 @@ struct UprightFrame {
   JointSet joints;
 };
 
-// Renders one scene after the other with the buffers of the one before. Not shareable between threads; the model must
+// Renders one scene after the other with the buffers of those before. Not shareable between threads; the model must
 // outlive it.
 class Studio {
  public:
   explicit Studio(const body::BodyModel& model) : model_(model) {}
-  UprightFrame render(const Subject& subject, const TrackerScene& drawn);
+  // `rest`: of the subject, as draw_subject() leaves it.
+  UprightFrame render(const Subject& subject, std::span<const Vec3f> rest, const TrackerScene& drawn);
 
  private:
   const body::BodyModel& model_;
-  std::unique_ptr<VirtualScene> scene_;
-  TrackerScene last_;
+  std::vector<std::unique_ptr<VirtualScene>> scenes_;  // one for each size of picture met
 };
 
 // Half of either mask at least is both's: otherwise the segmenter took something else.

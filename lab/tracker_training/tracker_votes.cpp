@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lab/simd_clones.h"
+
 namespace im2fit::lab {
 namespace {
 
@@ -18,6 +20,31 @@ constexpr int kExaminedMax = 1500;
 constexpr double kShrinkage = 0.15;
 constexpr double kLeafPrior = 4;  // of the Hessian
 constexpr double kStepMax = 2;    // log-odds a leaf may add before shrinkage
+
+// Sums of the examples' derivatives on either side of each candidate's threshold.
+struct Side {
+  std::array<float, kCandidateCount> slope{}, bend{};
+};
+struct Sides {
+  Side low, high;
+};
+
+// `row`: an example's values.
+IM2FIT_SIMD_CLONES void add_to_sides(const std::array<Split, kCandidateCount>& candidates, const std::int16_t* row,
+                                     float slope, float bend, Sides& sides) {
+  std::array<std::int32_t, kCandidateCount> is_high;
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const Split& s = candidates[c];
+    is_high[c] = (s.threshold - (row[s.a] - row[s.b])) >> 31 & 1;  // no branch
+  }
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const auto high = static_cast<float>(is_high[c]), low = 1 - high;
+    sides.high.slope[c] += high * slope;
+    sides.high.bend[c] += high * bend;
+    sides.low.slope[c] += low * slope;
+    sides.low.bend[c] += low * bend;
+  }
+}
 
 class VoteTrainer {
  public:
@@ -57,35 +84,39 @@ class VoteTrainer {
   }
 
  private:
-  int difference(std::int32_t i, const Split& s) const {
-    const std::int16_t* row = examples_.values.data() + static_cast<std::ptrdiff_t>(i) * examples_.value_count;
-    return row[s.a] - row[s.b];
+  const std::int16_t* row(std::int32_t i) const {
+    return examples_.values.data() + static_cast<std::ptrdiff_t>(i) * examples_.value_count;
   }
+  int difference(std::int32_t i, const Split& s) const { return row(i)[s.a] - row(i)[s.b]; }
 
   Split choose(std::span<const std::int32_t> mine) {
     Split best;
     best.b = 1;
     if (mine.size() < 20) return best;
     const std::size_t stride = std::max<std::size_t>(1, mine.size() / kExaminedMax);
-    float best_gain = -1;
+    std::array<Split, kCandidateCount> candidates;
+    std::size_t count = 0;
     for (int c = 0; c < kCandidateCount; ++c) {
       Split s = draw_pair_(rng_);
       if (s.a == s.b) continue;
       const std::int32_t like = mine[static_cast<std::size_t>(rng_.index(static_cast<int>(mine.size())))];
       s.threshold = static_cast<std::int16_t>(difference(like, s) + static_cast<int>(rng_.normal(0, 10)));
-      std::array<float, 2> slope{}, bend{};
-      for (std::size_t n = 0; n < mine.size(); n += stride) {
-        const std::size_t right = difference(mine[n], s) > s.threshold ? 1 : 0;
-        slope[right] += slope_[static_cast<std::size_t>(mine[n])];
-        bend[right] += bend_[static_cast<std::size_t>(mine[n])];
-      }
-      const auto gain_of = [&](std::size_t k) {
-        return slope[k] * slope[k] / (bend[k] + static_cast<float>(kLeafPrior));
-      };
-      const float gain = gain_of(0) + gain_of(1);
+      candidates[count++] = s;
+    }
+    // Example by example, so that its row is read from memory once for all candidates.
+    Sides sides;
+    for (std::size_t n = 0; n < mine.size(); n += stride)
+      add_to_sides(candidates, row(mine[n]), slope_[static_cast<std::size_t>(mine[n])],
+                   bend_[static_cast<std::size_t>(mine[n])], sides);
+    const auto gain_of = [](const Side& side, std::size_t c) {
+      return side.slope[c] * side.slope[c] / (side.bend[c] + static_cast<float>(kLeafPrior));
+    };
+    float best_gain = -1;
+    for (std::size_t c = 0; c < count; ++c) {
+      const float gain = gain_of(sides.low, c) + gain_of(sides.high, c);
       if (gain <= best_gain) continue;
       best_gain = gain;
-      best = s;
+      best = candidates[c];
     }
     return best;
   }
