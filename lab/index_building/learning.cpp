@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/index_building/learning.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,6 +8,7 @@
 #include "core/rng.h"
 #include "kernels/standardise/standardise.h"
 #include "lab/index_building/moments.h"
+#include "lab/linear_algebra.h"
 
 namespace im2fit::index {
 namespace {
@@ -125,22 +124,22 @@ void TargetSpace::learn_latents(const std::vector<const Sample*>& subjects) {
     yx += y * deviation(*s).transpose();
   }
   yy.diagonal().array() += 1e-3 * n;
-  body_by_measured_ = yy.llt().solve(yx).transpose();
+  body_by_measured_ = lab::solve_positive(yy, yx).transpose();
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(b, b);
   for (const Sample* s : subjects) {
     const Eigen::VectorXd x = deviation(*s) - body_by_measured_ * measured(*s);
     covariance += x / n * x.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  const lab::SymmetricEigen eigen = lab::symmetric_eigen(covariance);
   const std::ptrdiff_t count = std::min<std::ptrdiff_t>(b, kLatentMax);
   latent_.resize(b, count);
   for (std::ptrdiff_t k = 0; k < count; ++k) {
     // The sign of an eigenvector is the solver's whim: fix it by the largest coefficient.
-    Eigen::VectorXd v = eigen.eigenvectors().col(b - 1 - k);
+    Eigen::VectorXd v = eigen.vectors.col(b - 1 - k);
     std::ptrdiff_t largest = 0;
     v.cwiseAbs().maxCoeff(&largest);
     if (v(largest) < 0) v = -v;
-    latent_.col(k) = v / std::sqrt(std::max(eigen.eigenvalues()(b - 1 - k), 1e-12));
+    latent_.col(k) = v / std::sqrt(std::max(eigen.values(b - 1 - k), 1e-12));
     mean_.push_back(0);
     scale_.push_back(1);
   }

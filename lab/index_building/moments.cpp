@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lab/linear_algebra.h"
+
 namespace im2fit::index {
 namespace {
 constexpr std::ptrdiff_t kBlockRows = 128;
@@ -49,8 +51,8 @@ void FoldMoments::flush(std::size_t fold) {
   Moments& m = folds_[fold];
   const auto z = p.z.topRows(p.rows);
   const auto y = p.y.topRows(p.rows);
-  m.gram.selfadjointView<Eigen::Lower>().rankUpdate(z.transpose());
-  m.cross += z.transpose() * y;
+  lab::add_gram(z, m.gram);
+  m.cross += lab::transposed_product(z, y);
   m.feature_sum += z.colwise().sum().transpose();
   m.target_sum += y.colwise().sum().transpose();
   m.count += static_cast<double>(p.rows);

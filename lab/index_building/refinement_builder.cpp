@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/index_building/refinement_builder.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/rng.h"
 #include "index/format.h"
 #include "lab/index_building/ridge.h"
+#include "lab/linear_algebra.h"
 #include "lab/parallel.h"
 
 namespace im2fit::index {
@@ -58,13 +59,6 @@ double weight_at(int distance_mm) {
   return 1 / (1 + kFarVariance * beyond * beyond);
 }
 
-// Adds the lower triangle of rows^T rows.
-void add_gram(const RowMatrixF& rows, Eigen::MatrixXd& gram) {
-  Eigen::MatrixXf work = Eigen::MatrixXf::Zero(rows.cols(), rows.cols());
-  work.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
-  gram.triangularView<Eigen::Lower>() += work.cast<double>();
-}
-
 // Sums behind a ridge regression, of weighted rows.
 struct Sums {
   std::ptrdiff_t count = 0;
@@ -78,10 +72,11 @@ struct Sums {
         y(Eigen::VectorXd::Zero(targets)) {}
   void add(const RowMatrixF& rows, const Eigen::MatrixXd& targets, const Eigen::VectorXd& weights) {
     const RowMatrixF scaled = weights.cwiseSqrt().cast<float>().asDiagonal() * rows;
-    add_gram(scaled, gram);
+    lab::add_gram(scaled, gram);
     const Eigen::MatrixXd weighted = weights.asDiagonal() * targets;
-    cross += rows.transpose().cast<double>() * weighted;
-    z += rows.transpose().cast<double>() * weights;
+    const Eigen::MatrixXd values = rows.cast<double>();
+    cross += lab::transposed_product(values, weighted);
+    z += lab::transposed_product(values, weights);
     y += weighted.colwise().sum().transpose();
     weight += weights.sum();
     count += rows.rows();
@@ -103,10 +98,9 @@ LinearFit solve(const Sums& s, const Eigen::MatrixXd& unlike, const Eigen::Vecto
   a.triangularView<Eigen::Lower>() -= z * z.transpose();
   a.triangularView<Eigen::Lower>() += kSameBody * unlike;
   a.diagonal() += penalties;
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> factor(a);
   LinearFit fit;
-  fit.weights = factor.solve(s.cross / s.weight - z * y.transpose());
-  fit.bias = y - fit.weights.transpose() * z;
+  fit.weights = lab::solve_positive(std::move(a), s.cross / s.weight - z * y.transpose());
+  fit.bias = y - lab::transposed_product(fit.weights, z);
   return fit;
 }
 
@@ -163,7 +157,7 @@ struct Table {
       rows.row(static_cast<std::ptrdiff_t>(i)) = (z.row(a) - z.row(b)) * static_cast<float>(std::sqrt(counts));
       sum += counts;
     }
-    add_gram(rows, out);
+    lab::add_gram(rows, out);
     out /= sum;
     return out;
   }
@@ -173,7 +167,8 @@ struct Table {
     return rest;
   }
   void answer(const LinearFit& fit, const std::vector<std::ptrdiff_t>& rows, Eigen::MatrixXd& out) const {
-    const Eigen::MatrixXd part = (z(rows, Eigen::all).cast<double>() * fit.weights).rowwise() + fit.bias.transpose();
+    const Eigen::MatrixXd values = z(rows, Eigen::all).cast<double>();
+    const Eigen::MatrixXd part = lab::product(values, fit.weights).rowwise() + fit.bias.transpose();
     for (std::size_t i = 0; i < rows.size(); ++i) out.row(rows[i]) = part.row(static_cast<std::ptrdiff_t>(i));
   }
 };
@@ -283,7 +278,8 @@ void RefinementBuilder::add(const Sample& sample) {
 }
 
 void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& plain, const Settings& settings) {
-  // Those of most values first: they take longest.
+  // Those that take longest first: of most values, and among them of people in clothes, who are answered once more by
+  // regressions that met none of their kind.
   struct Task {
     Refinement kind;
     bool tells_clothes;
@@ -291,11 +287,12 @@ void RefinementBuilder::learn(const TargetSpace& targets, const PlainAnswers& pl
   std::vector<Task> tasks;
   const bool has_both = rows_[0].size() >= kSampleMin && rows_[1].size() >= kSampleMin;
   for (const bool back : {true, false}) {
+    for (const bool clothed : {true, false})
+      for (const Refinement kind : kRefinements)
+        if (is_of_clothed(kind) == clothed && sees_back(kind) == back && rows_[clothed ? 1 : 0].size() >= kSampleMin)
+          tasks.push_back({kind, false});
     for (const Refinement view : kClothingViews)
       if (has_both && sees_back(view) == back) tasks.push_back({view, true});
-    for (const Refinement kind : kRefinements)
-      if (rows_[is_of_clothed(kind) ? 1 : 0].size() >= kSampleMin && sees_back(kind) == back)
-        tasks.push_back({kind, false});
   }
   lab::for_each_item(tasks.size(), settings.threads, [&](std::size_t i) {
     const auto [kind, tells_clothes] = tasks[i];

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/index_building/ridge.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace im2fit::index {
 namespace {
@@ -15,12 +15,6 @@ constexpr std::size_t kNoiseRowMax = 8192;  // enough for a covariance of 1,100 
 constexpr double kLeftOut = 1e7;            // a penalty that leaves a group without effect
 constexpr std::array<double, 6> kCommonPenalties = {1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0};
 constexpr double kWorthwhile = 0.999;  // a choice must gain a thousandth, else the simpler one stays
-
-void add_gram(const RowMatrixF& block, Eigen::MatrixXf& work, Eigen::MatrixXd& gram) {
-  work.setZero(block.cols(), block.cols());
-  work.selfadjointView<Eigen::Lower>().rankUpdate(block.transpose());
-  gram.triangularView<Eigen::Lower>() += work.cast<double>();
-}
 
 }  // namespace
 
@@ -35,7 +29,7 @@ RidgeFit RidgeFit::of_targets(std::span<const std::ptrdiff_t> targets) const {
 }
 
 RowMatrixF RidgeFit::predict(const RowMatrixF& features) const {
-  RowMatrixF y = features * weights.transpose();
+  RowMatrixF y = lab::product_transposed(features, weights);
   y.rowwise() += bias.transpose();
   return y;
 }
@@ -74,7 +68,6 @@ void RidgeTrainer::accumulate_noise() {
   starts.push_back(used.size());
   const auto features = rows_.features.cols();
   noise_.setZero(features, features);
-  Eigen::MatrixXf work;
   RowMatrixF block;
   for (std::size_t first = 0; first + 1 < starts.size();) {
     std::size_t last = first;
@@ -91,7 +84,7 @@ void RidgeTrainer::accumulate_noise() {
       part.rowwise() -= mean;
       row += count;
     }
-    add_gram(block, work, noise_);
+    lab::add_gram(block, noise_);
     first = last;
   }
   noise_ /= noise_count_;
@@ -119,11 +112,10 @@ RidgeFit RidgeTrainer::fit(const Penalty& penalty, int held_out_fold) const {
   std::ptrdiff_t at = 0;
   for (std::size_t g = 0; g < groups_.size(); ++g)
     for (std::uint32_t i = 0; i < groups_[g]; ++i, ++at) a(at, at) += penalty.group[g];
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> factor(a);
-  const Eigen::MatrixXd b = factor.solve(cross);
+  const Eigen::MatrixXd b = lab::solve_positive(std::move(a), cross);
   RidgeFit out;
   out.weights = b.transpose().cast<float>();
-  out.bias = (y_mean - b.transpose() * z_mean).cast<float>();
+  out.bias = (y_mean - b.transpose().lazyProduct(z_mean)).cast<float>();
   return out;
 }
 

@@ -9,10 +9,11 @@
 #include <vector>
 
 #include "lab/index_building/moments.h"
+#include "lab/linear_algebra.h"
 
 namespace im2fit::index {
 
-using RowMatrixF = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using lab::RowMatrixF;
 
 // One row a capture.
 struct TrainingRows {

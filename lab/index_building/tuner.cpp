@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/index_building/tuner.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lab/index_building/tree_packing.h"
+#include "lab/linear_algebra.h"
 
 namespace im2fit::index {
 namespace {
@@ -92,22 +92,18 @@ Tuner::Trial Tuner::trial() const {
 void Tuner::make_space() {
   const auto n = static_cast<double>(regressed_.rows());
   const Eigen::MatrixXd error = rows_.targets - regressed_;
-  Eigen::MatrixXd noise = error.transpose() * error / n;
-  signal_covariance_ = rows_.targets.transpose() * rows_.targets / n;
+  Eigen::MatrixXd noise = lab::transposed_product(error, error) / n;
+  signal_covariance_ = lab::transposed_product(rows_.targets, rows_.targets) / n;
   noise.diagonal().array() += 1e-6 + 1e-3 * noise.diagonal().array();
   error_covariance_ = noise;
-  const Eigen::LLT<Eigen::MatrixXd> factor(noise);
-  const auto lower = factor.matrixL();
-  const Eigen::MatrixXd half = lower.solve(signal_covariance_);
-  const Eigen::MatrixXd whitened = lower.solve(half.transpose());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (whitened + whitened.transpose()));
-  const Eigen::MatrixXd inverse = lower.solve(Eigen::MatrixXd::Identity(target_count_, target_count_));
+  const Eigen::MatrixXd inverse = lab::inverse_factor(noise);
+  const Eigen::MatrixXd whitened = lab::product(lab::product(inverse, signal_covariance_), inverse.transpose());
+  const lab::SymmetricEigen eigen = lab::symmetric_eigen(0.5 * (whitened + whitened.transpose()));
   full_projection_.resize(target_count_, target_count_);
   for (int d = 0; d < target_count_; ++d) {
     const int from = target_count_ - 1 - d;  // ascending order
-    full_projection_.row(d) = eigen.eigenvectors().col(from).transpose() * inverse;
-    if (d < kDimensionMax)
-      dimension_bits[d] = static_cast<float>(0.5 * std::log2(std::max(eigen.eigenvalues()(from), 1.0)));
+    full_projection_.row(d) = lab::transposed_product(eigen.vectors.col(from), inverse);
+    if (d < kDimensionMax) dimension_bits[d] = static_cast<float>(0.5 * std::log2(std::max(eigen.values(from), 1.0)));
   }
 }
 
@@ -167,8 +163,8 @@ void Tuner::scale_codes(int dimensions) {
 void Tuner::make_maps() {
   const Eigen::MatrixXd p = full_projection_.topRows(encoder.dimensions);
   const auto map = [&](const Eigen::MatrixXd& covariance) {
-    const Eigen::MatrixXd inner = p * covariance * p.transpose();
-    return Eigen::MatrixXd(inner.ldlt().solve(p * covariance).transpose());
+    const Eigen::MatrixXd along = lab::product(p, covariance);
+    return Eigen::MatrixXd(lab::solve_positive(lab::product(along, p.transpose()), along).transpose());
   };
   error_map = row_major(map(error_covariance_));
   const Eigen::MatrixXd ridged = signal_covariance_ + 1e-9 * Eigen::MatrixXd::Identity(target_count_, target_count_);
@@ -255,15 +251,15 @@ void Tuner::fit_quadratic() {
       a += gram[static_cast<std::size_t>(f)];
       b += cross[static_cast<std::size_t>(f)];
     }
-    return Eigen::MatrixXd(a.selfadjointView<Eigen::Lower>().llt().solve(b));
+    return lab::solve_positive(std::move(a), b);
   };
   quadratic_correction_.resize(regressed_.rows(), target_count_);
   std::vector<Eigen::MatrixXd> fits;
   fits.reserve(static_cast<std::size_t>(rows_.fold_count));
   for (int f = 0; f < rows_.fold_count; ++f) fits.push_back(solve(f));
   for (std::ptrdiff_t i = 0; i < phi.rows(); ++i)
-    quadratic_correction_.row(i) =
-        phi.row(i).cast<double>() * fits[static_cast<std::size_t>(rows_.fold[static_cast<std::size_t>(i)])];
+    quadratic_correction_.row(i) = phi.row(i).cast<double>().lazyProduct(
+        fits[static_cast<std::size_t>(rows_.fold[static_cast<std::size_t>(i)])]);
   const Eigen::MatrixXd all = solve(-1);
   quadratic.clear();
   for (int t = 0; t < target_count_; ++t)

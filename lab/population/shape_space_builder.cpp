@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/population/shape_space_builder.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +9,7 @@
 
 #include "body/fit/shape_points.h"
 #include "body/skeleton.h"
+#include "lab/linear_algebra.h"
 #include "lab/parallel.h"
 #include "lab/population/ood_subjects.h"
 #include "lab/population/population.h"
@@ -81,12 +82,12 @@ body::ShapeSpace build_shape_space(const body::BodyModel& model, const ShapeSpac
   for (std::ptrdiff_t q = 0; q < static_cast<std::ptrdiff_t>(quads.size()); ++q)
     middles.middleCols(3 * q, 3) = all.middleCols(static_cast<std::ptrdiff_t>(kPointValues) * q, 3);
   gram = (middles * middles.transpose()).cast<double>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  const SymmetricEigen eigen = symmetric_eigen(gram);
   space.point_basis.resize(static_cast<std::size_t>(width) * space.shape_count);
   space.bone_basis.resize(body::kBoneValues * space.shape_count);
   for (std::size_t k = 0; k < space.shape_count; ++k) {
     // Scores of unit variance; the sign is the solver's whim: the first person's score is positive.
-    Eigen::VectorXd score = eigen.eigenvectors().col(people - 1 - static_cast<std::ptrdiff_t>(k));
+    Eigen::VectorXd score = eigen.vectors.col(people - 1 - static_cast<std::ptrdiff_t>(k));
     if (score(0) < 0) score = -score;
     score *= std::sqrt(static_cast<double>(people));
     const Eigen::VectorXf basis = all.transpose() * (score / static_cast<double>(people)).cast<float>();
