@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/tracker_training/tracker_cascade.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 
 #include "core/rng.h"
+#include "lab/linear_algebra.h"
 #include "lab/parallel.h"
 #include "lab/simd_clones.h"
 
@@ -92,6 +92,12 @@ IM2FIT_SIMD_CLONES void add_by_leaf(std::span<const Wide> residual, const std::u
     WideSum& sum = sums[*leaf_of++];
     for (std::size_t d = 0; d < kWideSize; ++d) sum[d] += static_cast<double>(r[d]);
   }
+}
+
+// Of each coefficient with each.
+IM2FIT_SIMD_CLONES void add_products(const Wide& r, WideSum* sums) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kShapeSize); ++i)
+    for (std::size_t j = 0; j < kWideSize; ++j) sums[i][j] += static_cast<double>(r[i]) * static_cast<double>(r[j]);
 }
 
 IM2FIT_SIMD_CLONES void take_away(const Sums& units, const WideBasis& basis, Wide& residual) {
@@ -329,16 +335,13 @@ void subtract(Level& level, std::span<const Tree> trees, int threads) {
 // The directions the level's residuals vary in most, each with a unit that lets a byte reach a few of its standard
 // deviations; what is left out is the next level's.
 void choose_basis(Level& level) {
-  using Matrix = Eigen::Matrix<double, joints::kShapeSize, joints::kShapeSize>;
-  using Vector = Eigen::Matrix<double, joints::kShapeSize, 1>;
-  const std::size_t count = level.sums.size();
-  Matrix moments = Matrix::Zero();
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vector r =
-        Eigen::Map<const Eigen::Matrix<float, joints::kShapeSize, 1>>(level.residual[i].data()).cast<double>();
-    moments += r * r.transpose();
-  }
-  moments /= static_cast<double>(count);
+  std::array<WideSum, static_cast<std::size_t>(kShapeSize)> products{};
+  for (const Wide& r : level.residual) add_products(r, products.data());
+  Eigen::MatrixXd moments(kShapeSize, kShapeSize);
+  for (int i = 0; i < kShapeSize; ++i)
+    for (int j = 0; j < kShapeSize; ++j)
+      moments(i, j) = products[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] /
+                      static_cast<double>(level.residual.size());
   double sum = 0;
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const auto at = static_cast<Eigen::Index>(3 * j);
@@ -346,13 +349,13 @@ void choose_basis(Level& level) {
     sum += level.joint_share[j];
   }
   for (double& share : level.joint_share) share /= sum;
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(moments);  // values rise
+  const SymmetricEigen eigen = symmetric_eigen(moments);  // values rise
   for (int k = 0; k < kLeafSize; ++k) {
     const int column = kShapeSize - 1 - k;
-    const double spread_mm = std::sqrt(std::max(0.0, solver.eigenvalues()[column]));
+    const double spread_mm = std::sqrt(std::max(0.0, eigen.values[column]));
     const double unit_mm = std::max(kUnitMinMm, kLeafReach * kShrinkage * spread_mm / 127);
     for (int d = 0; d < kShapeSize; ++d) {
-      const double along = solver.eigenvectors()(d, column);
+      const double along = eigen.vectors(d, column);
       const auto at = static_cast<std::size_t>(k * kShapeSize + d);
       level.basis[at] = static_cast<float>(along * unit_mm);
       level.units[static_cast<std::size_t>(k)][static_cast<std::size_t>(d)] = static_cast<float>(along / unit_mm);
