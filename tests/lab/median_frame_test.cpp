@@ -26,7 +26,7 @@ std::vector<std::uint16_t> noisy_frame(Rng& rng) {
 TEST(MedianFrame, IsTheMiddleOneOfTheSortedWithNoDataLast) {
   Rng rng(5);
   MedianFrame median;
-  for (const std::size_t count : {1, 3, 5, 9, 4, 2}) {
+  for (const std::size_t count : {1, 3, 5, 7, 9, 29, 31, 4, 2, 30}) {
     std::vector<std::vector<std::uint16_t>> pixels;
     std::vector<DepthView> frames;
     for (std::size_t f = 0; f < count; ++f) pixels.push_back(noisy_frame(rng));
