@@ -114,10 +114,10 @@ void factor_positive(Eigen::MatrixXd& a) {
 
 }  // namespace
 
-void add_gram(Eigen::Ref<const RowMatrixF, 0, Eigen::OuterStride<>> rows, Eigen::MatrixXd& gram) {
+void add_gram(const Eigen::Ref<const RowMatrixF, 0, Eigen::OuterStride<>>& rows, Eigen::MatrixXd& gram) {
   add_gram_of(rows, gram);
 }
-void add_gram(Eigen::Ref<const RowMatrixD, 0, Eigen::OuterStride<>> rows, Eigen::MatrixXd& gram) {
+void add_gram(const Eigen::Ref<const RowMatrixD, 0, Eigen::OuterStride<>>& rows, Eigen::MatrixXd& gram) {
   add_gram_of(rows, gram);
 }
 

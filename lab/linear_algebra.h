@@ -14,8 +14,8 @@ using RowMatrixD = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::
 
 // Adds rows^T rows to the lower triangle of `gram` (columns x columns of `rows`); what is above the diagonal is left
 // undefined. Of floats, some hundred rows at a time are summed as floats.
-void add_gram(Eigen::Ref<const RowMatrixF, 0, Eigen::OuterStride<>> rows, Eigen::MatrixXd& gram);
-void add_gram(Eigen::Ref<const RowMatrixD, 0, Eigen::OuterStride<>> rows, Eigen::MatrixXd& gram);
+void add_gram(const Eigen::Ref<const RowMatrixF, 0, Eigen::OuterStride<>>& rows, Eigen::MatrixXd& gram);
+void add_gram(const Eigen::Ref<const RowMatrixD, 0, Eigen::OuterStride<>>& rows, Eigen::MatrixXd& gram);
 
 // The solution x of a x = b. `a`: symmetric and positive definite, of which the lower triangle is read. A direction
 // in which it is not positive, by rounding, is left out: zero in x.

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "core/rng.h"
 #include "lab/linear_algebra.h"
@@ -77,12 +78,15 @@ IM2FIT_SIMD_CLONES void add_to_high(const std::array<Split, kCandidateCount>& ca
                                     const Score& score, std::array<Score, kCandidateCount>& high) {
   using Bits [[gnu::vector_size(sizeof(Score))]] = std::int32_t;
   using Floats [[gnu::vector_size(sizeof(Score))]] = float;
-  const auto added = std::bit_cast<Bits>(score);
+  Bits added;
+  std::memcpy(&added, score.data(), sizeof added);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const Split& s = candidates[c];
     const std::int32_t all_if_high = (s.threshold - (row[s.a] - row[s.b])) >> 31;  // no branch
-    const auto sum = std::bit_cast<Floats>(high[c]) + std::bit_cast<Floats>(added & all_if_high);
-    high[c] = std::bit_cast<Score>(sum);
+    Floats sum;
+    std::memcpy(&sum, high[c].data(), sizeof sum);
+    sum += std::bit_cast<Floats>(added & all_if_high);
+    std::memcpy(high[c].data(), &sum, sizeof sum);
   }
 }
 

@@ -77,29 +77,50 @@ struct Candidate {
 };
 using Candidates = std::array<Candidate, kCandidateCount>;
 
+// Where jump_feature() of every candidate looks from a point: the first places, then the second.
+constexpr std::size_t kPlaceCount = 2 * kCandidateCount;
+struct PlaceOffsets {
+  std::array<float, kPlaceCount> x{}, y{};  // mm
+  explicit PlaceOffsets(const Candidates& candidates) {
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      const JumpNode& n = candidates[c].node;
+      x[c] = n.a;
+      y[c] = n.b;
+      x[c + kCandidateCount] = n.c;
+      y[c + kCandidateCount] = n.d;
+    }
+  }
+};
+// As View::pixel_at_ray(), as places in the view's depth; -1: beside the picture.
+IM2FIT_SIMD_CLONES void find_places(const joints::View& __restrict view, float x, float y, float inverse_z,
+                                    const PlaceOffsets& __restrict offsets, std::int32_t* __restrict places) {
+  const auto width = static_cast<std::uint32_t>(view.width), height = static_cast<std::uint32_t>(view.height);
+  for (std::size_t i = 0; i < kPlaceCount; ++i) {
+    const auto u = static_cast<std::uint32_t>(view.column_of((x + offsets.x[i]) * inverse_z));
+    const auto v = static_cast<std::uint32_t>(view.row_of((y + offsets.y[i]) * inverse_z));
+    const bool inside = (u < width) & (v < height);
+    places[i] = inside ? static_cast<std::int32_t>(v * width + u) : -1;
+  }
+}
+
 // What jump_feature() of every candidate reads, on its way from memory.
 class Probes {
  public:
   Probes() = default;
-  Probes(const joints::View& view, Vec3f p, const Candidates& candidates) : z_(joints::safe_depth(p.z)) {
-    const float inverse_z = 1.0F / z_;
-    const auto place = [&](int dx, int dy) {
-      const std::uint16_t* pixel =
-          view.pixel_at_ray((p.x + static_cast<float>(dx)) * inverse_z, (p.y + static_cast<float>(dy)) * inverse_z);
-      __builtin_prefetch(pixel);
-      return pixel;
-    };
-    for (std::size_t c = 0; c < candidates.size(); ++c) {
-      const JumpNode& n = candidates[c].node;
-      pixels_[c] = {place(n.a, n.b), place(n.c, n.d)};
-    }
+  Probes(const joints::View& view, Vec3f p, const PlaceOffsets& offsets)
+      : z_(joints::safe_depth(p.z)), depth_(view.depth.data()) {
+    find_places(view, p.x, p.y, 1.0F / z_, offsets, places_.data());
+    for (const std::int32_t place : places_) __builtin_prefetch(depth_ + std::max(place, 0));
   }
-  int feature(std::size_t candidate) const { return probe(pixels_[candidate][0]) - probe(pixels_[candidate][1]); }
+  int feature(std::size_t candidate) const {
+    return probe(places_[candidate]) - probe(places_[candidate + kCandidateCount]);
+  }
 
  private:
-  int probe(const std::uint16_t* pixel) const { return joints::probe_of(pixel != nullptr ? *pixel : 0, z_); }
+  int probe(std::int32_t place) const { return joints::probe_of(place >= 0 ? depth_[place] : 0, z_); }
   float z_ = 1;
-  std::array<std::array<const std::uint16_t*, 2>, kCandidateCount> pixels_{};  // nullptr: beside the picture
+  const std::uint16_t* depth_ = nullptr;
+  std::array<std::int32_t, kPlaceCount> places_{};
 };
 
 class TreeTrainer {
@@ -154,10 +175,10 @@ class TreeTrainer {
     // Nearly every probe comes from memory, for pictures are many: those of a sample are asked for at once, and
     // before those of the sample before it are read.
     std::array<Probes, 2> probes;
-    probes[0] = Probes(view_of(chosen_[0]), chosen_[0].from, candidates);
+    const PlaceOffsets offsets(candidates);
+    probes[0] = Probes(view_of(chosen_[0]), chosen_[0].from, offsets);
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
-      if (i + 1 < chosen_.size())
-        probes[(i + 1) % 2] = Probes(view_of(chosen_[i + 1]), chosen_[i + 1].from, candidates);
+      if (i + 1 < chosen_.size()) probes[(i + 1) % 2] = Probes(view_of(chosen_[i + 1]), chosen_[i + 1].from, offsets);
       for (std::size_t c = 0; c < candidates.size(); ++c) values_[c][i] = probes[i % 2].feature(c);
     }
 
