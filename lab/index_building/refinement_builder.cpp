@@ -17,26 +17,13 @@
 namespace im2fit::index {
 namespace {
 
-constexpr int kFolds = 3;
 constexpr std::uint64_t kClothingStream = 0xC107;
-constexpr double kPenalties[] = {0.003, 0.01, 0.03, 0.1, 0.3};  // in variances of a value
-// Times these: a fit's coefficients have been shrunk to the population once, by the fit; histograms of FPFH are many
-// and noisy; the frames stand for themselves, as does what kind of sensor they are of (docs/formats-index.md).
+// Times the penalty of a map: a fit's coefficients have been shrunk to the population once, by the fit; histograms of
+// FPFH are many and noisy; the frames stand for themselves, as does what kind of sensor they are of
+// (docs/formats-index.md).
 constexpr double kFitPenalty = 0.03, kHistogramPenalty = 3, kFramesPenalty = 0.1, kSensorPenalty = 0.1;
 // A row's variance where people stand beyond kWellSeenMm, in squares of that distance over this: what it counts by.
 constexpr double kFarVariance = 11;
-// What differs between two captures of the same body counts by this much of its variance as a penalty, so that poses
-// and noise move the answer less (errors in variables; docs/formats-index.md has what other values cost).
-constexpr double kSameBody = 0.25;
-
-// Standardised as a query does it.
-RowMatrixF standardised_rows(FeatureScale& scale, const std::vector<const std::vector<float>*>& values) {
-  const auto size = static_cast<std::ptrdiff_t>(values.front()->size());
-  RowMatrixF out(static_cast<std::ptrdiff_t>(values.size()), size);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    scale.standardise(*values[i], {out.row(static_cast<std::ptrdiff_t>(i)).data(), static_cast<std::size_t>(size)});
-  return out;
-}
 
 // The penalty of each value in those of others, by where refined_values() puts it.
 Eigen::VectorXd penalty_shares(Refinement kind, std::size_t feature_size, const FitLayout& fit) {
@@ -57,174 +44,6 @@ Eigen::VectorXd penalty_shares(Refinement kind, std::size_t feature_size, const 
 double weight_at(int distance_mm) {
   const double beyond = std::max(distance_mm / kWellSeenMm - 1, 0.0);
   return 1 / (1 + kFarVariance * beyond * beyond);
-}
-
-// Sums behind a ridge regression, of weighted rows.
-struct Sums {
-  std::ptrdiff_t count = 0;
-  double weight = 0;
-  Eigen::MatrixXd gram, cross;  // lower triangle of z z^T; z y^T
-  Eigen::VectorXd z, y;
-  Sums(std::ptrdiff_t values, std::ptrdiff_t targets)
-      : gram(Eigen::MatrixXd::Zero(values, values)),
-        cross(Eigen::MatrixXd::Zero(values, targets)),
-        z(Eigen::VectorXd::Zero(values)),
-        y(Eigen::VectorXd::Zero(targets)) {}
-  void add(const RowMatrixF& rows, const Eigen::MatrixXd& targets, const Eigen::VectorXd& weights) {
-    const RowMatrixF scaled = weights.cwiseSqrt().cast<float>().asDiagonal() * rows;
-    lab::add_gram(scaled, gram);
-    const Eigen::MatrixXd weighted = weights.asDiagonal() * targets;
-    const Eigen::MatrixXd values = rows.cast<double>();
-    cross += lab::transposed_product(values, weighted);
-    z += lab::transposed_product(values, weights);
-    y += weighted.colwise().sum().transpose();
-    weight += weights.sum();
-    count += rows.rows();
-  }
-  void add(const Sums& other, int sign) {
-    count += sign * other.count;
-    weight += sign * other.weight;
-    gram += sign * other.gram;
-    cross += sign * other.cross;
-    z += sign * other.z;
-    y += sign * other.y;
-  }
-};
-
-// `unlike`: lower triangle, covariance of the difference between two captures of the same body.
-LinearFit solve(const Sums& s, const Eigen::MatrixXd& unlike, const Eigen::VectorXd& penalties) {
-  const Eigen::VectorXd z = s.z / s.weight, y = s.y / s.weight;
-  Eigen::MatrixXd a = s.gram / s.weight;
-  a.triangularView<Eigen::Lower>() -= z * z.transpose();
-  a.triangularView<Eigen::Lower>() += kSameBody * unlike;
-  a.diagonal() += penalties;
-  LinearFit fit;
-  fit.weights = lab::solve_positive(std::move(a), s.cross / s.weight - z * y.transpose());
-  fit.bias = y - lab::transposed_product(fit.weights, z);
-  return fit;
-}
-
-// Means and scales as the file keeps them.
-FeatureScale file_scale(const std::vector<const std::vector<float>*>& values) {
-  FeatureScale scale(values);
-  for (auto* part : {&scale.mean, &scale.scale})
-    for (float& v : *part) v = float_of_upper(upper_of_float(v));
-  return scale;
-}
-
-using Repeats = std::vector<std::array<std::ptrdiff_t, 2>>;  // rows of the same body, one after the other
-
-// The rows of one kind as a query sees them, and the sums behind their regressions.
-struct Table {
-  FeatureScale scale;
-  RowMatrixF z;
-  Eigen::MatrixXd y;                                        // standardised targets
-  Eigen::VectorXd weight;                                   // of a row
-  std::array<std::vector<std::ptrdiff_t>, kFolds> of_fold;  // rows
-  std::vector<Sums> folds;
-  Sums all;
-  Eigen::MatrixXd unlike;  // mean of d d^T, lower triangle; d between captures of the same body
-
-  Table(const std::vector<const std::vector<float>*>& values, Eigen::MatrixXd targets, Eigen::VectorXd weights,
-        const std::vector<int>& fold_of_row)
-      : scale(file_scale(values)),
-        z(standardised_rows(scale, values)),
-        y(std::move(targets)),
-        weight(std::move(weights)),
-        all(z.cols(), y.cols()),
-        unlike(Eigen::MatrixXd::Zero(z.cols(), z.cols())) {
-    for (std::size_t i = 0; i < fold_of_row.size(); ++i)
-      of_fold[static_cast<std::size_t>(fold_of_row[i])].push_back(static_cast<std::ptrdiff_t>(i));
-    for (const auto& rows : of_fold) {
-      folds.push_back(sums_of(rows));
-      all.add(folds.back(), 1);
-    }
-  }
-  Sums sums_of(const std::vector<std::ptrdiff_t>& rows) const {
-    Sums sums(z.cols(), y.cols());
-    if (!rows.empty()) sums.add(z(rows, Eigen::all), y(rows, Eigen::all), weight(rows));
-    return sums;
-  }
-  // Mean of d d^T, lower triangle, over pairs of rows.
-  Eigen::MatrixXd unlike_of(const Repeats& repeats) const {
-    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(z.cols(), z.cols());
-    if (repeats.empty()) return out;
-    RowMatrixF rows(static_cast<std::ptrdiff_t>(repeats.size()), z.cols());
-    double sum = 0;
-    for (std::size_t i = 0; i < repeats.size(); ++i) {
-      const auto [a, b] = repeats[i];
-      const double counts = std::min(weight(a), weight(b));
-      rows.row(static_cast<std::ptrdiff_t>(i)) = (z.row(a) - z.row(b)) * static_cast<float>(std::sqrt(counts));
-      sum += counts;
-    }
-    lab::add_gram(rows, out);
-    out /= sum;
-    return out;
-  }
-  Sums without(const Sums& some) const {
-    Sums rest = all;
-    rest.add(some, -1);
-    return rest;
-  }
-  void answer(const LinearFit& fit, const std::vector<std::ptrdiff_t>& rows, Eigen::MatrixXd& out) const {
-    const Eigen::MatrixXd values = z(rows, Eigen::all).cast<double>();
-    const Eigen::MatrixXd part = lab::product(values, fit.weights).rowwise() + fit.bias.transpose();
-    for (std::size_t i = 0; i < rows.size(); ++i) out.row(rows[i]) = part.row(static_cast<std::ptrdiff_t>(i));
-  }
-};
-
-// The penalty that answers people of other folds best, and those answers.
-struct CrossFit {
-  double penalty = kPenalties[0];
-  Eigen::MatrixXd answer;
-};
-CrossFit choose_penalty(const Table& table, const Eigen::VectorXd& shares) {
-  CrossFit best;
-  double least = 1e300;
-  for (const double tried : kPenalties) {
-    Eigen::MatrixXd answer(table.z.rows(), table.y.cols());
-    for (std::size_t f = 0; f < kFolds; ++f)
-      table.answer(solve(table.without(table.folds[f]), table.unlike, tried * shares), table.of_fold[f], answer);
-    const double error = (answer - table.y).cwiseAbs().sum();
-    if (error >= least) break;  // past the valley
-    least = error;
-    best = {tried, std::move(answer)};
-  }
-  return best;
-}
-
-// Answers to people in clothes by regressions that met neither them nor any clothes of their kind: real wardrobes
-// hold cuts that none of the training people wear. `met_none`: for whom enough others are left to learn from.
-Eigen::MatrixXd answer_unknown_clothes(const Table& table, const std::vector<int>& kind_of_row,
-                                       const Repeats& repeats, const Eigen::VectorXd& penalties,
-                                       std::vector<bool>& met_none) {
-  Eigen::MatrixXd answer = Eigen::MatrixXd::Zero(table.z.rows(), table.y.cols());
-  met_none.assign(kind_of_row.size(), false);
-  for (int kind = 0; kind < kClothesKindMax; ++kind) {
-    std::array<std::vector<std::ptrdiff_t>, kFolds> rows;
-    Sums of_kind(table.z.cols(), table.y.cols());
-    for (std::size_t f = 0; f < kFolds; ++f) {
-      for (const std::ptrdiff_t i : table.of_fold[f])
-        if (kind_of_row[static_cast<std::size_t>(i)] == kind) rows[f].push_back(i);
-      of_kind.add(table.sums_of(rows[f]), 1);
-    }
-    if (of_kind.count == 0) continue;
-    // What two captures of a body differ by is what clothes change, too: those of this kind must not tell of it.
-    Repeats others;
-    for (const auto& [a, b] : repeats)
-      if (kind_of_row[static_cast<std::size_t>(a)] != kind && kind_of_row[static_cast<std::size_t>(b)] != kind)
-        others.push_back({a, b});
-    const Eigen::MatrixXd unlike = table.unlike_of(others);
-    for (std::size_t f = 0; f < kFolds; ++f) {
-      Sums rest = table.without(table.folds[f]);
-      rest.add(of_kind, -1);
-      rest.add(table.sums_of(rows[f]), 1);  // taken off twice
-      if (rows[f].empty() || rest.count < static_cast<std::ptrdiff_t>(RefinementBuilder::kSampleMin)) continue;
-      table.answer(solve(rest, unlike, penalties), rows[f], answer);
-      for (const std::ptrdiff_t i : rows[f]) met_none[static_cast<std::size_t>(i)] = true;
-    }
-  }
-  return answer;
 }
 
 // As ValueMap::novelty.
@@ -319,7 +138,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
   Repeats repeats;
   Eigen::MatrixXd y(count, kTargetMin);
   Eigen::VectorXd weights(count);
-  FoldDealer dealer(settings.seed, kFolds);
+  FoldDealer dealer(settings.seed, kRefinementFolds);
   for (const Row& row : people) {
     const auto at = static_cast<std::ptrdiff_t>(values.size());
     y.row(at) = targets.measured(row.truth, row.woman).transpose();
@@ -329,7 +148,7 @@ RefinementBuilder::Learned RefinementBuilder::learn_one(Refinement kind, const R
     kind_of_row.push_back(row.clothes_kind);
     if (at > 0 && people[static_cast<std::size_t>(at - 1)].subject == row.subject) repeats.push_back({at - 1, at});
   }
-  Table table(values, std::move(y), std::move(weights), fold_of_row);
+  RefinementTable table(values, std::move(y), std::move(weights), fold_of_row);
   table.unlike = table.unlike_of(repeats);
   const Eigen::VectorXd shares = penalty_shares(kind, feature_size_, fit_);
   CrossFit cross = choose_penalty(table, shares);
@@ -403,12 +222,12 @@ RefinementBuilder::LearnedClothing RefinementBuilder::learn_clothing(Refinement 
       weights(at) = weight_at(row.distance_mm[sees_back(view) ? 1 : 0]) / static_cast<double>(people.size());
       values.push_back(&row.values[sees_back(view) ? 1 : 0]);
       // Not dealt in turn: a subject's rows, bare and dressed, belong in one fold.
-      fold_of_row.push_back(Rng::for_item(seed, kClothingStream, row.subject).index(kFolds));
+      fold_of_row.push_back(Rng::for_item(seed, kClothingStream, row.subject).index(kRefinementFolds));
       dressed.push_back(is_dressed);
     }
   }
   weights *= static_cast<double>(count) / weights.sum();
-  const Table table(values, std::move(y), std::move(weights), fold_of_row);
+  const RefinementTable table(values, std::move(y), std::move(weights), fold_of_row);
   const Eigen::VectorXd shares = penalty_shares(view, feature_size_, fit_);
   const CrossFit cross = choose_penalty(table, shares);
   LearnedClothing out;

@@ -14,18 +14,14 @@
 #include "index/refinement.h"
 #include "lab/index_building/calibration.h"
 #include "lab/index_building/learning.h"
+#include "lab/index_building/refinement_table.h"
 #include "lab/index_building/sample.h"
 
 namespace im2fit::index {
 
-struct LinearFit {
-  Eigen::MatrixXd weights;  // value x target
-  Eigen::VectorXd bias;
-};
-
 class RefinementBuilder {
  public:
-  static constexpr std::size_t kSampleMin = 150;  // fewer teach too little
+  static constexpr std::size_t kSampleMin = kRefinementSampleMin;
   // Held in memory, of people undressed and in clothes: 18 kB each, and as much again while they are learned from, by
   // each thread.
   static constexpr std::size_t kSampleMax = 16384;

@@ -34,7 +34,8 @@ struct TrainOptions {
 using TrainProgress = std::function<void(double share, std::string_view stage)>;
 
 // The bytes of a .i2t file. Depends on the model and the options except thread_count. Errors: options out of range.
-// With the defaults 17 minutes of processor time for the joints, about 4 for the person votes.
+// 8,000 images with 400 trees a level take 137 s of processor time, three tenths of it for the person votes; the
+// defaults, by the same steps, about 10 minutes.
 Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const TrainOptions& options,
                                              const TrainProgress& progress = {});
 
