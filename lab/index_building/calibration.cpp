@@ -145,6 +145,7 @@ IntervalModel calibrate_intervals(const std::vector<HeldOut>& rows) {
 
 std::vector<float> calibrate_sex(const std::vector<HeldOut>& rows, double mean, double unit) {
   std::vector<LabelledScore> scores;
+  scores.reserve(rows.size());
   for (const HeldOut& row : rows)
     scores.push_back({mean + unit * row.answer[kSexTarget], mean + unit * row.truth[kSexTarget] > 0});
   return calibrate_probability(scores);
