@@ -34,8 +34,8 @@ struct TrainOptions {
 using TrainProgress = std::function<void(double share, std::string_view stage)>;
 
 // The bytes of a .i2t file. Depends on the model and the options except thread_count. Errors: options out of range.
-// 8,000 images with 400 trees a level take 137 s of processor time, three tenths of it for the person votes; the
-// defaults, by the same steps, about 10 minutes.
+// 8,000 images with 400 trees a level take 137 s of processor time, three tenths of it for the person votes, and a
+// gigabyte; time and memory grow with the images.
 Result<std::vector<std::byte>> train_tracker(const body::BodyModel& model, const TrainOptions& options,
                                              const TrainProgress& progress = {});
 
