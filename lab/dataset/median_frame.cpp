@@ -41,32 +41,16 @@ IM2FIT_SIMD_CLONES void near_row(const std::uint16_t* __restrict frame, const st
 
 }  // namespace
 
-// By forgetting: of one more than half of the values neither the least nor the most is the median. They go, the next
-// value comes, and so on until three are left. Half the exchanges of sorting the lower half.
 void MedianFrame::run(std::span<const DepthView> frames, DepthImage out) {
-  const std::size_t count = frames.size();
+  const std::size_t count = frames.size(), middle = (count - 1) / 2;
   const auto stride = static_cast<std::size_t>(out.width);
   rows_.resize(stride * count);
+  const auto row = [&](std::size_t i) { return rows_.data() + i * stride; };
   for (int v = 0; v < out.height; ++v) {
-    left_.clear();
-    for (std::size_t f = 0; f < count; ++f) {
-      left_.push_back(rows_.data() + f * stride);
-      shift_row(frames[f].row(v), 0xFFFF, out.width, left_.back());
-    }
-    // Of an even count the lower of the two in the middle: as if one more frame had seen the least there is.
-    if (count % 2 == 0) {
-      least_.assign(stride, 0);
-      left_.push_back(least_.data());
-    }
-    std::size_t next = left_.size();  // of those still to come the last comes first
-    // The set is at the front.
-    for (std::size_t size = (left_.size() + 1) / 2 + 1; size >= 3; --size) {
-      for (std::size_t i = 0; i < size / 2; ++i) order_rows(left_[i], left_[size - 1 - i], out.width);
-      for (std::size_t i = 1; i < (size + 1) / 2; ++i) order_rows(left_[0], left_[i], out.width);
-      for (std::size_t i = size / 2; i < size - 1; ++i) order_rows(left_[i], left_[size - 1], out.width);
-      left_[0] = left_[--next];
-    }
-    shift_row(left_[count > 1 ? 1 : 0], 1, out.width, out.row(v));
+    for (std::size_t f = 0; f < count; ++f) shift_row(frames[f].row(v), 0xFFFF, out.width, row(f));
+    for (std::size_t i = 0; i <= middle; ++i)
+      for (std::size_t j = count - 1; j > i; --j) order_rows(row(j - 1), row(j), out.width);
+    shift_row(row(middle), 1, out.width, out.row(v));
   }
 }
 

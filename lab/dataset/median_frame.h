@@ -19,9 +19,7 @@ class MedianFrame {
   void run(std::span<const DepthView> frames, DepthImage out);
 
  private:
-  std::vector<std::uint16_t> rows_;   // one of each frame
-  std::vector<std::uint16_t*> left_;  // of them
-  std::vector<std::uint16_t> least_;
+  std::vector<std::uint16_t> rows_;  // one of each frame
 };
 
 // Of the median's mask those pixels where `frame` is within kOutlierMm of it: what fuses. Same sizes.
