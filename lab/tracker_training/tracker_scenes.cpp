@@ -166,11 +166,6 @@ void TrackerScene::place(const VirtualScene& staged) {
   });
 }
 
-bool TrackerScene::same_camera(const TrackerScene& other) const {
-  return sensor == other.sensor && intrinsics.width == other.intrinsics.width &&
-         intrinsics.height == other.intrinsics.height;
-}
-
 TrackerScene draw_tracker_scene(const TrackerMix& mix, Rng& rng, Family family) {
   TrackerScene t;
   t.seed = rng.next();

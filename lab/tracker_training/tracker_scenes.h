@@ -2,7 +2,7 @@
 // Scenes the tracker is trained and judged on, drawn from a mixture and labelled with what was drawn.
 //
 //   TrackerScene t = draw_tracker_scene(training_mix(), rng);
-//   VirtualScene scene(model, subject, t.scene, t.sensor, t.intrinsics, t.seed);   // or restage(), see same_camera
+//   VirtualScene scene(model, subject, t.scene, t.sensor, t.intrinsics, t.seed);   // or restage()
 //   t.place(scene);                                                              // distance, height, whole
 #pragma once
 
@@ -76,8 +76,6 @@ struct TrackerScene {
   bool whole = true;  // all fifteen joints are inside the picture
 
   void place(const VirtualScene& staged);
-  // Both can be staged in one VirtualScene by restage(): same sensor, same picture.
-  bool same_camera(const TrackerScene& other) const;
 };
 
 // `family`: of the further people (the main subject is the caller's): pass the main subject's.
