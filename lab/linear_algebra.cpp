@@ -65,18 +65,24 @@ void add_square(const std::vector<T>& packed, std::ptrdiff_t size, std::ptrdiff_
   }
 }
 
+// As add_square() reads it. at(row, depth): an element of P.
+template <class T, class At>
+void pack(std::ptrdiff_t size, std::ptrdiff_t depth, const At& at, std::vector<T>& packed) {
+  constexpr std::ptrdiff_t kRows = kTileRows<T>;
+  packed.assign(static_cast<std::size_t>((size + kRows - 1) / kRows * kRows * depth), T{});
+  for (std::ptrdiff_t p = 0; p < depth; ++p)
+    for (std::ptrdiff_t i = 0; i < size; ++i)
+      packed[static_cast<std::size_t>((i / kRows * depth + p) * kRows + i % kRows)] = at(i, p);
+}
+
 template <class Rows>
 void add_gram_of(const Rows& rows, Eigen::MatrixXd& gram) {
-  using T = typename Rows::Scalar;
-  constexpr std::ptrdiff_t kRows = kTileRows<T>;
-  const std::ptrdiff_t size = rows.cols(), tiles = (size + kRows - 1) / kRows;
-  std::vector<T> packed;
+  const std::ptrdiff_t size = rows.cols();
+  std::vector<typename Rows::Scalar> packed;
   for (std::ptrdiff_t first = 0; first < rows.rows(); first += kGramDepth) {
     const std::ptrdiff_t depth = std::min(kGramDepth, rows.rows() - first);
-    packed.assign(static_cast<std::size_t>(tiles * kRows * depth), T{});
-    for (std::ptrdiff_t p = 0; p < depth; ++p)
-      for (std::ptrdiff_t i = 0; i < size; ++i)
-        packed[static_cast<std::size_t>((i / kRows * depth + p) * kRows + i % kRows)] = rows(first + p, i);
+    pack(
+        size, depth, [&](std::ptrdiff_t i, std::ptrdiff_t p) { return rows(first + p, i); }, packed);
     add_square(packed, size, depth, 1.0, gram.data(), gram.outerStride());
   }
 }
@@ -84,7 +90,6 @@ void add_gram_of(const Rows& rows, Eigen::MatrixXd& gram) {
 // L of a = L L^T into the lower triangle of `a`. Where a direction is not positive its column becomes zero, with an
 // infinite diagonal: solving by it gives zero.
 void factor_positive(Eigen::MatrixXd& a) {
-  constexpr std::ptrdiff_t kRows = kTileRows<double>;
   const std::ptrdiff_t size = a.rows();
   std::vector<double> packed;
   for (std::ptrdiff_t first = 0; first < size; first += kFactorColumns) {
@@ -104,10 +109,8 @@ void factor_positive(Eigen::MatrixXd& a) {
     }
     const std::ptrdiff_t left = size - end, depth = end - first;
     if (left == 0) break;
-    packed.assign(static_cast<std::size_t>((left + kRows - 1) / kRows * kRows * depth), 0.0);
-    for (std::ptrdiff_t p = 0; p < depth; ++p)
-      for (std::ptrdiff_t i = 0; i < left; ++i)
-        packed[static_cast<std::size_t>((i / kRows * depth + p) * kRows + i % kRows)] = a(end + i, first + p);
+    pack(
+        left, depth, [&](std::ptrdiff_t i, std::ptrdiff_t p) { return a(end + i, first + p); }, packed);
     add_square(packed, left, depth, -1.0, &a(end, end), a.outerStride());
   }
 }
