@@ -4,7 +4,13 @@
 #include "perception/observe/arm_gap.h"
 #include "perception/observe/gate.h"
 #include "perception/observe/observe.h"
-#include "perception/observe/sensor_limits.h"
+
+// The thresholds of this file. When a user is accepted as a person: segment/person_tracker_limits.h.
+namespace im2fit::sensor_limits {
+
+constexpr float kLostShareMax = 0.30F;  // pixels without data: as in segment/advice.cpp
+
+}  // namespace im2fit::sensor_limits
 
 namespace im2fit {
 
