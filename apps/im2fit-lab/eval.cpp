@@ -11,6 +11,8 @@
 #include "core/file.h"
 #include "engine/data_files.h"
 #include "engine/paths.h"
+#include "index/format.h"
+#include "lab/dataset/dataset.h"
 #include "lab/evaluation/full_report.h"
 #include "lab/parallel.h"
 
@@ -28,6 +30,7 @@ struct EvalCommand {
   std::vector<std::string> families = {"modifiers"};
   std::string ansur = default_ansur_folder();
   AnsurSettings ansur_settings;
+  std::string commit;
   std::string json_path, html_path, csv_path, people_path, figures_path;
   std::vector<std::string> runtime_indexes;
   std::string runtime_references, icp_references;
@@ -100,6 +103,8 @@ Result<std::vector<ConditionRun>> run_condition(const EvalCommand& options, cons
     if (!outcomes) return outcomes.error();
     ConditionRun run{of_family, std::move(*outcomes), {}};
     run.report = report_of(run.outcomes, condition.name, condition.what, name);
+    run.report.with = {dataset_version_in(models.index.info().provenance), index::kVersion, models.index.size(),
+                       options.evaluation.seed, options.commit};
     runs.push_back(std::move(run));
   }
   std::stable_sort(runs.begin(), runs.end(), [](const ConditionRun& a, const ConditionRun& b) {
@@ -248,6 +253,9 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
   auto* no_raw = sub.add_flag("--no-raw", o.no_raw, "Leave out the paper's nearest neighbour: twice as fast");
   auto* index = sub.add_option("--index", o.index, "Index file")->type_name("FILE")->capture_default_str();
   auto* html = sub.add_option("--html", o.html_path, "Write the report as a page with figures")->type_name("FILE");
+  auto* commit = sub.add_option("--commit", o.commit,
+                                "State of the sources this program was built from: named in the JSON, as given")
+                     ->type_name("TEXT");
   auto* csv =
       sub.add_option("--csv", o.csv_path, "Write every figure: a row a condition and measurement")->type_name("FILE");
   auto* people =
@@ -265,10 +273,10 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                                         "Instead: what bench/references/icp_references wrote, ours beside PCL")
                              ->type_name("FILE")
                              ->excludes(icp);
-  return {condition, conditions,    all,    family,  ansur,   ends,    pressed,
-          square,    frames,        scale,  twice,   samples, no_raw,  index,
-          html,      csv,           people, figures, runtime, indexes, runtime_references,
-          icp,       icp_references};
+  return {
+      condition, conditions,    all,   family, ansur,  ends, pressed, square,  frames,  scale,   twice,
+      samples,   no_raw,        index, html,   commit, csv,  people,  figures, runtime, indexes, runtime_references,
+      icp,       icp_references};
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "engine/data_files.h"
 #include "engine/paths.h"
 #include "engine/report/progress.h"
+#include "lab/dataset/dataset.h"
 #include "lab/dataset/features.h"
 #include "lab/index_building/builder.h"
 
@@ -45,6 +46,7 @@ Result<int> run_build(const IndexCommand& options) {
   build.threads = options.samples.threads;
   SampleOptions samples = options.samples;
   if (samples.work_dir.empty()) samples.work_dir = options.out + ".samples";
+  std::uint64_t samples_version = dataset_version();
   if (options.from.empty()) {
     const auto report = make_samples(samples, [](const index::Sample&) {});
     if (!report) return report.error();
@@ -59,6 +61,7 @@ Result<int> run_build(const IndexCommand& options) {
     samples.seed = noted->seed;
     const auto set = check_samples(options.from);
     if (!set) return set.error();
+    samples_version = set->run().dataset_version;
     build.shape_key = set->run().shape_key;
     build.tracker_key = tracker_key_of(set->run().input_key);
   }
@@ -68,6 +71,7 @@ Result<int> run_build(const IndexCommand& options) {
   build.provenance = fmt::format("im2fit-lab index --subjects {} --captures {} --seed {}", samples.subjects,
                                  samples.captures, samples.seed);
   if (options.densify_to > 0) build.provenance += fmt::format(" --densify {}", options.densify_to);
+  build.provenance += ", " + dataset_version_text(samples_version);
   build.densify_to = options.densify_to;
   build.population_version = body::kPopulationVersion;
   build.population_seed = samples.seed;

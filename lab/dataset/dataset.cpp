@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -27,9 +28,10 @@ constexpr auto kArmsClose =
     static_cast<std::size_t>(std::countr_zero(static_cast<GuidanceSet>(Guidance::arms_close)));
 constexpr int kAttempts = 3;                   // scenes drawn for one capture before it is given up
 constexpr std::uint64_t kDatasetVersion = 22;  // raise when a sample of a subject changes: shards are then made again
-constexpr int kBackCaptures = 4096;            // numbers of captures from behind begin here
-constexpr int kClothedCaptures = 8192;         // of those in clothes
-constexpr int kAgainCaptures = 16384;          // and of people seen again
+constexpr std::string_view kVersionWords = "dataset version ";
+constexpr int kBackCaptures = 4096;     // numbers of captures from behind begin here
+constexpr int kClothedCaptures = 8192;  // of those in clothes
+constexpr int kAgainCaptures = 16384;   // and of people seen again
 constexpr std::uint64_t kOutfitStream = 0x0F17, kOutfitAgainStream = 0x0F18, kHairStream = 0x0F19;
 constexpr double kReportSeconds = 0.25;
 constexpr int kAgainFrames = 29;  // as a device, which takes 30; odd, docs/dataset.md
@@ -361,6 +363,23 @@ int subjects_with(int models, int ood_every, std::uint32_t ood_below) {
   for (; found < models && static_cast<std::uint32_t>(subjects) < ood_below; ++subjects)
     found += is_ood(static_cast<std::uint64_t>(subjects), ood_every, ood_below) ? 0 : 1;
   return subjects + models - found;
+}
+
+std::uint64_t dataset_version() {
+  return kDatasetVersion;
+}
+
+std::string dataset_version_text(std::uint64_t version) {
+  return std::string(kVersionWords) + std::to_string(version);
+}
+
+std::optional<std::uint64_t> dataset_version_in(std::string_view provenance) {
+  const std::size_t words = provenance.rfind(kVersionWords);
+  if (words == provenance.npos) return {};
+  const std::string_view number = provenance.substr(words + kVersionWords.size());
+  std::uint64_t version = 0;
+  if (std::from_chars(number.data(), number.data() + number.size(), version).ec != std::errc{}) return {};
+  return version;
 }
 
 RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {

@@ -5,7 +5,9 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "body/model.h"
 #include "core/status.h"
@@ -78,6 +80,12 @@ struct DatasetReport {
 bool is_ood(std::uint64_t number, int ood_every, std::uint32_t ood_below);
 // How many subjects, from 0 on, hold `models` that are in distribution.
 int subjects_with(int models, int ood_every, std::uint32_t ood_below);
+
+// By which rules the code makes samples, and how an index's provenance names the rules of its samples.
+std::uint64_t dataset_version();
+std::string dataset_version_text(std::uint64_t version);  // "dataset version 22"
+// Nothing: `provenance` does not name it.
+std::optional<std::uint64_t> dataset_version_in(std::string_view provenance);
 
 // What shards of these options are recognised by.
 RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& options);

@@ -22,6 +22,7 @@ MeasurementReport measurement_report(const std::vector<const Outcome*>& measured
   MeasurementReport report;
   std::array<std::vector<double>, kEstimatorCount> errors;
   std::vector<std::array<double, 2>> with_truth, with_itself;
+  std::vector<double> widths;
   const auto n = static_cast<double>(measured.size());
   for (const Outcome* o : measured) {
     const double truth = o->truth[m];
@@ -37,7 +38,9 @@ MeasurementReport measurement_report(const std::vector<const Outcome*>& measured
       if (inside) report.covered[level] += 1 / n;
     }
     report.interval_width += (estimate.high - estimate.low) / n;
+    widths.push_back(static_cast<double>(estimate.high) - static_cast<double>(estimate.low));
   }
+  report.interval_width_median = box_statistics(widths).median;
   for (std::size_t estimator = 0; estimator < kEstimatorCount; ++estimator)
     report.errors[estimator] = error_statistics(errors[estimator]);
   report.agreement = agreement(with_truth);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,6 +44,7 @@ struct MeasurementReport {
   std::array<ErrorStatistics, kEstimatorCount> errors;  // count 0: that estimator does not answer it
   std::array<double, kLevels.size()> covered{};         // share of truths inside, 0..1
   double interval_width = 0;                            // mean
+  double interval_width_median = 0;
   Agreement agreement;
   Repeatability repeatability;  // pairs 0: shown once
   const ErrorStatistics& of(Estimator estimator) const { return errors[static_cast<std::size_t>(estimator)]; }
@@ -67,8 +70,18 @@ struct IndexSlope {
 // Labels between the right size and the one answered: -1 one too small; the outer ones count all beyond.
 inline constexpr int kSizeStepMost = 2;
 
+// The models and the code behind a report: figures of other ones cannot be compared with it.
+struct MeasuredWith {
+  std::optional<std::uint64_t> dataset_version;  // of the samples in the index; nothing: the index does not name it
+  std::uint32_t index_format = 0;                // index::kVersion
+  std::size_t index_models = 0;                  // entries
+  std::uint64_t seed = 0;                        // of people and rooms
+  std::string commit;                            // as the caller gave it; empty: not given
+};
+
 struct Report {
   std::string condition, what, family;
+  MeasuredWith with;
   int subjects = 0;
   int measured = 0;
   int lifted_arms = 0;                                     // of the measured: told to, first

@@ -28,6 +28,7 @@ Json measurement_json(const MeasurementReport& r, std::size_t m) {
   entry["ours"] = statistics_json(ours);
   entry["coverage_95"] = r.coverage();
   entry["interval_width"] = r.interval_width;
+  entry["interval_width_median"] = r.interval_width_median;
   entry["calibration"] = levels_json(r);
   if (iso_20685_limit_mm(id) > 0)
     entry["iso_20685"] = {{"limit_mm", iso_20685_limit_mm(id)},
@@ -46,6 +47,14 @@ Json measurement_json(const MeasurementReport& r, std::size_t m) {
   for (const Estimator estimator : {Estimator::paper, Estimator::raw, Estimator::nearest})
     entry[std::string(kEstimators[static_cast<std::size_t>(estimator)].json)] = statistics_json(r.of(estimator));
   return entry;
+}
+
+Json with_json(const MeasuredWith& with) {
+  return {{"dataset_version", with.dataset_version ? Json(*with.dataset_version) : Json()},
+          {"index_format", with.index_format},
+          {"index_models", with.index_models},
+          {"seed", with.seed},
+          {"commit", with.commit}};
 }
 
 Json groups_json(const Report& report) {
@@ -72,6 +81,7 @@ Json json_value_of(const Report& report) {
   if (!report.family.empty()) json["family"] = report.family;
   json["condition"] = report.condition;
   if (!report.what.empty()) json["what"] = report.what;
+  json["measured_with"] = with_json(report.with);
   json["subjects"] = report.subjects;
   json["measured"] = report.measured;
   json["lifted_arms"] = report.lifted_arms;

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "depth_folder.h"
+#include "index/format.h"
 #include "lab/evaluation/full_report.h"
 #include "measure_run.h"
 #include "well_formed.h"
@@ -72,7 +73,9 @@ TEST(Eval, FamilyWithoutItsSurveySaysWhereItBelongs) {
 TEST(Eval, WritesEverythingOnAnyNumberOfThreads) {
   IM2FIT_NEED_DATA();
   const test::TestFolder folder;
-  const Words tiny = {"--conditions", "frames5+320,clothed+frames5+320", "--subjects", "2", "--twice", "--json"};
+  const Words tiny = {
+      "--conditions", "frames5+320,clothed+frames5+320", "--subjects", "2", "--twice", "--json", "--commit",
+      "abc1234"};
   Words alone = tiny, together = tiny;
   alone.insert(alone.end(), {"--threads", "1", "--html", folder.path("page.html"), "--csv", folder.path("all.csv"),
                              "--people", folder.path("people.csv"), "--figures", folder.path("figures"), "--out",
@@ -90,6 +93,11 @@ TEST(Eval, WritesEverythingOnAnyNumberOfThreads) {
   EXPECT_EQ(json.at("conditions").at(1).at("condition"), "clothed+frames5+320");
   EXPECT_EQ(json.at("conditions").at(0).at("subjects"), 2);
   EXPECT_EQ(json.at("conditions").at(0).at("family"), "modifiers");
+  const auto& with = json.at("conditions").at(1).at("measured_with");
+  EXPECT_EQ(with.at("index_format"), index::kVersion);
+  EXPECT_GT(with.at("index_models").get<int>(), 0);
+  EXPECT_EQ(with.at("seed"), lab::EvaluationOptions{}.seed);
+  EXPECT_EQ(with.at("commit"), "abc1234");
   EXPECT_EQ(json.at("conditions").at(0).at("groups").size(), 2U);  // a man and a woman: a third of one each
 
   const std::string page = test::read_text(folder.path("page.html"));

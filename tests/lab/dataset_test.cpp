@@ -22,6 +22,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+TEST(DatasetVersion, IsReadBackFromAProvenance) {
+  EXPECT_EQ(dataset_version_text(22), "dataset version 22");
+  EXPECT_EQ(dataset_version_in("im2fit-lab index --subjects 1500 --seed 1, " + dataset_version_text(22)), 22U);
+  EXPECT_EQ(dataset_version_in("dataset version 4294967296 and more"), 4294967296U);
+  for (const char* without :
+       {"", "im2fit-lab index --subjects 1500 --seed 1", "dataset version ", "dataset version x"})
+    EXPECT_FALSE(dataset_version_in(without)) << without;
+}
+
 TEST(DatasetPeople, OneInThreeOfTheFirstIsOutOfDistribution) {
   const DatasetOptions usual;
   EXPECT_EQ(usual.ood_every, 3);

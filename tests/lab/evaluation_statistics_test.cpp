@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "lab/evaluation/conditions.h"
 #include "lab/evaluation/error_statistics.h"
@@ -134,11 +135,31 @@ TEST(Report, CountsWhatItIsGiven) {
   EXPECT_NEAR(stature.covered[1], 2.0 / 3, 1e-9);
   EXPECT_NEAR(stature.covered[5], 2.0 / 3, 1e-9);
   EXPECT_NEAR(stature.interval_width, 40, 1e-4);
+  EXPECT_NEAR(stature.interval_width_median, 40, 1e-4);
   EXPECT_EQ(stature.repeatability.pairs, 1);
   EXPECT_NEAR(stature.repeatability.tem, std::sqrt(16.0 / 2), 1e-4);
   EXPECT_DOUBLE_EQ(r.sex_accuracy, 1);
   const auto steps = r.size_steps;
   EXPECT_EQ(steps[0] + steps[1] + steps[2] + steps[3] + steps[4], 3);
+}
+
+TEST(Report, MedianWidthOfIntervalsIsNotTheMean) {
+  const Report r = report_of({outcome(1000, 0, 10), outcome(1000, 0, 20), outcome(1000, 0, 90)}, "noise");
+  EXPECT_NEAR(r.measurements[kStature].interval_width, 80, 1e-4);
+  EXPECT_NEAR(r.measurements[kStature].interval_width_median, 40, 1e-4);
+}
+
+TEST(Report, JsonNamesWhatItWasMeasuredWith) {
+  Report r = report_of({outcome(1000, 10, 20)}, "noise", "", "ansur");
+  r.with = {22, 13, 4000, 7, "abc1234"};
+  const nlohmann::ordered_json json = json_value_of(r);
+  EXPECT_EQ(json.at("family"), "ansur");
+  EXPECT_EQ(json.at("subjects"), 1);
+  EXPECT_EQ(json.at("measured_with").dump(),
+            R"({"dataset_version":22,"index_format":13,"index_models":4000,"seed":7,"commit":"abc1234"})");
+  EXPECT_NEAR(json.at("measurements").at("stature").at("interval_width_median").get<double>(), 40, 1e-4);
+  r.with.dataset_version.reset();
+  EXPECT_TRUE(json_value_of(r).at("measured_with").at("dataset_version").is_null());
 }
 
 // Six men of 2 m and BMI 20 to 30 and one woman: errors grow by 3 mm a unit.
