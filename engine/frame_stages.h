@@ -29,8 +29,8 @@ class FrameStages {
   // Stage SENSE.
   // Before sense() of a frame: moves the frame's edges back in place, where the sensor's driver spoils them.
   virtual void restore_edges(DepthImage /*depth*/, const Intrinsics& /*intrinsics*/) {}
-  // The people in view; mask, joints and pose of people().selected(), or of the person chosen when that is 0. `seconds`
-  // since the frame before.
+  // The people in view; mask, joints and pose of people().selected(), or of the person chosen when that is 0.
+  // `seconds` since the frame before.
   virtual Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) = 0;
   // The direction of gravity, in the frames' axes, from the next frame on.
   virtual void set_down(Vec3f /*down*/) {}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // FPFH as published (R. B. Rusu, N. Blodow, M. Beetz, "Fast Point Feature Histograms (FPFH) for 3D registration",
-// ICRA 2009) with the choices PCL 1.13 makes where the paper leaves one: see kernels/fpfh/README.md. Brute force, double,
-// libm.
+// ICRA 2009) with the choices PCL 1.13 makes where the paper leaves one: see kernels/fpfh/README.md. Brute force,
+// double, libm.
 #include <array>
 #include <cassert>
 #include <cmath>
