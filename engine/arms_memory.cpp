@@ -8,8 +8,7 @@
 //           14,039 frames in which they are found say close; of 3,455 frames of the recordings played, arms moving,
 //           3,419 do
 //   [eval]  100 people of im2fit-lab eval, arms 12 to 25 degrees off the body, 30 frames each: 95 never say close,
-//   four
-//           in 1 to 4 frames, one, whose arm does touch, in 27
+//           four in 1 to 4 frames, one, whose arm does touch, in 27
 namespace im2fit::arms_limits {
 
 // Frames that say something of the arms and are remembered: a quarter of a second. Longer: whoever lifts the arms

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The references of the kernels: in double or whole numbers, written to be read; they may allocate and use libm. They
-// are no part of the product. A kernel's `...WithRef` table is its own table with the reference before it: tests and
-// benchmarks walk that one.
+// The references of the kernels: in double or whole numbers, written to be read; they may allocate and use libm. The
+// product does not contain them. A kernel's `...WithRef` table is its own table with the reference before it: tests
+// and benchmarks walk that one.
 #pragma once
 
 #include <array>
