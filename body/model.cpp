@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "body/fit/shape_space_file.h"
+#include "body/shape_space_file.h"
 #include "body/model_data.h"
 #include "core/container.h"
 

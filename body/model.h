@@ -59,7 +59,7 @@ struct Params {
   Warp warp;                     // of the mesh the sliders make
 };
 
-struct ShapeSpace;  // body/fit/shape_space.h
+struct ShapeSpace;  // body/shape_space.h
 
 class BodyModel {
  public:

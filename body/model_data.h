@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "body/fit/shape_space.h"
+#include "body/shape_space.h"
 #include "body/look.h"
 #include "body/model.h"
 #include "core/file.h"

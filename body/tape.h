@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tape: measurements as data. A definition names points of the body and what is measured between or round them;
-// docs/tape.md has every field. Text becomes a Tape in engine/report/tape_file.h; this room reads none.
+// docs/tape.md has every field. Text becomes a Tape in person/tape_file.h; this room reads none.
 //
 // The eleven values of core/measurement.h are taken by body/measure.h here too: there is no second definition.
 #pragma once

@@ -8,9 +8,6 @@ function(im2fit_target name)
   target_compile_features(${name} PUBLIC cxx_std_20)
   target_compile_options(${name} PUBLIC -ffp-contract=off
                                  PRIVATE -Wall -Wextra -Wconversion -Wno-psabi)
-  if(IM2FIT_WARNINGS_ARE_ERRORS)
-    target_compile_options(${name} PRIVATE -Werror)
-  endif()
   # GCC 12 sees overlapping copies in "text" + std::string at -O3 where there are none (GCC bug 105651).
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     target_compile_options(${name} PRIVATE -Wno-restrict)
@@ -31,52 +28,18 @@ function(im2fit_target name)
   endif()
 endfunction()
 
-# What runs once a command or a test, not once a frame: a third less to compile at -O1, and no frame is slower.
-function(im2fit_command_line_code)
-  foreach(name ${ARGN})
-    target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
-  endforeach()
-endfunction()
-
-# What runs once a person, or when a handle is opened: a quarter smaller on a device, where no frame waits for it. On a
-# workstation, where it runs once a training person, data sets would take a tenth longer.
-function(im2fit_person_code)
-  if(NOT IM2FIT_SANITIZE AND NOT IM2FIT_BUILD_LAB)
-    foreach(name ${ARGN})
-      target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-Os>)
-    endforeach()
-  endif()
-endfunction()
-
-# What runs once a frame: a guided frame is 17.4 M instructions at -O3 where -O2 needs 23.9 M. Sanitizers, which are
-# not about speed, keep the build type's level. No level changes a bit: fused and reordered arithmetic are both off.
-function(im2fit_frame_code)
-  if(NOT IM2FIT_SANITIZE)
-    foreach(name ${ARGN})
-      target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O3>)
-    endforeach()
-  endif()
-endfunction()
-
-# IM2FIT_PRECOMPILE: the standard headers of these libraries are read once, half a second a file less. Call it last, when
-# the flags are known: libraries of one level share the headers. Files with flags of their own do without: GCC takes the
-# level of functions with attributes from the headers, and refuses other instruction sets and definitions. Programs and
-# what uses fmt, JSON and CLI11 gain next to nothing.
-function(im2fit_precompile)
-  if(NOT IM2FIT_PRECOMPILE)
+# One optimisation level a library, in every build: what ships is what the tests run. im2fit_level(LEVEL TARGETS...)
+#   O3  once a frame or over a whole mesh: a guided frame is 17.4 M instructions at -O3 where -O2 needs 23.9 M
+#   Os  once a person or a handle: a quarter smaller, and no frame waits for it
+#   O1  once a command or a test: a third less to compile
+# -fno-math-errno lets the vectoriser take square roots. None of these changes a bit: fused and reordered arithmetic
+# are both off. Debug builds, and sanitizers, which are not about speed, keep the build type's level.
+function(im2fit_level level)
+  if(IM2FIT_SANITIZE AND NOT level STREQUAL "O1")
     return()
   endif()
   foreach(name ${ARGN})
-    get_target_property(options ${name} COMPILE_OPTIONS)
-    string(MD5 flags "${options}")
-    set(first im2fit_precompiled_${flags})
-    if(NOT TARGET ${first})
-      add_library(${first} STATIC ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
-      target_compile_features(${first} PUBLIC cxx_std_20)
-      target_compile_options(${first} PRIVATE ${options})
-      target_precompile_headers(${first} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled.h)
-    endif()
-    target_precompile_headers(${name} REUSE_FROM ${first})
+    target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-${level}> -fno-math-errno)
   endforeach()
 endfunction()
 
@@ -88,29 +51,23 @@ macro(im2fit_workstation_code)
   endif()
 endmacro()
 
-# Targets made after this in the directory, and below it, are compiled five files at a time with IM2FIT_UNITY.
-macro(im2fit_join_files)
-  if(IM2FIT_UNITY OR IM2FIT_UNITY_DEVICE)
-    set(CMAKE_UNITY_BUILD ON)
-    set(CMAKE_UNITY_BUILD_BATCH_SIZE 5)
-  endif()
-endmacro()
-
 # Files that IM2FIT_UNITY leaves alone: another of their library or program has a name of theirs, private to each.
 function(im2fit_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# A library of one room: im2fit_library(NAME SOURCES a.cpp b.cpp DEPENDS im2fit_base ...)
+# A library of one folder: im2fit_library(NAME LEVEL Os SOURCES a.cpp b.cpp DEPENDS im2fit_core ...). Without SOURCES:
+# every *.cpp of the folder.
 function(im2fit_library name)
-  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "" "LEVEL" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   if(NOT arg_SOURCES)
-    add_library(${name} INTERFACE)
-    target_link_libraries(${name} INTERFACE ${arg_DEPENDS})
-    return()
+    file(GLOB arg_SOURCES CONFIGURE_DEPENDS *.cpp)
   endif()
   add_library(${name} STATIC ${arg_SOURCES})
   im2fit_target(${name})
+  if(arg_LEVEL)
+    im2fit_level(${arg_LEVEL} ${name})
+  endif()
   target_link_libraries(${name} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE_DEPENDS})
 endfunction()
 
@@ -125,7 +82,7 @@ function(im2fit_test_room room)
   endif()
   add_executable(${room}_tests ${sources})
   im2fit_target(${room}_tests)
-  im2fit_command_line_code(${room}_tests)
+  im2fit_level(O1 ${room}_tests)
   target_link_libraries(${room}_tests PRIVATE ${arg_DEPENDS} GTest::gtest_main GTest::gmock)
   # One ctest entry a room: starting a process for each case costs more than most cases.
   # An emulator is ten to fifty times slower.

@@ -3,8 +3,8 @@
 #include <string>
 #include <utility>
 
-#include "engine/refined_query.h"
-#include "engine/restored_edges.h"
+#include "estimate/refined_query.h"
+#include "estimate/restored_edges.h"
 #include "engine/sensing_stages.h"
 
 namespace im2fit {

@@ -74,7 +74,7 @@ struct Info {
   std::uint32_t subject_count = 0;
   std::uint32_t entry_count = 0;  // captures of subjects, densified ones included
   std::uint32_t densified_count =
-      0;  // entries mixed from two real ones (lab/index_building/densify.h): for measuring speed only
+      0;  // entries mixed from two real ones (train/index/densify.h): for measuring speed only
   std::uint32_t tracker_key = 0;  // JointModel::key() of the one that saw these people; 0: unknown
   std::vector<Group> groups;
   float error_with_all = 0;           // to compare Group::error_without with

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/report/result_json.h"
+#include "report/result_json.h"
 #include "hal/reconnecting_source.h"
 
 namespace im2fit::apps {

@@ -10,7 +10,7 @@
 #include "apps/common/events.h"
 #include "hal/open/open.h"
 #if IM2FIT_HAVE_LAB
-#include "lab/camera/synthetic_person.h"
+#include "train/camera/synthetic_person.h"
 #endif
 
 namespace im2fit::apps {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "engine/paths.h"
-#include "engine/report/truth_file.h"
+#include "apps/common/paths.h"
+#include "formats/truth_file.h"
 #include "hal/reconnecting_source.h"
 #include "hal/source.h"
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/dressing.h"
-#include "engine/report/tape_file.h"
+#include "person/dressing.h"
+#include "person/tape_file.h"
 
 namespace im2fit::apps {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/measuring_data.h"
-#include "engine/paths.h"
-#include "engine/report/result_json.h"
+#include "person/measuring_data.h"
+#include "apps/common/paths.h"
+#include "report/result_json.h"
 
 namespace im2fit::apps {
 

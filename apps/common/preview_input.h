@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/engine.h"
-#include "engine/report/overlay.h"
+#include "report/overlay.h"
 
 namespace im2fit::apps {
 

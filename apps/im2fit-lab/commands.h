@@ -15,6 +15,7 @@ void add_fingerprint(cli::App& app, Command& chosen);
 void add_population(cli::App& app, Command& chosen);
 void add_train(cli::App& app, Command& chosen);
 void add_dataset(cli::App& app, Command& chosen);
+void add_make(cli::App& app, Command& chosen);
 void add_pack(cli::App& app, Command& chosen);
 void add_index(cli::App& app, Command& chosen);
 void add_render(cli::App& app, Command& chosen);

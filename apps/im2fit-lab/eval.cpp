@@ -9,12 +9,12 @@
 #include "apps/im2fit-lab/eval_tracker.h"
 #include "apps/im2fit-lab/samples.h"
 #include "core/file.h"
-#include "engine/data_files.h"
-#include "engine/paths.h"
+#include "person/data_files.h"
+#include "apps/common/paths.h"
 #include "index/format.h"
-#include "lab/dataset/dataset.h"
-#include "lab/evaluation/full_report.h"
-#include "lab/parallel.h"
+#include "train/dataset/dataset.h"
+#include "evaluation/measurements/full_report.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::apps {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "apps/common/program.h"
 #include "core/file.h"
-#include "lab/tracker_evaluation/guidance_scenes.h"
-#include "lab/tracker_evaluation/tracker_evaluation.h"
+#include "evaluation/tracker/guidance_scenes.h"
+#include "evaluation/tracker/tracker_evaluation.h"
 
 namespace im2fit::apps {
 namespace {

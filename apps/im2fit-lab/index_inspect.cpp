@@ -11,9 +11,9 @@
 #include <sstream>
 
 #include "core/file.h"
-#include "engine/data_files.h"
-#include "engine/paths.h"
-#include "engine/report/text_table.h"
+#include "person/data_files.h"
+#include "apps/common/paths.h"
+#include "report/text_table.h"
 
 namespace im2fit::apps {
 namespace {

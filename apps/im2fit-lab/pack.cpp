@@ -7,11 +7,11 @@
 #include "apps/common/pack/model_pack.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/pack_texts.h"
-#include "body/fit/shape_space.h"
+#include "body/shape_space.h"
 #include "core/file.h"
-#include "engine/builtin_charts.h"
-#include "engine/data_files.h"
-#include "engine/paths.h"
+#include "person/builtin_charts.h"
+#include "person/data_files.h"
+#include "apps/common/paths.h"
 
 namespace im2fit::apps {
 namespace {

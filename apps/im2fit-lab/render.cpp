@@ -5,11 +5,11 @@
 #include "apps/im2fit-lab/commands.h"
 #include "body/export/export.h"
 #include "core/file.h"
-#include "engine/data_files.h"
-#include "engine/paths.h"
-#include "engine/report/progress.h"
+#include "person/data_files.h"
+#include "apps/common/paths.h"
+#include "report/progress.h"
 #include "hal/folder/depth_folder.h"
-#include "lab/camera/synthetic_person.h"
+#include "train/camera/synthetic_person.h"
 
 namespace im2fit::apps {
 namespace {

@@ -9,9 +9,9 @@
 #include "apps/common/memory.h"
 #include "core/crc32c.h"
 #include "core/file.h"
-#include "engine/paths.h"
-#include "engine/report/progress.h"
-#include "lab/parallel.h"
+#include "apps/common/paths.h"
+#include "report/progress.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::apps {
 namespace {

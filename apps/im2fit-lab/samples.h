@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "engine/data_files.h"
-#include "lab/dataset/dataset.h"
+#include "person/data_files.h"
+#include "train/dataset/dataset.h"
 
 namespace im2fit::lab {}
 

@@ -8,11 +8,11 @@
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/site_people.h"
 #include "core/file.h"
-#include "engine/data_files.h"
-#include "engine/paths.h"
-#include "lab/parallel.h"
-#include "lab/study/calibration_trials.h"
-#include "lab/study/site_report.h"
+#include "person/data_files.h"
+#include "apps/common/paths.h"
+#include "train/common/parallel.h"
+#include "evaluation/study/calibration_trials.h"
+#include "evaluation/study/site_report.h"
 
 namespace im2fit::apps {
 namespace {

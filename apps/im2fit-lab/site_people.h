@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "apps/sessions/store.h"
-#include "lab/study/simulated_site.h"
-#include "lab/study/site_person.h"
+#include "evaluation/study/simulated_site.h"
+#include "evaluation/study/site_person.h"
 
 namespace im2fit::apps {
 

@@ -7,8 +7,8 @@
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/site_people.h"
 #include "core/file.h"
-#include "lab/study/calibrate.h"
-#include "lab/study/site_report.h"
+#include "evaluation/study/calibrate.h"
+#include "evaluation/study/site_report.h"
 
 namespace im2fit::apps {
 namespace {

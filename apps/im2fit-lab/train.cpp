@@ -5,11 +5,11 @@
 
 #include "apps/im2fit-lab/commands.h"
 #include "core/file.h"
-#include "engine/data_files.h"
-#include "engine/paths.h"
-#include "engine/report/progress.h"
-#include "lab/parallel.h"
-#include "lab/tracker_training/train_tracker.h"
+#include "person/data_files.h"
+#include "apps/common/paths.h"
+#include "report/progress.h"
+#include "train/common/parallel.h"
+#include "train/tracker/train_tracker.h"
 
 namespace im2fit::apps {
 namespace {

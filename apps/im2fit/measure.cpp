@@ -5,7 +5,7 @@
 
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/session.h"
-#include "engine/report/progress.h"
+#include "report/progress.h"
 
 namespace im2fit::apps {
 namespace {

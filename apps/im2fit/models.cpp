@@ -6,7 +6,7 @@
 
 #include "apps/common/pack/model_pack.h"
 #include "apps/im2fit/commands.h"
-#include "engine/paths.h"
+#include "apps/common/paths.h"
 
 namespace im2fit::apps {
 namespace {

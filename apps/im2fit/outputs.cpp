@@ -8,10 +8,11 @@
 #include "apps/im2fit/session.h"
 #include "body/export/export.h"
 #include "body/measure.h"
+#include "garment/drape/wear.h"
 #include "core/file.h"
-#include "engine/dressing.h"
-#include "engine/report/overlay.h"
-#include "engine/report/text_table.h"
+#include "person/dressing.h"
+#include "report/overlay.h"
+#include "report/text_table.h"
 #include "hal/depth_diagnosis.h"
 
 namespace im2fit::apps {
@@ -88,9 +89,10 @@ Status dress(SessionOutcome& outcome) {
   auto outfit = im2fit::dress(wardrobe, model, body->params, body->pose, woman, worn);
   if (!outfit) return outfit.error();
   DressedAvatar dressed;
-  dressed.outfit = std::move(*outfit);
-  dressed.avatar = {&model, body->params, body->pose, dressed.outfit.get(), {}};
-  for (const Worn& one : worn) dressed.avatar.looks.push_back({one.pattern->id, one.pattern->colour});
+  dressed.avatar = {&model, body->params, body->pose};
+  std::vector<body::ClothLook> looks;
+  for (const Worn& one : worn) looks.push_back({one.pattern->id, one.pattern->colour});
+  body::wear(dressed.avatar, **outfit, looks);
   auto glb = body::glb_of(dressed.avatar);
   if (!glb) return glb.error();
   dressed.glb = std::move(*glb);

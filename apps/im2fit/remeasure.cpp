@@ -6,7 +6,7 @@
 #include "apps/im2fit/session.h"
 #include "apps/sessions/store.h"
 #include "core/file.h"
-#include "engine/report/result_json.h"
+#include "report/result_json.h"
 
 namespace im2fit::apps {
 

@@ -11,12 +11,12 @@
 
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/live_run.h"
-#include "apps/im2fit/page/host_check.h"
-#include "apps/im2fit/page/live_page.h"
-#include "apps/im2fit/page/operator_gate.h"
+#include "apps/kiosk/host_check.h"
+#include "apps/kiosk/live_page.h"
+#include "apps/kiosk/operator_gate.h"
 #include "apps/im2fit/remeasure.h"
 #include "apps/sessions/store.h"
-#include "engine/report/tape_file.h"
+#include "person/tape_file.h"
 
 namespace im2fit::apps {
 namespace {

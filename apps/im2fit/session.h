@@ -12,7 +12,7 @@
 #include "apps/common/input.h"
 #include "apps/common/measuring.h"
 #include "body/export/export.h"
-#include "engine/report/motion_recording.h"
+#include "report/motion_recording.h"
 
 namespace im2fit::apps {
 
@@ -32,8 +32,7 @@ using SessionWatch = std::function<void(std::uint64_t frame_count, const EngineR
 
 // The measured body in everyday clothes of its size.
 struct DressedAvatar {
-  std::unique_ptr<body::Outfit> outfit;
-  body::Avatar avatar;  // refers to `outfit` and to the session's body model
+  body::Avatar avatar;  // refers to the session's body model
   std::vector<std::byte> glb;
 };
 

@@ -11,8 +11,8 @@
 #include "apps/im2fit/remeasure.h"
 #include "apps/sessions/store.h"
 #include "core/text.h"
-#include "engine/report/progress.h"
-#include "engine/report/text_table.h"
+#include "report/progress.h"
+#include "report/text_table.h"
 
 namespace im2fit::apps {
 namespace {

@@ -7,11 +7,11 @@
 
 #include "apps/im2fit/commands.h"
 #include "core/file.h"
-#include "engine/data_files.h"
-#include "engine/paths.h"
-#include "engine/report/tape_file.h"
-#include "engine/report/tape_picture.h"
-#include "engine/report/text_table.h"
+#include "person/data_files.h"
+#include "apps/common/paths.h"
+#include "person/tape_file.h"
+#include "report/tape_picture.h"
+#include "report/text_table.h"
 
 namespace im2fit::apps {
 namespace {

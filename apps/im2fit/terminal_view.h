@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/report/canvas.h"
+#include "report/canvas.h"
 
 namespace im2fit::apps {
 

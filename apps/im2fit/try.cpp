@@ -8,16 +8,17 @@
 #include "apps/im2fit/commands.h"
 #include "body/export/export.h"
 #include "body/measure.h"
+#include "garment/drape/wear.h"
 #include "core/file.h"
-#include "engine/builtin_tape.h"
-#include "engine/data_files.h"
-#include "engine/dressing.h"
-#include "engine/paths.h"
-#include "engine/report/dressed_picture.h"
-#include "engine/report/garment_file.h"
-#include "engine/report/measured_body.h"
-#include "engine/report/result_json.h"
-#include "engine/report/text_table.h"
+#include "person/builtin_tape.h"
+#include "person/data_files.h"
+#include "person/dressing.h"
+#include "apps/common/paths.h"
+#include "report/dressed_picture.h"
+#include "person/garment_file.h"
+#include "person/measured_body.h"
+#include "report/result_json.h"
+#include "report/text_table.h"
 
 namespace im2fit::apps {
 namespace {
@@ -77,7 +78,9 @@ Status draw(const TryOptions& options, const body::GarmentPattern& pattern, cons
   const auto outfit = dress(wardrobe, model, person.params, pose, person.female > 0.5F, worn);
   if (!outfit) return outfit.error();
   if (options.out.ends_with(".glb")) {
-    body::Avatar avatar{&model, person.params, pose, outfit->get(), {{pattern.id, pattern.colour}}};
+    body::Avatar avatar{&model, person.params, pose};
+    const body::ClothLook looks[] = {{pattern.id, pattern.colour}};
+    body::wear(avatar, **outfit, looks);
     return body::write_glb(avatar, options.out);
   }
   PictureFrame frame;

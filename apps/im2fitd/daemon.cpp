@@ -12,7 +12,7 @@
 #include "apps/common/input.h"
 #include "apps/im2fitd/log.h"
 #include "core/file.h"
-#include "engine/paths.h"
+#include "apps/common/paths.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/frame_path.h"
 #include "hal/open/open.h"

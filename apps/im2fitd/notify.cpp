@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "engine/paths.h"
+#include "apps/common/paths.h"
 
 namespace im2fit::daemon {
 

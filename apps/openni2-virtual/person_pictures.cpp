@@ -2,8 +2,8 @@
 #include <string>
 
 #include "body/model.h"
-#include "lab/camera/virtual_camera.h"
-#include "lab/population/population.h"
+#include "train/camera/virtual_camera.h"
+#include "train/population/population.h"
 #include "pictures.h"
 
 namespace im2fit::openni2_virtual {

@@ -19,7 +19,7 @@
 
 #include "core/crc32c.h"
 #include "core/file.h"
-#include "engine/paths.h"
+#include "apps/common/paths.h"
 
 namespace im2fit::sessions {
 namespace {

@@ -18,12 +18,12 @@
 #include <thread>
 #include <vector>
 
-#include "apps/im2fit/page/live_cloth.h"
+#include "apps/kiosk/live_cloth.h"
 #include "bench/frame/room.h"
-#include "body/export/moving_clothes.h"
-#include "body/garment/dressing_pose.h"
-#include "engine/measuring_data.h"
-#include "lab/garment/dressed_people.h"
+#include "garment/drape/moving_clothes.h"
+#include "garment/drape/dressing_pose.h"
+#include "person/measuring_data.h"
+#include "train/dressed/dressed_people.h"
 
 namespace im2fit::bench {
 namespace {

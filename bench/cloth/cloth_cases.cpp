@@ -13,12 +13,12 @@
 
 #include "bench/frame/room.h"
 #include "bench/kernels/cases.h"
-#include "body/export/moving_clothes.h"
-#include "body/export/offset_wire.h"
-#include "body/garment/dressing_pose.h"
-#include "body/garment/outfit.h"
+#include "garment/drape/moving_clothes.h"
+#include "garment/drape/offset_wire.h"
+#include "garment/drape/dressing_pose.h"
+#include "garment/drape/outfit.h"
 #include "body/measure.h"
-#include "engine/report/garment_file.h"
+#include "person/garment_file.h"
 
 namespace im2fit::bench {
 namespace {

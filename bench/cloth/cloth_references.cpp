@@ -26,12 +26,12 @@
 #include <string>
 #include <vector>
 
-#include "body/garment/outfit.h"
+#include "garment/drape/outfit.h"
 #include "core/file.h"
-#include "engine/report/dressed_picture.h"
-#include "lab/garment/drape_quality.h"
-#include "lab/garment/dressed_people.h"
-#include "lab/stopwatch.h"
+#include "report/dressed_picture.h"
+#include "evaluation/garment/drape_quality.h"
+#include "train/dressed/dressed_people.h"
+#include "train/common/stopwatch.h"
 
 namespace im2fit::bench {
 namespace {

@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "bench/frame/room.h"
-#include "engine/measuring_data.h"
+#include "person/measuring_data.h"
 
 namespace im2fit::bench {
 namespace {

@@ -19,7 +19,7 @@
 #include "bench/frame/room.h"
 #include "bench/kernels/cases.h"
 #include "body/measure.h"
-#include "body/measurement_fit.h"
+#include "body/fit/measurement_fit.h"
 #include "body/population.h"
 #include "core/file.h"
 #include "core/rng.h"

@@ -14,7 +14,7 @@
 #include "bench/index/report.h"
 #include "bench/index/search_alone.h"
 #include "core/file.h"
-#include "lab/index_building/builder.h"
+#include "train/index/builder.h"
 
 namespace im2fit::bench {
 namespace {

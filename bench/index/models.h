@@ -9,14 +9,14 @@
 #include <span>
 #include <vector>
 
-#include "lab/index_building/densify.h"
-#include "lab/index_building/sample.h"
+#include "train/index/densify.h"
+#include "train/index/sample.h"
 
 namespace im2fit::bench {
 
 inline constexpr std::size_t kRawSize = 501;  // the paper's feature: 4 lengths, 2 ratios, 15 FPFH
 
-// The first `size` of the real models; from where they end, mixes of them (lab/index_building/densify.h), the very
+// The first `size` of the real models; from where they end, mixes of them (train/index/densify.h), the very
 // mixes that build_index makes for the same seed. A feature that was not measured counts as its sex's mean.
 class Models {
  public:

@@ -5,7 +5,7 @@
 
 #include "bench/index/reference.h"
 #include "index/index.h"
-#include "lab/index_building/builder.h"
+#include "train/index/builder.h"
 
 namespace im2fit::bench {
 namespace {

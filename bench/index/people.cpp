@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "core/rng.h"
-#include "lab/dataset/dataset_shard.h"
-#include "lab/dataset/features.h"
+#include "train/dataset/dataset_shard.h"
+#include "train/dataset/features.h"
 
 namespace im2fit::bench {
 namespace {

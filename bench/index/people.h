@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/status.h"
-#include "lab/index_building/sample.h"
+#include "train/index/sample.h"
 
 namespace im2fit::bench {
 

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "bench/index/report.h"
-#include "lab/report/svg_plot.h"
+#include "report/svg_plot.h"
 
 namespace im2fit::bench {
 namespace {

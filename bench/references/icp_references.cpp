@@ -10,10 +10,10 @@
 #include <cstdio>
 
 #include "core/file.h"
-#include "engine/data_files.h"
-#include "engine/paths.h"
-#include "lab/evaluation/conditions.h"
-#include "lab/evaluation/icp_study.h"
+#include "person/data_files.h"
+#include "apps/common/paths.h"
+#include "evaluation/measurements/conditions.h"
+#include "evaluation/measurements/icp_study.h"
 
 namespace im2fit::bench {
 namespace {

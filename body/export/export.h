@@ -5,32 +5,41 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "body/garment/outfit.h"
+#include "body/look.h"
 #include "body/model.h"
 #include "body/skeleton.h"
 #include "core/status.h"
 
 namespace im2fit::body {
 
-struct ClothLook {
-  std::string name;                                       // of the material
-  std::array<float, 3> colour = {0.5F, 0.5F, 0.5F};       // linear
-  std::vector<std::array<float, 3>> vertex_colours = {};  // of each vertex of the garment instead, or none
+// A mesh beside the skin, as clothes are: a primitive of its own in .glb, skinned to the body's segments.
+struct SkinnedPart {
+  std::string material;
+  std::array<float, 3> colour = {0.5F, 0.5F, 0.5F};  // linear
+  // One of each a vertex: mm, as the rest mesh; unit; texture repeats, so beyond 0..1.
+  std::vector<Vec3f> positions, normals;
+  std::vector<TextureCoordinate> texture;
+  std::vector<std::array<std::uint8_t, 4>> segments;
+  std::vector<std::array<float, 4>> weights;              // sum to 1, heaviest first
+  std::vector<std::array<float, 3>> vertex_colours = {};  // linear, instead of `colour`; or none
+  // Of parts that are moved by a coarser mesh, one a vertex: three of that mesh's vertices and their shares. Or none.
+  std::vector<std::array<std::uint16_t, 3>> corners = {};
+  std::vector<std::array<float, 3>> shares = {};
+  std::vector<std::array<std::int32_t, 3>> triangles;  // those that are drawn
 };
 
 struct Avatar {
   const BodyModel* model = nullptr;
   Params params;
   Pose pose;  // how it stands in .obj and in the default pose of .glb
-  // .glb: what the body wears, draped in `pose`, as primitives of their own; the skin it hides is left out.
-  const Outfit* outfit = nullptr;
-  std::vector<ClothLook> looks = {};  // of each garment of the outfit
-  // .glb: cloth, of an outfit that can_move(), will be moved by offsets of its moving mesh (MovingClothes). Each of
-  // its vertices says which of those it is moved by, and what cloth may uncover is left in.
-  bool cloth_moves = false;
+  // .glb: what is drawn beside the skin, and a flag a body vertex, 1: hidden; a quad whose corners are all hidden is
+  // not drawn. wear() of garment/drape makes both of clothes.
+  std::vector<SkinnedPart> parts = {};
+  std::vector<std::uint8_t> hidden_skin = {};  // or none
 };
 // metres, +Y up, skinned, 19 joints; the file's bytes
 Result<std::vector<std::byte>> glb_of(const Avatar& avatar);

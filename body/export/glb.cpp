@@ -6,7 +6,6 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "body/export/cloth_part.h"
 #include "body/export/export.h"
 #include "body/export/figure.h"
 #include "body/export/motion.h"
@@ -21,7 +20,6 @@ using Json = nlohmann::json;
 
 constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedByte = 5121;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
-constexpr float kUncoversMm = 60;  // cloth that moves, on either side of a hem
 constexpr int kLinear = 9729, kLinearMipmapLinear = 9987;
 
 // The one binary buffer and the views and accessors into it.
@@ -75,7 +73,7 @@ struct Part {
   std::vector<Vec3f> normals;
   std::vector<std::array<std::uint8_t, 4>> joints;
   std::vector<std::array<std::uint16_t, 4>> weights;  // 65535: 1; they sum to it
-  std::vector<Flat> texture;                          // none, or one a vertex: repeated, so beyond 0..1
+  std::vector<TextureCoordinate> texture;             // none, or one a vertex: repeated, so beyond 0..1
   std::vector<TexturePlace> texture_places;           // within 0..1 instead
   std::vector<std::array<std::uint8_t, 4>> colours;   // linear, 255: 1; none, or one a vertex
   // In its moving mesh, of cloth that moves: three vertices, the fourth number is none; and their shares.
@@ -153,28 +151,17 @@ std::array<std::uint8_t, 4> bytes_of_colour(const std::array<float, 3>& linear) 
   return {byte(linear[0]), byte(linear[1]), byte(linear[2]), 255};
 }
 
-Part garment_part(const BodyModel& model, const Figure& figure, const Avatar& avatar, std::size_t index) {
-  const Outfit& outfit = *avatar.outfit;
-  ClothPart cloth = cloth_part(model, outfit, index, figure.skeleton);
+Part part_of(const SkinnedPart& worn, float floor_mm) {
   Part part;
-  for (const Vec3f& p : cloth.rest) part.positions.push_back(standing(p, figure.floor_rest));
-  part.normals = std::move(cloth.normals);
-  for (std::size_t v = 0; v < cloth.weights.size(); ++v) add_influences(part, cloth.segments[v], cloth.weights[v]);
-  part.texture = std::move(cloth.texture);
-  std::vector<std::uint8_t> hidden(part.positions.size());
-  outfit.hidden_cloth(index, hidden, avatar.cloth_moves ? kUncoversMm : 0);
-  if (avatar.cloth_moves)
-    for (const Refinement::Spot& spot : outfit.refinement(index).spots()) {
-      const auto corner = [&](std::size_t k) { return static_cast<std::uint16_t>(spot.corner[k]); };
-      part.corners.push_back({corner(0), corner(1), corner(2), 0});
-      part.shares.push_back(spot.share);
-    }
-  for (const auto& t : outfit.cloth(index).mesh().triangles) {
-    const bool seen =
-        std::any_of(t.begin(), t.end(), [&](std::int32_t v) { return hidden[static_cast<std::size_t>(v)] == 0; });
-    if (!seen) continue;
+  for (const Vec3f& p : worn.positions) part.positions.push_back(standing(p, floor_mm));
+  part.normals = worn.normals;
+  for (std::size_t v = 0; v < worn.weights.size(); ++v) add_influences(part, worn.segments[v], worn.weights[v]);
+  part.texture = worn.texture;
+  for (const auto& colour : worn.vertex_colours) part.colours.push_back(bytes_of_colour(colour));
+  for (const auto& c : worn.corners) part.corners.push_back({c[0], c[1], c[2], 0});
+  part.shares = worn.shares;
+  for (const auto& t : worn.triangles)
     for (const std::int32_t v : t) part.indices.push_back(static_cast<std::uint16_t>(v));
-  }
   return part;
 }
 
@@ -315,27 +302,16 @@ Result<std::vector<std::byte>> bytes_of(const Avatar& avatar, std::span<const Po
   if (!figure) return figure.error();
   const BodyModel::Data& d = avatar.model->data();
   Buffer buffer;
-  std::vector<std::uint8_t> hidden;
-  const std::size_t garments = avatar.outfit != nullptr ? avatar.outfit->size() : 0;
-  if (garments > 0) {
-    hidden.resize(static_cast<std::size_t>(avatar.model->body_vertex_count()));
-    avatar.outfit->hidden_skin(hidden, avatar.cloth_moves ? kUncoversMm : 0);
-  }
   // By name: clang reads a list of one in braces as that one, GCC as a list.
-  Json primitives =
-      Json::array({primitive(buffer, body_part(*avatar.model, figure->rest, figure->floor_rest, hidden), 0)});
+  Json primitives = Json::array(
+      {primitive(buffer, body_part(*avatar.model, figure->rest, figure->floor_rest, avatar.hidden_skin), 0)});
   const bool has_look = !d.look.empty();
   Json materials =
       Json::array({has_look ? textured("skin", false, 0.7) : material("skin", {0.78F, 0.63F, 0.55F, 1}, false)});
-  for (std::size_t i = 0; i < garments; ++i) {
-    const ClothLook look = i < avatar.looks.size() ? avatar.looks[i] : ClothLook{"cloth"};
-    Part part = garment_part(*avatar.model, *figure, avatar, i);
-    const bool painted = look.vertex_colours.size() == part.positions.size();
-    const std::array<float, 3> c = painted ? std::array<float, 3>{1, 1, 1} : look.colour;
-    if (painted)
-      for (const auto& colour : look.vertex_colours) part.colours.push_back(bytes_of_colour(colour));
-    primitives.push_back(primitive(buffer, part, static_cast<int>(i) + 1));
-    materials.push_back(material(look.name.c_str(), {c[0], c[1], c[2], 1}, true));
+  for (const SkinnedPart& worn : avatar.parts) {
+    const std::array<float, 3> c = worn.vertex_colours.empty() ? worn.colour : std::array<float, 3>{1, 1, 1};
+    primitives.push_back(primitive(buffer, part_of(worn, figure->floor_rest), static_cast<int>(materials.size())));
+    materials.push_back(material(worn.material.c_str(), {c[0], c[1], c[2], 1}, true));
   }
   const LookOf whose = look_of(avatar.params.gender);
   if (has_look) {

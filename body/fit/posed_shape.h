@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "body/fit/normal_equations.h"
-#include "body/fit/shape_space.h"
+#include "body/shape_space.h"
 #include "body/skeleton.h"
 
 namespace im2fit::body {

@@ -12,7 +12,7 @@
 #include <span>
 
 #include "body/fit/limb_axes.h"
-#include "body/fit/shape_space.h"
+#include "body/shape_space.h"
 #include "body/fit/skin_patches.h"
 #include "body/skeleton.h"
 #include "core/camera.h"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "body/fit/shape_space.h"
+#include "body/shape_space.h"
 #include "body/model_data.h"
 
 namespace im2fit::body {

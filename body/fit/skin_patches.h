@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "body/fit/shape_space.h"
+#include "body/shape_space.h"
 
 namespace im2fit::body {
 

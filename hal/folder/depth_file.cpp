@@ -6,7 +6,7 @@
 #include <cstring>
 #include <optional>
 
-#include "hal/folder/libpng.h"
+#include "formats/libpng.h"
 
 namespace im2fit::hal {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "core/camera.h"
 #include "core/status.h"
-#include "hal/folder/plain_png.h"
+#include "formats/plain_png.h"
 
 namespace im2fit::hal {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <sstream>
 
-#include "core/csv.h"
+#include "formats/csv.h"
 #include "core/file.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"

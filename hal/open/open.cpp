@@ -82,7 +82,7 @@ Result<std::vector<DeviceEntry>> list_usb() {
 #else
 Result<std::unique_ptr<Source>> open_usb(const std::string&, const OpenOptions&) {
   return Error{ErrorCode::unsupported,
-               "usb needs libusb, which is not in this build; install libusb-1.0-0-dev and build with IM2FIT_USB=ON"};
+               "usb needs libusb, which is not in this build; install libusb-1.0-0-dev and build with usb in IM2FIT_SOURCES"};
 }
 Result<std::vector<DeviceEntry>> list_usb() {
   return std::vector<DeviceEntry>{};
@@ -155,7 +155,7 @@ Result<std::unique_ptr<Source>> open_recording(const std::string& path, const Op
 Error no_openni2(const std::string& what) {
   return {ErrorCode::unsupported, what +
                                       " needs OpenNI2, which is not in this build; install libopenni2-dev and build "
-                                      "with IM2FIT_OPENNI2=ON"};
+                                      "with openni2 in IM2FIT_SOURCES"};
 }
 Result<std::unique_ptr<Source>> open_camera(const std::string&, const OpenOptions&) {
   return no_openni2("openni2");

@@ -12,7 +12,7 @@ constexpr float kNearestM = 1.6F;  // no person is measured nearer; below 1.2 m 
 
 // Axial standard deviation in mm, z in m. Nguyen, Izadi, Lovell 2012, "Modeling Kinect sensor noise for improved 3D
 // reconstruction and tracking", eq. 3; Fankhauser 2015, "Kinect v2 for mobile robot navigation: evaluation and
-// modeling", with the base of lab/camera/depth_sensor.h.
+// modeling", with the base of train/camera/depth_sensor.h.
 float kinect_noise_mm(float z) {
   return 1.2F + 1.9F * (z - 0.4F) * (z - 0.4F);
 }

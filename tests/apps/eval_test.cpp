@@ -6,7 +6,7 @@
 
 #include "depth_folder.h"
 #include "index/format.h"
-#include "lab/evaluation/full_report.h"
+#include "evaluation/measurements/full_report.h"
 #include "measure_run.h"
 #include "well_formed.h"
 

@@ -108,7 +108,7 @@ TEST_F(Killed, ATrainedTrackerIsTheOldOneOrWhole) {
                            test::body_path(), "--threads", "1", "--out", out()}));
 }
 
-// Its samples: tests/lab/dataset_test.cpp. All of it takes minutes: IM2FIT_KILLED_INDEX=1.
+// Its samples: tests/train/dataset_test.cpp. All of it takes minutes: IM2FIT_KILLED_INDEX=1.
 TEST_F(Killed, AnIndexIsTheOldOneOrWhole) {
   const Words command =
       lab({"index", "--subjects", "20", "--dimensions", "2", "--body", test::body_path(), "--tracker",

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "lab/camera/virtual_camera.h"
-#include "lab/population/population.h"
+#include "train/camera/virtual_camera.h"
+#include "train/population/population.h"
 #include "measure_run.h"
 
 namespace im2fit {

@@ -13,11 +13,11 @@
 #include <set>
 
 #include "body/population.h"
-#include "engine/builtin_tape.h"
-#include "engine/data_files.h"
-#include "engine/person_measurement.h"
-#include "lab/camera/synthetic_person.h"
-#include "lab/evaluation/session.h"
+#include "person/builtin_tape.h"
+#include "person/data_files.h"
+#include "person/person_measurement.h"
+#include "train/camera/synthetic_person.h"
+#include "evaluation/measurements/session.h"
 #include "measure_run.h"
 
 namespace im2fit {

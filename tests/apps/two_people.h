@@ -7,8 +7,8 @@
 
 #include "data_paths.h"
 #include "depth_folder.h"
-#include "lab/camera/virtual_camera.h"
-#include "lab/population/population.h"
+#include "train/camera/virtual_camera.h"
+#include "train/population/population.h"
 
 namespace im2fit::test {
 

@@ -11,8 +11,8 @@
 
 #include "body_pack.h"
 #include "core/file.h"
-#include "engine/report/dressed_picture.h"
-#include "lab/garment/dressed_people.h"
+#include "report/dressed_picture.h"
+#include "train/dressed/dressed_people.h"
 
 namespace im2fit::lab {
 namespace {

@@ -13,9 +13,10 @@
 
 #include "body/model_data.h"
 #include "body_pack.h"
+#include "garment/drape/wear.h"
 #include "core/file.h"
 #include "fake_makehuman.h"
-#include "lab/garment/dressed_people.h"
+#include "train/dressed/dressed_people.h"
 
 namespace im2fit::body {
 namespace {
@@ -352,8 +353,8 @@ TEST_F(RealAvatar, GarmentsArePrimitivesThatStandWhereTheyWereDraped) {
   const lab::DressedPerson person = lab::example_people(*avatar_.model)[1];
   Outfit outfit(*avatar_.model, lab::pieces_for(person, {"trousers", "t_shirt"}));
   outfit.dress(rest, skeleton, avatar_.pose);
-  avatar_.outfit = &outfit;
-  avatar_.looks = {{"trousers", {0, 0, 1}}, {"shirt", {1, 0, 0}}};
+  const ClothLook looks[] = {{"trousers", {0, 0, 1}}, {"shirt", {1, 0, 0}}};
+  wear(avatar_, outfit, looks);
   ASSERT_TRUE(write_glb(avatar_, folder_ / "a.glb"));
   EXPECT_LT(std::filesystem::file_size(folder_ / "a.glb"), 3U << 20);
   const Glb glb = parse_glb(folder_ / "a.glb");

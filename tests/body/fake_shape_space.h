@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "body/fit/shape_space_file.h"
+#include "body/shape_space_file.h"
 #include "core/rng.h"
 #include "fake_makehuman.h"
-#include "lab/makehuman/makehuman.h"
+#include "train/makehuman/makehuman.h"
 
 namespace im2fit::body {
 

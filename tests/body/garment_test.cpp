@@ -7,12 +7,12 @@
 #include <map>
 #include <set>
 
-#include "body/garment/garment_mesh.h"
+#include "garment/drape/garment_mesh.h"
 #include "core/file.h"
-#include "engine/builtin_tape.h"
-#include "engine/garment_fit.h"
-#include "engine/report/garment_file.h"
-#include "engine/size_chart.h"
+#include "person/builtin_tape.h"
+#include "person/garment_fit.h"
+#include "person/garment_file.h"
+#include "person/size_chart.h"
 
 namespace im2fit {
 namespace {
@@ -51,11 +51,11 @@ TEST(Wardrobe, IsWhatTheFilesSay) {
   ASSERT_TRUE(of_files) << of_files.error().message;
   const std::string text = wardrobe_table(*of_files);
   EXPECT_TRUE(wardrobe_table(builtin_wardrobe()) == text)
-      << "run im2fit-wardrobe-table data > engine/builtin_wardrobe.inc";
-  const auto kept = read_file(folder + "/../engine/builtin_wardrobe.inc");
+      << "run im2fit-lab make wardrobe-table data > person/builtin_wardrobe.inc";
+  const auto kept = read_file(folder + "/../person/builtin_wardrobe.inc");
   ASSERT_TRUE(kept) << kept.error().message;
   EXPECT_TRUE(std::string(reinterpret_cast<const char*>(kept->data()), kept->size()) == text)
-      << "engine/builtin_wardrobe.inc was changed by hand";
+      << "person/builtin_wardrobe.inc was changed by hand";
   // What the table leaves out of a pattern would be missing from both.
   const CutBody body = body::cut_body(of_files->law, true, 920);
   for (const GarmentPattern& pattern : of_files->garments) {

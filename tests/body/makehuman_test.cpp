@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lab/makehuman/makehuman.h"
+#include "train/makehuman/makehuman.h"
 
 #include <gtest/gtest.h>
 

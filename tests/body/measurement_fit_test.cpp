@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A body whose mesh measures what was reported.
-#include "body/measurement_fit.h"
+#include "body/fit/measurement_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clothes that move as rough meshes and are shown as fine ones: beside the fine cloth simulated itself, and beside
 // cloth that the skeleton alone takes along.
-#include "body/export/moving_clothes.h"
+#include "garment/drape/moving_clothes.h"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <cstring>
 
 #include "allocations.h"
-#include "body/garment/dressing_pose.h"
+#include "garment/drape/dressing_pose.h"
 #include "body_pack.h"
-#include "lab/garment/drape_quality.h"
-#include "lab/garment/dressed_people.h"
+#include "evaluation/garment/drape_quality.h"
+#include "train/dressed/dressed_people.h"
 #include "shown_cloth.h"
 
 namespace im2fit::body {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Offsets of cloth as bytes: back to within half a step, of a size known beforehand, and damaged ones refused.
-#include "body/export/offset_wire.h"
+#include "garment/drape/offset_wire.h"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 
 #include "body/fit/shape_fitter.h"
 #include "body/skeleton.h"
-#include "lab/camera/raster.h"
-#include "lab/population/population.h"
+#include "train/render/raster.h"
+#include "train/population/population.h"
 
 namespace im2fit::body {
 

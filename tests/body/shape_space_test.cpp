@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "body_pack.h"
-#include "lab/population/shape_space_builder.h"
+#include "train/population/shape_space_builder.h"
 
 namespace im2fit::body {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "body/export/cloth_part.h"
-#include "body/garment/refinement.h"
+#include "garment/drape/cloth_part.h"
+#include "garment/drape/refinement.h"
 
 namespace im2fit::body {
 

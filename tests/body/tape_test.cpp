@@ -14,10 +14,10 @@
 #include "body/population.h"
 #include "body_pack.h"
 #include "core/file.h"
-#include "engine/builtin_tape.h"
-#include "engine/report/tape_file.h"
-#include "engine/report/tape_table.h"
-#include "engine/tape_law.h"
+#include "person/builtin_tape.h"
+#include "person/tape_file.h"
+#include "person/tape_table.h"
+#include "person/tape_law.h"
 
 namespace im2fit::body {
 namespace {
@@ -65,11 +65,11 @@ TEST(BuiltinTape, IsThatOfTheFiles) {
   ASSERT_TRUE(read) << read.error().message;
   const auto of_files = tape_table(*read), of_program = tape_table(builtin_tape());
   ASSERT_TRUE(of_files && of_program);
-  EXPECT_TRUE(*of_files == *of_program) << "run im2fit-tape-table data/tape > engine/builtin_tape.inc";
-  const auto kept = read_file(IM2FIT_TAPE_FOLDER "/../../engine/builtin_tape.inc");
+  EXPECT_TRUE(*of_files == *of_program) << "run im2fit-lab make tape-table data/tape > person/builtin_tape.inc";
+  const auto kept = read_file(IM2FIT_TAPE_FOLDER "/../../person/builtin_tape.inc");
   ASSERT_TRUE(kept) << kept.error().message;
   const std::string text(reinterpret_cast<const char*>(kept->data()), kept->size());
-  EXPECT_TRUE(*of_files == text) << "engine/builtin_tape.inc was changed by hand";
+  EXPECT_TRUE(*of_files == text) << "person/builtin_tape.inc was changed by hand";
 }
 
 class TapeTest : public testing::Test {
@@ -287,7 +287,7 @@ TEST(TapeLaw, EveryShippedMeasurementHasAnInterval) {
     } else if (d.kind == TapeKind::value) {
       EXPECT_EQ(all[i].low, 960) << "the answer's own";
     } else {
-      EXPECT_TRUE(has_tape_law(d.id)) << d.id << ": run im2fit-tape-law again";
+      EXPECT_TRUE(has_tape_law(d.id)) << d.id << ": run im2fit-lab make tape-regression again";
       EXPECT_TRUE(all[i].known && all[i].low < 500 && all[i].high > 500) << d.id;
       EXPECT_GE(all[i].high, exact[i].high) << d.id << ": what is known less well is not known better";
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/age.h"
+#include "estimate/age.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/avatar.h"
+#include "person/avatar.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/site_calibration.h"
+#include "estimate/site_calibration.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

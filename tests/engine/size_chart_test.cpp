@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/size_chart.h"
+#include "person/size_chart.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

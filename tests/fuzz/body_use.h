@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "body/fit/shape_space.h"
+#include "body/shape_space.h"
 #include "body/look.h"
 #include "body/measure.h"
 #include "body/model.h"

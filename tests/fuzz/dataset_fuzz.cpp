@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/file.h"
-#include "lab/dataset/dataset_shard.h"
+#include "train/dataset/dataset_shard.h"
 #include "tests/fuzz/mutator.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

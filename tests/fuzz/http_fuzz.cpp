@@ -10,8 +10,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "apps/im2fit/page/page_server.h"
-#include "apps/im2fit/page/web_files.h"
+#include "apps/kiosk/page_server.h"
+#include "apps/kiosk/web_files.h"
 
 namespace im2fit::apps {
 

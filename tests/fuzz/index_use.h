@@ -10,7 +10,7 @@
 
 #include "core/rng.h"
 #include "index/index.h"
-#include "lab/index_building/builder.h"
+#include "train/index/builder.h"
 
 namespace im2fit::fuzz {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/crc32c.h"
-#include "engine/site_calibration.h"
+#include "estimate/site_calibration.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "engine/size_chart.h"
+#include "person/size_chart.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace im2fit;

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "core/file.h"
-#include "engine/site_calibration.h"
+#include "estimate/site_calibration.h"
 #include "tests/body/fake_shape_space.h"
 #include "tests/fuzz/index_use.h"
 #include "tests/perception/joints_model_builder.h"

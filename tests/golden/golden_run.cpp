@@ -10,12 +10,12 @@
 #include <string_view>
 
 #include "body/measure.h"
-#include "body/measurement_fit.h"
+#include "body/fit/measurement_fit.h"
 #include "body/model_data.h"
 #include "core/crc32c.h"
 #include "engine/engine.h"
-#include "engine/report/result_json.h"
-#include "engine/size_chart.h"
+#include "report/result_json.h"
+#include "person/size_chart.h"
 #include "hal/folder/depth_folder.h"
 #include "kernels/normals/normals.h"
 #include "kernels/unproject/unproject.h"

@@ -16,7 +16,7 @@
 #include <random>
 
 #include "core/file.h"
-#include "engine/include/im2fit/im2fit.h"
+#include "capi/include/im2fit/im2fit.h"
 #include "perception/observe/observe.h"
 #include "tests/golden/golden_run.h"
 

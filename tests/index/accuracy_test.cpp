@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "lab/index_building/raw_nearest.h"
+#include "train/index/raw_nearest.h"
 #include "tests/index/synthetic_people.h"
 
 namespace im2fit::index {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/rng.h"
-#include "lab/index_building/tree_packing.h"
+#include "train/index/tree_packing.h"
 
 namespace im2fit::index {
 namespace {

@@ -17,7 +17,7 @@
 #include "core/container.h"
 #include "core/crc32c.h"
 #include "index/format.h"
-#include "lab/index_building/raw_nearest.h"
+#include "train/index/raw_nearest.h"
 #include "tests/index/synthetic_people.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lab/linear_algebra.h"
+#include "train/common/linear_algebra.h"
 
 #include <gtest/gtest.h>
 

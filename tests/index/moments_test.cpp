@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lab/index_building/moments.h"
+#include "train/index/moments.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "core/rng.h"
-#include "lab/index_building/densify.h"
+#include "train/index/densify.h"
 
 namespace im2fit::index {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/rng.h"
-#include "lab/index_building/calibration.h"
+#include "train/index/calibration.h"
 #include "tests/index/synthetic_people.h"
 
 namespace im2fit::index {

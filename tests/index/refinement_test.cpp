@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "lab/index_building/calibration.h"
+#include "train/index/calibration.h"
 #include "tests/index/refined_people.h"
 
 namespace im2fit::index {

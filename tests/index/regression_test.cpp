@@ -9,7 +9,7 @@
 
 #include "core/rng.h"
 #include "kernels/standardise/standardise.h"
-#include "lab/index_building/tree_packing.h"
+#include "train/index/tree_packing.h"
 
 namespace im2fit::index {
 namespace {

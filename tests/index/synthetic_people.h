@@ -9,7 +9,7 @@
 
 #include "core/rng.h"
 #include "index/index.h"
-#include "lab/index_building/builder.h"
+#include "train/index/builder.h"
 
 namespace im2fit::index::testing {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "kernels/normals/normals.h"
-#include "lab/camera/virtual_camera.h"
+#include "train/camera/virtual_camera.h"
 #include "perception/fuse/decimate.h"
 #include "tests/body/body_pack.h"
 #include "tests/references/pcl_fpfh.h"

@@ -22,7 +22,7 @@ import im2fit  # noqa: E402
 from im2fit import _c, _folder  # noqa: E402
 
 GOLDEN = pathlib.Path(os.environ.get("IM2FIT_GOLDEN", HERE.parents[2] / "tests/golden/data"))
-INCLUDE = HERE.parents[2] / "engine/include"
+INCLUDE = HERE.parents[2] / "capi/include"
 HEADER = INCLUDE / "im2fit/im2fit.h"
 CAMERAS = os.environ.get("IM2FIT_CAMERAS_LIBRARY", "")
 RECORDING = os.environ.get("IM2FIT_RECORDING", "")  # of the golden clip

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/im2fit/page/board.h"
+#include "apps/kiosk/board.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A result for one phone: its token, the code that shows it, and the server where phones take it and find nothing
 // else.
-#include "apps/im2fit/page/hand_over.h"
+#include "apps/kiosk/hand_over.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/im2fit/page/page_server.h"
-#include "apps/im2fit/page/qr_code.h"
+#include "apps/kiosk/page_server.h"
+#include "apps/kiosk/qr_code.h"
 #include "read_qr.h"
 
 namespace im2fit::apps {

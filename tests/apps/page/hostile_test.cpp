@@ -25,7 +25,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/im2fit/page/page_server.h"
+#include "apps/kiosk/page_server.h"
 
 namespace im2fit::apps {
 namespace {

@@ -10,8 +10,8 @@
 #include <memory>
 #include <mutex>
 
-#include "apps/im2fit/page/operator_gate.h"
-#include "apps/im2fit/page/page_server.h"
+#include "apps/kiosk/operator_gate.h"
+#include "apps/kiosk/page_server.h"
 #include "depth_folder.h"
 
 namespace im2fit::apps {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/im2fit/page/page_server.h"
+#include "apps/kiosk/page_server.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

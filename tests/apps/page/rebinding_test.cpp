@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "apps/im2fit/page/page_server.h"
+#include "apps/kiosk/page_server.h"
 #include "browser.h"
 
 namespace im2fit {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/im2fit/page/visit.h"
+#include "apps/kiosk/visit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who must go when too many are connected, or take too long.
-#include "apps/im2fit/page/visitors.h"
+#include "apps/kiosk/visitors.h"
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Against meshes whose joints are known.
-#include "apps/im2fit/page/avatar_animator.h"
+#include "apps/kiosk/avatar_animator.h"
 
 #include <gtest/gtest.h>
 

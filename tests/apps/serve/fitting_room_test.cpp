@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "apps/im2fit/page/live_page.h"
+#include "apps/kiosk/live_page.h"
 #include "body/export/export.h"
 #include "body/measure.h"
 #include "body/model_data.h"
@@ -18,9 +18,9 @@
 #include "browser.h"
 #include "data_paths.h"
 #include "depth_folder.h"
-#include "engine/builtin_tape.h"
-#include "engine/dressing.h"
-#include "engine/report/result_json.h"
+#include "person/builtin_tape.h"
+#include "person/dressing.h"
+#include "report/result_json.h"
 
 namespace im2fit::apps {
 namespace {
@@ -142,7 +142,7 @@ TEST_F(Fitting, ABrowserTriesClothesOn) {
   settings.body_path = test::body_path();
   auto page = LivePage::open(settings);
   ASSERT_TRUE(page) << page.error().message;
-  const body::Avatar avatar{model_, customer_->params, customer_->pose, nullptr, {}};
+  const body::Avatar avatar{model_, customer_->params, customer_->pose};
   const auto glb = body::glb_of(avatar);
   ASSERT_TRUE(glb);
   (*page)->begin({}, 30);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clothes that move on the page while a person does: who is told, for how long, how much, and what a browser shows.
 // IM2FIT_CLOTH_PICTURES=FOLDER keeps what the browser showed.
-#include "apps/im2fit/page/live_cloth.h"
+#include "apps/kiosk/live_cloth.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,18 +13,18 @@
 #include <cstdlib>
 #include <thread>
 
-#include "apps/im2fit/page/live_page.h"
+#include "apps/kiosk/live_page.h"
 #include "body/export/export.h"
-#include "body/export/offset_wire.h"
-#include "body/garment/dressing_pose.h"
+#include "garment/drape/offset_wire.h"
+#include "garment/drape/dressing_pose.h"
 #include "browser.h"
 #include "data_paths.h"
 #include "depth_folder.h"
-#include "engine/builtin_tape.h"
-#include "engine/dressing.h"
-#include "engine/report/result_json.h"
-#include "lab/garment/drape_quality.h"
-#include "lab/garment/dressed_people.h"
+#include "person/builtin_tape.h"
+#include "person/dressing.h"
+#include "report/result_json.h"
+#include "evaluation/garment/drape_quality.h"
+#include "train/dressed/dressed_people.h"
 #include "shown_page.h"
 
 namespace im2fit::apps {
@@ -163,7 +163,7 @@ class MovingPage {
     settings.visit.result_max = std::chrono::hours(1);
     settings.body_path = test::body_path();
     shown_ = std::make_unique<test::ShownPage>(settings);
-    const body::Avatar avatar{&model, person.params, customer.pose, nullptr, {}};
+    const body::Avatar avatar{&model, person.params, customer.pose};
     const auto glb = body::glb_of(avatar);
     EXPECT_TRUE(glb);
     shown_->page().permit();

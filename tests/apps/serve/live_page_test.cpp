@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whose result the page has, and for how long: seen over HTTP by as many clients as it takes.
-#include "apps/im2fit/page/live_page.h"
+#include "apps/kiosk/live_page.h"
 
 #include <gmock/gmock.h>
 
 #include <thread>
 
-#include "apps/im2fit/page/small_picture.h"
+#include "apps/kiosk/small_picture.h"
 #include "shown_page.h"
 
 namespace im2fit::apps {

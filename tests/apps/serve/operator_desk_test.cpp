@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "apps/im2fit/page/consent_texts.h"
+#include "apps/kiosk/consent_texts.h"
 #include "apps/sessions/store.h"
 #include "depth_folder.h"
 #include "shown_page.h"

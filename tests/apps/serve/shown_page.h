@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/im2fit/page/live_page.h"
+#include "apps/kiosk/live_page.h"
 #include "core/measurement.h"
 
 namespace im2fit::test {

@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "engine/include/im2fit/im2fit.h"
-#include "engine/wardrobe.h"
+#include "capi/include/im2fit/im2fit.h"
+#include "person/wardrobe.h"
 #include "hal/source.h"
 #include "hal/steady_view.h"
 #include "index/index.h"
-#include "lab/camera/virtual_camera.h"
-#include "lab/population/population.h"
+#include "train/camera/virtual_camera.h"
+#include "train/population/population.h"
 
 namespace im2fit {
 namespace {

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "core/rng.h"
-#include "engine/measuring_data.h"
-#include "lab/camera/virtual_camera.h"
-#include "lab/population/population.h"
+#include "person/measuring_data.h"
+#include "train/camera/virtual_camera.h"
+#include "train/population/population.h"
 
 namespace im2fit {
 namespace {

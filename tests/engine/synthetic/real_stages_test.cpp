@@ -12,11 +12,11 @@
 #include "core/file.h"
 #include "core/rng.h"
 #include "engine/engine.h"
-#include "engine/report/result_json.h"
+#include "report/result_json.h"
 #include "hal/source.h"
-#include "lab/camera/virtual_camera.h"
-#include "lab/index_building/builder.h"
-#include "lab/population/population.h"
+#include "train/camera/virtual_camera.h"
+#include "train/index/builder.h"
+#include "train/population/population.h"
 
 namespace im2fit {
 namespace {

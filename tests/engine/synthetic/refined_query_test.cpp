@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which index may be queried with a fit.
-#include "engine/refined_query.h"
+#include "estimate/refined_query.h"
 
 #include <gtest/gtest.h>
 
-#include "body/fit/shape_space.h"
-#include "lab/index_building/builder.h"
+#include "body/shape_space.h"
+#include "train/index/builder.h"
 #include "tests/index/refined_people.h"
 
 namespace im2fit {

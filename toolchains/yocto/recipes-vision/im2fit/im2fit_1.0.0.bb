@@ -16,8 +16,8 @@ inherit cmake pkgconfig systemd
 EXTRA_OECMAKE = " \
     -DIM2FIT_BUILD_LAB=OFF \
     -DIM2FIT_BUILD_TESTS=OFF \
-    -DIM2FIT_OPENNI2=OFF \
-    -DIM2FIT_WARNINGS_ARE_ERRORS=OFF \
+    -DIM2FIT_SOURCES=folder,usb,v4l2 \
+    -DCMAKE_COMPILE_WARNING_AS_ERROR=OFF \
 "
 
 # The page wants three.js as Debian packs it: build/ and examples/js/ of r111, in IM2FIT_THREE_DIR.

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/kiosk/fitting_room.h"
+
+#include <algorithm>
+#include <map>
+
+#include "body/export/export.h"
+#include "garment/drape/wear.h"
+#include "person/dressing.h"
+#include "report/ease_map.h"
+
+namespace im2fit::apps {
+namespace {
+
+constexpr unsigned kOk = 200, kAccepted = 202, kBadRequest = 400, kNotFound = 404, kFailed = 500;
+
+Error refused(std::string why) {
+  return Error{ErrorCode::invalid_argument, std::move(why)};
+}
+
+}  // namespace
+
+FittingRoom::FittingRoom(std::string body_path, std::function<void(const std::string&)> ready,
+                         std::function<void(std::uint32_t)> moved)
+    : body_path_(std::move(body_path)),
+      ready_(std::move(ready)),
+      live_(std::move(moved)),
+      thread_([this] { work(); }) {}
+
+FittingRoom::~FittingRoom() {
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+  }
+  news_.notify_all();
+  thread_.join();
+}
+
+void FittingRoom::welcome(Customer customer) {
+  const std::lock_guard lock(mutex_);
+  customer_ = std::move(customer);
+  ++visit_;
+  waiting_.reset();
+  made_.clear();
+  live_.wear("", nullptr);
+}
+
+void FittingRoom::forget() {
+  const std::lock_guard lock(mutex_);
+  customer_.reset();
+  ++visit_;
+  waiting_.reset();
+  made_.clear();
+  live_.wear("", nullptr);
+}
+
+// Words of a customer alone: the fits say which garments and sizes there are.
+Result<FittingRoom::Wish> FittingRoom::wish_of(std::span<const std::pair<std::string, std::string>> query) const {
+  std::map<std::string, std::string> fields;
+  for (const auto& [name, value] : query) {
+    const bool known = name == "visit" || name == "top" || name == "top_size" || name == "bottom" ||
+                       name == "bottom_size" || name == "colours";
+    if (!known) return refused("no field has this name");
+    if (!fields.insert({name, value}).second) return refused(name + " is given twice");
+  }
+  Wish wish;
+  wish.name = fields["visit"];
+  const auto wear = [&](const std::string& part, body::Hang hang) -> Status {
+    const auto garment = fields.find(part), size = fields.find(part + "_size");
+    if (garment == fields.end() && size == fields.end()) return Ok{};
+    if (garment == fields.end() || size == fields.end()) return refused(part + " and " + part + "_size go together");
+    const auto fit = std::find_if(customer_->fits.begin(), customer_->fits.end(),
+                                  [&](const GarmentFit& f) { return f.garment == garment->second; });
+    const body::GarmentPattern* pattern =
+        fit == customer_->fits.end() ? nullptr : builtin_wardrobe().garment(fit->garment);
+    if (pattern == nullptr || pattern->hang != hang) return refused("no " + part + " has this name");
+    const auto row =
+        std::find_if(fit->sizes.begin(), fit->sizes.end(), [&](const SizeFit& s) { return s.size == size->second; });
+    if (row == fit->sizes.end()) return refused(fit->chart + " has no size of this name");
+    wish.pieces.push_back({fit->garment, row->chest_mm});
+    wish.name += "/" + fit->garment + "/" + row->size;
+    return Ok{};
+  };
+  if (auto worn = wear("bottom", body::Hang::waist); !worn) return worn.error();
+  if (auto worn = wear("top", body::Hang::shoulders); !worn) return worn.error();
+  if (const auto colours = fields.find("colours"); colours != fields.end()) {
+    if (colours->second != "ease") return refused("colours is ease or not given");
+    wish.ease = true;
+    wish.name += "/ease";
+  }
+  return wish;
+}
+
+std::optional<PageAnswer> FittingRoom::read_wish(std::span<const std::pair<std::string, std::string>> query,
+                                                 Wish& wish) const {
+  const auto visit =
+      std::find_if(query.begin(), query.end(), [](const auto& field) { return field.first == "visit"; });
+  if (visit == query.end()) return PageAnswer{kBadRequest, nullptr, "visit is missing"};
+  if (!customer_ || customer_->visit != visit->second)
+    return PageAnswer{kNotFound, nullptr, "that person is not here (any more)"};
+  auto read = wish_of(query);
+  if (!read) return PageAnswer{kBadRequest, nullptr, read.error().message};
+  wish = std::move(*read);
+  return std::nullopt;
+}
+
+PageAnswer FittingRoom::ask(std::span<const std::pair<std::string, std::string>> query) {
+  const std::lock_guard lock(mutex_);
+  Wish wish;
+  if (auto refusal = read_wish(query, wish)) return *refusal;
+  const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& m) { return m.name == wish.name; });
+  if (found != made_.end()) {
+    made_.splice(made_.begin(), made_, found);
+    live_.wear(found->name, found->clothes);
+    return found->answer;
+  }
+  if (making_ != wish.name) {
+    waiting_ = std::move(wish);
+    news_.notify_all();
+  }
+  return {kAccepted, nullptr, "being dressed; ask again"};
+}
+
+PageAnswer FittingRoom::ask_cloth(std::span<const std::pair<std::string, std::string>> query) {
+  const std::lock_guard lock(mutex_);
+  Wish wish;
+  if (auto refusal = read_wish(query, wish)) return *refusal;
+  const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& m) { return m.name == wish.name; });
+  if (found == made_.end() || !found->clothes) return {kNotFound, nullptr, "no cloth of this name moves"};
+  return live_.ask(wish.name);
+}
+
+void FittingRoom::work() {
+  for (std::unique_lock lock(mutex_);;) {
+    news_.wait(lock, [&] { return closing_ || waiting_; });
+    if (closing_) return;
+    const Wish wish = std::move(*waiting_);
+    waiting_.reset();
+    making_ = wish.name;
+    const Customer customer = *customer_;
+    const std::uint64_t visit = visit_;
+    lock.unlock();
+    auto made = make(customer, wish);
+    lock.lock();
+    making_.clear();
+    if (visit != visit_) continue;  // they have gone meanwhile
+    made_.push_front(made ? std::move(*made) : Made{wish.name, {kFailed, nullptr, made.error().message}, nullptr});
+    if (made_.size() > kKept) made_.pop_back();
+    lock.unlock();
+    ready_(customer.visit);
+    lock.lock();
+  }
+}
+
+Result<FittingRoom::Made> FittingRoom::make(const Customer& customer, const Wish& wish) {
+  if (!model_) {
+    auto model = body::BodyModel::load(body_path_);
+    if (!model) return model.error();
+    model_ = std::make_unique<body::BodyModel>(std::move(*model));
+  }
+  body::Avatar avatar{model_.get(), customer.params, customer.pose};
+  std::unique_ptr<body::Outfit> outfit;
+  if (!wish.pieces.empty()) {
+    std::vector<Worn> worn;
+    for (const Piece& piece : wish.pieces)
+      worn.push_back({builtin_wardrobe().garment(piece.garment), piece.chest_mm});
+    auto dressed = dress(builtin_wardrobe(), *model_, customer.params, customer.pose, customer.woman, worn, true);
+    if (!dressed) return dressed.error();
+    outfit = std::move(*dressed);
+    std::vector<body::ClothLook> looks;
+    for (std::size_t i = 0; i < worn.size(); ++i) {
+      body::ClothLook look{worn[i].pattern->id, worn[i].pattern->colour, {}};
+      if (wish.ease) look.vertex_colours = ease_map(*outfit, i);
+      looks.push_back(std::move(look));
+    }
+    body::wear(avatar, *outfit, looks, body::ClothMotion::moves);
+  }
+  const auto glb = body::glb_of(avatar);
+  if (!glb) return glb.error();
+  Made made{wish.name, {kOk, nullptr, ""}, nullptr};
+  made.answer.file = std::make_shared<const PageFile>(
+      PageFile{"model/gltf-binary", std::string(reinterpret_cast<const char*>(glb->data()), glb->size())});
+  if (outfit) {
+    std::vector<Vec3f> rest(static_cast<std::size_t>(model_->vertex_count()));
+    model_->morph(customer.params, rest);
+    made.clothes =
+        std::make_shared<body::MovingClothes>(*model_, std::move(outfit), body::rest_skeleton(*model_, rest));
+  }
+  return made;
+}
+
+}  // namespace im2fit::apps

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// The person measured last, in the clothes a page asks for: dressed on a thread of its own, one drape at a time.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "apps/kiosk/board.h"
+#include "apps/kiosk/live_cloth.h"
+#include "body/model.h"
+#include "body/skeleton.h"
+#include "core/status.h"
+#include "person/garment_fit.h"
+
+namespace im2fit::apps {
+
+// Whom to dress.
+struct Customer {
+  std::string visit;  // the id their page names
+  body::Params params;
+  body::Pose pose;  // the avatar's default
+  bool woman = false;
+  std::vector<GarmentFit> fits;  // of each garment that may be tried
+};
+
+// Any thread may call anything. Holds at most kKept avatars; one is being made and one waits at most, the latest
+// asked for.
+class FittingRoom {
+ public:
+  static constexpr std::size_t kKept = 8;
+
+  // `body_path`: loaded when first needed. `ready`, on the room's thread: something asked for has been made, or
+  // failed. `moved`, on another: cloth has, to a frame of this number.
+  FittingRoom(
+      std::string body_path, std::function<void(const std::string& visit)> ready,
+      std::function<void(std::uint32_t number)> moved = [](std::uint32_t) {});
+  ~FittingRoom();  // waits for what is being made: some seconds
+  FittingRoom(const FittingRoom&) = delete;
+  FittingRoom& operator=(const FittingRoom&) = delete;
+
+  // Forgets whoever was here.
+  void welcome(Customer customer);
+  void forget();
+
+  // Of a query's fields, each once: `visit`, and either `top` and `top_size`, `bottom` and `bottom_size`, both or
+  // none (bare); `colours=ease` for the ease map. 200: there it is. 202: it is being made, ask again when `ready` was
+  // called. 400: the query is none. 404: no person is here, or another one. 500: it cannot be made.
+  // What was got last is what moves.
+  PageAnswer ask(std::span<const std::pair<std::string, std::string>> query);
+  // Of the same query: its cloth as LiveCloth::ask() tells it. 404 also of what is bare, or is kept no longer.
+  PageAnswer ask_cloth(std::span<const std::pair<std::string, std::string>> query);
+  // How whoever is dressed stands now. Waits for nothing.
+  void follow(const body::Pose& pose) { live_.follow(pose); }
+
+ private:
+  struct Piece {
+    std::string garment;
+    float chest_mm = 0;  // the size is cut for
+  };
+  struct Wish {
+    std::string name;
+    std::vector<Piece> pieces;  // the lowest first
+    bool ease = false;
+  };
+  struct Made {
+    std::string name;
+    PageAnswer answer;
+    std::shared_ptr<body::MovingClothes> clothes;  // null: bare, or failed
+  };
+  Result<Wish> wish_of(std::span<const std::pair<std::string, std::string>> query) const;
+  // What to answer where there is no wish; nullopt: it is in `wish`.
+  std::optional<PageAnswer> read_wish(std::span<const std::pair<std::string, std::string>> query, Wish& wish) const;
+  void work();
+  Result<Made> make(const Customer& customer, const Wish& wish);
+
+  const std::string body_path_;
+  const std::function<void(const std::string&)> ready_;
+  std::mutex mutex_;
+  std::condition_variable news_;
+  bool closing_ = false;
+  std::optional<Customer> customer_;
+  std::uint64_t visit_ = 0;  // whose avatars are kept
+  std::optional<Wish> waiting_;
+  std::string making_;                      // name of the wish; "": none
+  std::list<Made> made_;                    // the latest used first
+  std::unique_ptr<body::BodyModel> model_;  // written by the thread alone, before any clothes are made
+  LiveCloth live_;
+  std::thread thread_;
+};
+
+}  // namespace im2fit::apps

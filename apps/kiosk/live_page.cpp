@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/kiosk/live_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "apps/kiosk/qr_code.h"
+#include "apps/kiosk/small_picture.h"
+#include "report/drawn_bones.h"
+
+namespace im2fit::apps {
+namespace {
+
+constexpr auto kPicturePeriod = std::chrono::milliseconds(100);
+constexpr auto kTickPeriod = std::chrono::milliseconds(100);
+constexpr int kTicksPerBeat = 10;  // a page that hears nothing for three beats says that the program is gone
+
+// To a tenth of a millimetre: the page needs no more.
+template <class Values>
+Json rounded(const Values& values) {
+  Json list = Json::array();
+  for (const float v : values) list.push_back(std::round(static_cast<double>(v) * 1e4) / 1e4);
+  return list;
+}
+Json rounded(Vec3f v) {
+  return rounded(std::array{v.x, v.y, v.z});
+}
+
+// Of a joint in the picture, in thousandths of its width and height.
+Json in_picture(const Intrinsics& k, Vec3f p) {
+  return {std::lround(1000 * (k.fx * p.x / p.z + k.cx) / static_cast<float>(k.width)),
+          std::lround(1000 * (k.fy * p.y / p.z + k.cy) / static_cast<float>(k.height))};
+}
+
+bool all_finite(const JointSet& joints) {
+  return std::all_of(joints.position_mm.begin(), joints.position_mm.end(), [](const Vec3f& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && p.z > 0;
+  });
+}
+
+}  // namespace
+
+LivePage::LivePage(const LivePageSettings& settings)
+    : settings_(settings), visit_(settings.visit, Clock::now()), hand_over_(settings.hand_over_max) {}
+
+Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& settings) {
+  std::unique_ptr<LivePage> page(new LivePage(settings));
+  LivePage& self = *page;
+  self.begin({}, 0);
+  self.publish_visit();
+  PageHandlers handlers;
+  handlers.act = [&self](PageAction action, std::string_view visit, std::string_view note) {
+    return self.act(action, visit, note);
+  };
+  if (!settings.body_path.empty()) {
+    self.fitting_ = std::make_unique<FittingRoom>(
+        settings.body_path,
+        [&self](const std::string& visit) {
+          self.board_.publish("tryon", Json{{"event", "tryon"}, {"visit", visit}}.dump());
+        },
+        [&self](std::uint32_t number) {
+          self.board_.publish("cloth", Json{{"event", "cloth"}, {"number", number}}.dump());
+        });
+    handlers.try_on = [&self](auto fields) { return self.fitting_->ask(fields); };
+    handlers.cloth = [&self](auto fields) { return self.fitting_->ask_cloth(fields); };
+  }
+  if (settings.desk) {
+    self.desk_ = std::make_unique<OperatorDesk>(*settings.desk);
+    self.desk_->use_visits([&self](const auto& begun) { return self.begin_recorded_visit(begun); },
+                           [&self](std::uint64_t visit) { self.end_recorded_visit(visit); });
+    handlers.operate = [&self](const PageRequest& request) { return self.desk_->answer(request); };
+    handlers.operator_password = settings.operator_password;
+  }
+  if (settings.hand_over) {
+    handlers.offer = [&self](std::string_view visit) { return self.offer(visit); };
+    PageHandlers of_phones;
+    of_phones.take = [&self](std::string_view token) { return self.take(token); };
+    auto phones = PageServer::open(*settings.hand_over, self.phone_board_, std::move(of_phones));
+    if (!phones) return phones.error();
+    self.phones_ = std::move(*phones);
+  }
+  auto server = PageServer::open(settings.address, self.board_, std::move(handlers));
+  if (!server) return server.error();
+  self.server_ = std::move(*server);
+  self.keeper_ = std::thread([&self] { self.tick(); });
+  return page;
+}
+
+LivePage::~LivePage() {
+  {
+    const std::lock_guard lock(visit_mutex_);
+    ending_ = true;
+  }
+  if (keeper_.joinable()) keeper_.join();
+}
+
+void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
+  {
+    const std::lock_guard lock(visit_mutex_);
+    intrinsics_ = intrinsics;
+    follows_ = false;
+  }
+  Json bones = Json::array();
+  for (const DrawnBone& bone : kDrawnBones)
+    bones.push_back({static_cast<int>(bone.from), static_cast<int>(bone.to), static_cast<int>(bone.coloured_as)});
+  board_.publish("hello", Json{{"event", "hello"},
+                               {"boot", boot_},
+                               {"asks", settings_.visit.ask},
+                               {"keeps_files", settings_.keeps_files},
+                               {"hands_over", settings_.hand_over.has_value()},
+                               {"frames_wanted", frames_wanted},
+                               {"joints", kJointNames},
+                               {"bones", bones},
+                               {"segments", body::kSegmentNames}}
+                              .dump());
+}
+
+void LivePage::trouble(std::string_view code) {
+  board_.publish("trouble", Json{{"event", "trouble"}, {"code", code}}.dump());
+}
+
+void LivePage::publish_visit() {
+  board_.publish("visit", Json{{"event", "visit"}, {"id", visit_.id()}, {"state", name_of(visit_.state())}}.dump());
+  publish_beat();
+}
+
+// A kind of its own: a page that comes later hears of the visit before it hears of its result.
+void LivePage::publish_beat() {
+  const auto left = visit_.left(Clock::now());
+  board_.publish("beat", Json{{"event", "beat"}, {"left_s", (left.count() + 999) / 1000}}.dump());
+}
+
+bool LivePage::begin_recorded_visit(const std::function<void(std::uint64_t visit)>& begun) {
+  const std::lock_guard lock(visit_mutex_);
+  const auto now = Clock::now();
+  if (visit_.state() != VisitState::asking) {
+    if (visit_.number() != desk_visit_) return false;  // a customer's
+    visit_.next(now);
+    forget(desk_visit_, false);
+  }
+  if (!visit_.consent(visit_.id(), now)) return false;
+  desk_visit_ = visit_.number();
+  begun(desk_visit_);
+  publish_visit();
+  return true;
+}
+
+void LivePage::end_recorded_visit(std::uint64_t visit) {
+  const std::lock_guard lock(visit_mutex_);
+  if (visit_.number() != visit || visit_.state() == VisitState::asking) return;
+  visit_.next(Clock::now());
+  forget(visit, true);
+}
+
+void LivePage::forget(std::uint64_t over, bool erased) {
+  if (desk_) desk_->visit_over(over, erased);
+  // Files first: who hears of the new visit finds nothing of the one before.
+  board_.withdraw({"state", "frame", "picture", "measured", "tryon", "cloth", "left"},
+                  {"/result.json", "/avatar.glb", "/picture.png"});
+  if (fitting_) fitting_->forget();
+  hand_over_.forget();
+  animator_.reset();
+  follows_ = false;
+  folder_.clear();
+  publish_visit();
+}
+
+bool LivePage::act(PageAction action, std::string_view visit, std::string_view note) {
+  std::string folder;
+  {
+    const std::lock_guard lock(visit_mutex_);
+    const auto now = Clock::now();
+    const std::uint64_t number = visit_.number();
+    switch (action) {
+      case PageAction::touch:
+        if (!visit_.touch(visit, now)) return false;
+        publish_beat();
+        return true;
+      case PageAction::consent:
+        if (!visit_.consent(visit, now)) return false;
+        publish_visit();
+        if (settings_.consented) settings_.consented(visit_.number(), std::string(note));
+        return true;
+      case PageAction::erase:
+        folder = folder_;
+        if (!visit_.erase(visit, now)) return false;
+        forget(number, true);
+        break;
+    }
+  }
+  if (!folder.empty() && settings_.erase_folder) settings_.erase_folder(folder);
+  return true;
+}
+
+// A code that only whoever asked for it is told: it goes to no other page.
+PageAnswer LivePage::offer(std::string_view visit) {
+  const std::lock_guard lock(visit_mutex_);
+  const auto now = Clock::now();
+  auto result = board_.file("/result.json");
+  if (!result || visit_.state() != VisitState::result || !visit_.touch(visit, now))
+    return {409, nullptr, "there is no result of that visit"};
+  publish_beat();
+  // Behind the '#' it is sent to no one: neither a proxy nor what looks at links ahead of people takes the result.
+  const std::string address = phones_->url() + "#" + hand_over_.offer(std::move(result), now);
+  const auto code = qr_code(address);
+  if (!code) return {500, nullptr, code.error().message};
+  // What it is good for at least; touches put the end of the visit off.
+  const auto of_visit = visit_.left(now);
+  const auto left = of_visit.count() > 0 ? std::min(of_visit, settings_.hand_over_max) : settings_.hand_over_max;
+  const Json json = {
+      {"address", address}, {"left_s", left.count() / 1000}, {"side", code->side}, {"path", code->path}};
+  return {200, std::make_shared<const PageFile>(PageFile{"application/json", json.dump()}), ""};
+}
+
+PageAnswer LivePage::take(std::string_view token) {
+  const std::lock_guard lock(visit_mutex_);
+  auto result = hand_over_.take(token, Clock::now());
+  if (!result) return {404, nullptr, "nothing there (any more)"};
+  return {200, std::move(result), ""};
+}
+
+void LivePage::tick() {
+  for (int ticks = 0;; ++ticks) {
+    {
+      const std::lock_guard lock(visit_mutex_);
+      if (ending_) return;
+      const std::uint64_t number = visit_.number();
+      if (visit_.tick(Clock::now()))
+        forget(number, false);
+      else if (ticks % kTicksPerBeat == 0)
+        publish_beat();
+    }
+    std::this_thread::sleep_for(kTickPeriod);
+  }
+}
+
+std::uint64_t LivePage::permit() {
+  const std::lock_guard lock(visit_mutex_);
+  const bool open = visit_.state() == VisitState::measuring || (visit_.state() == VisitState::result && follows_);
+  if (!settings_.visit.ask) {
+    permitted_ = visit_.number();
+    return 1;
+  }
+  return open ? visit_.number() : 0;
+}
+
+void LivePage::begin_person(std::uint64_t permit) {
+  const std::lock_guard lock(visit_mutex_);
+  if (!settings_.visit.ask) return;  // whoever comes next ends the visit before them: publish_of_visit()
+  permitted_ = permit;
+  if (desk_) desk_->begin_anew(permit);
+}
+
+void LivePage::see(const FrameSeen& frame) {
+  std::uint64_t visit = 0;
+  {
+    const std::lock_guard lock(visit_mutex_);
+    if (frame.result.user != 0) visit_.person_in_view(Clock::now());
+    if (!is_current()) return;  // of the visit before
+    visit = visit_.number();
+  }
+  if (desk_) desk_->see(visit, frame);
+  if (server_->watchers() == 0) return;
+  move(frame);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - drawn_ < kPicturePeriod) return;
+  drawn_ = now;
+  draw(frame);
+}
+
+void LivePage::move(const FrameSeen& frame) {
+  const EngineResult& result = frame.result;
+  Json event = {{"event", "frame"}, {"frames_used", result.frames_used}, {"frames_back", result.frames_back}};
+  const std::lock_guard lock(visit_mutex_);
+  if (result.has_joints && all_finite(result.display_joints)) {
+    Json joints = Json::array(), pixels = Json::array();
+    for (const Vec3f& p : standing_joints_m(result.display_joints, result.floor)) joints.push_back(rounded(p));
+    for (const Vec3f& p : result.display_joints.position_mm) pixels.push_back(in_picture(intrinsics_, p));
+    event["joints"] = std::move(joints);
+    event["pixels"] = std::move(pixels);
+    if (desk_) {
+      Json percent = Json::array();
+      for (const float share : result.display_joints.confidence) percent.push_back(std::lround(100 * share));
+      event["confidence"] = std::move(percent);
+    }
+    if (animator_ && follows_) {
+      const body::Pose pose = animator_->pose(result.display_joints, result.floor);
+      if (fitting_) fitting_->follow(pose);
+      const body::RigPose rig = animator_->rig(pose);
+      event["root"] = rounded(rig.root_m);
+      for (const auto& rotation : rig.rotation) event["rotations"].push_back(rounded(rotation));
+    }
+  }
+  if (is_current()) board_.publish("frame", event.dump());
+}
+
+void LivePage::draw(const FrameSeen& frame) {
+  auto png = small_picture(frame.depth, frame.mask);
+  if (!png) return;  // the next one may do
+  const std::lock_guard lock(visit_mutex_);
+  if (!is_current()) return;
+  board_.put("/picture.png", {"image/png", std::move(*png)});
+  board_.publish("picture", Json{{"event", "picture"}, {"number", ++pictures_}}.dump());
+}
+
+void LivePage::publish(const Json& event) {
+  const std::string kind = event["event"];
+  std::string line = line_of(event);
+  line.pop_back();
+  if (kind == "camera" || kind == "end") {  // the end's not with what the last frame showed
+    board_.publish(kind, kind == "end" ? R"({"event":"end"})" : std::move(line));
+    return;
+  }
+  bool shown = false;
+  {
+    const std::lock_guard lock(visit_mutex_);
+    shown = publish_of_visit(kind, event, std::move(line));
+  }
+  if (!shown && kind == "measured" && event.contains("out") && settings_.erase_folder)
+    settings_.erase_folder(event["out"]);
+}
+
+// False: of a visit that was deleted, or given up, while this was computed.
+bool LivePage::publish_of_visit(const std::string& kind, const Json& event, std::string line) {
+  // Whoever comes next without being asked ends the visit before them.
+  if (!settings_.visit.ask && visit_.state() == VisitState::result && !follows_ &&
+      (kind == "measured" || (kind == "state" && event["user"] != 0)))
+    next_visit();
+  if (!is_current()) {
+    if (kind == "measured") customer_ = {};
+    return false;
+  }
+  if (kind == "measured") {
+    if (!visit_.measured(Clock::now())) return false;
+    follows_ = true;
+    folder_ = event.value("out", std::string());
+    board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
+    customer_.visit = visit_.id();
+    if (fitting_) fitting_->welcome(std::exchange(customer_, {}));
+    publish_visit();
+    if (desk_) desk_->measured(visit_.number(), event["result"].dump(2) + "\n");
+  }
+  if (kind == "left") follows_ = false;  // the next person's joints are not theirs
+  board_.publish(kind, std::move(line));
+  return true;
+}
+
+void LivePage::next_visit() {
+  const std::uint64_t over = visit_.number();
+  visit_.next(Clock::now());
+  permitted_ = visit_.number();
+  forget(over, false);
+}
+
+void LivePage::may_try_on(Customer customer) {
+  const std::lock_guard lock(visit_mutex_);
+  customer_ = std::move(customer);
+}
+
+Status LivePage::measured(const body::Avatar& avatar, std::span<const std::byte> glb) {
+  auto animator = AvatarAnimator::create(avatar);
+  if (!animator) return animator.error();
+  const std::lock_guard lock(visit_mutex_);
+  if (!settings_.visit.ask && visit_.state() == VisitState::result) next_visit();
+  if (!is_current()) return Ok{};  // deleted, or given up, while it was computed
+  board_.put("/avatar.glb",
+             {"model/gltf-binary", std::string(reinterpret_cast<const char*>(glb.data()), glb.size())});
+  animator_ = *animator;
+  return Ok{};
+}
+
+}  // namespace im2fit::apps

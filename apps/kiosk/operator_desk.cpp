@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/kiosk/operator_desk.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/kiosk/consent_texts.h"
+#include "apps/kiosk/small_picture.h"
+#include "core/file.h"
+#include "hal/folder/depth_file.h"
+
+namespace im2fit::apps {
+namespace {
+
+constexpr std::size_t kListedMax = 500;  // the youngest
+constexpr std::size_t kPictureBytesMax = std::size_t{8} << 20;
+constexpr std::size_t kNumberCharactersMax = 20;
+
+PageAnswer said(unsigned status, const std::string& text) {
+  return {status, nullptr, text};
+}
+PageAnswer json_answer(const Json& json) {
+  return {200, std::make_shared<const PageFile>(PageFile{"application/json", json.dump()}), ""};
+}
+// A request's fault is the client's, a disk's is ours.
+PageAnswer failed(const Error& error) {
+  if (error.code == ErrorCode::not_found) return said(404, error.message);
+  return said(error.code == ErrorCode::io ? 500 : 400, error.message);
+}
+
+std::string field_of(const PageRequest& request, std::string_view name) {
+  std::string value;
+  for (const auto& [key, given] : request.query)
+    if (key == name) value = given;
+  return value;
+}
+
+std::string text_of(const Json& body, const char* key) {
+  const auto found = body.find(key);
+  return found != body.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+Json listed_json(const sessions::Listed& one) {
+  if (!one.damage.empty()) return {{"id", one.id}, {"damage", one.damage}};
+  Json json = {{"id", one.id},
+               {"person", one.record.person},
+               {"started_utc", one.record.started_utc},
+               {"tape_values", one.record.truth.tape.size()}};
+  if (one.record.truth.height_mm) json["height_mm"] = *one.record.truth.height_mm;
+  return json;
+}
+
+}  // namespace
+
+OperatorDesk::OperatorDesk(OperatorSettings settings) : settings_(std::move(settings)) {}
+
+OperatorDesk::~OperatorDesk() {
+  if (job_thread_.joinable()) job_thread_.join();
+}
+
+void OperatorDesk::use_source(const hal::SourceInfo& source, const sessions::Versions& versions) {
+  const std::lock_guard lock(mutex_);
+  source_ = source;
+  versions_ = versions;
+  has_source_ = true;
+}
+
+std::shared_ptr<VisitRecorder> OperatorDesk::recorder_of(std::uint64_t visit) const {
+  const std::lock_guard lock(mutex_);
+  return phase_ == Phase::recording && visit == visit_ ? recorder_ : nullptr;
+}
+
+void OperatorDesk::begin_anew(std::uint64_t visit) {
+  if (const auto recorder = recorder_of(visit)) recorder->begin_anew();
+}
+
+void OperatorDesk::see(std::uint64_t visit, const FrameSeen& frame) {
+  if (const auto recorder = recorder_of(visit)) recorder->see(frame);
+}
+
+void OperatorDesk::measured(std::uint64_t visit, const std::string& result_json) {
+  const auto recorder = recorder_of(visit);
+  if (!recorder) return;
+  recorder->measured();
+  const std::lock_guard lock(mutex_);
+  if (phase_ != Phase::recording || visit_ != visit) return;
+  phase_ = Phase::measured;
+  result_ = result_json;
+}
+
+void OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
+  std::shared_ptr<VisitRecorder> going;  // ends outside the lock: it may wait for the disk
+  const std::lock_guard lock(mutex_);
+  if (visit_ != visit || (phase_ == Phase::measured && !erased)) return;
+  phase_ = Phase::idle;
+  going.swap(recorder_);
+  result_.clear();
+}
+
+PageAnswer OperatorDesk::answer(const PageRequest& request) {
+  if (!request.post) return get(request);
+  const Json body = Json::parse(request.body, nullptr, false);
+  if (!body.is_object()) return said(400, "the body is no JSON object");
+  return post(request, body);
+}
+
+PageAnswer OperatorDesk::get(const PageRequest& request) {
+  const std::string id = field_of(request, "id");
+  if (request.path == "/operator/state") return state();
+  if (request.path == "/operator/sessions") {
+    const auto all = sessions::list(settings_.root);
+    if (!all) return failed(all.error());
+    Json json = Json::array();
+    for (auto it = all->rbegin(); it != all->rend() && json.size() < kListedMax; ++it)
+      json.push_back(listed_json(*it));
+    return json_answer(json);
+  }
+  if (request.path == "/operator/session") {
+    const auto record = sessions::read(settings_.root, id);
+    return record ? json_answer(Json::parse(record->document)) : failed(record.error());
+  }
+  if (request.path == "/operator/picture") return picture(id, field_of(request, "number"));
+  if (request.path == "/operator/form") {
+    Json tape = Json::array();
+    for (const auto& [name, names] : settings_.tape) tape.push_back({{"id", name}, {"names", names}});
+    return json_answer({{"site", settings_.site}, {"root", settings_.root}, {"tape", tape}});
+  }
+  return said(404, "nothing there");
+}
+
+PageAnswer OperatorDesk::post(const PageRequest& request, const Json& body) {
+  if (request.path == "/operator/begin") return begin(body);
+  if (request.path == "/operator/save") return save(body);
+  if (request.path == "/operator/discard") return discard();
+  const std::string id = text_of(body, "id");
+  if (request.path == "/operator/measure") return measure_again(id);
+  if (request.path == "/operator/delete") {
+    const auto gone = sessions::remove(settings_.root, id);
+    return gone ? said(200, "deleted") : failed(gone.error());
+  }
+  return said(404, "nothing there");
+}
+
+PageAnswer OperatorDesk::state() const {
+  const std::lock_guard lock(mutex_);
+  constexpr const char* kNames[] = {"IDLE", "RECORDING", "MEASURED"};
+  Json json = {{"phase", kNames[static_cast<int>(phase_)]}, {"ready", has_source_}};
+  if (recorder_) {
+    const VisitRecorder::Counts counts = recorder_->counts();
+    json["recording"] = {{"frames", counts.frames},
+                         {"frames_max", VisitRecorder::kFramesMax},
+                         {"dropped", counts.dropped},
+                         {"full", counts.full},
+                         {"error", counts.error}};
+  }
+  if (phase_ == Phase::measured) json["result"] = Json::parse(result_, nullptr, false);
+  if (!job_.kind.empty())
+    json["job"] = {{"kind", job_.kind},
+                   {"id", job_.id},
+                   {"running", job_.running},
+                   {"error", job_.error},
+                   {"result", job_.result}};
+  return json_answer(json);
+}
+
+PageAnswer OperatorDesk::begin(const Json& body) {
+  const ConsentText* text = consent_text(text_of(body, "language"));
+  if (text == nullptr || text_of(body, "version") != text->version)
+    return said(409, "the consent shown is of another version; load the page anew");
+  hal::SourceInfo source;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!has_source_) return said(409, "there is no camera yet");
+    if (phase_ != Phase::idle) return said(409, "a person is being recorded; save or discard that first");
+    source = source_;
+  }
+  auto recorder = VisitRecorder::begin(settings_.root, source);
+  if (!recorder) return failed(recorder.error());
+  const std::shared_ptr<VisitRecorder> kept = std::move(*recorder);
+  const bool begun = begin_visit_([&](std::uint64_t visit) {
+    const std::lock_guard lock(mutex_);
+    recorder_ = kept;
+    visit_ = visit;
+    phase_ = Phase::recording;
+    started_utc_ = sessions::utc_now();
+    consent_ = {std::string("operator-") + text->language + "-" + text->version, text->language, text->sha256,
+                started_utc_};
+  });
+  if (!begun) return said(409, "a customer's visit is going on; end it on their page first");
+  return said(200, "recording");
+}
+
+PageAnswer OperatorDesk::discard() {
+  std::shared_ptr<VisitRecorder> going;
+  std::uint64_t visit = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (job_.running) return said(409, "one thing at a time");
+    if (phase_ == Phase::idle) return said(200, "discarded");
+    visit = visit_;
+    phase_ = Phase::idle;
+    going.swap(recorder_);
+    result_.clear();
+  }
+  end_visit_(visit);
+  return said(200, "discarded");
+}
+
+PageAnswer OperatorDesk::save(const Json& body) {
+  sessions::Record record;
+  std::string result;
+  std::shared_ptr<VisitRecorder> recorder;
+  {
+    const std::lock_guard lock(mutex_);
+    if (job_.running) return said(409, "one thing at a time");
+    if (phase_ != Phase::measured) return said(409, "no person was measured yet");
+    record.started_utc = started_utc_;
+    record.consent = consent_;
+    record.camera = {std::string(name_of(source_.sensor)),
+                     source_.name,
+                     source_.intrinsics.width,
+                     source_.intrinsics.height,
+                     source_.intrinsics.fx,
+                     source_.intrinsics.fy,
+                     source_.intrinsics.cx,
+                     source_.intrinsics.cy};
+    record.versions = versions_;
+    record.settings = settings_.settings;
+    result = result_;
+    recorder = recorder_;
+  }
+  // What the form may say, put into the record of what is known, is read as any session.json is: one set of limits.
+  record.id = "new";
+  Json json = Json::parse(sessions::record_json(record));
+  for (const char* key : {"person", "notes", "site", "truth"})
+    if (body.contains(key)) json[key] = body[key];
+  auto whole = sessions::parse_record(json.dump(-1, ' ', false, Json::error_handler_t::replace), "the form");
+  if (!whole) return said(400, whole.error().message);
+  for (const auto& [id, reading] : whole->truth.tape)
+    if (std::none_of(settings_.tape.begin(), settings_.tape.end(),
+                     [&](const auto& known) { return known.first == id; }))
+      return said(400, "the form: truth.tape." + id + " is no measurement of the tape");
+  whole->document.clear();
+  start_job("save", "", [this, recorder, record = std::move(*whole), result](Job& job) {
+    auto saved = recorder->save(record, result);
+    if (saved) job.id = *saved;
+    if (!saved) job.error = saved.error().message;
+    const std::lock_guard lock(mutex_);
+    if (recorder_ != recorder) return;
+    phase_ = Phase::idle;  // also after a failure: what is on a full disk is not kept for another try
+    recorder_.reset();
+    result_.clear();
+  });
+  return said(202, "saving");
+}
+
+PageAnswer OperatorDesk::measure_again(const std::string& id) {
+  if (const auto folder = sessions::folder_of(settings_.root, id); !folder) return failed(folder.error());
+  {
+    const std::lock_guard lock(mutex_);
+    if (job_.running) return said(409, "one thing at a time");
+    if (phase_ == Phase::recording) return said(409, "a person is being recorded; measure again after that");
+  }
+  start_job("measure", id, [this, id](Job& job) {
+    auto done = settings_.measure(id);
+    if (done)
+      job.result = std::move(*done);
+    else
+      job.error = done.error().message;
+  });
+  return said(202, "measuring");
+}
+
+void OperatorDesk::start_job(const std::string& kind, const std::string& id, std::function<void(Job&)> work) {
+  if (job_thread_.joinable()) job_thread_.join();  // its work is done: `running` was false
+  {
+    const std::lock_guard lock(mutex_);
+    job_ = {kind, id, "", nullptr, true};
+  }
+  job_thread_ = std::thread([this, kind, id, work = std::move(work)] {
+    Job job{kind, id, "", nullptr, false};
+    work(job);
+    const std::lock_guard lock(mutex_);
+    job_ = std::move(job);
+  });
+}
+
+PageAnswer OperatorDesk::picture(const std::string& id, const std::string& number) const {
+  const auto recording = sessions::recording_of(settings_.root, id);
+  if (!recording) return failed(recording.error());
+  if (number.empty() || number.size() > kNumberCharactersMax ||
+      number.find_first_not_of("0123456789") != std::string::npos)
+    return said(400, "number is no number");
+  // In the order of their names, which are numbered with gaps.
+  std::vector<std::string> names;
+  std::error_code code;
+  for (std::filesystem::directory_iterator it(*recording, code), end; !code && it != end; it.increment(code))
+    if (it->path().extension() == ".png") names.push_back(it->path().string());
+  std::sort(names.begin(), names.end());
+  std::size_t index = 0;
+  for (const char digit : number)
+    index = std::min<std::size_t>(10 * index + static_cast<std::size_t>(digit - '0'), 1U << 20U);
+  if (index >= names.size()) return said(404, "the recording has " + std::to_string(names.size()) + " frames");
+  const auto bytes = read_file(names[index], kPictureBytesMax);
+  if (!bytes) return failed(bytes.error());
+  const auto header = hal::parse_depth_header(*bytes, names[index]);
+  if (!header) return failed(header.error());
+  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(header->width) *
+                                    static_cast<std::size_t>(header->height));
+  const DepthImage depth(pixels.data(), header->width, header->height);
+  if (const auto decoded = hal::decode_depth(*bytes, names[index], depth); !decoded) return failed(decoded.error());
+  auto png = small_picture(depth, {});
+  if (!png) return failed(png.error());
+  return {200, std::make_shared<const PageFile>(PageFile{"image/png", std::move(*png)}), ""};
+}
+
+}  // namespace im2fit::apps

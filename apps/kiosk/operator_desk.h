@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// The operator's part of the page: one person's visit recorded with what a tape says, saved as a session, and the
+// sessions there are. Everything below /operator/ is answered here; who may ask is page_server.h's matter.
+//
+//   IDLE -> (consent) RECORDING -> (the engine's answer) MEASURED -> (saved, discarded, deleted by the person) IDLE
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "apps/common/events.h"
+#include "apps/kiosk/page_server.h"
+#include "apps/kiosk/visit_recorder.h"
+
+namespace im2fit::apps {
+
+struct OperatorSettings {
+  std::string root;  // of the sessions
+  std::string site;  // proposed in the form
+  // As the engine measures: written into each session.
+  sessions::Settings settings;
+  // Measurements a tape may take, with their names by language.
+  std::vector<std::pair<std::string, Json>> tape;
+  // A session's recording measured again: {"then": result.json, "now": result.json}. Some seconds; on a thread of its
+  // own.
+  std::function<Result<Json>(const std::string& id)> measure;
+};
+
+class OperatorDesk {
+ public:
+  explicit OperatorDesk(OperatorSettings settings);
+  ~OperatorDesk();
+  OperatorDesk(const OperatorDesk&) = delete;
+  OperatorDesk& operator=(const OperatorDesk&) = delete;
+
+  // What a visit is begun and ended with; before any request. `begin` consents for the person of the present visit
+  // and calls what it is given with its number before a frame of it is seen; false when another visit is going on.
+  // `end` ends the visit of that number if it goes on.
+  using BeginVisit = std::function<bool(const std::function<void(std::uint64_t visit)>& begun)>;
+  using EndVisit = std::function<void(std::uint64_t visit)>;
+  void use_visits(BeginVisit begin, EndVisit end) {
+    begin_visit_ = std::move(begin);
+    end_visit_ = std::move(end);
+  }
+  void use_source(const hal::SourceInfo& source, const sessions::Versions& versions);
+  PageAnswer answer(const PageRequest& request);  // on the server's thread
+
+  // Of the visit of this number, on any thread; of others they do nothing.
+  // The engine begins anew: so does the recording, which holds what the engine then sees and nothing else.
+  void begin_anew(std::uint64_t visit);
+  void see(std::uint64_t visit, const FrameSeen& frame);
+  void measured(std::uint64_t visit, const std::string& result_json);
+  // Its recording goes: the person asked to delete everything, or left before there was an answer. `erased`: by the
+  // person; else a visit that was measured waits here for the operator, who is still at the form.
+  void visit_over(std::uint64_t visit, bool erased);
+
+ private:
+  enum class Phase { idle, recording, measured };
+  struct Job {
+    std::string kind;  // "save", "measure"; "": there was none
+    std::string id;    // of the session
+    std::string error;
+    Json result;
+    bool running = false;
+  };
+  PageAnswer get(const PageRequest& request);
+  PageAnswer post(const PageRequest& request, const Json& body);
+  PageAnswer state() const;
+  PageAnswer begin(const Json& body);
+  PageAnswer save(const Json& body);
+  PageAnswer discard();
+  PageAnswer measure_again(const std::string& id);
+  PageAnswer picture(const std::string& id, const std::string& number) const;
+  std::shared_ptr<VisitRecorder> recorder_of(std::uint64_t visit) const;
+  void start_job(const std::string& kind, const std::string& id, std::function<void(Job&)> work);
+
+  const OperatorSettings settings_;
+  BeginVisit begin_visit_;
+  EndVisit end_visit_;
+  mutable std::mutex mutex_;  // of all below
+  hal::SourceInfo source_;
+  sessions::Versions versions_;
+  bool has_source_ = false;
+  Phase phase_ = Phase::idle;
+  std::uint64_t visit_ = 0;
+  std::shared_ptr<VisitRecorder> recorder_;
+  sessions::Consent consent_;
+  std::string started_utc_, result_;
+  Job job_;
+  std::thread job_thread_;
+};
+
+}  // namespace im2fit::apps

@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/kiosk/page_server.h"
+
+#include <microhttpd.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "apps/kiosk/host_check.h"
+#include "apps/kiosk/http_message.h"
+#include "apps/kiosk/listening_socket.h"
+#include "apps/kiosk/operator_gate.h"
+#include "apps/kiosk/visitors.h"
+#include "apps/kiosk/web_files.h"
+
+namespace im2fit::apps {
+namespace {
+
+using Clock = Visitors::Clock;
+using Patience = std::chrono::milliseconds;
+constexpr Patience kTick{100};             // how late a connection may be found to be over its time
+constexpr Patience kCommentPeriod{10000};  // a stream without news; then a comment shows whether a client is there
+constexpr Patience kStuckMax{15000};       // a stream whose client reads nothing for so long is given up
+constexpr Patience kFarewell{150};         // for streams to take their end
+constexpr std::size_t kConnectionBytes = 16 * 1024;  // a header and the library's own; browsers send 1 KB
+constexpr std::size_t kStreamBlockBytes = 4096;
+// The library stops listening at its own limit. Ours is kept by cutting off others, which close a little later.
+constexpr unsigned kSpareConnections = 64;
+
+constexpr std::pair<std::string_view, PageAction> kActions[] = {
+    {"/consent", PageAction::consent}, {"/touch", PageAction::touch}, {"/delete", PageAction::erase}};
+constexpr std::string_view kOffer = "/hand-over", kTake = "/take";
+constexpr const char* kKept = "private, max-age=31536000, immutable";
+
+// A request that is being answered; of a POST with a body, what came of that.
+struct Upload {
+  std::string path;
+  std::string body;
+  bool wanted = false;  // false: answered already
+};
+
+// Of a server for phones, where "/" is handed.html.
+const WebFile* phone_file(std::string_view path) {
+  if (path == "/") return web_file("/handed.html");
+  const bool known =
+      path == "/handed.js" || path == "/words.js" || path == "/page.css" || path.rfind("/lang/", 0) == 0;
+  return known ? web_file(path) : nullptr;
+}
+
+bool is_operators(std::string_view path) {
+  return path == "/operator" || path.rfind("/operator/", 0) == 0;
+}
+
+struct CloseSocket {
+  int socket = -1;
+  ~CloseSocket() {
+    if (socket >= 0) ::close(socket);
+  }
+};
+
+}  // namespace
+
+struct PageServer::Parts {
+  // One watcher. The library's thread reads it; the keeper wakes it when there are news.
+  struct Stream {
+    Parts& parts;
+    MHD_Connection* connection;
+    int socket;
+    std::uint64_t seen = 0;
+    std::string text;  // not yet taken
+    bool waiting = false;
+    Clock::time_point read;  // when it was last asked for more
+  };
+
+  Parts(Board& b, const std::string& host, PageHandlers h)
+      : board(b), check(host), handlers(std::move(h)), gate(handlers.operator_password) {}
+  MHD_Result answer(MHD_Connection* connection, std::string_view method, Upload& upload);
+  MHD_Result answer_operator(MHD_Connection* connection, std::string_view method, Upload& upload);
+  MHD_Result operate(MHD_Connection* connection, const Upload& upload);
+  MHD_Result answer_file(MHD_Connection* connection, const WebFile& file);
+  MHD_Result answer_post(MHD_Connection* connection, std::string_view path);
+  MHD_Result answer_phone(MHD_Connection* connection, const std::string& path);
+  MHD_Result answer_stream(MHD_Connection* connection);
+  static ssize_t read_stream(void* closure, std::uint64_t position, char* to, std::size_t room);
+  static void end_stream(void* closure);
+  void keep();
+  void wake_streams(bool news, Clock::time_point now);
+  Visitors::Visitor* visitor_of(MHD_Connection* connection) const;
+
+  Board& board;
+  HostCheck check;
+  PageHandlers handlers;
+  OperatorGate gate;
+  Visitors visitors{VisitorLimits{}};
+  std::string url;
+  MHD_Daemon* daemon = nullptr;
+  std::mutex mutex;  // of streams and stopping
+  std::list<Stream> streams;
+  bool stopping = false;
+  std::atomic<int> watchers{0};
+  std::thread keeper;
+};
+
+Visitors::Visitor* PageServer::Parts::visitor_of(MHD_Connection* connection) const {
+  const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+  return info == nullptr ? nullptr : static_cast<Visitors::Visitor*>(info->socket_context);
+}
+
+MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_view method, Upload& upload) {
+  const std::string& path = upload.path;
+  if (auto* visitor = visitor_of(connection)) visitors.now_does(visitor, Visitors::Doing::answering, Clock::now());
+  const Field host = field_of(connection, "Host"), origin = field_of(connection, "Origin");
+  const Field site = field_of(connection, "Sec-Fetch-Site");
+  const bool doubled = host.count > 1 || origin.count > 1 || site.count > 1;
+  // To the page for phones any scanner may lead: nothing is on it, and nothing is taken by GET.
+  const bool leads_to_phone_page = handlers.take && method != "POST";
+  if (const std::string why = check.refusal(doubled ? std::nullopt : host.value, origin.value,
+                                            leads_to_phone_page ? std::nullopt : site.value);
+      !why.empty())
+    return send(connection, MHD_HTTP_FORBIDDEN, copied(why + "\n"), kPlainText);
+  if (handlers.operate && is_operators(path)) return answer_operator(connection, method, upload);
+  const bool acts = handlers.take ? path == kTake
+                                  : (handlers.offer && path == kOffer) ||
+                                        (handlers.act && std::any_of(std::begin(kActions), std::end(kActions),
+                                                                     [&](const auto& k) { return k.first == path; }));
+  if (acts ? method != "POST" : method != "GET" && method != "HEAD")
+    return send_not_allowed(connection, acts ? "POST" : "GET, HEAD");
+  // Nothing here has a use for a body: who sends one is cut off.
+  const Field length = field_of(connection, "Content-Length");
+  if (field_of(connection, "Transfer-Encoding").count > 0 || (length.count > 0 && length.value != "0")) return MHD_NO;
+  if (handlers.take) return answer_phone(connection, path);
+  if (acts) return answer_post(connection, path);
+  if (path == "/events")
+    return method == "GET" ? answer_stream(connection) : send(connection, 200, copied(""), "text/event-stream");
+  if (const WebFile* fixed = is_operators(path) ? nullptr : web_file(path)) return answer_file(connection, *fixed);
+  if (path == "/tryon.glb" && handlers.try_on) return send_answer(connection, handlers.try_on(query_of(connection)));
+  if (path == "/cloth.bin" && handlers.cloth) return send_answer(connection, handlers.cloth(query_of(connection)));
+  if (auto file = board.file(path)) {
+    const std::string type = file->type;
+    return send(connection, MHD_HTTP_OK, shared(std::move(file)), type.c_str());
+  }
+  return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there (yet)\n"), kPlainText);
+}
+
+// All that a request's header can be refused for, before a byte of its body is read.
+MHD_Result PageServer::Parts::answer_operator(MHD_Connection* connection, std::string_view method, Upload& upload) {
+  const Field authorization = field_of(connection, "Authorization");
+  switch (gate.admit(authorization.count > 1 ? std::nullopt : authorization.value, Clock::now())) {
+    case OperatorGate::Answer::admitted:
+      break;
+    case OperatorGate::Answer::too_many_tries:
+      return send(connection, MHD_HTTP_TOO_MANY_REQUESTS, copied("too many wrong passwords; wait a second\n"),
+                  kPlainText);
+    case OperatorGate::Answer::password_needed: {
+      const Response response = copied("the operator's password is needed\n");
+      if (response)
+        MHD_add_response_header(response.get(), "WWW-Authenticate",
+                                R"(Basic realm="im2fit operator", charset="UTF-8")");
+      return send(connection, MHD_HTTP_UNAUTHORIZED, response, kPlainText);
+    }
+  }
+  const bool post = method == "POST";
+  if (!post && method != "GET" && method != "HEAD") return send_not_allowed(connection, "GET, HEAD, POST");
+  const Field length = field_of(connection, "Content-Length");
+  const bool chunked = field_of(connection, "Transfer-Encoding").count > 0;
+  if (!post) {
+    if (chunked || (length.count > 0 && length.value != "0")) return MHD_NO;
+    if (upload.path == "/operator") return answer_file(connection, *web_file(upload.path));
+    if (upload.path == "/operator/token") return send(connection, MHD_HTTP_OK, copied(gate.token()), kPlainText);
+    return operate(connection, upload);
+  }
+  const Field origin = field_of(connection, "Origin"), token = field_of(connection, "X-Im2fit-Token");
+  const Field type = field_of(connection, "Content-Type");
+  if (origin.count != 1 || token.count != 1 || !gate.is_token(*token.value))
+    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the operator's page itself may ask for this\n"),
+                kPlainText);
+  if (type.count != 1 || type.value != "application/json")
+    return send(connection, MHD_HTTP_UNSUPPORTED_MEDIA_TYPE, copied("application/json is needed\n"), kPlainText);
+  const auto size = length_of(length);
+  if (chunked || !size) return send(connection, MHD_HTTP_LENGTH_REQUIRED, copied("a length is needed\n"), kPlainText);
+  if (*size > kBodyBytesMax)
+    return send(connection, MHD_HTTP_CONTENT_TOO_LARGE, copied("more than 64 kB\n"), kPlainText);
+  upload.wanted = true;
+  return MHD_YES;  // the body comes next
+}
+
+MHD_Result PageServer::Parts::operate(MHD_Connection* connection, const Upload& upload) {
+  const auto query = query_of(connection);
+  return send_answer(connection, handlers.operate({upload.wanted, upload.path, upload.body, query}));
+}
+
+// The token comes by a field that no other site's page may send unasked.
+MHD_Result PageServer::Parts::answer_phone(MHD_Connection* connection, const std::string& path) {
+  if (path == kTake) {
+    const Field origin = field_of(connection, "Origin"), token = field_of(connection, "X-Im2fit-Token");
+    if (origin.count != 1 || token.count != 1)
+      return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may ask for this\n"), kPlainText);
+    return send_answer(connection, handlers.take(*token.value));
+  }
+  const WebFile* file = phone_file(path);
+  if (file == nullptr) return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there\n"), kPlainText);
+  return answer_file(connection, *file);
+}
+
+MHD_Result PageServer::Parts::answer_post(MHD_Connection* connection, std::string_view path) {
+  const Field origin = field_of(connection, "Origin"), visit = field_of(connection, "X-Im2fit-Visit");
+  const Field note = field_of(connection, "X-Im2fit-Note");
+  if (origin.count != 1 || visit.count != 1 || note.count > 1)
+    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may ask for this\n"), kPlainText);
+  const std::string_view text = note.value.value_or("");
+  if (visit.value->size() > kActionTextMax || text.size() > kActionTextMax)
+    return send(connection, MHD_HTTP_BAD_REQUEST, copied("too long\n"), kPlainText);
+  if (path == kOffer) return send_answer(connection, handlers.offer(*visit.value));
+  const auto* action =
+      std::find_if(std::begin(kActions), std::end(kActions), [&](const auto& known) { return known.first == path; });
+  if (!handlers.act(action->second, *visit.value, text))
+    return send(connection, MHD_HTTP_CONFLICT, copied("that visit is over\n"), kPlainText);
+  return send(connection, MHD_HTTP_OK, copied("done\n"), kPlainText);
+}
+
+MHD_Result PageServer::Parts::answer_file(MHD_Connection* connection, const WebFile& file) {
+  const bool compressed =
+      !file.gzip.empty() && takes_gzip(field_of(connection, "Accept-Encoding").value.value_or(""));
+  const Response response = lasting_bytes(compressed ? file.gzip : file.bytes);
+  if (response && compressed) MHD_add_response_header(response.get(), "Content-Encoding", "gzip");
+  if (response && !file.gzip.empty()) MHD_add_response_header(response.get(), "Vary", "Accept-Encoding");
+  return send(connection, MHD_HTTP_OK, response, file.type, file.lasting ? kKept : kNotKept);
+}
+
+MHD_Result PageServer::Parts::answer_stream(MHD_Connection* connection) {
+  auto* visitor = visitor_of(connection);
+  const auto now = Clock::now();
+  std::unique_lock lock(mutex);
+  if (visitor == nullptr || stopping || watchers >= kWatchersMax) {
+    lock.unlock();
+    return send(connection, MHD_HTTP_SERVICE_UNAVAILABLE, copied("too many are watching; close another page\n"),
+                kPlainText);
+  }
+  ++watchers;
+  const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+  // Who lost the stream asks again after a second: a page is to notice within three that all is well.
+  streams.push_back({*this, connection, info->connect_fd, 0, "retry: 1000\n\n", false, now});
+  Stream* stream = &streams.back();
+  lock.unlock();
+  const Response response(
+      MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, kStreamBlockBytes, read_stream, stream, end_stream));
+  if (!response) {
+    end_stream(stream);
+    return MHD_NO;
+  }
+  visitors.now_does(visitor, Visitors::Doing::watching, now);
+  return send(connection, MHD_HTTP_OK, response, "text/event-stream");
+}
+
+ssize_t PageServer::Parts::read_stream(void* closure, std::uint64_t, char* to, std::size_t room) {
+  Stream& stream = *static_cast<Stream*>(closure);
+  Parts& parts = stream.parts;
+  const auto now = Clock::now();
+  const std::lock_guard lock(parts.mutex);
+  if (parts.stopping) return MHD_CONTENT_READER_END_OF_STREAM;
+  if (stream.text.empty()) stream.text = parts.board.wait(stream.seen, Patience(0));
+  if (stream.text.empty() && now - stream.read >= kCommentPeriod) stream.text = ": still here\n\n";
+  if (stream.text.empty()) {
+    // Also for who has taken all there is: only a client that has not is stuck.
+    stream.waiting = true;
+    MHD_suspend_connection(stream.connection);
+    return 0;
+  }
+  stream.read = now;
+  const std::size_t count = std::min(room, stream.text.size());
+  std::memcpy(to, stream.text.data(), count);
+  stream.text.erase(0, count);
+  return static_cast<ssize_t>(count);
+}
+
+void PageServer::Parts::end_stream(void* closure) {
+  auto* stream = static_cast<Stream*>(closure);
+  Parts& parts = stream->parts;
+  const std::lock_guard lock(parts.mutex);
+  parts.streams.remove_if([&](const Stream& s) { return &s == stream; });
+  --parts.watchers;
+}
+
+// Wakes who waits when there is something to send, or when they have gone; a stream that waits is not looked at by
+// the library.
+void PageServer::Parts::wake_streams(bool news, Clock::time_point now) {
+  for (Stream& stream : streams) {
+    if (!stream.waiting) {
+      if (now - stream.read >= kStuckMax) cut(stream.socket);
+      continue;
+    }
+    pollfd item{stream.socket, POLLRDHUP, 0};
+    const bool gone = ::poll(&item, 1, 0) > 0;
+    if (!news && !gone && !stopping && now - stream.read < kCommentPeriod) continue;
+    stream.waiting = false;
+    if (gone) stream.text = ": gone\n\n";  // else it would wait again: writing shows the library that it has
+    MHD_resume_connection(stream.connection);
+  }
+}
+
+void PageServer::Parts::keep() {
+  for (std::uint64_t known = 0;;) {
+    const std::uint64_t number = board.await(known, kTick);
+    const bool news = number != known;
+    known = number;
+    const auto now = Clock::now();
+    visitors.cut_late(now);
+    const std::lock_guard lock(mutex);
+    stopping = stopping || board.closed();
+    wake_streams(news, now);
+    if (stopping) return;
+  }
+}
+
+Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address, Board& board,
+                                                     PageHandlers handlers) {
+  CloseSocket listening{listen_at(address.host, address.port)};
+  const int reason = errno;
+  const auto failed = [&](int code) {
+    return Error{ErrorCode::io, "cannot listen at " + address.host + ":" + std::to_string(address.port) +
+                                    (code != 0 ? std::string(" (") + std::strerror(code) + ")" : std::string()) +
+                                    "; try another " + address.options};
+  };
+  if (listening.socket < 0) return failed(reason);
+  auto made = std::make_unique<Parts>(board, address.host, std::move(handlers));
+  Parts& parts = *made;
+  const bool v6 = address.host.find(':') != std::string::npos;
+  parts.url = "http://" + (v6 ? "[" + address.host + "]" : address.host) + ":" +
+              std::to_string(port_of(listening.socket)) + "/";
+
+  const MHD_AccessHandlerCallback answer = [](void* closure, MHD_Connection* connection, const char* url,
+                                              const char* method, const char*, const char* data, std::size_t* upload,
+                                              void** request) -> MHD_Result {
+    auto& parts = *static_cast<Parts*>(closure);
+    if (*request == nullptr) {
+      auto* begun = new Upload{url, "", false};  // until the request is completed
+      *request = begun;
+      return parts.answer(connection, method, *begun);
+    }
+    auto& going = *static_cast<Upload*>(*request);
+    const std::size_t count = std::exchange(*upload, 0);
+    if (!going.wanted) return MHD_YES;  // a refused method may have a body
+    if (count == 0) return parts.operate(connection, going);
+    if (count > kBodyBytesMax - going.body.size()) return MHD_NO;
+    going.body.append(data, count);
+    return MHD_YES;
+  };
+  const MHD_NotifyConnectionCallback connected = [](void* closure, MHD_Connection* connection, void** context,
+                                                    MHD_ConnectionNotificationCode code) {
+    Visitors& visitors = static_cast<Parts*>(closure)->visitors;
+    if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
+      visitors.left(static_cast<Visitors::Visitor*>(std::exchange(*context, nullptr)));
+      return;
+    }
+    const int socket = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
+    const sockaddr* from = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS)->client_addr;
+    *context = visitors.came(socket, from, Clock::now());
+  };
+  const MHD_RequestCompletedCallback completed = [](void* closure, MHD_Connection* connection, void** request,
+                                                    MHD_RequestTerminationCode) {
+    delete static_cast<Upload*>(std::exchange(*request, nullptr));
+    auto* parts = static_cast<Parts*>(closure);
+    if (auto* visitor = parts->visitor_of(connection))
+      parts->visitors.now_does(visitor, Visitors::Doing::asking, Clock::now());
+  };
+  const unsigned limit = static_cast<unsigned>(VisitorLimits{}.visitors_max) + kSpareConnections;
+  parts.daemon =
+      MHD_start_daemon(MHD_USE_POLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, answer, &parts,
+                       MHD_OPTION_LISTEN_SOCKET, listening.socket, MHD_OPTION_NOTIFY_CONNECTION, connected, &parts,
+                       MHD_OPTION_NOTIFY_COMPLETED, completed, &parts, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+                       kConnectionBytes, MHD_OPTION_CONNECTION_MEMORY_INCREMENT, std::size_t{1024},
+                       MHD_OPTION_CONNECTION_LIMIT, limit, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
+  if (parts.daemon == nullptr) return failed(errno);
+  listening.socket = -1;  // the daemon's
+  parts.keeper = std::thread([&parts] { parts.keep(); });
+  return std::unique_ptr<PageServer>(new PageServer(std::move(made)));
+}
+
+PageServer::PageServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+PageServer::~PageServer() {
+  parts_->board.close();
+  parts_->keeper.join();
+  for (const auto end = Clock::now() + kFarewell; parts_->watchers > 0 && Clock::now() < end;)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  MHD_stop_daemon(parts_->daemon);
+}
+
+const std::string& PageServer::url() const {
+  return parts_->url;
+}
+int PageServer::watchers() const {
+  return parts_->watchers;
+}
+
+Status PageServer::add(int socket) {
+  sockaddr_in nowhere{};
+  nowhere.sin_family = AF_INET;
+  if (MHD_add_connection(parts_->daemon, socket, reinterpret_cast<const sockaddr*>(&nowhere), sizeof nowhere) ==
+      MHD_YES)
+    return Ok{};
+  return Error{ErrorCode::io, std::string("cannot serve a connection: ") + std::strerror(errno)};
+}
+
+}  // namespace im2fit::apps

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capi/c_handle.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <utility>
+
+#include "capi/data.h"
+#include "capi/settings.h"
+
+namespace im2fit {
+namespace {
+
+Error missing(const char* field) {
+  return {ErrorCode::invalid_argument, std::string("settings.") + field + " is not set"};
+}
+
+EngineSettings engine_settings(const im2fit_settings& s) {
+  EngineSettings settings;
+  settings.width = s.width;
+  settings.height = s.height;
+  settings.intrinsics = {s.width, s.height, s.fx, s.fy, s.cx, s.cy};
+  settings.frames_wanted = s.frames_wanted;
+  settings.frames_min = s.frames_min;
+  settings.user = s.user_id;
+  settings.calibration_psi = s.calibration_psi != 0;
+  settings.turn = s.turn != 0 ? Turn::asked : Turn::none;
+  settings.clothing = static_cast<ClothingGiven>(s.clothing);
+  settings.sensor = static_cast<SensorKind>(s.sensor);
+  settings.live = s.live != 0;
+  settings.single_thread = s.single_thread != 0;
+  settings.pool_frames = s.pool_frames;
+  return settings;
+}
+
+Result<std::vector<std::string>> size_charts(const im2fit_settings& settings) {
+  if (settings.men_chart_path == nullptr && settings.women_chart_path == nullptr) return std::vector<std::string>{};
+  if (settings.men_chart_path == nullptr) return missing("men_chart_path");
+  if (settings.women_chart_path == nullptr) return missing("women_chart_path");
+  return std::vector<std::string>{settings.men_chart_path, settings.women_chart_path};
+}
+
+// A file by its path, or its bytes from where the settings say; `name` is what messages call it.
+Status take_file(const im2fit_data& data, const char* path, const char* field, std::string& name,
+                 std::optional<std::vector<std::byte>>& bytes) {
+  if (data.kind == IM2FIT_DATA_PATH) {
+    if (path != nullptr) name = path;
+    return Ok{};
+  }
+  name = std::string("settings.") + field;
+  auto read = c::bytes_of(data, field);
+  if (!read) return read.error();
+  bytes = std::move(*read);
+  return Ok{};
+}
+
+Result<MeasuringData> load_data(const im2fit_settings& s, std::vector<std::string> charts) {
+  MeasuringFiles files;
+  MeasuringBytes bytes;
+  files.size_charts = std::move(charts);
+  if (auto ok = take_file(s.tracker_data, s.tracker_path, "tracker_data", files.tracker, bytes.tracker); !ok)
+    return ok.error();
+  if (auto ok = take_file(s.index_data, s.index_path, "index_data", files.index, bytes.index); !ok) return ok.error();
+  if (auto ok = take_file(s.body_data, s.body_path, "body_data", files.body, bytes.body); !ok) return ok.error();
+  if (auto ok = take_file(s.calibration_site_data, s.calibration_site_path, "calibration_site_data", files.site,
+                          bytes.site);
+      !ok)
+    return ok.error();
+  if (files.tracker.empty()) return missing("tracker_path");
+  if (files.index.empty()) return missing("index_path");
+  return load_measuring_data(files, std::move(bytes));
+}
+
+}  // namespace
+
+}  // namespace im2fit
+
+im2fit::Result<im2fit::hal::FrameInfo> OpenedSource::next(im2fit::DepthImage depth, int timeout_ms) {
+  using im2fit::ErrorCode;
+  im2fit::hal::FrameInfo frame;
+  status_ = opened_.next(opened_.user, depth.pixels, depth.width, depth.height, timeout_ms, &frame.sequence,
+                         &frame.host_ns);
+  if (status_ == IM2FIT_OK) {
+    float down[3] = {};
+    if (down_ != nullptr && down_(opened_.user, down) == 1) {
+      const im2fit::Vec3f said{down[0], down[1], down[2]};
+      if (const float length = norm(said); length > 0 && std::isfinite(length)) frame.down = normalized(said);
+    }
+    return frame;
+  }
+  const ErrorCode code = status_ == IM2FIT_ERROR_TIMEOUT         ? ErrorCode::timeout
+                         : status_ == IM2FIT_ERROR_END_OF_STREAM ? ErrorCode::end_of_stream
+                         : status_ == IM2FIT_ERROR_CORRUPT       ? ErrorCode::corrupt
+                                                                 : ErrorCode::no_device;
+  return im2fit::Error{code, "the attached source gave no frame"};
+}
+
+namespace im2fit {
+
+Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& settings,
+                                                     std::unique_ptr<FrameStages> stages) {
+  if (auto ok = c::check_settings(settings); !ok) return ok.error();
+  auto handle = std::make_unique<im2fit_handle>();
+  handle->process = ::getpid();
+  handle->log = settings.log;
+  handle->log_user = settings.log_user;
+  const EngineSettings words = engine_settings(settings);
+  handle->frames.prepare(words.intrinsics);
+  handle->origin.uri = handle->origin.name = "im2fit.h";
+  handle->origin.intrinsics = words.intrinsics;
+  handle->origin.intrinsics_origin = hal::IntrinsicsOrigin::caller;
+  auto charts = size_charts(settings);
+  if (!charts) return charts.error();
+  if (stages != nullptr) {
+    auto sizes = load_size_charts(*charts);
+    if (!sizes) return sizes.error();
+    handle->data.charts = std::move(*sizes);
+    auto engine = create_engine(words, std::move(stages));
+    if (!engine) return engine.error();
+    handle->engine = std::move(*engine);
+    return handle;
+  }
+  auto data = load_data(settings, std::move(*charts));
+  if (!data) return data.error();
+  handle->data = std::move(*data);
+  auto engine = make_engine(words, handle->data, "");
+  if (!engine) return engine.error();
+  handle->engine = std::move(*engine);
+  return handle;
+}
+
+}  // namespace im2fit

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which of many places of a pattern lies nearest to another: rims, seams and what a garment hangs from.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "garment/pattern.h"
+
+namespace im2fit::body {
+
+// Places that follow one another lie near each other, as those along an outline do, and so do questions that follow
+// one another: boxes about a few places each leave most of them out. Not shareable between threads.
+class FlatPlaces {
+ public:
+  struct Nearest {
+    float squared_mm = 1e30F;
+    std::int32_t vertex = -1;  // -1: there are no places
+  };
+
+  void add(Flat place, std::size_t vertex);
+  // Of places equally near the one added first.
+  Nearest nearest(Flat to);
+
+ private:
+  struct Box {
+    Flat low, high;
+  };
+  static constexpr std::size_t kBlock = 8;
+  std::vector<Flat> places_;
+  std::vector<std::int32_t> vertices_;
+  std::vector<Box> boxes_;  // about each kBlock places
+  std::size_t last_ = 0;    // found by the question before
+};
+
+}  // namespace im2fit::body

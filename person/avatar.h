@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// From an answer to the one body that everything said of a person is said of: the nearest entry's parameters, changed
+// until the mesh measures what was answered, in the pose that was measured (docs/one-body.md).
+#pragma once
+
+#include <span>
+
+#include "body/fit/measurement_fit.h"
+#include "body/model.h"
+#include "body/skeleton.h"
+#include "core/joints.h"
+#include "core/status.h"
+#include "index/index.h"
+#include "perception/observe/observe.h"
+
+namespace im2fit {
+
+struct AnsweredBody {
+  body::Params params;
+  body::MeasurementFit fit;  // what the mesh of `params` measures, and how far that is off the answer
+  body::Pose pose;  // as seen, else joints as measured; mesh axes; the hips above the origin, the floor (where known)
+                    // at y = 0
+};
+
+// What is asked of the mesh: the answered values, each as well known as its interval says.
+body::MeasurementGoals goals_of(const index::Answer& answer);
+
+// `fitter`: of the body file the index was built with; another one draws other people unnoticed. It then holds the
+// body, measured. `seen`: the body fitted to the pictures, whose shape and pose it follows, unless clothes were seen
+// rather than skin. Errors: the index was built of another version of the population; as body_of_goals. Allocates; a
+// few hundredths of a second.
+Result<AnsweredBody> body_of_answer(body::MeasurementFitter& fitter, const index::Index& index,
+                                    const index::Answer& answer, const JointSet& measured_joints,
+                                    const FloorPlane& floor, const body::SeenBody& seen = {});
+
+// The same from a body to begin with. Errors: joints or goals that are not finite, goals that are not positive.
+Result<AnsweredBody> body_of_goals(body::MeasurementFitter& fitter, const body::Params& start,
+                                   const body::MeasurementGoals& goals, const JointSet& measured_joints,
+                                   const FloorPlane& floor, const body::SeenBody& seen = {});
+
+// To the axes of meshes (body/person_axes.h); see AnsweredBody::pose.
+JointSet to_mesh_axes(const JointSet& camera_joints, const FloorPlane& floor);
+
+}  // namespace im2fit

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a measured body to clothes on it: what each size of a garment would be like, and the body dressed.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "garment/drape/outfit.h"
+#include "body/tape.h"
+#include "person/garment_fit.h"
+#include "person/size_chart.h"
+#include "person/tape_law.h"
+#include "person/wardrobe.h"
+
+namespace im2fit {
+
+// The tape put round a body, and everyday clothes of the best sizes on it.
+Result<std::unique_ptr<body::Outfit>> dress_everyday(const Wardrobe& wardrobe, const SizeSystem& charts,
+                                                     const body::BodyModel& model, const body::Params& params,
+                                                     const body::Pose& pose, float female);
+
+// `worn`: the lowest first. A tenth of a second a garment. `moves`: for body::MovingClothes, too. Errors: a garment's
+// fabric is not in the wardrobe.
+Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body::BodyModel& model,
+                                            const body::Params& params, const body::Pose& pose, bool woman,
+                                            std::span<const Worn> worn, bool moves = false);
+
+}  // namespace im2fit

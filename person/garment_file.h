@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Garments, fabrics and the bodies sizes are cut for, from their text (YAML, docs/garments.md): people's own files,
+// and those shipped, of which person/builtin_wardrobe.inc is made.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "garment/pattern.h"
+#include "core/status.h"
+#include "person/wardrobe.h"
+
+namespace im2fit {
+
+// `what` names the file in errors, which also name line and field.
+Result<body::GarmentPattern> parse_garment(const std::string& text, const std::string& what);
+Result<body::GarmentPattern> load_garment(const std::string& path);
+Result<std::vector<body::Fabric>> parse_fabrics(const std::string& text, const std::string& what);
+Result<body::CutLaw> parse_cut_law(const std::string& text, const std::string& what);
+
+// The files of data/garments and data/fabrics, by name in the order of their letters. `folder`: that of both.
+Result<Wardrobe> read_shipped_wardrobe(const std::string& folder);
+// The text of person/builtin_wardrobe.inc.
+std::string wardrobe_table(const Wardrobe& wardrobe);
+
+}  // namespace im2fit

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// How each size of a garment would sit on a body, and which to buy (docs/garments.md).
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "body/tape.h"
+#include "core/status.h"
+#include "garment/pattern.h"
+#include "person/size_chart.h"
+#include "person/tape_law.h"
+#include "person/wardrobe.h"
+
+namespace im2fit {
+
+// tight: it binds; snug: closer than meant; good; loose: wider than meant.
+enum class FitVerdict { tight, snug, good, loose };
+std::string_view name_of(FitVerdict verdict);
+
+struct RegionFit {
+  float ease_mm = 0;              // finished girth less the body's
+  float low_mm = 0, high_mm = 0;  // 95 % interval
+  FitVerdict verdict = FitVerdict::good;
+};
+struct SizeFit {
+  std::string size;
+  float chest_mm = 0;              // it is cut for
+  double cost = 0;                 // 0: as meant everywhere; comparable between sizes of one garment
+  std::vector<RegionFit> regions;  // in the pattern's order
+};
+struct GarmentFit {
+  std::string garment, chart;
+  std::vector<std::string> region_ids;
+  std::vector<SizeFit> sizes;  // from small to large
+  std::size_t best = 0;
+  std::size_t other = 0;         // the neighbour that comes next: `best` lies between the two
+  std::size_t other_region = 0;  // why not that one: where it costs most more than `best`
+  bool none_fits = false;        // `best` is tight somewhere, or loose at every region
+};
+
+// A girth of the body, of the pattern's regions in order.
+struct BodyGirth {
+  float value_mm = 0, sd_mm = 0;
+};
+// The chest girth a size is cut for: the middle of its row.
+float size_chest_mm(const SizeRow& row);
+
+// A size costs where it is not worn as meant: the square of what it lacks, more below what binds, less of what it has
+// too much, each expected over the girth's error. + - * / alone: the same advice on every machine.
+GarmentFit fit_garment(const body::GarmentPattern& pattern, const body::CutLaw& law, const SizeChart& chart,
+                       bool woman, std::span<const BodyGirth> girths);
+// In words for people: "M; then L, in which the chest is loose (150 mm of ease, 70 in M)".
+std::string advice_words(const GarmentFit& fit);
+
+// The girths a pattern's regions speak of, from what the tape measures of the body and how well each is known (as
+// many intervals as values, or none). Error: a region names no measurement of the tape, or one the body does not
+// have.
+Result<std::vector<BodyGirth>> girths_for(const body::GarmentPattern& pattern, const body::Tape& tape,
+                                          std::span<const float> values, std::span<const TapeInterval> intervals);
+// A fit of every garment, in the wardrobe's order; one whose girths the body does not have is left out. Women's chart
+// and bodies when `female` is above a half.
+std::vector<GarmentFit> fits_of(const Wardrobe& wardrobe, const SizeSystem& charts, float female,
+                                const body::Tape& tape, std::span<const float> values,
+                                std::span<const TapeInterval> intervals);
+
+// A garment in one size.
+struct Worn {
+  const body::GarmentPattern* pattern = nullptr;
+  float chest_mm = 0;  // the size is cut for
+};
+// What an avatar wears unless told otherwise: trousers and a T-shirt, each in the best size of `fits`.
+std::vector<Worn> everyday_clothes(const Wardrobe& wardrobe, std::span<const GarmentFit> fits);
+
+}  // namespace im2fit

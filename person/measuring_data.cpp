@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "person/measuring_data.h"
+
+#include <utility>
+
+#include "body/shape_space.h"
+#include "core/crc32c.h"
+#include "core/file.h"
+
+namespace im2fit {
+
+Result<std::unique_ptr<SizeSystem>> load_size_charts(const std::vector<std::string>& paths) {
+  if (paths.empty()) return std::make_unique<SizeSystem>(builtin_size_system());
+  std::vector<SizeChart> charts;
+  for (const std::string& path : paths) {
+    auto chart = load_size_chart(path);
+    if (!chart) return chart.error();
+    charts.push_back(std::move(*chart));
+  }
+  auto system = make_size_system(std::move(charts));
+  if (!system) return system.error();
+  return std::make_unique<SizeSystem>(std::move(*system));
+}
+
+namespace {
+
+// Whether the site learned from answers of this index. What a camera and a tape do stays right with another, what is
+// the index's own does not: that is said, and people go on being measured.
+Status compare_index(MeasuringData& data, std::optional<std::uint32_t> index_crc) {
+  SiteCalibration& site = *data.site;
+  if (site.index_crc32c == 0) return Ok{};
+  if (!index_crc) {
+    const auto file = MappedFile::open(data.files.index);
+    if (!file) return file.error();
+    index_crc = crc32c(file->bytes());
+  }
+  site.of_this_index = site.index_crc32c == *index_crc;
+  if (!*site.of_this_index)
+    data.warnings.push_back(data.files.site + ": learned with another index than " + data.files.index +
+                            ", so that its corrections fit less well; measure the sessions again with this index "
+                            "and learn anew with im2fit-lab calibrate");
+  return Ok{};
+}
+
+}  // namespace
+
+bool MeasuringData::fits_shapes() const {
+  return body_model != nullptr && index->fit_layout().size() > 0 &&
+         index->shape_key() == body_model->shape_space().key;
+}
+
+Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, MeasuringBytes bytes) {
+  MeasuringData data;
+  data.files = files;
+  auto tracker =
+      bytes.tracker ? Tracker::parse(std::move(*bytes.tracker), files.tracker) : Tracker::load(files.tracker);
+  if (!tracker) return tracker.error();
+  data.tracker = std::make_unique<Tracker>(std::move(*tracker));
+  std::optional<std::uint32_t> index_crc;
+  if (bytes.index) index_crc = crc32c(*bytes.index);
+  auto index = bytes.index ? index::Index::parse(std::move(*bytes.index), files.index) : load_index(files.index);
+  if (!index) return index.error();
+  data.index = std::make_unique<index::Index>(std::move(*index));
+  if (!files.body.empty()) {
+    auto model = bytes.body ? body::BodyModel::parse(std::move(*bytes.body), files.body) : load_body(files.body);
+    if (!model) return model.error();
+    data.body_model = std::make_unique<body::BodyModel>(std::move(*model));
+  }
+  auto charts = load_size_charts(files.size_charts);
+  if (!charts) return charts.error();
+  data.charts = std::move(*charts);
+  if (data.body_model != nullptr && !data.fits_shapes())
+    data.warnings.push_back(files.index + ": not made with the shapes of " + files.body +
+                            ": features answer alone, less well; build the index again with im2fit-lab index");
+  if (files.site.empty() && !bytes.site) return data;
+  auto site = bytes.site ? SiteCalibration::parse(*bytes.site, files.site) : SiteCalibration::load(files.site);
+  if (!site) return site.error();
+  data.site = std::make_unique<SiteCalibration>(std::move(*site));
+  if (auto compared = compare_index(data, index_crc); !compared) return compared.error();
+  return data;
+}
+
+Result<std::unique_ptr<Engine>> make_engine(EngineSettings settings, const MeasuringData& data,
+                                            const std::string& camera) {
+  if (data.site != nullptr) settings.site = data.site->for_camera(camera);
+  if (data.body_model != nullptr) settings.shape_space = &data.body_model->shape_space();
+  auto engine = Engine::create(settings, data.tracker->model(), *data.index);
+  if (!engine)
+    return Error{engine.error().code,
+                 data.files.index + " with " + data.files.tracker + ": " + engine.error().message};
+  return engine;
+}
+
+}  // namespace im2fit

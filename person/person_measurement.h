@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// All that is said of one person, put together in one place: programs, the page, the daemon and the C functions read
+// this and work out nothing of their own.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "body/tape.h"
+#include "person/avatar.h"
+#include "engine/engine.h"
+#include "person/garment_fit.h"
+#include "person/size_chart.h"
+#include "person/tape_law.h"
+
+namespace im2fit {
+
+// The schema of a measured person's result.json.
+inline constexpr std::string_view kResultSchema = "im2fit.result/1";
+
+struct PersonMeasurement {
+  // Answer with intervals, age, clothing, joints, the paper's values, and what they rest on: views, frames, guidance.
+  // Before MEASURED the state of the session alone.
+  EngineResult result;
+  hal::SourceInfo source;                 // whence the frames came
+  std::uint64_t frames_damaged = 0;       // SourceStats::damaged, of whoever reads the source: left out
+  const SiteCalibration* site = nullptr;  // what `result` was corrected by; null: nothing
+  bool turn_asked = false;                // both sides were wanted, by whoever asked
+  // When measured:
+  std::optional<SizeAnswer> size;               // of the chest
+  std::optional<AnsweredBody> body;             // with a body model
+  std::span<const std::string> modifier_names;  // of body->params.modifiers
+  const body::Tape* tape = nullptr;             // with `body`: what its mesh measures by each definition
+  std::vector<float> tape_values;               // a value a definition; not-a-number: none
+  std::vector<TapeInterval> tape_intervals;     // as tape_values; may be empty
+  std::vector<GarmentFit> fits;                 // of each garment; empty: none was asked for
+};
+
+// What a measurement is made of besides frames; all of it must outlive the measurement.
+struct MeasurementParts {
+  const index::Index* index = nullptr;          // with a body model: the engine's
+  const body::BodyModel* body_model = nullptr;  // null: no body and no tape are made
+  const SizeSystem* sizes = nullptr;            // null: no size is made
+  const body::Tape* tape = nullptr;             // null: no tape is made
+  const SiteCalibration* site = nullptr;        // whose correction the engine's settings have; null: none
+};
+
+// What the engine says now. Errors: engine.fault(), body_of_answer's. From the producer thread. Allocates; a few
+// hundredths of a second when there is a body to make.
+Result<PersonMeasurement> measurement_of(const Engine& engine, const MeasurementParts& parts,
+                                         const hal::SourceInfo& source);
+
+}  // namespace im2fit

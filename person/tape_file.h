@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tape from its text (YAML, docs/tape.md). The shipped one is compiled in: person/builtin_tape.h.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "body/tape.h"
+#include "core/status.h"
+
+namespace im2fit {
+
+// `onto`: what the text may refer to and is added to. `what` names the file in errors, which also name line and
+// field. Either all of the text is taken or none.
+Result<body::Tape> parse_tape(const std::string& text, const std::string& what, body::Tape onto = {});
+Result<body::Tape> load_tape(const std::string& path, body::Tape onto);
+// The shipped tape and people's own files, each of which may refer to what stands before it.
+Result<body::Tape> load_tapes(const std::vector<std::string>& paths);
+
+}  // namespace im2fit

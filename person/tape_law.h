@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// How well a measurement of the tape is known when the eleven are known as an answer says.
+//
+// The variance of its logarithm is the sum of two: what the eleven's intervals leave, carried over by the slopes that
+// people have, and what the eleven do not determine, the residual of held-out people's fitted bodies. Both stand in
+// tape_law.inc, a row a measurement and sex, made by train/population/tape_law_main.cpp.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "body/tape.h"
+#include "index/index.h"
+
+namespace im2fit {
+
+struct TapeInterval {
+  bool known = false;  // not: a definition of one's own, of which nothing was measured
+  float low = 0, high = 0;
+};
+
+// 95 %, a place a definition; the eleven keep the answer's own.
+std::vector<TapeInterval> tape_intervals(const body::Tape& tape, std::span<const float> values,
+                                         const index::Answer& answer);
+// Whether a shipped measurement has its rows, for tests.
+bool has_tape_law(std::string_view id);
+
+}  // namespace im2fit
