@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "body/shape_space_file.h"
 #include "body/model_data.h"
+#include "body/shape_space_file.h"
 #include "core/container.h"
 
 namespace im2fit::body {

@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "body/shape_space.h"
 #include "body/look.h"
 #include "body/model.h"
+#include "body/shape_space.h"
 #include "core/file.h"
 #include "kernels/blend/blend.h"
 #include "kernels/skin/skin.h"

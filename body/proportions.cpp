@@ -14,13 +14,13 @@
 namespace im2fit::body {
 namespace {
 
-struct Law {
+struct Regression {
   // At 1700 mm, 75 kg, 30 years; by log stature, log weight and ten years.
   std::array<std::array<double, 4>, kDimensionCount> slopes;
   std::array<double, kDimensionCount*(kDimensionCount + 1) / 2> factor;
 };
-constexpr std::array<Law, 2> kLaws = {{
-#include "body/proportions_law.inc"
+constexpr std::array<Regression, 2> kRegressions = {{
+#include "body/proportions_regression.inc"
 }};
 
 constexpr double kAgeMost = 60;  // years: ANSUR II has no older people
@@ -196,15 +196,15 @@ std::vector<Vec3f> relax(const BodyModel& model, std::span<const Vec3f> rest, co
 
 Dimensions likely_dimensions(bool woman, double stature_mm, double weight_kg, double age_years,
                              const std::array<double, kDimensionCount>& z) {
-  const Law& law = kLaws[woman ? 0 : 1];
+  const Regression& regression = kRegressions[woman ? 0 : 1];
   const double given[] = {1, std::log(stature_mm / 1700), std::log(weight_kg / 75),
                           (std::min(age_years, kAgeMost) - 30) / 10};
   Dimensions out;
   std::size_t next = 0;
   for (std::size_t d = 0; d < kDimensionCount; ++d) {
     double logarithm = 0;
-    for (std::size_t i = 0; i < 4; ++i) logarithm += law.slopes[d][i] * given[i];
-    for (std::size_t i = 0; i <= d; ++i) logarithm += law.factor[next++] * z[i];
+    for (std::size_t i = 0; i < 4; ++i) logarithm += regression.slopes[d][i] * given[i];
+    for (std::size_t i = 0; i <= d; ++i) logarithm += regression.factor[next++] * z[i];
     out.mm[d] = std::exp(logarithm);
   }
   return out;

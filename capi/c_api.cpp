@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "body/skeleton.h"
-#include "core/measurement.h"
 #include "capi/person.h"
+#include "core/measurement.h"
 
 namespace {
 

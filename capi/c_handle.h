@@ -11,9 +11,9 @@
 
 #include "body/skeleton.h"
 #include "capi/frame.h"
+#include "capi/include/im2fit/im2fit.h"
 #include "capi/status_of.h"
 #include "engine/frame_stages.h"
-#include "capi/include/im2fit/im2fit.h"
 #include "person/measuring_data.h"
 
 // What an opener opened, as a source of the engine's; closed with it.

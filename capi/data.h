@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/status.h"
 #include "capi/include/im2fit/im2fit.h"
+#include "core/status.h"
 
 namespace im2fit::c {
 

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
+#include "capi/include/im2fit/im2fit.h"
 #include "core/camera.h"
 #include "core/status.h"
 #include "engine/engine.h"
-#include "capi/include/im2fit/im2fit.h"
 #include "hal/steady_view.h"
 #include "hal/undistort.h"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "capi/give.h"
+#include "capi/copy_out.h"
 #include "capi/person.h"
 #include "person/garment_fit.h"
 #if IM2FIT_HAVE_RESULT && IM2FIT_HAVE_GARMENTS
@@ -171,7 +171,7 @@ int im2fit_dressed_avatar(im2fit_handle* handle, const im2fit_worn* worn, size_t
       // Whoever asks for the size asks for the bytes next.
       if (h.dressed.worn != chosen->words)
         if (const auto made = make_dressed(h, person, *chosen); !made) return fail(&h, made.error());
-      return im2fit::c::give(h, h.dressed.glb, 0, bytes, capacity, size);
+      return im2fit::c::copy_out(h, h.dressed.glb, 0, bytes, capacity, size);
     });
 #else
     return im2fit::c::without_result(h);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "capi/give.h"
+#include "capi/copy_out.h"
 #include "capi/person.h"
 #if IM2FIT_HAVE_RESULT
 #include "body/export/export.h"
@@ -49,7 +49,7 @@ int im2fit_result_json(im2fit_handle* handle, char* text, size_t capacity, size_
     const auto person = im2fit::c::person_of(h);
     if (!person) return fail(&h, person.error());
     const std::string json = im2fit::result_json(**person);
-    return im2fit::c::give(h, std::as_bytes(std::span(json)), 1, text, capacity, length);
+    return im2fit::c::copy_out(h, std::as_bytes(std::span(json)), 1, text, capacity, length);
 #else
     return im2fit::c::without_result(h);
 #endif
@@ -67,7 +67,7 @@ int im2fit_avatar(im2fit_handle* handle, int32_t format, void* bytes, size_t cap
     return im2fit::c::with_person(h, [&](const im2fit::PersonMeasurement& person) {
       const auto file = avatar_bytes(h, *person.body, format);
       if (!file) return fail(&h, file.error());
-      return im2fit::c::give(h, *file, 0, bytes, capacity, size);
+      return im2fit::c::copy_out(h, *file, 0, bytes, capacity, size);
     });
 #else
     return im2fit::c::without_result(h);

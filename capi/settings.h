@@ -2,8 +2,8 @@
 // What a caller set, held to its ranges before any file is opened.
 #pragma once
 
-#include "core/status.h"
 #include "capi/include/im2fit/im2fit.h"
+#include "core/status.h"
 
 namespace im2fit::c {
 

@@ -2,8 +2,8 @@
 // The statuses of im2fit.h for what the C++ below reports.
 #pragma once
 
-#include "core/status.h"
 #include "capi/include/im2fit/im2fit.h"
+#include "core/status.h"
 
 namespace im2fit {
 

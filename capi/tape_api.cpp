@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "person/builtin_tape.h"
 #include "capi/person.h"
+#include "person/builtin_tape.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between the pipeline (threads, rings, session) and what it runs on frames. Production: Sensor, Fuser and
+// The seam between the pipeline (threads, rings, session) and what it runs on frames. Production: PersonDetector, Fuser and
 // Index (engine/production_stages.cpp); tests put their own behind it.
 #pragma once
 
@@ -66,7 +66,7 @@ struct StageOptions {
   const body::ShapeSpace* shape_space = nullptr;
   SensorKind sensor = SensorKind::unknown;
 };
-// Sensor, Fuser and Index. Model, index and space must outlive the stages.
+// PersonDetector, Fuser and Index. Model, index and space must outlive the stages.
 Result<std::unique_ptr<FrameStages>> make_production_stages(int width, int height, const JointModel& joint_model,
                                                             const index::Index& index,
                                                             const StageOptions& options = {});

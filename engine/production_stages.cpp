@@ -3,9 +3,9 @@
 #include <string>
 #include <utility>
 
+#include "engine/sensing_stages.h"
 #include "estimate/refined_query.h"
 #include "estimate/restored_edges.h"
-#include "engine/sensing_stages.h"
 
 namespace im2fit {
 namespace {

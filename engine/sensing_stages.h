@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sensor and Fuser as stages of the pipeline: everything except the measurement itself.
+// PersonDetector and Fuser as stages of the pipeline: everything except the measurement itself.
 #pragma once
 
 #include <optional>
@@ -59,7 +59,7 @@ class SensingStages : public FrameStages {
   Fuser& accumulating() { return turned_ ? *back_ : front_; }
 
   EdgeRestorer edges_;
-  Sensor sensor_;
+  PersonDetector sensor_;
   Fuser front_;
   std::optional<Fuser> back_;
   bool turned_ = false;

@@ -13,10 +13,10 @@ const std::array<std::string_view, kCutMeasureCount> kCutMeasureNames = {
     "inside_leg",   "stature", "shoulder_x",    "shoulder_to_neck",
     "shoulder_top", "hip_x",   "hip_to_crotch", "hip_to_high_hip"};
 
-CutBody cut_body(const CutLaw& law, bool woman, float chest_mm) {
+CutBody cut_body(const CutRegression& regression, bool woman, float chest_mm) {
   CutBody body{};
   for (std::size_t i = 0; i < kCutMeasureCount; ++i) {
-    const CutLaw::Line& line = law.lines[woman ? 1 : 0][i];
+    const CutRegression::Line& line = regression.lines[woman ? 1 : 0][i];
     body[i] = line.mm + line.per_chest * chest_mm;
   }
   body[static_cast<std::size_t>(CutMeasure::chest)] = chest_mm;

@@ -43,13 +43,13 @@ extern const std::array<std::string_view, kCutMeasureCount> kCutMeasureNames;
 using CutBody = std::array<float, kCutMeasureCount>;
 
 // The mean body of a size: each measure is a straight line over the chest girth of the chart, by sex.
-struct CutLaw {
+struct CutRegression {
   struct Line {
     float mm = 0, per_chest = 0;
   };
   std::array<std::array<Line, kCutMeasureCount>, 2> lines{};  // men, women
 };
-CutBody cut_body(const CutLaw& law, bool woman, float chest_mm);
+CutBody cut_body(const CutRegression& regression, bool woman, float chest_mm);
 // As a shop turns legs up: cut for no longer legs than the wearer has.
 CutBody turned_up(CutBody body, float inside_leg_mm);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shipped tape, compiled in without its text: the device library reads no YAML.
 //
-// The definitions are those of data/tape/*.yaml; builtin_tape.inc is made of them by im2fit-lab make tape-table, and a test
-// compares the two.
+// The definitions are those of data/tape/*.yaml; builtin_tape.inc is made of them by im2fit-lab make tape-table, and
+// a test compares the two.
 #pragma once
 
 #include "body/tape.h"

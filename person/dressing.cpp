@@ -20,7 +20,8 @@ Result<std::unique_ptr<body::Outfit>> dress(const Wardrobe& wardrobe, const body
     const body::Fabric* fabric = wardrobe.fabric(one.pattern->fabric);
     if (fabric == nullptr)
       return Error{ErrorCode::not_found, one.pattern->id + ": no fabric is called " + one.pattern->fabric};
-    const body::CutBody cut = body::turned_up(body::cut_body(wardrobe.law, woman, one.chest_mm), inside_leg_mm);
+    const body::CutBody cut =
+        body::turned_up(body::cut_body(wardrobe.regression, woman, one.chest_mm), inside_leg_mm);
     pieces.push_back(body::Outfit::piece(*one.pattern, cut, *fabric, moves));
   }
   auto outfit = std::make_unique<body::Outfit>(model, std::move(pieces));

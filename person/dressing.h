@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "garment/drape/outfit.h"
 #include "body/tape.h"
+#include "garment/drape/outfit.h"
 #include "person/garment_fit.h"
 #include "person/size_chart.h"
-#include "person/tape_law.h"
+#include "person/tape_regression.h"
 #include "person/wardrobe.h"
 
 namespace im2fit {

@@ -9,8 +9,8 @@
 
 #include "body/tape.h"
 #include "core/file.h"
-#include "person/source_literals.h"
 #include "formats/yaml_fields.h"
+#include "person/source_literals.h"
 #include "person/wardrobe_row.h"
 
 namespace im2fit {
@@ -268,10 +268,10 @@ std::vector<body::Fabric> read_fabrics(const YAML::Node& root) {
   return out;
 }
 
-body::CutLaw read_cut_law(const YAML::Node& root) {
+body::CutRegression read_cut_regression(const YAML::Node& root) {
   expect_keys(root, "file", {"schema", "men", "women"});
   yaml::expect_schema(root, "im2fit.bodies/1");
-  body::CutLaw law;
+  body::CutRegression regression;
   const std::set<std::string> names(body::kCutMeasureNames.begin() + 1, body::kCutMeasureNames.end());
   for (const std::size_t sex : {0U, 1U}) {
     const std::string word = sex == 0 ? "men" : "women";
@@ -282,12 +282,12 @@ body::CutLaw read_cut_law(const YAML::Node& root) {
       const std::string field = word + "." + name;
       const YAML::Node line = needed(all, name, field, "{mm: ..., chest: ...}");
       expect_keys(line, field, {"mm", "chest"});
-      law.lines[sex][i].mm = number_of(needed(line, "mm", field + ".mm", "mm"), field + ".mm", -3000, 3000);
-      law.lines[sex][i].per_chest =
+      regression.lines[sex][i].mm = number_of(needed(line, "mm", field + ".mm", "mm"), field + ".mm", -3000, 3000);
+      regression.lines[sex][i].per_chest =
           number_of(needed(line, "chest", field + ".chest", "a share of the chest girth"), field + ".chest", -5, 5);
     }
   }
-  return law;
+  return regression;
 }
 
 Result<std::string> text_of_file(const std::string& path) {
@@ -313,8 +313,8 @@ Result<std::vector<body::Fabric>> parse_fabrics(const std::string& text, const s
   return yaml::read_fields<std::vector<body::Fabric>>(text, what, kGarmentKind, read_fabrics);
 }
 
-Result<body::CutLaw> parse_cut_law(const std::string& text, const std::string& what) {
-  return yaml::read_fields<body::CutLaw>(text, what, kGarmentKind, read_cut_law);
+Result<body::CutRegression> parse_cut_regression(const std::string& text, const std::string& what) {
+  return yaml::read_fields<body::CutRegression>(text, what, kGarmentKind, read_cut_regression);
 }
 
 Result<Wardrobe> read_shipped_wardrobe(const std::string& folder) {
@@ -331,16 +331,17 @@ Result<Wardrobe> read_shipped_wardrobe(const std::string& folder) {
     if (!garment) return garment.error();
     wardrobe.garments.push_back(std::move(*garment));
   }
-  const std::string fabrics_path = folder + "/fabrics/fabrics.yaml", law_path = folder + "/garments/bodies.yaml";
-  const auto fabrics_text = text_of_file(fabrics_path), law_text = text_of_file(law_path);
+  const std::string fabrics_path = folder + "/fabrics/fabrics.yaml",
+                    regression_path = folder + "/garments/bodies.yaml";
+  const auto fabrics_text = text_of_file(fabrics_path), regression_text = text_of_file(regression_path);
   if (!fabrics_text) return fabrics_text.error();
-  if (!law_text) return law_text.error();
+  if (!regression_text) return regression_text.error();
   auto fabrics = parse_fabrics(*fabrics_text, fabrics_path);
   if (!fabrics) return fabrics.error();
   wardrobe.fabrics = std::move(*fabrics);
-  const auto law = parse_cut_law(*law_text, law_path);
-  if (!law) return law.error();
-  wardrobe.law = *law;
+  const auto regression = parse_cut_regression(*regression_text, regression_path);
+  if (!regression) return regression.error();
+  wardrobe.regression = *regression;
   return wardrobe;
 }
 

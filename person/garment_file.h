@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "garment/pattern.h"
 #include "core/status.h"
+#include "garment/pattern.h"
 #include "person/wardrobe.h"
 
 namespace im2fit {
@@ -16,7 +16,7 @@ namespace im2fit {
 Result<body::GarmentPattern> parse_garment(const std::string& text, const std::string& what);
 Result<body::GarmentPattern> load_garment(const std::string& path);
 Result<std::vector<body::Fabric>> parse_fabrics(const std::string& text, const std::string& what);
-Result<body::CutLaw> parse_cut_law(const std::string& text, const std::string& what);
+Result<body::CutRegression> parse_cut_regression(const std::string& text, const std::string& what);
 
 // The files of data/garments and data/fabrics, by name in the order of their letters. `folder`: that of both.
 Result<Wardrobe> read_shipped_wardrobe(const std::string& folder);

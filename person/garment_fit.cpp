@@ -54,8 +54,8 @@ float size_chest_mm(const SizeRow& row) {
   return (row.low_mm + row.high_mm) / 2;
 }
 
-GarmentFit fit_garment(const body::GarmentPattern& pattern, const body::CutLaw& law, const SizeChart& chart,
-                       bool woman, std::span<const BodyGirth> girths) {
+GarmentFit fit_garment(const body::GarmentPattern& pattern, const body::CutRegression& regression,
+                       const SizeChart& chart, bool woman, std::span<const BodyGirth> girths) {
   assert(girths.size() == pattern.regions.size());
   GarmentFit fit;
   fit.garment = pattern.id;
@@ -66,7 +66,7 @@ GarmentFit fit_garment(const body::GarmentPattern& pattern, const body::CutLaw& 
     SizeFit size;
     size.size = row.size;
     size.chest_mm = size_chest_mm(row);
-    const auto finished = body::finished_girths(pattern, body::cut_body(law, woman, size.chest_mm));
+    const auto finished = body::finished_girths(pattern, body::cut_body(regression, woman, size.chest_mm));
     costs.emplace_back();
     for (std::size_t r = 0; r < girths.size(); ++r) {
       RegionFit region;
@@ -147,7 +147,7 @@ std::vector<GarmentFit> fits_of(const Wardrobe& wardrobe, const SizeSystem& char
   for (const body::GarmentPattern& pattern : wardrobe.garments) {
     const auto girths = girths_for(pattern, tape, values, intervals);
     if (!girths) continue;
-    fits.push_back(fit_garment(pattern, wardrobe.law, woman ? charts.women : charts.men, woman, *girths));
+    fits.push_back(fit_garment(pattern, wardrobe.regression, woman ? charts.women : charts.men, woman, *girths));
   }
   return fits;
 }

@@ -11,7 +11,7 @@
 #include "core/status.h"
 #include "garment/pattern.h"
 #include "person/size_chart.h"
-#include "person/tape_law.h"
+#include "person/tape_regression.h"
 #include "person/wardrobe.h"
 
 namespace im2fit {
@@ -50,8 +50,8 @@ float size_chest_mm(const SizeRow& row);
 
 // A size costs where it is not worn as meant: the square of what it lacks, more below what binds, less of what it has
 // too much, each expected over the girth's error. + - * / alone: the same advice on every machine.
-GarmentFit fit_garment(const body::GarmentPattern& pattern, const body::CutLaw& law, const SizeChart& chart,
-                       bool woman, std::span<const BodyGirth> girths);
+GarmentFit fit_garment(const body::GarmentPattern& pattern, const body::CutRegression& regression,
+                       const SizeChart& chart, bool woman, std::span<const BodyGirth> girths);
 // In words for people: "M; then L, in which the chest is loose (150 mm of ease, 70 in M)".
 std::string advice_words(const GarmentFit& fit);
 

@@ -7,7 +7,7 @@
 
 #include "body/model.h"
 #include "core/status.h"
-#include "person/tape_law.h"
+#include "person/tape_regression.h"
 
 namespace im2fit {
 

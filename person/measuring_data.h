@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "body/tape.h"
-#include "person/data_files.h"
 #include "engine/engine.h"
+#include "person/data_files.h"
 #include "person/person_measurement.h"
 #include "person/size_chart.h"
 

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "body/tape.h"
-#include "person/avatar.h"
 #include "engine/engine.h"
+#include "person/avatar.h"
 #include "person/garment_fit.h"
 #include "person/size_chart.h"
-#include "person/tape_law.h"
+#include "person/tape_regression.h"
 
 namespace im2fit {
 

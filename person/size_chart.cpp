@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "formats/csv.h"
 #include "core/file.h"
 #include "core/text.h"
+#include "formats/csv.h"
 #include "person/builtin_charts.h"
 
 namespace im2fit {

@@ -9,8 +9,8 @@
 
 #include "body/model_data.h"
 #include "core/file.h"
-#include "person/builtin_tape.h"
 #include "formats/yaml_fields.h"
+#include "person/builtin_tape.h"
 
 namespace im2fit {
 namespace {

@@ -12,7 +12,7 @@ namespace im2fit {
 struct Wardrobe {
   std::vector<body::GarmentPattern> garments;  // their fabrics are among `fabrics`
   std::vector<body::Fabric> fabrics;
-  body::CutLaw law;
+  body::CutRegression regression;
   const body::GarmentPattern* garment(std::string_view id) const;  // nullptr: none
   const body::Fabric* fabric(std::string_view id) const;           // nullptr: none
 };

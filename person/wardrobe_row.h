@@ -67,7 +67,7 @@ void put_wardrobe(Row& row, Clothes& wardrobe) {
          {&f.weight_g_m2, &f.stretch_warp_n_m, &f.stretch_weft_n_m, &f.bending_un_m, &f.friction, &f.thickness_mm})
       row.number(*value);
   });
-  for (auto& lines : wardrobe.law.lines)
+  for (auto& lines : wardrobe.regression.lines)
     for (auto& line : lines) {
       row.number(line.mm);
       row.number(line.per_chest);

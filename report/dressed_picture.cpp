@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "garment/drape/body_surface.h"
 #include "body/model_data.h"
+#include "garment/drape/body_surface.h"
 
 namespace im2fit {
 namespace {

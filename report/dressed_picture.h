@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "garment/drape/outfit.h"
 #include "body/look.h"
 #include "core/vec3.h"
+#include "garment/drape/outfit.h"
 #include "report/canvas.h"
 #include "report/texture.h"
 

@@ -8,9 +8,9 @@
 
 #include "core/camera.h"
 #include "core/joints.h"
-#include "report/canvas.h"
 #include "perception/observe/chain_filter.h"
 #include "perception/segment/segment.h"
+#include "report/canvas.h"
 
 namespace im2fit {
 

@@ -10,12 +10,12 @@
 #include "core/crc32c.h"
 #include "core/rng.h"
 #include "index/format.h"
+#include "perception/joints/model_data.h"
 #include "train/dataset/dataset.h"
 #include "train/index/builder.h"
 #include "train/makehuman/makehuman.h"
 #include "train/population/shape_space_builder.h"
 #include "train/tracker/train_tracker.h"
-#include "perception/joints/model_data.h"
 
 namespace im2fit::lab {
 namespace {

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "report/result_json.h"
 #include "hal/reconnecting_source.h"
+#include "report/result_json.h"
 
 namespace im2fit::apps {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/program.h"
 #include "apps/common/paths.h"
+#include "apps/common/program.h"
 #include "formats/truth_file.h"
 #include "hal/reconnecting_source.h"
 #include "hal/source.h"

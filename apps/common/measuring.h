@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "person/measuring_data.h"
 #include "apps/common/paths.h"
+#include "person/measuring_data.h"
 #include "report/result_json.h"
 
 namespace im2fit::apps {

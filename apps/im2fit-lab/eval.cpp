@@ -5,16 +5,16 @@
 #include <memory>
 #include <optional>
 
+#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/eval_tracker.h"
 #include "apps/im2fit-lab/samples.h"
 #include "core/file.h"
-#include "person/data_files.h"
-#include "apps/common/paths.h"
-#include "index/format.h"
-#include "train/dataset/dataset.h"
 #include "evaluation/measurements/full_report.h"
+#include "index/format.h"
+#include "person/data_files.h"
 #include "train/common/parallel.h"
+#include "train/dataset/dataset.h"
 
 namespace im2fit::apps {
 namespace {

@@ -9,13 +9,13 @@
 #include <filesystem>
 #include <utility>
 
+#include "apps/common/paths.h"
 #include "apps/im2fit-lab/child_process.h"
 #include "apps/im2fit-lab/commands.h"
 #include "body/shape_space_file.h"
 #include "core/file.h"
-#include "apps/common/paths.h"
-#include "train/makehuman/makehuman.h"
 #include "train/common/parallel.h"
+#include "train/makehuman/makehuman.h"
 #include "train/population/shape_space_builder.h"
 
 namespace im2fit::apps {

@@ -5,11 +5,11 @@
 
 #include <cstdio>
 
+#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "body/look.h"
 #include "core/file.h"
 #include "person/data_files.h"
-#include "apps/common/paths.h"
 
 namespace im2fit::apps {
 namespace {

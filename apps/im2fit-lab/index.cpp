@@ -4,13 +4,13 @@
 
 #include <filesystem>
 
+#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/index_inspect.h"
 #include "apps/im2fit-lab/samples.h"
 #include "body/population.h"
 #include "core/file.h"
 #include "person/data_files.h"
-#include "apps/common/paths.h"
 #include "report/progress.h"
 #include "train/dataset/dataset.h"
 #include "train/dataset/features.h"

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "apps/common/paths.h"
 #include "core/file.h"
 #include "person/data_files.h"
-#include "apps/common/paths.h"
 #include "report/text_table.h"
 
 namespace im2fit::apps {

@@ -6,8 +6,8 @@ int main(int argc, char** argv) {
   cli::App app{"Workstation side of im2fit: body data, synthetic people, training, evaluation.", "im2fit-lab"};
   std::string footer = "Start with: im2fit-lab fetch, then im2fit-lab train, then im2fit-lab index --subjects 20000";
   Command chosen;
-  for (auto* add :
-       {add_fetch, add_train, add_dataset, add_index, add_render, add_import_raw, add_fingerprint, add_pack, add_make})
+  for (auto* add : {add_fetch, add_train, add_dataset, add_index, add_render, add_import_raw, add_fingerprint,
+                    add_pack, add_make})
     add(app, chosen);
 #if IM2FIT_HAVE_EVALUATION
   add_population(app, chosen);

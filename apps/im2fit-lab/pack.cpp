@@ -5,13 +5,13 @@
 #include <map>
 
 #include "apps/common/pack/model_pack.h"
+#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/pack_texts.h"
 #include "body/shape_space.h"
 #include "core/file.h"
 #include "person/builtin_charts.h"
 #include "person/data_files.h"
-#include "apps/common/paths.h"
 
 namespace im2fit::apps {
 namespace {

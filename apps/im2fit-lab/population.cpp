@@ -5,17 +5,17 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "body/proportions.h"
 #include "core/file.h"
+#include "evaluation/population/population_check.h"
+#include "evaluation/population/proportions_check.h"
 #include "person/data_files.h"
-#include "apps/common/paths.h"
 #include "report/progress.h"
 #include "report/text_table.h"
 #include "train/camera/synthetic_person.h"
 #include "train/common/parallel.h"
-#include "evaluation/population/population_check.h"
-#include "evaluation/population/proportions_check.h"
 
 namespace im2fit::apps {
 namespace {

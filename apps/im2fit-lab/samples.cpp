@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "apps/common/memory.h"
+#include "apps/common/paths.h"
 #include "core/crc32c.h"
 #include "core/file.h"
-#include "apps/common/paths.h"
 #include "report/progress.h"
 #include "train/common/parallel.h"
 

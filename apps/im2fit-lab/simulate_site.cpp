@@ -5,14 +5,14 @@
 #include <optional>
 #include <string>
 
+#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/site_people.h"
 #include "core/file.h"
-#include "person/data_files.h"
-#include "apps/common/paths.h"
-#include "train/common/parallel.h"
 #include "evaluation/study/calibration_trials.h"
 #include "evaluation/study/site_report.h"
+#include "person/data_files.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::apps {
 namespace {

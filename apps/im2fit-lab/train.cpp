@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
+#include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
 #include "core/file.h"
 #include "person/data_files.h"
-#include "apps/common/paths.h"
 #include "report/progress.h"
 #include "train/common/parallel.h"
 #include "train/tracker/train_tracker.h"

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/common/pack/model_pack.h"
-#include "apps/im2fit/commands.h"
 #include "apps/common/paths.h"
+#include "apps/im2fit/commands.h"
 
 namespace im2fit::apps {
 namespace {

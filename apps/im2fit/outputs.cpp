@@ -8,12 +8,12 @@
 #include "apps/im2fit/session.h"
 #include "body/export/export.h"
 #include "body/measure.h"
-#include "garment/drape/wear.h"
 #include "core/file.h"
+#include "garment/drape/wear.h"
+#include "hal/depth_diagnosis.h"
 #include "person/dressing.h"
 #include "report/overlay.h"
 #include "report/text_table.h"
-#include "hal/depth_diagnosis.h"
 
 namespace im2fit::apps {
 namespace {

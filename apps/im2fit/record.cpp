@@ -8,10 +8,10 @@
 #include "apps/common/input.h"
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/session.h"
-#include "report/progress.h"
 #include "engine/sensing_stages.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/openni2/oni_writer.h"
+#include "report/progress.h"
 
 namespace im2fit::apps {
 namespace {

@@ -11,10 +11,10 @@
 
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/live_run.h"
+#include "apps/im2fit/remeasure.h"
 #include "apps/kiosk/host_check.h"
 #include "apps/kiosk/live_page.h"
 #include "apps/kiosk/operator_gate.h"
-#include "apps/im2fit/remeasure.h"
 #include "apps/sessions/store.h"
 #include "person/tape_file.h"
 

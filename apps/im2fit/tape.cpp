@@ -5,10 +5,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/common/paths.h"
 #include "apps/im2fit/commands.h"
 #include "core/file.h"
 #include "person/data_files.h"
-#include "apps/common/paths.h"
 #include "person/tape_file.h"
 #include "report/tape_picture.h"
 #include "report/text_table.h"

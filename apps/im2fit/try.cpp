@@ -5,18 +5,18 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/common/paths.h"
 #include "apps/im2fit/commands.h"
 #include "body/export/export.h"
 #include "body/measure.h"
-#include "garment/drape/wear.h"
 #include "core/file.h"
+#include "garment/drape/wear.h"
 #include "person/builtin_tape.h"
 #include "person/data_files.h"
 #include "person/dressing.h"
-#include "apps/common/paths.h"
-#include "report/dressed_picture.h"
 #include "person/garment_file.h"
 #include "person/measured_body.h"
+#include "report/dressed_picture.h"
 #include "report/result_json.h"
 #include "report/text_table.h"
 
@@ -118,7 +118,7 @@ Result<int> run(const TryOptions& options) {
   if (!girths) return girths.error();
   const bool woman = person->female > 0.5F;
   const GarmentFit fit =
-      fit_garment(*pattern, builtin_wardrobe().law, woman ? charts->women : charts->men, woman, *girths);
+      fit_garment(*pattern, builtin_wardrobe().regression, woman ? charts->women : charts->men, woman, *girths);
   std::size_t chosen = fit.best;
   if (!options.size.empty()) {
     chosen = 0;

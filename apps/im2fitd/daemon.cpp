@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "apps/common/input.h"
+#include "apps/common/paths.h"
 #include "apps/im2fitd/log.h"
 #include "core/file.h"
-#include "apps/common/paths.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/frame_path.h"
 #include "hal/open/open.h"

@@ -14,8 +14,8 @@
 
 #include "apps/sessions/store.h"
 #include "engine/engine.h"
-#include "report/motion_recording.h"
 #include "hal/folder/depth_folder.h"
+#include "report/motion_recording.h"
 
 namespace im2fit::apps {
 

@@ -32,7 +32,7 @@ class Driver;
 
 // Copies a property out as OpenNI2 requires: the caller's size must be the property's.
 template <class T>
-OniStatus give(const T& value, void* data, int* size) {
+OniStatus copy_out(const T& value, void* data, int* size) {
   if (*size != static_cast<int>(sizeof value)) return ONI_STATUS_BAD_PARAMETER;
   std::memcpy(data, &value, sizeof value);
   return ONI_STATUS_OK;
@@ -115,11 +115,11 @@ class Device final : public oni::driver::DeviceBase {
         return ONI_STATUS_OK;
       }
       case ONI_DEVICE_PROPERTY_DRIVER_VERSION:
-        return give(OniVersion{0, 1, 0, 0}, data, size);
+        return copy_out(OniVersion{0, 1, 0, 0}, data, size);
       case ONI_DEVICE_PROPERTY_HARDWARE_VERSION:
-        return give(1, data, size);
+        return copy_out(1, data, size);
       case ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION:
-        return give(ONI_IMAGE_REGISTRATION_OFF, data, size);
+        return copy_out(ONI_IMAGE_REGISTRATION_OFF, data, size);
       default:
         return ONI_STATUS_NOT_SUPPORTED;
     }
@@ -313,21 +313,21 @@ OniStatus Stream::getProperty(int id, void* data, int* size) {
   const bool fine = mode_.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_100_UM;
   switch (id) {
     case ONI_STREAM_PROPERTY_VIDEO_MODE:
-      return give(mode_, data, size);
+      return copy_out(mode_, data, size);
     case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
-      return give(view.horizontal_rad, data, size);
+      return copy_out(view.horizontal_rad, data, size);
     case ONI_STREAM_PROPERTY_VERTICAL_FOV:
-      return give(view.vertical_rad, data, size);
+      return copy_out(view.vertical_rad, data, size);
     case ONI_STREAM_PROPERTY_MAX_VALUE:
-      return give(fine ? 65535 : kDepthLimit_mm, data, size);
+      return copy_out(fine ? 65535 : kDepthLimit_mm, data, size);
     case ONI_STREAM_PROPERTY_MIN_VALUE:
-      return give(0, data, size);
+      return copy_out(0, data, size);
     case ONI_STREAM_PROPERTY_STRIDE:
-      return give(mode_.resolutionX * 2, data, size);
+      return copy_out(mode_.resolutionX * 2, data, size);
     case ONI_STREAM_PROPERTY_CROPPING:
-      return give(OniCropping{}, data, size);
+      return copy_out(OniCropping{}, data, size);
     case ONI_STREAM_PROPERTY_MIRRORING:
-      return give(OniBool{FALSE}, data, size);
+      return copy_out(OniBool{FALSE}, data, size);
     default:
       return ONI_STATUS_NOT_SUPPORTED;
   }

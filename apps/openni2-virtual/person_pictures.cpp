@@ -2,9 +2,9 @@
 #include <string>
 
 #include "body/model.h"
+#include "pictures.h"
 #include "train/camera/virtual_camera.h"
 #include "train/population/population.h"
-#include "pictures.h"
 
 namespace im2fit::openni2_virtual {
 namespace {

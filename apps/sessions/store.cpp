@@ -17,9 +17,9 @@
 #include <tuple>
 #include <utility>
 
+#include "apps/common/paths.h"
 #include "core/crc32c.h"
 #include "core/file.h"
-#include "apps/common/paths.h"
 
 namespace im2fit::sessions {
 namespace {

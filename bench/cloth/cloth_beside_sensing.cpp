@@ -20,8 +20,8 @@
 
 #include "apps/kiosk/live_cloth.h"
 #include "bench/frame/room.h"
-#include "garment/drape/moving_clothes.h"
 #include "garment/drape/dressing_pose.h"
+#include "garment/drape/moving_clothes.h"
 #include "person/measuring_data.h"
 #include "train/dressed/dressed_people.h"
 

@@ -13,11 +13,11 @@
 
 #include "bench/frame/room.h"
 #include "bench/kernels/cases.h"
+#include "body/measure.h"
+#include "garment/drape/dressing_pose.h"
 #include "garment/drape/moving_clothes.h"
 #include "garment/drape/offset_wire.h"
-#include "garment/drape/dressing_pose.h"
 #include "garment/drape/outfit.h"
-#include "body/measure.h"
 #include "person/garment_file.h"
 
 namespace im2fit::bench {
@@ -53,7 +53,7 @@ std::shared_ptr<Dressed> dressed_in(const std::shared_ptr<body::BodyModel>& mode
   std::vector<body::Outfit::Piece> pieces;
   for (const char* id : garments) {
     const body::GarmentPattern& pattern = *wardrobe.garment(id);
-    pieces.push_back(body::Outfit::piece(pattern, body::cut_body(wardrobe.law, false, kChestMm),
+    pieces.push_back(body::Outfit::piece(pattern, body::cut_body(wardrobe.regression, false, kChestMm),
                                          *wardrobe.fabric(pattern.fabric), true));
   }
   body::Params params;

@@ -26,12 +26,12 @@
 #include <string>
 #include <vector>
 
-#include "garment/drape/outfit.h"
 #include "core/file.h"
-#include "report/dressed_picture.h"
 #include "evaluation/garment/drape_quality.h"
-#include "train/dressed/dressed_people.h"
+#include "garment/drape/outfit.h"
+#include "report/dressed_picture.h"
 #include "train/common/stopwatch.h"
+#include "train/dressed/dressed_people.h"
 
 namespace im2fit::bench {
 namespace {

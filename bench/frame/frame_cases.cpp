@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One whole frame at 640x480 (portrait: 480 wide), and its parts, as the engine runs them: a guided frame is
-// Sensor::sense and Fuser::add, a measuring frame describes and queries the index as well. The variant is the best
+// PersonDetector::sense and Fuser::add, a measuring frame describes and queries the index as well. The variant is the best
 // tier the build, the machine and IM2FIT_DISABLE_TIERS allow.
 //
 // Tracker and index: IM2FIT_TRACKER, IM2FIT_INDEX, else where scripts/test puts the small ones; the body:
@@ -18,8 +18,8 @@
 
 #include "bench/frame/room.h"
 #include "bench/kernels/cases.h"
-#include "body/measure.h"
 #include "body/fit/measurement_fit.h"
+#include "body/measure.h"
 #include "body/population.h"
 #include "core/file.h"
 #include "core/rng.h"
@@ -142,7 +142,7 @@ void add(Cases& cases, const char* name, Floor floor, std::function<void()> run)
 // A guided frame as the engine divides it between its threads: SENSE finds the person, joints and pose, FIT
 // accumulates.
 void add_threads(Cases& cases, const Bench& b) {
-  const auto sensor = std::make_shared<Sensor>(kCamera.width, kCamera.height, *b.tracker);
+  const auto sensor = std::make_shared<PersonDetector>(kCamera.width, kCamera.height, *b.tracker);
   const auto sensed = std::make_shared<Detection>();
   const auto sense = [b, sensor] { return sensor->sense(b.room->frame(), kCamera, b.room->mask_image()); };
   for (int i = 0; i < kWarmUp; ++i) {
@@ -159,7 +159,7 @@ void add_threads(Cases& cases, const Bench& b) {
 
 // Sense and add; `describe` and `query` on top when an index is given.
 void add_whole(Cases& cases, const Bench& b) {
-  const auto sensor = std::make_shared<Sensor>(kCamera.width, kCamera.height, *b.tracker);
+  const auto sensor = std::make_shared<PersonDetector>(kCamera.width, kCamera.height, *b.tracker);
   const auto sense_frame = [b, sensor] {
     const DepthView depth = b.room->frame();
     const Detection detection = sensor->sense(depth, kCamera, b.room->mask_image());

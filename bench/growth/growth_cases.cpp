@@ -98,7 +98,7 @@ struct Scene {
     if (found) fuser.add(view, out, k, detection);
   }
   Intrinsics k;
-  Sensor sensor;
+  PersonDetector sensor;
   Fuser fuser;
   std::array<std::vector<std::uint16_t>, 2> depth;
   std::vector<std::uint8_t> mask;

@@ -9,11 +9,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "core/file.h"
-#include "person/data_files.h"
 #include "apps/common/paths.h"
+#include "core/file.h"
 #include "evaluation/measurements/conditions.h"
 #include "evaluation/measurements/icp_study.h"
+#include "person/data_files.h"
 
 namespace im2fit::bench {
 namespace {

@@ -11,8 +11,8 @@
 namespace im2fit::body {
 namespace {
 
-constexpr std::array<MeasurementLaw, 2> kLaws = {{
-#include "body/fit/measurement_law.inc"
+constexpr std::array<MeasurementRegression, 2> kRegressions = {{
+#include "body/fit/measurement_regression.inc"
 }};
 
 constexpr std::size_t kRows = kMeasurementCount, kColumns = kFitParameterCount;
@@ -165,16 +165,17 @@ class MeasurementFitter::Work {
   }
 
   void set_prior(float gender, const SeenBody* seen) {
-    const MeasurementLaw& law = kLaws[gender < 0.5F ? 0 : 1];
+    const MeasurementRegression& regression = kRegressions[gender < 0.5F ? 0 : 1];
     std::size_t next = 0;
     prior_ = {};
     for (std::size_t i = 0; i < kColumns; ++i)
-      for (std::size_t j = 0; j <= i; ++j) prior_.factor[i][j] = static_cast<double>(law.spread[next++]);
+      for (std::size_t j = 0; j <= i; ++j) prior_.factor[i][j] = static_cast<double>(regression.spread[next++]);
     if (seen != nullptr) seen_prior_.see(from_, *seen, prior_);
     for (std::size_t r = 0; r < kRows; ++r)
       for (std::size_t j = 0; j < kColumns; ++j) {
         double sum = 0;
-        for (std::size_t i = j; i < kColumns; ++i) sum += static_cast<double>(law.slopes[r][i]) * prior_.factor[i][j];
+        for (std::size_t i = j; i < kColumns; ++i)
+          sum += static_cast<double>(regression.slopes[r][i]) * prior_.factor[i][j];
         slopes_[r][j] = sum;
       }
   }

@@ -76,8 +76,8 @@ struct FitPrior {
   std::array<FitParameters, kFitParameterCount> factor{};  // its lower triangle
 };
 
-// What is known of bodies in general, a sex each; made by lab/measurement_law.
-struct MeasurementLaw {
+// What is known of bodies in general, a sex each; made by im2fit-lab make measurement-regression.
+struct MeasurementRegression {
   // Relative change of each measurement by each unknown: the mean of people.
   std::array<std::array<float, kFitParameterCount>, kMeasurementCount> slopes;
   // The Cholesky factor of the unknowns' covariance, rows of its lower triangle.

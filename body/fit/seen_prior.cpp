@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "body/fit/measurement_fit.h"
 #include "body/fit/posed_shape.h"
 #include "body/fit/shape_points.h"
-#include "body/fit/measurement_fit.h"
 #include "core/cholesky.h"
 
 namespace im2fit::body {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the body seen in a depth picture (body/fit) says of the unknowns of a measurement fit, before any measurement
 // is looked at: the least squares of distances between two skins, along the normals of the one seen, with people's
-// covariance as prior. In numbers, with x = x0 + L z of body/fit/measurement_fit.h and the seen skin's distance r_i from
-// that of x0,
+// covariance as prior. In numbers, with x = x0 + L z of body/fit/measurement_fit.h and the seen skin's distance r_i
+// from that of x0,
 //     z ~ N(m, P),   P = (I + sum w_i a_i a_i')^-1,   m = P sum w_i a_i r_i,   a_i = L' dp_i/dx n_i.
 // So a fit that takes the least change from x0 + L m in the metric of P meets its goals, and follows what was seen in
 // all that the goals leave open.

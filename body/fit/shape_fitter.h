@@ -12,8 +12,8 @@
 #include <span>
 
 #include "body/fit/limb_axes.h"
-#include "body/shape_space.h"
 #include "body/fit/skin_patches.h"
+#include "body/shape_space.h"
 #include "body/skeleton.h"
 #include "core/camera.h"
 #include "core/fit_layout.h"

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "body/shape_space.h"
 #include "body/model_data.h"
+#include "body/shape_space.h"
 
 namespace im2fit::body {
 namespace {

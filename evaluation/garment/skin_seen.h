@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "garment/drape/outfit.h"
 #include "body/model.h"
+#include "garment/drape/outfit.h"
 
 namespace im2fit::lab {
 

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "core/rng.h"
+#include "evaluation/measurements/session.h"
 #include "report/progress.h"
 #include "train/camera/synthetic_person.h"
-#include "train/dataset/features.h"
-#include "evaluation/measurements/session.h"
-#include "train/dressed/draped_clothes.h"
 #include "train/common/parallel.h"
+#include "train/dataset/features.h"
+#include "train/dressed/draped_clothes.h"
 
 namespace im2fit::lab {
 namespace {

@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "body/model.h"
-#include "estimate/age.h"
 #include "engine/engine.h"
-#include "index/index.h"
-#include "train/dataset/features.h"
+#include "estimate/age.h"
 #include "evaluation/measurements/edge_filter.h"
-#include "train/index/raw_nearest.h"
 #include "evaluation/population/ansur_people.h"
+#include "index/index.h"
 #include "perception/joints/tracker.h"
+#include "train/dataset/features.h"
+#include "train/index/raw_nearest.h"
 
 namespace im2fit::lab {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "person/size_chart.h"
 #include "evaluation/measurements/report_groups.h"
+#include "person/size_chart.h"
 
 namespace im2fit::lab {
 namespace {

@@ -9,12 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include "body/export/export.h"
-#include "garment/drape/wear.h"
 #include "core/file.h"
+#include "evaluation/measurements/error_statistics.h"
+#include "garment/drape/wear.h"
 #include "person/avatar.h"
 #include "person/data_files.h"
 #include "person/dressing.h"
-#include "evaluation/measurements/error_statistics.h"
 #include "train/common/stopwatch.h"
 
 namespace im2fit::lab {

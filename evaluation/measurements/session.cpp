@@ -5,9 +5,9 @@
 #include <bit>
 #include <cmath>
 
-#include "hal/steady_view.h"
 #include "evaluation/measurements/smoothing.h"
 #include "evaluation/measurements/tremor.h"
+#include "hal/steady_view.h"
 
 namespace im2fit::lab {
 namespace {

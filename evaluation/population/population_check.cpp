@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "report/text_table.h"
 #include "evaluation/population/ansur.h"
+#include "report/text_table.h"
 
 namespace im2fit::lab {
 namespace {

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <string>
 
-#include "report/canvas.h"
 #include "evaluation/population/population_check.h"
+#include "report/canvas.h"
 
 namespace im2fit::lab {
 namespace {

@@ -10,9 +10,9 @@
 #include <cmath>
 #include <string_view>
 
-#include "report/text_table.h"
 #include "evaluation/population/ansur.h"
 #include "report/svg_plot.h"
+#include "report/text_table.h"
 
 namespace im2fit::lab {
 namespace {

@@ -8,11 +8,11 @@
 #include <optional>
 
 #include "core/rng.h"
+#include "evaluation/measurements/error_statistics.h"
 #include "person/person_measurement.h"
+#include "person/size_chart.h"
 #include "report/progress.h"
 #include "report/result_json.h"
-#include "person/size_chart.h"
-#include "evaluation/measurements/error_statistics.h"
 #include "train/common/parallel.h"
 
 namespace im2fit::lab {

@@ -8,8 +8,8 @@
 
 #include "evaluation/measurements/figures.h"
 #include "evaluation/measurements/paper_says.h"
-#include "report/page_style.h"
 #include "evaluation/study/calibrate.h"
+#include "report/page_style.h"
 
 namespace im2fit::lab {
 namespace {

@@ -7,10 +7,10 @@
 #include <map>
 
 #include "core/rng.h"
-#include "report/progress.h"
-#include "train/common/parallel.h"
 #include "evaluation/tracker/upright_scene.h"
 #include "perception/observe/observe.h"
+#include "report/progress.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::lab {
 namespace {
@@ -112,7 +112,7 @@ ClipOutcome run_clip(const body::BodyModel& model, const JointModel& joint_model
   const Subject subject = draw_subject(model, Family::held_out, options.seed, clip);
   UprightScene scene(model, subject, draw_clip(options.seed, clip, options.frames));
   const Intrinsics k = scene.intrinsics();
-  Sensor sensor(k.width, k.height, joint_model);
+  PersonDetector sensor(k.width, k.height, joint_model);
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
   IdBook book;
   std::array<std::uint64_t, kPeople> most{};

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "report/canvas.h"
 #include "evaluation/tracker/guidance_trials.h"
 #include "evaluation/tracker/room_trials.h"
 #include "evaluation/tracker/scene_trials.h"
+#include "report/canvas.h"
 
 namespace im2fit::lab {
 

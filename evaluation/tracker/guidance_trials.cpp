@@ -6,10 +6,10 @@
 #include <mutex>
 #include <optional>
 
-#include "report/progress.h"
 #include "engine/sensing_stages.h"
-#include "train/common/parallel.h"
 #include "evaluation/tracker/guidance_scenes.h"
+#include "report/progress.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::lab {
 namespace {

@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "core/rng.h"
-#include "report/progress.h"
-#include "train/common/parallel.h"
 #include "evaluation/tracker/upright_scene.h"
 #include "perception/observe/observe.h"
+#include "report/progress.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::lab {
 namespace {
@@ -62,7 +62,7 @@ class Watch {
 
   std::string kind_;
   UprightScene scene_;
-  Sensor sensor_;
+  PersonDetector sensor_;
   std::vector<std::uint8_t> mask_;
 };
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "report/progress.h"
-#include "train/common/parallel.h"
 #include "evaluation/tracker/trial_scenes.h"
 #include "perception/observe/observe.h"
+#include "report/progress.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::lab {
 namespace {
@@ -42,7 +42,7 @@ class Observer {
  private:
   bool own_mask_;
   Intrinsics k_;
-  Sensor sensor_;
+  PersonDetector sensor_;
   JointTracker tracker_;
   std::vector<std::uint8_t> mask_;
   bool found_ = false;

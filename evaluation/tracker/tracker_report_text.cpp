@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include "report/text_table.h"
 #include "evaluation/tracker/tracker_report.h"
+#include "report/text_table.h"
 
 namespace im2fit::lab {
 namespace {

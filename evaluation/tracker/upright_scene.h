@@ -7,9 +7,9 @@
 
 #include "body/model.h"
 #include "core/camera.h"
-#include "train/camera/virtual_camera.h"
 #include "evaluation/tracker/statistics.h"
 #include "perception/segment/segment.h"
+#include "train/camera/virtual_camera.h"
 
 namespace im2fit::lab {
 

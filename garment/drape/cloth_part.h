@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "garment/drape/outfit.h"
 #include "body/skeleton.h"
+#include "garment/drape/outfit.h"
 
 namespace im2fit::body {
 

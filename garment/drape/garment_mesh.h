@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "garment/pattern.h"
 #include "core/vec3.h"
+#include "garment/pattern.h"
 
 namespace im2fit::body {
 

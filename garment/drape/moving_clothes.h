@@ -10,10 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "garment/drape/offset_clearing.h"
-#include "garment/drape/outfit.h"
 #include "body/model.h"
 #include "body/skeleton.h"
+#include "garment/drape/offset_clearing.h"
+#include "garment/drape/outfit.h"
 
 namespace im2fit::body {
 

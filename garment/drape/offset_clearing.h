@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "garment/drape/cloth_part.h"
 #include "garment/drape/cloth.h"
+#include "garment/drape/cloth_part.h"
 #include "garment/drape/refinement.h"
 
 namespace im2fit::body {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "garment/drape/dressing_pose.h"
 #include "body/model_data.h"
+#include "garment/drape/dressing_pose.h"
 
 namespace im2fit::body {
 namespace {

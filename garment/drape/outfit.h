@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
+#include "body/model.h"
+#include "body/section.h"
+#include "body/skeleton.h"
 #include "garment/drape/body_surface.h"
 #include "garment/drape/cloth.h"
 #include "garment/drape/garment_mesh.h"
 #include "garment/drape/refinement.h"
-#include "body/model.h"
-#include "body/section.h"
-#include "body/skeleton.h"
 
 namespace im2fit::body {
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <sstream>
 
-#include "formats/csv.h"
 #include "core/file.h"
+#include "formats/csv.h"
 #include "hal/folder/camera_yaml.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/folder/frame_name.h"

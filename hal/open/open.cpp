@@ -81,8 +81,9 @@ Result<std::vector<DeviceEntry>> list_usb() {
 }
 #else
 Result<std::unique_ptr<Source>> open_usb(const std::string&, const OpenOptions&) {
-  return Error{ErrorCode::unsupported,
-               "usb needs libusb, which is not in this build; install libusb-1.0-0-dev and build with usb in IM2FIT_SOURCES"};
+  return Error{
+      ErrorCode::unsupported,
+      "usb needs libusb, which is not in this build; install libusb-1.0-0-dev and build with usb in IM2FIT_SOURCES"};
 }
 Result<std::vector<DeviceEntry>> list_usb() {
   return std::vector<DeviceEntry>{};

@@ -45,9 +45,9 @@ struct Detection {
   ArmSet arms_close = 0;        // which arms arms_close is about; 0 without that code
   bool edges_restored = false;  // the frame's, by EdgeRestorer before it was sensed
 };
-class Sensor {
+class PersonDetector {
  public:
-  Sensor(int width, int height, const JointModel& model);
+  PersonDetector(int width, int height, const JointModel& model);
   // `seconds` since the frame before. `frame_guidance`: codes that the frame as a whole carries already, reported
   // with those of a person found.
   Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS,

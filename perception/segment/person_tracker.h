@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who is who: one record for each person followed, from the first detection on for as long as it may stay hidden.
 // A user begins unconfirmed. It is confirmed by its shape over some frames (Segmenter) or accepted by its joints
-// (Sensor), or it is rejected as furniture; unconfirmed candidates stay selectable until rejected. Of all users one
+// (PersonDetector), or it is rejected as furniture; unconfirmed candidates stay selectable until rejected. Of all users one
 // is looked at in a frame: the nearest and most central, or the one selected; a session selects the first person who
 // stands right and holds on to that one.
 //
@@ -77,7 +77,7 @@ class PersonTracker {
     return {keepouts_.data(), static_cast<std::size_t>(keepout_count_)};
   }
 
-  // The Sensor's part: is the user looked at a person?
+  // The PersonDetector's part: is the user looked at a person?
   // How much more that user's surface is shaped like a person's than like furniture, mean over the last frames:
   // log-odds, from -9 to 9; 0 for a user not seen whole or unknown.
   float shape_odds(int id) const;

@@ -5,8 +5,8 @@
 #include <fstream>
 
 #include "depth_folder.h"
-#include "index/format.h"
 #include "evaluation/measurements/full_report.h"
+#include "index/format.h"
 #include "measure_run.h"
 #include "well_formed.h"
 

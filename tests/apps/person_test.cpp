@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "measure_run.h"
 #include "train/camera/virtual_camera.h"
 #include "train/population/population.h"
-#include "measure_run.h"
 
 namespace im2fit {
 namespace {

@@ -112,7 +112,7 @@ void detect(const char* file, const Model& model, Seen& seen) {
   for (std::size_t i = 0; i < bytes->size(); i += 2)
     seen.depth.push_back(static_cast<std::uint16_t>(std::to_integer<unsigned>((*bytes)[i]) |
                                                     std::to_integer<unsigned>((*bytes)[i + 1]) << 8U));
-  Sensor sensor(kWidth, kHeight, model.joints());
+  PersonDetector sensor(kWidth, kHeight, model.joints());
   // A still is a clip that stands still: a person without a clear head is confirmed after six frames.
   for (int i = 0; i < 8; ++i)
     seen.detection = sensor.sense({seen.depth.data(), kWidth, kHeight}, kKinect, {seen.mask.data(), kWidth, kHeight});

@@ -13,12 +13,12 @@
 #include <set>
 
 #include "body/population.h"
+#include "evaluation/measurements/session.h"
+#include "measure_run.h"
 #include "person/builtin_tape.h"
 #include "person/data_files.h"
 #include "person/person_measurement.h"
 #include "train/camera/synthetic_person.h"
-#include "evaluation/measurements/session.h"
-#include "measure_run.h"
 
 namespace im2fit {
 namespace {

@@ -9,11 +9,11 @@
 
 #include "allocations.h"
 #include "body_pack.h"
-#include "person/garment_fit.h"
 #include "evaluation/garment/drape_quality.h"
+#include "evaluation/garment/skin_seen.h"
+#include "person/garment_fit.h"
 #include "train/dressed/draped_clothes.h"
 #include "train/dressed/dressed_people.h"
-#include "evaluation/garment/skin_seen.h"
 
 namespace im2fit::lab {
 namespace {

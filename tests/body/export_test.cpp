@@ -13,9 +13,9 @@
 
 #include "body/model_data.h"
 #include "body_pack.h"
-#include "garment/drape/wear.h"
 #include "core/file.h"
 #include "fake_makehuman.h"
+#include "garment/drape/wear.h"
 #include "train/dressed/dressed_people.h"
 
 namespace im2fit::body {

@@ -7,11 +7,11 @@
 #include <map>
 #include <set>
 
-#include "garment/drape/garment_mesh.h"
 #include "core/file.h"
+#include "garment/drape/garment_mesh.h"
 #include "person/builtin_tape.h"
-#include "person/garment_fit.h"
 #include "person/garment_file.h"
+#include "person/garment_fit.h"
 #include "person/size_chart.h"
 
 namespace im2fit {
@@ -28,7 +28,7 @@ const GarmentPattern& garment(const std::string& id) {
 }
 
 CutBody body_of(const SizeRow& row, bool woman) {
-  return body::cut_body(builtin_wardrobe().law, woman, size_chest_mm(row));
+  return body::cut_body(builtin_wardrobe().regression, woman, size_chest_mm(row));
 }
 
 TEST(Wardrobe, HasTheSixAndTheirFabrics) {
@@ -57,7 +57,7 @@ TEST(Wardrobe, IsWhatTheFilesSay) {
   EXPECT_TRUE(std::string(reinterpret_cast<const char*>(kept->data()), kept->size()) == text)
       << "person/builtin_wardrobe.inc was changed by hand";
   // What the table leaves out of a pattern would be missing from both.
-  const CutBody body = body::cut_body(of_files->law, true, 920);
+  const CutBody body = body::cut_body(of_files->regression, true, 920);
   for (const GarmentPattern& pattern : of_files->garments) {
     const GarmentMesh filed = sew(pattern, body), built_in = sew(garment(pattern.id), body);
     ASSERT_EQ(filed.vertex_count(), built_in.vertex_count()) << pattern.id;
@@ -132,7 +132,7 @@ MeshFacts facts_of(const GarmentMesh& mesh) {
 // A shop turns legs up and does not lengthen them; nothing else changes.
 TEST(Wardrobe, LegsAreTurnedUpForAShorterWearer) {
   const Wardrobe& wardrobe = builtin_wardrobe();
-  const CutBody cut = cut_body(wardrobe.law, true, 860);
+  const CutBody cut = cut_body(wardrobe.regression, true, 860);
   const auto leg = static_cast<std::size_t>(body::CutMeasure::inside_leg);
   EXPECT_EQ(body::turned_up(cut, cut[leg] + 50), cut);
   CutBody shorter = cut;
@@ -277,7 +277,7 @@ TEST(GarmentFile, FaultsNameLineFieldAndWhatIsExpected) {
 
 GarmentFit fit_of(const std::string& id, const std::vector<BodyGirth>& girths, bool woman = false) {
   const SizeChart& chart = woman ? builtin_size_system().women : builtin_size_system().men;
-  return fit_garment(garment(id), builtin_wardrobe().law, chart, woman, girths);
+  return fit_garment(garment(id), builtin_wardrobe().regression, chart, woman, girths);
 }
 
 // A body whose girths are those a size is cut for.

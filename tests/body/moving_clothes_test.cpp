@@ -9,11 +9,11 @@
 #include <cstring>
 
 #include "allocations.h"
-#include "garment/drape/dressing_pose.h"
 #include "body_pack.h"
 #include "evaluation/garment/drape_quality.h"
-#include "train/dressed/dressed_people.h"
+#include "garment/drape/dressing_pose.h"
 #include "shown_cloth.h"
+#include "train/dressed/dressed_people.h"
 
 namespace im2fit::body {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "body/fit/shape_fitter.h"
 #include "body/skeleton.h"
-#include "train/render/raster.h"
 #include "train/population/population.h"
+#include "train/render/raster.h"
 
 namespace im2fit::body {
 

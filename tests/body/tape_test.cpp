@@ -16,8 +16,8 @@
 #include "core/file.h"
 #include "person/builtin_tape.h"
 #include "person/tape_file.h"
+#include "person/tape_regression.h"
 #include "person/tape_table.h"
-#include "person/tape_law.h"
 
 namespace im2fit::body {
 namespace {
@@ -269,7 +269,7 @@ TEST_F(TapeTest, TheSameBitsWhateverWasMeasuredBefore) {
         << tape.definitions[i].id;
 }
 
-TEST(TapeLaw, EveryShippedMeasurementHasAnInterval) {
+TEST(TapeRegression, EveryShippedMeasurementHasAnInterval) {
   const Tape& tape = builtin_tape();
   index::Answer answer;
   for (index::IntervalEstimate& e : answer.measurements) e = {1000, 960, 1040};
@@ -287,7 +287,7 @@ TEST(TapeLaw, EveryShippedMeasurementHasAnInterval) {
     } else if (d.kind == TapeKind::value) {
       EXPECT_EQ(all[i].low, 960) << "the answer's own";
     } else {
-      EXPECT_TRUE(has_tape_law(d.id)) << d.id << ": run im2fit-lab make tape-regression again";
+      EXPECT_TRUE(has_tape_regression(d.id)) << d.id << ": run im2fit-lab make tape-regression again";
       EXPECT_TRUE(all[i].known && all[i].low < 500 && all[i].high > 500) << d.id;
       EXPECT_GE(all[i].high, exact[i].high) << d.id << ": what is known less well is not known better";
     }

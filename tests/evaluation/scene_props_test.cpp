@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <vector>
 
-#include "tests/train/body_fixture.h"
-#include "person/data_files.h"
-#include "train/camera/virtual_camera.h"
 #include "evaluation/tracker/guidance_scenes.h"
 #include "evaluation/tracker/guidance_trials.h"
+#include "person/data_files.h"
+#include "tests/train/body_fixture.h"
+#include "train/camera/virtual_camera.h"
 
 namespace im2fit::lab {
 namespace {

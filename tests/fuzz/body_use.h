@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "body/shape_space.h"
 #include "body/look.h"
 #include "body/measure.h"
 #include "body/model.h"
+#include "body/shape_space.h"
 #include "body/skeleton.h"
 
 namespace im2fit::fuzz {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "core/file.h"
-#include "train/dataset/dataset_shard.h"
 #include "tests/fuzz/mutator.h"
+#include "train/dataset/dataset_shard.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace im2fit;

@@ -9,16 +9,16 @@
 #include <span>
 #include <string_view>
 
-#include "body/measure.h"
 #include "body/fit/measurement_fit.h"
+#include "body/measure.h"
 #include "body/model_data.h"
 #include "core/crc32c.h"
 #include "engine/engine.h"
-#include "report/result_json.h"
-#include "person/size_chart.h"
 #include "hal/folder/depth_folder.h"
 #include "kernels/normals/normals.h"
 #include "kernels/unproject/unproject.h"
+#include "person/size_chart.h"
+#include "report/result_json.h"
 
 namespace im2fit::golden {
 namespace {
@@ -217,7 +217,7 @@ Status Data::load_clip() {
 
 Result<std::string> stages(const Data& data) {
   const Intrinsics& k = data.intrinsics();
-  Sensor sensor(k.width, k.height, data.tracker());
+  PersonDetector sensor(k.width, k.height, data.tracker());
   Fuser fuser(k.width, k.height);
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height));
   const MaskImage mask_image(mask.data(), k.width, k.height);

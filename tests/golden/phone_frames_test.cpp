@@ -15,8 +15,8 @@
 #include <numbers>
 #include <random>
 
-#include "core/file.h"
 #include "capi/include/im2fit/im2fit.h"
+#include "core/file.h"
 #include "perception/observe/observe.h"
 #include "tests/golden/golden_run.h"
 
@@ -367,7 +367,7 @@ TEST_F(PhoneFrames, GravityRightsATiltedCameraWhereNoFloorIsSeen) {
   s.height = TiltedClip::kHeight;
   s.cx = 0.5F * (TiltedClip::kWidth - 1);
   s.cy = 0.5F * (TiltedClip::kHeight - 1);
-  Sensor sensor(k.width, k.height, data_->tracker());
+  PersonDetector sensor(k.width, k.height, data_->tracker());
   FloorPlane floor;
   std::vector<std::vector<std::uint16_t>> frames;
   for (const auto& depth : data_->frames()) {

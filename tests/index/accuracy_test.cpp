@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "train/index/raw_nearest.h"
 #include "tests/index/synthetic_people.h"
+#include "train/index/raw_nearest.h"
 
 namespace im2fit::index {
 namespace {

@@ -17,8 +17,8 @@
 #include "core/container.h"
 #include "core/crc32c.h"
 #include "index/format.h"
-#include "train/index/raw_nearest.h"
 #include "tests/index/synthetic_people.h"
+#include "train/index/raw_nearest.h"
 
 namespace {
 std::size_t allocation_count = 0;

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/rng.h"
-#include "train/index/calibration.h"
 #include "tests/index/synthetic_people.h"
+#include "train/index/calibration.h"
 
 namespace im2fit::index {
 namespace {

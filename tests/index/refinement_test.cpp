@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "train/index/calibration.h"
 #include "tests/index/refined_people.h"
+#include "train/index/calibration.h"
 
 namespace im2fit::index {
 namespace {

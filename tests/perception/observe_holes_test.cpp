@@ -120,7 +120,7 @@ TEST(HoleFiller, PixelsWithoutDataLeaveTheMask) {
   EXPECT_EQ(drop_lost_pixels({depth.data(), 3, 2}, {mask.data(), 3, 2}), 0.0F);
 }
 
-// A Sensor whose joints mean nothing: its guidance about the mask counts.
+// A PersonDetector whose joints mean nothing: its guidance about the mask counts.
 class RiddledRoom : public testing::Test {
  protected:
   RiddledRoom() : bytes_(test::constant_model(0, 0, 0, 0).bytes()), model_(JointModel::parse(bytes_, "model")) {
@@ -132,7 +132,7 @@ class RiddledRoom : public testing::Test {
     scene_.wall_z = 4500;
   }
   Detection sense(double share) {
-    Sensor sensor(kWidth, kHeight, *model_);
+    PersonDetector sensor(kWidth, kHeight, *model_);
     Detection detection;
     mask_.assign(kWidth * kHeight, 0);
     for (std::uint64_t frame = 0; frame < 4; ++frame) {

@@ -48,7 +48,7 @@ Scene room() {
 
 class PersonScore : public testing::Test {
  protected:
-  Detection show(Sensor& sensor, const Scene& s) {
+  Detection show(PersonDetector& sensor, const Scene& s) {
     mask_.assign(static_cast<std::size_t>(s.width * s.height), 7);
     const auto picture = render(s, kKinectNoise, ++seed_);
     return sensor.sense(picture.view(), s.intrinsics(), MaskImage(mask_.data(), s.width, s.height));
@@ -76,7 +76,7 @@ TEST_F(PersonScore, WhatTheModelCannotAgreeOnIsNoPerson) {
   const Model agreed(0), apart(100);
   Scene s = room();
   add(s, person_at(0, 2700, 1));
-  Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
+  PersonDetector sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
   EXPECT_TRUE(show(sure, s).person.found);
   EXPECT_FALSE(mask_empty());
   for (int frame = 0; frame < 20; ++frame) {
@@ -92,7 +92,7 @@ TEST_F(PersonScore, TheSelectedUserIsNotRejected) {
   const Model apart(100);
   Scene s = room();
   add(s, person_at(0, 2700, 1));
-  Sensor torn(s.width, s.height, *apart.model);
+  PersonDetector torn(s.width, s.height, *apart.model);
   Segmenter ids(s.width, s.height);
   PersonTracker people;
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(s.width * s.height));
@@ -134,7 +134,7 @@ TEST_F(PersonScore, ACandidateIsFoundByTheJointsInSixFrames) {
   const Model agreed(0), apart(100);
   Scene s = room();
   add(s, profile_at(0, 2600));
-  Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
+  PersonDetector sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
   int first = -1;
   for (int frame = 0; frame < 12; ++frame) {
     const Detection seen = show(sure, s);
@@ -158,7 +158,7 @@ TEST_F(PersonScore, ACandidateNeedsNoFloor) {
     s.floor = false;
     s.wall_z = wall_z;
     add(s, profile_at(0, 2600));
-    Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
+    PersonDetector sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
     int first = -1;
     for (int frame = 0; frame < 12; ++frame) {
       const Detection seen = show(sure, s);
@@ -179,7 +179,7 @@ TEST_F(PersonScore, ABodySplitFromItsLegsIsFoundWhole) {
   add(s, profile_at(0, 2500));
   for (Capsule& part : s.capsules)
     if (part.a.y <= 910) part.a.z += 160, part.b.z += 160;  // 90 mm is one surface at that distance
-  Sensor sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
+  PersonDetector sure(s.width, s.height, *agreed.model), torn(s.width, s.height, *apart.model);
   int first = -1;
   for (int frame = 0; frame < 16; ++frame) {
     const Detection seen = show(sure, s);
@@ -204,7 +204,7 @@ TEST_F(PersonScore, AnObjectOnABoxIsNoSplitBody) {
   Scene s = room();
   add(s, {{{0, 1150, 2600}, {0, 1500, 2600}, 130, 1}});  // as round as a trunk
   s.boxes.push_back({{-160, 0, 2560}, {160, 1000, 2900}});
-  Sensor sure(s.width, s.height, *agreed.model);
+  PersonDetector sure(s.width, s.height, *agreed.model);
   for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(show(sure, s).person.found) << frame;
 }
 

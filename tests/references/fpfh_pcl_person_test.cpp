@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "kernels/normals/normals.h"
-#include "train/camera/virtual_camera.h"
 #include "perception/fuse/decimate.h"
 #include "tests/body/body_pack.h"
 #include "tests/references/pcl_fpfh.h"
+#include "train/camera/virtual_camera.h"
 
 namespace im2fit {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "hal/source.h"
-#include "train/dataset/features.h"
 #include "tests/train/tracker_fixture.h"
+#include "train/dataset/features.h"
 
 namespace im2fit::lab {
 namespace {
@@ -32,7 +32,7 @@ struct FrameByFrame {
   }
 
   Intrinsics k;
-  Sensor sensor;
+  PersonDetector sensor;
   Fuser fuser;
 };
 

@@ -9,10 +9,10 @@
 
 #include "body/model_data.h"
 #include "body_fixture.h"
+#include "mesh_checks.h"
 #include "train/camera/virtual_camera.h"
 #include "train/population/population.h"
 #include "train/population/poses.h"
-#include "mesh_checks.h"
 
 namespace im2fit::lab {
 namespace {

@@ -13,9 +13,9 @@
 
 #include "body/params_vector.h"
 #include "core/file.h"
-#include "train/dataset/dataset_shard.h"
 #include "tests/train/dataset_samples.h"
 #include "tests/train/tracker_fixture.h"
+#include "train/dataset/dataset_shard.h"
 
 namespace im2fit::lab {
 namespace {

@@ -14,9 +14,9 @@
 #include "body/population.h"
 #include "body/proportions.h"
 #include "body/shape_spread.h"
+#include "tests/train/body_fixture.h"
 #include "train/population/shape_variation.h"
 #include "train/population/surface_smoother.h"
-#include "tests/train/body_fixture.h"
 
 namespace im2fit::lab {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "body_fixture.h"
-#include "train/camera/virtual_camera.h"
 #include "mesh_checks.h"
+#include "train/camera/virtual_camera.h"
 
 namespace im2fit::lab {
 namespace {

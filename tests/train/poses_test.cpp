@@ -7,8 +7,8 @@
 
 #include "body/model_data.h"
 #include "body_fixture.h"
-#include "train/population/population.h"
 #include "mesh_checks.h"
+#include "train/population/population.h"
 
 namespace im2fit::lab {
 namespace {

@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "core/rng.h"
-#include "train/render/room.h"
 #include "train/camera/virtual_camera.h"
+#include "train/render/room.h"
 
 namespace im2fit::lab {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "perception/joints/person_votes.h"
-#include "tests/train/body_fixture.h"
 #include "tests/perception/joints_model_builder.h"
+#include "tests/train/body_fixture.h"
 
 namespace im2fit::lab {
 namespace {

@@ -10,11 +10,11 @@
 #include <string>
 
 #include "core/file.h"
-#include "train/camera/virtual_camera.h"
-#include "train/tracker/tracker_detections.h"
 #include "perception/joints/model_data.h"
 #include "perception/joints/tracker.h"
 #include "perception/segment/segment.h"
+#include "train/camera/virtual_camera.h"
+#include "train/tracker/tracker_detections.h"
 
 namespace im2fit::lab {
 namespace {

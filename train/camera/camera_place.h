@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "train/render/scene_axes.h"
 #include "train/camera/virtual_camera.h"
+#include "train/render/scene_axes.h"
 
 namespace im2fit::lab {
 

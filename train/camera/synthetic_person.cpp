@@ -3,8 +3,8 @@
 
 #include <charconv>
 
-#include "person/data_files.h"
 #include "hal/synthetic_source.h"
+#include "person/data_files.h"
 
 namespace im2fit::lab {
 

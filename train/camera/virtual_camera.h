@@ -20,12 +20,12 @@
 #include "body/skeleton.h"
 #include "core/camera.h"
 #include "core/joints.h"
+#include "perception/segment/segment.h"
 #include "train/camera/depth_sensor.h"
 #include "train/population/clothing.h"
 #include "train/population/population.h"
 #include "train/population/poses.h"
 #include "train/population/scene_person.h"
-#include "perception/segment/segment.h"
 
 namespace im2fit::lab {
 

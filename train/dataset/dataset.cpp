@@ -15,11 +15,11 @@
 #include "body/params_vector.h"
 #include "core/file.h"
 #include "index/refinement.h"
-#include "train/dataset/dataset_shard.h"
 #include "train/common/parallel.h"
+#include "train/common/stopwatch.h"
+#include "train/dataset/dataset_shard.h"
 #include "train/population/ood_subjects.h"
 #include "train/population/surface_smoother.h"
-#include "train/common/stopwatch.h"
 
 namespace im2fit::lab {
 namespace {

@@ -24,9 +24,9 @@ struct DatasetOptions {
   Family family = Family::training;
   std::uint64_t seed = 1;
   CaptureVariety variety;
-  // Every n-th subject is out of distribution (train/population/ood_subjects.h): no model, but intervals are fitted on
-  // them and refined answers learn from them, the better the more there are. Training family only, and only subjects
-  // numbered below `ood_below`; 0: none.
+  // Every n-th subject is out of distribution (train/population/ood_subjects.h): no model, but intervals are fitted
+  // on them and refined answers learn from them, the better the more there are. Training family only, and only
+  // subjects numbered below `ood_below`; 0: none.
   int ood_every = 3;  // odd: both sexes
   std::uint32_t ood_below = 14336;
   // Of every n-th pair of a man and a woman, and of every OOD subject, the sample also has the view from behind and

@@ -9,8 +9,8 @@
 
 #include "core/container.h"
 #include "core/file.h"
-#include "train/dataset/half.h"
 #include "perception/observe/observe.h"
+#include "train/dataset/half.h"
 
 namespace im2fit::lab {
 namespace {

@@ -7,8 +7,8 @@
 #include "core/guidance.h"
 #include "core/rng.h"
 #include "hal/source.h"
-#include "train/dataset/median_frame.h"
 #include "train/common/stopwatch.h"
+#include "train/dataset/median_frame.h"
 
 namespace im2fit::lab {
 namespace {
@@ -67,7 +67,7 @@ struct CaptureRig::Station {
         pixels(static_cast<std::size_t>(kImages) * w * h),
         masks(static_cast<std::size_t>(kMasks) * w * h) {}
   int width, height;
-  Sensor sensor;
+  PersonDetector sensor;
   Fuser fuser;
   MedianFrame median_of;
   enum Image { kMedian, kFrame, kImages };

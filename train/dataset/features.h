@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rendered person through the device's own path: frames -> upright -> Sensor -> Fuser -> feature. Never a shortcut
-// from the mesh. One difference: the person stands still while a capture is taken, so the Sensor runs once, on the
+// A rendered person through the device's own path: frames -> upright -> PersonDetector -> Fuser -> feature. Never a shortcut
+// from the mesh. One difference: the person stands still while a capture is taken, so the PersonDetector runs once, on the
 // median of the frames, and not on each.
 #pragma once
 
@@ -11,9 +11,9 @@
 
 #include "body/fit/shape_fitter.h"
 #include "body/model.h"
+#include "perception/observe/observe.h"
 #include "train/camera/virtual_camera.h"
 #include "train/index/sample.h"
-#include "perception/observe/observe.h"
 
 namespace im2fit::lab {
 

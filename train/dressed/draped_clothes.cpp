@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <span>
 
-#include "garment/drape/outfit.h"
 #include "body/tape.h"
+#include "garment/drape/outfit.h"
 #include "person/builtin_tape.h"
 #include "train/dressed/dressed_people.h"
 

@@ -94,7 +94,8 @@ float bought_chest_mm(const DressedPerson& person, const body::GarmentPattern& p
   const SizeChart& chart = person.woman ? builtin_size_system().women : builtin_size_system().men;
   const auto girths = girths_for(pattern, builtin_tape(), person.tape, {});
   int row = 0;
-  if (girths) row = static_cast<int>(fit_garment(pattern, builtin_wardrobe().law, chart, person.woman, *girths).best);
+  if (girths)
+    row = static_cast<int>(fit_garment(pattern, builtin_wardrobe().regression, chart, person.woman, *girths).best);
   row = std::clamp(row + steps, 0, static_cast<int>(chart.rows.size()) - 1);
   return im2fit::size_chest_mm(chart.rows[static_cast<std::size_t>(row)]);
 }
@@ -144,7 +145,7 @@ std::vector<body::Outfit::Piece> pieces_for(const DressedPerson& person, const s
     if (own) pattern = &*own;
     if (pattern == nullptr) continue;
     const float chest = bought_chest_mm(person, *pattern, steps);
-    const body::CutBody cut = body::turned_up(body::cut_body(wardrobe.law, person.woman, chest), leg);
+    const body::CutBody cut = body::turned_up(body::cut_body(wardrobe.regression, person.woman, chest), leg);
     pieces.push_back(body::Outfit::piece(*pattern, cut, *wardrobe.fabric(pattern->fabric), moves));
   }
   return pieces;

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "garment/drape/outfit.h"
-#include "garment/pattern.h"
 #include "body/model.h"
 #include "body/skeleton.h"
+#include "garment/drape/outfit.h"
+#include "garment/pattern.h"
 #include "person/garment_file.h"
 
 namespace im2fit::lab {

@@ -7,8 +7,8 @@
 
 #include "core/rng.h"
 #include "kernels/standardise/standardise.h"
-#include "train/index/moments.h"
 #include "train/common/linear_algebra.h"
+#include "train/index/moments.h"
 
 namespace im2fit::index {
 namespace {

@@ -10,9 +10,9 @@
 
 #include "core/rng.h"
 #include "index/format.h"
-#include "train/index/ridge.h"
 #include "train/common/linear_algebra.h"
 #include "train/common/parallel.h"
+#include "train/index/ridge.h"
 
 namespace im2fit::index {
 namespace {

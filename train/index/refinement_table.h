@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "train/index/learning.h"
 #include "train/common/linear_algebra.h"
+#include "train/index/learning.h"
 
 namespace im2fit::index {
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "train/index/moments.h"
 #include "train/common/linear_algebra.h"
+#include "train/index/moments.h"
 
 namespace im2fit::index {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "train/index/tree_packing.h"
 #include "train/common/linear_algebra.h"
+#include "train/index/tree_packing.h"
 
 namespace im2fit::index {
 namespace {

@@ -15,8 +15,8 @@
 #include "body/model.h"
 #include "body/skeleton.h"
 #include "core/rng.h"
-#include "train/render/raster.h"
 #include "train/population/hanging_clothes.h"
+#include "train/render/raster.h"
 
 namespace im2fit::lab {
 

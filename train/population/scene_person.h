@@ -12,11 +12,11 @@
 
 #include "body/skeleton.h"
 #include "core/joints.h"
-#include "train/render/room.h"
-#include "train/render/scene_axes.h"
 #include "train/population/clothing.h"
 #include "train/population/population.h"
 #include "train/population/poses.h"
+#include "train/render/room.h"
+#include "train/render/scene_axes.h"
 
 namespace im2fit::lab {
 

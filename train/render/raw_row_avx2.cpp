@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "train/render/raw_row_loop.h"
 #include "train/common/simd_clones.h"
+#include "train/render/raw_row_loop.h"
 
 namespace im2fit::lab {
 

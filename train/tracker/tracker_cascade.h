@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "perception/joints/model_data.h"
 #include "train/tracker/tracker_images.h"
 #include "train/tracker/train_tracker.h"
-#include "perception/joints/model_data.h"
 
 namespace im2fit::lab {
 

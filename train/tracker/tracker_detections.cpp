@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "core/rng.h"
-#include "train/common/parallel.h"
-#include "train/tracker/tracker_images.h"
 #include "perception/joints/person_votes.h"
 #include "perception/segment/segment.h"
+#include "train/common/parallel.h"
+#include "train/tracker/tracker_images.h"
 
 namespace im2fit::lab {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 
 #include "body/model.h"
+#include "perception/joints/tracker.h"
 #include "train/tracker/tracker_votes.h"
 #include "train/tracker/train_tracker.h"
-#include "perception/joints/tracker.h"
 
 namespace im2fit::lab {
 

@@ -5,9 +5,9 @@
 
 #include "core/rng.h"
 #include "hal/source.h"
-#include "train/common/parallel.h"
 #include "perception/joints/side.h"
 #include "perception/segment/segment.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::lab {
 namespace {

@@ -11,10 +11,10 @@
 
 #include "body/model.h"
 #include "core/joints.h"
+#include "perception/joints/view.h"
 #include "train/camera/virtual_camera.h"
 #include "train/population/population.h"
 #include "train/tracker/tracker_scenes.h"
-#include "perception/joints/view.h"
 
 namespace im2fit::lab {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/rng.h"
-#include "train/tracker/tracker_detections.h"
 #include "perception/joints/person_votes.h"
+#include "train/tracker/tracker_detections.h"
 
 namespace im2fit::lab {
 namespace {

@@ -5,9 +5,9 @@
 #include <functional>
 
 #include "body/model.h"
+#include "perception/joints/tracker.h"
 #include "train/tracker/tracker_votes.h"
 #include "train/tracker/train_tracker.h"
-#include "perception/joints/tracker.h"
 
 namespace im2fit::lab {
 

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <span>
 
+#include "perception/joints/model_data.h"
 #include "train/tracker/tracker_images.h"
 #include "train/tracker/tracker_votes.h"
 #include "train/tracker/train_tracker.h"
-#include "perception/joints/model_data.h"
 
 namespace im2fit::lab {
 

@@ -8,14 +8,14 @@
 
 #include "core/container.h"
 #include "core/rng.h"
+#include "perception/joints/estimate.h"
+#include "perception/joints/model_data.h"
 #include "train/common/parallel.h"
 #include "train/tracker/tracker_cascade.h"
 #include "train/tracker/tracker_forest.h"
 #include "train/tracker/tracker_images.h"
 #include "train/tracker/tracker_person_votes.h"
 #include "train/tracker/tracker_side.h"
-#include "perception/joints/estimate.h"
-#include "perception/joints/model_data.h"
 
 namespace im2fit::lab {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// im2fit-lab make measurement-regression BODY.i2b > body/fit/measurement_law.inc
+// im2fit-lab make measurement-regression BODY.i2b > body/fit/measurement_regression.inc
 // How measurements follow the unknowns of body/fit/measurement_fit.h, and how those go together in people of ANSUR
 // II's proportions. A minute.
 #include <Eigen/Cholesky>
@@ -78,7 +78,7 @@ void add_slopes(const BodyModel& model, const Params& p, Eigen::MatrixXd& slopes
   }
 }
 
-void print_law(const BodyModel& model, bool woman) {
+void print_regression(const BodyModel& model, bool woman) {
   Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(kMeasurementCount), kCount);
   Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(kCount, kCount);
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(kCount);
@@ -119,7 +119,7 @@ namespace im2fit::apps {
 
 int make_measurement_regression(int argc, char** argv) {
   if (argc != 2 || std::string_view(argv[1]) == "--help") {
-    std::fprintf(stderr, "im2fit-lab make measurement-regression BODY.i2b > body/fit/measurement_law.inc\n");
+    std::fprintf(stderr, "im2fit-lab make measurement-regression BODY.i2b > body/fit/measurement_regression.inc\n");
     return 2;
   }
   const auto model = BodyModel::load(argv[1]);
@@ -131,7 +131,7 @@ int make_measurement_regression(int argc, char** argv) {
       "// SPDX-License-Identifier: Apache-2.0\n// Made by im2fit-lab make measurement-regression "
       "(train/population).\n");
   std::printf("// clang-format off\n");
-  for (const bool woman : {true, false}) print_law(*model, woman);
+  for (const bool woman : {true, false}) print_regression(*model, woman);
   return 0;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// im2fit-lab make tape-regression BODY.i2b > person/tape_law.inc
+// im2fit-lab make tape-regression BODY.i2b > person/tape_regression.inc
 // How the measurements of the tape follow the eleven in people, and how much of them the eleven leave open. Minutes.
 //
 // Slopes: of the logarithm of each measurement on those of the eleven, over training people. Residual: what the body
@@ -115,7 +115,8 @@ int run(const char* path) {
     }
   }
   std::printf(
-      "// Made by im2fit-lab make tape-regression of %d training and %d held-out people; see person/tape_law.h.\n"
+      "// Made by im2fit-lab make tape-regression of %d training and %d held-out people; see "
+      "person/tape_regression.h.\n"
       "// clang-format off\n",
       kTeaching, kHeldOut);
   for (std::size_t d = 0; d < tape.definitions.size(); ++d) {
@@ -140,7 +141,7 @@ namespace im2fit::apps {
 
 int make_tape_regression(int argc, char** argv) {
   if (argc != 2 || std::string_view(argv[1]) == "--help") {
-    std::fprintf(stderr, "im2fit-lab make tape-regression BODY.i2b > person/tape_law.inc\n");
+    std::fprintf(stderr, "im2fit-lab make tape-regression BODY.i2b > person/tape_regression.inc\n");
     return 2;
   }
   return run(argv[1]);

@@ -15,17 +15,17 @@
 
 #include "apps/kiosk/live_page.h"
 #include "body/export/export.h"
-#include "garment/drape/offset_wire.h"
-#include "garment/drape/dressing_pose.h"
 #include "browser.h"
 #include "data_paths.h"
 #include "depth_folder.h"
+#include "evaluation/garment/drape_quality.h"
+#include "garment/drape/dressing_pose.h"
+#include "garment/drape/offset_wire.h"
 #include "person/builtin_tape.h"
 #include "person/dressing.h"
 #include "report/result_json.h"
-#include "evaluation/garment/drape_quality.h"
-#include "train/dressed/dressed_people.h"
 #include "shown_page.h"
+#include "train/dressed/dressed_people.h"
 
 namespace im2fit::apps {
 namespace {

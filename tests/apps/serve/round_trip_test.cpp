@@ -8,13 +8,13 @@
 #include "apps/sessions/store.h"
 #include "core/file.h"
 #include "depth_folder.h"
+#include "measure_run.h"
 #include "person/measuring_data.h"
 #include "person/person_measurement.h"
 #include "report/result_json.h"
+#include "shown_page.h"
 #include "train/camera/virtual_camera.h"
 #include "train/population/population.h"
-#include "measure_run.h"
-#include "shown_page.h"
 #include "well_formed.h"
 
 namespace im2fit {

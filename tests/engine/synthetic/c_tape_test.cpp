@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "capi/include/im2fit/im2fit.h"
-#include "person/wardrobe.h"
 #include "hal/source.h"
 #include "hal/steady_view.h"
 #include "index/index.h"
+#include "person/wardrobe.h"
 #include "train/camera/virtual_camera.h"
 #include "train/population/population.h"
 

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "body/shape_space.h"
-#include "train/index/builder.h"
 #include "tests/index/refined_people.h"
+#include "train/index/builder.h"
 
 namespace im2fit {
 namespace {

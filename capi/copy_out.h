@@ -12,8 +12,8 @@ namespace im2fit::c {
 // Where the answer is to go; *size becomes 0.
 int check_place(im2fit_handle& handle, const void* place, std::size_t capacity, std::size_t* size);
 // `bytes` and `closing` zero bytes; *size gets the number of `bytes`. TOO_SMALL when `capacity` is less.
-int give(im2fit_handle& handle, std::span<const std::byte> bytes, std::size_t closing, void* place,
-         std::size_t capacity, std::size_t* size);
+int copy_out(im2fit_handle& handle, std::span<const std::byte> bytes, std::size_t closing, void* place,
+             std::size_t capacity, std::size_t* size);
 // For functions that write files' bytes, in a library built without what they need.
 int without_result(im2fit_handle& handle);
 

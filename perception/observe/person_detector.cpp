@@ -50,11 +50,11 @@ Lean lean_of_chosen(DepthView depth, MaskView mask, const Intrinsics& intrinsics
 
 }  // namespace
 
-Sensor::Sensor(int width, int height, const JointModel& model)
+PersonDetector::PersonDetector(int width, int height, const JointModel& model)
     : holes_(width, height), segmenter_(width, height), tracker_(model) {}
 
-Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds,
-                        GuidanceSet frame_guidance) {
+Detection PersonDetector::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds,
+                                GuidanceSet frame_guidance) {
   Detection detection;
   const DepthView filled = holes_.run(depth);
   detection.person = segmenter_.run(filled, intrinsics, people_, mask, seconds, up_);
@@ -82,8 +82,8 @@ Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage
   return detection;
 }
 
-void Sensor::judge_pose(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Lean& lean,
-                        Detection& detection) {
+void PersonDetector::judge_pose(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Lean& lean,
+                                Detection& detection) {
   detection.back_chance = tracker_.back_chance();
   detection.view = view_side(detection.joints, detection.person.floor, detection.back_chance);
   GuidanceSet pose = pose_gate(detection.joints, detection.person.floor, detection.view, lean);
@@ -94,7 +94,7 @@ void Sensor::judge_pose(DepthView depth, const Intrinsics& intrinsics, MaskView 
   if (!has(detection.guidance, Guidance::arms_close)) detection.arms_close = 0;
 }
 
-JointEvidence Sensor::evidence(const Person& person) const {
+JointEvidence PersonDetector::evidence(const Person& person) const {
   const float shape = people_.shape_odds(person.id);
   // With the shape and without: real clothes are flatter than those the shape's odds were fitted on, and what
   // a person touches counts with the shape; without it furniture comes too near to people.
@@ -102,7 +102,7 @@ JointEvidence Sensor::evidence(const Person& person) const {
   return {tracker_.person_score(), odds, person.floor.known};
 }
 
-Detection Sensor::without_person(const Detection& refused, MaskImage mask) {
+Detection PersonDetector::without_person(const Detection& refused, MaskImage mask) {
   for (int v = 0; v < mask.height; ++v) std::fill_n(mask.row(v), mask.width, std::uint8_t{0});
   Detection detection;
   detection.person.floor = refused.person.floor;
@@ -117,7 +117,7 @@ Detection Sensor::without_person(const Detection& refused, MaskImage mask) {
   return detection;
 }
 
-void Sensor::reset() {
+void PersonDetector::reset() {
   segmenter_.reset();
   people_.reset();
   up_.reset();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capi/give.h"
+#include "capi/copy_out.h"
 
 #include <cstring>
 #include <string>
@@ -14,8 +14,8 @@ int check_place(im2fit_handle& handle, const void* place, std::size_t capacity, 
   return IM2FIT_OK;
 }
 
-int give(im2fit_handle& handle, std::span<const std::byte> bytes, std::size_t closing, void* place,
-         std::size_t capacity, std::size_t* size) {
+int copy_out(im2fit_handle& handle, std::span<const std::byte> bytes, std::size_t closing, void* place,
+             std::size_t capacity, std::size_t* size) {
   *size = bytes.size();
   if (capacity < bytes.size() + closing)
     return fail(&handle, IM2FIT_ERROR_TOO_SMALL,

@@ -3,7 +3,7 @@
 //
 // The variance of its logarithm is the sum of two: what the eleven's intervals leave, carried over by the slopes that
 // people have, and what the eleven do not determine, the residual of held-out people's fitted bodies. Both stand in
-// tape_law.inc, a row a measurement and sex, made by train/population/tape_law_main.cpp.
+// tape_regression.inc, a row a measurement and sex, made by im2fit-lab make tape-regression.
 #pragma once
 
 #include <span>
@@ -24,6 +24,6 @@ struct TapeInterval {
 std::vector<TapeInterval> tape_intervals(const body::Tape& tape, std::span<const float> values,
                                          const index::Answer& answer);
 // Whether a shipped measurement has its rows, for tests.
-bool has_tape_law(std::string_view id);
+bool has_tape_regression(std::string_view id);
 
 }  // namespace im2fit
