@@ -70,8 +70,8 @@ enum {
   IM2FIT_ERROR_INVALID_ARGUMENT = -1, /* NULL, out of range, wrong size, or not allowed now */
   IM2FIT_ERROR_NOT_FOUND = -2,        /* a file, device node, id or name does not exist */
   IM2FIT_ERROR_IO = -3,               /* the operating system refused */
-  IM2FIT_ERROR_CORRUPT = -4,          /* a file or frame is damaged, or of another format */
-  IM2FIT_ERROR_UNSUPPORTED = -5,      /* files do not fit together; or this build or version cannot do it */
+  IM2FIT_ERROR_CORRUPT = -4,          /* a file or frame is damaged, or of another format or version */
+  IM2FIT_ERROR_UNSUPPORTED = -5,      /* files do not fit together, or this library cannot do it */
   IM2FIT_ERROR_NO_DEVICE = -6,        /* the camera is not there, or no longer */
   IM2FIT_ERROR_TIMEOUT = -7,          /* no frame in time: call again */
   IM2FIT_ERROR_END_OF_STREAM = -8,    /* the source has no more frames */
@@ -164,9 +164,9 @@ IM2FIT_API void im2fit_settings_init(im2fit_settings* settings, size_t struct_si
  *   INVALID_ARGUMENT  a setting is out of range, or a required path is missing; the text names the field
  *   NOT_FOUND         a file does not exist
  *   IO                a file cannot be read, or a thread cannot be started
- *   CORRUPT           a file is damaged, or of another kind
- *   UNSUPPORTED       a file of another version; tracker and index that do not fit together; clothing = DRESSED with
- *                     files that cannot do it; a struct_size of no version, or a field that this library lacks
+ *   CORRUPT           a file is damaged, of another kind, or of another format version
+ *   UNSUPPORTED       tracker and index do not fit together; clothing is DRESSED and the files cannot do it;
+ *                     struct_size is that of no version, or a field is set that this library lacks
  *   NO_MEMORY */
 IM2FIT_API int im2fit_open(const im2fit_settings* settings, im2fit_handle** handle);
 
