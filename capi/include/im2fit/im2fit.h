@@ -97,14 +97,14 @@ IM2FIT_API const char* im2fit_last_error(const im2fit_handle* handle);
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
-/* Called for each failure of im2fit_open and of a function on the handle, on the thread of that call. The text is
- * valid during the call. Not called for im2fit_poll and FORKED. */
+/* Called for each failure of a function on the handle, and when im2fit_open refuses a setting or cannot load or
+ * start, on the thread of that call. The text is valid during the call. Not called for im2fit_poll and FORKED. */
 typedef void (*im2fit_log_fn)(void* user, int status, const char* text);
 
 /* Where a model file is when it has no path of its own: an asset of an APK, or bytes in memory. */
 enum { IM2FIT_DATA_PATH = 0, IM2FIT_DATA_MEMORY = 1, IM2FIT_DATA_FD = 2 };
 typedef struct im2fit_data {
-  int32_t kind;   /* IM2FIT_DATA_...; PATH: settings...._path names the file, the fields below are not read */
+  int32_t kind;   /* IM2FIT_DATA_...; PATH: the setting ..._path names the file, the fields below are not read */
   int32_t fd;     /* FD: a seekable file, open for reading. The caller owns it and may close it after im2fit_open */
   int64_t offset; /* FD: bytes before the data. An asset must be stored in the APK, not compressed */
   const void* bytes; /* MEMORY: im2fit_open copies them */
@@ -469,7 +469,7 @@ typedef struct im2fit_result {
   int32_t user_id;          /* the person of `joints` and `guidance`: >= 1, never reused. 0: no person is in view */
   int32_t view;             /* IM2FIT_VIEW_..., of the latest frame */
   uint32_t joints_inferred; /* a bit for each of display_joints: not visible, held at its last place */
-  uint32_t session;         /* counts the sessions begun after im2fit_next, from 0 */
+  uint32_t session; /* number of the session: counts up after im2fit_next and im2fit_select_user; im2fit_reset: 0 */
   /* Joints of the latest frame, to draw, also once measured. Confidence is 0 while no person is followed. They are
    * smoothed: 0.11 s late at rest, 0.02 s late at a speed of 1 m/s. `joints` are not smoothed. */
   im2fit_joint display_joints[IM2FIT_JOINT_COUNT];
