@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of 16-bit depth pictures (000000.png ..., mm) to measurements, on any Java virtual machine.
+// Measures the person in a folder of 16-bit depth pictures (000000.png ..., mm), on any Java virtual machine.
 //   kotlinc MeasureFolder.kt -cp /usr/share/java/im2fit.jar -include-runtime -d measure.jar
 //   java -cp measure.jar:/usr/share/java/im2fit.jar MeasureFolderKt FOLDER MODELS FX FY CX CY [ROTATE]
-// FX FY CX CY: the depth camera's intrinsics, pixels. ROTATE: degrees clockwise that turn its pictures upright. MODELS:
-// where `im2fit models install` has put tracker.i2t, index.i2f and body.i2b.
+// FX FY CX CY: intrinsics of the depth camera, pixels. ROTATE: clockwise rotation that makes its pictures upright, degrees.
+// MODELS: the directory where `im2fit models install` has put tracker.i2t, index.i2f and body.i2b.
 import im2fit.sdk.Camera
 import im2fit.sdk.Frame
 import im2fit.sdk.Models
@@ -38,7 +38,7 @@ fun main(arguments: Array<String>) {
     val frames = files.asSequence().mapIndexed { number, file ->
         Frame.ofMillimetres(picture(file).depthMm, timeNs = number * 1_000_000_000L / 30, sequence = number.toLong())
     }
-    // Frames from files need not keep a camera's pace: the session waits for its own threads.
+    // With live = false the session waits for its own threads: no frame of the folder is dropped.
     Session(camera, Models.of(File(arguments[1])), Settings(live = false)).use { session ->
         val outcome = session.measure(frames) { println("${it.state} ${it.guidance.joinToString(" ")}") }
         when (outcome) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One person after the other before a live camera, guided. Depth comes on standard input as raw 16-bit frames, mm:
+// Measures one person after the other before a live camera, with guidance. Standard input has the depth: raw 16-bit
+// frames, mm.
 //   v4l2-ctl -d /dev/video2 --stream-mmap --stream-to=- | live TRACKER.i2t INDEX.i2f 640 480 FX FY CX CY
 #include <im2fit/im2fit.h>
 
@@ -15,7 +16,7 @@
 namespace {
 using Handle = std::unique_ptr<im2fit_handle, decltype(&im2fit_close)>;
 
-// What the person is to do, once a change.
+// Prints state and guidance for the person when they change.
 void guide(const im2fit_result& result, std::string& shown) {
   std::string text = im2fit_state_name(result.state);
   for (int bit = 0; bit < IM2FIT_GUIDANCE_COUNT; ++bit)
@@ -51,7 +52,7 @@ int main(int argc, char** argv) {
   settings.fx = std::strtof(argv[5], nullptr), settings.fy = std::strtof(argv[6], nullptr);
   settings.cx = std::strtof(argv[7], nullptr), settings.cy = std::strtof(argv[8], nullptr);
   settings.frames_wanted = 6;
-  const bool recording = std::getenv("LIVE_RECORDING") != nullptr;  // on standard input: no frame is dropped
+  const bool recording = std::getenv("LIVE_RECORDING") != nullptr;  // of standard input: no frame is dropped
   settings.live = recording ? 0 : 1;
   settings.single_thread = recording ? 1 : 0;
   im2fit_handle* opened = nullptr;
@@ -71,10 +72,10 @@ int main(int argc, char** argv) {
     guide(result, shown);
     if (result.state != IM2FIT_STATE_MEASURED) continue;
     print(result);
-    if (im2fit_next(handle.get()) != IM2FIT_OK) return fail(handle.get());  // the next one, once this one has left
+    if (im2fit_next(handle.get()) != IM2FIT_OK) return fail(handle.get());  // begins when this one has left
   }
   if (im2fit_finish(handle.get()) != IM2FIT_OK || im2fit_poll(handle.get(), &result, sizeof result) != IM2FIT_OK)
     return fail(handle.get());
-  if (result.state == IM2FIT_STATE_MEASURED) print(result);  // with what there was before the stream ended
+  if (result.state == IM2FIT_STATE_MEASURED) print(result);  // with the frames before the end
   return 0;
 }

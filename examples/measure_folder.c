@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
- * A folder of 16-bit depth pictures (000000.png ..., mm, upright) to measurements.
- *   measure_folder FOLDER TRACKER.i2t INDEX.i2f FX FY CX CY     the depth camera's intrinsics, pixels */
+ * Measures the person in a folder of 16-bit depth pictures (000000.png ..., mm, upright).
+ *   measure_folder FOLDER TRACKER.i2t INDEX.i2f FX FY CX CY     intrinsics of the depth camera, pixels */
 #include <im2fit/im2fit.h>
 #include <png.h>
 #include <stdint.h>
@@ -12,7 +12,7 @@ typedef struct picture {
   uint16_t* depth_mm;
 } picture;
 
-/* 1: read; 0: there is no such file or it is no 16-bit grey PNG. */
+/* Returns 1 when read, 0 when the file does not exist or is not a 16-bit grey PNG. */
 static int read_picture(const char* path, picture* out) {
   FILE* file = fopen(path, "rb");
   if (file == NULL) return 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Any source to measurements, by libim2fit-cameras: a camera, a recording or a depth folder.
+ * Measures the person of a camera, a recording or a depth folder, by libim2fit-cameras.
  *   measure_source SOURCE TRACKER.i2t INDEX.i2f [ROTATE_DEG]     openni2 | usb | v4l2:/dev/video2 | me.oni | FOLDER
  */
 #include <im2fit/cameras.h>
@@ -11,7 +11,7 @@ static int failed(const char* what, const char* why) {
   return 1;
 }
 
-/* Frames until there is enough, or no more: 0, or the status that ended it. */
+/* Takes frames until MEASURED or the end of the source. Returns 0, or the error of the source. */
 static int pump_until_measured(im2fit_handle* handle) {
   uint32_t shown = 0;
   for (;;) {

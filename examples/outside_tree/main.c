@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0
- * The smallest program on an installed im2fit: do these model files load, and together?
+ * The smallest program on an installed im2fit. It checks that model files load and fit together.
  *   check_models TRACKER.i2t INDEX.i2f [BODY.i2b] */
 #include <im2fit/im2fit.h>
 #include <stdio.h>

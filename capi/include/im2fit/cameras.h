@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cameras, recordings and depth folders for im2fit.h: libim2fit-cameras, a library of its own, because it needs what
- * devices need (OpenNI2, libusb, libpng, libdeflate, yaml-cpp) and libim2fit needs nothing.
+ * libim2fit-cameras opens cameras, recordings and depth folders for im2fit.h. It is a library of its own because it
+ * needs OpenNI2, libusb, libpng, libdeflate and yaml-cpp. libim2fit needs none of them.
  *
  *   im2fit_settings settings;
  *   im2fit_settings_init(&settings, sizeof settings);
@@ -17,17 +17,28 @@
  *   }
  *   im2fit_finish(handle);
  *
- * A URI is what the program im2fit takes as SOURCE:
- *   openni2[:URI]                    a camera of OpenNI2, the first one without URI
+ * A URI is the SOURCE of the program im2fit:
+ *   openni2[:URI]                    a camera of OpenNI2. Without URI: the first one
  *   usb[:SERIAL]                     a Kinect for Xbox 360 over USB
  *   v4l2:/dev/videoN[?key=value...]  a V4L2 depth camera (docs/cameras)
- *   PATH.oni                         a recording; FILE.oni.yaml beside it has its calibration
- *   FOLDER                           16-bit PNG or PGM and camera.yaml
- * What this build was made without is UNSUPPORTED. Which cameras are there: `im2fit devices`.
+ *   PATH.oni                         a recording. FILE.oni.yaml beside it has its calibration
+ *   FOLDER                           16-bit PNG or PGM files and camera.yaml
+ * `im2fit devices` lists the cameras that are connected.
  *
- * The rules of im2fit.h hold. A source gives the same bits as its frames pushed by im2fit_push, and where a camera
- * feels gravity, or a recording says where down is, as those pushed with it by im2fit_push_frame. A camera that is
- * unplugged is NO_DEVICE: attach it again. While a handle uses this library, the library must stay loaded.
+ * Errors of im2fit_cameras_describe and im2fit_attach for a URI:
+ *   NOT_FOUND         an unknown URI, or a V4L2 node, recording or folder that does not exist
+ *   NO_DEVICE         the camera is not connected
+ *   CORRUPT           the recording or folder is damaged
+ *   IO                the operating system refused: another program uses the camera, say
+ *   INVALID_ARGUMENT  the options do not fit the source; the text names the option
+ *   UNSUPPORTED       this build lacks the kind of source, or the camera has no usable format
+ *
+ * The rules of im2fit.h hold here too.
+ *   - Results: a source gives the same bits as its frames pushed by im2fit_push.
+ *   - Gravity: the direction that an accelerometer or a recording reports is passed on. The bits are then those of
+ *     im2fit_push_frame with down_x.
+ *   - Unplugged: im2fit_pump returns NO_DEVICE. Attach the camera again.
+ *   - Unloading: the library must stay loaded while a handle uses it.
  */
 #ifndef IM2FIT_CAMERAS_H
 #define IM2FIT_CAMERAS_H
@@ -41,29 +52,35 @@ extern "C" {
 
 typedef struct im2fit_cameras_options {
   size_t struct_size;           /* written by im2fit_cameras_options_init */
-  const char* calibration_path; /* a camera's YAML (ROS, OpenCV) that overrides the source's own; NULL: none */
-  int32_t rotate_deg;           /* how the camera is mounted: 0, 90, 180, 270; -1: what the recording says, else 0 */
-  int32_t width; /* 640 x 480: wanted of a camera, before it is turned upright; the nearest mode is taken */
+  const char* calibration_path; /* YAML (ROS, OpenCV) that replaces the source's own calibration; NULL: none */
+  int32_t rotate_deg;           /* -1: as recorded, else 0. 0, 90, 180, 270: clockwise, makes the picture upright */
+  int32_t width; /* 640 x 480: preferred mode of a camera, before rotation, 1..2048. The nearest mode is used */
   int32_t height;
-  float unit_mm; /* 1: of a depth folder's pixels; other sources know theirs */
+  float unit_mm; /* 1: of the pixels of a depth folder, above 0, up to 1000. Other sources have their own */
 } im2fit_cameras_options;
 
-/* Fills in the defaults above. `struct_size` is sizeof(im2fit_cameras_options) as the caller sees it. */
+/* Writes the defaults above. `struct_size` is sizeof(im2fit_cameras_options) of the caller's header. */
 IM2FIT_API void im2fit_cameras_options_init(im2fit_cameras_options* options, size_t struct_size);
 
-/* Opens `uri`, looks, and closes it: what im2fit_open must know of it goes into settings->width, height, fx, fy, cx,
- * cy, sensor (0 where the camera is not known) and live (1 for cameras). `options` NULL: the defaults. Settings are
- * not touched after a failure. */
+/* Opens `uri`, reads its properties and closes it. Writes width, height, fx, fy, cx, cy, sensor (0: unknown) and live
+ * (1 for cameras) of *settings, for im2fit_open. Other settings are unchanged; after an error all are. `options`
+ * NULL: the defaults. Allocates.
+ * Errors: as listed above; UNSUPPORTED also for a struct_size of no version. */
 IM2FIT_API int im2fit_cameras_describe(const char* uri, const im2fit_cameras_options* options,
                                        im2fit_settings* settings);
 
-/* From now on im2fit_attach(handle, uri) opens the URIs above: an im2fit_set_opener. `options` NULL: the defaults;
- * else they stay the caller's and must be there until im2fit_close or another opener, and are read by each
- * im2fit_attach. A source of another size than the handle's is INVALID_ARGUMENT, of im2fit_pump. */
+/* Makes im2fit_attach(handle, uri) open the URIs above, by im2fit_set_opener and im2fit_set_opener_down. `options`
+ * NULL: the defaults. Else each im2fit_attach reads *options: it must stay valid until im2fit_close or another
+ * opener. A source whose upright frames have another size than the handle's is INVALID_ARGUMENT of im2fit_pump.
+ * Errors:
+ *   INVALID_ARGUMENT  an option is out of range, or the handle is NULL
+ *   UNSUPPORTED       options->struct_size is that of no version
+ *   FORKED            the parent process opened the handle */
 IM2FIT_API int im2fit_cameras_use(im2fit_handle* handle, const im2fit_cameras_options* options);
 
-/* What the latest call of the calling thread that failed here failed with, in one line, be it im2fit_attach or
- * im2fit_pump of a handle that uses this library; "" when none has. im2fit_last_error has the status alone. */
+/* The latest error of this library on the calling thread, in one line. It covers the functions above, and
+ * im2fit_attach and im2fit_pump of a handle that uses this library. "" before the first error. im2fit_last_error has
+ * the status only. */
 IM2FIT_API const char* im2fit_cameras_error(void);
 
 #ifdef __cplusplus

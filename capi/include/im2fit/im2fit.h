@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * im2fit: a person before one depth camera is measured, on this machine alone.
+ * im2fit measures a person in front of one depth camera. All work is done on this machine.
  *
  *   im2fit_settings settings;
  *   im2fit_settings_init(&settings, sizeof settings);
@@ -18,18 +18,24 @@
  *   im2fit_finish(handle);                                     measures with fewer frames, if enough
  *   im2fit_close(handle);
  *
- * Rules that hold for every function:
- *   - Status codes are 0 for success and negative otherwise; im2fit_last_error says in one line what is wrong.
- *   - Memory is the caller's, except the handle. Strings returned are the library's and constant.
- *   - Paths and URIs are UTF-8, ended by a zero byte. Lengths are millimetres, masses kilograms, angles degrees.
+ * Rules for every function:
+ *   - Status: 0 is success, errors are negative. im2fit_last_error describes an error in one line.
+ *   - Errors: each function lists its own. A function that takes a handle and returns a status can also return
+ *     INVALID_ARGUMENT (a pointer that is required is NULL), FORKED, NO_MEMORY and INTERNAL.
+ *   - Memory: the caller owns all memory but the handle. The library owns the strings that it returns. They are
+ *     constant.
+ *   - Text: paths and URIs are UTF-8 and end with a zero byte.
+ *   - Units: millimetres, kilograms, degrees, unless a name or comment has another.
  *   - Camera axes: x right, y down, z forward, of the upright picture. Left and right are the person's own.
- *   - fork(): a handle is of the process that opened it. In a child every function but im2fit_close refuses it with
- *     IM2FIT_ERROR_FORKED, and im2fit_close leaves camera and threads to the parent.
- *   - Threads: one thread at a time may use a handle, but im2fit_poll may be called from any thread at any time
- *     before im2fit_close. Different handles are independent.
- *   - No function throws, prints or ends the program. Nothing allocates between im2fit_open and im2fit_close, except
- *     where stated.
- *   - The same files and frames give the same results, bit for bit, on every supported machine (live = 0).
+ *   - Threads: one thread at a time may use a handle. Exception: any thread may call im2fit_poll at any time before
+ *     im2fit_close. Different handles are independent.
+ *   - fork(): a handle belongs to the process that opened it. In a child process every function that returns a status
+ *     returns IM2FIT_ERROR_FORKED for it. im2fit_close works there and leaves camera and threads to the parent.
+ *   - No function throws, prints or ends the program.
+ *   - Between im2fit_open and im2fit_close no function allocates, unless the comment of a function or field says so.
+ *   - Results: the same files and frames give the same bits on every supported machine (with live = 0).
+ *   - ABI: the soname is libim2fit.so.0. Its number is not the major version. It changes, together with a major
+ *     version, only when programs built with an older header no longer run.
  *   - Not promised: struct layouts across major versions, guidance on any particular frame, speed.
  */
 #ifndef IM2FIT_IM2FIT_H
@@ -55,265 +61,315 @@
 extern "C" {
 #endif
 
-typedef struct im2fit_handle im2fit_handle; /* one camera, one person at a time */
+typedef struct im2fit_handle im2fit_handle; /* measures one person at a time, before one camera */
 
 /* ---- Status ---------------------------------------------------------------------------------------------------- */
 
 enum {
   IM2FIT_OK = 0,
-  IM2FIT_ERROR_INVALID_ARGUMENT = -1, /* NULL, out of range, wrong size, not now */
-  IM2FIT_ERROR_NOT_FOUND = -2,        /* no such file or entry */
+  IM2FIT_ERROR_INVALID_ARGUMENT = -1, /* NULL, out of range, wrong size, or not allowed now */
+  IM2FIT_ERROR_NOT_FOUND = -2,        /* a file, device node, id or name does not exist */
   IM2FIT_ERROR_IO = -3,               /* the operating system refused */
-  IM2FIT_ERROR_CORRUPT = -4,          /* a file or frame is damaged or foreign */
-  IM2FIT_ERROR_UNSUPPORTED = -5,      /* files that do not fit together or this version */
-  IM2FIT_ERROR_NO_DEVICE = -6,        /* the source is lost */
+  IM2FIT_ERROR_CORRUPT = -4,          /* a file or frame is damaged, or of another format or version */
+  IM2FIT_ERROR_UNSUPPORTED = -5,      /* files do not fit together, or this library cannot do it */
+  IM2FIT_ERROR_NO_DEVICE = -6,        /* the camera is not there, or no longer */
   IM2FIT_ERROR_TIMEOUT = -7,          /* no frame in time: call again */
   IM2FIT_ERROR_END_OF_STREAM = -8,    /* the source has no more frames */
   IM2FIT_ERROR_NO_MEMORY = -9,
-  IM2FIT_ERROR_NOT_MEASURED = -10, /* there is no answer yet */
-  IM2FIT_ERROR_TOO_SMALL = -11,    /* the buffer; the needed count is written */
+  IM2FIT_ERROR_NOT_MEASURED = -10, /* there is no measurement yet */
+  IM2FIT_ERROR_TOO_SMALL = -11,    /* the buffer is too small; the needed count is written */
   IM2FIT_ERROR_INTERNAL = -12,
-  IM2FIT_ERROR_FORKED = -13 /* the handle was opened before fork(), in the parent process: open one of your own */
+  IM2FIT_ERROR_FORKED = -13 /* the parent process opened the handle before fork(): open another in this process */
 };
 
-/* "1.0.0": of the library in use, which may be newer than this header. */
+/* The version of the library in use, "1.0.0". It may be newer than this header. Any thread. */
 IM2FIT_API const char* im2fit_version(void);
 
-/* A short name, "no_device"; "unknown" for other numbers. */
+/* The short name of a status: "no_device". "unknown" for other numbers. Any thread. */
 IM2FIT_API const char* im2fit_status_name(int status);
 
-/* What the latest call on this handle failed with, or "" when it did not; valid until the next call on the handle.
- * im2fit_poll, which any thread may call, leaves it alone. With NULL: the last failure of any call of the calling
- * thread, that of im2fit_open and im2fit_poll among them; a success does not empty it. */
+/* The error of the latest call on this handle, as one line of text. "" after a success. The text is valid until the
+ * next call on the handle. im2fit_poll does not change it, as any thread may call that. FORKED does not change it.
+ * With NULL: the latest error of any call on the calling thread, including im2fit_open, im2fit_poll and FORKED. A
+ * success does not clear it.
+ * END_OF_STREAM and TIMEOUT of im2fit_pump and im2fit_wait are not failures: they have no text. */
 IM2FIT_API const char* im2fit_last_error(const im2fit_handle* handle);
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
-/* Every failure is also reported here, on the thread of the failing call. The text is valid during the call. */
+/* Called for each failure of a function on the handle, and when im2fit_open refuses a setting or cannot load or
+ * start, on the thread of that call. The text is valid during the call. Not called for im2fit_poll and FORKED. */
 typedef void (*im2fit_log_fn)(void* user, int status, const char* text);
 
-/* Where a file is, for those that have no path: an asset inside an APK, a file read from elsewhere. */
+/* Where a model file is when it has no path of its own: an asset of an APK, or bytes in memory. */
 enum { IM2FIT_DATA_PATH = 0, IM2FIT_DATA_MEMORY = 1, IM2FIT_DATA_FD = 2 };
 typedef struct im2fit_data {
-  int32_t kind;   /* IM2FIT_DATA_...; PATH: where the settings' field of that name says, what follows is not read */
-  int32_t fd;     /* FD: open for reading, seekable; stays the caller's, who may close it after im2fit_open */
-  int64_t offset; /* FD: bytes before the file; an asset must be stored, not deflated */
-  const void* bytes; /* MEMORY: copied by im2fit_open */
-  size_t size;       /* of the file in bytes; MEMORY and FD. Copied; a path's file of more than 64 MiB is mapped */
+  int32_t kind;   /* IM2FIT_DATA_...; PATH: the setting ..._path names the file, the fields below are not read */
+  int32_t fd;     /* FD: a seekable file, open for reading. The caller owns it and may close it after im2fit_open */
+  int64_t offset; /* FD: bytes before the data. An asset must be stored in the APK, not compressed */
+  const void* bytes; /* MEMORY: im2fit_open copies them */
+  size_t size;       /* MEMORY, FD: bytes, 1..2^30; copied. A file of a path is mapped when larger than 64 MiB */
 } im2fit_data;
 
 typedef struct im2fit_settings {
   size_t struct_size;         /* written by im2fit_settings_init */
   const char* tracker_path;   /* .i2t, required */
   const char* index_path;     /* .i2f, required */
-  const char* body_path;      /* .i2b, or NULL: no im2fit_body_mesh, and features alone answer (no shape is fitted) */
+  const char* body_path;      /* .i2b. NULL: no mesh, tape, avatar or garments, and no shape is fitted */
   const char* men_chart_path; /* .csv size charts (docs/result.md); both or neither. NULL: EN 13402-3, built in */
   const char* women_chart_path;
-  int32_t width; /* pixels of upright frames, 1..2048 */
+  int32_t width; /* of upright frames, pixels, 1..2048 */
   int32_t height;
-  float fx, fy, cx, cy;    /* pixels; the depth camera's own, not the colour camera's. Centre of pixel 0 is 0 */
-  int32_t frames_wanted;   /* 30: accepted frames until MEASURED, 1..1000; of each side with `turn` */
-  int32_t frames_min;      /* 5: fewest that im2fit_finish measures with, 1..frames_wanted */
-  int32_t calibration_psi; /* 0: none. 1: ask for raised arms first. Flags are 0 or 1, other values are refused */
-  int32_t live;            /* 0: im2fit_push waits when behind. 1: drops the oldest frame and counts it */
-  int32_t single_thread;   /* 0: two threads. 1: all work inside im2fit_push */
-  int32_t pool_frames;     /* 8: frames held, 3..64, three bytes a pixel each */
-  im2fit_log_fn log;       /* NULL: none */
+  float fx, fy, cx, cy;    /* pixels; of the depth camera, not of the colour camera. The centre of pixel 0 is 0 */
+  int32_t frames_wanted;   /* 30: accepted frames until MEASURED, 1..1000. With `turn`: for each side */
+  int32_t frames_min;      /* 5: fewest accepted frames for im2fit_finish to measure, 1..frames_wanted */
+  int32_t calibration_psi; /* 0: off. 1: the person raises the arms first. Flags other than 0 and 1 are refused */
+  int32_t live;          /* 0: im2fit_push waits when the engine is behind. 1: it drops and counts the oldest frame */
+  int32_t single_thread; /* 0: two threads. 1: im2fit_push does all work itself, and `live` has no effect */
+  int32_t pool_frames;   /* 8: frames held, 3..64. Each takes three bytes a pixel */
+  im2fit_log_fn log;     /* NULL: none. Used until im2fit_close */
   void* log_user;
-  int32_t user_id;  /* 0: whoever stands right first. Else only the person with this im2fit_result.user_id */
-  int32_t turn;     /* 0: the front is measured. 1: then the person is asked to turn round, and the back as well */
+  int32_t user_id;  /* 0: the first person with empty guidance. Else: the person with this im2fit_result.user_id */
+  int32_t turn;     /* 0: the front is measured. 1: the front, then the back, once the person has turned round */
   int32_t clothing; /* IM2FIT_CLOTHING_...: what the person wears. 0: estimated from the frames */
-  int32_t sensor;   /* IM2FIT_SENSOR_...: how the camera senses depth. 0: judged from the frames */
-  im2fit_data tracker_data; /* instead of the paths above */
+  int32_t sensor;   /* IM2FIT_SENSOR_...: how the camera senses depth. 0: estimated from the frames */
+  im2fit_data tracker_data; /* these replace the paths above */
   im2fit_data index_data;
   im2fit_data body_data;
-  const char* calibration_site_path; /* .i2c, by which every answer is corrected (docs/calibration.md), or NULL */
-  im2fit_data calibration_site_data; /* instead of the path */
+  const char* calibration_site_path; /* .i2c: corrects every measurement (docs/calibration.md). NULL: none */
+  im2fit_data calibration_site_data; /* replaces the path */
 } im2fit_settings;
 
-/* How a camera senses depth, where the caller knows: people's outlines come out differently. */
+/* How a camera senses depth. It shapes the outline of a person, and so the girths. */
 enum {
-  IM2FIT_SENSOR_UNKNOWN = 0,          /* judged from the frames: docs/cameras says where that is not enough */
+  IM2FIT_SENSOR_UNKNOWN = 0,          /* estimated from the frames; docs/cameras lists where that is not enough */
   IM2FIT_SENSOR_STRUCTURED_LIGHT = 1, /* Kinect for Xbox 360, Xtion, Astra */
   IM2FIT_SENSOR_TIME_OF_FLIGHT = 2    /* Kinect v2, Azure Kinect */
 };
 
-/* What the person wears, where the caller knows. */
+/* What the person wears. */
 enum {
-  IM2FIT_CLOTHING_UNKNOWN = 0, /* estimated, given body_path: intervals are as wide as what is seen makes them */
-  IM2FIT_CLOTHING_BARE = 1,    /* underwear or close-fitting sportswear; GUIDANCE_CLOTHED when it does not look so */
-  IM2FIT_CLOTHING_DRESSED = 2  /* the body underneath, with wider intervals; needs body_path */
+  IM2FIT_CLOTHING_UNKNOWN = 0, /* estimated from the frames; needs body_path. Intervals widen with the estimate */
+  IM2FIT_CLOTHING_BARE = 1,    /* underwear or close-fitting sportswear. GUIDANCE_CLOTHED: the frames show more */
+  IM2FIT_CLOTHING_DRESSED = 2  /* more clothes: the body underneath, with wider intervals; needs body_path */
 };
 
-/* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_settings) as the caller sees it.
- */
+/* Writes the defaults above, NULL or 0 elsewhere. `struct_size` is sizeof(im2fit_settings) of the caller's
+ * header. */
 IM2FIT_API void im2fit_settings_init(im2fit_settings* settings, size_t struct_size);
 
-/* Loads the files, allocates everything, starts the threads. *handle is NULL after a failure. */
+/* Loads the files, allocates memory and starts the threads. The settings, and what they point to, may go after the
+ * call; `log` and `log_user` must stay until im2fit_close. *handle is NULL after an error. Allocates.
+ * Errors:
+ *   INVALID_ARGUMENT  a setting is out of range, or a required path is missing; the text names the field
+ *   NOT_FOUND         a file does not exist
+ *   IO                a file cannot be read, or a thread cannot be started
+ *   CORRUPT           a file is damaged, of another kind, or of another format version
+ *   UNSUPPORTED       tracker and index do not fit together; clothing is DRESSED and the files cannot do it;
+ *                     struct_size is that of no version, or a field is set that this library lacks
+ *   NO_MEMORY */
 IM2FIT_API int im2fit_open(const im2fit_settings* settings, im2fit_handle** handle);
 
-/* Stops the threads and frees everything, from any state; frames in the pipeline are given up. NULL is fine. */
+/* Stops the threads, closes the attached source and frees the handle. Allowed in any state. Frames in the pipeline
+ * are dropped. NULL does nothing. */
 IM2FIT_API void im2fit_close(im2fit_handle* handle);
 
 /* ---- Frames ---------------------------------------------------------------------------------------------------- */
 
-/* Copies one upright depth frame: 16-bit millimetres, 0 where there is no data, `stride` values from row to row
- * (0: width). `sequence` and `time_ns` (monotonic) are the camera's, for counting gaps; 0 when it has none.
- * Errors: INVALID_ARGUMENT for another size than the settings', or after im2fit_finish; CORRUPT as im2fit_finish. */
+/* Copies one upright depth frame into the engine. Waits while the engine is behind, unless settings.live is 1.
+ *   depth_mm  16-bit millimetres, 0: no data
+ *   stride    values (not bytes) from row to row; 0: width
+ *   sequence  the camera's frame number, to count gaps; 0: it has none
+ *   time_ns   the camera's monotonic time; 0: it has none
+ * Errors:
+ *   INVALID_ARGUMENT  the size is not that of the settings; the stride is less than the width; after im2fit_finish
+ *   CORRUPT           the index is damaged, as im2fit_finish */
 IM2FIT_API int im2fit_push(im2fit_handle* handle, const uint16_t* depth_mm, int32_t width, int32_t height,
                            size_t stride, uint64_t sequence, int64_t time_ns);
 
-/* How a frame's samples are stored. */
+/* Sample formats of a frame. */
 enum {
-  IM2FIT_FORMAT_U16 = 0,     /* 16-bit whole numbers of `unit_mm`; 0: no data */
-  IM2FIT_FORMAT_DEPTH16 = 1, /* Android's ImageFormat.DEPTH16: 13 bits of mm under 3 bits of confidence */
-  IM2FIT_FORMAT_F32 = 2      /* 32-bit floats, metres; NaN, infinite, zero and negative: no data */
+  IM2FIT_FORMAT_U16 = 0,     /* 16-bit integers in units of `unit_mm`; 0: no data */
+  IM2FIT_FORMAT_DEPTH16 = 1, /* Android's ImageFormat.DEPTH16: 13 low bits are mm, 3 high bits confidence */
+  IM2FIT_FORMAT_F32 = 2      /* 32-bit floats, metres. NaN, infinite, zero and negative: no data */
 };
 
-/* A frame as cameras and phones deliver it, before it is upright. Set what is known, leave the rest as
- * im2fit_frame_init made it. Beyond 65535 mm there is no data. */
+/* A frame as a camera or phone delivers it, not yet upright. Call im2fit_frame_init, then set the fields that are
+ * known. Depths over 65535 mm count as no data. */
 typedef struct im2fit_frame {
   size_t struct_size; /* written by im2fit_frame_init */
-  const void* pixels; /* rows from the top, samples of the machine's byte order, aligned as such */
+  const void* pixels; /* rows from the top; samples in the machine's byte order, aligned to their size */
   int32_t format;     /* IM2FIT_FORMAT_... */
-  int32_t width;      /* as delivered: turned by rotate_deg it must be the settings' size */
+  int32_t width;      /* as delivered. After rotate_deg the size must be that of the settings */
   int32_t height;
-  int32_t rotate_deg;        /* 0, 90, 180, 270: clockwise, what makes the picture upright */
-  size_t row_bytes;          /* from row to row, a multiple of the sample's; 0: no padding */
-  float unit_mm;             /* 1: of U16, above 0 to 1000 */
-  int32_t confidence_min;    /* 0: all are taken. DEPTH16: sevenths of sure, 0..7. Else of the plane below, 0..255 */
-  const uint8_t* confidence; /* a byte a sample, of U16 and F32: less than confidence_min is no data. NULL: none */
-  size_t confidence_row_bytes; /* 0: width */
-  /* The intrinsics of this frame, in pixels of the frame as delivered; all 0: the settings'. Those of the first frame
-   * after im2fit_open or im2fit_reset are the session's; a later frame with others is resampled to them (nearest
-   * sample). A session takes frames by this function or by im2fit_push, not by both. */
+  int32_t rotate_deg;          /* 0, 90, 180, 270: clockwise rotation that makes the picture upright */
+  size_t row_bytes;            /* bytes from row to row, a multiple of the sample size; 0: no padding */
+  float unit_mm;               /* 1: U16 only, above 0, up to 1000 */
+  int32_t confidence_min;      /* 0: use all. DEPTH16: sevenths of full confidence, 0..7. Others: 0..255 */
+  const uint8_t* confidence;   /* U16, F32: one byte a sample; less than confidence_min is no data. NULL: none */
+  size_t confidence_row_bytes; /* bytes from row to row; 0: width */
+  /* Intrinsics of this frame, in pixels of the frame as delivered. All 0: those of the settings. The first frame
+   * after im2fit_open or im2fit_reset sets the intrinsics of the session. A later frame with others is resampled to
+   * them (nearest sample). Do not mix im2fit_push and im2fit_push_frame in one session. */
   float fx, fy, cx, cy;
-  uint64_t sequence; /* as im2fit_push */
+  uint64_t sequence; /* as for im2fit_push */
   int64_t time_ns;
-  int64_t device_us; /* the device's own clock; -1: it has none */
-  /* Which way gravity pulls, of any length, in the axes of the frame as delivered: x right, y down, z forward. All 0:
-   * not known, and then the latest told holds until im2fit_reset. Android's TYPE_GRAVITY points up: negate it. Where
-   * no floor is seen it says what is upright. */
+  int64_t device_us; /* time of the device's own clock; -1: it has none */
+  /* Direction of gravity, of any length, in the axes of the frame as delivered: x right, y down, z forward. All 0:
+   * unknown; then the latest known direction holds until im2fit_reset. Android's TYPE_GRAVITY points up: negate it.
+   * Gravity defines upright where no floor is visible. */
   float down_x, down_y, down_z;
-  float reserved; /* 0 */
-  /* The lens, where the picture is not undistorted yet: Brown and Conrady's, radial and tangential, as OpenCV has it.
-   * Android's LENS_DISTORTION is k1 k2 k3 p1 p2 in this order. All 0: none. Undone through a table (nearest sample),
-   * made when lens, intrinsics or rotation differ from the frame's before; the first one allocates. */
-  float k1, k2, k3, p1, p2;
-  float reserved2; /* 0 */
-  /* Where the camera is, when it is held in the hand or moves, as the platform tracks it: turn_x .. turn_w is the
-   * unit quaternion that takes a direction in the axes of the frame as delivered to those of a place at rest, and
-   * x_mm .. z_mm where the camera is there (0: taken to turn about itself). All 0: not known, and the frame is taken
-   * as it is. The frame becomes what the first one told was a view of (nearest sample); after a turn of more than 10
-   * degrees or a step of more than 150 mm it begins a view of its own. ARKit and OpenGL have y up and z backwards:
-   * negate y and z of the axes on the camera's side, which makes (x, y, z, w) into (w, z, -y, -x). The first told
+  float reserved; /* padding, so that the fields below keep their offsets: 0, as im2fit_frame_init writes it */
+  /* Lens distortion of a picture that is not yet undistorted: the Brown-Conrady model of OpenCV, radial k,
+   * tangential p. Android's LENS_DISTORTION has this order: k1 k2 k3 p1 p2. All 0: none. It is undone through a
+   * table (nearest sample). The table is computed again when lens, intrinsics or rotation change. The first table
    * allocates. */
+  float k1, k2, k3, p1, p2;
+  float reserved2; /* padding, as `reserved`: 0 */
+  /* Pose of a camera that moves or is held in the hand, as the platform tracks it. turn_x .. turn_w is the unit
+   * quaternion from the axes of the frame as delivered to axes at rest. x_mm .. z_mm is the position of the camera
+   * in those axes, within 1 km; all 0: the camera only turns. All seven 0: unknown, and the frame is used as it is.
+   * Each frame is resampled to the view of the first frame with a pose (nearest sample). A turn of more than 10
+   * degrees or a step of more than 150 mm begins a new view. The first frame with a pose allocates.
+   * ARKit and OpenGL have y up and z backwards: negate y and z of the axes on the camera's side. That turns
+   * (x, y, z, w) into (w, z, -y, -x). */
   float turn_x, turn_y, turn_z, turn_w;
   float x_mm, y_mm, z_mm;
-  float reserved3; /* 0 */
+  float reserved3; /* padding, as `reserved`: 0 */
 } im2fit_frame;
 
-/* Fills in the defaults above, NULL and 0 elsewhere. `struct_size` is sizeof(im2fit_frame) as the caller sees it. */
+/* Writes the defaults above, NULL or 0 elsewhere. `struct_size` is sizeof(im2fit_frame) of the caller's header. */
 IM2FIT_API void im2fit_frame_init(im2fit_frame* frame, size_t struct_size);
 
-/* im2fit_push for such a frame: made millimetres, upright, and pushed. One scene in each of the three formats gives
- * the same bits. INVALID_ARGUMENT names the field that is out of range; UNSUPPORTED for a struct_size that fits no
- * version. Else as im2fit_push. */
+/* Converts a frame to upright millimetres and pushes it as im2fit_push does. One scene gives the same bits in each
+ * of the three formats.
+ * Errors:
+ *   INVALID_ARGUMENT  a field is out of range, or a reserved field is not 0; the text names the field; and as
+ *                     im2fit_push
+ *   CORRUPT           the index is damaged, as im2fit_finish
+ *   UNSUPPORTED       struct_size is that of no version, or a field is set that this library lacks */
 IM2FIT_API int im2fit_push_frame(im2fit_handle* handle, const im2fit_frame* frame);
 
-/* Waits until every frame pushed has been processed, so that im2fit_poll speaks of all of them. TIMEOUT after
- * `timeout_ms`; negative: no limit. */
+/* Waits until the engine has processed every frame pushed, so that im2fit_poll covers all of them. Negative
+ * `timeout_ms`: no limit.
+ * Errors: TIMEOUT: call again. */
 IM2FIT_API int im2fit_wait(im2fit_handle* handle, int32_t timeout_ms);
 
-/* No more frames: waits for those in the pipeline and measures with what there is. Fine to call twice. CORRUPT: the
- * index is damaged where it was read (a large one is checked where it is read, not when it is opened). */
+/* Ends the stream: waits for the frames in the pipeline and measures with the accepted ones. That needs
+ * settings.frames_min. A second call does nothing. Whether there is a measurement is im2fit_result.measured, not
+ * the status. im2fit_push is refused until im2fit_reset, im2fit_next, or im2fit_select_user with another id.
+ * Errors: CORRUPT: the index is damaged. A large index is checked where it is read, not when it is opened. */
 IM2FIT_API int im2fit_finish(im2fit_handle* handle);
 
-/* A new person: forgets everything seen. After im2fit_finish or between frames. */
+/* Begins a session for a new person and forgets all frames, the floor and the ids. Allowed between frames and after
+ * im2fit_finish. Waits for the frames in the pipeline. */
 IM2FIT_API int im2fit_reset(im2fit_handle* handle);
 
-/* The next person, after IM2FIT_STATE_MEASURED: frames are processed again, and the answer stands until the person
- * measured has left the picture for half a second; then a new session begins by itself (im2fit_result.session counts
- * it). Before the measurement: begins anew at once. The floor and the ids are kept, unlike with im2fit_reset. */
+/* Prepares for the next person. Waits for the frames in the pipeline. The floor and the ids are kept, unlike with
+ * im2fit_reset.
+ * After MEASURED: frames are processed again. State and measurement stay until the measured person has been outside
+ * the picture for half a second. Then a new session begins by itself, and im2fit_result.session counts it.
+ * Before MEASURED: a new session begins at once. */
 IM2FIT_API int im2fit_next(im2fit_handle* handle);
 
-/* From the next frame on only the person of this user_id; 0: whoever stands right first, as at the start.
- * Another than before begins anew. INVALID_ARGUMENT for a negative id. */
+/* From the next frame on only the person with this user_id is measured. 0: the first person whose guidance is
+ * empty, as by default. Another id than before begins a new session at once. Waits for the frames in the pipeline.
+ * Errors: INVALID_ARGUMENT: the id is negative. */
 IM2FIT_API int im2fit_select_user(im2fit_handle* handle, int32_t user_id);
 
 /* ---- Sources by URI (optional) --------------------------------------------------------------------------------- */
 
-/* One opened source, filled in by an opener. */
+/* An open source. The opener writes it. */
 typedef struct im2fit_source {
   void* user;
-  /* Waits up to `timeout_ms` for a frame and writes it, width x height of the settings, rows without padding.
-   * Returns IM2FIT_OK, TIMEOUT, END_OF_STREAM, CORRUPT (this frame is left out), NO_DEVICE or IO. */
+  /* Waits up to `timeout_ms` for a frame and writes it: upright, width x height of the settings, rows without
+   * padding. Returns IM2FIT_OK, TIMEOUT, END_OF_STREAM, CORRUPT (this frame is skipped), NO_DEVICE or IO. */
   int (*next)(void* user, uint16_t* depth_mm, int32_t width, int32_t height, int32_t timeout_ms, uint64_t* sequence,
               int64_t* time_ns);
   void (*close)(void* user); /* called once; may be NULL */
 } im2fit_source;
 
-/* Opens `uri` into *source. Returns IM2FIT_OK or an error, then *source is not used. What is no status of this header
- * (42, say) comes out of im2fit_attach and im2fit_pump as IO, with a text that names the number. */
+/* Opens `uri` into *source. Returns IM2FIT_OK or an error. After an error *source is not used. im2fit_attach and
+ * im2fit_pump report a number that is not a status of this header (42, say) as IO. The text has the number. */
 typedef int (*im2fit_opener_fn)(void* opener_user, const char* uri, im2fit_source* source);
 
-/* Who opens URIs for this handle; NULL: none. The library itself knows no cameras: libim2fit-cameras has an opener
- * for them (im2fit/cameras.h). */
+/* Sets the function that opens URIs for this handle. NULL: none. libim2fit itself opens no cameras.
+ * libim2fit-cameras has an opener for them (im2fit/cameras.h). */
 IM2FIT_API int im2fit_set_opener(im2fit_handle* handle, im2fit_opener_fn opener, void* opener_user);
 
-/* Which way gravity pulls, for the frame that the source of this `user` has just given: to `down`, of any length but
- * 0, in that frame's axes (x right, y down, z forward). Returns 1, or 0 where it is not known: then what was known
- * before stands. Called by im2fit_pump after each frame. */
+/* Writes the direction of gravity for the latest frame of the source with this `user` to `down`: any length but 0,
+ * in the axes of that frame (x right, y down, z forward). Returns 1; or 0: unknown, and the earlier direction holds.
+ * im2fit_pump calls it after each frame. */
 typedef int (*im2fit_down_fn)(void* user, float down[3]);
 
-/* For the sources that the opener opens from now on; NULL, as at first: they do not feel gravity. What it is good
- * for: im2fit_frame.down_x. Since 0.2. */
+/* Sets the gravity function of sources attached from now on. NULL, the default: their gravity is unknown. For its
+ * use see im2fit_frame.down_x. */
 IM2FIT_API int im2fit_set_opener_down(im2fit_handle* handle, im2fit_down_fn down);
 
-/* Opens `uri` through the opener, after closing what was attached. UNSUPPORTED without an opener. Allocates. */
+/* Closes the attached source, if any, and opens `uri` with the opener.
+ * Errors:
+ *   INVALID_ARGUMENT  the opener set no next()
+ *   UNSUPPORTED       there is no opener
+ *   IO                the opener returned a number that is not a status
+ *   others            as the opener returned them
+ * Allocates. */
 IM2FIT_API int im2fit_attach(im2fit_handle* handle, const char* uri);
 
-/* Takes one frame from the attached source and pushes it. TIMEOUT, CORRUPT: call again. END_OF_STREAM, NO_DEVICE:
- * call im2fit_finish. INVALID_ARGUMENT when nothing is attached. */
+/* Takes one frame from the attached source and pushes it. Waits up to `timeout_ms` for it.
+ * Errors:
+ *   TIMEOUT           no frame in time: call again
+ *   END_OF_STREAM     the source has ended: call im2fit_finish
+ *   CORRUPT           the frame is damaged and skipped: call again. Or the index is damaged, as im2fit_finish; then
+ *                     every further call returns CORRUPT
+ *   NO_DEVICE         the camera is gone: call im2fit_finish, or attach it again
+ *   INVALID_ARGUMENT  no source is attached; its frames have another size; after im2fit_finish
+ *   IO                next() returned IO, or a number that is not a status
+ *   others            as next() returned them */
 IM2FIT_API int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms);
 
-/* Closes the attached source, if any; im2fit_close does so too. */
+/* Closes the attached source, if any. im2fit_close does that too. */
 IM2FIT_API int im2fit_detach(im2fit_handle* handle);
 
-/* ---- The models a handle was opened with ----------------------------------------------------------------------- */
+/* ---- Models ---------------------------------------------------------------------------------------------------- */
 
 typedef struct im2fit_models {
-  const char* made_by;     /* the index: by which program, from what; the handle's, constant */
-  uint32_t people;         /* whom the index was made of */
-  uint32_t captures;       /* of these people, in the index */
-  uint32_t tracker_key;    /* names the tracker; an index made with another is refused when opened */
-  int32_t has_body;        /* 1: body data was given, so that there are meshes, tape, avatars and garments */
-  int32_t answers_shape;   /* 1: a shape is fitted to the depth as well; 0: the body data is not what the index was */
-                           /* made with, or there is none, and answers are less good */
-  int32_t answers_turned;  /* 1: the index knows people from behind, so that settings.turn is of use */
-  int32_t answers_clothed; /* 1: it knows people in clothes */
-  int32_t site_corrected;  /* 1: answers are corrected for the site (settings.calibration_site_path) */
+  const char* made_by;     /* which program made the index, and from what; valid until im2fit_close */
+  uint32_t people;         /* number of people in the index */
+  uint32_t captures;       /* number of captures of these people in the index */
+  uint32_t tracker_key;    /* identifies the tracker; im2fit_open refuses an index made with another */
+  int32_t has_body;        /* 1: there is body data, so meshes, tape, avatars and garments are available */
+  int32_t answers_shape;   /* 1: a shape is fitted to the depth. 0: measurements are less accurate, as there is no */
+                           /* body data, or not that with which the index was made */
+  int32_t answers_turned;  /* 1: the index covers people from behind, so settings.turn is useful */
+  int32_t answers_clothed; /* 1: the index covers people in clothes */
+  int32_t site_corrected;  /* 1: measurements are corrected for the site (settings.calibration_site_path) */
 } im2fit_models;
 
-/* What the models are and what they can answer: for a support page, or to refuse a pack that is not enough.
- * `struct_size` is sizeof *models as the caller sees it. No allocation. */
+/* Describes the models that the handle was opened with: for a support page, or to refuse models that lack something.
+ * `struct_size` is sizeof *models of the caller's header. */
 IM2FIT_API int im2fit_get_models(im2fit_handle* handle, im2fit_models* models, size_t struct_size);
 
 /* ---- Results --------------------------------------------------------------------------------------------------- */
 
 enum {
   IM2FIT_STATE_SEARCHING = 0, /* no person yet */
-  IM2FIT_STATE_USER_FOUND,    /* a person, not yet as needed: see the guidance */
-  IM2FIT_STATE_CALIBRATING,   /* waiting for the calibration pose */
+  IM2FIT_STATE_USER_FOUND,    /* a person who cannot be measured yet: see the guidance */
+  IM2FIT_STATE_CALIBRATING,   /* waiting for the raised arms of settings.calibration_psi */
   IM2FIT_STATE_TRACKING,      /* accumulating frames */
-  IM2FIT_STATE_MEASURED,      /* the answer stands until im2fit_reset; further frames are ignored */
-  IM2FIT_STATE_LOST,          /* gone; begins again when found, a limited number of times until im2fit_reset */
-  /* settings.turn: the front is measured (im2fit_result.front_measured), the back is being accumulated. MEASURED
-   * follows: with both sides; or with the front alone when the person leaves or does not turn within 450 frames. */
+  /* The measurement is complete and does not change. Frames are ignored until im2fit_next, im2fit_reset, or
+   * im2fit_select_user with another id. After im2fit_next the state stays MEASURED until the measured person has
+   * left. */
+  IM2FIT_STATE_MEASURED,
+  /* The person has left. The session begins again when a person is found, a limited number of times until
+   * im2fit_reset or im2fit_next. */
+  IM2FIT_STATE_LOST,
+  /* settings.turn: the front is measured (im2fit_result.front_measured), frames of the back are being accumulated.
+   * MEASURED follows: with both sides; or with the front alone, when the person leaves or does not turn within 450
+   * frames. */
   IM2FIT_STATE_TURNING
 };
 
-/* What is needed of the person or the scene: bits of im2fit_result.guidance. */
+/* What the person or the scene must change: bits of im2fit_result.guidance. */
 enum {
   IM2FIT_GUIDANCE_NO_PERSON = 1 << 0,
   IM2FIT_GUIDANCE_TOO_NEAR = 1 << 1,
@@ -328,15 +384,15 @@ enum {
   IM2FIT_GUIDANCE_TOO_NOISY = 1 << 10,
   IM2FIT_GUIDANCE_SIDE_CUT = 1 << 11,
   IM2FIT_GUIDANCE_CALIBRATION_POSE = 1 << 12, /* raise the arms: upper arms level, hands up */
-  IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13,       /* show the back; to be shown before all other guidance */
-  IM2FIT_GUIDANCE_CLOTHED = 1 << 14           /* measured, but dressed where settings.clothing said bare */
+  IM2FIT_GUIDANCE_TURN_ROUND = 1 << 13,       /* turn the back to the camera. Show it before all other guidance */
+  IM2FIT_GUIDANCE_CLOTHED = 1 << 14           /* measured, but dressed although settings.clothing is BARE */
 };
 #define IM2FIT_GUIDANCE_COUNT 15
 
-/* The person's own arms. */
+/* The arms, the person's own left and right: bits. */
 enum { IM2FIT_ARM_LEFT = 1 << 0, IM2FIT_ARM_RIGHT = 1 << 1 };
 
-/* Which side of the person the camera sees. */
+/* The side of the person that faces the camera. */
 enum {
   IM2FIT_VIEW_UNKNOWN = 0,
   IM2FIT_VIEW_FRONT,
@@ -344,14 +400,15 @@ enum {
   IM2FIT_VIEW_SIDE /* turned too far for either */
 };
 
-/* What an answer rests on. */
+/* The sides behind a measurement. */
 enum {
-  IM2FIT_VIEWS_NONE = 0, /* no answer */
+  IM2FIT_VIEWS_NONE = 0, /* no measurement */
   IM2FIT_VIEWS_FRONT,
   IM2FIT_VIEWS_FRONT_AND_BACK
 };
 
-/* Of the naked body, relaxed standing; girths round the convex hull of the section (docs/result.md). */
+/* Measurements of the naked body, standing relaxed. A girth is that of the convex hull of the section
+ * (docs/result.md). */
 enum {
   IM2FIT_STATURE = 0,
   IM2FIT_SLEEVE_LENGTH,
@@ -367,160 +424,200 @@ enum {
 };
 #define IM2FIT_MEASUREMENT_COUNT 11
 
-/* HE NE TO LS RS LE RE LA RA LH RH LK RK LF RF: head, neck, torso, then left and right shoulder, elbow, hand, hip,
- * knee, foot. */
+/* Joints, in the order HE NE TO LS RS LE RE LA RA LH RH LK RK LF RF: head, neck, torso, then left and right
+ * shoulder, elbow, hand, hip, knee, foot. */
 #define IM2FIT_JOINT_COUNT 15
 
 typedef struct im2fit_estimate {
-  float value; /* mm, kg for the weight, years for the age */
+  float value; /* mm; weight: kg; age: years */
   float low;   /* 95 % interval */
   float high;
 } im2fit_estimate;
 
 typedef struct im2fit_joint {
   float x, y, z;    /* mm, camera axes */
-  float confidence; /* 0..1: chance of being within 50 mm; below 0.25 the joint is inferred, not seen */
+  float confidence; /* 0..1: probability of an error below 50 mm. Below 0.25: inferred, not visible */
 } im2fit_joint;
 
-/* A person in view: pixels of the upright picture, inclusive; mm, camera axes. */
+/* A person in view. */
 typedef struct im2fit_user {
-  int32_t id; /* >= 1 */
-  int32_t left, top, right, bottom;
-  float x, y, z; /* the middle of what is seen */
+  int32_t id;                       /* >= 1 */
+  int32_t left, top, right, bottom; /* pixels of the upright picture, inclusive */
+  float x, y, z;                    /* centroid of the visible surface: mm, camera axes */
 } im2fit_user;
 #define IM2FIT_USER_COUNT_MAX 8
 #define IM2FIT_AGE_BAND_COUNT 4
 
 typedef struct im2fit_result {
-  int32_t state;          /* IM2FIT_STATE_... */
-  uint32_t guidance;      /* of the latest frame; once measured 0 or CLOTHED */
-  uint32_t guidance_seen; /* of all frames */
-  int32_t has_joints;     /* 1: `joints` holds the latest frame's, or once measured the mean behind the answer */
-  uint64_t frames_seen;   /* until the measurement */
-  uint64_t frames_used;
-  uint64_t frames_dropped;
-  uint64_t sequence_gaps;
-  uint64_t sequence_repeats;
-  uint64_t time_reversals;
+  int32_t state;             /* IM2FIT_STATE_... */
+  uint32_t guidance;         /* of the latest frame. Once measured: 0 or CLOTHED */
+  uint32_t guidance_seen;    /* of all frames of the session, or-ed */
+  int32_t has_joints;        /* 1: `joints` is of the latest frame, once measured the mean pose of all used */
+  uint64_t frames_seen;      /* processed, until the measurement */
+  uint64_t frames_used;      /* accumulated for the measurement */
+  uint64_t frames_dropped;   /* live = 1: dropped because the engine was behind */
+  uint64_t sequence_gaps;    /* sequence numbers skipped */
+  uint64_t sequence_repeats; /* frames whose sequence number did not grow */
+  uint64_t time_reversals;   /* frames whose time_ns did not grow */
   im2fit_joint joints[IM2FIT_JOINT_COUNT];
-  int32_t measured; /* 1: what follows is valid; with front_measured it is, too, but preliminary */
-  float female;     /* probability */
+  int32_t measured; /* 1: the measurement is complete. With 1 here or in front_measured its values are valid */
+  float female;     /* probability, 0..1 */
   im2fit_estimate measurements[IM2FIT_MEASUREMENT_COUNT];
-  float paper[IM2FIT_MEASUREMENT_COUNT]; /* the published method's own, NaN where it has none */
-  uint32_t index_entry;                  /* the stored body nearest to the answer */
-  float index_distance;
-  int32_t user_id; /* whose joints and guidance these are: >= 1, never given to two people; 0: no person is in view */
-  int32_t view;    /* IM2FIT_VIEW_..., of the latest frame */
-  uint32_t joints_inferred; /* bit per joint of display_joints: not seen, held by the skeleton where it was last */
-  uint32_t session;         /* counts the sessions begun after im2fit_next, from 0 */
-  /* The latest frame's, to draw, once measured too; zero confidence without has_joints. Smoothed: a joint at rest is
-   * shown 0.11 s late, at 1 m/s 0.02 s. `joints` is not. */
+  float paper[IM2FIT_MEASUREMENT_COUNT]; /* values of the published method; NaN: it has none */
+  uint32_t index_entry;                  /* the stored body nearest to the measured one */
+  float index_distance;                  /* distance to it, in the index */
+  int32_t user_id;          /* the person of `joints` and `guidance`: >= 1, never reused. 0: no person is in view */
+  int32_t view;             /* IM2FIT_VIEW_..., of the latest frame */
+  uint32_t joints_inferred; /* a bit for each of display_joints: not visible, held at its last place */
+  uint32_t session; /* number of the session: counts up after im2fit_next and im2fit_select_user; im2fit_reset: 0 */
+  /* Joints of the latest frame, to draw, also once measured. Confidence is 0 while no person is followed. They are
+   * smoothed: 0.11 s late at rest, 0.02 s late at a speed of 1 m/s. `joints` are not smoothed. */
   im2fit_joint display_joints[IM2FIT_JOINT_COUNT];
-  int32_t user_count; /* all people in view, nearest first */
+  int32_t user_count; /* of `users`: all people in view, nearest first */
   im2fit_user users[IM2FIT_USER_COUNT_MAX];
-  int32_t front_measured; /* 1: from TURNING on; until `measured` the values are those of the front alone */
-  int32_t views;          /* IM2FIT_VIEWS_..., of the answer */
-  uint32_t frames_back;   /* of frames_used: those of the back */
-  im2fit_estimate age;    /* years: median and 95 % of the people in the index who look alike */
+  int32_t front_measured; /* 1: from TURNING on. Until `measured` the values are preliminary, of the front alone */
+  int32_t views;          /* IM2FIT_VIEWS_..., of the measurement */
+  uint32_t frames_back;   /* of frames_used: number that show the back */
+  im2fit_estimate age;    /* years: median and 95 % interval of similar people in the index */
   float age_bands[IM2FIT_AGE_BAND_COUNT]; /* probabilities of 18-25, 25-45, 45-65, 65-75 years */
-  uint32_t arms_close;        /* IM2FIT_ARM_... or-ed: which of the person's arms ARMS_CLOSE of `guidance` is about */
-  float clothing_probability; /* of being dressed, by the frames alone; NaN: not estimated */
-  float clothing_ease_mm;     /* expected, of cloth off the trunk's skin; NaN: not estimated */
+  uint32_t arms_close;                    /* IM2FIT_ARM_..., or-ed: the arms that ARMS_CLOSE of `guidance` means */
+  float clothing_probability;             /* of being dressed, from the frames alone; NaN: not estimated */
+  float clothing_ease_mm;                 /* expected gap of cloth and skin at the trunk, mm; NaN: not estimated */
 } im2fit_result;
 
-/* A consistent copy of the latest state; never waits for the threads at work. `struct_size` is sizeof *result: a
- * caller built with an older header gets the fields it knows. */
+/* Copies the latest result, consistent in itself. Never waits for the engine. Any thread. `struct_size` is sizeof
+ * *result of the caller's header. A caller built with an older header gets the fields of that header.
+ * The text of an error is in im2fit_last_error(NULL) only. */
 IM2FIT_API int im2fit_poll(const im2fit_handle* handle, im2fit_result* result, size_t struct_size);
 
 typedef struct im2fit_size {
-  char name[32];     /* "M"; "<XS" and ">3XL" outside the chart */
-  float probability; /* they sum to 1 */
+  char name[32];     /* "M"; "<XS" and ">3XL": outside the chart */
+  float probability; /* 0..1; all sizes sum to 1 */
 } im2fit_size;
 
-/* The sizes of the chart, small to large, with their probabilities. *count gets the number of sizes, *best (may be
- * NULL) the index of the likeliest. NOT_MEASURED, or TOO_SMALL when `capacity` is less than *count (ask with 0).
+/* Writes the sizes of the chart, small to large, with their probabilities. *count gets the number of sizes. *best
+ * (may be NULL) gets the index of the most probable size. With a capacity of 0, `sizes` may be NULL.
+ * Errors:
+ *   NOT_MEASURED  there is no measurement yet; *count is 0
+ *   TOO_SMALL     `capacity` is less than *count: call again with that
+ *   CORRUPT       the index is damaged, as im2fit_finish
  * Allocates. */
 IM2FIT_API int im2fit_sizes(im2fit_handle* handle, im2fit_size* sizes, size_t capacity, size_t* count, size_t* best);
 
-/* Whether a measurement of the tape has a value for a person. */
+/* Status of a measurement of the tape. */
 enum {
   IM2FIT_TAPE_MEASURED = 0,
-  IM2FIT_TAPE_REFUSED, /* never measured: a depth camera, or the body model, does not show it */
-  IM2FIT_TAPE_ABSENT   /* not of this body: it has no such section */
+  IM2FIT_TAPE_REFUSED, /* never measured: a depth camera or the body model does not show it */
+  IM2FIT_TAPE_ABSENT   /* this body has no such section */
 };
 
 typedef struct im2fit_tape_value {
   int32_t status;     /* IM2FIT_TAPE_... */
-  float value;        /* mm, kg of weight; NaN unless MEASURED */
-  float low, high;    /* 95 % interval; NaN unless MEASURED */
-  const char* reason; /* why there is no value, in a sentence; NULL when MEASURED. The library's, constant */
+  float value;        /* mm; weight: kg. NaN unless MEASURED */
+  float low, high;    /* 95 % interval. NaN unless MEASURED, or where it is not known */
+  const char* reason; /* why there is no value, one sentence; NULL when MEASURED. Constant */
 } im2fit_tape_value;
 
-/* The tape (docs/tape.md): what the one body measures by each of `id_count` definitions, named by the ids of
- * im2fit_tape_id; with ids = NULL the first `id_count` of that list. values[i] belongs to ids[i]; `value_size` is
- * sizeof(im2fit_tape_value) as the caller sees it, and the distance from value to value. The eleven of
- * im2fit_result.measurements are here as the mesh has them, with the same intervals. NOT_FOUND names an unknown id;
- * then, as after any error, no value is written. Needs settings.body_path. As im2fit_body_mesh. */
+/* Writes measurements of the fitted mesh by the definitions of the tape (docs/tape.md). values[i] belongs to
+ * ids[i], an id of im2fit_tape_id. With ids = NULL: the first `id_count` definitions of that list. `value_size` is
+ * sizeof(im2fit_tape_value) of the caller's header, and the distance in bytes from value to value. The eleven of
+ * im2fit_result.measurements are included, as the mesh has them, with the same intervals. After an error no value is
+ * written.
+ * Errors:
+ *   INVALID_ARGUMENT  an id is NULL; value_size is too small; ids is NULL and id_count exceeds im2fit_tape_count()
+ *   NOT_FOUND         an id is unknown; the text names it
+ *   NOT_MEASURED      there is no measurement yet
+ *   UNSUPPORTED       the handle has no body data (settings.body_path)
+ *   CORRUPT           the index is damaged, as im2fit_finish
+ * Allocates. */
 IM2FIT_API int im2fit_tape(im2fit_handle* handle, const char* const* ids, size_t id_count, im2fit_tape_value* values,
                            size_t value_size);
 
-/* The person as a mesh in the measured pose, of the one body that measures what `measurements` says: mm, x the
- * person's left, y up, z out of the face, the soles on y = 0. `vertices`: x y z each, so that `vertex_capacity`
- * vertices are 3 x vertex_capacity floats; `triangles`: three vertex indices each, counter-clockwise from outside,
- * 3 x triangle_capacity numbers. The counts needed, of vertices and triangles, are always written; NULL buffers ask
- * for the counts. Needs settings.body_path. Allocates; the first of these functions takes a few hundredths
- * of a second. */
+/* Writes the person as a mesh in the measured pose: the fitted body whose measurements are
+ * im2fit_result.measurements, as near as a body has them (im2fit_body_residual). mm; x is the person's left, y is
+ * up, z points out of the face; the soles are at y = 0.
+ *   vertices   3 x vertex_capacity floats: x y z of each vertex. NULL: not written
+ *   triangles  3 x triangle_capacity vertex indices, counter-clockwise from outside. NULL: not written
+ *   ..._count  always written: the counts of vertices and triangles. 0 without body data
+ * Errors:
+ *   NOT_MEASURED  there is no measurement yet
+ *   TOO_SMALL     a capacity is less than its count
+ *   UNSUPPORTED   the handle has no body data (settings.body_path)
+ *   CORRUPT       the index is damaged, as im2fit_finish
+ * Allocates. The first call for a person of the functions that need the body takes a few hundredths of a second. */
 IM2FIT_API int im2fit_body_mesh(im2fit_handle* handle, float* vertices, size_t vertex_capacity, size_t* vertex_count,
                                 int32_t* triangles, size_t triangle_capacity, size_t* triangle_count);
 
-/* How far that body's own measurements are off `measurements`, by id; mm, and kg of weight. Below a millimetre,
- * unless no body measures all that is reported: then say so where more than 2 mm of a girth matter. As
- * im2fit_body_mesh. */
+/* Writes the differences between the measurements of the fitted body and im2fit_result.measurements, by id: mm,
+ * weight in kg. They are below 1 mm where a body has all measurements as reported. Where no body has them all they
+ * are larger: report that to the user where more than 2 mm of a girth matter.
+ * Errors:
+ *   NOT_MEASURED  there is no measurement yet
+ *   UNSUPPORTED   the handle has no body data (settings.body_path)
+ *   CORRUPT       the index is damaged, as im2fit_finish
+ * Allocates. */
 IM2FIT_API int im2fit_body_residual(im2fit_handle* handle, float residual[IM2FIT_MEASUREMENT_COUNT]);
 
-/* The result as JSON (docs/result.md), UTF-8 with a zero byte behind it, whether measured or not. *length gets the
- * bytes without that zero; TOO_SMALL when `capacity` is not more than it (ask with 0). The body, and what follows
- * from it, is left out without settings.body_path. UNSUPPORTED: a library built without it. Allocates. */
+/* Writes the result as JSON (docs/result.md), in any state: UTF-8, ended by a zero byte. *length gets the number of
+ * bytes without the zero. With a capacity of 0, `text` may be NULL. Without body data the JSON lacks the body and
+ * the values that need it.
+ * Errors:
+ *   TOO_SMALL    `capacity` is less than *length + 1: call again with that
+ *   UNSUPPORTED  the library was built without JSON
+ *   CORRUPT      the index is damaged, as im2fit_finish
+ * Allocates. */
 IM2FIT_API int im2fit_result_json(im2fit_handle* handle, char* text, size_t capacity, size_t* length);
 
 enum { IM2FIT_AVATAR_GLB = 0, IM2FIT_AVATAR_OBJ = 1, IM2FIT_AVATAR_BVH = 2 };
 
-/* The person as a file other programs read (docs/formats-body.md): the bytes of a .glb, .obj or .bvh. *size gets
- * their number, TOO_SMALL when `capacity` is less (ask with 0). Errors and needs as im2fit_body_mesh; UNSUPPORTED
- * also from a library built without it. The .obj has texture coordinates but names no material library, as bytes have
- * no file beside them; its texture is the image in the .glb. Allocates. */
+/* Writes the person as the bytes of a .glb, .obj or .bvh file (docs/formats-body.md). `format` is
+ * IM2FIT_AVATAR_.... *size gets the number of bytes. With a capacity of 0, `bytes` may be NULL. The .obj has
+ * texture coordinates but names no material library, as bytes have no file beside them. Its texture is the image of
+ * the .glb.
+ * Errors:
+ *   INVALID_ARGUMENT  the format is unknown
+ *   NOT_MEASURED      there is no measurement yet
+ *   TOO_SMALL         `capacity` is less than *size: call again with that
+ *   UNSUPPORTED       the handle has no body data (settings.body_path), or the library was built without avatars
+ *   CORRUPT           the index is damaged, as im2fit_finish
+ * Allocates. */
 IM2FIT_API int im2fit_avatar(im2fit_handle* handle, int32_t format, void* bytes, size_t capacity, size_t* size);
 
-/* How the nodes 0 to 18 of an avatar's .glb, im2fit_avatar's or im2fit_dressed_avatar's, are to stand so that it does
- * what the person does: in the file's order and axes (y up, metres, the hips above the origin, the lower foot on
- * y = 0). Set node 0's translation and every node's rotation; other translations stay as they are. */
+/* A pose for the nodes 0 to 18 of the .glb of im2fit_avatar or im2fit_dressed_avatar, in the order and axes of the
+ * file: y up, metres, the hips above the origin, the lower foot at y = 0. Set the translation of node 0 and the
+ * rotation of every node. The other translations stay as they are. */
 #define IM2FIT_RIG_NODE_COUNT 19
 typedef struct im2fit_rig {
-  float root_m[3];                           /* x y z, translation of node 0 */
-  float rotations[IM2FIT_RIG_NODE_COUNT][4]; /* unit quaternions x y z w, relative to the node's parent */
-  int32_t user_id;                           /* whose joints these are */
-  uint32_t joints_inferred;                  /* as im2fit_result's: where the pose is a guess */
+  float root_m[3];                           /* x y z: translation of node 0 */
+  float rotations[IM2FIT_RIG_NODE_COUNT][4]; /* unit quaternions x y z w, relative to the parent node */
+  int32_t user_id;                           /* the person followed */
+  uint32_t joints_inferred;                  /* as in im2fit_result: joints whose pose is a guess */
 } im2fit_rig;
 
-/* The rig of the latest frame, by im2fit_result.display_joints, on the body of whoever was measured: so from MEASURED
- * on, and moving once im2fit_next lets frames in again, until the next session begins. NOT_FOUND: no person is
- * followed in the latest frame. `struct_size` is sizeof *rig as the caller sees it. As im2fit_body_mesh, and
- * UNSUPPORTED as im2fit_avatar; allocates the first time for each person. */
+/* Writes the pose of the latest frame (im2fit_result.display_joints) for the avatar of the measured person. It
+ * moves after im2fit_next, as frames are processed again, until the next session begins. `struct_size` is sizeof
+ * *rig of the caller's header.
+ * Errors:
+ *   NOT_FOUND     no person is followed in the latest frame
+ *   NOT_MEASURED  there is no measurement
+ *   UNSUPPORTED   the handle has no body data (settings.body_path), or the library was built without avatars
+ *   CORRUPT       the index is damaged, as im2fit_finish
+ * Allocates in the first call for each person. */
 IM2FIT_API int im2fit_live_rig(im2fit_handle* handle, im2fit_rig* rig, size_t struct_size);
 
 /* ---- Garments (docs/garments.md) ------------------------------------------------------------------------------- */
 
-/* How a garment sits at a place. */
+/* How a garment fits in a region. */
 enum {
-  IM2FIT_FIT_TIGHT = 0, /* it binds */
-  IM2FIT_FIT_SNUG,      /* closer than meant */
-  IM2FIT_FIT_GOOD,      /* as meant */
-  IM2FIT_FIT_LOOSE      /* wider than meant */
+  IM2FIT_FIT_TIGHT = 0, /* too small: it presses on the body */
+  IM2FIT_FIT_SNUG,      /* closer than designed */
+  IM2FIT_FIT_GOOD,      /* as designed */
+  IM2FIT_FIT_LOOSE      /* wider than designed */
 };
 
 typedef struct im2fit_region_fit {
-  const char* name;      /* "chest"; the library's, constant */
-  float ease_mm;         /* finished girth less the body's */
+  const char* name;      /* "chest"; constant */
+  float ease_mm;         /* girth of the finished garment minus girth of the body */
   float low_mm, high_mm; /* 95 % interval */
   int32_t verdict;       /* IM2FIT_FIT_..., of ease_mm */
 } im2fit_region_fit;
@@ -528,33 +625,56 @@ typedef struct im2fit_region_fit {
 
 typedef struct im2fit_size_fit {
   char name[32];        /* "M" */
-  float cost;           /* 0: as meant everywhere; comparable between sizes of one garment */
-  int32_t region_count; /* of `regions`; the same for each size of a garment */
+  float cost;           /* 0: as designed in all regions. Comparable between sizes of one garment */
+  int32_t region_count; /* of `regions`; the same for all sizes of a garment */
   im2fit_region_fit regions[IM2FIT_REGION_COUNT_MAX];
 } im2fit_size_fit;
 
-/* How each size of the chart for the person's sex would sit, small to large, in the garment of an id of
- * im2fit_garment_id. `fit_size` is sizeof(im2fit_size_fit) as the caller sees it, and the distance from one to the
- * next. *count gets the number of sizes, *best (may be NULL) the index of the one to buy; none fits when that one is
- * tight somewhere, or loose everywhere. NOT_FOUND names an unknown garment; TOO_SMALL when `capacity` is less than
- * *count (ask with 0). As im2fit_tape. */
+/* Writes how each size of a garment would fit, small to large. The sizes are those of the chart for the person's
+ * sex.
+ *   garment   an id of im2fit_garment_id
+ *   fits      `capacity` entries; NULL with a capacity of 0
+ *   fit_size  sizeof(im2fit_size_fit) of the caller's header, and the distance in bytes from entry to entry
+ *   count     gets the number of sizes
+ *   best      (may be NULL) gets the index of the best size. No size fits when the best one is TIGHT in a region, or
+ *             LOOSE in all
+ * Errors:
+ *   INVALID_ARGUMENT  the garment is NULL, or fit_size is too small
+ *   NOT_FOUND         the garment is unknown; the text names it
+ *   NOT_MEASURED      there is no measurement yet
+ *   TOO_SMALL         `capacity` is less than *count: call again with that
+ *   UNSUPPORTED       the handle has no body data (settings.body_path), or the body lacks a girth of the garment
+ *   CORRUPT           the index is damaged, as im2fit_finish
+ * Allocates. */
 IM2FIT_API int im2fit_garment_fit(im2fit_handle* handle, const char* garment, im2fit_size_fit* fits, size_t fit_size,
                                   size_t capacity, size_t* count, size_t* best);
 
 typedef struct im2fit_worn {
   const char* garment; /* an id of im2fit_garment_id */
-  const char* size;    /* of the chart, "M"; NULL: the best */
+  const char* size;    /* a size of the chart, "M"; NULL: the best size */
 } im2fit_worn;
 #define IM2FIT_WORN_COUNT_MAX 4
 
-/* The person as im2fit_avatar's .glb, dressed: the garments draped on the body in the measured pose, what lies on the
- * skin first. A `worn_count` of 0: trousers and a T-shirt of the best sizes. NOT_FOUND names an unknown garment or
- * size. The latest one made is kept, so that asking with a `capacity` of 0 first costs nothing: a tenth of a second a
- * garment and some megabytes. Else as im2fit_avatar. */
+/* Writes the .glb of im2fit_avatar with garments, draped on the body in the measured pose. `worn` has `worn_count`
+ * entries, at most IM2FIT_WORN_COUNT_MAX, innermost first. With a `worn_count` of 0: trousers and a T-shirt of the
+ * best sizes. *size gets the number of bytes. With a capacity of 0, `bytes` may be NULL. The handle keeps the
+ * latest file, so a call with a capacity of 0 followed by the real one drapes once. Draping takes a tenth of a
+ * second a garment and some megabytes.
+ * Errors:
+ *   INVALID_ARGUMENT  worn_count exceeds the maximum, or a garment is NULL
+ *   NOT_FOUND         a garment or size is unknown; the text names it
+ *   NOT_MEASURED      there is no measurement yet
+ *   TOO_SMALL         `capacity` is less than *size: call again with that
+ *   UNSUPPORTED       the handle has no body data (settings.body_path); the body lacks a girth of a garment; or the
+ *                     library was built without avatars or garments
+ *   CORRUPT           the index is damaged, as im2fit_finish
+ * Allocates. */
 IM2FIT_API int im2fit_dressed_avatar(im2fit_handle* handle, const im2fit_worn* worn, size_t worn_count, void* bytes,
                                      size_t capacity, size_t* size);
 
-/* ---- Names, as in result.json; NULL when out of range ---------------------------------------------------------- */
+/* ---- Names ----------------------------------------------------------------------------------------------------- */
+
+/* Names as in result.json. NULL for a number out of range. They need no handle: any thread, at any time. */
 
 IM2FIT_API const char* im2fit_state_name(int state);    /* "TRACKING" */
 IM2FIT_API const char* im2fit_guidance_name(int bit);   /* 0..14: "TOO_NEAR" is bit 1 */
@@ -562,18 +682,18 @@ IM2FIT_API const char* im2fit_measurement_name(int id); /* "chest_girth" */
 IM2FIT_API const char* im2fit_measurement_unit(int id); /* "mm" or "kg" */
 IM2FIT_API const char* im2fit_joint_name(int joint);    /* "HE" */
 IM2FIT_API const char* im2fit_view_name(int view);      /* "front" */
-IM2FIT_API size_t im2fit_tape_count(void);              /* definitions of the tape; any thread, at any time */
+IM2FIT_API size_t im2fit_tape_count(void);              /* number of definitions of the tape */
 IM2FIT_API const char* im2fit_tape_id(size_t index);    /* "thigh_girth" */
 IM2FIT_API const char* im2fit_tape_unit(size_t index);  /* "mm" or "kg" */
-IM2FIT_API const char* im2fit_tape_iso(size_t index);   /* "5.3.20" of ISO 8559-1:2017, or "" */
-IM2FIT_API size_t im2fit_garment_count(void);           /* any thread, at any time */
+IM2FIT_API const char* im2fit_tape_iso(size_t index);   /* clause of ISO 8559-1:2017, "5.3.20", or "" */
+IM2FIT_API size_t im2fit_garment_count(void);           /* number of garments */
 IM2FIT_API const char* im2fit_garment_id(size_t index); /* "t_shirt" */
 IM2FIT_API const char* im2fit_fit_name(int verdict);    /* "tight" */
 IM2FIT_API const char* im2fit_rig_node_name(int node);  /* "left_upper_arm" */
-IM2FIT_API int im2fit_rig_node_parent(int node);        /* a node; -1: node 0's, or out of range */
-/* "T-shirt"; languages as im2fit_tape_name's. */
+IM2FIT_API int im2fit_rig_node_parent(int node);        /* the parent node; -1: of node 0, or out of range */
+/* "T-shirt". `language` is "en", "de", "es", "fr" or "zh"; NULL for others. UTF-8. */
 IM2FIT_API const char* im2fit_garment_name(size_t index, const char* language);
-/* "Thigh girth"; in the language "en", "de", "es", "fr" or "zh", UTF-8. */
+/* "Thigh girth". `language` as for im2fit_garment_name. UTF-8. */
 IM2FIT_API const char* im2fit_tape_name(size_t index, const char* language);
 
 #ifdef __cplusplus

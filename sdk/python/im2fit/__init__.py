@@ -43,13 +43,13 @@ def _lib():
 def _cameras():
     global _cameras_library
     if _cameras_library is None:
-        _lib()  # its own libim2fit is the one that is there already
+        _lib()  # first: libim2fit-cameras uses the libim2fit that is already loaded
         _cameras_library = _c.load_cameras()
     return _cameras_library
 
 
 class Error(RuntimeError):
-    """What a call of the library failed with; `status` is its number, `name` its name ("not_found")."""
+    """A call of the library failed. `status` is the number of the status in im2fit.h, `name` its name ("not_found")."""
 
     def __init__(self, status, text):
         super().__init__(text)
@@ -58,16 +58,17 @@ class Error(RuntimeError):
 
 
 def version():
+    """The version of the C library, "1.0.0"."""
     return _lib().im2fit_version().decode()
 
 
 def garments():
-    """Ids of the garments that can be tried on."""
+    """The ids of all garments."""
     return [_lib().im2fit_garment_id(i).decode() for i in range(_lib().im2fit_garment_count())]
 
 
 def rig_nodes():
-    """Names of the nodes that Session.rig() speaks of, in its order."""
+    """The names of the nodes of Session.rig(), in its order."""
     return [_lib().im2fit_rig_node_name(i).decode() for i in range(_c.RIG_NODES)]
 
 
@@ -83,7 +84,7 @@ class Estimate:
 
 @dataclasses.dataclass(frozen=True)
 class Guidance:
-    """What the person or the scene needs now, and how far the measurement is."""
+    """The progress of a session. `codes`: what the person or the scene must change now."""
 
     state: str
     codes: tuple
@@ -94,8 +95,8 @@ class Guidance:
 
 @dataclasses.dataclass(frozen=True)
 class GarmentFit:
-    """How a garment sits: `sizes` by name, small to large, each a dictionary of places ("chest") with a pair: the
-    Estimate of the ease, and a verdict, "tight", "snug", "good" or "loose". `best` is the size to buy."""
+    """How a garment fits. `best` is the size to buy. `sizes` has the sizes by name, small to large. Each is a dictionary
+    from region ("chest") to a pair: the Estimate of the ease, and the verdict "tight", "snug", "good" or "loose"."""
 
     garment: str
     best: str
@@ -104,7 +105,7 @@ class GarmentFit:
 
 @dataclasses.dataclass(frozen=True)
 class Models:
-    """The three files that measuring needs; without a body ("") there are measurements, but no Person.avatar."""
+    """The paths of the three model files. Without a body ("") there are measurements, but no Person.avatar."""
 
     body: str
     tracker: str
@@ -112,7 +113,8 @@ class Models:
 
     @staticmethod
     def find(directory=None):
-        """As the program im2fit finds them: IM2FIT_BODY and so on, else a directory with all three (docs/models.md)."""
+        """Finds the files as the program im2fit does: IM2FIT_BODY and so on, else a directory with all three
+        (docs/models.md). Raises FileNotFoundError."""
         home, env = pathlib.Path.home(), os.environ.get
         data, cache = env("XDG_DATA_HOME") or home / ".local/share", env("XDG_CACHE_HOME") or home / ".cache"
         shared = (env("XDG_DATA_DIRS") or "/usr/local/share:/usr/share").split(":")
@@ -130,7 +132,7 @@ class Models:
 
 
 class Person:
-    """What was measured. `result` is result.json as a dictionary (docs/result.md)."""
+    """The result of a session, measured or not. `result` is result.json as a dictionary (docs/result.md)."""
 
     def __init__(self, result, text, avatars):
         self.result, self.json, self._avatars = result, text, avatars
@@ -176,12 +178,13 @@ class Person:
 
 
 class Session:
-    """One person before one camera, whose frames are pushed, or come from where Session.of or attach say.
+    """One person before one depth camera. push() takes frames; pump() takes them from a source of Session.of or attach().
 
-    `fx, fy, cx, cy`: of the depth camera, in pixels of frames as they are pushed;
-    width and height as well. `rotate_deg` makes them upright. `distortion`: of the lens, where nothing has undone it yet,
-    as OpenCV has it: k1, k2, p1, p2 and, if there is a fifth, k3. Other keywords are fields of im2fit_settings: turn=1,
-    frames_wanted=30, clothing=1, sensor=2, single_thread=1, live=1."""
+    `width, height, fx, fy, cx, cy`: the depth camera, in pixels of frames as they are pushed. `rotate_deg` makes them
+    upright. `distortion`: of a lens that is not yet undone, in OpenCV's order: k1, k2, p1, p2 and optionally k3. Other
+    keywords are fields of im2fit_settings: turn=1, frames_wanted=30, clothing=1, sensor=2, single_thread=1, live=1.
+
+    One thread at a time may use a session. Raises Error."""
 
     def __init__(self, width, height, fx, fy, cx, cy, rotate_deg=0, models=None, distortion=(), **settings):
         self._handle = ctypes.c_void_p()
@@ -203,21 +206,21 @@ class Session:
 
     @classmethod
     def of(cls, uri, rotate_deg=None, calibration=None, models=None, **settings):
-        """A session on a camera ("openni2", "usb", "v4l2:/dev/video2"), a recording ("me.oni") or a folder, which is attached;
-        needs libim2fit-cameras. `rotate_deg`: how the camera is mounted, `calibration`: the path of a YAML, where the source
-        does not know. Then pump() until there is enough:
+        """A session with an attached source: a camera ("openni2", "usb", "v4l2:/dev/video2"), a recording ("me.oni") or a
+        folder. Needs libim2fit-cameras. `rotate_deg`: mounting of the camera, `calibration`: the path of a YAML, both where
+        the source lacks them. Then call pump() until there is a measurement:
 
             with im2fit.Session.of("openni2", rotate_deg=90) as session:
                 while not session.pump().measured: ...
                 person = session.finish()
         """
-        options, told = _camera_options(rotate_deg, calibration), _c.Settings()
-        _lib().im2fit_settings_init(ctypes.byref(told), ctypes.sizeof(told))
-        status = _cameras().im2fit_cameras_describe(os.fsencode(uri), ctypes.byref(options), ctypes.byref(told))
+        options, source = _camera_options(rotate_deg, calibration), _c.Settings()
+        _lib().im2fit_settings_init(ctypes.byref(source), ctypes.sizeof(source))
+        status = _cameras().im2fit_cameras_describe(os.fsencode(uri), ctypes.byref(options), ctypes.byref(source))
         if status != _c.OK:
             raise Error(status, _cameras().im2fit_cameras_error().decode(errors="replace"))
-        settings = {"sensor": told.sensor, "live": told.live, **settings}
-        session = cls(told.width, told.height, told.fx, told.fy, told.cx, told.cy, models=models, **settings)
+        settings = {"sensor": source.sensor, "live": source.live, **settings}
+        session = cls(source.width, source.height, source.fx, source.fy, source.cx, source.cy, models=models, **settings)
         try:
             session.attach(uri, rotate_deg, calibration)
         except BaseException:
@@ -226,34 +229,36 @@ class Session:
         return session
 
     def attach(self, uri, rotate_deg=None, calibration=None):
-        """Takes frames from `uri`, as of Session.of, by pump(); instead of whatever was attached before. Its upright frames have
-        the session's size, and are taken to have its intrinsics."""
+        """Attaches a source, as Session.of does, for pump(). It replaces the attached one. Its upright frames must have the
+        size of the session. The session's intrinsics apply to them."""
         options = _camera_options(rotate_deg, calibration)
         handle, cameras = self._open_handle(), _cameras()
         status = cameras.im2fit_cameras_use(handle, ctypes.byref(options))
         if status == _c.OK:
-            self._options = options  # which are read by im2fit_attach: they live as long as the handle
+            self._options = options  # im2fit_attach reads them: they live as long as the handle
             status = _lib().im2fit_attach(handle, os.fsencode(uri))
         if status != _c.OK:
             raise Error(status, cameras.im2fit_cameras_error().decode(errors="replace"))
 
     def pump(self, timeout_ms=1000):
-        """Takes one frame from what is attached, if one comes in time; a damaged one is left out. Returns the Guidance so far,
-        and None when a recording or folder has ended. An Error "no_device": the camera is gone."""
+        """Takes one frame from the attached source, if one comes within `timeout_ms`. Skips a damaged frame. Returns the
+        Guidance, or None when a recording or folder has ended. Raises Error "no_device" when the camera is gone."""
         status = _lib().im2fit_pump(self._open_handle(), timeout_ms)
         if status == _c.END_OF_STREAM:
             return None
         if status not in (_c.OK, _c.TIMEOUT, _c.CORRUPT):
-            said = _cameras().im2fit_cameras_error() if self._options is not None else b""
-            raise Error(status, (said or _lib().im2fit_last_error(self._handle)).decode(errors="replace"))
+            reason = _cameras().im2fit_cameras_error() if self._options is not None else b""
+            raise Error(status, (reason or _lib().im2fit_last_error(self._handle)).decode(errors="replace"))
         return self.poll()
 
     def push(self, depth, time_ns=None, sequence=None, confidence=None, confidence_min=0, pose=None, down=None):
-        """`depth`: height x width, uint16 millimetres or float32 metres (NaN or 0: no data). `confidence`: uint8 of the
-        same shape; less than confidence_min is no data. `pose`: where a camera that is held in the hand is, seven numbers:
-        the unit quaternion x, y, z, w that takes directions in the axes of the frame (x right, y down, z forward) to those of
-        a place at rest, and the camera's place there, mm. `down`: which way gravity pulls in those axes of the frame, of any
-        length; without it the latest told holds. Returns the Guidance so far."""
+        """Processes one frame. Returns the Guidance.
+
+        `depth`: height x width, uint16 millimetres or float32 metres (NaN or 0: no data). `confidence`: uint8 of the same
+        shape; values below `confidence_min` are no data. `pose`: of a camera in the hand, seven numbers: the unit quaternion
+        x, y, z, w from the axes of the frame (x right, y down, z forward) to axes at rest, and the position of the camera in
+        those, mm. `down`: the direction of gravity in the axes of the frame, of any length; without it the latest known one
+        holds."""
         depth = np.asarray(depth)
         if depth.shape != self._size or depth.dtype not in (np.uint16, np.float32):
             raise ValueError(f"depth is {depth.dtype} {depth.shape}, expected uint16 or float32 {self._size}")
@@ -281,18 +286,19 @@ class Session:
         return self.poll()
 
     def poll(self):
+        """The Guidance after the latest frame processed."""
         r = self._result()
         codes = tuple(_lib().im2fit_guidance_name(bit).decode() for bit in range(32)
                       if r.guidance >> bit & 1 and _lib().im2fit_guidance_name(bit))
         return Guidance(_lib().im2fit_state_name(r.state).decode(), codes, bool(r.measured), r.frames_seen, r.frames_used)
 
     def joints(self):
-        """15 x 4: x, y, z in mm of the camera's axes, and the confidence; None without a person."""
+        """15 x 4: x, y, z (mm, camera axes) and confidence of each joint; None without a person."""
         r = self._result()
         return np.ctypeslib.as_array(r.joints).view(np.float32).reshape(_c.JOINTS, 4).copy() if r.has_joints else None
 
     def finish(self):
-        """No more frames: measures with what there is. Returns a Person, measured or not."""
+        """Ends the stream and measures with the accepted frames. Returns a Person, measured or not."""
         self._check(_lib().im2fit_finish(self._open_handle()))
         text = self._bytes(_lib().im2fit_result_json).decode()
         result = json.loads(text)
@@ -303,7 +309,7 @@ class Session:
         return Person(result, text, avatars)
 
     def mesh(self):
-        """(vertices n x 3 in mm, triangles m x 3) of the person measured."""
+        """The measured person as a mesh: (vertices n x 3 in mm, triangles m x 3)."""
         count, faces = ctypes.c_size_t(), ctypes.c_size_t()
         handle = self._open_handle()
         self._check(_lib().im2fit_body_mesh(handle, None, 0, ctypes.byref(count), None, 0, ctypes.byref(faces)))
@@ -313,7 +319,7 @@ class Session:
         return vertices, triangles
 
     def fit(self, garment):
-        """The GarmentFit of the person measured."""
+        """How a garment, by its id, fits the measured person: a GarmentFit."""
         count, best, handle = ctypes.c_size_t(), ctypes.c_size_t(), self._open_handle()
         arguments = (handle, garment.encode())
         status = _lib().im2fit_garment_fit(*arguments, None, ctypes.sizeof(_c.SizeFit), 0, ctypes.byref(count), None)
@@ -329,15 +335,15 @@ class Session:
         return GarmentFit(garment, fits[best.value].name.decode(), sizes)
 
     def dressed_avatar(self, *worn):
-        """The bytes of a .glb of the person in clothes, what lies on the skin first: each a garment's id, in the best size, or
-        a pair of id and size. Without any: trousers and a T-shirt."""
+        """The measured person in clothes, as the bytes of a .glb. `worn`, innermost first: the id of a garment, for the best
+        size, or a pair of id and size. Without any: trousers and a T-shirt."""
         pairs = [(one, None) if isinstance(one, str) else one for one in worn]
         items = (_c.Worn * len(pairs))(*((garment.encode(), size.encode() if size else None) for garment, size in pairs))
         return self._bytes(_lib().im2fit_dressed_avatar, items, ctypes.c_size_t(len(pairs)))
 
     def rig(self):
-        """(root, 3 numbers, metres; rotations, 19 x 4, unit quaternions x y z w) of the avatar's nodes, rig_nodes(), as the
-        person stands in the latest frame; None when no person is followed there. Needs a measurement."""
+        """The pose of the avatar's nodes (rig_nodes()) in the latest frame: (root, 3 numbers, metres; rotations, 19 x 4, unit
+        quaternions x y z w). None when no person is followed in that frame. Needs a measurement."""
         rig = _c.Rig()
         status = _lib().im2fit_live_rig(self._open_handle(), ctypes.byref(rig), ctypes.sizeof(rig))
         if status == _c.NOT_FOUND:
@@ -346,8 +352,8 @@ class Session:
         return np.array(rig.root_m, np.float32), np.array(rig.rotations, np.float32)
 
     def models(self):
-        """What the models are and can answer: a dict with the fields of im2fit_models (made_by, people, captures, tracker_key,
-        and has_body, answers_shape, answers_turned, answers_clothed, site_corrected as bool)."""
+        """A description of the models: a dict with the fields of im2fit_models (made_by, people, captures, tracker_key, and
+        has_body, answers_shape, answers_turned, answers_clothed, site_corrected as bool)."""
         models = _c.Models()
         self._check(_lib().im2fit_get_models(self._open_handle(), ctypes.byref(models), ctypes.sizeof(models)))
         known = {name: getattr(models, name) for name, _ in _c.Models._fields_}
@@ -356,16 +362,17 @@ class Session:
                 for (name, kind), v in zip(_c.Models._fields_, known.values())}
 
     def next(self):
-        """The next person, after the measurement: frames are taken again, and the answer stands until whoever was measured has
+        """Prepares for the next person: frames are processed again. The measurement stays until the measured person has
         left."""
         self._check(_lib().im2fit_next(self._open_handle()))
 
     def reset(self):
-        """A new person; forgets everything seen."""
+        """Begins a session for a new person and forgets all frames."""
         self._check(_lib().im2fit_reset(self._open_handle()))
         self._number = 0
 
     def close(self):
+        """Frees the session. A second call does nothing."""
         if self._handle:
             _lib().im2fit_close(self._handle)
             self._handle = ctypes.c_void_p()
@@ -437,15 +444,15 @@ def _upright(width, height, fx, fy, cx, cy, rotate_deg):
 
 
 def measure(source, models=None, rotate_deg=None, calibration=None, **settings):
-    """Measures the person in a depth folder, a recording (.oni) or before a camera, as of Session.of: frames until the
-    measurement, or all of them. Returns a Person; look at its `measured` and `guidance`. A folder needs no
-    libim2fit-cameras. `settings` as of Session."""
+    """Measures the person in a depth folder, a recording (.oni) or before a camera; sources are those of Session.of. Uses
+    frames until the measurement, or all of them. Returns a Person: check its `measured` and `guidance`. A folder does not
+    need libim2fit-cameras. `settings` are those of Session."""
     if pathlib.Path(source).is_dir() and rotate_deg is None and calibration is None:
         return _measure_folder(pathlib.Path(source), models, settings)
     with Session.of(source, rotate_deg, calibration, models, **settings) as session:
-        said = session.pump()
-        while said is not None and not said.measured:
-            said = session.pump()
+        progress = session.pump()
+        while progress is not None and not progress.measured:
+            progress = session.pump()
         return session.finish()
 
 

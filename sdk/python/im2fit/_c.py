@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C interface im2fit.h and cameras.h as ctypes sees it: structs, statuses, functions. tests/test_sdk.py holds the structs
-to the headers with a C compiler."""
+"""The C interface im2fit.h and cameras.h for ctypes: structs, statuses, functions. tests/test_sdk.py compares the structs
+with the headers, with a C compiler."""
 
 import ctypes as c
 import os
@@ -102,7 +102,7 @@ STRUCTS = {"im2fit_data": Data, "im2fit_settings": Settings, "im2fit_frame": Fra
 
 
 def load(path=None):
-    """The library: `path`, else IM2FIT_LIBRARY, else the one inside this package, else the system's."""
+    """Loads libim2fit: `path`, else IM2FIT_LIBRARY, else the one of this package, else the system's."""
     beside = pathlib.Path(__file__).with_name("libim2fit.so.0")
     name = path or os.environ.get("IM2FIT_LIBRARY") or (str(beside) if beside.exists() else "libim2fit.so.0")
     try:
@@ -134,7 +134,7 @@ def load(path=None):
 
 
 def load_cameras():
-    """libim2fit-cameras, after load(): IM2FIT_CAMERAS_LIBRARY, else the system's."""
+    """Loads libim2fit-cameras, after load(): IM2FIT_CAMERAS_LIBRARY, else the system's."""
     name = os.environ.get("IM2FIT_CAMERAS_LIBRARY") or "libim2fit-cameras.so.0"
     try:
         lib = c.CDLL(name)

@@ -10,7 +10,7 @@ import zlib
 
 import numpy as np
 
-try:  # ten times faster than what is below
+try:  # ten times faster than read_png below
     from PIL import Image
 except ImportError:
     Image = None
@@ -18,7 +18,7 @@ except ImportError:
 
 @dataclasses.dataclass
 class Camera:
-    """Pixels of the frames as stored; `rotate_deg` makes them upright."""
+    """In pixels of the frames as stored; `rotate_deg` makes them upright."""
 
     width: int
     height: int
@@ -116,7 +116,7 @@ def read_pgm(path):
 
 
 def frames_of(folder):
-    """(number, path) in order."""
+    """(number, path) of the frames, in order."""
     found = []
     for path in pathlib.Path(folder).iterdir():
         name = re.fullmatch(r"(\d+)\.(png|pgm)", path.name)
@@ -138,7 +138,7 @@ def read_times(folder):
 
 
 def read_downs(folder):
-    """Which way gravity pulls by frame number, where timestamps.csv says it."""
+    """The direction of gravity by frame number, of the frames for which timestamps.csv has one."""
     path, names = pathlib.Path(folder) / "timestamps.csv", ("down_x", "down_y", "down_z")
     if not path.exists():
         return {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// For apps that have kotlinx-coroutines, 1.4 or newer: copy it into the app. The package itself needs none; in our tests this
-// is compiled against, and runs on, stubs of what it uses.
+// For apps with kotlinx-coroutines 1.4 or newer: copy it into the app. The package itself has no dependencies. The tests
+// compile and run this file with stubs of what it uses.
 package im2fit.sample
 
 import im2fit.sdk.Frame
@@ -15,9 +15,9 @@ import kotlinx.coroutines.flow.flowOn
 import kotlinx.coroutines.flow.transformWhile
 
 /**
- * Pushes [frames] as they come, until the measurement, and gives the session's state each time the person is to be told
- * something else: [Session.states] for a camera that is a flow. Nothing happens before the flow is collected; after it
- * [Session.outcome] has the answer. Frames are pushed on a thread of `Dispatchers.Default`, whoever collects.
+ * Pushes [frames] as they come, until the measurement. Emits the progress each time that the display for the person
+ * changes: [Session.states] for a camera that is a flow. The flow is cold. When it ends, [Session.outcome] has the result.
+ * Frames are pushed on a thread of `Dispatchers.Default`, whichever thread collects.
  */
 fun Session.states(frames: Flow<Frame>): Flow<Progress> = flow<Progress> {
     var before: Progress? = null

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sample: a Camera2 camera that delivers DEPTH16 feeds a session. Copy it into an app; it is compiled in our tests against
-// stubs of Android's classes and has not run on a phone.
+// A sample: a Camera2 camera that delivers DEPTH16 feeds a session. Copy it into an app. The tests compile it with stubs of
+// Android's classes. It has not run on a phone.
 package im2fit.sample
 
 import android.content.Context
@@ -27,10 +27,10 @@ import im2fit.sdk.Session
 import im2fit.sdk.Settings
 
 /**
- * Opens the first back camera with DEPTH16 and tells [told], on [handler]'s thread, what each frame leads to. The app holds
- * the CAMERA permission. [close] from any thread, once.
+ * Opens the first back camera with DEPTH16 and calls [onProgress] after each frame, on [handler]'s thread. The app holds the
+ * CAMERA permission. Call [close] once, from any thread.
  */
-class DepthFeeder(context: Context, models: Models, private val handler: Handler, private val told: (Progress) -> Unit) :
+class DepthFeeder(context: Context, models: Models, private val handler: Handler, private val onProgress: (Progress) -> Unit) :
     AutoCloseable {
     private val cameras = context.getSystemService(Context.CAMERA_SERVICE) as CameraManager
     private val sensors = context.getSystemService(Context.SENSOR_SERVICE) as SensorManager
@@ -49,7 +49,7 @@ class DepthFeeder(context: Context, models: Models, private val handler: Handler
         override fun onAccuracyChanged(sensor: Sensor, accuracy: Int) = Unit
     }
 
-    /** Begins; frames come until [close]. */
+    /** Starts the camera. Frames come until [close]. */
     fun start() {
         sensors.getDefaultSensor(Sensor.TYPE_GRAVITY)?.let {
             sensors.registerListener(gravity, it, SensorManager.SENSOR_DELAY_GAME)
@@ -62,12 +62,12 @@ class DepthFeeder(context: Context, models: Models, private val handler: Handler
         val image = reader.acquireLatestImage() ?: return
         try {
             val plane = image.planes[0]
-            // Three sevenths of sure: less is flying pixels at people's outlines.
+            // Three sevenths of full confidence: samples below it are flying pixels at people's outlines.
             session.push(Frame(plane.buffer, DepthFormat.DEPTH16, plane.rowStride, image.timestamp, confidenceMin = 3, down = down))
         } finally {
             image.close()
         }
-        told(session.progress())
+        onProgress(session.progress())
     }
 
     private val opened = object : CameraDevice.StateCallback() {
@@ -107,8 +107,8 @@ class DepthFeeder(context: Context, models: Models, private val handler: Handler
                 ?: throw UnsupportedOperationException("the camera does not say its focal length: calibrate it")
             val whole = about.get(CameraCharacteristics.SENSOR_INFO_PRE_CORRECTION_ACTIVE_ARRAY_SIZE)!!
             val scale = size.width.toFloat() / whole.width()
-            // Absent where the camera's pictures are straight already. The coefficients are of rays, not of pixels, so that
-            // they hold at any size.
+            // Absent when the camera undoes distortion itself. The coefficients apply to rays, not to pixels: they hold at
+            // any size.
             val bends = if (Build.VERSION.SDK_INT >= 28) about.get(CameraCharacteristics.LENS_DISTORTION) else null
             // Half a pixel is half a pixel at any scale: the centre of pixel 0 is 0.
             return Camera(

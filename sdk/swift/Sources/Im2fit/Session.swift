@@ -2,19 +2,19 @@
 import CIm2fit
 import Foundation
 
-/// What a call of the library failed with; `status` is its number in im2fit.h.
+/// A call of the library failed. `status` is the number of the status in im2fit.h.
 public struct Im2fitError: Error, CustomStringConvertible {
     public let status: Int32
     public let description: String
 }
 
-/// A value with its 95 % interval: mm, kg of weight.
+/// A value with its 95 % interval: mm; weight: kg.
 public struct Estimate: Equatable {
     public let value, low, high: Float
 }
 
-/// What a lens does to the picture: Brown and Conrady's model, radial k1 to k3, tangential p1 and p2, as OpenCV has it. The
-/// library undoes it. ARKit's depth is straight already.
+/// Lens distortion, which the library undoes: the Brown-Conrady model of OpenCV, radial k1 to k3, tangential p1 and p2.
+/// ARKit's depth has none.
 public struct Lens: Equatable {
     public var k1, k2, k3, p1, p2: Float
     public init(k1: Float = 0, k2: Float = 0, k3: Float = 0, p1: Float = 0, p2: Float = 0) {
@@ -22,7 +22,7 @@ public struct Lens: Equatable {
     }
 }
 
-/// The depth camera: upright pixels, the centre of pixel 0 is 0.
+/// The depth camera, in pixels of the upright picture. The centre of pixel 0 is 0.
 public struct Camera {
     public var width, height: Int32
     public var fx, fy, cx, cy: Float
@@ -31,58 +31,58 @@ public struct Camera {
     }
 }
 
-/// The session after the latest frame that was processed. Names are those of im2fit.h: "TRACKING", "ARMS_CLOSE".
+/// The progress after the latest frame processed. Names are those of im2fit.h: "TRACKING", "ARMS_CLOSE".
 public struct Progress: Equatable {
     public let state: String
     public let guidance: [String]
     public let framesUsed: UInt64
 }
 
-/// Where the camera is while it is held in the hand: the unit quaternion that takes a direction in the axes of the frame as
-/// delivered (x right, y down, z forward) to those of a place at rest, and the camera's place there, mm.
+/// The pose of a camera in the hand: the unit quaternion from the axes of the frame as delivered (x right, y down, z forward)
+/// to axes at rest, and the position of the camera in those, mm.
 public struct Pose: Equatable {
     public var x, y, z, w: Float
     public var placeMm: SIMD3<Float>
     public init(x: Float, y: Float, z: Float, w: Float, placeMm: SIMD3<Float> = .zero) {
         (self.x, self.y, self.z, self.w, self.placeMm) = (x, y, z, w, placeMm)
     }
-    /// Of ARKit's `ARCamera.transform`, whose axes have y up and z backwards: its rotation as a quaternion's x, y, z, w
+    /// From ARKit's `ARCamera.transform`, whose axes have y up and z backwards: its rotation as a quaternion x, y, z, w
     /// (`simd_quatf(transform).vector`) and its last column, metres.
     public init(arkit q: SIMD4<Float>, metres: SIMD3<Float>) {
         self.init(x: q.w, y: q.z, z: -q.y, w: -q.x, placeMm: metres * 1000)
     }
 }
 
-/// How a size sits at a place.
+/// How a size fits in a region.
 public struct PlaceFit: Equatable {
     public let place: String        // "chest"
-    public let easeMm: Estimate     // finished girth less the body's
+    public let easeMm: Estimate     // girth of the finished garment minus girth of the body
     public let verdict: String      // "tight", "snug", "good", "loose"
 }
 
-/// How a size of a garment sits.
+/// How a size of a garment fits.
 public struct SizeFit: Equatable {
     public let size: String
     public let places: [PlaceFit]
 }
 
-/// How an avatar's nodes are to stand: the .glb's node 0's translation in metres, and every node's rotation, x y z w.
+/// A pose for the nodes of an avatar's .glb: the translation of node 0 in metres, and the rotation of every node, x y z w.
 public struct Rig: Equatable {
     public let root: SIMD3<Float>
     public let rotations: [SIMD4<Float>]
 }
 
-/// What the models are and what they can answer: for a support page, or to refuse a pack that is not enough.
+/// A description of the models: for a support page, or to refuse models that lack something.
 public struct ModelInfo: Equatable {
-    public let madeBy: String        // the index: by which program, from what
-    public let people: UInt32        // whom it was made of
-    public let captures: UInt32      // of these people
-    public let trackerKey: UInt32    // an index made with another tracker is refused when opened
-    public let hasBody: Bool         // there are meshes, tape, avatars and garments
-    public let answersShape: Bool    // a shape is fitted to the depth as well; without it answers are less good
-    public let answersTurned: Bool   // people from behind are known
-    public let answersClothed: Bool  // people in clothes are known
-    public let siteCorrected: Bool   // answers are corrected for the site
+    public let madeBy: String        // which program made the index, and from what
+    public let people: UInt32        // number of people in the index
+    public let captures: UInt32      // number of captures of these people
+    public let trackerKey: UInt32    // opening refuses an index made with another tracker
+    public let hasBody: Bool         // meshes, tape, avatars and garments are available
+    public let answersShape: Bool    // a shape is fitted to the depth; false: less accurate
+    public let answersTurned: Bool   // the index covers people from behind
+    public let answersClothed: Bool  // the index covers people in clothes
+    public let siteCorrected: Bool   // measurements are corrected for the site
 }
 
 /// How a session ended.
@@ -92,11 +92,12 @@ public enum Outcome {
     case notMeasured(state: String, guidance: [String])
 }
 
-/// One person before one depth camera. One thread at a time, but `progress()` from any thread while the session lives.
+/// One person before one depth camera. One thread at a time may use a session. Exception: any thread may call `progress()`
+/// while the session exists.
 public final class Session {
     private let handle: OpaquePointer
 
-    /// `body` may be nil: then there is no JSON of the body and no avatar.
+    /// Without `body` (nil) the JSON lacks the body, and there is no avatar.
     public init(camera: Camera, tracker: URL, index: URL, body: URL? = nil) throws {
         var opened: OpaquePointer?
         let status: Int32 = tracker.path.withCString { tracker in
@@ -123,9 +124,10 @@ public final class Session {
 
     deinit { im2fit_close(handle) }
 
-    /// Depth as ARKit and AVFoundation deliver it: 32-bit metres, NaN or 0 where there is none. `rotateDeg` makes it
-    /// upright. `down`: which way gravity pulls in the axes of this picture (x right, y down, z forward), where known.
-    /// `lens`: of a picture that nothing has straightened yet. `pose`: of a camera in the hand.
+    /// Processes one frame. `metres`: depth as ARKit and AVFoundation deliver it, 32-bit metres, NaN or 0: no data.
+    /// `rotateDeg`: clockwise rotation that makes it upright. `down`: the direction of gravity in the axes of this picture
+    /// (x right, y down, z forward); zero: unknown. `lens`: the distortion that the picture still has. `pose`: of a camera in
+    /// the hand.
     public func push(metres: UnsafePointer<Float>, width: Int32, height: Int32, rowBytes: Int = 0, rotateDeg: Int32 = 0,
                      timeNs: Int64 = 0, sequence: UInt64 = 0, down: SIMD3<Float> = .zero, lens: Lens = Lens(),
                      pose: Pose? = nil) throws {
@@ -154,7 +156,7 @@ public final class Session {
                         framesUsed: result.frames_used)
     }
 
-    /// No more frames: measures with what there is.
+    /// Ends the stream and measures with the accepted frames.
     public func finish() throws -> Outcome {
         try check(im2fit_finish(handle))
         var result = try poll()
@@ -170,19 +172,19 @@ public final class Session {
         return .measured(measured)
     }
 
-    /// result.json (docs/result.md), whether measured or not.
+    /// result.json (docs/result.md), measured or not.
     public func json() throws -> String {
         String(decoding: try bytes { im2fit_result_json(self.handle, $0?.assumingMemoryBound(to: CChar.self), $1, $2) },
                as: UTF8.self)
     }
 
-    /// The person as .glb; needs a measurement and a body.
+    /// The person as the bytes of a .glb. Needs a measurement and a body.
     public func avatar() throws -> Data {
         Data(try bytes { im2fit_avatar(self.handle, Int32(IM2FIT_AVATAR_GLB), $0, $1, $2) })
     }
 
-    /// The person as .glb in clothes of the best sizes, what lies on the skin first; of no garment: trousers and a T-shirt.
-    /// Garments by their ids ("t_shirt").
+    /// The person as .glb in clothes of the best sizes. `garments`: ids ("t_shirt"), innermost first; empty: trousers and a
+    /// T-shirt.
     public func dressedAvatar(_ garments: [String] = []) throws -> Data {
         let names = garments.map { strdup($0) }
         defer { names.forEach { free($0) } }
@@ -190,7 +192,7 @@ public final class Session {
         return Data(try bytes { im2fit_dressed_avatar(self.handle, worn, worn.count, $0, $1, $2) })
     }
 
-    /// How each size of a garment sits, small to large, and the one to buy.
+    /// How each size of a garment fits, small to large, and the index of the size to buy.
     public func fit(_ garment: String) throws -> (sizes: [SizeFit], best: Int) {
         let stride = MemoryLayout<im2fit_size_fit>.size
         var count = 0
@@ -212,8 +214,8 @@ public final class Session {
         }, best)
     }
 
-    /// How the avatar stands as the person does in the latest frame; nil when no person is followed there. Needs a
-    /// measurement; moves once `next()` lets frames in again.
+    /// The pose of the avatar in the latest frame; nil when no person is followed in it. Needs a measurement. It moves after
+    /// `next()`, as frames are processed again.
     public func rig() throws -> Rig? {
         var rig = im2fit_rig()
         let status = im2fit_live_rig(handle, &rig, MemoryLayout<im2fit_rig>.size)
@@ -225,7 +227,7 @@ public final class Session {
         })
     }
 
-    /// What the files are that the session was opened with.
+    /// A description of the models that the session was opened with.
     public func modelInfo() throws -> ModelInfo {
         var models = im2fit_models()
         try check(im2fit_get_models(handle, &models, MemoryLayout<im2fit_models>.size))
@@ -235,7 +237,7 @@ public final class Session {
                          answersClothed: models.answers_clothed != 0, siteCorrected: models.site_corrected != 0)
     }
 
-    /// The next person, after the measurement, which stands until whoever was measured has left.
+    /// Prepares for the next person. The measurement stays until the measured person has left.
     public func next() throws { try check(im2fit_next(handle)) }
 
     private func bytes(_ call: (UnsafeMutableRawPointer?, Int, UnsafeMutablePointer<Int>) -> Int32) throws -> [UInt8] {

@@ -6,9 +6,9 @@ import java.nio.ByteOrder
 
 /** How samples are stored. Order of IM2FIT_FORMAT_... */
 enum class DepthFormat(internal val sampleBytes: Int) {
-    /** 16-bit whole numbers of [Frame.unitMm]; 0: no data. */
+    /** 16-bit integers in units of [Frame.unitMm]; 0: no data. */
     U16(2),
-    /** Android's `ImageFormat.DEPTH16`: 13 bits of millimetres under 3 bits of confidence. */
+    /** Android's `ImageFormat.DEPTH16`: 13 low bits are millimetres, 3 high bits confidence. */
     DEPTH16(2),
     /** 32-bit floats, metres; NaN, infinite, zero and negative: no data. */
     F32(4)
@@ -18,7 +18,7 @@ enum class DepthFormat(internal val sampleBytes: Int) {
 data class Direction(val x: Float, val y: Float, val z: Float) {
     companion object {
         /**
-         * Down, out of Android's gravity sensor (`Sensor.TYPE_GRAVITY`), for a camera on the back of the device.
+         * Down, from Android's gravity sensor (`Sensor.TYPE_GRAVITY`), for a camera on the back of the device.
          *
          * @param values of the `SensorEvent`, which point up: x to the right of the screen, y to its top, z out of it
          * @param rotateDeg [Camera.rotateDeg]: `SENSOR_ORIENTATION` of the camera
@@ -38,11 +38,10 @@ data class Direction(val x: Float, val y: Float, val z: Float) {
 }
 
 /**
- * Where the camera is while it is held in the hand, as the platform tracks it (ARCore): the unit quaternion that takes a
- * direction in the axes of the frame as delivered (x right, y down, z forward) to those of a place at rest, and the camera's
- * place there.
+ * The pose of a camera in the hand, as the platform tracks it (ARCore): the unit quaternion from the axes of the frame as
+ * delivered (x right, y down, z forward) to axes at rest, and the position of the camera in those.
  *
- * @property xMm millimetres; 0 0 0 where only the turn is known: then the camera is taken to turn about itself
+ * @property xMm millimetres. 0 0 0: only the rotation is known, and the camera is assumed to turn about itself
  */
 data class Pose(
     val x: Float, val y: Float, val z: Float, val w: Float, val xMm: Float = 0f, val yMm: Float = 0f, val zMm: Float = 0f
@@ -62,19 +61,19 @@ data class Pose(
 }
 
 /**
- * One depth frame as the camera delivers it. Nothing is copied before [Session.push] has it.
+ * One depth frame as the camera delivers it. [Session.push] copies it, nothing before.
  *
- * @property pixels a direct buffer of the machine's byte order: rows from the top, from its position on
+ * @property pixels a direct buffer of the machine's byte order, from its position on. Rows from the top
  * @property rowBytes from row to row; 0: no padding (`Image.Plane.getRowStride()`)
  * @property timeNs monotonic (`Image.getTimestamp()`); 0: none
  * @property sequence the camera's count of frames, so that gaps are noticed; 0: none
- * @property confidence a direct buffer with a byte a sample, of U16 and F32; below [confidenceMin] is no data
- * @property confidenceMin 0: all are taken. DEPTH16: sevenths of sure, 0..7. Else of [confidence], 0..255
- * @property camera of this frame, where focus or calibration changes; null: the session's
- * @property unitMm of U16
- * @property down which way gravity pulls; null: not known, and then the latest told holds until [Session.reset]. Where no
- *   floor is seen it says what is upright
- * @property pose where the camera is, of one that is held in the hand; null: not known, and the frame is taken as it is
+ * @property confidence U16, F32: a direct buffer with one byte a sample. Below [confidenceMin]: no data
+ * @property confidenceMin 0: use all samples. DEPTH16: sevenths of full confidence, 0..7. Others: of [confidence], 0..255
+ * @property camera the intrinsics of this frame, when focus or calibration changes; null: the session's
+ * @property unitMm millimetres of a unit, U16 only
+ * @property down the direction of gravity; null: unknown, and the latest known one holds until [Session.reset]. It defines
+ *   upright where no floor is visible
+ * @property pose the pose of a camera in the hand; null: unknown, and the frame is used as it is
  */
 class Frame(
     val pixels: ByteBuffer, val format: DepthFormat, val rowBytes: Int = 0, val timeNs: Long = 0, val sequence: Long = 0,
@@ -102,7 +101,7 @@ class Frame(
     }
 
     companion object {
-        /** A frame of millimetres out of an array; copies. For every frame of a camera keep one direct buffer instead. */
+        /** A frame of millimetres from an array, by copying it. For the frames of a camera reuse one direct buffer instead. */
         @JvmStatic
         @JvmOverloads
         fun ofMillimetres(depth: ShortArray, timeNs: Long = 0, sequence: Long = 0): Frame {
@@ -111,7 +110,7 @@ class Frame(
             return Frame(buffer, DepthFormat.U16, timeNs = timeNs, sequence = sequence)
         }
 
-        /** The same in metres. */
+        /** A frame of metres from an array, by copying it. */
         @JvmStatic
         @JvmOverloads
         fun ofMetres(depth: FloatArray, timeNs: Long = 0, sequence: Long = 0): Frame {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package im2fit.sdk
 
-/** A garment that can be tried on (docs/garments.md): "t_shirt", "T-shirt". */
+/** A garment (docs/garments.md): "t_shirt", "T-shirt". */
 data class Garment(val id: String, val name: String)
 
 /** All garments, named in "en", "de", "es", "fr" or "zh". */
@@ -12,46 +12,46 @@ fun garments(language: String = "en"): List<Garment> = (0 until Native.garmentCo
     Garment(id!!, requireNotNull(name) { "no language '$language'" })
 }
 
-/** How a garment sits at a place. Order of IM2FIT_FIT_... */
+/** How a garment fits in a region. Order of IM2FIT_FIT_... */
 enum class Fit {
-    /** It binds. */
+    /** Too small: it presses on the body. */
     TIGHT,
-    /** Closer than meant. */
+    /** Closer than designed. */
     SNUG,
-    /** As meant. */
+    /** As designed. */
     GOOD,
-    /** Wider than meant. */
+    /** Wider than designed. */
     LOOSE
 }
 
 /**
- * A garment's fit at one place.
+ * The fit of a garment in one region.
  *
- * @property ease what the finished girth has more than the body's, mm
+ * @property ease girth of the finished garment minus girth of the body, mm
  */
 data class PlaceFit(val ease: Estimate, val fit: Fit)
 
 /**
- * How one size sits.
+ * How one size fits.
  *
- * @property cost 0: as meant everywhere; comparable between sizes of one garment
- * @property places by name: "chest", "waist", ...
+ * @property cost 0: as designed in all regions. Comparable between sizes of one garment
+ * @property places the regions by name: "chest", "waist", ...
  */
 data class SizeFit(val size: String, val cost: Float, val places: Map<String, PlaceFit>)
 
 /**
- * How each size of a garment sits on the person, small to large.
+ * How each size of a garment fits the person, small to large.
  *
- * @property best the one to buy
+ * @property best the size to buy
  */
 data class GarmentFit(val sizes: List<SizeFit>, val best: SizeFit) {
-    /** Whether [best] is only the nearest: tight somewhere, or loose everywhere. */
+    /** Whether no size fits: [best] is tight in a region, or loose in all. */
     val noneFits: Boolean
         get() = best.places.values.run { any { it.fit == Fit.TIGHT } || all { it.fit == Fit.LOOSE } }
 }
 
 /**
- * A garment in a size; without one in the best.
+ * A garment in a size. Null: in the best size.
  *
  * @property garment its id
  */

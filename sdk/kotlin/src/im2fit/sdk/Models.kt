@@ -3,17 +3,18 @@ package im2fit.sdk
 
 import java.io.File
 
-/** Where one data file is. */
+/** The location of one model file. */
 sealed class ModelFile {
-    /** A file of the file system; copied when the session is opened, mapped when it has more than 64 MiB. */
+    /** A file of the file system. Opening a session copies it, or maps it when it is larger than 64 MiB. */
     data class Path(val file: File) : ModelFile()
 
-    /** Its whole content; copied when the session is opened. */
+    /** The content of the file. Opening a session copies it. */
     class Bytes(val bytes: ByteArray) : ModelFile()
 
     /**
-     * A part of an open file: what `AssetFileDescriptor` gives of an asset that is stored without compression
-     * (`noCompress "i2b", "i2t", "i2f"`). Copied when the session is opened; the caller closes [fd] afterwards.
+     * A part of an open file, as `AssetFileDescriptor` has it for an asset that is stored without compression
+     * (`androidResources { noCompress += listOf("i2b", "i2t", "i2f") }`). Opening a session copies it. The caller closes
+     * [fd] afterwards.
      *
      * @property fd `parcelFileDescriptor.fd`
      * @property offset `startOffset`, bytes
@@ -23,9 +24,9 @@ sealed class ModelFile {
 }
 
 /**
- * The files that measuring needs, out of one model pack (docs/models.md).
+ * The model files, all of one model pack (docs/models.md).
  *
- * @property body without it there is no mesh, tape or avatar, and no shape is fitted
+ * @property body null: there is no mesh, tape, avatar or garment fit, and no shape is fitted
  */
 class Models(val tracker: ModelFile, val index: ModelFile, val body: ModelFile? = null) {
     companion object {
@@ -42,17 +43,17 @@ class Models(val tracker: ModelFile, val index: ModelFile, val body: ModelFile? 
 }
 
 /**
- * What the models of a session are and can answer: for a support page, or to refuse a pack that is not enough.
+ * A description of the models of a session: for a support page, or to refuse models that lack something.
  *
  * @property madeBy by which program the index was made, and from what
- * @property people whom the index was made of
- * @property captures of these people, in the index
- * @property trackerKey names the tracker; an index made with another is refused when opened
- * @property hasBody meshes, tape, avatars and garments are there
- * @property answersShape a shape is fitted to the depth as well; false: answers are less good
- * @property answersTurned the index knows people from behind
- * @property answersClothed it knows people in clothes
- * @property siteCorrected answers are corrected for the site
+ * @property people number of people in the index
+ * @property captures number of captures of these people in the index
+ * @property trackerKey identifies the tracker. Opening refuses an index made with another
+ * @property hasBody meshes, tape, avatars and garments are available
+ * @property answersShape a shape is fitted to the depth. False: measurements are less accurate
+ * @property answersTurned the index covers people from behind
+ * @property answersClothed the index covers people in clothes
+ * @property siteCorrected measurements are corrected for the site
  */
 data class ModelInfo(
     val madeBy: String, val people: Long, val captures: Long, val trackerKey: Long, val hasBody: Boolean,

@@ -3,7 +3,7 @@ package im2fit.sdk
 
 import java.nio.ByteBuffer
 
-/** jni/, one to one: statuses, arrays in its order. Loads libim2fit_jni, which brings libim2fit with it. */
+/** The functions of jni/, one to one: statuses, and arrays in its order. Loads libim2fit_jni, and libim2fit with it. */
 internal object Native {
     const val OK = 0
     const val NOT_MEASURED = -10
@@ -72,9 +72,9 @@ internal object Native {
 }
 
 /**
- * What a call of the library failed with.
+ * A call of the library failed.
  *
- * @property status its number, negative: im2fit.h lists them
+ * @property status the number of the status, negative: im2fit.h lists them
  * @property statusName its name: "not_found", "corrupt", "invalid_argument", ...
  */
 class Im2fitException internal constructor(val status: Int, message: String) : RuntimeException(message) {

@@ -16,18 +16,19 @@ enum class Measurement(val unit: String = "mm") {
 /**
  * A clothing size.
  *
- * @property best the likeliest
+ * @property best the most probable size
  * @property probabilities of all sizes of the chart, small to large; they sum to 1
  */
 data class Size(val best: String, val probabilities: Map<String, Float>)
 
 /**
- * Who was measured.
+ * The measured person.
  *
  * @property female probability
- * @property backSeen the answer rests on front and back
- * @property clothed probability of being dressed, by the frames alone; null: not estimated
- * @property joints the mean pose behind the answer
+ * @property backSeen front and back were measured
+ * @property clothed probability of being dressed, from the frames alone; null: not estimated
+ * @property clothingEaseMm expected gap of cloth and skin at the trunk; null: not estimated
+ * @property joints the mean pose of the measurement
  */
 data class Person(
     val measurements: Map<Measurement, Estimate>, val female: Float, val age: Estimate, val size: Size,
@@ -40,15 +41,15 @@ data class Person(
 sealed class Outcome {
     data class Measured(val person: Person) : Outcome()
 
-    /** Not enough good frames. [guidance]: what was ever in the way. */
+    /** Too few frames were accepted. [guidance]: all codes of the session. */
     data class NotMeasured(val state: State, val guidance: Set<Guidance>) : Outcome()
 }
 
-/** What a definition of the tape gives for the person. */
+/** The value of a definition of the tape for the person. */
 sealed class TapeValue {
     data class Measured(val estimate: Estimate) : TapeValue()
 
-    /** Never measured by this library, or not of this body; [reason] is a sentence. */
+    /** There is no value: the library never measures it, or this body has no such section. [reason] is a sentence. */
     data class Refused(val reason: String) : TapeValue()
 }
 
@@ -56,7 +57,7 @@ sealed class TapeValue {
  * A definition of the tape (docs/tape.md).
  *
  * @property unit "mm" or "kg"
- * @property iso its number in ISO 8559-1:2017, or ""
+ * @property iso clause of ISO 8559-1:2017, or ""
  */
 data class TapeDefinition(val id: String, val name: String, val unit: String, val iso: String)
 

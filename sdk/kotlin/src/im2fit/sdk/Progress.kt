@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 package im2fit.sdk
 
-/** How far the session is. Order of IM2FIT_STATE_... */
+/** The state of a session. Order of IM2FIT_STATE_... */
 enum class State {
     /** No person yet. */
     SEARCHING,
-    /** A person, not yet as needed: see the guidance. */
+    /** A person who cannot be measured yet: see the guidance. */
     USER_FOUND,
     /** Waiting for the calibration pose. */
     CALIBRATING,
-    /** Good frames are being collected. */
+    /** Frames are being accumulated. */
     TRACKING,
-    /** The answer stands. */
+    /** The measurement is complete. */
     MEASURED,
-    /** The person is gone. */
+    /** The person has left. */
     LOST,
-    /** [Settings.turn]: the front is measured, the back is being collected. */
+    /** [Settings.turn]: the front is measured, frames of the back are being accumulated. */
     TURNING
 }
 
-/** What is needed of the person or the scene. Order of the bits IM2FIT_GUIDANCE_... */
+/** What the person or the scene must change. Order of the bits IM2FIT_GUIDANCE_... */
 enum class Guidance {
     NO_PERSON, TOO_NEAR, TOO_FAR, FEET_CUT, HEAD_CUT, ARMS_CLOSE, NOT_FRONTAL, NOT_UPRIGHT, MOVING, SEVERAL_PEOPLE,
     TOO_NOISY, SIDE_CUT, CALIBRATION_POSE, TURN_ROUND,
-    /** Measured, but dressed where the settings said bare. */
+    /** Measured, but dressed although [Settings.clothing] is BARE. */
     CLOTHED
 }
 
@@ -36,7 +36,7 @@ enum class JointName { HE, NE, TO, LS, RS, LE, RE, LA, RA, LH, RH, LK, RK, LF, R
 /**
  * Millimetres in the camera's axes of the upright picture: x right, y down, z forward.
  *
- * @property confidence 0..1: chance of being within 50 mm; below 0.25 the joint is inferred, not seen
+ * @property confidence 0..1: probability of an error below 50 mm. Below 0.25: inferred, not visible
  */
 data class Joint(val name: JointName, val x: Float, val y: Float, val z: Float, val confidence: Float)
 
@@ -44,16 +44,16 @@ data class Joint(val name: JointName, val x: Float, val y: Float, val z: Float, 
  * The session after the latest frame that was processed.
  *
  * @property guidance of the latest frame
- * @property armsClose which arms [Guidance.ARMS_CLOSE] is about
+ * @property armsClose the arms that [Guidance.ARMS_CLOSE] means
  * @property joints to draw, smoothed; empty without a person
- * @property userId whose these are, from 1; 0: no person is in view
+ * @property userId the person of joints and guidance, from 1; 0: no person is in view
  * @property session counts the sessions begun after [Session.next], from 0
  */
 data class Progress(
     val state: State, val guidance: Set<Guidance>, val armsClose: Set<Arm>, val framesSeen: Long, val framesUsed: Long,
     val framesDropped: Long, val userId: Int, val session: Int, val joints: List<Joint>
 ) {
-    /** Whether a person is to be told something else than before. */
+    /** Whether anything that the screen shows to the person has changed. */
     fun saysMoreThan(before: Progress?): Boolean = before == null || state != before.state ||
         guidance != before.guidance || armsClose != before.armsClose || framesUsed != before.framesUsed
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package im2fit.sdk
 
-/** What native_poll wrote, in its order. */
+/** The values of native_poll, in its order. */
 internal class Result {
     val longs = LongArray(Native.RESULT_LONGS)
     val floats = FloatArray(Native.RESULT_FLOATS)

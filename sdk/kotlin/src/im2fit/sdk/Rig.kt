@@ -2,13 +2,13 @@
 package im2fit.sdk
 
 /**
- * How the nodes of an avatar's .glb are to stand so that it does what the person does: in the file's order and axes (y up,
- * metres, the lower foot on y = 0). Node i is [rigNodes]' i.
+ * A pose for the nodes of an avatar's .glb, in the order and axes of the file: y up, metres, the lower foot at y = 0. Node i
+ * is entry i of [rigNodes].
  *
  * @property root x y z, the translation of node 0
- * @property rotations of each node four numbers, x y z w of a unit quaternion relative to its parent
- * @property userId whose joints these are
- * @property inferred joints that are not seen, where the pose is a guess
+ * @property rotations four numbers a node: x y z w of a unit quaternion, relative to the parent
+ * @property userId the person followed
+ * @property inferred joints that are not visible: their pose is a guess
  */
 class Rig(val root: FloatArray, val rotations: FloatArray, val userId: Int, val inferred: Set<JointName>) {
     companion object {
@@ -16,7 +16,7 @@ class Rig(val root: FloatArray, val rotations: FloatArray, val userId: Int, val 
     }
 }
 
-/** A node of the avatar: its name in the .glb, and its parent's place in [rigNodes], -1 of the first. */
+/** A node of the avatar: its name in the .glb, and the index of its parent in [rigNodes]; -1 for the first. */
 data class RigNode(val name: String, val parent: Int)
 
 /** The nodes that a [Rig] moves. */

@@ -7,12 +7,12 @@ import kotlin.concurrent.read
 import kotlin.concurrent.write
 
 /**
- * One person before one depth camera. Opening loads the models and starts the threads, which takes some tens of
- * milliseconds; [close] frees all of it.
+ * One person before one depth camera. Opening loads the models and starts the threads. It takes some tens of
+ * milliseconds. [close] frees the session.
  *
- * Threads: all functions may be called from any thread. [push] and what changes the session take turns; [progress]
- * never waits for them, so that a screen may ask while frames arrive. [close] waits until the others have returned;
- * after it they throw IllegalStateException.
+ * Threads: any thread may call any function. Calls that change the session, [push] among them, run one after the other.
+ * [progress] never waits for them, so a screen may call it while frames arrive. [close] waits until other calls have
+ * returned. After it every call throws IllegalStateException.
  *
  * @throws Im2fitException a model is missing, damaged or of another version, or a setting is out of range
  */
@@ -26,7 +26,7 @@ class Session @JvmOverloads constructor(
     private val longs = LongArray(7)
     private val floats = FloatArray(20)
 
-    /** Hands over one frame; it is copied. With [Settings.live] false it waits while the library is behind. */
+    /** Copies one frame into the session. With [Settings.live] false it waits while the library is behind. */
     fun push(frame: Frame) {
         val of = frame.camera ?: camera
         require(of.rotateDeg == camera.rotateDeg) { "a frame cannot be turned otherwise than its session" }
@@ -64,12 +64,12 @@ class Session @JvmOverloads constructor(
         }
     }
 
-    /** Where the session stands; never waits for the threads at work. */
+    /** The latest state of the session. Never waits. */
     fun progress(): Progress = result().progress()
 
     /**
-     * Pushes [frames] as they are taken from the sequence, until the measurement, and gives the session's state each time
-     * the person is to be told something else. Nothing happens before the result is iterated over.
+     * Pushes [frames] until the measurement. Yields the progress each time that the display for the person changes. Lazy:
+     * frames are taken from the sequence as the result is iterated over.
      */
     fun states(frames: Sequence<Frame>): Sequence<Progress> = sequence {
         var before: Progress? = null
@@ -82,14 +82,14 @@ class Session @JvmOverloads constructor(
         }
     }
 
-    /** All of it: [states] to [told], then [finish]. */
+    /** Passes [states] to [told], then calls [finish]. */
     @JvmOverloads
     fun measure(frames: Sequence<Frame>, told: (Progress) -> Unit = {}): Outcome {
         states(frames).forEach(told)
         return finish()
     }
 
-    /** Waits until every frame pushed has been processed. False after [timeoutMs]; negative: no limit. */
+    /** Waits until every frame pushed is processed. Returns false after [timeoutMs]; negative: no limit. */
     fun await(timeoutMs: Int = -1): Boolean {
         val status = turn { Native.act(it, Native.DO_WAIT, timeoutMs) }
         if (status == TIMEOUT) return false
@@ -97,26 +97,26 @@ class Session @JvmOverloads constructor(
         return true
     }
 
-    /** No more frames: measures with what there is. Fine to call again. */
+    /** Ends the stream and measures with the accepted frames. A second call returns the same. */
     fun finish(): Outcome {
         change { Native.act(it, Native.DO_FINISH, 0) }
         return outcome()
     }
 
-    /** What [finish] gave, or what stands when [progress] says MEASURED. */
+    /** The result of [finish]. Also valid when [progress] has the state MEASURED. */
     fun outcome(): Outcome {
         val result = result()
         if (!result.measured) return Outcome.NotMeasured(result.state, result.guidanceSeen)
         return Outcome.Measured(result.person(size()))
     }
 
-    /** A new person: forgets everything seen. */
+    /** Begins a session for a new person and forgets all frames. */
     fun reset() = change { Native.act(it, Native.DO_RESET, 0) }
 
-    /** The next person, after MEASURED: begins by itself when the one measured has left the picture. */
+    /** Prepares for the next person, after MEASURED. The next session begins when the measured person has left. */
     fun next() = change { Native.act(it, Native.DO_NEXT, 0) }
 
-    /** Only the person of this [Progress.userId] from now on; 0: whoever stands right first. */
+    /** From now on measures only the person with this [Progress.userId]. 0: the first person with empty guidance. */
     fun selectUser(userId: Int) = change { Native.act(it, Native.DO_SELECT_USER, userId) }
 
     /** result.json (docs/result.md), whether measured or not. */
@@ -134,7 +134,7 @@ class Session @JvmOverloads constructor(
         mesh
     }
 
-    /** All of the tape for the person, by id, in the order of [tapeDefinitions]. */
+    /** All measurements of the tape, by id, in the order of [tapeDefinitions]. */
     fun tape(): Map<String, TapeValue> {
         val ids = tapeDefinitions().map { it.id }
         val statuses = IntArray(ids.size)
@@ -151,7 +151,7 @@ class Session @JvmOverloads constructor(
     }
 
     /**
-     * How each size of a garment ([garments]' id) sits on the person. Needs a measurement and [Models.body], as do
+     * How each size of a garment, an id of [garments], fits the person. Needs a measurement and [Models.body], as do
      * [dressedAvatar] and [rig].
      */
     fun fit(garment: String): GarmentFit {
@@ -173,7 +173,7 @@ class Session @JvmOverloads constructor(
         return GarmentFit(fits, fits[best])
     }
 
-    /** The person's .glb, dressed, what lies on the skin first; of nothing: in trousers and a T-shirt of the best sizes. */
+    /** The person's .glb in clothes. [worn]: innermost first; empty: trousers and a T-shirt of the best sizes. */
     @JvmOverloads
     fun dressedAvatar(worn: List<Worn> = emptyList()): ByteArray {
         require(worn.size <= Native.WORN_MAX) { "${worn.size} garments, expected at most ${Native.WORN_MAX}" }
@@ -185,8 +185,8 @@ class Session @JvmOverloads constructor(
     }
 
     /**
-     * How the avatar stands as the person does in the latest frame; null when no person is followed there. It moves once
-     * [next] lets frames in again, until the next person's session begins.
+     * The pose of the avatar in the latest frame; null when no person is followed in it. It moves after [next], as frames are
+     * processed again, until the next session begins.
      */
     fun rig(): Rig? = turn { handle ->
         val floats = FloatArray(3 + 4 * Rig.NODE_COUNT)
@@ -197,7 +197,7 @@ class Session @JvmOverloads constructor(
         Rig(floats.copyOf(3), floats.copyOfRange(3, floats.size), numbers[0], bitsOf(numbers[1].toLong()))
     }
 
-    /** What the session was opened with. */
+    /** A description of the models that the session was opened with. */
     fun modelInfo(): ModelInfo = turn { handle ->
         val n = LongArray(8)
         val texts = arrayOfNulls<ByteArray>(1)
@@ -205,7 +205,7 @@ class Session @JvmOverloads constructor(
         ModelInfo(Native.text(texts[0])!!, n[0], n[1], n[2], n[3] != 0L, n[4] != 0L, n[5] != 0L, n[6] != 0L, n[7] != 0L)
     }
 
-    /** Stops the threads and frees everything; frames in the pipeline are given up. Fine to call again. */
+    /** Stops the threads and frees the session. Frames in the pipeline are dropped. A second call does nothing. */
     override fun close() = open.write {
         if (handle != 0L) Native.close(handle)
         handle = 0
@@ -234,12 +234,12 @@ class Session @JvmOverloads constructor(
 
     private fun alive(): Long = handle.also { check(it != 0L) { "the session is closed" } }
     private inline fun <T> turn(what: (Long) -> T): T = open.read { synchronized(turn) { what(alive()) } }
-    // The text of a failure is the latest call's: read before another thread's turn.
+    // The text of an error is that of the latest call: read it before another thread calls.
     private inline fun change(what: (Long) -> Int) = turn { check(what(it)) }
     private fun check(status: Int) {
         if (status == Native.OK) return
         val text = Native.text(Native.lastError(handle)).orEmpty()
-        // Native.poll leaves the handle's text alone; the thread has its own.
+        // Native.poll does not set the handle's text, only the thread's.
         throw Im2fitException(status, if (text != "") text else Native.text(Native.lastError(0)).orEmpty())
     }
 

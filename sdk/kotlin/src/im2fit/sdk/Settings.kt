@@ -2,8 +2,8 @@
 package im2fit.sdk
 
 /**
- * What a lens does to the picture: Brown and Conrady's model, radial [k1] to [k3], tangential [p1] and [p2], as OpenCV has
- * it. The library undoes it. All 0: the picture is straight.
+ * Lens distortion, which the library undoes: the Brown-Conrady model of OpenCV, radial [k1] to [k3], tangential [p1] and
+ * [p2]. All 0: none.
  */
 data class Lens(
     val k1: Float = 0f, val k2: Float = 0f, val k3: Float = 0f, val p1: Float = 0f, val p2: Float = 0f
@@ -23,12 +23,12 @@ data class Lens(
 }
 
 /**
- * The depth camera (not the colour camera): pixels of frames as they are delivered, before they are upright.
+ * The depth camera (not the colour camera), in pixels of frames as delivered, before rotation.
  *
  * @property width pixels, 1..2048
  * @property fx focal lengths and principal point in pixels; the centre of pixel 0 is 0
- * @property rotateDeg 0, 90, 180, 270: clockwise, what makes the picture upright
- * @property lens of frames whose distortion nothing has undone yet
+ * @property rotateDeg 0, 90, 180, 270: clockwise rotation that makes the picture upright
+ * @property lens distortion that the frames still have
  */
 data class Camera @JvmOverloads constructor(
     val width: Int, val height: Int, val fx: Float, val fy: Float, val cx: Float, val cy: Float, val rotateDeg: Int = 0,
@@ -47,28 +47,28 @@ data class Camera @JvmOverloads constructor(
     }
 }
 
-/** What the person wears, where the app knows. Order and meaning of IM2FIT_CLOTHING_... */
+/** What the person wears. Order and meaning of IM2FIT_CLOTHING_... */
 enum class Clothing {
     /** Estimated from the frames, given a body file. */
     ESTIMATED,
-    /** Underwear or close-fitting sportswear; [Guidance.CLOTHED] when it does not look so. */
+    /** Underwear or close-fitting sportswear. [Guidance.CLOTHED]: the frames show more. */
     BARE,
     /** The body underneath is measured, with wider intervals. */
     DRESSED
 }
 
-/** How the camera senses depth, where the app knows. Order of IM2FIT_SENSOR_... */
+/** How the camera senses depth. JUDGED: estimated from the frames. Order of IM2FIT_SENSOR_... */
 enum class Sensor { JUDGED, STRUCTURED_LIGHT, TIME_OF_FLIGHT }
 
 /**
- * How to measure. The defaults are the library's.
+ * Settings of a session. The defaults are the library's, except [live].
  *
- * @property framesWanted good frames until the measurement, 1..1000; of each side with [turn]
- * @property framesMin fewest that [Session.finish] measures with, 1..framesWanted
- * @property live true: the oldest frame is dropped when the library is behind; false: [Session.push] waits
- * @property turn the person is asked to turn round, and the back is measured as well
- * @property calibrationPose raised arms are asked for first
- * @property singleThread all work inside [Session.push]
+ * @property framesWanted accepted frames until the measurement, 1..1000. With [turn]: for each side
+ * @property framesMin fewest accepted frames for [Session.finish] to measure, 1..framesWanted
+ * @property live true: [Session.push] drops the oldest frame when the library is behind. False: it waits
+ * @property turn true: front, then back. The guidance tells the person when to turn round
+ * @property calibrationPose true: the person raises the arms first
+ * @property singleThread true: [Session.push] does all work itself
  */
 data class Settings(
     val framesWanted: Int = 30, val framesMin: Int = 5, val live: Boolean = true, val turn: Boolean = false,
