@@ -74,7 +74,7 @@ void standardise_ref(const float* feature, const float* mean, const float* scale
   }
 }
 
-namespace im2fit::joints {
+namespace joints {
 
 void sum_leaves_ref(const Split* splits, const std::int8_t* leaves, int tree_count, const std::int16_t* pixels,
                     int run_count, std::int32_t* sum) {
@@ -92,6 +92,6 @@ void sum_leaves_ref(const Split* splits, const std::int8_t* leaves, int tree_cou
   }
 }
 
-}  // namespace im2fit::joints
+}  // namespace joints
 
 }  // namespace im2fit

@@ -85,7 +85,7 @@ void contour_ref(ImageView<const std::uint16_t> depth_q4, MaskView mask, Contour
   }
 }
 
-namespace im2fit::joints {
+namespace joints {
 
 void downsample_box_ref(const DownsampleBox& box, std::uint16_t* out, DownsampleMoments& moments) {
   moments = {};
@@ -104,7 +104,7 @@ void downsample_box_ref(const DownsampleBox& box, std::uint16_t* out, Downsample
   }
 }
 
-}  // namespace im2fit::joints
+}  // namespace joints
 
 void floor_sums_ref(DepthView depth, int step, const FloorGate& gate, const FloorCell* cells, int count,
                     PlaneSums& out) {

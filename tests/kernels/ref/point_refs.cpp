@@ -12,7 +12,7 @@
 
 namespace im2fit {
 
-namespace im2fit::joints {
+namespace joints {
 
 void anchor_depths_ref(const Anchor* anchors, int count, const AnchorJoints& joints, const AnchorBox& box,
                        std::int16_t* out, std::ptrdiff_t out_step) {
@@ -35,7 +35,7 @@ void anchor_depths_ref(const Anchor* anchors, int count, const AnchorJoints& joi
   }
 }
 
-}  // namespace im2fit::joints
+}  // namespace joints
 
 std::uint32_t geodesic_ref(const std::int32_t* x, const std::int32_t* y, const std::int32_t* z, int count) {
   double length = 0;
