@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between the pipeline (threads, rings, session) and what it runs on frames. Production: PersonDetector, Fuser and
-// Index (engine/production_stages.cpp); tests put their own behind it.
+// The seam between the pipeline (threads, rings, session) and what it runs on frames. Production: PersonDetector,
+// Fuser and Index (engine/production_stages.cpp); tests put their own behind it.
 #pragma once
 
 #include <memory>

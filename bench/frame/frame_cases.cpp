@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One whole frame at 640x480 (portrait: 480 wide), and its parts, as the engine runs them: a guided frame is
-// PersonDetector::sense and Fuser::add, a measuring frame describes and queries the index as well. The variant is the best
-// tier the build, the machine and IM2FIT_DISABLE_TIERS allow.
+// PersonDetector::sense and Fuser::add, a measuring frame describes and queries the index as well. The variant is the
+// best tier the build, the machine and IM2FIT_DISABLE_TIERS allow.
 //
 // Tracker and index: IM2FIT_TRACKER, IM2FIT_INDEX, else where scripts/test puts the small ones; the body:
 // IM2FIT_BODY, else the cache's. Where they are absent the cases that need them are left out, and standard error says

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who is who: one record for each person followed, from the first detection on for as long as it may stay hidden.
 // A user begins unconfirmed. It is confirmed by its shape over some frames (Segmenter) or accepted by its joints
-// (PersonDetector), or it is rejected as furniture; unconfirmed candidates stay selectable until rejected. Of all users one
-// is looked at in a frame: the nearest and most central, or the one selected; a session selects the first person who
-// stands right and holds on to that one.
+// (PersonDetector), or it is rejected as furniture; unconfirmed candidates stay selectable until rejected. Of all
+// users one is looked at in a frame: the nearest and most central, or the one selected; a session selects the first
+// person who stands right and holds on to that one.
 //
 // Matching detections to records is person_matching.cpp; evidence and choice are person_tracker.cpp. No allocation,
 // no threads; not shareable between threads.

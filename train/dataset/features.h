@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rendered person through the device's own path: frames -> upright -> PersonDetector -> Fuser -> feature. Never a shortcut
-// from the mesh. One difference: the person stands still while a capture is taken, so the PersonDetector runs once, on the
-// median of the frames, and not on each.
+// A rendered person through the device's own path: frames -> upright -> PersonDetector -> Fuser -> feature. Never a
+// shortcut from the mesh. One difference: the person stands still while a capture is taken, so the PersonDetector
+// runs once, on the median of the frames, and not on each.
 #pragma once
 
 #include <array>
