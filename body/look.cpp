@@ -171,12 +171,12 @@ Result<Look> read_look(const ContainerReader& reader, std::size_t vertex_count, 
   return look;
 }
 
-Result<std::vector<std::byte>> without_look(std::span<const std::byte> pack, const std::string& what) {
+Result<std::vector<std::byte>> shape_only(std::span<const std::byte> pack, const std::string& what) {
   const auto reader = ContainerReader::parse(pack, kBodyMagic, kBodyVersion, what);
   if (!reader) return reader.error();
   std::vector<std::pair<std::uint64_t, std::string>> order;
   for (const auto& [name, entry] : reader->entries())
-    if (!name.starts_with("look_")) order.emplace_back(entry.offset, name);
+    if (!name.starts_with("look_") && !name.starts_with("start_")) order.emplace_back(entry.offset, name);
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   ContainerWriter writer(kBodyMagic, kBodyVersion);
   for (const auto& [offset, name] : order) {

@@ -161,6 +161,9 @@ Status read_sections(std::span<const std::byte> bytes, const std::string& what, 
   auto space = read_shape_space(*reader, what);
   if (!space) return space.error();
   d.shape_space = std::move(*space);
+  const auto starts = read_start_bodies(*reader, d.modifiers.size(), what);
+  if (!starts) return starts.error();
+  d.starts = *starts;
   return Ok{};
 }
 
@@ -294,6 +297,10 @@ Result<BodyModel> BodyModel::parse(std::vector<std::byte> bytes, const std::stri
 
 const ShapeSpace& BodyModel::shape_space() const {
   return data_->shape_space;
+}
+
+const StartBodies& BodyModel::start_bodies() const {
+  return data_->starts;
 }
 
 int BodyModel::vertex_count() const {

@@ -59,7 +59,8 @@ struct Params {
   Warp warp;                     // of the mesh the sliders make
 };
 
-struct ShapeSpace;  // body/shape_space.h
+struct ShapeSpace;   // body/shape_space.h
+struct StartBodies;  // body/start_bodies.h
 
 class BodyModel {
  public:
@@ -96,6 +97,8 @@ class BodyModel {
   // What fits to depth pictures search; point_count 0 when the file has none: im2fit-lab fetch adds it,
   // im2fit-pack-body alone does not.
   const ShapeSpace& shape_space() const;
+  // Where fits to measurements begin; none when the file has none, as above.
+  const StartBodies& start_bodies() const;
 
   struct Data;
   const Data& data() const { return *data_; }

@@ -14,6 +14,7 @@
 #include "body/look.h"
 #include "body/model.h"
 #include "body/shape_space.h"
+#include "body/start_bodies.h"
 #include "core/file.h"
 #include "kernels/blend/blend.h"
 #include "kernels/skin/skin.h"
@@ -21,7 +22,7 @@
 namespace im2fit::body {
 
 inline constexpr std::string_view kBodyMagic = "I2BD";
-inline constexpr std::uint32_t kBodyVersion = 2;
+inline constexpr std::uint32_t kBodyVersion = 3;
 inline constexpr int kBodyVertexCount = 13380;  // MakeHuman's base mesh; helpers follow
 inline constexpr std::size_t kTargetCountMax = 1024;
 inline constexpr std::size_t kModifierCountMax = 1024;
@@ -115,6 +116,7 @@ struct BodyModel::Data {
 
   Look look;
   ShapeSpace shape_space;
+  StartBodies starts;
   std::vector<std::string> modifier_names;
   std::vector<std::array<std::int32_t, 3>> triangles;
   std::vector<std::uint32_t> body_run_count;  // of each target: its runs from the first on that reach the body

@@ -2,6 +2,8 @@
 #include "body/params_vector.h"
 
 #include <algorithm>
+#include <cassert>
+#include <iterator>
 
 namespace im2fit::body {
 std::vector<float> pack_params(const Params& params, std::size_t modifier_count) {
@@ -13,6 +15,18 @@ std::vector<float> pack_params(const Params& params, std::size_t modifier_count)
   std::copy_n(params.modifiers.begin(), given, values.begin() + kMacroParamCount);
   std::copy(params.warp.values.begin(), params.warp.values.end(), values.end() - kWarpCount);
   return values;
+}
+
+Params unpack_params(std::span<const float> row) {
+  assert(row.size() >= params_vector_size(0));
+  Params p;
+  float* const macros[] = {&p.gender, &p.age_years, &p.muscle,  &p.weight,  &p.height, &p.proportions,
+                           &p.cup,    &p.firmness,  &p.race[0], &p.race[1], &p.race[2]};
+  static_assert(std::size(macros) == kMacroParamCount);
+  for (std::size_t i = 0; i < kMacroParamCount; ++i) *macros[i] = row[i];
+  p.modifiers.assign(row.begin() + kMacroParamCount, row.end() - kWarpCount);
+  std::copy(row.end() - kWarpCount, row.end(), p.warp.values.begin());
+  return p;
 }
 
 }  // namespace im2fit::body

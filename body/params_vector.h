@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "body/model.h"
@@ -13,6 +14,7 @@
 namespace im2fit::body {
 
 inline constexpr std::size_t kMacroParamCount = 11;
+inline constexpr std::size_t kAgeParam = 1;  // years
 
 constexpr std::size_t params_vector_size(std::size_t modifier_count) {
   return kMacroParamCount + modifier_count + kWarpCount;
@@ -20,5 +22,7 @@ constexpr std::size_t params_vector_size(std::size_t modifier_count) {
 
 // Modifiers missing in `params` are zeros, those beyond `modifier_count` are left out.
 std::vector<float> pack_params(const Params& params, std::size_t modifier_count);
+// The parameters of a whole row.
+Params unpack_params(std::span<const float> row);
 
 }  // namespace im2fit::body

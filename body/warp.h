@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes of a rest mesh that no slider makes: at which height landmarks lie, and how broad, deep and angular
-// sections are. With them a body has the proportions of measured people (body/proportions.h); MakeHuman's own trunks
-// are rounder.
+// sections are. With them a body has the proportions of measured people (train/population/proportions.h); MakeHuman's
+// own trunks are rounder.
 #pragma once
 
 #include <array>

@@ -65,6 +65,14 @@ std::vector<std::uint32_t> page_sums(std::span<const std::byte> section, std::si
   return sums;
 }
 
+// The program that makes a kind of file.
+std::string_view maker_of(std::string_view magic) {
+  if (magic == "I2BD") return ": im2fit-lab fetch";
+  if (magic == "I2TR") return ": im2fit-lab train";
+  if (magic == "I2FX") return ": im2fit-lab index";
+  return "";
+}
+
 }  // namespace
 
 struct PagedBytes::State {
@@ -124,7 +132,7 @@ Result<ContainerReader> ContainerReader::parse(std::span<const std::byte> bytes,
   if (get<std::uint32_t>(bytes, 8) != kEndianMark) return bad("written with another byte order");
   if (const auto found = get<std::uint32_t>(bytes, 4); found != version)
     return bad("format version " + std::to_string(found) + ", this program reads version " + std::to_string(version) +
-               "; make the file again with this release");
+               "; make it again" + std::string(maker_of(magic)));
   const std::size_t count = get<std::uint32_t>(bytes, 12);
   if (count > kSectionCountMax || kHeaderSize + count * kEntrySize > bytes.size())
     return bad("section table truncated");

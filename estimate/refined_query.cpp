@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "body/population.h"
-
 namespace im2fit {
 namespace {
 
@@ -46,9 +44,7 @@ Result<AgeAnswer> RefinedQuery::age_of(const index::Seen& seen) {
   const auto found = index_.alike(seen, std::span(alike_).first(wanted), *scratch_);
   if (!found) return found.error();
   for (std::size_t i = 0; i < *found; ++i) {
-    const auto person = index_.person_of(alike_[i]);
-    if (!person) return person.error();
-    const auto age = body::age_of_person(person->version, person->seed, person->number);
+    const auto age = index_.age_of(alike_[i]);
     if (!age) return age.error();
     ages_[i] = *age;
   }

@@ -35,7 +35,7 @@ class RefinedQuery {
     body::SeenBody seen;
   };
   // Some tens of milliseconds with a shape space, for each side.
-  // Errors: the index is damaged where it was read, or of people this program cannot draw.
+  // Errors: the index is damaged where it was read.
   Result<Queried> query(const Side& front, const std::optional<Side>& back);
   bool refines() const { return fitter_ != nullptr; }
 

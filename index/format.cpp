@@ -321,6 +321,7 @@ Result<Contents> parse_contents(std::span<const std::byte> bytes, const std::str
     for (const std::size_t bytes : {2, 3})
       if (numbers->bytes().size() == bytes * entries) c.person_bytes = bytes;
   c.person = in.take_paged<std::uint8_t>("person", c.person_bytes * entries, c.person_pages);
+  c.age = in.take_paged<std::uint8_t>("age", entries, c.age_pages);
   c.interval = in.take<float>("interval", 2 * kMeasurementCount);
   c.spread_floor = in.take<float>("spread.floor", kMeasurementCount);
   c.sex_table = in.take<float>("sex.table", kScoreTableSize);

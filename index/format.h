@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections of a .i2f (docs/formats-index.md) and their validation: what parse_contents accepts can be queried
 // without reading out of bounds, dividing by zero or recursing deeply. The sections with a value per entry
-// (`code`, `residual`, `person`) are checked against their checksums when they are read, not when the file is opened:
-// any value in them is in range.
+// (`code`, `residual`, `person`, `age`) are checked against their checksums when they are read, not when the file is
+// opened: any value in them is in range.
 #pragma once
 
 #include <array>
@@ -22,13 +22,21 @@
 namespace im2fit::index {
 
 inline constexpr char kMagic[] = "I2FX";
-inline constexpr std::uint32_t kVersion = 13;
+inline constexpr std::uint32_t kVersion = 14;
 inline constexpr std::uint32_t kFeatureMax = 16384;
 inline constexpr std::uint32_t kEntryMax = 1U << 24;
 inline constexpr std::uint32_t kGroupMax = 16;
 inline constexpr std::size_t kProvenanceMax = 65536;
 inline constexpr std::size_t kScoreTableSize = 129;  // scores -2 .. 2
 inline constexpr double kScoreMax = 2.0;
+// An age is stored as its half years completed and read as the middle of its half year: age groups stay what they
+// are.
+constexpr std::uint8_t age_step(float years) {
+  return static_cast<std::uint8_t>(years > 0 ? (years < 127 ? 2 * years : 254) : 0);
+}
+constexpr float age_of_step(std::uint8_t step) {
+  return 0.5F * static_cast<float>(step) + 0.25F;
+}
 
 // Of a table of kScoreTableSize, between its places.
 float probability_at(std::span<const float> table, double score);
@@ -106,6 +114,8 @@ struct Contents {
   std::span<const std::uint8_t> person;   // entry_count x person_bytes: number in the population, low byte first
   std::size_t person_bytes = 4;           // 2, 3 or 4
   PagedBytes person_pages;
+  std::span<const std::uint8_t> age;  // entry_count: half years
+  PagedBytes age_pages;
   std::span<const float> interval;      // kMeasurementCount x {low, high} in units of the spread
   std::span<const float> spread_floor;  // kMeasurementCount, standardised units
   std::span<const float> sex_table;     // kScoreTableSize probabilities, rising

@@ -165,6 +165,12 @@ Result<IndexedPerson> Index::person_of(std::uint32_t entry) const {
   return IndexedPerson{c.meta.population_version, c.meta.population_seed, c.person_of(entry)};
 }
 
+Result<float> Index::age_of(std::uint32_t entry) const {
+  const Contents& c = data_->contents;
+  if (auto sound = c.age_pages.check({entry, 1}); !sound) return sound.error();
+  return age_of_step(c.age[entry]);
+}
+
 Result<MeasurementValues> Index::measurements_of(std::uint32_t entry) const {
   const Contents& c = data_->contents;
   if (auto sound = c.tree.pages.check(c.tree.block_of(entry)); !sound) return sound.error();
@@ -182,7 +188,7 @@ Status Index::verify(int trials) const {
     return Error{ErrorCode::corrupt, data_->what + ": " + why + "; build the index again"};
   };
   const CodeTree& tree = c.tree;
-  for (const PagedBytes* pages : {&tree.pages, &c.residual_pages, &c.person_pages})
+  for (const PagedBytes* pages : {&tree.pages, &c.residual_pages, &c.person_pages, &c.age_pages})
     if (auto sound = pages->check_all(); !sound) return sound;
   const auto edges = [&](std::span<const std::int16_t> boxes, std::size_t box, std::size_t d) {
     const std::int16_t* edge =
@@ -228,7 +234,8 @@ Index::Work Index::work_of(const Scratch& scratch) const {
 
 std::size_t Index::pages_seen() const {
   const Contents& c = data_->contents;
-  return c.tree.pages.pages_seen() + c.residual_pages.pages_seen() + c.person_pages.pages_seen();
+  return c.tree.pages.pages_seen() + c.residual_pages.pages_seen() + c.person_pages.pages_seen() +
+         c.age_pages.pages_seen();
 }
 
 }  // namespace im2fit::index

@@ -53,7 +53,8 @@ struct QueryOptions {
   bool exhaustive = false;  // scans every entry: the same answer, for checking the search
 };
 
-// Whose body an entry holds: these three name the draw that makes it again (body/population.h).
+// Whose body an entry holds: these three name the draw that makes it again on a workstation
+// (train/population/drawn_people.h).
 struct IndexedPerson {
   std::uint32_t version = 0;  // of the rules by which people are drawn
   std::uint64_t seed = 0;
@@ -136,6 +137,8 @@ class Index {
   std::uint32_t shape_key() const;
   // Whose body an entry is. `entry` < size(), as below. Errors: as of query().
   Result<IndexedPerson> person_of(std::uint32_t entry) const;
+  // How old that person is, years: the middle of the half year of their life. Errors: as of query().
+  Result<float> age_of(std::uint32_t entry) const;
   // Truth of an entry to within the rounding of its codes: a seventh of the regression's error, and what the
   // projected space leaves out.
   Result<MeasurementValues> measurements_of(std::uint32_t entry) const;

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "body/person_axes.h"
-#include "body/population.h"
+#include "body/start_bodies.h"
 
 namespace im2fit {
 JointSet to_mesh_axes(const JointSet& camera_joints, const FloorPlane& floor) {
@@ -44,15 +44,18 @@ Result<AnsweredBody> body_of_goals(body::MeasurementFitter& fitter, const body::
   return answered;
 }
 
-Result<AnsweredBody> body_of_answer(body::MeasurementFitter& fitter, const index::Index& index,
-                                    const index::Answer& answer, const JointSet& measured_joints,
-                                    const FloorPlane& floor, const body::SeenBody& seen) {
-  const auto person = index.person_of(answer.nearest);
-  if (!person) return person.error();
-  const auto params = body::params_of_person(fitter.model(), person->version, person->seed, person->number);
-  if (!params) return params.error();
+Result<AnsweredBody> body_of_answer(body::MeasurementFitter& fitter, const index::Answer& answer,
+                                    const JointSet& measured_joints, const FloorPlane& floor,
+                                    const body::SeenBody& seen) {
+  const body::StartBodies& starts = fitter.model().start_bodies();
+  if (starts.size() == 0)
+    return Error{ErrorCode::unsupported, "the body file has no start bodies; make it again: im2fit-lab fetch"};
+  const body::MeasurementGoals goals = goals_of(answer);
+  MeasurementValues values;
+  for (std::size_t i = 0; i < kMeasurementCount; ++i) values[i] = goals[i].value;
+  const std::size_t nearest = body::nearest_start(starts, answer.female >= 0.5F, values);
   // Of a dressed person the skin seen is cloth.
-  return body_of_goals(fitter, *params, goals_of(answer), measured_joints, floor,
+  return body_of_goals(fitter, starts.params(nearest), goals, measured_joints, floor,
                        answer.clothed ? body::SeenBody{} : seen);
 }
 

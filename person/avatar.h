@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From an answer to the one body that everything said of a person is said of: the nearest entry's parameters, changed
+// From an answer to the one body that everything said of a person is said of: the nearest start body, changed
 // until the mesh measures what was answered, in the pose that was measured (docs/one-body.md).
 #pragma once
 
@@ -25,13 +25,12 @@ struct AnsweredBody {
 // What is asked of the mesh: the answered values, each as well known as its interval says.
 body::MeasurementGoals goals_of(const index::Answer& answer);
 
-// `fitter`: of the body file the index was built with; another one draws other people unnoticed. It then holds the
-// body, measured. `seen`: the body fitted to the pictures, whose shape and pose it follows, unless clothes were seen
-// rather than skin. Errors: the index was built of another version of the population; as body_of_goals. Allocates; a
-// few hundredths of a second.
-Result<AnsweredBody> body_of_answer(body::MeasurementFitter& fitter, const index::Index& index,
-                                    const index::Answer& answer, const JointSet& measured_joints,
-                                    const FloorPlane& floor, const body::SeenBody& seen = {});
+// From the nearest of the body file's start bodies of the answered sex. `seen`: the body fitted to the pictures,
+// whose shape and pose it follows, unless clothes were seen rather than skin. Errors: the body file has no start
+// bodies; as body_of_goals. Allocates; a few hundredths of a second.
+Result<AnsweredBody> body_of_answer(body::MeasurementFitter& fitter, const index::Answer& answer,
+                                    const JointSet& measured_joints, const FloorPlane& floor,
+                                    const body::SeenBody& seen = {});
 
 // The same from a body to begin with. Errors: joints or goals that are not finite, goals that are not positive.
 Result<AnsweredBody> body_of_goals(body::MeasurementFitter& fitter, const body::Params& start,

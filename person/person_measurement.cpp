@@ -17,8 +17,7 @@ Result<PersonMeasurement> measurement_of(const Engine& engine, const Measurement
                                      answer.female);
   if (parts.body_model == nullptr || parts.index == nullptr) return person;
   body::MeasurementFitter fitter(*parts.body_model);
-  auto body = body_of_answer(fitter, *parts.index, answer, person.result.measured_joints, person.result.floor,
-                             person.result.seen);
+  auto body = body_of_answer(fitter, answer, person.result.measured_joints, person.result.floor, person.result.seen);
   if (!body) return body.error();
   person.body = std::move(*body);
   person.modifier_names = parts.body_model->modifier_names();

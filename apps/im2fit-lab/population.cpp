@@ -7,7 +7,6 @@
 
 #include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
-#include "body/proportions.h"
 #include "core/file.h"
 #include "evaluation/population/population_check.h"
 #include "evaluation/population/proportions_check.h"
@@ -16,6 +15,7 @@
 #include "report/text_table.h"
 #include "train/camera/synthetic_person.h"
 #include "train/common/parallel.h"
+#include "train/population/proportions.h"
 
 namespace im2fit::apps {
 namespace {

@@ -59,7 +59,7 @@ std::shared_ptr<Dressed> dressed_in(const std::shared_ptr<body::BodyModel>& mode
   body::Params params;
   params.gender = 1;
   params.age_years = 35;
-  body::solve_stature_and_weight(*model, params, 1770, 75);
+  params.height = 0.55F;
   std::vector<Vec3f> rest(static_cast<std::size_t>(model->vertex_count()));
   model->morph(params, rest);
   const body::Skeleton skeleton = body::rest_skeleton(*model, rest);

@@ -20,7 +20,7 @@
 #include "bench/kernels/cases.h"
 #include "body/fit/measurement_fit.h"
 #include "body/measure.h"
-#include "body/population.h"
+#include "body/start_bodies.h"
 #include "core/file.h"
 #include "core/rng.h"
 #include "engine/engine.h"
@@ -314,21 +314,27 @@ void add_rest(Cases& cases, const Bench& b) {
   }
 }
 
-// Once a session: the nearest entry drawn again, and its body fitted to what another person measures.
+// Once a session: the nearest start body found, and fitted to what another person measures.
 void add_body_parts(Cases& cases) {
   const std::string path = file_of("IM2FIT_BODY", "body.i2b", "");
   auto loaded = body::BodyModel::load(path);
-  if (!loaded) {
-    std::fprintf(stderr, "frame: no body in %s: cases left out\n", path.c_str());
+  if (!loaded || loaded->start_bodies().size() == 0) {
+    std::fprintf(stderr, "frame: no body with start bodies in %s: cases left out\n", path.c_str());
     return;
   }
   const auto model = std::make_shared<body::BodyModel>(std::move(*loaded));
-  constexpr std::uint64_t kSeed = 3, kEntry = 5, kPerson = 9;
-  add(cases, "body/entry", {}, [model] { keep(body::draw_person(*model, body::Family::training, kSeed, kEntry)); });
-  const auto entry =
-      std::make_shared<body::Params>(body::draw_person(*model, body::Family::training, kSeed, kEntry).params);
-  const MeasurementValues wanted =
-      body::measure_person(*model, body::draw_person(*model, body::Family::held_out, kSeed, kPerson).params);
+  body::Params person;
+  person.gender = 0;
+  person.age_years = 61;
+  person.muscle = 0.3F;
+  person.weight = 0.8F;
+  const MeasurementValues wanted = body::measure_person(*model, person);
+  add(cases, "body/start", {}, [model, wanted] {
+    const body::StartBodies& starts = model->start_bodies();
+    keep(starts.params(body::nearest_start(starts, true, wanted)));
+  });
+  const body::StartBodies& starts = model->start_bodies();
+  const auto entry = std::make_shared<body::Params>(starts.params(body::nearest_start(starts, true, wanted)));
   body::MeasurementGoals goals;
   for (std::size_t i = 0; i < kMeasurementCount; ++i) goals[i] = {wanted[i], 0.01F * wanted[i]};
   const auto fitter = std::make_shared<body::MeasurementFitter>(*model);

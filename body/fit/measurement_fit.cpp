@@ -73,6 +73,10 @@ double moved(float from, double by, Limits limits) {
 
 }  // namespace
 
+const MeasurementRegression& measurement_law(bool woman) {
+  return kRegressions[woman ? 0 : 1];
+}
+
 float girth_residual_mm(const MeasurementValues& residual) {
   float most = 0;
   for (const Measurement m : {Measurement::neck_girth, Measurement::shoulder_girth, Measurement::chest_girth,
@@ -165,7 +169,7 @@ class MeasurementFitter::Work {
   }
 
   void set_prior(float gender, const SeenBody* seen) {
-    const MeasurementRegression& regression = kRegressions[gender < 0.5F ? 0 : 1];
+    const MeasurementRegression& regression = measurement_law(gender < 0.5F);
     std::size_t next = 0;
     prior_ = {};
     for (std::size_t i = 0; i < kColumns; ++i)

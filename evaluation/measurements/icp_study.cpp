@@ -42,8 +42,7 @@ Result<std::optional<IcpCase>> icp_case(const SessionModels& models, const HeldO
   const EngineResult result = (*engine)->result();
   if (!result.measured) return std::optional<IcpCase>{};
   body::MeasurementFitter fitter(models.body);
-  const auto body =
-      body_of_answer(fitter, models.index, result.answer, result.measured_joints, result.floor, result.seen);
+  const auto body = body_of_answer(fitter, result.answer, result.measured_joints, result.floor, result.seen);
   if (!body) return body.error();
   std::vector<Vec3f> rest(static_cast<std::size_t>(models.body.vertex_count()));
   models.body.morph(body->params, rest);

@@ -89,7 +89,7 @@ Status time_bodies(const SessionModels& models, const index::Index& index, const
     for (const bool garment : {false, true}) {
       Stopwatch watch;
       body::MeasurementFitter fitter(models.body);
-      const auto body = body_of_answer(fitter, index, *answer, asker.joints, FloorPlane{});
+      const auto body = body_of_answer(fitter, *answer, asker.joints, FloorPlane{});
       if (!body) return body.error();
       body::Avatar avatar{&models.body, body->params, body->pose};
       std::unique_ptr<body::Outfit> outfit;

@@ -10,6 +10,7 @@
 #include "body/model_data.h"
 #include "body/skeleton.h"
 #include "core/rng.h"
+#include "train/population/solve.h"
 
 namespace im2fit::lab {
 

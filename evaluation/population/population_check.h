@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
-#include "body/proportions.h"
 #include "core/status.h"
 #include "train/population/population.h"
+#include "train/population/proportions.h"
 
 namespace im2fit::lab {
 

@@ -7,16 +7,16 @@
 #include <string_view>
 #include <vector>
 
-#include "body/proportions.h"
 #include "core/status.h"
 #include "train/population/population.h"
+#include "train/population/proportions.h"
 
 namespace im2fit::lab {
 
 // A calliper presses tissue: breadths and depths of hulls are this much larger than ANSUR II's at the same girth. In
 // ANSUR II a tape round the waist is 1.057 times the ellipse of its breadth and depth, round the hips 1.093; on
-// people here 1.02 and 1.03 (body/proportions.cpp, squareness). The tape is trusted, as shops use it, and the ratio
-// of breadth to depth, in which a common factor cancels.
+// people here 1.02 and 1.03 (train/population/proportions.cpp, squareness). The tape is trusted, as shops use it, and
+// the ratio of breadth to depth, in which a common factor cancels.
 inline constexpr double kWaistOverCalliper = 1.037, kHipOverCalliper = 1.060;
 
 // ANSUR II's column of a dimension, and what its values times are a mesh's.

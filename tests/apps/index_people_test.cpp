@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "body/measure.h"
-#include "body/population.h"
 #include "data_paths.h"
 #include "index/index.h"
+#include "train/population/drawn_people.h"
 
 namespace im2fit {
 namespace {

@@ -12,13 +12,13 @@
 #include <map>
 #include <set>
 
-#include "body/population.h"
 #include "evaluation/measurements/session.h"
 #include "measure_run.h"
 #include "person/builtin_tape.h"
 #include "person/data_files.h"
 #include "person/person_measurement.h"
 #include "train/camera/synthetic_person.h"
+#include "train/population/drawn_people.h"
 
 namespace im2fit {
 namespace {

@@ -146,7 +146,7 @@ TEST_F(Looks, HairTurnsWithTheHead) {
 TEST_F(Looks, AreNoPartOfTheBody) {
   const auto bytes = read_file(body_pack_path());
   ASSERT_TRUE(bytes);
-  auto shape = without_look(*bytes, "body");
+  auto shape = shape_only(*bytes, "body");
   ASSERT_TRUE(shape);
   EXPECT_LT(shape->size(), bytes->size());
   const auto plain = BodyModel::parse(std::move(*shape), "plain");
@@ -162,9 +162,9 @@ TEST_F(Looks, AreNoPartOfTheBody) {
 
 TEST(BodyWithoutALook, IsDrawnPlain) {
   const auto file = fake_body_file();
-  auto shape = without_look(file, "fake");
+  auto shape = shape_only(file, "fake");
   ASSERT_TRUE(shape) << shape.error().message;
-  const auto again = without_look(*shape, "fake");
+  const auto again = shape_only(*shape, "fake");
   ASSERT_TRUE(again);
   EXPECT_EQ(*again, *shape) << "taking away nothing changes nothing";
   const auto model = BodyModel::parse(std::move(*shape), "fake");

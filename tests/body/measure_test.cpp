@@ -10,6 +10,7 @@
 #include "body/skeleton.h"
 #include "body_pack.h"
 #include "core/rng.h"
+#include "train/population/solve.h"
 
 namespace im2fit::body {
 namespace {

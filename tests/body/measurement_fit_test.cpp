@@ -14,8 +14,8 @@
 #include "body/look.h"
 #include "body/measure.h"
 #include "body/model_data.h"
-#include "body/population.h"
 #include "body_pack.h"
+#include "train/population/drawn_people.h"
 
 namespace im2fit::body {
 namespace {

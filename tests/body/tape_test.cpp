@@ -11,13 +11,13 @@
 #include <set>
 
 #include "body/measure.h"
-#include "body/population.h"
 #include "body_pack.h"
 #include "core/file.h"
 #include "person/builtin_tape.h"
 #include "person/tape_file.h"
 #include "person/tape_regression.h"
 #include "person/tape_table.h"
+#include "train/population/drawn_people.h"
 
 namespace im2fit::body {
 namespace {

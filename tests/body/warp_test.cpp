@@ -7,10 +7,11 @@
 #include <cmath>
 
 #include "body/measure.h"
-#include "body/population.h"
-#include "body/proportions.h"
 #include "body/skeleton.h"
 #include "body_pack.h"
+#include "train/population/drawn_people.h"
+#include "train/population/proportions.h"
+#include "train/population/solve.h"
 
 namespace im2fit::body {
 namespace {

@@ -65,6 +65,7 @@ inline std::optional<Answers> use_index(std::vector<std::byte> bytes) {
       if (!values) return std::nullopt;
       for (const float v : *values) out.sane &= std::isfinite(v);
       (void)index->person_of(a.nearest);
+      (void)index->age_of(a.nearest);
       out.answers.push_back(a);
     }
   }

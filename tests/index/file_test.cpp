@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -116,6 +117,7 @@ TEST(IndexFile, PeopleAndTruthsComeBack) {
     EXPECT_EQ(person.seed, 77U);
     ASSERT_LT(person.number, 400U);
     ++seen[static_cast<std::size_t>(person.number)];
+    EXPECT_NEAR(*index->age_of(entry), testing::age_of(person.number), 0.25F);
     const Sample sample = world.sample(person.number, 0);
     const MeasurementValues values = *index->measurements_of(entry);
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
@@ -125,6 +127,18 @@ TEST(IndexFile, PeopleAndTruthsComeBack) {
   }
   EXPECT_EQ(seen, std::vector<int>(400, 2));
   EXPECT_LT(off, 0.25 * error);
+}
+
+// Years 18, 25, 45 and 65 begin age groups: no age is read on the other side of one.
+TEST(IndexFile, AgesKeepTheirGroups) {
+  for (float years = 18; years < 90; years += 0.0625F) {
+    const float read = age_of_step(age_step(years));
+    EXPECT_NEAR(read, years, 0.25F);
+    EXPECT_EQ(std::floor(read), std::floor(years));
+  }
+  EXPECT_EQ(age_step(-1), 0);
+  EXPECT_EQ(age_step(std::numeric_limits<float>::quiet_NaN()), 0);
+  EXPECT_EQ(age_step(1e9F), 254);
 }
 
 TEST(IndexFile, QueriesDoNotAllocate) {
@@ -274,7 +288,7 @@ TEST(IndexFile, DamageIsNoticedWhereItIsRead) {
   const auto truth = whole->make_scratch();
   const World world(0.1);
   const auto entries = ContainerReader::parse(good, kMagic, kVersion, "good")->entries();
-  for (const char* section : {"code", "residual", "person"}) {
+  for (const char* section : {"code", "residual", "person", "age"}) {
     const auto offset = static_cast<std::size_t>(entries.at(section).offset);
     const auto size = static_cast<std::size_t>(entries.at(section).size);
     int refused = 0, answered = 0, unnamed = 0, named = 0;
@@ -303,11 +317,16 @@ TEST(IndexFile, DamageIsNoticedWhereItIsRead) {
       }
       for (std::uint32_t entry = 0; entry < index->size(); entry += 50) {
         const auto person = index->person_of(entry);
+        const auto age = index->age_of(entry);
         const auto values = index->measurements_of(entry);
+        if (!age) expect_named(age.error());
         if (!person) expect_named(person.error());
         if (!values) expect_named(values.error());
-        unnamed += person && values ? 0 : 1;
-        named += person && values ? 1 : 0;
+        unnamed += person && age && values ? 0 : 1;
+        named += person && age && values ? 1 : 0;
+        if (age) {
+          EXPECT_EQ(*age, *whole->age_of(entry));
+        }
         if (person) {
           EXPECT_EQ(person->number, whole->person_of(entry)->number);
         }
@@ -326,8 +345,8 @@ TEST(IndexFile, DamageIsNoticedWhereItIsRead) {
     EXPECT_GT(answered, 0) << section;
     EXPECT_GT(named, 0) << section;
     EXPECT_GT(unnamed, 0) << section;
-    if (std::string(section) == "person")
-      EXPECT_EQ(refused, 0) << "answers name no person";
+    if (std::string(section) == "person" || std::string(section) == "age")
+      EXPECT_EQ(refused, 0) << "queries read neither numbers nor ages";
     else
       EXPECT_GT(refused, 0) << section;
   }

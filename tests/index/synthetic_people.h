@@ -13,6 +13,10 @@
 
 namespace im2fit::index::testing {
 
+inline float age_of(std::uint64_t subject) {
+  return 18 + 0.3F * static_cast<float>(subject % 190);
+}
+
 struct World {
   int features = 120;
   int shapes = 6;
@@ -60,6 +64,7 @@ struct World {
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
       out.truth[m] = static_cast<float>(1000 + y(static_cast<int>(m)));
     out.woman = s(0) > 0;
+    out.age_years = age_of(subject);
     for (int i = 0; i < shapes; ++i) out.body.push_back(static_cast<float>(s(i)));
     return out;
   }

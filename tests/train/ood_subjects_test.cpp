@@ -11,10 +11,10 @@
 
 #include "body/measure.h"
 #include "body/model_data.h"
-#include "body/population.h"
-#include "body/proportions.h"
-#include "body/shape_spread.h"
 #include "tests/train/body_fixture.h"
+#include "train/population/drawn_people.h"
+#include "train/population/proportions.h"
+#include "train/population/shape_spread.h"
 #include "train/population/shape_variation.h"
 #include "train/population/surface_smoother.h"
 

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "body/measure.h"
-#include "body/shape_spread.h"
 #include "body_fixture.h"
+#include "train/population/shape_spread.h"
 #include "train/population/shape_variation.h"
 
 namespace im2fit::lab {

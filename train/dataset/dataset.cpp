@@ -173,6 +173,7 @@ index::Sample sample_of(const body::BodyModel& model, const Subject& subject, st
   s.feature.assign(capture.feature.begin(), capture.feature.end());
   s.truth = subject.truth;
   s.woman = subject.woman;
+  s.age_years = subject.params.age_years;
   s.body = body::pack_params(subject.params, model.modifier_names().size());
   s.frame_count = capture.frame_count;
   s.distance_mm = capture.distance_mm;

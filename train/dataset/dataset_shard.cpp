@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "body/params_vector.h"
 #include "core/container.h"
 #include "core/file.h"
 #include "perception/observe/observe.h"
@@ -293,6 +294,7 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
       if ((*columns)[at] >= run.body_size) return damaged(path, "a body value out of its row");
       s.body[(*columns)[at]] = (*values)[at];
     }
+    s.age_years = s.body.size() > body::kAgeParam ? s.body[body::kAgeParam] : 0;
     chunk.samples.push_back(std::move(s));
   }
   return chunk;

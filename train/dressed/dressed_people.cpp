@@ -4,12 +4,13 @@
 #include <algorithm>
 
 #include "body/measure.h"
-#include "body/population.h"
 #include "body/tape.h"
 #include "person/builtin_tape.h"
 #include "person/dressing.h"
 #include "person/garment_fit.h"
 #include "person/size_chart.h"
+#include "train/population/drawn_people.h"
+#include "train/population/solve.h"
 
 namespace im2fit::lab {
 namespace {

@@ -91,6 +91,7 @@ class Builder {
   RefinementBuilder refinements_;
   std::optional<Entries> entries_;
   std::vector<std::uint32_t> person_;
+  std::vector<std::uint8_t> age_;  // as the file has it
   // Of the real entries, only when they are to be mixed.
   std::vector<Position> regressed_places_, true_places_;
   std::array<std::vector<std::uint32_t>, 2> of_sex_;
@@ -104,8 +105,8 @@ Status Builder::check_sample(const Sample& sample, std::size_t number) const {
                    std::to_string(feature_size_) + " and " + std::to_string(body_size_));
   const auto finite = [](float v) { return std::isfinite(v); };
   if (!std::all_of(sample.truth.begin(), sample.truth.end(), finite) ||
-      !std::all_of(sample.body.begin(), sample.body.end(), finite))
-    return invalid(which + " has a truth or body parameter that is not finite");
+      !std::all_of(sample.body.begin(), sample.body.end(), finite) || !finite(sample.age_years))
+    return invalid(which + " has a truth, age or body parameter that is not finite");
   const bool all = sample.fit_layout.shapes > 0 && sample.fit.size() == sample.fit_layout.size() &&
                    sample.fit_both.size() == sample.fit.size() && sample.fit.size() <= kFitMax &&
                    sample.back.size() == feature_size_ &&
@@ -277,6 +278,7 @@ Status Builder::read_entries() {
     fold.push_back(dealer.fold_of(sample.subject));
     if (mixed_later) of_sex_[sample.woman ? 1 : 0].push_back(static_cast<std::uint32_t>(person_.size()));
     person_.push_back(static_cast<std::uint32_t>(sample.subject));
+    age_.push_back(age_step(sample.age_years));
     if (fold.size() == static_cast<std::size_t>(kBlockRows)) flush();
     tell("encoding", person_.size());
     return person_.size() <= sample_count_;
@@ -315,6 +317,7 @@ void Builder::densify() {
     };
     entries_->add(mixed(regressed_places_, regressed_mean[s]), mixed(true_places_, true_mean[s]));
     person_.push_back(person_[mix.first]);
+    age_.push_back(age_[mix.first]);
     tell("densifying", person_.size());
   }
 }
@@ -396,6 +399,9 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
   for (const std::uint32_t row : tree.order)
     for (int byte = 0; byte < person_bytes; ++byte)
       person.push_back(static_cast<std::uint8_t>(person_[row] >> 8 * byte));
+  std::vector<std::uint8_t> age;
+  age.reserve(tree.order.size());
+  for (const std::uint32_t row : tree.order) age.push_back(age_[row]);
 
   ContainerWriter out(kMagic, kVersion);
   out.add_array("meta", std::span<const MetaRecord>(&meta, 1));
@@ -427,6 +433,7 @@ std::vector<std::byte> Builder::write(const PackedTree& tree, const IntervalMode
   out.add_array("code", view(tree.blocks), Checked::by_page);
   out.add_array("residual", view(in_order(entries_->residuals, tree.dimension_count, tree.order)), Checked::by_page);
   out.add_array("person", view(person), Checked::by_page);
+  out.add_array("age", view(age), Checked::by_page);
   refinements_.write(out);
   return out.finish();
 }

@@ -16,7 +16,7 @@
 namespace im2fit::index {
 
 struct Mix {
-  std::uint32_t first = 0, second = 0;  // real entries; the first, the heavier, lends its number
+  std::uint32_t first = 0, second = 0;  // real entries; the first, the heavier, lends its number and age
   double first_share = 1, second_share = 0;
 };
 

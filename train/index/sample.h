@@ -22,6 +22,7 @@ struct Sample {
   std::vector<float> feature;
   MeasurementValues truth{};
   bool woman = false;
+  float age_years = 0;
   std::vector<float> body;  // parameters of the mesh, the same size in every sample: shape beyond the measurements
   int frame_count = 1;      // frames fused behind the feature
   int distance_mm = 0;      // camera to person, as perception/observe sees it; 0: not known

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "body/measure.h"
-#include "body/population.h"
-#include "body/shape_spread.h"
 #include "core/rng.h"
+#include "train/population/drawn_people.h"
+#include "train/population/shape_spread.h"
 #include "train/population/shape_variation.h"
 #include "train/population/surface_smoother.h"
 

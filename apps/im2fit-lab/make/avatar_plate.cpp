@@ -12,6 +12,7 @@
 #include "core/file.h"
 #include "report/dressed_picture.h"
 #include "train/dressed/dressed_people.h"
+#include "train/population/solve.h"
 
 namespace {
 

@@ -10,11 +10,11 @@
 
 #include "apps/im2fit-lab/make/make.h"
 #include "body/model_data.h"
-#include "body/population.h"
 #include "body/tape.h"
 #include "garment/drape/dressing_pose.h"
 #include "garment/pattern.h"
 #include "person/builtin_tape.h"
+#include "train/population/drawn_people.h"
 
 namespace {
 

@@ -11,8 +11,9 @@
 #include "body/fatness.h"
 #include "body/fit/measurement_fit.h"
 #include "body/measure.h"
-#include "body/population.h"
-#include "body/shape_spread.h"
+#include "train/population/drawn_people.h"
+#include "train/population/shape_spread.h"
+#include "train/population/solve.h"
 
 namespace {
 

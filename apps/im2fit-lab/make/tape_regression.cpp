@@ -14,9 +14,9 @@
 #include "apps/im2fit-lab/make/make.h"
 #include "body/fit/measurement_fit.h"
 #include "body/measure.h"
-#include "body/population.h"
 #include "body/tape.h"
 #include "person/builtin_tape.h"
+#include "train/population/drawn_people.h"
 
 namespace {
 

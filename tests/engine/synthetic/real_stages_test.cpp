@@ -54,6 +54,7 @@ Result<index::Index> random_index(std::size_t modifier_count, std::uint32_t trac
     sample.truth[measurement_index(Measurement::stature)] = static_cast<float>(rng.normal(1700, 60));
     sample.truth[measurement_index(Measurement::weight)] = static_cast<float>(rng.normal(70, 8));
     sample.woman = i % 2 == 1;
+    sample.age_years = 18 + 1.4F * static_cast<float>(i);
     sample.body = body::pack_params({}, modifier_count);
     samples.push_back(sample);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "body/population.h"
+#include "train/population/drawn_people.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "body/measure.h"
-#include "body/proportions.h"
-#include "body/shape_spread.h"
 #include "core/rng.h"
+#include "train/population/proportions.h"
+#include "train/population/shape_spread.h"
+#include "train/population/solve.h"
 
 namespace im2fit::body {
 namespace {

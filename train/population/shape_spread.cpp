@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "body/shape_spread.h"
+#include "train/population/shape_spread.h"
 
 #include <algorithm>
 #include <cstddef>

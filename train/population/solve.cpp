@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "train/population/solve.h"
+
 #include <array>
 #include <cmath>
 #include <cstring>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "body/proportions.h"
+#include "train/population/proportions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ struct Regression {
   std::array<double, kDimensionCount*(kDimensionCount + 1) / 2> factor;
 };
 constexpr std::array<Regression, 2> kRegressions = {{
-#include "body/proportions_regression.inc"
+#include "train/population/proportions_regression.inc"
 }};
 
 constexpr double kAgeMost = 60;  // years: ANSUR II has no older people
