@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "body/fit/nearest_start.h"
 #include "body/person_axes.h"
 #include "body/start_bodies.h"
 

@@ -19,6 +19,7 @@
 #include "bench/frame/room.h"
 #include "bench/kernels/cases.h"
 #include "body/fit/measurement_fit.h"
+#include "body/fit/nearest_start.h"
 #include "body/measure.h"
 #include "body/start_bodies.h"
 #include "core/file.h"

@@ -73,7 +73,7 @@ double moved(float from, double by, Limits limits) {
 
 }  // namespace
 
-const MeasurementRegression& measurement_law(bool woman) {
+const MeasurementRegression& measurement_regression(bool woman) {
   return kRegressions[woman ? 0 : 1];
 }
 
@@ -169,7 +169,7 @@ class MeasurementFitter::Work {
   }
 
   void set_prior(float gender, const SeenBody* seen) {
-    const MeasurementRegression& regression = measurement_law(gender < 0.5F);
+    const MeasurementRegression& regression = measurement_regression(gender < 0.5F);
     std::size_t next = 0;
     prior_ = {};
     for (std::size_t i = 0; i < kColumns; ++i)

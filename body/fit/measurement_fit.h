@@ -83,6 +83,6 @@ struct MeasurementRegression {
   // The Cholesky factor of the unknowns' covariance, rows of its lower triangle.
   std::array<float, kFitParameterCount*(kFitParameterCount + 1) / 2> spread;
 };
-const MeasurementRegression& measurement_law(bool woman);
+const MeasurementRegression& measurement_regression(bool woman);
 
 }  // namespace im2fit::body

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "body/fit/measurement_fit.h"
+#include "body/fit/nearest_start.h"
 #include "body/measure.h"
 #include "body/model_data.h"
 #include "body/params_vector.h"

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "body/fit/nearest_start.h"
 #include "body/measure.h"
 #include "train/common/parallel.h"
 #include "train/population/drawn_people.h"
