@@ -57,11 +57,12 @@ function(im2fit_alone)
 endfunction()
 
 # A library of one folder: im2fit_library(NAME LEVEL Os SOURCES a.cpp b.cpp DEPENDS im2fit_core ...). Without SOURCES:
-# every *.cpp of the folder.
+# every *.cpp of the folder, or of its subfolder FOLDER.
 function(im2fit_library name)
-  cmake_parse_arguments(arg "" "LEVEL" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "" "FOLDER;LEVEL" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   if(NOT arg_SOURCES)
-    file(GLOB arg_SOURCES CONFIGURE_DEPENDS *.cpp)
+    get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR}/${arg_FOLDER} ABSOLUTE)
+    file(GLOB arg_SOURCES CONFIGURE_DEPENDS ${folder}/*.cpp)
   endif()
   add_library(${name} STATIC ${arg_SOURCES})
   im2fit_target(${name})
@@ -72,15 +73,19 @@ function(im2fit_library name)
 endfunction()
 
 # One GoogleTest program per tests/<room>: im2fit_test_room(ROOM DEPENDS im2fit_kernels ...), takes every *_test.cpp.
+# FOLDER NAME: those of a subfolder; the program is built in the folder of that name.
 # EMULATED_SHARDS N: under an emulator N ctest entries, ROOM_1 to ROOM_N, for rooms that take minutes there.
 # COST N: about how many seconds it takes; ctest starts the longest first, so that none is left running alone.
 function(im2fit_test_room room)
-  cmake_parse_arguments(arg "" "EMULATED_SHARDS;COST" "DEPENDS" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
+  cmake_parse_arguments(arg "" "EMULATED_SHARDS;COST;FOLDER" "DEPENDS" ${ARGN})
+  get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR}/${arg_FOLDER} ABSOLUTE)
+  get_filename_component(built_folder ${CMAKE_CURRENT_BINARY_DIR}/${arg_FOLDER} ABSOLUTE)
+  file(GLOB sources CONFIGURE_DEPENDS ${folder}/*_test.cpp)
   if(NOT sources)
     return()
   endif()
   add_executable(${room}_tests ${sources})
+  set_target_properties(${room}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${built_folder})
   im2fit_target(${room}_tests)
   im2fit_level(O1 ${room}_tests)
   target_link_libraries(${room}_tests PRIVATE ${arg_DEPENDS} GTest::gtest_main GTest::gmock)
