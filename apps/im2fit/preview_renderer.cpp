@@ -5,12 +5,27 @@
 
 #include <algorithm>
 
-#include "apps/common/preview_input.h"
 #include "apps/im2fit/session.h"
 #include "core/file.h"
+#include "engine/engine.h"
+#include "report/overlay.h"
 
 namespace im2fit::apps {
 namespace {
+
+// Views into the frame: valid as long as that is.
+PreviewInput preview_of(const FrameSeen& frame, const Intrinsics& intrinsics) {
+  PreviewInput input;
+  input.intrinsics = intrinsics;
+  input.depth = frame.depth;
+  input.mask = frame.mask;
+  input.has_joints = frame.result.has_joints;
+  input.joints = frame.result.display_joints;
+  input.inferred = frame.result.joints_inferred;
+  input.users.assign(frame.users.begin(), frame.users.end());
+  input.measured_user = frame.result.user;
+  return input;
+}
 
 constexpr auto kShowPeriod = std::chrono::milliseconds(100);
 constexpr int kPictureHeightPx = 960;
