@@ -3,17 +3,31 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "body/look.h"
+#include "core/status.h"
 #include "core/vec3.h"
 #include "garment/drape/outfit.h"
 #include "report/canvas.h"
-#include "report/texture.h"
 
 namespace im2fit {
+
+// A picture laid on a surface, decoded from PNG.
+class Texture {
+ public:
+  // At most body::kTextureSideMax pixels a side. Errors: corrupt.
+  static Result<Texture> decode(std::span<const std::byte> png);
+  // Linear light, 0..1, between the four nearest pixels. `u`, `v`: 0..1, v downwards; beyond, the edge goes on.
+  std::array<float, 3> at(float u, float v) const;
+
+ private:
+  int width_ = 0, height_ = 0;
+  std::vector<std::uint8_t> rgb_;
+};
 
 using LinearColour = std::array<float, 3>;  // 0..1, linear light
 
