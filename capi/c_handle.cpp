@@ -1,16 +1,98 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capi/c_handle.h"
 
+#include <sys/types.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "capi/data.h"
-#include "capi/settings.h"
+#include "capi/include/im2fit/im2fit.h"
+#include "core/camera.h"
+#include "core/status.h"
+#include "engine/engine.h"
+#include "hal/source.h"
 
 namespace im2fit {
 namespace {
+
+// The largest file of ours is a body of 12 MB; this catches a size that was not set or is an address.
+constexpr std::size_t kDataSizeMax = std::size_t{1} << 30;
+
+Error wrong(const std::string& name, const std::string& what) {
+  return {ErrorCode::invalid_argument, name + what};
+}
+
+Result<std::vector<std::byte>> read_at(const im2fit_data& data, const std::string& name) {
+  std::vector<std::byte> bytes(data.size);
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t n = ::pread(data.fd, bytes.data() + done, bytes.size() - done,
+                              static_cast<off_t>(data.offset) + static_cast<off_t>(done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return Error{ErrorCode::io, "cannot read " + name + ": " + std::strerror(errno)};
+    if (n == 0)
+      return Error{ErrorCode::corrupt,
+                   name + " ends after " + std::to_string(done) + " bytes, expected " + std::to_string(data.size)};
+    done += static_cast<std::size_t>(n);
+  }
+  return bytes;
+}
+
+// `field` of the settings names it in errors: "settings.index_data". Errors: invalid_argument for a kind, address,
+// size or offset that cannot be; io when the descriptor cannot be read; corrupt when it ends before.
+Result<std::vector<std::byte>> bytes_of(const im2fit_data& data, const char* field) {
+  const std::string name = std::string("settings.") + field;
+  if (data.kind != IM2FIT_DATA_MEMORY && data.kind != IM2FIT_DATA_FD)
+    return wrong(name, ".kind is " + std::to_string(data.kind) + ", expected one of IM2FIT_DATA_...");
+  if (data.size == 0 || data.size > kDataSizeMax)
+    return wrong(name, ".size is " + std::to_string(data.size) + ", expected 1 to " + std::to_string(kDataSizeMax));
+  if (data.kind == IM2FIT_DATA_MEMORY) {
+    if (data.bytes == nullptr) return wrong(name, ".bytes is NULL");
+    const auto* first = static_cast<const std::byte*>(data.bytes);
+    return std::vector<std::byte>(first, first + data.size);
+  }
+  // A 32-bit machine's off_t may have 32 bits.
+  if (data.offset < 0 || data.offset > std::numeric_limits<off_t>::max() - static_cast<off_t>(kDataSizeMax))
+    return wrong(name, ".offset is " + std::to_string(data.offset));
+  return read_at(data, name);
+}
+
+struct Field {
+  const char* name;
+  std::int32_t value, low, high;
+};
+
+// Errors: invalid_argument, "settings.FIELD is FOUND, expected ...".
+Status check_settings(const im2fit_settings& s) {
+  const Field fields[] = {
+      {"width", s.width, 1, kImageSideMax},
+      {"height", s.height, 1, kImageSideMax},
+      {"frames_wanted", s.frames_wanted, 1, kFramesWantedMax},
+      {"frames_min", s.frames_min, 1, s.frames_wanted},
+      {"calibration_psi", s.calibration_psi, 0, 1},
+      {"live", s.live, 0, 1},
+      {"single_thread", s.single_thread, 0, 1},
+      {"pool_frames", s.pool_frames, kPoolFramesMin, kPoolFramesMax},
+      {"user_id", s.user_id, 0, std::numeric_limits<std::int32_t>::max()},
+      {"turn", s.turn, 0, 1},
+      {"clothing", s.clothing, IM2FIT_CLOTHING_UNKNOWN, IM2FIT_CLOTHING_DRESSED},
+      {"sensor", s.sensor, IM2FIT_SENSOR_UNKNOWN, IM2FIT_SENSOR_TIME_OF_FLIGHT},
+  };
+  for (const Field& field : fields)
+    if (field.value < field.low || field.value > field.high)
+      return Error{ErrorCode::invalid_argument, std::string("settings.") + field.name + " is " +
+                                                    std::to_string(field.value) + ", expected " +
+                                                    std::to_string(field.low) + " to " + std::to_string(field.high)};
+  return hal::check_intrinsics({s.width, s.height, s.fx, s.fy, s.cx, s.cy}, "settings");
+}
 
 Error missing(const char* field) {
   return {ErrorCode::invalid_argument, std::string("settings.") + field + " is not set"};
@@ -49,7 +131,7 @@ Status take_file(const im2fit_data& data, const char* path, const char* field, s
     return Ok{};
   }
   name = std::string("settings.") + field;
-  auto read = c::bytes_of(data, field);
+  auto read = bytes_of(data, field);
   if (!read) return read.error();
   bytes = std::move(*read);
   return Ok{};
@@ -100,7 +182,7 @@ namespace im2fit {
 
 Result<std::unique_ptr<im2fit_handle>> open_c_handle(const im2fit_settings& settings,
                                                      std::unique_ptr<FrameStages> stages) {
-  if (auto ok = c::check_settings(settings); !ok) return ok.error();
+  if (auto ok = check_settings(settings); !ok) return ok.error();
   auto handle = std::make_unique<im2fit_handle>();
   handle->process = ::getpid();
   handle->log = settings.log;

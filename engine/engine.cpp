@@ -27,7 +27,6 @@
 #include "engine/frame_pool.h"
 #include "engine/frame_stages.h"
 #include "engine/rest.h"
-#include "engine/settings_check.h"
 #include "engine/snapshot.h"
 #include "engine/spsc_ring.h"
 

@@ -85,6 +85,8 @@ struct EngineSettings {
   int pool_frames = 8;  // 3..64 frames of 3 bytes a pixel
   FrameWatch watch;     // none by default
 };
+// Whether an engine can be made of them. Error: invalid_argument naming the setting, its value and what is expected.
+Status check_settings(const EngineSettings& settings);
 
 // Immutable snapshot; plain data, no allocation to copy. Everything stands still from MEASURED until reset(), so that
 // how far a producer ran ahead of the measurement leaves no trace: the same frames give the same result.

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "engine/engine.h"
+
 namespace im2fit {
 namespace {
 
@@ -53,6 +55,18 @@ Status pump_all(hal::Source& source, FrameSink& sink, const std::function<bool()
     silent_ms = 0;
     if (!go_on()) return Ok{};
   }
+}
+
+Status run(Engine& engine, hal::Source& source, bool stop_when_measured) {
+  return run(engine, source, [&] { return !(stop_when_measured && engine.result().measured); });
+}
+
+Status run(Engine& engine, hal::Source& source, const std::function<bool()>& go_on) {
+  if (auto started = source.start(); !started) return started;
+  Status status = pump_all(source, engine, go_on);
+  source.stop();
+  engine.finish();
+  return status ? engine.fault() : status;
 }
 
 }  // namespace im2fit

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/settings_check.h"
+#include "engine/engine.h"
 
 #include <limits>
 #include <string>

@@ -7,7 +7,6 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "formats/csv.h"
-#include "person/builtin_charts.h"
 
 namespace im2fit {
 namespace {

@@ -70,4 +70,8 @@ SizeAnswer size_probabilities(const SizeSystem& system, const index::IntervalEst
 // + - * / alone.
 double normal_cdf(double x);
 
+// The text of the charts compiled in, so that a device needs no files for them.
+extern const char* const kBuiltinMenChart;
+extern const char* const kBuiltinWomenChart;
+
 }  // namespace im2fit

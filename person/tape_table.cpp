@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "person/tape_table.h"
+#include "person/tape_file.h"
 
 #include <array>
 #include <charconv>
@@ -7,7 +7,6 @@
 
 #include "person/builtin_tape.h"
 #include "person/source_literals.h"
-#include "person/tape_file.h"
 
 namespace im2fit {
 namespace {

@@ -10,8 +10,8 @@
 #include "apps/im2fit-lab/pack_texts.h"
 #include "body/shape_space.h"
 #include "core/file.h"
-#include "person/builtin_charts.h"
 #include "person/data_files.h"
+#include "person/size_chart.h"
 
 namespace im2fit::apps {
 namespace {

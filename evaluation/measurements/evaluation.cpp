@@ -11,7 +11,7 @@
 #include "train/camera/synthetic_person.h"
 #include "train/common/parallel.h"
 #include "train/dataset/features.h"
-#include "train/dressed/draped_clothes.h"
+#include "train/dressed/dressed_people.h"
 
 namespace im2fit::lab {
 namespace {

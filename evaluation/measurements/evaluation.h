@@ -47,7 +47,7 @@ struct EvaluationOptions {
   bool sensor_reported = false;   // the driver reports what kind of sensor it is
   bool clothing_reported = true;  // the device is told what is worn
   bool clothed = false;           // tight, normal or loose clothes, shoes and hair; the truth stays the body's
-  bool garments = false;  // with `clothed`: draped garments in the clothes' place (train/dressed/draped_clothes.h)
+  bool garments = false;  // with `clothed`: draped garments in the clothes' place (train/dressed/dressed_people.h)
   int frames = 30;        // accepted frames wanted; three times as many are shown at most
   int width = 640, height = 480;
   float camera_scale = 1;  // of the depth delivered, by the true one: a camera that is out of true

@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "evaluation/population/ansur.h"
-#include "evaluation/population/ansur_split.h"
 
 namespace im2fit::lab {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which dimensions the evaluation's family `ansur` wants of its people: rows of ANSUR II's judging part
-// (ansur_split.h), as they are or carried along the survey's own regression to builds it hardly has.
+// (ansur.h), as they are or carried along the survey's own regression to builds it hardly has.
 //
 // What calipers and tape say of one section does not agree. Against the ellipse of breadth and depth the tape is
 // longer by (mean, SD of the survey): waist 1.054 .018 (men), 1.061 .022 (women); hip 1.090, 1.097;

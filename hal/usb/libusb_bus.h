@@ -3,8 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "core/status.h"
+#include "hal/usb/libusb_handle.h"
+#include "hal/usb/libusb_stream.h"
 #include "hal/usb/usb_transport.h"
 
 namespace im2fit::hal {
@@ -20,5 +23,26 @@ struct UsbOpened {
 // stays the caller's, who closes it after the transport. libusb before 1.0.27 then finds no devices by itself any
 // more in this process. Errors: invalid_argument (no USB device), io, no_device.
 Result<UsbOpened> open_usb_descriptor(int descriptor);
+
+class LibusbTransport final : public UsbTransport {
+ public:
+  // Takes the first interface from its kernel driver, if one has it, and gives it back at the end.
+  static Result<std::unique_ptr<UsbTransport>> claim(LibusbContext context, LibusbHandle handle);
+  ~LibusbTransport() override;
+
+  Result<std::size_t> control_in(const UsbRequest& request, std::span<std::uint8_t> data, int timeout_ms) override;
+  Status control_out(const UsbRequest& request, std::span<const std::uint8_t> data, int timeout_ms) override;
+  Status start_stream(const UsbStreamSettings& settings, UsbPacketSink& sink) override;
+  void stop_stream() override;
+
+ private:
+  LibusbTransport(LibusbContext context, LibusbHandle handle)
+      : context_(std::move(context)), handle_(std::move(handle)) {}
+
+  LibusbContext context_;
+  LibusbHandle handle_;
+  int setting_ = 0;
+  std::unique_ptr<LibusbStream> stream_;
+};
 
 }  // namespace im2fit::hal

@@ -19,7 +19,6 @@
 #include "garment/drape/outfit.h"
 #include "person/garment_fit.h"
 #include "report/dressed_picture.h"
-#include "train/dressed/draped_clothes.h"
 #include "train/dressed/dressed_people.h"
 
 namespace im2fit::lab {

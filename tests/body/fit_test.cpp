@@ -13,7 +13,6 @@
 #include "core/crc32c.h"
 #include "core/rng.h"
 #include "fake_shape_space.h"
-#include "needs_space.h"
 #include "seen_person.h"
 
 namespace im2fit::body {

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "body/fit/shape_fitter.h"
-#include "needs_space.h"
 #include "seen_person.h"
 
 namespace im2fit::body {

@@ -10,8 +10,15 @@
 
 #include "body/fit/shape_fitter.h"
 #include "body/skeleton.h"
+#include "body_pack.h"
 #include "train/population/population.h"
 #include "train/render/raster.h"
+
+// For tests that fit: skips without a body file that has a shape space.
+#define IM2FIT_NEEDS_SPACE()                       \
+  IM2FIT_NEEDS_BODY();                             \
+  if (real_body()->shape_space().point_count == 0) \
+  GTEST_SKIP() << body_pack_path() << " has no shape space: run im2fit-lab fetch"
 
 namespace im2fit::body {
 

@@ -9,7 +9,6 @@
 
 #include "body/fit/shape_fitter.h"
 #include "fake_shape_space.h"
-#include "needs_space.h"
 #include "seen_person.h"
 
 namespace im2fit::body {

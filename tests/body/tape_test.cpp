@@ -16,7 +16,6 @@
 #include "person/builtin_tape.h"
 #include "person/tape_file.h"
 #include "person/tape_regression.h"
-#include "person/tape_table.h"
 #include "train/population/drawn_people.h"
 
 namespace im2fit::body {

@@ -17,7 +17,7 @@
 
 #include "body/measure.h"
 #include "body/skeleton.h"
-#include "evaluation/population/ansur_split.h"
+#include "evaluation/population/ansur.h"
 #include "tests/train/body_fixture.h"
 
 namespace im2fit::lab {

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <numbers>
 
-#include "train/camera/depth_sensor_model.h"
 #include "train/common/simd_clones.h"
 
 namespace im2fit::lab {

@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "train/camera/depth_sensor.h"
-#include "train/camera/depth_sensor_model.h"
 #include "train/common/simd_clones.h"
 
 namespace im2fit::lab {

@@ -7,7 +7,6 @@
 #include <regex>
 
 #include "apps/sessions/store.h"
-#include "axe.h"
 #include "browser.h"
 #include "private_files.h"
 #include "run_program.h"

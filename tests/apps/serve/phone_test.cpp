@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <thread>
 
-#include "axe.h"
 #include "browser.h"
 #include "read_qr.h"
 #include "run_program.h"

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <thread>
 
-#include "axe.h"
 #include "browser.h"
 #include "core/guidance.h"
 #include "shown_page.h"
