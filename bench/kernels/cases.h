@@ -2,7 +2,7 @@
 // The measured calls: one case per kernel, variant and size. kernels_bench times them (Google Benchmark),
 // kernels_count runs one of them N times so that an emulator's plugin can count its instructions.
 //
-// A topic's TOPIC_cases.cpp defines `void add_TOPIC_cases(Cases&)`; cases.cpp lists the topics.
+// A topic's file, NAME_cases.cpp, defines `void add_TOPIC_cases(Cases&)`; cases.cpp lists the topics.
 #pragma once
 
 #include <functional>

@@ -12,7 +12,7 @@
 #include "body/model.h"
 #include "engine/engine.h"
 #include "estimate/age.h"
-#include "evaluation/measurements/edge_filter.h"
+#include "evaluation/measurements/driver_filters.h"
 #include "evaluation/population/ansur_people.h"
 #include "index/index.h"
 #include "perception/joints/tracker.h"
@@ -40,7 +40,7 @@ struct EvaluationOptions {
   std::uint64_t seed = 20'260'101;
   bool noise = true;              // false: a perfect sensor in an empty room
   bool tof = false;               // a time-of-flight sensor in place of a Kinect
-  bool smoothed = false;          // by a driver, over time (smoothing.h)
+  bool smoothed = false;          // by a driver, over time (driver_filters.h)
   EdgeFilterOptions edges;        // what the driver does beside edges, before it smooths
   float tremor_deg = 0;           // of a camera held in the hand (tremor.h)
   bool poses_told = false;        // the device says where that camera is, frame by frame

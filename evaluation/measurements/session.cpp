@@ -11,7 +11,7 @@
 
 #include "core/camera.h"
 #include "core/rng.h"
-#include "evaluation/measurements/smoothing.h"
+#include "evaluation/measurements/driver_filters.h"
 #include "hal/steady_view.h"
 
 namespace im2fit::lab {

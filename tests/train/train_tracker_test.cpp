@@ -3,18 +3,26 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/file.h"
 #include "perception/joints/model_data.h"
+#include "perception/joints/person_votes.h"
 #include "perception/joints/tracker.h"
 #include "perception/segment/segment.h"
+#include "tests/perception/joints_model_builder.h"
+#include "tests/train/body_fixture.h"
 #include "train/camera/virtual_camera.h"
 #include "train/tracker/tracker_detections.h"
+#include "train/tracker/tracker_images.h"
+#include "train/tracker/tracker_votes.h"
 
 namespace im2fit::lab {
 namespace {
@@ -156,6 +164,132 @@ TEST(TrainTracker, CachedModelTellsPeopleFromThings) {
   ASSERT_GT(all[1], 120);
   EXPECT_GT(right[0], 0.94 * all[0]);
   EXPECT_GT(right[1], 0.94 * all[1]);
+}
+
+// A box of 5 x 2 px whose left column is nearest, off the picture's middle.
+TEST(TrackerImages, AMirrorShowsTheOtherSideAtTheOtherRay) {
+  TrackerImage image;
+  image.view.u_first = 7;
+  image.view.width = 5;
+  image.view.height = 2;
+  image.view.fx = image.view.fy = 100;
+  image.view.cx = 8.0F;
+  image.view.cy = 1.0F;
+  image.view.centroid_mm = {30, 5, 1000};
+  for (int i = 0; i < 10; ++i) image.view.depth.push_back(static_cast<std::uint16_t>(1000 + i));
+  image.truth[joint_index(Joint::LA)] = {100, 1, 2};
+  image.truth[joint_index(Joint::RA)] = {-40, 3, 4};
+  image.truth[joint_index(Joint::HE)] = {7, 8, 9};
+  const TrackerImage other = mirrored(image);
+  for (int v = 0; v < 2; ++v) {
+    for (int u = 6; u < 13; ++u) {  // a column beyond each side
+      const float rx = (static_cast<float>(u) - image.view.cx) / image.view.fx;
+      const float ry = (static_cast<float>(v) - image.view.cy) / image.view.fy;
+      EXPECT_EQ(other.view.at_ray(-rx, ry), image.view.at_ray(rx, ry)) << u << " " << v;
+    }
+  }
+  EXPECT_EQ(other.view.centroid_mm.x, -30);
+  EXPECT_EQ(other.truth[joint_index(Joint::RA)].x, -100);
+  EXPECT_EQ(other.truth[joint_index(Joint::LA)].x, 40);
+  EXPECT_EQ(other.truth[joint_index(Joint::LA)].y, 3);
+  EXPECT_EQ(other.truth[joint_index(Joint::HE)].x, -7);
+  // Twice is once.
+  EXPECT_EQ(mirrored(other).view.depth, image.view.depth);
+  EXPECT_EQ(mirrored(other).view.cx, image.view.cx);
+}
+
+constexpr int kValues = 8;
+
+DrawPair any_pair() {
+  return [](Rng& rng) {
+    joints::Split s;
+    s.a = static_cast<std::uint16_t>(rng.index(kValues));
+    s.b = static_cast<std::uint16_t>(rng.index(kValues));
+    return s;
+  };
+}
+
+// Yes where value 2 exceeds value 5 by more than 30, but for one in ten.
+VoteExamples drawn(std::uint64_t seed, int count) {
+  Rng rng(seed);
+  VoteExamples out;
+  out.value_count = kValues;
+  for (int i = 0; i < count; ++i) {
+    const std::size_t first = out.values.size();
+    for (int k = 0; k < kValues; ++k) out.values.push_back(static_cast<std::int16_t>(rng.index(400) - 200));
+    const bool yes = out.values[first + 2] - out.values[first + 5] > 30;
+    out.yes.push_back((rng.index(10) == 0) != yes ? 1 : 0);
+  }
+  return out;
+}
+
+double log_odds(const VoteTrees& trees, const VoteExamples& examples, std::size_t i) {
+  return joints::count_votes(trees.view(), examples.values.data() + i * kValues) /
+         static_cast<double>(joints::kVoteUnit);
+}
+
+TEST(TrackerVotes, ARuleIsLearntWithItsChance) {
+  VoteTrees trees;
+  train_votes(drawn(1, 6000), 60, any_pair(), Rng(2), trees);
+  EXPECT_EQ(trees.tree_count(), 60U);
+  const VoteExamples unseen = drawn(3, 3000);
+  double stated = 0;
+  int right = 0, clear = 0;
+  for (std::size_t i = 0; i < unseen.size(); ++i) {
+    const std::int16_t* v = unseen.values.data() + i * kValues;
+    const int beyond = v[2] - v[5] - 30;
+    if (std::abs(beyond) < 20) continue;
+    const double odds = log_odds(trees, unseen, i);
+    ++clear;
+    right += (odds > 0) == (beyond > 0) ? 1 : 0;
+    stated += std::fabs(odds);
+  }
+  EXPECT_GT(right, 0.98 * clear);
+  EXPECT_NEAR(stated / clear, std::log(9), 0.6) << "nine in ten";
+}
+
+constexpr std::size_t kClues = static_cast<std::size_t>(joints::kClueCount);
+
+class TrackerDetections : public WithBody {
+ protected:
+  VoteExamples collect(int people, int rooms, int threads = 2) const {
+    const auto bytes = test::constant_model(0, 0, 0, 0).bytes();
+    const auto joint_model = JointModel::parse(bytes, "by hand");
+    const std::vector<joints::Anchor> anchors = {{0, 0, 2, 2, 0}, {150, -90, 0, 0, 0}};
+    return collect_detections(model(), *joint_model, anchors, {people, rooms, 5, threads}, {});
+  }
+};
+
+TEST_F(TrackerDetections, PeopleAreFoundAndEachIsFollowedByItsMirrorImage) {
+  const VoteExamples seen = collect(14, 0);
+  ASSERT_GE(seen.size(), 24U) << "nearly everybody";
+  ASSERT_EQ(seen.size() % 2, 0U);
+  const auto width = static_cast<std::size_t>(seen.value_count);
+  ASSERT_EQ(width, 2 + kClues);
+  EXPECT_EQ(seen.values.size(), seen.size() * width);
+  EXPECT_EQ(std::count(seen.yes.begin(), seen.yes.end(), 1), static_cast<std::ptrdiff_t>(seen.size()));
+  int shapeless = 0;
+  for (std::size_t i = 0; i < seen.size(); i += 2) {
+    const std::int16_t* one = seen.values.data() + i * width + 2;
+    EXPECT_EQ(one[2], one[width + 2]) << "person_score";
+    if (one[width + 1] == 0)
+      ++shapeless;
+    else
+      EXPECT_EQ(one[1], one[width + 1]) << "shape";
+  }
+  EXPECT_GE(shapeless, 5);
+}
+
+TEST_F(TrackerDetections, EmptyRoomsHoldNoPeople) {
+  const VoteExamples seen = collect(0, 64);
+  EXPECT_GT(seen.size(), 4U) << "but some things are detected";
+  EXPECT_EQ(std::count(seen.yes.begin(), seen.yes.end(), 1), 0);
+}
+
+TEST_F(TrackerDetections, ThreadCountDoesNotShow) {
+  const VoteExamples one = collect(8, 70, 1), two = collect(8, 70, 2);
+  EXPECT_EQ(one.values, two.values);
+  EXPECT_EQ(one.yes, two.yes);
 }
 
 }  // namespace

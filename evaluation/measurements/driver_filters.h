@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What phones and their drivers do to depth beside edges: values blended across them, low confidence dropped.
+// What phones and their drivers do to depth: beside edges values are blended across them and low confidence is dropped;
+// many drivers can smooth over time.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -36,6 +38,18 @@ class EdgeFilter {
  private:
   EdgeFilterOptions options_;
   std::vector<std::uint16_t> before_;
+};
+
+// Exponential smoothing, pixel by pixel: each frame moves the delivered depth by kShare of the difference, and a step
+// beyond kOutlierMm, another surface, all of it. Pixels without data stay without, and begin anew.
+class TemporalSmoothing {
+ public:
+  static constexpr float kShare = 0.25F;
+  // In place; frames of one size.
+  void run(DepthImage frame);
+
+ private:
+  std::vector<float> smooth_mm_;
 };
 
 }  // namespace im2fit::lab
