@@ -42,7 +42,7 @@ struct EvaluationOptions {
   bool tof = false;               // a time-of-flight sensor in place of a Kinect
   bool smoothed = false;          // by a driver, over time (driver_filters.h)
   EdgeFilterOptions edges;        // what the driver does beside edges, before it smooths
-  float tremor_deg = 0;           // of a camera held in the hand (tremor.h)
+  float tremor_deg = 0;           // of a camera held in the hand (session.cpp)
   bool poses_told = false;        // the device says where that camera is, frame by frame
   bool sensor_reported = false;   // the driver reports what kind of sensor it is
   bool clothing_reported = true;  // the device is told what is worn
