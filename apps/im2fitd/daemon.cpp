@@ -67,7 +67,7 @@ Status Daemon::check(const Config& config) {
   if (std::error_code code; !config.state_directory.empty() &&
                             std::filesystem::exists(config.state_directory, code) &&
                             !std::filesystem::is_directory(config.state_directory, code))
-    return Error{ErrorCode::io, "state_directory " + config.state_directory + " is there and no directory"};
+    return Error{ErrorCode::io, "state_directory " + config.state_directory + " exists and is not a directory"};
   if (!config.camera_yaml.empty())
     if (auto camera = hal::load_camera_yaml(config.camera_yaml); !camera) return camera.error();
   if (hal::camera_opener(config.source, opening_of(config))) return Ok{};
@@ -80,10 +80,10 @@ bool Daemon::end_requested() {
   if (!Wishes::reload.exchange(false)) return false;
   auto config = load_config(config_path_);
   if (!config) {
-    log(Level::error, config.error().message + "; going on as before");
+    log(Level::error, config.error().message + "; continuing with the earlier configuration");
     return false;
   }
-  log(Level::notice, config_path_ + " is read again");
+  log(Level::notice, config_path_ + " was read again");
   reloaded_ = std::move(*config);
   return true;
 }

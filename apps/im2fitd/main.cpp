@@ -49,13 +49,15 @@ Status serve(const Words& words) {
 
 int main(int argc, char** argv) {
   using namespace im2fit::daemon;
-  CLI::App app{"Measures one person after the other before a camera and publishes at a local socket.", "im2fitd"};
+  CLI::App app{
+      "Measures one person after the other in front of a camera and publishes the results at a local socket.",
+      "im2fitd"};
   app.footer(
       "Made for systemd: see im2fitd.service and docs/daemon.md. Exit codes: 0 stopped, 1 failed, 2 wrong use.");
   Words words;
   app.set_version_flag("--version", std::string("im2fitd ") + IM2FIT_VERSION, "Print the version and exit");
   app.add_option("--config", words.config, "Configuration")->type_name("YAML")->capture_default_str();
-  app.add_flag("--check", words.check, "Look at the configuration and its files only: refuses what a start would");
+  app.add_flag("--check", words.check, "Only check the configuration and its files, as at a start");
   if (const auto manual = im2fit::apps::manual_asked(app, argc, argv))
     return std::fputs(manual->c_str(), stdout) >= 0 && std::fflush(stdout) == 0 ? 0 : 1;
   try {

@@ -267,7 +267,7 @@ TEST(BadTruth, AskedForItMustBeOneAndBesideTheFramesItIsNotNeeded) {
     write_text(folder.path("depth") + "/truth.json", text);
     const test::Run beside = test::measure(folder.path("depth"), folder.path("out"), {});
     EXPECT_EQ(beside.exit_code, 3);
-    EXPECT_THAT(beside.err, testing::HasSubstr("going on without it"));
+    EXPECT_THAT(beside.err, testing::HasSubstr("continuing without it"));
   }
   const test::Run asked =
       test::measure(folder.path("depth"), folder.path("out2"), {"--truth", folder.path("depth") + "/truth.json"});

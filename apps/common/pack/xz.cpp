@@ -21,7 +21,7 @@ Result<std::vector<std::byte>> compress_xz(std::span<const std::byte> bytes) {
   std::size_t written = 0;
   const lzma_ret done = lzma_easy_buffer_encode(kPreset, LZMA_CHECK_CRC64, nullptr, octets(bytes), bytes.size(),
                                                 reinterpret_cast<std::uint8_t*>(out.data()), &written, out.size());
-  if (done != LZMA_OK) return Error{ErrorCode::io, "cannot compress (liblzma says " + std::to_string(done) + ")"};
+  if (done != LZMA_OK) return Error{ErrorCode::io, "cannot compress (liblzma error " + std::to_string(done) + ")"};
   out.resize(written);
   return out;
 }
@@ -34,7 +34,7 @@ Result<std::vector<std::byte>> decompress_xz(std::span<const std::byte> bytes, s
   const lzma_ret done = lzma_stream_buffer_decode(&memory, 0, nullptr, octets(bytes), &read, bytes.size(),
                                                   reinterpret_cast<std::uint8_t*>(out.data()), &written, out.size());
   if (done != LZMA_OK || read != bytes.size() || written != size)
-    return Error{ErrorCode::corrupt, what + " does not unpack to " + std::to_string(size) + " bytes (liblzma says " +
+    return Error{ErrorCode::corrupt, what + " does not unpack to " + std::to_string(size) + " bytes (liblzma error " +
                                          std::to_string(done) + "); get it again"};
   return out;
 }
