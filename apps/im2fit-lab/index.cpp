@@ -103,10 +103,11 @@ void add_index(cli::App& app, Command& chosen) {
   sub->add_option("--samples", options->samples.work_dir, "Folder of shards to use or make (default: OUT.samples)")
       ->type_name("DIR");
   sub->add_option("--from", options->from,
-                  "Folders of shards of one run, made elsewhere: nothing is made, all of them are read as one")
+                  "Folders with the shards of one run, made elsewhere: they are read, and no samples are made")
       ->type_name("DIR")
       ->excludes("--samples");
-  sub->add_option("--dimensions", options->dimensions, "Of the projected space; 0: chosen by held-out error")
+  sub->add_option("--dimensions", options->dimensions,
+                  "Dimensions of the projected space; 0: chosen by held-out error")
       ->range(0, 16)
       ->capture_default_str();
   sub->add_option("--densify", options->densify_to,

@@ -67,7 +67,7 @@ Figure runtime_figure(const std::vector<RuntimeRow>& rows, const std::vector<Ref
       "runtime", "Time to an answer",
       "The paper's runtime figure. Measurements only: features of the fused frames and the query; naked and clothed: "
       "also the body brought to the answer, posed, and written as .glb. Processor time of one thread on the machine "
-      "that made this page; frames before fusion are not in it (bench/results has those). Dashed lines come from "
+      "that made this page; frames before fusion are not included (bench/results has those). Dashed lines come from "
       "the "
       "benchmark of the index, if its file was given. The paper's figures are of a Xeon E5507 of 2009.",
       std::move(svg)};

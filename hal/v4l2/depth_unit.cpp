@@ -43,7 +43,7 @@ Result<int> depth_unit_um(VideoDevice& device, V4l2Format format, const V4l2Opti
     if (format != V4l2Format::inzi) return kDefaultUnit_um;
     return Error{ErrorCode::invalid_argument,
                  what +
-                     " delivers INZI, whose depth unit is the camera's own (0.125 mm is usual); say it with "
+                     " delivers INZI, whose depth unit is the camera's own (0.125 mm is usual); give "
                      "?unit_um=125"};
   }
   const auto id = find_control(device, options.unit_control, what);

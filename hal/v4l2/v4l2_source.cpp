@@ -32,8 +32,8 @@ Result<Calibration> find_calibration(const V4l2Options& options, const DepthLayo
   if (!options.hfov_deg)
     return Error{ErrorCode::invalid_argument,
                  what +
-                     ": V4L2 cameras do not tell their field of view, and a wrong one falsifies every length; give "
-                     "--camera FILE, or the horizontal angle the maker states, ?hfov=DEGREES"};
+                     ": V4L2 cameras do not report their field of view, and a wrong one falsifies every length; give "
+                     "--camera FILE, or the horizontal angle of the data sheet, ?hfov=DEGREES"};
   const double horizontal_rad = static_cast<double>(*options.hfov_deg) * std::numbers::pi / 180;
   const double vertical_rad = 2 * std::atan(std::tan(horizontal_rad / 2) * layout.height / layout.width);
   const auto k = intrinsics_from_field_of_view(layout.width, layout.height, static_cast<float>(horizontal_rad),
@@ -124,7 +124,7 @@ Status V4l2Source::map_buffers() {
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
   if (const int error = device_->request(VIDIOC_REQBUFS, &request); error != 0)
-    return fail(error, "asking for buffers");
+    return fail(error, "requesting buffers");
   // A driver may give fewer than requested, or more; two are the least with which frames flow.
   const auto count = std::min(request.count, static_cast<__u32>(options_.buffer_count));
   if (count < 2)
@@ -135,7 +135,7 @@ Status V4l2Source::map_buffers() {
     about.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     about.memory = V4L2_MEMORY_MMAP;
     if (const int error = device_->request(VIDIOC_QUERYBUF, &about); error != 0)
-      return fail(error, "asking for a buffer");
+      return fail(error, "querying a buffer");
     if (about.length < mode_.layout.size_bytes())
       return Error{ErrorCode::io, info_.name + " gives buffers of " + std::to_string(about.length) +
                                       " bytes for pictures of " + std::to_string(mode_.layout.size_bytes())};

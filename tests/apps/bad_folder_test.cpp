@@ -272,7 +272,7 @@ TEST(BadTruth, AskedForItMustBeOneAndBesideTheFramesItIsNotNeeded) {
   const test::Run asked =
       test::measure(folder.path("depth"), folder.path("out2"), {"--truth", folder.path("depth") + "/truth.json"});
   EXPECT_EQ(asked.exit_code, 1);
-  EXPECT_THAT(asked.err, testing::HasSubstr("is no truth of a rendered person"));
+  EXPECT_THAT(asked.err, testing::HasSubstr("is not the truth of a rendered person"));
   EXPECT_EQ(test::measure(folder.path("depth"), folder.path("out3"), {"--truth", "/no/such.json"}).exit_code, 1);
 }
 
