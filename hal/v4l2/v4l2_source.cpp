@@ -128,7 +128,7 @@ Status V4l2Source::map_buffers() {
   // A driver may give fewer than requested, or more; two are the least with which frames flow.
   const auto count = std::min(request.count, static_cast<__u32>(options_.buffer_count));
   if (count < 2)
-    return Error{ErrorCode::io, info_.name + " gives " + std::to_string(count) + " buffers, expected at least 2"};
+    return Error{ErrorCode::io, info_.name + " provides " + std::to_string(count) + " buffers, expected at least 2"};
   for (std::uint32_t i = 0; i < count; ++i) {
     v4l2_buffer about{};
     about.index = i;
@@ -137,7 +137,7 @@ Status V4l2Source::map_buffers() {
     if (const int error = device_->request(VIDIOC_QUERYBUF, &about); error != 0)
       return fail(error, "querying a buffer");
     if (about.length < mode_.layout.size_bytes())
-      return Error{ErrorCode::io, info_.name + " gives buffers of " + std::to_string(about.length) +
+      return Error{ErrorCode::io, info_.name + " provides buffers of " + std::to_string(about.length) +
                                       " bytes for pictures of " + std::to_string(mode_.layout.size_bytes())};
     const std::byte* address = device_->map(about.length, about.m.offset);
     if (address == nullptr) return Error{ErrorCode::io, info_.name + ": its buffers cannot be mapped"};
