@@ -118,11 +118,12 @@ Figure icp_figure(const std::vector<IcpCurve>& curves) {
     y += 42;
     ends += fmt::format("{}{:.1f} mm ({})", ends.empty() ? "" : ", ", final, name);
   }
-  return {"icp", "The retrieved body lies " + ends + " from the depth",
-          "The paper's ICP figure: mean distance of the fused depth from the retrieved body in the measured pose, by "
-          "iteration; at 0 the joints alone align them. The body is that of the result: nearest entry, brought to the "
-          "measured stature and weight. Each line is a person.",
-          std::move(svg)};
+  return {
+      "icp", "The retrieved body lies " + ends + " from the depth",
+      "The paper's ICP figure: mean distance of the fused depth from the retrieved body in the measured pose, by "
+      "iteration; at 0 the joints alone align them. The body is that of the result: nearest entry, brought to the "
+      "measured stature and weight. Each line is a person.",
+      std::move(svg)};
 }
 
 }  // namespace im2fit::lab
