@@ -149,7 +149,7 @@ Result<Look> read_look(const ContainerReader& reader, std::size_t vertex_count, 
     if (!section) return section.error();
     if (!is_square_png(*section))
       return bad(what, kTextureSections[i],
-                 "no square PNG of " + std::to_string(kTextureSideMin) + " to " + std::to_string(kTextureSideMax) +
+                 "not a square PNG of " + std::to_string(kTextureSideMin) + " to " + std::to_string(kTextureSideMax) +
                      " pixels a side");
     look.texture[i] = *section;
   }

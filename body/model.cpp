@@ -42,7 +42,7 @@ class Validator {
     // A coordinate is 0 or no smaller than kernels/blend may take for 0 somewhere.
     const auto sane = [](float c) { return c == 0 || (std::fabs(c) > 1e-18F && std::fabs(c) < 1e5F); };
     for (const Vec3f& v : d_.base)
-      if (!sane(v.x) || !sane(v.y) || !sane(v.z)) return bad("base", "a vertex is no finite position");
+      if (!sane(v.x) || !sane(v.y) || !sane(v.z)) return bad("base", "a vertex is not a finite position");
     if (!quads_within(d_.quads, kBodyVertexCount)) return bad("quads", "vertex index out of range");
     if (!quads_within(d_.tights_quads, count)) return bad("tights_quads", "vertex index out of range");
     if (!quads_within(d_.skirt_quads, count)) return bad("skirt_quads", "vertex index out of range");

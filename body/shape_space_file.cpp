@@ -91,7 +91,7 @@ Result<Sections> read_sections(const ContainerReader& reader, const std::string&
   if (!std::all_of(s.skin.begin(), s.skin.end(), skin_ok))
     return bad("shape_skin", "segment or weight out of range, or weights that do not sum to 1");
   if (!std::all_of(s.bones.begin(), s.bones.end(), [](float v) { return sane(v, 1e5F); }))
-    return bad("shape_bones", "a value is no finite position");
+    return bad("shape_bones", "a value is not a finite position");
   return s;
 }
 

@@ -60,8 +60,9 @@ int im2fit_push_frame(im2fit_handle* handle, const im2fit_frame* frame) {
 
 int im2fit_wait(im2fit_handle* handle, int32_t timeout_ms) {
   return guarded(handle, [&](im2fit_handle& h) {
-    // Waiting is no fault: it is not logged.
-    return h.engine->wait_idle(timeout_ms) ? static_cast<int>(IM2FIT_OK) : static_cast<int>(IM2FIT_ERROR_TIMEOUT);
+    if (!h.engine->wait_idle(timeout_ms)) return static_cast<int>(IM2FIT_ERROR_TIMEOUT);  // not a failure: not logged
+    const auto sound = h.engine->fault();
+    return sound ? static_cast<int>(IM2FIT_OK) : fail(&h, sound.error());
   });
 }
 

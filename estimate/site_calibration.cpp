@@ -77,7 +77,8 @@ std::string fault_of(const SiteCorrectionRow& row, std::uint32_t people, std::si
 
 std::string fault_of(const SiteCalibration& site) {
   if (!is_name(site.name))
-    return "the name is no text of 1 to " + std::to_string(kSiteNameBytesMax) + " bytes without control characters";
+    return "the name is not a text of 1 to " + std::to_string(kSiteNameBytesMax) +
+           " bytes without control characters";
   if (site.people < 1 || site.people > kSitePeopleMax)
     return "it rests on " + std::to_string(site.people) + " people";
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
@@ -89,7 +90,7 @@ std::string fault_of(const SiteCalibration& site) {
     if (!within(camera.scale, kSiteCameraScaleMin, kSiteCameraScaleMax))
       return out_of_range("scale of camera " + camera.name, camera.scale, kSiteCameraScaleMin, kSiteCameraScaleMax);
     for (std::size_t j = 0; j < i; ++j)
-      if (site.cameras[j].name == camera.name) return "camera " + camera.name + " is there twice";
+      if (site.cameras[j].name == camera.name) return "camera " + camera.name + " appears twice";
   }
   return "";
 }

@@ -11,13 +11,15 @@ static int failed(const char* what, const char* why) {
   return 1;
 }
 
-/* Takes frames until MEASURED or the end of the source. Returns 0, or the error of the source. */
+/* Takes frames until MEASURED or the end of the source. Returns 0, or the error of the source or of the index. */
 static int pump_until_measured(im2fit_handle* handle) {
   uint32_t shown = 0;
   for (;;) {
     const int status = im2fit_pump(handle, 1000);
     if (status == IM2FIT_ERROR_END_OF_STREAM) return IM2FIT_OK;
     if (status != IM2FIT_OK && status != IM2FIT_ERROR_TIMEOUT && status != IM2FIT_ERROR_CORRUPT) return status;
+    /* A damaged frame is skipped. A damaged index ends the session: im2fit_wait reports it. */
+    if (status == IM2FIT_ERROR_CORRUPT && im2fit_wait(handle, 1000) == IM2FIT_ERROR_CORRUPT) return status;
     im2fit_result result;
     if (im2fit_poll(handle, &result, sizeof result) != IM2FIT_OK || result.state == IM2FIT_STATE_MEASURED)
       return IM2FIT_OK;
@@ -40,9 +42,11 @@ int main(int argc, char** argv) {
     return failed("source", im2fit_cameras_error());
   im2fit_handle* handle = NULL;
   if (im2fit_open(&settings, &handle) != IM2FIT_OK) return failed("open", im2fit_last_error(NULL));
-  if (im2fit_cameras_use(handle, &options) != IM2FIT_OK || im2fit_attach(handle, argv[1]) != IM2FIT_OK ||
-      pump_until_measured(handle) != IM2FIT_OK)
+  if (im2fit_cameras_use(handle, &options) != IM2FIT_OK || im2fit_attach(handle, argv[1]) != IM2FIT_OK)
     return failed("source", im2fit_cameras_error());
+  const int pumped = pump_until_measured(handle);
+  if (pumped != IM2FIT_OK)
+    return failed("source", pumped == IM2FIT_ERROR_CORRUPT ? im2fit_last_error(handle) : im2fit_cameras_error());
 
   im2fit_result result;
   if (im2fit_finish(handle) != IM2FIT_OK) return failed("finish", im2fit_last_error(handle));

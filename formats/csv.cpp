@@ -69,7 +69,7 @@ Result<bool> CsvReader::next(std::vector<std::string>& cells) {
   }
   while (!rest_.empty()) {
     const std::string_view line = take_line();
-    if (line.find('\0') != std::string_view::npos) return error("holds bytes that are no text");
+    if (line.find('\0') != std::string_view::npos) return error("holds bytes that are not text");
     cells.clear();
     const std::string_view bare = trim(line, kBlank);
     if (line_ == 1 && bare.size() == 5 && bare.substr(0, 4) == "sep=") {

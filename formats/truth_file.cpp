@@ -84,7 +84,7 @@ Result<Truth> read_truth(const std::string& path) {
     const Json json = Json::parse(text, text + bytes->size());
     const auto schema = json.is_object() ? json.find("schema") : json.end();
     if (!json.is_object() || schema == json.end())
-      return Error{ErrorCode::unsupported, path + " is no truth of a rendered person (it has no \"schema\": \"" +
+      return Error{ErrorCode::unsupported, path + " is not the truth of a rendered person (it has no \"schema\": \"" +
                                                kSchema + "\"); im2fit-lab render writes one"};
     if (*schema != kSchema)
       return Error{ErrorCode::unsupported, path + ": schema is " + schema->dump() + ", expected \"" + kSchema +

@@ -21,7 +21,7 @@ void refuse(const YAML::Node& node, const std::string& field, const std::string&
 
 std::string shown(const YAML::Node& node) {
   if (!node.IsDefined() || node.IsNull()) return "empty";
-  return node.IsScalar() ? "\"" + node.Scalar().substr(0, 60) + "\"" : "no single value";
+  return node.IsScalar() ? "\"" + node.Scalar().substr(0, 60) + "\"" : "not a single value";
 }
 
 void expect_keys(const YAML::Node& map, const std::string& what, const std::set<std::string>& known) {
@@ -29,7 +29,7 @@ void expect_keys(const YAML::Node& map, const std::string& what, const std::set<
   std::set<std::string> seen;
   for (const auto& item : map) {
     const std::string key = item.first.IsScalar() ? item.first.Scalar() : "?";
-    if (!seen.insert(key).second) refuse(item.first, what + "." + key, "is there twice");
+    if (!seen.insert(key).second) refuse(item.first, what + "." + key, "appears twice");
     if (known.count(key) != 0) continue;
     std::string all;
     for (const std::string& word : known) all += (all.empty() ? "" : ", ") + word;

@@ -61,7 +61,7 @@ std::string other_values(const std::vector<Pair>& pairs) {
   // Eleven bits, 2047 for no answer, and disparity instead of depth: a Kinect's raw picture.
   const bool eleven_bits = share_of(pairs, [](std::uint16_t v) { return v > 2047; }) == 0;
   if (eleven_bits && share_of(pairs, [](std::uint16_t v) { return v == 2047; }) > 0.01)
-    return "values look like a Kinect's raw disparity (11 bits, 2047 for none); record depth in millimetres";
+    return "values look like a Kinect's raw disparity (11 bits, 2047: no data); record depth in millimetres";
   if (plain.is_room()) return "";
   const auto swapped = [](std::uint16_t v) { return ((v & 0xFF) << 8) | (v >> 8); };
   // Few metres or centimetres have nothing in their high byte.
@@ -74,7 +74,7 @@ std::string other_values(const std::vector<Pair>& pairs) {
       read_as(pairs, [](std::uint16_t v) { return v & 0x1FFF; }).is_room() && plain.rough > kRoughMax)
     return "confidence bits look set above 13 bits of depth (Android's DEPTH16); clear them when recording";
   if (plain.rough > kRoughMax)
-    return "neighbouring values differ as in no depth picture; is this another kind of picture?";
+    return "neighbouring values differ more than in a depth picture; is this another kind of picture?";
   struct Unit {
     double mm;
     const char* name;

@@ -104,7 +104,7 @@ std::optional<Result<FrameInfo>> ReconnectingSource::try_next(DepthImage depth, 
     return std::nullopt;
   }
   if (code == ErrorCode::timeout && now_ns - heard_ns_ >= kNsPerMs * options_.frame_gap_ms) {
-    lose(info_.name + " gave nothing for " + std::to_string(options_.frame_gap_ms) + " ms");
+    lose(info_.name + " delivered no frame for " + std::to_string(options_.frame_gap_ms) + " ms");
     return std::nullopt;
   }
   if (code == ErrorCode::io) return Result<FrameInfo>(Error{ErrorCode::timeout, frame.error().message});

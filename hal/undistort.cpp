@@ -45,7 +45,7 @@ Result<std::vector<std::int32_t>> undistortion_table(const Intrinsics& k, const 
                                                      const std::string& what) {
   for (const double c : distortion.coefficients)
     if (!std::isfinite(c))
-      return Error{ErrorCode::invalid_argument, what + ": distortion_coefficients hold a value that is no number"};
+      return Error{ErrorCode::invalid_argument, what + ": distortion_coefficients hold a value that is not a number"};
   std::vector<std::int32_t> table(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height), -1);
   std::size_t seen_count = 0;
   for (int v = 0; v < k.height; ++v) {

@@ -34,7 +34,7 @@ Result<AnsweredBody> body_of_goals(body::MeasurementFitter& fitter, const body::
   for (std::size_t i = 0; i < kMeasurementCount; ++i)
     if (!std::isfinite(goals[i].value) || goals[i].value <= 0)
       return Error{ErrorCode::invalid_argument,
-                   "answered " + std::string(kMeasurementTable[i].id) + " is not a positive number"};
+                   "estimated " + std::string(kMeasurementTable[i].id) + " is not a positive number"};
 
   AnsweredBody answered;
   answered.params = start;

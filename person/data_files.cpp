@@ -6,7 +6,7 @@ namespace {
 
 // A missing file is the first thing a newcomer meets: say what makes it. One that may not be read is there.
 Error advised(const Error& error, const char* maker) {
-  if (error.code == ErrorCode::io) return {error.code, error.message + "; look at the file and who may read it"};
+  if (error.code == ErrorCode::io) return {error.code, error.message + "; check the file and its permissions"};
   const bool absent = error.code == ErrorCode::not_found;
   return {error.code, error.message + (absent ? "; make it with " : "; make it again with ") + maker +
                           (absent ? ", or install a pack with im2fit models install" : "")};

@@ -108,7 +108,7 @@ class GarmentReader {
       p.id = id_of(item.first, "points");
       const std::string field = "points." + p.id;
       expect_room(g_.points, item.first, field);
-      if (point(p.id) >= 0) refuse(item.first, field, "is there twice");
+      if (point(p.id) >= 0) refuse(item.first, field, "appears twice");
       expect_keys(item.second, field, {"x", "y", "back_x", "back_y"});
       p.x = form_of(needed(item.second, "x", field + ".x", "a length"), field + ".x");
       p.y = form_of(needed(item.second, "y", field + ".y", "a length"), field + ".y");

@@ -128,7 +128,7 @@ Result<std::vector<BodyGirth>> girths_for(const body::GarmentPattern& pattern, c
     const int index = definition_index(tape, region.measure);
     if (index < 0)
       return Error{ErrorCode::invalid_argument, pattern.id + ": regions." + region.id + " names " + region.measure +
-                                                    ", which is no measurement of the tape"};
+                                                    ", which is not a measurement of the tape"};
     const auto i = static_cast<std::size_t>(index);
     if (!(values[i] > 0)) return Error{ErrorCode::unsupported, region.measure + " is not measured on this body"};
     BodyGirth girth{values[i], 0};

@@ -24,7 +24,8 @@ class Reader {
     const Json::json_pointer at("/" + pointer);
     if (root.contains(at) && root[at].is_number()) return root[at].get<float>();
     if (!fault_)
-      fault_ = Error{ErrorCode::corrupt, path_ + ": " + pointer + " is no number; expected a measured person"};
+      fault_ = Error{ErrorCode::corrupt,
+                     path_ + ": " + pointer + " is not a number; expected the result.json of a measured person"};
     return 0;
   }
   const std::optional<Error>& fault() const { return fault_; }
@@ -59,8 +60,8 @@ Result<MeasuredBody> read_measured_body(const std::string& path, const body::Bod
   const auto* text = reinterpret_cast<const char*>(bytes->data());
   const Json root = Json::parse(text, text + bytes->size(), nullptr, false);
   if (!root.is_object() || !root.contains("schema") || root["schema"] != std::string(kResultSchema))
-    return Error{ErrorCode::corrupt,
-                 path + ": schema is not " + std::string(kResultSchema) + "; expected a result.json"};
+    return Error{ErrorCode::corrupt, path + ": schema is not " + std::string(kResultSchema) +
+                                         "; expected the result.json of a measured person"};
   Reader read(path);
   MeasuredBody out;
   body::Params& p = out.params;

@@ -36,9 +36,9 @@ Status compare_index(MeasuringData& data, std::optional<std::uint32_t> index_crc
   }
   site.of_this_index = site.index_crc32c == *index_crc;
   if (!*site.of_this_index)
-    data.warnings.push_back(data.files.site + ": learned with another index than " + data.files.index +
+    data.warnings.push_back(data.files.site + ": made with another index than " + data.files.index +
                             ", so that its corrections fit less well; measure the sessions again with this index "
-                            "and learn anew with im2fit-lab calibrate");
+                            "and run im2fit-lab calibrate again");
   return Ok{};
 }
 
@@ -70,8 +70,9 @@ Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, Measuring
   if (!charts) return charts.error();
   data.charts = std::move(*charts);
   if (data.body_model != nullptr && !data.fits_shapes())
-    data.warnings.push_back(files.index + ": not made with the shapes of " + files.body +
-                            ": features answer alone, less well; build the index again with im2fit-lab index");
+    data.warnings.push_back(
+        files.index + ": not made with the shapes of " + files.body +
+        ": only features are used, with larger errors; build the index again with im2fit-lab index");
   if (files.site.empty() && !bytes.site) return data;
   auto site = bytes.site ? SiteCalibration::parse(*bytes.site, files.site) : SiteCalibration::load(files.site);
   if (!site) return site.error();

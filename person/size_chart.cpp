@@ -81,7 +81,8 @@ class ChartParser {
   }
 
   Status take_row(const std::vector<std::string>& cells) {
-    if (cells.size() != 3) return error("row", "'" + joined(cells) + "' has not the 3 fields size,low_mm,high_mm");
+    if (cells.size() != 3)
+      return error("row", "'" + joined(cells) + "' does not have the 3 fields size,low_mm,high_mm");
     SizeRow row;
     row.size = cells[0];
     const std::size_t letters = character_count(row.size);
@@ -93,7 +94,7 @@ class ChartParser {
     if (!chart_.rows.empty() && row.low_mm < chart_.rows.back().high_mm)
       return error("low_mm", "overlaps size " + chart_.rows.back().size + ": rows go from small to large");
     for (const SizeRow& other : chart_.rows)
-      if (other.size == row.size) return error("size", "'" + row.size + "' is there twice");
+      if (other.size == row.size) return error("size", "'" + row.size + "' appears twice");
     if (chart_.rows.size() == kRowCountMax) return error("row", "is one too many: at most 32");
     chart_.rows.push_back(std::move(row));
     return Ok{};
@@ -103,9 +104,9 @@ class ChartParser {
     double number = 0;
     if (!csv_.number(cell, number) || !(number > 0)) return error(field, "is '" + cell + "', expected millimetres");
     if (number < kGirthMinMm || number > kGirthMaxMm)
-      return error(field, "is '" + cell + "' mm, which is no chest girth (300 to 2500 mm)" +
+      return error(field, "is '" + cell + "' mm, expected a chest girth of 300 to 2500 mm" +
                               (number >= kGirthMinMm / 10 && number <= kGirthMaxMm / 10
-                                   ? "; centimetres, perhaps: write millimetres"
+                                   ? "; if these are centimetres, write millimetres"
                                    : ""));
     value = static_cast<float>(number);
     return Ok{};

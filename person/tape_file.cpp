@@ -75,7 +75,7 @@ class TapeReader {
     if (!points.IsMap()) refuse(points, "points", "is " + shown(points) + ", expected a field a point");
     for (const auto& item : points) {
       const std::string id = id_of(item.first, "points");
-      if (point_index(tape_, id) >= 0) refuse(item.first, "points." + id, "is there twice");
+      if (point_index(tape_, id) >= 0) refuse(item.first, "points." + id, "appears twice");
       if (tape_.points.size() == kListMax)
         refuse(item.first, "points." + id, "is one too many, expected at most 500");
       tape_.points.push_back(point(id, item.second));
@@ -133,7 +133,7 @@ class TapeReader {
       if (!node["of"].IsDefined()) refuse(node, what + ".of", "is missing, expected a point");
       p.a = p.b = reference(node["of"], what + ".of");
     } else {
-      refuse(node, what, "says no place, expected vertex, bone, level, between, at, from or skin");
+      refuse(node, what, "has no place, expected vertex, bone, level, between, at, from or skin");
     }
     p.paired = p.paired || is_paired(p.a) || is_paired(p.b);
     return p;
@@ -171,7 +171,8 @@ class TapeReader {
           found = 2;
         }
     }
-    if (found == 0) refuse(node["bone"], what + ".bone", "is " + shown(node["bone"]) + ", no bone (docs/tape.md)");
+    if (found == 0)
+      refuse(node["bone"], what + ".bone", "is " + shown(node["bone"]) + ", expected a bone (docs/tape.md)");
     p.paired = found == 2;
     const YAML::Node end = node["end"];
     if (!end.IsDefined() || !end.IsScalar() || (end.Scalar() != "head" && end.Scalar() != "tail"))
@@ -189,7 +190,7 @@ class TapeReader {
         id.erase(0, std::string_view(word).size());
       }
     ref.point = point_index(tape_, id);
-    if (ref.point < 0) refuse(node, field, "is " + shown(node) + ", expected a point that stands before it");
+    if (ref.point < 0) refuse(node, field, "is " + shown(node) + ", expected a point defined before it");
     if (ref.side != PointRef::Side::own && !tape_.points[static_cast<std::size_t>(ref.point)].paired)
       refuse(node, field, "is " + shown(node) + ", but that point has no sides");
     return ref;
@@ -216,7 +217,7 @@ class TapeReader {
     TapeDefinition d;
     if (!node["id"].IsDefined()) refuse(node, "measurement.id", "is missing");
     d.id = id_of(node["id"], "measurement.id");
-    if (definition_index(tape_, d.id) >= 0) refuse(node["id"], "measurement.id", "\"" + d.id + "\" is there twice");
+    if (definition_index(tape_, d.id) >= 0) refuse(node["id"], "measurement.id", "\"" + d.id + "\" appears twice");
     names(d, node);
     for (const auto& [key, field] :
          {std::pair{"iso_8559", &d.iso_8559}, std::pair{"iso_7250", &d.iso_7250},
@@ -224,12 +225,13 @@ class TapeReader {
       if (node[key].IsDefined()) *field = text_of(node[key], d.id + "." + key);
     if (!node["kind"].IsDefined()) refuse(node, d.id + ".kind", "is missing");
     d.kind = word_of<TapeKind>(node["kind"], d.id + ".kind", 10);
-    if (d.source.empty()) refuse(node, d.id + ".source", "is missing, expected where the definition comes from");
+    if (d.source.empty()) refuse(node, d.id + ".source", "is missing, expected the source of the definition");
     if (d.kind == TapeKind::value) {
-      if (!node["value"].IsDefined()) refuse(node, d.id + ".value", "is missing, expected one of the eleven");
+      if (!node["value"].IsDefined())
+        refuse(node, d.id + ".value", "is missing, expected one of the eleven measurements");
       d.value = value_of(node["value"], d.id + ".value", false);
     } else if (d.kind == TapeKind::refused) {
-      if (d.reason.empty()) refuse(node, d.id + ".reason", "is missing, expected why it is not measured");
+      if (d.reason.empty()) refuse(node, d.id + ".reason", "is missing, expected the reason why it is not measured");
     } else if (d.kind == TapeKind::sum) {
       terms(d, node);
     } else {
@@ -257,10 +259,10 @@ class TapeReader {
     for (const auto& item : terms) {
       const std::string id = id_of(item.first, d.id + ".terms");
       const int index = definition_index(tape_, id);
-      if (index < 0) refuse(item.first, d.id + ".terms", "\"" + id + "\" is no measurement that stands before it");
+      if (index < 0) refuse(item.first, d.id + ".terms", "\"" + id + "\" is not a measurement defined before it");
       const TapeDefinition& term = tape_.definitions[static_cast<std::size_t>(index)];
       if (term.kind == TapeKind::refused || unit_of(term) != "mm")
-        refuse(item.first, d.id + ".terms", "\"" + id + "\" is no length that is measured");
+        refuse(item.first, d.id + ".terms", "\"" + id + "\" is not a measured length");
       d.terms.push_back({index, number_of(item.second, d.id + ".terms." + id, -10, 10)});
     }
   }

@@ -39,7 +39,7 @@ Result<std::optional<Truth>> find_truth(const InputOptions& options) {
   if (!std::filesystem::exists(beside, code)) return std::optional<Truth>();
   auto truth = read_truth(beside);
   if (truth) return std::optional<Truth>(std::move(*truth));
-  print_error(truth.error().message + "; going on without it");
+  print_error(truth.error().message + "; continuing without it");
   return std::optional<Truth>();
 }
 
@@ -65,12 +65,12 @@ void add_input_options(cli::App& sub, InputOptions& options) {
   sub.add_option("SOURCE", options.source,
                  "openni2[:URI] | usb[:SERIAL] | v4l2:/dev/videoN | synthetic[:SEED] | PATH.oni | DEPTH_FOLDER")
       ->required();
-  sub.add_option("--rotate", options.rotate_deg, "How the camera is mounted, degrees (default: as recorded)")
+  sub.add_option("--rotate", options.rotate_deg, "Mounting of the camera, degrees (default: as recorded)")
       ->one_of({0, 90, 180, 270});
   sub.add_option("--camera", options.camera_yaml, "Calibration (ROS/OpenCV YAML) that overrides the source's own")
       ->type_name("YAML");
   sub.add_option("--unit", options.unit_mm,
-                 "Of a depth folder: millimetres a unit of its pixels (0.1, 10 for centimetres, 1000 for metres)")
+                 "Depth folder: millimetres per unit of its pixels (0.1; 10: centimetres; 1000: metres)")
       ->range(0.001, 1000.0)
       ->capture_default_str();
   sub.add_option("--body", options.body, "Body file")->type_name("FILE")->capture_default_str();

@@ -83,7 +83,7 @@ std::string body_note(const PersonMeasurement& person) {
   for (std::size_t i = 0; i < kMeasurementCount; ++i)
     if (kMeasurementTable[i].unit == "mm" && std::abs(residual[i]) > body::kResidualToldMm)
       off += fmt::format("{}{} {:+.0f} mm", off.empty() ? "" : ", ", kMeasurementTable[i].id, residual[i]);
-  return "no body measures all that is reported; the avatar is off by " + off;
+  return "no body has all of the reported values; the avatar differs by " + off;
 }
 
 std::string guidance_words(GuidanceSet guidance, ArmSet arms_close) {

@@ -59,7 +59,7 @@ void add_dataset(cli::App& app, Command& chosen) {
   sub->add_option("--chunk", options->samples.chunk, "People in a shard (default: as in the folder, else 1000)")
       ->range(1, 1'000'000);
   sub->add_option("--shard", options->shard,
-                  "Only part I of N, I from 0: a job array's share; all parts together make what one run makes")
+                  "Only part I of N, I from 0: a job array's share; all parts together equal one run")
       ->type_name("I/N")
       ->check([](const std::string& text) {
         int part = 0, part_count = 0;
@@ -68,7 +68,7 @@ void add_dataset(cli::App& app, Command& chosen) {
       });
 
   auto folders = std::make_shared<std::vector<std::string>>();
-  auto* check = sub->add_subcommand("check", "Whether shards are sound and a run is whole; reads them all");
+  auto* check = sub->add_subcommand("check", "Check that shards are intact and a run is complete; reads all of them");
   check->add_option("DIR", *folders, "Folders of shards of one run")->required();
   // A parent's callback runs after its subcommand's, so the choice between them is made there.
   sub->callback([&chosen, options, check, folders, out] {

@@ -202,7 +202,7 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
             return known ? "" : known.error().message;
           })
           ->capture_default_str();
-  auto* conditions = sub.add_option("--conditions", o.conditions, "Several, separated by commas")
+  auto* conditions = sub.add_option("--conditions", o.conditions, "Several conditions, separated by commas")
                          ->delimiter(',')
                          ->check([](const std::string& name) {
                            const auto known = condition_of(name, {});
@@ -213,7 +213,7 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
       sub.add_flag("--all", o.all, "Every condition, one at a time")->excludes(condition)->excludes(conditions);
   auto* family =
       sub.add_option("--family", o.families,
-                     "Who is measured: modifiers (the body model's held-out family), ansur (people of "
+                     "People to measure: modifiers (the body model's held-out family), ansur (people of "
                      "measured dimensions, made in another way), mixed (both in turns); several, separated "
                      "by commas, the worse is shown first")
           ->delimiter(',')
@@ -230,49 +230,50 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                    ->range(0.0, 1.0)
                    ->capture_default_str();
   auto* pressed = sub.add_option("--ansur-pressed", o.ansur_settings.pressed_share,
-                                 "Of what a tape measures beyond the ellipse of breadth and depth: how much is there "
+                                 "Of the girth beyond the ellipse of breadth and depth: the share that is there "
                                  "because callipers press")
                       ->range(0.0, 1.0)
                       ->capture_default_str();
   auto* square = sub.add_option("--ansur-square", o.ansur_settings.square_share,
-                                "How much of it because sections are squarer than ellipses; what is left of it the "
-                                "bodies of ansur do not have")
+                                "The share of it that is there because sections are squarer than ellipses; the "
+                                "bodies of ansur lack the rest")
                      ->range(0.0, 1.0)
                      ->capture_default_str();
-  auto* frames = sub.add_option("--frames", o.evaluation.frames, "Accepted frames behind a measurement")
+  auto* frames = sub.add_option("--frames", o.evaluation.frames, "Accepted frames for a measurement")
                      ->range(1, 1000)
                      ->capture_default_str();
   auto* scale = sub.add_option("--camera-scale", o.evaluation.camera_scale,
-                               "Factor by which the camera's depth is off: 1.01 shows everybody a hundredth larger")
+                               "Factor by which the camera's depth is off: 1.01: people appear a hundredth larger")
                     ->range(0.9F, 1.1F)
                     ->capture_default_str();
   auto* twice = sub.add_flag("--twice", o.evaluation.twice,
-                             "Show everybody a second time in a new pose, room and noise: repeatability (TEM)");
+                             "Render each person a second time in a new pose, room and noise: repeatability (TEM)");
   auto* samples =
-      sub.add_option("--samples", o.samples, "Samples behind the index (default: INDEX.samples)")->type_name("DIR");
+      sub.add_option("--samples", o.samples, "Samples of the index (default: INDEX.samples)")->type_name("DIR");
   auto* no_raw = sub.add_flag("--no-raw", o.no_raw, "Leave out the paper's nearest neighbour: twice as fast");
   auto* index = sub.add_option("--index", o.index, "Index file")->type_name("FILE")->capture_default_str();
   auto* html = sub.add_option("--html", o.html_path, "Write the report as a page with figures")->type_name("FILE");
   auto* commit = sub.add_option("--commit", o.commit,
                                 "State of the sources this program was built from: named in the JSON, as given")
                      ->type_name("TEXT");
-  auto* csv =
-      sub.add_option("--csv", o.csv_path, "Write every figure: a row a condition and measurement")->type_name("FILE");
+  auto* csv = sub.add_option("--csv", o.csv_path, "Write all values as CSV: a row for each condition and measurement")
+                  ->type_name("FILE");
   auto* people =
-      sub.add_option("--people", o.people_path, "Write what everybody measured, as CSV")->type_name("FILE");
+      sub.add_option("--people", o.people_path, "Write the measurements of each person as CSV")->type_name("FILE");
   auto* figures = sub.add_option("--figures", o.figures_path, "Write each figure as SVG")->type_name("DIR");
-  auto* runtime = sub.add_flag("--runtime", o.runtime, "Time answers of the index: the paper's runtime figure");
+  auto* runtime = sub.add_flag("--runtime", o.runtime, "Time queries of the index: the paper's runtime figure");
   auto* indexes =
-      sub.add_option("--runtime-index", o.runtime_indexes, "The same with further indexes")->type_name("FILE");
-  auto* runtime_references =
-      sub.add_option("--runtime-references", o.runtime_references, "Beside them: bench/results/index-references.json")
-          ->type_name("FILE");
+      sub.add_option("--runtime-index", o.runtime_indexes, "The same for further indexes")->type_name("FILE");
+  auto* runtime_references = sub.add_option("--runtime-references", o.runtime_references,
+                                            "Other libraries in the figure: bench/results/index-references.json")
+                                 ->type_name("FILE");
   auto* icp =
-      sub.add_option("--icp", o.icp_people, "Register so many people's depth with their body by ICP")->range(1, 100);
-  auto* icp_references = sub.add_option("--icp-references", o.icp_references,
-                                        "Instead: what bench/references/icp_references wrote, ours beside PCL")
-                             ->type_name("FILE")
-                             ->excludes(icp);
+      sub.add_option("--icp", o.icp_people, "Register the depth of N people with their body by ICP")->range(1, 100);
+  auto* icp_references =
+      sub.add_option("--icp-references", o.icp_references,
+                     "In place of --icp: the output of bench/references/icp_references, ours beside PCL")
+          ->type_name("FILE")
+          ->excludes(icp);
   return {
       condition, conditions,    all,   family, ansur,  ends, pressed, square,  frames,  scale,   twice,
       samples,   no_raw,        index, html,   commit, csv,  people,  figures, runtime, indexes, runtime_references,

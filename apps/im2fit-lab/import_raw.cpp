@@ -83,7 +83,7 @@ void add_import_raw(cli::App& app, Command& chosen) {
   sub->add_option("--focal", options->focal, "Focal length, px (Kinect depth 575.8; registered to colour 525)")
       ->range(50.0, 10000.0)
       ->capture_default_str();
-  sub->add_option("--rotate", options->rotate_deg, "How the camera was mounted, degrees")
+  sub->add_option("--rotate", options->rotate_deg, "Mounting of the camera, degrees")
       ->one_of({0, 90, 180, 270})
       ->capture_default_str();
 }

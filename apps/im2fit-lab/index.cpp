@@ -103,7 +103,7 @@ Result<int> inspect(const InspectOptions& options) {
              index->feature_size(), info.provenance, 100 * info.sex_accuracy);
   std::string bits;
   for (const float b : info.dimension_bits) bits += fmt::format(" {:.2f}", b);
-  fmt::print("  dimensions  {}; bits each tells of the body:{}\n\n", index->dimensions(), bits);
+  fmt::print("  dimensions  {}; information about the body, bits each:{}\n\n", index->dimensions(), bits);
   TextTable sections({"section", "bytes", "an entry"});
   std::uint64_t total = 0;
   for (const auto& s : index->sections()) {
@@ -156,7 +156,7 @@ Result<std::vector<float>> feature_of(std::string line, const std::string& where
     char* end = nullptr;
     const float value = word == "-" ? std::numeric_limits<float>::quiet_NaN() : std::strtof(word.c_str(), &end);
     if (word != "-" && *end != 0)
-      return Error{ErrorCode::invalid_argument, where + ": '" + word + "' is no number (value " +
+      return Error{ErrorCode::invalid_argument, where + ": '" + word + "' is not a number (value " +
                                                     std::to_string(out.size() + 1) + " of the line)"};
     out.push_back(value);
   }
@@ -228,10 +228,11 @@ cli::App* add_inspection(cli::App& index, Command& chosen, const std::shared_ptr
 
 void add_index_inspect(cli::App& index, Command& chosen) {
   const auto options = std::make_shared<InspectOptions>();
-  auto* inspects = add_inspection(index, chosen, options, "inspect", "What is in an index", inspect);
+  auto* inspects = add_inspection(index, chosen, options, "inspect", "Print the contents of an index", inspect);
   inspects->add_flag("--json", options->json, "As JSON");
-  auto* verifies = add_inspection(index, chosen, options, "verify", "Checksums, tree and search of an index", verify);
-  verifies->add_option("--trials", options->trials, "Searches held against exhaustive ones")
+  auto* verifies =
+      add_inspection(index, chosen, options, "verify", "Check the checksums, tree and search of an index", verify);
+  verifies->add_option("--trials", options->trials, "Searches to compare with exhaustive ones")
       ->range(1, 1'000'000)
       ->capture_default_str();
   auto* query_command = add_inspection(index, chosen, options, "query", "Query an index with features", query);
@@ -249,7 +250,7 @@ void add_index_inspect(cli::App& index, Command& chosen) {
       ->range(0, 10000)
       ->type_name("MM")
       ->capture_default_str();
-  query_command->add_flag("--exhaustive", options->query.exhaustive, "Scan every entry: the same answer");
+  query_command->add_flag("--exhaustive", options->query.exhaustive, "Scan every entry: the same result");
   query_command->add_flag("--json", options->json, "A line of JSON a feature");
 }
 
@@ -337,10 +338,11 @@ void add_index(cli::App& app, Command& chosen) {
   sub->add_option("--samples", options->samples.work_dir, "Folder of shards to use or make (default: OUT.samples)")
       ->type_name("DIR");
   sub->add_option("--from", options->from,
-                  "Folders of shards of one run, made elsewhere: nothing is made, all of them are read as one")
+                  "Folders with the shards of one run, made elsewhere: they are read, and no samples are made")
       ->type_name("DIR")
       ->excludes("--samples");
-  sub->add_option("--dimensions", options->dimensions, "Of the projected space; 0: chosen by held-out error")
+  sub->add_option("--dimensions", options->dimensions,
+                  "Dimensions of the projected space; 0: chosen by held-out error")
       ->range(0, 16)
       ->capture_default_str();
   sub->add_option("--densify", options->densify_to,

@@ -69,7 +69,7 @@ std::vector<std::pair<std::string, std::vector<std::byte>>> texts_of(const PackM
   std::vector<std::pair<std::string, std::vector<std::byte>>> texts = {
       {"LICENCE.txt",
        bytes_of(fmt::format("Models for im2fit {}.\nThe body derives from: {}.\nLicence of the models, "
-                            "and of what is made from them: {}.\nMade by: {}; index: {}.\n",
+                            "and of files made from them: {}.\nMade by: {}; index: {}.\n",
                             manifest.version, manifest.source, manifest.licence, manifest.made_by,
                             manifest.provenance))},
       {"size-charts/en13402-3-men.csv", bytes_of(kBuiltinMenChart)},
@@ -126,10 +126,9 @@ void add_pack(cli::App& app, Command& chosen) {
       "  im2fit-lab pack --source upstream\n"
       "  im2fit-lab pack --source npm --add size-charts/mine.csv=mine.csv --out im2fit-models-1.0.0.i2p",
       options, run_pack);
-  sub->add_option(
-         "--source", options->source,
-         "What the body file was fetched from, which decides the licence: upstream is CC0 1.0, npm is labelled "
-         "AGPL3")
+  sub->add_option("--source", options->source,
+                  "Source of the body file, which decides the licence: upstream is CC0 1.0, npm is labelled "
+                  "AGPL3")
       ->one_of({"npm", "upstream"})
       ->required();
   sub->add_option("--out", options->out, "File to write (default: im2fit-models-VERSION.i2p)")->type_name("FILE");

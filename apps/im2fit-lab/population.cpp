@@ -145,8 +145,8 @@ void add_population(cli::App& app, Command& chosen) {
                                              "  im2fit-lab population --preset paper --subjects 200\n"
                                              "  im2fit-lab population --subjects 4000 --ansur DIR --plot people.png",
                                              options, run_population);
-  sub->add_option("--subjects", options->subjects, "How many")->range(1, 1000000)->capture_default_str();
-  sub->add_option("--preset", options->preset, "Which population")
+  sub->add_option("--subjects", options->subjects, "Number of people")->range(1, 1000000)->capture_default_str();
+  sub->add_option("--preset", options->preset, "Population")
       ->one_of({"paper", "training", "held_out"})
       ->capture_default_str();
   sub->add_option("--seed", options->seed, "Seed")->capture_default_str();

@@ -124,13 +124,13 @@ void add_render(cli::App& app, Command& chosen) {
       ->one_of({"paper", "training", "held_out"})
       ->capture_default_str();
   sub->add_option("--frames", options->frames, "Frames")->range(1, 100000)->capture_default_str();
-  sub->add_option("--rotate", person.scene.rotate_deg, "How the camera is mounted, degrees")
+  sub->add_option("--rotate", person.scene.rotate_deg, "Mounting of the camera, degrees")
       ->one_of({0, 90, 180, 270})
       ->capture_default_str();
   sub->add_option("--condition", options->condition, "noise: a Kinect in a furnished room; bare: a perfect sensor")
       ->one_of({"noise", "bare"})
       ->capture_default_str();
-  sub->add_option("--pose", options->pose, "How the person stands")
+  sub->add_option("--pose", options->pose, "Pose of the person")
       ->one_of({"relaxed", "arms_out", "a_pose", "psi", "free", "bowed"})
       ->capture_default_str();
   sub->add_option("--distance", person.scene.distance_mm, "Camera to person, mm; 0: so that the whole person fits")
@@ -143,11 +143,12 @@ void add_render(cli::App& app, Command& chosen) {
       ->one_of({"640x480", "320x240"})
       ->capture_default_str();
   sub->add_flag("--back", person.scene.back_view, "Seen from behind");
-  sub->add_option("--turn-after", options->turn_after, "The person turns round after so many frames; 0: never")
+  sub->add_option("--turn-after", options->turn_after, "The person turns round after N frames; 0: never")
       ->range(0, 100000)
       ->capture_default_str();
   sub->add_flag("--clothed", options->clothed, "In clothes, shoes and hair; the truth stays the body's");
-  sub->add_flag("--paper-files", options->paper_files, "Also sample.obj, .skel, .bvh and .txt as the paper has them");
+  sub->add_flag("--paper-files", options->paper_files,
+                "Also write sample.obj, .skel, .bvh and .txt in the paper's formats");
   sub->add_flag("--truth-only", options->truth_only, "Write only the truth, into the file --out");
   sub->add_option("--body", options->body, "Body file")->type_name("FILE")->capture_default_str();
 }

@@ -61,9 +61,10 @@ SampleOptions default_samples() {
 }
 
 void add_sample_options(cli::App& sub, SampleOptions& options) {
-  sub.add_option("--subjects", options.subjects,
-                 "Models: synthetic people in the index (of the first 14,336 drawn, one in three only teaches "
-                 "answers and intervals)")
+  sub.add_option(
+         "--subjects", options.subjects,
+         "Models: synthetic people in the index (of the first 14,336, one in three is not in it: these train the "
+         "estimates and the intervals)")
       ->range(1, 900'000'000)
       ->capture_default_str();
   sub.add_option("--captures", options.captures, "Captures of each: other pose, place and noise")

@@ -140,16 +140,16 @@ void add_simulate_site(cli::App& app, Command& chosen) {
       "  im2fit-lab simulate-site --trials 24 --people 400",
       options, run_simulate);
   auto* root =
-      sub->add_option("DIR", options->root, "Folder to write sessions to, without recordings; none: no files");
+      sub->add_option("DIR", options->root, "Folder to write sessions to, without recordings (default: no files)");
   auto* kind =
       sub->add_option("--kind", options->kind,
-                      "How the site differs: people (of another make than the index has seen), camera (depth "
-                      "1.5 % too large), tape (tight, at the navel, in shoes), plain (none of it)")
+                      "How the site differs: people (of another make than those of the index), camera (depth "
+                      "1.5 % too large), tape (tight, at the navel, in shoes), plain (no difference)")
           ->one_of({"plain", "people", "camera", "tape"})
           ->capture_default_str();
-  sub->add_option("--people", site.people, "How many")->range(1, 100000)->capture_default_str();
+  sub->add_option("--people", site.people, "Number of people")->range(1, 100000)->capture_default_str();
   sub->add_option("--seed", site.seed, "Seed of people, rooms and tape")->capture_default_str();
-  sub->add_option("--frames", site.frames, "Accepted frames behind a measurement")
+  sub->add_option("--frames", site.frames, "Accepted frames for a measurement")
       ->range(1, 1000)
       ->capture_default_str();
   auto* name = sub->add_option("--site", options->site, "Name of the site")->capture_default_str();
@@ -159,11 +159,11 @@ void add_simulate_site(cli::App& app, Command& chosen) {
   auto* html =
       sub->add_option("--html", options->html_path, "Write the study of these people as one page")->type_name("FILE");
   sub->add_option("--out", options->json_path, "Write the study (or the trials) as JSON")->type_name("FILE");
-  auto* trials =
-      sub->add_option("--trials", options->trials,
-                      "Instead: every kind of site, calibrated by 10, 20, 40 and 83 of its people and judged on "
-                      "all others, in so many draws")
-          ->range(1, 1000);
+  auto* trials = sub->add_option("--trials", options->trials,
+                                 "In place of one site: every kind of site, calibrated with 10, 20, 40 and 83 of its "
+                                 "people and judged on "
+                                 "all others, in N draws")
+                     ->range(1, 1000);
   for (auto* other : {root, kind, name, calibration, html}) trials->excludes(other);
   sub->add_option("--ansur", options->ansur, "Folder of ANSUR_II_{FEMALE,MALE}_Public.csv, for kind people")
       ->type_name("DIR")

@@ -34,7 +34,7 @@ Result<int> run_study(const StudyCommand& options) {
   if (!all) return all.error();
   tell_left_out("study", *all);
   const SiteStudy study = study_of(all->people);
-  if (study.people == 0) return Error{ErrorCode::not_found, options.root + ": none of them measured anybody"};
+  if (study.people == 0) return Error{ErrorCode::not_found, options.root + ": no session has a measured person"};
   const std::string json = json_of(study);
   // No names, but what people measure: the owner's alone.
   if (!options.json_path.empty())
@@ -55,7 +55,7 @@ Result<int> run_calibrate(const CalibrateCommand& options) {
   if (!all) return all.error();
   tell_left_out("calibrate", *all);
   if (all->indexes.size() > 1)
-    return Error{ErrorCode::invalid_argument, options.root + ": sessions were answered by " +
+    return Error{ErrorCode::invalid_argument, options.root + ": sessions were measured with " +
                                                   std::to_string(all->indexes.size()) +
                                                   " different indexes; measure their recordings again with one"};
   const CalibrationOutcome outcome = calibrate(all->people);
@@ -71,7 +71,7 @@ Result<int> run_calibrate(const CalibrateCommand& options) {
   const auto file = site_calibration(outcome, name, index_crc).file();
   if (!file) return file.error();
   if (auto ok = write_file_atomically(options.out, *file); !ok) return ok.error();
-  fmt::print(stderr, "calibrate: {}: {} bytes, of {} people; take it with --calibration-site\n", options.out,
+  fmt::print(stderr, "calibrate: {}: {} bytes, of {} people; use it with --calibration-site\n", options.out,
              file->size(), outcome.people);
   return kExitOk;
 }
@@ -81,7 +81,7 @@ Result<int> run_calibrate(const CalibrateCommand& options) {
 void add_study(cli::App& app, Command& chosen) {
   auto options = std::make_shared<StudyCommand>();
   auto* sub = add_command<StudyCommand>(app, chosen, "study",
-                                        "How answers stand against the tape, of the people of recorded sessions",
+                                        "Compare measurements with the tape, for the people of recorded sessions",
                                         "  im2fit-lab study ~/sessions --html study.html\n"
                                         "  im2fit-lab study ~/sessions --json",
                                         options, run_study);
@@ -95,15 +95,15 @@ void add_calibrate(cli::App& app, Command& chosen) {
   auto options = std::make_shared<CalibrateCommand>();
   auto* sub = add_command<CalibrateCommand>(
       app, chosen, "calibrate",
-      "Learn a site's correction of the answers from its sessions; exit 1 and no file when it would not help",
+      "Learn a correction of a site's measurements from its sessions; exit 1 and no file if it would not help",
       "  im2fit-lab calibrate ~/sessions --out shop.i2c\n"
       "  im2fit measure SOURCE --calibration-site shop.i2c",
       options, run_calibrate);
   sub->add_option("DIR", options->root, "Folder of sessions (docs/sessions.md)")->capture_default_str();
   sub->add_option("--out", options->out, "Calibration to write, .i2c")->required()->type_name("FILE");
-  sub->add_option("--name", options->name, "Name of the site, which results say (default: the sessions')");
-  sub->add_option("--report", options->json_path, "Also write what was found as JSON")->type_name("FILE");
-  sub->add_flag("--json", options->json, "Print what was found as JSON");
+  sub->add_option("--name", options->name, "Name of the site, written to results (default: the sessions')");
+  sub->add_option("--report", options->json_path, "Also write the outcome as JSON")->type_name("FILE");
+  sub->add_flag("--json", options->json, "Print the outcome as JSON");
 }
 
 }  // namespace im2fit::apps

@@ -265,18 +265,18 @@ void add_live_options(cli::App& sub, LiveOptions& options) {
   options.session.input.reconnect_s = -1;
   add_session_options(sub, options.session);
   sub.get_option("--out")->description(
-      "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png: with --count 1 "
-      "in it, else in person-001 and so on");
+      "Folder for result.json, avatar.glb, .obj, .bvh and overlay.png; without --count 1 in "
+      "subfolders person-001 and so on");
   sub.get_option("--json")->description(
       "Print events on stdout, one JSON object a line: state, measured, left, camera, end");
   sub.remove_option(sub.get_option("--timing"));
-  sub.add_option("--count", options.count, "End after so many people; 0: at Ctrl-C or the source's end")
+  sub.add_option("--count", options.count, "End after N people; 0: at Ctrl-C or the source's end")
       ->range(0, 1'000'000)
       ->capture_default_str();
-  sub.add_option("--user", options.user, "Whom to measure: nearest, or one id only")
+  sub.add_option("--user", options.user, "Person to measure: nearest, or an id")
       ->type_name("nearest|ID")
       ->check([](const std::string& word) {
-        return user_of(word) ? std::string() : "use nearest, or the number live shows with a person";
+        return user_of(word) ? std::string() : "expected nearest, or the id that im2fit live shows with a person";
       })
       ->capture_default_str();
 }

@@ -3,7 +3,8 @@
 
 int main(int argc, char** argv) {
   using namespace im2fit::apps;
-  cli::App app{"One depth camera sees a person; this answers with measurements, a size and a body.", "im2fit"};
+  cli::App app{"Measures a person with one depth camera: body measurements, a clothing size and a 3D body.",
+               "im2fit"};
   app.footer(
       "SOURCE is openni2[:URI], usb[:SERIAL], v4l2:/dev/videoN, synthetic[:SEED], a .oni recording or a depth "
       "folder.\n"

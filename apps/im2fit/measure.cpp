@@ -28,7 +28,7 @@ void add_measure(cli::App& app, Command& chosen) {
   auto options = std::make_shared<SessionOptions>();
   options->input.reconnect_s = 10;
   auto* sub =
-      add_command<SessionOptions>(app, chosen, "measure", "Measure the person in a recording or before a camera",
+      add_command<SessionOptions>(app, chosen, "measure", "Measure the person in a recording or in front of a camera",
                                   "  im2fit measure person.oni --out me\n  im2fit measure FOLDER --json\n  im2fit "
                                   "measure synthetic:7 --turn --out seven",
                                   options, run_measure);

@@ -66,7 +66,7 @@ Result<int> run_list(const ModelsOptions& options) {
     const std::string what = place.has_manifest
                                  ? fmt::format("pack {}, {} people, licence {}", place.manifest.version,
                                                place.manifest.people, place.manifest.licence)
-                                 : "made here, of no pack";
+                                 : "not from a pack";
     fmt::print("{} {}  {}\n", place.used ? "*" : " ", place.directory, what);
   }
   return kExitOk;
@@ -87,25 +87,27 @@ Result<int> run_verify(const ModelsOptions& options) {
   if (!options.pack.empty()) {
     const auto pack = read_pack(options.pack);
     if (!pack) return pack.error();
-    fmt::print("{}: whole, models {}, {} files\n", options.pack, pack->manifest.version, pack->manifest.files.size());
+    fmt::print("{}: intact, models {}, {} files\n", options.pack, pack->manifest.version,
+               pack->manifest.files.size());
     return kExitOk;
   }
   const std::string directory = options.directory.empty() ? model_directory() : options.directory;
   const auto manifest = installed_manifest(directory);
   if (!manifest) return manifest.error();
   if (auto ok = verify_installed(*manifest, directory); !ok) return ok.error();
-  fmt::print("{}: whole, models {}, {} files\n", directory, manifest->version, manifest->files.size());
+  fmt::print("{}: intact, models {}, {} files\n", directory, manifest->version, manifest->files.size());
   return kExitOk;
 }
 
 }  // namespace
 
 void add_models(cli::App& app, Command& chosen) {
-  cli::App* parent = app.add_subcommand("models", "The models that measuring needs: list, install or verify");
+  cli::App* parent = app.add_subcommand("models", "Models: list, install or verify them");
   parent->footer("Examples:\n  im2fit models install im2fit-models-1.0.0.i2p\n  im2fit models list");
   auto listed = std::make_shared<ModelsOptions>();
-  cli::App* list = add_command<ModelsOptions>(*parent, chosen, "list", "List what is installed; * is what is used",
-                                              "  im2fit models list --json", listed, run_list);
+  cli::App* list =
+      add_command<ModelsOptions>(*parent, chosen, "list", "List the installed models; * marks the ones in use",
+                                 "  im2fit models list --json", listed, run_list);
   list->add_flag("--json", listed->json, "As JSON");
   auto installed = std::make_shared<ModelsOptions>();
   cli::App* install = add_command<ModelsOptions>(
@@ -113,14 +115,15 @@ void add_models(cli::App& app, Command& chosen) {
       "  im2fit models install im2fit-models-1.0.0.i2p\n  im2fit models install PACK --to /usr/share/im2fit",
       installed, run_install);
   install->add_option("PACK", installed->pack, "The pack, a .i2p file")->required()->type_name("FILE");
-  install->add_option("--to", installed->directory, "Where to (default: the user's data directory)")
+  install->add_option("--to", installed->directory, "Directory to install to (default: the user's data directory)")
       ->type_name("DIR");
   auto verified = std::make_shared<ModelsOptions>();
-  cli::App* verify =
-      add_command<ModelsOptions>(*parent, chosen, "verify", "Hold a pack, or what is installed, to its checksums",
-                                 "  im2fit models verify\n  im2fit models verify PACK.i2p", verified, run_verify);
-  verify->add_option("PACK", verified->pack, "A pack; without one, what is installed")->type_name("FILE");
-  verify->add_option("--in", verified->directory, "Installed there (default: what is used)")->type_name("DIR");
+  cli::App* verify = add_command<ModelsOptions>(
+      *parent, chosen, "verify", "Check a pack, or the installed models, against the checksums",
+      "  im2fit models verify\n  im2fit models verify PACK.i2p", verified, run_verify);
+  verify->add_option("PACK", verified->pack, "A pack (default: the installed models)")->type_name("FILE");
+  verify->add_option("--in", verified->directory, "Directory of the installed models (default: the ones in use)")
+      ->type_name("DIR");
   parent->callback([parent] {
     if (!parent->any_subcommand()) cli::App::missing("list, install or verify");
   });

@@ -143,7 +143,7 @@ Result<std::string> write_motion(const MotionRecording& motion, const std::strin
   if (body) avatar.params = body->params;
   if (const auto written = motion.write(path, avatar); !written) return written.error();
   if (const std::string joints = joint_names(motion.hardly_seen()); !joints.empty() && !path.ends_with(".csv"))
-    print_error(path + ": " + joints + " were not seen in most frames: how they move there is made up");
+    print_error(path + ": " + joints + " were not seen in most frames: their motion is inferred");
   return fmt::format("{}: {} frames{}\n", path, motion.frame_count(),
                      motion.left_out() > 0 ? fmt::format(", {} more after an hour left out", motion.left_out()) : "");
 }
@@ -186,10 +186,10 @@ std::string result_table(const SessionOutcome& outcome, bool paper) {
   const index::IntervalEstimate& age = result.age.years;
   text += fmt::format("age   {:.0f} years, {:.0f} to {:.0f}\n", age.value, age.low, age.high);
   if (const auto& clothing = result.answer.clothing; std::isfinite(clothing.probability)) {
-    text += fmt::format("clothes  probability {:.2f}, {:.0f} mm off the skin; answered as {}{}\n",
+    text += fmt::format("clothes  probability {:.2f}, {:.0f} mm off the skin; measured as {}{}\n",
                         clothing.probability, clothing.ease_mm, result.answer.clothed ? "dressed" : "bare",
                         has(result.guidance, Guidance::clothed)
-                            ? ": CLOTHED, said to be bare; take off loose clothes, or say --clothing dressed"
+                            ? ": CLOTHED, but --clothing is bare; take off loose clothes, or give --clothing dressed"
                             : "");
   }
   if (outcome.person.size) {

@@ -34,7 +34,7 @@ std::string counts(std::uint64_t frames, const hal::SourceStats& stats, std::uin
   std::string words = fmt::format("{} frames", frames);
   if (stats.gaps > 0) words += fmt::format(", {} missing", stats.gaps);
   if (stats.damaged > 0) words += fmt::format(", {} damaged and left out", stats.damaged);
-  if (losses > 0) words += fmt::format(", the camera was away {} times", losses);
+  if (losses > 0) words += fmt::format(", the camera was lost {} times", losses);
   return words;
 }
 
@@ -200,15 +200,16 @@ void add_record(cli::App& app, Command& chosen) {
   add_input_options(*sub, options->input);
   options->input.reconnect_s = 10;
   add_reconnect_option(*sub, options->input);
-  sub->add_flag("--json", options->json, "Print what was recorded, and what is missing, as one line of JSON");
-  sub->add_option("--out", options->out, "PATH.oni, for OpenNI2 programs too, or a folder to make")
+  sub->add_flag("--json", options->json,
+                "Print the numbers of recorded, missing and damaged frames as one line of JSON");
+  sub->add_option("--out", options->out, "PATH.oni, which OpenNI2 programs can read too, or a new folder")
       ->required()
       ->type_name("PATH");
   add_motion_option(*sub, options->motion);
   sub->add_option("--tracker", options->tracker, "Tracker file, for --motion")
       ->type_name("FILE")
       ->capture_default_str();
-  sub->add_option("--frames", options->frames, "Frames; 0: until the source ends or Ctrl-C")
+  sub->add_option("--frames", options->frames, "Frames to record; 0: until the source ends or Ctrl-C")
       ->range(0, 1'000'000'000)
       ->capture_default_str();
 }

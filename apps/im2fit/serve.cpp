@@ -58,7 +58,7 @@ class PageListener final : public LiveListener {
   void invite() {
     if (!invited_) print_error("open " + page_.url() + " in a browser; Ctrl-C ends this");
     if (!invited_ && !options_.phones.empty())
-      print_error("phones in this network take results at " + page_.phone_url());
+      print_error("phones in this network fetch results at " + page_.phone_url());
     if (!invited_ && options_.desk)
       print_error("the operator's page is " + page_.url() + "operator; sessions go to " + options_.sessions);
     invited_ = true;
@@ -154,7 +154,7 @@ Result<OperatorSettings> operator_settings(const ServeOptions& options) {
 Status check_operator(const ServeOptions& options) {
   if (!options.desk) {
     if (options.password_file.empty()) return Ok{};
-    return Error{ErrorCode::invalid_argument, "--operator-password-file is of --operator; give both"};
+    return Error{ErrorCode::invalid_argument, "--operator-password-file needs --operator; give both"};
   }
   if (options.no_consent)
     return Error{ErrorCode::invalid_argument, "--operator records people who consent; leave --no-consent out"};
@@ -169,8 +169,8 @@ Status check_operator(const ServeOptions& options) {
 Status check_hand_over(const ServeOptions& options) {
   if (options.phones != "0.0.0.0" && options.phones != "::") return Ok{};
   return Error{ErrorCode::invalid_argument, "--hand-over " + options.phones +
-                                                " is no address a phone could go to; give the one this machine has "
-                                                "in the network of the phones, such as 192.168.1.20"};
+                                                " is not an address that a phone can open; give this machine's "
+                                                "address in the network of the phones, such as 192.168.1.20"};
 }
 
 Result<int> run_serve(const ServeOptions& options) {
@@ -216,38 +216,38 @@ Result<int> run_serve(const ServeOptions& options) {
 void add_serve(cli::App& app, Command& chosen) {
   auto options = std::make_shared<ServeOptions>();
   auto* sub = add_command<ServeOptions>(
-      app, chosen, "serve", "live, shown on a page for a browser: guidance, measurements, a 3D body that follows",
+      app, chosen, "serve", "Run live and show it on a page for a browser: guidance, measurements, a moving 3D body",
       "  im2fit serve openni2 --rotate 90\n  im2fit serve FOLDER --no-consent --port 0\n  im2fit serve usb --rotate "
       "90 --host "
-      "0.0.0.0     whoever reaches this machine sees the camera's pictures",
+      "0.0.0.0     every machine that can reach this one sees the camera's pictures",
       options, run_serve);
   add_live_options(*sub, options->live);
-  sub->get_option("--count")->description("Measure so many people, then only show; 0: until Ctrl-C");
+  sub->get_option("--count")->description("Measure N people, then only show; 0: until Ctrl-C");
   sub->add_flag("--no-consent", options->no_consent,
-                "Measure whoever stands there, without asking on the page: for recordings and for yourself");
+                "Measure the person in view without consent on the page: for recordings and for yourself");
   sub->add_flag("--wait", options->wait,
-                "Wait for a camera and for models that are not there yet, and say so on the page: for a service");
+                "Wait for a missing camera or missing models and show that on the page: for a service");
   sub->add_flag("--operator", options->desk,
-                "Add a page at /operator that records people with what a tape says, see docs/sessions.md");
+                "Add a page at /operator that records people with tape values, see docs/sessions.md");
   sub->add_option("--operator-password-file", options->password_file,
                   "File with the operator's password, readable by its owner alone; needed at another --host")
       ->type_name("FILE");
-  sub->add_option("--sessions", options->sessions, "Folder the operator's sessions go to")
+  sub->add_option("--sessions", options->sessions, "Folder of the operator's sessions")
       ->type_name("DIR")
       ->capture_default_str();
   sub->add_option("--site", options->site, "Name of this place, proposed in the operator's form")->type_name("NAME");
-  sub->add_option("--hand-over", options->phones,
-                  "Let people take their result along by a QR code, once: this machine's address in the network of "
-                  "their phones, where nothing else is to be had")
+  sub->add_option(
+         "--hand-over", options->phones,
+         "Let people fetch their result once, by a QR code: this machine's address in the network of the phones; "
+         "nothing else is served at that address")
       ->type_name("ADDRESS");
-  sub->add_option("--hand-over-port", options->phones_port, "Port of --hand-over; 0: any that is free")
+  sub->add_option("--hand-over-port", options->phones_port, "Port of --hand-over; 0: any free port")
       ->range(0, 65535)
       ->capture_default_str();
-  sub->add_option("--host", options->address.host, "Address to listen at; another than 127.0.0.1 lets others look")
+  sub->add_option("--host", options->address.host,
+                  "Address to listen at; any other than 127.0.0.1 shows the page to other machines")
       ->capture_default_str();
-  sub->add_option("--port", options->address.port, "Port; 0: any that is free")
-      ->range(0, 65535)
-      ->capture_default_str();
+  sub->add_option("--port", options->address.port, "Port; 0: any free port")->range(0, 65535)->capture_default_str();
 }
 
 }  // namespace im2fit::apps

@@ -25,34 +25,33 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
       ->type_name("DIR");
   sub.add_option("--tracker", options.tracker, "Tracker file")->type_name("FILE")->capture_default_str();
   sub.add_option("--index", options.index, "Index file")->type_name("FILE")->capture_default_str();
-  sub.add_option("--frames", options.frames, "Good frames behind a measurement; with --turn, of each side")
+  sub.add_option("--frames", options.frames, "Good frames for a measurement; with --turn, of each side")
       ->range(1, 1000)
       ->capture_default_str();
-  sub.add_option("--calibration", options.calibration, "Pose asked for first: none, or psi as in the paper")
+  sub.add_option("--calibration", options.calibration, "Pose requested first: none, or psi as in the paper")
       ->one_of({"none", "psi"})
       ->capture_default_str();
-  sub.add_flag("--turn", options.turn,
-               "Front, then back: asks the person to turn round (TURN_ROUND) and measures with both; with the front "
-               "alone if the person does not within 15 s or leaves");
+  sub.add_flag(
+      "--turn", options.turn,
+      "Measure front and back: guidance TURN_ROUND requests the turn. If the person does not turn within 15 s, "
+      "or leaves, the front alone is used");
   sub.add_option(
          "--clothing", options.clothing,
-         "What the person wears. bare: underwear or close-fitting sportswear. dressed: the body underneath is "
-         "measured, with wider intervals. auto: as it looks; intervals are as wide as that is unsure")
+         "Clothing of the person. bare: underwear or close-fitting sportswear. dressed: the body underneath is "
+         "measured, with wider intervals. auto: estimated from the frames; intervals include that uncertainty")
       ->one_of(std::vector<std::string>(kClothingGivenNames.begin(), kClothingGivenNames.end()))
       ->capture_default_str();
-  sub.add_option(
-         "--sensor", options.sensor,
-         "How the camera senses depth; people's outlines depend on it. auto: as the camera's driver says, else "
-         "as the frames tell by their noise and by what they lack beside the person")
+  sub.add_option("--sensor", options.sensor,
+                 "Kind of depth sensor; people's outlines depend on it. auto: as the camera's driver reports, else "
+                 "estimated from the noise and from the missing depth beside the person")
       ->one_of(std::vector<std::string>(kSensorKindNames.begin(), kSensorKindNames.end()))
       ->capture_default_str();
   sub.add_option("--size-chart", options.size_charts, "Size chart file(s), see docs/result.md (default: EN 13402-3)")
       ->type_name("CSV");
   sub.add_option("--calibration-site", options.site,
-                 "Site calibration made by im2fit-lab calibrate, which corrects every answer; result.json says so")
+                 "Site calibration, made by im2fit-lab calibrate; corrects every value and is named in result.json")
       ->type_name("FILE");
-  sub.add_option("--tape", options.tapes,
-                 "Measurements of your own, see docs/tape.md; result.json has them under tape")
+  sub.add_option("--tape", options.tapes, "Your own measurements, see docs/tape.md; result.json has them under tape")
       ->type_name("YAML");
   sub.add_option("--truth", options.input.truth_path, "truth.json of a rendered person, to print errors")
       ->type_name("FILE");

@@ -264,7 +264,8 @@ Result<int> run_show(const TapeOptions& options) {
   if (!tape) return tape.error();
   const int index = definition_index(*tape, options.id);
   if (index < 0)
-    return Error{ErrorCode::not_found, "no measurement is called " + options.id + "; im2fit tape list has them all"};
+    return Error{ErrorCode::not_found,
+                 "no measurement is called " + options.id + "; im2fit tape list prints all ids"};
   if (!options.out.empty())
     if (const auto drawn = draw(*tape, index, options); !drawn) return drawn.error();
   const Json json = definition_json(*tape, tape->definitions[static_cast<std::size_t>(index)]);
@@ -278,14 +279,14 @@ Result<int> run_show(const TapeOptions& options) {
 }
 
 void add_common(cli::App& sub, TapeOptions& options) {
-  sub.add_option("--tape", options.tapes, "Measurements of your own, see docs/tape.md")->type_name("YAML");
+  sub.add_option("--tape", options.tapes, "Your own measurements, see docs/tape.md")->type_name("YAML");
   sub.add_flag("--json", options.json, "As JSON");
 }
 
 }  // namespace
 
 void add_tape(cli::App& app, Command& chosen) {
-  cli::App* parent = app.add_subcommand("tape", "What can be measured: list, or show one");
+  cli::App* parent = app.add_subcommand("tape", "Measurements: list them, or show one");
   parent->footer("Examples:\n  im2fit tape list\n  im2fit tape show thigh_girth --out thigh.png");
   auto listed = std::make_shared<TapeOptions>();
   cli::App* list =
@@ -294,14 +295,12 @@ void add_tape(cli::App& app, Command& chosen) {
   add_common(*list, *listed);
   auto shown = std::make_shared<TapeOptions>();
   cli::App* show = add_command<TapeOptions>(
-      *parent, chosen, "show", "Show how one is measured, and where on a body",
+      *parent, chosen, "show", "Show how a measurement is taken, and where on the body",
       "  im2fit tape show waist_girth\n  im2fit tape show across_back --out across_back.svg", shown, run_show);
   add_common(*show, *shown);
-  show->add_option("id", shown->id, "Its id, as in im2fit tape list")->required()->type_name("ID");
+  show->add_option("id", shown->id, "Id, as im2fit tape list prints it")->required()->type_name("ID");
   show->add_option("--out", shown->out, "Picture to write, .svg or .png")->type_name("FILE");
-  show->add_option("--on", shown->drawn_on, "The body it is drawn on")
-      ->one_of({"woman", "man"})
-      ->capture_default_str();
+  show->add_option("--on", shown->drawn_on, "Body in the picture")->one_of({"woman", "man"})->capture_default_str();
   show->add_option("--body", shown->body, "Body file")->type_name("FILE")->capture_default_str();
   parent->callback([parent] {
     if (!parent->any_subcommand()) cli::App::missing("list or show");

@@ -162,8 +162,9 @@ void add_try(cli::App& app, Command& chosen) {
   sub->add_option("--result", options->result, "result.json of the person, as im2fit measure writes it")
       ->required()
       ->type_name("FILE");
-  sub->add_option("--size", options->size, "The size to draw and to speak of (default: the best)")->type_name("SIZE");
-  sub->add_option("--out", options->out, "The person in it: a picture (.png) or an avatar (.glb)")->type_name("FILE");
+  sub->add_option("--size", options->size, "Size to draw and to report (default: the best)")->type_name("SIZE");
+  sub->add_option("--out", options->out, "File of the dressed person: a picture (.png) or an avatar (.glb)")
+      ->type_name("FILE");
   sub->add_option("--size-chart", options->size_charts,
                   "Size chart file(s), see docs/result.md (default: EN 13402-3)")
       ->type_name("CSV");

@@ -32,7 +32,7 @@ using Readers = std::map<std::string, Reader>;
 }
 
 std::string shown(const YAML::Node& node) {
-  return node.IsScalar() ? "\"" + node.Scalar() + "\"" : node.IsNull() ? "empty" : "no single value";
+  return node.IsScalar() ? "\"" + node.Scalar() + "\"" : node.IsNull() ? "empty" : "not a single value";
 }
 
 Reader text(std::string& field, bool may_be_empty = true) {
@@ -94,10 +94,10 @@ Reader mode(unsigned& field) {
 
 Reader texts(std::vector<std::string>& field) {
   return [&field](const YAML::Node& node) {
-    if (!node.IsSequence()) refuse(node, "is no list; write [FILE, FILE]");
+    if (!node.IsSequence()) refuse(node, "is not a list; write [FILE, FILE]");
     field.clear();
     for (const auto& item : node) {
-      if (!item.IsScalar()) refuse(item, "holds something that is no text");
+      if (!item.IsScalar()) refuse(item, "has an item that is not a text");
       field.push_back(item.Scalar());
     }
   };
@@ -113,9 +113,9 @@ void read_map(const YAML::Node& map, const std::string& prefix, const Readers& r
     if (reader == readers.end()) {
       std::string known;
       for (const auto& [word, unused] : readers) known += (known.empty() ? "" : ", ") + word;
-      refuse(entry.first, "unknown key \"" + name + "\"; known here are " + known);
+      refuse(entry.first, "unknown key \"" + name + "\"; known keys are " + known);
     }
-    if (!seen.insert(key).second) refuse(entry.first, "\"" + name + "\" is there twice");
+    if (!seen.insert(key).second) refuse(entry.first, "\"" + name + "\" appears twice");
     try {
       reader->second(entry.second);
     } catch (const Wrong& wrong) {
@@ -168,7 +168,7 @@ Result<Config> load_config(const std::string& path) {
   if (!bytes) return bytes.error();
   const auto at = [&](int line, const std::string& what) {
     return Error{ErrorCode::invalid_argument,
-                 path + " line " + std::to_string(line) + ": " + what + " (docs/daemon.md tells every key)"};
+                 path + " line " + std::to_string(line) + ": " + what + " (docs/daemon.md lists every key)"};
   };
   try {
     return interpret(YAML::Load(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size())));

@@ -132,7 +132,7 @@ Status Daemon::check(const Config& config) {
   if (std::error_code code; !config.state_directory.empty() &&
                             std::filesystem::exists(config.state_directory, code) &&
                             !std::filesystem::is_directory(config.state_directory, code))
-    return Error{ErrorCode::io, "state_directory " + config.state_directory + " is there and no directory"};
+    return Error{ErrorCode::io, "state_directory " + config.state_directory + " exists and is not a directory"};
   if (!config.camera_yaml.empty())
     if (auto camera = hal::load_camera_yaml(config.camera_yaml); !camera) return camera.error();
   if (hal::camera_opener(config.source, opening_of(config))) return Ok{};
@@ -145,10 +145,10 @@ bool Daemon::end_requested() {
   if (!Wishes::reload.exchange(false)) return false;
   auto config = load_config(config_path_);
   if (!config) {
-    log(Level::error, config.error().message + "; going on as before");
+    log(Level::error, config.error().message + "; continuing with the earlier configuration");
     return false;
   }
-  log(Level::notice, config_path_ + " is read again");
+  log(Level::notice, config_path_ + " was read again");
   reloaded_ = std::move(*config);
   return true;
 }
@@ -345,13 +345,15 @@ Status serve(const Words& words) {
 
 int main(int argc, char** argv) {
   using namespace im2fit::daemon;
-  CLI::App app{"Measures one person after the other before a camera and publishes at a local socket.", "im2fitd"};
+  CLI::App app{
+      "Measures one person after the other in front of a camera and publishes the results at a local socket.",
+      "im2fitd"};
   app.footer(
       "Made for systemd: see im2fitd.service and docs/daemon.md. Exit codes: 0 stopped, 1 failed, 2 wrong use.");
   Words words;
   app.set_version_flag("--version", std::string("im2fitd ") + IM2FIT_VERSION, "Print the version and exit");
   app.add_option("--config", words.config, "Configuration")->type_name("YAML")->capture_default_str();
-  app.add_flag("--check", words.check, "Look at the configuration and its files only: refuses what a start would");
+  app.add_flag("--check", words.check, "Only check the configuration and its files, as at a start");
   if (const auto manual = im2fit::apps::manual_asked(app, argc, argv))
     return std::fputs(manual->c_str(), stdout) >= 0 && std::fflush(stdout) == 0 ? 0 : 1;
   try {

@@ -31,7 +31,7 @@ sockaddr_un address_of(const std::string& path) {
 }
 
 Error no_socket(const std::string& path) {
-  return {ErrorCode::io, path + " is there and no socket; choose another socket.path or remove it"};
+  return {ErrorCode::io, path + " exists and is not a socket; choose another socket.path or remove it"};
 }
 
 // A socket a killed daemon left behind blocks the address; one that answers is not ours to take.
@@ -44,7 +44,8 @@ Status clear_away(const std::string& path) {
   const bool refused =
       ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 && errno == ECONNREFUSED;
   ::close(probe);
-  if (!refused) return Error{ErrorCode::io, "another program listens at " + path + "; stop it or choose another"};
+  if (!refused)
+    return Error{ErrorCode::io, "another program listens at " + path + "; stop it or choose another socket.path"};
   ::unlink(path.c_str());
   return Ok{};
 }
@@ -108,7 +109,7 @@ void Publisher::serve(const std::string& greeting) {
     if (fd < 0) break;
     if (clients_.size() >= static_cast<std::size_t>(options_.clients_max)) {
       ::close(fd);
-      log(Level::warning, "a client was turned away: " + std::to_string(clients_.size()) + " are connected");
+      log(Level::warning, "a client was refused: " + std::to_string(clients_.size()) + " are connected");
       continue;
     }
     clients_.push_back({fd, ++accepted_, greeting});

@@ -116,7 +116,7 @@ Result<FittingRoom::Wish> FittingRoom::wish_of(std::span<const std::pair<std::st
   for (const auto& [name, value] : query) {
     const bool known = name == "visit" || name == "top" || name == "top_size" || name == "bottom" ||
                        name == "bottom_size" || name == "colours";
-    if (!known) return refused("no field has this name");
+    if (!known) return refused("unknown field");
     if (!fields.insert({name, value}).second) return refused(name + " is given twice");
   }
   Wish wish;
@@ -124,7 +124,8 @@ Result<FittingRoom::Wish> FittingRoom::wish_of(std::span<const std::pair<std::st
   const auto wear = [&](const std::string& part, body::Hang hang) -> Status {
     const auto garment = fields.find(part), size = fields.find(part + "_size");
     if (garment == fields.end() && size == fields.end()) return Ok{};
-    if (garment == fields.end() || size == fields.end()) return refused(part + " and " + part + "_size go together");
+    if (garment == fields.end() || size == fields.end())
+      return refused(part + " and " + part + "_size must be given together");
     const auto fit = std::find_if(customer_->fits.begin(), customer_->fits.end(),
                                   [&](const GarmentFit& f) { return f.garment == garment->second; });
     const body::GarmentPattern* pattern =
@@ -140,7 +141,7 @@ Result<FittingRoom::Wish> FittingRoom::wish_of(std::span<const std::pair<std::st
   if (auto worn = wear("bottom", body::Hang::waist); !worn) return worn.error();
   if (auto worn = wear("top", body::Hang::shoulders); !worn) return worn.error();
   if (const auto colours = fields.find("colours"); colours != fields.end()) {
-    if (colours->second != "ease") return refused("colours is ease or not given");
+    if (colours->second != "ease") return refused("colours must be ease or left out");
     wish.ease = true;
     wish.name += "/ease";
   }
@@ -153,7 +154,7 @@ std::optional<PageAnswer> FittingRoom::read_wish(std::span<const std::pair<std::
       std::find_if(query.begin(), query.end(), [](const auto& field) { return field.first == "visit"; });
   if (visit == query.end()) return PageAnswer{kBadRequest, nullptr, "visit is missing"};
   if (!customer_ || customer_->visit != visit->second)
-    return PageAnswer{kNotFound, nullptr, "that person is not here (any more)"};
+    return PageAnswer{kNotFound, nullptr, "no measured person has this visit id, or the result was deleted"};
   auto read = wish_of(query);
   if (!read) return PageAnswer{kBadRequest, nullptr, read.error().message};
   wish = std::move(*read);
@@ -174,7 +175,7 @@ PageAnswer FittingRoom::ask(std::span<const std::pair<std::string, std::string>>
     waiting_ = std::move(wish);
     news_.notify_all();
   }
-  return {kAccepted, nullptr, "being dressed; ask again"};
+  return {kAccepted, nullptr, "the picture is being made; request it again"};
 }
 
 PageAnswer FittingRoom::ask_cloth(std::span<const std::pair<std::string, std::string>> query) {
@@ -182,7 +183,7 @@ PageAnswer FittingRoom::ask_cloth(std::span<const std::pair<std::string, std::st
   Wish wish;
   if (auto refusal = read_wish(query, wish)) return *refusal;
   const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& m) { return m.name == wish.name; });
-  if (found == made_.end() || !found->clothes) return {kNotFound, nullptr, "no cloth of this name moves"};
+  if (found == made_.end() || !found->clothes) return {kNotFound, nullptr, "no moving clothes have this name"};
   return live_.ask(wish.name);
 }
 

@@ -95,10 +95,10 @@ bool HostCheck::is_known(std::string_view host) const {
 std::string HostCheck::refusal(std::optional<std::string_view> host, std::optional<std::string_view> origin,
                                std::optional<std::string_view> fetch_site) const {
   const auto named = host ? host_of(*host) : std::nullopt;
-  if (!named || !is_known(*named)) return "this address is not known here; open the one that im2fit serve printed";
-  if (origin && lower(*origin) != "http://" + lower(*host)) return "another site's page asks for this";
+  if (!named || !is_known(*named)) return "unknown address; open the one that im2fit serve printed";
+  if (origin && lower(*origin) != "http://" + lower(*host)) return "the request comes from another site's page";
   if (fetch_site && *fetch_site != "same-origin" && *fetch_site != "none")
-    return "another site's page leads here; type the address";
+    return "the link is from another site's page; type the address";
   return "";
 }
 

@@ -103,7 +103,7 @@ std::vector<std::pair<std::string, std::string>> query_of(MHD_Connection* connec
 }
 
 MHD_Result send_not_allowed(MHD_Connection* connection, const char* allowed) {
-  const Response response = copied("another method is needed\n");
+  const Response response = copied("this method is not allowed\n");
   if (response) MHD_add_response_header(response.get(), "Allow", allowed);
   return send(connection, MHD_HTTP_METHOD_NOT_ALLOWED, response, kPlainText);
 }

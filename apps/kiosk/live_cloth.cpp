@@ -53,9 +53,9 @@ bool LiveCloth::is_wanted() const {
 
 PageAnswer LiveCloth::ask(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  if (!clothes_ || name != name_) return {409, nullptr, "other clothes move now"};
+  if (!clothes_ || name != name_) return {409, nullptr, "the person wears other clothes now"};
   asked_ = Clock::now();
-  if (!frame_) return {202, nullptr, "nothing has moved yet"};
+  if (!frame_) return {202, nullptr, "no moving clothes yet; request it again"};
   return {200, frame_, ""};
 }
 

@@ -200,7 +200,7 @@ PageAnswer LivePage::offer(std::string_view visit) {
   const auto now = Clock::now();
   auto result = board_.file("/result.json");
   if (!result || visit_.state() != VisitState::result || !visit_.touch(visit, now))
-    return {409, nullptr, "there is no result of that visit"};
+    return {409, nullptr, "this visit has no result, or is over"};
   publish_beat();
   // Behind the '#' it is sent to no one: neither a proxy nor what looks at links ahead of people takes the result.
   const std::string address = phones_->url() + "#" + hand_over_.offer(std::move(result), now);
@@ -217,7 +217,7 @@ PageAnswer LivePage::offer(std::string_view visit) {
 PageAnswer LivePage::take(std::string_view token) {
   const std::lock_guard lock(visit_mutex_);
   auto result = hand_over_.take(token, Clock::now());
-  if (!result) return {404, nullptr, "nothing there (any more)"};
+  if (!result) return {404, nullptr, "not found, or fetched already"};
   return {200, std::move(result), ""};
 }
 

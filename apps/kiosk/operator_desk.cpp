@@ -100,7 +100,7 @@ void OperatorDesk::visit_over(std::uint64_t visit, bool erased) {
 PageAnswer OperatorDesk::answer(const PageRequest& request) {
   if (!request.post) return get(request);
   const Json body = Json::parse(request.body, nullptr, false);
-  if (!body.is_object()) return said(400, "the body is no JSON object");
+  if (!body.is_object()) return said(400, "the request is not a JSON object");
   return post(request, body);
 }
 
@@ -125,7 +125,7 @@ PageAnswer OperatorDesk::get(const PageRequest& request) {
     for (const auto& [name, names] : settings_.tape) tape.push_back({{"id", name}, {"names", names}});
     return json_answer({{"site", settings_.site}, {"root", settings_.root}, {"tape", tape}});
   }
-  return said(404, "nothing there");
+  return said(404, "not found");
 }
 
 PageAnswer OperatorDesk::post(const PageRequest& request, const Json& body) {
@@ -138,7 +138,7 @@ PageAnswer OperatorDesk::post(const PageRequest& request, const Json& body) {
     const auto gone = sessions::remove(settings_.root, id);
     return gone ? said(200, "deleted") : failed(gone.error());
   }
-  return said(404, "nothing there");
+  return said(404, "not found");
 }
 
 PageAnswer OperatorDesk::state() const {
@@ -166,11 +166,11 @@ PageAnswer OperatorDesk::state() const {
 PageAnswer OperatorDesk::begin(const Json& body) {
   const ConsentText* text = consent_text(text_of(body, "language"));
   if (text == nullptr || text_of(body, "version") != text->version)
-    return said(409, "the consent shown is of another version; load the page anew");
+    return said(409, "the consent shown is of another version; reload the page");
   hal::SourceInfo source;
   {
     const std::lock_guard lock(mutex_);
-    if (!has_source_) return said(409, "there is no camera yet");
+    if (!has_source_) return said(409, "no camera is connected yet");
     if (phase_ != Phase::idle) return said(409, "a person is being recorded; save or discard that first");
     source = source_;
   }
@@ -186,7 +186,7 @@ PageAnswer OperatorDesk::begin(const Json& body) {
     consent_ = {std::string("operator-") + text->language + "-" + text->version, text->language, text->sha256,
                 started_utc_};
   });
-  if (!begun) return said(409, "a customer's visit is going on; end it on their page first");
+  if (!begun) return said(409, "a customer's visit is in progress; end it on the customer's page first");
   return said(200, "recording");
 }
 
@@ -195,7 +195,7 @@ PageAnswer OperatorDesk::discard() {
   std::uint64_t visit = 0;
   {
     const std::lock_guard lock(mutex_);
-    if (job_.running) return said(409, "one thing at a time");
+    if (job_.running) return said(409, "another task is running; wait until it has ended");
     if (phase_ == Phase::idle) return said(200, "discarded");
     visit = visit_;
     phase_ = Phase::idle;
@@ -212,8 +212,8 @@ PageAnswer OperatorDesk::save(const Json& body) {
   std::shared_ptr<VisitRecorder> recorder;
   {
     const std::lock_guard lock(mutex_);
-    if (job_.running) return said(409, "one thing at a time");
-    if (phase_ != Phase::measured) return said(409, "no person was measured yet");
+    if (job_.running) return said(409, "another task is running; wait until it has ended");
+    if (phase_ != Phase::measured) return said(409, "no person has been measured yet");
     record.started_utc = started_utc_;
     record.consent = consent_;
     record.camera = {std::string(name_of(source_.sensor)),
@@ -239,7 +239,7 @@ PageAnswer OperatorDesk::save(const Json& body) {
   for (const auto& [id, reading] : whole->truth.tape)
     if (std::none_of(settings_.tape.begin(), settings_.tape.end(),
                      [&](const auto& known) { return known.first == id; }))
-      return said(400, "the form: truth.tape." + id + " is no measurement of the tape");
+      return said(400, "the form: truth.tape." + id + " is not a measurement of the tape");
   whole->document.clear();
   start_job("save", "", [this, recorder, record = std::move(*whole), result](Job& job) {
     auto saved = recorder->save(record, result);
@@ -258,7 +258,7 @@ PageAnswer OperatorDesk::measure_again(const std::string& id) {
   if (const auto folder = sessions::folder_of(settings_.root, id); !folder) return failed(folder.error());
   {
     const std::lock_guard lock(mutex_);
-    if (job_.running) return said(409, "one thing at a time");
+    if (job_.running) return said(409, "another task is running; wait until it has ended");
     if (phase_ == Phase::recording) return said(409, "a person is being recorded; measure again after that");
   }
   start_job("measure", id, [this, id](Job& job) {
@@ -290,7 +290,7 @@ PageAnswer OperatorDesk::picture(const std::string& id, const std::string& numbe
   if (!recording) return failed(recording.error());
   if (number.empty() || number.size() > kNumberCharactersMax ||
       number.find_first_not_of("0123456789") != std::string::npos)
-    return said(400, "number is no number");
+    return said(400, "number is not a number");
   // In the order of their names, which are numbered with gaps.
   std::vector<std::string> names;
   std::error_code code;

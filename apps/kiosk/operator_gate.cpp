@@ -37,13 +37,13 @@ std::string base64(const std::string& text) {  // RFC 4648
 Result<std::string> read_password(const std::string& path) {
   struct stat about {};
   if (::stat(path.c_str(), &about) == 0 && (about.st_mode & kOthersMay) != 0)
-    return Error{ErrorCode::invalid_argument, path + ": others may read this password; chmod 600 it"};
+    return Error{ErrorCode::invalid_argument, path + ": other users can read this password; run chmod 600"};
   const auto bytes = read_file(path, kTextBytesMax);
   if (!bytes) return bytes.error();
   std::string password(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   password.resize(std::min(password.size(), password.find_first_of("\r\n")));
   if (character_count(password) < kPasswordCharactersMin || password.size() > kPasswordBytesMax)
-    return Error{ErrorCode::invalid_argument, path + ": its first line is no password of " +
+    return Error{ErrorCode::invalid_argument, path + ": its first line is not a password of " +
                                                   std::to_string(kPasswordCharactersMin) + " characters or more"};
   if (printable(password) != password)
     return Error{ErrorCode::invalid_argument, path + ": the password has control characters"};

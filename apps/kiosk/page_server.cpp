@@ -152,7 +152,7 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
     const std::string type = file->type;
     return send(connection, MHD_HTTP_OK, shared(std::move(file)), type.c_str());
   }
-  return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there (yet)\n"), kPlainText);
+  return send(connection, MHD_HTTP_NOT_FOUND, copied("not found, or not available yet\n"), kPlainText);
 }
 
 // All that a request's header can be refused for, before a byte of its body is read.
@@ -185,14 +185,15 @@ MHD_Result PageServer::Parts::answer_operator(MHD_Connection* connection, std::s
   const Field origin = field_of(connection, "Origin"), token = field_of(connection, "X-Im2fit-Token");
   const Field type = field_of(connection, "Content-Type");
   if (origin.count != 1 || token.count != 1 || !gate.is_token(*token.value))
-    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the operator's page itself may ask for this\n"),
-                kPlainText);
+    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the operator's page may request this\n"), kPlainText);
   if (type.count != 1 || type.value != "application/json")
-    return send(connection, MHD_HTTP_UNSUPPORTED_MEDIA_TYPE, copied("application/json is needed\n"), kPlainText);
+    return send(connection, MHD_HTTP_UNSUPPORTED_MEDIA_TYPE, copied("the Content-Type must be application/json\n"),
+                kPlainText);
   const auto size = length_of(length);
-  if (chunked || !size) return send(connection, MHD_HTTP_LENGTH_REQUIRED, copied("a length is needed\n"), kPlainText);
+  if (chunked || !size)
+    return send(connection, MHD_HTTP_LENGTH_REQUIRED, copied("the Content-Length is missing\n"), kPlainText);
   if (*size > kBodyBytesMax)
-    return send(connection, MHD_HTTP_CONTENT_TOO_LARGE, copied("more than 64 kB\n"), kPlainText);
+    return send(connection, MHD_HTTP_CONTENT_TOO_LARGE, copied("the body has more than 64 kB\n"), kPlainText);
   upload.wanted = true;
   return MHD_YES;  // the body comes next
 }
@@ -207,11 +208,11 @@ MHD_Result PageServer::Parts::answer_phone(MHD_Connection* connection, const std
   if (path == kTake) {
     const Field origin = field_of(connection, "Origin"), token = field_of(connection, "X-Im2fit-Token");
     if (origin.count != 1 || token.count != 1)
-      return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may ask for this\n"), kPlainText);
+      return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may request this\n"), kPlainText);
     return send_answer(connection, handlers.take(*token.value));
   }
   const WebFile* file = phone_file(path);
-  if (file == nullptr) return send(connection, MHD_HTTP_NOT_FOUND, copied("nothing there\n"), kPlainText);
+  if (file == nullptr) return send(connection, MHD_HTTP_NOT_FOUND, copied("not found\n"), kPlainText);
   return answer_file(connection, *file);
 }
 
@@ -219,10 +220,10 @@ MHD_Result PageServer::Parts::answer_post(MHD_Connection* connection, std::strin
   const Field origin = field_of(connection, "Origin"), visit = field_of(connection, "X-Im2fit-Visit");
   const Field note = field_of(connection, "X-Im2fit-Note");
   if (origin.count != 1 || visit.count != 1 || note.count > 1)
-    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may ask for this\n"), kPlainText);
+    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may request this\n"), kPlainText);
   const std::string_view text = note.value.value_or("");
   if (visit.value->size() > kActionTextMax || text.size() > kActionTextMax)
-    return send(connection, MHD_HTTP_BAD_REQUEST, copied("too long\n"), kPlainText);
+    return send(connection, MHD_HTTP_BAD_REQUEST, copied("a header of the request is too long\n"), kPlainText);
   if (path == kOffer) return send_answer(connection, handlers.offer(*visit.value));
   const auto* action =
       std::find_if(std::begin(kActions), std::end(kActions), [&](const auto& known) { return known.first == path; });
@@ -246,7 +247,7 @@ MHD_Result PageServer::Parts::answer_stream(MHD_Connection* connection) {
   std::unique_lock lock(mutex);
   if (visitor == nullptr || stopping || watchers >= kWatchersMax) {
     lock.unlock();
-    return send(connection, MHD_HTTP_SERVICE_UNAVAILABLE, copied("too many are watching; close another page\n"),
+    return send(connection, MHD_HTTP_SERVICE_UNAVAILABLE, copied("too many pages are open; close another page\n"),
                 kPlainText);
   }
   ++watchers;

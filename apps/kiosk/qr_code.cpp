@@ -19,7 +19,7 @@ Result<QrCode> qr_code(const std::string& text) {
                                                              0 /* the smallest that holds it */, QR_ECLEVEL_M));
   if (!made)
     return Error{ErrorCode::invalid_argument,
-                 "no QR code holds " + std::to_string(text.size()) + " bytes: " + std::strerror(errno)};
+                 "a QR code cannot hold " + std::to_string(text.size()) + " bytes: " + std::strerror(errno)};
   QrCode code;
   code.side = made->width;
   const auto side = static_cast<std::size_t>(code.side);

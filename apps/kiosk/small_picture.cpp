@@ -32,7 +32,7 @@ std::uint8_t grey_of(int depth_mm, bool person) {
 
 Result<std::string> small_picture(DepthView depth, MaskView mask) {
   const int side = std::max(depth.width, depth.height);
-  if (depth.width <= 0 || depth.height <= 0) return Error{ErrorCode::invalid_argument, "a picture of no size"};
+  if (depth.width <= 0 || depth.height <= 0) return Error{ErrorCode::invalid_argument, "the picture has no pixels"};
   const int shown = std::min(kSmallPictureSidePx, side);
   const int width = std::max(1, depth.width * shown / side), height = std::max(1, depth.height * shown / side);
   std::vector<std::uint8_t> pixels;

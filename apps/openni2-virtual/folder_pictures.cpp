@@ -40,7 +40,7 @@ Result<std::unique_ptr<Pictures>> folder_pictures(const Settings& settings) {
       std::abs(k.cy - 0.5F * static_cast<float>(k.height - 1)) > 1)
     return Error{ErrorCode::unsupported,
                  settings.folder +
-                     ": the principal point is off the centre, which an OpenNI2 device cannot tell; "
+                     ": the principal point is off the centre, which an OpenNI2 device cannot report; "
                      "replay the folder itself"};
   std::vector<std::vector<std::uint16_t>> pictures;
   while (pictures.size() < kPicturesMax) {

@@ -88,13 +88,13 @@ class Fields {
   void text(const Json& json, const std::string& prefix, const char* key, std::string& value, bool needed) {
     const Json* found = find(json, prefix, key, needed);
     if (found == nullptr) return;
-    if (!found->is_string()) return wrong(prefix + key, "is no text");
+    if (!found->is_string()) return wrong(prefix + key, "is not a text");
     value = found->get<std::string>();
   }
   void number(const Json& json, const std::string& prefix, const char* key, std::optional<double>& value) {
     const Json* found = find(json, prefix, key, false);
     if (found == nullptr) return;
-    if (!found->is_number()) return wrong(prefix + key, "is no number");
+    if (!found->is_number()) return wrong(prefix + key, "is not a number");
     value = found->get<double>();
   }
   void needed_number(const Json& json, const std::string& prefix, const char* key, double& value) {
@@ -107,7 +107,7 @@ class Fields {
     const Json* found = find(json, prefix, key, needed);
     if (found == nullptr) return;
     if (!found->is_number_integer() || found->get<std::int64_t>() < 1 || found->get<std::int64_t>() > 65535)
-      return wrong(prefix + key, "is no number of 1 to 65535");
+      return wrong(prefix + key, "is not a whole number of 1 to 65535");
     value = found->get<int>();
   }
   void flag(const Json& json, const std::string& prefix, const char* key, bool& value) {
@@ -121,7 +121,7 @@ class Fields {
     const Json* found = find(json, "", key, needed);
     if (found == nullptr) return kNone;
     if (found->is_object()) return *found;
-    wrong(key, "is no object");
+    wrong(key, "is not an object");
     return kNone;
   }
   const Error& error() const { return error_; }
@@ -134,7 +134,7 @@ class Fields {
 void read_tape(Fields& fields, const Json& json, PersonTruth& truth) {
   const Json* tape = fields.find(json, "truth.", "tape", false);
   if (tape == nullptr) return;
-  if (!tape->is_object()) return fields.wrong("truth.tape", "is no object");
+  if (!tape->is_object()) return fields.wrong("truth.tape", "is not an object");
   for (const auto& [id, values] : tape->items()) {
     const bool right = values.is_array() && (values.size() == 1 || values.size() == 2) &&
                        std::all_of(values.begin(), values.end(), [](const Json& v) { return v.is_number(); });
@@ -228,7 +228,8 @@ bool is_tape_id(const std::string& id) {
 std::string fault_of_tape(const PersonTruth& truth) {
   if (truth.tape.size() > kTapeValuesMax) return fmt::format("truth.tape has more than {} values", kTapeValuesMax);
   for (const auto& [id, reading] : truth.tape) {
-    if (!is_tape_id(id)) return fmt::format("truth.tape has \"{}\", which is no id", printable(id));
+    if (!is_tape_id(id))
+      return fmt::format("truth.tape has \"{}\", expected an id of small letters, digits and _", printable(id));
     const std::string field = "truth.tape." + id;
     for (const std::optional<double>& value : {std::optional(reading.first), reading.second})
       if (std::string fault = fault_of_number(field.c_str(), value, kTapeMm); !fault.empty()) return fault;
@@ -252,7 +253,7 @@ bool is_sha256(const std::string& text) {
 std::string fault_of_consent(const Consent& consent) {
   if (consent.version.empty()) return "consent.version is missing";
   if (!is_sha256(consent.text_sha256)) return "consent.text_sha256 is not 64 hexadecimal digits";
-  if (!is_utc(consent.given_utc)) return "consent.given_utc is no time like 2026-05-04T12:30:00Z";
+  if (!is_utc(consent.given_utc)) return "consent.given_utc is not a time like 2026-05-04T12:30:00Z";
   for (const std::string& fault : {fault_of_line("consent.version", consent.version, kWordBytesMax),
                                    fault_of_line("consent.language", consent.language, kWordBytesMax)})
     if (!fault.empty()) return fault;
@@ -296,7 +297,7 @@ std::string record_json(const Record& record) {
 
 Result<Record> parse_record(std::string_view text, const std::string& what) {
   const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object()) return Error{ErrorCode::corrupt, what + ": no JSON object, expected a session.json"};
+  if (!json.is_object()) return Error{ErrorCode::corrupt, what + ": not a JSON object, expected a session.json"};
   const auto schema = json.find("schema");
   if (schema == json.end() || *schema != kSchema)
     return Error{ErrorCode::unsupported,
@@ -314,7 +315,7 @@ Result<Record> parse_record(std::string_view text, const std::string& what) {
 
 std::string fault_of(const Record& record) {
   if (record.person.empty()) return "person is missing";
-  if (!is_utc(record.started_utc)) return "started_utc is no time like 2026-05-04T12:30:00Z";
+  if (!is_utc(record.started_utc)) return "started_utc is not a time like 2026-05-04T12:30:00Z";
   const PersonTruth& truth = record.truth;
   for (const std::string& fault :
        {fault_of_line("person", record.person, kPersonBytesMax), fault_of_consent(record.consent),

@@ -59,14 +59,14 @@ constexpr std::array<Word, 35> kWords = {{
      [](EvaluationOptions& o) { o.tremor_deg = 1; }},
     {"tremor3", "a camera held in the hand, turning by up to 3 degrees", false,
      [](EvaluationOptions& o) { o.tremor_deg = 3; }},
-    {"posed", "the device says where a camera held in the hand is", false,
+    {"posed", "the device reports the pose of a camera held in the hand", false,
      [](EvaluationOptions& o) { o.poses_told = true; }},
-    {"reported", "the driver reports what kind of sensor it is", false,
+    {"reported", "the driver reports the kind of its sensor", false,
      [](EvaluationOptions& o) { o.sensor_reported = true; }},
     {"clothed", "in clothes, shoes and hair", true, [](EvaluationOptions& o) { o.clothed = true; }},
     {"garments", "in draped garments, shoes and hair", false,
      [](EvaluationOptions& o) { o.clothed = o.garments = true; }},
-    {"untold", "what is worn is not reported to the device", false,
+    {"untold", "the clothing is not reported to the device", false,
      [](EvaluationOptions& o) { o.clothing_reported = false; }},
     {"frames1", "one frame", true, [](EvaluationOptions& o) { o.frames = 1; }},
     {"frames5", "5 frames", true, [](EvaluationOptions& o) { o.frames = 5; }},
@@ -86,7 +86,7 @@ constexpr std::array<Word, 35> kWords = {{
      [](EvaluationOptions& o) { o.body_mass_index_min = kHeavyMin; }},
     {"back", "seen from behind", false, [](EvaluationOptions& o) { o.views = Views::back; }},
     {"both", "front, then back", true, [](EvaluationOptions& o) { o.views = Views::both; }},
-    {"features", "features answer alone, no shape is fitted", true, [](EvaluationOptions& o) { o.fit = false; }},
+    {"features", "features alone, no shape is fitted", true, [](EvaluationOptions& o) { o.fit = false; }},
 }};
 
 }  // namespace

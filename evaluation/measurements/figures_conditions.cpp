@@ -47,8 +47,7 @@ void draw_measurement(Svg& svg, const Frame& frame, const std::vector<ConditionR
 // Covered by nominal share, a line a measurement.
 void draw_levels(Svg& svg, const Frame& frame, const ConditionRun& run) {
   constexpr double kLeast = 20;
-  const Panel panel(svg, frame, {40, 100, "nominal coverage, %", false, 6},
-                    {kLeast, 100, "truth inside, %", false, 8});
+  const Panel panel(svg, frame, {40, 100, "nominal coverage, %", false, 6}, {kLeast, 100, "coverage, %", false, 8});
   svg.line(panel.at(40, 40), panel.at(100, 100), {kInk, 1, "5 4"});
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     std::vector<SvgPoint> points;
@@ -60,7 +59,7 @@ void draw_levels(Svg& svg, const Frame& frame, const ConditionRun& run) {
     svg.polyline(points, {colour, 1.3});
     for (std::size_t i = 0; i < kLevels.size(); ++i)
       svg.disc(points[i], 2.6, colour, 1,
-               fmt::format("{}: {:.0f} % nominal, {:.1f} % inside", words_of(m), 100 * kLevels[i].share,
+               fmt::format("{}: {:.0f} % nominal, {:.1f} % covered", words_of(m), 100 * kLevels[i].share,
                            100 * run.report.measurements[m].covered[i]));
   }
   draw_legend(svg, {frame.x, frame.y - 12}, {{"lengths", kBlue}, {"girths", kRed}, {"weight", kGreen}});
@@ -69,7 +68,7 @@ void draw_levels(Svg& svg, const Frame& frame, const ConditionRun& run) {
 // The stated 95 %, a row a condition, a dot a measurement.
 void draw_coverage(Svg& svg, const Frame& frame, const std::vector<ConditionRun>& runs) {
   constexpr double kLowest = 60;
-  const Panel panel(svg, frame, {kLowest, 100, "truth inside the 95 % interval, %", false, 8}, {0, 1, "", false, 0});
+  const Panel panel(svg, frame, {kLowest, 100, "coverage of the 95 % interval, %", false, 8}, {0, 1, "", false, 0});
   svg.rectangle({panel.x(93), frame.y}, panel.x(97) - panel.x(93), frame.height, kGreen, 0.15);
   const double step = frame.height / static_cast<double>(runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -122,7 +121,7 @@ Figure calibration_figure(const std::vector<ConditionRun>& runs) {
   draw_levels(svg, {56, 34, 300, high}, runs.front());
   const int people = runs.front().report.measured;
   draw_coverage(svg, {550, 34, 360, high}, runs);
-  return {"calibration", "Do the intervals keep their word?",
+  return {"calibration", "Coverage of the intervals",
           fmt::format(
               "Left, the first condition: the stated interval is one of 95 %; other shares read it as a normal's, as "
               "the probability of a size does. On the dashed line they hold their nominal coverage, below it they "

@@ -64,10 +64,10 @@ Figure runtime_figure(const std::vector<RuntimeRow>& rows, const std::vector<Ref
     svg.text({panel.x(models), panel.y(ms) + 18}, words, {Lettering::Anchor::middle, 11, kRed});
   }
   return {
-      "runtime", "Time to an answer",
+      "runtime", "Time to a result",
       "The paper's runtime figure. Measurements only: features of the fused frames and the query; naked and clothed: "
-      "also the body brought to the answer, posed, and written as .glb. Processor time of one thread on the machine "
-      "that made this page; frames before fusion are not in it (bench/results has those). Dashed lines come from "
+      "also the body fitted to the result, posed, and written as .glb. Processor time of one thread on the machine "
+      "that made this page; frames before fusion are not included (bench/results has those). Dashed lines come from "
       "the "
       "benchmark of the index, if its file was given. The paper's figures are of a Xeon E5507 of 2009.",
       std::move(svg)};
@@ -118,11 +118,12 @@ Figure icp_figure(const std::vector<IcpCurve>& curves) {
     y += 42;
     ends += fmt::format("{}{:.1f} mm ({})", ends.empty() ? "" : ", ", final, name);
   }
-  return {"icp", "The retrieved body lies " + ends + " from the depth",
-          "The paper's ICP figure: mean distance of the fused depth from the retrieved body in the measured pose, by "
-          "iteration; at 0 the joints alone align them. The body is the answer's: nearest entry, brought to the "
-          "measured stature and weight. Each line is a person.",
-          std::move(svg)};
+  return {
+      "icp", "The retrieved body lies " + ends + " from the depth",
+      "The paper's ICP figure: mean distance of the fused depth from the retrieved body in the measured pose, by "
+      "iteration; at 0 the joints alone align them. The body is that of the result: nearest entry, brought to the "
+      "measured stature and weight. Each line is a person.",
+      std::move(svg)};
 }
 
 }  // namespace im2fit::lab

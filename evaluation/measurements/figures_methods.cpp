@@ -54,7 +54,7 @@ Figure agreement_figure(const ConditionRun& run) {
                    run, m);
   }
   return {
-      "bland-altman", "Where we and the truth disagree",
+      "bland-altman", "Errors against the truth",
       "Bland and Altman's plot: error (upright) against the mean of measured and true. The band holds 95 % of the "
       "errors if they are normal; a slope means that errors of large people differ from those of small ones.",
       std::move(svg)};
@@ -92,8 +92,8 @@ Figure bias_figure(const ConditionRun& run) {
     svg.text({744, y + 4}, fmt::format("{:.1f} to {:.1f} mm of {:.0f}", s.mean_low, s.mean_high, limit),
              {Lettering::Anchor::start, 12, colour});
   }
-  return {"bias", fmt::format("{} of {} biases inside ISO 20685's limits", inside, limited.size()),
-          "The standard for body scanners limits the mean error: its 95 % interval (bar) must lie inside the limit "
+  return {"bias", fmt::format("{} of {} biases within ISO 20685's limits", inside, limited.size()),
+          "The standard for body scanners limits the mean error: its 95 % interval (bar) must lie within the limit "
           "(green). Reported, not claimed: it requires real people and a tape.",
           std::move(svg)};
 }

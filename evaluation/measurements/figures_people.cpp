@@ -90,13 +90,13 @@ Figure distribution_figure(const ConditionRun& run) {
     if (gap < words.size()) svg.text({middle, 360}, words.substr(gap + 1), {Lettering::Anchor::middle});
   }
   draw_legend(svg, {60, 18}, {{"measured", kBlue}, {"true", kGrey}});
-  return {
-      "distribution", "What was measured",
-      fmt::format("The paper's figure of estimated anthropometrics: boxes hold the middle half, whiskers reach 1.5 "
-                  "boxes, dots lie beyond. {} people measured; beside each box stands the truth, which the paper "
-                  "did not have.",
-                  run.report.measured),
-      std::move(svg)};
+  return {"distribution", "Distribution of the measurements",
+          fmt::format(
+              "The paper's figure of estimated anthropometrics: boxes hold the middle half, whiskers reach 1.5 "
+              "boxes, dots lie beyond. {} people measured; beside each box is the box of the truth, which the paper "
+              "did not have.",
+              run.report.measured),
+          std::move(svg)};
 }
 
 Figure height_error_figure(const ConditionRun& run) {

@@ -45,7 +45,7 @@ std::string cards_of(const Report& r) {
          card(fmt::format("{:.1f} %", 100 * r.size_accuracy), "letter size right outright",
               fmt::format("paper: {:.1f} %; among our best two: {:.1f} %", 100 * kPaperSizeRight,
                           100 * r.size_top_two)) +
-         card(fmt::format("{:.1f} %", 100 * mean_coverage(r)), "truth inside the 95 % interval",
+         card(fmt::format("{:.1f} %", 100 * mean_coverage(r)), "coverage of the 95 % interval",
               "mean of eleven measurements") +
          "</div>\n";
 }
@@ -134,7 +134,7 @@ std::string refusals_of(const std::vector<ConditionRun>& runs) {
   for (const ConditionRun& run : runs) {
     const Report& r = run.report;
     if (r.measured == r.subjects) continue;
-    html += fmt::format("<p>{}: {} of {} not measured; guidance given:", escaped_for_xml(title_of(r)),
+    html += fmt::format("<p>{}: {} of {} not measured; guidance:", escaped_for_xml(title_of(r)),
                         r.subjects - r.measured, r.subjects);
     for (std::size_t g = 0; g < kGuidanceCount; ++g)
       if (r.not_measured_because[g] > 0)
@@ -192,7 +192,7 @@ std::string html_of(const FullReport& report) {
   for (const Figure& figure : figures)
     html += section(figure.id, figure.heading, "<p>" + figure.words + "</p>\n" + figure.picture.embedded());
   html += section("tables", "Every measurement, " + title_of(first), first.measured > 0 ? table_of(first) : "");
-  if (first.measured > 0) html += section("table-groups", "Who errs how", groups_table(first));
+  if (first.measured > 0) html += section("table-groups", "Errors by sex and build", groups_table(first));
   html += section("table-conditions", "Mean absolute error by condition",
                   conditions_table(report.runs) + refusals_of(report.runs));
   return html + "</main></body></html>\n";

@@ -95,8 +95,8 @@ std::string text_of(const Report& report) {
   text += fmt::format("\nmeasured     {} of {} held-out synthetic people ({:.1f} %)\n", report.measured,
                       report.subjects, measured);
   if (report.lifted_arms > 0)
-    text += fmt::format("             {} of them after lifting their arms, told ARMS_CLOSE\n", report.lifted_arms);
-  if (report.measured < report.subjects) text += "not measured; guidance given:" + refusals(report) + "\n";
+    text += fmt::format("             {} of them after lifting their arms at ARMS_CLOSE\n", report.lifted_arms);
+  if (report.measured < report.subjects) text += "not measured; guidance:" + refusals(report) + "\n";
   if (report.measured == 0) return text;
   text += fmt::format(
       "sex          {:.1f} % right{}\n", 100 * report.sex_accuracy,

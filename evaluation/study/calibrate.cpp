@@ -37,7 +37,7 @@ std::vector<std::string> leave_slips_aside(std::vector<SitePerson>& people) {
     if (!(sd > 0)) continue;
     for (SitePerson& p : people) {
       if (!p.tape[m].taken() || !(std::abs(sds_off(p) - median) > kSlipSds * sd)) continue;
-      aside.push_back(fmt::format("{}: {} {:.1f}, answered {:.1f}", p.person, kMeasurementTable[m].id,
+      aside.push_back(fmt::format("{}: {} {:.1f}, estimated {:.1f}", p.person, kMeasurementTable[m].id,
                                   p.tape[m].mean(), p.answer[m].value));
       p.tape[m] = {};
     }
@@ -137,7 +137,8 @@ double miss(double coverage) {
 // What a device would refuse to read.
 std::string out_of_range(const CalibrationOutcome& outcome) {
   const auto file = site_calibration(outcome, "site", 0).file();
-  return file ? "" : file.error().message + "; look for a wrong unit, or for a camera that needs its own calibration";
+  return file ? ""
+              : file.error().message + "; check for a wrong unit, or for a camera that needs its own calibration";
 }
 
 Json spreads_json(const SiteSpreads& s) {
@@ -165,8 +166,9 @@ CalibrationOutcome calibrate(const std::vector<SitePerson>& people) {
     if (std::any_of(p.tape.begin(), p.tape.end(), [](const TapeReadings& t) { return t.taken(); })) all.push_back(&p);
   outcome.people = static_cast<int>(all.size());
   if (outcome.people < kCalibrationPeopleMin) {
-    outcome.refusal = fmt::format("{} people with tape values are too few: {} are the least, 20 and more do better",
-                                  outcome.people, kCalibrationPeopleMin);
+    outcome.refusal =
+        fmt::format("{} people with tape values are too few; at least {} are needed, 20 or more are better",
+                    outcome.people, kCalibrationPeopleMin);
     return outcome;
   }
   outcome.model = fit_site_model(all, kCalibrationPeopleMin);
@@ -198,7 +200,7 @@ CalibrationOutcome calibrate(const std::vector<SitePerson>& people) {
   }
   take(with_values, true, outcome);
   outcome.refusal = fmt::format(
-      "it would not help: of people left out the mean error would change by {:+.3f} +- {:.3f} of the answer's own "
+      "it would not help: of people left out the mean error would change by {:+.3f} +- {:.3f} of the estimate's own "
       "SD, and "
       "{:.1f} % instead of {:.1f} % of the intervals would hold the truth",
       -outcome.gain, outcome.gain_se, 100 * widths_alone.coverage_after, 100 * widths_alone.coverage_before);
@@ -227,7 +229,7 @@ SiteCalibration site_calibration(const CalibrationOutcome& outcome, const std::s
 
 std::string text_of(const CalibrationOutcome& outcome) {
   std::string text = fmt::format("{} people\n", outcome.people);
-  for (const std::string& slip : outcome.left_aside) text += "left aside, a slip of the pen? " + slip + "\n";
+  for (const std::string& slip : outcome.left_aside) text += "left out, perhaps a typing error: " + slip + "\n";
   if (outcome.model.rows[0].people > 0 || outcome.gain_se > 0) {
     text += fmt::format("\n{:17}{:>7}{:>16}{:>9}{:>16}{:>14}\n", "people left out", "people", "bias", "", "MAE",
                         "in 95 %");
@@ -240,9 +242,9 @@ std::string text_of(const CalibrationOutcome& outcome) {
     }
     const SiteSpreads& s = outcome.model.spreads;
     text += fmt::format(
-        "\nall: error smaller by {:.3f} +- {:.3f} of the answer's own SD; in 95 %: {:.1f} -> {:.1f}\n"
+        "\nall: error smaller by {:.3f} +- {:.3f} of the estimate's own SD; in 95 %: {:.1f} -> {:.1f}\n"
         "this site differs by: scale {:.2f} %, girths {:.2f} %, offset {:.2f} and sex {:.2f} of ISO 20685's\n"
-        "allowance, slope {:.1f} %, cameras {:.2f} % (SDs, found by the evidence)\n",
+        "allowance, slope {:.1f} %, cameras {:.2f} % (SDs, estimated from the sessions)\n",
         outcome.gain, outcome.gain_se, 100 * outcome.coverage_before, 100 * outcome.coverage_after, 100 * s.scale,
         100 * s.girth, s.offset, s.sex, 100 * s.slope, 100 * s.camera);
   }

@@ -209,7 +209,7 @@ std::string html_of(const SiteStudy& study, const std::vector<SitePerson>& visit
       synthetic
           ? "<p><span class=\"synthetic\">synthetic</span> simulated people and a simulated tape: no claim against a "
             "real one.</p>\n"
-          : "<p>Answers against what tape and scale said of the same people.</p>\n";
+          : "<p>Estimates against tape and scale for the same people.</p>\n";
   html += cards_of(study);
   const ConditionRun all = as_run(people, study, false), tall = as_run(people, study, true);
   if (!tall.outcomes.empty()) {
@@ -223,12 +223,12 @@ std::string html_of(const SiteStudy& study, const std::vector<SitePerson>& visit
   html += section(
       "Every measurement",
       fmt::format(
-          "<p>Error is answer less tape. * where the tape was taken twice by {} people or more: its own error "
+          "<p>Error: estimate minus tape. * where the tape was taken twice by {} people or more: its own error "
           "(TEM) is taken out of MAE, SD, limits and coverage. ISO 20685 wants the 95 % interval of the "
           "bias within its allowance, in a test of {} people or more.</p>\n",
           kTapePairsMin, kIsoPeopleMin) +
           measurements_table(study));
-  if (!study.groups.empty()) html += section("Who errs how", groups_table(study));
+  if (!study.groups.empty()) html += section("Errors by sex and build", groups_table(study));
   return html + "</main></body></html>\n";
 }
 

@@ -104,7 +104,7 @@ Result<ClothMessage> read_cloth_message(std::string_view bytes) {
     while (reader.whole && offsets.size() < count) {
       const std::string_view head = reader.take(1);
       const int doublings = head.empty() ? 0 : static_cast<unsigned char>(head[0]);
-      if (doublings > kOffsetStepsMax) return damaged("a step that is none");
+      if (doublings > kOffsetStepsMax) return damaged("an invalid step");
       const float step = step_of(doublings);
       const std::string_view block = reader.take(3 * std::min(kOffsetBlock, count - offsets.size()));
       const auto number = [&](std::size_t i) {

@@ -116,7 +116,7 @@ Result<CameraFile> interpret(const YAML::Node& file_root, const std::string& pat
   if (auto ok = check_intrinsics(k, path); !ok) return ok.error();
   if ((*camera)[1] != 0 || (*camera)[3] != 0 || (*camera)[6] != 0 || (*camera)[7] != 0 || (*camera)[8] != 1)
     return Error{ErrorCode::unsupported,
-                 path + ": camera_matrix has skew or is no pinhole matrix; expected [fx,0,cx, 0,fy,cy, 0,0,1]"};
+                 path + ": camera_matrix has skew or is not a pinhole matrix; expected [fx,0,cx, 0,fy,cy, 0,0,1]"};
   if (auto ok = read_distortion(root, path, file); !ok) return ok.error();
   if (root["im2fit_rotate_deg"].IsDefined()) {
     file.rotate_deg = root["im2fit_rotate_deg"].as<int>();

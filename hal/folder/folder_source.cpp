@@ -85,12 +85,12 @@ Result<std::optional<Vec3f>> down_in(const std::vector<std::string>& cells, cons
     if (text.empty())
       ++empty;
     else if (!read_float(text, values[i]))
-      return Error{ErrorCode::corrupt, std::string(Columns::kDownNames[i]) + " is no number"};
+      return Error{ErrorCode::corrupt, std::string(Columns::kDownNames[i]) + " is not a number"};
   }
   if (empty == values.size()) return std::optional<Vec3f>();
   const float square = values[0] * values[0] + values[1] * values[1] + values[2] * values[2];
   if (empty > 0 || !(square > 0.99F && square < 1.01F))
-    return Error{ErrorCode::corrupt, "down_x, down_y, down_z are no vector of length 1"};
+    return Error{ErrorCode::corrupt, "down_x, down_y, down_z are not a vector of length 1"};
   return std::optional(Vec3f{values[0], values[1], values[2]});
 }
 
@@ -125,7 +125,7 @@ Result<std::map<std::int64_t, Times>> parse_times(const std::string& path) {
       if (columns.at[column] == SIZE_MAX) continue;
       const std::string where = path + " line " + std::to_string(csv.line()) + ": " + Columns::kNames[column];
       if (columns.at[column] >= cells.size() || !to_number(cells[columns.at[column]], values[column]))
-        return advised({ErrorCode::corrupt, where + " is missing or no whole number"});
+        return advised({ErrorCode::corrupt, where + " is missing or not a whole number"});
       if (values[column] < 0 || values[column] > kValueMax[column])
         return advised({ErrorCode::corrupt, where + " is " + std::to_string(values[column]) + ", expected 0 to " +
                                                 std::to_string(kValueMax[column])});
@@ -234,7 +234,7 @@ Status FolderSource::check_frames(const Intrinsics& camera) const {
     const std::string found = std::to_string(header->width) + "x" + std::to_string(header->height);
     const std::string expected = std::to_string(camera.width) + "x" + std::to_string(camera.height);
     if (&frame == first_good)
-      return Error{ErrorCode::invalid_argument, frame.path + " is " + found + " but camera.yaml says " + expected +
+      return Error{ErrorCode::invalid_argument, frame.path + " is " + found + " but camera.yaml is for " + expected +
                                                     "; give the calibration of these pictures"};
     return Error{ErrorCode::invalid_argument, frame.path + " is " + found + ", expected " + expected +
                                                   " like the frames before it; keep one size to a folder"};

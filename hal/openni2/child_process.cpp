@@ -133,7 +133,7 @@ std::string ChildProcess::finish(bool kill) {
     while ((done = ::waitpid(pid, &status, 0)) < 0 && errno == EINTR) {
     }
   }
-  if (done < 0) return "ended unseen";  // the program ignores SIGCHLD
+  if (done < 0) return "ended with an unknown status";  // the program ignores SIGCHLD
   if (WIFSIGNALED(status)) return "crashed (signal " + std::to_string(WTERMSIG(status)) + ")";
   return "exited with " + std::to_string(WEXITSTATUS(status));
 }

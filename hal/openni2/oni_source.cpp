@@ -95,7 +95,7 @@ Status OniSource::launch() {
   if (!header) return Error{ErrorCode::corrupt, header.error().message};
   if (header->kind == oni::Kind::failure) return Error{ErrorCode::corrupt, cannot_be_played(*header).message};
   if (header->kind != oni::Kind::hello || header->payload_bytes != sizeof(oni::Hello))
-    return Error{ErrorCode::corrupt, give_up("begins with nonsense").message};
+    return Error{ErrorCode::corrupt, give_up("begins with invalid data").message};
   oni::Hello hello;
   std::memcpy(&hello, message_.data() + sizeof(oni::Header), sizeof hello);
   have_ = 0;
@@ -157,7 +157,7 @@ Result<oni::Header> OniSource::receive(int timeout_ms) {
     if (have_ >= sizeof header) {
       std::memcpy(&header, message_.data(), sizeof header);
       if (header.magic != oni::kMagic || header.payload_bytes > message_.size() - sizeof header)
-        return give_up("gives nonsense after frame " + std::to_string(frames_));
+        return give_up("has invalid data after frame " + std::to_string(frames_));
       wanted += header.payload_bytes;
       if (have_ == wanted) return header;
     }
@@ -175,7 +175,7 @@ Result<oni::Header> OniSource::receive(int timeout_ms) {
     }
     if (read == ChildProcess::Read::some) continue;
     if (silent_ms_ >= options_.stall_ms)
-      return give_up("gave nothing for " + std::to_string(options_.stall_ms) + " ms after frame " +
+      return give_up("delivered no frame for " + std::to_string(options_.stall_ms) + " ms after frame " +
                      std::to_string(frames_) +
                      (info_.frame_count > 0 ? " of " + std::to_string(info_.frame_count) : std::string()));
     if (waited_ms >= timeout_ms)
@@ -200,7 +200,7 @@ Result<FrameInfo> OniSource::next(DepthImage depth, int timeout_ms) {
   if (header->kind == oni::Kind::frame && header->payload_bytes == frame_bytes) return accept_frame(depth);
   if (header->kind == oni::Kind::failure) return cannot_be_played(*header);
   if (header->kind != oni::Kind::end || header->payload_bytes != sizeof(oni::End))
-    return give_up("gives nonsense after frame " + std::to_string(frames_));
+    return give_up("has invalid data after frame " + std::to_string(frames_));
   oni::End end;
   std::memcpy(&end, payload, sizeof end);
   child_.reap();
@@ -217,7 +217,7 @@ Result<FrameInfo> OniSource::accept_frame(DepthImage depth) {
   const std::byte* payload = message_.data() + sizeof(oni::Header);
   std::memcpy(&about, payload, sizeof about);
   if (about.timestamp_us > static_cast<std::uint64_t>(INT64_MAX / 1000))
-    return give_up("gives an absurd time after frame " + std::to_string(frames_));
+    return give_up("has an impossible time after frame " + std::to_string(frames_));
   // The message's pixels begin 32 bytes into a vector: aligned for 16-bit values.
   const DepthView pixels(reinterpret_cast<const std::uint16_t*>(payload + sizeof about), path_.camera().width,
                          path_.camera().height);

@@ -84,7 +84,7 @@ Status OpenNi2Source::Impl::open_device(const std::string& uri, const OpenNi2Opt
   if (oniDeviceOpen(uri.empty() ? nullptr : uri.c_str(), &device) != ONI_STATUS_OK) {
     device = nullptr;
     return Error{ErrorCode::no_device, "cannot open " + what + " (" + openni2_complaint() +
-                                           "); is it plugged in? `im2fit devices` lists what is"};
+                                           "); is it plugged in? `im2fit devices` lists connected cameras"};
   }
   oniDeviceGetInfo(device, &device_info);
   info.uri = std::string("openni2:") + device_info.uri;

@@ -63,7 +63,7 @@ std::string openni2_complaint() {
   for (char& c : text)
     if (c == '\n' || c == '\t' || c == '\r') c = ' ';
   const auto begin = text.find_first_not_of(' ');
-  if (begin == std::string::npos) return "it gives no reason";
+  if (begin == std::string::npos) return "it reports no reason";
   return text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
 }
 

@@ -72,22 +72,22 @@ Result<std::vector<std::uint8_t>> KinectCommands::command(Opcode opcode, std::sp
   for (const auto deadline = Clock::now() + kAnswerLimit; Clock::now() < deadline;
        std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
     const auto got = transport_.control_in({kRequestIn, 0, 0, 0}, in, kTransfer_ms);
-    if (!got) return error(got.error().code, opcode, "gets no answer: " + got.error().message);
+    if (!got) return error(got.error().code, opcode, "gets no reply: " + got.error().message);
     // Not ready: no bytes, or (some cameras) as many as there was room for.
     if (*got == 0 || *got == kReplyBytesMax) continue;
     if (*got < kCommandHeaderBytes || in[0] != kReplyMagic[0] || in[1] != kReplyMagic[1])
-      return error(ErrorCode::io, opcode, "got an answer of " + std::to_string(*got) + " bytes that is none");
+      return error(ErrorCode::io, opcode,
+                   "got a reply of " + std::to_string(*got) + " bytes without the header of a reply");
     if (get16(&in[6]) != tag) continue;  // late, to a command given up before
     const std::size_t length = *got - kCommandHeaderBytes;
     if (get16(&in[4]) != static_cast<std::uint16_t>(opcode) || get16(&in[2]) * std::size_t{2} != length || length < 2)
-      return error(ErrorCode::io, opcode, "got an answer that does not fit it (" + std::to_string(*got) + " bytes)");
+      return error(ErrorCode::io, opcode, "got a reply that does not fit it (" + std::to_string(*got) + " bytes)");
     if (const std::uint16_t status = get16(&in[kCommandHeaderBytes]); status != 0)
       return error(ErrorCode::io, opcode, "was refused with code " + std::to_string(status));
     return std::vector<std::uint8_t>(in.begin() + kCommandHeaderBytes + 2,
                                      in.begin() + static_cast<std::ptrdiff_t>(*got));
   }
-  return error(ErrorCode::timeout, opcode,
-               "was not answered within a second; unplug the camera and plug it in again");
+  return error(ErrorCode::timeout, opcode, "got no reply within a second; unplug the camera and plug it in again");
 }
 
 Status KinectCommands::write_register(Register which, std::uint16_t value) {
@@ -101,7 +101,7 @@ Result<std::uint16_t> KinectCommands::read_register(Register which) {
   const std::uint16_t words[] = {static_cast<std::uint16_t>(which)};
   const auto answer = command(Opcode::read_register, words);
   if (!answer) return answer.error();
-  if (answer->size() < 2) return error(ErrorCode::io, Opcode::read_register, "got an answer without a value");
+  if (answer->size() < 2) return error(ErrorCode::io, Opcode::read_register, "got a reply without a value");
   return get16(answer->data());
 }
 

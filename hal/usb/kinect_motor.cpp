@@ -27,7 +27,7 @@ Result<KinectMotor::State> KinectMotor::state() {
   const auto got = transport_->control_in({kRequestIn, kMotorState, 0, 0}, bytes, kTransfer_ms);
   if (!got) return Error{got.error().code, what_ + ": the motor does not report its state: " + got.error().message};
   if (*got != bytes.size())
-    return Error{ErrorCode::io, what_ + ": the motor tells its state in " + std::to_string(*got) +
+    return Error{ErrorCode::io, what_ + ": the motor reports its state in " + std::to_string(*got) +
                                     " bytes, expected " + std::to_string(bytes.size())};
   State state;
   const float per_count_g = 1.0F / static_cast<float>(kCountsPerG);

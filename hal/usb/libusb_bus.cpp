@@ -154,7 +154,7 @@ std::unique_ptr<UsbBus> libusb_bus() {
 
 Result<UsbOpened> open_usb_descriptor(int descriptor) {
   const std::string what = "file descriptor " + std::to_string(descriptor);
-  if (descriptor < 0) return Error{ErrorCode::invalid_argument, what + " is none; expected an opened USB device"};
+  if (descriptor < 0) return Error{ErrorCode::invalid_argument, what + " is negative; expected an opened USB device"};
   auto context = context_without_discovery();
   if (!context) return context.error();
   libusb_device_handle* wrapped = nullptr;

@@ -85,16 +85,15 @@ Result<V4l2Format> choose_format(const V4l2Camera& camera, const V4l2Options& op
   if (camera.offers(V4l2Format::z16)) return V4l2Format::z16;
   if (camera.offers(V4l2Format::inzi)) return V4l2Format::inzi;
   return Error{ErrorCode::unsupported,
-               what + " is no depth camera: it offers " + (offered.empty() ? "nothing" : offered) +
+               what + " is not a depth camera: it offers " + (offered.empty() ? "nothing" : offered) +
                    ", expected Z16 or INZI" +
-                   (camera.offers(V4l2Format::y16) ? "; if its Y16 is depth, say so with ?format=Y16" : "")};
+                   (camera.offers(V4l2Format::y16) ? "; if its Y16 is depth, give ?format=Y16" : "")};
 }
 
 Result<DepthLayout> layout_of(V4l2Format format, const v4l2_pix_format& pix, const std::string& what) {
   if (pix.width < 1 || pix.height < 1 || pix.width > kImageSideMax || pix.height > kImageSideMax)
-    return Error{ErrorCode::unsupported,
-                 what + " delivers " + size_text(pix.width, pix.height) +
-                     " pictures, expected 1 to 2048 pixels a side; ask for another ?size=WxH"};
+    return Error{ErrorCode::unsupported, what + " delivers " + size_text(pix.width, pix.height) +
+                                             " pictures, expected 1 to 2048 pixels a side; give another ?size=WxH"};
   if (pix.field != V4L2_FIELD_NONE && pix.field != V4L2_FIELD_ANY)
     return Error{ErrorCode::unsupported, what + " delivers interlaced pictures, expected whole ones"};
   DepthLayout layout;
@@ -110,9 +109,9 @@ Result<DepthLayout> layout_of(V4l2Format format, const v4l2_pix_format& pix, con
     layout.stride_bytes = pix.bytesperline == 0 ? row_bytes : pix.bytesperline;
   }
   if (layout.stride_bytes < row_bytes || pix.bytesperline > 64 * kImageSideMax || pix.sizeimage < layout.size_bytes())
-    return Error{ErrorCode::unsupported, what + " says that a " + size_text(pix.width, pix.height) + " picture has " +
+    return Error{ErrorCode::unsupported, what + " reports for a " + size_text(pix.width, pix.height) + " picture " +
                                              std::to_string(pix.bytesperline) + " bytes a line and " +
-                                             std::to_string(pix.sizeimage) + " in all, which cannot be"};
+                                             std::to_string(pix.sizeimage) + " in all, which is impossible"};
   return layout;
 }
 
@@ -159,8 +158,9 @@ Error device_error(int error, const std::string& what, const std::string& doing)
 Result<V4l2Camera> describe_camera(VideoDevice& device, const std::string& what) {
   v4l2_capability about{};
   if (const int error = device.request(VIDIOC_QUERYCAP, &about); error != 0) {
-    if (error == ENODEV || error == ENXIO || error == EIO) return device_error(error, what, "asking what it is");
-    return Error{ErrorCode::unsupported, what + " is no V4L2 device (" + std::strerror(error) + ")"};
+    if (error == ENODEV || error == ENXIO || error == EIO)
+      return device_error(error, what, "querying its capabilities");
+    return Error{ErrorCode::unsupported, what + " is not a V4L2 device (" + std::strerror(error) + ")"};
   }
   const std::uint32_t able =
       (about.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? about.device_caps : about.capabilities;
@@ -192,7 +192,7 @@ Result<V4l2Mode> negotiate(VideoDevice& device, const V4l2Camera& camera, const 
   if (const int error = device.request(VIDIOC_S_FMT, &wanted); error != 0)
     return device_error(error, what, "setting " + size_text(size.width, size.height));
   if (wanted.fmt.pix.pixelformat != fourcc_of(*format))
-    return Error{ErrorCode::unsupported, what + " offers " + fourcc_text(fourcc_of(*format)) + " and then gives " +
+    return Error{ErrorCode::unsupported, what + " offers " + fourcc_text(fourcc_of(*format)) + " but delivers " +
                                              fourcc_text(wanted.fmt.pix.pixelformat)};
   const auto layout = layout_of(*format, wanted.fmt.pix, what);
   if (!layout) return layout.error();

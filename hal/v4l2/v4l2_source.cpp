@@ -54,7 +54,7 @@ Result<int> depth_unit_um(VideoDevice& device, V4l2Format format, const V4l2Opti
     if (format != V4l2Format::inzi) return kDefaultUnit_um;
     return Error{ErrorCode::invalid_argument,
                  what +
-                     " delivers INZI, whose depth unit is the camera's own (0.125 mm is usual); say it with "
+                     " delivers INZI, whose depth unit is the camera's own (0.125 mm is usual); give "
                      "?unit_um=125"};
   }
   const auto id = find_control(device, options.unit_control, what);
@@ -83,8 +83,8 @@ Result<Calibration> find_calibration(const V4l2Options& options, const DepthLayo
   if (!options.hfov_deg)
     return Error{ErrorCode::invalid_argument,
                  what +
-                     ": V4L2 cameras do not tell their field of view, and a wrong one falsifies every length; give "
-                     "--camera FILE, or the horizontal angle the maker states, ?hfov=DEGREES"};
+                     ": V4L2 cameras do not report their field of view, and a wrong one falsifies every length; give "
+                     "--camera FILE, or the horizontal angle of the data sheet, ?hfov=DEGREES"};
   const double horizontal_rad = static_cast<double>(*options.hfov_deg) * std::numbers::pi / 180;
   const double vertical_rad = 2 * std::atan(std::tan(horizontal_rad / 2) * layout.height / layout.width);
   const auto k = intrinsics_from_field_of_view(layout.width, layout.height, static_cast<float>(horizontal_rad),
@@ -175,20 +175,20 @@ Status V4l2Source::map_buffers() {
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
   if (const int error = device_->request(VIDIOC_REQBUFS, &request); error != 0)
-    return fail(error, "asking for buffers");
+    return fail(error, "requesting buffers");
   // A driver may give fewer than requested, or more; two are the least with which frames flow.
   const auto count = std::min(request.count, static_cast<__u32>(options_.buffer_count));
   if (count < 2)
-    return Error{ErrorCode::io, info_.name + " gives " + std::to_string(count) + " buffers, expected at least 2"};
+    return Error{ErrorCode::io, info_.name + " provides " + std::to_string(count) + " buffers, expected at least 2"};
   for (std::uint32_t i = 0; i < count; ++i) {
     v4l2_buffer about{};
     about.index = i;
     about.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     about.memory = V4L2_MEMORY_MMAP;
     if (const int error = device_->request(VIDIOC_QUERYBUF, &about); error != 0)
-      return fail(error, "asking for a buffer");
+      return fail(error, "querying a buffer");
     if (about.length < mode_.layout.size_bytes())
-      return Error{ErrorCode::io, info_.name + " gives buffers of " + std::to_string(about.length) +
+      return Error{ErrorCode::io, info_.name + " provides buffers of " + std::to_string(about.length) +
                                       " bytes for pictures of " + std::to_string(mode_.layout.size_bytes())};
     const std::byte* address = device_->map(about.length, about.m.offset);
     if (address == nullptr) return Error{ErrorCode::io, info_.name + ": its buffers cannot be mapped"};

@@ -65,7 +65,8 @@ Result<std::unique_ptr<VideoDevice>> open_video_device(const std::string& path) 
   const int error = errno;
   const std::string reason = "v4l2:" + path + ": " + std::strerror(error);
   if (error == ENOENT)
-    return Error{ErrorCode::not_found, reason + "; is the camera plugged in? `im2fit devices` lists what is"};
+    return Error{ErrorCode::not_found,
+                 reason + "; is the camera plugged in? `im2fit devices` lists connected cameras"};
   if (error == ENODEV || error == ENXIO) return Error{ErrorCode::no_device, reason + "; plug the camera in again"};
   if (error == EACCES) return Error{ErrorCode::io, reason + "; the user must be in the group that owns it (video)"};
   if (error == EPERM) return Error{ErrorCode::io, reason + "; the service that runs this allows no such device"};

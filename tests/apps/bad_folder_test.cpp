@@ -267,12 +267,12 @@ TEST(BadTruth, AskedForItMustBeOneAndBesideTheFramesItIsNotNeeded) {
     write_text(folder.path("depth") + "/truth.json", text);
     const test::Run beside = test::measure(folder.path("depth"), folder.path("out"), {});
     EXPECT_EQ(beside.exit_code, 3);
-    EXPECT_THAT(beside.err, testing::HasSubstr("going on without it"));
+    EXPECT_THAT(beside.err, testing::HasSubstr("continuing without it"));
   }
   const test::Run asked =
       test::measure(folder.path("depth"), folder.path("out2"), {"--truth", folder.path("depth") + "/truth.json"});
   EXPECT_EQ(asked.exit_code, 1);
-  EXPECT_THAT(asked.err, testing::HasSubstr("is no truth of a rendered person"));
+  EXPECT_THAT(asked.err, testing::HasSubstr("is not the truth of a rendered person"));
   EXPECT_EQ(test::measure(folder.path("depth"), folder.path("out3"), {"--truth", "/no/such.json"}).exit_code, 1);
 }
 

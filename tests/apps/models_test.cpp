@@ -175,7 +175,7 @@ TEST_F(Models, DamageIsNamed) {
   }
   const test::Run foreign = models({"install", std::string(test::kProgram)});
   EXPECT_EQ(foreign.exit_code, 1);
-  EXPECT_NE(foreign.err.find("is no model pack"), std::string::npos) << foreign.err;
+  EXPECT_NE(foreign.err.find("is not a model pack"), std::string::npos) << foreign.err;
 
   ASSERT_EQ(models({"install", small_pack(kIndexFormat)}).exit_code, 0);
   std::ofstream(folder_ + "/data/im2fit/tracker.i2t", std::ios::app) << "x";

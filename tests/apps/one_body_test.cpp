@@ -73,7 +73,7 @@ TEST(OneBody, WhatNoBodyMeasuresIsSaid) {
   residual[measurement_index(Measurement::waist_girth)] = 12;
   residual[measurement_index(Measurement::inside_leg)] = -3.4F;
   EXPECT_EQ(apps::body_note(person),
-            "no body measures all that is reported; the avatar is off by waist_girth +12 mm, inside_leg -3 mm");
+            "no body has all of the reported values; the avatar differs by waist_girth +12 mm, inside_leg -3 mm");
   residual[measurement_index(Measurement::waist_girth)] = -2;
   EXPECT_EQ(apps::body_note(person), "") << "a length alone is not told";
 }

@@ -90,7 +90,7 @@ TEST_F(SessionsCommand, ADamagedOneIsNamedAndTheOthersAreListed) {
   EXPECT_EQ(list.exit_code, 0);
   EXPECT_THAT(list.out, HasSubstr(id));
   EXPECT_THAT(list.err, HasSubstr("damaged/session.json"));
-  EXPECT_THAT(Json::parse(start({"list", "--json"}, root_).out)[0]["damage"], HasSubstr("no JSON object"));
+  EXPECT_THAT(Json::parse(start({"list", "--json"}, root_).out)[0]["damage"], HasSubstr("not a JSON object"));
 }
 
 }  // namespace

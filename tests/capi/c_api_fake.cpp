@@ -29,3 +29,7 @@ extern "C" int fake_downs(float* down_y) {
   *down_y = control.down_y;
   return control.downs;
 }
+
+extern "C" void fake_damaged_index(int damaged) {
+  control.damaged = damaged != 0;
+}

@@ -207,6 +207,54 @@ static void pumps_an_attached_source(void) {
   CHECK(tape.closed == 4);
 }
 
+/* A source of good and damaged frames in turns, without end. */
+static int broken_tape_next(void* user, uint16_t* depth_mm, int32_t width, int32_t height, int32_t timeout_ms,
+                            uint64_t* sequence, int64_t* time_ns) {
+  Tape* tape = user;
+  (void)timeout_ms;
+  if (++tape->at % 2 == 0) return IM2FIT_ERROR_CORRUPT;
+  CHECK(width == WIDTH && height == HEIGHT);
+  make_frame(depth_mm, 1, 0);
+  *sequence = (uint64_t)tape->at;
+  *time_ns = tape->at * 33333333LL;
+  return IM2FIT_OK;
+}
+
+static int open_broken_tape(void* opener_user, const char* uri, im2fit_source* source) {
+  (void)uri;
+  source->user = opener_user;
+  source->next = broken_tape_next;
+  source->close = tape_close;
+  return IM2FIT_OK;
+}
+
+/* im2fit_pump returns CORRUPT for a damaged frame and for a damaged index. im2fit_wait tells them apart. */
+static void a_damaged_index_is_told_from_a_damaged_frame(int32_t single_thread) {
+  im2fit_settings settings = small_settings();
+  settings.single_thread = single_thread;
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  Tape tape = {0, 0};
+  fake_damaged_index(1);
+  CHECK(im2fit_set_opener(handle, open_broken_tape, &tape) == IM2FIT_OK);
+  CHECK(im2fit_attach(handle, "tape:") == IM2FIT_OK);
+  int damaged_frames = 0;
+  int damaged_index = 0;
+  for (int i = 0; i < 100 && damaged_index == 0; ++i) {
+    const int status = im2fit_pump(handle, 1000);
+    CHECK(status == IM2FIT_OK || status == IM2FIT_ERROR_CORRUPT);
+    if (status == IM2FIT_OK) continue;
+    damaged_index = im2fit_wait(handle, 10000) == IM2FIT_ERROR_CORRUPT;
+    damaged_frames += damaged_index == 0;
+  }
+  CHECK(damaged_index == 1 && damaged_frames > 0);
+  CHECK(strstr(im2fit_last_error(handle), "people.i2f") != NULL);
+  for (int i = 0; i < 3; ++i) CHECK(im2fit_pump(handle, 1000) == IM2FIT_ERROR_CORRUPT);
+  CHECK(im2fit_reset(handle) == IM2FIT_OK);
+  CHECK(im2fit_wait(handle, 10000) == IM2FIT_OK);
+  im2fit_close(handle);
+  fake_damaged_index(0);
+}
+
 /* Callers built with an older or newer header. */
 static void structs_may_grow(void) {
   im2fit_settings settings = small_settings();
@@ -396,6 +444,8 @@ int main(void) {
   measures_a_person(1);
   refuses_bad_frames_and_says_why();
   pumps_an_attached_source();
+  a_damaged_index_is_told_from_a_damaged_frame(0);
+  a_damaged_index_is_told_from_a_damaged_frame(1);
   structs_may_grow();
   shorter_settings_still_open();
   threads_that_cannot_be_started_are_an_error();

@@ -147,7 +147,7 @@ TEST(SizeChart, ErrorsNameFileLineAndField) {
       {"S,860,940", "S,860,99999999999", "chart.csv line 8: high_mm is"},
       {"S,860,940", "S,860,860", "chart.csv line 8: high_mm must be more"},
       {"S,860,940", "S,850,940", "chart.csv line 8: low_mm overlaps size XS"},
-      {"S,860,940", "XS,860,940", "chart.csv line 8: size 'XS' is there twice"},
+      {"S,860,940", "XS,860,940", "chart.csv line 8: size 'XS' appears twice"},
   };
   for (const Case& c : cases) {
     auto chart = parse_size_chart(replaced(good, c.from, c.to), "chart.csv");
@@ -155,8 +155,9 @@ TEST(SizeChart, ErrorsNameFileLineAndField) {
     EXPECT_THAT(chart.error().message, testing::HasSubstr(c.message));
   }
   // Values no chest has: centimetres, and whatever else.
-  EXPECT_THAT(parse_size_chart(replaced(good, "XS,780,860", "XS,78,86"), "chart.csv").error().message,
-              testing::HasSubstr("low_mm is '78' mm, which is no chest girth (300 to 2500 mm); centimetres"));
+  EXPECT_THAT(
+      parse_size_chart(replaced(good, "XS,780,860", "XS,78,86"), "chart.csv").error().message,
+      testing::HasSubstr("low_mm is '78' mm, expected a chest girth of 300 to 2500 mm; if these are centimetres"));
   EXPECT_FALSE(parse_size_chart(replaced(good, "3XL,1290,1410", "3XL,1290,14100"), "chart.csv"));
   EXPECT_FALSE(parse_size_chart("", "chart.csv"));
   EXPECT_FALSE(parse_size_chart(std::string(100000, 'x'), "chart.csv"));

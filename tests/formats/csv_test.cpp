@@ -54,7 +54,7 @@ TEST(Csv, WhatIsNoTableIsRefusedWithItsLine) {
                    "a\0",
                    4),
        "t.csv line 1: is UTF-16"},
-      {std::string("a\0b\n", 4), "no text"},
+      {std::string("a\0b\n", 4), "not text"},
   };
   for (const auto& [text, expected] : kBad) {
     std::string error;

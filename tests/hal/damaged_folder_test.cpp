@@ -71,7 +71,7 @@ const std::vector<BadFolder>& bad_folders() {
       {"no camera.yaml", [](F f) { std::filesystem::remove(f + "/camera.yaml"); }, ErrorCode::not_found,
        "camera.yaml is missing"},
       {"camera.yaml of another size", [](F f) { put(f + "/camera.yaml", yaml_of(camera_of(64, 40), "other", 0)); },
-       ErrorCode::invalid_argument, "camera.yaml says 64x40"},
+       ErrorCode::invalid_argument, "camera.yaml is for 64x40"},
       {"zero focal length",
        [](F f) {
          put(f + "/camera.yaml", yaml_of({48, 40, 0, 43, 20, 20}, "zero", 0));
@@ -126,11 +126,11 @@ const std::vector<BadFolder>& bad_folders() {
        ErrorCode::corrupt, "line 2: host_ns is -5"},
       {"down in words",
        [](F f) { put(f + "/timestamps.csv", "frame,host_ns,down_x,down_y,down_z\n0,1,0,below,0\n"); },
-       ErrorCode::corrupt, "timestamps.csv line 2: down_y is no number"},
+       ErrorCode::corrupt, "timestamps.csv line 2: down_y is not a number"},
       {"down too long", [](F f) { put(f + "/timestamps.csv", "frame,host_ns,down_x,down_y,down_z\n0,1,0,2,0\n"); },
-       ErrorCode::corrupt, "timestamps.csv line 2: down_x, down_y, down_z are no vector of length 1"},
+       ErrorCode::corrupt, "timestamps.csv line 2: down_x, down_y, down_z are not a vector of length 1"},
       {"half of down", [](F f) { put(f + "/timestamps.csv", "frame,host_ns,down_x,down_y,down_z\n0,1,,1,\n"); },
-       ErrorCode::corrupt, "timestamps.csv line 2: down_x, down_y, down_z are no vector of length 1"},
+       ErrorCode::corrupt, "timestamps.csv line 2: down_x, down_y, down_z are not a vector of length 1"},
       {"a number past all frames", [](F f) { std::filesystem::copy(f + "/000001.png", f + "/10000000000.png"); },
        ErrorCode::invalid_argument, "has the number 10000000000, expected at most 999999999"},
       {"a row of commas",

@@ -52,7 +52,7 @@ TEST(DepthDiagnosis, SaysWhatOtherValuesLookLike) {
               HasSubstr("raw disparity"));
   EXPECT_THAT(diagnosis_of([](int) { return 0; }), HasSubstr("nearly without depth"));
   EXPECT_THAT(diagnosis_of([&](int) { return static_cast<int>((static_cast<unsigned>(++n) * 40503U) & 0xFFFFU); }),
-              HasSubstr("no depth picture"));
+              HasSubstr("more than in a depth picture"));
 }
 
 TEST(DepthDiagnosis, SaysHowThePictureIsTurned) {

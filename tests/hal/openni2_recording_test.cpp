@@ -257,7 +257,7 @@ TEST_F(Recorded, ASilentReaderIsEndedByTheWatchdog) {
     frame = (*source)->next(out.image(), 100);
   ASSERT_FALSE(frame);
   EXPECT_EQ(frame.error().code, ErrorCode::io);
-  EXPECT_TRUE(contains(frame.error().message, "gave nothing for 400 ms")) << frame.error().message;
+  EXPECT_TRUE(contains(frame.error().message, "delivered no frame for 400 ms")) << frame.error().message;
   EXPECT_FALSE(has_children());
 }
 

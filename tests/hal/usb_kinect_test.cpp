@@ -377,7 +377,7 @@ TEST(UsbKinect, SaysWhatWentWrongAtTheStart) {
     const auto failed = rig.open();
     ASSERT_FALSE(failed);
     EXPECT_EQ(failed.error().code, ErrorCode::timeout);
-    EXPECT_TRUE(contains(failed.error().message, "not answered within a second")) << failed.error().message;
+    EXPECT_TRUE(contains(failed.error().message, "no reply within a second")) << failed.error().message;
   }
   {
     KinectSettings settings;

@@ -232,13 +232,13 @@ TEST(V4l2, RefusesWhatCannotBeAPicture) {
     std::function<void(FakeVideo&)> make;
   };
   const std::vector<Case> cases = {
-      {"cannot be", [](FakeVideo& f) { f.bytes_per_line = 7; }},
-      {"cannot be", [](FakeVideo& f) { f.bytes_per_line = 0xFFFFFFF0U; }},
-      {"cannot be", [](FakeVideo& f) { f.size_image = 23; }},
+      {"is impossible", [](FakeVideo& f) { f.bytes_per_line = 7; }},
+      {"is impossible", [](FakeVideo& f) { f.bytes_per_line = 0xFFFFFFF0U; }},
+      {"is impossible", [](FakeVideo& f) { f.size_image = 23; }},
       {"interlaced", [](FakeVideo& f) { f.field = V4L2_FIELD_INTERLACED; }},
-      {"then gives Y16", [](FakeVideo& f) { f.other_fourcc = V4L2_PIX_FMT_Y16; }},
+      {"but delivers Y16", [](FakeVideo& f) { f.other_fourcc = V4L2_PIX_FMT_Y16; }},
       {"does not stream", [](FakeVideo& f) { f.capabilities = V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING; }},
-      {"no V4L2 device", [](FakeVideo& f) { f.errors[VIDIOC_QUERYCAP] = ENOTTY; }},
+      {"not a V4L2 device", [](FakeVideo& f) { f.errors[VIDIOC_QUERYCAP] = ENOTTY; }},
   };
   for (const Case& c : cases) {
     FakeVideo fake = small_camera();

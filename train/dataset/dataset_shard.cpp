@@ -266,7 +266,7 @@ Result<Chunk> read_shard(const std::string& path, const RunKey& run, const Subje
     const Row& row = (*rows)[i];
     if (row.subject < range.first || row.subject >= range.end()) return damaged(path, "a subject out of its range");
     if (row.reserved != 0 || row.flags >= index::kClothesKindMax << kClothesShift)
-      return damaged(path, "a row with flags this program does not know");
+      return damaged(path, "a row with unknown flags");
     if (columns->size() - at < row.body_values) return damaged(path, "bodies cut short");
     index::Sample s;
     s.subject = row.subject;
@@ -339,7 +339,7 @@ Result<ShardSet> ShardSet::find(std::span<const std::string> folders) {
     if (shard.range.first > before.range.end())
       return Error{ErrorCode::not_found, names + ": " +
                                              words({before.range.end(), shard.range.first - before.range.end()}) +
-                                             " are missing; run im2fit-lab dataset again with the same words"};
+                                             " are missing; run im2fit-lab dataset again with the same options"};
   }
   return set;
 }
@@ -353,7 +353,7 @@ Status ShardSet::expect(const SubjectRange& wanted) const {
   if (found == wanted) return Ok{};
   return Error{ErrorCode::not_found, std::filesystem::path(shards_.front().path).parent_path().string() +
                                          ": shards of " + words(found) + ", expected " + words(wanted) +
-                                         "; run im2fit-lab dataset again with the same words, all shards"};
+                                         "; run im2fit-lab dataset again with the same options, all shards"};
 }
 
 Status ShardSet::read(const std::function<bool(const index::Sample&)>& take) const {

@@ -28,7 +28,7 @@ Result<Vec3f> eye_joint(const LookInput& input, const std::string& joint, std::a
   const auto list = joint_vertices(input.source.rig, joint);
   if (!list) return list.error();
   if (list->size() != record.size())
-    return Error{ErrorCode::corrupt, "rig: joint '" + joint + "' is no mean of 8 vertices"};
+    return Error{ErrorCode::corrupt, "rig: joint '" + joint + "' is not the mean of 8 vertices"};
   Vec3f sum;
   for (std::size_t i = 0; i < record.size(); ++i) {
     record[i] = input.new_index[index_of((*list)[i])];

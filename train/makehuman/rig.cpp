@@ -23,7 +23,7 @@ Result<Rig> read_rig(const std::string& path) {
   Rig rig;
   for (const auto& [name, joint] : (*json)["joints"].items()) {
     auto& list = rig.joints[name];
-    if (!joint.is_array()) return bad("joint '" + name + "' is no list");
+    if (!joint.is_array()) return bad("joint '" + name + "' is not a list");
     for (const auto& v : joint) {
       if (!v.is_number_integer() || v.get<std::int64_t>() < 0 || v.get<std::int64_t>() >= kSourceVertexCount)
         return bad("joint '" + name + "' lists a vertex outside 0.." + std::to_string(kSourceVertexCount - 1));
@@ -31,7 +31,7 @@ Result<Rig> read_rig(const std::string& path) {
     }
   }
   for (const auto& [name, bone] : (*json)["bones"].items()) {
-    if (!bone.is_object()) return bad("bone '" + name + "' is no object");
+    if (!bone.is_object()) return bad("bone '" + name + "' is not an object");
     Bone b;
     if (const auto p = bone.find("parent"); p != bone.end() && p->is_string()) b.parent = p->get<std::string>();
     b.head = bone.value("head", "");

@@ -37,7 +37,7 @@ Result<std::vector<std::byte>> compress_xz(std::span<const std::byte> bytes) {
   std::size_t written = 0;
   const lzma_ret done = lzma_easy_buffer_encode(kPreset, LZMA_CHECK_CRC64, nullptr, octets(bytes), bytes.size(),
                                                 reinterpret_cast<std::uint8_t*>(out.data()), &written, out.size());
-  if (done != LZMA_OK) return Error{ErrorCode::io, "cannot compress (liblzma says " + std::to_string(done) + ")"};
+  if (done != LZMA_OK) return Error{ErrorCode::io, "cannot compress (liblzma error " + std::to_string(done) + ")"};
   out.resize(written);
   return out;
 }
@@ -51,7 +51,7 @@ Result<std::vector<std::byte>> decompress_xz(std::span<const std::byte> bytes, s
   const lzma_ret done = lzma_stream_buffer_decode(&memory, 0, nullptr, octets(bytes), &read, bytes.size(),
                                                   reinterpret_cast<std::uint8_t*>(out.data()), &written, out.size());
   if (done != LZMA_OK || read != bytes.size() || written != size)
-    return Error{ErrorCode::corrupt, what + " does not unpack to " + std::to_string(size) + " bytes (liblzma says " +
+    return Error{ErrorCode::corrupt, what + " does not unpack to " + std::to_string(size) + " bytes (liblzma error " +
                                          std::to_string(done) + "); get it again"};
   return out;
 }
@@ -112,7 +112,7 @@ Result<std::string> text_of(const std::string& path) {
 // A pack of another version of the pack format is no damage.
 Status check_pack_version(std::span<const std::byte> bytes, const std::string& path) {
   if (bytes.size() < kHeadBytes || std::memcmp(bytes.data(), kPackMagic, kMagicBytes) != 0)
-    return Error{ErrorCode::corrupt, path + " is no model pack; expected a file im2fit-models-VERSION.i2p"};
+    return Error{ErrorCode::corrupt, path + " is not a model pack; expected a file im2fit-models-VERSION.i2p"};
   std::uint32_t version = 0;
   std::memcpy(&version, bytes.data() + kMagicBytes, sizeof version);
   if (version == kPackVersion) return Ok{};
@@ -163,7 +163,9 @@ Result<PackManifest> parse_manifest(const std::string& text, const std::string& 
       file.format = entry.value("format", 0U);
       if (!is_safe_name(file.name) || file.size > kFileBytesMax)
         return Error{ErrorCode::corrupt, what + ": the manifest lists a file '" + file.name + "' of " +
-                                             std::to_string(file.size) + " bytes, which no pack of ours has"};
+                                             std::to_string(file.size) +
+                                             " bytes, expected a path below the pack's folder and at most " +
+                                             std::to_string(kFileBytesMax) + " bytes"};
       manifest.files.push_back(std::move(file));
     }
     if (manifest.files.empty() || manifest.files.size() > kFilesMax)
@@ -223,7 +225,7 @@ Result<ModelPack> read_pack(const std::string& path) {
     if (!content) return content.error();
     const PackedFile found = describe_file(packed.name, *content);
     if (found.crc32c != packed.crc32c || found.magic != packed.magic || found.format != packed.format)
-      return Error{ErrorCode::corrupt, path + ": " + packed.name + " is not what the manifest says; get it again"};
+      return Error{ErrorCode::corrupt, path + ": " + packed.name + " differs from the manifest; get the pack again"};
     pack.contents.push_back(std::move(*content));
   }
   return pack;

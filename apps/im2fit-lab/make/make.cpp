@@ -48,16 +48,16 @@ void add_make(cli::App& app, Command& chosen) {
   auto options = std::make_shared<MakeCommand>();
   auto* sub = add_command<MakeCommand>(
       app, chosen, "make",
-      "Tables compiled into the library and pictures of the manual, for who changes im2fit itself",
+      "Make tables compiled into the library and pictures of the manual, for developers of im2fit",
       "  im2fit-lab make tape-table data/tape > person/builtin_tape.inc\n"
       "  im2fit-lab make garment-plate body.i2b plate.png",
       options, run_make);
   std::vector<std::string> names;
   for (const Maker& maker : kMakers) names.emplace_back(maker.name);
-  sub->add_option("WHAT", options->what, "What to make; alone, it prints which words it wants")
+  sub->add_option("WHAT", options->what, "Table or picture to make; alone, it prints its arguments")
       ->one_of(names)
       ->required();
-  sub->add_option("WORDS", options->words, "Its files and options; options follow a --");
+  sub->add_option("WORDS", options->words, "Its files and options; put -- before options");
 }
 
 }  // namespace im2fit::apps

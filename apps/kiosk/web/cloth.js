@@ -9,7 +9,7 @@ const kClothBlock = 16, kClothStepM = 0.125e-3;  // garment/drape/offset_wire.h
 // Of each garment x, y, z of each rough vertex, metres.
 function readCloth(buffer) {
   const view = new DataView(buffer), bytes = new Int8Array(buffer), garments = [];
-  if (view.getUint32(0) !== 0x696d3263) throw new Error('no offsets of cloth');  // "im2c"
+  if (view.getUint32(0) !== 0x696d3263) throw new Error('not offsets of cloth');  // "im2c"
   let at = 12;
   for (let g = view.getUint32(8, true); g > 0; --g) {
     const count = view.getUint32(at, true), offsets = new Float32Array(3 * count);

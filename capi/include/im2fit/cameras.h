@@ -11,7 +11,7 @@
  *   im2fit_open(&settings, &handle);
  *   im2fit_cameras_use(handle, NULL);
  *   if (im2fit_attach(handle, "me.oni") != IM2FIT_OK) puts(im2fit_cameras_error());
- *   while (im2fit_pump(handle, 1000) == IM2FIT_OK) {           TIMEOUT and CORRUPT: call again
+ *   while (im2fit_pump(handle, 1000) == IM2FIT_OK) {           TIMEOUT, damaged frame: call again
  *     im2fit_poll(handle, &result, sizeof result);             show result.guidance to the person
  *     if (result.state == IM2FIT_STATE_MEASURED) break;
  *   }

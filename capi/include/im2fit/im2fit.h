@@ -252,7 +252,9 @@ IM2FIT_API int im2fit_push_frame(im2fit_handle* handle, const im2fit_frame* fram
 
 /* Waits until the engine has processed every frame pushed, so that im2fit_poll covers all of them. Negative
  * `timeout_ms`: no limit.
- * Errors: TIMEOUT: call again. */
+ * Errors:
+ *   TIMEOUT           call again
+ *   CORRUPT           the index is damaged, as im2fit_finish */
 IM2FIT_API int im2fit_wait(im2fit_handle* handle, int32_t timeout_ms);
 
 /* Ends the stream: waits for the frames in the pipeline and measures with the accepted ones. That needs
@@ -320,7 +322,7 @@ IM2FIT_API int im2fit_attach(im2fit_handle* handle, const char* uri);
  *   TIMEOUT           no frame in time: call again
  *   END_OF_STREAM     the source has ended: call im2fit_finish
  *   CORRUPT           the frame is damaged and skipped: call again. Or the index is damaged, as im2fit_finish; then
- *                     every further call returns CORRUPT
+ *                     every further call returns CORRUPT, and so does im2fit_wait
  *   NO_DEVICE         the camera is gone: call im2fit_finish, or attach it again
  *   INVALID_ARGUMENT  no source is attached; its frames have another size; after im2fit_finish
  *   IO                next() returned IO, or a number that is not a status

@@ -242,13 +242,16 @@ class Session:
 
     def pump(self, timeout_ms=1000):
         """Takes one frame from the attached source, if one comes within `timeout_ms`. Skips a damaged frame. Returns the
-        Guidance, or None when a recording or folder has ended. Raises Error "no_device" when the camera is gone."""
+        Guidance, or None when a recording or folder has ended. Raises Error "no_device" when the camera is gone, "corrupt"
+        when the index is damaged."""
         status = _lib().im2fit_pump(self._open_handle(), timeout_ms)
         if status == _c.END_OF_STREAM:
             return None
         if status not in (_c.OK, _c.TIMEOUT, _c.CORRUPT):
             reason = _cameras().im2fit_cameras_error() if self._options is not None else b""
             raise Error(status, (reason or _lib().im2fit_last_error(self._handle)).decode(errors="replace"))
+        if status == _c.CORRUPT and _lib().im2fit_wait(self._handle, timeout_ms) == _c.CORRUPT:
+            self._check(_c.CORRUPT)  # the index is damaged, not the frame: every further call would return CORRUPT
         return self.poll()
 
     def push(self, depth, time_ns=None, sequence=None, confidence=None, confidence_min=0, pose=None, down=None):

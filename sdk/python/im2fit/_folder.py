@@ -54,7 +54,7 @@ def read_camera(path):
         model = re.search(r"^distortion_model:\s*(\S+)\s*$", text, re.M)
         if len(lens) not in (4, 5) or (model and model.group(1) != "plumb_bob"):
             raise ValueError(f"{path}: {len(lens)} distortion_coefficients of {model.group(1) if model else 'no model'}; this "
-                             "reader knows plumb_bob's 4 or 5; measure with the program im2fit")
+                             "reader supports plumb_bob's 4 or 5; measure with the program im2fit")
     return Camera(whole("image_width"), whole("image_height"), k[0], k[4], k[2], k[5], whole("im2fit_rotate_deg", 0),
                   tuple(lens) if any(lens) else ())
 
@@ -90,7 +90,7 @@ def read_png(path):
     if Image is not None:
         with Image.open(path) as picture:
             if not picture.mode.startswith("I"):
-                raise ValueError(f"{path}: no 16-bit grey picture")
+                raise ValueError(f"{path}: not a 16-bit grey picture")
             return np.asarray(picture).astype(np.uint16)
     data, at, packed, head = pathlib.Path(path).read_bytes(), 8, b"", None
     while at + 8 <= len(data):
@@ -101,7 +101,7 @@ def read_png(path):
             packed += data[at + 8:at + 8 + size]
         at += 12 + size
     if head is None or head[2:4] != (16, 0) or head[6] != 0:
-        raise ValueError(f"{path}: no 16-bit grey PNG without interlacing")
+        raise ValueError(f"{path}: not a 16-bit grey PNG without interlacing")
     pairs = _unfilter(zlib.decompress(packed), head[0], head[1]).astype(np.uint16)
     return (pairs[..., 0] << 8 | pairs[..., 1]).astype(np.uint16)
 
@@ -110,7 +110,7 @@ def read_pgm(path):
     data = pathlib.Path(path).read_bytes()
     head = re.match(rb"P5\s+(?:#[^\n]*\n\s*)*(\d+)\s+(\d+)\s+(\d+)\s", data)
     if not head or int(head.group(3)) < 256:
-        raise ValueError(f"{path}: no 16-bit PGM")
+        raise ValueError(f"{path}: not a 16-bit PGM")
     width, height = int(head.group(1)), int(head.group(2))
     return np.frombuffer(data, ">u2", width * height, head.end()).reshape(height, width).astype(np.uint16)
 

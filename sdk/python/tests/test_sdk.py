@@ -9,6 +9,7 @@ import os
 import pathlib
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -129,6 +130,27 @@ class Cameras(unittest.TestCase):
         self.assertEqual(texts[0], texts[2])
         self.assertEqual(texts[1], texts[2])
         self.assertEqual(joints, joints[:1] * 3)
+
+    def test_a_damaged_index_ends_the_measurement(self):
+        data = bytearray((GOLDEN / "index.i2f").read_bytes())
+        paged = 0
+        for at in range(32, 32 + 40 * struct.unpack_from("<I", data, 12)[0], 40):  # the section table: core/container.cpp
+            offset, size, _, page = struct.unpack_from("<QQII", data, at + 16)
+            for byte in range(offset, offset + size if page else offset, 64):
+                data[byte] ^= 0x55
+                paged += 1
+        self.assertGreater(paged, 0)
+        with tempfile.TemporaryDirectory() as folder:
+            index = pathlib.Path(folder) / "index.i2f"
+            index.write_bytes(data)
+            damaged = im2fit.Models(body="", tracker=str(GOLDEN / "tracker.i2t"), index=str(index))
+            with im2fit.Session.of(GOLDEN / "clip", models=damaged, single_thread=1, **FRAMES) as session:
+                with self.assertRaisesRegex(im2fit.Error, "index.i2f: .* damaged") as caught:
+                    for _ in range(1000):
+                        self.assertIsNotNone(session.pump())
+                self.assertEqual(caught.exception.name, "corrupt")
+            with self.assertRaisesRegex(im2fit.Error, "index.i2f: .* damaged"):
+                im2fit.measure(GOLDEN / "clip", rotate_deg=90, models=damaged, **FRAMES)
 
     def test_what_cannot_be_opened_is_said(self):
         with self.assertRaisesRegex(im2fit.Error, "telepathy:1 does not exist") as caught:

@@ -82,7 +82,7 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
   const std::pair<const char*, const char*> kWrong[] = {
       {"source: a\ncolour: red\n", "line 2: unknown key \"colour\""},
       {"measure:\n  frames: 5\n  fames: 6\n", "line 3: unknown key \"measure.fames\""},
-      {"source: a\nsource: b\n", "line 2: \"source\" is there twice"},
+      {"source: a\nsource: b\n", "line 2: \"source\" appears twice"},
       {"measure: {frames: 0}\n", "line 1: measure.frames is \"0\", expected a whole number from 1 to 1000"},
       {"measure:\n  frames: many\n", "line 2: measure.frames is \"many\""},
       {"measure:\n  frames: 5.5\n", "line 2: measure.frames"},
@@ -92,7 +92,7 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
       {"measure: {sensor: lidar}\n", "expected one of auto, structured-light, time-of-flight"},
       {"measure: {calibration: tpose}\n", "expected one of none, psi"},
       {"measure: 5\n", "line 1: measure holds no"},
-      {"measure: {size_charts: a.csv}\n", "measure.size_charts is no list"},
+      {"measure: {size_charts: a.csv}\n", "measure.size_charts is not a list"},
       {"socket: {mode: 999}\n", "socket.mode is \"999\", expected three octal digits"},
       {"socket: {path: ''}\n", "socket.path is empty, expected a text"},
       {"source:\n", "line 1: source is empty"},
@@ -100,7 +100,7 @@ TEST_F(DaemonConfig, WhatIsWrongIsOneLineWithItsNumber) {
       {"- a\n- b\n", "line 1: the file holds no"},
       {"", "line 1: the file holds no"},
       {"just text", "line 1: the file holds no"},
-      {"source: {a: b}\n", "line 1: source is no single value, expected a text"},
+      {"source: {a: b}\n", "line 1: source is not a single value, expected a text"},
       {"? [a]\n: b\n", "unknown key"},
       {"measure:\n  turn: 5\n  frames: 0\n", "line 2: measure.turn is \"5\", expected true or false"},
   };
@@ -138,10 +138,10 @@ TEST_F(DaemonConfig, TheCheckRefusesWhatAStartWould) {
   const std::pair<std::string, const char*> kWrong[] = {
       {"socket: {path: /" + std::string(156, 'x') + "}\n", "has 157 bytes"},
       {"socket: {group: no-such-group}\n", "no-such-group"},
-      {"socket: {path: " + folder_.path("file") + "}\n", "no socket"},
+      {"socket: {path: " + folder_.path("file") + "}\n", "not a socket"},
       {"measure: {size_charts: [" + folder_.path("absent.csv") + "]}\n", "absent.csv"},
       {"camera: " + folder_.path("file") + "\n", "file"},
-      {"state_directory: " + folder_.path("file") + "\n", "no directory"},
+      {"state_directory: " + folder_.path("file") + "\n", "not a directory"},
   };
   for (const auto& [more, expected] : kWrong) {
     const auto run = check(more);
@@ -281,7 +281,7 @@ TEST_F(DaemonSocket, ModeAndPlaceAreChecked) {
   refused({.path = folder_.path("s"), .group = "no-such-group"}, "no group \"no-such-group\"");
   EXPECT_FALSE(std::filesystem::exists(folder_.path("s")));
   test::write_text(folder_.path("file"), "mine");
-  refused({.path = folder_.path("file")}, "no socket");
+  refused({.path = folder_.path("file")}, "not a socket");
   EXPECT_EQ(test::read_text(folder_.path("file")), "mine");
 }
 

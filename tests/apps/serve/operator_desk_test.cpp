@@ -175,10 +175,10 @@ TEST_F(Desk, AFormThatIsWrongIsRefusedByItsFieldAndMayBeSentAgain) {
     EXPECT_THAT(text, HasSubstr(expected));
   };
   refused({{"person", ""}}, "person is missing");
-  refused({{"person", Json::array()}}, "person is no text");
+  refused({{"person", Json::array()}}, "person is not a text");
   refused({{"truth", {{"height_mm", 170}}}}, "truth.height_mm is 170, expected 500 to 2500");
-  refused({{"truth", {{"tape", {{"tail_length", {300}}}}}}}, "tail_length is no measurement of the tape");
-  refused({{"truth", {{"tape", {{"../x", {300}}}}}}}, "no id");
+  refused({{"truth", {{"tape", {{"tail_length", {300}}}}}}}, "tail_length is not a measurement of the tape");
+  refused({{"truth", {{"tape", {{"../x", {300}}}}}}}, "expected an id");
   refused({{"notes", std::string(5000, 'x')}}, "notes has 5000 bytes");
   EXPECT_EQ(post("/operator/save", Json::array()).first, 400);
   EXPECT_EQ(phase(), "MEASURED");

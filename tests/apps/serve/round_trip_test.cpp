@@ -247,7 +247,7 @@ TEST(RoundTrip, FromPeopleAndATapeToABetterMeasurement) {
   of_other.back() = folder.path("other.i2c");
   const test::Run warned = test::measure(folder.path("clip"), folder.path("warned"), of_other);
   EXPECT_EQ(warned.exit_code, 0);
-  EXPECT_NE(warned.err.find("other.i2c: learned with another index than "), std::string::npos) << warned.err;
+  EXPECT_NE(warned.err.find("other.i2c: made with another index than "), std::string::npos) << warned.err;
   const Json as_warned = Json::parse(test::read_text(folder.path("warned/result.json")));
   EXPECT_EQ(as_warned["calibration_site"]["index_known"], false);
   EXPECT_EQ(as_warned["measurements"], result["measurements"]);

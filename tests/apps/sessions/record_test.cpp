@@ -92,28 +92,28 @@ TEST(SessionRecord, UnknownKeysAreKept) {
 TEST(SessionRecord, ErrorsNameFileAndField) {
   const std::pair<std::string, std::string> kCases[] = {
       {changed([](Json& j) { j["truth"]["height_mm"] = 17.43; }), "truth.height_mm is 17.43, expected 500 to 2500"},
-      {changed([](Json& j) { j["truth"]["height_mm"] = "1743"; }), "truth.height_mm is no number"},
+      {changed([](Json& j) { j["truth"]["height_mm"] = "1743"; }), "truth.height_mm is not a number"},
       {changed([](Json& j) { j["truth"]["gender"] = "x"; }), "truth.gender is \"x\", expected female, male"},
       {changed([](Json& j) { j["truth"]["tape"]["waist_girth"] = Json::array(); }), "truth.tape.waist_girth"},
       {changed([](Json& j) {
          j["truth"]["tape"]["waist_girth"] = {1, 2};
        }),
        "truth.tape.waist_girth is 1"},
-      {changed([](Json& j) { j["truth"]["tape"]["../x"] = {800}; }), "which is no id"},
-      {changed([](Json& j) { j["truth"] = 3; }), "truth is no object"},
+      {changed([](Json& j) { j["truth"]["tape"]["../x"] = {800}; }), "expected an id"},
+      {changed([](Json& j) { j["truth"] = 3; }), "truth is not an object"},
       {changed([](Json& j) { j.erase("person"); }), "person is missing"},
       {changed([](Json& j) { j["person"] = "a\nb"; }), "person has control characters"},
       {changed([](Json& j) { j["consent"].erase("version"); }), "consent.version is missing"},
       {changed([](Json& j) { j["consent"]["text_sha256"] = "abc"; }), "consent.text_sha256"},
-      {changed([](Json& j) { j["camera"]["width"] = 0; }), "camera.width is no number of 1 to 65535"},
+      {changed([](Json& j) { j["camera"]["width"] = 0; }), "camera.width is not a whole number of 1 to 65535"},
       {changed([](Json& j) { j["camera"].erase("fx"); }), "camera.fx is missing"},
-      {changed([](Json& j) { j["settings"]["frames"] = 0; }), "settings.frames is no number of 1 to 65535"},
+      {changed([](Json& j) { j["settings"]["frames"] = 0; }), "settings.frames is not a whole number of 1 to 65535"},
       {changed([](Json& j) { j["settings"]["turn"] = 1; }), "settings.turn is not true or false"},
       {changed([](Json& j) { j["started_utc"] = "yesterday"; }), "started_utc"},
       {changed([](Json& j) { j["schema"] = "im2fit.session/2"; }), "expected \"im2fit.session/1\""},
       {changed([](Json& j) { j["notes"] = std::string(5000, 'x'); }), "notes has 5000 bytes"},
-      {"[1, 2]", "no JSON object"},
-      {"{\"schema\": \"im2fit.se", "no JSON object"}};
+      {"[1, 2]", "not a JSON object"},
+      {"{\"schema\": \"im2fit.se", "not a JSON object"}};
   for (const auto& [text, expected] : kCases) {
     const auto read = parse_record(text, "a/session.json");
     ASSERT_FALSE(read) << expected;

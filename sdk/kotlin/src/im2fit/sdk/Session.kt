@@ -29,7 +29,7 @@ class Session @JvmOverloads constructor(
     /** Copies one frame into the session. With [Settings.live] false it waits while the library is behind. */
     fun push(frame: Frame) {
         val of = frame.camera ?: camera
-        require(of.rotateDeg == camera.rotateDeg) { "a frame cannot be turned otherwise than its session" }
+        require(of.rotateDeg == camera.rotateDeg) { "rotateDeg of a frame must be that of its session" }
         frame.checkSize(of.width, of.height)
         change {
             intArrayOf(frame.format.ordinal, of.width, of.height, of.rotateDeg, frame.confidenceMin).copyInto(numbers)
