@@ -5,12 +5,12 @@
 #include <filesystem>
 
 #include "apps/common/paths.h"
+#include "apps/common/progress.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/index_inspect.h"
 #include "apps/im2fit-lab/samples.h"
 #include "core/file.h"
 #include "person/data_files.h"
-#include "report/progress.h"
 #include "train/dataset/dataset.h"
 #include "train/dataset/features.h"
 #include "train/index/builder.h"

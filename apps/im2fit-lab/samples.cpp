@@ -8,9 +8,9 @@
 
 #include "apps/common/memory.h"
 #include "apps/common/paths.h"
+#include "apps/common/progress.h"
 #include "core/crc32c.h"
 #include "core/file.h"
-#include "report/progress.h"
 #include "train/common/parallel.h"
 
 namespace im2fit::apps {
