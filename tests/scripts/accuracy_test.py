@@ -169,9 +169,12 @@ class Accuracy(unittest.TestCase):
             with self.subTest(difference):
                 self.put(result("noise", "modifiers", **difference))
                 self.fails(["tables"], "docs/evaluation/noise.modifiers.json")
-        self.put(result("noise", "modifiers", commit=""))
-        self.put(result("noise", "ansur", commit=""))
-        self.fails(["tables"], "commit")
+
+    def test_results_without_a_commit_make_no_table(self):
+        for condition in CONDITIONS:
+            for population in ("ansur", "modifiers"):
+                self.put(result(condition, population, commit=""))
+        self.fails(["tables"], "names no commit")
 
     def test_tables_and_their_markers_must_be_there(self):
         self.succeeds("tables")
