@@ -121,7 +121,8 @@ class Accuracy(unittest.TestCase):
         self.assertIn("Measured: modifiers 398, ansur 398.", " ".join(self.page("README.md").split()))
 
     def test_figures_of_earlier_versions_are_marked_and_refused(self):
-        for dataset, index_format, words in ((23, 13, "dataset 22, code is 23"), (22, 14, "index format 13, code is 14")):
+        for dataset, index_format, words in ((23, 13, "dataset 22, code is 23"),
+                                             (22, 14, "index format 13, code is 14")):
             with self.subTest(words):
                 self.code(22, 13)
                 self.succeeds("tables")
