@@ -3,13 +3,11 @@
 //
 //   push() --input--> SENSE --sensed--> FIT --free--> push()
 //
-// The joints of the session's person change nothing of what SENSE looks for: FIT finds them, so that neither thread
-// has much more than a half of the work. So it does of a person who has not stood right yet: whether this one now
-// does is known to SENSE a frame later, after it has looked at the next. Of whoever may be furniture SENSE finds
-// them, once FIT is done with those it was left.
+// SENSE finds people, mask, joints and pose; FIT runs the session, accumulates frames and measures. SENSE takes
+// nothing from FIT for the frames of a session, so thread timing cannot change a result.
 //
-// A slot index is in exactly one ring or hand. `processed_` tells the producer when all it pushed came through; while
-// no frame is in the pipeline both stages sleep, and the producer may touch what is theirs (finish, reset).
+// A slot index is in exactly one ring or hand. `processed_` counts the frames that have left FIT; when it equals
+// `pushed_` no frame is in the pipeline, both stages sleep, and the producer may use their state (finish, reset).
 #include "engine/engine.h"
 
 #include <algorithm>
@@ -36,10 +34,10 @@
 namespace im2fit {
 namespace {
 
-// A live queue longer than this only makes guidance late: what waits is dropped in favour of what is new.
+// A longer live queue only delays guidance: the oldest waiting frame is dropped in favour of the new one.
 constexpr std::uint64_t kLiveQueueMax = 2;
-// How often wait_idle() looks: a thirtieth of a frame's time at 30 Hz.
-constexpr std::chrono::milliseconds kIdleLook{1};
+// Polling interval of wait_idle(): a thirtieth of a frame's time at 30 Hz.
+constexpr std::chrono::milliseconds kIdlePoll{1};
 
 constexpr std::uint32_t kSpare = std::numeric_limits<std::uint32_t>::max();  // no slot of the pool
 
@@ -48,8 +46,8 @@ const Error& full_ring() {
   return error;
 }
 
-// With EngineSettings::rest: the gate, and what was sensed last, for the looks at a scene that stands still; of an
-// unfinished detection what SENSE needs (who is there), the rest of it is FIT's to know.
+// With EngineSettings::rest: the gate, and the detection and mask of the frame sensed last, which stand in for those
+// of the frames repeated while nothing moves.
 struct Rest {
   Rest(int width, int height)
       : gate(width, height), mask(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
@@ -167,7 +165,7 @@ class PipelineEngine final : public Engine {
     while (processed_.load(std::memory_order_acquire) != pushed_) {
       if (timeout_ms >= 0 && std::chrono::steady_clock::now() - began >= std::chrono::milliseconds(timeout_ms))
         return false;
-      std::this_thread::sleep_for(kIdleLook);
+      std::this_thread::sleep_for(kIdlePoll);
     }
     return true;
   }
@@ -191,7 +189,6 @@ class PipelineEngine final : public Engine {
   void reset() override {
     drain();
     stages_->reset_sense();
-    to_hold_.reset();
     reset_clock();
     fit_.reset();
     begin_again();
@@ -199,7 +196,6 @@ class PipelineEngine final : public Engine {
 
   void next_person() override {
     drain();
-    hold_waiting();
     if (settings_.one_after_another && fit_.leaving()) {
       if (settings_.live) reset_clock();  // what passed while the answer was read is no frame gap
       finished_ = false;
@@ -220,7 +216,6 @@ class PipelineEngine final : public Engine {
 
   void select_user(int user) override {
     drain();
-    hold_waiting();
     if (people().requested() == user) return;
     people().select(user);
     fit_.begin_next();
@@ -315,14 +310,12 @@ class PipelineEngine final : public Engine {
 
   void sense(FrameSlot& slot) {
     slot.sensed = settings_.one_after_another || !over_.load(std::memory_order_relaxed);
-    slot.passed = slot.repeated = slot.unfinished = slot.asks_ready = false;
+    slot.passed = false;
     if (!slot.sensed) return;
     float seconds = clock_.step(slot.info.host_ns);
     slot.after_frame_gap = seconds > kFrameGapSecondsMax;
     if (slot.after_frame_gap) {
-      if (!wait_for_finished()) return;
       stages_->reset_sense();
-      to_hold_.reset();
       if (rest_) rest_->gate.wake();
       since_processed_s_ = 0;
       seconds = kFramePeriodS;
@@ -336,83 +329,19 @@ class PipelineEngine final : public Engine {
     slot.seconds = since_processed_s_;
     slot.periods = periods_.step(since_processed_s_);
     since_processed_s_ = 0;
-    slot.repeated = step == RestStep::repeat;
-    if (slot.repeated) {
+    if (step == RestStep::repeat) {
       rest_->repeat(slot);
-      if (!hold_waiting()) return;
-    } else if (!look(slot, seconds)) {
-      return;
+    } else {
+      stages_->restore_edges(slot.depth, intrinsics_);
+      // The frames passed looked like the frame sensed last: movement since then took one frame's time.
+      slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, seconds);
+      if (rest_) rest_->keep(slot);
     }
-    if (rest_ && !slot.repeated) rest_->keep(slot);
     const Person& person = slot.detection.person;
-    const int shown = person.found ? person.id : 0;
-    if (slot.asks_ready)
-      to_hold_ = {shown, slot.periods};
-    else
-      people().hold(shown, stands_right_, slot.periods);
-  }
-
-  // The frames passed looked like the one sensed last: what moves has moved for one frame. False: the engine ends.
-  bool look(FrameSlot& slot, float seconds) {
-    stages_->restore_edges(slot.depth, intrinsics_);
-    slot.detection = stages_->sense(slot.depth, intrinsics_, slot.mask, seconds);
-    if (!hold_waiting()) return false;
-    slot.unfinished = stages_->may_finish_later(slot.detection);
-    if (slot.unfinished) {
-      slot.asks_ready = slot.detection.person.found && people().selected() == 0;
-      ++left_unfinished_;
-      return true;
-    }
-    if (!wait_for_finished()) return false;
-    stages_->finish(slot.depth, intrinsics_, slot.mask, slot.detection);
-    stands_right_ = slot.detection.guidance == 0;
-    return true;
-  }
-
-  // SENSE, or the producer while no frame is in the pipeline: tells who is who of the frame that FIT had to finish
-  // first, if there is one. After the look at the next frame, on one thread and on two. False: the engine ends.
-  bool hold_waiting() {
-    if (!to_hold_) return true;
-    if (!wait_for_finished()) return false;
-    stands_right_ = ready_;
-    people().hold(to_hold_->shown, stands_right_, to_hold_->periods);
-    to_hold_.reset();
-    return true;
-  }
-
-  // SENSE, until FIT has finished every frame it was left: what finds joints is in one hand at a time. False: the
-  // engine ends.
-  bool wait_for_finished() {
-    if (finished_by_fit_.load(std::memory_order_acquire) == left_unfinished_) return true;
-    sense_waits_.store(true);
-    bool done = false;
-    while (!done && !stop_.load(std::memory_order_acquire)) {
-      const std::uint32_t ticket = sense_event_.ticket();
-      done = finished_by_fit_.load() == left_unfinished_;
-      if (!done) sense_event_.wait(ticket);
-    }
-    sense_waits_.store(false);
-    return done;
-  }
-
-  // FIT. Whether or not the session is over: the next one's joints depend on the frames before.
-  void finish(FrameSlot& slot) {
-    if (slot.unfinished) {
-      stages_->finish_later(slot.depth, intrinsics_, slot.mask, slot.detection);
-      if (slot.asks_ready) ready_ = slot.detection.guidance == 0;
-      finished_by_fit_.fetch_add(1);
-      // Either SENSE sees the count or it said that it waits before this looks.
-      if (sense_waits_.load()) sense_event_.signal();
-    }
-    if (!rest_ || !slot.sensed || slot.passed) return;
-    if (slot.repeated)
-      slot.detection = last_finished_;
-    else
-      last_finished_ = slot.detection;
+    people().hold(person.found ? person.id : 0, slot.detection.guidance == 0, slot.periods);
   }
 
   void fit(FrameSlot& slot) {
-    finish(slot);
     if (slot.sensed && !fit_.over()) process(slot);
     slot.leaving = fit_.leaving();
   }
@@ -475,16 +404,8 @@ class PipelineEngine final : public Engine {
   PeriodCounter periods_;
   float since_processed_s_ = 0;  // since the frame before that was not only counted
   std::optional<Rest> rest_;
-  std::uint64_t left_unfinished_ = 0;
-  struct ToHold {
-    int shown = 0, periods = 0;
-  };
-  std::optional<ToHold> to_hold_;  // once FIT has finished that frame
-  bool stands_right_ = false;      // who was looked at last; of the session's person it does not matter
   // FIT's, or the producer's while no frame is in the pipeline.
   FitStage fit_;
-  bool ready_ = false;       // whether who was asked about stands right; SENSE reads it once finished_by_fit_ says so
-  Detection last_finished_;  // with rest: of the frame sensed last
   Snapshot<EngineResult> snapshot_;
 
   // The producer's.
@@ -499,8 +420,6 @@ class PipelineEngine final : public Engine {
   std::atomic<bool> over_{false};  // FIT to SENSE: the session is over, frames need no reading
   // FIT to the producer: its fault, which stands still while the session is over.
   std::atomic<const Error*> fault_{nullptr};
-  std::atomic<std::uint64_t> finished_by_fit_{0};  // of left_unfinished_
-  std::atomic<bool> sense_waits_{false};           // for finished_by_fit_, on sense_event_
   std::atomic<bool> stop_{false};
   Event producer_event_;
   Event sense_event_;

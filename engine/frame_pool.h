@@ -32,12 +32,9 @@ struct FrameSlot {
   int periods = 1;               // the same in periods of kFramePeriodS, as limits are counted
   bool after_frame_gap = false;  // more than kFrameGapSecondsMax: the person seen now may be another
   Detection detection;
-  bool sensed = false;      // false: passed through unread because the session is over
-  bool passed = false;      // between two looks at a scene that stands still: counted only
-  bool repeated = false;    // one of these looks: FIT knows what was sensed last
-  bool unfinished = false;  // FIT finishes the detection
-  bool asks_ready = false;  // and SENSE will ask whether the person stands right
-  // Whether the session waited for who was measured to leave, after FIT was done with the frame that had this slot
+  bool sensed = false;  // false: passed through unread because the session is over
+  bool passed = false;  // at rest (engine/rest.h): counted only
+  // Whether the session waited for the measured person to leave, after FIT was done with the frame that had this slot
   // before. Slots come round in order, so unless frames are dropped that is the frame pool_frames before, on one
   // thread and on two.
   bool leaving = false;

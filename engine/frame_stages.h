@@ -27,17 +27,12 @@ class FrameStages {
   virtual ~FrameStages() = default;
 
   // Stage SENSE.
-  // Before sense() of a frame: its edges put back in place, where the sensor's driver spoils them.
+  // Before sense() of a frame: moves the frame's edges back in place, where the sensor's driver spoils them.
   virtual void restore_edges(DepthImage /*depth*/, const Intrinsics& /*intrinsics*/) {}
-  // `seconds` since the frame before. Of whom: people().selected(). finish() comes before the next sense(), or, of a
-  // frame that may_finish_later(), finish_later() in stage FIT: of these one at a time, in their order.
+  // The people in view; mask, joints and pose of people().selected(), or of the person chosen when that is 0.
+  // `seconds` since the frame before.
   virtual Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) = 0;
-  virtual bool may_finish_later(const Detection& /*sensed*/) const { return false; }
-  virtual void finish(DepthView /*depth*/, const Intrinsics& /*intrinsics*/, MaskImage /*mask*/,
-                      Detection& /*detection*/) {}
-  virtual void finish_later(DepthView /*depth*/, const Intrinsics& /*intrinsics*/, MaskView /*mask*/,
-                            Detection& /*detection*/) {}
-  // Where down is, in the frames' axes, from the next frame on.
+  // The direction of gravity, in the frames' axes, from the next frame on.
   virtual void set_down(Vec3f /*down*/) {}
   virtual PersonTracker& people() = 0;
   virtual void reset_sense() = 0;  // and people()

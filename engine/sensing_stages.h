@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sensor and Fuser as stages of the pipeline: all that is needed but the measurement itself.
+// Sensor and Fuser as stages of the pipeline: everything except the measurement itself.
 #pragma once
 
 #include <optional>
@@ -20,18 +20,10 @@ class SensingStages : public FrameStages {
 
   void restore_edges(DepthImage depth, const Intrinsics& intrinsics) override { edges_.run(depth, intrinsics.fx); }
   Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) override {
-    Detection detection = sensor_.look(depth, intrinsics, mask, seconds);
+    const GuidanceSet frame_guidance = edges_.beyond_repair() ? static_cast<GuidanceSet>(Guidance::too_noisy) : 0;
+    Detection detection = sensor_.sense(depth, intrinsics, mask, seconds, frame_guidance);
     detection.edges_restored = edges_.restored();
-    if (detection.person.found && edges_.beyond_repair())
-      detection.guidance |= static_cast<GuidanceSet>(Guidance::too_noisy);
     return detection;
-  }
-  bool may_finish_later(const Detection& sensed) const override { return sensor_.may_finish_later(sensed); }
-  void finish(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, Detection& detection) override {
-    sensor_.finish(depth, intrinsics, mask, detection);
-  }
-  void finish_later(DepthView depth, const Intrinsics& intrinsics, MaskView mask, Detection& detection) override {
-    sensor_.finish_later(depth, intrinsics, mask, detection);
   }
   void set_down(Vec3f down) override { sensor_.set_down(down); }
   PersonTracker& people() override { return sensor_.people(); }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tiers of a kernel, and which one runs.
 //
-// A kernel's kernels.inc has one row per variant, slowest first; its header includes it to make the kernel's table of
-// variants, and dispatch, tests and benchmarks all walk that table, so that a variant cannot exist untested.
+// A kernel's header has its table of variants, slowest first. Dispatch, tests and benchmarks all walk that table, so
+// that a variant cannot exist untested. Tests and benchmarks put the kernel's reference before it
+// (tests/kernels/ref).
 //
 // Which variant runs: on a target whose instruction set is fixed when it is compiled (ARM with NEON; x86-64 built for
 // AVX2) and in every build without IM2FIT_TIER_SWITCH the choice is a constant and the call direct. Plain x86-64
@@ -22,8 +23,24 @@
 #define IM2FIT_HAVE_NEON 0
 #endif
 
-// One row of a kernels.inc: IM2FIT_KERNEL(contour, neon) is the function contour_neon.
+// Rows of a table: IM2FIT_NEON(contour) is the function contour_neon where this build has it, and otherwise nothing.
 #define IM2FIT_KERNEL(kernel, tier) {#tier, kernel##_##tier, ::im2fit::Tier::tier},
+#define IM2FIT_PORTABLE(kernel) IM2FIT_KERNEL(kernel, portable)
+#if IM2FIT_HAVE_NEON
+#define IM2FIT_NEON(kernel) IM2FIT_KERNEL(kernel, neon)
+#else
+#define IM2FIT_NEON(kernel)
+#endif
+#if IM2FIT_HAVE_NEON && defined(__aarch64__)
+#define IM2FIT_NEON64(kernel) IM2FIT_KERNEL(kernel, neon)  // not on ARMv7
+#else
+#define IM2FIT_NEON64(kernel)
+#endif
+#if IM2FIT_HAVE_AVX2
+#define IM2FIT_AVX2(kernel) IM2FIT_KERNEL(kernel, avx2)
+#else
+#define IM2FIT_AVX2(kernel)
+#endif
 
 // Declares what is chosen by dispatch: `IM2FIT_CHOSEN_ONCE best = fastest(kContourKernels);`
 #if defined(IM2FIT_TIER_SWITCH) || (IM2FIT_HAVE_AVX2 && !defined(__AVX2__))
@@ -36,7 +53,7 @@
 
 namespace im2fit {
 
-// `ref` is never chosen by dispatch: it is written to be read. `neon` serves AArch64 and ARMv7.
+// `ref` is a reference that tests and benchmarks add to a table. `neon` serves AArch64 and ARMv7.
 enum class Tier { ref, portable, neon, avx2 };
 
 // Whether this build on this machine can run the tier and it is not disabled. ref and portable always can.
@@ -56,13 +73,12 @@ struct KernelVariant {
   Tier tier;
 };
 
-// The last variant, ref apart, that can run here. Tables begin with ref and portable.
+// The last variant that can run here. Tables begin with portable, which always can.
 template <class Function, std::size_t kCount>
 constexpr Function* fastest(const KernelVariant<Function> (&variants)[kCount]) {
-  static_assert(kCount >= 2);
-  Function* best = variants[1].function;
+  Function* best = variants[0].function;
   for (const auto& variant : variants) {
-    if (variant.tier != Tier::ref && tier_available(variant.tier)) best = variant.function;
+    if (tier_available(variant.tier)) best = variant.function;
   }
   return best;
 }

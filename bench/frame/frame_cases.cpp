@@ -139,26 +139,21 @@ void add(Cases& cases, const char* name, Floor floor, std::function<void()> run)
   cases.push_back({std::string("frame/") + name, variant(), tier, 1, "frame", std::move(floor), std::move(run)});
 }
 
-// A guided frame of the session's person as the engine parts it: who is there on the one thread, joints, pose and
-// the sum of frames on the other.
+// A guided frame as the engine divides it between its threads: SENSE finds the person, joints and pose, FIT
+// accumulates.
 void add_threads(Cases& cases, const Bench& b) {
   const auto sensor = std::make_shared<Sensor>(kCamera.width, kCamera.height, *b.tracker);
-  const auto look = [b, sensor] { return sensor->look(b.room->frame(), kCamera, b.room->mask_image()); };
-  const auto looked = std::make_shared<Detection>();
+  const auto sensed = std::make_shared<Detection>();
+  const auto sense = [b, sensor] { return sensor->sense(b.room->frame(), kCamera, b.room->mask_image()); };
   for (int i = 0; i < kWarmUp; ++i) {
-    *looked = look();
-    Detection detection = *looked;
-    sensor->finish(b.room->last(), kCamera, b.room->mask_image(), detection);
-    sensor->people().hold(detection.person.id, true);
+    *sensed = sense();
+    sensor->people().hold(sensed->person.id, true);
   }
-  if (!sensor->may_finish_later(*looked)) std::fprintf(stderr, "frame: the person is not the session's\n");
   add(cases, "guided/sense", {0.1e3, "depth read, mask written and read: 1.2 MB at 11.6 GB/s"},
-      [look] { keep(look()); });
-  add(cases, "guided/fit", {0.06e3, "box of 92 k pixels: 8 bytes read and written"}, [b, sensor, looked] {
-    Detection detection = *looked;
-    sensor->finish_later(b.room->last(), kCamera, b.room->mask_image(), detection);
+      [sense] { keep(sense()); });
+  add(cases, "guided/fit", {0.06e3, "box of 92 k pixels: 8 bytes read and written"}, [b, sensed] {
     if (b.fuser->frame_count() >= kAccumulated) b.fuser->reset();
-    b.fuser->add(b.room->last(), b.room->mask_image(), kCamera, detection);
+    b.fuser->add(b.room->last(), b.room->mask_image(), kCamera, *sensed);
   });
 }
 
@@ -268,13 +263,10 @@ class RestingStages final : public SensingStages {
  public:
   using SensingStages::SensingStages;
   // The figure has no face and is taken for a back.
-  void finish(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, Detection& detection) override {
-    SensingStages::finish(depth, intrinsics, mask, detection);
+  Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) override {
+    Detection detection = SensingStages::sense(depth, intrinsics, mask, seconds);
     turn(detection);
-  }
-  void finish_later(DepthView depth, const Intrinsics& intrinsics, MaskView mask, Detection& detection) override {
-    SensingStages::finish_later(depth, intrinsics, mask, detection);
-    turn(detection);
+    return detection;
   }
   bool measure(MeasuredPerson& /*person*/) override { return true; }
 

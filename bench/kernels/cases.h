@@ -24,7 +24,7 @@ struct Floor {
 
 struct Case {
   std::string kernel;   // "contour/480x640": topic and size
-  std::string variant;  // the row's name in kernels.inc; "frame" cases: how the whole was chosen
+  std::string variant;  // the name of its row in the kernel's table; "frame" cases: how the whole was chosen
   Tier tier = Tier::portable;
   double items = 0;  // what one run handles, for a rate
   std::string item;  // "px", "pair"

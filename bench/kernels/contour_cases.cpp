@@ -5,6 +5,7 @@
 #include "bench/kernels/cases.h"
 #include "bench/kernels/figure_picture.h"
 #include "kernels/contour/contour.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 
@@ -17,7 +18,7 @@ void add_contour_cases(Cases& cases) {
   const int pixels = data->camera.width * data->camera.height;
   const Floor floor = {instructions_us(pixels / 64.0 * 6 + 2.5 * data->seen / 16.0 * 22),
                        "a test for each 64 masks; 22 instructions for 16 pixels where 2 in 5 show the person"};
-  add_variants(cases, "contour/480x640", kContourKernels, pixels, "px", floor, true, [&](auto* function) {
+  add_variants(cases, "contour/480x640", kContourWithRef, pixels, "px", floor, true, [&](auto* function) {
     return [data, function] {
       function(data->depths(), data->masks(), data->rows.data(), data->seen_words.data(), data->steps.data());
       keep(data->rows[0]);

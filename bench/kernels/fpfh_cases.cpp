@@ -6,6 +6,7 @@
 #include "bench/kernels/cases.h"
 #include "kernels/fpfh/fpfh.h"
 #include "perception/fuse/decimate.h"
+#include "tests/kernels/ref/kernel_refs.h"
 #include "tests/perception/analytic_figure.h"
 
 namespace im2fit::bench {
@@ -42,7 +43,7 @@ struct Scene {
 void add(Cases& cases, const Size& size) {
   const auto scene = std::make_shared<Scene>(size.step);
   const Floor floor = {size.pair_count * kPairUs, "19 vector operations a pair, four a cycle"};
-  add_variants(cases, size.name, kFpfhKernels, size.pair_count, "pair", floor, size.with_ref, [&](auto* function) {
+  add_variants(cases, size.name, kFpfhWithRef, size.pair_count, "pair", floor, size.with_ref, [&](auto* function) {
     return [scene, function] {
       const test::FigureCloud& c = scene->cloud;
       function({c.intrinsics, c.x.data(), c.y.data(), c.z.data(), c.nx.data(), c.ny.data(), c.nz.data()},

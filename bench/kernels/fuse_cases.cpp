@@ -5,6 +5,7 @@
 #include "kernels/average/average.h"
 #include "kernels/blocks/blocks.h"
 #include "kernels/mean/mean.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 
@@ -25,7 +26,7 @@ void add_fuse_cases(Cases& cases) {
   }
   const Floor into = {kPixels * (1 + 0.1 * 14) / 11.6e3,
                       "one byte of mask a pixel, of the person's 2 + 12 bytes more, at 11.6 GB/s"};
-  add_variants(cases, "fuse.average/640x480", kAverageKernels, kPixels, "px", into, true, [&](auto* function) {
+  add_variants(cases, "fuse.average/640x480", kAverageWithRef, kPixels, "px", into, true, [&](auto* function) {
     return [data, function] {
       // At most 1000 frames: then the sums begin again.
       if (++data->frames % 1000 == 0) {
@@ -38,7 +39,7 @@ void add_fuse_cases(Cases& cases) {
     };
   });
   const Floor out = {kPixels * 9 / 11.6e3, "6 bytes read and 3 written a pixel at 11.6 GB/s"};
-  add_variants(cases, "fuse.mean/640x480", kMeanKernels, kPixels, "px", out, true, [&](auto* function) {
+  add_variants(cases, "fuse.mean/640x480", kMeanWithRef, kPixels, "px", out, true, [&](auto* function) {
     return [data, function] {
       function(data->sum.data(), data->seen.data(), kPixels, 15, data->depth.data(), data->mask.data());
       keep(data->depth[0]);
@@ -46,7 +47,7 @@ void add_fuse_cases(Cases& cases) {
   });
   for (std::size_t i = 0; i < kPixels; ++i) data->depth[i] = static_cast<std::uint16_t>(16 * data->room->depth[i]);
   const Floor grid = {kPixels * (1 + 0.1 * 4) / 11.6e3, "one byte of mask a pixel, of the person's depth twice"};
-  add_variants(cases, "fuse.blocks/640x480", kBlocksKernels, kPixels, "px", grid, true, [&](auto* function) {
+  add_variants(cases, "fuse.blocks/640x480", kBlocksWithRef, kPixels, "px", grid, true, [&](auto* function) {
     return [data, function] {
       function({data->depth.data(), 640, 480}, data->room->mask_view(), {5, 128, 96}, data->sum.data(),
                data->seen.data());

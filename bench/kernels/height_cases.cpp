@@ -8,6 +8,7 @@
 #include "bench/kernels/cases.h"
 #include "bench/kernels/figure_picture.h"
 #include "kernels/height/height.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 
@@ -33,7 +34,7 @@ void add_height_cases(Cases& cases) {
     data->counted += data->mask[static_cast<std::size_t>(i)] != 0 ? 1 : 0;
   const Floor floor = {instructions_us(kRows * 60 * 4 + data->counted * (3.0 + 45.0 / 8)),
                        "3 instructions a pixel to add, 45 for 8 pixels' heights and sides, 4 to skip 8"};
-  add_variants(cases, "height/480x100", kHeightKernels, data->counted, "px", floor, true, [&](auto* function) {
+  add_variants(cases, "height/480x100", kHeightWithRef, data->counted, "px", floor, true, [&](auto* function) {
     return [data, function] { keep(function(data->scan, data->squares.data())); };
   });
 }

@@ -8,6 +8,7 @@
 #include "core/rng.h"
 #include "kernels/downsample/downsample_box.h"
 #include "kernels/trees/trees.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 namespace {
@@ -32,7 +33,7 @@ void add_trees(Cases& cases) {
   for (std::int16_t& v : data->pixels) v = static_cast<std::int16_t>(rng.index(1201) - 600);
   constexpr double kCount = kLevels * kTrees;
   const Floor floor = {kCount * (31 * 5 + 2 * kRuns) / 2 / 2500, "5 loads a split, 2 a leaf, two loads a cycle"};
-  add_variants(cases, "joints_trees/6x10x600", kSumLeavesKernels, kCount, "tree", floor, true, [&](auto* function) {
+  add_variants(cases, "joints_trees/6x10x600", kSumLeavesWithRef, kCount, "tree", floor, true, [&](auto* function) {
     return [data, function] {
       std::int32_t sum[kRuns * kLeafSize] = {};
       for (std::size_t level = 0; level < kLevels; ++level)
@@ -70,7 +71,7 @@ void add_thin(Cases& cases) {
                              225};
   constexpr double kPixels = 220 * 450;
   const Floor floor = {kPixels * 3 / 32 / 2 / 2500, "3 bytes read a pixel, two loads of 32 bytes a cycle"};
-  add_variants(cases, "joints_thin/220x450", kDownsampleBoxKernels, kPixels, "px", floor, true, [&](auto* function) {
+  add_variants(cases, "joints_thin/220x450", kDownsampleBoxWithRef, kPixels, "px", floor, true, [&](auto* function) {
     return [data, box, function] {
       DownsampleMoments moments;
       function(box, data->out.data(), moments);

@@ -4,6 +4,7 @@
 #include "bench/kernels/room_picture.h"
 #include "kernels/membership/membership.h"
 #include "kernels/sample/sample.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 
@@ -37,7 +38,7 @@ void add_membership_cases(Cases& cases) {
   const auto count = static_cast<double>(data->list.size());
   const Floor floor = {count * 20 / 2.5e3,
                        "a cell of 16 pixels: nine cells around read twice and compared, 20 cycles"};
-  add_variants(cases, "membership/640x480", kMembershipKernels, count * 16, "px", floor, true, [&](auto* function) {
+  add_variants(cases, "membership/640x480", kMembershipWithRef, count * 16, "px", floor, true, [&](auto* function) {
     return [data, function] {
       function(data->room->view(), data->cells(), data->list.data(), static_cast<int>(data->list.size()),
                {data->mask.data(), 640, 480});

@@ -8,6 +8,7 @@
 #include "core/rng.h"
 #include "kernels/blend/blend.h"
 #include "kernels/skin/skin.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 namespace {
@@ -40,7 +41,7 @@ void add_blend_cases(Cases& cases) {
   for (std::int16_t& d : data->deltas) d = static_cast<std::int16_t>(rng.index(201) - 100);
   const double values = 3.0 * deltas;
   const Floor floor = {values / 8 / 2500, "a store of 8 values a cycle"};
-  add_variants(cases, "blend/100_targets", kBlendKernels, values, "value", floor, true, [&](auto* function) {
+  add_variants(cases, "blend/100_targets", kBlendWithRef, values, "value", floor, true, [&](auto* function) {
     return [data, function] {
       for (std::size_t t = 0; t < kTargets; ++t) {
         const BlendInto into = {t % 2 == 0 ? 0.01F : -0.01F, data->vertices.data()};
@@ -78,7 +79,7 @@ void add_skin_cases(Cases& cases) {
     terms += used;
   }
   const Floor floor = {terms * 8 / 2 / 2500, "eight multiplications and additions a vertex and segment, two a cycle"};
-  add_variants(cases, "skin/17774", kSkinKernels, kVertices, "vertex", floor, true, [&](auto* function) {
+  add_variants(cases, "skin/17774", kSkinWithRef, kVertices, "vertex", floor, true, [&](auto* function) {
     return [data, function] {
       function(data->vertices.data(), data->records.data(), kVertices, data->matrices.data(), data->out.data());
       keep(data->out[0]);

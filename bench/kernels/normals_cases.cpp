@@ -6,6 +6,7 @@
 #include "bench/kernels/cases.h"
 #include "kernels/normals/normals.h"
 #include "perception/fuse/decimate.h"
+#include "tests/kernels/ref/kernel_refs.h"
 #include "tests/perception/analytic_figure.h"
 
 namespace im2fit::bench {
@@ -30,7 +31,7 @@ void add(Cases& cases, const char* name, int step, int radius, bool with_ref) {
   const double window = (2.0 * radius + 1) * (2.0 * radius + 1);
   const double points = scene->cloud.valid_count;
   const Floor floor = {points * (window * 26 + 250) / 8 / 4 / 2500, "26 operations a window point, 250 a normal"};
-  add_variants(cases, name, kNormalsKernels, points, "point", floor, with_ref, [&](auto* function) {
+  add_variants(cases, name, kNormalsWithRef, points, "point", floor, with_ref, [&](auto* function) {
     return [scene, function, radius] {
       const test::FigureCloud& c = scene->cloud;
       function(c.intrinsics, c.x.data(), c.y.data(), c.z.data(), radius, 60, scene->nx.data(), scene->ny.data(),

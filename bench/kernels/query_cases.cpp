@@ -13,6 +13,7 @@
 #include "kernels/project/project.h"
 #include "kernels/standardise/standardise.h"
 #include "perception/observe/observe.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 namespace {
@@ -35,7 +36,7 @@ void add_standardise_cases(Cases& cases) {
   }
   const std::string name = "standardise/" + std::to_string(kFeatures);
   const Floor floor = {kFeatures / 8.0 * 3 / 2 / 2500, "three loads of 8 values, two loads a cycle"};
-  add_variants(cases, name, kStandardiseKernels, kFeatures, "value", floor, true, [&](auto* function) {
+  add_variants(cases, name, kStandardiseWithRef, kFeatures, "value", floor, true, [&](auto* function) {
     return [data, function] {
       function(data->feature.data(), data->mean.data(), data->scale.data(), kFeatures, data->out.data());
       keep(data->out[0]);
@@ -59,7 +60,7 @@ void add_project_cases(Cases& cases) {
   const std::string name = "project/" + std::to_string(kFeatures) + "x16";
   const Floor floor = {kProducts / 16 * 6 / 3 / 2500,
                        "16 products take a load, a multiplication and four operations to add exactly; three a cycle"};
-  add_variants(cases, name, kProjectKernels, kProducts, "product", floor, true, [&](auto* function) {
+  add_variants(cases, name, kProjectWithRef, kProducts, "product", floor, true, [&](auto* function) {
     return [data, function] {
       std::int64_t out[kTargets];
       function(data->feature.data(), data->weights.data(), kStride, kTargets, out);
@@ -87,7 +88,7 @@ void add_distance(Cases& cases) {
   const Floor floor = {
       kBlocks * (kDimensions / 2.0 * 16 + 12) / 3 / 2500,
       "16 points: 16 operations a pair of dimensions, 12 to store and find the least; three a cycle"};
-  add_variants(cases, "code_distance/20000x12", kCodeDistanceKernels, kPoints, "point", floor, true,
+  add_variants(cases, "code_distance/20000x12", kCodeDistanceWithRef, kPoints, "point", floor, true,
                [&](auto* function) {
                  return [data, query, function] {
                    function(data->blocks.data(), kBlocks, query, data->out.data(), data->least.data());
@@ -110,7 +111,7 @@ void add_bounds(Cases& cases) {
   std::array<std::int16_t, kDimensions> place{};
   for (std::int16_t& p : place) p = static_cast<std::int16_t>(rng.index(1 << 13) - (1 << 12));
   const Floor floor = {kBlocks * kDimensions * 13.0 / 3 / 2500, "16 boxes: 13 operations a dimension, three a cycle"};
-  add_variants(cases, "code_bounds/640x12", kCodeBoundsKernels, kBoxes, "box", floor, true, [&](auto* function) {
+  add_variants(cases, "code_bounds/640x12", kCodeBoundsWithRef, kBoxes, "box", floor, true, [&](auto* function) {
     return [data, place, function] {
       function(data->blocks.data(), kBlocks, place.data(), kDimensions, data->out.data());
       keep(data->out[0]);
@@ -138,7 +139,7 @@ void add_gram_cases(Cases& cases) {
   for (double& w : data->weights) w = rng.uniform();
   constexpr double kVectors = 4 + 4 * (1 + 2 + 3);  // of four sums: those of the columns, then rows of 4, 8, 12
   const Floor floor = {kRows * kVectors * 2 / 2 / 2500, "28 multiplications and additions a row, two a cycle"};
-  add_variants(cases, "gram/512x12", kAddGramKernels, kRows, "row", floor, true, [&](auto* function) {
+  add_variants(cases, "gram/512x12", kAddGramWithRef, kRows, "row", floor, true, [&](auto* function) {
     return [data, function] {
       double sums[kGramWidth] = {}, products[kGramWidth * kGramWidth] = {};
       for (int first = 0; first < kRows; first += kChunk)

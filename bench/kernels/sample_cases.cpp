@@ -2,6 +2,7 @@
 #include "bench/kernels/cases.h"
 #include "bench/kernels/room_picture.h"
 #include "kernels/sample/sample.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 
@@ -15,7 +16,7 @@ void add_sample_cases(Cases& cases) {
     const Floor floor = {
         pixels * 2 * rows_read / 11.6e3,
         step == 4 ? "three rows in four read, 2 bytes a pixel, at 11.6 GB/s" : "2 bytes a pixel at 11.6 GB/s"};
-    add_variants(cases, "sample/" + std::to_string(width) + "x" + std::to_string(height), kSampleKernels, pixels,
+    add_variants(cases, "sample/" + std::to_string(width) + "x" + std::to_string(height), kSampleWithRef, pixels,
                  "px", floor, true, [&](auto* function) {
                    return [data, out, function, step_px] {
                      function(data->view(), step_px, out->data());

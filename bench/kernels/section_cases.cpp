@@ -12,6 +12,7 @@
 #include "bench/kernels/figure_picture.h"
 #include "kernels/moments/moments.h"
 #include "kernels/section/section.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 namespace {
@@ -40,7 +41,7 @@ void add_section_cases(Cases& cases) {
   const Floor floor = {instructions_us(pixels / 8.0 * 3 + 1.2 * data->seen / 8.0 * (22 + 5 * 6 + 0.5 * 40)),
                        "3 instructions to skip 8 pixels; of those seen 22 for 8 heights, 6 a cut, 40 where a cut is "
                        "near, at every other"};
-  add_variants(cases, "section/480x640", kSectionKernels, data->seen, "px", floor, false, [&](auto* function) {
+  add_variants(cases, "section/480x640", kSectionWithRef, data->seen, "px", floor, false, [&](auto* function) {
     return [data, function] {
       function(data->scan, data->points.data(), Cuts::kCapacity, data->counts.data());
       keep(data->counts);
@@ -54,7 +55,7 @@ void add_moments_cases(Cases& cases) {
   const int count = data->counts[3];
   const Floor floor = {instructions_us(count / 8.0 * 57),
                        "57 instructions for 8 points: two groups of 9 sums of 64 bits"};
-  add_variants(cases, "moments/waist", kMomentsKernels, count, "point", floor, true, [&](auto* function) {
+  add_variants(cases, "moments/waist", kMomentsWithRef, count, "point", floor, true, [&](auto* function) {
     return [data, function, points, count] {
       std::array<std::int64_t, kMomentCount> sums;
       function(points, count, -1400, 1400, sums.data());

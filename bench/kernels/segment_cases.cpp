@@ -7,6 +7,7 @@
 #include "kernels/sample/sample.h"
 #include "kernels/votes/votes.h"
 #include "perception/segment/segment.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 namespace {
@@ -26,7 +27,7 @@ struct CellData {
 void add_links(Cases& cases) {
   const auto data = std::make_shared<CellData>();
   const Floor floor = {kCells * 5 / 2.5e3 / 4, "six neighbours of 16 cells: 40 vector operations at two a cycle"};
-  add_variants(cases, "segment.links/160x120", kLinksKernels, kCells, "cell", floor, true, [&](auto* function) {
+  add_variants(cases, "segment.links/160x120", kLinksWithRef, kCells, "cell", floor, true, [&](auto* function) {
     return [data, function] {
       function({data->depth.data(), data->depth.data(), data->limit.data(), kWidth, kHeight}, data->links.data());
       keep(data->links[0]);
@@ -50,7 +51,7 @@ void add_votes(Cases& cases) {
   }
   // A vector division of 8 floats every 5 cycles bounds it on most x86 cores.
   const Floor floor = {kPoints / 8.0 * 5 / 2.5e3, "one division of 8 every 5 cycles"};
-  add_variants(cases, "segment.votes/400", kVotesKernels, kPoints, "point", floor, true, [&](auto* function) {
+  add_variants(cases, "segment.votes/400", kVotesWithRef, kPoints, "point", floor, true, [&](auto* function) {
     return [data, function] {
       const float q[3] = {0, 0, -1.0F / 3500};
       Votes out;
@@ -82,7 +83,7 @@ void add_floor_sums(Cases& cases) {
                              static_cast<std::uint16_t>(c > 50 && c < 110 ? 1 : 2), 1.0F});
   const auto count = static_cast<double>(data->cells.size());
   const Floor floor = {count * 4 * 4 / 2.5e3, "four rows a cell, each waiting 4 cycles for the last sum of doubles"};
-  add_variants(cases, "segment.floor_sums/2400", kFloorSumsKernels, count, "cell", floor, true, [&](auto* function) {
+  add_variants(cases, "segment.floor_sums/2400", kFloorSumsWithRef, count, "cell", floor, true, [&](auto* function) {
     return [data, function] {
       PlaneSums out;
       function(data->room->view(), 4, data->gate(), data->cells.data(), static_cast<int>(data->cells.size()), out);

@@ -3,6 +3,7 @@
 #include "bench/kernels/cases.h"
 #include "bench/kernels/room_picture.h"
 #include "kernels/undistort/undistort.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 
@@ -27,7 +28,7 @@ void add_undistort_cases(Cases& cases) {
   data->runs = undistort_runs(data->table);
   const double pixels = 640.0 * 480;
   const Floor floor = {pixels * 4 / 11.6e3, "2 bytes read and 2 written a pixel at 11.6 GB/s"};
-  add_variants(cases, "undistort/640x480", kUndistortKernels, pixels, "px", floor, true, [&](auto* function) {
+  add_variants(cases, "undistort/640x480", kUndistortWithRef, pixels, "px", floor, true, [&](auto* function) {
     return [data, function] {
       function(data->room->depth.data(), 640 * 480, data->runs.data(), static_cast<int>(data->runs.size()),
                data->out.data());

@@ -4,6 +4,7 @@
 #include "bench/kernels/cases.h"
 #include "kernels/unpack11/shift_table.h"
 #include "kernels/unpack11/unpack11.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
 
@@ -17,7 +18,7 @@ void add_unpack11_cases(Cases& cases) {
   for (std::size_t i = 0; i < data->packed.size(); ++i) data->packed[i] = static_cast<std::uint8_t>(i * 197 >> 3);
   const double pixels = 640.0 * 480;
   const Floor floor = {pixels * 2 / 32 / 2.5e3, "2 bytes written a pixel, 32 a cycle, into the second cache"};
-  add_variants(cases, "unpack11/640x480", kUnpack11Kernels, pixels, "px", floor, true, [&](auto* function) {
+  add_variants(cases, "unpack11/640x480", kUnpack11WithRef, pixels, "px", floor, true, [&](auto* function) {
     return [data, function] {
       function(data->packed.data(), 640 * 480, data->out.data());
       keep(data->out[0]);

@@ -42,10 +42,9 @@ inline constexpr int kAnchorFarMm = 600;
 // agree bit for bit.
 using AnchorDepthsFunction = void(const Anchor* anchors, int count, const AnchorJoints& joints, const AnchorBox& box,
                                   std::int16_t* out, std::ptrdiff_t out_step);
-AnchorDepthsFunction anchor_depths_ref, anchor_depths_portable, anchor_depths_neon, anchor_depths_avx2, anchor_depths;
+AnchorDepthsFunction anchor_depths_portable, anchor_depths_neon, anchor_depths_avx2, anchor_depths;
 
 inline constexpr KernelVariant<AnchorDepthsFunction> kAnchorDepthsKernels[] = {
-#include "kernels/anchors/kernels.inc"
-};
+    IM2FIT_PORTABLE(anchor_depths) IM2FIT_NEON(anchor_depths) IM2FIT_AVX2(anchor_depths)};
 
 }  // namespace im2fit::joints

@@ -18,12 +18,11 @@ inline constexpr std::uint32_t kFusedDepthMaxMm = 4095;  // what 1/16 mm in 16 b
 // allocation, thread-safe. Integers only: all tiers agree bit for bit.
 using AverageFunction = void(const std::uint16_t* depth, const std::uint8_t* mask, int count, std::uint32_t* sum,
                              std::uint16_t* seen);
-AverageFunction average_ref, average_portable, average_neon, average_avx2;
+AverageFunction average_portable, average_neon, average_avx2;
 AverageFunction average;  // the fastest here
 
 using AverageKernel = KernelVariant<AverageFunction>;
-inline constexpr AverageKernel kAverageKernels[] = {
-#include "kernels/average/kernels.inc"
-};
+inline constexpr AverageKernel kAverageKernels[] = {IM2FIT_PORTABLE(average) IM2FIT_NEON(average)
+                                                        IM2FIT_AVX2(average)};
 
 }  // namespace im2fit

@@ -34,10 +34,9 @@ inline constexpr int kBlendIntoMax = 3;
 // thread-safe for distinct vertices.
 using BlendFunction = void(const BlendRun* runs, int run_count, const std::int16_t* deltas, const BlendInto* into,
                            int into_count);
-BlendFunction blend_ref, blend_portable, blend_neon, blend_avx2, blend;
+BlendFunction blend_portable, blend_neon, blend_avx2, blend;
 
-inline constexpr KernelVariant<BlendFunction> kBlendKernels[] = {
-#include "kernels/blend/kernels.inc"
-};
+inline constexpr KernelVariant<BlendFunction> kBlendKernels[] = {IM2FIT_PORTABLE(blend) IM2FIT_NEON(blend)
+                                                                     IM2FIT_AVX2(blend)};
 
 }  // namespace im2fit

@@ -22,12 +22,10 @@ struct BlockGrid {
 // agree bit for bit.
 using BlocksFunction = void(DepthView depth_q4, MaskView mask, const BlockGrid& grid, std::uint32_t* sum_q4,
                             std::uint16_t* count);
-BlocksFunction blocks_ref, blocks_portable, blocks_neon, blocks_avx2;
+BlocksFunction blocks_portable, blocks_neon, blocks_avx2;
 BlocksFunction blocks;  // the fastest here
 
 using BlocksKernel = KernelVariant<BlocksFunction>;
-inline constexpr BlocksKernel kBlocksKernels[] = {
-#include "kernels/blocks/kernels.inc"
-};
+inline constexpr BlocksKernel kBlocksKernels[] = {IM2FIT_PORTABLE(blocks) IM2FIT_NEON(blocks) IM2FIT_AVX2(blocks)};
 
 }  // namespace im2fit

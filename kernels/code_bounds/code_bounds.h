@@ -17,10 +17,9 @@ inline constexpr int kBoxBlock = 16;  // boxes stored together
 // what code_distance gives for a point of the box. Exact integers. No allocation, thread-safe.
 using CodeBoundsFunction = void(const std::int16_t* blocks, int block_count, const std::int16_t* place,
                                 int dimension_count, std::int32_t* out);
-CodeBoundsFunction code_bounds_ref, code_bounds_portable, code_bounds_neon, code_bounds_avx2, code_bounds;
+CodeBoundsFunction code_bounds_portable, code_bounds_neon, code_bounds_avx2, code_bounds;
 
 inline constexpr KernelVariant<CodeBoundsFunction> kCodeBoundsKernels[] = {
-#include "kernels/code_bounds/kernels.inc"
-};
+    IM2FIT_PORTABLE(code_bounds) IM2FIT_NEON(code_bounds) IM2FIT_AVX2(code_bounds)};
 
 }  // namespace im2fit

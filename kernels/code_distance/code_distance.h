@@ -33,10 +33,9 @@ struct CodeQuery {
 // smallest of its sixteen. Exact integers. No allocation, thread-safe.
 using CodeDistanceFunction = void(const std::int8_t* blocks, int block_count, const CodeQuery& query,
                                   std::int32_t* out, std::int32_t* least);
-CodeDistanceFunction code_distance_ref, code_distance_portable, code_distance_neon, code_distance_avx2, code_distance;
+CodeDistanceFunction code_distance_portable, code_distance_neon, code_distance_avx2, code_distance;
 
 inline constexpr KernelVariant<CodeDistanceFunction> kCodeDistanceKernels[] = {
-#include "kernels/code_distance/kernels.inc"
-};
+    IM2FIT_PORTABLE(code_distance) IM2FIT_NEON(code_distance) IM2FIT_AVX2(code_distance)};
 
 }  // namespace im2fit

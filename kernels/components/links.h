@@ -26,12 +26,10 @@ struct LinkCells {
   int width, height;
 };
 using LinksFunction = void(const LinkCells& cells, std::uint8_t* links);
-LinksFunction links_ref, links_portable, links_neon, links_avx2;
+LinksFunction links_portable, links_neon, links_avx2;
 LinksFunction links;  // the fastest here
 
 using LinksKernel = KernelVariant<LinksFunction>;
-inline constexpr LinksKernel kLinksKernels[] = {
-#include "kernels/components/kernels.inc"
-};
+inline constexpr LinksKernel kLinksKernels[] = {IM2FIT_PORTABLE(links) IM2FIT_NEON(links) IM2FIT_AVX2(links)};
 
 }  // namespace im2fit

@@ -31,10 +31,9 @@ constexpr std::size_t contour_words(int width) {
 // one size, up to 2048 wide, with any strides. All tiers the same integers. No allocation, thread-safe.
 using ContourFunction = void(ImageView<const std::uint16_t> depth_q4, MaskView mask, ContourRow* rows,
                              std::uint64_t* seen, std::uint64_t* steps);
-ContourFunction contour_ref, contour_portable, contour_neon, contour_avx2, contour;
+ContourFunction contour_portable, contour_neon, contour_avx2, contour;
 
-inline constexpr KernelVariant<ContourFunction> kContourKernels[] = {
-#include "kernels/contour/kernels.inc"
-};
+inline constexpr KernelVariant<ContourFunction> kContourKernels[] = {IM2FIT_PORTABLE(contour) IM2FIT_NEON(contour)
+                                                                         IM2FIT_AVX2(contour)};
 
 }  // namespace im2fit

@@ -28,11 +28,9 @@ struct DownsampleMoments {
 // out: width * height values: of each block the first pixel with mask and depth, row by row, 0 without one. A choice
 // and no mean: no depth arises between two limbs. Exact. No allocation, thread-safe.
 using DownsampleBoxFunction = void(const DownsampleBox& box, std::uint16_t* out, DownsampleMoments& moments);
-DownsampleBoxFunction downsample_box_ref, downsample_box_portable, downsample_box_neon, downsample_box_avx2,
-    downsample_box;
+DownsampleBoxFunction downsample_box_portable, downsample_box_neon, downsample_box_avx2, downsample_box;
 
 inline constexpr KernelVariant<DownsampleBoxFunction> kDownsampleBoxKernels[] = {
-#include "kernels/downsample/kernels.inc"
-};
+    IM2FIT_PORTABLE(downsample_box) IM2FIT_NEON(downsample_box) IM2FIT_AVX2(downsample_box)};
 
 }  // namespace im2fit::joints

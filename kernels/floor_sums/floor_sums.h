@@ -39,12 +39,11 @@ struct FloorGate {
 // Every tier gives portable's bits; ARMv7's NEON cannot divide and has no doubles, so portable runs there.
 using FloorSumsFunction = void(DepthView depth, int step, const FloorGate& gate, const FloorCell* cells, int count,
                                PlaneSums& out);
-FloorSumsFunction floor_sums_ref, floor_sums_portable, floor_sums_neon, floor_sums_avx2;
+FloorSumsFunction floor_sums_portable, floor_sums_neon, floor_sums_avx2;
 FloorSumsFunction floor_sums;  // the fastest here
 
 using FloorSumsKernel = KernelVariant<FloorSumsFunction>;
-inline constexpr FloorSumsKernel kFloorSumsKernels[] = {
-#include "kernels/floor_sums/kernels.inc"
-};
+inline constexpr FloorSumsKernel kFloorSumsKernels[] = {IM2FIT_PORTABLE(floor_sums) IM2FIT_NEON64(floor_sums)
+                                                            IM2FIT_AVX2(floor_sums)};
 
 }  // namespace im2fit

@@ -56,8 +56,6 @@ class FpfhWorkspace {
 // between keypoints. No allocation except in ref; no threads; a workspace serves one call at a time.
 using FpfhFunction = void(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
                           FpfhWorkspace& work, std::span<float> out);
-void fpfh_ref(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm, FpfhWorkspace& work,
-              std::span<float> out);
 void fpfh_portable(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float radius_mm,
                    FpfhWorkspace& work, std::span<float> out);
 FpfhFunction fpfh_neon, fpfh_avx2;
@@ -66,8 +64,6 @@ void fpfh(const OrganisedCloud& cloud, std::span<const Vec3f> keypoints, float r
           std::span<float> out);
 
 using FpfhKernel = KernelVariant<FpfhFunction>;
-inline constexpr FpfhKernel kFpfhKernels[] = {
-#include "kernels/fpfh/kernels.inc"
-};
+inline constexpr FpfhKernel kFpfhKernels[] = {IM2FIT_PORTABLE(fpfh) IM2FIT_NEON(fpfh) IM2FIT_AVX2(fpfh)};
 
 }  // namespace im2fit

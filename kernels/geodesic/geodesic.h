@@ -19,10 +19,8 @@ using GeodesicMm = Fixed<std::int32_t, 7>;
 // thread-safe.
 using GeodesicFunction = std::uint32_t(const std::int32_t* x, const std::int32_t* y, const std::int32_t* z,
                                        int count);
-GeodesicFunction geodesic_ref, geodesic_portable, geodesic;
+GeodesicFunction geodesic_portable, geodesic;
 
-inline constexpr KernelVariant<GeodesicFunction> kGeodesicKernels[] = {
-#include "kernels/geodesic/kernels.inc"
-};
+inline constexpr KernelVariant<GeodesicFunction> kGeodesicKernels[] = {IM2FIT_PORTABLE(geodesic)};
 
 }  // namespace im2fit

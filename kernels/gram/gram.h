@@ -16,10 +16,8 @@ inline constexpr int kGramWidth = 16;  // columns, unused ones 0
 // allocation, thread-safe.
 using AddGramFunction = void(const double* rows, const double* weights, int count, int used, double* sums,
                              double* products);
-AddGramFunction add_gram_ref, add_gram_portable, add_gram;
+AddGramFunction add_gram_portable, add_gram;
 
-inline constexpr KernelVariant<AddGramFunction> kAddGramKernels[] = {
-#include "kernels/gram/kernels.inc"
-};
+inline constexpr KernelVariant<AddGramFunction> kAddGramKernels[] = {IM2FIT_PORTABLE(add_gram)};
 
 }  // namespace im2fit

@@ -34,10 +34,8 @@ inline constexpr std::int32_t kHeightNone = INT32_MAX;
 // thread-safe. `ref`: in double from the same tables; a point within 2^-10 mm of a bin's or the side's edge may fall
 // to either side.
 using HeightFunction = std::int32_t(const HeightScan& scan, std::uint64_t* squares);
-HeightFunction height_ref, height_portable, height;
+HeightFunction height_portable, height;
 
-inline constexpr KernelVariant<HeightFunction> kHeightKernels[] = {
-#include "kernels/height/kernels.inc"
-};
+inline constexpr KernelVariant<HeightFunction> kHeightKernels[] = {IM2FIT_PORTABLE(height)};
 
 }  // namespace im2fit

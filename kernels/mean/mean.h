@@ -13,12 +13,10 @@ namespace im2fit {
 // thread-safe. The quotient is exact: all tiers agree bit for bit.
 using MeanFunction = void(const std::uint32_t* sum, const std::uint16_t* seen, int count, int needed,
                           std::uint16_t* depth_q4, std::uint8_t* mask);
-MeanFunction mean_ref, mean_portable, mean_neon, mean_avx2;
+MeanFunction mean_portable, mean_neon, mean_avx2;
 MeanFunction mean;  // the fastest here
 
 using MeanKernel = KernelVariant<MeanFunction>;
-inline constexpr MeanKernel kMeanKernels[] = {
-#include "kernels/mean/kernels.inc"
-};
+inline constexpr MeanKernel kMeanKernels[] = {IM2FIT_PORTABLE(mean) IM2FIT_NEON(mean) IM2FIT_AVX2(mean)};
 
 }  // namespace im2fit

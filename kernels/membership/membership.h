@@ -28,12 +28,11 @@ struct MembershipCells {
 // (2.85e-6 z z) * 1.5 + 40 in this order: all tiers agree bit for bit.
 using MembershipFunction = void(DepthView depth, const MembershipCells& cells, const std::uint32_t* list, int count,
                                 MaskImage mask);
-MembershipFunction membership_ref, membership_portable, membership_neon, membership_avx2;
+MembershipFunction membership_portable, membership_neon, membership_avx2;
 MembershipFunction membership;  // the fastest here
 
 using MembershipKernel = KernelVariant<MembershipFunction>;
-inline constexpr MembershipKernel kMembershipKernels[] = {
-#include "kernels/membership/kernels.inc"
-};
+inline constexpr MembershipKernel kMembershipKernels[] = {IM2FIT_PORTABLE(membership) IM2FIT_NEON(membership)
+                                                              IM2FIT_AVX2(membership)};
 
 }  // namespace im2fit

@@ -20,10 +20,8 @@ inline constexpr int kMomentPointsMax = 32767;
 // Sets kMomentCount sums over the points with first_x <= x <= last_x; |x|, |y| <= kSectionCoordinateMax, count <=
 // kMomentPointsMax. Exact integers in all tiers, ref included: a double holds no 2^63.
 using MomentsFunction = void(const SectionPoint* points, int count, int first_x, int last_x, std::int64_t* sums);
-MomentsFunction moments_ref, moments_portable, moments;
+MomentsFunction moments_portable, moments;
 
-inline constexpr KernelVariant<MomentsFunction> kMomentsKernels[] = {
-#include "kernels/moments/kernels.inc"
-};
+inline constexpr KernelVariant<MomentsFunction> kMomentsKernels[] = {IM2FIT_PORTABLE(moments)};
 
 }  // namespace im2fit

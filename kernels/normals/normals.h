@@ -18,7 +18,7 @@ using NormalsFunction = void(const Intrinsics& intrinsics, const float* x, const
                              int radius_px, float max_step_mm, float* nx, float* ny, float* nz);
 // neon and avx2 give portable's bits. There is no neon on ARMv7, whose vectors cannot divide nor take roots, of which
 // a normal needs thirteen.
-NormalsFunction normals_ref, normals_portable, normals_neon, normals_avx2;
+NormalsFunction normals_portable, normals_neon, normals_avx2;
 // The best tier of this machine.
 NormalsFunction normals;
 
@@ -26,8 +26,7 @@ NormalsFunction normals;
 inline constexpr float kNormalsLineShare = 1e-3F;
 
 using NormalsKernel = KernelVariant<NormalsFunction>;
-inline constexpr NormalsKernel kNormalsKernels[] = {
-#include "kernels/normals/kernels.inc"
-};
+inline constexpr NormalsKernel kNormalsKernels[] = {IM2FIT_PORTABLE(normals) IM2FIT_NEON64(normals)
+                                                        IM2FIT_AVX2(normals)};
 
 }  // namespace im2fit

@@ -20,10 +20,8 @@ constexpr int projected_stride(int feature_size) {
 // less than 2 * 20480 * 32767 < 2^31 before they are widened. At most 2^18 features. No allocation, thread-safe.
 using ProjectFunction = void(const std::int16_t* feature, const std::int16_t* weights, int stride, int row_count,
                              std::int64_t* out);
-ProjectFunction project_ref, project_portable, project;
+ProjectFunction project_portable, project;
 
-inline constexpr KernelVariant<ProjectFunction> kProjectKernels[] = {
-#include "kernels/project/kernels.inc"
-};
+inline constexpr KernelVariant<ProjectFunction> kProjectKernels[] = {IM2FIT_PORTABLE(project)};
 
 }  // namespace im2fit

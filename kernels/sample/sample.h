@@ -17,12 +17,10 @@ inline constexpr std::uint16_t kSampleDepthMaxMm =
 // kSampleDepthMaxMm are no data. With step 1 the sample is the pixel. step >= 1; no allocation, thread-safe. Integers
 // only: all tiers agree bit for bit.
 using SampleFunction = void(DepthView depth, int step, std::uint16_t* out);
-SampleFunction sample_ref, sample_portable, sample_neon, sample_avx2;
+SampleFunction sample_portable, sample_neon, sample_avx2;
 SampleFunction sample;  // the fastest here
 
 using SampleKernel = KernelVariant<SampleFunction>;
-inline constexpr SampleKernel kSampleKernels[] = {
-#include "kernels/sample/kernels.inc"
-};
+inline constexpr SampleKernel kSampleKernels[] = {IM2FIT_PORTABLE(sample) IM2FIT_NEON(sample) IM2FIT_AVX2(sample)};
 
 }  // namespace im2fit

@@ -50,10 +50,9 @@ struct SectionScan {
 // ones. `ref`, in double from the same tables, includes points on the wedge's border that rounding moves out, and the
 // reverse: those with |10 |off| - d| < 0.3 mm.
 using SectionFunction = void(const SectionScan& scan, SectionPoint* points, int capacity, int* counts);
-SectionFunction section_ref, section_portable, section_neon, section_avx2, section;
+SectionFunction section_portable, section_neon, section_avx2, section;
 
-inline constexpr KernelVariant<SectionFunction> kSectionKernels[] = {
-#include "kernels/section/kernels.inc"
-};
+inline constexpr KernelVariant<SectionFunction> kSectionKernels[] = {IM2FIT_PORTABLE(section) IM2FIT_NEON(section)
+                                                                         IM2FIT_AVX2(section)};
 
 }  // namespace im2fit

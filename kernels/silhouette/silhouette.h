@@ -19,12 +19,11 @@ struct Silhouette {
 // Of the pixels with mask 255 (others 0). Depths under the mask are at most 32767 mm, sides at most kImageSideMax.
 // No allocation, thread-safe. Integers only: all tiers agree bit for bit.
 using SilhouetteFunction = void(DepthView depth, MaskView mask, Silhouette& out);
-SilhouetteFunction silhouette_ref, silhouette_portable, silhouette_neon, silhouette_avx2;
+SilhouetteFunction silhouette_portable, silhouette_neon, silhouette_avx2;
 SilhouetteFunction silhouette;  // the fastest here
 
 using SilhouetteKernel = KernelVariant<SilhouetteFunction>;
-inline constexpr SilhouetteKernel kSilhouetteKernels[] = {
-#include "kernels/silhouette/kernels.inc"
-};
+inline constexpr SilhouetteKernel kSilhouetteKernels[] = {IM2FIT_PORTABLE(silhouette) IM2FIT_NEON(silhouette)
+                                                              IM2FIT_AVX2(silhouette)};
 
 }  // namespace im2fit

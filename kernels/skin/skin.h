@@ -26,10 +26,9 @@ struct alignas(16) SkinMatrix {
 // numbers, and its vectors would take denormal ones for zero. No allocation, thread-safe; `out` is not `vertices`.
 using SkinFunction = void(const float* vertices, const SkinRecord* records, int vertex_count,
                           const SkinMatrix* matrices, float* out);
-SkinFunction skin_ref, skin_portable, skin_neon, skin_avx2, skin;
+SkinFunction skin_portable, skin_neon, skin_avx2, skin;
 
-inline constexpr KernelVariant<SkinFunction> kSkinKernels[] = {
-#include "kernels/skin/kernels.inc"
-};
+inline constexpr KernelVariant<SkinFunction> kSkinKernels[] = {IM2FIT_PORTABLE(skin) IM2FIT_NEON64(skin)
+                                                                   IM2FIT_AVX2(skin)};
 
 }  // namespace im2fit

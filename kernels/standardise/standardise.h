@@ -23,10 +23,8 @@ inline constexpr std::int16_t kStandardFeatureRawMax = 5 * 4096;
 // allocation, thread-safe.
 using StandardiseFunction = void(const float* feature, const float* mean, const float* scale, int count,
                                  std::int16_t* out);
-StandardiseFunction standardise_ref, standardise_portable, standardise;
+StandardiseFunction standardise_portable, standardise;
 
-inline constexpr KernelVariant<StandardiseFunction> kStandardiseKernels[] = {
-#include "kernels/standardise/kernels.inc"
-};
+inline constexpr KernelVariant<StandardiseFunction> kStandardiseKernels[] = {IM2FIT_PORTABLE(standardise)};
 
 }  // namespace im2fit

@@ -33,10 +33,9 @@ inline constexpr int kRunLanes = 8;  // runs side by side at most
 // leaves hold. Every split's a and b must be a pixel's place. No allocation, thread-safe.
 using SumLeavesFunction = void(const Split* splits, const std::int8_t* leaves, int tree_count,
                                const std::int16_t* pixels, int run_count, std::int32_t* sum);
-SumLeavesFunction sum_leaves_ref, sum_leaves_portable, sum_leaves_neon, sum_leaves_avx2, sum_leaves;
+SumLeavesFunction sum_leaves_portable, sum_leaves_neon, sum_leaves_avx2, sum_leaves;
 
 inline constexpr KernelVariant<SumLeavesFunction> kSumLeavesKernels[] = {
-#include "kernels/trees/kernels.inc"
-};
+    IM2FIT_PORTABLE(sum_leaves) IM2FIT_NEON(sum_leaves) IM2FIT_AVX2(sum_leaves)};
 
 }  // namespace im2fit::joints

@@ -26,12 +26,10 @@ std::vector<UndistortRun> undistort_runs(std::span<const std::int32_t> table);
 // No allocation, thread-safe. All tiers agree bit for bit.
 using UndistortFunction = void(const std::uint16_t* in, int pixels, const UndistortRun* runs, int run_count,
                                std::uint16_t* out);
-UndistortFunction undistort_ref, undistort_portable;
+UndistortFunction undistort_portable;
 UndistortFunction undistort;  // the fastest here
 
 using UndistortKernel = KernelVariant<UndistortFunction>;
-inline constexpr UndistortKernel kUndistortKernels[] = {
-#include "kernels/undistort/kernels.inc"
-};
+inline constexpr UndistortKernel kUndistortKernels[] = {IM2FIT_PORTABLE(undistort)};
 
 }  // namespace im2fit

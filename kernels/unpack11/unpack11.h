@@ -13,7 +13,7 @@ namespace im2fit {
 // `packed` has unpack11_bytes(count) bytes and none beyond them is read; bits after the last value are not looked at.
 // `out` has `count` values of 0 to 2047. No allocation, thread-safe. All tiers agree bit for bit.
 using Unpack11Function = void(const std::uint8_t* packed, int count, std::uint16_t* out);
-Unpack11Function unpack11_ref, unpack11_portable, unpack11_neon, unpack11_avx2;
+Unpack11Function unpack11_portable, unpack11_neon, unpack11_avx2;
 Unpack11Function unpack11;  // the fastest here
 
 constexpr std::size_t unpack11_bytes(int count) {
@@ -21,8 +21,7 @@ constexpr std::size_t unpack11_bytes(int count) {
 }
 
 using Unpack11Kernel = KernelVariant<Unpack11Function>;
-inline constexpr Unpack11Kernel kUnpack11Kernels[] = {
-#include "kernels/unpack11/kernels.inc"
-};
+inline constexpr Unpack11Kernel kUnpack11Kernels[] = {IM2FIT_PORTABLE(unpack11) IM2FIT_NEON(unpack11)
+                                                          IM2FIT_AVX2(unpack11)};
 
 }  // namespace im2fit

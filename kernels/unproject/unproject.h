@@ -52,11 +52,9 @@ class RayTable {
 // m. The frame path takes points one by one from RayTable; whole clouds are for tests and the golden run.
 using UnprojectFunction = void(DepthView depth, int fraction_bits, const RayTable& rays, float* x, float* y,
                                float* z);
-UnprojectFunction unproject_ref, unproject_portable;
+UnprojectFunction unproject_portable;
 
 using UnprojectKernel = KernelVariant<UnprojectFunction>;
-inline constexpr UnprojectKernel kUnprojectKernels[] = {
-#include "kernels/unproject/kernels.inc"
-};
+inline constexpr UnprojectKernel kUnprojectKernels[] = {IM2FIT_PORTABLE(unproject)};
 
 }  // namespace im2fit

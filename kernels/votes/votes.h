@@ -21,11 +21,9 @@ struct VotingPoints {
 // order: inverse = -((q0 x + q1 y) + q2), plane = 1 / inverse, |z - plane| < near, z > (plane + 80) + far. No
 // allocation, thread-safe. Portable gives ref's counts but for points on an edge to 1e-3 mm.
 using VotesFunction = void(const VotingPoints& points, const float* q, Votes& out);
-VotesFunction votes_ref, votes_portable, votes;
+VotesFunction votes_portable, votes;
 
 using VotesKernel = KernelVariant<VotesFunction>;
-inline constexpr VotesKernel kVotesKernels[] = {
-#include "kernels/votes/kernels.inc"
-};
+inline constexpr VotesKernel kVotesKernels[] = {IM2FIT_PORTABLE(votes)};
 
 }  // namespace im2fit

@@ -33,7 +33,7 @@ inline constexpr std::size_t kProfileSize = ProfileLayout::kSize;
 inline constexpr std::size_t kFeatureSize = kPaperFeatureSize + kProfileSize + kSensorTraits;
 using Feature = std::array<float, kFeatureSize>;
 
-// First stage (thread SENSE): who is there, and where the joints are.
+// First stage (thread SENSE): the people in view, and the joints of one of them.
 struct Detection {
   Person person;
   JointSet joints;        // meaningful when person.found
@@ -48,41 +48,27 @@ struct Detection {
 class Sensor {
  public:
   Sensor(int width, int height, const JointModel& model);
-  // `seconds` since the frame before.
-  Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
-
-  // The same in two parts, the second of which may run on another thread, frame by frame in their order: look() finds
-  // who is there and the mask, finish() that person's joints and pose. finish() must be done before the next look(),
-  // unless may_finish_later(): where no person is found, or one who needs no judgement by joints
-  // (PersonTracker::accepted), the joints do not change what look() finds in later frames. Whether that person stands
-  // right is for people().hold(), when it is known.
-  Detection look(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS);
-  bool may_finish_later(const Detection& looked) const;
-  void finish(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, Detection& detection);
-  // Of a frame that may_finish_later(). Touches nothing that look() and people() do.
-  void finish_later(DepthView depth, const Intrinsics& intrinsics, MaskView mask, Detection& detection);
-  // Where gravity pulls, a unit vector in the frames' axes, from the next frame on: what is upright where no floor is
-  // seen. Holds until reset().
+  // `seconds` since the frame before. `frame_guidance`: codes that the frame as a whole carries already, reported
+  // with those of a person found.
+  Detection sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds = kFramePeriodS,
+                  GuidanceSet frame_guidance = 0);
+  // The direction of gravity, a unit vector in the frames' axes, from the next frame on: it defines upright where no
+  // floor is seen. Holds until reset().
   void set_down(Vec3f down) { up_ = -down; }
-  // Who is who, whom to sense from the next frame on, and whose session it is. Between frames.
+  // The people followed, the selected one and the session's. Between frames.
   PersonTracker& people() { return people_; }
   void reset();  // forgets the room and the people; a selection stays
 
  private:
   JointEvidence evidence(const Person& person) const;
   Detection without_person(const Detection& refused, MaskImage mask);
-  void find_joints(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Person& standing,
-                   Detection& detection);
   void judge_pose(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Lean& lean,
                   Detection& detection);
 
-  // look()'s.
   HoleFiller holes_;
-  DepthView filled_;  // the frame looked at last
   Segmenter segmenter_;
   PersonTracker people_;
   std::optional<Vec3f> up_;
-  // finish()'s.
   JointTracker tracker_;
   int previous_user_ = 0;  // whose joints tracker_ followed in the last frame; 0: none's
 };

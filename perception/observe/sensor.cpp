@@ -4,7 +4,13 @@
 #include "perception/observe/arm_gap.h"
 #include "perception/observe/gate.h"
 #include "perception/observe/observe.h"
-#include "perception/observe/sensor_limits.h"
+
+// The thresholds of this file. When a user is accepted as a person: segment/person_tracker_limits.h.
+namespace im2fit::sensor_limits {
+
+constexpr float kLostShareMax = 0.30F;  // pixels without data: as in segment/advice.cpp
+
+}  // namespace im2fit::sensor_limits
 
 namespace im2fit {
 
@@ -47,31 +53,33 @@ Lean lean_of_chosen(DepthView depth, MaskView mask, const Intrinsics& intrinsics
 Sensor::Sensor(int width, int height, const JointModel& model)
     : holes_(width, height), segmenter_(width, height), tracker_(model) {}
 
-Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) {
-  Detection detection = look(depth, intrinsics, mask, seconds);
-  finish(depth, intrinsics, mask, detection);
-  return detection;
-}
-
-Detection Sensor::look(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds) {
+Detection Sensor::sense(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, float seconds,
+                        GuidanceSet frame_guidance) {
   Detection detection;
-  filled_ = holes_.run(depth);
-  detection.person = segmenter_.run(filled_, intrinsics, people_, mask, seconds, up_);
+  const DepthView filled = holes_.run(depth);
+  detection.person = segmenter_.run(filled, intrinsics, people_, mask, seconds, up_);
   for (const User& user : people_.users()) detection.users[static_cast<std::size_t>(detection.user_count++)] = user;
   detection.guidance = detection.person.guidance;
-  return detection;
-}
-
-// A filled picture is the hole filler's own.
-bool Sensor::may_finish_later(const Detection& looked) const {
-  return !holes_.filled() && (!looked.person.found || people_.accepted(looked.person.id));
-}
-
-void Sensor::find_joints(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Person& standing,
-                         Detection& detection) {
+  if (!detection.person.found) {
+    previous_user_ = 0;
+    return detection;
+  }
+  detection.guidance |= frame_guidance;
+  const bool judged = !people_.accepted(detection.person.id);
+  Person standing = detection.person;
+  if (judged && !standing.floor.known) standing.floor = assumed_floor(filled, mask, intrinsics, standing);
   const bool follows = previous_user_ != 0 && previous_user_ == detection.person.id;
-  detection.joints = tracker_.track(depth, mask, intrinsics, standing, follows);
+  detection.joints = tracker_.track(filled, mask, intrinsics, standing, follows);
   previous_user_ = detection.person.id;
+  if (judged && !people_.judge(detection.person.id, evidence(detection.person)))
+    return without_person(detection, mask);
+  const Lean lean = lean_of_chosen(filled, mask, intrinsics, detection);
+  // Other people are a guess in such a picture, too.
+  if (holes_.filled() && drop_lost_pixels(depth, mask) > kLostShareMax)
+    detection.guidance = (detection.guidance & ~static_cast<GuidanceSet>(Guidance::several_people)) |
+                         static_cast<GuidanceSet>(Guidance::too_noisy);
+  judge_pose(filled, intrinsics, mask, lean, detection);
+  return detection;
 }
 
 void Sensor::judge_pose(DepthView depth, const Intrinsics& intrinsics, MaskView mask, const Lean& lean,
@@ -84,36 +92,6 @@ void Sensor::judge_pose(DepthView depth, const Intrinsics& intrinsics, MaskView 
   if (detection.arms_close != 0) pose |= static_cast<GuidanceSet>(Guidance::arms_close);
   detection.guidance |= pose & pose_codes_seen(detection.guidance, detection.view);
   if (!has(detection.guidance, Guidance::arms_close)) detection.arms_close = 0;
-}
-
-void Sensor::finish_later(DepthView depth, const Intrinsics& intrinsics, MaskView mask, Detection& detection) {
-  if (!detection.person.found) {
-    previous_user_ = 0;
-    return;
-  }
-  find_joints(depth, intrinsics, mask, detection.person, detection);
-  judge_pose(depth, intrinsics, mask, lean_of_chosen(depth, mask, intrinsics, detection), detection);
-}
-
-void Sensor::finish(DepthView depth, const Intrinsics& intrinsics, MaskImage mask, Detection& detection) {
-  if (!detection.person.found) {
-    previous_user_ = 0;
-    return;
-  }
-  const bool judged = !people_.accepted(detection.person.id);
-  Person standing = detection.person;
-  if (judged && !standing.floor.known) standing.floor = assumed_floor(filled_, mask, intrinsics, standing);
-  find_joints(filled_, intrinsics, mask, standing, detection);
-  if (judged && !people_.judge(detection.person.id, evidence(detection.person))) {
-    detection = without_person(detection, mask);
-    return;
-  }
-  const Lean lean = lean_of_chosen(filled_, mask, intrinsics, detection);
-  // Other people are a guess in such a picture, too.
-  if (holes_.filled() && drop_lost_pixels(depth, mask) > kLostShareMax)
-    detection.guidance = (detection.guidance & ~static_cast<GuidanceSet>(Guidance::several_people)) |
-                         static_cast<GuidanceSet>(Guidance::too_noisy);
-  judge_pose(filled_, intrinsics, mask, lean, detection);
 }
 
 JointEvidence Sensor::evidence(const Person& person) const {

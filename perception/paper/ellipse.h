@@ -6,7 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "kernels/moments/moments.h"
 
@@ -33,10 +32,5 @@ struct EllipseSums {
 
 // Deterministic: + - * / sqrt in double. No allocation.
 Ellipse fit_ellipse(const EllipseSums& sums);
-
-struct Point2 {
-  double x, y;
-};
-Ellipse fit_ellipse_ref(std::span<const Point2> points);
 
 }  // namespace im2fit

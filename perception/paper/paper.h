@@ -12,7 +12,6 @@
 #include "core/measurement.h"
 #include "kernels/rayform/ray_form.h"
 #include "kernels/section/section.h"
-#include "kernels/tier.h"
 #include "kernels/unproject/unproject.h"
 #include "perception/paper/ellipse.h"
 
@@ -54,24 +53,13 @@ class PaperWorkspace {
 };
 
 // `depth` in 1/16 mm (Q12.4 fixed point, 0 = none) so that fused depth keeps its fraction; masked pixels only.
-// Portable agrees with ref to 0.05 mm in lengths (coordinates are rounded to 2^-11 mm and sums of a few stay below)
-// and to 1 mm in girths (section points are rounded to 1/8 mm, rms 0.036 mm; over the hundred or more points of a
-// section that moves the mean by 0.004 mm, and the half-seen ellipse magnifies it by up to some tens). Integers, and
-// floats in written order: the same bits on every machine and in every tier of the kernels it calls (section,
-// moments, geodesic). No allocation after construction, no threads.
-using PaperFunction = PaperMeasurements(ImageView<const std::uint16_t> depth_q4, MaskView mask,
-                                        const Intrinsics& intrinsics, const JointSet& joints, PaperWorkspace& work);
+// It agrees with the reference in double (tests/perception/paper_ref.h) to 0.05 mm in lengths (coordinates are
+// rounded to 2^-11 mm and sums of a few stay below) and to 1 mm in girths (section points are rounded to 1/8 mm, rms
+// 0.036 mm; over the hundred or more points of a section that moves the mean by 0.004 mm, and the half-seen ellipse
+// magnifies it by up to some tens). Integers, and floats in written order: the same bits on every machine and in
+// every tier of the kernels it calls (section, moments, geodesic). No allocation after construction, no threads.
 PaperMeasurements measure_paper(ImageView<const std::uint16_t> depth_q4, MaskView mask, const Intrinsics& intrinsics,
                                 const JointSet& joints, PaperWorkspace& work);
-PaperMeasurements measure_paper_portable(ImageView<const std::uint16_t> depth_q4, MaskView mask,
-                                         const Intrinsics& intrinsics, const JointSet& joints, PaperWorkspace& work);
-PaperMeasurements measure_paper_ref(ImageView<const std::uint16_t> depth_q4, MaskView mask,
-                                    const Intrinsics& intrinsics, const JointSet& joints, PaperWorkspace& work);
-
-using PaperKernel = KernelVariant<PaperFunction>;
-inline constexpr PaperKernel kPaperKernels[] = {
-#include "perception/paper/kernels.inc"
-};
 
 // In the id table's order; ids the paper does not measure are NaN.
 MeasurementValues to_values(const PaperMeasurements& m);

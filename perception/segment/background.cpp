@@ -5,8 +5,23 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "perception/segment/background_limits.h"
 #include "perception/segment/person_tracker.h"
+
+// The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
+// docs/notebook/perception-thresholds.md. Sources:
+//   [still] came with the background (commit c186dfc); single frames are unchanged by it, no other measurement
+//           on record
+namespace im2fit::segment::background_limits {
+
+constexpr int kLearnedFrames = 60;         // two seconds: longer than people stand unrecognised; [still]
+constexpr int kEvidenceMax = 240;          // frames that something nearer must stay to become the background; [still]
+constexpr float kKeepoutMm = 350.0F;       // beside people and before them nothing is learned; [still]
+constexpr float kKeepoutDepthMm = 700.0F;  // of them in depth; [still]
+constexpr int kKnownMin = 1000;            // cells, least, to decide whether the camera moved; [still]
+constexpr float kTurnMax = 0.02F;          // of the floor's normal: 1.1 degrees; [still]
+constexpr float kLiftMaxMm = 40.0F;        // of the camera above the floor; [still]
+
+}  // namespace im2fit::segment::background_limits
 
 namespace im2fit::segment {
 

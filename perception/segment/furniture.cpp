@@ -5,7 +5,73 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "perception/segment/furniture_limits.h"
+// The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
+// docs/notebook/perception-thresholds.md. Sources:
+//   [cut]   came with the cut of furniture; measured together, not one by one: IoU p5 of 200 people in two
+//           fresh scenes each 0.877 -> 0.927 (commit 5651a96)
+//   [posts] came with the cut of chair legs; together: IoU p5 of 240 full scenes, seed 8101, 0.927 -> 0.944,
+//           seated 0.856 -> 0.910 (commit deeed50)
+//   [legs]  came with bent people keeping their legs; no measurement of masks on record (commit 3db21d5)
+//   [stay]  came with ankles, sleeves and hands that stay; together: IoU p5 of 520 frames of seeds 70707, 60611
+//           and 909090; only the figures before are on record: 0.9476, 0.9465, 0.9532 (commit cb455a6)
+// None of them has a measurement of its own on record: the values were chosen on synthetic rooms.
+namespace im2fit::segment::furniture_limits {
+
+// Where a ledge, the level upper edge of a piece of furniture, may be.
+constexpr float kLedgeLowMm = 130.0F;          // above the floor, least; shoes are lower; [cut]
+constexpr float kLedgeHighMm = 800.0F;         // above the floor, most; hands hang above; 700 before [posts]
+constexpr float kLedgeShare = 0.5F;            // most, of a standing person's height; 0.45 before [posts]
+constexpr float kClearMm = 80.0F;              // above a ledge with nothing of the person; [cut]
+constexpr float kLevelStepMm = 28.0F;          // height difference from column to column, most; [cut]
+constexpr float kLevelMm = 50.0F;              // height difference along a ledge, most; [cut]
+constexpr float kLedgeMinMm = 110.0F;          // length, least; shorter edges stay on the person; [cut]
+constexpr float kTopFaceMm = 30.0F;            // below the edge: still the upper face, seen from above; [cut]
+constexpr int kFrontCells = 4;                 // averaged for the distance of a front; [cut]
+constexpr int kEdgeCells = 2;                  // of either face, mixed at an edge; [cut]
+constexpr float kFrontToleranceMm = 14.0F;     // a front leaves its distance by, most; [cut]
+constexpr float kFrontToleranceQuanta = 0.8F;  // and by so many disparity steps; [cut]
+constexpr float kFlatBaseMm = 50.0F;           // either side of a column; calves bulge by 25 mm over both; [cut]
+constexpr float kFlatBulgeMm = 7.0F;           // over that base, most; boxes have none, calves 25; [cut]
+constexpr float kFlatBulgeQuanta = 0.4F;       // and so many disparity steps, which noise adds; [cut]
+constexpr float kBandMm = 60.0F;               // off a front's distance, in the floor band; [cut]
+
+// A front that goes on beside its ledge.
+constexpr float kBesideMm = 200.0F;             // as far as that; [cut]
+constexpr float kBesideToleranceMm = 10.0F;     // off the front's line, most; [cut]
+constexpr float kBesideToleranceQuanta = 0.4F;  // and so many disparity steps; [cut]
+
+// Whether the person sits.
+constexpr float kSeatedShare = 0.33F;     // ledges of the height as seated: the thighs are higher; [cut]
+constexpr float kSeatShare = 0.36F;       // seats, between the thighs, of the same height; [cut]
+constexpr float kSeatedMaxMm = 1450.0F;   // height of most who sit; [cut]
+constexpr float kSeatedTallMm = 1600.0F;  // height of the tallest who sit, as high as others stand; [stay]
+constexpr float kSeatedAheadMm = 250.0F;  // shins before the trunk of these: a step is shorter; [stay]
+constexpr float kBendsMm = 60.0F;         // shins behind the trunk: a person who bends; [legs]
+constexpr float kTrunkLow = 0.55F;        // the trunk begins, of a seated person's height; [cut]
+constexpr float kTrunkHigh = 0.8F;        // and ends; [cut]
+constexpr float kDistanceBinMm = 10.0F;   // of the histogram its median distance is read from; resolution
+constexpr int kDistanceBins = 1000;       // of it: to 10 m, where depth ends; follows from kDepthMaxMm
+
+// Seats and chair backs, of who sits.
+constexpr float kPartMm = 22.0F;        // depth jump that parts a row, and a disparity step; [cut]
+constexpr int kFlatCellsMin = 4;        // across a part of a row, to see its shape; [cut]
+constexpr float kRowFlatMm = 5.0F;      // bulge of a flat part, most; [cut]
+constexpr float kRowRoundMm = 10.0F;    // bulge of a shin, least; [posts]
+constexpr float kRowQuanta = 0.4F;      // and so many disparity steps, of both; [cut]
+constexpr float kBehindMm = 150.0F;     // a backrest behind the trunk's front: trunks are 230 deep; [cut]
+constexpr float kArmBehindMm = 150.0F;  // beyond that an arm reaches, most; [stay]
+constexpr float kArmStepMm = 8.0F;      // depth step within an arm's surface, most; [stay]
+constexpr float kArmStepQuanta = 0.5F;  // and so many disparity steps; [stay]
+
+// Legs of chairs, and shins that are none.
+constexpr float kPostMm = 50.0F;           // width, most; shins are wider; [posts]
+constexpr float kPostLowMm = 200.0F;       // above the floor, least: ankles are as narrow; [posts]
+constexpr float kPostTallMm = 60.0F;       // height, least: ankles seen that narrow are shorter; [stay]
+constexpr float kShinThickMinMm = 70.0F;   // area over height of a shin on its own, least; [stay]
+constexpr float kShinThickMaxMm = 125.0F;  // and most; [stay]
+constexpr float kShinTallMinMm = 120.0F;   // height of a shin on its own, least; [stay]
+
+}  // namespace im2fit::segment::furniture_limits
 
 namespace im2fit::segment {
 

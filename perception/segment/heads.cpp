@@ -3,7 +3,67 @@
 #include <cmath>
 
 #include "perception/segment/blobs.h"
-#include "perception/segment/heads_limits.h"
+
+// The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
+// docs/notebook/perception-thresholds.md. Sources:
+//   [250]    each keeps 95 % of 250 dressed people's heads in furnished rooms (commit 1e3516a)
+//   [corner] no second person in cupboard corners: SEVERAL_PEOPLE in 6 of 150 furnished rooms before, 0 or 1
+//            after, all changes together (commit 37059cc)
+//   [coats]  coats on stands are no people (commit 78a99e4): chosen on synthetic rooms, no measurement on
+//            record
+//   [rooms]  chosen on synthetic rooms, no measurement on record
+namespace im2fit::segment::heads_limits {
+
+// Rows below the crown, mm, and what is measured in them.
+constexpr float kGapBelowTopMm = 20.0F;    // a missing row so close to the top is noise; [rooms]
+constexpr float kHeadBeginMm = 55.0F;      // the head is measured from here; [rooms]
+constexpr float kHeadEndMm = 165.0F;       // to here, where the neck begins; [rooms]
+constexpr float kCentreEndMm = 170.0F;     // the head's middle follows its rows down to here; [rooms]
+constexpr float kNeckEndMm = 280.0F;       // the neck ends; [rooms]
+constexpr float kTrunkBeginMm = 270.0F;    // the trunk and the shoulders begin; [250]
+constexpr float kShouldersEndMm = 430.0F;  // the shoulders end; [rooms]
+constexpr float kTrunkEndMm = 650.0F;      // the trunk is read to here; [coats]
+constexpr float kHeadDepthMm = 280.0F;     // depth from the head's within which a row belongs to it; [rooms]
+constexpr float kTrunkHalfMm = 180.0F;     // either side of the trunk's middle, where its bulge is read; [coats]
+
+// Limits a head must keep.
+constexpr float kHeadHeightMinMm = 1100.0F;  // above the floor, least: a seated adult's; [rooms]
+constexpr float kNarrowestMinMm = 85.0F;     // width of its narrowest row, least; [250]
+constexpr float kWidestMaxMm = 330.0F;       // of its widest row, most; [250]
+constexpr float kWidthMinMm = 105.0F;        // mean width, least; [250]
+constexpr float kWidthMaxMm = 270.0F;        // and most; [250]
+constexpr float kNarrowestShareMin =
+    0.45F;                                 // narrowest row over widest: below, it is cut in two or a corner; [corner]
+constexpr float kNeckWidthMinMm = 90.0F;   // a neck below is a pole's; [rooms]
+constexpr float kNeckShareMax = 1.25F;     // neck over head: above, it widens as a cupboard's top does; [corner]
+constexpr float kShouldersMinMm = 220.0F;  // width of the shoulders, least; [250]
+constexpr float kShouldersShareMin = 1.2F;      // over the head's, least; [250]
+constexpr float kShoulderReachMinMm = 40.0F;    // beyond the head, least on the wider side; [250]
+constexpr float kShoulderLackShareMax = 0.25F;  // of the head's width that one side may lack; [250]
+constexpr float kHeadReliefMinMm =
+    33.0F;  // heads recede by 50 to 65 mm to their outline, cupboard corners by 20; [corner]
+constexpr float kHeadReliefQuanta = 0.2F;  // less so many disparity steps; [corner]
+constexpr float kBackBulgeMinMm = 10.0F;   // of the trunk, rms, least: some backs are as flat as a coat; [coats]
+constexpr float kBackBulgeQuanta = 0.35F;  // and so many disparity steps; [coats]
+
+// Misfit: by how much limits that most people keep are missed, summed in units of a spread.
+constexpr float kMisfitMax = 1.0F;              // most; [250]
+constexpr float kMisfitOnLegsMax = 3.0F;        // most of a surface that has legs; [250]
+constexpr float kUsualWidthMm = 192.0F;         // heads are narrower, mostly; [250]
+constexpr float kUsualNeckMm = 150.0F;          // necks are narrower, mostly; [250]
+constexpr float kSpreadMm = 25.0F;              // unit of both; [250]
+constexpr float kUsualShouldersShare = 2.2F;    // shoulders over head are more, mostly; [250]
+constexpr float kShouldersShareSpread = 0.25F;  // unit of that; [250]
+
+// Which heads count.
+constexpr float kVagueMm =
+    4500.0F;  // distance beyond which a head counts only where there is no better one; [corner]
+constexpr float kVagueBulgeMm = 14.0F;     // trunk bulge below which it counts so; [rooms]
+constexpr float kVagueBulgeQuanta = 0.5F;  // and so many disparity steps; [rooms]
+constexpr float kPeakReachMm = 90.0F;      // a head's top is highest within that; [rooms]
+constexpr float kHeadApartMm = 320.0F;     // between two heads of one surface, least; [rooms]
+
+}  // namespace im2fit::segment::heads_limits
 
 namespace im2fit::segment {
 

@@ -4,7 +4,54 @@
 #include <algorithm>
 #include <cmath>
 
-#include "perception/segment/split_limbs_limits.h"
+// The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
+// docs/notebook/perception-thresholds.md. Sources:
+//   [limbs]    came with legs under skirts and arms behind the trunk; tried on 250 furnished, dressed scenes,
+//              no figures on record (commit 3dafe52)
+//   [hands]    came with cut-off forearms: 4 of 100 free poses lost a limb or the person before (commit
+//              9f75025)
+//   [pointing] hands that point at the camera stay while cupboard corners are no heads (commit 37059cc)
+//   [flat]     boxes on stools are no hands, IoU p5 0.9476, 0.9465, 0.9532 before; no figures after (commit
+//              cb455a6)
+//   [rooms]    chosen on synthetic rooms, no measurement on record
+namespace im2fit::segment::split_limbs_limits {
+
+// Hands and forearms before the body.
+constexpr float kIslandAreaMaxM2 = 0.12F;    // of any limb, most: a forearm pointing at the camera; [hands]
+constexpr float kForearmMaxMm = 600.0F;      // length with the hand, most; [hands]
+constexpr float kForearmThickMinMm = 70.0F;  // area over length, least: table tops are thinner; [rooms]
+constexpr float kForearmAreaMaxM2 = 0.08F;   // area, most; [hands]
+constexpr float kHandHeightMinMm = 400.0F;   // above the floor, least: below stand boxes and chairs; [rooms]
+constexpr float kFlatAreaMinM2 = 0.02F;      // a flat island that large is no palm; [flat]
+constexpr float kFlatReliefMaxMm = 5.0F;     // relief below which it is flat; [flat]
+constexpr float kFlatReliefQuanta = 0.3F;    // and so many disparity steps; [flat]
+constexpr float kHandGapMaxMm = 280.0F;      // in space from the person, most: the forearm is hidden; [rooms]
+constexpr float kPointingMm = 250.0F;        // before the body: may hide its whole arm; [pointing]
+constexpr float kPointingGapMaxMm = 450.0F;  // gap then, most; [pointing]
+constexpr float kHandMaxMm = 320.0F;         // length of a hand alone, most; [pointing]
+constexpr float kElbowGapMaxMm = 100.0F;     // gap of others, most; [hands]
+constexpr int kGapReachCells = 9;            // how far the person is searched about an island; [rooms]
+
+// Arms and legs behind it.
+constexpr float kLimbMinMm = 150.0F;       // length, least; [limbs]
+constexpr float kLimbMaxMm = 900.0F;       // and most; [limbs]
+constexpr float kLimbThickMinMm = 38.0F;   // area over length, least: legs of chairs are thinner; [limbs]
+constexpr float kArmThickMaxMm = 95.0F;    // and most, of an arm; [limbs]
+constexpr float kLegThickMaxMm = 120.0F;   // of a leg; [limbs]
+constexpr float kLimbSlender = 1.6F;       // length over width, least; [limbs]
+constexpr float kLimbReliefMinMm = 12.0F;  // from its best plane, least: fronts of boxes are flatter; [limbs]
+constexpr float kArmGapMaxMm = 250.0F;     // in space, behind the trunk; [limbs]
+constexpr float kLegGapMaxMm = 130.0F;     // behind the hem of a skirt; [limbs]
+constexpr int kLimbTouchMin = 2;           // cells that touch the person, least; [limbs]
+constexpr float kLegTopMaxMm = 1000.0F;    // a leg's top above the floor, most; [limbs]
+constexpr float kLegEndMaxMm = 200.0F;     // and its end; [limbs]
+constexpr float kArmEndMinMm = 350.0F;     // an arm's end above the floor, least; [limbs]
+
+// What the outline encloses, and what lies on something else.
+constexpr float kEnclosedMinMm = 400.0F;  // above the floor, least: boxes stand between legs; [limbs]
+constexpr float kHeldMm = 120.0F;         // what goes on below is no further in depth than that; [limbs]
+
+}  // namespace im2fit::segment::split_limbs_limits
 
 namespace im2fit::segment {
 

@@ -5,7 +5,26 @@
 #include <cmath>
 
 #include "perception/segment/floor.h"
-#include "perception/segment/wall_limits.h"
+
+// The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
+// docs/notebook/perception-thresholds.md. Sources:
+//   [rooms] chosen on synthetic rooms, no measurement on record
+namespace im2fit::segment::wall_limits {
+
+constexpr int kOpenCountMin = 400;      // cells not yet anything's, least, to search for a wall; [rooms]
+constexpr int kHypothesisCount = 60;    // planes tried; [rooms]
+constexpr int kScoredCount = 400;       // cells that vote on each; [rooms]
+constexpr float kWidthMinMm = 1300.0F;  // along the floor, least; [rooms]
+constexpr float kAreaMinM2 = 1.2F;      // least: more than a person with both arms out; [rooms]
+constexpr float kOnMm = 20.0F;          // off the wall, with a disparity step: still of it; [rooms]
+constexpr float kBehindMm = 45.0F;      // before the wall, with two disparity steps: goes with it; [rooms]
+// A wall found before is looked for anew when one in so many of its votes is lost. Noise of 400 votes is 2.5 % at
+// most (of a wall that has a half of them; binomial); [rooms]
+constexpr int kFollowParts = 10;
+constexpr float kUprightMax = 0.25F;      // sine of a wall's tilt, most; [rooms]
+constexpr float kDistanceMinMm = 300.0F;  // of its plane from the camera, least; [rooms]
+
+}  // namespace im2fit::segment::wall_limits
 
 namespace im2fit::segment {
 

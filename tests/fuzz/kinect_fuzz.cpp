@@ -14,6 +14,7 @@
 #include "hal/usb/kinect_commands.h"
 #include "kernels/unpack11/shift_table.h"
 #include "kernels/unpack11/unpack11.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace {
 
@@ -234,7 +235,7 @@ void unpacking(Input& input) {
   std::copy(packed.begin(), packed.end(), exact.get());
   std::vector<std::uint16_t> want(static_cast<std::size_t>(count)), got(want.size());
   unpack11_ref(exact.get(), count, want.data());
-  for (const auto& kernel : kUnpack11Kernels) {
+  for (const auto& kernel : kUnpack11WithRef) {
     if (!tier_available(kernel.tier)) continue;
     kernel.function(exact.get(), count, got.data());
     require(got == want, "tiers differ");

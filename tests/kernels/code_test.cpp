@@ -3,6 +3,7 @@
 #include "kernels/code_bounds/code_bounds.h"
 #include "kernels/code_distance/code_distance.h"
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -60,7 +61,7 @@ TEST(CodeDistance, LongGapsAreCutAndTheLargestSumFits) {
   at.fill(kCodePlaceMax + 5);  // clamped
   const CodeQuery query(steps.data(), at.data(), kCodeDimensionMax);
   const std::vector<std::int8_t> block(kCodeBlock * kCodeDimensionMax, -128);
-  for (const auto& variant : kCodeDistanceKernels) {
+  for (const auto& variant : kCodeDistanceWithRef) {
     if (!tier_available(variant.tier)) continue;
     std::int32_t out[kCodeBlock], least = 0;
     variant.function(block.data(), 1, query, out, &least);

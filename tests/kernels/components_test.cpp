@@ -10,6 +10,7 @@
 
 #include "kernels/components/links.h"
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {

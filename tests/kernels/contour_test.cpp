@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -118,7 +119,7 @@ TEST(Contour, AnEmptyWordLiesBetween) {
   std::fill(depth.begin() + 128, depth.end(), std::uint16_t{40000});
   std::vector<std::uint8_t> mask(kWidth, 255);
   std::fill(mask.begin() + 64, mask.begin() + 128, std::uint8_t{0});
-  for (const auto& variant : kContourKernels) {
+  for (const auto& variant : kContourWithRef) {
     if (!tier_available(variant.tier)) continue;
     ContourRow row{};
     std::array<std::uint64_t, 3> seen{}, steps{};
@@ -137,7 +138,7 @@ TEST(Contour, DiscInFrontOfAWall) {
     for (int u = 0; u < kSide; ++u)
       depth.push_back(static_cast<std::uint16_t>(std::hypot(u - 150, v - 150) <= kRadius ? kNear : kFar));
   const std::size_t words = contour_words(kSide);
-  for (const auto& variant : kContourKernels) {
+  for (const auto& variant : kContourWithRef) {
     if (!tier_available(variant.tier)) continue;
     std::vector<ContourRow> rows(kSide);
     std::vector<std::uint64_t> seen(kSide * words), steps(seen.size());

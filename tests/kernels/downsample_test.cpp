@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/downsample/downsample_box.h"
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::joints {
 namespace {
@@ -76,7 +77,7 @@ TEST(DownsampleBox, WidestAndDeepestBoxFitsTheSums) {
                              1};
   std::vector<std::uint16_t> out(kDownsampleWidthMax);
   constexpr std::int64_t kColumns = kDownsampleWidthMax;
-  for (const auto& variant : kDownsampleBoxKernels) {
+  for (const auto& variant : kDownsampleBoxWithRef) {
     if (!tier_available(variant.tier)) continue;
     DownsampleMoments m;
     variant.function(box, out.data(), m);

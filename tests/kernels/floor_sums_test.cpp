@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -75,7 +76,7 @@ TEST(FloorSums, TenMetresCountAndNoMillimetreMore) {
   const float ray = 0;
   const FloorCell cell = {0, 0, 1, 1.0F};
   const FloorGate gate = {0.0F, 0.0F, 1e9F, 0.0F, &ray, &ray, &ray};
-  for (const auto& variant : kFloorSumsKernels) {
+  for (const auto& variant : kFloorSumsWithRef) {
     if (!tier_available(variant.tier)) continue;
     for (const auto& [depth, weight] : {std::pair{std::uint16_t{10000}, 1.0}, {std::uint16_t{10001}, 0.0}}) {
       PlaneSums sums;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kernels/fpfh/fpfh_pair.h"
+#include "tests/kernels/ref/kernel_refs.h"
 #include "tests/perception/analytic_figure.h"
 
 namespace im2fit {
@@ -54,7 +55,7 @@ void expect_descriptor(const std::vector<float>& out, const std::array<float, kF
 }
 
 class Fpfh : public testing::TestWithParam<FpfhKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, Fpfh, testing::ValuesIn(kFpfhKernels),
+INSTANTIATE_TEST_SUITE_P(Tiers, Fpfh, testing::ValuesIn(kFpfhWithRef),
                          [](const auto& p) { return std::string(p.param.name); });
 
 constexpr Intrinsics kSmall = {40, 30, 50, 50, 19.5F, 14.5F};
@@ -152,7 +153,7 @@ TEST_P(Fpfh, RadiusIsStrict) {
 // brute force in double against row ranges in float.
 double worst_l1(const FpfhKernel& kernel, const FigureCloud& c, const std::vector<Vec3f>& keypoints,
                 float radius_mm) {
-  const std::vector<float> want = run(kFpfhKernels[0], c, keypoints, radius_mm);
+  const std::vector<float> want = run(kFpfhWithRef[0], c, keypoints, radius_mm);
   const std::vector<float> got = run(kernel, c, keypoints, radius_mm);
   double worst = 0;
   for (std::size_t k = 0; k < keypoints.size(); ++k) {
@@ -170,7 +171,7 @@ std::vector<Vec3f> joint_keypoints(const test::Figure& figure) {
 }
 
 TEST_P(Fpfh, AgreesWithRefOnANoisyFigure) {
-  ASSERT_STREQ(kFpfhKernels[0].name, "ref");
+  ASSERT_STREQ(kFpfhWithRef[0].name, "ref");
   const Intrinsics portrait = {90, 130, 105, 105, 44.5F, 64.5F}, coarse = {40, 50, 46, 46, 19.5F, 24.5F};
   struct Case {
     Intrinsics intrinsics;
@@ -260,7 +261,7 @@ TEST(FpfhDispatch, TakesTheBestTier) {
   FpfhWorkspace work(45, 65);
   std::vector<float> out(all.size() * kFpfhSize);
   fpfh(view(c), all, kFpfhRadiusMm, work, out);
-  EXPECT_EQ(out, run(kFpfhKernels[1], c, all));
+  EXPECT_EQ(out, run(kFpfhWithRef[1], c, all));
 }
 
 }  // namespace

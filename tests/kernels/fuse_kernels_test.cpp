@@ -9,15 +9,16 @@
 #include "kernels/blocks/blocks.h"
 #include "kernels/mean/mean.h"
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
 
 const auto kName = [](const auto& p) { return std::string(p.param.name); };
 class Average : public testing::TestWithParam<AverageKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, Average, testing::ValuesIn(kAverageKernels), kName);
+INSTANTIATE_TEST_SUITE_P(Tiers, Average, testing::ValuesIn(kAverageWithRef), kName);
 class Mean : public testing::TestWithParam<MeanKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, Mean, testing::ValuesIn(kMeanKernels), kName);
+INSTANTIATE_TEST_SUITE_P(Tiers, Mean, testing::ValuesIn(kMeanWithRef), kName);
 
 TEST_P(Average, AddsWhatLiesWithinFiftyMillimetresOfTheMean) {
   if (!tier_available(GetParam().tier)) GTEST_SKIP() << "not on this machine";
@@ -69,7 +70,7 @@ TEST_P(Mean, RoundsToTheSixteenth) {
 }
 
 class Blocks : public testing::TestWithParam<BlocksKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, Blocks, testing::ValuesIn(kBlocksKernels), kName);
+INSTANTIATE_TEST_SUITE_P(Tiers, Blocks, testing::ValuesIn(kBlocksWithRef), kName);
 
 TEST_P(Blocks, SumTheFrontSurface) {
   if (!tier_available(GetParam().tier)) GTEST_SKIP() << "not on this machine";

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -62,14 +63,14 @@ TEST(Geodesic, RootsAtTheirHalves) {
       const std::int64_t square = std::int64_t{r} * r + b * b + c * c;
       const std::uint32_t one = static_cast<std::uint32_t>(square > std::int64_t{r} * (r + 1) ? r + 1 : r);
       ASSERT_LE(square, std::int64_t{r + 1} * (r + 2));
-      for (const auto& variant : kGeodesicKernels) {
+      for (const auto& variant : kGeodesicWithRef) {
         if (variant.tier == Tier::ref || !tier_available(variant.tier)) continue;
         ASSERT_EQ(line.length(variant.function), 8 * one) << variant.name << ' ' << r << ' ' << b << ' ' << c;
       }
     }
   }
   step_to(32767, -32768, 32767);
-  for (const auto& variant : kGeodesicKernels) {
+  for (const auto& variant : kGeodesicWithRef) {
     if (!tier_available(variant.tier)) continue;
     // Back, 32768 saturates at 32767.
     EXPECT_NEAR(line.length(variant.function), 8 * std::sqrt(3.0) * 32767.5, 8) << variant.name;
@@ -77,7 +78,7 @@ TEST(Geodesic, RootsAtTheirHalves) {
 }
 
 TEST(Geodesic, FewerThanTwoPoints) {
-  for (const auto& variant : kGeodesicKernels) {
+  for (const auto& variant : kGeodesicWithRef) {
     if (!tier_available(variant.tier)) continue;
     const std::int32_t one = 5;
     EXPECT_EQ(variant.function(&one, &one, &one, 1), 0U);
@@ -100,7 +101,7 @@ TEST(Geodesic, HelixOnACylinder) {
   const double pi = std::acos(-1.0), radius = 150, climb = 300, truth = std::hypot(pi * radius, climb);
   for (const int count : {25, 101, 401}) {
     const double step = pi / (count - 1);
-    for (const auto& variant : kGeodesicKernels) {
+    for (const auto& variant : kGeodesicWithRef) {
       if (!tier_available(variant.tier)) continue;
       const double length = surface_length(variant.function, count, [&](double t, double* p) {
         p[0] = radius * std::cos(pi * t), p[1] = climb * t - 400, p[2] = 2200 - radius * std::sin(pi * t);
@@ -115,7 +116,7 @@ TEST(Geodesic, HelixOnACylinder) {
 // A great circle between two points of a sphere, one radian apart.
 TEST(Geodesic, GreatCircleOnASphere) {
   const double radius = 500;
-  for (const auto& variant : kGeodesicKernels) {
+  for (const auto& variant : kGeodesicWithRef) {
     if (!tier_available(variant.tier)) continue;
     const double length = surface_length(variant.function, 201, [&](double t, double* p) {
       // In the plane spanned by (2, 1, 2) / 3 and (1, 2, -2) / 3.
@@ -129,7 +130,7 @@ TEST(Geodesic, GreatCircleOnASphere) {
 // A straight line, finely cut: rounding down each root would lose 0.004 mm a step, 8 mm here.
 TEST(Geodesic, FineCutsLoseNoLength) {
   const double truth = std::sqrt(3.0) * 700;
-  for (const auto& variant : kGeodesicKernels) {
+  for (const auto& variant : kGeodesicWithRef) {
     if (!tier_available(variant.tier)) continue;
     const double length = surface_length(variant.function, 2001,
                                          [](double t, double* p) { p[0] = p[1] = 700 * t, p[2] = 1500 + 700 * t; });

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/kernels/ray_picture.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -62,7 +63,7 @@ TEST(Height, BoundsAreExact) {
   const auto scan = [&](std::int32_t up_offset, std::int32_t side_offset) {
     return HeightScan{{&depth, 1, 1}, {&mask, 1, 1}, &none, &none, &none, &none, up_offset, side_offset, kSideMax};
   };
-  for (const auto& variant : kHeightKernels) {
+  for (const auto& variant : kHeightWithRef) {
     if (!tier_available(variant.tier)) continue;
     std::vector<std::uint64_t> squares(kHeightBins);
     for (const std::int32_t side : {kSideMax, -kSideMax})
@@ -80,7 +81,7 @@ TEST(Height, NothingSeen) {
   checkasm::Trial trial;
   test::RayPicture p(50, 2, kSlopeOne, 1, 65535, trial);
   for (auto& m : p.mask.span()) m = 0;
-  for (const auto& variant : kHeightKernels) {
+  for (const auto& variant : kHeightWithRef) {
     if (!tier_available(variant.tier)) continue;
     std::vector<std::uint64_t> squares(kHeightBins, 1);
     EXPECT_EQ(variant.function(scan_of(p, 0, 0, 1 << 20), squares.data()), kHeightNone);
@@ -129,7 +130,7 @@ TEST(Height, AWallsAreaIsWidthTimesHeight) {
                            form_offset(kCameraMm),
                            0,
                            form_offset(305)};
-  for (const auto& variant : kHeightKernels) {
+  for (const auto& variant : kHeightWithRef) {
     if (!tier_available(variant.tier)) continue;
     std::vector<std::uint64_t> squares(kHeightBins);
     const std::int32_t lowest = variant.function(scan, squares.data());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/trees/trees.h"
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::joints {
 namespace {

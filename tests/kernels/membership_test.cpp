@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -34,7 +35,7 @@ struct Cells {
 };
 
 class Membership : public testing::TestWithParam<MembershipKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, Membership, testing::ValuesIn(kMembershipKernels),
+INSTANTIATE_TEST_SUITE_P(Tiers, Membership, testing::ValuesIn(kMembershipWithRef),
                          [](const auto& p) { return std::string(p.param.name); });
 
 // The person's cell at 2000 mm beside one of another thing at 2030: the limit there is 40 + 1.5 x 11.4 = 57.1 mm.

@@ -5,6 +5,7 @@
 #include "kernels/blend/blend.h"
 #include "kernels/skin/skin.h"
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -64,7 +65,7 @@ TEST(Moments, PowerSums) {
   constexpr std::int64_t n = 1000;
   std::vector<SectionPoint> points;
   for (int i = 1; i <= n; ++i) points.push_back({static_cast<std::int16_t>(i), static_cast<std::int16_t>(-i)});
-  for (const auto& variant : kMomentsKernels) {
+  for (const auto& variant : kMomentsWithRef) {
     if (!tier_available(variant.tier)) continue;
     const Sums s = run(variant.function, points.data(), n, 1, n);
     EXPECT_EQ(s[moment_index(0, 0)], n);

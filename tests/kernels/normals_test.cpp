@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "tests/kernels/ref/kernel_refs.h"
 #include "tests/perception/analytic_figure.h"
 
 namespace im2fit {
@@ -34,7 +35,7 @@ double angle(Vec3f a, Vec3f b) {
 }
 
 class NormalsTiers : public testing::TestWithParam<NormalsKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, NormalsTiers, testing::ValuesIn(kNormalsKernels),
+INSTANTIATE_TEST_SUITE_P(Tiers, NormalsTiers, testing::ValuesIn(kNormalsWithRef),
                          [](const auto& p) { return std::string(p.param.name); });
 
 TEST_P(NormalsTiers, TiltedPlaneExactly) {
@@ -121,7 +122,7 @@ TEST(NormalsPortable, AgreesWithRefOnANoisyFigure) {
   const Figure figure = test::standing_figure(0, 2300);
   const FigureCloud c = test::render_cloud(figure, {90, 130, 105, 105, 44.5F, 64.5F}, 2, 0, 0, 9);
   for (int radius : {1, 2}) {
-    const Normals want = run(kNormalsKernels[0], c, radius), got = run(kNormalsKernels[1], c, radius);
+    const Normals want = run(kNormalsWithRef[0], c, radius), got = run(kNormalsWithRef[1], c, radius);
     int checked = 0, apart = 0;
     for (std::size_t i = 0; i < c.x.size(); ++i) {
       ASSERT_EQ(std::isnan(want.x[i]), std::isnan(got.x[i]));

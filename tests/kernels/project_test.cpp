@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -104,7 +105,7 @@ TEST(Project, LargestSumsFit) {
   std::vector<std::int16_t> feature(kStride, kFeatureMax), weights(2 * kStride, 32767);
   std::fill(weights.begin() + kStride, weights.end(), std::int16_t{-32767});
   const std::int64_t expected = std::int64_t{kStride} * kFeatureMax * 32767;
-  for (const auto& variant : kProjectKernels) {
+  for (const auto& variant : kProjectWithRef) {
     if (!tier_available(variant.tier)) continue;
     std::int64_t out[2];
     variant.function(feature.data(), weights.data(), kStride, 2, out);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -24,7 +25,7 @@ class Sample : public testing::TestWithParam<SampleKernel> {
     return out;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Tiers, Sample, testing::ValuesIn(kSampleKernels),
+INSTANTIATE_TEST_SUITE_P(Tiers, Sample, testing::ValuesIn(kSampleWithRef),
                          [](const auto& p) { return std::string(p.param.name); });
 
 TEST_P(Sample, TakesTheLowerMedianOfWhatIsSeen) {

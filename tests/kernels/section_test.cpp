@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/kernels/ray_picture.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -104,7 +105,7 @@ TEST(Section, LargestSquares) {
     const SectionCut cut = {0, 0, 0};
     const std::int32_t other = -corner;
     const SectionScan scan = {{&depth, 1, 1}, {&mask, 1, 1}, &along, &zero, &corner, &zero, &other, &zero, &cut, 1};
-    for (const auto& variant : kSectionKernels) {
+    for (const auto& variant : kSectionWithRef) {
       if (!tier_available(variant.tier)) continue;
       std::vector<SectionPoint> points(1 + kSectionSlack);
       int count = -1;
@@ -170,7 +171,7 @@ class Column {
 TEST(Section, PointsOfAColumnLieOnItsCircle) {
   const Column column;
   ASSERT_GT(column.surely_in(), 100);
-  for (const auto& variant : kSectionKernels) {
+  for (const auto& variant : kSectionWithRef) {
     if (!tier_available(variant.tier)) continue;
     std::vector<SectionPoint> points(5000 + kSectionSlack);
     int count = 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 
@@ -18,7 +19,7 @@ void PrintTo(const Silhouette& s, std::ostream* out) {
 namespace {
 
 class SilhouetteTiers : public testing::TestWithParam<SilhouetteKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, SilhouetteTiers, testing::ValuesIn(kSilhouetteKernels),
+INSTANTIATE_TEST_SUITE_P(Tiers, SilhouetteTiers, testing::ValuesIn(kSilhouetteWithRef),
                          [](const auto& p) { return std::string(p.param.name); });
 
 // A full rectangle of even depth has its sums in closed form.

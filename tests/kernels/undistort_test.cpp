@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
 
 class Undistort : public testing::TestWithParam<UndistortKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, Undistort, testing::ValuesIn(kUndistortKernels),
+INSTANTIATE_TEST_SUITE_P(Tiers, Undistort, testing::ValuesIn(kUndistortWithRef),
                          [](const auto& p) { return std::string(p.param.name); });
 
 TEST_P(Undistort, GivesWhatLookingUpEachPixelGives) {

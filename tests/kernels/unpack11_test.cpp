@@ -9,6 +9,7 @@
 
 #include "kernels/unpack11/shift_table.h"
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
@@ -19,7 +20,7 @@ class Unpack11 : public testing::TestWithParam<Unpack11Kernel> {
     if (!tier_available(GetParam().tier)) GTEST_SKIP() << "this machine has no " << GetParam().name;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Tiers, Unpack11, testing::ValuesIn(kUnpack11Kernels),
+INSTANTIATE_TEST_SUITE_P(Tiers, Unpack11, testing::ValuesIn(kUnpack11WithRef),
                          [](const auto& p) { return std::string(p.param.name); });
 
 // The bits one by one, as text: slow, and nothing like any tier.

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "core/rng.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
 
 class Unproject : public testing::TestWithParam<UnprojectKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, Unproject, testing::ValuesIn(kUnprojectKernels),
+INSTANTIATE_TEST_SUITE_P(Tiers, Unproject, testing::ValuesIn(kUnprojectWithRef),
                          [](const auto& p) { return std::string(p.param.name); });
 
 TEST_P(Unproject, FollowsThePinholeFormula) {

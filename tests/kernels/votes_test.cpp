@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "tests/kernels/checkasm.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit {
 namespace {
 
 class VotesTiers : public testing::TestWithParam<VotesKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, VotesTiers, testing::ValuesIn(kVotesKernels),
+INSTANTIATE_TEST_SUITE_P(Tiers, VotesTiers, testing::ValuesIn(kVotesWithRef),
                          [](const auto& p) { return std::string(p.param.name); });
 
 // The plane z = 2000: q = (0, 0, -1/2000) meets every ray there.

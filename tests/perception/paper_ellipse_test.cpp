@@ -6,9 +6,13 @@
 
 #include "core/rng.h"
 #include "perception/paper/ellipse.h"
+#include "tests/perception/paper_ref.h"
 
 namespace im2fit {
 namespace {
+
+using paper_ref::fit_ellipse_ref;
+using paper_ref::Point2;
 
 const double kPi = std::acos(-1.0);
 

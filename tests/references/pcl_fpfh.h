@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "kernels/fpfh/fpfh.h"
+#include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::test {
 
@@ -57,7 +58,7 @@ inline void expect_pcl(const std::string& name, const OrganisedCloud& cloud, std
   ASSERT_EQ(want.size(), keypoints.size() * kFpfhSize);
   FpfhWorkspace work(cloud.intrinsics.width, cloud.intrinsics.height);
   std::vector<float> got(want.size());
-  for (const FpfhKernel& kernel : kFpfhKernels) {
+  for (const FpfhKernel& kernel : kFpfhWithRef) {
     const double kernel_start = cpu_ms();
     kernel.function(cloud, keypoints, kFpfhRadiusMm, work, got);
     const double kernel_ms = cpu_ms() - kernel_start;
