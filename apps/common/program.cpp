@@ -129,7 +129,7 @@ Result<int> guarded(const Command& command) {
 }  // namespace
 
 void print_error(const std::string& text) {
-  // On a terminal progress may stand in this line (report/progress.h).
+  // On a terminal progress may stand in this line (apps/common/progress.h).
   const char* clear = ::isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "";
   fmt::print(stderr, "{}{}: {}\n", clear, program_name(), printable(text));
 }

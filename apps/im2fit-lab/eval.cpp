@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "apps/common/paths.h"
+#include "apps/common/progress.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/eval_tracker.h"
 #include "apps/im2fit-lab/samples.h"
@@ -286,6 +287,7 @@ void add_eval(cli::App& app, Command& chosen) {
   auto options = std::make_shared<EvalCommand>();
   auto& evaluation = options->evaluation;
   evaluation.threads = default_threads();
+  evaluation.progress = show_progress;
   auto* sub = add_command<EvalCommand>(
       app, chosen, "eval", "Measure held-out synthetic people and compare with the truth; or judge the tracker",
       "  im2fit-lab eval --subjects 200 --condition noise\n"

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "apps/common/program.h"
+#include "apps/common/progress.h"
 #include "core/file.h"
 #include "evaluation/tracker/guidance_scenes.h"
 #include "evaluation/tracker/tracker_evaluation.h"
@@ -65,6 +66,8 @@ TrackerEvaluationOptions options_of(const TrackerEvalWords& words, const Tracker
   options.guidance.scenes = words.guidance_scenes;
   options.guidance.kinds = chosen(guidance_kinds(), words.scenes);
   options.trials.seed = options.clips.seed = options.rooms.seed = options.guidance.seed = run.seed;
+  options.trials.progress = options.clips.progress = options.rooms.progress = options.guidance.progress =
+      show_progress;
   options.trials.threads = options.clips.threads = options.rooms.threads = options.guidance.threads = run.threads;
   return options;
 }

@@ -12,11 +12,11 @@
 
 #include "apps/common/paths.h"
 #include "apps/common/program.h"
+#include "apps/common/progress.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/samples.h"
 #include "core/file.h"
 #include "person/data_files.h"
-#include "report/progress.h"
 #include "report/text_table.h"
 #include "train/dataset/dataset.h"
 #include "train/dataset/features.h"

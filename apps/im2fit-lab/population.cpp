@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/common/paths.h"
+#include "apps/common/progress.h"
 #include "apps/im2fit-lab/commands.h"
 #include "core/file.h"
 #include "evaluation/population/population_check.h"
 #include "evaluation/population/proportions_check.h"
 #include "person/data_files.h"
-#include "report/progress.h"
 #include "report/text_table.h"
 #include "train/camera/synthetic_person.h"
 #include "train/common/parallel.h"

@@ -3,12 +3,12 @@
 #include <fmt/core.h>
 
 #include "apps/common/paths.h"
+#include "apps/common/progress.h"
 #include "apps/im2fit-lab/commands.h"
 #include "body/export/export.h"
 #include "core/file.h"
 #include "hal/folder/depth_folder.h"
 #include "person/data_files.h"
-#include "report/progress.h"
 #include "train/camera/synthetic_person.h"
 
 namespace im2fit::apps {

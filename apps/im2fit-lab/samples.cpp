@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "apps/common/paths.h"
+#include "apps/common/progress.h"
 #include "core/crc32c.h"
 #include "core/file.h"
-#include "report/progress.h"
 #include "train/common/parallel.h"
 
 #ifdef __GLIBC__

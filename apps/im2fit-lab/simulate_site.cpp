@@ -6,6 +6,7 @@
 #include <string>
 
 #include "apps/common/paths.h"
+#include "apps/common/progress.h"
 #include "apps/im2fit-lab/commands.h"
 #include "apps/im2fit-lab/site_people.h"
 #include "core/file.h"
@@ -132,6 +133,7 @@ void add_simulate_site(cli::App& app, Command& chosen) {
   auto options = std::make_shared<SimulateCommand>();
   SimulatedSite& site = options->simulated;
   site.threads = default_threads();
+  site.progress = show_progress;
   auto* sub = add_command<SimulateCommand>(
       app, chosen, "simulate-site", "A site of synthetic people with a simulated tape: to try study and calibrate on",
       "  im2fit-lab simulate-site --people 83 --kind people --html study.html\n"

@@ -4,10 +4,10 @@
 #include <filesystem>
 
 #include "apps/common/paths.h"
+#include "apps/common/progress.h"
 #include "apps/im2fit-lab/commands.h"
 #include "core/file.h"
 #include "person/data_files.h"
-#include "report/progress.h"
 #include "train/common/parallel.h"
 #include "train/tracker/train_tracker.h"
 

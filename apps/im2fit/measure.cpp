@@ -3,9 +3,9 @@
 
 #include <optional>
 
+#include "apps/common/progress.h"
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/session.h"
-#include "report/progress.h"
 
 namespace im2fit::apps {
 namespace {

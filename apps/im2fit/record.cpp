@@ -6,12 +6,12 @@
 
 #include "apps/common/events.h"
 #include "apps/common/input.h"
+#include "apps/common/progress.h"
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/session.h"
 #include "engine/sensing_stages.h"
 #include "hal/folder/depth_folder.h"
 #include "hal/openni2/oni_writer.h"
-#include "report/progress.h"
 
 namespace im2fit::apps {
 namespace {

@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/common/progress.h"
 #include "apps/im2fit/commands.h"
 #include "apps/im2fit/live_run.h"
 #include "apps/im2fit/remeasure.h"
 #include "apps/sessions/store.h"
 #include "core/text.h"
-#include "report/progress.h"
 #include "report/text_table.h"
 
 namespace im2fit::apps {

@@ -7,7 +7,6 @@
 
 #include "core/rng.h"
 #include "evaluation/measurements/session.h"
-#include "report/progress.h"
 #include "train/camera/synthetic_person.h"
 #include "train/common/parallel.h"
 #include "train/dataset/features.h"
@@ -172,7 +171,6 @@ Result<std::vector<Outcome>> evaluate(const body::BodyModel& model, const JointM
   std::vector<Outcome> outcomes(count);
   std::mutex mutex;
   std::optional<Error> failure;
-  Progress progress(what, count);
   for_each_item(
       count, options.threads,
       [&](std::uint64_t i) {
@@ -184,7 +182,7 @@ Result<std::vector<Outcome>> evaluate(const body::BodyModel& model, const JointM
         const std::lock_guard lock(mutex);
         failure = outcome.error();
       },
-      [&](std::uint64_t done) { progress.update(done); });
+      begin_progress(options.progress, what, count));
   if (failure) return *failure;
   return outcomes;
 }

@@ -16,6 +16,7 @@
 #include "evaluation/population/ansur_people.h"
 #include "index/index.h"
 #include "perception/joints/tracker.h"
+#include "train/common/parallel.h"
 #include "train/dataset/features.h"
 #include "train/index/raw_nearest.h"
 
@@ -59,6 +60,7 @@ struct EvaluationOptions {
   bool fit = true;     // false: features answer alone, no shape is fitted
   bool twice = false;  // shown again in a new pose, room and noise
   int threads = 1;     // does not change the result
+  ProgressSink progress = {};
   PeopleFamily family = PeopleFamily::modifiers;
   std::shared_ptr<const AnsurPeople> ansur;  // not null unless the family is modifiers
 };

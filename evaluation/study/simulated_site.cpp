@@ -11,7 +11,6 @@
 #include "evaluation/measurements/error_statistics.h"
 #include "person/person_measurement.h"
 #include "person/size_chart.h"
-#include "report/progress.h"
 #include "report/result_json.h"
 #include "train/common/parallel.h"
 
@@ -110,7 +109,6 @@ Result<std::vector<SimulatedVisit>> simulate(const body::BodyModel& model, const
   std::vector<SimulatedVisit> visits(count);
   std::mutex mutex;
   std::optional<Error> failure;
-  Progress progress("people", count);
   for_each_item(
       count, site.threads,
       [&](std::uint64_t i) {
@@ -122,7 +120,7 @@ Result<std::vector<SimulatedVisit>> simulate(const body::BodyModel& model, const
         const std::lock_guard lock(mutex);
         failure = visit.error();
       },
-      [&](std::uint64_t done) { progress.update(done); });
+      begin_progress(site.progress, "people", count));
   if (failure) return *failure;
   return visits;
 }

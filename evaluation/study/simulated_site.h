@@ -14,6 +14,7 @@
 #include "evaluation/measurements/evaluation.h"
 #include "evaluation/measurements/session.h"
 #include "evaluation/study/site_person.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::lab {
 
@@ -37,6 +38,7 @@ struct SimulatedSite {
   std::uint64_t seed = 1;
   int frames = 30;
   int threads = 1;
+  ProgressSink progress = {};
   std::shared_ptr<const AnsurPeople> ansur;  // not null of kind people
 };
 

@@ -9,7 +9,6 @@
 #include "core/rng.h"
 #include "evaluation/tracker/upright_scene.h"
 #include "perception/observe/observe.h"
-#include "report/progress.h"
 #include "train/common/parallel.h"
 
 namespace im2fit::lab {
@@ -157,13 +156,12 @@ ClipOutcome run_clip(const body::BodyModel& model, const JointModel& joint_model
 std::vector<ClipOutcome> run_clips(const body::BodyModel& model, const JointModel& joint_model,
                                    const ClipOptions& options) {
   std::vector<ClipOutcome> outcomes(static_cast<std::size_t>(options.clips));
-  Progress progress("two-person clips", outcomes.size());
   for_each_item(
       outcomes.size(), options.threads,
       [&](std::uint64_t clip) {
         outcomes[static_cast<std::size_t>(clip)] = run_clip(model, joint_model, options, clip);
       },
-      [&](std::uint64_t done) { progress.update(done); });
+      begin_progress(options.progress, "two-person clips", outcomes.size()));
   return outcomes;
 }
 

@@ -7,6 +7,7 @@
 
 #include "body/model.h"
 #include "perception/joints/tracker.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::lab {
 
@@ -15,6 +16,7 @@ struct ClipOptions {
   int frames = 300;  // ten seconds
   std::uint64_t seed = 20'260'101;
   int threads = 1;  // does not change the result
+  ProgressSink progress = {};
 };
 
 struct ClipOutcome {

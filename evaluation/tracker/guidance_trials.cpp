@@ -8,7 +8,6 @@
 
 #include "engine/sensing_stages.h"
 #include "evaluation/tracker/guidance_scenes.h"
-#include "report/progress.h"
 #include "train/common/parallel.h"
 
 namespace im2fit::lab {
@@ -71,7 +70,6 @@ Result<std::vector<GuidanceOutcome>> run_guidance(const body::BodyModel& model, 
   std::vector<GuidanceOutcome> outcomes(kinds.size() * static_cast<std::size_t>(scenes));
   std::mutex mutex;
   std::optional<Error> failure;
-  Progress progress("guidance scenes", outcomes.size());
   for_each_item(
       outcomes.size(), options.threads,
       [&](std::uint64_t i) {
@@ -90,7 +88,7 @@ Result<std::vector<GuidanceOutcome>> run_guidance(const body::BodyModel& model, 
         outcome.named = rule.named == 0 || (outcome.raised & rule.named) == rule.named;
         outcome.unrelated = outcome.raised & ~(rule.named | rule.companions);
       },
-      [&](std::uint64_t done) { progress.update(done); });
+      begin_progress(options.progress, "guidance scenes", outcomes.size()));
   if (failure) return *failure;
   return outcomes;
 }

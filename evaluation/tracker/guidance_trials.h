@@ -11,6 +11,7 @@
 #include "core/status.h"
 #include "evaluation/tracker/upright_scene.h"
 #include "perception/joints/tracker.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::lab {
 
@@ -19,6 +20,7 @@ struct GuidanceOptions {
   std::vector<std::string> kinds;  // codes, or "OK"; empty: all
   std::uint64_t seed = 20'260'101;
   int threads = 1;  // does not change the result
+  ProgressSink progress = {};
 };
 
 struct GuidanceOutcome {

@@ -6,7 +6,6 @@
 #include "core/rng.h"
 #include "evaluation/tracker/upright_scene.h"
 #include "perception/observe/observe.h"
-#include "report/progress.h"
 #include "train/common/parallel.h"
 
 namespace im2fit::lab {
@@ -72,7 +71,6 @@ std::vector<RoomOutcome> run_rooms(const body::BodyModel& model, const JointMode
                                    const RoomTrialOptions& options) {
   const int rooms = (options.frames + kFramesPerRoom - 1) / kFramesPerRoom;
   std::vector<RoomOutcome> outcomes(static_cast<std::size_t>(rooms));
-  Progress progress("empty rooms", outcomes.size());
   for_each_item(
       outcomes.size(), options.threads,
       [&](std::uint64_t room) {
@@ -85,7 +83,7 @@ std::vector<RoomOutcome> run_rooms(const body::BodyModel& model, const JointMode
         for (std::uint64_t frame = 0; frame < outcome.frames; ++frame)
           if (watch.finds_person(frame) && outcome.false_users++ == 0) outcome.first_false = frame;
       },
-      [&](std::uint64_t done) { progress.update(done); });
+      begin_progress(options.progress, "empty rooms", outcomes.size()));
   return outcomes;
 }
 

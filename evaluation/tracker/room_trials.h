@@ -9,13 +9,15 @@
 #include "body/model.h"
 #include "evaluation/tracker/upright_scene.h"
 #include "perception/joints/tracker.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::lab {
 
 struct RoomTrialOptions {
   int frames = 10'000;  // in rooms of kFramesPerRoom
   std::uint64_t seed = 20'260'101;
-  int threads = 1;            // does not change the result
+  int threads = 1;  // does not change the result
+  ProgressSink progress = {};
   bool hidden_floor = false;  // the floor gives no depth
 };
 inline constexpr int kFramesPerRoom = 20;

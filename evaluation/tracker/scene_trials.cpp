@@ -5,7 +5,6 @@
 
 #include "core/rng.h"
 #include "perception/observe/observe.h"
-#include "report/progress.h"
 #include "train/common/parallel.h"
 #include "train/tracker/tracker_scenes.h"
 
@@ -175,7 +174,6 @@ std::vector<TrialOutcome> run_trials(const body::BodyModel& model, const JointMo
   const auto subjects = static_cast<std::uint64_t>(options.subjects);
   const std::size_t per_subject = trials_of(options, 0).size();
   std::vector<TrialOutcome> outcomes(static_cast<std::size_t>(subjects) * per_subject);
-  Progress progress("people", subjects);
   for_each_item(
       subjects, options.threads,
       [&](std::uint64_t s) {
@@ -184,7 +182,7 @@ std::vector<TrialOutcome> run_trials(const body::BodyModel& model, const JointMo
         for (const Trial& trial : trials_of(options, s))
           outcomes[place++] = run_trial(model, subject, joint_model, options, trial);
       },
-      [&](std::uint64_t done) { progress.update(done); });
+      begin_progress(options.progress, "people", subjects));
   return outcomes;
 }
 

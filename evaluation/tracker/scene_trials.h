@@ -11,6 +11,7 @@
 #include "evaluation/tracker/statistics.h"
 #include "evaluation/tracker/upright_scene.h"
 #include "perception/joints/tracker.h"
+#include "train/common/parallel.h"
 
 namespace im2fit::lab {
 
@@ -36,7 +37,8 @@ struct TrialOptions {
   int subjects = 200;
   int scenes_per_subject = 2;  // of each condition, each at both resolutions
   std::uint64_t seed = 20'260'101;
-  int threads = 1;                                                // does not change the result
+  int threads = 1;  // does not change the result
+  ProgressSink progress = {};
   std::array<bool, kConditionCount> wanted = {true, true, true};  // by TrialCondition
   bool hidden_floor = false;  // the floor gives no depth: black carpet, glossy tiles, a masked background
 };

@@ -6,10 +6,20 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
 namespace im2fit::lab {
+
+// Something long begins: `what`, of `total` items. What it returns is called with the number of items done so far,
+// one call at a time. An empty one reports nothing.
+using ProgressSink =
+    std::function<std::function<void(std::uint64_t done)>(const std::string& what, std::uint64_t total)>;
+inline std::function<void(std::uint64_t)> begin_progress(const ProgressSink& sink, const std::string& what,
+                                                         std::uint64_t total) {
+  return sink ? sink(what, total) : nullptr;
+}
 
 inline int default_threads() {
   const unsigned cores = std::thread::hardware_concurrency();

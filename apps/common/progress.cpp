@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/progress.h"
+#include "apps/common/progress.h"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 
 namespace im2fit {
 namespace {
@@ -42,6 +43,11 @@ void Progress::update(std::uint64_t done, const std::string& note) {
   if (!note.empty()) line += ", " + note;
   fmt::print(stderr, "\r\033[K{}", line);
   std::fflush(stderr);
+}
+
+std::function<void(std::uint64_t)> show_progress(const std::string& what, std::uint64_t total) {
+  auto progress = std::make_shared<Progress>(what, total);
+  return [progress](std::uint64_t done) { progress->update(done); };
 }
 
 }  // namespace im2fit

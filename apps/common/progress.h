@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace im2fit {
@@ -23,5 +24,8 @@ class Progress {
   double started_s_;
   double shown_s_ = 0;
 };
+
+// A ProgressSink (train/common/parallel.h) that shows a Progress.
+std::function<void(std::uint64_t done)> show_progress(const std::string& what, std::uint64_t total);
 
 }  // namespace im2fit
