@@ -32,10 +32,6 @@ using namespace wall_limits;
 
 namespace {
 
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 int vote_stride(std::size_t cells) {
   return std::max(1, static_cast<int>(cells) / kScoredCount) | 1;  // odd: walks all columns
 }
