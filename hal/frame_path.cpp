@@ -33,8 +33,7 @@ void UprightPath::deliver(DepthView camera_frame, DepthImage out) {
     rotate_upright(camera_frame, rotate_deg_, out);
     return;
   }
-  undistort(camera_frame.pixels, static_cast<int>(undistorted_.size()), undistortion_.data(),
-            static_cast<int>(undistortion_.size()), undistorted_.data());
+  undistort(camera_frame.pixels, static_cast<int>(undistorted_.size()), undistortion_, undistorted_.data());
   rotate_upright(DepthView(undistorted_.data(), camera_.width, camera_.height), rotate_deg_, out);
 }
 

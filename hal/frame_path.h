@@ -7,7 +7,7 @@
 
 #include "hal/intrinsics.h"
 #include "hal/source.h"
-#include "kernels/undistort/undistort.h"
+#include "hal/undistort.h"
 
 namespace im2fit::hal {
 

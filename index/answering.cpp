@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/standardise/standardise.h"
+#include "index/regression.h"
 
 namespace im2fit::index {
 namespace {
@@ -35,8 +35,8 @@ Answerer::Workspace::Workspace(const Answerer& answerer)
 
 Targets Answerer::regressed(std::span<const float> feature, Workspace& work) const {
   if (feature.size() == contents_.meta.feature_size)
-    im2fit::standardise(feature.data(), contents_.feature_mean.data(), contents_.feature_scale.data(),
-                        static_cast<int>(feature.size()), work.standardised.data());
+    standardise(feature.data(), contents_.feature_mean.data(), contents_.feature_scale.data(),
+                static_cast<int>(feature.size()), work.standardised.data());
   else
     std::fill(work.standardised.begin(), work.standardised.end(), std::int16_t{0});
   return regressor_(work.standardised);

@@ -213,7 +213,7 @@ RefinementContents take_refinement(SectionReader& in, Refinement kind, const Met
 }
 
 void check_values(SectionReader& in, const Contents& c) {
-  // Below that (kernels/standardise) no feature varies.
+  // Below that (standardise() in index/regression.h) no feature varies.
   for (const float s : c.feature_scale)
     in.require(s == 0 || s >= 1e-30F, "feature.scale", "holds an impossible scale");
   for (const float s : c.target_scale) in.require(s >= 0, "target.scale", "holds a negative scale");

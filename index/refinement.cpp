@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "kernels/standardise/standardise.h"
-
 namespace im2fit::index {
 
 namespace {
@@ -59,8 +57,8 @@ bool ValueMap::applies(const Seen& seen) const {
 
 Targets ValueMap::operator()(const Seen& seen, Work& work) const {
   refined_values(kind_, seen, fit_, work.values);
-  im2fit::standardise(work.values.data(), mean_.data(), scale_.data(), static_cast<int>(work.values.size()),
-                      work.standardised.data());
+  standardise(work.values.data(), mean_.data(), scale_.data(), static_cast<int>(work.values.size()),
+              work.standardised.data());
   return regressor_(work.standardised);
 }
 

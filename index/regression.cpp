@@ -5,9 +5,6 @@
 #include <cmath>
 
 #include "core/cholesky.h"
-#include "kernels/gram/gram.h"
-#include "kernels/project/project.h"
-#include "kernels/standardise/standardise.h"
 
 namespace im2fit::index {
 namespace {
@@ -29,7 +26,43 @@ std::array<double, kOrderMax> first_of_inverse(Gram& a, std::size_t order) {
   return x;
 }
 
+std::int16_t standardise_one(float feature, float mean, float scale) {
+  float z = (feature - mean) * scale;
+  if (z != z) z = 0;  // not measured, or infinite where scale is 0
+  z = z > kStandardFeatureMax ? kStandardFeatureMax : z;
+  z = z < -kStandardFeatureMax ? -kStandardFeatureMax : z;
+  // Adding 1.5 * 2^23 leaves no fraction bits: the sum is rounded to a whole number, ties to even.
+  constexpr float kWhole = 12582912.0F;
+  return static_cast<std::int16_t>((z * 4096.0F + kWhole) - kWhole);
+}
+
 }  // namespace
+
+void standardise(const float* feature, const float* mean, const float* scale, int count, std::int16_t* out) {
+  for (int i = 0; i < count; ++i) out[i] = standardise_one(feature[i], mean[i], scale[i]);
+}
+
+void multiply_rows(const std::int16_t* feature, const std::int16_t* weights, int stride, int row_count,
+                   std::int64_t* out) {
+  for (int r = 0; r < row_count; ++r, weights += stride) {
+    std::int64_t sum = 0;
+    for (int i = 0; i < stride; i += 2) sum += feature[i] * weights[i] + feature[i + 1] * weights[i + 1];
+    out[r] = sum;
+  }
+}
+
+void add_gram(const double* rows, const double* weights, int count, int used, double* sums, double* products) {
+  for (int n = 0; n < count; ++n, rows += kGramWidth) {
+    const double* __restrict x = rows;
+    for (int j = 0; j < kGramWidth; ++j) sums[j] += weights[n] * x[j];
+    for (int i = 0; i < used; ++i) {
+      double* __restrict product = products + i * kGramWidth;
+      const double wx = weights[n] * x[i];
+      const int last = i | 3;  // whole vectors
+      for (int j = 0; j <= last; ++j) product[j] += wx * x[j];
+    }
+  }
+}
 
 RoundedWeights round_weights(std::span<const float> weights, std::size_t feature_size) {
   constexpr double kWeightMax = 32767;
@@ -52,7 +85,7 @@ RoundedWeights round_weights(std::span<const float> weights, std::size_t feature
 Regressor::Regressor(std::span<const std::int16_t> weights, std::span<const float> unit, std::span<const float> bias)
     : bias_(bias.begin(), bias.end()) {
   const std::size_t feature_size = bias.empty() ? 0 : weights.size() / bias.size();
-  stride_ = static_cast<std::size_t>(projected_stride(static_cast<int>(feature_size)));
+  stride_ = static_cast<std::size_t>(row_stride(static_cast<int>(feature_size)));
   weights_.resize(stride_ * bias.size());
   for (std::size_t t = 0; t < bias.size(); ++t) {
     std::copy_n(weights.begin() + static_cast<std::ptrdiff_t>(t * feature_size), feature_size,
@@ -63,8 +96,8 @@ Regressor::Regressor(std::span<const std::int16_t> weights, std::span<const floa
 
 Targets Regressor::operator()(std::span<const std::int16_t> standardised) const {
   std::array<std::int64_t, kTargetMax> sums{};
-  im2fit::project(standardised.data(), weights_.data(), static_cast<int>(stride_), static_cast<int>(bias_.size()),
-                  sums.data());
+  multiply_rows(standardised.data(), weights_.data(), static_cast<int>(stride_), static_cast<int>(bias_.size()),
+                sums.data());
   Targets out{};
   for (std::size_t t = 0; t < bias_.size(); ++t) out[t] = bias_[t] + unit_[t] * static_cast<double>(sums[t]);
   return out;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/fixed.h"
 #include "core/measurement.h"
 #include "index/code_tree.h"
 
@@ -23,6 +24,36 @@ constexpr int quadratic_term_count(int dimensions) {
   return 1 + d + d * (d + 1) / 2;
 }
 inline constexpr int kQuadraticTermMax = quadratic_term_count(kQuadraticDimensionMax);
+
+// A feature in standard deviations of the training set. Within +-5 of them: one wild bin must not carry the answer. A
+// step is 1/4096 of a standard deviation: far below the noise of any measured feature.
+using StandardFeature = Fixed<std::int16_t, 12>;
+inline constexpr float kStandardFeatureMax = 5.0F;
+inline constexpr std::int16_t kStandardFeatureRawMax = 5 * 4096;
+
+// out = (feature - mean) * scale in float32, clipped at +-5, to the nearest StandardFeature (ties to even); 0 where
+// the feature is not a number. mean: finite; scale: 0 (the feature never varies: out is 0) or 2^-100 and more, so
+// that an instruction set that takes denormal floats for zero gives the same (a product that small is rounded to 0
+// anyway). No allocation, thread-safe.
+void standardise(const float* feature, const float* mean, const float* scale, int count, std::int16_t* out);
+
+// Rows of weights are padded with zeros to a multiple of this.
+inline constexpr int kRowBlock = 16;
+constexpr int row_stride(int feature_size) {
+  return (feature_size + kRowBlock - 1) / kRowBlock * kRowBlock;
+}
+// out[r] = sum over i < stride of feature[i] * weights[r * stride + i]. stride: a multiple of kRowBlock; feature:
+// within +-kStandardFeatureRawMax, weights: any but -32768. Integers, so exact in any order: two products add up to
+// less than 2 * 20480 * 32767 < 2^31 before they are widened. At most 2^18 features. No allocation, thread-safe.
+void multiply_rows(const std::int16_t* feature, const std::int16_t* weights, int stride, int row_count,
+                   std::int64_t* out);
+
+inline constexpr int kGramWidth = 16;  // columns, unused ones 0
+
+// The normal equations of a local regression: sums[j] += w x[j] and products[16 i + j] += (w x[i]) x[j] for j <= i <
+// used, row by row, each step rounded to double. rows: 16 values each; `used`: columns at work, 0..16. Products right
+// of the diagonal may be written with anything. No allocation, thread-safe.
+void add_gram(const double* rows, const double* weights, int count, int used, double* sums, double* products);
 
 // Standardised targets: measurements, sex, then shape latents.
 using Targets = std::array<double, kTargetMax>;
@@ -43,7 +74,7 @@ class Regressor {
   // weights: per target a row of features, none -32768; unit, bias: per target.
   Regressor(std::span<const std::int16_t> weights, std::span<const float> unit, std::span<const float> bias);
   std::size_t padded_size() const { return stride_; }
-  // standardised: padded_size() values from kernels/standardise, zeros behind the feature's own.
+  // standardised: padded_size() values from standardise(), zeros behind the feature's own.
   Targets operator()(std::span<const std::int16_t> standardised) const;
 
  private:

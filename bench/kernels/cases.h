@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The measured calls: one case per kernel, variant and size. kernels_bench times them (Google Benchmark),
+// The measured calls: one case per kernel or function, variant and size. kernels_bench times them (Google Benchmark),
 // kernels_count runs one of them N times so that an emulator's plugin can count its instructions.
 //
 // A topic's file, NAME_cases.cpp, defines `void add_TOPIC_cases(Cases&)`; cases.cpp lists the topics.
@@ -44,6 +44,12 @@ void add_variants(Cases& cases, const std::string& kernel, const Variants& varia
     if (!tier_available(variant.tier) || (variant.tier == Tier::ref && !with_ref)) continue;
     cases.push_back({kernel, variant.name, variant.tier, items, item, floor, make(variant.function)});
   }
+}
+
+// Adds the one case of a function without variants.
+inline void add_plain(Cases& cases, const std::string& kernel, double items, const std::string& item,
+                      const Floor& floor, std::function<void()> run) {
+  cases.push_back({kernel, "portable", Tier::portable, items, item, floor, std::move(run)});
 }
 
 // Keeps a result alive without storing it.

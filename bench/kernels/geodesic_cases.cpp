@@ -5,8 +5,7 @@
 
 #include "bench/kernels/cases.h"
 #include "bench/kernels/figure_picture.h"
-#include "kernels/geodesic/geodesic.h"
-#include "tests/kernels/ref/kernel_refs.h"
+#include "perception/paper/plan.h"
 
 namespace im2fit::bench {
 
@@ -23,12 +22,8 @@ void add_geodesic_cases(Cases& cases) {
       line->z.push_back(static_cast<std::int32_t>(290000 - 15000 * std::sin(t)));
     }
     const Floor floor = {instructions_us((count - 1) / 8.0 * 36), "36 instructions for 8 steps"};
-    add_variants(cases, "geodesic/" + std::to_string(count), kGeodesicWithRef, count - 1, "step", floor, true,
-                 [&](auto* function) {
-                   return [line, function, count] {
-                     keep(function(line->x.data(), line->y.data(), line->z.data(), count));
-                   };
-                 });
+    add_plain(cases, "geodesic/" + std::to_string(count), count - 1, "step", floor,
+              [line, count] { keep(paper_detail::geodesic(line->x.data(), line->y.data(), line->z.data(), count)); });
   }
 }
 

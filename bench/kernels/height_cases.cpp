@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Heights of the lower fifth of a person: shins and feet.
-//
-// AVX2 is just twice as fast as portable, NEON on AArch64 just short of half its instructions (1.95): each pixel's
-// square is added to a bin of its own, one by one (three to five instructions), which no vector instruction does.
 #include <memory>
 
 #include "bench/kernels/cases.h"
 #include "bench/kernels/figure_picture.h"
-#include "kernels/height/height.h"
-#include "tests/kernels/ref/kernel_refs.h"
+#include "perception/profile/crown.h"
 
 namespace im2fit::bench {
 
 void add_height_cases(Cases& cases) {
   struct Data : FigurePicture {
-    std::vector<std::uint64_t> squares = std::vector<std::uint64_t>(kHeightBins);
-    HeightScan scan{};
+    std::vector<std::uint64_t> squares = std::vector<std::uint64_t>(profile::kHeightBins);
+    profile::HeightScan scan{};
     int counted = 0;
   };
   const auto data = std::make_shared<Data>();
@@ -34,9 +30,8 @@ void add_height_cases(Cases& cases) {
     data->counted += data->mask[static_cast<std::size_t>(i)] != 0 ? 1 : 0;
   const Floor floor = {instructions_us(kRows * 60 * 4 + data->counted * (3.0 + 45.0 / 8)),
                        "3 instructions a pixel to add, 45 for 8 pixels' heights and sides, 4 to skip 8"};
-  add_variants(cases, "height/480x100", kHeightWithRef, data->counted, "px", floor, true, [&](auto* function) {
-    return [data, function] { keep(function(data->scan, data->squares.data())); };
-  });
+  add_plain(cases, "height/480x100", data->counted, "px", floor,
+            [data] { keep(profile::sum_by_height(data->scan, data->squares.data())); });
 }
 
 }  // namespace im2fit::bench

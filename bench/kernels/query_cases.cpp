@@ -7,11 +7,9 @@
 
 #include "bench/kernels/cases.h"
 #include "core/rng.h"
+#include "index/regression.h"
 #include "kernels/code_bounds/code_bounds.h"
 #include "kernels/code_distance/code_distance.h"
-#include "kernels/gram/gram.h"
-#include "kernels/project/project.h"
-#include "kernels/standardise/standardise.h"
 #include "perception/observe/observe.h"
 #include "tests/kernels/ref/kernel_refs.h"
 
@@ -36,18 +34,14 @@ void add_standardise_cases(Cases& cases) {
   }
   const std::string name = "standardise/" + std::to_string(kFeatures);
   const Floor floor = {kFeatures / 8.0 * 3 / 2 / 2500, "three loads of 8 values, two loads a cycle"};
-  add_variants(cases, name, kStandardiseWithRef, kFeatures, "value", floor, true, [&](auto* function) {
-    return [data, function] {
-      function(data->feature.data(), data->mean.data(), data->scale.data(), kFeatures, data->out.data());
-      keep(data->out[0]);
-    };
+  add_plain(cases, name, kFeatures, "value", floor, [data] {
+    index::standardise(data->feature.data(), data->mean.data(), data->scale.data(), kFeatures, data->out.data());
+    keep(data->out[0]);
   });
 }
 
-// NEON stays below twice portable in instructions: the compiler makes the same widening multiplications of portable,
-// and exact sums of 31-bit products must be widened every second time whoever writes them.
 void add_project_cases(Cases& cases) {
-  constexpr int kStride = projected_stride(kFeatures);
+  constexpr int kStride = index::row_stride(kFeatures);
   struct Data {
     std::vector<std::int16_t> feature = std::vector<std::int16_t>(kStride);
     std::vector<std::int16_t> weights = std::vector<std::int16_t>(std::size_t{kStride} * kTargets);
@@ -60,12 +54,10 @@ void add_project_cases(Cases& cases) {
   const std::string name = "project/" + std::to_string(kFeatures) + "x16";
   const Floor floor = {kProducts / 16 * 6 / 3 / 2500,
                        "16 products take a load, a multiplication and four operations to add exactly; three a cycle"};
-  add_variants(cases, name, kProjectWithRef, kProducts, "product", floor, true, [&](auto* function) {
-    return [data, function] {
-      std::int64_t out[kTargets];
-      function(data->feature.data(), data->weights.data(), kStride, kTargets, out);
-      keep(out[0]);
-    };
+  add_plain(cases, name, kProducts, "product", floor, [data] {
+    std::int64_t out[kTargets];
+    index::multiply_rows(data->feature.data(), data->weights.data(), kStride, kTargets, out);
+    keep(out[0]);
   });
 }
 
@@ -128,6 +120,7 @@ void add_code_cases(Cases& cases) {
 
 // The 512 neighbours of a query, 32 rows at a time as index/regression does it.
 void add_gram_cases(Cases& cases) {
+  using index::kGramWidth;
   constexpr int kRows = 512, kChunk = 32;
   struct Data {
     std::vector<double> rows = std::vector<double>(kRows * kGramWidth), weights = std::vector<double>(kRows);
@@ -139,15 +132,13 @@ void add_gram_cases(Cases& cases) {
   for (double& w : data->weights) w = rng.uniform();
   constexpr double kVectors = 4 + 4 * (1 + 2 + 3);  // of four sums: those of the columns, then rows of 4, 8, 12
   const Floor floor = {kRows * kVectors * 2 / 2 / 2500, "28 multiplications and additions a row, two a cycle"};
-  add_variants(cases, "gram/512x12", kAddGramWithRef, kRows, "row", floor, true, [&](auto* function) {
-    return [data, function] {
-      double sums[kGramWidth] = {}, products[kGramWidth * kGramWidth] = {};
-      for (int first = 0; first < kRows; first += kChunk)
-        function(data->rows.data() + first * kGramWidth, data->weights.data() + first, kChunk, kDimensions, sums,
-                 products);
-      keep(sums[0]);
-      keep(products[0]);
-    };
+  add_plain(cases, "gram/512x12", kRows, "row", floor, [data] {
+    double sums[kGramWidth] = {}, products[kGramWidth * kGramWidth] = {};
+    for (int first = 0; first < kRows; first += kChunk)
+      index::add_gram(data->rows.data() + first * kGramWidth, data->weights.data() + first, kChunk, kDimensions, sums,
+                      products);
+    keep(sums[0]);
+    keep(products[0]);
   });
 }
 

@@ -5,8 +5,8 @@
 #include "kernels/components/links.h"
 #include "kernels/floor_sums/floor_sums.h"
 #include "kernels/sample/sample.h"
-#include "kernels/votes/votes.h"
 #include "perception/segment/segment.h"
+#include "perception/segment/wall.h"
 #include "tests/kernels/ref/kernel_refs.h"
 
 namespace im2fit::bench {
@@ -51,14 +51,10 @@ void add_votes(Cases& cases) {
   }
   // A vector division of 8 floats every 5 cycles bounds it on most x86 cores.
   const Floor floor = {kPoints / 8.0 * 5 / 2.5e3, "one division of 8 every 5 cycles"};
-  add_variants(cases, "segment.votes/400", kVotesWithRef, kPoints, "point", floor, true, [&](auto* function) {
-    return [data, function] {
-      const float q[3] = {0, 0, -1.0F / 3500};
-      Votes out;
-      function({data->x.data(), data->y.data(), data->z.data(), data->near.data(), data->far.data(), kPoints}, q,
-               out);
-      keep(out);
-    };
+  add_plain(cases, "segment.votes/400", kPoints, "point", floor, [data] {
+    const float q[3] = {0, 0, -1.0F / 3500};
+    keep(segment::count_votes(
+        {data->x.data(), data->y.data(), data->z.data(), data->near.data(), data->far.data(), kPoints}, q));
   });
 }
 

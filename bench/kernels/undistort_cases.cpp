@@ -2,8 +2,7 @@
 // A lens of 12 % at the picture's edge. `table` looks each pixel up, which is what runs replace.
 #include "bench/kernels/cases.h"
 #include "bench/kernels/room_picture.h"
-#include "kernels/undistort/undistort.h"
-#include "tests/kernels/ref/kernel_refs.h"
+#include "hal/undistort.h"
 
 namespace im2fit::bench {
 
@@ -11,7 +10,7 @@ void add_undistort_cases(Cases& cases) {
   struct Data {
     std::shared_ptr<const RoomPicture> room = room_picture(640, 480);
     std::vector<std::int32_t> table;
-    std::vector<UndistortRun> runs;
+    std::vector<hal::UndistortRun> runs;
     std::vector<std::uint16_t> out = std::vector<std::uint16_t>(room->depth.size());
   };
   const auto data = std::make_shared<Data>();
@@ -25,15 +24,12 @@ void add_undistort_cases(Cases& cases) {
       data->table.push_back(inside ? static_cast<int>(row) * 640 + static_cast<int>(column) : -1);
     }
   }
-  data->runs = undistort_runs(data->table);
+  data->runs = hal::undistort_runs(data->table);
   const double pixels = 640.0 * 480;
   const Floor floor = {pixels * 4 / 11.6e3, "2 bytes read and 2 written a pixel at 11.6 GB/s"};
-  add_variants(cases, "undistort/640x480", kUndistortWithRef, pixels, "px", floor, true, [&](auto* function) {
-    return [data, function] {
-      function(data->room->depth.data(), 640 * 480, data->runs.data(), static_cast<int>(data->runs.size()),
-               data->out.data());
-      keep(data->out[0]);
-    };
+  add_plain(cases, "undistort/640x480", pixels, "px", floor, [data] {
+    hal::undistort(data->room->depth.data(), 640 * 480, data->runs, data->out.data());
+    keep(data->out[0]);
   });
   Case table;
   table.kernel = "undistort/640x480";

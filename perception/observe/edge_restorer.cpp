@@ -259,22 +259,21 @@ void EdgeRestorer::restore(DepthImage depth, float focal_px) {
             half_gap = gaps() > 0 ? static_cast<int>((gap_px() + gaps()) / (2 * gaps())) : 0;
   for (int v = 0; v < height; ++v) std::copy_n(depth.row(v), width, before_.data() + std::ptrdiff_t{v} * width);
   std::fill(step_mm_.begin(), step_mm_.end(), std::uint16_t{0});
-  const auto at = [&](int u, int v) {
-    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
-  };
+  const DepthView before(before_.data(), width, height);
+  const DepthImage steps(step_mm_.data(), width, height);
   const auto set = [&](int u, int v, int surface_mm, int step_mm) {
-    if (step_mm <= step_mm_[at(u, v)]) return;
-    step_mm_[at(u, v)] = static_cast<std::uint16_t>(step_mm);
+    if (step_mm <= steps.at(u, v)) return;
+    steps.at(u, v) = static_cast<std::uint16_t>(step_mm);
     depth.at(u, v) = static_cast<std::uint16_t>(surface_mm);
   };
   for (int v = 0; v < height; ++v) {
-    const Line<const std::uint16_t> row{before_.data() + at(0, v), 1, width};
+    const Line<const std::uint16_t> row{before.row(v), 1, width};
     const auto set_row = [&](int u, int surface_mm, int step_mm) { set(u, v, surface_mm, step_mm); };
     restore_steps(row, rules, set_row);
     if (drops_) grow(row, rules, half_gap, set_row);
   }
   for (int u = 0; u < width; ++u) {
-    const Line<const std::uint16_t> column{before_.data() + u, width, height};
+    const Line<const std::uint16_t> column{before.row(0) + u, width, height};
     const auto set_column = [&](int v, int surface_mm, int step_mm) { set(u, v, surface_mm, step_mm); };
     restore_steps(column, rules, set_column);
     if (drops_) grow(column, rules, half_gap, set_column);

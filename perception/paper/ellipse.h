@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kernels/moments/moments.h"
+#include "kernels/section/section.h"
 
 namespace im2fit {
 
@@ -21,7 +21,18 @@ struct Ellipse {
 
 inline constexpr int kEllipsePointsMin = 12;
 
-// Sums of x^i y^j, i + j <= 4: exact integers, so the order of points does not matter. Bounds: kernels/moments.
+inline constexpr int kMomentCount = 15;
+// The sum of x^i y^j: by degree, within one by falling power of x: 1, x, y, x^2, xy, y^2, x^3, ...
+constexpr int moment_index(int i, int j) {
+  return (i + j) * (i + j + 1) / 2 + j;
+}
+// kMomentPointsMax points at the corner reach 2^15 * 2^48 = 2^63.
+inline constexpr int kMomentPointsMax = 32767;
+
+// Sets kMomentCount sums of x^i y^j, i + j <= 4, over the points with first_x <= x <= last_x; |x|, |y| <=
+// kSectionCoordinateMax, count <= kMomentPointsMax. Exact integers, so the order of points does not matter.
+void moments(const SectionPoint* points, int count, int first_x, int last_x, std::int64_t* sums);
+
 struct EllipseSums {
   std::array<std::int64_t, kMomentCount> sum{};
 

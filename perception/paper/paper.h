@@ -57,7 +57,7 @@ class PaperWorkspace {
 // rounded to 2^-11 mm and sums of a few stay below) and to 1 mm in girths (section points are rounded to 1/8 mm, rms
 // 0.036 mm; over the hundred or more points of a section that moves the mean by 0.004 mm, and the half-seen ellipse
 // magnifies it by up to some tens). Integers, and floats in written order: the same bits on every machine and in
-// every tier of the kernels it calls (section, moments, geodesic). No allocation after construction, no threads.
+// every tier of the kernel it calls (section). No allocation after construction, no threads.
 PaperMeasurements measure_paper(ImageView<const std::uint16_t> depth_q4, MaskView mask, const Intrinsics& intrinsics,
                                 const JointSet& joints, PaperWorkspace& work);
 

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 
+#include "core/fixed.h"
 #include "perception/paper/paper.h"
 
 namespace im2fit::paper_detail {
@@ -78,6 +80,15 @@ inline bool usable_joints(const JointSet& joints) {
   }
   return true;
 }
+
+using GeodesicMm = Fixed<std::int32_t, 7>;
+
+// The length of the polyline through `count` points, in 1/128 mm: the sum of its steps' lengths, each rounded to the
+// nearest 1/128 mm. x, y, z: GeodesicMm raws within +-2^30; the parts of a step saturate at +-256 mm (a surface seen
+// that coarsely is another one): the sum of their squares is at most 3 * 2^30, its root 56756, so 75,000 steps fit
+// the result. Roots are rounded to the nearest, not down: the errors cancel. 0 for fewer than two points. Integers;
+// no allocation, thread-safe.
+std::uint32_t geodesic(const std::int32_t* x, const std::int32_t* y, const std::int32_t* z, int count);
 
 // Length of the surface between the points seen at LS and RS over their distance: see surface_ratio.cpp. NaN where
 // too little of it is seen.

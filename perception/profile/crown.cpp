@@ -4,14 +4,37 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
-
-#include "kernels/height/height.h"
 
 namespace im2fit::profile {
 namespace {
 
 using L = ProfileLayout;
+
+constexpr int kHeightBinShift = CoordinateMm::kFractionBits + 2;
+static_assert(kHeightBinMm << CoordinateMm::kFractionBits == 1 << kHeightBinShift);
+
+struct HeightRow {
+  const std::uint16_t* depth;
+  const std::uint8_t* mask;
+  std::int32_t up_row, side_row;
+};
+
+std::int32_t scan_pixels(const HeightScan& s, const HeightRow& row, int begin, int end, std::int32_t lowest,
+                         std::uint64_t* squares) {
+  for (int u = begin; u < end; ++u) {
+    const std::uint16_t depth = row.depth[u];
+    if (row.mask[u] == 0 || depth == 0) continue;
+    const std::int32_t side = form_product(s.side_columns[u] + row.side_row, depth) + s.side_offset;
+    if (side >= s.side_max || side <= -s.side_max) continue;
+    const std::int32_t height = form_product(s.up_columns[u] + row.up_row, depth) + s.up_offset;
+    if (height < lowest) lowest = height;
+    const std::int32_t bin = (height - kHeightMinMm * (1 << CoordinateMm::kFractionBits)) >> kHeightBinShift;
+    if (bin >= 0 && bin < kHeightBins) squares[bin] += std::uint32_t{depth} * std::uint32_t{depth};
+  }
+  return lowest;
+}
 
 // Heights below (from the top) or above (from the bottom) which the areas lie, rising ones; NaN where there is less.
 void heights_at_areas(std::span<const std::uint64_t> squares, double mm2_per_square, bool from_top,
@@ -54,6 +77,23 @@ HeightScan scan_of(const Scene& s, const ProfileWorkspace& work, int begin, int 
 
 }  // namespace
 
+std::int32_t sum_by_height(const HeightScan& s, std::uint64_t* squares) {
+  std::memset(squares, 0, kHeightBins * sizeof *squares);
+  std::int32_t lowest = kHeightNone;
+  const int width = s.depth_q4.width;
+  for (int v = 0; v < s.depth_q4.height; ++v) {
+    const HeightRow row = {s.depth_q4.row(v), s.mask.row(v), s.up_rows[v], s.side_rows[v]};
+    int u = 0;
+    for (; u + 8 <= width; u += 8) {
+      std::uint64_t masks;
+      std::memcpy(&masks, row.mask + u, 8);
+      if (masks != 0) lowest = scan_pixels(s, row, u, u + 8, lowest, squares);
+    }
+    lowest = scan_pixels(s, row, u, width, lowest, squares);
+  }
+  return lowest;
+}
+
 void crown_and_soles(Scene& s, bool floor_known, ProfileWorkspace& work, std::span<float> crown,
                      std::span<float> soles) {
   constexpr std::int32_t kAnySide = std::numeric_limits<std::int32_t>::max();
@@ -66,18 +106,19 @@ void crown_and_soles(Scene& s, bool floor_known, ProfileWorkspace& work, std::sp
   while (last > first && empty(last)) --last;
   const int span = last - first + 1;
   if (!floor_known) {
-    const std::int32_t lowest = height(scan_of(s, work, last - span / 8, last + 1, 0, kAnySide), work.squares.data());
+    const std::int32_t lowest =
+        sum_by_height(scan_of(s, work, last - span / 8, last + 1, 0, kAnySide), work.squares.data());
     if (lowest != kHeightNone) s.frame.camera_height_mm -= static_cast<float>(CoordinateMm::from_raw(lowest).real());
   }
 
   const double mm2_per_square = 1.0 / (256.0 * double{s.k.fx} * double{s.k.fy});
   const float head_side = s.frame.side(s.joint(Joint::HE));
   if (!(std::abs(head_side) < kFarthestMm)) return;  // nowhere, so that nothing is at the head
-  height(scan_of(s, work, first, first + span / 5, head_side, form_offset(kHeadHalfMm)), work.squares.data());
+  sum_by_height(scan_of(s, work, first, first + span / 5, head_side, form_offset(kHeadHalfMm)), work.squares.data());
   constexpr std::array<float, L::kCrownValues> kCrownAreas = {150.0F, 500.0F, 1500.0F, 4000.0F, 9000.0F};
   heights_at_areas(work.squares, mm2_per_square, true, kCrownAreas, crown);
 
-  height(scan_of(s, work, last - span / 5, last + 1, 0, kAnySide), work.squares.data());
+  sum_by_height(scan_of(s, work, last - span / 5, last + 1, 0, kAnySide), work.squares.data());
   constexpr std::array<float, L::kSoleValues> kSoleAreas = {400.0F, 1500.0F, 5000.0F, 12000.0F};
   heights_at_areas(work.squares, mm2_per_square, false, kSoleAreas, soles);
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/height/height.h"
 #include "perception/profile/crown.h"
 #include "perception/profile/levels.h"
 #include "perception/profile/row_scan.h"

@@ -41,10 +41,6 @@ using namespace advice_limits;
 
 namespace {
 
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 GuidanceSet bit(Guidance g) {
   return static_cast<GuidanceSet>(g);
 }
@@ -96,8 +92,8 @@ float hole_share(const Grid& grid, DepthView depth, std::span<const std::uint8_t
 // out on the other side a corner rises half as far over its chord as in the middle, and a circle three quarters.
 bool round_body(const Grid& grid, const Blob& blob) {
   const float z_mm = blob.centroid_mm.z;
-  const float cell_mm = static_cast<float>(grid.step) * z_mm / grid.intrinsics.fx;
-  const int half = std::max(2, static_cast<int>(kNearHalfMm / cell_mm));
+  const float mm = cell_mm(grid, z_mm);
+  const int half = std::max(2, static_cast<int>(kNearHalfMm / mm));
   const float u = blob.centroid_mm.x / z_mm * grid.intrinsics.fx + grid.intrinsics.cx;
   const int middle = std::clamp(static_cast<int>(u / static_cast<float>(grid.step)), 0, grid.width - 1);
   int rows = 0;
@@ -145,8 +141,8 @@ bool round_body(const Grid& grid, const Blob& blob) {
 // A head over shoulders that reach out on both sides of it, and round: its rim lies behind what is nearest in the row
 // (the nose may be too near to be seen at all).
 bool head_over_shoulders(const Grid& grid, const Blob& blob) {
-  const float cell_mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
-  const auto cells = [&](float mm) { return static_cast<int>(mm / cell_mm); };
+  const float cell = cell_mm(grid, blob.centroid_mm.z);
+  const auto cells = [&](float mm) { return static_cast<int>(mm / cell); };
   int rows = 0;
   int head_lo = grid.width;
   int head_hi = -1;

@@ -34,10 +34,6 @@ int tolerance_mm(std::uint16_t z) {
   return 10 + static_cast<int>((std::uint32_t{z} * z) >> 16 >> 2);
 }
 
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 }  // namespace
 
 Background::Background(const Grid& grid)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connected surfaces of the coarse picture: metric size (blobs.cpp), heads (heads.cpp), and which of them are people
-// (people.cpp).
+// Connected surfaces of the coarse picture: metric size (blobs.cpp), heads (heads.cpp), which of them are one or
+// several things (split.cpp), their shape (body.cpp), and which are people (people.cpp).
 #pragma once
 
 #include <array>
@@ -47,84 +47,62 @@ struct Head {
   bool vague = false;  // rather flat, or too far to judge: counts only where there is no better one
 };
 
-class BlobFinder {
- public:
-  explicit BlobFinder(const Grid& grid);
-  void reset() { wall_.reset(); }  // forgets the room
-  // Labels every cell: blob index + 1, or 0 for floor, no data, specks and where `background` is 1. `expected`:
-  // crowns of people known, who are kept apart also where their heads are not seen.
-  void run(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
-           std::span<const Vec3f> expected);
-  std::span<const std::uint16_t> labels() const { return labels_; }
-  std::span<const Blob> blobs() const { return {blobs_.data(), static_cast<std::size_t>(blob_count_)}; }
-  std::span<const Head> heads() const { return {heads_.data(), static_cast<std::size_t>(head_count_)}; }
+// The surfaces of one frame, and the memory in which they are found: made once, for frames of one size.
+struct Blobs {
+  explicit Blobs(const Grid& grid);
+  void reset() { wall.reset(); }  // forgets the room
+  std::span<const Blob> list() const { return {blobs.data(), at(blob_count)}; }
 
- private:
-  struct TrunkShape {
-    float bulge_mm = 0;  // of the middle before the edges
-    float edge_mm = 0;   // of that, beyond half way
-    int row_count = 0;
-  };
+  std::vector<std::uint16_t> labels;  // per cell: blob index + 1, or 0 for floor, no data, specks and background
+  std::array<Blob, kBlobCountMax> blobs;
+  int blob_count = 0;
+  std::array<Head, kHeadCountMax> heads;
+  int head_count = 0;
 
-  struct Roundness {
-    float score = 0;     // mm: 12 to 45 for people, below 9 for furniture
-    float sides_mm = 0;  // of the rounder quarter, about the upright axis
-    float share = 0;     // of the cells with blob on either side
-  };
-  // Below a top, where a head may be. Columns of cells.
-  struct HeadShape {
-    int centre = 0;
-    int lo = 0, hi = 0;                        // of its last row
-    float width_mm = 0;                        // mean, 55..165 mm below the top
-    float narrowest_mm = 1e9F, widest_mm = 0;  // there
-    float neck_mm = 1e9F;                      // narrowest, 165..280 mm below
-    float shoulders_mm = 0;                    // widest, 270..430 mm below
-    float left_mm = 0, right_mm = 0;           // what they reach beyond the head
-    float relief_mm = 0;                       // of the head's middle before its edges
-    float bulge_mm = 0;                        // of the trunk, rms
-    bool cut = false;                          // by the picture's left or right border
-  };
-  class HeadProbe;
-
-  void open_cells(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background);
-  void label(const Grid& grid);
-  bool close_further_walls(const Grid& grid, const FloorPlane& floor);
-  void describe(const Grid& grid);
-  void expect_heads(const Grid& grid, const FloorPlane& floor, std::span<const Vec3f> expected);
-  int blob_under(const Grid& grid, Vec3f crown, Vec3f up) const;
-  void split_between_heads(const Grid& grid);
-  void find_heads(const Grid& grid, int blob, const FloorPlane& floor);
-  bool head_at(const Grid& grid, int blob, int c, int r, Head& out) const;
-  void join_trunks(const Grid& grid, const FloorPlane& floor);
-  int blob_over(const Grid& grid, int blob) const;
-  void join_split_bodies(const Grid& grid, const FloorPlane& floor);
-  void detach_furniture(const Grid& grid, const FloorPlane& floor);
-  bool detach_side(const Grid& grid, const Head& head, int side);
-  bool rises_from_floor(const Grid& grid, int blob, int c) const;
-  bool on_pole(const Grid& grid, int blob, const FloorPlane& floor) const;
-  bool floats(const Grid& grid, int blob, const FloorPlane& floor) const;
-  void judge(const Grid& grid, const FloorPlane& floor);
-  TrunkShape trunk_shape(const Grid& grid, int blob, int c, int r_first, int r_last, float z_mm) const;
-  bool person_shaped(const Grid& grid, int blob) const;
-  bool has_legs(const Grid& grid, int blob) const;
-  Roundness roundness(const Grid& grid, int blob, int row_last) const;
-  bool round_body(const Grid& grid, int blob, const FloorPlane& floor) const;
-  float shape_odds(const Grid& grid, int blob, const FloorPlane& floor) const;
-  TrunkShape trunk_of(const Grid& grid, int blob) const;
-  static float trunk_misfit(const TrunkShape& shape);
-  static bool person_sized(const Grid& grid, const Blob& blob, const FloorPlane& floor);
-
-  std::vector<std::uint8_t> open_;  // cells that may belong to a thing
-  std::vector<std::uint8_t> part_;  // of them, those of one blob
-  WallRemover wall_;
-  Components components_;
-  std::vector<std::uint16_t> labels_;
-  std::vector<std::int16_t> top_;  // per column, for the blob in hand
-  std::vector<FloorEquations> planes_;
-  std::array<Blob, kBlobCountMax> blobs_;
-  int blob_count_ = 0;
-  std::array<Head, kHeadCountMax> heads_;
-  int head_count_ = 0;
+  // Used by the steps alone.
+  std::vector<std::uint8_t> open;  // cells that may belong to a thing
+  std::vector<std::uint8_t> part;  // of them, those of one blob
+  WallRemover wall;
+  Components components;
+  std::vector<std::int16_t> top;  // per column, for the blob in hand
+  std::vector<FloorEquations> planes;
 };
+
+// Labels every cell, and says which blobs are people. Cells where `background` is 1 stay out. `expected`: crowns of
+// people known, who are kept apart also where their heads are not seen.
+void find_blobs(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
+                std::span<const Vec3f> expected, Blobs& found);
+
+// The steps of find_blobs(), in their order. Those that change labels describe the blobs anew.
+void describe_blobs(const Grid& grid, Blobs& found);                                 // blobs.cpp
+void find_heads(const Grid& grid, const FloorPlane& floor, int blob, Blobs& found);  // heads.cpp
+void join_trunks(const Grid& grid, const FloorPlane& floor, Blobs& found);           // split.cpp
+void expect_heads(const Grid& grid, const FloorPlane& floor, std::span<const Vec3f> expected, Blobs& found);
+void split_between_heads(const Grid& grid, Blobs& found);
+void detach_furniture(const Grid& grid, const FloorPlane& floor, Blobs& found);
+void join_split_bodies(const Grid& grid, const FloorPlane& floor, Blobs& found);
+void judge_blobs(const Grid& grid, const FloorPlane& floor, Blobs& found);  // people.cpp
+
+// The shape of one blob (body.cpp).
+struct TrunkShape {
+  float bulge_mm = 0;  // of the middle before the edges
+  float edge_mm = 0;   // of that, beyond half way
+  int row_count = 0;
+};
+TrunkShape trunk_shape(const Grid& grid, std::span<const std::uint16_t> labels, int blob, int c, int r_first,
+                       int r_last, float z_mm);
+float trunk_misfit(const TrunkShape& shape);
+bool has_legs(const Grid& grid, const Blobs& found, int blob);
+
+struct Roundness {
+  float score = 0;     // mm: 12 to 45 for people, below 9 for furniture
+  float sides_mm = 0;  // of the rounder quarter, about the upright axis
+  float share = 0;     // of the cells with blob on either side
+};
+Roundness roundness(const Grid& grid, const Blobs& found, int blob, int row_last);
+bool floats(const Grid& grid, const FloorPlane& floor, const Blobs& found, int blob);
+bool on_pole(const Grid& grid, const FloorPlane& floor, const Blobs& found, int blob);
+bool round_body(const Grid& grid, const FloorPlane& floor, const Blobs& found, int blob);
+float shape_odds(const Grid& grid, const FloorPlane& floor, const Blobs& found, int blob);
 
 }  // namespace im2fit::segment

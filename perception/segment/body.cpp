@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies without a head to be seen: arms raised before it, in profile, bent. People are round all over; furniture is
-// made of planes, and what of it is round is so about one axis or at an edge only.
+// The shape of one surface: how round trunks, legs and whole bodies are, what floats or stands on a pole, and the
+// odds that a person has such a shape. People are round all over; furniture is made of planes, and what of it is
+// round is so about one axis or at an edge only. Bodies without a head to be seen have their arms raised before it,
+// or stand in profile or bent.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,14 @@
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
 // docs/notebook/perception-thresholds.md. Sources:
+//   [legs]  of 57 people without a clear head 47 have such legs, of 240 pieces of furniture of a person's size
+//           2 (commit 1e3516a)
+//   [trunk] came with commit 1e3516a: of 1,000 empty frames 436 showed a user before, 3 after; all changes
+//           together
+//   [coats] coats on stands are no people (commit 78a99e4): chosen on synthetic rooms, no measurement on record
+//   [empty] came with fewer false users: of 10,000 empty frames 226 before, 54 after, all changes together
+//           (commit 3db21d5)
+//   [rooms] chosen on synthetic rooms, no measurement on record
 //   [round] came with turned and bent people: of 200 people 98.4 % found before, 99.8 % after (turned 88.2 and
 //           98.5), all changes together (commit 5651a96)
 //   [odds]  the range a logistic regression was fitted on, or its coefficients: 1,100 furnished rooms without
@@ -19,6 +29,39 @@
 //   [calm]   came with people found without a floor: of 206 calm starts of real people without a floor 28 % were
 //            no one before, 0 % after (tests/real_people)
 namespace im2fit::segment::body_limits {
+
+// Trunks: the bulge of their rows.
+constexpr float kHalfMm = 180.0F;   // of a row, either side of the middle, most; [coats]
+constexpr float kDepthMm = 280.0F;  // from the depth given: still the same surface; [trunk]
+constexpr int kWidthMinCells = 6;   // of a row, least; [trunk]
+constexpr int kRowsMin = 8;         // of a trunk or of legs, least: a disparity step of 20 mm then leaves 3; [trunk]
+constexpr float kUnknownMisfit = 2.0F;        // of fewer rows; [trunk]
+constexpr float kFlatShare = 2.0F;            // edge over bulge, of a bulge below 1 mm; [trunk]
+constexpr float kBulgeMinMm = 18.0F;          // people have 18 to 80; [trunk]
+constexpr float kBulgeMinSpreadMm = 8.0F;     // a misfit of 1 below that; [trunk]
+constexpr float kBulgeMaxMm = 80.0F;          // and most; [trunk]
+constexpr float kBulgeMaxSpreadMm = 30.0F;    // a misfit of 1 above that; [trunk]
+constexpr float kEdgeShareMin = 0.58F;        // of the bulge, beyond half way: below, sides are straight; [trunk]
+constexpr float kEdgeShareMinSpread = 0.2F;   // a misfit of 1 below that; [trunk]
+constexpr float kEdgeShareMax = 0.93F;        // above, there is a step; [trunk]
+constexpr float kEdgeShareMaxSpread = 0.08F;  // a misfit of 1 above that; [trunk]
+
+// Legs: rows of the lower part.
+constexpr float kLegWideMinMm = 80.0F;   // widest run of a row, mean, least; [legs]
+constexpr float kLegWideMaxMm = 240.0F;  // and most, with trousers; [legs]
+constexpr float kLegBulgeMinMm = 17.0F;  // middle before the edges, mean, least; [legs]
+constexpr float kLegBulgeMaxMm = 75.0F;  // and most; [legs]
+constexpr int kLegCellsMin = 4;          // of a row across a leg, to see it round; [legs]
+constexpr float kLegRunsMin = 1.4F;      // runs of a row, mean, least: one leg or two; [legs]
+constexpr float kLegRunsMax = 2.35F;     // and most; [legs]
+
+// Poles.
+constexpr float kShinLowMm = 200.0F;  // above the floor: shins are seen from here; [rooms]
+constexpr float kThighMm = 900.0F;    // to here, thighs; [rooms]
+constexpr float kPoleMm = 50.0F;      // width of a pole, most; calves one behind the other have 65; [empty]
+constexpr float kPoleCells = 1.2F;    // and so many cells, for its edges; [empty]
+constexpr float kPoleMaxMm = 80.0F;   // but never more; [empty]
+constexpr int kPoleRows = 3;          // so many rows in succession; [empty]
 
 // How round a surface is.
 constexpr float kBaseMm =
@@ -75,10 +118,6 @@ using namespace body_limits;
 
 namespace {
 
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 // How far the middle of a stretch of 2 x kBaseMm lies before its ends, over a blob.
 class Bulges {
  public:
@@ -105,7 +144,7 @@ class Bulges {
 // Samples where the blob goes on at either side; averages of four cells in a row across the axis.
 Bulges bulges_of(const Grid& grid, std::span<const std::uint16_t> labels, const Blob& blob, std::uint16_t label,
                  int row_last, bool upright) {
-  const float mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
+  const float mm = cell_mm(grid, blob.centroid_mm.z);
   const int reach = std::max(2, static_cast<int>(kBaseMm / mm + 0.5F));
   Bulges bulges;
   const int side = upright ? reach * grid.width : reach;
@@ -149,11 +188,149 @@ Bulges bulges_of(const Grid& grid, std::span<const std::uint16_t> labels, const 
 
 }  // namespace
 
-BlobFinder::Roundness BlobFinder::roundness(const Grid& grid, int b, int row_last) const {
-  const Blob& blob = blobs_[at(b)];
+// Rows r_first..r_last about column c: how far the edges lie behind the middle on average, and the points half way
+// behind the middle. Averages over sixths of a row and all rows: a disparity step of 20 mm leaves 3.
+TrunkShape trunk_shape(const Grid& grid, std::span<const std::uint16_t> labels, int blob, int c, int r_first,
+                       int r_last, float z_mm) {
+  const auto label = static_cast<std::uint16_t>(blob + 1);
+  const float mm = cell_mm(grid, z_mm);
+  const int half = std::max(2, static_cast<int>(kHalfMm / mm));
+  TrunkShape shape;
+  float edges = 0;
+  float between = 0;
+  for (int r = std::max(0, r_first); r <= std::min(r_last, grid.height - 1); ++r) {
+    const auto inside = [&](int col) {
+      if (col < 0 || col >= grid.width) return false;
+      const auto i = at(grid.index(col, r));
+      return labels[i] == label && std::fabs(static_cast<float>(grid.depth[i]) - z_mm) < kDepthMm;
+    };
+    if (!inside(c)) continue;
+    int lo = c;
+    int hi = c;
+    while (c - lo < half && inside(lo - 1)) --lo;
+    while (hi - c < half && inside(hi + 1)) ++hi;
+    const int width = hi - lo + 1;
+    if (width < kWidthMinCells) continue;
+    const int part = std::max(1, width / 6);
+    const auto mean = [&](int first) {
+      int sum = 0;
+      for (int i = 0; i < part; ++i) sum += grid.depth[at(grid.index(first + i, r))];
+      return static_cast<float>(sum) / static_cast<float>(part);
+    };
+    const float middle = mean(lo + (width - part) / 2);
+    edges += 0.5F * (mean(lo) + mean(hi + 1 - part)) - middle;
+    between += 0.5F * (mean(lo + (width - part) / 4) + mean(hi + 1 - part - (width - part) / 4)) - middle;
+    ++shape.row_count;
+  }
+  if (shape.row_count == 0) return shape;
+  // Edge behind the points half way, and behind the middle.
+  shape.bulge_mm = edges / static_cast<float>(shape.row_count);
+  shape.edge_mm = (edges - between) / static_cast<float>(shape.row_count);
+  return shape;
+}
+
+// 0 for most people, above 1 for most of what is none. Trunks of people are 18..80 mm deep over their width and
+// rounder than an edge seen from before (whose sides are straight) or a step; fronts of furniture are flat.
+float trunk_misfit(const TrunkShape& shape) {
+  if (shape.row_count < kRowsMin) return kUnknownMisfit;
+  const float share = shape.bulge_mm > 1.0F ? shape.edge_mm / shape.bulge_mm : kFlatShare;
+  const float flat = std::max(0.0F, (kBulgeMinMm - shape.bulge_mm) / kBulgeMinSpreadMm);
+  const float deep = std::max(0.0F, (shape.bulge_mm - kBulgeMaxMm) / kBulgeMaxSpreadMm);
+  const float straight = std::max(0.0F, (kEdgeShareMin - share) / kEdgeShareMinSpread);
+  const float stepped = std::max(0.0F, (share - kEdgeShareMax) / kEdgeShareMaxSpread);
+  return flat + deep + straight + stepped;
+}
+
+// Below the middle, rows of one or two runs (1.4 to 2.35 on average), as wide as legs and as round: of 57 people
+// without a clear head 47, of 240 pieces of furniture of a person's size 2.
+bool has_legs(const Grid& grid, const Blobs& found, int b) {
+  const Blob& blob = found.blobs[at(b)];
   const auto label = static_cast<std::uint16_t>(b + 1);
-  const Bulges across = bulges_of(grid, labels_, blob, label, row_last, false);
-  const Bulges along = bulges_of(grid, labels_, blob, label, row_last, true);
+  const int tall = blob.r_max - blob.r_min + 1;
+  int row_count = 0;
+  int run_count = 0;
+  int widest_sum = 0;
+  int round_count = 0;
+  float bulge_sum = 0;
+  for (int r = blob.r_min + tall * 68 / 100; r < blob.r_min + tall * 92 / 100; ++r) {
+    int widest = 0;
+    int run = 0;
+    for (int c = blob.c_min; c <= blob.c_max + 1; ++c) {
+      if (c <= blob.c_max && found.labels[at(grid.index(c, r))] == label) {
+        ++run;
+        continue;
+      }
+      widest = std::max(widest, run);
+      run_count += run > 1 ? 1 : 0;
+      if (run >= kLegCellsMin) {
+        const auto z = [&](int col) { return static_cast<float>(grid.depth[at(grid.index(col, r))]); };
+        const int lo = c - run;
+        bulge_sum += 0.5F * (z(lo) + z(c - 1)) - 0.5F * (z(lo + run / 2) + z(lo + (run - 1) / 2));
+        ++round_count;
+      }
+      run = 0;
+    }
+    widest_sum += widest;
+    ++row_count;
+  }
+  if (row_count < kRowsMin || round_count < 2 * kRowsMin) return false;
+  const auto rows = static_cast<float>(row_count);
+  const float mm = cell_mm(grid, blob.centroid_mm.z);
+  const float runs = static_cast<float>(run_count) / rows;
+  const float wide_mm = static_cast<float>(widest_sum) / rows * mm;
+  const float bulge_mm = bulge_sum / static_cast<float>(round_count);
+  return runs >= kLegRunsMin && runs <= kLegRunsMax && wide_mm >= kLegWideMinMm && wide_mm <= kLegWideMaxMm &&
+         bulge_mm >= kLegBulgeMinMm && bulge_mm <= kLegBulgeMaxMm;
+}
+
+// Ends in the air with only farther things below: a coat, a picture on the wall. A person's legs may be hidden by
+// something nearer.
+bool floats(const Grid& grid, const FloorPlane& floor, const Blobs& found, int b) {
+  const Blob& blob = found.blobs[at(b)];
+  if (!floor.known || blob.height_min_mm < kFloatingMm || blob.r_max >= grid.height - 2) return false;
+  const auto label = static_cast<std::uint16_t>(b + 1);
+  int hidden = 0;
+  int open = 0;
+  for (int c = blob.c_min; c <= blob.c_max; ++c) {
+    int r = blob.r_max;
+    while (r >= blob.r_min && found.labels[at(grid.index(c, r))] != label) --r;
+    if (r < blob.r_min || r + 3 >= grid.height) continue;
+    const float z = static_cast<float>(grid.depth[at(grid.index(c, r))]);
+    float below = 0;
+    for (int d = 1; d <= 3 && below == 0; ++d) below = static_cast<float>(grid.depth[at(grid.index(c, r + d))]);
+    (below > 0 && below < z + 0.5F * depth_step_mm(z) ? hidden : open) += 1;
+  }
+  return hidden < open;
+}
+
+// Stands on something narrower than a leg.
+bool on_pole(const Grid& grid, const FloorPlane& floor, const Blobs& found, int b) {
+  const Blob& blob = found.blobs[at(b)];
+  if (!floor.known || blob.height_min_mm > kShinLowMm) return false;
+  const auto label = static_cast<std::uint16_t>(b + 1);
+  const float narrow_mm = std::min(kPoleMaxMm, kPoleMm + kPoleCells * cell_mm(grid, blob.centroid_mm.z));
+  int narrow_rows = 0;  // in succession
+  for (int r = blob.r_min; r <= blob.r_max; ++r) {
+    // The whole row's width: cut at a height, the slanting edge of a thigh would be narrow.
+    float width = 0;
+    bool low = false;
+    for (int c = blob.c_min; c <= blob.c_max; ++c) {
+      const auto cell = at(grid.index(c, r));
+      if (found.labels[cell] != label) continue;
+      low = low || (grid.height_mm[cell] > kShinLowMm && grid.height_mm[cell] < kThighMm);
+      width += cell_mm(grid, static_cast<float>(grid.depth[cell]));
+    }
+    narrow_rows = low && width < narrow_mm ? narrow_rows + 1 : 0;
+    if (narrow_rows == kPoleRows) return true;
+  }
+  return false;
+}
+
+Roundness roundness(const Grid& grid, const Blobs& found, int b, int row_last) {
+  const Blob& blob = found.blobs[at(b)];
+  const auto label = static_cast<std::uint16_t>(b + 1);
+  const Bulges across = bulges_of(grid, found.labels, blob, label, row_last, false);
+  const Bulges along = bulges_of(grid, found.labels, blob, label, row_last, true);
   Roundness round;
   round.share = static_cast<float>(kRunCells * across.total()) / static_cast<float>(blob.cell_count);
   round.sides_mm = across.quantile(75);
@@ -161,9 +338,9 @@ BlobFinder::Roundness BlobFinder::roundness(const Grid& grid, int b, int row_las
   return round;
 }
 
-bool BlobFinder::round_body(const Grid& grid, int b, const FloorPlane& floor) const {
-  const Blob& blob = blobs_[at(b)];
-  const float mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
+bool round_body(const Grid& grid, const FloorPlane& floor, const Blobs& found, int b) {
+  const Blob& blob = found.blobs[at(b)];
+  const float mm = cell_mm(grid, blob.centroid_mm.z);
   const float wide = static_cast<float>(blob.c_max - blob.c_min + 1) * mm;
   const float tall = blob.height_max_mm - blob.height_min_mm;
   const int box = (blob.c_max - blob.c_min + 1) * (blob.r_max - blob.r_min + 1);
@@ -174,11 +351,11 @@ bool BlobFinder::round_body(const Grid& grid, int b, const FloorPlane& floor) co
                      static_cast<float>(blob.cell_count) < kBodyFillMax * static_cast<float>(box);
   if (!stands || !high || !sized || blob.relief_mm > kBodyReliefMaxMm || blob.centroid_mm.z > kBodyFarMm)
     return false;
-  if (floats(grid, b, floor) || on_pole(grid, b, floor)) return false;
-  const Roundness round = roundness(grid, b, blob.r_max);
+  if (floats(grid, floor, found, b) || on_pole(grid, floor, found, b)) return false;
+  const Roundness round = roundness(grid, found, b, blob.r_max);
   const bool even = round.share > kBodyShareMin && round.share < kBodyShareMax && round.sides_mm > kBodySidesMinMm &&
                     round.sides_mm < kBodySidesMaxMm;
-  return even && round.score + (has_legs(grid, b) ? kLegsBonus : 0.0F) >= kBodyRoundMin;
+  return even && round.score + (has_legs(grid, found, b) ? kLegsBonus : 0.0F) >= kBodyRoundMin;
 }
 
 // A logistic regression on 1,100 furnished rooms without people and 1,180 people (calm, free, turned by 40 to 80
@@ -187,9 +364,9 @@ bool BlobFinder::round_body(const Grid& grid, int b, const FloorPlane& floor) co
 // tried. Known only of blobs that are whole, on the floor and of a person's size. Without a floor (masked
 // backgrounds, black carpets, glossy tiles) a blob is taken to stand on its lowest point. How well:
 // docs/tracker-evaluation.md.
-float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) const {
-  const Blob& blob = blobs_[at(b)];
-  const float mm = static_cast<float>(grid.step) * blob.centroid_mm.z / grid.intrinsics.fx;
+float shape_odds(const Grid& grid, const FloorPlane& floor, const Blobs& found, int b) {
+  const Blob& blob = found.blobs[at(b)];
+  const float mm = cell_mm(grid, blob.centroid_mm.z);
   const float wide = static_cast<float>(blob.c_max - blob.c_min + 1) * mm;
   const float low = floor.known ? blob.height_min_mm : 0.0F;
   const float top = floor.known ? blob.height_max_mm : blob.height_max_mm - blob.height_min_mm;
@@ -199,9 +376,9 @@ float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) c
   const bool whole = top > (cut_off ? kCutOffTallMinMm : kWholeTopMinMm) && low < kWholeLowMaxMm;
   const bool sized = blob.area_m2 > kWholeAreaMinM2 && blob.area_m2 < kWholeAreaMaxM2 && wide > kWholeWideMinMm &&
                      fill < kWholeFillMax && blob.centroid_mm.z > kWholeNearMm && blob.centroid_mm.z < kBodyFarMm;
-  if (!whole || !sized || floats(grid, b, floor)) return kShapeUnknown;
-  const bool legs = has_legs(grid, b);
-  const Roundness round = roundness(grid, b, blob.r_max);
+  if (!whole || !sized || floats(grid, floor, found, b)) return kShapeUnknown;
+  const bool legs = has_legs(grid, found, b);
+  const Roundness round = roundness(grid, found, b, blob.r_max);
   // Arms held out widen the box.
   const float fill_min = wide > kArmsOutWideMm ? kArmsOutFillMin : kWholeLeglessFillMin;
   if (!legs && (top < kWholeLeglessTopMinMm || fill < fill_min)) return kShapeUnknown;
@@ -209,7 +386,7 @@ float BlobFinder::shape_odds(const Grid& grid, int b, const FloorPlane& floor) c
   const auto above = [](float value, float limit) { return std::max(0.0F, value - limit); };
   const auto below = [](float value, float limit) { return std::max(0.0F, limit - value); };
   float odds = -2.0F + 0.16F * std::clamp(round.score, -5.0F, 40.0F) - 0.0018F * wide;
-  odds += on_pole(grid, b, floor) ? -2.6F : legs ? 3.0F : 0.0F;
+  odds += on_pole(grid, floor, found, b) ? -2.6F : legs ? 3.0F : 0.0F;
   const float too_round = 0.14F * above(round.sides_mm, 38.0F);
   odds -= wide < kSlenderWideMm ? std::min(too_round, kSlenderRoundMax) : too_round;
   odds -= 0.27F * below(round.sides_mm, 14.0F);

@@ -55,7 +55,7 @@ struct Grower {
   }
   bool is_barred(int u, int v) const {
     const int c = std::min(u / grid.step, grid.width - 1), r = std::min(v / grid.step, grid.height - 1);
-    return barred[static_cast<std::size_t>(grid.index(c, r))] != 0;
+    return barred[at(grid.index(c, r))] != 0;
   }
   bool take(int u, int v, int from_u, int from_v) const {
     if (mask.at(u, v) != 0 || mask.at(from_u, from_v) == 0) return false;
@@ -136,7 +136,7 @@ Cells Grower::cells_of(std::span<const std::uint8_t> chosen, int row) const {
   Cells cells = {grid.width, -1, 65535, 0};
   if (row < 0 || row >= grid.height) return cells;
   for (int c = 0; c < grid.width; ++c) {
-    const auto i = static_cast<std::size_t>(grid.index(c, row));
+    const auto i = at(grid.index(c, row));
     if (chosen[i] == 0) continue;
     cells.nearest = std::min(cells.nearest, grid.depth[i]);
     cells.farthest = std::max(cells.farthest, grid.depth[i]);
@@ -184,12 +184,12 @@ void Grower::close_to_floor(const Box& box, std::span<std::int16_t> lowest) cons
     const std::uint8_t* m = mask.row(v);
     const auto here = static_cast<std::int16_t>(v);
     for (int u = box.u_first; u <= box.u_last; ++u) {
-      const auto i = static_cast<std::size_t>(u);
+      const auto i = at(u);
       lowest[i] = m[u] != 0 ? here : lowest[i];
     }
   }
   for (int u = box.u_first; u <= box.u_last; ++u) {
-    const int v = lowest[static_cast<std::size_t>(u)];
+    const int v = lowest[at(u)];
     if (v < 0) continue;
     const float front = static_cast<float>(depth.at(u, v));
     if (height_of(u, v, front) > kToeTopMm) continue;

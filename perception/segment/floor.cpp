@@ -63,7 +63,7 @@ namespace {
 
 // Whether the rays of a row of cells all look up from the floor: what they meet is far above it.
 bool looks_up(const Grid& grid, const FloorPlane& plane, int row) {
-  const float up = plane.up.y * grid.ray_y[static_cast<std::size_t>(row)] + plane.up.z;
+  const float up = plane.up.y * grid.ray_y[at(row)] + plane.up.z;
   return plane.up.x * grid.ray_x.front() + up > 0 && plane.up.x * grid.ray_x.back() + up > 0;
 }
 
@@ -129,11 +129,11 @@ bool FloorEquations::solve(FloorPlane& out) const {
 }
 
 FloorFinder::FloorFinder(const Grid& grid)
-    : level_(static_cast<std::size_t>(grid.width)),
+    : level_(at(grid.width)),
       near_cells_(grid.depth.size()),
       away_(grid.depth.size()),
-      pixel_ray_x_(static_cast<std::size_t>(grid.width * grid.step)),
-      pixel_ray_y_(static_cast<std::size_t>(grid.height * grid.step)),
+      pixel_ray_x_(at(grid.width * grid.step)),
+      pixel_ray_y_(at(grid.height * grid.step)),
       row_up_(pixel_ray_y_.size()) {
   Candidates& c = candidates_;
   for (std::vector<float>* v : {&c.x, &c.y, &c.z, &c.ray_x, &c.ray_y, &c.inverse_z}) v->resize(grid.depth.size());
@@ -157,7 +157,7 @@ void FloorFinder::collect_level_cells(const Grid& grid, float slope) {
   for (int r = 2; r < grid.height; ++r) {
     const std::uint16_t* here = grid.depth.data() + grid.index(0, r);
     const std::uint16_t* above = grid.depth.data() + grid.index(0, r - 2);
-    const float ry = grid.ray_y[static_cast<std::size_t>(r)], above_ry = grid.ray_y[static_cast<std::size_t>(r - 2)];
+    const float ry = grid.ray_y[at(r)], above_ry = grid.ray_y[at(r - 2)];
     for (std::size_t c = 0; c < width; ++c) {
       const float z = static_cast<float>(here[c]), above_z = static_cast<float>(above[c]);
       const float dz = above_z - z, dy = above_ry * above_z - ry * z;
@@ -188,7 +188,7 @@ FloorPlane FloorFinder::search(const Grid& grid, float up_z_max) const {
   FloorPlane best;
   const int count = static_cast<int>(candidates_.count);
   if (count < kSupportMin) return best;
-  const auto candidate = [&](int i) { return candidates_.point(static_cast<std::size_t>(i)); };
+  const auto candidate = [&](int i) { return candidates_.point(at(i)); };
   const int stride = std::max(1, count / kScoredCount);
   const int cells = static_cast<int>(grid.depth.size());
   const int cell_stride = std::max(1, cells / kScoredCount) | 1;  // odd: walks all columns
@@ -212,7 +212,7 @@ FloorPlane FloorFinder::search(const Grid& grid, float up_z_max) const {
     if (score <= best_score) continue;
     // Tables are level too; the floor is the level plane with nothing under it.
     for (int n = 0; n < cells; n += cell_stride) {
-      if (grid.depth[static_cast<std::size_t>(n)] == 0) continue;
+      if (grid.depth[at(n)] == 0) continue;
       const Vec3f p = grid.point(n);
       if (height_of(plane, p) < -kBelowMm - quantum_mm(p.z)) score -= 3;
     }
@@ -268,10 +268,10 @@ bool FloorFinder::supported(const Grid& grid, const FloorPlane& plane) {
   for (int r = 0; r < grid.height; ++r) {
     if (looks_up(grid, plane, r)) continue;
     const std::uint16_t* depth = grid.depth.data() + grid.index(0, r);
-    const float ry = grid.ray_y[static_cast<std::size_t>(r)];
+    const float ry = grid.ray_y[at(r)];
     for (int c = 0; c < grid.width; ++c) {
       const float z = static_cast<float>(depth[c]);
-      const Vec3f p = {grid.ray_x[static_cast<std::size_t>(c)] * z, ry * z, z};
+      const Vec3f p = {grid.ray_x[at(c)] * z, ry * z, z};
       below += ((z > 0) & (height_of(plane, p) < -kBelowMm - quantum_mm(z))) ? 1 : 0;
     }
   }
@@ -327,17 +327,17 @@ int FloorFinder::list_cells(const Grid& grid, const FloorPlane& plane, Vec3f fee
   for (int r = first_row; r < grid.height; r += row_step) {
     if (looks_up(grid, plane, r)) continue;
     for (int c = 0; c < grid.width; ++c) {
-      const auto i = static_cast<std::size_t>(grid.index(c, r));
+      const auto i = at(grid.index(c, r));
       if (grid.depth[i] == 0 || taken[i] != 0 || std::fabs(grid.height_mm[i]) > kBandMm) continue;
       const Vec3f p = grid.point(c, r);
       const float away_x = p.x - feet.x;
       const float away_z = p.z - feet.z;
       const float away = (away_x * away_x + away_z * away_z) * (1.0F / (500.0F * 500.0F));
       if (away > 25.0F) continue;
-      away_[static_cast<std::size_t>(count)] = away;
-      near_cells_[static_cast<std::size_t>(count++)] = {
-          static_cast<std::uint16_t>(c * grid.step), static_cast<std::uint16_t>(r * grid.step),
-          static_cast<std::uint16_t>(stride), static_cast<float>(stride * stride) / (1.0F + away)};
+      away_[at(count)] = away;
+      near_cells_[at(count++)] = {static_cast<std::uint16_t>(c * grid.step),
+                                  static_cast<std::uint16_t>(r * grid.step), static_cast<std::uint16_t>(stride),
+                                  static_cast<float>(stride * stride) / (1.0F + away)};
     }
   }
   return count;

@@ -81,14 +81,6 @@ namespace {
 
 constexpr std::int32_t kNarrow = -1;  // in island_: a cell of a row narrower than a shin
 
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
-float cell_mm(const Grid& grid, float z) {
-  return static_cast<float>(grid.step) * z / grid.intrinsics.fx;
-}
-
 float front_tolerance_mm(float z) {
   return kFrontToleranceMm + kFrontToleranceQuanta * quantum_mm(z);
 }

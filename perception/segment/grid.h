@@ -31,6 +31,11 @@ inline bool none(const std::uint8_t* flags) {
   return all == 0;
 }
 
+// An index into a row, a column or the cells of a picture.
+constexpr std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
 struct Grid {
   Grid(int image_width, int image_height);
   // Depth of each cell: the lower median of up to five of its pixels.
@@ -40,8 +45,8 @@ struct Grid {
 
   int index(int cell_u, int cell_v) const { return cell_v * width + cell_u; }
   Vec3f point(int cell_u, int cell_v) const {
-    const float z = static_cast<float>(depth[static_cast<std::size_t>(index(cell_u, cell_v))]);
-    return {ray_x[static_cast<std::size_t>(cell_u)] * z, ray_y[static_cast<std::size_t>(cell_v)] * z, z};
+    const float z = static_cast<float>(depth[at(index(cell_u, cell_v))]);
+    return {ray_x[at(cell_u)] * z, ray_y[at(cell_v)] * z, z};
   }
   // Divides twice: not for loops over all cells.
   Vec3f point(int cell) const { return point(cell % width, cell / width); }
@@ -56,5 +61,10 @@ struct Grid {
   std::vector<float> ray_x;  // x/z of a column's centre
   std::vector<float> ray_y;  // y/z of a row's centre
 };
+
+// Width of a cell at a distance.
+inline float cell_mm(const Grid& grid, float z_mm) {
+  return static_cast<float>(grid.step) * z_mm / grid.intrinsics.fx;
+}
 
 }  // namespace im2fit::segment

@@ -71,18 +71,22 @@ using namespace heads_limits;
 
 namespace {
 
-float cell_mm(const Grid& grid, float z) {
-  return static_cast<float>(grid.step) * z / grid.intrinsics.fx;
-}
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
-}  // namespace
+// Below a top, where a head may be. Columns of cells.
+struct HeadShape {
+  int centre = 0;
+  int lo = 0, hi = 0;                        // of its last row
+  float width_mm = 0;                        // mean, 55..165 mm below the top
+  float narrowest_mm = 1e9F, widest_mm = 0;  // there
+  float neck_mm = 1e9F;                      // narrowest, 165..280 mm below
+  float shoulders_mm = 0;                    // widest, 270..430 mm below
+  float left_mm = 0, right_mm = 0;           // what they reach beyond the head
+  float relief_mm = 0;                       // of the head's middle before its edges
+  float bulge_mm = 0;                        // of the trunk, rms
+  bool cut = false;                          // by the picture's left or right border
+};
 
 // Widths and depths of rows from a top downwards: of the head, the neck, the shoulders and the trunk.
-class BlobFinder::HeadProbe {
+class HeadProbe {
  public:
   HeadProbe(const Grid& grid, std::span<const std::uint16_t> labels, int blob, int c, int r, float z_mm)
       : grid_(grid),
@@ -127,7 +131,7 @@ class BlobFinder::HeadProbe {
 };
 
 // The run of the row under the head's middle, across gaps of one cell; false: there is none.
-bool BlobFinder::HeadProbe::find_run(int row, Run& run) const {
+bool HeadProbe::find_run(int row, Run& run) const {
   const int centre = shape_.centre;
   int start = centre;
   for (int away = 1; away <= 3 && !inside(start, row); ++away) {
@@ -145,7 +149,7 @@ bool BlobFinder::HeadProbe::find_run(int row, Run& run) const {
   return true;
 }
 
-void BlobFinder::HeadProbe::add_head(const Run& run) {
+void HeadProbe::add_head(const Run& run) {
   shape_.narrowest_mm = std::min(shape_.narrowest_mm, run.width_mm);
   shape_.widest_mm = std::max(shape_.widest_mm, run.width_mm);
   shape_.width_mm += run.width_mm;
@@ -157,14 +161,14 @@ void BlobFinder::HeadProbe::add_head(const Run& run) {
   ++head_rows_;
 }
 
-void BlobFinder::HeadProbe::add_shoulders(const Run& run) {
+void HeadProbe::add_shoulders(const Run& run) {
   shape_.shoulders_mm = std::max(shape_.shoulders_mm, run.width_mm);
   shape_.left_mm = std::max(shape_.left_mm, static_cast<float>(shape_.lo - run.lo) * cell_mm_);
   shape_.right_mm = std::max(shape_.right_mm, static_cast<float>(run.hi - shape_.hi) * cell_mm_);
 }
 
 // How far the middle lies before the line between its sides.
-void BlobFinder::HeadProbe::add_bulge(const Run& run) {
+void HeadProbe::add_bulge(const Run& run) {
   const int centre = shape_.centre;
   const int half = std::max(1, static_cast<int>(kTrunkHalfMm / cell_mm_));
   const int left = std::max(run.lo + 1, centre - half);
@@ -178,7 +182,7 @@ void BlobFinder::HeadProbe::add_bulge(const Run& run) {
   ++bulge_rows_;
 }
 
-bool BlobFinder::HeadProbe::measure() {
+bool HeadProbe::measure() {
   for (int row = r_; row < grid_.height; ++row) {
     const float below = static_cast<float>(row - r_) * cell_mm_;
     if (below > kTrunkEndMm) break;
@@ -207,15 +211,15 @@ bool BlobFinder::HeadProbe::measure() {
 // A head: 85..330 mm wide over a hand's breadth below its top, rounded, with shoulders wider than it under it.
 // A raised hand fails at the wrist, a box at its missing shoulders, a hat over a coat at the stand's thin
 // pole or the coat's flat front.
-bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) const {
+bool head_at(const Grid& grid, const Blobs& found, int blob, int c, int r, Head& out) {
   const auto label = static_cast<std::uint16_t>(blob + 1);
   if (r < 1 || r + 3 >= grid.height) return false;
   int probe = grid.index(c, r + 2);
-  if (labels_[at(probe)] != label) probe = grid.index(c, r);
-  if (labels_[at(probe)] != label) return false;
+  if (found.labels[at(probe)] != label) probe = grid.index(c, r);
+  if (found.labels[at(probe)] != label) return false;
   const float z_head = static_cast<float>(grid.depth[at(probe)]);
   const float mm = cell_mm(grid, z_head);
-  HeadProbe rows(grid, labels_, blob, c, r, z_head);
+  HeadProbe rows(grid, found.labels, blob, c, r, z_head);
   if (!rows.measure()) return false;
   const HeadShape& head = rows.shape();
   const float width = head.width_mm;
@@ -236,11 +240,12 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   // Each limit keeps 95 % of 250 dressed people's heads in furnished rooms; hats on chairs and stands miss several.
   const int trunk_first = r + static_cast<int>(kTrunkBeginMm / mm);
   const int trunk_last = r + static_cast<int>(kTrunkEndMm / mm);
-  const float misfit = trunk_misfit(trunk_shape(grid, blob, head.centre, trunk_first, trunk_last, z_head)) +
-                       std::max(0.0F, (width - kUsualWidthMm) / kSpreadMm) +
-                       std::max(0.0F, (head.neck_mm - kUsualNeckMm) / kSpreadMm) +
-                       std::max(0.0F, (kUsualShouldersShare - head.shoulders_mm / width) / kShouldersShareSpread);
-  if (misfit > kMisfitMax && (misfit > kMisfitOnLegsMax || !has_legs(grid, blob))) return false;
+  const float misfit =
+      trunk_misfit(trunk_shape(grid, found.labels, blob, head.centre, trunk_first, trunk_last, z_head)) +
+      std::max(0.0F, (width - kUsualWidthMm) / kSpreadMm) +
+      std::max(0.0F, (head.neck_mm - kUsualNeckMm) / kSpreadMm) +
+      std::max(0.0F, (kUsualShouldersShare - head.shoulders_mm / width) / kShouldersShareSpread);
+  if (misfit > kMisfitMax && (misfit > kMisfitOnLegsMax || !has_legs(grid, found, blob))) return false;
   out.vague = head.bulge_mm < kVagueBulgeMm + kVagueBulgeQuanta * quantum_mm(z_head) || z_head > kVagueMm;
   out.blob = blob;
   out.c = head.centre;
@@ -250,18 +255,20 @@ bool BlobFinder::head_at(const Grid& grid, int blob, int c, int r, Head& out) co
   return true;
 }
 
-void BlobFinder::find_heads(const Grid& grid, int b, const FloorPlane& floor) {
-  const Blob& blob = blobs_[at(b)];
+}  // namespace
+
+void find_heads(const Grid& grid, const FloorPlane& floor, int b, Blobs& found) {
+  const Blob& blob = found.blobs[at(b)];
   const auto label = static_cast<std::uint16_t>(b + 1);
-  std::fill(top_.begin(), top_.end(), static_cast<std::int16_t>(grid.height));
+  std::fill(found.top.begin(), found.top.end(), static_cast<std::int16_t>(grid.height));
   for (int c = blob.c_min; c <= blob.c_max; ++c)
     for (int r = blob.r_min; r <= blob.r_max; ++r)
-      if (labels_[at(grid.index(c, r))] == label) {
-        top_[at(c)] = static_cast<std::int16_t>(r);
+      if (found.labels[at(grid.index(c, r))] == label) {
+        found.top[at(c)] = static_cast<std::int16_t>(r);
         break;
       }
   for (int c = blob.c_min; c <= blob.c_max; ++c) {
-    const int r = top_[at(c)];
+    const int r = found.top[at(c)];
     if (r >= grid.height) continue;
     const float z = static_cast<float>(grid.depth[at(grid.index(c, r))]);
     const int reach = std::max(1, static_cast<int>(kPeakReachMm / cell_mm(grid, z)));
@@ -269,23 +276,23 @@ void BlobFinder::find_heads(const Grid& grid, int b, const FloorPlane& floor) {
     for (int d = -reach; d <= reach && peak; ++d) {
       const int other = c + d;
       if (d == 0 || other < blob.c_min || other > blob.c_max) continue;
-      if (top_[at(other)] < r || (top_[at(other)] == r && d < 0)) peak = false;  // leftmost of a flat top
+      if (found.top[at(other)] < r || (found.top[at(other)] == r && d < 0)) peak = false;  // leftmost of a flat top
     }
     if (!peak) continue;
     int flat = c;  // middle of a flat top
-    while (flat + 1 <= blob.c_max && top_[at(flat + 1)] == r && flat - c < reach) ++flat;
+    while (flat + 1 <= blob.c_max && found.top[at(flat + 1)] == r && flat - c < reach) ++flat;
     Head head;
-    if (!head_at(grid, b, (c + flat) / 2, r, head)) continue;
+    if (!head_at(grid, found, b, (c + flat) / 2, r, head)) continue;
     if (floor.known) {
       const float height = grid.height_mm[at(grid.index((c + flat) / 2, r))];
       if (height < kHeadHeightMinMm || height > kHeadHeightMaxMm) continue;
     }
     bool apart = true;
-    for (int h = 0; h < head_count_; ++h) {
-      const Vec3f d = heads_[at(h)].top_mm - head.top_mm;
-      if (heads_[at(h)].blob == b && d.x * d.x + d.z * d.z < kHeadApartMm * kHeadApartMm) apart = false;
+    for (int h = 0; h < found.head_count; ++h) {
+      const Vec3f d = found.heads[at(h)].top_mm - head.top_mm;
+      if (found.heads[at(h)].blob == b && d.x * d.x + d.z * d.z < kHeadApartMm * kHeadApartMm) apart = false;
     }
-    if (apart && head_count_ < kHeadCountMax) heads_[at(head_count_++)] = head;
+    if (apart && found.head_count < kHeadCountMax) found.heads[at(found.head_count++)] = head;
   }
 }
 

@@ -12,12 +12,12 @@ MaskRefiner::MaskRefiner(const Grid& grid)
     : stride_(grid.width + 2),
       person_(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(grid.height + 2), kNoSurface),
       other_(person_),
-      row_any_(static_cast<std::size_t>(grid.width)),
+      row_any_(at(grid.width)),
       list_(grid.depth.size()) {}
 
 void MaskRefiner::fill_planes(const Grid& grid, std::span<const std::uint8_t> chosen) {
   for (int r = 0; r < grid.height; ++r) {
-    const auto from = static_cast<std::size_t>(grid.index(0, r));
+    const auto from = at(grid.index(0, r));
     const auto to = static_cast<std::size_t>(r + 1) * static_cast<std::size_t>(stride_) + 1;
     const std::uint16_t* depth = grid.depth.data() + from;
     const std::uint8_t* mine = chosen.data() + from;
@@ -50,7 +50,7 @@ int MaskRefiner::list_cells(const Grid& grid, std::span<const std::uint8_t> chos
         c += kTogether - 1;
         continue;
       }
-      list_[static_cast<std::size_t>(count)] = static_cast<std::uint32_t>(r) << 16 | static_cast<std::uint32_t>(c);
+      list_[at(count)] = static_cast<std::uint32_t>(r) << 16 | static_cast<std::uint32_t>(c);
       count += any[c] != 0 ? 1 : 0;
     }
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Which surfaces are people, by a head, by roundness or by size.
 #include <algorithm>
 #include <cmath>
 
@@ -15,14 +16,8 @@
 //   [rooms] chosen on synthetic rooms, no measurement on record
 namespace im2fit::segment::people_limits {
 
-// Poles, and what floats.
-constexpr float kShinLowMm = 200.0F;    // above the floor: shins are seen from here; [rooms]
-constexpr float kThighMm = 900.0F;      // to here, thighs; [rooms]
+// What floats or stands.
 constexpr float kHangsFarMm = 3300.0F;  // beyond, disparity steps make coats round: legs must be seen; [empty]
-constexpr float kPoleMm = 50.0F;        // width of a pole, most; calves one behind the other have 65; [empty]
-constexpr float kPoleCells = 1.2F;      // and so many cells, for its edges; [empty]
-constexpr float kPoleMaxMm = 80.0F;     // but never more; [empty]
-constexpr int kPoleRows = 3;            // so many rows in succession; [empty]
 constexpr float kLowMaxMm = 250.0F;     // above the floor: what ends lower stands; [rooms]
 
 // A surface with a head.
@@ -69,119 +64,32 @@ using namespace people_limits;
 
 namespace {
 
-float cell_mm(const Grid& grid, float z) {
-  return static_cast<float>(grid.step) * z / grid.intrinsics.fx;
-}
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
-}  // namespace
-
-// Ends in the air with only farther things below: a coat, a picture on the wall. A person's legs may be hidden by
-// something nearer.
-bool BlobFinder::floats(const Grid& grid, int b, const FloorPlane& floor) const {
-  const Blob& blob = blobs_[at(b)];
-  if (!floor.known || blob.height_min_mm < kFloatingMm || blob.r_max >= grid.height - 2) return false;
-  const auto label = static_cast<std::uint16_t>(b + 1);
-  int hidden = 0;
-  int open = 0;
-  for (int c = blob.c_min; c <= blob.c_max; ++c) {
-    int r = blob.r_max;
-    while (r >= blob.r_min && labels_[at(grid.index(c, r))] != label) --r;
-    if (r < blob.r_min || r + 3 >= grid.height) continue;
-    const float z = static_cast<float>(grid.depth[at(grid.index(c, r))]);
-    float below = 0;
-    for (int d = 1; d <= 3 && below == 0; ++d) below = static_cast<float>(grid.depth[at(grid.index(c, r + d))]);
-    (below > 0 && below < z + 0.5F * depth_step_mm(z) ? hidden : open) += 1;
-  }
-  return hidden < open;
-}
-
-// Stands on something narrower than a leg.
-bool BlobFinder::on_pole(const Grid& grid, int b, const FloorPlane& floor) const {
-  const Blob& blob = blobs_[at(b)];
-  if (!floor.known || blob.height_min_mm > kShinLowMm) return false;
-  const auto label = static_cast<std::uint16_t>(b + 1);
-  const float narrow_mm = std::min(kPoleMaxMm, kPoleMm + kPoleCells * cell_mm(grid, blob.centroid_mm.z));
-  int narrow_rows = 0;  // in succession
-  for (int r = blob.r_min; r <= blob.r_max; ++r) {
-    // The whole row's width: cut at a height, the slanting edge of a thigh would be narrow.
-    float width = 0;
-    bool low = false;
-    for (int c = blob.c_min; c <= blob.c_max; ++c) {
-      const auto cell = at(grid.index(c, r));
-      if (labels_[cell] != label) continue;
-      low = low || (grid.height_mm[cell] > kShinLowMm && grid.height_mm[cell] < kThighMm);
-      width += cell_mm(grid, static_cast<float>(grid.depth[cell]));
-    }
-    narrow_rows = low && width < narrow_mm ? narrow_rows + 1 : 0;
-    if (narrow_rows == kPoleRows) return true;
-  }
-  return false;
-}
-
-void BlobFinder::judge(const Grid& grid, const FloorPlane& floor) {
-  bool any_head = false;
-  for (const bool vague : {false, true}) {
-    if (any_head) break;
-    for (int h = 0; h < head_count_; ++h) {
-      if (heads_[at(h)].vague != vague || !heads_[at(h)].seen) continue;
-      const int b = heads_[at(h)].blob;
-      Blob& blob = blobs_[at(b)];
-      const float tall = blob.height_max_mm - blob.height_min_mm;
-      const bool sized =
-          blob.area_m2 > kHeadedAreaMinM2 && blob.area_m2 < kPersonAreaMaxM2 && tall > kHeadedTallMinMm;
-      const bool hangs = floor.known && blob.height_min_mm > kFloatingMm && blob.centroid_mm.z > kHangsFarMm;
-      if (!sized || hangs || floats(grid, b, floor) || on_pole(grid, b, floor)) continue;
-      const int middle = blob.r_min + (blob.r_max - blob.r_min) / 2;
-      if (roundness(grid, b, middle).score < kHeadRoundMin && roundness(grid, b, blob.r_max).score < kHeadRoundMin)
-        continue;
-      blob.person = blob.has_head = true;
-      blob.head_mm = heads_[at(h)].top_mm;
-      any_head = true;
-    }
-  }
-  for (int b = 0; b < blob_count_; ++b) {
-    Blob& blob = blobs_[at(b)];
-    if (blob.person || blob.cell_count == 0) continue;
-    blob.person_sized = person_sized(grid, blob, floor);
-    blob.person = (blob.person_sized && person_shaped(grid, b)) || round_body(grid, b, floor);
-  }
-  for (int b = 0; b < blob_count_; ++b) {
-    Blob& blob = blobs_[at(b)];
-    blob.shape_odds = shape_odds(grid, b, floor);
-    blob.candidate = !blob.person && blob.shape_odds >= kCandidateOddsMin;
-  }
-}
-
 // Where a trunk would be, about the middle of what is there.
-BlobFinder::TrunkShape BlobFinder::trunk_of(const Grid& grid, int b) const {
-  const Blob& blob = blobs_[at(b)];
+TrunkShape trunk_of(const Grid& grid, const Blobs& found, int b) {
+  const Blob& blob = found.blobs[at(b)];
   const int tall = blob.r_max - blob.r_min + 1;
   const float z = blob.centroid_mm.z;
   const float u = blob.centroid_mm.x / z * grid.intrinsics.fx + grid.intrinsics.cx;
   const int c = std::clamp(static_cast<int>(u / static_cast<float>(grid.step)), 0, grid.width - 1);
-  return trunk_shape(grid, b, c, blob.r_min + tall / 4, blob.r_min + tall / 2, z);
+  return trunk_shape(grid, found.labels, b, c, blob.r_min + tall / 4, blob.r_min + tall / 2, z);
 }
 
 // Of those without a head: furniture has a person's size and relief, but neither trunk nor legs. A body cut off above
 // and below has no legs to show; what is cut off at a side as well may be anything.
-bool BlobFinder::person_shaped(const Grid& grid, int b) const {
-  const Blob& blob = blobs_[at(b)];
+bool person_shaped(const Grid& grid, const Blobs& found, int b) {
+  const Blob& blob = found.blobs[at(b)];
   if (blob.centroid_mm.z > kShapeFarMm) return false;
-  const float round = roundness(grid, b, blob.r_max).score;
+  const float round = roundness(grid, found, b, blob.r_max).score;
   if (round < kCutRoundMin) return false;
-  const TrunkShape trunk = trunk_of(grid, b);
-  if (has_legs(grid, b) && round > kShapeRoundMin)
+  const TrunkShape trunk = trunk_of(grid, found, b);
+  if (has_legs(grid, found, b) && round > kShapeRoundMin)
     return trunk.bulge_mm > kTrunkBulgeMinMm && trunk.bulge_mm < kTrunkBulgeMaxMm;
   const bool inside = blob.c_min > 1 && blob.c_max < grid.width - 2;
   return blob.r_min <= 1 && inside && trunk_misfit(trunk) < kTrunkMisfitMax;
 }
 
 // Heads cut off by the upper border, or hidden by raised arms: person-sized, neither flat nor filling its box.
-bool BlobFinder::person_sized(const Grid& grid, const Blob& blob, const FloorPlane& floor) {
+bool person_sized(const Grid& grid, const Blob& blob, const FloorPlane& floor) {
   const float mm = cell_mm(grid, blob.centroid_mm.z);
   const float wide = static_cast<float>(blob.c_max - blob.c_min + 1) * mm;
   const float tall = blob.height_max_mm - blob.height_min_mm;
@@ -197,6 +105,43 @@ bool BlobFinder::person_sized(const Grid& grid, const Blob& blob, const FloorPla
   return tall > kWholeTallMinMm && tall < kWholeTallMaxMm && wide > kWideMinMm && wide < kWholeWideMaxMm &&
          blob.area_m2 > kWholeAreaMinM2 && blob.area_m2 < kWholeAreaMaxM2 && fill < kWholeFillMax &&
          fill > kWholeFillMin;
+}
+
+}  // namespace
+
+void judge_blobs(const Grid& grid, const FloorPlane& floor, Blobs& found) {
+  bool any_head = false;
+  for (const bool vague : {false, true}) {
+    if (any_head) break;
+    for (int h = 0; h < found.head_count; ++h) {
+      if (found.heads[at(h)].vague != vague || !found.heads[at(h)].seen) continue;
+      const int b = found.heads[at(h)].blob;
+      Blob& blob = found.blobs[at(b)];
+      const float tall = blob.height_max_mm - blob.height_min_mm;
+      const bool sized =
+          blob.area_m2 > kHeadedAreaMinM2 && blob.area_m2 < kPersonAreaMaxM2 && tall > kHeadedTallMinMm;
+      const bool hangs = floor.known && blob.height_min_mm > kFloatingMm && blob.centroid_mm.z > kHangsFarMm;
+      if (!sized || hangs || floats(grid, floor, found, b) || on_pole(grid, floor, found, b)) continue;
+      const int middle = blob.r_min + (blob.r_max - blob.r_min) / 2;
+      if (roundness(grid, found, b, middle).score < kHeadRoundMin &&
+          roundness(grid, found, b, blob.r_max).score < kHeadRoundMin)
+        continue;
+      blob.person = blob.has_head = true;
+      blob.head_mm = found.heads[at(h)].top_mm;
+      any_head = true;
+    }
+  }
+  for (int b = 0; b < found.blob_count; ++b) {
+    Blob& blob = found.blobs[at(b)];
+    if (blob.person || blob.cell_count == 0) continue;
+    blob.person_sized = person_sized(grid, blob, floor);
+    blob.person = (blob.person_sized && person_shaped(grid, found, b)) || round_body(grid, floor, found, b);
+  }
+  for (int b = 0; b < found.blob_count; ++b) {
+    Blob& blob = found.blobs[at(b)];
+    blob.shape_odds = shape_odds(grid, floor, found, b);
+    blob.candidate = !blob.person && blob.shape_odds >= kCandidateOddsMin;
+  }
 }
 
 }  // namespace im2fit::segment

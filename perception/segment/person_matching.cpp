@@ -52,16 +52,13 @@ constexpr float kAreaKeep = 0.999F;         // of the most seen area, per frame;
 namespace im2fit {
 
 using namespace person_matching_limits;
+using segment::at;
 using segment::Blob;
-using segment::BlobFinder;
+using segment::Blobs;
 using segment::Grid;
 using segment::Keepout;
 
 namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 Vec3f along_floor(Vec3f p, const FloorPlane& floor) {
   const Vec3f up = floor.up;
@@ -94,9 +91,9 @@ PersonTracker::BlobDetection PersonTracker::describe(const Blob& blob, int index
 }
 
 // The nearest ones where there are too many.
-void PersonTracker::list_detections(const BlobFinder& found, const FloorPlane& floor) {
+void PersonTracker::list_detections(const Blobs& found, const FloorPlane& floor) {
   detection_count_ = 0;
-  const auto list = found.blobs();
+  const auto list = found.list();
   for (std::size_t b = 0; b < list.size(); ++b) {
     const Blob& blob = list[b];
     if (!blob.person) continue;
@@ -111,8 +108,8 @@ void PersonTracker::list_detections(const BlobFinder& found, const FloorPlane& f
 
 // People known from the frames before, whose heads are not seen now: what stands where they are expected and is as
 // large as they were.
-void PersonTracker::find_headless(const BlobFinder& found, const FloorPlane& floor) {
-  const auto list = found.blobs();
+void PersonTracker::find_headless(const Blobs& found, const FloorPlane& floor) {
+  const auto list = found.list();
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
     if (track.detection >= 0 || track.hidden_s > kHeadlessHiddenMaxS || detection_count_ == kUserCountMax) continue;
@@ -148,8 +145,8 @@ bool PersonTracker::taken(int blob) const {
 }
 
 // Unconfirmed candidates: continue one of the last frames, a person seen a moment ago, or a new one.
-void PersonTracker::list_candidates(const BlobFinder& found, const FloorPlane& floor) {
-  const auto list = found.blobs();
+void PersonTracker::list_candidates(const Blobs& found, const FloorPlane& floor) {
+  const auto list = found.list();
   for (std::size_t b = 0; b < list.size() && detection_count_ < kUserCountMax; ++b) {
     if (!list[b].candidate || taken(static_cast<int>(b))) continue;
     BlobDetection s = describe(list[b], static_cast<int>(b), floor);
@@ -246,13 +243,13 @@ PersonTracker::Track& PersonTracker::new_track() {
   return tracks_[at(oldest)];
 }
 
-void PersonTracker::continue_tracks(const BlobFinder& found, float seconds) {
+void PersonTracker::continue_tracks(const Blobs& found, float seconds) {
   int kept = 0;
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
     if (track.detection >= 0) {
       const BlobDetection& s = detections_[at(track.detection)];
-      const Blob& blob = found.blobs()[at(s.blob)];
+      const Blob& blob = found.list()[at(s.blob)];
       move(track, s, blob, seconds);
       add_evidence(track, blob);
     } else {
@@ -267,11 +264,11 @@ void PersonTracker::continue_tracks(const BlobFinder& found, float seconds) {
     if (tracks_[at(t)].detection >= 0) detections_[at(tracks_[at(t)].detection)].track = t;
 }
 
-void PersonTracker::begin_tracks(const BlobFinder& found) {
+void PersonTracker::begin_tracks(const Blobs& found) {
   for (int i = 0; i < detection_count_; ++i) {
     BlobDetection& s = detections_[at(i)];
     if (s.track >= 0) continue;
-    const Blob& blob = found.blobs()[at(s.blob)];
+    const Blob& blob = found.list()[at(s.blob)];
     Track& track = new_track();
     track = {};
     track.id = ++id_last_;
@@ -286,7 +283,7 @@ void PersonTracker::begin_tracks(const BlobFinder& found) {
   }
 }
 
-void PersonTracker::follow(const Grid& grid, const BlobFinder& found, const FloorPlane& floor, float seconds) {
+void PersonTracker::follow(const Grid& grid, const Blobs& found, const FloorPlane& floor, float seconds) {
   for (int t = 0; t < track_count_; ++t)
     tracks_[at(t)].expected_mm = tracks_[at(t)].expected_mm + tracks_[at(t)].speed_mm_s * seconds;
   list_detections(found, floor);
@@ -312,23 +309,23 @@ void PersonTracker::list_expected(const FloorPlane& floor, float seconds) {
   }
 }
 
-void PersonTracker::list_keepouts(const BlobFinder& found) {
+void PersonTracker::list_keepouts(const Blobs& found) {
   keepout_count_ = 0;
   const auto of = [](const Blob& blob) { return Keepout{blob.c_min, blob.c_max, blob.centroid_mm.z}; };
   for (int t = 0; t < track_count_; ++t) {
     Track& track = tracks_[at(t)];
-    if (track.detection >= 0) track.keepout = of(found.blobs()[at(detections_[at(track.detection)].blob)]);
+    if (track.detection >= 0) track.keepout = of(found.list()[at(detections_[at(track.detection)].blob)]);
     keepouts_[at(keepout_count_++)] = track.keepout;
   }
-  for (const Blob& blob : found.blobs())
+  for (const Blob& blob : found.list())
     if (blob.person_sized && keepout_count_ < kKeepoutCountMax) keepouts_[at(keepout_count_++)] = of(blob);
 }
 
-void PersonTracker::list_users(const Grid& grid, const BlobFinder& found) {
+void PersonTracker::list_users(const Grid& grid, const Blobs& found) {
   for (int i = 0; i < detection_count_; ++i) {
     const BlobDetection& s = detections_[at(i)];
     const Track& track = tracks_[at(s.track)];
-    const Blob& blob = found.blobs()[at(s.blob)];
+    const Blob& blob = found.list()[at(s.blob)];
     User& user = users_[at(i)];
     user.id = track.id;
     user.u_min = blob.c_min * grid.step;

@@ -10,14 +10,7 @@
 namespace im2fit {
 
 using namespace person_tracker_limits;
-
-namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
-}  // namespace
+using segment::at;
 
 void PersonTracker::reset() {
   track_count_ = detection_count_ = keepout_count_ = expected_count_ = 0;

@@ -21,7 +21,7 @@ namespace im2fit {
 namespace segment {
 struct Blob;
 struct Grid;
-class BlobFinder;
+struct Blobs;
 
 // Where the background is not learned: columns of cells, inclusive, and the depth at which a person stands.
 struct Keepout {
@@ -60,7 +60,7 @@ class PersonTracker {
 
   // The Segmenter's part of a frame.
   // Gives the people among the blobs their ids. `seconds` since the frame before.
-  void follow(const segment::Grid& grid, const segment::BlobFinder& found, const FloorPlane& floor, float seconds);
+  void follow(const segment::Grid& grid, const segment::Blobs& found, const FloorPlane& floor, float seconds);
   // The people of the last frame, at most kUserCountMax, nearest first; valid until the next follow() or reset().
   std::span<const User> users() const { return {users_.data(), static_cast<std::size_t>(detection_count_)}; }
   int blob_of(std::size_t user) const { return detections_[user].blob; }
@@ -147,20 +147,20 @@ class PersonTracker {
   };
 
   // person_matching.cpp
-  void list_detections(const segment::BlobFinder& found, const FloorPlane& floor);
+  void list_detections(const segment::Blobs& found, const FloorPlane& floor);
   static BlobDetection describe(const segment::Blob& blob, int index, const FloorPlane& floor);
   void match();
-  void find_headless(const segment::BlobFinder& found, const FloorPlane& floor);
-  void list_candidates(const segment::BlobFinder& found, const FloorPlane& floor);
+  void find_headless(const segment::Blobs& found, const FloorPlane& floor);
+  void list_candidates(const segment::Blobs& found, const FloorPlane& floor);
   bool beside_person(Vec3f place_mm) const;
   bool taken(int blob) const;
   static float cost(const Track& track, const BlobDetection& detection);
   static void move(Track& track, const BlobDetection& detection, const segment::Blob& blob, float seconds);
-  void continue_tracks(const segment::BlobFinder& found, float seconds);
-  void begin_tracks(const segment::BlobFinder& found);
+  void continue_tracks(const segment::Blobs& found, float seconds);
+  void begin_tracks(const segment::Blobs& found);
   Track& new_track();
-  void list_users(const segment::Grid& grid, const segment::BlobFinder& found);
-  void list_keepouts(const segment::BlobFinder& found);
+  void list_users(const segment::Grid& grid, const segment::Blobs& found);
+  void list_keepouts(const segment::Blobs& found);
   void list_expected(const FloorPlane& floor, float seconds);
 
   // person_tracker.cpp

@@ -16,16 +16,13 @@
 
 namespace im2fit {
 
+using segment::at;
 using segment::Blob;
 using segment::Grid;
 
 namespace {
 
 constexpr float kSecondsMin = 0.001F;  // two frames of one time stamp: a speed must not divide by it
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 
@@ -50,7 +47,7 @@ struct Segmenter::Workspace {
   Grid grid;
   segment::FloorFinder floor;
   segment::Background background;
-  segment::BlobFinder blobs;
+  segment::Blobs blobs;
   segment::SplitLimbJoiner split_limbs;
   segment::FurnitureCutter furniture;
   segment::MaskRefiner refiner;
@@ -86,14 +83,14 @@ Person Segmenter::run(DepthView depth, const Intrinsics& intrinsics, PersonTrack
   person.floor = w.floor.find(w.grid, up);
   w.grid.measure_heights(person.floor);
   w.background.observe(w.grid, person.floor);
-  w.blobs.run(w.grid, person.floor, w.background.shown(), people.expected());
+  segment::find_blobs(w.grid, person.floor, w.background.shown(), people.expected(), w.blobs);
   people.follow(w.grid, w.blobs, person.floor, std::max(seconds, kSecondsMin));
   person.people_count = people.people_count();
 
   int who = people.choose();
   // A person too near to be found comes before an unconfirmed candidate.
   const GuidanceSet none_found =
-      who >= 0 && people.users()[at(who)].confirmed ? 0 : segment::advise_none_found(w.grid, w.blobs.blobs());
+      who >= 0 && people.users()[at(who)].confirmed ? 0 : segment::advise_none_found(w.grid, w.blobs.list());
   if (has(none_found, Guidance::too_near)) who = -1;
   people.look_at(who);
   if (who < 0) {

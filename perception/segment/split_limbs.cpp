@@ -57,14 +57,6 @@ namespace im2fit::segment {
 
 using namespace split_limbs_limits;
 
-namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
-}  // namespace
-
 SplitLimbJoiner::SplitLimbJoiner()
     : touch_(at(kBlobCountMax)),
       border_(at(kBlobCountMax)),
@@ -81,7 +73,7 @@ void SplitLimbJoiner::list_candidates(const Grid& grid, std::span<const Blob> li
   for (std::size_t b = 0; b < list.size(); ++b) {
     const Blob& other = list[b];
     const float z = other.centroid_mm.z;
-    const float cell = static_cast<float>(grid.step) * z / grid.intrinsics.fx;
+    const float cell = cell_mm(grid, z);
     kind_[b] = Kind::no;
     if (other.person || b == at(person) || z < body.centroid_mm.z - 900.0F || z > body.centroid_mm.z + 500.0F)
       continue;
@@ -173,10 +165,10 @@ bool SplitLimbJoiner::belongs(const Blob& blob, std::size_t index, const Blob& b
 // floor, and a short distance in space from what is already the person. So are legs below the hem of a skirt and arms
 // behind the back: slender, beside the person in the picture, a short distance behind. Islands inside the outline
 // belong as well.
-void SplitLimbJoiner::run(const Grid& grid, const BlobFinder& found, bool floor_known, int person,
+void SplitLimbJoiner::run(const Grid& grid, const Blobs& found, bool floor_known, int person,
                           std::span<std::uint8_t> chosen) {
-  const auto labels = found.labels();
-  const auto list = found.blobs();
+  const std::span<const std::uint16_t> labels = found.labels;
+  const auto list = found.list();
   const auto label = static_cast<std::uint16_t>(person + 1);
   for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = labels[i] == label ? 1 : 0;
   list_candidates(grid, list, floor_known, person);

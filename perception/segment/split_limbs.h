@@ -15,7 +15,7 @@ class SplitLimbJoiner {
  public:
   SplitLimbJoiner();
   // Sets `chosen` to 1 for the cells of blob `person` and of the islands that belong to it, 0 elsewhere.
-  void run(const Grid& grid, const BlobFinder& found, bool floor_known, int person, std::span<std::uint8_t> chosen);
+  void run(const Grid& grid, const Blobs& found, bool floor_known, int person, std::span<std::uint8_t> chosen);
 
  private:
   enum class Kind : std::uint8_t { no, enclosed, hand, arm, leg };

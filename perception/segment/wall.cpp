@@ -32,10 +32,6 @@ using namespace wall_limits;
 
 namespace {
 
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 int vote_stride(std::size_t cells) {
   return std::max(1, static_cast<int>(cells) / kScoredCount) | 1;  // odd: walks all columns
 }
@@ -47,6 +43,19 @@ int count_open(std::span<const std::uint8_t> open) {
 }
 
 }  // namespace
+
+Votes count_votes(const VotingPoints& points, const float* q) {
+  const float q0 = q[0], q1 = q[1], q2 = q[2];
+  int on = 0, behind = 0;
+  for (int i = 0; i < points.count; ++i) {
+    const float inverse = -(q0 * points.ray_x[i] + q1 * points.ray_y[i] + q2);
+    const float plane = 1.0F / inverse, z = points.z_mm[i];
+    const bool meets = inverse > 1e-5F;
+    on += static_cast<int>(meets) & static_cast<int>(std::fabs(z - plane) < points.near_mm[i]);
+    behind += static_cast<int>(meets) & static_cast<int>(z > plane + 80.0F + points.far_mm[i]);
+  }
+  return {on, behind};
+}
 
 WallRemover::WallRemover(const Grid& grid) : on_(at(grid.width)) {
   const auto stride = static_cast<std::size_t>(vote_stride(grid.depth.size()));
@@ -75,9 +84,7 @@ Votes WallRemover::vote(const Plane& plane) const {
                                near_mm_.data(), far_mm_.data(), voter_count_};
   const std::array<float, 3> q = {static_cast<float>(plane[0]), static_cast<float>(plane[1]),
                                   static_cast<float>(plane[2])};
-  Votes count;
-  votes(voters, q.data(), count);
-  return count;
+  return count_votes(voters, q.data());
 }
 
 bool WallRemover::search(const Grid& grid, Vec3f up, std::span<const std::uint8_t> open, Plane& best) {

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "core/rng.h"
-#include "kernels/standardise/standardise.h"
 #include "train/index/tree_packing.h"
 
 namespace im2fit::index {

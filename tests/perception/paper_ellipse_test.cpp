@@ -6,6 +6,7 @@
 
 #include "core/rng.h"
 #include "perception/paper/ellipse.h"
+#include "tests/kernels/checkasm.h"
 #include "tests/perception/paper_ref.h"
 
 namespace im2fit {
@@ -122,6 +123,83 @@ TEST(EllipsePerimeter, AgainstQuadrature) {
     }
     EXPECT_NEAR((Ellipse{true, 1, b}).perimeter(), length, (b < 0.3 ? 4e-4 : 1e-6) * length);
   }
+}
+
+using Sums = std::vector<std::int64_t>;
+
+Sums sums_of(const SectionPoint* points, int count, int first_x, int last_x,
+             checkasm::Guard guard = checkasm::Guard::after) {
+  checkasm::Buffer<std::int64_t> sums(kMomentCount, guard);
+  moments(points, count, first_x, last_x, sums.data());
+  return {sums.data(), sums.data() + kMomentCount};
+}
+
+// One power after the other, in whole numbers: a double holds no 2^63.
+Sums sums_term_by_term(const SectionPoint* points, int count, int first_x, int last_x) {
+  Sums sums(kMomentCount);
+  for (int degree = 0; degree <= 4; ++degree) {
+    for (int j = 0; j <= degree; ++j) {
+      for (int n = 0; n < count; ++n) {
+        if (points[n].x < first_x || points[n].x > last_x) continue;
+        std::int64_t term = 1;
+        for (int i = 0; i < degree - j; ++i) term *= points[n].x;
+        for (int i = 0; i < j; ++i) term *= points[n].y;
+        sums[static_cast<std::size_t>(moment_index(degree - j, j))] += term;
+      }
+    }
+  }
+  return sums;
+}
+
+void expect_exact(const SectionPoint* points, int count, int first_x, int last_x, checkasm::Trial& trial) {
+  EXPECT_EQ(sums_of(points, count, first_x, last_x, trial.next_end()),
+            sums_term_by_term(points, count, first_x, last_x));
+}
+
+TEST(Moments, AreExact) {
+  checkasm::Trial trial;
+  std::vector<int> counts = checkasm::odd_sizes(70);
+  for (const int blocks : {255, 256, 257, 511, 512, 513, 1025, 2000}) counts.push_back(blocks);
+  counts.push_back(0);
+  for (const int count : counts) {
+    IM2FIT_CHECK_PARAMETERS(trial, count);
+    checkasm::Buffer<SectionPoint> points(static_cast<std::size_t>(count), trial.next_end());
+    for (SectionPoint& p : points.span())
+      p = {trial.biased<std::int16_t>(-4095, 4095), trial.biased<std::int16_t>(-4095, 4095)};
+    expect_exact(points.data(), count, -4095, 4095, trial);
+    expect_exact(points.data(), count, trial.biased(-4096, 4095), trial.biased(-4096, 4095), trial);
+    expect_exact(points.data(), count, -1000000, 1000000, trial);
+    expect_exact(points.data(), count, 100, 4096, trial);
+    if (HasFailure()) return;
+  }
+}
+
+// As many points as there may be, all at one corner: the sum of x^4 is 32767 * 4095^4, just below 2^63.
+TEST(Moments, LargestSums) {
+  checkasm::Trial trial;
+  for (const int sx : {-4095, 4095}) {
+    for (const int sy : {-4095, 4095}) {
+      const std::vector<SectionPoint> points(kMomentPointsMax,
+                                             {static_cast<std::int16_t>(sx), static_cast<std::int16_t>(sy)});
+      expect_exact(points.data(), kMomentPointsMax, -4095, 4095, trial);
+      const Sums sums = sums_of(points.data(), kMomentPointsMax, -4095, 4095);
+      EXPECT_EQ(sums[moment_index(4, 0)], std::int64_t{32767} * 4095 * 4095 * 4095 * 4095);
+      EXPECT_EQ(sums[moment_index(1, 3)], std::int64_t{32767} * sx * sy * 4095 * 4095);
+    }
+  }
+}
+
+// Whole numbers 1 .. n on a line: Faulhaber's formulas.
+TEST(Moments, PowerSums) {
+  constexpr std::int64_t n = 1000;
+  std::vector<SectionPoint> points;
+  for (int i = 1; i <= n; ++i) points.push_back({static_cast<std::int16_t>(i), static_cast<std::int16_t>(-i)});
+  const Sums s = sums_of(points.data(), n, 1, n);
+  EXPECT_EQ(s[moment_index(0, 0)], n);
+  EXPECT_EQ(s[moment_index(0, 1)], -n * (n + 1) / 2);
+  EXPECT_EQ(s[moment_index(1, 1)], -n * (n + 1) * (2 * n + 1) / 6);
+  EXPECT_EQ(s[moment_index(2, 1)], -(n * (n + 1) / 2) * (n * (n + 1) / 2));
+  EXPECT_EQ(s[moment_index(2, 2)], n * (n + 1) * (2 * n + 1) * (3 * n * n + 3 * n - 1) / 30);
 }
 
 }  // namespace

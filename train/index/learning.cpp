@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "core/rng.h"
-#include "kernels/standardise/standardise.h"
 #include "train/common/linear_algebra.h"
 #include "train/index/moments.h"
 
@@ -65,7 +64,7 @@ FeatureScale::FeatureScale(const std::vector<const std::vector<float>*>& rows) {
 }
 
 void FeatureScale::standardise(std::span<const float> feature, std::span<float> out) {
-  im2fit::standardise(feature.data(), mean.data(), scale.data(), static_cast<int>(feature.size()), raw_.data());
+  index::standardise(feature.data(), mean.data(), scale.data(), static_cast<int>(feature.size()), raw_.data());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<float>(StandardFeature::from_raw(raw_[i]).real());
 }
 

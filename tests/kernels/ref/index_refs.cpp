@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// References of kernels over features, codes and trees.
+// References of kernels over codes and trees.
 #include <algorithm>
 #include <cmath>
 
@@ -37,41 +37,6 @@ void code_distance_ref(const std::int8_t* blocks, int block_count, const CodeQue
   }
   for (int b = 0; b < block_count; ++b)
     least[b] = *std::min_element(out + b * kCodeBlock, out + (b + 1) * kCodeBlock);
-}
-
-// X' W X in long double.
-void add_gram_ref(const double* rows, const double* weights, int count, int used, double* sums, double* products) {
-  using Wide = long double;
-  for (int i = 0; i < used; ++i) {
-    Wide sum = 0;
-    for (int n = 0; n < count; ++n) sum += Wide{weights[n]} * Wide{rows[n * kGramWidth + i]};
-    sums[i] += static_cast<double>(sum);
-    for (int j = 0; j <= i; ++j) {
-      Wide product = 0;
-      for (int n = 0; n < count; ++n)
-        product += Wide{weights[n]} * Wide{rows[n * kGramWidth + i]} * Wide{rows[n * kGramWidth + j]};
-      products[i * kGramWidth + j] += static_cast<double>(product);
-    }
-  }
-}
-
-void project_ref(const std::int16_t* feature, const std::int16_t* weights, int stride, int row_count,
-                 std::int64_t* out) {
-  for (int r = 0; r < row_count; ++r) {
-    // Whole numbers below 2^53 for up to 2^25 features: exact.
-    double sum = 0;
-    for (int i = 0; i < stride; ++i)
-      sum += static_cast<double>(feature[i]) * static_cast<double>(weights[std::int64_t{r} * stride + i]);
-    out[r] = static_cast<std::int64_t>(sum);
-  }
-}
-
-void standardise_ref(const float* feature, const float* mean, const float* scale, int count, std::int16_t* out) {
-  constexpr double kMax = kStandardFeatureMax;
-  for (int i = 0; i < count; ++i) {
-    const double z = (double{feature[i]} - double{mean[i]}) * double{scale[i]};
-    out[i] = static_cast<std::int16_t>(std::isnan(z) ? 0 : std::lround(4096 * std::clamp(z, -kMax, kMax)));
-  }
 }
 
 namespace joints {

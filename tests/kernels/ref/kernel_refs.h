@@ -18,24 +18,16 @@
 #include "kernels/downsample/downsample_box.h"
 #include "kernels/floor_sums/floor_sums.h"
 #include "kernels/fpfh/fpfh.h"
-#include "kernels/geodesic/geodesic.h"
-#include "kernels/gram/gram.h"
-#include "kernels/height/height.h"
 #include "kernels/mean/mean.h"
 #include "kernels/membership/membership.h"
-#include "kernels/moments/moments.h"
 #include "kernels/normals/normals.h"
-#include "kernels/project/project.h"
 #include "kernels/sample/sample.h"
 #include "kernels/section/section.h"
 #include "kernels/silhouette/silhouette.h"
 #include "kernels/skin/skin.h"
-#include "kernels/standardise/standardise.h"
 #include "kernels/trees/trees.h"
-#include "kernels/undistort/undistort.h"
 #include "kernels/unpack11/unpack11.h"
 #include "kernels/unproject/unproject.h"
-#include "kernels/votes/votes.h"
 
 namespace im2fit {
 
@@ -47,8 +39,6 @@ constexpr std::array<KernelVariant<Function>, kCount + 1> with_ref(
   return all;
 }
 
-AddGramFunction add_gram_ref;
-inline constexpr auto kAddGramWithRef = with_ref(add_gram_ref, kAddGramKernels);
 AverageFunction average_ref;
 inline constexpr auto kAverageWithRef = with_ref(average_ref, kAverageKernels);
 BlendFunction blend_ref;
@@ -65,22 +55,14 @@ FloorSumsFunction floor_sums_ref;
 inline constexpr auto kFloorSumsWithRef = with_ref(floor_sums_ref, kFloorSumsKernels);
 FpfhFunction fpfh_ref;
 inline constexpr auto kFpfhWithRef = with_ref(fpfh_ref, kFpfhKernels);
-GeodesicFunction geodesic_ref;
-inline constexpr auto kGeodesicWithRef = with_ref(geodesic_ref, kGeodesicKernels);
-HeightFunction height_ref;
-inline constexpr auto kHeightWithRef = with_ref(height_ref, kHeightKernels);
 LinksFunction links_ref;
 inline constexpr auto kLinksWithRef = with_ref(links_ref, kLinksKernels);
 MeanFunction mean_ref;
 inline constexpr auto kMeanWithRef = with_ref(mean_ref, kMeanKernels);
 MembershipFunction membership_ref;
 inline constexpr auto kMembershipWithRef = with_ref(membership_ref, kMembershipKernels);
-MomentsFunction moments_ref;
-inline constexpr auto kMomentsWithRef = with_ref(moments_ref, kMomentsKernels);
 NormalsFunction normals_ref;
 inline constexpr auto kNormalsWithRef = with_ref(normals_ref, kNormalsKernels);
-ProjectFunction project_ref;
-inline constexpr auto kProjectWithRef = with_ref(project_ref, kProjectKernels);
 SampleFunction sample_ref;
 inline constexpr auto kSampleWithRef = with_ref(sample_ref, kSampleKernels);
 SectionFunction section_ref;
@@ -89,16 +71,10 @@ SilhouetteFunction silhouette_ref;
 inline constexpr auto kSilhouetteWithRef = with_ref(silhouette_ref, kSilhouetteKernels);
 SkinFunction skin_ref;
 inline constexpr auto kSkinWithRef = with_ref(skin_ref, kSkinKernels);
-StandardiseFunction standardise_ref;
-inline constexpr auto kStandardiseWithRef = with_ref(standardise_ref, kStandardiseKernels);
-UndistortFunction undistort_ref;
-inline constexpr auto kUndistortWithRef = with_ref(undistort_ref, kUndistortKernels);
 Unpack11Function unpack11_ref;
 inline constexpr auto kUnpack11WithRef = with_ref(unpack11_ref, kUnpack11Kernels);
 UnprojectFunction unproject_ref;
 inline constexpr auto kUnprojectWithRef = with_ref(unproject_ref, kUnprojectKernels);
-VotesFunction votes_ref;
-inline constexpr auto kVotesWithRef = with_ref(votes_ref, kVotesKernels);
 
 namespace joints {
 

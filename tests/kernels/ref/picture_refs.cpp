@@ -241,29 +241,12 @@ void silhouette_ref(DepthView depth, MaskView mask, Silhouette& out) {
   }
 }
 
-void undistort_ref(const std::uint16_t* in, int, const UndistortRun* runs, int run_count, std::uint16_t* out) {
-  for (int i = 0; i < run_count; ++i)
-    for (std::int32_t k = 0; k < runs[i].count; ++k)
-      out[runs[i].to + k] = runs[i].from < 0 ? std::uint16_t{0} : in[runs[i].from + k];
-}
-
 void unpack11_ref(const std::uint8_t* packed, int count, std::uint16_t* out) {
   std::size_t bit = 0;
   for (int i = 0; i < count; ++i) {
     int value = 0;
     for (int k = 0; k < 11; ++k, ++bit) value = 2 * value + ((packed[bit / 8] >> (7 - bit % 8)) & 1);
     out[i] = static_cast<std::uint16_t>(value);
-  }
-}
-
-void votes_ref(const VotingPoints& points, const float* q, Votes& out) {
-  out = {};
-  for (int i = 0; i < points.count; ++i) {
-    const double inverse = -(double{q[0]} * points.ray_x[i] + double{q[1]} * points.ray_y[i] + double{q[2]});
-    if (!(inverse > 1e-5)) continue;
-    const double plane = 1 / inverse, z = points.z_mm[i];
-    if (std::fabs(z - plane) < points.near_mm[i]) ++out.on;
-    if (z > plane + 80 + points.far_mm[i]) ++out.behind;
   }
 }
 

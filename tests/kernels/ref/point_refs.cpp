@@ -37,56 +37,6 @@ void anchor_depths_ref(const Anchor* anchors, int count, const AnchorJoints& joi
 
 }  // namespace joints
 
-std::uint32_t geodesic_ref(const std::int32_t* x, const std::int32_t* y, const std::int32_t* z, int count) {
-  double length = 0;
-  for (int i = 1; i < count; ++i) {
-    const auto part = [i](const std::int32_t* a) {
-      return std::fmin(std::fmax(double{1} * a[i] - a[i - 1], -32768), 32767);
-    };
-    length += std::sqrt(part(x) * part(x) + part(y) * part(y) + part(z) * part(z));
-  }
-  return static_cast<std::uint32_t>(std::llround(length));
-}
-
-std::int32_t height_ref(const HeightScan& s, std::uint64_t* squares) {
-  constexpr double kSlope = 1.0 / (1 << FormSlope::kFractionBits), kUnit = 1.0 / (1 << CoordinateMm::kFractionBits);
-  std::fill_n(squares, kHeightBins, 0);
-  double lowest = HUGE_VAL;
-  for (int v = 0; v < s.depth_q4.height; ++v) {
-    for (int u = 0; u < s.depth_q4.width; ++u) {
-      const std::uint16_t raw = s.depth_q4.at(u, v);
-      if (s.mask.at(u, v) == 0 || raw == 0) continue;
-      const double z = raw / 16.0;
-      const auto along = [&](const std::int32_t* columns, const std::int32_t* rows, std::int32_t offset) {
-        return z * kSlope * (double{1} * columns[u] + rows[v]) + kUnit * offset;
-      };
-      if (!(std::fabs(along(s.side_columns, s.side_rows, s.side_offset)) < kUnit * s.side_max)) continue;
-      const double height = along(s.up_columns, s.up_rows, s.up_offset);
-      lowest = std::min(lowest, height);
-      const double bin = std::floor((height - kHeightMinMm) / kHeightBinMm);
-      if (bin >= 0 && bin < kHeightBins)
-        squares[static_cast<std::size_t>(bin)] += static_cast<std::uint64_t>(raw) * raw;
-    }
-  }
-  return lowest < HUGE_VAL ? static_cast<std::int32_t>(std::lround(lowest / kUnit)) : kHeightNone;
-}
-
-void moments_ref(const SectionPoint* points, int count, int first_x, int last_x, std::int64_t* sums) {
-  for (int degree = 0; degree <= 4; ++degree) {
-    for (int j = 0; j <= degree; ++j) {
-      std::int64_t sum = 0;
-      for (int n = 0; n < count; ++n) {
-        if (points[n].x < first_x || points[n].x > last_x) continue;
-        std::int64_t term = 1;
-        for (int i = 0; i < degree - j; ++i) term *= points[n].x;
-        for (int i = 0; i < j; ++i) term *= points[n].y;
-        sum += term;
-      }
-      sums[moment_index(degree - j, j)] = sum;
-    }
-  }
-}
-
 // Plane normals in double: all eigenvectors of the covariance by Jacobi's rotations.
 namespace {
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/height/height.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,10 +6,10 @@
 #include <numeric>
 #include <vector>
 
+#include "perception/profile/crown.h"
 #include "tests/kernels/ray_picture.h"
-#include "tests/kernels/ref/kernel_refs.h"
 
-namespace im2fit {
+namespace im2fit::profile {
 namespace {
 
 constexpr std::int32_t kSlopeOne = 1 << FormSlope::kFractionBits;
@@ -25,7 +23,7 @@ HeightScan scan_of(const test::RayPicture& p, std::int32_t up_offset, std::int32
 // Between guard pages: what is read or written outside faults.
 void run_guarded(const HeightScan& scan, checkasm::Trial& trial) {
   checkasm::Buffer<std::uint64_t> squares(kHeightBins, trial.next_end());
-  height_portable(scan, squares.data());
+  sum_by_height(scan, squares.data());
 }
 
 TEST(Height, StaysInItsBuffers) {
@@ -63,41 +61,58 @@ TEST(Height, BoundsAreExact) {
   const auto scan = [&](std::int32_t up_offset, std::int32_t side_offset) {
     return HeightScan{{&depth, 1, 1}, {&mask, 1, 1}, &none, &none, &none, &none, up_offset, side_offset, kSideMax};
   };
-  for (const auto& variant : kHeightWithRef) {
-    if (!tier_available(variant.tier)) continue;
-    std::vector<std::uint64_t> squares(kHeightBins);
-    for (const std::int32_t side : {kSideMax, -kSideMax})
-      EXPECT_EQ(variant.function(scan(0, side), squares.data()), kHeightNone) << variant.name;
-    for (const std::int32_t side : {kSideMax - 1, 1 - kSideMax})
-      EXPECT_EQ(variant.function(scan(0, side), squares.data()), 0) << variant.name;
-    variant.function(scan(kLowest, 0), squares.data());
-    EXPECT_EQ(squares[0], 40000U * std::uint64_t{40000}) << variant.name;
-    variant.function(scan(kLowest - 1, 0), squares.data());
-    EXPECT_EQ(std::accumulate(squares.begin(), squares.end(), std::uint64_t{0}), 0U) << variant.name;
-  }
+  std::vector<std::uint64_t> squares(kHeightBins);
+  for (const std::int32_t side : {kSideMax, -kSideMax})
+    EXPECT_EQ(sum_by_height(scan(0, side), squares.data()), kHeightNone);
+  for (const std::int32_t side : {kSideMax - 1, 1 - kSideMax})
+    EXPECT_EQ(sum_by_height(scan(0, side), squares.data()), 0);
+  sum_by_height(scan(kLowest, 0), squares.data());
+  EXPECT_EQ(squares[0], 40000U * std::uint64_t{40000});
+  sum_by_height(scan(kLowest - 1, 0), squares.data());
+  EXPECT_EQ(std::accumulate(squares.begin(), squares.end(), std::uint64_t{0}), 0U);
 }
 
 TEST(Height, NothingSeen) {
   checkasm::Trial trial;
   test::RayPicture p(50, 2, kSlopeOne, 1, 65535, trial);
   for (auto& m : p.mask.span()) m = 0;
-  for (const auto& variant : kHeightWithRef) {
-    if (!tier_available(variant.tier)) continue;
-    std::vector<std::uint64_t> squares(kHeightBins, 1);
-    EXPECT_EQ(variant.function(scan_of(p, 0, 0, 1 << 20), squares.data()), kHeightNone);
-    EXPECT_EQ(std::accumulate(squares.begin(), squares.end(), std::uint64_t{0}), 0U);
+  std::vector<std::uint64_t> squares(kHeightBins, 1);
+  EXPECT_EQ(sum_by_height(scan_of(p, 0, 0, 1 << 20), squares.data()), kHeightNone);
+  EXPECT_EQ(std::accumulate(squares.begin(), squares.end(), std::uint64_t{0}), 0U);
+}
+
+// In double from the same tables; a point within 2^-10 mm of an edge of a bin or of the side may fall to either side.
+std::int32_t sum_in_double(const HeightScan& s, std::vector<std::uint64_t>& squares) {
+  constexpr double kSlope = 1.0 / (1 << FormSlope::kFractionBits), kUnit = 1.0 / (1 << CoordinateMm::kFractionBits);
+  double lowest = HUGE_VAL;
+  for (int v = 0; v < s.depth_q4.height; ++v) {
+    for (int u = 0; u < s.depth_q4.width; ++u) {
+      const std::uint16_t raw = s.depth_q4.at(u, v);
+      if (s.mask.at(u, v) == 0 || raw == 0) continue;
+      const double z = raw / 16.0;
+      const auto along = [&](const std::int32_t* columns, const std::int32_t* rows, std::int32_t offset) {
+        return z * kSlope * (double{1} * columns[u] + rows[v]) + kUnit * offset;
+      };
+      if (!(std::fabs(along(s.side_columns, s.side_rows, s.side_offset)) < kUnit * s.side_max)) continue;
+      const double height = along(s.up_columns, s.up_rows, s.up_offset);
+      lowest = std::min(lowest, height);
+      const double bin = std::floor((height - kHeightMinMm) / kHeightBinMm);
+      if (bin >= 0 && bin < kHeightBins)
+        squares[static_cast<std::size_t>(bin)] += static_cast<std::uint64_t>(raw) * raw;
+    }
   }
+  return lowest < HUGE_VAL ? static_cast<std::int32_t>(std::lround(lowest / kUnit)) : kHeightNone;
 }
 
 // Sums may move between two bins where rounding moves a point over their edge; the running sum differs by what lies
 // that near, here no more than a few points of some thousands.
-TEST(Height, PortableAgreesWithRef) {
+TEST(Height, AgreesWithDouble) {
   checkasm::Trial trial;
   const test::RayPicture p(120, 60, kSlopeOne / 4, 16000, 40000, trial);
   // Slopes cancel now and then: a height without a part of them lies amid a bin.
   const HeightScan scan = scan_of(p, 902 << 10, 0, 300 << 10);
   std::vector<std::uint64_t> ref(kHeightBins), got(kHeightBins);
-  EXPECT_NEAR(height_portable(scan, got.data()), height_ref(scan, ref.data()), 1);
+  EXPECT_NEAR(sum_by_height(scan, got.data()), sum_in_double(scan, ref), 1);
   double difference = 0, total = 0;
   for (std::size_t i = 0; i < ref.size(); ++i) {
     difference += static_cast<double>(got[i]) - static_cast<double>(ref[i]);
@@ -130,18 +145,15 @@ TEST(Height, AWallsAreaIsWidthTimesHeight) {
                            form_offset(kCameraMm),
                            0,
                            form_offset(305)};
-  for (const auto& variant : kHeightWithRef) {
-    if (!tier_available(variant.tier)) continue;
-    std::vector<std::uint64_t> squares(kHeightBins);
-    const std::int32_t lowest = variant.function(scan, squares.data());
-    // The lowest row, in 1/1024 mm, to the product's rounding.
-    EXPECT_NEAR(lowest, (kCameraMm - 119.5 * kDepth / kFocal) * 1024, 1) << variant.name;
-    // From 400 to 1600 mm: bins 125 to 424.
-    double area = 0;
-    for (std::size_t bin = 125; bin < 425; ++bin) area += static_cast<double>(squares[bin]) / 256 / (kFocal * kFocal);
-    EXPECT_NEAR(area, 610 * 1200, 610 * 10) << variant.name;
-  }
+  std::vector<std::uint64_t> squares(kHeightBins);
+  const std::int32_t lowest = sum_by_height(scan, squares.data());
+  // The lowest row, in 1/1024 mm, to the product's rounding.
+  EXPECT_NEAR(lowest, (kCameraMm - 119.5 * kDepth / kFocal) * 1024, 1);
+  // From 400 to 1600 mm: bins 125 to 424.
+  double area = 0;
+  for (std::size_t bin = 125; bin < 425; ++bin) area += static_cast<double>(squares[bin]) / 256 / (kFocal * kFocal);
+  EXPECT_NEAR(area, 610 * 1200, 610 * 10);
 }
 
 }  // namespace
-}  // namespace im2fit
+}  // namespace im2fit::profile

@@ -1,38 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/votes/votes.h"
-
 #include <gtest/gtest.h>
 
-#include <string>
+#include <cmath>
 #include <vector>
 
+#include "perception/segment/wall.h"
 #include "tests/kernels/checkasm.h"
-#include "tests/kernels/ref/kernel_refs.h"
 
-namespace im2fit {
+namespace im2fit::segment {
 namespace {
 
-class VotesTiers : public testing::TestWithParam<VotesKernel> {};
-INSTANTIATE_TEST_SUITE_P(Tiers, VotesTiers, testing::ValuesIn(kVotesWithRef),
-                         [](const auto& p) { return std::string(p.param.name); });
-
 // The plane z = 2000: q = (0, 0, -1/2000) meets every ray there.
-TEST_P(VotesTiers, CountsByDistanceFromTheWall) {
-  if (!tier_available(GetParam().tier)) GTEST_SKIP() << "not on this machine";
+TEST(Votes, CountByDistanceFromTheWall) {
   const std::vector<float> z = {1969, 1971, 2000, 2029, 2031, 2089, 2091, 9000, 500};
   const std::vector<float> ray(z.size(), 0.3F), near(z.size(), 30), far(z.size(), 10);
   const VotingPoints points = {ray.data(), ray.data(), z.data(), near.data(), far.data(), static_cast<int>(z.size())};
   const float wall[3] = {0, 0, -1.0F / 2000}, none[3] = {0, 0, 1.0F / 2000};
-  Votes got;
-  GetParam().function(points, wall, got);
+  Votes got = count_votes(points, wall);
   EXPECT_EQ(got.on, 3);
   EXPECT_EQ(got.behind, 2);
-  GetParam().function(points, none, got);  // behind the camera
+  got = count_votes(points, none);  // behind the camera
   EXPECT_EQ(got.on, 0);
   EXPECT_EQ(got.behind, 0);
 }
 
-TEST(VotesCheck, EveryTierGivesTheSameCounts) {
+Votes count_in_double(const VotingPoints& points, const float* q) {
+  Votes out;
+  for (int i = 0; i < points.count; ++i) {
+    const double inverse = -(double{q[0]} * points.ray_x[i] + double{q[1]} * points.ray_y[i] + double{q[2]});
+    if (!(inverse > 1e-5)) continue;
+    const double plane = 1 / inverse, z = points.z_mm[i];
+    if (std::fabs(z - plane) < points.near_mm[i]) ++out.on;
+    if (z > plane + 80 + points.far_mm[i]) ++out.behind;
+  }
+  return out;
+}
+
+TEST(Votes, AreThoseCountedInDouble) {
   checkasm::Trial trial;
   for (int count : checkasm::odd_sizes(70)) {
     IM2FIT_CHECK_PARAMETERS(trial, count);
@@ -50,15 +54,13 @@ TEST(VotesCheck, EveryTierGivesTheSameCounts) {
                           -1.0F / trial.between(1500, 2500)};
       const float behind_camera[3] = {q[0] * 40, q[1] * 40, -q[2]};
       for (const float* plane : {q, behind_camera}) {
-        Votes ref, want;
-        votes_ref(points, plane, ref);
-        votes_portable(points, plane, want);
-        EXPECT_EQ(want.on, ref.on);  // no point of these lies on an edge
-        EXPECT_EQ(want.behind, ref.behind);
+        const Votes got = count_votes(points, plane), want = count_in_double(points, plane);
+        EXPECT_EQ(got.on, want.on);  // no point of these lies on an edge
+        EXPECT_EQ(got.behind, want.behind);
       }
     }
   }
 }
 
 }  // namespace
-}  // namespace im2fit
+}  // namespace im2fit::segment
