@@ -20,7 +20,7 @@ class Picture(val width: Int, val height: Int, val depthMm: ShortArray)
 fun picture(file: File): Picture {
     val raster = ImageIO.read(file)?.raster
     val samples = raster?.dataBuffer as? DataBufferUShort
-    require(samples != null && raster.numBands == 1) { "$file is no 16-bit grey picture" }
+    require(samples != null && raster.numBands == 1) { "$file is not a 16-bit grey picture" }
     return Picture(raster.width, raster.height, samples.data)
 }
 
