@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
     try {
       return run_each(argc == 3 ? argv[2] : "");
     } catch (const std::regex_error& error) {
-      std::fprintf(stderr, "%s: %s is no regular expression: %s\n", argv[0], argv[2], error.what());
+      std::fprintf(stderr, "%s: %s is not a regular expression: %s\n", argv[0], argv[2], error.what());
       return 2;
     }
   }
