@@ -35,7 +35,7 @@ endfunction()
 # -fno-math-errno lets the vectoriser take square roots. None of these changes a bit: fused and reordered arithmetic
 # are both off. Debug builds, and sanitizers, which are not about speed, keep the build type's level.
 function(im2fit_level level)
-  if(IM2FIT_SANITIZE AND NOT level MATCHES "O[01]")
+  if(IM2FIT_SANITIZE AND NOT level STREQUAL "O1")
     return()
   endif()
   foreach(name ${ARGN})
@@ -85,20 +85,16 @@ endfunction()
 
 # One GoogleTest program per tests/<room>: im2fit_test_room(ROOM DEPENDS im2fit_kernels ...), takes every *_test.cpp.
 # EMULATED_SHARDS N: under an emulator N ctest entries, ROOM_1 to ROOM_N, for rooms that take minutes there.
-# LEVEL O0: for rooms that start programs and read what they write, a third less to compile than at O1, the default.
 # COST N: about how many seconds it takes; ctest starts the longest first, so that none is left running alone.
 function(im2fit_test_room room)
-  cmake_parse_arguments(arg "" "EMULATED_SHARDS;COST;LEVEL" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "" "EMULATED_SHARDS;COST" "DEPENDS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
   if(NOT sources)
     return()
   endif()
   add_executable(${room}_tests ${sources})
   im2fit_target(${room}_tests)
-  if(NOT arg_LEVEL)
-    set(arg_LEVEL O1)
-  endif()
-  im2fit_level(${arg_LEVEL} ${room}_tests)
+  im2fit_level(O1 ${room}_tests)
   target_link_libraries(${room}_tests PRIVATE ${arg_DEPENDS} GTest::gtest_main GTest::gmock)
   # One ctest entry a room: starting a process for each case costs more than most cases.
   # An emulator is ten to fifty times slower.
