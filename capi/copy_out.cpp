@@ -27,8 +27,7 @@ int copy_out(im2fit_handle& handle, std::span<const std::byte> bytes, std::size_
 
 int without_result(im2fit_handle& handle) {
   return fail(&handle, IM2FIT_ERROR_UNSUPPORTED,
-              "this library was built without nlohmann-json or without garments (IM2FIT_GARMENTS), which this "
-              "function needs");
+              "this library was built without nlohmann-json, which this function needs");
 }
 
 }  // namespace im2fit::c

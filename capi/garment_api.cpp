@@ -174,7 +174,9 @@ int im2fit_dressed_avatar(im2fit_handle* handle, const im2fit_worn* worn, size_t
       return im2fit::c::copy_out(h, h.dressed.glb, 0, bytes, capacity, size);
     });
 #else
-    return im2fit::c::without_result(h);
+    return fail(&h, IM2FIT_ERROR_UNSUPPORTED,
+                "this function needs nlohmann-json and garments (IM2FIT_GARMENTS), and this library was built without "
+                "one of them");
 #endif
   });
 }

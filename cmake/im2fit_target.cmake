@@ -57,12 +57,24 @@ function(im2fit_alone)
 endfunction()
 
 # A library of one folder: im2fit_library(NAME LEVEL Os SOURCES a.cpp b.cpp DEPENDS im2fit_core ...). Without SOURCES:
-# every *.cpp of the folder, or of its subfolder FOLDER.
+# every *.cpp of the folder, or of its subfolder FOLDER. LOOPS a.cpp b.cpp: those of them that run over every pixel,
+# vertex or entry; they are NAME_loops, a library of level O3 that comes with it and is compiled file by file.
 function(im2fit_library name)
-  cmake_parse_arguments(arg "" "FOLDER;LEVEL" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "" "FOLDER;LEVEL" "SOURCES;LOOPS;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   if(NOT arg_SOURCES)
     get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR}/${arg_FOLDER} ABSOLUTE)
     file(GLOB arg_SOURCES CONFIGURE_DEPENDS ${folder}/*.cpp)
+  endif()
+  if(arg_LOOPS)
+    list(TRANSFORM arg_LOOPS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+    list(REMOVE_ITEM arg_SOURCES ${arg_LOOPS})
+    add_library(${name}_loops STATIC ${arg_LOOPS})
+    set_target_properties(${name}_loops PROPERTIES UNITY_BUILD OFF)
+    im2fit_target(${name}_loops)
+    im2fit_level(O3 ${name}_loops)
+    target_link_libraries(${name}_loops PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE_DEPENDS})
+    target_link_libraries(${name}_loops PUBLIC ${name})  # they call each other
+    list(APPEND arg_DEPENDS ${name}_loops)
   endif()
   add_library(${name} STATIC ${arg_SOURCES})
   im2fit_target(${name})

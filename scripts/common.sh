@@ -9,6 +9,8 @@ export CMAKE_BUILD_PARALLEL_LEVEL=$jobs CTEST_PARALLEL_LEVEL=$jobs
 export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
 # The compiler says which headers it read: ccache need not run the preprocessor first, an eighth of an empty cache's build.
 export CCACHE_DEPEND=1
+# In whatever language warnings are: scripts/package, which sets LC_ALL, then finds what preset dev compiled.
+export CCACHE_SLOPPINESS=locale
 use_ccache() {
   if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache; fi
 }

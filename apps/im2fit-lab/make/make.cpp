@@ -17,7 +17,9 @@ constexpr Maker kMakers[] = {
     {"avatar-plate", make_avatar_plate},
     {"cut-regression", make_cut_regression},
     {"garment-plate", make_garment_plate},
+#if IM2FIT_HAVE_EVALUATION
     {"garment-sheets", make_garment_sheets},
+#endif
     {"measurement-regression", make_measurement_regression},
     {"tape-regression", make_tape_regression},
     {"tape-table", make_tape_table},
