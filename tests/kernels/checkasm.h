@@ -177,4 +177,4 @@ void expect_same_bits(const Buffer<T>& want, const Buffer<T>& got) {
 
 // Names the seed and the parameters in every failure of this scope.
 #define IM2FIT_CHECK_PARAMETERS(trial, parameters) \
-  SCOPED_TRACE(testing::Message() << "IM2FIT_CHECK_SEED=" << (trial).seed() << ", " #parameters " = " << parameters)
+  SCOPED_TRACE(::testing::Message() << "IM2FIT_CHECK_SEED=" << (trial).seed() << ", " #parameters " = " << parameters)
