@@ -8,9 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/common/pack/model_pack.h"
+#include "body/model_data.h"
 #include "core/file.h"
 #include "data_paths.h"
+#include "index/format.h"
 #include "measure_run.h"
+#include "perception/joints/model_data.h"
 #include "run_program.h"
 
 namespace im2fit {
@@ -60,8 +63,8 @@ class Models : public testing::Test {
       manifest.files.push_back(apps::describe_file(name, bytes));
       contents.push_back(std::move(bytes));
     };
-    add("body.i2b", "I2BD", 2);
-    add("tracker.i2t", "I2TR", 4);
+    add("body.i2b", "I2BD", body::kBodyVersion);
+    add("tracker.i2t", "I2TR", joints::kTrackerVersion);
     add("index.i2f", "I2FX", index_format);
     auto pack = apps::make_pack(manifest, contents);
     EXPECT_TRUE(pack);
@@ -70,7 +73,7 @@ class Models : public testing::Test {
     EXPECT_TRUE(write_file_atomically(path, *pack));
     return path;
   }
-  static constexpr std::uint32_t kIndexFormat = 13;
+  static constexpr std::uint32_t kIndexFormat = index::kVersion;
 
   std::string folder_;
 };
@@ -140,13 +143,14 @@ TEST_F(Models, OfOneDirectoryAreNeverMixedWithAnothers) {
 TEST_F(Models, OlderAndNewerAreRefusedByName) {
   test::Run run = models({"install", small_pack(kIndexFormat - 1)});
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_NE(
-      run.err.find("its index (index.i2f) is of format 12, older than the 13 this im2fit reads; get a newer pack"),
-      std::string::npos)
+  const std::string read = " than the " + std::to_string(kIndexFormat) + " this im2fit reads; get a newer ";
+  EXPECT_NE(run.err.find("its index (index.i2f) is of format " + std::to_string(kIndexFormat - 1) + ", older" + read +
+                         "pack"),
+            std::string::npos)
       << run.err;
   run = models({"install", small_pack(kIndexFormat + 1)});
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_NE(run.err.find("newer than the 13 this im2fit reads; get a newer im2fit"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("newer" + read + "im2fit"), std::string::npos) << run.err;
   run = models({"install", small_pack(kIndexFormat, 2)});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.err.find("is a model pack of format 2, newer than the 1"), std::string::npos) << run.err;
