@@ -105,6 +105,8 @@ im2fit_result to_c(const im2fit::EngineResult& r) {
   out.arms_close = r.arms_close;
   out.clothing_probability = r.answer.clothing.probability;
   out.clothing_ease_mm = r.answer.clothing.ease_mm;
+  out.known_used = r.known_outcome.used;
+  out.known_doubted = r.known_outcome.doubted;
   out.frames_back = static_cast<std::uint32_t>(r.frames_back);
   out.female = r.answer.female;
   out.age = {r.age.years.value, r.age.years.low, r.age.years.high};
@@ -234,6 +236,8 @@ int im2fit_reset(im2fit_handle* handle) {
 
 int im2fit_next(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
+    const im2fit::EngineResult now = h.engine->result();
+    if (now.measured) h.next_after = now.session;
     h.engine->next_person();
     return static_cast<int>(IM2FIT_OK);
   });

@@ -66,6 +66,9 @@ struct im2fit_handle {
     skeleton.reset();
   }
 
+  // The session that im2fit_next ended: facts are of the one after it, though the measured person has not left.
+  std::optional<std::uint32_t> next_after;
+
   im2fit_log_fn log = nullptr;
   void* log_user = nullptr;
   std::array<char, 512> error{};

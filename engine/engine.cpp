@@ -183,13 +183,29 @@ class PipelineEngine final : public Engine {
     return Ok{};
   }
 
-  EngineResult result() const override { return snapshot_.read(); }
+  EngineResult result() const override {
+    EngineResult result = snapshot_.read();
+    result.unconditioned = result.answer.measurements;
+    const SessionFacts known = known_.read();
+    if (known.session != result.session) return result;
+    result.known = known.facts;
+    if (result.measured || result.front_measured)
+      result.known_outcome = condition(known.facts, result.answer, result.age);
+    return result;
+  }
+
+  Status set_known(const KnownFacts& facts, std::uint32_t session) override {
+    if (auto ok = check_known(facts); !ok) return ok;
+    known_.publish({facts, session});
+    return Ok{};
+  }
 
   void reset() override {
     drain();
     stages_->reset_sense();
     reset_clock();
     fit_.reset();
+    known_.publish({});  // sessions count from 0 again
     begin_again();
   }
 
@@ -405,6 +421,11 @@ class PipelineEngine final : public Engine {
   std::optional<Rest> rest_;
   // FIT's, or the producer's while no frame is in the pipeline.
   FitStage fit_;
+  struct SessionFacts {
+    KnownFacts facts;
+    std::uint32_t session = 0;
+  };
+  Snapshot<SessionFacts> known_;
   Snapshot<EngineResult> snapshot_;
 
   // The producer's.

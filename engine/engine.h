@@ -19,6 +19,7 @@
 #include "core/status.h"
 #include "engine/pump.h"
 #include "estimate/age.h"
+#include "estimate/known_facts.h"
 #include "estimate/site_calibration.h"
 #include "hal/source.h"
 #include "index/index.h"
@@ -121,7 +122,12 @@ struct EngineResult {
   index::Answer answer;                   // valid when measured or front_measured
   // What was answered before EngineSettings::site corrected it; as the answer, and the same without a correction.
   std::array<index::IntervalEstimate, kMeasurementCount> uncorrected{};
-  AgeAnswer age;              // as the answer
+  AgeAnswer age;  // as the answer
+  // What was known of the person (Engine::set_known): given, and what became of it. `answer` and `age` rest on it;
+  // `unconditioned` is the answer without.
+  KnownFacts known;
+  KnownOutcome known_outcome;
+  std::array<index::IntervalEstimate, kMeasurementCount> unconditioned{};
   body::SeenBody seen;        // as the answer: the body fitted to the pictures behind it
   MeasurementValues paper{};  // NaN where not measured
   JointSet measured_joints;   // robust mean behind the answer: the front's
@@ -161,6 +167,11 @@ class Engine : public FrameSink {
   virtual Status fault() const = 0;
   // Any thread, any time, never blocks the pipeline.
   virtual EngineResult result() const = 0;
+  // What the person of session `session` (EngineResult) knows of themselves: evidence in the answer from now on,
+  // before, during and after the frames; it replaces what was set before, for whatever session. The next session has
+  // none. Costs nothing until result() is read, and some microseconds there. One thread at a time; never blocks the
+  // pipeline. Error: check_known().
+  virtual Status set_known(const KnownFacts& facts, std::uint32_t session) = 0;
   virtual void reset() = 0;  // a new person; after finish() or between frames. Waits for frames in the pipeline
   // The next person, after MEASURED: frames are processed again, the answer stands until who was measured has left
   // the picture (for half a second, and kAbsentPeriodsMax frames), then a new session begins by itself. The floor and

@@ -83,6 +83,37 @@ Json site_json(const PersonMeasurement& person) {
           {"uncorrected", uncorrected}};
 }
 
+Json names_of_facts(KnownFactSet facts) {
+  Json names = Json::array();
+  for (std::size_t i = 0; i < kKnownFactCount; ++i)
+    if ((facts >> i & 1U) != 0) names.push_back(std::string(kKnownFactNames[i]));
+  return names;
+}
+
+// What was known, what became of it, and what the answer was without.
+Json known_json(const EngineResult& result) {
+  const KnownFacts& known = result.known;
+  Json given = Json::object(), without = Json::object();
+  const auto add = [&](const char* name, const KnownValue& v, const char* unit, double steps) {
+    if (v.sd > 0) given[name] = {{"value", rounded(v.value, steps)}, {"sd", rounded(v.sd, steps)}, {"unit", unit}};
+  };
+  add("stature", known.stature_mm, "mm", kTenths);
+  add("weight", known.weight_kg, "kg", kHundredths);
+  add("age", known.age_years, "years", kTenths);
+  if (known.sex != KnownSex::unknown) given["sex"] = known.sex == KnownSex::woman ? "woman" : "man";
+  for (std::size_t i = 0; i < kMeasurementCount; ++i) {
+    const index::IntervalEstimate& e = result.unconditioned[i];
+    const double steps = steps_of(kMeasurementTable[i]);
+    without[std::string(kMeasurementTable[i].id)] = {
+        {"value", rounded(e.value, steps)},
+        {"interval", Json::array({rounded(e.low, steps), rounded(e.high, steps)})}};
+  }
+  return {{"given", given},
+          {"used", names_of_facts(result.known_outcome.used)},
+          {"doubted", names_of_facts(result.known_outcome.doubted)},
+          {"without", without}};
+}
+
 Json clothing_json(const index::Answer& answer) {
   return {{"probability", rounded(answer.clothing.probability, kTenThousandths)},
           {"ease_mm", rounded(answer.clothing.ease_mm, kTenths)},
@@ -344,6 +375,7 @@ std::string result_json(const PersonMeasurement& person, const std::optional<Res
   if (r.measured) json["clothing"] = clothing_json(r.answer);
   json["measurements"] = measurements_json(r);
   if (r.measured && person.site != nullptr) json["calibration_site"] = site_json(person);
+  if (r.measured && r.known.given() != 0) json["known"] = known_json(r);
   if (r.measured) json["sex"] = {{"female", rounded(r.answer.female, kTenThousandths)}};
   if (r.measured) json["age"] = age_json(r.age);
   if (r.measured && person.size) json["size"] = size_json(*person.size);

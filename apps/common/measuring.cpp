@@ -48,7 +48,10 @@ Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, con
   settings.one_after_another = options.one_after_another;
   settings.rest = options.rest && source.live;
   settings.watch = std::move(watch);
-  return im2fit::make_engine(std::move(settings), data, source.name);
+  auto engine = im2fit::make_engine(std::move(settings), data, source.name);
+  if (engine)
+    if (auto ok = (*engine)->set_known(options.known, 0); !ok) return ok.error();
+  return engine;
 }
 
 Result<PersonMeasurement> measured_person(const Engine& engine, const MeasuringData& data,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/common/paths.h"
+#include "estimate/known_facts.h"
 #include "person/measuring_data.h"
 #include "report/result_json.h"
 
@@ -24,6 +25,7 @@ struct MeasuringOptions {
   std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
   std::string site;                      // .i2c (docs/calibration.md); "": none
   std::vector<std::string> tapes;        // files of definitions beside the shipped ones
+  KnownFacts known;                      // of the first person; nothing by default
   int threads = 2;
   int user = 0;  // 0: the nearest
   bool live = false;

@@ -157,6 +157,30 @@ Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& o
   return code;
 }
 
+std::string names_of_facts(KnownFactSet facts) {
+  std::string names;
+  for (std::size_t i = 0; i < kKnownFactCount; ++i)
+    if ((facts >> i & 1U) != 0) names.append(names.empty() ? "" : ", ").append(kKnownFactNames[i]);
+  return names;
+}
+
+// What was known of the person and what became of it.
+std::string known_words(const EngineResult& result) {
+  const KnownOutcome& outcome = result.known_outcome;
+  std::string text;
+  if (outcome.used != 0) {
+    const auto of = [](const auto& all, Measurement m) { return all[measurement_index(m)].value; };
+    text += fmt::format("known {}; without it chest {:.0f} mm, waist {:.0f} mm, hip {:.0f} mm\n",
+                        names_of_facts(outcome.used), of(result.unconditioned, Measurement::chest_girth),
+                        of(result.unconditioned, Measurement::waist_girth),
+                        of(result.unconditioned, Measurement::hip_girth));
+  }
+  if (outcome.doubted != 0)
+    text += fmt::format("doubted and not used: {}; it does not fit what the camera saw: check it\n",
+                        names_of_facts(outcome.doubted));
+  return text;
+}
+
 std::string result_table(const SessionOutcome& outcome, bool paper) {
   const EngineResult& result = outcome.person.result;
   const auto& truth = outcome.input.truth;
@@ -185,6 +209,7 @@ std::string result_table(const SessionOutcome& outcome, bool paper) {
                       truth ? (truth->woman ? " (truth: woman)" : " (truth: man)") : "");
   const index::IntervalEstimate& age = result.age.years;
   text += fmt::format("age   {:.0f} years, {:.0f} to {:.0f}\n", age.value, age.low, age.high);
+  if (result.known.given() != 0) text += known_words(result);
   if (const auto& clothing = result.answer.clothing; std::isfinite(clothing.probability)) {
     text += fmt::format("clothes  probability {:.2f}, {:.0f} mm off the skin; measured as {}{}\n",
                         clothing.probability, clothing.ease_mm, result.answer.clothed ? "dressed" : "bare",

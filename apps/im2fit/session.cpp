@@ -41,6 +41,7 @@ void add_session_options(cli::App& sub, SessionOptions& options) {
          "measured, with wider intervals. auto: estimated from the frames; intervals include that uncertainty")
       ->one_of(std::vector<std::string>(kClothingGivenNames.begin(), kClothingGivenNames.end()))
       ->capture_default_str();
+  add_known_options(sub, options.known_words);
   sub.add_option("--sensor", options.sensor,
                  "Kind of depth sensor; people's outlines depend on it. auto: as the camera's driver reports, else "
                  "estimated from the noise and from the missing depth beside the person")
@@ -108,7 +109,9 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
     if (recording != nullptr) recording->see(frame);
     if (others) others(frame);
   };
-  auto engine = make_engine(options, *data, input->source->info(), watch_all);
+  MeasuringOptions measuring = options;
+  measuring.known = known_facts(options.known_words);
+  auto engine = make_engine(measuring, *data, input->source->info(), watch_all);
   if (!engine) return engine.error();
   SessionOutcome outcome;
   outcome.data = std::move(*data);

@@ -10,6 +10,7 @@
 
 #include "apps/common/cli.h"
 #include "apps/common/input.h"
+#include "apps/common/known_options.h"
 #include "apps/common/measuring.h"
 #include "body/export/export.h"
 #include "report/motion_recording.h"
@@ -17,6 +18,7 @@
 namespace im2fit::apps {
 
 struct SessionOptions : MeasuringOptions {
+  KnownOptions known_words;  // `known`, as the command line has it
   InputOptions input;
   std::string out;     // "": no files
   std::string motion;  // file of the joints over time; "": none

@@ -28,7 +28,7 @@ void phone(EvaluationOptions& o) {
   o.height = 192;
 }
 
-constexpr std::array<Word, 35> kWords = {{
+constexpr std::array<Word, 39> kWords = {{
     {"noise", "a Kinect in a furnished room, 2.0 to 2.6 m away", true, [](EvaluationOptions& o) { o.noise = true; }},
     {"bare", "a perfect sensor in an empty room", true, [](EvaluationOptions& o) { o.noise = false; }},
     {"tof", "a time-of-flight sensor in place of the Kinect", true, [](EvaluationOptions& o) { o.tof = true; }},
@@ -85,6 +85,14 @@ constexpr std::array<Word, 35> kWords = {{
     {"heavy", "people of a body mass index of 38 and more", false,
      [](EvaluationOptions& o) { o.body_mass_index_min = kHeavyMin; }},
     {"back", "seen from behind", false, [](EvaluationOptions& o) { o.views = Views::back; }},
+    {"known-scale", "the weight is known from a scale", false,
+     [](EvaluationOptions& o) { o.known = KnownOf::weight_on_scale; }},
+    {"known-weight", "the weight is known as people report it", false,
+     [](EvaluationOptions& o) { o.known = KnownOf::weight_stated; }},
+    {"known-all", "stature, weight, sex and age are known as people report them", false,
+     [](EvaluationOptions& o) { o.known = KnownOf::all; }},
+    {"20kg-off", "the weight reported is wrong by 20 kg", false,
+     [](EvaluationOptions& o) { o.known_weight_off_kg = 20; }},
     {"both", "front, then back", true, [](EvaluationOptions& o) { o.views = Views::both; }},
     {"features", "features alone, no shape is fitted", true, [](EvaluationOptions& o) { o.fit = false; }},
 }};

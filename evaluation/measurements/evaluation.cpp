@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "evaluation/measurements/evaluation.h"
 
+#include <cmath>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "train/common/parallel.h"
 #include "train/dataset/features.h"
 #include "train/dressed/dressed_people.h"
+#include "train/population/ood_subjects.h"
 
 namespace im2fit::lab {
 namespace {
@@ -19,6 +21,7 @@ constexpr std::uint64_t kSceneStream = 0x5CE9E;
 constexpr std::uint64_t kSecondSceneStream = 0x5CE9F;
 constexpr std::uint64_t kClothesStream = 0xC107;
 constexpr std::uint64_t kGarmentsStream = 0xC108;
+constexpr std::uint64_t kKnownStream = 0x4F0;
 constexpr float kWithinMm = 100.0F;
 
 void dress(SceneOptions& scene, std::uint64_t seed, std::uint64_t index) {
@@ -53,6 +56,26 @@ Subject heavy_enough(const body::BodyModel& model, const EvaluationOptions& opti
   return subject;
 }
 
+KnownFacts reported_facts(const EvaluationOptions& options, const Subject& subject, std::uint64_t index) {
+  KnownFacts facts;
+  if (options.known == KnownOf::nothing) return facts;
+  Rng rng = Rng::for_item(options.seed, kKnownStream, index);
+  const auto off_by = [&](float sd) { return sd * static_cast<float>(rng.normal()); };
+  const bool all = options.known == KnownOf::all;
+  const float weight_kg = subject.truth[measurement_index(Measurement::weight)] +
+                          (index / 2 % 2 == 0 ? options.known_weight_off_kg : -options.known_weight_off_kg);
+  if (options.known == KnownOf::weight_on_scale)
+    facts.weight_kg = {weight_kg + off_by(kScaleSdKg), kScaleSdKg};
+  else
+    facts.weight_kg = {std::round(weight_kg + off_by(kStatedWeightSdKg)), kStatedWeightSdKg};
+  if (!all) return facts;
+  const float stature_mm = subject.truth[measurement_index(Measurement::stature)];
+  facts.stature_mm = {10 * std::round((stature_mm + off_by(kStatedStatureSdMm)) / 10), kStatedStatureSdMm};
+  facts.sex = subject.woman ? KnownSex::woman : KnownSex::man;
+  facts.age_years = {std::floor(subject.params.age_years) + 0.5F, kStatedAgeSdYears};
+  return facts;
+}
+
 void add_joint_errors(const JointSet& found, const JointSet& truth, Outcome& outcome) {
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const float error_mm = norm(found.position_mm[j] - truth.position_mm[j]);
@@ -71,7 +94,9 @@ Status measure_once(const SessionModels& models, const HeldOutPerson& person, Vi
     add_joint_errors(found, truth, outcome);
   });
   if (!engine) return engine.error();
+  if (auto ok = (*engine)->set_known(person.known, (*engine)->result().session); !ok) return ok.error();
   const EngineResult result = (*engine)->result();
+  outcome.known = result.known_outcome;
   outcome.dressed = person.capture.scene.clothing != Clothing::none;
   outcome.lifted_arms = told_to_lift_arms(result, person.capture.frame_count);
   outcome.measured = result.measured;
@@ -86,6 +111,7 @@ Status measure_once(const SessionModels& models, const HeldOutPerson& person, Vi
 Status measure_again(const SessionModels& models, const HeldOutPerson& person, Views views, Outcome& outcome) {
   const auto engine = run_session(models, person, views, {});
   if (!engine) return engine.error();
+  if (auto ok = (*engine)->set_known(person.known, (*engine)->result().session); !ok) return ok.error();
   const EngineResult result = (*engine)->result();
   outcome.measured_again = result.measured;
   for (std::size_t m = 0; m < kMeasurementCount; ++m) outcome.again[m] = result.answer.measurements[m].value;
@@ -116,7 +142,7 @@ Result<PeopleFamily> people_family_of(std::string_view name) {
   for (std::size_t i = 0; i < kPeopleFamilyNames.size(); ++i)
     if (kPeopleFamilyNames[i] == name) return static_cast<PeopleFamily>(i);
   return Error{ErrorCode::invalid_argument,
-               "no family '" + std::string(name) + "'; there are modifiers, ansur and mixed"};
+               "no family '" + std::string(name) + "'; there are modifiers, ansur, mixed and unlike"};
 }
 
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
@@ -137,6 +163,8 @@ HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions&
   if (person.family == PeopleFamily::ansur) {
     std::vector<Vec3f> rest;
     person.subject = options.ansur->draw(options.seed, index, rest);
+  } else if (person.family == PeopleFamily::unlike) {
+    person.subject = draw_ood_subject(model, options.seed, index);
   } else {
     person.subject = draw_subject(model, Family::held_out, options.seed, index);
   }
@@ -145,6 +173,7 @@ HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions&
   scene.pose = options.pose;
   if (options.body_mass_index_min > 0)
     person.subject = heavy_enough(model, options, index, std::move(person.subject));
+  person.known = reported_facts(options, person.subject, index);
   if (options.clothed && options.garments)
     dress_in_garments(scene, model, person.subject.woman, options.seed, index);
   else if (options.clothed)

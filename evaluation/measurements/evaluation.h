@@ -29,12 +29,18 @@ enum class Views { front, back, both };
 // Who is measured (docs/evaluation.md). `modifiers`: the body model's held-out family, of the same sliders as
 // training people. `ansur`: people of measured dimensions made in another way (evaluation/population/ansur_people.h).
 // `mixed`: two of one, two of the other, in turns.
-enum class PeopleFamily { modifiers, ansur, mixed };
-inline constexpr std::array<std::string_view, 3> kPeopleFamilyNames = {"modifiers", "ansur", "mixed"};
+// `unlike`: the out-of-distribution people that training calibrates on (train/population/ood_subjects.h); they judge
+// nothing.
+enum class PeopleFamily { modifiers, ansur, mixed, unlike };
+inline constexpr std::array<std::string_view, 4> kPeopleFamilyNames = {"modifiers", "ansur", "mixed", "unlike"};
 constexpr std::string_view name_of(PeopleFamily family) {
   return kPeopleFamilyNames[static_cast<std::size_t>(family)];
 }
 Result<PeopleFamily> people_family_of(std::string_view name);
+
+// What people report of themselves. Weight on a scale: within kScaleSdKg; stated: within kStatedWeightSdKg, to the
+// kilogram. all: stature (kStatedStatureSdMm, to the centimetre), weight as stated, sex, age in completed years.
+enum class KnownOf { nothing, weight_on_scale, weight_stated, all };
 
 struct EvaluationOptions {
   int subjects = 200;
@@ -57,9 +63,11 @@ struct EvaluationOptions {
   StandingPose pose = StandingPose::relaxed;
   float body_mass_index_min = 0;  // only people of at least that much; 0: all
   Views views = Views::front;
-  bool fit = true;     // false: features answer alone, no shape is fitted
-  bool twice = false;  // shown again in a new pose, room and noise
-  int threads = 1;     // does not change the result
+  KnownOf known = KnownOf::nothing;
+  float known_weight_off_kg = 0;  // added to the weight reported, to either side by turns: is it doubted?
+  bool fit = true;                // false: features answer alone, no shape is fitted
+  bool twice = false;             // shown again in a new pose, room and noise
+  int threads = 1;                // does not change the result
   ProgressSink progress = {};
   PeopleFamily family = PeopleFamily::modifiers;
   std::shared_ptr<const AnsurPeople> ansur;  // not null unless the family is modifiers
@@ -75,6 +83,7 @@ struct HeldOutPerson {
   EdgeFilterOptions edges = {};
   float tremor_deg = 0;
   bool poses_told = false;
+  KnownFacts known = {};
 };
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
                           int showing = 0);
@@ -92,6 +101,7 @@ struct Outcome {
   float true_age_years = 0;
   index::Answer answer;
   AgeAnswer age;
+  KnownOutcome known;
   MeasurementValues paper{};  // NaN where not measured
   bool has_raw = false;
   index::RawNearest::Match raw;

@@ -16,6 +16,9 @@ struct Maker {
 constexpr Maker kMakers[] = {
     {"avatar-plate", make_avatar_plate},
     {"cut-regression", make_cut_regression},
+#if IM2FIT_HAVE_EVALUATION
+    {"error-covariance", make_error_covariance},
+#endif
     {"garment-plate", make_garment_plate},
 #if IM2FIT_HAVE_EVALUATION
     {"garment-sheets", make_garment_sheets},

@@ -279,6 +279,44 @@ IM2FIT_API int im2fit_next(im2fit_handle* handle);
  * Errors: INVALID_ARGUMENT: the id is negative. */
 IM2FIT_API int im2fit_select_user(im2fit_handle* handle, int32_t user_id);
 
+/* What the person reports of themselves: evidence beside the frames. Call im2fit_known_init, then set what is known.
+ * A weight alone halves the error of girths seen from the front. */
+enum { IM2FIT_SEX_UNKNOWN = 0, IM2FIT_SEX_WOMAN = 1, IM2FIT_SEX_MAN = 2 };
+typedef struct im2fit_known {
+  size_t struct_size;  /* written by im2fit_known_init */
+  float stature_mm;    /* 500..2500; 0: not known. Barefoot */
+  float stature_sd_mm; /* standard deviation, 0.1..1000. 0: 20, a stature as people report it. 5: measured */
+  float weight_kg;     /* 15..400; 0: not known */
+  float weight_sd_kg;  /* 0.1..1000. 0: 3, a weight as people report it. 0.7: from a scale */
+  float age_years;     /* up to 120; 0: not known */
+  float age_sd_years;  /* 0.1..1000. 0: 0.5, completed years plus a half */
+  int32_t sex;         /* IM2FIT_SEX_... */
+  int32_t reserved;    /* padding, so that a later field gets a place of its own: 0 */
+} im2fit_known;
+
+/* Facts of im2fit_result.known_used and known_doubted. */
+enum {
+  IM2FIT_KNOWN_STATURE = 1 << 0,
+  IM2FIT_KNOWN_WEIGHT = 1 << 1,
+  IM2FIT_KNOWN_SEX = 1 << 2,
+  IM2FIT_KNOWN_AGE = 1 << 3
+};
+
+/* Writes nothing known. `struct_size` is sizeof(im2fit_known) of the caller's header. */
+IM2FIT_API void im2fit_known_init(im2fit_known* known, size_t struct_size);
+
+/* Sets what is known of the person of this session, before, during or after the frames. All measurements, their
+ * intervals, the size, the tape, the body and the garments change together. A second call replaces the first, so a
+ * corrected fact needs no new capture. After im2fit_next the facts are of the next person, also while the measured
+ * one is still in the picture. A new session knows nothing: call it for each person. Facts are kept in memory only;
+ * im2fit_result_json contains them.
+ * A stature or weight that does not fit what was seen is not used: im2fit_result.known_doubted names it. Ask the
+ * person again. From the thread of im2fit_push.
+ * Errors:
+ *   INVALID_ARGUMENT  a value is out of range; the text names it. What was known before stays
+ *   UNSUPPORTED       struct_size is that of no version, or a field is set that this library lacks */
+IM2FIT_API int im2fit_set_known(im2fit_handle* handle, const im2fit_known* known);
+
 /* ---- Sources by URI (optional) --------------------------------------------------------------------------------- */
 
 /* An open source. The opener writes it. */
@@ -485,6 +523,8 @@ typedef struct im2fit_result {
   uint32_t arms_close;                    /* IM2FIT_ARM_..., or-ed: the arms that ARMS_CLOSE of `guidance` means */
   float clothing_probability;             /* of being dressed, from the frames alone; NaN: not estimated */
   float clothing_ease_mm;                 /* expected gap of cloth and skin at the trunk, mm; NaN: not estimated */
+  uint32_t known_used;                    /* IM2FIT_KNOWN_..., or-ed: facts of im2fit_set_known in the measurement */
+  uint32_t known_doubted;                 /* the same: left out, because they do not fit what was seen */
 } im2fit_result;
 
 /* Copies the latest result, consistent in itself. Never waits for the engine. Any thread. `struct_size` is sizeof

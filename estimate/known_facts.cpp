@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "estimate/known_facts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace im2fit {
+namespace {
+
+constexpr std::array<ErrorCovariance, kErrorTableCount> kErrorCovariance = {{
+#include "estimate/error_covariance.inc"
+}};
+
+// Half of an interval that has no width, so that units are never 0.
+constexpr double kUnitMin = 1e-3;
+constexpr double kSexSd = 0.05;  // of a sex given, in probability
+
+double half_width(const index::IntervalEstimate& e) {
+  const double half = 0.5 * (static_cast<double>(e.high) - static_cast<double>(e.low));
+  return half > kUnitMin ? half : kUnitMin;
+}
+
+// Gaussian over errors (truth less answer), in the answer's units.
+class Posterior {
+ public:
+  explicit Posterior(const ErrorCovariance& covariance) {
+    for (std::size_t i = 0; i < kErrorCount; ++i)
+      for (std::size_t j = 0; j < kErrorCount; ++j) covariance_[i][j] = static_cast<double>(covariance[i][j]);
+  }
+  double mean(std::size_t i) const { return mean_[i]; }
+  double variance(std::size_t i) const { return covariance_[i][i]; }
+  // Squared distance of an observation from what is expected, in variances.
+  double surprise(std::size_t i, double observed, double variance_observed) const {
+    const double off = observed - mean_[i];
+    return off * off / (covariance_[i][i] + variance_observed);
+  }
+  void observe(std::size_t i, double observed, double variance_observed) {
+    const double total = covariance_[i][i] + variance_observed;
+    if (total <= 0) return;
+    const double off = observed - mean_[i];
+    std::array<double, kErrorCount> gain{}, row = covariance_[i];
+    for (std::size_t j = 0; j < kErrorCount; ++j) gain[j] = row[j] / total;
+    for (std::size_t j = 0; j < kErrorCount; ++j) {
+      mean_[j] += gain[j] * off;
+      for (std::size_t k = 0; k < kErrorCount; ++k) covariance_[j][k] -= gain[j] * row[k];
+    }
+  }
+
+ private:
+  std::array<double, kErrorCount> mean_{};
+  std::array<std::array<double, kErrorCount>, kErrorCount> covariance_{};
+};
+
+// The estimate moved by the posterior's mean, its interval narrowed as the standard deviation is.
+void move(index::IntervalEstimate& e, double unit, double mean, double narrower) {
+  const double value = static_cast<double>(e.value) + unit * mean;
+  const double below = static_cast<double>(e.value) - static_cast<double>(e.low);
+  const double above = static_cast<double>(e.high) - static_cast<double>(e.value);
+  e = {static_cast<float>(value), static_cast<float>(value - narrower * below),
+       static_cast<float>(value + narrower * above)};
+}
+
+Status check_value(const KnownValue& v, const char* name, const char* unit, float least, float most) {
+  if (v.sd == 0) return Ok{};
+  if (!std::isfinite(v.value) || v.value < least || v.value > most)
+    return Error{ErrorCode::invalid_argument, "known " + std::string(name) + " " + std::to_string(v.value) + " " +
+                                                  unit + ": expected " + std::to_string(static_cast<int>(least)) +
+                                                  " to " + std::to_string(static_cast<int>(most)) + " " + unit};
+  if (!std::isfinite(v.sd) || v.sd < 0.1F || v.sd > 1000)
+    return Error{ErrorCode::invalid_argument, "standard deviation " + std::to_string(v.sd) + " of the known " + name +
+                                                  ": expected 0.1 to 1000 " + unit + ", or 0 for a fact not known"};
+  return Ok{};
+}
+
+}  // namespace
+
+KnownFactSet KnownFacts::given() const {
+  return (stature_mm.sd > 0 ? bit_of(KnownFact::stature) : 0) | (weight_kg.sd > 0 ? bit_of(KnownFact::weight) : 0) |
+         (sex != KnownSex::unknown ? bit_of(KnownFact::sex) : 0) | (age_years.sd > 0 ? bit_of(KnownFact::age) : 0);
+}
+
+Status check_known(const KnownFacts& facts) {
+  if (auto ok = check_value(facts.stature_mm, "stature", "mm", 500, 2500); !ok) return ok;
+  if (auto ok = check_value(facts.weight_kg, "weight", "kg", 15, 400); !ok) return ok;
+  return check_value(facts.age_years, "age", "years", 0, 120);
+}
+
+std::array<double, kErrorCount> error_units(const index::Answer& answer, const AgeAnswer& age) {
+  std::array<double, kErrorCount> units{};
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) units[m] = half_width(answer.measurements[m]);
+  const auto p = static_cast<double>(answer.female);
+  units[kSexError] = std::sqrt(p * (1 - p) + kSexVarianceMin);
+  units[kAgeError] = half_width(age.years);
+  return units;
+}
+
+std::size_t error_table_of(const index::Answer& answer) {
+  return (answer.clothed ? 2U : 0U) + (answer.from == index::AnsweredFrom::front_and_back ? 1U : 0U);
+}
+
+KnownOutcome condition(const KnownFacts& facts, index::Answer& answer, AgeAnswer& age) {
+  KnownOutcome outcome;
+  const KnownFactSet given = facts.given();
+  if (given == 0) return outcome;
+  const std::array<double, kErrorCount> units = error_units(answer, age);
+  const ErrorCovariance& prior = kErrorCovariance[error_table_of(answer)];
+  Posterior posterior(prior);
+  const auto take = [&](KnownFact fact, std::size_t error, double off, double sd, bool may_doubt) {
+    if ((given & bit_of(fact)) == 0) return;
+    const double observed = off / units[error], variance = sd / units[error] * (sd / units[error]);
+    if (may_doubt && posterior.surprise(error, observed, variance) > kDoubtSds * kDoubtSds) {
+      outcome.doubted |= bit_of(fact);
+      return;
+    }
+    posterior.observe(error, observed, variance);
+    outcome.used |= bit_of(fact);
+  };
+  const auto off = [](const KnownValue& known, const index::IntervalEstimate& e) {
+    return static_cast<double>(known.value) - static_cast<double>(e.value);
+  };
+  constexpr std::size_t kStature = measurement_index(Measurement::stature);
+  constexpr std::size_t kWeight = measurement_index(Measurement::weight);
+  take(KnownFact::stature, kStature, off(facts.stature_mm, answer.measurements[kStature]),
+       static_cast<double>(facts.stature_mm.sd), true);
+  take(KnownFact::age, kAgeError, off(facts.age_years, age.years), static_cast<double>(facts.age_years.sd), false);
+  take(KnownFact::sex, kSexError, (facts.sex == KnownSex::woman ? 1.0 : 0.0) - static_cast<double>(answer.female),
+       kSexSd, false);
+  take(KnownFact::weight, kWeight, off(facts.weight_kg, answer.measurements[kWeight]),
+       static_cast<double>(facts.weight_kg.sd), true);
+  for (std::size_t m = 0; m < kMeasurementCount; ++m)
+    move(answer.measurements[m], units[m], posterior.mean(m),
+         std::sqrt(posterior.variance(m) / static_cast<double>(prior[m][m])));
+  answer.female =
+      (outcome.used & bit_of(KnownFact::sex)) != 0
+          ? (facts.sex == KnownSex::woman ? 1.0F : 0.0F)
+          : static_cast<float>(std::clamp(
+                static_cast<double>(answer.female) + units[kSexError] * posterior.mean(kSexError), 0.0, 1.0));
+  if ((outcome.used & bit_of(KnownFact::age)) != 0) {
+    const float years = facts.age_years.value, sd = facts.age_years.sd;
+    age.years = {years, years - 1.96F * sd, years + 1.96F * sd};
+    age.bands.fill(0);
+    age.bands[age_band_of(years)] = 1;
+  }
+  return outcome;
+}
+
+}  // namespace im2fit
