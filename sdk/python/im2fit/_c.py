@@ -63,7 +63,14 @@ class Result(c.Structure):
         ("joints_inferred", c.c_uint32), ("session", c.c_uint32), ("display_joints", Joint * JOINTS), ("user_count", c.c_int32),
         ("users", User * USERS), ("front_measured", c.c_int32), ("views", c.c_int32), ("frames_back", c.c_uint32),
         ("age", Estimate), ("age_bands", c.c_float * AGE_BANDS), ("arms_close", c.c_uint32),
-        ("clothing_probability", c.c_float), ("clothing_ease_mm", c.c_float)]
+        ("clothing_probability", c.c_float), ("clothing_ease_mm", c.c_float), ("known_used", c.c_uint32),
+        ("known_doubted", c.c_uint32)]
+
+
+class Known(c.Structure):
+    _fields_ = [("struct_size", c.c_size_t), ("stature_mm", c.c_float), ("stature_sd_mm", c.c_float), ("weight_kg", c.c_float),
+                ("weight_sd_kg", c.c_float), ("age_years", c.c_float), ("age_sd_years", c.c_float), ("sex", c.c_int32),
+                ("reserved", c.c_int32)]
 
 
 class RegionFit(c.Structure):
@@ -96,7 +103,7 @@ class CamerasOptions(c.Structure):
 
 
 STRUCTS = {"im2fit_data": Data, "im2fit_settings": Settings, "im2fit_frame": Frame, "im2fit_estimate": Estimate,
-           "im2fit_joint": Joint, "im2fit_user": User, "im2fit_result": Result,
+           "im2fit_joint": Joint, "im2fit_known": Known, "im2fit_user": User, "im2fit_result": Result,
            "im2fit_region_fit": RegionFit, "im2fit_size_fit": SizeFit, "im2fit_worn": Worn, "im2fit_rig": Rig,
            "im2fit_models": Models, "im2fit_cameras_options": CamerasOptions}
 
@@ -115,6 +122,7 @@ def load(path=None):
             ("settings_init", None, [c.POINTER(Settings), c.c_size_t]), ("frame_init", None, [c.POINTER(Frame), c.c_size_t]),
             ("open", c.c_int, [c.POINTER(Settings), c.POINTER(pointer)]), ("close", None, [pointer]),
             ("push_frame", c.c_int, [pointer, c.POINTER(Frame)]), ("wait", c.c_int, [pointer, c.c_int32]),
+            ("known_init", None, [c.POINTER(Known), c.c_size_t]), ("set_known", c.c_int, [pointer, c.POINTER(Known)]),
             ("finish", c.c_int, [pointer]), ("reset", c.c_int, [pointer]), ("next", c.c_int, [pointer]),
             ("poll", c.c_int, [pointer, c.POINTER(Result), c.c_size_t]),
             ("result_json", c.c_int, [pointer, pointer, c.c_size_t, c.POINTER(c.c_size_t)]),
