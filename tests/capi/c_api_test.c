@@ -365,6 +365,78 @@ static void one_person_after_the_other(int single_thread) {
   im2fit_close(handle);
 }
 
+/* What a person reports moves the answer, also after the capture; what cannot be is named and changes nothing. */
+static void known_facts_are_evidence(int single_thread) {
+  im2fit_settings settings = small_settings();
+  settings.single_thread = single_thread;
+  settings.frames_wanted = 5;
+  im2fit_handle* handle = open_with_fake_stages(&settings);
+  im2fit_result before, r;
+  im2fit_known known;
+  push_person(handle, 1, 1, IM2FIT_VIEW_FRONT, 0, 6);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &before, sizeof before) == IM2FIT_OK);
+  CHECK(before.measured == 1 && before.known_used == 0 && before.known_doubted == 0);
+  const im2fit_estimate was = before.measurements[IM2FIT_STATURE];
+
+  im2fit_known_init(&known, sizeof known);
+  known.stature_mm = was.value + 6;
+  known.stature_sd_mm = 5;
+  known.sex = IM2FIT_SEX_WOMAN;
+  CHECK(im2fit_set_known(handle, &known) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.known_used == (IM2FIT_KNOWN_STATURE | IM2FIT_KNOWN_SEX) && r.known_doubted == 0);
+  CHECK(r.measurements[IM2FIT_STATURE].value > was.value && r.measurements[IM2FIT_STATURE].value < was.value + 6);
+  CHECK(r.measurements[IM2FIT_STATURE].high - r.measurements[IM2FIT_STATURE].low < was.high - was.low);
+  CHECK(r.female == 1.0F);
+
+  known.stature_mm = was.value + 500; /* corrected, wrongly */
+  CHECK(im2fit_set_known(handle, &known) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.known_used == IM2FIT_KNOWN_SEX && r.known_doubted == IM2FIT_KNOWN_STATURE);
+
+  known.stature_mm = 175; /* centimetres: what was set before stays */
+  CHECK(im2fit_set_known(handle, &known) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(strstr(im2fit_last_error(handle), "stature 175") != NULL);
+  known.stature_mm = 0;
+  known.stature_sd_mm = 0;
+  known.sex = 3;
+  CHECK(im2fit_set_known(handle, &known) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  CHECK(im2fit_set_known(handle, NULL) == IM2FIT_ERROR_INVALID_ARGUMENT);
+  known.sex = IM2FIT_SEX_UNKNOWN;
+  known.struct_size = 4;
+  CHECK(im2fit_set_known(handle, &known) == IM2FIT_ERROR_UNSUPPORTED);
+  im2fit_known_init(&known, sizeof known);
+  known.reserved = 1;
+  CHECK(im2fit_set_known(handle, &known) == IM2FIT_ERROR_UNSUPPORTED);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.known_used == IM2FIT_KNOWN_SEX && r.known_doubted == IM2FIT_KNOWN_STATURE);
+
+  im2fit_known_init(&known, sizeof known); /* nothing known: the answer of the frames alone */
+  CHECK(im2fit_set_known(handle, &known) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(memcmp(r.measurements, before.measurements, sizeof r.measurements) == 0 && r.female == before.female);
+
+  /* After im2fit_next the facts are of the next person; the one measured keeps the answer. */
+  CHECK(im2fit_next(handle) == IM2FIT_OK);
+  known.sex = IM2FIT_SEX_WOMAN;
+  CHECK(im2fit_set_known(handle, &known) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.measured == 1 && r.known_used == 0 && r.female == before.female);
+  push_person(handle, 0, 0, 0, 0, 20);
+  push_person(handle, 1, 2, IM2FIT_VIEW_FRONT, 0, 6);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.measured == 1 && r.session == 1 && r.known_used == IM2FIT_KNOWN_SEX && r.female == 1.0F);
+
+  CHECK(im2fit_reset(handle) == IM2FIT_OK); /* a new person: nothing is known */
+  push_person(handle, 1, 3, IM2FIT_VIEW_FRONT, 0, 6);
+  CHECK(im2fit_finish(handle) == IM2FIT_OK);
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.measured == 1 && r.known_used == 0);
+  im2fit_close(handle);
+}
+
 static void only_the_requested_user(void) {
   im2fit_settings settings = small_settings();
   settings.user_id = 2;
@@ -451,6 +523,8 @@ int main(void) {
   threads_that_cannot_be_started_are_an_error();
   one_person_after_the_other(0);
   one_person_after_the_other(1);
+  known_facts_are_evidence(0);
+  known_facts_are_evidence(1);
   only_the_requested_user();
   front_then_back(0);
   front_then_back(1);

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "apps/im2fit-lab/make/make.h"
-#include "body/model.h"
 #include "estimate/known_facts.h"
 #include "evaluation/measurements/conditions.h"
 #include "evaluation/measurements/evaluation.h"
+#include "person/data_files.h"
 
 namespace {
 
@@ -64,12 +64,12 @@ int failed(const Error& error) {
   return 1;
 }
 
-int run(const char* body_path, const char* tracker_path, const char* index_path, int people) {
-  const auto model = body::BodyModel::load(body_path);
+int print_tables(const char* body_path, const char* tracker_path, const char* index_path, int people) {
+  const auto model = load_body(body_path);
   if (!model) return failed(model.error());
-  const auto tracker = JointModel::load(tracker_path);
+  const auto tracker = Tracker::load(tracker_path);
   if (!tracker) return failed(tracker.error());
-  const auto index = index::Index::open(index_path);
+  const auto index = load_index(index_path);
   if (!index) return failed(index.error());
   std::array<std::vector<Errors>, kErrorTableCount> rows;
   for (const char* name : kConditions) {
@@ -81,7 +81,7 @@ int run(const char* body_path, const char* tracker_path, const char* index_path,
     const auto condition = condition_of(name, options);
     if (!condition) return failed(condition.error());
     std::fprintf(stderr, "%s: %d people\n", name, people);
-    const auto outcomes = evaluate(*model, *tracker, *index, nullptr, condition->options);
+    const auto outcomes = evaluate(*model, tracker->model(), *index, nullptr, condition->options);
     if (!outcomes) return failed(outcomes.error());
     for (const Outcome& o : *outcomes)
       if (o.measured) rows[error_table_of(o.answer)].push_back(errors_of(o));
@@ -116,7 +116,7 @@ int make_error_covariance(int argc, char** argv) {
                  "estimate/error_covariance.inc\n");
     return 2;
   }
-  return run(argv[1], argv[2], argv[3], people);
+  return print_tables(argv[1], argv[2], argv[3], people);
 }
 
 }  // namespace im2fit::apps
