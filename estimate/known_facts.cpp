@@ -8,25 +8,26 @@
 namespace im2fit {
 namespace {
 
-constexpr std::array<ErrorCovariance, kErrorTableCount> kErrorCovariance = {{
-#include "estimate/error_covariance.inc"
+constexpr std::array<ErrorCorrelation, kErrorTableCount> kErrorCorrelation = {{
+#include "estimate/error_correlation.inc"
 }};
 
-// Half of an interval that has no width, so that units are never 0.
-constexpr double kUnitMin = 1e-3;
+// Of an interval that has no width, so that none is 0.
+constexpr double kSdMin = 1e-3;
+constexpr double kSdsInInterval = 2 * 1.96;
 constexpr double kSexSd = 0.05;  // of a sex given, in probability
 
-double half_width(const index::IntervalEstimate& e) {
-  const double half = 0.5 * (static_cast<double>(e.high) - static_cast<double>(e.low));
-  return half > kUnitMin ? half : kUnitMin;
+double sd_of(const index::IntervalEstimate& e) {
+  const double sd = (static_cast<double>(e.high) - static_cast<double>(e.low)) / kSdsInInterval;
+  return sd > kSdMin ? sd : kSdMin;
 }
 
-// Gaussian over errors (truth less answer), in the answer's units.
+// Gaussian over errors (truth less answer), in their standard deviations.
 class Posterior {
  public:
-  explicit Posterior(const ErrorCovariance& covariance) {
+  explicit Posterior(const ErrorCorrelation& correlation) {
     for (std::size_t i = 0; i < kErrorCount; ++i)
-      for (std::size_t j = 0; j < kErrorCount; ++j) covariance_[i][j] = static_cast<double>(covariance[i][j]);
+      for (std::size_t j = 0; j < kErrorCount; ++j) covariance_[i][j] = static_cast<double>(correlation[i][j]);
   }
   double mean(std::size_t i) const { return mean_[i]; }
   double variance(std::size_t i) const { return covariance_[i][i]; }
@@ -86,13 +87,13 @@ Status check_known(const KnownFacts& facts) {
   return check_value(facts.age_years, "age", "years", 0, 120);
 }
 
-std::array<double, kErrorCount> error_units(const index::Answer& answer, const AgeAnswer& age) {
-  std::array<double, kErrorCount> units{};
-  for (std::size_t m = 0; m < kMeasurementCount; ++m) units[m] = half_width(answer.measurements[m]);
+std::array<double, kErrorCount> error_sds(const index::Answer& answer, const AgeAnswer& age) {
+  std::array<double, kErrorCount> sds{};
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) sds[m] = sd_of(answer.measurements[m]);
   const auto p = static_cast<double>(answer.female);
-  units[kSexError] = std::sqrt(p * (1 - p) + kSexVarianceMin);
-  units[kAgeError] = half_width(age.years);
-  return units;
+  sds[kSexError] = std::sqrt(p * (1 - p) + kSexVarianceMin);
+  sds[kAgeError] = sd_of(age.years);
+  return sds;
 }
 
 std::size_t error_table_of(const index::Answer& answer) {
@@ -103,12 +104,11 @@ KnownOutcome condition(const KnownFacts& facts, index::Answer& answer, AgeAnswer
   KnownOutcome outcome;
   const KnownFactSet given = facts.given();
   if (given == 0) return outcome;
-  const std::array<double, kErrorCount> units = error_units(answer, age);
-  const ErrorCovariance& prior = kErrorCovariance[error_table_of(answer)];
-  Posterior posterior(prior);
+  const std::array<double, kErrorCount> sds = error_sds(answer, age);
+  Posterior posterior(kErrorCorrelation[error_table_of(answer)]);
   const auto take = [&](KnownFact fact, std::size_t error, double off, double sd, bool may_doubt) {
     if ((given & bit_of(fact)) == 0) return;
-    const double observed = off / units[error], variance = sd / units[error] * (sd / units[error]);
+    const double observed = off / sds[error], variance = sd / sds[error] * (sd / sds[error]);
     if (may_doubt && posterior.surprise(error, observed, variance) > kDoubtSds * kDoubtSds) {
       outcome.doubted |= bit_of(fact);
       return;
@@ -129,13 +129,12 @@ KnownOutcome condition(const KnownFacts& facts, index::Answer& answer, AgeAnswer
   take(KnownFact::weight, kWeight, off(facts.weight_kg, answer.measurements[kWeight]),
        static_cast<double>(facts.weight_kg.sd), true);
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
-    move(answer.measurements[m], units[m], posterior.mean(m),
-         std::sqrt(posterior.variance(m) / static_cast<double>(prior[m][m])));
+    move(answer.measurements[m], sds[m], posterior.mean(m), std::sqrt(posterior.variance(m)));
   answer.female =
       (outcome.used & bit_of(KnownFact::sex)) != 0
           ? (facts.sex == KnownSex::woman ? 1.0F : 0.0F)
           : static_cast<float>(std::clamp(
-                static_cast<double>(answer.female) + units[kSexError] * posterior.mean(kSexError), 0.0, 1.0));
+                static_cast<double>(answer.female) + sds[kSexError] * posterior.mean(kSexError), 0.0, 1.0));
   if ((outcome.used & bit_of(KnownFact::age)) != 0) {
     const float years = facts.age_years.value, sd = facts.age_years.sd;
     age.years = {years, years - 1.96F * sd, years + 1.96F * sd};

@@ -2,7 +2,7 @@
 // What a person knows of themselves (stature, weight, sex, age) as evidence beside what the camera saw. The answer is
 // read as a Gaussian over all measurements, sex and age together; a known fact is an observation of one of them, and
 // everything that goes with it moves and narrows by the same step (Kalman's). How errors go together was learned on
-// people unlike the index's own (error_covariance.inc), by views and clothing.
+// people unlike the index's own (error_correlation.inc), by views and clothing.
 #pragma once
 
 #include <array>
@@ -59,15 +59,16 @@ struct KnownOutcome {
 inline constexpr double kDoubtSds = 2.6;
 KnownOutcome condition(const KnownFacts& facts, index::Answer& answer, AgeAnswer& age);
 
-// How the errors of an answer go together: measurements, sex, age. Unit of a measurement's and of age's error: half
-// of its 95 % interval; of sex: sqrt(p (1 - p) + kSexVarianceMin), p the answered probability.
+// How the errors of an answer go together: measurements, sex, age. Their standard deviations are the answer's own: of
+// a measurement and of age a quarter of the 95 % interval (1.96 to either side), which holds for other makes of body,
+// too; of sex sqrt(p (1 - p) + kSexVarianceMin), p the answered probability.
 inline constexpr std::size_t kErrorCount = kMeasurementCount + 2;
 inline constexpr std::size_t kSexError = kMeasurementCount, kAgeError = kMeasurementCount + 1;
 inline constexpr double kSexVarianceMin = 0.01;
-using ErrorCovariance = std::array<std::array<float, kErrorCount>, kErrorCount>;
-// Units of an answer's errors, in the order of ErrorCovariance.
-std::array<double, kErrorCount> error_units(const index::Answer& answer, const AgeAnswer& age);
-// Tables of error_covariance.inc: bare from the front, bare from both sides, dressed from the front, dressed from
+using ErrorCorrelation = std::array<std::array<float, kErrorCount>, kErrorCount>;
+// Standard deviations of an answer's errors, in that order.
+std::array<double, kErrorCount> error_sds(const index::Answer& answer, const AgeAnswer& age);
+// Tables of error_correlation.inc: bare from the front, bare from both sides, dressed from the front, dressed from
 // both sides.
 inline constexpr std::size_t kErrorTableCount = 4;
 std::size_t error_table_of(const index::Answer& answer);

@@ -17,7 +17,7 @@ constexpr Maker kMakers[] = {
     {"avatar-plate", make_avatar_plate},
     {"cut-regression", make_cut_regression},
 #if IM2FIT_HAVE_EVALUATION
-    {"error-covariance", make_error_covariance},
+    {"error-correlation", make_error_correlation},
 #endif
     {"garment-plate", make_garment_plate},
 #if IM2FIT_HAVE_EVALUATION

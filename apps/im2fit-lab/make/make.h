@@ -7,7 +7,7 @@ namespace im2fit::apps {
 
 int make_avatar_plate(int argc, char** argv);
 int make_cut_regression(int argc, char** argv);
-int make_error_covariance(int argc, char** argv);
+int make_error_correlation(int argc, char** argv);
 int make_garment_plate(int argc, char** argv);
 int make_garment_sheets(int argc, char** argv);
 int make_measurement_regression(int argc, char** argv);

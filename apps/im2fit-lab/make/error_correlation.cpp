@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// im2fit-lab make error-covariance BODY.i2b TRACKER.i2t INDEX.i2f [PEOPLE] > estimate/error_covariance.inc
+// im2fit-lab make error-correlation BODY.i2b TRACKER.i2t INDEX.i2f [PEOPLE] > estimate/error_correlation.inc
 // How the errors of an answer go together, in people unlike the index's own (train/population/ood_subjects.h), who
 // are neither the held-out family nor another make of the evaluation. From the front and from both sides; bare, in
 // clothes and in draped garments. Minutes.
@@ -26,41 +26,48 @@ using namespace im2fit::lab;
 constexpr std::uint64_t kSeed = 0xE2207;  // no other use
 constexpr int kPeople = 400;              // of each condition
 constexpr const char* kConditions[] = {"noise", "both", "clothed", "both+clothed", "garments", "both+garments"};
-constexpr double kUnitsMax = 3;  // errors beyond so many units count as that: one wild answer must not carry a slope
+constexpr double kSdsMax = 6;    // errors beyond so many count as that: one wild answer must not carry a slope
+constexpr double kSdMin = 0.05;  // of errors that hardly vary, as of sex where all are right: they go with nothing
 
 using Errors = std::array<double, kErrorCount>;
 
 Errors errors_of(const Outcome& o) {
-  const auto units = error_units(o.answer, o.age);
+  const auto sds = error_sds(o.answer, o.age);
   Errors errors{};
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
-    errors[m] = (static_cast<double>(o.truth[m]) - static_cast<double>(o.answer.measurements[m].value)) / units[m];
-  errors[kSexError] = ((o.woman ? 1.0 : 0.0) - static_cast<double>(o.answer.female)) / units[kSexError];
+    errors[m] = (static_cast<double>(o.truth[m]) - static_cast<double>(o.answer.measurements[m].value)) / sds[m];
+  errors[kSexError] = ((o.woman ? 1.0 : 0.0) - static_cast<double>(o.answer.female)) / sds[kSexError];
   errors[kAgeError] =
-      (static_cast<double>(o.true_age_years) - static_cast<double>(o.age.years.value)) / units[kAgeError];
-  for (double& e : errors) e = std::clamp(e, -kUnitsMax, kUnitsMax);
+      (static_cast<double>(o.true_age_years) - static_cast<double>(o.age.years.value)) / sds[kAgeError];
+  for (double& e : errors) e = std::clamp(e, -kSdsMax, kSdsMax);
   return errors;
 }
 
 void print(const std::vector<Errors>& rows) {
   const auto count = static_cast<double>(rows.size());
-  Errors mean{};
+  Errors mean{}, sd{};
   for (const Errors& e : rows)
     for (std::size_t i = 0; i < kErrorCount; ++i) mean[i] += e[i] / count;
+  const auto covariance = [&](std::size_t i, std::size_t j) {
+    double sum = 0;
+    for (const Errors& e : rows) sum += (e[i] - mean[i]) * (e[j] - mean[j]);
+    return sum / count;
+  };
+  for (std::size_t i = 0; i < kErrorCount; ++i) sd[i] = std::sqrt(covariance(i, i));
   std::printf("// %zu people\n{{", rows.size());
   for (std::size_t i = 0; i < kErrorCount; ++i) {
     std::printf("%s{", i > 0 ? "},\n " : "");
     for (std::size_t j = 0; j < kErrorCount; ++j) {
-      double sum = 0;
-      for (const Errors& e : rows) sum += (e[i] - mean[i]) * (e[j] - mean[j]);
-      std::printf("%s%.4fF", j > 0 ? ", " : "", sum / count);
+      const bool varies = sd[i] > kSdMin && sd[j] > kSdMin;
+      const double correlation = i == j ? 1 : varies ? covariance(i, j) / (sd[i] * sd[j]) : 0;
+      std::printf("%s%.2fF", j > 0 ? ", " : "", correlation);
     }
   }
   std::printf("}}},\n");
 }
 
 int failed(const Error& error) {
-  std::fprintf(stderr, "im2fit-lab make error-covariance: %s\n", error.message.c_str());
+  std::fprintf(stderr, "im2fit-lab make error-correlation: %s\n", error.message.c_str());
   return 1;
 }
 
@@ -87,7 +94,7 @@ int print_tables(const char* body_path, const char* tracker_path, const char* in
       if (o.measured) rows[error_table_of(o.answer)].push_back(errors_of(o));
   }
   std::printf(
-      "// Made by im2fit-lab make error-covariance of %d people a condition, index of %zu people; see\n"
+      "// Made by im2fit-lab make error-correlation of %d people a condition, index of %zu people; see\n"
       "// estimate/known_facts.h.\n// clang-format off\n",
       people, index->size());
   for (const auto& table : rows) {
@@ -102,7 +109,7 @@ int print_tables(const char* body_path, const char* tracker_path, const char* in
 
 namespace im2fit::apps {
 
-int make_error_covariance(int argc, char** argv) {
+int make_error_correlation(int argc, char** argv) {
   int people = kPeople;
   bool right = argc == 4 || argc == 5;
   if (argc == 5) {
@@ -112,8 +119,8 @@ int make_error_covariance(int argc, char** argv) {
   }
   if (!right) {
     std::fprintf(stderr,
-                 "im2fit-lab make error-covariance BODY.i2b TRACKER.i2t INDEX.i2f [PEOPLE] > "
-                 "estimate/error_covariance.inc\n");
+                 "im2fit-lab make error-correlation BODY.i2b TRACKER.i2t INDEX.i2f [PEOPLE] > "
+                 "estimate/error_correlation.inc\n");
     return 2;
   }
   return print_tables(argv[1], argv[2], argv[3], people);
