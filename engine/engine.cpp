@@ -26,6 +26,7 @@
 #include "engine/fit_stage.h"
 #include "engine/frame_pool.h"
 #include "engine/frame_stages.h"
+#include "engine/known_result.h"
 #include "engine/rest.h"
 #include "engine/snapshot.h"
 #include "engine/spsc_ring.h"
@@ -185,13 +186,9 @@ class PipelineEngine final : public Engine {
 
   EngineResult result() const override {
     EngineResult result = snapshot_.read();
-    result.unconditioned = result.answer.measurements;
     const SessionFacts known = known_.read();
-    if (known.session != result.session) return result;
-    result.known = known.facts;
-    if (result.measured || result.front_measured)
-      result.known_outcome = condition(known.facts, result.answer, result.age);
-    return result;
+    const bool of_session = known.session == result.session;
+    return with_known(std::move(result), of_session ? known.facts : KnownFacts{});
   }
 
   Status set_known(const KnownFacts& facts, std::uint32_t session) override {

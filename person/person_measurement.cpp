@@ -6,8 +6,13 @@ namespace im2fit {
 Result<PersonMeasurement> measurement_of(const Engine& engine, const MeasurementParts& parts,
                                          const hal::SourceInfo& source) {
   if (auto sound = engine.fault(); !sound) return sound.error();
+  return measurement_of(engine.result(), parts, source);
+}
+
+Result<PersonMeasurement> measurement_of(EngineResult result, const MeasurementParts& parts,
+                                         const hal::SourceInfo& source) {
   PersonMeasurement person;
-  person.result = engine.result();
+  person.result = std::move(result);
   person.source = source;
   person.site = parts.site;
   if (!person.result.measured) return person;

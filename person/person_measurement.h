@@ -53,5 +53,9 @@ struct MeasurementParts {
 // hundredths of a second when there is a body to make.
 Result<PersonMeasurement> measurement_of(const Engine& engine, const MeasurementParts& parts,
                                          const hal::SourceInfo& source);
+// The same of a result read earlier, such as one with corrected facts (engine/known_result.h). Any thread. Errors:
+// body_of_answer's.
+Result<PersonMeasurement> measurement_of(EngineResult result, const MeasurementParts& parts,
+                                         const hal::SourceInfo& source);
 
 }  // namespace im2fit

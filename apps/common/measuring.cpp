@@ -56,7 +56,13 @@ Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, con
 
 Result<PersonMeasurement> measured_person(const Engine& engine, const MeasuringData& data,
                                           const hal::SourceInfo& source) {
-  auto person = measurement_of(engine, data.parts(), source);
+  if (auto sound = engine.fault(); !sound) return sound.error();
+  return measured_person(engine.result(), data, source);
+}
+
+Result<PersonMeasurement> measured_person(EngineResult result, const MeasuringData& data,
+                                          const hal::SourceInfo& source) {
+  auto person = measurement_of(std::move(result), data.parts(), source);
   if (person && person->body && person->tape != nullptr)
     person->fits = fits_of(builtin_wardrobe(), *data.charts, person->result.answer.female, *person->tape,
                            person->tape_values, person->tape_intervals);

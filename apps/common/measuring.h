@@ -43,6 +43,8 @@ Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, con
 // measurement_of, and how garments would sit on the body.
 Result<PersonMeasurement> measured_person(const Engine& engine, const MeasuringData& data,
                                           const hal::SourceInfo& source);
+Result<PersonMeasurement> measured_person(EngineResult result, const MeasuringData& data,
+                                          const hal::SourceInfo& source);
 
 // Every beginning of the session is used up by people who came and went: only a new session measures whoever is here.
 bool is_stuck(const EngineResult& result);

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -47,12 +48,26 @@ class LiveRun {
   bool go_on() {
     ++frames_;
     if (!permitted()) return true;
+    attend();
     if (auto done = handle_result(outcome_.engine->result()); !done) error_ = done.error();
     if (error_ || (options_.count > 0 && persons_ >= options_.count)) return false;
     // A recording is watched at the speed it was made.
     if ((options_.preview_renderer.view || listener_ != nullptr) && !outcome_.input.source->info().live)
       std::this_thread::sleep_until(started_ + kFramePeriod * frames_);
     return true;
+  }
+
+  // What the person reports, before and after the answer; between frames, and while none are taken.
+  void attend() {
+    if (listener_ == nullptr || permit_ == 0) return;
+    const ReportedFacts now = listener_->reported(permit_);
+    if (now.count == reported_facts_.count) return;
+    reported_facts_ = now;
+    if (now.count == 0) unconditioned_.reset();  // their visit is over
+    // Where the person has left the engine's session is the next one's already.
+    if (!unconditioned_ || outcome_.engine->result().session == unconditioned_->session) use_facts(now.facts);
+    if (!unconditioned_) return;
+    if (auto done = correct_person(); !done) print_error("the answer cannot be corrected: " + done.error().message);
   }
 
   // After the run: whoever stood there last may be measured from fewer frames.
@@ -89,7 +104,14 @@ class LiveRun {
     outcome_.engine->reset();
     session_ = outcome_.engine->result().session;
     reported_ = state_known_ = false;
+    unconditioned_.reset();
+    reported_facts_ = {};
     if (listener_ != nullptr) listener_->begin_person(permit_);
+    attend();
+  }
+
+  void use_facts(const KnownFacts& facts) {
+    if (auto taken = outcome_.engine->set_known(facts, session_); !taken) error_ = taken.error();
   }
 
   void give_up() {
@@ -109,6 +131,7 @@ class LiveRun {
     if (result.session != session_) {
       session_ = result.session;
       const bool left = std::exchange(reported_, false);
+      if (!left && reported_facts_.count > 0) use_facts(reported_facts_.facts);  // the same person anew
       if (auto reported = left ? report_left() : Ok{}; !reported) return reported;
     }
     if (auto reported = report_state(result); !reported) return reported;
@@ -117,6 +140,11 @@ class LiveRun {
     reported_ = true;
     ++persons_;
     outcome_.engine->finish();
+    if (reported_facts_.count > 0) {  // facts corrected later begin from the answer without
+      use_facts({});
+      unconditioned_ = outcome_.engine->result();
+      use_facts(reported_facts_.facts);
+    }
     if (auto done = report_person(); !done) return done;
     outcome_.engine->next_person();
     return Ok{};
@@ -147,21 +175,35 @@ class LiveRun {
     return fmt::format("{}/person-{:03}", options_.session.out, persons_);
   }
 
-  Status report_person() {
-    if (auto concluded = conclude(outcome_); !concluded) return concluded;
+  // With corrected facts: the same again, for the person whose answer stands.
+  Status correct_person() {
+    if (auto concluded = conclude_again(outcome_, *unconditioned_, reported_facts_.facts); !concluded)
+      return concluded;
+    return show_person(true);
+  }
+
+  Status show_person(bool corrected) {
     const std::string out = folder();
     if (!out.empty() || listener_ != nullptr)
       if (auto dressed = dress(outcome_); !dressed) return dressed;
     if (!out.empty()) {
       if (auto made = make_directory(out); !made) return made;
-      if (auto written = write_outputs(outcome_, out); !written) return written;
+      if (auto written = corrected ? rewrite_outputs(outcome_, out) : write_outputs(outcome_, out); !written)
+        return written;
     }
     preview_.say(fmt::format("person {}: {}", persons_, summary(outcome_.person)));
     Json event = measured_event(frames_, persons_, outcome_.person);
     if (!out.empty()) event["out"] = out;
+    if (corrected) event["corrected"] = true;
     if (listener_ != nullptr)
       if (auto seen = listener_->measured(outcome_); !seen) return seen;
-    if (auto sent = publish(event); !sent) return sent;
+    return publish(event);
+  }
+
+  Status report_person() {
+    if (auto concluded = conclude(outcome_); !concluded) return concluded;
+    if (auto shown = show_person(false); !shown) return shown;
+    const std::string out = folder();
     if (options_.session.json || !options_.print_results) return Ok{};
     std::string table = fmt::format("person {}\n{}", persons_, result_table(outcome_, options_.session.paper));
     if (!out.empty()) table += fmt::format("written to {}\n", out);
@@ -199,6 +241,8 @@ class LiveRun {
   int persons_ = 0;
   std::uint32_t session_ = 0;
   bool reported_ = false;
+  ReportedFacts reported_facts_;               // of whoever has permit_
+  std::optional<EngineResult> unconditioned_;  // the answer that stands, as it is without them; none: no answer yet
   bool state_known_ = false;
   ShownState state_;
   std::string tables_;
@@ -231,11 +275,13 @@ Result<int> run_live_shown(const LiveOptions& options, LiveListener* listener, s
   if (!outcome) return outcome.error();
   preview_renderer = std::make_unique<PreviewRenderer>(
       options.preview_renderer, outcome->input.source->info().intrinsics, options.session.frames);
-  if (listener != nullptr) {
-    listener->begin(*outcome);
-    outcome->tap->hold_while([listener] { return listener->permit() == 0; });
-  }
+  if (listener != nullptr) listener->begin(*outcome);
   LiveRun live(options, *outcome, *preview_renderer, listener);
+  if (listener != nullptr)
+    outcome->tap->hold_while([&live, listener] {
+      live.attend();
+      return listener->permit() == 0;
+    });
   const auto done = run(*outcome->engine, *outcome->tap, [&] { return live.go_on(); });
   auto code = live.conclude_run();
   tables = live.tables();

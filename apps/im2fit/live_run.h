@@ -6,6 +6,7 @@
 
 #include "apps/common/cli.h"
 #include "apps/common/events.h"
+#include "apps/common/reported_facts.h"
 #include "apps/im2fit/preview_renderer.h"
 #include "apps/im2fit/session.h"
 
@@ -34,9 +35,13 @@ class LiveListener {
   // The engine begins anew with the next frame, for whoever has this number: all it saw before has been seen
   // (see()), and nothing of it is used. On the thread of the run.
   virtual void begin_person(std::uint64_t /*permit*/) {}
+  // What the person of this number reported of themselves last: evidence in their answer, also after it. `count` is
+  // another each time, and 0 while there is nothing or the person's visit is over. Asked often, on the thread of the
+  // run.
+  virtual ReportedFacts reported(std::uint64_t /*permit*/) { return {}; }
   virtual void see(const FrameSeen& frame) = 0;                // on the engine's thread
   virtual void publish(const Json& event) = 0;                 // apps/common/events.h
-  virtual Status measured(const SessionOutcome& session) = 0;  // a person; before the event
+  virtual Status measured(const SessionOutcome& session) = 0;  // a person, or a corrected one; before the event
 };
 
 // Until Ctrl-C, the source's end or `count`; the exit code. `listener` may be null.

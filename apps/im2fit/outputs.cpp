@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <future>
+#include <system_error>
 
 #include "apps/im2fit/session.h"
 #include "body/export/export.h"
@@ -100,6 +102,23 @@ Status dress(SessionOutcome& outcome) {
   return Ok{};
 }
 
+namespace {
+
+// What dress() made.
+Status write_avatar(const SessionOutcome& outcome, const std::string& directory) {
+  if (!outcome.dressed) return Ok{};
+  const DressedAvatar& avatar = *outcome.dressed;
+  if (const auto written = body::write_bvh(avatar.avatar, directory + "/avatar.bvh"); !written)
+    return written.error();
+  if (const auto written = write_file_atomically(directory + "/avatar.glb", avatar.glb, Readable::by_owner); !written)
+    return written.error();
+  if (const auto written = body::write_textured_obj(avatar.avatar, directory + "/avatar.obj"); !written)
+    return written.error();
+  return Ok{};
+}
+
+}  // namespace
+
 // The answer first: a few kilobytes, which fit where the body's megabytes do not, and nothing of the clothes loses
 // it. The overlay is drawn while the body is dressed: on another thread where there is one to have.
 Status write_outputs(SessionOutcome& outcome, const std::string& directory) {
@@ -113,15 +132,20 @@ Status write_outputs(SessionOutcome& outcome, const std::string& directory) {
   const auto dressed = dress(outcome);
   if (overlay.valid())
     if (const auto drawn = overlay.get(); !drawn) return drawn;
-  if (!dressed || !outcome.dressed) return dressed;
-  const DressedAvatar& avatar = *outcome.dressed;
-  if (const auto written = body::write_bvh(avatar.avatar, directory + "/avatar.bvh"); !written)
+  if (!dressed) return dressed;
+  return write_avatar(outcome, directory);
+}
+
+Status rewrite_outputs(SessionOutcome& outcome, const std::string& directory) {
+  std::error_code fault;
+  std::filesystem::remove(directory + "/overlay.png", fault);
+  if (fault) return Error{ErrorCode::io, "cannot delete " + directory + "/overlay.png: " + fault.message()};
+  if (const auto written = write_file_atomically(directory + "/result.json",
+                                                 result_json(outcome.person, outcome.timing), Readable::by_owner);
+      !written)
     return written.error();
-  if (const auto written = write_file_atomically(directory + "/avatar.glb", avatar.glb, Readable::by_owner); !written)
-    return written.error();
-  if (const auto written = body::write_textured_obj(avatar.avatar, directory + "/avatar.obj"); !written)
-    return written.error();
-  return Ok{};
+  if (const auto dressed = dress(outcome); !dressed) return dressed;
+  return write_avatar(outcome, directory);
 }
 
 namespace {

@@ -28,6 +28,7 @@ struct ServeOptions {
   LiveOptions live;
   PageAddress address;
   bool no_consent = false;
+  bool ask_facts = false;
   bool wait = false;
   bool desk = false;  // the operator's part of the page
   std::string password_file, sessions = sessions::default_root(), site;
@@ -65,6 +66,7 @@ class PageListener final : public LiveListener {
   }
   std::uint64_t permit() override { return page_.permit(); }
   void begin_person(std::uint64_t permit) override { page_.begin_person(permit); }
+  ReportedFacts reported(std::uint64_t permit) override { return page_.reported(permit); }
   void see(const FrameSeen& frame) override { page_.see(frame); }
   void publish(const Json& event) override { page_.publish(event); }
   Status measured(const SessionOutcome& session) override {
@@ -173,7 +175,20 @@ Status check_hand_over(const ServeOptions& options) {
                                                 "address in the network of the phones, such as 192.168.1.20"};
 }
 
+// With consent the next person is not yet known: facts come from the page.
+Status check_facts(const ServeOptions& options) {
+  if (options.ask_facts && options.no_consent)
+    return Error{ErrorCode::invalid_argument,
+                 "--ask-facts shows its form between consent and measuring; leave --no-consent out"};
+  if (!options.no_consent && known_facts(options.live.session.known_words).given() != 0)
+    return Error{ErrorCode::invalid_argument,
+                 "height, weight, sex and age are options of a run with --no-consent; with consent give --ask-facts, "
+                 "and each person may enter them on the page"};
+  return Ok{};
+}
+
 Result<int> run_serve(const ServeOptions& options) {
+  if (const auto checked = check_facts(options); !checked) return checked.error();
   if (const auto checked = check_operator(options); !checked) return checked.error();
   if (const auto checked = check_hand_over(options); !checked) return checked.error();
   if (!options.no_consent && !options.live.session.motion.empty())
@@ -186,6 +201,7 @@ Result<int> run_serve(const ServeOptions& options) {
   settings.address = options.address;
   settings.body_path = options.live.session.input.body;
   settings.visit.ask = !options.no_consent;
+  settings.visit.ask_facts = options.ask_facts;
   settings.keeps_files = !options.live.session.out.empty() || options.live.session.json;
   settings.consented = [](std::uint64_t visit, const std::string& text) {
     print_error(fmt::format("visit {}: consent to text {}", visit, text.empty() ? "unknown" : text));
@@ -225,6 +241,10 @@ void add_serve(cli::App& app, Command& chosen) {
   sub->get_option("--count")->description("Measure N people, then only show; 0: until Ctrl-C");
   sub->add_flag("--no-consent", options->no_consent,
                 "Measure the person in view without consent on the page: for recordings and for yourself");
+  sub->add_flag(
+      "--ask-facts", options->ask_facts,
+      "After consent show a form for height, weight, sex and age. One touch skips it; nothing of it is kept "
+      "after the visit, except in result.json of --out");
   sub->add_flag("--wait", options->wait,
                 "Wait for a missing camera or missing models and show that on the page: for a service");
   sub->add_flag("--operator", options->desk,

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
+
+#include "engine/known_result.h"
 
 namespace im2fit::apps {
 namespace {
@@ -125,15 +128,29 @@ Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch en
   return outcome;
 }
 
-Status conclude(SessionOutcome& outcome) {
+namespace {
+
+// `frames_damaged`: of the frames behind the person.
+Status take_person(SessionOutcome& outcome, Result<PersonMeasurement> person, std::uint64_t frames_damaged) {
   outcome.dressed.reset();
   outcome.person = {};
-  auto person = measured_person(*outcome.engine, outcome.data, outcome.input.source->info());
   if (!person) return person.error();
   outcome.person = std::move(*person);
-  outcome.person.frames_damaged = outcome.input.source->stats().damaged;
+  outcome.person.frames_damaged = frames_damaged;
   outcome.person.turn_asked = outcome.turn_asked;
   return Ok{};
+}
+
+}  // namespace
+
+Status conclude(SessionOutcome& outcome) {
+  const hal::Source& source = *outcome.input.source;
+  return take_person(outcome, measured_person(*outcome.engine, outcome.data, source.info()), source.stats().damaged);
+}
+
+Status conclude_again(SessionOutcome& outcome, const EngineResult& unconditioned, const KnownFacts& facts) {
+  auto person = measured_person(with_known(unconditioned, facts), outcome.data, outcome.input.source->info());
+  return take_person(outcome, std::move(person), outcome.person.frames_damaged);
 }
 
 Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch) {

@@ -73,6 +73,8 @@ struct SessionOutcome {
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch);
 // Takes what the engine says now.
 Status conclude(SessionOutcome& outcome);
+// The measured person with other facts known. `unconditioned`: their result, read while no fact was known.
+Status conclude_again(SessionOutcome& outcome, const EngineResult& unconditioned, const KnownFacts& facts);
 // Opens, runs to the end or the measurement, concludes.
 Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch);
 
@@ -83,6 +85,8 @@ Status dress(SessionOutcome& outcome);
 Result<int> report_session(SessionOutcome& outcome, const SessionOptions& options);
 // result.json first and always; when measured, dress() and avatar.glb, .obj, .bvh; overlay.png after any frame.
 Status write_outputs(SessionOutcome& outcome, const std::string& directory);
+// After conclude_again(): the same without overlay.png, which shows the values of before and is deleted.
+Status rewrite_outputs(SessionOutcome& outcome, const std::string& directory);
 // What a person should know of a measurement beside its values: damaged frames, a back that was not used.
 std::vector<std::string> session_notes(const SessionOutcome& outcome);
 // The motion moves the body measured, or an average adult's. What was written, in a line with its end.

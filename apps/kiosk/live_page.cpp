@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/kiosk/facts_form.h"
 #include "apps/kiosk/qr_code.h"
 #include "apps/kiosk/small_picture.h"
 #include "report/drawn_bones.h"
@@ -73,6 +74,8 @@ Result<std::unique_ptr<LivePage>> LivePage::open(const LivePageSettings& setting
     handlers.operate = [&self](const PageRequest& request) { return self.desk_->answer(request); };
     handlers.operator_password = settings.operator_password;
   }
+  if (settings.visit.ask_facts)
+    handlers.facts = [&self](std::string_view visit, std::string_view body) { return self.take_facts(visit, body); };
   if (settings.hand_over) {
     handlers.offer = [&self](std::string_view visit) { return self.offer(visit); };
     PageHandlers of_phones;
@@ -100,7 +103,7 @@ void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
   {
     const std::lock_guard lock(visit_mutex_);
     intrinsics_ = intrinsics;
-    follows_ = false;
+    follows_ = corrects_ = false;
   }
   Json bones = Json::array();
   for (const DrawnBone& bone : kDrawnBones)
@@ -108,6 +111,7 @@ void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
   board_.publish("hello", Json{{"event", "hello"},
                                {"boot", boot_},
                                {"asks", settings_.visit.ask},
+                               {"asks_facts", settings_.visit.ask_facts},
                                {"keeps_files", settings_.keeps_files},
                                {"hands_over", settings_.hand_over.has_value()},
                                {"frames_wanted", frames_wanted},
@@ -118,11 +122,19 @@ void LivePage::begin(const Intrinsics& intrinsics, int frames_wanted) {
 }
 
 void LivePage::trouble(std::string_view code) {
+  if (!code.empty()) {
+    const std::lock_guard lock(visit_mutex_);
+    corrects_ = false;
+  }
   board_.publish("trouble", Json{{"event", "trouble"}, {"code", code}}.dump());
 }
 
 void LivePage::publish_visit() {
-  board_.publish("visit", Json{{"event", "visit"}, {"id", visit_.id()}, {"state", name_of(visit_.state())}}.dump());
+  board_.publish("visit", Json{{"event", "visit"},
+                               {"id", visit_.id()},
+                               {"state", name_of(visit_.state())},
+                               {"recorded", visit_.number() == desk_visit_}}
+                              .dump());
   publish_beat();
 }
 
@@ -141,6 +153,7 @@ bool LivePage::begin_recorded_visit(const std::function<void(std::uint64_t visit
     forget(desk_visit_, false);
   }
   if (!visit_.consent(visit_.id(), now)) return false;
+  visit_.facts_done(now);  // the tape is compared with what the camera measured, without them
   desk_visit_ = visit_.number();
   begun(desk_visit_);
   publish_visit();
@@ -162,8 +175,9 @@ void LivePage::forget(std::uint64_t over, bool erased) {
   if (fitting_) fitting_->forget();
   hand_over_.forget();
   animator_.reset();
-  follows_ = false;
+  follows_ = corrects_ = false;
   folder_.clear();
+  reported_ = {};
   publish_visit();
 }
 
@@ -219,6 +233,26 @@ PageAnswer LivePage::take(std::string_view token) {
   auto result = hand_over_.take(token, Clock::now());
   if (!result) return {404, nullptr, "not found, or fetched already"};
   return {200, std::move(result), ""};
+}
+
+PageAnswer LivePage::take_facts(std::string_view visit, std::string_view body) {
+  const auto facts = facts_of_form(body);
+  if (!facts) return {400, nullptr, facts.error().message};
+  const std::lock_guard lock(visit_mutex_);
+  const auto now = Clock::now();
+  if (!visit_.touch(visit, now)) return {409, nullptr, "that visit is over"};
+  if (visit_.state() == VisitState::asking) return {409, nullptr, "the person has not consented"};
+  if (visit_.number() == desk_visit_) return {409, nullptr, "a visit that the operator records takes no facts"};
+  if (visit_.state() == VisitState::result && !corrects_)
+    return {409, nullptr, "this result can no longer be changed: the recording or the camera's run is over"};
+  reported_ = {++reports_, *facts};
+  if (visit_.facts_done(now)) publish_visit();
+  return {202, nullptr, "taken"};
+}
+
+ReportedFacts LivePage::reported(std::uint64_t visit) {
+  const std::lock_guard lock(visit_mutex_);
+  return visit == visit_.number() ? reported_ : ReportedFacts{};
 }
 
 void LivePage::tick() {
@@ -309,6 +343,10 @@ void LivePage::publish(const Json& event) {
   const std::string kind = event["event"];
   std::string line = line_of(event);
   line.pop_back();
+  if (kind == "end") {
+    const std::lock_guard lock(visit_mutex_);
+    corrects_ = false;
+  }
   if (kind == "camera" || kind == "end") {  // the end's not with what the last frame showed
     board_.publish(kind, kind == "end" ? R"({"event":"end"})" : std::move(line));
     return;
@@ -333,8 +371,13 @@ bool LivePage::publish_of_visit(const std::string& kind, const Json& event, std:
     return false;
   }
   if (kind == "measured") {
-    if (!visit_.measured(Clock::now())) return false;
-    follows_ = true;
+    if (event.value("corrected", false)) {
+      if (visit_.state() != VisitState::result) return false;
+      hand_over_.forget();  // its code is of the result before
+    } else {
+      if (!visit_.measured(Clock::now())) return false;
+      follows_ = corrects_ = true;
+    }
     folder_ = event.value("out", std::string());
     board_.put("/result.json", {"application/json", event["result"].dump(2) + "\n"});
     customer_.visit = visit_.id();

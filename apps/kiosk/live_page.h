@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "apps/common/events.h"
+#include "apps/common/reported_facts.h"
 #include "apps/kiosk/avatar_animator.h"
 #include "apps/kiosk/board.h"
 #include "apps/kiosk/fitting_room.h"
@@ -68,6 +69,8 @@ class LivePage {
   void use_source(const hal::SourceInfo& source, const sessions::Versions& versions) {
     if (desk_) desk_->use_source(source, versions);
   }
+  // What the person of this visit reported last; `count` 0: nothing, or the visit is over.
+  ReportedFacts reported(std::uint64_t visit);
   // Before its event, `measured`.
   Status measured(const body::Avatar& avatar, std::span<const std::byte> glb);
   // Before its event too. The visit is the current one.
@@ -80,6 +83,7 @@ class LivePage {
   bool act(PageAction action, std::string_view visit, std::string_view note);
   PageAnswer offer(std::string_view visit);
   PageAnswer take(std::string_view token);
+  PageAnswer take_facts(std::string_view visit, std::string_view body);
   void tick();
   bool begin_recorded_visit(const std::function<void(std::uint64_t visit)>& begun);
   void end_recorded_visit(std::uint64_t visit);
@@ -103,6 +107,9 @@ class LivePage {
   std::uint64_t permitted_ = 0;  // the visit whose frames the engine works on
   bool follows_ = false;         // who was measured is still in view
   std::string folder_;           // what was written of this visit
+  ReportedFacts reported_;       // of this visit
+  std::uint32_t reports_ = 0;    // of all visits
+  bool corrects_ = false;        // the run that measured the person goes on: facts can still be corrected
   std::optional<AvatarAnimator> animator_;
   std::chrono::steady_clock::time_point drawn_{};
   std::uint64_t pictures_ = 0;

@@ -42,7 +42,7 @@ constexpr unsigned kSpareConnections = 64;
 
 constexpr std::pair<std::string_view, PageAction> kActions[] = {
     {"/consent", PageAction::consent}, {"/touch", PageAction::touch}, {"/delete", PageAction::erase}};
-constexpr std::string_view kOffer = "/hand-over", kTake = "/take";
+constexpr std::string_view kOffer = "/hand-over", kTake = "/take", kFacts = "/facts";
 constexpr const char* kKept = "private, max-age=31536000, immutable";
 
 // A request that is being answered; of a POST with a body, what came of that.
@@ -50,6 +50,8 @@ struct Upload {
   std::string path;
   std::string body;
   bool wanted = false;  // false: answered already
+  std::size_t bytes_max = 0;
+  std::string visit;  // of /facts
 };
 
 // Of a server for phones, where "/" is handed.html.
@@ -89,6 +91,9 @@ struct PageServer::Parts {
       : board(b), check(host), handlers(std::move(h)), gate(handlers.operator_password) {}
   MHD_Result answer(MHD_Connection* connection, std::string_view method, Upload& upload);
   MHD_Result answer_operator(MHD_Connection* connection, std::string_view method, Upload& upload);
+  MHD_Result answer_facts(MHD_Connection* connection, std::string_view method, Upload& upload);
+  MHD_Result want_body(MHD_Connection* connection, Upload& upload, std::size_t bytes_max);
+  MHD_Result use_body(MHD_Connection* connection, const Upload& upload);
   MHD_Result operate(MHD_Connection* connection, const Upload& upload);
   MHD_Result answer_file(MHD_Connection* connection, const WebFile& file);
   MHD_Result answer_post(MHD_Connection* connection, std::string_view path);
@@ -132,6 +137,7 @@ MHD_Result PageServer::Parts::answer(MHD_Connection* connection, std::string_vie
       !why.empty())
     return send(connection, MHD_HTTP_FORBIDDEN, copied(why + "\n"), kPlainText);
   if (handlers.operate && is_operators(path)) return answer_operator(connection, method, upload);
+  if (handlers.facts && path == kFacts) return answer_facts(connection, method, upload);
   const bool acts = handlers.take ? path == kTake
                                   : (handlers.offer && path == kOffer) ||
                                         (handlers.act && std::any_of(std::begin(kActions), std::end(kActions),
@@ -174,28 +180,51 @@ MHD_Result PageServer::Parts::answer_operator(MHD_Connection* connection, std::s
   }
   const bool post = method == "POST";
   if (!post && method != "GET" && method != "HEAD") return send_not_allowed(connection, "GET, HEAD, POST");
-  const Field length = field_of(connection, "Content-Length");
-  const bool chunked = field_of(connection, "Transfer-Encoding").count > 0;
   if (!post) {
+    const Field length = field_of(connection, "Content-Length");
+    const bool chunked = field_of(connection, "Transfer-Encoding").count > 0;
     if (chunked || (length.count > 0 && length.value != "0")) return MHD_NO;
     if (upload.path == "/operator") return answer_file(connection, *web_file(upload.path));
     if (upload.path == "/operator/token") return send(connection, MHD_HTTP_OK, copied(gate.token()), kPlainText);
     return operate(connection, upload);
   }
   const Field origin = field_of(connection, "Origin"), token = field_of(connection, "X-Im2fit-Token");
-  const Field type = field_of(connection, "Content-Type");
   if (origin.count != 1 || token.count != 1 || !gate.is_token(*token.value))
     return send(connection, MHD_HTTP_FORBIDDEN, copied("only the operator's page may request this\n"), kPlainText);
+  return want_body(connection, upload, kBodyBytesMax);
+}
+
+MHD_Result PageServer::Parts::answer_facts(MHD_Connection* connection, std::string_view method, Upload& upload) {
+  if (method != "POST") return send_not_allowed(connection, "POST");
+  const Field origin = field_of(connection, "Origin"), visit = field_of(connection, "X-Im2fit-Visit");
+  if (origin.count != 1 || visit.count != 1)
+    return send(connection, MHD_HTTP_FORBIDDEN, copied("only the page itself may request this\n"), kPlainText);
+  if (visit.value->size() > kActionTextMax)
+    return send(connection, MHD_HTTP_BAD_REQUEST, copied("a header of the request is too long\n"), kPlainText);
+  upload.visit = *visit.value;
+  return want_body(connection, upload, kFactsBytesMax);
+}
+
+// JSON of a declared length comes next, or the request is refused.
+MHD_Result PageServer::Parts::want_body(MHD_Connection* connection, Upload& upload, std::size_t bytes_max) {
+  const Field length = field_of(connection, "Content-Length"), type = field_of(connection, "Content-Type");
   if (type.count != 1 || type.value != "application/json")
     return send(connection, MHD_HTTP_UNSUPPORTED_MEDIA_TYPE, copied("the Content-Type must be application/json\n"),
                 kPlainText);
   const auto size = length_of(length);
-  if (chunked || !size)
+  if (field_of(connection, "Transfer-Encoding").count > 0 || !size)
     return send(connection, MHD_HTTP_LENGTH_REQUIRED, copied("the Content-Length is missing\n"), kPlainText);
-  if (*size > kBodyBytesMax)
-    return send(connection, MHD_HTTP_CONTENT_TOO_LARGE, copied("the body has more than 64 kB\n"), kPlainText);
+  if (*size > bytes_max)
+    return send(connection, MHD_HTTP_CONTENT_TOO_LARGE,
+                copied("the body has more than " + std::to_string(bytes_max >> 10U) + " kB\n"), kPlainText);
   upload.wanted = true;
-  return MHD_YES;  // the body comes next
+  upload.bytes_max = bytes_max;
+  return MHD_YES;
+}
+
+MHD_Result PageServer::Parts::use_body(MHD_Connection* connection, const Upload& upload) {
+  if (upload.path == kFacts) return send_answer(connection, handlers.facts(upload.visit, upload.body));
+  return operate(connection, upload);
 }
 
 MHD_Result PageServer::Parts::operate(MHD_Connection* connection, const Upload& upload) {
@@ -347,15 +376,16 @@ Result<std::unique_ptr<PageServer>> PageServer::open(const PageAddress& address,
                                               void** request) -> MHD_Result {
     auto& parts = *static_cast<Parts*>(closure);
     if (*request == nullptr) {
-      auto* begun = new Upload{url, "", false};  // until the request is completed
+      auto* begun = new Upload;  // until the request is completed
+      begun->path = url;
       *request = begun;
       return parts.answer(connection, method, *begun);
     }
     auto& going = *static_cast<Upload*>(*request);
     const std::size_t count = std::exchange(*upload, 0);
     if (!going.wanted) return MHD_YES;  // a refused method may have a body
-    if (count == 0) return parts.operate(connection, going);
-    if (count > kBodyBytesMax - going.body.size()) return MHD_NO;
+    if (count == 0) return parts.use_body(connection, going);
+    if (count > going.bytes_max - going.body.size()) return MHD_NO;
     going.body.append(data, count);
     return MHD_YES;
   };

@@ -40,6 +40,10 @@ struct PageRequest {
 using PageOperator = std::function<PageAnswer(const PageRequest& request)>;
 inline constexpr std::size_t kBodyBytesMax = std::size_t{64} << 10;
 
+// POST /facts of the page itself, for the visit it names: what the person reports, as JSON of at most kFactsBytesMax.
+using PageFacts = std::function<PageAnswer(std::string_view visit, std::string_view body)>;
+inline constexpr std::size_t kFactsBytesMax = std::size_t{1} << 10;
+
 // POST /hand-over of the page itself, for the visit it names: how a phone may get its result, as JSON.
 using PageOffer = std::function<PageAnswer(std::string_view visit)>;
 // POST /take: what waits for this token, given once; 404 without it.
@@ -52,17 +56,19 @@ struct PageHandlers {
   PageOperator operate;           // without it there is no /operator; on the server's thread
   std::string operator_password;  // "": none is asked for
   PageOffer offer;                // without it there is no /hand-over
+  PageFacts facts;                // without it there is no /facts
   // With it the server is one for phones: there is the page that shows what is taken, its files, POST /take, and
   // nothing else.
   PageTake take;
 };
 
 // One thread serves all connections, and waits for none of them: visitors.h limits their number and their time, a
-// request's header is at most 16 KB, a body is read of the operator's POST alone. host_check.h says whom it answers.
-// GET and HEAD, and POST of /consent, /touch, /delete and /hand-over from the page itself: with its Origin, which
-// browsers always send with a POST, and with a field that no other site's page may send without being asked first
-// (Fetch, CORS-preflight). Below /operator everything needs the password (operator_gate.h), and POST besides the
-// Origin and the token that GET /operator/token tells, in the field X-Im2fit-Token.
+// request's header is at most 16 KB, a body is read of POST /facts and of the operator's POST alone. host_check.h
+// says whom it answers. GET and HEAD, and POST of /consent, /facts, /touch, /delete and /hand-over from the page
+// itself: with its Origin, which browsers always send with a POST, and with a field that no other site's page may
+// send without being asked first (Fetch, CORS-preflight). Below /operator everything needs the password
+// (operator_gate.h), and POST besides the Origin and the token that GET /operator/token tells, in the field
+// X-Im2fit-Token.
 class PageServer {
  public:
   static constexpr int kWatchersMax = 8;  // streams at once; further ones are answered 503

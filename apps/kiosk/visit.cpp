@@ -10,6 +10,8 @@ std::string_view name_of(VisitState state) {
   switch (state) {
     case VisitState::asking:
       return "ASKING";
+    case VisitState::facts:
+      return "FACTS";
     case VisitState::measuring:
       return "MEASURING";
     case VisitState::result:
@@ -41,6 +43,13 @@ void Visit::begin(Time now) {
 
 bool Visit::consent(std::string_view id, Time now) {
   if (id != id_ || state_ != VisitState::asking) return false;
+  state_ = rules_.ask_facts ? VisitState::facts : VisitState::measuring;
+  since_ = now;
+  return true;
+}
+
+bool Visit::facts_done(Time now) {
+  if (state_ != VisitState::facts) return false;
   state_ = VisitState::measuring;
   since_ = now;
   return true;
@@ -73,7 +82,7 @@ void Visit::person_in_view(Time now) {
 }
 
 std::chrono::milliseconds Visit::patience() const {
-  if (state_ == VisitState::result) return rules_.result_max;
+  if (state_ == VisitState::result || state_ == VisitState::facts) return rules_.result_max;
   // Without a question there is no consent that could outlive its person.
   return state_ == VisitState::measuring && rules_.ask ? rules_.absent_max : std::chrono::milliseconds(0);
 }

@@ -2,7 +2,9 @@
 // One person's visit to the page: asked for consent, measured, shown the result, forgotten. No clock of its own and
 // no thread: who calls says what time it is.
 //
-//   ASKING -> MEASURING -> RESULT -> (a new visit) ASKING
+//   ASKING -> (FACTS ->) MEASURING -> RESULT -> (a new visit) ASKING
+//
+// FACTS: the person may report what they know of themselves, with VisitRules::ask_facts.
 //
 // A visit has an id that cannot be guessed. What a page asks for (consent, a touch, to delete) names it, so that a
 // page which still shows the visit before can neither consent for the next person nor delete what is theirs.
@@ -15,15 +17,16 @@
 
 namespace im2fit::apps {
 
-enum class VisitState { asking, measuring, result };
-std::string_view name_of(VisitState state);  // "ASKING", "MEASURING", "RESULT"
+enum class VisitState { asking, facts, measuring, result };
+std::string_view name_of(VisitState state);  // "ASKING", "FACTS", "MEASURING", "RESULT"
 
 // 32 hexadecimal digits of the system's random numbers.
 std::string random_id();
 
 struct VisitRules {
-  bool ask = true;  // false: a visit begins with MEASURING
-  // Without a touch the result goes; people read a page of a dozen values in half of that.
+  bool ask = true;         // false: a visit begins with MEASURING
+  bool ask_facts = false;  // true: FACTS follows consent
+  // Without a touch the result goes; people read a page of a dozen values in half of that. So does FACTS.
   std::chrono::milliseconds result_max{60'000};
   // Without a person in view consent goes: enough to step back from the screen, too short for the next customer.
   std::chrono::milliseconds absent_max{30'000};
@@ -40,6 +43,7 @@ class Visit {
 
   // Each of these says whether the visit or its state is another now.
   bool consent(std::string_view id, Time now);  // only in ASKING
+  bool facts_done(Time now);                    // only in FACTS: reported, or skipped
   bool measured(Time now);                      // only in MEASURING
   bool erase(std::string_view id, Time now);    // in any state
   bool next(Time now);                          // the next visit

@@ -26,6 +26,8 @@ IM2FIT_EMBED(im2fit_web_stage, IM2FIT_WEB_DIR "/stage.js")
 IM2FIT_EMBED(im2fit_web_cloth, IM2FIT_WEB_DIR "/cloth.js")
 IM2FIT_EMBED(im2fit_web_tryon, IM2FIT_WEB_DIR "/tryon.js")
 IM2FIT_EMBED(im2fit_web_tryon_style, IM2FIT_WEB_DIR "/tryon.css")
+IM2FIT_EMBED(im2fit_web_facts, IM2FIT_WEB_DIR "/facts.js")
+IM2FIT_EMBED(im2fit_web_facts_style, IM2FIT_WEB_DIR "/facts.css")
 IM2FIT_EMBED(im2fit_web_page, IM2FIT_WEB_DIR "/page.js")
 IM2FIT_EMBED(im2fit_web_handed, IM2FIT_WEB_DIR "/handed.html")
 IM2FIT_EMBED(im2fit_web_handed_script, IM2FIT_WEB_DIR "/handed.js")
@@ -68,6 +70,8 @@ const WebFile* web_file(std::string_view path) {
       own("/cloth.js", kScript, im2fit_web_cloth, im2fit_web_cloth_end),
       own("/tryon.js", kScript, im2fit_web_tryon, im2fit_web_tryon_end),
       own("/tryon.css", "text/css; charset=utf-8", im2fit_web_tryon_style, im2fit_web_tryon_style_end),
+      own("/facts.js", kScript, im2fit_web_facts, im2fit_web_facts_end),
+      own("/facts.css", "text/css; charset=utf-8", im2fit_web_facts_style, im2fit_web_facts_style_end),
       own("/page.js", kScript, im2fit_web_page, im2fit_web_page_end),
       own("/handed.html", "text/html; charset=utf-8", im2fit_web_handed, im2fit_web_handed_end),
       own("/handed.js", kScript, im2fit_web_handed_script, im2fit_web_handed_script_end),

@@ -7,6 +7,7 @@ const kPerson = '<circle cx="12" cy="4" r="2.2"/><path d="M12 7v8M12 15l-3 7M12 
 const kSmallPerson = '<circle cx="6" cy="5" r="2"/><path d="M6 8v7M6 15l-2.5 6M6 15l2.5 6M6 9.5l-3 4M6 9.5l3 4"/>';
 const kIcons = {
   WELCOME: kPerson,
+  FACTS: '<path d="M5 2.5v19M5 5h4M5 9h2.5M5 13h4M5 17h2.5"/><g transform="translate(2.5 0)">' + kPerson + '</g>',
   NO_PERSON: '<path d="M2 12h7M6 8.5l3.5 3.5L6 15.5"/><g transform="translate(6 0)">' + kPerson + '</g>',
   TURN_ROUND: '<g transform="translate(4.8 4) scale(.6)">' + kPerson + '</g><path d="M20.5 7A10 10 0 1 1 12 2.2M20.5 7l-4.2-.6M20.5 7l.8-4"/>',
   SEVERAL_PEOPLE: kSmallPerson + '<path d="M13 6l8 12M21 6l-8 12"/>',

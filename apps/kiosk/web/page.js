@@ -13,6 +13,9 @@ const kNothingSeen = {state: 'SEARCHING', guidance: [], details: {}, used: 0, ba
 
 const words = new Words(new URLSearchParams(location.search).get('lang') || navigator.language || 'en');
 const sounds = new Sounds();
+const facts = new Facts(at('facts'), at('told'));
+document.addEventListener('im2fit-result', (event) => facts.measured(event.detail));
+document.addEventListener('im2fit-forget', () => facts.forget());
 const mirror = new Mirror(at('sight'));
 const failures = [];  // what went wrong here, for who looks into it
 for (const kind of ['error', 'unhandledrejection']) {
@@ -37,13 +40,15 @@ function codeNow() {
   if (trouble) return trouble;
   if (camera) return camera;
   if (!visit || visit.state === 'ASKING') return over ? 'OVER' : 'WELCOME';
-  if (visit.state === 'RESULT') return 'DONE';
+  if (visit.state === 'RESULT') return facts.open ? 'FACTS' : 'DONE';
+  if (visit.state === 'FACTS' && !over) return 'FACTS';
   return over ? 'OVER' : codeFor(seen.state, seen.guidance, seen.details);
 }
 function stageFor(code) {
   if (link || !visit) return 'trouble';
-  if (visit.state === 'RESULT') return result ? 'result' : 'trouble';
+  if (visit.state === 'RESULT' && !facts.open) return result ? 'result' : 'trouble';
   if (kRed.includes(code) || kAmber.includes(code)) return 'trouble';
+  if (code === 'FACTS') return 'facts';
   return visit.state === 'ASKING' ? 'welcome' : 'measure';
 }
 function toneFor(code) {
@@ -101,6 +106,7 @@ function showTexts() {
     button.setAttribute('aria-current', String(button.lang === words.language));
   }
   fitting.draw();
+  facts.draw();
   showResult();
   show();
 }
@@ -192,8 +198,13 @@ const on = {
       visit = event;
       showTexts();
     }
+    const tells = event.state === 'FACTS' && (!visit || visit.state !== 'FACTS');
     visit = event;
     document.body.dataset.visit = event.id;
+    if (!tells) return;
+    facts.draw();
+    show();
+    facts.focus();
   },
   beat(event) {
     const text = visit && visit.state === 'RESULT' && words.table ? words.of('left').replace('{s}', event.left_s) : '';
@@ -219,6 +230,7 @@ const on = {
   },
   async measured(event) {
     const whose = visit;
+    if (event.corrected) endOffer();  // its code is of the result before
     result = event.result;
     showResult();
     document.dispatchEvent(new CustomEvent('im2fit-result', {detail: result}));
@@ -235,7 +247,10 @@ const on = {
     if (stage) stage.setJoints(null);
   },
   camera(event) { camera = event.state === 'PRESENT' ? '' : 'CAMERA_LOST'; },
-  end() { over = true; },
+  end() {
+    over = true;
+    facts.draw();
+  },
 };
 
 // --- the link to the program

@@ -70,7 +70,7 @@ TEST_F(Served, ThePageAndAllItAsksForAreThere) {
     EXPECT_EQ(file->status, 200) << (*at)[1];
     EXPECT_GT(file->body.size(), 500U) << (*at)[1];
   }
-  EXPECT_EQ(found, 13);
+  EXPECT_EQ(found, 15);
   // Nothing of another machine.
   EXPECT_EQ(page->body.find("http"), std::string::npos);
 }
@@ -184,6 +184,70 @@ TEST_F(Served, NotMoreWatchThanThereAreThreadsFor) {
     watcher->join();
     EXPECT_TRUE(watcher->ended);
   }
+}
+
+// A server whose /facts remembers what it was given.
+class FactsServed : public Served {
+ protected:
+  void SetUp() override {
+    PageHandlers handlers;
+    handlers.facts = [this](std::string_view visit, std::string_view body) {
+      given_.emplace_back(visit, body);
+      return PageAnswer{body == "refused" ? 400U : 202U, nullptr, "said by the handler"};
+    };
+    auto server = PageServer::open({"127.0.0.1", 0}, board_, std::move(handlers));
+    ASSERT_TRUE(server) << server.error().message;
+    server_ = std::move(*server);
+  }
+  httplib::Headers own(const std::string& visit = "v") const {
+    return {{"Origin", server_->url().substr(0, server_->url().size() - 1)}, {"X-Im2fit-Visit", visit}};
+  }
+  int post(const httplib::Headers& headers, const std::string& body = "{}",
+           const std::string& type = "application/json") const {
+    const auto answer = client().Post("/facts", headers, body, type);
+    return answer ? answer->status : 0;
+  }
+  std::vector<std::pair<std::string, std::string>> given_;  // visit, body
+};
+
+TEST_F(FactsServed, TheHandlerGetsTheVisitAndTheBody) {
+  EXPECT_EQ(post(own("visit"), R"({"age":35})"), 202);
+  EXPECT_EQ(post(own("visit"), "refused"), 400);
+  EXPECT_EQ(post(own(), std::string(kFactsBytesMax, ' ')), 202);
+  ASSERT_EQ(given_.size(), 3U);
+  EXPECT_EQ(given_[0], (std::pair<std::string, std::string>{"visit", R"({"age":35})"}));
+  EXPECT_EQ(given_[2].second.size(), kFactsBytesMax);
+  EXPECT_EQ(client().Post("/facts", own(), "refused", "application/json")->body, "said by the handler\n");
+}
+
+TEST_F(FactsServed, NoOtherSiteAndNoOddRequestReachesIt) {
+  httplib::Headers headers = own();
+  headers.erase("X-Im2fit-Visit");
+  EXPECT_EQ(post(headers), 403) << "no visit: a form of another site cannot send one";
+  EXPECT_EQ(post({{"X-Im2fit-Visit", "v"}}), 403) << "no Origin";
+  EXPECT_EQ(post({{"X-Im2fit-Visit", "v"}, {"Origin", "http://evil.example"}}), 403);
+  EXPECT_EQ(post({{"X-Im2fit-Visit", "v"}, {"Origin", "null"}}), 403);
+  headers = own();
+  headers.emplace("Sec-Fetch-Site", "cross-site");
+  EXPECT_EQ(post(headers), 403);
+  headers = own();
+  headers.emplace("Host", "evil.example");
+  EXPECT_EQ(post(headers), 403);
+  EXPECT_EQ(post(own(std::string(kActionTextMax + 1, 'a'))), 400);
+  EXPECT_EQ(post(own(), "{}", "text/plain"), 415) << "a form can send that without asking";
+  EXPECT_EQ(post(own(), std::string(kFactsBytesMax + 1, ' ')), 413);
+  headers = own();
+  headers.emplace("Transfer-Encoding", "chunked");
+  EXPECT_NE(post(headers), 202);
+  EXPECT_EQ(client().Get("/facts")->status, 405);
+  EXPECT_THAT(given_, testing::IsEmpty());
+}
+
+TEST_F(Served, WithoutTheOptionThereIsNoForm) {
+  const httplib::Headers own = {{"Origin", server_->url().substr(0, server_->url().size() - 1)},
+                                {"X-Im2fit-Visit", "v"}};
+  EXPECT_EQ(client().Post("/facts", own, "", "application/json")->status, 405);
+  EXPECT_EQ(client().Get("/facts")->status, 404);
 }
 
 TEST_F(Served, APortInUseAndAnAddressThatIsNotOursAreErrors) {

@@ -45,8 +45,8 @@ std::size_t characters_in(const std::string& text) {
 // Every code of the engine, the arms it names, and the page's own.
 std::set<std::string> codes() {
   std::set<std::string> all(kGuidanceNames.begin(), kGuidanceNames.end());
-  for (const char* code : {"WELCOME", "ARMS_CLOSE_LEFT", "ARMS_CLOSE_RIGHT", "HOLD", "WORKING", "DONE", "OVER",
-                           "CAMERA_LOST", "NO_CAMERA", "MODELS_MISSING", "SERVER_GONE", "TOO_MANY_SCREENS"})
+  for (const char* code : {"WELCOME", "FACTS", "ARMS_CLOSE_LEFT", "ARMS_CLOSE_RIGHT", "HOLD", "WORKING", "DONE",
+                           "OVER", "CAMERA_LOST", "NO_CAMERA", "MODELS_MISSING", "SERVER_GONE", "TOO_MANY_SCREENS"})
     all.insert(code);
   return all;
 }
@@ -86,6 +86,7 @@ TEST(Texts, EveryLanguageSaysEverythingAndNothingElse) {
     EXPECT_EQ(keys_of(table["page"]), keys_of(english["page"]));
     EXPECT_EQ(keys_of(table["consent"]), keys_of(english["consent"]));
     EXPECT_EQ(keys_of(table["handed"]), keys_of(english["handed"]));
+    EXPECT_EQ(keys_of(table["facts"]), keys_of(english["facts"]));
     EXPECT_EQ(keys_of(table["tryon"]), keys_of(english["tryon"]));
     for (const char* group : {"garments", "regions", "verdicts"})
       EXPECT_EQ(keys_of(table["tryon"][group]), keys_of(english["tryon"][group])) << group;
@@ -123,6 +124,31 @@ TEST(Texts, TheOperatorsAreTheSameInEveryLanguageAndAllThatTheirPageAsksFor) {
     }
 }
 
+TEST(Texts, TheFormIsTheSameInEveryLanguage) {
+  const Json english = table_of("en")["facts"];
+  const std::set<std::string> names = all_names(english);
+  EXPECT_GT(names.size(), 25U);
+  const std::string script = text_of("facts.js");
+  for (const std::string& language : kLanguages) {
+    SCOPED_TRACE(language);
+    const Json texts = table_of(language)["facts"];
+    EXPECT_EQ(all_names(texts), names);
+    EXPECT_NE(texts["used"].get<std::string>().find("{facts}"), std::string::npos);
+    EXPECT_NE(texts["years"].get<std::string>().find("{n}"), std::string::npos);
+    for (const char* group : {"names", "yours", "doubted"})
+      EXPECT_EQ(keys_of(texts[group]), (std::set<std::string>{"stature", "weight", "sex", "age"})) << group;
+    std::set<std::string> doubts;
+    for (const auto& [fact, text] : texts["doubted"].items()) doubts.insert(text);
+    EXPECT_EQ(doubts.size(), 4U) << "each names its fact";
+  }
+  const std::string before = "this.texts.";
+  for (std::size_t at = script.find(before); at != std::string::npos; at = script.find(before, at + 1)) {
+    const std::size_t from = at + before.size();
+    const std::string key = script.substr(from, script.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", from) - from);
+    EXPECT_TRUE(english.contains(key)) << key;
+  }
+}
+
 TEST(Texts, AMessageIsSixWordsAtMost) {
   for (const std::string& language : kLanguages) {
     const Json say = table_of(language)["say"];
@@ -158,7 +184,8 @@ TEST(Texts, EveryCodeHasAPictureAndATone) {
   const std::string icons = text_of("icons.js"), sounds = text_of("sounds.js");
   for (const std::string& code : codes()) {
     EXPECT_NE(icons.find("\n  " + code + ": "), std::string::npos) << code;
-    if (code == "WELCOME" || code == "OVER" || code == "TOO_MANY_SCREENS") continue;  // nothing to be heard from afar
+    // Nothing to be heard from afar.
+    if (code == "WELCOME" || code == "FACTS" || code == "OVER" || code == "TOO_MANY_SCREENS") continue;
     EXPECT_NE(sounds.find("\n  " + code + ": [["), std::string::npos) << code;
   }
   std::set<std::string> tones;

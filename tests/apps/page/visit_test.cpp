@@ -75,6 +75,30 @@ TEST_F(Visits, AskingLastsAndWithoutAQuestionMeasuringDoes) {
   EXPECT_EQ(open.state(), VisitState::measuring);
 }
 
+// Whoever is asked for facts is not measured before they have answered, and goes as a result does.
+TEST_F(Visits, FactsStandBetweenConsentAndMeasuring) {
+  VisitRules rules;
+  rules.ask_facts = true;
+  Visit asking(rules, now_);
+  EXPECT_FALSE(asking.facts_done(now_)) << "before consent";
+  EXPECT_TRUE(asking.consent(asking.id(), now_));
+  EXPECT_EQ(asking.state(), VisitState::facts);
+  EXPECT_EQ(name_of(asking.state()), "FACTS");
+  EXPECT_FALSE(asking.measured(now_));
+  asking.person_in_view(now_ + seconds(50));
+  EXPECT_EQ(asking.left(now_ + seconds(50)), seconds(10)) << "only a touch puts its end off";
+  EXPECT_TRUE(asking.touch(asking.id(), now_ + seconds(50)));
+  EXPECT_FALSE(asking.tick(now_ + seconds(109)));
+  EXPECT_TRUE(asking.facts_done(now_ + seconds(109)));
+  EXPECT_EQ(asking.state(), VisitState::measuring);
+  EXPECT_FALSE(asking.facts_done(now_ + seconds(109))) << "once";
+  EXPECT_FALSE(asking.tick(now_ + seconds(138)));
+  EXPECT_TRUE(asking.tick(now_ + seconds(139)));
+  EXPECT_TRUE(asking.consent(asking.id(), now_));
+  EXPECT_TRUE(asking.tick(now_ + seconds(60)));
+  EXPECT_EQ(asking.state(), VisitState::asking);
+}
+
 TEST(VisitIds, AreLongAndDiffer) {
   std::set<std::string> seen;
   for (int i = 0; i < 200; ++i) {

@@ -38,6 +38,12 @@ class ShownPage {
     const auto answer = client().Get(path);
     return answer ? answer->status : 0;
   }
+  // What a person reports, as the page's own script sends it.
+  int post_facts(const std::string& visit, const std::string& json) const {
+    const auto answer = client().Post("/facts", httplib::Headers{{"Origin", url()}, {"X-Im2fit-Visit", visit}}, json,
+                                      "application/json");
+    return answer ? answer->status : 0;
+  }
   // As the page's own script asks.
   int post(const std::string& path, const std::string& visit, const std::string& note = "") const {
     const auto answer = client().Post(
@@ -80,8 +86,9 @@ class ShownPage {
                     {"view", "front"},
                     {"frames_used", 12}});
   }
-  // A result of this chest girth.
-  void measured(double chest_mm, const std::string& out = "") {
+  // A result of this chest girth. `known`: as in result.json.
+  void measured(double chest_mm, const std::string& out = "", const apps::Json& known = nullptr,
+                bool corrected = false) {
     apps::Json result = {{"views", "front+back"}, {"sex", {{"female", 0.9}}}};
     result["clothing"] = {{"answered_as", "bare"}};
     result["size"] = {{"chart", "EN 13402-3"}, {"best", "M"}, {"probabilities", {{"M", 0.8}, {"L", 0.2}}}};
@@ -90,7 +97,9 @@ class ShownPage {
       result["measurements"][std::string(info.id)] = {
           {"value", value}, {"unit", info.unit}, {"interval", {value - 20, value + 20}}};
     }
+    if (!known.is_null()) result["known"] = known;
     apps::Json event = {{"event", "measured"}, {"frame", 1}, {"person", 1}, {"result", std::move(result)}};
+    if (corrected) event["corrected"] = true;
     if (!out.empty()) event["out"] = out;
     begin_person();
     page_->publish(event);

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/kiosk/facts_form.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "apps/common/events.h"
+
+namespace im2fit::apps {
+namespace {
+
+// Those of check_known(), and of the command line's --age.
+constexpr float kStatureMinMm = 500, kStatureMaxMm = 2500, kWeightMinKg = 15, kWeightMaxKg = 400;
+constexpr float kAgeMinYears = 1, kAgeMaxYears = 119;
+
+Error bad_form(std::string why) {
+  return Error{ErrorCode::invalid_argument, std::move(why)};
+}
+
+// Of a field that must be a number in this range.
+Result<float> number_field(const std::string& name, const Json& field, float least, float most) {
+  const auto expected = [&] { return bad_form(fmt::format("{}: expected a number, {} to {}", name, least, most)); };
+  if (!field.is_number()) return expected();
+  const double value = field.get<double>();
+  if (!(value >= static_cast<double>(least) && value <= static_cast<double>(most))) return expected();
+  return static_cast<float>(value);
+}
+
+// Of a field that must be one of two words: whether it is the first.
+Result<bool> word_field(const std::string& name, const Json& field, const char* first, const char* second) {
+  if (field == first) return true;
+  if (field == second) return false;
+  return bad_form(fmt::format("{}: expected \"{}\" or \"{}\"", name, first, second));
+}
+
+}  // namespace
+
+Result<KnownFacts> facts_of_form(std::string_view body) {
+  const Json form = Json::parse(body, nullptr, false);
+  if (!form.is_object()) return bad_form("the body must be a JSON object");
+  KnownFacts facts;
+  bool of_scale = false, has_origin = false;
+  for (const auto& [name, field] : form.items()) {
+    if (name == "height_mm" || name == "weight_kg" || name == "age") {
+      const bool height = name == "height_mm", weight = name == "weight_kg";
+      const auto value = height   ? number_field(name, field, kStatureMinMm, kStatureMaxMm)
+                         : weight ? number_field(name, field, kWeightMinKg, kWeightMaxKg)
+                                  : number_field(name, field, kAgeMinYears, kAgeMaxYears);
+      if (!value) return value.error();
+      if (height) facts.stature_mm = {*value, kStatedStatureSdMm};
+      if (weight) facts.weight_kg = {*value, kStatedWeightSdKg};
+      if (name == "age") facts.age_years = {*value + 0.5F, kStatedAgeSdYears};
+    } else if (name == "sex") {
+      const auto woman = word_field(name, field, "woman", "man");
+      if (!woman) return woman.error();
+      facts.sex = *woman ? KnownSex::woman : KnownSex::man;
+    } else if (name == "weight_from") {
+      const auto scale = word_field(name, field, "scale", "stated");
+      if (!scale) return scale.error();
+      of_scale = *scale;
+      has_origin = true;
+    } else {
+      return bad_form("unknown field; known are height_mm, weight_kg, weight_from, sex and age");
+    }
+  }
+  if (has_origin && facts.weight_kg.sd == 0) return bad_form("weight_from: expected with weight_kg");
+  if (of_scale) facts.weight_kg.sd = kScaleSdKg;
+  return facts;
+}
+
+}  // namespace im2fit::apps
