@@ -56,9 +56,18 @@ function(im2fit_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
+# The same for some files of a library of another level: im2fit_files_level(LEVEL a.cpp b.cpp), in its folder. The last
+# level of a command is the compiler's. They are compiled file by file.
+function(im2fit_files_level level)
+  im2fit_alone(${ARGN})
+  if(NOT IM2FIT_SANITIZE OR level STREQUAL "O1")
+    set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS $<$<NOT:$<CONFIG:Debug>>:-${level}>)
+  endif()
+endfunction()
+
 # A library of one folder: im2fit_library(NAME LEVEL Os SOURCES a.cpp b.cpp DEPENDS im2fit_core ...). Without SOURCES:
 # every *.cpp of the folder, or of its subfolder FOLDER. LOOPS a.cpp b.cpp: those of them that run over every pixel,
-# vertex or entry; they are NAME_loops, a library of level O3 that comes with it and is compiled file by file.
+# vertex or entry, of level O3.
 function(im2fit_library name)
   cmake_parse_arguments(arg "" "FOLDER;LEVEL" "SOURCES;LOOPS;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   if(NOT arg_SOURCES)
@@ -66,15 +75,7 @@ function(im2fit_library name)
     file(GLOB arg_SOURCES CONFIGURE_DEPENDS ${folder}/*.cpp)
   endif()
   if(arg_LOOPS)
-    list(TRANSFORM arg_LOOPS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
-    list(REMOVE_ITEM arg_SOURCES ${arg_LOOPS})
-    add_library(${name}_loops STATIC ${arg_LOOPS})
-    set_target_properties(${name}_loops PROPERTIES UNITY_BUILD OFF)
-    im2fit_target(${name}_loops)
-    im2fit_level(O3 ${name}_loops)
-    target_link_libraries(${name}_loops PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE_DEPENDS})
-    target_link_libraries(${name}_loops PUBLIC ${name})  # they call each other
-    list(APPEND arg_DEPENDS ${name}_loops)
+    im2fit_files_level(O3 ${arg_LOOPS})
   endif()
   add_library(${name} STATIC ${arg_SOURCES})
   im2fit_target(${name})
@@ -84,48 +85,93 @@ function(im2fit_library name)
   target_link_libraries(${name} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE_DEPENDS})
 endfunction()
 
-# One GoogleTest program per tests/<room>: im2fit_test_room(ROOM DEPENDS im2fit_kernels ...), takes every *_test.cpp.
-# FOLDER NAME: those of a subfolder; the program is built in the folder of that name.
-# EMULATED_SHARDS N: under an emulator N ctest entries, ROOM_1 to ROOM_N, for rooms that take minutes there.
-# COST N: about how many seconds it takes; ctest starts the longest first, so that none is left running alone.
-function(im2fit_test_room room)
-  cmake_parse_arguments(arg "" "EMULATED_SHARDS;COST;FOLDER" "DEPENDS" ${ARGN})
-  get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR}/${arg_FOLDER} ABSOLUTE)
-  get_filename_component(built_folder ${CMAKE_CURRENT_BINARY_DIR}/${arg_FOLDER} ABSOLUTE)
-  file(GLOB sources CONFIGURE_DEPENDS ${folder}/*_test.cpp)
-  if(NOT sources)
-    return()
+# One entry of ctest: im2fit_test_entry(NAME PROGRAM [COST N] [FILTER of GoogleTest]). Without FILTER: what the program's
+# parts do not run (im2fit_test_part).
+function(im2fit_test_entry name program)
+  cmake_parse_arguments(arg "" "COST;FILTER" "" ${ARGN})
+  set(words --gtest_filter=${arg_FILTER})
+  if(NOT arg_FILTER)
+    set(parts "$<TARGET_PROPERTY:${program},IM2FIT_PARTS>")
+    set(words "$<$<BOOL:${parts}>:--gtest_filter=-$<JOIN:${parts},:>>")
   endif()
-  add_executable(${room}_tests ${sources})
-  set_target_properties(${room}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${built_folder})
-  im2fit_target(${room}_tests)
-  im2fit_level(O1 ${room}_tests)
-  target_link_libraries(${room}_tests PRIVATE ${arg_DEPENDS} GTest::gtest_main GTest::gmock)
-  # One ctest entry a room: starting a process for each case costs more than most cases.
+  add_test(NAME ${name} COMMAND ${program} "${words}" COMMAND_EXPAND_LISTS)
   # An emulator is ten to fifty times slower.
   if(CMAKE_CROSSCOMPILING)
     set(timeout_s 1500)
   else()
     set(timeout_s 600)
   endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout_s} SKIP_REGULAR_EXPRESSION "NOTHING_TO_TEST")
+  if(arg_COST)
+    set_tests_properties(${name} PROPERTIES COST "${arg_COST}")
+  endif()
+  if(IM2FIT_SANITIZE MATCHES thread)
+    set_property(TEST ${name} APPEND PROPERTY
+      ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan-suppressions.txt")
+  endif()
+endfunction()
+
+# One GoogleTest program per tests/<room>: im2fit_test_room(ROOM DEPENDS im2fit_kernels ...), takes every *_test.cpp.
+# FOLDER NAME: those of a subfolder; the program is built in the folder of that name.
+# PROGRAM NAME: NAME_tests instead of ROOM_tests, for a room that is the first part of a program.
+# EMULATED_SHARDS N: under an emulator N ctest entries, ROOM_1 to ROOM_N, for rooms that take minutes there.
+# COST N: about how many seconds it takes; ctest starts the longest first, so that none is left running alone.
+function(im2fit_test_room room)
+  cmake_parse_arguments(arg "" "EMULATED_SHARDS;COST;FOLDER;PROGRAM" "DEPENDS" ${ARGN})
+  get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR}/${arg_FOLDER} ABSOLUTE)
+  get_filename_component(built_folder ${CMAKE_CURRENT_BINARY_DIR}/${arg_FOLDER} ABSOLUTE)
+  file(GLOB sources CONFIGURE_DEPENDS ${folder}/*_test.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  set(program ${room}_tests)
+  if(arg_PROGRAM)
+    set(program ${arg_PROGRAM}_tests)
+    set(built_folder ${CMAKE_CURRENT_BINARY_DIR})
+  endif()
+  add_executable(${program} ${sources})
+  set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${built_folder})
+  im2fit_target(${program})
+  im2fit_level(O1 ${program})
+  target_link_libraries(${program} PRIVATE ${arg_DEPENDS} GTest::gtest_main GTest::gmock)
+  # One ctest entry a room: starting a process for each case costs more than most cases.
   if(CMAKE_CROSSCOMPILING AND arg_EMULATED_SHARDS)
     foreach(shard RANGE 1 ${arg_EMULATED_SHARDS})
       math(EXPR index "${shard} - 1")
-      add_test(NAME ${room}_${shard} COMMAND ${room}_tests)
-      set_tests_properties(${room}_${shard} PROPERTIES
+      im2fit_test_entry(${room}_${shard} ${program} COST "${arg_COST}")
+      set_property(TEST ${room}_${shard} APPEND PROPERTY
         ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_EMULATED_SHARDS};GTEST_SHARD_INDEX=${index}")
-      list(APPEND tests ${room}_${shard})
     endforeach()
   else()
-    add_test(NAME ${room} COMMAND ${room}_tests)
-    set(tests ${room})
+    im2fit_test_entry(${room} ${program} COST "${arg_COST}")
   endif()
-  if(arg_COST)
-    set_tests_properties(${tests} PROPERTIES COST ${arg_COST})
+endfunction()
+
+# More tests in a program, with a ctest entry of their own: im2fit_test_part(PART PROGRAM FOLDER NAME DEPENDS ...). The
+# entry runs the suites of these files and the program's first entry all others, so that no test is left out.
+# SOURCES a_test.cpp b_test.cpp: these instead of every *_test.cpp of FOLDER or, without FOLDER, of this folder.
+function(im2fit_test_part part program)
+  cmake_parse_arguments(arg "" "COST;FOLDER" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT arg_SOURCES)
+    get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR}/${arg_FOLDER} ABSOLUTE)
+    file(GLOB arg_SOURCES CONFIGURE_DEPENDS ${folder}/*_test.cpp)
   endif()
-  set_tests_properties(${tests} PROPERTIES TIMEOUT ${timeout_s} SKIP_REGULAR_EXPRESSION "NOTHING_TO_TEST")
-  if(IM2FIT_SANITIZE MATCHES thread)
-    set_property(TEST ${tests} APPEND PROPERTY
-      ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan-suppressions.txt")
-  endif()
+  set(suites)
+  foreach(source ${arg_SOURCES})
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
+    file(STRINGS ${source} tests REGEX "^TEST(_[FP])?\\(")
+    foreach(test ${tests})
+      string(REGEX REPLACE "^[A-Z_]+\\( *([A-Za-z0-9_]+).*" "\\1.*" suite "${test}")
+      if(test MATCHES "^TEST_P")
+        string(PREPEND suite "*/")
+      endif()
+      list(APPEND suites ${suite})
+    endforeach()
+  endforeach()
+  list(REMOVE_DUPLICATES suites)
+  target_sources(${program}_tests PRIVATE ${arg_SOURCES})
+  target_link_libraries(${program}_tests PRIVATE ${arg_DEPENDS})
+  set_property(TARGET ${program}_tests APPEND PROPERTY IM2FIT_PARTS ${suites})
+  list(JOIN suites ":" filter)
+  im2fit_test_entry(${part} ${program}_tests COST "${arg_COST}" FILTER ${filter})
 endfunction()

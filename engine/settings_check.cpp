@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/engine.h"
-
 #include <limits>
 #include <string>
 
 #include "core/camera.h"
+#include "engine/engine.h"
 #include "hal/source.h"
 
 namespace im2fit {

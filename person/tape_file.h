@@ -17,7 +17,8 @@ Result<body::Tape> load_tape(const std::string& path, body::Tape onto);
 // The shipped tape and people's own files, each of which may refer to what stands before it.
 Result<body::Tape> load_tapes(const std::vector<std::string>& paths);
 
-// A tape as the text of builtin_tape.inc, with which person/builtin_tape.cpp is compiled. Error: a sum of more terms than a row keeps.
+// A tape as the text of builtin_tape.inc, with which person/builtin_tape.cpp is compiled. Error: a sum of more terms
+// than a row keeps.
 Result<std::string> tape_table(const body::Tape& tape);
 // The files of data/tape/ in the order in which they are read. `folder`: that folder.
 Result<body::Tape> read_shipped_tape(const std::string& folder);

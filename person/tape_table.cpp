@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "person/tape_file.h"
-
 #include <array>
 #include <charconv>
 #include <string_view>
 
 #include "person/builtin_tape.h"
 #include "person/source_literals.h"
+#include "person/tape_file.h"
 
 namespace im2fit {
 namespace {

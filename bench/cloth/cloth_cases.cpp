@@ -76,7 +76,7 @@ std::shared_ptr<Dressed> dressed_in(const std::shared_ptr<body::BodyModel>& mode
 
 }  // namespace
 
-Cases all_cases(std::string_view only) {
+Cases cloth_cases(std::string_view only) {
   const std::string path = file_of("IM2FIT_BODY", "body.i2b", "");
   auto loaded = body::BodyModel::load(path);
   if (!loaded) {

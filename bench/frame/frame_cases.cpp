@@ -348,7 +348,7 @@ void add_body_parts(Cases& cases) {
 
 }  // namespace
 
-Cases all_cases(std::string_view only) {
+Cases frame_cases(std::string_view only) {
   Bench b;
   b.open_files();
   const auto any_of = [only](std::initializer_list<const char*> names) {
@@ -363,7 +363,7 @@ Cases all_cases(std::string_view only) {
   if (any_of({"describe"})) add_describe_parts(cases, b);
   if (b.tracker != nullptr && any_of({"rest"})) add_rest(cases, b);
   if (any_of({"body"})) add_body_parts(cases);
-  return cases.empty() && !only.empty() ? all_cases({}) : cases;
+  return cases.empty() && !only.empty() ? frame_cases({}) : cases;
 }
 
 }  // namespace im2fit::bench

@@ -109,7 +109,7 @@ struct Scene {
 
 }  // namespace
 
-Cases all_cases(std::string_view) {
+Cases growth_cases(std::string_view) {
   Cases cases;
   const std::string path = file_of("IM2FIT_TRACKER", "tracker.i2t");
   auto file = MappedFile::open(path);

@@ -56,15 +56,37 @@ constexpr Topic kTopics[] = {
     {"geodesic", add_geodesic_cases},
 };
 
+constexpr CaseList kLists[] = {
+    {"kernels", kernel_cases},
+    {"frame", frame_cases},
+    {"growth", growth_cases},
+#ifdef IM2FIT_BENCH_CLOTH
+    {"cloth", cloth_cases},
+#endif
+};
+
 }  // namespace
 
-Cases all_cases(std::string_view only) {
+const CaseList* case_list(std::string_view name) {
+  for (const CaseList& list : kLists) {
+    if (list.name == name) return &list;
+  }
+  return nullptr;
+}
+
+std::string case_list_names() {
+  std::string names;
+  for (const CaseList& list : kLists) names += (names.empty() ? "" : ", ") + std::string(list.name);
+  return names;
+}
+
+Cases kernel_cases(std::string_view only) {
   Cases cases;
   for (const Topic& topic : kTopics) {
     if (only.empty() || only.starts_with(topic.name)) topic.add(cases);
   }
   // A case whose file goes by another name.
-  return cases.empty() ? all_cases() : cases;
+  return cases.empty() && !only.empty() ? kernel_cases({}) : cases;
 }
 
 }  // namespace im2fit::bench

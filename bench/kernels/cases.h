@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The measured calls: one case per kernel or function, variant and size. kernels_bench times them (Google Benchmark),
-// kernels_count runs one of them N times so that an emulator's plugin can count its instructions.
+// The measured calls: one case per kernel or function, variant and size. bench_time times them (Google Benchmark),
+// bench_count runs one of them N times so that an emulator's plugin can count its instructions.
 //
-// A topic's file, NAME_cases.cpp, defines `void add_TOPIC_cases(Cases&)`; cases.cpp lists the topics.
+// A kernel topic's file, NAME_cases.cpp, defines `void add_TOPIC_cases(Cases&)`; cases.cpp lists the topics, and the
+// lists of cases: kernels, frame, growth, cloth.
 #pragma once
 
 #include <functional>
@@ -58,7 +59,18 @@ void keep(const T& value) {
   asm volatile("" : : "g"(&value) : "memory");
 }
 
-// Every case of every topic; with a case's name only its topic's, so that an emulator need not make the others' data.
-Cases all_cases(std::string_view only = {});
+struct CaseList {
+  const char* name;
+  // Every case of the list; with a case's name only its topic's, so that an emulator need not make the others' data.
+  Cases (*cases)(std::string_view only);
+};
+// nullptr: none of this name.
+const CaseList* case_list(std::string_view name);
+std::string case_list_names();  // "kernels, frame, ..."
+
+Cases kernel_cases(std::string_view only);
+Cases frame_cases(std::string_view only);
+Cases growth_cases(std::string_view only);
+Cases cloth_cases(std::string_view only);
 
 }  // namespace im2fit::bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What phones and their drivers do to depth: beside edges values are blended across them and low confidence is dropped;
-// many drivers can smooth over time.
+// What phones and their drivers do to depth: beside edges values are blended across them and low confidence is
+// dropped; many drivers can smooth over time.
 #pragma once
 
 #include <cstddef>

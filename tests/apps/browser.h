@@ -138,7 +138,8 @@ class Browser {
   std::string session_;
 };
 
-// axe-core's rules for WCAG 2.1 A and AA and its best practices, on a page in a browser. scripts/page-check fetches it.
+// axe-core's rules for WCAG 2.1 A and AA and its best practices, on a page in a browser. scripts/page-check fetches
+// it.
 
 // axe-core's source; "" where there is none.
 inline std::string axe_script() {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rendered people measured by the programs: one who turns round, with and without --turn; one in clothes, with
 // --clothing, without it, and with a wrong value.
+#include "measured_clip.h"
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-
-#include "measured_clip.h"
 
 namespace im2fit {
 namespace {

@@ -24,7 +24,7 @@ namespace {
 // Where a viewer shows the vertices of a garment that moves: offsets added at rest, then skinned (docs/garments.md).
 // `offsets`: of the rough mesh; none: by the skeleton alone.
 std::vector<Vec3f> shown_cloth(const ClothPart& part, std::span<const Refinement::Spot> spots,
-                                      std::span<const Vec3f> offsets, const Skeleton& rest, const Pose& pose) {
+                               std::span<const Vec3f> offsets, const Skeleton& rest, const Pose& pose) {
   const PosedSkeleton posed = pose_skeleton(rest, pose);
   std::vector<Vec3f> out;
   for (std::size_t v = 0; v < part.rest.size(); ++v) {

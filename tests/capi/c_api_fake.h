@@ -8,8 +8,9 @@
 extern "C" {
 #endif
 im2fit_handle* open_with_fake_stages(const im2fit_settings* settings); /* NULL: it failed */
-int status_of_opening(const im2fit_settings* settings);                /* opens and closes again */
-void fake_damaged_index(int damaged); /* of the stages of all handles: found when they measure */
+int misuse(void);                                       /* c_misuse_test.c, all of it: the program's exit code */
+int status_of_opening(const im2fit_settings* settings); /* opens and closes again */
+void fake_damaged_index(int damaged);                   /* of the stages of all handles: found when they measure */
 int fake_downs(float* down_y); /* how often the stages were told where down is, of all handles, and the last y */
 #ifdef __cplusplus
 }

@@ -338,7 +338,7 @@ static void opens_and_closes(void) {
   CHECK(KEEPS_WHAT_WAS_FREED || more < 64);
 }
 
-int main(void) {
+int misuse(void) {
   settings_out_of_range_are_named();
   errors_are_of_the_latest_call();
   every_function_refuses_null();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What drivers do beside edges, by the sums written down here, and over time, by the equation of exponential smoothing.
+// What drivers do beside edges, by the sums written down here, and over time, by the equation of exponential
+// smoothing.
 #include "evaluation/measurements/driver_filters.h"
 
 #include <gtest/gtest.h>

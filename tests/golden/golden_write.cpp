@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// golden_write [DIRECTORY]: writes what this build finds as what is expected; scripts/golden calls it.
+// golden_tests --write [DIRECTORY]: writes this build's values as the expected ones; scripts/golden calls it. Without
+// --write: the tests.
+#include <gtest/gtest.h>
+
 #include <cstdio>
+#include <string>
+#include <string_view>
 
 #include "core/file.h"
 #include "tests/body/body_pack.h"
 #include "tests/golden/golden_run.h"
 
+namespace im2fit::golden {
 namespace {
 
-int fail(const im2fit::Error& error) {
-  std::fprintf(stderr, "golden_write: %s\n", error.message.c_str());
+int fail(const Error& error) {
+  std::fprintf(stderr, "golden_tests --write: %s\n", error.message.c_str());
   return 1;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  using namespace im2fit;
-  const std::string directory = argc > 1 ? argv[1] : IM2FIT_GOLDEN_DATA;
-  const auto data = golden::Data::load(directory);
+int write(const std::string& directory) {
+  const auto data = Data::load(directory);
   if (!data) return fail(data.error());
   const auto stages = golden::stages(*data);
   if (!stages) return fail(stages.error());
@@ -33,4 +35,14 @@ int main(int argc, char** argv) {
   if (const auto written = write_file_atomically(directory + "/bodies.txt", *bodies); !written)
     return fail(written.error());
   return 0;
+}
+
+}  // namespace
+}  // namespace im2fit::golden
+
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "--write")
+    return im2fit::golden::write(argc > 2 ? argv[2] : IM2FIT_GOLDEN_DATA);
+  testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
 }
