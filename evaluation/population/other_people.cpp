@@ -23,7 +23,7 @@ constexpr std::uint64_t kMeanNumber = 0x07E2;  // of the mean's places of free s
 constexpr int kSteps = 14, kMoreSteps = 6, kRounds = 3;
 constexpr double kBreadthOfGirth = 0.4;  // at the chest
 
-// What the survey takes where this mesh has no such place: a web joins the thighs down to 70 mm below the survey's
+// What the survey takes where this mesh has no such place: a web joins the thighs down to 77 mm below the survey's
 // crotch, which is above the level of its thigh girth; hands are fists; there are no ears.
 constexpr std::array kLeftFree = {SurveyDimension::crotch_height, SurveyDimension::thigh_girth,
                                   SurveyDimension::hand_length, SurveyDimension::crown_height};

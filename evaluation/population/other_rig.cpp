@@ -22,9 +22,9 @@ constexpr std::size_t at(Segment s) {
 
 // Where the bones begin and end, mm in the file's coordinates, found on level sections of the surface:
 // - knee, ankle, elbow, wrist: the middle of the limb's section at the height of the kneecap's middle (ANSUR II:
-//   0.277 of stature), above the sole where the shank is thinnest, at 0.54 of the way from shoulder to wrist, and
+//   0.278 of stature), above the sole where the shank is thinnest, at 0.54 of the way from shoulder to wrist, and
 //   where the arm is thinnest before the hand;
-// - hip: 0.514 of stature up (ANSUR II's trochanter: 0.519), half of the thigh's breadth inside its outer side;
+// - hip: 0.514 of stature up (ANSUR II's trochanter: 0.513), half of the thigh's breadth inside its outer side;
 // - shoulder: the middle of the arm's depth, 45 mm below the skin;
 // - spine: a quarter of the trunk's depth before the back; neck: the middle of its section; crown: the highest
 // vertex.
