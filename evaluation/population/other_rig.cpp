@@ -62,10 +62,11 @@ constexpr std::array<BonePlace, kCount> kBones = {{
 }};
 
 // Vertices around a place whose plain mean is that place, nearly: one after another, each the one that brings the
-// mean nearest. They are taken from a ball that grows until the mean is that near, or as large as kAroundMost.
+// mean nearest. They are taken from a ball that grows until the mean is that near, in kAroundSteps at most.
 constexpr std::size_t kJointVertices = 24;
-constexpr float kAroundFirst = 1.3F, kAroundStep = 0.2F, kAroundMost = 3.5F;  // times the nearest vertex' distance
-constexpr float kAroundMm = 15;                                               // added to it
+constexpr float kAroundFirst = 1.3F, kAroundStep = 0.2F;  // times the nearest vertex' distance
+constexpr int kAroundSteps = 11;
+constexpr float kAroundMm = 15;  // added to it
 constexpr float kJointOffMm = 1.5F;
 
 struct Around {
@@ -96,7 +97,8 @@ std::vector<std::int32_t> vertices_about(std::span<const Vec3f> vertices, Vec3f 
   for (const Vec3f& p : vertices) nearest = std::min(nearest, norm(p - place));
   Around best;
   best.off_mm = 1e9F;
-  for (float factor = kAroundFirst; factor < kAroundMost && best.off_mm > kJointOffMm; factor += kAroundStep) {
+  for (int step = 0; step < kAroundSteps && best.off_mm > kJointOffMm; ++step) {
+    const float factor = kAroundFirst + kAroundStep * static_cast<float>(step);
     Around around = vertices_within(vertices, place, factor * nearest + kAroundMm);
     if (around.off_mm < best.off_mm) best = std::move(around);
   }
