@@ -210,7 +210,9 @@ TEST_F(OtherPeopleTest, WeightsSumToOneAndArmsStayOffTheTrunk) {
     for (std::size_t i = 0; i < 4; ++i) {
       sum += skin[v].weight[i];
       ASSERT_LT(skin[v].segment[i], body::kSegmentCount);
-      if (i > 0) EXPECT_LE(skin[v].weight[i], skin[v].weight[i - 1]) << v;
+      if (i > 0) {
+        EXPECT_LE(skin[v].weight[i], skin[v].weight[i - 1]) << v;
+      }
     }
     EXPECT_NEAR(sum, 1, 1e-5) << v;
     ++moved[skin[v].segment[0]];
@@ -227,7 +229,9 @@ TEST_F(OtherPeopleTest, WeightsSumToOneAndArmsStayOffTheTrunk) {
     for (std::size_t i = 0; i < 4; ++i) {
       const auto s = static_cast<Segment>(skin[v].segment[i]);
       const bool arm = s >= Segment::left_upper_arm && s <= Segment::right_hand && s != Segment::right_shoulder;
-      if (arm) EXPECT_EQ(skin[v].weight[i], 0) << v;
+      if (arm) {
+        EXPECT_EQ(skin[v].weight[i], 0) << v;
+      }
     }
   }
 }
@@ -243,7 +247,9 @@ TEST_F(OtherPeopleTest, DrawsAreDeterministicMenOfEveryBand) {
     EXPECT_TRUE(std::equal(again.actor->rest.begin(), again.actor->rest.end(), once.subject.actor->rest.begin(),
                            once.subject.actor->rest.end(), same));
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
-      if (m != measurement_index(Measurement::inside_leg)) EXPECT_EQ(again.truth[m], once.subject.truth[m]);
+      if (m != measurement_index(Measurement::inside_leg)) {
+        EXPECT_EQ(again.truth[m], once.subject.truth[m]);
+      }
     const double metres = once.wanted[dimension_index(SurveyDimension::stature)] / 1000;
     const double wanted = once.wanted[dimension_index(SurveyDimension::weight)] / (metres * metres);
     EXPECT_GE(wanted, kOtherBands[i][0]);
@@ -286,7 +292,9 @@ TEST_F(OtherPeopleTest, DimensionsAreMet) {
     EXPECT_NEAR(truth(Measurement::shoulder_breadth), wanted(SurveyDimension::acromion_breadth), 16) << i;
     EXPECT_TRUE(std::isnan(truth(Measurement::inside_leg)));
     for (std::size_t m = 0; m < kMeasurementCount; ++m)
-      if (m != measurement_index(Measurement::inside_leg)) EXPECT_TRUE(std::isfinite(made.subject.truth[m])) << m;
+      if (m != measurement_index(Measurement::inside_leg)) {
+        EXPECT_TRUE(std::isfinite(made.subject.truth[m])) << m;
+      }
   }
 }
 
