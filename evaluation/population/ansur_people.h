@@ -13,7 +13,7 @@
 
 #include "core/status.h"
 #include "evaluation/population/ansur_rows.h"
-#include "evaluation/population/dimension_solver.h"
+#include "evaluation/population/body_dimensions.h"
 #include "train/population/population.h"
 
 namespace im2fit::lab {

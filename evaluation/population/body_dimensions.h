@@ -65,6 +65,13 @@ constexpr std::size_t dimension_index(SurveyDimension d) {
 }
 using DimensionValues = std::array<double, kSurveyDimensionCount>;
 
+// What a dimension is called in tables, and how far off a body may be (1 SD; what is left goes to the energy).
+struct DimensionInfo {
+  std::string_view name;
+  double tolerance;  // mm; kg
+};
+const std::array<DimensionInfo, kSurveyDimensionCount>& dimension_table();
+
 // What dimensions are taken on: a closed surface, its parts by the body model's segments, its landmarks and joints.
 struct DimensionSurface {
   std::int32_t vertex_count = 0;  // of the skin; a mesh may have more behind them

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/population/dimension_solver.h"
+#include "evaluation/population/body_dimensions.h"
 #include "evaluation/population/other_tape.h"
 #include "tests/train/body_fixture.h"
 #include "train/camera/synthetic_person.h"
