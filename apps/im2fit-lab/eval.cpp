@@ -30,6 +30,7 @@ struct EvalCommand {
   std::string samples;
   std::vector<std::string> families = {"modifiers"};
   std::string ansur = default_ansur_folder();
+  std::string other = default_other_folder();
   AnsurSettings ansur_settings;
   std::string commit;
   std::string json_path, html_path, csv_path, people_path, figures_path;
@@ -79,26 +80,53 @@ Result<std::vector<Condition>> wanted_conditions(const EvalCommand& options) {
 }
 
 // The survey is read, and mean bodies made, only where they are needed.
-Result<std::shared_ptr<const AnsurPeople>> ansur_people(const EvalCommand& options, const body::BodyModel& model) {
-  const bool needed = std::any_of(options.families.begin(), options.families.end(),
-                                  [](const std::string& name) { return name != "modifiers"; });
-  if (!needed) return std::shared_ptr<const AnsurPeople>{};
-  auto people = AnsurPeople::load(model, options.ansur, options.ansur_settings);
-  if (!people) return people.error();
-  return std::shared_ptr<const AnsurPeople>(std::make_shared<AnsurPeople>(std::move(*people)));
+struct Families {
+  std::shared_ptr<const AnsurPeople> ansur;
+  std::shared_ptr<const OtherPeople> other;
+};
+Result<Families> load_families(const EvalCommand& options, const body::BodyModel& model) {
+  const auto wanted = [&](PeopleFamily family) {
+    return std::find(options.families.begin(), options.families.end(), name_of(family)) != options.families.end();
+  };
+  Families families;
+  if (wanted(PeopleFamily::ansur) || wanted(PeopleFamily::mixed)) {
+    auto people = AnsurPeople::load(model, options.ansur, options.ansur_settings);
+    if (!people) return people.error();
+    families.ansur = std::make_shared<AnsurPeople>(std::move(*people));
+  }
+  if (wanted(PeopleFamily::other)) {
+    auto people = OtherPeople::load(options.other, options.ansur, options.ansur_settings);
+    if (!people) return people.error();
+    families.other = std::make_shared<OtherPeople>(std::move(*people));
+  }
+  return families;
+}
+
+// Of each family: before anybody is measured.
+Status check_families(const EvalCommand& options, const std::vector<Condition>& conditions) {
+  for (const std::string& name : options.families) {
+    const auto family = people_family_of(name);
+    if (!family) return family.error();
+    for (Condition condition : conditions) {
+      condition.options.family = *family;
+      if (auto shown = shown_by_family(condition); !shown) return shown;
+    }
+  }
+  return Ok{};
 }
 
 // One condition with every family, the worse first.
 Result<std::vector<ConditionRun>> run_condition(const EvalCommand& options, const Condition& condition,
                                                 const SessionModels& models, const index::RawNearest* raw,
-                                                const std::shared_ptr<const AnsurPeople>& ansur) {
+                                                const Families& families) {
   std::vector<ConditionRun> runs;
   for (const std::string& name : options.families) {
     Condition of_family = condition;
     const auto family = people_family_of(name);
     if (!family) return family.error();
     of_family.options.family = *family;
-    of_family.options.ansur = ansur;
+    of_family.options.ansur = families.ansur;
+    of_family.options.other = families.other;
     auto outcomes =
         evaluate(models.body, models.joints, models.index, raw, of_family.options, condition.name + " of " + name);
     if (!outcomes) return outcomes.error();
@@ -159,6 +187,7 @@ Status write_outputs(const EvalCommand& options, const FullReport& report) {
 Result<int> run_eval(const EvalCommand& options) {
   const auto conditions = wanted_conditions(options);
   if (!conditions) return conditions.error();
+  if (const auto shown = check_families(options, *conditions); !shown) return shown.error();
   const auto model = load_body(options.body);
   if (!model) return model.error();
   const auto tracker = Tracker::load(options.joint_model);
@@ -177,10 +206,10 @@ Result<int> run_eval(const EvalCommand& options) {
       fmt::format("seed {}, {} people a condition, index of {} models in {} dimensions: {}", options.evaluation.seed,
                   options.evaluation.subjects, index->size(), index->dimensions(), index->info().provenance);
   const SessionModels models{*model, tracker->model(), *index, &model->shape_space()};
-  const auto ansur = ansur_people(options, *model);
-  if (!ansur) return ansur.error();
+  const auto families = load_families(options, *model);
+  if (!families) return families.error();
   for (const Condition& condition : *conditions) {
-    auto runs = run_condition(options, condition, models, raw->has_value() ? &**raw : nullptr, *ansur);
+    auto runs = run_condition(options, condition, models, raw->has_value() ? &**raw : nullptr, *families);
     if (!runs) return runs.error();
     for (ConditionRun& run : *runs) {
       if (!options.json) fmt::print("{}{}", report.runs.empty() ? "" : "\n", text_of(run.report));
@@ -215,14 +244,18 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
   auto* family =
       sub.add_option("--family", o.families,
                      "People to measure: modifiers (the body model's held-out family), ansur (people of "
-                     "measured dimensions, made in another way), mixed (both in turns); several, separated "
-                     "by commas, the worse is shown first")
+                     "measured dimensions, made in another way), mixed (both in turns), other (men of measured "
+                     "dimensions on a surface and rig of another make, bare); several, separated by commas, the "
+                     "worse is shown first")
           ->delimiter(',')
           ->check([](const std::string& name) {
             const auto known = people_family_of(name);
             return known ? "" : known.error().message;
           });
   auto* ansur = sub.add_option("--ansur", o.ansur, "Folder of ANSUR_II_{FEMALE,MALE}_Public.csv, for those families")
+                    ->type_name("DIR")
+                    ->capture_default_str();
+  auto* other = sub.add_option("--other", o.other, "Folder of s-scape_male.obj, for the family other")
                     ->type_name("DIR")
                     ->capture_default_str();
   auto* ends = sub.add_option("--ansur-ends", o.ansur_settings.end_share,
@@ -275,10 +308,31 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                      "In place of --icp: the output of bench/references/icp_references, ours beside PCL")
           ->type_name("FILE")
           ->excludes(icp);
-  return {
-      condition, conditions,    all,   family, ansur,  ends, pressed, square,  frames,  scale,   twice,
-      samples,   no_raw,        index, html,   commit, csv,  people,  figures, runtime, indexes, runtime_references,
-      icp,       icp_references};
+  return {condition,
+          conditions,
+          all,
+          family,
+          ansur,
+          other,
+          ends,
+          pressed,
+          square,
+          frames,
+          scale,
+          twice,
+          samples,
+          no_raw,
+          index,
+          html,
+          commit,
+          csv,
+          people,
+          figures,
+          runtime,
+          indexes,
+          runtime_references,
+          icp,
+          icp_references};
 }
 
 }  // namespace

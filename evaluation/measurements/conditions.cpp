@@ -115,6 +115,23 @@ Result<Condition> condition_of(const std::string& name, const EvaluationOptions&
   }
 }
 
+Status shown_by_family(const Condition& condition) {
+  if (condition.options.family != PeopleFamily::other) return Ok{};
+  if (condition.options.clothed)
+    return Error{
+        ErrorCode::invalid_argument,
+        fmt::format("condition '{}': people of the family other are shown bare, because clothes and garments "
+                    "are cut for the body model's mesh; leave out clothed and garments",
+                    condition.name)};
+  if (condition.options.body_mass_index_min > 0)
+    return Error{
+        ErrorCode::invalid_argument,
+        fmt::format("condition '{}': people of the family other have a body mass index of 18 to 38; leave out "
+                    "heavy",
+                    condition.name)};
+  return Ok{};
+}
+
 std::string condition_help() {
   std::string text;
   for (const Word& word : kWords) text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", word.name, word.what);

@@ -18,6 +18,9 @@ struct Condition {
 // `name`: one word or several joined by +. Error: a word that is not known, with those that are.
 Result<Condition> condition_of(const std::string& name, const EvaluationOptions& base);
 
+// Error: what the condition shows is not to be had of the family in its options.
+Status shown_by_family(const Condition& condition);
+
 // The words, and what each means, a line each.
 std::string condition_help();
 

@@ -142,7 +142,7 @@ Result<PeopleFamily> people_family_of(std::string_view name) {
   for (std::size_t i = 0; i < kPeopleFamilyNames.size(); ++i)
     if (kPeopleFamilyNames[i] == name) return static_cast<PeopleFamily>(i);
   return Error{ErrorCode::invalid_argument,
-               "no family '" + std::string(name) + "'; there are modifiers, ansur, mixed and unlike"};
+               "no family '" + std::string(name) + "'; there are modifiers, ansur, mixed, other and unlike"};
 }
 
 HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions& options, std::uint64_t index,
@@ -160,7 +160,9 @@ HeldOutPerson draw_person(const body::BodyModel& model, const EvaluationOptions&
   // A man and a woman of each.
   if (options.family == PeopleFamily::mixed)
     person.family = index / 2 % 2 == 0 ? PeopleFamily::ansur : PeopleFamily::modifiers;
-  if (person.family == PeopleFamily::ansur) {
+  if (person.family == PeopleFamily::other) {
+    person.subject = options.other->draw(options.seed, index);
+  } else if (person.family == PeopleFamily::ansur) {
     std::vector<Vec3f> rest;
     person.subject = options.ansur->draw(options.seed, index, rest);
   } else if (person.family == PeopleFamily::unlike) {

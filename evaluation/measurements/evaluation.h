@@ -14,6 +14,7 @@
 #include "estimate/age.h"
 #include "evaluation/measurements/driver_filters.h"
 #include "evaluation/population/ansur_people.h"
+#include "evaluation/population/other_people.h"
 #include "index/index.h"
 #include "perception/joints/tracker.h"
 #include "train/common/parallel.h"
@@ -28,11 +29,12 @@ enum class Views { front, back, both };
 
 // Who is measured (docs/evaluation.md). `modifiers`: the body model's held-out family, of the same sliders as
 // training people. `ansur`: people of measured dimensions made in another way (evaluation/population/ansur_people.h).
-// `mixed`: two of one, two of the other, in turns.
-// `unlike`: the out-of-distribution people that training calibrates on (train/population/ood_subjects.h); they judge
-// nothing.
-enum class PeopleFamily { modifiers, ansur, mixed, unlike };
-inline constexpr std::array<std::string_view, 4> kPeopleFamilyNames = {"modifiers", "ansur", "mixed", "unlike"};
+// `mixed`: two of one, two of the other, in turns. `other`: men of a surface and rig of another make, shown bare
+// (evaluation/population/other_people.h). `unlike`: the out-of-distribution people that training calibrates on
+// (train/population/ood_subjects.h); they judge nothing.
+enum class PeopleFamily { modifiers, ansur, mixed, other, unlike };
+inline constexpr std::array<std::string_view, 5> kPeopleFamilyNames = {"modifiers", "ansur", "mixed", "other",
+                                                                       "unlike"};
 constexpr std::string_view name_of(PeopleFamily family) {
   return kPeopleFamilyNames[static_cast<std::size_t>(family)];
 }
@@ -70,7 +72,8 @@ struct EvaluationOptions {
   int threads = 1;                // does not change the result
   ProgressSink progress = {};
   PeopleFamily family = PeopleFamily::modifiers;
-  std::shared_ptr<const AnsurPeople> ansur;  // not null unless the family is modifiers
+  std::shared_ptr<const AnsurPeople> ansur;  // not null where the family is ansur or mixed
+  std::shared_ptr<const OtherPeople> other;  // not null where the family is other
 };
 
 // The person `index` of an evaluation, and where the camera stands. `showing` 1: the second time.
@@ -97,7 +100,7 @@ struct Outcome {
   std::uint64_t frames_seen = 0;
   bool lifted_arms = false;  // told to (session.h)
   bool dressed = false;
-  MeasurementValues truth{};
+  MeasurementValues truth{};  // NaN: not known, and left out of every figure
   float true_age_years = 0;
   index::Answer answer;
   AgeAnswer age;

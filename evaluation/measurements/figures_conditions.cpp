@@ -50,6 +50,7 @@ void draw_levels(Svg& svg, const Frame& frame, const ConditionRun& run) {
   const Panel panel(svg, frame, {40, 100, "nominal coverage, %", false, 6}, {kLeast, 100, "coverage, %", false, 8});
   svg.line(panel.at(40, 40), panel.at(100, 100), {kInk, 1, "5 4"});
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+    if (!run.report.measurements[m].judged()) continue;
     std::vector<SvgPoint> points;
     for (std::size_t i = 0; i < kLevels.size(); ++i)
       points.push_back(
@@ -76,15 +77,14 @@ void draw_coverage(Svg& svg, const Frame& frame, const std::vector<ConditionRun>
     svg.text({frame.x - 8, y + 4}, title_of(runs[i].report), {Lettering::Anchor::end});
     svg.line({frame.x, y}, {frame.x + frame.width, y}, {kFaint, 0.8});
     if (runs[i].report.measured == 0) continue;
-    double mean = 0;
     for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+      if (!runs[i].report.measurements[m].judged()) continue;
       const double covered = 100 * runs[i].report.measurements[m].coverage();
-      mean += covered / kMeasurementCount;
       svg.disc({panel.x(std::max(kLowest, covered)), y}, 3.2,
                kMeasurementTable[m].id.ends_with("girth") ? kRed : kBlue, 0.6,
                fmt::format("{}, {}: {:.1f} %", title_of(runs[i].report), words_of(m), covered));
     }
-    const double x = panel.x(std::max(kLowest, mean));
+    const double x = panel.x(std::max(kLowest, 100 * mean_coverage(runs[i].report)));
     svg.line({x, y - 7}, {x, y + 7}, {kInk, 2.4});
   }
 }

@@ -14,7 +14,7 @@ void draw_agreement(Svg& svg, const Frame& frame, const ConditionRun& run, std::
   const Agreement& a = run.report.measurements[m].agreement;
   double low = 1e9, high = -1e9, reach = 1e-6;
   for (const Outcome& o : run.outcomes) {
-    if (!o.measured) continue;
+    if (!o.measured || !std::isfinite(o.truth[m])) continue;
     const double value = value_of(o, Estimator::ours, m), truth = o.truth[m];
     low = std::min(low, (value + truth) / 2);
     high = std::max(high, (value + truth) / 2);
@@ -31,7 +31,7 @@ void draw_agreement(Svg& svg, const Frame& frame, const ConditionRun& run, std::
   for (const double limit : {a.low, a.high})
     svg.line(panel.at(low - margin, limit), panel.at(high + margin, limit), {kBlue, 1, "5 4"});
   for (const Outcome& o : run.outcomes) {
-    if (!o.measured) continue;
+    if (!o.measured || !std::isfinite(o.truth[m])) continue;
     const double value = value_of(o, Estimator::ours, m), truth = o.truth[m];
     svg.disc(panel.at((value + truth) / 2, value - truth), 2, o.woman ? kPink : kSky, 0.85,
              fmt::format("{}: measured {:.1f}, true {:.1f}", o.woman ? "woman" : "man", value, truth));
@@ -66,7 +66,7 @@ Figure bias_figure(const ConditionRun& run) {
   double reach = 1.5;
   for (std::size_t m = 0; m < kMeasurementCount; ++m) {
     const double limit = iso_20685_limit_mm(static_cast<Measurement>(m));
-    if (limit <= 0) continue;
+    if (limit <= 0 || !run.report.measurements[m].judged()) continue;
     limited.push_back(m);
     const ErrorStatistics& s = run.report.measurements[m].of(Estimator::ours);
     reach = std::max({reach, 1.1 * std::abs(s.mean_low) / limit, 1.1 * std::abs(s.mean_high) / limit});

@@ -26,12 +26,6 @@ double mean_girth_mae(const Report& r) {
   return sum / count;
 }
 
-double mean_coverage(const Report& r) {
-  double sum = 0;
-  for (const MeasurementReport& m : r.measurements) sum += m.coverage() / kMeasurementCount;
-  return sum;
-}
-
 std::string cards_of(const Report& r) {
   const auto mae = [&](Measurement m) { return r.measurements[measurement_index(m)].of(Estimator::ours).mae; };
   return "<div class=\"cards\">\n" +
@@ -46,7 +40,7 @@ std::string cards_of(const Report& r) {
               fmt::format("paper: {:.1f} %; among our best two: {:.1f} %", 100 * kPaperSizeRight,
                           100 * r.size_top_two)) +
          card(fmt::format("{:.1f} %", 100 * mean_coverage(r)), "coverage of the 95 % interval",
-              "mean of eleven measurements") +
+              "mean of the measurements") +
          "</div>\n";
 }
 
@@ -67,6 +61,11 @@ std::string table_of(const Report& r) {
     const MeasurementReport& row = r.measurements[m];
     const ErrorStatistics& s = row.of(Estimator::ours);
     html += "<tr>" + cell(words_of(m) + ", " + std::string(kMeasurementTable[m].unit));
+    if (!row.judged()) {
+      for (int i = 0; i < 11; ++i) html += cell("–");
+      html += "</tr>\n";
+      continue;
+    }
     for (const double value : {s.bias, s.mae, s.sd, s.p95, s.max}) html += cell(fmt::format("{:.1f}", value));
     const double limit = iso_20685_limit_mm(static_cast<Measurement>(m));
     const bool inside = within_iso_20685(s, static_cast<Measurement>(m));
@@ -94,12 +93,17 @@ std::string groups_table(const Report& r) {
   for (const GroupReport& group : r.groups) {
     html += "<tr>" + cell(group.name) + cell(fmt::format("{}", group.people));
     for (const GroupReport::Row& row : group.rows)
-      html += cell(fmt::format("{:+.1f} / {:.1f} / {:.0f} %", row.bias, row.mae, 100 * row.coverage),
-                   row.coverage >= 0.9 && row.coverage <= 0.98 ? "in" : "over");
+      html += row.people == 0
+                  ? cell("–")
+                  : cell(fmt::format("{:+.1f} / {:.1f} / {:.0f} %", row.bias, row.mae, 100 * row.coverage),
+                         row.coverage >= 0.9 && row.coverage <= 0.98 ? "in" : "over");
     html += "</tr>\n";
   }
   html += "<tr>" + cell("error by BMI") + cell(fmt::format("{}", r.measured));
-  for (const IndexSlope& s : r.slopes) html += cell(fmt::format("{:+.2f} ± {:.2f}", s.slope, s.standard_error));
+  for (std::size_t m = 0; m < kMeasurementCount; ++m)
+    html += cell(r.measurements[m].judged()
+                     ? fmt::format("{:+.2f} ± {:.2f}", r.slopes[m].slope, r.slopes[m].standard_error)
+                     : "–");
   return html + "</tr>\n</table></div>\n";
 }
 

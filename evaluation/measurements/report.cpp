@@ -25,20 +25,32 @@ double error_of(const Outcome& o, std::size_t m) {
   return static_cast<double>(o.answer.measurements[m].value) - static_cast<double>(o.truth[m]);
 }
 
+std::vector<const Outcome*> of_known_truth(std::span<const Outcome* const> people, std::size_t m) {
+  std::vector<const Outcome*> known;
+  std::copy_if(people.begin(), people.end(), std::back_inserter(known),
+               [m](const Outcome* o) { return std::isfinite(o->truth[m]); });
+  return known;
+}
+
 GroupReport group_of(std::string name, std::span<const Outcome* const> people) {
   GroupReport group;
   group.name = std::move(name);
   group.people = static_cast<int>(people.size());
-  const auto n = static_cast<double>(people.size());
   group.mass_index_low = 1e9;
   for (const Outcome* o : people) {
     group.mass_index_low = std::min(group.mass_index_low, mass_index_of(*o));
     group.mass_index_high = std::max(group.mass_index_high, mass_index_of(*o));
-    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+  }
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+    GroupReport::Row& row = group.rows[m];
+    const std::vector<const Outcome*> known = of_known_truth(people, m);
+    row.people = static_cast<int>(known.size());
+    const auto n = static_cast<double>(known.size());
+    for (const Outcome* o : known) {
       const index::IntervalEstimate& e = o->answer.measurements[m];
-      group.rows[m].bias += error_of(*o, m) / n;
-      group.rows[m].mae += std::fabs(error_of(*o, m)) / n;
-      if (o->truth[m] >= e.low && o->truth[m] <= e.high) group.rows[m].coverage += 1 / n;
+      row.bias += error_of(*o, m) / n;
+      row.mae += std::fabs(error_of(*o, m)) / n;
+      if (o->truth[m] >= e.low && o->truth[m] <= e.high) row.coverage += 1 / n;
     }
   }
   return group;
@@ -75,7 +87,8 @@ std::vector<GroupReport> groups_of(const std::vector<const Outcome*>& measured) 
 }
 
 // Least squares of the error on body mass index over all people; zeros for fewer than three or where none differ.
-IndexSlope index_slope(const std::vector<const Outcome*>& measured, std::size_t measurement) {
+IndexSlope index_slope(const std::vector<const Outcome*>& people, std::size_t measurement) {
+  const std::vector<const Outcome*> measured = of_known_truth(people, measurement);
   const auto n = static_cast<double>(measured.size());
   if (measured.size() < 3) return {};
   double index_mean = 0, error_mean = 0;
@@ -105,14 +118,16 @@ MeasurementReport measurement_report(const std::vector<const Outcome*>& measured
   std::array<std::vector<double>, kEstimatorCount> errors;
   std::vector<std::array<double, 2>> with_truth, with_itself;
   std::vector<double> widths;
-  const auto n = static_cast<double>(measured.size());
-  for (const Outcome* o : measured) {
+  for (const Outcome* o : measured)
+    if (o->measured_again) with_itself.push_back({o->answer.measurements[m].value, o->again[m]});
+  const std::vector<const Outcome*> known = of_known_truth(measured, m);
+  const auto n = static_cast<double>(known.size());
+  for (const Outcome* o : known) {
     const double truth = o->truth[m];
     const index::IntervalEstimate& estimate = o->answer.measurements[m];
     for (std::size_t estimator = 0; estimator < kEstimatorCount; ++estimator)
       errors[estimator].push_back(value_of(*o, static_cast<Estimator>(estimator), m) - truth);
     with_truth.push_back({estimate.value, truth});
-    if (o->measured_again) with_itself.push_back({estimate.value, o->again[m]});
     for (std::size_t level = 0; level < kLevels.size(); ++level) {
       // The stated interval to the bit, not recomputed from its scale.
       const bool inside = level == kStatedLevel ? truth >= estimate.low && truth <= estimate.high
@@ -223,6 +238,17 @@ double value_of(const Outcome& outcome, Estimator estimator, std::size_t measure
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+double mean_coverage(const Report& report) {
+  double sum = 0;
+  int judged = 0;
+  for (const MeasurementReport& m : report.measurements) {
+    if (!m.judged()) continue;
+    sum += m.coverage();
+    ++judged;
+  }
+  return judged > 0 ? sum / judged : 0;
+}
+
 double girth_error_mm(const Report& report) {
   double sum = 0;
   for (const Measurement m :
@@ -265,9 +291,10 @@ Report report_of(const std::vector<Outcome>& outcomes, const std::string& condit
         static_cast<double>(o->answer.clothing.ease_mm) / static_cast<double>(estimated.size());
   report.raw_sex_accuracy = share_of(with_raw, [](const Outcome* o) { return o->raw.woman == o->woman; });
   add_ages(measured, report);
-  report.size_accuracy = share_of(measured, [](const Outcome* o) { return size_rank(*o) == 0; });
-  report.size_top_two = share_of(measured, [](const Outcome* o) { return size_rank(*o) <= 1; });
-  for (const Outcome* o : measured) ++report.size_steps[static_cast<std::size_t>(size_steps_off(*o) + kSizeStepMost)];
+  const std::vector<const Outcome*> sized = of_known_truth(measured, kChest);
+  report.size_accuracy = share_of(sized, [](const Outcome* o) { return size_rank(*o) == 0; });
+  report.size_top_two = share_of(sized, [](const Outcome* o) { return size_rank(*o) <= 1; });
+  for (const Outcome* o : sized) ++report.size_steps[static_cast<std::size_t>(size_steps_off(*o) + kSizeStepMost)];
   report.groups = groups_of(measured);
   for (std::size_t m = 0; m < kMeasurementCount; ++m) report.slopes[m] = index_slope(measured, m);
   add_joints(outcomes, report);

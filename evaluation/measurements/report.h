@@ -41,7 +41,8 @@ inline constexpr std::array<Level, 6> kLevels = {
 inline constexpr std::size_t kStatedLevel = 4;
 
 struct MeasurementReport {
-  std::array<ErrorStatistics, kEstimatorCount> errors;  // count 0: that estimator does not answer it
+  std::array<ErrorStatistics, kEstimatorCount> errors;  // count 0: that estimator does not answer it; of ours: no
+                                                        // true value is known, and all but `repeatability` is zero
   std::array<double, kLevels.size()> covered{};         // share of truths inside, 0..1
   double interval_width = 0;                            // mean
   double interval_width_median = 0;
@@ -49,6 +50,7 @@ struct MeasurementReport {
   Repeatability repeatability;  // pairs 0: shown once
   const ErrorStatistics& of(Estimator estimator) const { return errors[static_cast<std::size_t>(estimator)]; }
   double coverage() const { return covered[kStatedLevel]; }
+  bool judged() const { return of(Estimator::ours).count > 0; }
 };
 
 // Some of the people, by their truth: a sex and a third of it by body mass index, or a family of a mixed run.
@@ -57,6 +59,7 @@ struct GroupReport {
   int people = 0;
   double mass_index_low = 0, mass_index_high = 0;
   struct Row {
+    int people = 0;                          // whose true value is known
     double bias = 0, mae = 0, coverage = 0;  // coverage: of the stated 95 % interval, 0..1
   };
   std::array<Row, kMeasurementCount> rows{};
@@ -116,6 +119,8 @@ struct ConditionRun {
 
 Report report_of(const std::vector<Outcome>& outcomes, const std::string& condition, const std::string& what = "",
                  const std::string& family = "");
+// Of the stated 95 %, over the measurements that are judged, 0..1.
+double mean_coverage(const Report& report);
 // Mean absolute error of chest, waist, hip and neck girth: which of two families is the worse.
 double girth_error_mm(const Report& report);
 // "noise", or "noise of ansur" where a family is named.

@@ -49,8 +49,8 @@ std::string people_csv_of(const std::vector<ConditionRun>& runs) {
     for (std::size_t i = 0; i < run.outcomes.size(); ++i)
       for (std::size_t m = 0; m < kMeasurementCount; ++m) {
         const Outcome& o = run.outcomes[i];
-        csv += fmt::format("{},{},{},{},{},{},{:.2f}", name_of(o.family), run.report.condition, i, o.woman ? 1 : 0,
-                           o.measured ? 1 : 0, kMeasurementTable[m].id, o.truth[m]);
+        csv += fmt::format("{},{},{},{},{},{},{}", name_of(o.family), run.report.condition, i, o.woman ? 1 : 0,
+                           o.measured ? 1 : 0, kMeasurementTable[m].id, precise(o.truth[m]));
         const index::IntervalEstimate& e = o.answer.measurements[m];
         const double none = std::nan("");
         for (const double value :

@@ -20,12 +20,27 @@ Json levels_json(const MeasurementReport& r) {
   return levels;
 }
 
+Json repeatability_json(const Repeatability& r) {
+  return {{"pairs", r.pairs}, {"tem", r.tem}, {"tem_percent", r.percent}, {"reliability", r.reliability}};
+}
+
+// No true value is known: every figure that needs one is null.
+Json unjudged(Json entry, const MeasurementReport& r) {
+  for (const char* figure : {"coverage_95", "interval_width", "interval_width_median", "calibration", "agreement"})
+    entry[figure] = nullptr;
+  if (r.repeatability.pairs > 0) entry["repeatability"] = repeatability_json(r.repeatability);
+  for (const Estimator estimator : {Estimator::paper, Estimator::raw, Estimator::nearest})
+    entry[std::string(kEstimators[static_cast<std::size_t>(estimator)].json)] = nullptr;
+  return entry;
+}
+
 Json measurement_json(const MeasurementReport& r, std::size_t m) {
   const auto id = static_cast<Measurement>(m);
   const ErrorStatistics& ours = r.of(Estimator::ours);
   Json entry;
   entry["unit"] = kMeasurementTable[m].unit;
   entry["ours"] = statistics_json(ours);
+  if (!r.judged()) return unjudged(std::move(entry), r);
   entry["coverage_95"] = r.coverage();
   entry["interval_width"] = r.interval_width;
   entry["interval_width_median"] = r.interval_width_median;
@@ -39,11 +54,7 @@ Json measurement_json(const MeasurementReport& r, std::size_t m) {
                         {"limit_low", r.agreement.low},
                         {"limit_high", r.agreement.high},
                         {"slope", r.agreement.slope}};
-  if (r.repeatability.pairs > 0)
-    entry["repeatability"] = {{"pairs", r.repeatability.pairs},
-                              {"tem", r.repeatability.tem},
-                              {"tem_percent", r.repeatability.percent},
-                              {"reliability", r.repeatability.reliability}};
+  if (r.repeatability.pairs > 0) entry["repeatability"] = repeatability_json(r.repeatability);
   for (const Estimator estimator : {Estimator::paper, Estimator::raw, Estimator::nearest})
     entry[std::string(kEstimators[static_cast<std::size_t>(estimator)].json)] = statistics_json(r.of(estimator));
   return entry;
@@ -64,9 +75,11 @@ Json groups_json(const Report& report) {
                   {"people", group.people},
                   {"bmi_low", group.mass_index_low},
                   {"bmi_high", group.mass_index_high}};
-    for (std::size_t m = 0; m < kMeasurementCount; ++m)
-      entry["measurements"][std::string(kMeasurementTable[m].id)] = {
-          {"bias", group.rows[m].bias}, {"mae", group.rows[m].mae}, {"coverage_95", group.rows[m].coverage}};
+    for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+      const GroupReport::Row& row = group.rows[m];
+      Json& of = entry["measurements"][std::string(kMeasurementTable[m].id)];
+      of = row.people > 0 ? Json{{"bias", row.bias}, {"mae", row.mae}, {"coverage_95", row.coverage}} : Json();
+    }
     groups.push_back(std::move(entry));
   }
   return groups;
@@ -91,9 +104,11 @@ Json json_value_of(const Report& report) {
       json["not_measured_because"][std::string(kGuidanceNames[g])] = report.not_measured_because[g];
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
     json["measurements"][std::string(kMeasurementTable[m].id)] = measurement_json(report.measurements[m], m);
-  for (std::size_t m = 0; m < kMeasurementCount; ++m)
-    json["measurements"][std::string(kMeasurementTable[m].id)]["error_by_bmi"] = {
-        {"slope", report.slopes[m].slope}, {"standard_error", report.slopes[m].standard_error}};
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+    Json& slope = json["measurements"][std::string(kMeasurementTable[m].id)]["error_by_bmi"];
+    if (report.measurements[m].judged())
+      slope = {{"slope", report.slopes[m].slope}, {"standard_error", report.slopes[m].standard_error}};
+  }
   json["groups"] = groups_json(report);
   json["sex_accuracy"] = report.sex_accuracy;
   if (report.clothing_estimated > 0)

@@ -12,7 +12,7 @@ std::string mae_cell(const ErrorStatistics& s) {
 }
 
 std::string iso_cell(const ErrorStatistics& s, Measurement id) {
-  if (iso_20685_limit_mm(id) <= 0) return "-";
+  if (iso_20685_limit_mm(id) <= 0 || s.count == 0) return "-";
   return fmt::format("{:.1f}..{:.1f} {} {:.0f}", s.mean_low, s.mean_high, within_iso_20685(s, id) ? "in" : "over",
                      iso_20685_limit_mm(id));
 }
@@ -43,14 +43,15 @@ std::string table_of(const Report& report) {
     const MeasurementReport& r = report.measurements[m];
     const ErrorStatistics& ours = r.of(Estimator::ours);
     const auto& info = kMeasurementTable[m];
+    const auto judged = [&](double value) { return r.judged() ? number(value, 1) : "-"; };
     std::vector<std::string> row = {fmt::format("{} {}", info.id, info.unit),
-                                    number(ours.bias, 1),
-                                    number(ours.mae, 1),
-                                    number(ours.sd, 1),
-                                    number(ours.p95, 1),
-                                    number(ours.max, 1),
+                                    judged(ours.bias),
+                                    judged(ours.mae),
+                                    judged(ours.sd),
+                                    judged(ours.p95),
+                                    judged(ours.max),
                                     iso_cell(ours, static_cast<Measurement>(m)),
-                                    number(100 * r.coverage(), 1),
+                                    judged(100 * r.coverage()),
                                     mae_cell(r.of(Estimator::paper)),
                                     mae_cell(r.of(Estimator::raw)),
                                     mae_cell(r.of(Estimator::nearest))};
@@ -74,7 +75,7 @@ std::string groups_table(const Report& report) {
     std::vector<std::string> row = {group.name, fmt::format("{}", group.people)};
     for (const Measurement m : kGrouped) {
       const GroupReport::Row& r = group.rows[measurement_index(m)];
-      row.push_back(fmt::format("{:+.1f} / {:.1f} / {:.0f}", r.bias, r.mae, 100 * r.coverage));
+      row.push_back(r.people > 0 ? fmt::format("{:+.1f} / {:.1f} / {:.0f}", r.bias, r.mae, 100 * r.coverage) : "-");
     }
     table.add(row);
   }
@@ -128,11 +129,7 @@ std::string text_of(const std::vector<ConditionRun>& runs) {
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
     row(fmt::format("{} {}", kMeasurementTable[m].id, kMeasurementTable[m].unit),
         [&](const Report& r) { return mae_cell(r.measurements[m].of(Estimator::ours)); });
-  row("in 95 % interval", [](const Report& r) {
-    double sum = 0;
-    for (const auto& m : r.measurements) sum += m.coverage();
-    return number(100 * sum / kMeasurementCount, 1);
-  });
+  row("in 95 % interval", [](const Report& r) { return number(100 * mean_coverage(r), 1); });
   row("sex right %", [](const Report& r) { return number(100 * r.sex_accuracy, 1); });
   row("age years", [](const Report& r) { return number(r.age_error_years, 1); });
   row("size outright %", [](const Report& r) { return number(100 * r.size_accuracy, 1); });

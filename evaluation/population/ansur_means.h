@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The six mean meshes that people of the family `ansur` are deformed from (ansur_people.h), and what each can be
-// pulled by: its dimensions, joints that stay, places of free shape.
+// The six mean meshes that people of the family `ansur` are deformed from (ansur_people.h).
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <memory>
-#include <span>
-#include <vector>
 
 #include "body/model.h"
-#include "evaluation/population/body_dimensions.h"
-#include "evaluation/population/deformation_graph.h"
+#include "evaluation/population/deformable_mean.h"
 
 namespace im2fit::lab {
 
@@ -28,32 +22,12 @@ struct MeanBuild {
 inline constexpr std::size_t kMeanCount = 6;
 extern const std::array<MeanBuild, kMeanCount> kMeans;
 
-// Free shape: pairs and single places on the skin, pushed along the normal.
-inline constexpr int kPairs = 20, kSingles = 10;
-// Of joints forwards or back.
-inline constexpr double kPostureMm = 10;
-
-using Basis = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-struct Mean {
+struct BuiltMean {
   body::Params params;
-  std::vector<Vec3f> rest;
-  std::unique_ptr<BodyDimensions> dimensions;
-  DimensionValues own{};
-  Basis basis;                  // a row a coordinate, a column a response of unit energy
-  Eigen::MatrixXd products;     // of responses, by energy
-  Eigen::MatrixXd stay;         // a row a joint coordinate, in tolerances: it moves by this along the responses
-  int free_first = 0;           // columns that free shape is drawn of
-  std::vector<double> free_mm;  // what one of the column moves its own place by, mm
+  Mean mean;
 };
 
 // Some 0.8 s and 25 MB. `number`: of kMeans.
-Mean make_mean(const body::BodyModel& model, const MeanBuild& build, std::uint64_t number);
-
-// Sum over pulls of the gradient's product with each response.
-Eigen::RowVectorXd along_basis(const Basis& basis, const PullRow& row);
-
-// The mean mesh moved by responses times `c`. `rest`: all vertices.
-void deform(const Mean& mean, const Eigen::VectorXd& c, std::span<Vec3f> rest);
+BuiltMean make_mean(const body::BodyModel& model, const MeanBuild& build, std::uint64_t number);
 
 }  // namespace im2fit::lab

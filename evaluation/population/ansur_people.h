@@ -6,11 +6,9 @@
 // back lies behind the sides, bumps, left against right.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/status.h"
@@ -48,12 +46,5 @@ class AnsurPeople {
 // Where ANSUR II lies when no option says: $IM2FIT_SHARED/data/ansur2, else ../shared/data/ansur2 from the folder the
 // program is called in.
 std::string default_ansur_folder();
-
-// What a dimension is called in tables, and how far off a body may be (1 SD; what is left goes to the energy).
-struct DimensionInfo {
-  std::string_view name;
-  double tolerance;  // mm; kg
-};
-const std::array<DimensionInfo, kSurveyDimensionCount>& dimension_table();
 
 }  // namespace im2fit::lab

@@ -158,6 +158,29 @@ WantedPerson AnsurRows::draw(bool woman, const AnsurSettings& settings, Rng& rng
   return wanted_of(woman, row, settings, rng);
 }
 
+std::array<std::size_t, 2> AnsurRows::between(bool woman, double index_low, double index_high) const {
+  const Sex& sex = sexes_[woman ? 1 : 0];
+  const auto first_from = [&](double index) {
+    const auto place = std::partition_point(sex.by_mass_index.begin(), sex.by_mass_index.end(),
+                                            [&](std::size_t row) { return mass_index(sex.people[row]) < index; });
+    return static_cast<std::size_t>(place - sex.by_mass_index.begin());
+  };
+  return {first_from(index_low), first_from(index_high)};
+}
+
+std::size_t AnsurRows::count_between(bool woman, double index_low, double index_high) const {
+  const auto [first, end] = between(woman, index_low, index_high);
+  return end - first;
+}
+
+WantedPerson AnsurRows::draw_between(bool woman, double index_low, double index_high, const AnsurSettings& settings,
+                                     Rng& rng) const {
+  const Sex& sex = sexes_[woman ? 1 : 0];
+  const auto [first, end] = between(woman, index_low, index_high);
+  const auto place = first + static_cast<std::size_t>(rng.index(static_cast<int>(end - first)));
+  return wanted_of(woman, sex.people[sex.by_mass_index[place]], settings, rng);
+}
+
 WantedPerson AnsurRows::wanted_of(bool woman, const std::vector<double>& row, const AnsurSettings& settings,
                                   Rng& rng) const {
   WantedPerson person;

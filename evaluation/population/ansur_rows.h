@@ -18,6 +18,8 @@
 // arms (an assumption, +-2 %).
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -56,6 +58,12 @@ class AnsurRows {
   // index drawn evenly from 17..19 or 32..42.
   WantedPerson draw(bool woman, const AnsurSettings& settings, Rng& rng) const;
 
+  // A row drawn with replacement from those of a body mass index of at least `index_low` and below `index_high`, as
+  // it is. There must be one: see count_between.
+  WantedPerson draw_between(bool woman, double index_low, double index_high, const AnsurSettings& settings,
+                            Rng& rng) const;
+  std::size_t count_between(bool woman, double index_low, double index_high) const;
+
   std::size_t count(bool woman) const { return sexes_[woman ? 1 : 0].people.size(); }
 
  private:
@@ -65,6 +73,8 @@ class AnsurRows {
     std::vector<std::size_t> by_mass_index;   // lightest first
     double chest_wider_mm = 0;
   };
+  // Places in by_mass_index: first, one past the last.
+  std::array<std::size_t, 2> between(bool woman, double index_low, double index_high) const;
   WantedPerson wanted_of(bool woman, const std::vector<double>& row, const AnsurSettings& settings, Rng& rng) const;
 
   std::vector<Sex> sexes_;  // men, women

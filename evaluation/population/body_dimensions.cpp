@@ -137,8 +137,8 @@ void pull_extreme(const Extreme& e, Vec3f gradient, PullRow* row) {
 }  // namespace
 
 struct BodyDimensions::State {
-  explicit State(const body::BodyModel& of) : model(of) {}
-  const body::BodyModel& model;
+  explicit State(DimensionSurface of) : surface(std::move(of)) {}
+  DimensionSurface surface;
   std::vector<Triangle> trunk, neck, head;
   std::array<std::vector<Triangle>, 2> thigh, shank, upper_arm, forearm;  // left, right
   std::array<std::vector<std::int32_t>, 2> hand, foot;                    // vertices
@@ -147,12 +147,9 @@ struct BodyDimensions::State {
   float neck_share = 0.5F, calf_share = 0.3F, ankle_share = 0.9F, upper_arm_share = 0.5F, forearm_share = 0.2F,
         wrist_share = 0.97F;
 
-  std::span<const std::int32_t> list(std::size_t number) const {
-    const auto& d = model.data();
-    return d.list_vertices.subspan(d.lists[number].first, d.lists[number].count);
-  }
-  std::span<const std::int32_t> head_of(Segment s) const { return list(body::kHeadLists + at(s)); }
-  std::span<const std::int32_t> tail_of(Segment s) const { return list(body::kTailLists + at(s)); }
+  std::span<const std::int32_t> head_of(Segment s) const { return surface.head[at(s)]; }
+  std::span<const std::int32_t> tail_of(Segment s) const { return surface.tail[at(s)]; }
+  std::int32_t landmark(Landmark l) const { return surface.landmarks[static_cast<std::size_t>(l)]; }
 
   static Segment sided(Segment left, std::size_t side) {
     if (side == 0) return left;
@@ -186,7 +183,7 @@ bool is(Segment s, Segment left) {
 class Measuring {
  public:
   Measuring(const BodyDimensions::State& s, std::span<const Vec3f> mesh, std::vector<PullRow>* rows)
-      : s_(s), d_(s.model.data()), mesh_(mesh), rows_(rows) {
+      : s_(s), mesh_(mesh), rows_(rows) {
     if (rows_ != nullptr) rows_->assign(kSurveyDimensionCount, {});
     for (std::size_t side = 0; side < 2; ++side)
       sole_[side] = *std::min_element(s.foot[side].begin(), s.foot[side].end(),
@@ -233,7 +230,7 @@ class Measuring {
 
   float nipple_y() const { return 0.5F * (landmark(Landmark::left_nipple).y + landmark(Landmark::right_nipple).y); }
   float buttock_y() const { return buttock_y_; }
-  Vec3f landmark(Landmark l) const { return point(d_.landmark(l)); }
+  Vec3f landmark(Landmark l) const { return point(s_.landmark(l)); }
 
  private:
   Vec3f point(std::int32_t v) const { return mesh_[static_cast<std::size_t>(v)]; }
@@ -251,23 +248,23 @@ class Measuring {
   }
 
   void heights() {
-    const auto body_count = static_cast<std::int32_t>(s_.model.body_vertex_count());
+    const auto body_count = s_.surface.vertex_count;
     std::int32_t crown = 0;
     for (std::int32_t v = 0; v < body_count; ++v)
       if (point(v).y > point(crown).y) crown = v;
     crown_ = crown;
     height(SurveyDimension::stature, std::array{crown});
-    height(SurveyDimension::cervicale_height, std::array{d_.landmark(Landmark::c7)});
+    height(SurveyDimension::cervicale_height, std::array{s_.landmark(Landmark::c7)});
     height(SurveyDimension::acromial_height,
-           std::array{d_.landmark(Landmark::left_acromion), d_.landmark(Landmark::right_acromion)});
+           std::array{s_.landmark(Landmark::left_acromion), s_.landmark(Landmark::right_acromion)});
     height(SurveyDimension::chest_height,
-           std::array{d_.landmark(Landmark::left_nipple), d_.landmark(Landmark::right_nipple)});
-    height(SurveyDimension::waist_height, std::array{d_.landmark(Landmark::navel)});
-    height(SurveyDimension::buttock_height, std::array{d_.landmark(Landmark::crotch)});
+           std::array{s_.landmark(Landmark::left_nipple), s_.landmark(Landmark::right_nipple)});
+    height(SurveyDimension::waist_height, std::array{s_.landmark(Landmark::navel)});
+    height(SurveyDimension::buttock_height, std::array{s_.landmark(Landmark::crotch)});
     value(SurveyDimension::buttock_height) += static_cast<double>(buttock_y_ - landmark(Landmark::crotch).y);
-    pull(SurveyDimension::buttock_height, d_.landmark(Landmark::crotch), {0, -1, 0});
+    pull(SurveyDimension::buttock_height, s_.landmark(Landmark::crotch), {0, -1, 0});
     for (const auto& [v, share] : buttocks_) pull(SurveyDimension::buttock_height, v, {0, share, 0});
-    height(SurveyDimension::crotch_height, std::array{d_.landmark(Landmark::crotch)});
+    height(SurveyDimension::crotch_height, std::array{s_.landmark(Landmark::crotch)});
     std::vector<std::int32_t> hips, knees;
     for (const Segment s : {Segment::left_upper_leg, Segment::right_upper_leg}) {
       hips.insert(hips.end(), s_.head_of(s).begin(), s_.head_of(s).end());
@@ -329,7 +326,7 @@ class Measuring {
          across(Segment::left_upper_arm, side, s_.upper_arm[side], s_.upper_arm_share));
     limb(SurveyDimension::forearm_girth, across(Segment::left_lower_arm, side, s_.forearm[side], s_.forearm_share));
     limb(SurveyDimension::wrist_girth, across(Segment::left_lower_arm, side, s_.forearm[side], s_.wrist_share));
-    const std::array acromion = {d_.landmark(side == 0 ? Landmark::left_acromion : Landmark::right_acromion)};
+    const std::array acromion = {s_.landmark(side == 0 ? Landmark::left_acromion : Landmark::right_acromion)};
     const Segment lower_arm = sided(Segment::left_lower_arm), hand = sided(Segment::left_hand);
     distance(SurveyDimension::upper_arm_length, acromion, s_.head_of(lower_arm));
     distance(SurveyDimension::forearm_length, s_.head_of(lower_arm), s_.head_of(hand));
@@ -350,7 +347,7 @@ class Measuring {
   }
 
   void shoulders() {
-    const std::array left = {d_.landmark(Landmark::left_acromion)}, right = {d_.landmark(Landmark::right_acromion)};
+    const std::array left = {s_.landmark(Landmark::left_acromion)}, right = {s_.landmark(Landmark::right_acromion)};
     for (int i = 0; i < 2; ++i) distance(SurveyDimension::acromion_breadth, right, left);
     const auto joint_left = s_.head_of(Segment::left_upper_arm), joint_right = s_.head_of(Segment::right_upper_arm);
     for (int i = 0; i < 2; ++i) distance(SurveyDimension::deltoid_breadth, joint_right, joint_left);
@@ -387,13 +384,13 @@ class Measuring {
   }
 
   void weight() {
-    const double litres = body::volume_litres(s_.model, mesh_);
-    const double density = body::density_kg_m3(body::stature_mm(s_.model, mesh_), litres);
+    const double litres = volume_litres();
+    const double density = body::density_kg_m3(extent_mm(), litres);
     value(SurveyDimension::weight) = litres * 1e-3 * density;
     PullRow* r = row(SurveyDimension::weight);
     if (r == nullptr) return;
-    std::vector<Vec3f> sum(static_cast<std::size_t>(s_.model.body_vertex_count()));
-    for (const auto& t : s_.model.body_triangles()) {
+    std::vector<Vec3f> sum(static_cast<std::size_t>(s_.surface.vertex_count));
+    for (const auto& t : s_.surface.triangles) {
       const auto i = [&](std::size_t c) { return static_cast<std::size_t>(t[c]); };
       for (std::size_t c = 0; c < 3; ++c) sum[i(c)] = sum[i(c)] + cross(mesh_[i((c + 1) % 3)], mesh_[i((c + 2) % 3)]);
     }
@@ -401,8 +398,22 @@ class Measuring {
     for (std::size_t v = 0; v < sum.size(); ++v) r->push_back({static_cast<std::int32_t>(v), sum[v] * kg_per});
   }
 
+  double volume_litres() const {
+    double six_volumes = 0;
+    for (const auto& t : s_.surface.triangles)
+      six_volumes += static_cast<double>(dot(point(t[0]), cross(point(t[1]), point(t[2]))));
+    return six_volumes / 6e6;
+  }
+  double extent_mm() const {
+    float low = point(0).y, high = low;
+    for (std::int32_t v = 0; v < s_.surface.vertex_count; ++v) {
+      low = std::min(low, point(v).y);
+      high = std::max(high, point(v).y);
+    }
+    return static_cast<double>(high) - static_cast<double>(low);
+  }
+
   const BodyDimensions::State& s_;
-  const body::BodyModel::Data& d_;
   std::span<const Vec3f> mesh_;
   std::vector<PullRow>* rows_;
   DimensionValues values_{};
@@ -412,13 +423,31 @@ class Measuring {
   float buttock_y_ = 0;
 };
 
-BodyDimensions::BodyDimensions(const body::BodyModel& model, std::span<const Vec3f> mean_rest)
-    : state_(std::make_unique<State>(model)) {
-  State& s = *state_;
+DimensionSurface surface_of(const body::BodyModel& model) {
   const auto& d = model.data();
-  const auto main = [&](std::int32_t v) {
-    return static_cast<Segment>(d.skin[static_cast<std::size_t>(v)].segment[0]);
+  DimensionSurface s;
+  s.vertex_count = model.body_vertex_count();
+  s.triangles = d.triangles;
+  s.triangle_is_arm = d.triangle_is_arm;
+  for (std::int32_t v = 0; v < s.vertex_count; ++v)
+    s.segment.push_back(static_cast<Segment>(d.skin[static_cast<std::size_t>(v)].segment[0]));
+  s.landmarks.assign(d.landmarks.begin(), d.landmarks.end());
+  const auto list = [&](std::size_t number) {
+    const auto of = d.list_vertices.subspan(d.lists[number].first, d.lists[number].count);
+    return std::vector<std::int32_t>(of.begin(), of.end());
   };
+  for (std::size_t i = 0; i < s.head.size(); ++i) {
+    s.head[i] = list(body::kHeadLists + i);
+    s.tail[i] = list(body::kTailLists + i);
+  }
+  return s;
+}
+
+BodyDimensions::BodyDimensions(DimensionSurface surface, std::span<const Vec3f> mean_rest)
+    : state_(std::make_unique<State>(std::move(surface))) {
+  State& s = *state_;
+  const DimensionSurface& d = s.surface;
+  const auto main = [&](std::int32_t v) { return d.segment[static_cast<std::size_t>(v)]; };
   const Vec3f neck_root = mean(mean_rest, s.head_of(Segment::neck)),
               skull = mean(mean_rest, s.head_of(Segment::head));
   const Vec3f axis = normalized(skull - neck_root);
@@ -445,7 +474,7 @@ BodyDimensions::BodyDimensions(const body::BodyModel& model, std::span<const Vec
     if (all([](Segment x) { return is(x, Segment::left_lower_arm) || is(x, Segment::left_hand); }))
       s.forearm[side_of_arm(segment[0])].push_back(t);
   }
-  for (std::int32_t v = 0; v < model.body_vertex_count(); ++v) {
+  for (std::int32_t v = 0; v < d.vertex_count; ++v) {
     const Segment m = main(v);
     const Vec3f p = mean_rest[static_cast<std::size_t>(v)];
     const std::size_t side = p.x > 0 ? 0 : 1;
@@ -483,6 +512,10 @@ BodyDimensions::BodyDimensions(const body::BodyModel& model, std::span<const Vec
 
 BodyDimensions::BodyDimensions(BodyDimensions&&) noexcept = default;
 BodyDimensions::~BodyDimensions() = default;
+
+const DimensionSurface& BodyDimensions::surface() const {
+  return state_->surface;
+}
 
 DimensionValues BodyDimensions::measure(std::span<const Vec3f> rest, std::vector<PullRow>* gradients) const {
   return Measuring(*state_, rest, gradients).run();

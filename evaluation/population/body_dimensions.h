@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -64,11 +65,30 @@ constexpr std::size_t dimension_index(SurveyDimension d) {
 }
 using DimensionValues = std::array<double, kSurveyDimensionCount>;
 
+// What a dimension is called in tables, and how far off a body may be (1 SD; what is left goes to the energy).
+struct DimensionInfo {
+  std::string_view name;
+  double tolerance;  // mm; kg
+};
+const std::array<DimensionInfo, kSurveyDimensionCount>& dimension_table();
+
+// What dimensions are taken on: a closed surface, its parts by the body model's segments, its landmarks and joints.
+struct DimensionSurface {
+  std::int32_t vertex_count = 0;  // of the skin; a mesh may have more behind them
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  std::vector<std::uint8_t> triangle_is_arm;
+  std::vector<body::Segment> segment;   // of each vertex of the skin: the one that moves it most
+  std::vector<std::int32_t> landmarks;  // vertices, in the order of body::Landmark
+  // A joint is the plain mean of vertices.
+  std::array<std::vector<std::int32_t>, body::kSegmentCount> head, tail;
+};
+DimensionSurface surface_of(const body::BodyModel& model);
+
 // Which triangles a section may cut and where limbs are thickest is decided once, on the mesh all others are
 // deformations of. Limbs: the mean of left and right.
 class BodyDimensions {
  public:
-  BodyDimensions(const body::BodyModel& model, std::span<const Vec3f> mean_rest);
+  BodyDimensions(DimensionSurface surface, std::span<const Vec3f> mean_rest);
   BodyDimensions(BodyDimensions&&) noexcept;
   ~BodyDimensions();
 
@@ -78,6 +98,8 @@ class BodyDimensions {
   // A row that squares (positive) or rounds (negative) a trunk section without pulling at its sides, front or back:
   // chest, waist, hip.
   std::array<PullRow, 3> squaring_rows(std::span<const Vec3f> rest) const;
+
+  const DimensionSurface& surface() const;
 
   struct State;
 

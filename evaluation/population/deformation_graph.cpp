@@ -124,6 +124,7 @@ struct DeformationGraph::State {
   std::vector<Eigen::MatrixXd> solutions;                    // of responses: unknowns by coordinate
   std::vector<Eigen::MatrixXd> forces;
 
+  void build(const Graph& graph, const std::vector<bool>& inside, std::int32_t first);
   void follow_skin(const body::BodyModel& model, const std::vector<bool>& inside);
   // The four unknowns of a node act on a vertex by these.
   Eigen::Vector4d arm(std::size_t vertex, int n) const {
@@ -206,32 +207,52 @@ std::vector<std::vector<Influence>> influences_of(const Graph& graph, const std:
 
 }  // namespace
 
+// Nodes, what they move, and the energy of their maps. `rest` is set.
+void DeformationGraph::State::build(const Graph& graph, const std::vector<bool>& inside, std::int32_t first) {
+  const std::vector<int> nodes = sample_nodes(graph, inside, first);
+  for (const int n : nodes) node.push_back(rest[static_cast<std::size_t>(n)]);
+  influences = influences_of(graph, nodes);
+  influences.resize(rest.size());
+
+  Entries entries;
+  std::vector<std::uint8_t> linked(static_cast<std::size_t>(kNodes) * kNodes, 0);
+  for (std::size_t v = 0; v < graph.size(); ++v)
+    for (const Influence& a : influences[v])
+      for (const Influence& b : influences[v]) {
+        auto& done = linked[static_cast<std::size_t>(a.node) * kNodes + static_cast<std::size_t>(b.node)];
+        if (a.node == b.node || done != 0) continue;
+        done = 1;
+        entries.add_edge(node[static_cast<std::size_t>(a.node)], node[static_cast<std::size_t>(b.node)], a.node,
+                         b.node);
+        if (a.node < b.node) entries.add_stiffness(a.node, b.node);
+      }
+  entries.hold(kHeld);
+  energy.compute(entries.matrix());
+}
+
 DeformationGraph::DeformationGraph(const body::BodyModel& model, std::span<const Vec3f> rest)
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.rest.assign(rest.begin(), rest.end());
   const Graph graph = edges_of(model, rest);
   const std::vector<bool> inside = main_part(graph);
-  const std::vector<int> nodes = sample_nodes(graph, inside, model.data().landmark(body::Landmark::navel));
-  for (const int n : nodes) s.node.push_back(rest[static_cast<std::size_t>(n)]);
-  s.influences = influences_of(graph, nodes);
-  s.influences.resize(rest.size());
-
-  Entries entries;
-  std::vector<std::uint8_t> linked(static_cast<std::size_t>(kNodes) * kNodes, 0);
-  for (std::size_t v = 0; v < graph.size(); ++v)
-    for (const Influence& a : s.influences[v])
-      for (const Influence& b : s.influences[v]) {
-        auto& done = linked[static_cast<std::size_t>(a.node) * kNodes + static_cast<std::size_t>(b.node)];
-        if (a.node == b.node || done != 0) continue;
-        done = 1;
-        entries.add_edge(s.node[static_cast<std::size_t>(a.node)], s.node[static_cast<std::size_t>(b.node)], a.node,
-                         b.node);
-        if (a.node < b.node) entries.add_stiffness(a.node, b.node);
-      }
-  entries.hold(kHeld);
-  s.energy.compute(entries.matrix());
+  s.build(graph, inside, model.data().landmark(body::Landmark::navel));
   s.follow_skin(model, inside);
+}
+
+DeformationGraph::DeformationGraph(std::span<const std::array<std::int32_t, 3>> triangles,
+                                   std::span<const Vec3f> rest, std::int32_t first)
+    : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.rest.assign(rest.begin(), rest.end());
+  Graph graph(rest.size());
+  for (const auto& triangle : triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      // The neighbour across the edge passes it the other way round.
+      const auto a = static_cast<std::size_t>(triangle[i]), b = static_cast<std::size_t>(triangle[(i + 1) % 3]);
+      graph[a].emplace_back(static_cast<int>(b), norm(rest[a] - rest[b]));
+    }
+  s.build(graph, std::vector<bool>(rest.size(), true), first);
 }
 
 // Helpers: what lies within a segment follows the skin of that segment on all sides.

@@ -5,6 +5,8 @@
 // answer.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -25,6 +27,9 @@ class DeformationGraph {
  public:
   // `rest`: all vertices of the model. Helpers (joints, tights, skirt) follow the skin around them.
   DeformationGraph(const body::BodyModel& model, std::span<const Vec3f> rest);
+  // A closed surface without helpers, all of one part. `first`: the vertex of the first node.
+  DeformationGraph(std::span<const std::array<std::int32_t, 3>> triangles, std::span<const Vec3f> rest,
+                   std::int32_t first);
   DeformationGraph(DeformationGraph&&) noexcept;
   ~DeformationGraph();
 

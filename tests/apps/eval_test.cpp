@@ -70,6 +70,26 @@ TEST(Eval, FamilyWithoutItsSurveySaysWhereItBelongs) {
   EXPECT_NE(run.err.find("--ansur"), std::string::npos) << run.err;
 }
 
+TEST(Eval, WhatAFamilyCannotShowIsRefusedBeforeAnybodyIsMeasured) {
+  for (const char* condition : {"clothed", "garments+both", "heavy"}) {
+    const test::Run run = eval({"--family", "modifiers,other", "--conditions", std::string("noise,") + condition});
+    EXPECT_EQ(run.exit_code, 1) << condition;
+    EXPECT_EQ(run.out, "");
+    EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit-lab")) << run.err;
+    EXPECT_NE(run.err.find(condition), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("family other"), std::string::npos) << run.err;
+  }
+}
+
+TEST(Eval, FamilyWithoutItsMeshSaysWhereItBelongs) {
+  IM2FIT_NEED_DATA();
+  const test::Run run = eval({"--family", "other", "--other", "/no/such/folder", "--subjects", "1"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(test::is_one_line_of(run.err, "im2fit-lab")) << run.err;
+  EXPECT_NE(run.err.find("/no/such/folder"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("--other"), std::string::npos) << run.err;
+}
+
 TEST(Eval, WritesEverythingOnAnyNumberOfThreads) {
   IM2FIT_NEED_DATA();
   const test::TestFolder folder;

@@ -195,6 +195,69 @@ TEST(Report, TellsWhoErrsHow) {
   EXPECT_EQ(mixed.groups[4].people, 1);
 }
 
+// Two of four have no true chest, none has a true inside leg: they count nowhere, neither as covered nor as missed.
+TEST(Report, LeavesUnknownTruthsOut) {
+  constexpr std::size_t kInsideLeg = measurement_index(Measurement::inside_leg);
+  std::vector<Outcome> outcomes = {outcome(1000, 10, 20), outcome(1000, 30, 40), outcome(1000, -50, 20),
+                                   outcome(1000, 70, 20)};
+  for (Outcome& o : outcomes) o.truth[kInsideLeg] = std::numeric_limits<float>::quiet_NaN();
+  for (const std::size_t i : {2U, 3U}) outcomes[i].truth[kChest] = std::numeric_limits<float>::quiet_NaN();
+  outcomes[0].measured_again = true;
+  outcomes[0].again.fill(1014);
+  const Report r = report_of(outcomes, "noise", "", "other");
+  const MeasurementReport& chest = r.measurements[kChest];
+  EXPECT_EQ(chest.of(Estimator::ours).count, 2);
+  EXPECT_NEAR(chest.of(Estimator::ours).bias, 20, 1e-4);
+  EXPECT_NEAR(chest.coverage(), 1, 1e-9);
+  EXPECT_NEAR(chest.interval_width, 60, 1e-4);
+  EXPECT_EQ(chest.agreement.count, 2);
+  EXPECT_NEAR(r.measurements[kStature].coverage(), 0.5, 1e-9);
+  EXPECT_FALSE(r.measurements[kInsideLeg].judged());
+  EXPECT_EQ(r.measurements[kInsideLeg].repeatability.pairs, 1);
+  // Nine measurements of 50 % and one of 100 %.
+  EXPECT_NEAR(mean_coverage(r), (9 * 0.5 + 1) / 10, 1e-9);
+  EXPECT_EQ(r.size_steps[0] + r.size_steps[1] + r.size_steps[2] + r.size_steps[3] + r.size_steps[4], 2);
+  int chests = 0;
+  for (const GroupReport& group : r.groups) {
+    chests += group.rows[kChest].people;
+    EXPECT_EQ(group.rows[kInsideLeg].people, 0);
+    EXPECT_TRUE(std::isfinite(group.rows[kChest].bias));
+    EXPECT_TRUE(std::isfinite(group.rows[kInsideLeg].mae));
+  }
+  EXPECT_EQ(chests, 2);
+  EXPECT_EQ(r.slopes[kInsideLeg].slope, 0);
+  const nlohmann::ordered_json json = json_value_of(r);
+  const auto& leg = json.at("measurements").at("inside_leg");
+  for (const char* figure : {"ours", "coverage_95", "interval_width_median", "agreement", "error_by_bmi"})
+    EXPECT_TRUE(leg.at(figure).is_null()) << figure;
+  EXPECT_EQ(json.at("measurements").at("chest_girth").at("ours").at("count"), 2);
+  EXPECT_EQ(json.dump().find("nan"), std::string::npos);
+  EXPECT_EQ(text_of(r).find("nan"), std::string::npos) << text_of(r);
+  const std::vector<ConditionRun> runs = {{Condition{}, outcomes, r}};
+  EXPECT_EQ(people_csv_of(runs).find("nan"), std::string::npos);
+  EXPECT_EQ(csv_of(runs).find("nan"), std::string::npos);
+}
+
+TEST(Conditions, OfTheFamilyOtherAreBareAndNotHeavy) {
+  EvaluationOptions base;
+  for (const char* word : {"noise", "both", "tof", "arms_out", "back", "frames5+320"}) {
+    auto condition = condition_of(word, base);
+    ASSERT_TRUE(condition);
+    condition->options.family = PeopleFamily::other;
+    EXPECT_TRUE(shown_by_family(*condition)) << word;
+  }
+  for (const char* word : {"clothed", "garments", "clothed+320", "heavy"}) {
+    auto condition = condition_of(word, base);
+    ASSERT_TRUE(condition);
+    EXPECT_TRUE(shown_by_family(*condition)) << word;
+    condition->options.family = PeopleFamily::other;
+    const Status shown = shown_by_family(*condition);
+    ASSERT_FALSE(shown) << word;
+    EXPECT_NE(shown.error().message.find(std::string("'") + word + "'"), std::string::npos) << shown.error().message;
+    EXPECT_NE(shown.error().message.find("other"), std::string::npos) << shown.error().message;
+  }
+}
+
 // EN 13402-3 men: M 94 to 102 cm.
 TEST(Report, SizesAreLabelsOffTheTrueOne) {
   std::vector<Outcome> outcomes = {outcome(1000, 0, 5), outcome(1000, 40, 5), outcome(1000, -300, 5)};

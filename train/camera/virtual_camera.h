@@ -109,7 +109,7 @@ class VirtualScene {
   JointSet joints(std::uint64_t index, std::size_t who = 0) const;
   std::size_t people_count() const;  // with the main person, shown or not
   FloorPlane floor() const;          // known also when SceneOptions::floor is off
-  // Body vertices (body_vertex_count of them) of frame `index`, upright camera axes.
+  // Body vertices (body_vertex_count of them, an actor's own) of frame `index`, upright camera axes.
   void person_mesh(std::uint64_t index, std::span<Vec3f> out, std::size_t who = 0) const;
   // What is drawn of a person: body in clothes, skirt, shoes, hair; upright camera axes.
   struct Surface {

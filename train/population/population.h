@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,14 +16,18 @@ namespace im2fit::lab {
 
 using body::Family;
 
+struct Actor;  // train/population/actor.h
+
 struct Subject {
   std::uint64_t seed = 0;  // of this person alone: differs between families also for the same seed and index
   Family family = Family::training;
   bool woman = false;
   body::Params params;
-  MeasurementValues truth{};          // measured on the mesh, offsets included
-  std::vector<Vec3f> rest_offset_mm;  // per body vertex additions the model cannot express (held_out: asymmetry,
-                                      // bumps; training: smaller bumps); empty for none
+  MeasurementValues truth{};           // measured on the mesh, offsets included
+  std::vector<Vec3f> rest_offset_mm;   // per body vertex additions the model cannot express (held_out: asymmetry,
+                                       // bumps; training: smaller bumps); empty for none
+  std::shared_ptr<const Actor> actor;  // what a scene shows in the body model's place; null: the model. Stands and
+                                       // walks bare; has no clothes and does not sit
 };
 
 // Deterministic: depends on the model, family, seed and index only. Even indices are men, odd ones women.

@@ -48,6 +48,21 @@ std::vector<std::uint8_t> hair_labels(const body::BodyModel& model, std::span<co
   return labels;
 }
 
+std::vector<std::uint8_t> hair_labels(const Actor& actor, std::size_t who) {
+  const auto& triangles = actor.surface->triangles;
+  const auto at = [&](std::int32_t i) { return actor.rest[static_cast<std::size_t>(i)]; };
+  const float low = actor.skeleton.head[static_cast<std::size_t>(Segment::head)].y;
+  float crown = low;
+  for (const Vec3f& p : actor.rest) crown = std::max(crown, p.y);
+  std::vector<std::uint8_t> labels;
+  labels.reserve(triangles.size());
+  for (const Triangle& t : triangles) {
+    const Vec3f centre = (at(t[0]) + at(t[1]) + at(t[2])) * (1.0F / 3);
+    labels.push_back(label_of(who, centre.y >= low && in_hair_region(actor.skeleton, crown, centre)));
+  }
+  return labels;
+}
+
 // 0 at both ends of the path, 1 in between, over `frames`.
 float ramp(std::uint64_t index, const FloorPath& path, int frames) {
   const auto i = static_cast<std::int64_t>(index) - path.frame_first;
@@ -107,27 +122,22 @@ void ScenePerson::stage(const Subject& subject, std::span<const Vec3f> rest, con
   plan_ = plan;
   sway_ = Sway(seed);
   Rng rng = Rng::for_item(seed, kPoseStream, 0);
-  rest_.resize(static_cast<std::size_t>(model_.vertex_count()));
-  const auto same = [](Vec3f a, Vec3f b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
-  if (!std::equal(rest.begin(), rest.end(), rest_.begin(), rest_.end(), same)) {
-    outfit_of_.reset();
-    if (rest.size() == rest_.size())
-      std::copy(rest.begin(), rest.end(), rest_.begin());
-    else
-      morph_subject(model_, subject, rest_);
-  }
-  skeleton_ = body::rest_skeleton(model_, rest_);
+  actor_ = subject.actor;
+  if (actor_ != nullptr)
+    take_actor();
+  else
+    take_rest(subject, rest);
   const float stature_m = subject.truth[measurement_index(Measurement::stature)] / 1000;
   const float mass_kg = subject.truth[measurement_index(Measurement::weight)];
   const float bmi = stature_m > 0 ? mass_kg / (stature_m * stature_m) : 24;
   std::optional<TrunkShape> trunk;
-  if (plan.pose == StandingPose::crossed || plan.pose == StandingPose::seated)
+  if (actor_ == nullptr && (plan.pose == StandingPose::crossed || plan.pose == StandingPose::seated))
     trunk.emplace(model_, rest_, skeleton_);
   pose_ = draw_pose(skeleton_, plan.pose, rng, arm_spread_deg(bmi), trunk ? &*trunk : nullptr);
   const float drawn_yaw = draw_yaw_deg(plan.pose, rng);
   yaw_deg_ = plan.yaw_deg.value_or(drawn_yaw) + (plan.back_view ? 180.0F : 0.0F);
   faces_path_ = !plan.yaw_deg && plan.path.frame_count > 0 && length_of(plan.path) > 0;
-  Worn worn{tailor != nullptr && (plan.clothing != Clothing::none || plan.hair),
+  Worn worn{actor_ == nullptr && tailor != nullptr && (plan.clothing != Clothing::none || plan.hair),
             plan.clothing,
             plan.hair,
             subject.woman,
@@ -142,13 +152,32 @@ void ScenePerson::stage(const Subject& subject, std::span<const Vec3f> rest, con
   pose_as(pose_);
 }
 
+void ScenePerson::take_rest(const Subject& subject, std::span<const Vec3f> rest) {
+  rest_.resize(static_cast<std::size_t>(model_.vertex_count()));
+  const auto same = [](Vec3f a, Vec3f b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
+  if (!std::equal(rest.begin(), rest.end(), rest_.begin(), rest_.end(), same)) {
+    outfit_of_.reset();
+    if (rest.size() == rest_.size())
+      std::copy(rest.begin(), rest.end(), rest_.begin());
+    else
+      morph_subject(model_, subject, rest_);
+  }
+  skeleton_ = body::rest_skeleton(model_, rest_);
+}
+
+void ScenePerson::take_actor() {
+  outfit_of_.reset();
+  rest_ = actor_->rest;
+  skeleton_ = actor_->skeleton;
+}
+
 void ScenePerson::dress(const Worn& worn, Tailor* tailor) {
   dressed_ = worn.dressed;
   open_.clear();
   skirt_.clear();
   skirt_triangle_count_ = 0;
   if (!dressed_) {
-    labels_ = hair_labels(model_, rest_, skeleton_, worn.who);
+    labels_ = actor_ != nullptr ? hair_labels(*actor_, worn.who) : hair_labels(model_, rest_, skeleton_, worn.who);
     return;
   }
   Rng rng = Rng::for_item(worn.seed, kDressStream, 0);
@@ -194,9 +223,15 @@ void ScenePerson::add_cloth(const DrapedCloth& cloth) {
 void ScenePerson::pose_as(const body::Pose& pose) {
   const auto body_count = static_cast<std::size_t>(model_.body_vertex_count());
   posed_.resize(rest_.size());
-  body::skin(model_, rest_, skeleton_, pose, posed_);
-  joints_ = body::joints_of(model_, posed_);
-  body_.assign(posed_.begin(), posed_.begin() + static_cast<std::ptrdiff_t>(body_count));
+  if (actor_ != nullptr) {
+    skin(*actor_, pose, posed_);
+    joints_ = joints_of(*actor_, pose);
+    body_ = posed_;
+  } else {
+    body::skin(model_, rest_, skeleton_, pose, posed_);
+    joints_ = body::joints_of(model_, posed_);
+    body_.assign(posed_.begin(), posed_.begin() + static_cast<std::ptrdiff_t>(body_count));
+  }
   float lowest = 1e9F;
   worn_.clear();
   if (dressed_) {
@@ -215,7 +250,7 @@ void ScenePerson::pose_as(const body::Pose& pose) {
   }
   for (const Vec3f& p : surface()) lowest = std::min(lowest, p.y);
   const Vec3f hips = (joints_[Joint::LH] + joints_[Joint::RH]) * 0.5F;
-  if (plan_.pose == StandingPose::seated) find_seat({hips.x, lowest, hips.z});
+  if (plan_.pose == StandingPose::seated && actor_ == nullptr) find_seat({hips.x, lowest, hips.z});
   const Mat3f turn = body::rotation_about(kAxisY, yaw_deg_);
   const auto to_world = [&](Vec3f p) { return turn * Vec3f{p.x - hips.x, p.y - lowest, p.z - hips.z}; };
   for (Vec3f& p : body_) p = to_world(p);
@@ -289,6 +324,7 @@ Rigid ScenePerson::placed(std::uint64_t index) const {
 }
 
 std::span<const Triangle> ScenePerson::closed_triangles() const {
+  if (actor_ != nullptr) return actor_->surface->triangles;
   return dressed_ ? std::span<const Triangle>(triangles_) : model_.body_triangles();
 }
 

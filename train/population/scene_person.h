@@ -6,12 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "body/skeleton.h"
 #include "core/joints.h"
+#include "train/population/actor.h"
 #include "train/population/clothing.h"
 #include "train/population/population.h"
 #include "train/population/poses.h"
@@ -103,6 +105,8 @@ class ScenePerson {
     std::size_t who = 0;
     bool operator==(const Worn&) const = default;
   };
+  void take_rest(const Subject& subject, std::span<const Vec3f> rest);
+  void take_actor();
   void dress(const Worn& worn, Tailor* tailor);
   void pose_as(const body::Pose& pose);
   void drape(const body::Pose& pose);
@@ -114,6 +118,7 @@ class ScenePerson {
   Gait gait(std::uint64_t index) const;
 
   const body::BodyModel& model_;
+  std::shared_ptr<const Actor> actor_;  // shown in the model's place, or null
   PersonPlan plan_;
   Sway sway_;
   body::Skeleton skeleton_;
