@@ -100,10 +100,10 @@ class Accuracy(unittest.TestCase):
         self.succeeds("tables")
         self.succeeds("check")
         readme = self.page("README.md")
-        self.assertIn("| light clothes (simulated as bare) | 31 (+14)<br>95 % in 125 |", readme)
+        self.assertIn("| close-fitting (simulated as bare) | 31 (+14)<br>95 % in ±62 |", readme)
         self.assertIn("| loose T-shirt and trousers |", readme)
-        self.assertIn("30.6 (+14.2)<br>95 % in 124.6 |", readme, "weight, with a decimal")
-        self.assertIn("per population. Measured: ansur 398, ansur 398. Index: 4,000 models, format 13. "
+        self.assertIn("30.6 (+14.2)<br>95 % in ±62.3 |", readme, "weight, with a decimal")
+        self.assertIn("measurement: 398 of 400 (`ansur`), 398 of 400 (`ansur`). Index of 4,000 simulated people, format 13. "
                       "Dataset: version 22. Commit: abc1234.", " ".join(readme.split()))
         self.assertTrue(readme.endswith("<!-- /accuracy -->\n\nAfter it.\n"), readme)
         page = self.page("docs/evaluation.md")
@@ -118,7 +118,7 @@ class Accuracy(unittest.TestCase):
         self.succeeds("tables")
         front = self.page("docs/evaluation.md").split("## both-sides")[0]
         self.assertLess(front.index("`modifiers`: MAE"), front.index("`ansur`: MAE"))
-        self.assertIn("Measured: modifiers 398, ansur 398.", " ".join(self.page("README.md").split()))
+        self.assertIn("measurement: 398 of 400 (`modifiers`), 398 of 400 (`ansur`).", " ".join(self.page("README.md").split()))
 
     def test_figures_of_earlier_versions_are_marked_and_refused(self):
         for dataset, index_format, words in ((23, 13, "dataset 22, code is 23"),
@@ -130,7 +130,7 @@ class Accuracy(unittest.TestCase):
                 self.fails(["check"], words, "scripts/accuracy run")
                 self.succeeds("check", "--tables")
                 self.succeeds("tables")
-                self.assertIn(f"**Measured at {words}.**\n\n| worn |", self.page("README.md"))
+                self.assertIn(f"**Measured at {words}.**\n\n| clothing |", self.page("README.md"))
                 self.assertEqual(self.page("docs/evaluation.md").count(f"**Measured at {words}.**"), 4)
                 self.fails(["check"], words)
                 self.succeeds("check", "--tables")
