@@ -76,6 +76,13 @@ Status check_value(const KnownValue& v, const char* name, const char* unit, floa
 
 }  // namespace
 
+std::vector<std::string_view> names_of_facts(KnownFactSet facts) {
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < kKnownFactCount; ++i)
+    if ((facts >> i & 1U) != 0) names.push_back(kKnownFactNames[i]);
+  return names;
+}
+
 KnownFactSet KnownFacts::given() const {
   return (stature_mm.sd > 0 ? bit_of(KnownFact::stature) : 0) | (weight_kg.sd > 0 ? bit_of(KnownFact::weight) : 0) |
          (sex != KnownSex::unknown ? bit_of(KnownFact::sex) : 0) | (age_years.sd > 0 ? bit_of(KnownFact::age) : 0);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "core/status.h"
 #include "estimate/age.h"
@@ -22,6 +23,8 @@ using KnownFactSet = std::uint32_t;  // bit 1 << fact
 constexpr KnownFactSet bit_of(KnownFact fact) {
   return KnownFactSet{1} << static_cast<int>(fact);
 }
+
+std::vector<std::string_view> names_of_facts(KnownFactSet facts);  // "stature", "weight"
 
 // Standard deviations of facts that come without one.
 // Of a weight: bathroom scales, clothes and the time of day; as people report it (rounded, remembered).

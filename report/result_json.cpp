@@ -83,13 +83,6 @@ Json site_json(const PersonMeasurement& person) {
           {"uncorrected", uncorrected}};
 }
 
-Json names_of_facts(KnownFactSet facts) {
-  Json names = Json::array();
-  for (std::size_t i = 0; i < kKnownFactCount; ++i)
-    if ((facts >> i & 1U) != 0) names.push_back(std::string(kKnownFactNames[i]));
-  return names;
-}
-
 // What was known, what became of it, and what the answer was without.
 Json known_json(const EngineResult& result) {
   const KnownFacts& known = result.known;

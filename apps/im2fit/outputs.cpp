@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -181,27 +181,20 @@ Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& o
   return code;
 }
 
-std::string names_of_facts(KnownFactSet facts) {
-  std::string names;
-  for (std::size_t i = 0; i < kKnownFactCount; ++i)
-    if ((facts >> i & 1U) != 0) names.append(names.empty() ? "" : ", ").append(kKnownFactNames[i]);
-  return names;
-}
-
 // What was known of the person and what became of it.
 std::string known_words(const EngineResult& result) {
   const KnownOutcome& outcome = result.known_outcome;
   std::string text;
   if (outcome.used != 0) {
     const auto of = [](const auto& all, Measurement m) { return all[measurement_index(m)].value; };
-    text += fmt::format("known {}; without it chest {:.0f} mm, waist {:.0f} mm, hip {:.0f} mm\n",
-                        names_of_facts(outcome.used), of(result.unconditioned, Measurement::chest_girth),
-                        of(result.unconditioned, Measurement::waist_girth),
-                        of(result.unconditioned, Measurement::hip_girth));
+    text += fmt::format(
+        "known {}; without it chest {:.0f} mm, waist {:.0f} mm, hip {:.0f} mm\n",
+        fmt::join(names_of_facts(outcome.used), ", "), of(result.unconditioned, Measurement::chest_girth),
+        of(result.unconditioned, Measurement::waist_girth), of(result.unconditioned, Measurement::hip_girth));
   }
   if (outcome.doubted != 0)
     text += fmt::format("doubted and not used: {}; it does not fit what the camera saw: check it\n",
-                        names_of_facts(outcome.doubted));
+                        fmt::join(names_of_facts(outcome.doubted), ", "));
   return text;
 }
 
