@@ -33,7 +33,7 @@ cli::App* add_command(cli::App& app, Command& chosen, const std::string& name, c
   return sub;
 }
 
-// Puts out what waits for stdout. Error: a full disk or a closed pipe behind it; said once, later calls are fine.
+// Flushes stdout. Error: a full disk or a closed pipe behind it. Only the first is reported, later calls succeed.
 Status flush_output();
 
 // `text` as one line for stderr: "PROGRAM: text".

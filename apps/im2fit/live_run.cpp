@@ -55,7 +55,7 @@ class LiveRun {
     return true;
   }
 
-  // After the run: whoever stood there last may be measured from fewer frames.
+  // After the run: the person in front of the camera at the end may be measured from fewer frames.
   Result<int> conclude_run() {
     if (error_) return *error_;
     if (preview_.error()) return *preview_.error();
@@ -177,7 +177,7 @@ class LiveRun {
   Result<int> report_no_person() {
     if (auto concluded = conclude(outcome_); !concluded) return concluded.error();
     const EngineResult& result = outcome_.person.result;
-    // Damaged frames among good ones are left out; nothing but damage is no stream.
+    // Damaged frames among good ones are left out. If all frames are damaged there is no stream.
     if (result.frames_seen == 0 && outcome_.tap->first_damage()) return *outcome_.tap->first_damage();
     if (options_.session.json && !options_.session.out.empty())
       if (auto written = write_outputs(outcome_, options_.session.out); !written) return written.error();

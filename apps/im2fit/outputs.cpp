@@ -151,7 +151,7 @@ Result<std::string> write_motion(const MotionRecording& motion, const std::strin
 Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& options, Result<int> code) {
   if (!code || outcome.motion == nullptr) return code;
   const auto moved = write_motion(*outcome.motion, options.motion, *outcome.data.body_model, outcome.person.body);
-  if (!moved && *code != kExitOk) return code;  // no person was there: that is said already
+  if (!moved && *code != kExitOk) return code;  // no person was there: already reported
   if (!moved) return moved.error();
   if (!options.json) fmt::print("{}", *moved);
   return code;

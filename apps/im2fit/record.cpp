@@ -38,7 +38,7 @@ std::string counts(std::uint64_t frames, const hal::SourceStats& stats, std::uin
   return words;
 }
 
-// Follows whoever is seen while frames are recorded; measures no person.
+// Follows the person in view while frames are recorded. Measures nobody.
 class Follower {
  public:
   static Result<std::unique_ptr<Follower>> create(const RecordOptions& options, const hal::SourceInfo& source) {

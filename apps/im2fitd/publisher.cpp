@@ -102,7 +102,7 @@ Publisher::~Publisher() {
 }
 
 void Publisher::serve(const std::string& greeting) {
-  // First, so that whoever has gone takes no place.
+  // First, so that a client that has gone takes no place.
   for (auto it = clients_.begin(); it != clients_.end();) it = still_there(*it) ? std::next(it) : clients_.erase(it);
   for (;;) {
     const int fd = ::accept4(fd_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);

@@ -37,7 +37,7 @@ class Board {
   // The number of the youngest message once there is one younger than `known`, the board is closed or patience ends.
   std::uint64_t await(std::uint64_t known, std::chrono::milliseconds patience);
   void put(const std::string& path, PageFile file);
-  // These kinds' messages and these files are gone for whoever asks from now on. Who reads one goes on reading.
+  // New requests no longer get messages of these kinds or these files. A client that is reading one goes on reading.
   void withdraw(std::initializer_list<const char*> kinds, std::initializer_list<const char*> paths);
   std::shared_ptr<const PageFile> file(const std::string& path) const;  // null: there is none
   void close();                                                         // wakes who waits; nothing comes any more

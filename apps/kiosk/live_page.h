@@ -33,11 +33,11 @@ struct LivePageSettings {
   bool keeps_files = false;  // a result is written elsewhere as well: consent has to say so
   // On the server's thread. A person consented, to which text: "en-1".
   std::function<void(std::uint64_t visit, const std::string& text)> consented;
-  // A person asked to delete what is theirs, or consent was gone before the result came: what was written to this
-  // folder goes, too.
+  // A person requested deletion, or consent ended before the result came: delete the files written to this folder,
+  // too.
   std::function<void(const std::string& folder)> erase_folder;
   std::optional<OperatorSettings> desk;  // the operator's part of the page; none: there is none
-  std::string operator_password;         // "": none is asked for
+  std::string operator_password;         // "": no password needed
   // Where phones take results that the page hands over, and nothing else; none: it hands none over.
   std::optional<PageAddress> hand_over;
   std::chrono::milliseconds hand_over_max = kHandOverMax;

@@ -229,7 +229,8 @@ PageAnswer OperatorDesk::save(const Json& body) {
     result = result_;
     recorder = recorder_;
   }
-  // What the form may say, put into the record of what is known, is read as any session.json is: one set of limits.
+  // The form's fields, put into the record of the known facts, are parsed as any session.json is, with the same
+  // limits.
   record.id = "new";
   Json json = Json::parse(sessions::record_json(record));
   for (const char* key : {"person", "notes", "site", "truth"})

@@ -55,8 +55,8 @@ class OperatorDesk {
   void begin_anew(std::uint64_t visit);
   void see(std::uint64_t visit, const FrameSeen& frame);
   void measured(std::uint64_t visit, const std::string& result_json);
-  // Its recording goes: the person asked to delete everything, or left before there was an answer. `erased`: by the
-  // person; else a visit that was measured waits here for the operator, who is still at the form.
+  // Deletes the recording: the person requested deletion, or left before there was an answer. `erased`: the person
+  // requested it. Otherwise a measured visit is kept for the operator, who is still at the form.
   void visit_over(std::uint64_t visit, bool erased);
 
  private:

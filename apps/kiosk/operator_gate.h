@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may use the operator's part of the page: whoever knows the password (HTTP Basic, RFC 7617, user "operator")
-// and, to change anything, has read the token, which no page of another site can.
+// Access to the operator's part of the page: a client needs the password (HTTP Basic, RFC 7617, user "operator")
+// and, to change anything, the token, which no page of another site can read.
 #pragma once
 
 #include <chrono>

@@ -82,7 +82,7 @@ struct PageServer::Parts {
     std::uint64_t seen = 0;
     std::string text;  // not yet taken
     bool waiting = false;
-    Clock::time_point read;  // when it was last asked for more
+    Clock::time_point read;  // when the client last requested more
   };
 
   Parts(Board& b, const std::string& host, PageHandlers h)

@@ -296,7 +296,7 @@ void Stream::send(std::uint64_t index) {
   frame->dataSize = static_cast<int>(pixels_.size() * sizeof(std::uint16_t));
   auto* out = static_cast<std::uint16_t*>(frame->data);
   if (mode_.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_100_UM) {
-    // 16 bits end at 6.5 m; what is beyond is no data, as a sensor of that mode reports it.
+    // 16 bits end at 6.5 m; farther pixels hold no data, as a sensor of that mode reports them.
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
       const int units = pixels_[i] * kUnitsPer_mm;
       out[i] = static_cast<std::uint16_t>(units <= 65535 ? units : 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// session.json, schema im2fit.session/1: who a recording is of, what a tape said, and what was agreed to.
-// docs/sessions.md says what each field means, docs/session.schema.json is its schema.
+// session.json, schema im2fit.session/1: the recorded person, the tape readings and the consent.
+// docs/sessions.md describes each field, docs/session.schema.json is the schema.
 #pragma once
 
 #include <map>
@@ -84,7 +84,7 @@ struct Record {
   PersonTruth truth;
   std::string notes;
   Camera camera;
-  std::string site;  // "": not said
+  std::string site;  // "": unknown
   Versions versions;
   Settings settings;
   // The text it was read from: record_json() keeps the keys of it that are not known here.

@@ -61,7 +61,7 @@ struct Listed {
 // Errors: io.
 Result<std::vector<Listed>> list(const std::string& root);
 
-// ROOT/ID. Errors: invalid_argument for what is no id; not_found.
+// ROOT/ID. Errors: invalid_argument if `id` is not a session id; not_found.
 Result<std::string> folder_of(const std::string& root, const std::string& id);
 // Errors: as folder_of; as parse_record.
 Result<Record> read(const std::string& root, const std::string& id);
