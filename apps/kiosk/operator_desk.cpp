@@ -229,8 +229,7 @@ PageAnswer OperatorDesk::save(const Json& body) {
     result = result_;
     recorder = recorder_;
   }
-  // The form's fields, put into the record of the known facts, are parsed as any session.json is, with the same
-  // limits.
+  // The form's fields go into the record of known facts, which is parsed with the limits of any session.json.
   record.id = "new";
   Json json = Json::parse(sessions::record_json(record));
   for (const char* key : {"person", "notes", "site", "truth"})

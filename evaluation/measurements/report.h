@@ -84,10 +84,10 @@ struct Report {
   MeasuredWith with;
   int subjects = 0;
   int measured = 0;
-  int lifted_arms = 0;                                     // of the measured: told to, first
+  int lifted_arms = 0;                                     // of the measured: on guidance, before their measurement
   std::array<int, kGuidanceCount> not_measured_because{};  // subjects, by guidance seen
   std::array<MeasurementReport, kMeasurementCount> measurements;
-  // Of those whose clothes are estimated: share told right by the frames alone, and the mean ease, mm.
+  // Of those whose clothes are estimated: share estimated right by the frames alone, and the mean ease, mm.
   int clothing_estimated = 0;
   double clothing_right = 0, clothing_ease_mm = 0;
   double sex_accuracy = 0;  // shares of the measured, 0..1

@@ -49,7 +49,7 @@ class AnsurPeople {
 // program is called in.
 std::string default_ansur_folder();
 
-// What a dimension is called in tables, and how far off a body may be (1 SD; what is left goes to the energy).
+// The name of a dimension in tables, and how far off a body may be (1 SD; the remaining error adds to the energy).
 struct DimensionInfo {
   std::string_view name;
   double tolerance;  // mm; kg

@@ -31,7 +31,7 @@ class DeformationGraph {
   // Displacements of all vertices by which the energy grows least while the row's value grows, scaled to an energy of
   // one; an empty row has none.
   std::vector<Vec3f> response(const PullRow& row);
-  // The energy's inner product of the responses i and j of this object, in the order they were asked for.
+  // The energy's inner product of the responses i and j of this object, in the order of the calls of response().
   double product(std::size_t i, std::size_t j) const;
 
   int node_count() const;

@@ -31,7 +31,7 @@ struct CalibrationOutcome {
   int people = 0;
   std::vector<std::string> left_aside;  // "p07: waist_girth 123.0, answered 823.1": slips of the pen
   SiteModel model;
-  bool values = false;  // values are corrected; else, where there is no refusal, widths alone
+  bool values = false;                            // values are corrected; false: widths alone, unless refused
   std::array<LeftOut, kMeasurementCount> rows{};  // by what the calibration would do
   // Mean over people of how much smaller the mean |error| is, in the answer's own SDs, and its standard error.
   double gain = 0, gain_se = 0;
