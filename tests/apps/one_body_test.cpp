@@ -36,7 +36,7 @@ TEST(OneBody, TheExportedMeshMeasuresWhatIsReported) {
     std::vector<std::string> words = {"--frames", "5"};
     if (seed % 4 >= 2) words.emplace_back("--turn");  // even seeds are men, odd ones women
     const test::Run run = test::measure("synthetic:" + std::to_string(seed), out, words);
-    if (run.exit_code == 3) continue;  // who is asked for something first
+    if (run.exit_code == 3) continue;  // this person got guidance first
     ASSERT_EQ(run.exit_code, 0) << run.err;
     ++measured;
     const auto result = nlohmann::json::parse(test::read_text(out + "/result.json"));

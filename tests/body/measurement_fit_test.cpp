@@ -172,7 +172,7 @@ TEST_F(MeasurementFitTest, GoalsThatAreNotFiniteAreFree) {
   const MeasurementFit fit = fitter.run(params, goals);
   EXPECT_EQ(fit.residual[waist], 0);
   for (std::size_t i = 0; i < kMeasurementCount; ++i) EXPECT_LE(std::fabs(fit.residual[i]), 0.5F);
-  // A waist that is not asked for goes along with the rest.
+  // A waist without a target follows the rest.
   EXPECT_NEAR(fit.values[waist], entries()[8].second[waist], 90);
 }
 

@@ -166,7 +166,7 @@ TEST_F(MovingCloth, IsNearerToFineClothThanTheSkeletonAlone) {
   EXPECT_LT(deepest, 25);
 }
 
-// Not only where they stand still: each third frame, as a page is told them, of motions of 0.4 s.
+// Also between two rests: each third frame, as a page gets them, of motions of 0.4 s.
 TEST_F(MovingCloth, StaysOutsideTheSkinOnTheWay) {
   const auto fine = dressed();
   const auto clothes = moving();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shipped tape on bodies, and what is said of files that are no tape.
+// The shipped tape on bodies, and the errors for files that are not a tape.
 #include "body/tape.h"
 
 #include <gmock/gmock.h>

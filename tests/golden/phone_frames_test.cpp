@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The golden clip as phones deliver frames (im2fit_frame): in every format, turned, with padded rows, through a lens
-// that is told: what the library says must not depend on it.
+// that the frames name. The library's answer must not depend on it.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -204,7 +204,7 @@ TEST_F(PhoneFrames, TurnedByTheLibraryAreTheSame) {
   }
 }
 
-// A lens told with the frames outweighs what the handle was opened with; one that breathes costs little.
+// A lens given with the frames outweighs the lens that the handle was opened with. One that breathes costs little.
 TEST_F(PhoneFrames, AToldLensIsUsed) {
   const Intrinsics& k = data_->intrinsics();
   im2fit_settings wrong = settings();
@@ -253,8 +253,8 @@ std::vector<std::uint16_t> through_lens(const std::vector<std::uint16_t>& depth,
   return out;
 }
 
-// A lens that shifts a person's head and feet by 2 % and is told costs what a sample's place costs; untold it costs
-// centimetres. Turned by the library it is the same to the bit.
+// A lens that shifts a person's head and feet by 2 % costs centimetres. Given with the frames, it costs only what a
+// sample's place costs. Turned by the library it is the same to the bit.
 TEST_F(PhoneFrames, AToldDistortionIsUndone) {
   const Intrinsics& k = data_->intrinsics();
   const auto bend = [&](bool told, int deg) {

@@ -88,7 +88,7 @@ TEST(SegmentCompany, WhoTouchesASideWallDisturbs) {
   EXPECT_GT(observe(s, 2, seen.users[1].id).overlap, 0.93);
 }
 
-// A forearm before the belt hides where the trunk joins the legs; a hood is no head; the feet stand apart.
+// A forearm before the belt hides where the trunk joins the legs; a hood is not a head; the feet stand apart.
 std::vector<Capsule> astride_at(float x, float z, float foot, int owner = 1) {
   const auto at = [&](float dx, float y, float dz = 0) { return Vec3f{x + dx, y, z + dz}; };
   std::vector<Capsule> c = {

@@ -90,7 +90,7 @@ TEST(SegmentReuse, CameraThatMovesLeavesTheFloor) {
   }
 }
 
-// The wall comes nearer, as when the camera is carried to another place: what is left of it is not the person's.
+// The wall comes nearer, as when the camera is carried to another place: the rest of the wall is not the person's.
 TEST(SegmentReuse, WallThatMovesIsFoundAnew) {
   const Scene before = room(1100, 4, kPersonZ + 1500);
   for (const float wall_z : {kPersonZ + 700, kPersonZ + 1300, kPersonZ + 2200}) {

@@ -164,7 +164,7 @@ int connect_to(int port) {
   return -1;
 }
 
-// kHostile of them; whoever is cut off comes again.
+// kHostile of them; a connection that is cut off is opened again.
 class Crowd {
  public:
   explicit Crowd(int port) : port_(port), harms_(harms()), sockets_(kHostile, -1) {
@@ -246,9 +246,9 @@ double median(std::vector<double> of) {
   return of[of.size() / 2];
 }
 
-// A machine that builds beside this may keep any one ask or end waiting, so that medians are held to the bars and the
-// worst to ten seconds; a machine asked to watch for longer (IM2FIT_HOSTILE_SECONDS) is to be idle, and the worst
-// held to the bars.
+// A machine that builds beside this may delay any one request or end, so that medians are held to the bars and the
+// worst to ten seconds. A longer run (IM2FIT_HOSTILE_SECONDS) needs an idle machine, and then the worst is held to
+// the bars.
 TEST(Hostile, AGoodClientIsAnsweredAndTheEndIsPrompt) {
   const char* given = std::getenv("IM2FIT_HOSTILE_SECONDS");
   const int rounds = given != nullptr ? 1 : 3;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clothes that move on the page while a person does: who is told, for how long, how much, and what a browser shows.
-// IM2FIT_CLOTH_PICTURES=FOLDER keeps what the browser showed.
+// Clothes that move on the page while a person does: which clients get frames, for how long, how many bytes, and the
+// browser's picture. IM2FIT_CLOTH_PICTURES=FOLDER keeps the browser's pictures.
 #include "apps/kiosk/live_cloth.h"
 
 #include <gmock/gmock.h>

@@ -41,7 +41,7 @@ class Desk : public testing::Test {
     page_->page().use_source(source, {"1.0.0", "a", "b", "c"});
     token_ = page_->client().Get("/operator/token")->body;
   }
-  // Its status, and what it said.
+  // The status and the text of the answer.
   std::pair<int, std::string> post(const std::string& path, const Json& body) const {
     const auto answer =
         page_->client().Post(path, httplib::Headers{{"Origin", page_->url()}, {"X-Im2fit-Token", token_}},

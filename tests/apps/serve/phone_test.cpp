@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A result handed from the page to a phone: by a code that whoever asked for it alone is shown, once, while the visit
+// A result handed from the page to a phone: by a code that only the requesting page shows, once, while the visit
 // goes on.
 #include <gmock/gmock.h>
 #include <png.h>

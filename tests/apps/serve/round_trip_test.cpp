@@ -51,7 +51,7 @@ class BadCamera {
     lab::SceneOptions options;
     options.rotate_deg = kMounted;
     options.yaw_deg = 0;
-    options.pose = lab::StandingPose::arms_out;  // no one has to be told
+    options.pose = lab::StandingPose::arms_out;  // so that nobody needs guidance
     return options;
   }
   Intrinsics sensor_;
@@ -238,7 +238,7 @@ TEST(RoundTrip, FromPeopleAndATapeToABetterMeasurement) {
   EXPECT_LT(std::abs(after), 0.4 * before);
   EXPECT_NEAR(stature_of(result["tape"]), stature_of(result["measurements"]), 2) << "one body: the mesh follows";
 
-  // With another index the site's corrections fit less well: people are measured, and it is said.
+  // With another index the site's corrections fit less well: people are measured, with a warning.
   auto other = SiteCalibration::load(site);
   ASSERT_TRUE(other) << other.error().message;
   other->index_crc32c ^= 1U;

@@ -96,7 +96,7 @@ class Serve : public testing::Test {
     }
     return all;
   }
-  // What the page is told stands in the way, once it is `wanted`; else what was said last.
+  // The page's trouble code once it is `wanted`; at the end of patience, the last one sent.
   std::string trouble_until(const std::string& wanted) const {
     std::string text, last = "nothing said";
     const auto end = test::Clock::now() + test::kPatience;
@@ -223,7 +223,7 @@ TEST_F(Serve, MeasuresAfterConsentAndForgetsOnDelete) {
   follower.join();
 }
 
-// Without a camera, then without models: said on the page, and over by itself within three seconds.
+// Without a camera, then without models: the page reports it, and the trouble is over within three seconds.
 TEST_F(Serve, WaitsForWhatIsMissing) {
   const std::string folder = folder_->path("late");
   const auto serve_late = [&] {
