@@ -92,7 +92,7 @@ CaptureOptions draw_capture_of(const DatasetOptions& o, std::uint64_t number, co
   return draw_capture(variety, o.seed, number, drawn);
 }
 
-// Hair is no sign of clothes: half of the out-of-distribution people have some when seen bare, and a fifth of the
+// Hair is not a sign of clothes: half of the out-of-distribution people have some when seen bare, and a fifth of the
 // dressed have none. Judgement; real people have hair more often, but training people have none.
 constexpr double kBareHairShare = 0.5, kDressedBaldShare = 0.2;
 

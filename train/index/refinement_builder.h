@@ -38,7 +38,7 @@ class RefinementBuilder {
   // `targets`: as the index standardises them. A kind of people with fewer than kSampleMin samples is left out. Gives
   // up what add() kept.
   void learn(const TargetSpace& targets, const PlainAnswers& plain, const Settings& settings);
-  // Sections of every kind that was learned, and of how clothes are told.
+  // Sections of every refinement that was learned, and of the clothing classifier.
   void write(ContainerWriter& out) const;
 
  private:

@@ -14,7 +14,7 @@ namespace im2fit::lab {
 namespace {
 
 constexpr float kLimbMostMm = 20;  // of loose clothes, off the trunk
-// Bounds, not what is worn: a shirt off a slim waist below chest and shoulder blades; sleeves and legs. Judgement.
+// Upper bounds: of a shirt off a slim waist below chest and shoulder blades; of sleeves and legs. Judgement.
 constexpr float kHangingMostMm = 120, kHangingLimbMostMm = 28;
 constexpr int kDrapePasses = 5;
 constexpr float kStiffness = 0.3F;      // how much of its own ease the cloth keeps in a pass

@@ -131,7 +131,7 @@ SectionWarp reach(const Hull& hull, const SectionFrame& frame, const SectionGoal
     warp.front = limited(depth - 1 + variety.front_more, -kFactorMax, kFactorMax);
     warp.back = limited(depth - 1 - variety.front_more, -kFactorMax, kFactorMax);
     for (std::size_t i = 0; i < hull.size(); ++i) moved[i] = hull[i] + section_move(warp, frame, hull[i]);
-    // Corners that move may leave the hull: its girth is that of what is left.
+    // Corners that move may leave the hull: its girth is that of the remaining hull.
     const Hull around = convex_hull(moved, level_plane(hull[0].y));
     const Extents now(around);
     const auto girth = static_cast<float>(goal.girth / std::max(perimeter_mm(around), 1.0));
@@ -327,7 +327,7 @@ class Fitting {
 Warp warp_to(const BodyModel& model, std::span<const Vec3f> rest, const Dimensions& wanted, const Variety& variety) {
   const Fitting fitting(model, rest);
   const Warp first = fitting.warp(wanted, variety);
-  // Levels, limbs and shoulders move one another a little: what the first warp misses is asked for beyond.
+  // Levels, limbs and shoulders move one another a little: the next target includes the first warp's error.
   std::vector<Vec3f> warped(rest.begin(), rest.end());
   apply_warp(model, first, warped);
   const Dimensions got = dimensions_of(model, warped);

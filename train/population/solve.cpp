@@ -92,7 +92,7 @@ class Solver {
   static int height_piece(float h) { return h < 0.5F ? 0 : 1; }
   int build_piece(float b) const {
     if (!beyond_slider(b)) return b < 0.5F ? 0 : 1;
-    int piece = b < 0 ? 2 : 3;  // so that what follows is no piece of the slider itself
+    int piece = b < 0 ? 2 : 3;  // other numbers than the pieces of the slider itself
     for (std::size_t i = 0; i < std::size(kFatness); ++i) {
       if (fatness_index_[i] < 0) continue;
       const float value = modifier_at(b, i);

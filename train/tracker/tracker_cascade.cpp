@@ -337,7 +337,7 @@ void subtract(Level& level, std::span<const Tree> trees, int threads) {
 }
 
 // The directions the level's residuals vary in most, each with a unit that lets a byte reach a few of its standard
-// deviations; what is left out is the next level's.
+// deviations. The next level fits the rest.
 void choose_basis(Level& level) {
   std::array<WideSum, static_cast<std::size_t>(kShapeSize)> products{};
   for (const Wide& r : level.residual) add_products(r, products.data());
