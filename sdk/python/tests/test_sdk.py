@@ -336,8 +336,8 @@ class Measuring(unittest.TestCase):
     def test_an_empty_room_is_not_measured(self):
         with im2fit.Session(320, 240, 287.9, 287.9, 159.5, 119.5, models=models()) as session:
             for _ in range(3):
-                progress = session.push(np.zeros((240, 320), np.uint16))
-            self.assertFalse(progress.measured)
+                guidance = session.push(np.zeros((240, 320), np.uint16))
+            self.assertFalse(guidance.measured)
             person = session.finish()
         self.assertFalse(person.measured)
         self.assertIn("NO_PERSON", person.guidance)
