@@ -18,7 +18,7 @@ namespace im2fit::apps {
 
 struct InputOptions {
   std::string source;
-  int rotate_deg = -1;  // -1: what the recording says
+  int rotate_deg = -1;  // -1: as the recording specifies
   std::string camera_yaml;
   double unit_mm = 1;                      // of a depth folder's pixels
   std::string body = default_body_path();  // of the synthetic person, too

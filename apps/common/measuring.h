@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a program that measures needs besides a source: files made once, an engine, and the report of what it found.
+// The needs of a measuring program besides a source: files made once, an engine, and the report of its findings.
 #pragma once
 
 #include <memory>

@@ -24,7 +24,7 @@ std::optional<int> user_of(const std::string& word) {
 
 constexpr auto kFramePeriod = std::chrono::microseconds(33333);
 
-// One line on stdout, at once: who reads it may be a program that waits.
+// One line on stdout, flushed at once: the reader may be a program that waits.
 Status print_event(const Json& event) {
   fmt::print("{}", line_of(event));
   return flush_output();
@@ -72,12 +72,12 @@ class LiveRun {
   const std::string& tables() const { return tables_; }
 
  private:
-  // False when what the engine knows is of another than who may be measured: it is dropped.
+  // False when the engine knows another person than the permitted one: its knowledge is dropped.
   bool permitted() {
     if (listener_ == nullptr) return true;
     const std::uint64_t permit = listener_->permit();
     if (permit == permit_) return true;
-    // 0 while the one before is looked at: the engine gets no frames, and what it has goes with the next number.
+    // 0 while the person before is shown: the engine gets no frames, and its knowledge goes with the next number.
     if (permit == 0) return false;
     permit_ = permit;
     begin_anew();

@@ -28,8 +28,8 @@ class LiveListener {
  public:
   virtual ~LiveListener() = default;
   virtual void begin(const SessionOutcome& session) = 0;  // before the first frame
-  // Who may be measured now: a number that is another for each person, 0 while no one may. Frames are left out then,
-  // and of what was seen under another number nothing is used. Asked often, on the thread of the run.
+  // The number of the person who may be measured now, another for each person; 0 while nobody may. Frames are left
+  // out then, and nothing seen under another number is used. Called often, on the thread of the run.
   virtual std::uint64_t permit() { return 1; }
   // The engine begins anew with the next frame, for the person with this number. It has processed all earlier frames
   // (see()) and uses nothing of them. On the thread of the run.

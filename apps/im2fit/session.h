@@ -69,7 +69,7 @@ struct SessionOutcome {
 // Opens everything (so that bad words fail before a frame is read) and makes the folder --out. `engine_watch` sees
 // every frame processed, on the engine's thread; `watch` every frame read.
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch);
-// Takes what the engine says now.
+// Takes the engine's present result.
 Status conclude(SessionOutcome& outcome);
 // Opens, runs to the end or the measurement, concludes.
 Result<SessionOutcome> run_session(const SessionOptions& options, const SessionWatch& watch);

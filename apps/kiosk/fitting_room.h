@@ -51,12 +51,12 @@ class FittingRoom {
   void welcome(Customer customer);
   void forget();
 
-  // Of a query's fields, each once: `visit`, and either `top` and `top_size`, `bottom` and `bottom_size`, both or
-  // none (bare); `colours=ease` for the ease map. 200: there it is. 202: it is being made, ask again when `ready` was
-  // called. 400: the query is none. 404: no person is here, or another one. 500: it cannot be made.
-  // What was got last is what moves.
+  // The fields of a query, each once: `visit`, and either `top` and `top_size`, `bottom` and `bottom_size`, both or
+  // none (bare); `colours=ease` for the ease map. 200: the avatar. 202: it is being made, call again after `ready`.
+  // 400: invalid query. 404: no person is here, or another one. 500: it cannot be made.
+  // The clothes of the last avatar returned are the ones that move.
   PageAnswer ask(std::span<const std::pair<std::string, std::string>> query);
-  // Of the same query: its cloth as LiveCloth::ask() tells it. 404 also of what is bare, or is kept no longer.
+  // For the same query: its cloth as LiveCloth::ask() returns it. 404 also for a bare body or one no longer kept.
   PageAnswer ask_cloth(std::span<const std::pair<std::string, std::string>> query);
   // The present pose of the dressed person. Does not wait.
   void follow(const body::Pose& pose) { live_.follow(pose); }

@@ -309,7 +309,7 @@ void LivePage::publish(const Json& event) {
   const std::string kind = event["event"];
   std::string line = line_of(event);
   line.pop_back();
-  if (kind == "camera" || kind == "end") {  // the end's not with what the last frame showed
+  if (kind == "camera" || kind == "end") {  // without the result of the last frame
     board_.publish(kind, kind == "end" ? R"({"event":"end"})" : std::move(line));
     return;
   }

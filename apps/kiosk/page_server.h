@@ -18,7 +18,7 @@ namespace im2fit::apps {
 struct PageAddress {
   std::string host = "127.0.0.1";
   int port = 8017;                           // 0: any that is free
-  std::string options = "--port or --host";  // what says so, for the error when it cannot be listened at
+  std::string options = "--port or --host";  // the options named in the error when the address cannot be used
 };
 
 // What a page may ask for by POST, without a body.

@@ -258,8 +258,8 @@ void Stream::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-// Picture k is due k/fps after the start. One that takes longer to make comes late and none is skipped, so that the
-// same settings always give the same recording.
+// Picture k is due k/fps after the start. A picture that takes longer to make comes late. None is skipped, so that
+// the same settings always give the same recording.
 void Stream::run() {
   const auto begin = std::chrono::steady_clock::now();
   auto due = begin;

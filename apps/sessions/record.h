@@ -52,8 +52,8 @@ struct PersonTruth {
   std::map<std::string, TapeReading> tape;  // by id of the tape's measurements (docs/tape.md)
 };
 
-// Of a measurement of result.json: what a tape says, else the height for the stature and the weight (kg) for the
-// weight. None: it was not taken.
+// The reading of a measurement of result.json: the tape's, else the height for the stature and the weight (kg) for
+// the weight. nullopt: it was not taken.
 std::optional<TapeReading> reading_of(const PersonTruth& truth, const std::string& id);
 
 struct Camera {

@@ -43,7 +43,7 @@ std::string manifest_json(const PackManifest& manifest);
 // `what` names the file in errors. Errors: corrupt; unsupported for another schema.
 Result<PackManifest> parse_manifest(const std::string& text, const std::string& what);
 
-// A file with its bytes as read from somewhere, to be packed. Fills in what PackManifest::files says of it.
+// Describes a file of these bytes, to be packed. Fills in the fields of PackManifest::files.
 PackedFile describe_file(const std::string& name, const std::vector<std::byte>& bytes);
 // `contents` in the order of manifest.files. A second or two a MB.
 Result<std::vector<std::byte>> make_pack(const PackManifest& manifest,
