@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is in the index, and who is queried.
+// The people in the index and the people who query it.
 #pragma once
 
 #include <cstddef>
