@@ -42,7 +42,7 @@ struct EvaluationOptions {
   bool noise = true;              // false: a perfect sensor in an empty room
   bool tof = false;               // a time-of-flight sensor in place of a Kinect
   bool smoothed = false;          // by a driver, over time (driver_filters.h)
-  EdgeFilterOptions edges;        // what the driver does beside edges, before it smooths
+  EdgeFilterOptions edges;        // the driver's filter at edges, before it smooths
   float tremor_deg = 0;           // of a camera held in the hand (session.cpp)
   bool poses_told = false;        // the device says where that camera is, frame by frame
   bool sensor_reported = false;   // the driver reports what kind of sensor it is

@@ -95,7 +95,7 @@ struct Report {
   double age_error_years = 0;  // mean absolute, of the median
   double age_coverage = 0;     // of the 95 % interval
   double age_band_accuracy = 0;
-  double age_band_expected = 0;                         // what the likeliest groups' probabilities promise it to be
+  double age_band_expected = 0;                         // expected by the likeliest groups' probabilities
   double size_accuracy = 0;                             // letter size by the default chart, outright
   double size_top_two = 0;                              // true size among the two most probable
   std::array<int, 2 * kSizeStepMost + 1> size_steps{};  // people, by labels off: too small first

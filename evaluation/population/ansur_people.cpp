@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kPersonStream = 0xA2501, kRowStream = 0xA2502, kShapeStream = 0xA2503;
 
-// Tolerances: what a camera sees most of must be met; joints inside are not the survey's landmarks.
+// Tolerances: the dimensions a camera sees best must be met; joints inside are not the survey's landmarks.
 constexpr std::array<DimensionInfo, kSurveyDimensionCount> kTable = {{
     {"stature", 1},        {"cervicale height", 3}, {"acromial height", 8},   {"chest height", 2},
     {"waist height", 2},   {"buttock height", 3},   {"crotch height", 1.5},   {"trochanter height", 8},

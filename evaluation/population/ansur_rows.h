@@ -34,7 +34,7 @@ inline constexpr double kChestOverEllipse = 1.040;
 
 struct AnsurSettings {
   double end_share = 0.25;  // of people, carried to the ends of body mass
-  // Of what the tape has beyond the ellipse, by calipers that press and by squareness (mean over people;
+  // Shares of the tape's excess over the ellipse: by calipers that press and by squareness (mean over people;
   // kSquareShareSd about it); together 1 at most.
   double pressed_share = 0.8, square_share = 0.2;
 };

@@ -14,7 +14,7 @@
 
 namespace im2fit::lab {
 
-// What a linear row says of one vertex.
+// One vertex in a linear row.
 struct Pull {
   std::int32_t vertex = 0;
   Vec3f gradient;  // of the row's value, per mm
@@ -35,7 +35,7 @@ class DeformationGraph {
   double product(std::size_t i, std::size_t j) const;
 
   int node_count() const;
-  // Displaced by what the skin around each vertex is displaced by.
+  // Moves helpers by the displacement of the skin around them.
   void carry_helpers(std::span<Vec3f> displacement) const;
 
  private:

@@ -19,7 +19,7 @@
 
 namespace im2fit::lab {
 
-// Standard deviations, over sites, of what a site may differ by. Found by the likelihood of these people; 0: nothing.
+// Standard deviations, over sites, of the effects of a site. Found by the likelihood of these people; 0: no effect.
 struct SiteSpreads {
   double offset = 0;  // in allowances of ISO 20685 (1 kg of the weight), as sex
   double sex = 0;

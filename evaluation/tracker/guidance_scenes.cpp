@@ -177,7 +177,7 @@ void Maker::side_cut() {
 }
 
 // A hand before the body or on it: by the truth, not further out than the hip joint beside it. The person faces the
-// camera within what the program lets pass (12 degrees): folded arms and a turn aside are two codes at once.
+// camera within the program's limit (12 degrees): folded arms and a turn aside are two codes at once.
 void Maker::arms_close() {
   options().pose = StandingPose::crossed;
   for (int i = 0; i < kDrawsMax; ++i) {
