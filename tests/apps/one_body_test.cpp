@@ -51,7 +51,7 @@ TEST(OneBody, TheExportedMeshMeasuresWhatIsReported) {
       const bool girth = id.ends_with("_girth");
       EXPECT_LE(std::abs(off), id == "weight" ? 0.3 : 3) << id << " of synthetic:" << seed;
       EXPECT_TRUE(value >= said["interval"][0] && value <= said["interval"][1]) << id << " of synthetic:" << seed;
-      // What the program says of its own mesh is so.
+      // The program's values of its own mesh are right.
       const double own = id == "weight" ? result["body"]["residual_kg"].get<double>()
                                         : result["body"]["residual_mm"][id].get<double>();
       EXPECT_NEAR(off, own, girth ? 0.5 : 0.2) << id << " of synthetic:" << seed;

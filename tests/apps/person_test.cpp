@@ -138,7 +138,7 @@ TEST_F(Person, WholeAndAloneIsMeasured) {
   EXPECT_TRUE(result["guidance"].empty()) << result["guidance"];
   EXPECT_THAT(test::files_in(out()), testing::IsSupersetOf({"result.json", "avatar.glb", "avatar.obj", "avatar.mtl",
                                                             "avatar_skin.png", "avatar.bvh", "overlay.png"}));
-  // Only the owner may read what a person measures.
+  // Only the owner may read a person's measurements.
   for (const auto& file : std::filesystem::directory_iterator(out()))
     EXPECT_EQ(file.status().permissions(), std::filesystem::perms(0600)) << file.path();
 }

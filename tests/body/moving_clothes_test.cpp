@@ -124,7 +124,7 @@ TEST_F(MovingCloth, BeginsAtRestAndComesBackThere) {
   EXPECT_LT(mean_length(*clothes), 12) << "folds fall otherwise, but there they are again";
 }
 
-// Bounds are what it keeps today with a margin.
+// Bounds are the present values with a margin.
 TEST_F(MovingCloth, IsNearerToFineClothThanTheSkeletonAlone) {
   const auto fine = dressed();
   const auto clothes = moving();

@@ -58,7 +58,7 @@ TEST(BuiltinTape, IsReadAndComplete) {
   EXPECT_FALSE(head.reason.empty());
 }
 
-// What is compiled in is what the files say.
+// The compiled-in tape equals the files.
 TEST(BuiltinTape, IsThatOfTheFiles) {
   const auto read = read_shipped_tape(IM2FIT_TAPE_FOLDER);
   ASSERT_TRUE(read) << read.error().message;

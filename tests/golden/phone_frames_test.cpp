@@ -181,7 +181,7 @@ TEST_F(PhoneFrames, WithPaddedRowsAndConfidenceAreTheSame) {
   EXPECT_EQ(first_difference(reference().json, found.json), "");
 }
 
-// As the camera hung: what the library turns back is what was turned before.
+// As the camera hung: the library turns back the frames that were turned before.
 TEST_F(PhoneFrames, TurnedByTheLibraryAreTheSame) {
   const Intrinsics& k = data_->intrinsics();
   for (const int deg : {90, 180, 270}) {
@@ -228,8 +228,8 @@ TEST_F(PhoneFrames, AToldLensIsUsed) {
   EXPECT_EQ(first_difference(reference().json, said(wrong, tell(1)).json), "");
 }
 
-// What the lens makes of a pinhole's picture: the pixel at (u, v) sees the ray that the lens' formula brings there,
-// found by Newton's method without derivatives (each step takes off what the formula adds).
+// A pinhole's picture through the lens: the pixel at (u, v) sees the ray that the lens' formula brings there,
+// found by Newton's method without derivatives (each step subtracts the formula's error).
 std::vector<std::uint16_t> through_lens(const std::vector<std::uint16_t>& depth, const Intrinsics& k,
                                         const im2fit_frame& lens) {
   const double fx = double{k.fx}, fy = double{k.fy}, cx = double{k.cx}, cy = double{k.cy};
@@ -291,7 +291,7 @@ TEST_F(PhoneFrames, AToldDistortionIsUndone) {
   EXPECT_EQ(first_difference(told.json, said(settings(), bend(true, 180)).json), "");
 }
 
-// The mean of what has data within `reach_px`, as phones' drivers blend edges.
+// The mean of pixels with data within `reach_px`, as phones' drivers blend edges.
 std::vector<std::uint16_t> blended(const std::vector<std::uint16_t>& depth, const Intrinsics& k, int reach_px) {
   std::vector<std::uint16_t> out(depth.size());
   const DepthView from(depth.data(), k.width, k.height);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of a camera that moves and says how, against what the camera at rest sees of the same scene.
+// Frames of a camera that moves and reports its pose, against the frames of a camera at rest in the same scene.
 #include "hal/steady_view.h"
 
 #include <gtest/gtest.h>

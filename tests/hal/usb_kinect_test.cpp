@@ -173,7 +173,7 @@ void expect_books_to_balance(const devices::KinectFaults& faults, std::int64_t s
     sum.wrong += now.wrong;
   }
   rig.camera.faults().lost_ppm = rig.camera.faults().truncated_ppm = 0;
-  for (int i = 0; i < 2; ++i) {  // the last frames are whole, so that what was before them is known
+  for (int i = 0; i < 2; ++i) {  // the last frames are whole, so that the frames before are known
     rig.run(kFrame_us);
     const Accounts now = drain(rig, last, damaged);
     sum.delivered += now.delivered;

@@ -39,7 +39,7 @@ struct Disc {
   std::vector<std::uint16_t> pixels;
 };
 
-// The mean of what has data within `reach_px`.
+// The mean of pixels with data within `reach_px`.
 void blend(Disc& disc, int reach_px) {
   Disc before = disc;
   for (int v = 0; v < kHeight; ++v)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is accepted, rejected, looked at and held, with the joints' evidence written by hand.
+// Accepted, rejected, target and held people, with the joints' evidence written by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -59,7 +59,7 @@ Scene room(float wall_z) {
   return s;
 }
 
-// A wall at the side, touched by a hand of who stands 420 mm from it.
+// A wall at the side, touched by the hand of a person 420 mm from it.
 Scene room_with_side_wall() {
   Scene s = room(4800);
   s.boxes = {{{1100, 0, 300}, {1200, 2800, 4900}}};

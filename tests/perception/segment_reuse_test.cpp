@@ -78,7 +78,7 @@ TEST(SegmentReuse, FloorStaysRightOverManyFrames) {
   }
 }
 
-// Up, down and tilted by what one frame cannot hide and by what it can.
+// Up, down and tilted, by amounts that one frame cannot hide and by amounts that it can.
 TEST(SegmentReuse, CameraThatMovesLeavesTheFloor) {
   const Scene before = room(1100, 4);
   for (const Scene& after : {room(1140, 4), room(1060, 4), room(1115, 4), room(1100, 5), room(1100, 3.5F)}) {

@@ -124,7 +124,7 @@ TEST_F(DaemonConfig, TheProgramChecksIt) {
   EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--help"}).exit_code, 0);
 }
 
-// --check refuses what the start refuses.
+// --check refuses the same settings as the start.
 TEST_F(DaemonConfig, TheCheckRefusesWhatAStartWould) {
   if (!test::have_data()) GTEST_SKIP() << "no body, tracker or index file";
   const std::string good = "source: openni2\nbody: " + test::body_path() + "\ntracker: " + test::tracker_path() +

@@ -195,7 +195,7 @@ class Crowd {
         ::send(socket, harm.start.data(), harm.start.size(), MSG_NOSIGNAL);
       }
       if (harm.more.empty()) {
-        char first = 0;  // looked at, not read
+        char first = 0;  // peeked, not read
         const ssize_t seen = ::recv(socket, &first, 1, MSG_PEEK);
         if (seen == 0 || (seen < 0 && errno != EAGAIN && errno != ENOTCONN)) ::close(std::exchange(socket, -1));
         continue;
@@ -276,7 +276,7 @@ TEST(Hostile, AGoodClientIsAnsweredAndTheEndIsPrompt) {
   EXPECT_LE(memory_mb, kSanitized ? 2000 : 20);
 }
 
-// A page that does not get a turn loses none: who is not in the queue would come again after a second.
+// A page that must wait loses no turn: a client outside the queue would come again after a second.
 TEST(Hostile, AllThatComeAtOnceFindRoomInTheQueue) {
   ServedElsewhere page;
   ASSERT_FALSE(page.url().empty());

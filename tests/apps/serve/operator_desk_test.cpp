@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operator's part over a page that a test tells what happened: consent, recording, the form, sessions.
+// The operator's part over a page that the test feeds with events: consent, recording, the form, sessions.
 #include <gmock/gmock.h>
 
 #include <filesystem>

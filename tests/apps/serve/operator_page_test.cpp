@@ -91,7 +91,7 @@ TEST_F(OperatorPage, FromAPersonToASessionThatIsMeasuredAgain) {
   const std::string url = serve({"--operator-password-file", folder_.path("password"), "--site", "shop 3"});
   test::Browser browser(folder_.path(""), {"--lang=en-GB"});
   ASSERT_TRUE(browser.ready()) << browser.messages();
-  // The browser keeps what was in the address; the page asks by addresses without it.
+  // The browser keeps the password of the address; the page's requests use addresses without it.
   browser.go("http://operator:correct%20horse%20battery@" + url.substr(url.find("//") + 2) + "/operator?lang=en");
   browser.go(url + "/operator?lang=en");
   ASSERT_TRUE(browser.wait_for("return document.body.dataset.phase === 'IDLE'")) << run_->messages();

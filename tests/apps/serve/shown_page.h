@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A LivePage that a test tells what happened, in place of a camera and an engine.
+// A LivePage that gets its events from a test, in place of a camera and an engine.
 #pragma once
 
 #include <gtest/gtest.h>
