@@ -413,8 +413,8 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
 
 namespace {
 
-// What runs that were killed left half written. Another run may be writing beside this one: only what has long not
-// been touched is removed.
+// Removes half-written files of runs that were killed. Another run may be writing beside this one: only files that
+// have long not been touched are removed.
 void remove_leftovers(const std::string& folder) {
   constexpr auto kAgeMin = std::chrono::hours(1);  // a shard is written in seconds
   std::error_code code;

@@ -103,8 +103,8 @@ class ShardSet {
   SubjectRange range() const;
   // An error that names what is missing or too much, unless these are just the subjects there are.
   Status expect(const SubjectRange& wanted) const;
-  // In the order of subjects. Errors: a damaged shard; what came before has been given to `take`, which may end the
-  // reading by false.
+  // In the order of subjects. Errors: a damaged shard; `take` has then got the samples before the damage. `take` may
+  // return false to end the reading.
   Status read(const std::function<bool(const index::Sample&)>& take) const;
 
  private:

@@ -22,7 +22,7 @@ constexpr std::uint64_t kClothingStream = 0xC107;
 // FPFH are many and noisy; the frames stand for themselves, as does what kind of sensor they are of
 // (docs/formats-index.md).
 constexpr double kFitPenalty = 0.03, kHistogramPenalty = 3, kFramesPenalty = 0.1, kSensorPenalty = 0.1;
-// A row's variance where people stand beyond kWellSeenMm, in squares of that distance over this: what it counts by.
+// A row weighs 1 / (1 + this times the square of its distance's share beyond kWellSeenMm).
 constexpr double kFarVariance = 11;
 
 // The penalty of each value in those of others, by where refined_values() puts it.

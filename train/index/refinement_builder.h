@@ -25,7 +25,7 @@ class RefinementBuilder {
   // Held in memory, of people undressed and in clothes: 18 kB each, and as much again while they are learned from, by
   // each thread.
   static constexpr std::size_t kSampleMax = 16384;
-  // Keeps what it needs of a sample that refines.
+  // Keeps the needed parts of a sample that refines.
   void add(const Sample& sample);
   // The index' plain answers, standardised, to the first capture of subjects that had no part in them.
   using PlainAnswers = std::map<std::uint64_t, Targets>;

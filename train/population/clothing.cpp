@@ -94,7 +94,7 @@ Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {
   cut.hem = rng.uniform() < 0.3 ? 0.3F : draw(rng, -0.25, 0.15);  // tucked in, or over the trousers
   cut.flare = draw(rng, 0.75, 1.35);
   if (clothing == Clothing::hanging) {
-    cut.hem = 0.05F;  // of what lies on the skin; the tail falls over it
+    cut.hem = 0.05F;  // of the layer on the skin; the tail falls over it
     cut.flare = 0.7F;
     cut.slack_mm = draw(rng, 0, 1);
   } else {

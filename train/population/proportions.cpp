@@ -152,9 +152,9 @@ SectionWarp reach(const Hull& hull, const SectionFrame& frame, const SectionGoal
 }
 
 constexpr float kLimbFactorMax = 0.35F, kDeltoidFactorMax = 0.5F, kLengthFactorMax = 0.25F, kRiseMax = 0.05F;
-constexpr float kGapLeast = 0.4F;  // of what lay between two landmarks
+constexpr float kGapLeast = 0.4F;  // of the distance between two landmarks
 
-// New heights of the landmarks, each no nearer to the one below than a share of what it was.
+// New heights of the landmarks. Each keeps at least a share of its distance to the landmark below.
 void set_rises(const WarpLandmarks& marks, const Dimensions& wanted, float head_rise, Warp& warp) {
   const float tall = marks.crown - marks.floor;
   // Not the buttocks': where they are fullest is ill defined on people and on meshes.
@@ -214,7 +214,7 @@ Dimensions likely_dimensions(bool woman, double stature_mm, double weight_kg, do
 // depth; on meshes made from scans of people, which nothing presses, about 1.01, on MakeHuman's 1.02 and 1.03. Scans
 // are believed: callipers press. These make it 1.014 and 1.020 (150 people). People differ.
 constexpr double kHipSquare = -0.02, kWaistSquare = 0, kChestSquare = 0.01, kSquareSd = 0.03;
-// Where the widest line of a section lies between front and back no survey tells: widely varied.
+// No survey measures the place of a section's widest line between front and back: widely varied.
 constexpr double kFrontMoreSd = 0.06;
 
 Variety draw_variety(Rng& rng) {

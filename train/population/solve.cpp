@@ -264,8 +264,8 @@ double volume_of_weight(double stature_mm, double weight_kg) {
   return volume_l;
 }
 
-// Where a search begins: linear in what moves the sliders most, fitted to 2,000 people of the training family, of
-// whom it misses a height by 0.05 and a build by 0.18.
+// The start of a search: linear in the values that move the sliders most, fitted to 2,000 people of the training
+// family. It misses their height by 0.05 and their build by 0.18.
 Sliders likely_sliders(const Params& p, double stature_mm, double weight_kg) {
   const double metres = stature_mm / 1000, mass_index = weight_kg / (metres * metres);
   const auto within = [](double v, double low, double high) { return v > low ? (v < high ? v : high) : low; };
