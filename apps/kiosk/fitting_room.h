@@ -43,7 +43,7 @@ class FittingRoom {
   FittingRoom(
       std::string body_path, std::function<void(const std::string& visit)> ready,
       std::function<void(std::uint32_t number)> moved = [](std::uint32_t) {});
-  ~FittingRoom();  // waits for what is being made: some seconds
+  ~FittingRoom();  // waits for the avatar being made: some seconds
   FittingRoom(const FittingRoom&) = delete;
   FittingRoom& operator=(const FittingRoom&) = delete;
 

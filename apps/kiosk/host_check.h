@@ -17,7 +17,7 @@ class HostCheck {
   // and without ".local", and `listening_at`.
   explicit HostCheck(const std::string& listening_at);
 
-  // A request's fields, none for those it lacks. "": it is answered, otherwise why not.
+  // A request's fields; nullopt for missing ones. Returns "" to answer it, otherwise the reason for refusing it.
   std::string refusal(std::optional<std::string_view> host, std::optional<std::string_view> origin,
                       std::optional<std::string_view> fetch_site) const;
 

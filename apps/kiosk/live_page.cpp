@@ -202,7 +202,7 @@ PageAnswer LivePage::offer(std::string_view visit) {
   if (!result || visit_.state() != VisitState::result || !visit_.touch(visit, now))
     return {409, nullptr, "this visit has no result, or is over"};
   publish_beat();
-  // Behind the '#' it is sent to no one: neither a proxy nor what looks at links ahead of people takes the result.
+  // The part behind '#' is never sent: neither a proxy nor a program that previews links takes the result.
   const std::string address = phones_->url() + "#" + hand_over_.offer(std::move(result), now);
   const auto code = qr_code(address);
   if (!code) return {500, nullptr, code.error().message};

@@ -247,7 +247,7 @@ PageAnswer OperatorDesk::save(const Json& body) {
     if (!saved) job.error = saved.error().message;
     const std::lock_guard lock(mutex_);
     if (recorder_ != recorder) return;
-    phase_ = Phase::idle;  // also after a failure: what is on a full disk is not kept for another try
+    phase_ = Phase::idle;  // also after a failure: a session on a full disk is not kept for another try
     recorder_.reset();
     result_.clear();
   });

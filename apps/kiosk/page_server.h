@@ -46,14 +46,14 @@ using PageOffer = std::function<PageAnswer(std::string_view visit)>;
 using PageTake = std::function<PageAnswer(std::string_view token)>;
 
 struct PageHandlers {
-  PageActor act;                  // without it nothing is answered to POST
+  PageActor act;                  // without it POST is refused
   PageQuery try_on;               // without it there is no /tryon.glb
   PageQuery cloth;                // without it there is no /cloth.bin
   PageOperator operate;           // without it there is no /operator; on the server's thread
   std::string operator_password;  // "": no password needed
   PageOffer offer;                // without it there is no /hand-over
-  // With it the server is one for phones: there is the page that shows what is taken, its files, POST /take, and
-  // nothing else.
+  // With it the server is one for phones: it answers for the page that shows the taken result, its files, POST /take,
+  // and nothing else.
   PageTake take;
 };
 

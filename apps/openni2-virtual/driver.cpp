@@ -57,7 +57,7 @@ class Stream final : public oni::driver::StreamBase {
   }
   OniStatus getProperty(int id, void* data, int* size) override;
   OniStatus setProperty(int id, const void* data, int size) override;
-  // The recorder writes what is raised here. Without STRIDE and CROPPING its files play no frame and no error.
+  // The recorder writes the properties raised here. Without STRIDE and CROPPING its files play no frame and no error.
   void notifyAllProperties() override;
 
  private:

@@ -93,8 +93,8 @@ struct Record {
 
 // The text of session.json.
 std::string record_json(const Record& record);
-// `what` names the file in errors. Errors: unsupported for another schema; corrupt, naming the field, for what is
-// missing, of another type or out of range.
+// `what` names the file in errors. Errors: unsupported for another schema; corrupt, naming the field, for a field
+// that is missing, of another type or out of range.
 Result<Record> parse_record(std::string_view text, const std::string& what);
 // What is wrong with a record to be written, "" when nothing is; names the field: "truth.height_mm is 17.3, expected
 // 500 to 2500".

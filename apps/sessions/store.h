@@ -55,9 +55,9 @@ class NewSession {
 struct Listed {
   std::string id;
   Record record;       // when it could be read
-  std::string damage;  // else what is wrong, naming the file
+  std::string damage;  // else the fault, naming the file
 };
-// All sessions, the oldest first, damaged ones with what is wrong with them. A root that is not there has none.
+// All sessions, the oldest first, damaged ones with their fault. A root that does not exist has none.
 // Errors: io.
 Result<std::vector<Listed>> list(const std::string& root);
 

@@ -32,7 +32,7 @@ struct PackManifest {
   std::string version;  // of the pack: "1.0.0"
   std::string made_by;  // "im2fit-lab 1.0.0"
   std::string source;   // of the body data
-  std::string licence;  // SPDX identifier of what the models derive from
+  std::string licence;  // SPDX identifier of the models' source data
   std::uint64_t people = 0;
   bool clothed = false;  // whether the index was taught people in clothes
   std::string provenance;
@@ -63,7 +63,7 @@ Status install_pack(const ModelPack& pack, const std::string& directory);
 
 // The manifest beside installed files. Errors: not_found; as parse_manifest.
 Result<PackManifest> installed_manifest(const std::string& directory);
-// Every installed file against the manifest. Errors name the file and what is wrong.
+// Checks every installed file against the manifest. Errors name the file and the fault.
 Status verify_installed(const PackManifest& manifest, const std::string& directory);
 
 }  // namespace im2fit::apps
