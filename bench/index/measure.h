@@ -32,7 +32,7 @@ struct Row {
 
 inline constexpr std::size_t kAveraged = 32;  // about as many as our own regression uses
 
-// The queries, and what is right at one size.
+// The queries and their right answers at one size.
 struct Exam {
   const Models& models;
   std::vector<std::vector<float>> raw;                  // of every query
