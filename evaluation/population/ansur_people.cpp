@@ -178,8 +178,8 @@ AnsurPeople::Made AnsurPeople::make(std::uint64_t seed, std::uint64_t index, std
   Eigen::VectorXd posture = Eigen::VectorXd::Zero(mean.stay.rows());
   for (Eigen::Index s = 1; s < posture.size(); s += 2) posture[s] = kPostureSd * std::clamp(rng.normal(), -2.5, 2.5);
   rest.resize(mean.rest.size());
-  // Chest and shoulders change as the arms come down from the rest pose: what is wanted is wanted of the pose that is
-  // measured.
+  // Chest and shoulders change as the arms come down from the rest pose. The wanted dimensions are those of the
+  // measured pose.
   DimensionValues goal = made.wanted;
   const auto of = [](DimensionValues& values, SurveyDimension d) -> double& { return values[dimension_index(d)]; };
   Eigen::VectorXd c = start;

@@ -48,7 +48,7 @@ struct WantedPerson {
 
 class AnsurRows {
  public:
-  // Of the judging part, both sexes. Errors name the file and say what is missing.
+  // Of the judging part, both sexes. Errors name the file and the missing part.
   static Result<AnsurRows> load(const std::string& folder);
 
   // A row drawn with replacement. A share of people are carried to an end instead, evenly to either: from a row

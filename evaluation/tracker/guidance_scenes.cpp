@@ -303,9 +303,9 @@ struct Kind {
   void (Maker::*make)();
 };
 
-// Companions are what is true of such a scene as well: no person fits into the picture nearer than a metre; a person
-// turned aside or bent has the arms before the body, one who walks swings them past it. What a mirror shows may be
-// taken for another person; of legs alone neither the direction they face nor the arms can be seen.
+// Companions are codes that such a scene deserves as well: no person fits into the picture nearer than a metre; a
+// person turned aside or bent has the arms before the body, a walking person swings them past it. A mirror image may
+// be taken for another person; of legs alone neither the direction they face nor the arms can be seen.
 const std::array<Kind, 18>& kinds() {
   using G = Guidance;
   static const std::array<Kind, 18> kKinds = {{
