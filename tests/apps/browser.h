@@ -88,7 +88,7 @@ class Browser {
   }
   // A PNG of the window's contents.
   std::string screenshot() { return from_base64(get(session_ + "/screenshot")); }
-  // Tabs by what these give.
+  // Tabs are identified by the return values of these functions.
   std::string tab() { return get(session_ + "/window"); }
   std::string open_tab() { return ask(session_ + "/window/new", {{"type", "tab"}})["handle"]; }
   void show_tab(const std::string& tab) { ask(session_ + "/window", {{"handle", tab}}); }

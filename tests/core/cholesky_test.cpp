@@ -12,7 +12,7 @@
 namespace im2fit {
 namespace {
 
-constexpr std::size_t kSide = 20, kOrder = 17;  // smaller than what holds it
+constexpr std::size_t kSide = 20, kOrder = 17;  // smaller than its memory
 using Matrix = std::array<std::array<double, kSide>, kSide>;
 using Vector = std::array<double, kSide>;
 

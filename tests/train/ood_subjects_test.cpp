@@ -47,7 +47,7 @@ TEST_F(OodSubjects, RepeatAndDifferFromTrainingAndFromHeldOut) {
   EXPECT_GT(changed, 10);
 }
 
-// Half of them are of another make: joints move with their surface, which has lost what is small on the first.
+// Half of them are of another make: joints move with their surface, which lacks the small details of the first.
 TEST_F(OodSubjects, SmoothedOnesKeepTheirBuildAndLoseDetails) {
   int smoothed = 0;
   for (std::uint64_t i = 0; i < 24; ++i) {

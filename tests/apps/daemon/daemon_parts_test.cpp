@@ -180,7 +180,7 @@ TEST_F(DaemonConfig, SystemdAcceptsTheUnitAndFindsLittleExposed) {
   EXPECT_EQ(verified.err, "");
   const auto rated = test::run_program({analyze, "--no-pager", "--offline=true", "--threshold=10", "security", path});
   EXPECT_EQ(rated.exit_code, 0) << rated.out;
-  // Both see what is wrong.
+  // Both find the fault.
   std::string open = unit;
   for (const std::string line : {"PrivateNetwork=yes\n", "CapabilityBoundingSet=\n"})
     open.erase(open.find(line), line.size());

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Of the page as it stands, in every language: what is wrong with it.
+// The faults of the page as it stands, in every language.
 constexpr const char* kFaults = R"js(
 const found = [], before = words.language;
 for (const language of kLanguages) {
@@ -189,7 +189,7 @@ TEST(ServeUnit, SystemdAcceptsItAndFindsLittleExposed) {
   EXPECT_EQ(verified.err, "");
   const auto rated = test::run_program({analyze, "--no-pager", "--offline=true", "--threshold=16", "security", path});
   EXPECT_EQ(rated.exit_code, 0) << rated.out;
-  // Both see what is wrong.
+  // Both find the fault.
   test::write_text(path, unit + "[Service]\nRestartSec=soon\n");
   EXPECT_NE(test::run_program({analyze, "--man=no", "verify", path}).err, "");
 }

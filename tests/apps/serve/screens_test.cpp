@@ -191,7 +191,7 @@ TEST_F(Screens, UnitsAndNumbersAreThoseOfTheRegion) {
   }
 }
 
-// Two tabs: what is deleted in one is gone in both, and a page left open over a restart shows nothing of before.
+// Two tabs: a deletion in one holds in both, and a page left open over a restart shows nothing of before.
 TEST_F(Screens, TwoTabsAndARestartShowNothingOfTheOneBefore) {
   auto page = std::make_unique<test::ShownPage>();
   const int port = page->port();
