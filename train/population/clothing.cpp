@@ -131,7 +131,7 @@ float Tailor::ease_of(std::size_t vertex, const Cut& cut, Cover cover) const {
   const float least = ease_range(cut.clothing, false).least_mm;
   switch (place.part) {
     case Part::trunk: {
-      // Cloth lies on the shoulders and hangs from the chest; what is under a shirt lies closer.
+      // Cloth lies on the shoulders and hangs from the chest; clothes under a shirt lie closer.
       const float hanging = smooth((0.95F - place.along) / 0.45F) * (1 - 0.7F * std::max(0.0F, normal_[vertex].y));
       return cover == Cover::upper ? mix(least, cut.trunk_mm, hanging) : least + 1;
     }
@@ -196,7 +196,7 @@ void Tailor::clothe(std::span<const Vec3f> rest, const Cut& cut, Rng& rng, Outfi
     const EaseRange range = range_of(i, cut);
     if (out.cover[i] != Cover::bare) ease_[i] = std::clamp(ease_[i], range.least_mm, range.most_mm);
   }
-  // Tension: the cloth evens out what is smaller than itself; it touches where the body stands out and spans hollows.
+  // Tension: the cloth evens out smaller shapes than itself; it touches where the body stands out and spans hollows.
   spare_.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(count));
   for (std::size_t i = 0; i < count; ++i) spare_[i] = rest[i] + normal_[i] * ease_[i];
   base_ = ease_;
