@@ -74,7 +74,7 @@ public struct Rig: Equatable {
 
 /// A description of the models: for a support page, or to refuse models that lack something.
 public struct ModelInfo: Equatable {
-    public let madeBy: String        // which program made the index, and from what
+    public let madeBy: String        // the program that made the index, and its source data
     public let people: UInt32        // number of people in the index
     public let captures: UInt32      // number of captures of these people
     public let trackerKey: UInt32    // opening refuses an index made with another tracker
