@@ -292,7 +292,7 @@ class Measuring(unittest.TestCase):
             rows = [f"{number},{number * 33333333}" for number, _ in _folder.frames_of(folder)]
             (folder / "timestamps.csv").write_text("frame,host_ns\n" + "\n".join(rows) + "\n")
             self.assertTrue(im2fit.measure(folder, models=models(), **FRAMES).measured)
-            # Ten degrees off, as the first frame says: who stands straight leans.
+            # Ten degrees off, as the first frame reports: a person who stands straight leans.
             rows = [rows[0] + ",0,0.9848,0.1736"] + [row + ",,," for row in rows[1:]]
             (folder / "timestamps.csv").write_text("frame,host_ns,down_x,down_y,down_z\n" + "\n".join(rows) + "\n")
             leaning = im2fit.measure(folder, models=models(), **FRAMES)
