@@ -202,7 +202,7 @@ std::vector<Stay> stays_of(const body::BodyModel& model) {
         apart.row.push_back({v, {0, sign / static_cast<float>(d.lists[list].count), 0}});
     stays.emplace_back(Stay{{}, 1});  // pairs: aside or apart first, then forwards
   };
-  // Level: the left one is no higher than the right one.
+  // Level: the left one is not higher than the right one.
   for (const auto& [left, right] : {std::pair{Segment::left_foot, Segment::right_foot},
                                     std::pair{Segment::left_lower_leg, Segment::right_lower_leg},
                                     std::pair{Segment::left_upper_leg, Segment::right_upper_leg},

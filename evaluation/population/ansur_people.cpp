@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kPersonStream = 0xA2501, kRowStream = 0xA2502, kShapeStream = 0xA2503;
 
-// Tolerances: what a camera sees most of must be met; joints inside are not the survey's landmarks.
+// Tolerances: the dimensions a camera sees best must be met; joints inside are not the survey's landmarks.
 constexpr std::array<DimensionInfo, kSurveyDimensionCount> kTable = {{
     {"stature", 1},        {"cervicale height", 3}, {"acromial height", 8},   {"chest height", 2},
     {"waist height", 2},   {"buttock height", 3},   {"crotch height", 1.5},   {"trochanter height", 8},
@@ -178,8 +178,8 @@ AnsurPeople::Made AnsurPeople::make(std::uint64_t seed, std::uint64_t index, std
   Eigen::VectorXd posture = Eigen::VectorXd::Zero(mean.stay.rows());
   for (Eigen::Index s = 1; s < posture.size(); s += 2) posture[s] = kPostureSd * std::clamp(rng.normal(), -2.5, 2.5);
   rest.resize(mean.rest.size());
-  // Chest and shoulders change as the arms come down from the rest pose: what is wanted is wanted of the pose that is
-  // measured.
+  // Chest and shoulders change as the arms come down from the rest pose. The wanted dimensions are those of the
+  // measured pose.
   DimensionValues goal = made.wanted;
   const auto of = [](DimensionValues& values, SurveyDimension d) -> double& { return values[dimension_index(d)]; };
   Eigen::VectorXd c = start;

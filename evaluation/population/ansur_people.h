@@ -32,7 +32,7 @@ class AnsurPeople {
   // Offsets are of all vertices, helpers too; `family` is held_out. `rest` becomes what morph_subject() makes of it.
   Subject draw(std::uint64_t seed, std::uint64_t index, std::vector<Vec3f>& rest) const;
 
-  // The same with what was wanted and what the mesh has of it. NaN in `wanted`: nothing.
+  // The same with the wanted dimensions and those of the mesh. NaN in `wanted`: any.
   struct Made {
     Subject subject;
     DimensionValues wanted{}, achieved{};
@@ -49,7 +49,7 @@ class AnsurPeople {
 // program is called in.
 std::string default_ansur_folder();
 
-// What a dimension is called in tables, and how far off a body may be (1 SD; what is left goes to the energy).
+// The name of a dimension in tables, and how far off a body may be (1 SD; the remaining error adds to the energy).
 struct DimensionInfo {
   std::string_view name;
   double tolerance;  // mm; kg
