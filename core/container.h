@@ -114,7 +114,7 @@ class ContainerReader {
   Result<std::span<const std::byte>> section(const std::string& name) const;
   // To be checked as it is read.
   Result<PagedBytes> paged(const std::string& name) const;
-  // The section as values of T; an error if the size is no multiple of T or, when given, not `count` values.
+  // The section as values of T; an error if the size is not a multiple of T or, when given, not `count` values.
   template <class T>
   Result<std::span<const T>> array(const std::string& name, std::size_t count = SIZE_MAX) const {
     static_assert(std::is_trivially_copyable_v<T>);

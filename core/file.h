@@ -21,11 +21,11 @@ Result<std::vector<std::byte>> read_file(const std::string& path, std::size_t si
 Status read_file_into(const std::string& path, std::size_t size_max, std::size_t count,
                       std::vector<std::byte>& bytes);
 
-// Who may read a new file: whoever the umask lets, or its owner alone, for what holds a person's data.
+// Who may read a new file: the users the umask allows, or the owner alone (files with a person's data).
 enum class Readable { as_umask, by_owner };
 
-// Writes to a temporary name beside `path` (temporary_of), syncs, renames: whoever reads `path` meanwhile has the old
-// file or the whole new one. On any failure nothing is left behind; a program that is killed leaves the temporary.
+// Writes to a temporary name beside `path` (temporary_of), syncs, renames: a reader of `path` gets either the old
+// file or the whole new one. Any failure removes the temporary file; a program that is killed leaves it.
 Status write_file_atomically(const std::string& path, std::span<const std::byte> bytes,
                              Readable readable = Readable::as_umask);
 Status write_file_atomically(const std::string& path, const std::string& text,

@@ -19,7 +19,7 @@ class CsvReader {
     std::size_t cells_max = 64;        // a row
     std::size_t cell_bytes_max = 256;  // a comment may have four times as much
   };
-  // `what` names the file in errors; both must outlive the reader. What separates cells is told by the first row.
+  // `what` names the file in errors; both must outlive the reader. The first row determines the cell separator.
   CsvReader(std::string_view text, const std::string& what, const Limits& limits);
   CsvReader(std::string_view text, const std::string& what) : CsvReader(text, what, Limits{}) {}
 
