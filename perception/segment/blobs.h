@@ -44,7 +44,7 @@ struct Head {
   Vec3f top_mm;
   float width_mm = 0;
   bool seen = true;    // false: where a tracked person's head is expected
-  bool vague = false;  // rather flat, or too far to judge: counts only where there is no better one
+  bool vague = false;  // rather flat, or too far to judge: counts only without a better one
 };
 
 // The surfaces of one frame, and the memory in which they are found: made once, for frames of one size.

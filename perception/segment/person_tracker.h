@@ -43,7 +43,7 @@ struct User {
 };
 inline constexpr int kUserCountMax = 8;
 
-// Shorter flicker of the mask is no loss: half a second, in frames at 30 Hz. The session counts the same.
+// Shorter flicker of the mask does not count as a loss: half a second, in frames at 30 Hz. The session uses the same.
 inline constexpr int kAbsentPeriodsMax = 15;
 
 // What the joints of one frame say about whether their owner is a person.
@@ -81,8 +81,8 @@ class PersonTracker {
   // How much more that user's surface is shaped like a person's than like furniture, mean over the last frames:
   // log-odds, from -9 to 9; 0 for a user not seen whole or unknown.
   float shape_odds(int id) const;
-  // A user accepted once stays accepted: people bend and turn away, and the joints then fit badly. Who is selected
-  // needs no judgement.
+  // A user accepted once stays accepted: people bend and turn away, and the joints then fit badly. The selected user
+  // is not judged.
   bool accepted(int id) const;
   // Takes in what the joints say: accept(), reject(), or neither while too few frames were judged. Returns
   // accepted().
@@ -93,17 +93,16 @@ class PersonTracker {
   void reject(int id);
 
   // The session's part.
-  // From the next frame on look at the user of this id and no other, even while hidden or gone; never given up.
-  // 0 (default): anyone, and the session holds on to whoever stands right first. Ends what is held.
+  // From the next frame on follows only the user of this id, even while hidden or gone; never given up. 0 (default):
+  // any user, and the session holds the first one who stands correctly. Ends a hold().
   void select(int id);
   int requested() const { return requested_; }  // by select()
   int selected() const { return selected_; }    // by select() or hold(), 0: anyone
-  // After each frame of a session: `shown` is the id of the user seen, 0: none; `ready`: that person need change
-  // nothing; `periods` of 1/30 s passed since the frame before. From the first such frame on only that user is
-  // selected, until absent for more than kAbsentPeriodsMax: then the session is LOST, and whoever comes next may
-  // begin one.
+  // After each frame of a session: `shown` is the id of the user seen, 0: none; `ready`: that user stands correctly;
+  // `periods` of 1/30 s passed since the frame before. From the first `ready` frame on only that user is selected,
+  // until absent for more than kAbsentPeriodsMax: then the session is LOST, and the next user may begin one.
   void hold(int shown, bool ready, int periods = 1);
-  void release() { select(requested_); }  // whoever was held by hold()
+  void release() { select(requested_); }  // ends hold()
 
  private:
   static constexpr int kTrackCountMax = 16;
