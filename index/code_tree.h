@@ -34,7 +34,7 @@ struct Neighbour {
   friend bool operator==(const Neighbour&, const Neighbour&) = default;
 };
 
-// Views; whoever made them sees to their sizes (format.cpp, or PackedTree of train/index).
+// Views; the code that makes them checks their sizes (format.cpp, or PackedTree of train/index).
 struct CodeTree {
   std::size_t point_count = 0;
   int dimension_count = 0;
