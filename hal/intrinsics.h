@@ -15,7 +15,7 @@ std::string_view to_string(IntrinsicsOrigin origin);
 std::optional<IntrinsicsOrigin> parse_origin(std::string_view text);
 
 // Fields of view in radians, of the whole picture; the principal point is the picture's centre ((w - 1) / 2), all
-// that an OpenNI2 device reports. Error (invalid_argument) when the angles are no camera's; `what` names it.
+// that an OpenNI2 device reports. Error: invalid_argument when the angles are implausible; `what` names the camera.
 Result<Intrinsics> intrinsics_from_field_of_view(int width, int height, float horizontal_rad, float vertical_rad,
                                                  const std::string& what);
 struct FieldOfView {

@@ -23,7 +23,7 @@ class FrameExchange {
     std::uint64_t number = 0;  // of the frame, as the producer counts
     std::int64_t host_ns = 0;
     std::int64_t device_us = -1;
-    bool damaged = false;  // a frame that must not be used: there are no bytes
+    bool damaged = false;  // a frame that must not be used: it has no bytes
     int packets_received = 0;
     const std::uint8_t* bytes = nullptr;  // the consumer's until its next take()
     int buffer = -1;
