@@ -11,8 +11,8 @@
 //           four in 1 to 4 frames, one, whose arm does touch, in 27
 namespace im2fit::arms_limits {
 
-// Frames that say something of the arms and are remembered: a quarter of a second. Longer: whoever lifts the arms
-// waits longer; shorter: sleeves that flicker are believed.
+// Remembered frames with evidence about the arms: a quarter of a second. A longer window delays people who lift their
+// arms; a shorter one accepts flickering sleeves.
 constexpr int kWindow = 8;
 // Of these, frames that say close: from so many on ARMS_CLOSE is held, ...
 constexpr int kHeldFrom = 4;  // [real]: 8 of 8; [eval]: 2 at most where the arms are apart
