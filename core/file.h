@@ -11,11 +11,11 @@
 
 namespace im2fit {
 
-// What a file that is read whole may have at most where its reader says nothing smaller.
+// The largest file that is read whole, unless its reader specifies less.
 inline constexpr std::size_t kReadBytesMax = std::size_t{256} << 20;
 inline constexpr std::size_t kTextBytesMax = std::size_t{1} << 20;  // a configuration, a chart, a calibration
 // Regular files only: a FIFO would hang, a device never end. Errors: not_found, io, unsupported (larger than
-// `size_max`, looked at before anything is read).
+// `size_max`, checked before anything is read).
 Result<std::vector<std::byte>> read_file(const std::string& path, std::size_t size_max = kReadBytesMax);
 // The same into `bytes`, whose memory is kept from file to file; at most the first `count`.
 Status read_file_into(const std::string& path, std::size_t size_max, std::size_t count,

@@ -26,7 +26,7 @@ inline constexpr std::uint16_t kNoShift = 2047;  // "no data"
 // Outside of it shift_table()'s products could overflow.
 bool is_plausible(const ZeroPlane& plane);
 
-// Millimetres for each raw value, rounded half up; 0 for kNoShift and for what lies beyond 10,000 mm. `plane` is
+// Millimetres for each raw value, rounded half up; 0 for kNoShift and for depths above 10,000 mm. `plane` must be
 // plausible.
 using ShiftTable = std::array<std::uint16_t, kShiftCount>;
 ShiftTable shift_table(const ZeroPlane& plane);
