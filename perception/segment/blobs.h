@@ -68,8 +68,8 @@ struct Blobs {
   std::vector<FloorEquations> planes;
 };
 
-// Labels every cell, and says which blobs are people. Cells where `background` is 1 stay out. `expected`: crowns of
-// people known, who are kept apart also where their heads are not seen.
+// Labels every cell and decides which blobs are people. Cells where `background` is 1 stay out. `expected`: crowns of
+// known people, who are kept apart even where their heads are not seen.
 void find_blobs(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
                 std::span<const Vec3f> expected, Blobs& found);
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is who: one record for each person followed, from the first detection on for as long as it may stay hidden.
+// Identities: one record for each person followed, from the first detection on for as long as it may stay hidden.
 // A user begins unconfirmed. It is confirmed by its shape over some frames (Segmenter) or accepted by its joints
 // (PersonDetector), or it is rejected as furniture; unconfirmed candidates stay selectable until rejected. Of all
-// users one is looked at in a frame: the nearest and most central, or the one selected; a session selects the first
-// person who stands right and holds on to that one.
+// users one is followed in a frame: the nearest and most central, or the selected one. A session selects and holds
+// the first person who stands correctly.
 //
 // Matching detections to records is person_matching.cpp; evidence and choice are person_tracker.cpp. No allocation,
 // no threads; not shareable between threads.
@@ -46,7 +46,7 @@ inline constexpr int kUserCountMax = 8;
 // Shorter flicker of the mask does not count as a loss: half a second, in frames at 30 Hz. The session uses the same.
 inline constexpr int kAbsentPeriodsMax = 15;
 
-// What the joints of one frame say about whether their owner is a person.
+// The evidence of one frame's joints for their owner being a person.
 struct JointEvidence {
   float person_score = 0;    // JointTracker::person_score
   float odds = 0;            // log-odds that it is a person
@@ -72,20 +72,19 @@ class PersonTracker {
   bool disturbed(int user) const;  // by another one, near enough to touch, hide or be taken for that index
   // Crowns of the people seen within the last second, where they should be in the next frame.
   std::span<const Vec3f> expected() const { return {expected_.data(), static_cast<std::size_t>(expected_count_)}; }
-  // Where people are, or were when last seen, and what has a person's size; until the next follow().
+  // Places of people, now or when last seen, and of objects of a person's size; valid until the next follow().
   std::span<const segment::Keepout> keepouts() const {
     return {keepouts_.data(), static_cast<std::size_t>(keepout_count_)};
   }
 
-  // The PersonDetector's part: is the user looked at a person?
+  // The PersonDetector's part: is the followed user a person?
   // How much more that user's surface is shaped like a person's than like furniture, mean over the last frames:
   // log-odds, from -9 to 9; 0 for a user not seen whole or unknown.
   float shape_odds(int id) const;
   // A user accepted once stays accepted: people bend and turn away, and the joints then fit badly. The selected user
   // is not judged.
   bool accepted(int id) const;
-  // Takes in what the joints say: accept(), reject(), or neither while too few frames were judged. Returns
-  // accepted().
+  // Adds the joints' evidence: accept(), reject(), or neither while too few frames were judged. Returns accepted().
   bool judge(int id, const JointEvidence& evidence);
   void accept(int id);  // a person, and confirmed by this
   // Furniture: from the next frame on others are chosen before it, and it does not count as another person in view.

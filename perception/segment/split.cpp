@@ -151,8 +151,8 @@ int blob_over(const Grid& grid, const Blobs& found, int b) {
 
 }  // namespace
 
-// An arm held across the body cuts the trunk off below it: what lies under a head that ends in the air, at its depth
-// and partly behind it, is joined to it.
+// An arm held across the body cuts the trunk off below it: the blob under a head that ends in the air, at its depth
+// and partly behind it, is joined to the head's blob.
 void join_trunks(const Grid& grid, const FloorPlane& floor, Blobs& found) {
   bool joined = false;
   for (int h = 0; h < found.head_count; ++h) {

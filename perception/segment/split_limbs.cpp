@@ -115,8 +115,8 @@ void SplitLimbJoiner::list_candidates(const Grid& grid, std::span<const Blob> li
   }
 }
 
-// What goes on beneath as something else, at the same depth, lies on it: boxes on stools. What begins under the
-// person hangs there: legs.
+// An island that continues below as another surface, at the same depth, lies on that surface: boxes on stools. An
+// island that begins under the person hangs from it: legs.
 void SplitLimbJoiner::scan_along(const Grid& grid, std::span<const std::uint16_t> labels,
                                  std::span<const std::uint8_t> chosen, int r_first, int r_last) {
   std::fill(ends_.begin(), ends_.end(), 0);
