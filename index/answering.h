@@ -52,7 +52,7 @@ class Answerer {
   Coordinates grid_of(const Targets& targets) const;
   Position place_of(const Targets& targets) const;
   void fill_nearest(const Corrected& corrected, Answer& out) const;
-  // How far answers are off: what the file holds for one estimator (plain or a refinement).
+  // The error model of answers, from the file, for one estimator (plain or a refinement).
   struct Uncertainty {
     NoiseModel noise;
     bool local;

@@ -123,7 +123,7 @@ class Index {
   // another size than feature_size() is read as if all of it were NaN. Errors: a part of the file that the
   // query reads is damaged (parts are checked against their checksums when they are first read).
   Result<Answer> query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
-  // The same from all that is seen: refined (index/refinement.h) where the index was trained for it and the sizes
+  // The same from all data of a person: refined (index/refinement.h) where the index was trained for it and the sizes
   // fit.
   Result<Answer> query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const;
   // Entries whose features resemble these most, nearest first, into `entries`: as many as fit, 512 at most;
@@ -148,10 +148,10 @@ class Index {
     std::uint64_t size = 0;
   };
   std::vector<Section> sections() const;
-  // What opening a file does not check: the checksums of what there is of each entry, that every entry lies in its
-  // leaf's box and every leaf in its group's, and that the search finds what an exhaustive one finds, at `trials`
-  // entries. An error names what is wrong where. Opening has already held the other sections to their CRC and the
-  // records to their ranges.
+  // Checks what opening a file does not: the checksums of each entry's data, that every entry lies in its leaf's box
+  // and every leaf in its group's, and that the search equals an exhaustive one at `trials` entries. An error names
+  // the fault and its place. Opening has already checked the other sections against their CRC and the records against
+  // their ranges.
   Status verify(int trials) const;
   // How much of the file the scratch's last query read.
   struct Work {

@@ -36,13 +36,13 @@ inline constexpr std::array<Segment, 16> kTurning = {
 inline constexpr std::size_t kPoseValues = 3 + 3 * kTurning.size();
 static_assert(1 + kTurning.size() <= kTripleMax);
 
-// What turns of parents do is done to all that hangs on them.
+// Applies `step` to `pose`. Turns of parents move all their descendants.
 void move_pose(Pose& pose, std::span<const float, kPoseValues> step);
 
 // Sets of segments, bit s for segment s.
 using SegmentSet = std::uint32_t;
 SegmentSet segments_of(const SkinRecord& skin);
-// The triples of a pose step that move what follows `segments`: the shift, then turns.
+// The triples of a pose step that move points attached to `segments`: the shift, then turns.
 RowColumns columns_of(SegmentSet segments);
 
 // Points and bones of the body with some coefficients, rest pose.

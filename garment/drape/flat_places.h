@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of many places of a pattern lies nearest to another: rims, seams and what a garment hangs from.
+// Nearest-neighbour search among places of a pattern: rims, seams and the edges a garment hangs from.
 #pragma once
 
 #include <cstddef>
