@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Intrinsics from and to what cameras and files say of them.
+// Intrinsics from and to the values reported by cameras and files.
 #pragma once
 
 #include <optional>
@@ -24,11 +24,11 @@ struct FieldOfView {
 };
 FieldOfView field_of_view(const Intrinsics& k);
 
-// What a calibration file says of a camera's picture, before rotation.
+// The contents of a calibration file, for a camera's picture before rotation.
 struct Calibration {
   Intrinsics intrinsics;
   Distortion distortion;
-  std::optional<int> rotate_deg;  // how the camera was mounted, where the file says
+  std::optional<int> rotate_deg;  // how the camera was mounted, if in the file
   IntrinsicsOrigin origin = IntrinsicsOrigin::calibration_file;
 };
 

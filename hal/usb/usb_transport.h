@@ -32,7 +32,7 @@ class UsbPacketSink {
 
 struct UsbStreamSettings {
   std::uint8_t endpoint = 0;  // isochronous, IN
-  int packet_bytes_min = 0;   // what the endpoint must carry at a time
+  int packet_bytes_min = 0;   // least packet size of the endpoint
   int transfers = 32;         // in flight
   int packets_per_transfer = 16;
 };
