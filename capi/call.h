@@ -21,7 +21,7 @@ const char* last_error_of_thread();
 bool opened_here(const im2fit_handle& handle);
 int fail_forked();
 
-// What a caller's function returned, as a status of ours: numbers that are none become IO, with a text that names
+// Converts the return value of a caller's function to a status: unknown numbers become IO, with a text that names
 // them.
 int known_status(int status);
 

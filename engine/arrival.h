@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How frames arrive: what is odd about their numbers and stamps, and the time from one to the next. Of one thread
-// each.
+// The arrival of frames: irregular numbers and time stamps, and the time from one to the next. Use each class from
+// one thread.
 #pragma once
 
 #include <algorithm>

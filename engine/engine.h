@@ -180,7 +180,7 @@ class Engine : public FrameSink {
 // frames are left out. Errors: the source's (after finishing with what came before); the engine's fault(); timeout
 // when a source that is not lost() gives no frame for kFrameGapMsMax. The end of a stream is Ok, measured or not.
 Status run(Engine& engine, hal::Source& source, bool stop_when_measured);
-// The same, until `go_on`, called on this thread after every frame pushed, says false; it may call the engine.
+// The same, until `go_on`, called on this thread after every frame pushed, returns false; it may call the engine.
 Status run(Engine& engine, hal::Source& source, const std::function<bool()>& go_on);
 
 }  // namespace im2fit

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The session as a pure function: what state follows, and what to do with the frame, given the state, what was
-// detected and the counts. No clock, no I/O, no memory besides Session: time is counted in periods of 1/30 s,
-// evidence in frames.
+// The session as a pure function of the state, the detection and the counts: it gives the next state and what to do
+// with the frame. No clock, no I/O, no memory besides Session: time is counted in periods of 1/30 s, evidence in
+// frames.
 //
 //   SEARCHING -> USER_FOUND -> [CALIBRATING ->] TRACKING -> [TURNING ->] MEASURED
 //   LOST from USER_FOUND, CALIBRATING and TRACKING; back to USER_FOUND when a person is found again, at most
@@ -96,13 +96,13 @@ OfferStep after_offer(const SessionRules& rules, const Session& session, bool re
 struct MeasuringStep {
   Session next;
   bool forget = false;  // all of it
-  bool turn = false;    // what was measured is the front: keep it, accumulate the back
+  bool turn = false;    // keep the measured frames as the front and accumulate the back
 };
-// `succeeded`: what was accumulated could be described. `ended`: the stream is over, no person can turn round any
-// more.
+// `succeeded`: the accumulated frames could be described. `ended`: the stream is over, so the person cannot turn
+// round any more.
 MeasuringStep after_measuring(const SessionRules& rules, const Session& session, bool succeeded, bool ended = false);
 
-// At the end of the stream: is what is accumulated enough? In TURNING: of the back, to be measured with the front.
+// Whether the accumulated frames are enough at the end of the stream. In TURNING: those of the back, for both sides.
 bool measure_at_end(const SessionRules& rules, const Session& session, int frames_accumulated);
 
 // The calibration pose of the paper: both hands above the elbows, both upper arms level within 30 degrees, forearms

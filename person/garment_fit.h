@@ -48,8 +48,8 @@ struct BodyGirth {
 // The chest girth a size is cut for: the middle of its row.
 float size_chest_mm(const SizeRow& row);
 
-// A size costs where it is not worn as meant: the square of what it lacks, more below what binds, less of what it has
-// too much, each expected over the girth's error. + - * / alone: the same advice on every machine.
+// The cost of a size grows with the square of the ease it lacks (more where it binds) and, less, of its excess ease,
+// each expected over the girth's error. + - * / alone: the same advice on every machine.
 GarmentFit fit_garment(const body::GarmentPattern& pattern, const body::CutRegression& regression,
                        const SizeChart& chart, bool woman, std::span<const BodyGirth> girths);
 // In words for people: "M; then L, in which the chest is loose (150 mm of ease, 70 in M)".
