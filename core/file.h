@@ -30,7 +30,7 @@ Status write_file_atomically(const std::string& path, std::span<const std::byte>
                              Readable readable = Readable::as_umask);
 Status write_file_atomically(const std::string& path, const std::string& text,
                              Readable readable = Readable::as_umask);
-// Whether `name` is one that write_file_atomically gives to what will be `final_name`.
+// Whether `name` is a temporary name that write_file_atomically gives to the later `final_name`.
 bool is_temporary_of(const std::string& name, const std::string& final_name);
 
 // Creates the directory and its parents; fine when it exists. Checks that it can be written to.

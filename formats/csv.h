@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one reader of tables as text: RFC 4180, and what spreadsheets make of it. A byte order mark, CRLF, a line
-// "sep=;", semicolons or tabs between cells, quotes, blanks round cells, empty cells at the end of a row, decimal
-// commas.
+// The one reader of tables as text: RFC 4180 and the variants of spreadsheets. It accepts a byte order mark, CRLF, a
+// line "sep=;", semicolons or tabs between cells, quotes, blanks round cells, empty cells at the end of a row, and
+// decimal commas.
 #pragma once
 
 #include <cstddef>
