@@ -133,7 +133,7 @@ class PersonTracker {
     bool accepted = false;
     bool rejected = false;
   };
-  // users_[i] is what callers see of detections_[i].
+  // users_[i] is the public part of detections_[i].
   struct BlobDetection {
     int blob = -1;
     Vec3f place_mm;     // of the head, or of the centroid where there is none; along the floor
