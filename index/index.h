@@ -137,9 +137,9 @@ class Index {
   std::uint32_t shape_key() const;
   // Whose body an entry is. `entry` < size(), as below. Errors: as of query().
   Result<IndexedPerson> person_of(std::uint32_t entry) const;
-  // How old that person is, years: the middle of the half year of their life. Errors: as of query().
+  // That person's age in years: the middle of a half year. Errors: as of query().
   Result<float> age_of(std::uint32_t entry) const;
-  // Truth of an entry to within the rounding of its codes: a seventh of the regression's error, and what the
+  // Truth of an entry to within the rounding of its codes (a seventh of the regression's error) and the part that the
   // projected space leaves out.
   Result<MeasurementValues> measurements_of(std::uint32_t entry) const;
   // Sizes and names of the file's sections, in the order of the file.
@@ -159,7 +159,7 @@ class Index {
     std::size_t pages = 0;  // of 4096 bytes, at most
   };
   Work work_of(const Scratch& scratch) const;
-  // Pages of 4096 bytes of what there is of each entry that were read, and found intact, since the file was opened.
+  // Pages of 4096 bytes of the entries' data that were read, and found intact, since the file was opened.
   std::size_t pages_seen() const;
 
   struct Data;

@@ -57,7 +57,7 @@ class Outfit {
   const Pose& pose() const { return pose_; }
   const Skeleton& skeleton() const { return skeleton_; }  // at rest, of the body it was dressed on
 
-  // Which of the body's vertices cloth hides whatever way one looks: `out` has body_vertex_count() places, 1: hidden.
+  // The body's vertices that cloth hides from every direction: `out` has body_vertex_count() places, 1: hidden.
   // Skin near hems is not; `more_mm`: so much farther from them, where cloth will move.
   void hidden_skin(std::span<std::uint8_t> out, float more_mm = 0) const;
   // Where a garment's vertices are shown: those within the skin lie on it, and those that stand out of cloth worn
