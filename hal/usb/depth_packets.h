@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Kinect's depth packets to whole packed pictures, or to the knowledge that one is damaged.
+// Assembles a Kinect's depth packets to whole packed pictures and detects damaged ones.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between a camera's protocol and whatever carries it: libusb, or a device model in the process.
+// The interface between a camera's protocol and its transport: libusb, or a device model in the process.
 #pragma once
 
 #include <cstddef>

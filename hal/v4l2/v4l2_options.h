@@ -28,11 +28,11 @@ struct V4l2Options {
   int buffer_count = 4;                    // 2..32 in flight
 };
 
-// `text`: what stands behind "v4l2:"; keys format, unit_um, unit_control, hfov, size (WxH), fps and serial over
-// `defaults`. Error: invalid_argument, naming the key.
+// `text`: the part after "v4l2:"; keys format, unit_um, unit_control, hfov, size (WxH), fps and serial replace those
+// of `defaults`. Error: invalid_argument, naming the key.
 Result<V4l2Options> parse_v4l2_uri(const std::string& text, const V4l2Options& defaults);
-// The words, "v4l2:" included, that open the same camera in the same mode again, given the same calibration: by its
-// serial number where there is one, else by path.
+// The URI, "v4l2:" included, that opens the same camera in the same mode again, given the same calibration: by its
+// serial number if it has one, else by path.
 std::string v4l2_uri(const V4l2Options& options);
 
 }  // namespace im2fit::hal
