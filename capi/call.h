@@ -25,7 +25,7 @@ int fail_forked();
 // them.
 int known_status(int status);
 
-// Runs `body` with a handle that may be used, and turns whatever it throws into a status.
+// Runs `body` with a usable handle, and converts any exception to a status.
 template <class Body>
 int guarded(im2fit_handle* handle, Body body) noexcept {
   if (handle == nullptr) return fail(nullptr, IM2FIT_ERROR_INVALID_ARGUMENT, "the handle is NULL");
