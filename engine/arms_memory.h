@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The memory of a person's arms, so that a few lucky frames do not lead to a measurement. The rule is defined here:
 //
-//   1. A frame is `close` when it carries ARMS_CLOSE, `apart` when it carries no code at all, else it is no evidence.
+//   1. A frame is `close` when it carries ARMS_CLOSE, `apart` when it carries no code at all, else neutral.
 //   2. An arm is held as close once 4 of the last 8 frames with evidence name it, until only 1 does. While an arm is
 //      held, frames carry ARMS_CLOSE and are not accumulated, whatever they show.
 //   3. A capture (the frames from the first accumulated one on) more than half of whose frames carry ARMS_CLOSE is
