@@ -19,14 +19,14 @@ class Contours {
  public:
   // The lines in which the plane meets the mesh: each closed where the mesh is. Triangles consistently oriented.
   void cut(const TriangleBlocks& mesh, const SectionPlane& plane);
-  // The same of what lies about the plane.
+  // The same for the slab of triangles about the plane.
   void cut(const TriangleSlab& slab, const SectionPlane& plane);
   std::size_t count() const { return first_.empty() ? 0 : first_.size() - 1; }
   std::span<const Vec3f> loop(std::size_t i) const;
   std::span<const Vec3f> points() const { return points_; }  // of all lines
 
   // Of several lines (trunk and arms, two legs) the one about `inside`: the shortest that goes round it, else the one
-  // whose middle is nearest. Empty when there is none of three points or more.
+  // with the nearest middle. Empty if no line has three points or more.
   std::span<const Vec3f> about(Vec3f inside) const;
   // The line that passes nearest to both ends.
   std::span<const Vec3f> through(Vec3f from, Vec3f to) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the triangles of a surface begin and end along an axis, in blocks of consecutive ones, neighbours mostly:
-// those that a level crosses are found without looking at all of them.
+// The extents of a surface's triangles along an axis, in blocks of consecutive ones, neighbours mostly: the triangles
+// that a level crosses are found without checking all of them.
 #pragma once
 
 #include <algorithm>

@@ -56,7 +56,7 @@ struct Look {
 Result<Look> read_look(const ContainerReader& reader, std::size_t vertex_count, std::size_t quad_count,
                        const std::string& what);
 
-// The body file `pack` without these sections and without the start bodies: what trackers and indexes depend on.
+// The body file `pack` without these sections and the start bodies: the part that trackers and indexes depend on.
 // Errors: as a body file's.
 Result<std::vector<std::byte>> shape_only(std::span<const std::byte> pack, const std::string& what);
 

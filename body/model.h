@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parametric human: what a .i2b file holds, and parameters -> mesh. Axes of every mesh here: y up, +z out of
+// The parametric human: the contents of a .i2b file, and parameters -> mesh. Axes of every mesh here: y up, +z out of
 // the face, +x the person's left; mm. Immutable after loading; shareable between threads.
 #pragma once
 
@@ -82,9 +82,9 @@ class BodyModel {
 
   // Rest-pose mesh of `params`; out has vertex_count() places. No allocation.
   void morph(const Params& params, std::span<Vec3f> out) const;
-  // For solvers: the body's vertices, and something for the helpers', of several meshes at once. Without `from`, out
-  // becomes the mesh of `to`, the bits of morph(); else share times what `to` has more than `from` is added to it,
-  // which costs only what differs. 1 to kBodyMovesMax. No allocation.
+  // For solvers: the body's vertices of several meshes at once; the helpers' vertices get unspecified values. Without
+  // `from`, out becomes the mesh of `to`, the bits of morph(); else share times the difference of `to` from `from` is
+  // added to it, at the cost of only the parameters that differ. 1 to kBodyMovesMax. No allocation.
   struct BodyMove {
     const Params* from;
     const Params* to;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between a camera's axes (x right, y down, z forward) and those of meshes (x the left of who faces the camera, y up,
-// z towards the camera): a half turn about x, then what is up, by the floor or by gravity, to +y. The origin lies
-// between the hips; where the floor is known, on it. mm. + - * / and sqrt only: the same bits everywhere.
+// Between a camera's axes (x right, y down, z forward) and those of meshes (x the left of a person facing the camera,
+// y up, z towards the camera): a half turn about x, then the up direction, by the floor or by gravity, to +y. The
+// origin lies between the hips; with a known floor, on it. mm. + - * / and sqrt only: the same bits everywhere.
 #pragma once
 
 #include "body/skeleton.h"

@@ -62,7 +62,7 @@ void section_levels(std::span<const std::array<std::int32_t, 4>> quads, std::spa
 
 // Convex hull within the plane, counter-clockwise in (u, v), no point twice; fewer than three points: as they are.
 std::vector<Vec3f> convex_hull(std::span<const Vec3f> points, const SectionPlane& plane);
-// The same without allocation while points are no more than the work has seen or reserved.
+// The same without allocation up to the largest number of points already processed or reserved.
 class HullWork {
  public:
   void reserve(std::size_t point_count);

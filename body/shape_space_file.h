@@ -18,7 +18,7 @@ namespace im2fit::body {
 // The space of a parsed body file, checked; one of no points when the file has no section shape_about.
 Result<ShapeSpace> read_shape_space(const ContainerReader& reader, const std::string& what);
 
-// The body file `pack` with the space's sections in place of those it had. Refuses what read_shape_space refuses.
+// The body file `pack` with its shape sections replaced by those of `space`. Errors: as read_shape_space.
 Result<std::vector<std::byte>> with_shape_space(std::span<const std::byte> pack, const ShapeSpace& space);
 
 }  // namespace im2fit::body

@@ -317,7 +317,7 @@ class TapeMeasurer::Work {
     return along(*high) - along(*low);
   }
 
-  // At the chest arms may be one piece with the trunk: of the trunk the tape goes round all that is no arm.
+  // At the chest arms may be one piece with the trunk: a tape round the trunk excludes the arms.
   static bool round_trunk(const TapeDefinition& d) {
     return d.side == TapeSide::middle && d.plane == TapePlane::level && d.kind != TapeKind::contour;
   }
@@ -396,7 +396,7 @@ class TapeMeasurer::Work {
     }
   }
 
-  // Of those of the eleven that are no girths.
+  // Lines of those of the eleven values that are not girths.
   void add_value_line(Measurement value, TapeLines& all) const {
     const auto head = [&](Segment s) { return bones_.head[static_cast<std::size_t>(s)]; };
     const auto mark = [&](Landmark l) { return posed_[static_cast<std::size_t>(model_.data().landmark(l))]; };

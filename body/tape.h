@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tape: measurements as data. A definition names points of the body and what is measured between or round them;
-// docs/tape.md has every field. Text becomes a Tape in person/tape_file.h; this room reads none.
+// docs/tape.md has every field. person/tape_file.h parses text into a Tape; this directory reads no text.
 //
-// The eleven values of core/measurement.h are taken by body/measure.h here too: there is no second definition.
+// body/measure.h measures the eleven values of core/measurement.h here too, so each has a single definition.
 #pragma once
 
 #include <array>
@@ -126,8 +126,8 @@ class TapeMeasurer {
   void measure(const Tape& tape, const Params& params, std::span<float> out);
   // The same of a rest mesh that parameters alone do not make. `rest_vertices`: all of the model's.
   void measure_rest_mesh(const Tape& tape, std::span<const Vec3f> rest_vertices, float gender, std::span<float> out);
-  // The same of a body that was measured already, which `body` holds and keeps holding while lines() and mesh() are
-  // asked.
+  // The same for a body that `body` has measured already. `body` must keep it until the last call of lines() and
+  // mesh().
   void measure(const Tape& tape, const Measurer& body, std::span<float> out);
   // Of the body measured last.
   TapeLines lines(const Tape& tape, int definition);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A surface in blocks of consecutive triangles, neighbours mostly, with the box about each: what lies at a plane or a
-// height is found without looking at all of it.
+// A surface in blocks of consecutive triangles, neighbours mostly, with the box about each: the triangles at a plane
+// or a height are found without checking all of them.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class TriangleBlocks {
   void at_plane(const SectionPlane& plane, F visit) const {
     near_plane(plane, 0, visit);
   }
-  // The same of what lies between two planes of one normal, or touches them.
+  // The same for blocks that lie between two planes of one normal, or touch them.
   template <class F>
   void between(const SectionPlane& from, const SectionPlane& to, F visit) const {
     SectionPlane middle = from;

@@ -295,7 +295,7 @@ WarpLandmarks warp_landmarks(const BodyModel& model, std::span<const Vec3f> rest
 void apply_warp(const BodyModel& model, const Warp& warp, std::span<Vec3f> rest) {
   Field field(model, rest);
   field.set(warp);
-  // A vertex is moved by where it and the joints were: the field keeps what it needs of the mesh before.
+  // A vertex moves by its own and the joints' old places: the field keeps the needed part of the old mesh.
   for (std::size_t v = 0; v < rest.size(); ++v) rest[v] = field.moved(v);
 }
 

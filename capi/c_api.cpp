@@ -296,7 +296,7 @@ int im2fit_pump(im2fit_handle* handle, int32_t timeout_ms) {
     h.source->forget_status();
     const auto pumped = im2fit::pump(*h.source, *h.engine, timeout_ms);
     if (pumped && *pumped == im2fit::Pumped::frame) return static_cast<int>(IM2FIT_OK);
-    // Waiting and ending are no faults: they are not logged.
+    // TIMEOUT and END_OF_STREAM are not failures, so they are not logged.
     if (pumped && *pumped == im2fit::Pumped::waiting) return static_cast<int>(IM2FIT_ERROR_TIMEOUT);
     if (pumped && *pumped == im2fit::Pumped::end) return static_cast<int>(IM2FIT_ERROR_END_OF_STREAM);
     const int status = h.source->status();

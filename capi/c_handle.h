@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is behind the opaque handle of include/im2fit/im2fit.h. Only the C functions and their test see it.
+// The opaque handle of include/im2fit/im2fit.h. Only the C functions and their test include this.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 #include "engine/frame_stages.h"
 #include "person/measuring_data.h"
 
-// What an opener opened, as a source of the engine's; closed with it.
+// The source that an opener opened, as a source of the engine; closed on destruction.
 class OpenedSource final : public im2fit::hal::Source {
  public:
   OpenedSource(const im2fit_source& opened, im2fit_down_fn down, const im2fit::hal::SourceInfo& info)
@@ -31,25 +31,25 @@ class OpenedSource final : public im2fit::hal::Source {
   im2fit::Result<im2fit::hal::FrameInfo> next(im2fit::DepthImage depth, int timeout_ms) override;
   void stop() override {}
   im2fit::hal::SourceStats stats() const override { return {}; }
-  int status() const { return status_; }  // the opener's own word on the latest frame
+  int status() const { return status_; }  // the opener's status for the latest frame
   void forget_status() { status_ = IM2FIT_OK; }
 
  private:
   im2fit_source opened_;
-  im2fit_down_fn down_;  // null: it does not feel gravity
+  im2fit_down_fn down_;  // null: it does not measure gravity
   im2fit::hal::SourceInfo info_;
   int status_ = IM2FIT_OK;
 };
 
 struct im2fit_handle {
-  // In the order of what refers to what: the engine goes first, the files last.
+  // In the order of references between them: the engine is destroyed first, the files last.
   im2fit::MeasuringData data;
-  im2fit::hal::SourceInfo origin;  // what is known of whence the frames come
+  im2fit::hal::SourceInfo origin;  // the known properties of the source
   std::unique_ptr<im2fit::Engine> engine;
-  // Of whoever is measured, made when first asked for: nothing said of that person changes until another session.
+  // Of the measured person, made when first requested: it stays unchanged until the next session.
   std::optional<im2fit::PersonMeasurement> person;
 
-  // Of that person too, made when first asked for.
+  // Of the same person, made when first requested.
   struct Dressed {
     std::string worn;  // which garments in which sizes
     std::vector<std::byte> glb;

@@ -21,11 +21,11 @@ const char* last_error_of_thread();
 bool opened_here(const im2fit_handle& handle);
 int fail_forked();
 
-// What a caller's function returned, as a status of ours: numbers that are none become IO, with a text that names
+// Converts the return value of a caller's function to a status: unknown numbers become IO, with a text that names
 // them.
 int known_status(int status);
 
-// Runs `body` with a handle that may be used, and turns whatever it throws into a status.
+// Runs `body` with a usable handle, and converts any exception to a status.
 template <class Body>
 int guarded(im2fit_handle* handle, Body body) noexcept {
   if (handle == nullptr) return fail(nullptr, IM2FIT_ERROR_INVALID_ARGUMENT, "the handle is NULL");

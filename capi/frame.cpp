@@ -19,7 +19,7 @@ constexpr float kUnitMaxMm = 1000.0F;
 constexpr std::size_t kRowBytesMax = std::size_t{1} << 20;  // 2048 samples of 4 bytes are 8 KiB: this is a mistake
 constexpr float kDepthMaxMm = 65535.0F;                     // of 16 bits
 constexpr float kMmPerMetre = 1000.0F;
-// Lengths of what points down, whether in g, m/s2 or cm/s2: others are no acceleration.
+// Limits of the length of a down vector, in g, m/s2 or cm/s2: values outside are not an acceleration.
 constexpr float kDownMin = 0.01F, kDownMax = 1.0e5F;
 constexpr float kUnitTolerance = 0.01F;  // of platforms' quaternions; they are made units
 constexpr float kPlaceMaxMm = 1.0e6F;    // floats count tenths of a millimetre up to there
@@ -32,7 +32,7 @@ std::size_t sample_bytes(std::int32_t format) {
   return format == IM2FIT_FORMAT_F32 ? sizeof(float) : sizeof(std::uint16_t);
 }
 
-// Rounded to the nearest; what is no distance, or too far for 16 bits, is no data.
+// Rounded to the nearest; invalid distances and those too far for 16 bits become 0, missing.
 std::uint16_t to_mm(float mm) {
   if (!(mm > 0 && mm <= kDepthMaxMm)) return 0;
   return static_cast<std::uint16_t>(std::min(mm + 0.5F, kDepthMaxMm));

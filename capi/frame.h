@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames as phones and cameras have them (im2fit_frame) become what the engine takes: upright 16-bit millimetres seen
-// through one set of intrinsics.
+// Converts frames of phones and cameras (im2fit_frame) for the engine: upright 16-bit millimetres with one set of
+// intrinsics.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace im2fit::c {
 
-// One thread at a time. Allocates only in prepare(), and with the first frame whose lens, or whose pose, is told.
+// One thread at a time. Allocates only in prepare(), and for the first frame that has a lens or a pose.
 class FrameReader {
  public:
   // `upright`: the settings' intrinsics.
@@ -38,7 +38,7 @@ class FrameReader {
   Status take_lens(const im2fit_frame& frame);
   void undistort(DepthImage to) const;
 
-  Intrinsics settings_;  // the engine's when nothing is told
+  Intrinsics settings_;  // the engine's for frames without their own
   Intrinsics session_;   // the engine's
   bool told_ = false;
   bool resample_ = false;
@@ -54,8 +54,8 @@ class FrameReader {
   std::vector<std::int32_t> table_;        // for each pixel of the session's picture the camera's; -1: outside
   std::vector<std::uint16_t> camera_;      // a frame that is to be turned
   std::vector<std::uint16_t> upright_;     // one that is to be resampled; others go straight into the engine's place
-  std::optional<hal::SteadyView> steady_;  // once a pose is told
-  bool posed_ = false, moves_ = false;     // of the frame at hand: its pose is told, and is not the view's
+  std::optional<hal::SteadyView> steady_;  // from the first pose on
+  bool posed_ = false, moves_ = false;     // the current frame has a pose; one other than the view's
   std::vector<std::int32_t> columns_, rows_;  // of a resampled picture: where its samples come from; -1: outside
 };
 

@@ -77,7 +77,7 @@ im2fit::Result<std::size_t> size_place(const im2fit::GarmentFit& fit, const char
                        std::string("no size is called ") + size + "; " + fit.chart + " has " + all};
 }
 
-// What is to be worn, the lowest first, and in words, which tell it apart from another.
+// The garments to wear, innermost first, and a text that identifies the choice.
 struct Chosen {
   std::vector<im2fit::Worn> worn;
   std::string words;
@@ -168,7 +168,7 @@ int im2fit_dressed_avatar(im2fit_handle* handle, const im2fit_worn* worn, size_t
     return with_person(h, [&](const im2fit::PersonMeasurement& person) {
       const auto chosen = chosen_of(person, worn, worn_count);
       if (!chosen) return fail(&h, chosen.error());
-      // Whoever asks for the size asks for the bytes next.
+      // A call that requests the size is usually followed by one that requests the bytes.
       if (h.dressed.worn != chosen->words)
         if (const auto made = make_dressed(h, person, *chosen); !made) return fail(&h, made.error());
       return im2fit::c::copy_out(h, h.dressed.glb, 0, bytes, capacity, size);

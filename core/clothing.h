@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said of a person's clothes before a measurement.
+// The clothing specified for a person before a measurement.
 #pragma once
 
 #include <array>
@@ -9,12 +9,12 @@
 
 namespace im2fit {
 
-// Nothing: they are estimated from the frames; underwear or close-fitting sportswear; more than that.
+// unknown: estimated from the frames. bare: underwear or close-fitting sportswear. dressed: more than that.
 enum class ClothingGiven : std::uint8_t { unknown, bare, dressed };
 inline constexpr std::size_t kClothingGivenCount = 3;
 inline constexpr std::array<std::string_view, kClothingGivenCount> kClothingGivenNames = {"auto", "bare", "dressed"};
 
-// Of a name; of another, unknown.
+// The value of a name; unknown for any other text.
 constexpr ClothingGiven clothing_of(std::string_view name) {
   for (std::size_t i = 0; i < kClothingGivenCount; ++i)
     if (kClothingGivenNames[i] == name) return static_cast<ClothingGiven>(i);

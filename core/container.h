@@ -63,16 +63,16 @@ struct ByteRange {
   std::size_t first = 0, count = 0;
 };
 
-// A section's bytes, each page of which is held to its checksum when it is first looked at. Copies share what they
-// have seen. Of bytes that were checked before, or are not to be, everything is intact.
+// A section's bytes; each page is checked against its checksum on first use. Copies share the checked pages. Bytes
+// that were checked before, or need no check, count as intact.
 class PagedBytes {
  public:
   static constexpr std::size_t kPage = 4096;  // of the file
   PagedBytes() = default;
   std::span<const std::byte> bytes() const { return bytes_; }
-  // Whether these, inside bytes(), are as they were written. Any thread, lock-free, no allocation. A page's first
-  // time costs its CRC, every other a look at a bit. That bit stands for a function of bytes that do not change: who
-  // sees it late checks again, so that no order of memory is needed.
+  // Whether these, inside bytes(), are as they were written. Any thread, lock-free, no allocation. The first check of
+  // a page computes its CRC, later ones read a bit. The bit depends only on bytes that never change: a thread that
+  // sees it late checks again, so no memory order is needed.
   bool intact(ByteRange range) const {
     if (seen_ == nullptr || range.count == 0) return true;
     const std::size_t last = (lead_ + range.first + range.count - 1) / kPage;
@@ -114,7 +114,7 @@ class ContainerReader {
   Result<std::span<const std::byte>> section(const std::string& name) const;
   // To be checked as it is read.
   Result<PagedBytes> paged(const std::string& name) const;
-  // The section as values of T; an error if the size is no multiple of T or, when given, not `count` values.
+  // The section as values of T; an error if the size is not a multiple of T or, when given, not `count` values.
   template <class T>
   Result<std::span<const T>> array(const std::string& name, std::size_t count = SIZE_MAX) const {
     static_assert(std::is_trivially_copyable_v<T>);

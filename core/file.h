@@ -11,26 +11,26 @@
 
 namespace im2fit {
 
-// What a file that is read whole may have at most where its reader says nothing smaller.
+// The largest file that is read whole, unless its reader specifies less.
 inline constexpr std::size_t kReadBytesMax = std::size_t{256} << 20;
 inline constexpr std::size_t kTextBytesMax = std::size_t{1} << 20;  // a configuration, a chart, a calibration
 // Regular files only: a FIFO would hang, a device never end. Errors: not_found, io, unsupported (larger than
-// `size_max`, looked at before anything is read).
+// `size_max`, checked before anything is read).
 Result<std::vector<std::byte>> read_file(const std::string& path, std::size_t size_max = kReadBytesMax);
 // The same into `bytes`, whose memory is kept from file to file; at most the first `count`.
 Status read_file_into(const std::string& path, std::size_t size_max, std::size_t count,
                       std::vector<std::byte>& bytes);
 
-// Who may read a new file: whoever the umask lets, or its owner alone, for what holds a person's data.
+// Who may read a new file: the users the umask allows, or the owner alone (files with a person's data).
 enum class Readable { as_umask, by_owner };
 
-// Writes to a temporary name beside `path` (temporary_of), syncs, renames: whoever reads `path` meanwhile has the old
-// file or the whole new one. On any failure nothing is left behind; a program that is killed leaves the temporary.
+// Writes to a temporary name beside `path` (temporary_of), syncs, renames: a reader of `path` gets either the old
+// file or the whole new one. Any failure removes the temporary file; a program that is killed leaves it.
 Status write_file_atomically(const std::string& path, std::span<const std::byte> bytes,
                              Readable readable = Readable::as_umask);
 Status write_file_atomically(const std::string& path, const std::string& text,
                              Readable readable = Readable::as_umask);
-// Whether `name` is one that write_file_atomically gives to what will be `final_name`.
+// Whether `name` is a temporary name that write_file_atomically gives to the later `final_name`.
 bool is_temporary_of(const std::string& name, const std::string& final_name);
 
 // Creates the directory and its parents; fine when it exists. Checks that it can be written to.

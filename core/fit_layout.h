@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many values of what kind describe a fitted shape (body/fit), as indexes learn from them (index).
+// The numbers and kinds of the values that describe a fitted shape (body/fit); indexes learn from them (index).
 #pragma once
 
 #include <cstddef>

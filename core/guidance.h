@@ -24,8 +24,8 @@ enum class Guidance : std::uint32_t {
   too_noisy = 1U << 10,
   side_cut = 1U << 11,          // an arm or side leaves the picture
   calibration_pose = 1U << 12,  // raise the arms: Psi
-  turn_round = 1U << 13,        // show the back: the session's wish, never the sensor's
-  clothed = 1U << 14,           // said to be bare and seen dressed; beside a measurement
+  turn_round = 1U << 13,        // show the back: set by the session, never by the sensor
+  clothed = 1U << 14,           // specified as bare, seen dressed; accompanies a measurement
 };
 inline constexpr int kTooFarMm = 4000;  // people further away than this are too_far
 inline constexpr std::size_t kGuidanceCount = 15;

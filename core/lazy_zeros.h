@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Buffers sized for the largest picture, of which a frame needs a part or none: what is never written takes no
-// memory.
+// Buffers sized for the largest picture, of which a frame needs a part or none: pages never written take no memory.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a camera senses depth: what it does to outlines depends on it (perception/observe/sensor_traits.h).
+// How a camera senses depth. Its effects on outlines depend on that (perception/observe/sensor_traits.h).
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text from outside (names of files, what they hold), made fit to be shown.
+// Makes external text (names and contents of files) safe to display.
 #pragma once
 
 #include <cstddef>

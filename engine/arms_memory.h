@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is remembered of a person's arms, so that no few lucky frames are measured. This is the one place of the rule:
+// The memory of a person's arms, so that a few lucky frames do not lead to a measurement. The rule is defined here:
 //
-//   1. A frame says `close` when it carries ARMS_CLOSE, `apart` when it carries no code at all, else nothing.
-//   2. An arm is held to be close once 4 of the last 8 frames that say something name it, until 1 is left. While an
-//      arm is held, frames carry ARMS_CLOSE and are not accumulated, whatever they show.
+//   1. A frame is `close` when it carries ARMS_CLOSE, `apart` when it carries no code at all, else neutral.
+//   2. An arm is held as close once 4 of the last 8 frames with evidence name it, until only 1 does. While an arm is
+//      held, frames carry ARMS_CLOSE and are not accumulated, whatever they show.
 //   3. A capture (the frames from the first accumulated one on) more than half of whose frames carry ARMS_CLOSE is
 //      forgotten instead of measured. When the stream ends before all frames wanted are accumulated, the frames of
 //      the whole session count in place of the capture's.
@@ -19,7 +19,7 @@
 namespace im2fit {
 
 struct ArmsMemory {
-  std::array<std::uint32_t, kArmCount> history{};  // bit 0: the last frame that said something; 1: that arm was close
+  std::array<std::uint32_t, kArmCount> history{};  // bit 0: the last frame with evidence; 1: that arm was close
   ArmSet held = 0;
   struct Share {
     int said = 0, close = 0;  // frames

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How frames arrive: what is odd about their numbers and stamps, and the time from one to the next. Of one thread
-// each.
+// The arrival of frames: irregular numbers and time stamps, and the time from one to the next. Use each class from
+// one thread.
 #pragma once
 
 #include <algorithm>
@@ -34,8 +34,8 @@ class ArrivalCounter {
   hal::FrameInfo previous_;
 };
 
-// Seconds in periods of 1/30 s, what is left over carried on. A slower camera's frames count as a fifth of a second
-// at most: no single frame says that a person has been away for long.
+// Converts seconds to periods of 1/30 s and carries the remainder. A frame counts as a fifth of a second at most, so
+// that a single frame of a slow camera never counts as a long absence.
 class PeriodCounter {
  public:
   int step(float seconds) {

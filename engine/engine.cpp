@@ -209,12 +209,12 @@ class PipelineEngine final : public Engine {
   void next_person() override {
     drain();
     if (settings_.one_after_another && fit_.leaving()) {
-      if (settings_.live) reset_clock();  // what passed while the answer was read is no frame gap
+      if (settings_.live) reset_clock();  // the time spent reading the answer is not a frame gap
       finished_ = false;
       return;
     }
     if (!fit_.over()) people().release();
-    reset_clock();  // frames were not processed meanwhile: that is no frame gap
+    reset_clock();  // frames were not processed meanwhile: not a frame gap
     fit_.next_person();
     begin_again();
   }
@@ -262,8 +262,8 @@ class PipelineEngine final : public Engine {
   bool is_live() const { return settings_.live && !settings_.single_thread; }
   DepthImage spare() { return {spare_pixels_.data(), settings_.width, settings_.height}; }
 
-  // A ring has as many places as there are slots, and a slot is in one ring or hand: a full one is a fault of ours,
-  // which is said instead of losing a slot.
+  // A ring has as many places as there are slots, and a slot is in one ring or hand. So a full ring is a bug of the
+  // engine: it is reported, and no slot is lost silently.
   void put(SpscRing& ring, std::uint32_t index) {
     if (!ring.try_push(index)) fault_.store(&full_ring(), std::memory_order_release);
   }

@@ -31,19 +31,19 @@ namespace im2fit {
 enum class SessionState : int { searching, user_found, calibrating, tracking, measured, lost, turning };
 
 // After a longer gap between two frames by the source's clock (a camera that was unplugged) the scene may be another:
-// what was accumulated is dropped and the session is LOST, ids and floor are found anew. TURNING ends with the front
-// alone, and who was measured before counts as having left.
+// the accumulated frames are dropped, the session is LOST, and ids and floor are found anew. TURNING ends with the
+// front alone, and the person measured before counts as having left.
 inline constexpr float kFrameGapSecondsMax = 2.0F;
 
-// Whether the person is asked to turn round once the front is accumulated, so that both sides are measured.
+// Whether the guidance requests a turn once the front is accumulated, so that both sides are measured.
 enum class Turn : int { none, asked };
 
 // What an answer rests on.
 enum class AnswerViews : int { none, front, front_and_back };
 
 struct FrameSeen;
-// Called on the thread of FIT (push()'s with single_thread) after each frame processed; what it is given is valid
-// during the call. It may take its time (frames wait, or drop when live) and may not call the engine.
+// Called on the thread of FIT (push()'s with single_thread) after each frame processed. Its argument is valid during
+// the call. It may be slow (frames wait, or drop when live) and must not call the engine.
 using FrameWatch = std::function<void(const FrameSeen&)>;
 
 // Ranges of EngineSettings.
@@ -59,34 +59,34 @@ struct EngineSettings {
   bool calibration_psi = false;  // ask for the Psi pose first, as the paper does
   Turn turn = Turn::none;        // asked: TURNING follows the front, see engine/session.h
   // What the person wears. dressed: more than close-fitting clothes; the body is estimated through them, less well,
-  // by an index that has learned such people; needs `shape_space`. unknown: estimated from the frames, where index
-  // and shape space allow it, and answered by how likely it is; else as bare. bare: whoever is seen dressed all the
-  // same gets wider intervals and CLOTHED.
+  // by an index that has learned such people; needs `shape_space`. unknown: estimated from the frames where index and
+  // shape space allow it, and the answer weighted by its probability; else as bare. bare: a person nevertheless seen
+  // dressed gets wider intervals and CLOTHED.
   ClothingGiven clothing = ClothingGiven::unknown;
-  // Of the body file the index was made with (body::BodyModel::shape_space()), which must outlive the engine: the
-  // shape is fitted to what was accumulated, and refines the answer. Null, empty or another: the features answer
-  // alone.
+  // Of the body file the index was made with (body::BodyModel::shape_space()); it must outlive the engine. The shape
+  // is fitted to the accumulated frames and refines the answer. Null, empty or of another file: the answer rests on
+  // the features alone.
   const body::ShapeSpace* shape_space = nullptr;
   SensorKind sensor = SensorKind::unknown;  // where it is known: a driver may smooth away what shows it
-  // Of the site and its camera: every answer is corrected before it is shown, and all that is made of it follows.
+  // Of the site and its camera: every answer is corrected before it is shown or used.
   std::optional<SiteCorrection> site;
-  int user = 0;                // measure the user of this id only; 0: whoever stands right first
+  int user = 0;                // measure the user of this id only; 0: the first who stands correctly
   bool live = false;           // live: drop the oldest frame when behind; else wait (replay never drops)
   bool single_thread = false;  // both stages on the caller's thread in push(): same bits
-  // One person after the other: from the frame after MEASURED on whoever was measured is waited to leave, and the
-  // next session begins by itself. So the frames alone say where a session begins, not when a caller looked, and
-  // every person of a recording gets the same bits on one thread and on two. The answer stands for at least
-  // kAbsentPeriodsMax frames: a caller that looks at result() after every frame sees it, which is why pool_frames may
-  // be no more than that.
+  // One person after the other: from the frame after MEASURED on the engine waits until the measured person leaves,
+  // and the next session begins by itself. So the frames alone determine where a session begins, not the caller's
+  // timing, and every person of a recording gets the same bits on one thread and on two. The answer is kept for at
+  // least kAbsentPeriodsMax frames, so that a caller that reads result() after every frame sees it. For the same
+  // reason pool_frames must not exceed kAbsentPeriodsMax.
   bool one_after_another = false;
-  // For a camera that runs for days: while the picture is empty, or who was measured has not left, and nothing moves,
-  // five frames a second are passed on with what was sensed last, and the others are only counted: engine/rest.h.
-  // Decided by the frames and their times. Whoever is measured is measured as ever; `watch` sees fewer frames.
+  // For a camera that runs for days: while nothing moves and the picture is empty or the measured person is still in
+  // view, five frames a second are passed on with the last detection, and the rest are only counted: engine/rest.h.
+  // Decided by the frames and their times. Measurements are unchanged; `watch` sees fewer frames.
   bool rest = false;
   int pool_frames = 8;  // 3..64 frames of 3 bytes a pixel
   FrameWatch watch;     // none by default
 };
-// Whether an engine can be made of them. Error: invalid_argument naming the setting, its value and what is expected.
+// Whether an engine can be made with `settings`. Error: invalid_argument with the setting, its value and its range.
 Status check_settings(const EngineSettings& settings);
 
 // Immutable snapshot; plain data, no allocation to copy. Everything stands still from MEASURED until reset(), so that
@@ -116,11 +116,11 @@ struct EngineResult {
   JointSet display_joints;         // the same, smoothed for display (JointFilter)
   FloorPlane floor;
   bool measured = false;
-  // From TURNING on: answer, paper and measured_joints hold what the front alone says, preliminary until `measured`.
+  // From TURNING on: answer, paper and measured_joints are of the front alone, preliminary until `measured`.
   bool front_measured = false;
   AnswerViews views = AnswerViews::none;  // of the answer
   index::Answer answer;                   // valid when measured or front_measured
-  // What was answered before EngineSettings::site corrected it; as the answer, and the same without a correction.
+  // The measurements before the correction of EngineSettings::site; valid as `answer`, the same without a correction.
   std::array<index::IntervalEstimate, kMeasurementCount> uncorrected{};
   AgeAnswer age;  // as the answer
   // What was known of the person (Engine::set_known): given, and what became of it. `answer` and `age` rest on it;
@@ -159,9 +159,9 @@ class Engine : public FrameSink {
   virtual Status use_intrinsics(const Intrinsics& intrinsics) = 0;
   // Waits until all frames pushed came through; false when they have not within `timeout_ms` (negative: no limit).
   virtual bool wait_idle(int timeout_ms) = 0;
-  // No more frames: waits until both stages are idle and measures with what there is. Again: does nothing.
+  // No more frames: waits until both stages are idle and measures with the frames so far. A second call does nothing.
   virtual void finish() = 0;
-  // What keeps the engine from measuring: the index was found damaged where it was read. Nothing is measured then
+  // The error that keeps the engine from measuring: the index is damaged where it was read. Nothing is measured then
   // until reset(), next_person() or select_user(), after which other parts of it may be read. From the producer
   // thread.
   virtual Status fault() const = 0;
@@ -173,13 +173,13 @@ class Engine : public FrameSink {
   // pipeline. Error: check_known().
   virtual Status set_known(const KnownFacts& facts, std::uint32_t session) = 0;
   virtual void reset() = 0;  // a new person; after finish() or between frames. Waits for frames in the pipeline
-  // The next person, after MEASURED: frames are processed again, the answer stands until who was measured has left
+  // The next person, after MEASURED: frames are processed again. The answer is kept until the measured person left
   // the picture (for half a second, and kAbsentPeriodsMax frames), then a new session begins by itself. The floor and
-  // the ids are kept. Before MEASURED: the same as reset(), but for floor and ids; a preliminary answer goes with it.
+  // the ids are kept. Before MEASURED: the same as reset() (drops a preliminary answer too), but keeps floor and ids.
   // From the producer thread; waits as reset() does. With one_after_another it only lets frames in again after
-  // finish(): the session that waits goes on.
+  // finish(): the waiting session continues.
   virtual void next_person() = 0;
-  // From the next frame on only the user of this id, 0: whoever stands right first. Another than before
+  // From the next frame on measures only the user of this id; 0: the first user who stands correctly. A changed id
   // begins anew, as next_person() before MEASURED does. From the producer thread; waits as reset() does.
   virtual void select_user(int user) = 0;
   // For overlays, after finish(): the fused picture of the front. Empty views when there is none.
@@ -191,7 +191,7 @@ class Engine : public FrameSink {
 // frames are left out. Errors: the source's (after finishing with what came before); the engine's fault(); timeout
 // when a source that is not lost() gives no frame for kFrameGapMsMax. The end of a stream is Ok, measured or not.
 Status run(Engine& engine, hal::Source& source, bool stop_when_measured);
-// The same, until `go_on`, called on this thread after every frame pushed, says false; it may call the engine.
+// The same, until `go_on`, called on this thread after every frame pushed, returns false; it may call the engine.
 Status run(Engine& engine, hal::Source& source, const std::function<bool()>& go_on);
 
 }  // namespace im2fit

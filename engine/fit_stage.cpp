@@ -208,7 +208,7 @@ void FitStage::measure(bool ended) {
   result_.paper = person.paper;
   result_.measured_joints = person.joints;
   if (person.floor.known) result_.floor = person.floor;
-  // Nothing more is needed, unless clothes were said to be none.
+  // No guidance is left, but CLOTHED for a person specified as bare.
   result_.guidance =
       clothing_ == ClothingGiven::bare && person.answer.clothed ? static_cast<GuidanceSet>(Guidance::clothed) : 0;
   result_.arms_close = 0;

@@ -29,11 +29,11 @@ class FitStage {
   void next_person();
   // Begins anew at once.
   void begin_next();
-  // The session is over: MEASURED, or a file was found damaged; frames change nothing any more, but for who waits for
-  // the person to leave.
+  // over(): MEASURED, or a file was found damaged. Frames then change nothing any more. leaving(): the session waits
+  // for the person to leave, and frames are still processed.
   bool leaving() const { return leaving_; }
   bool over() const { return fault_ || (session_.state == SessionState::measured && !leaving_); }
-  // What was found damaged in measuring; null: nothing. Until the session begins anew.
+  // The damage found in measuring; null: none. Valid until the session begins anew.
   const Error* fault() const { return fault_ ? &*fault_ : nullptr; }
   const EngineResult& result() const { return result_; }
 

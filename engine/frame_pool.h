@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every frame the engine will ever hold, made at start. Rings carry indices into it; whoever holds an index owns
-// that slot until it passes the index on.
+// Every frame the engine will ever hold, made at start. Rings carry indices into it; the holder of an index owns that
+// slot until it passes the index on.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between the pipeline (threads, rings, session) and what it runs on frames. Production: PersonDetector,
-// Fuser and Index (engine/production_stages.cpp); tests put their own behind it.
+// The interface between the pipeline (threads, rings, session) and the stages it runs on frames. Production:
+// PersonDetector, Fuser and Index (engine/production_stages.cpp); tests have their own.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace im2fit {
 
-// What a session ends with.
+// The result of a session.
 struct MeasuredPerson {
   index::Answer answer;
   AgeAnswer age;
@@ -41,13 +41,13 @@ class FrameStages {
   virtual GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics,
                           const Detection& detection) = 0;
   virtual int frame_count() const = 0;  // of the side being accumulated: the front until turn(), then the back
-  // The expensive step, once a session; with Turn::asked once for the front and once for both. False when what is
-  // accumulated cannot be described.
+  // The expensive step, once a session; with Turn::asked once for the front and once for both sides. False when the
+  // accumulated frames cannot be described.
   virtual bool measure(MeasuredPerson& person) = 0;
-  // Why the last measure() failed, when it is not for what is accumulated: a file is damaged. Else null.
+  // Why the last measure() failed, if the cause is a damaged file and not the accumulated frames. Else null.
   virtual const Error* fault() const { return nullptr; }
-  // What is accumulated is the front: keep it, accumulate the back from now on; measure() means both. Not called
-  // unless EngineSettings::turn asks for it.
+  // Keeps the accumulated frames as the front and accumulates the back from now on; measure() then measures both.
+  // Called only with EngineSettings::turn.
   virtual void turn() = 0;
   // Forgets the back: measure() and frame_count() mean the front alone again, until turn() begins the back anew.
   virtual void drop_back() = 0;
@@ -59,7 +59,7 @@ class FrameStages {
 
 Result<std::unique_ptr<Engine>> create_engine(const EngineSettings& settings, std::unique_ptr<FrameStages> stages);
 
-// What the stages need of the engine's settings.
+// The engine's settings that the stages need.
 struct StageOptions {
   Turn turn = Turn::none;
   ClothingGiven clothing = ClothingGiven::unknown;

@@ -25,13 +25,13 @@ enum class Pumped : int {
   frame,    // one was taken
   waiting,  // none came in time: again
   damaged,  // one is left out: again
-  end,      // there are no more
+  end,      // the source has no more frames
 };
-// Takes at most one frame. Errors: what else the source says; the sink's; frames of another size than the sink's.
+// Takes at most one frame. Errors: the source's other errors; the sink's; frames of another size than the sink's.
 Result<Pumped> pump(hal::Source& source, FrameSink& sink, int timeout_ms);
 
-// From a source that is started, until its end or until `go_on`, called after every frame, says false. Errors: as
-// pump(); timeout when a source that is not lost() gives no frame for kFrameGapMsMax.
+// From a started source, until its end or until `go_on`, called after every frame, returns false. Errors: as pump();
+// timeout when a source that is not lost() gives no frame for kFrameGapMsMax.
 inline constexpr int kFrameGapMsMax = 5000;
 Status pump_all(hal::Source& source, FrameSink& sink, const std::function<bool()>& go_on);
 

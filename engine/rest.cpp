@@ -11,9 +11,9 @@ namespace {
 // Longer than PersonTracker and session bridge flicker (kAbsentPeriodsMax, half a second), and than a person who
 // stops between two steps.
 constexpr float kStillSeconds = 1.0F;
-constexpr float kLookSeconds = 0.2F;  // five a second: who watches sees that the program lives
-// What changes too slowly to be seen as a change (a lamp that warms, a person who turns on the spot) is found within
-// this time. Sensing a person costs five times what a second of comparing costs.
+constexpr float kLookSeconds = 0.2F;  // five a second: a viewer sees that the program runs
+// Changes too slow to be detected (a lamp that warms, a person who turns on the spot) are found within this time.
+// Sensing a person costs five times as much as a second of comparing.
 constexpr float kSenseSeconds = 5.0F;
 constexpr float kHalfFrameS = 0.5F * kFramePeriodS;  // sums of frame periods fall short of a limit by rounding
 

@@ -9,9 +9,9 @@
 namespace im2fit {
 
 enum class RestStep : int {
-  sense,   // as ever
-  repeat,  // one of the looks at a scene that stands still: what was sensed last holds
-  pass,    // between two looks: the frame is counted, no more
+  sense,   // the normal case
+  repeat,  // a periodic check of a still scene: the last detection holds
+  pass,    // between two checks: the frame is only counted
 };
 
 // No allocation after construction, no threads.
@@ -19,10 +19,10 @@ class RestGate {
  public:
   RestGate(int width, int height) : change_(width, height) {}
   // `seconds` since the frame before; `nothing_to_do`: no person was in view when a frame was last sensed, or the
-  // session waits for who was measured to leave. Any change is sensed at once, and for kStillSeconds after it every
-  // frame.
+  // session waits for the measured person to leave. Any change is sensed at once, and every frame for kStillSeconds
+  // after it.
   RestStep step(DepthView depth, float seconds, bool nothing_to_do);
-  // The next frame is sensed, whatever it shows.
+  // Forces the next frame to be sensed.
   void wake();
 
  private:

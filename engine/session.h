@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The session as a pure function: what state follows, and what to do with the frame, given the state, what was
-// detected and the counts. No clock, no I/O, no memory besides Session: time is counted in periods of 1/30 s,
-// evidence in frames.
+// The session as a pure function of the state, the detection and the counts: it gives the next state and what to do
+// with the frame. No clock, no I/O, no memory besides Session: time is counted in periods of 1/30 s, evidence in
+// frames.
 //
 //   SEARCHING -> USER_FOUND -> [CALIBRATING ->] TRACKING -> [TURNING ->] MEASURED
 //   LOST from USER_FOUND, CALIBRATING and TRACKING; back to USER_FOUND when a person is found again, at most
 //   attempts_max times. MEASURED ends the session.
 //
-// TURNING: the front is measured, the person is asked to turn round, and the back is accumulated. It ends in MEASURED
+// TURNING: the front is measured, the guidance is TURN_ROUND, and the back is accumulated. It ends in MEASURED
 // whatever the person does: with both sides when frames_wanted frames of the back are accumulated, or frames_min of
 // them by the end of the stream or of turn_wait_periods_max; with the front alone when there are fewer, or the person
 // left.
 //
 // Arms that touch the trunk are remembered over frames: arms_memory.h has the rule.
 //
-// Who is detected is PersonTracker's decision, frame by frame in SENSE; the session reads it. From CALIBRATING on it
-// belongs to the user it began with: while another is detected, that user is absent.
+// PersonTracker decides in each frame, in SENSE, which user is detected; the session reads that. From CALIBRATING on
+// the session belongs to the user it began with: while another is detected, that user is absent.
 #pragma once
 
 #include "engine/arms_memory.h"
@@ -33,7 +33,7 @@ struct SessionRules {
   int absent_periods_max = kAbsentPeriodsMax;
   int psi_frames = 5;               // in a row
   int psi_wait_periods_max = 300;   // ten seconds to take the pose
-  int psi_lower_periods_max = 90;   // three to leave it again; who stays in it is measured in it
+  int psi_lower_periods_max = 90;   // three to leave it again; people who stay are measured in it
   int turn_wait_periods_max = 450;  // fifteen seconds in TURNING, but for one a frame accumulated
   int rejected_periods_max = 30;    // a second in a row: the person stands still, but no longer as accumulated
   int unsteady_frames_max = MotionFilter::kFrameCount;  // accumulated before movement shows: part of that movement
@@ -96,13 +96,13 @@ OfferStep after_offer(const SessionRules& rules, const Session& session, bool re
 struct MeasuringStep {
   Session next;
   bool forget = false;  // all of it
-  bool turn = false;    // what was measured is the front: keep it, accumulate the back
+  bool turn = false;    // keep the measured frames as the front and accumulate the back
 };
-// `succeeded`: what was accumulated could be described. `ended`: the stream is over, no person can turn round any
-// more.
+// `succeeded`: the accumulated frames could be described. `ended`: the stream is over, so the person cannot turn
+// round any more.
 MeasuringStep after_measuring(const SessionRules& rules, const Session& session, bool succeeded, bool ended = false);
 
-// At the end of the stream: is what is accumulated enough? In TURNING: of the back, to be measured with the front.
+// Whether the accumulated frames are enough at the end of the stream. In TURNING: those of the back, for both sides.
 bool measure_at_end(const SessionRules& rules, const Session& session, int frames_accumulated);
 
 // The calibration pose of the paper: both hands above the elbows, both upper arms level within 30 degrees, forearms

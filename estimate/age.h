@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How old a person is, by the ages of the people in the index who look alike.
+// A person's age, estimated from the ages of similar people in the index.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ inline constexpr std::array<std::string_view, kAgeBandCount> kAgeBandNames = {"1
 std::size_t age_band_of(float years);  // those younger and older than the groups belong to the first and last
 
 struct AgeAnswer {
-  index::IntervalEstimate years;             // the median of those alike, and what 95 % of them are within
+  index::IntervalEstimate years;             // the median of similar people, and the interval of 95 % of them
   std::array<float, kAgeBandCount> bands{};  // probabilities; they sum to 1
 };
 

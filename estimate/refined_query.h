@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The index queried with all that was seen of a person: features of the sides, and the shapes fitted to them.
+// The index queried with all data of a person: features of the sides, and the shapes fitted to them.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ class RefinedQuery {
   struct Queried {
     index::Answer answer;
     AgeAnswer age;
-    // Of both sides where they could be fitted, else of the front. Not valid where the floor is not known: then the
-    // fit's axes are not those of whoever knows it.
+    // Of both sides where they could be fitted, else of the front. Not valid with an unknown floor: then the fit's
+    // axes differ from those of a caller that knows the floor.
     body::SeenBody seen;
   };
   // Some tens of milliseconds with a shape space, for each side.
@@ -51,7 +51,7 @@ class RefinedQuery {
   const ClothingGiven clothing_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
-  // Of a fit to the front, and to both sides; the values given where there is no fit.
+  // Of a fit to the front, and to both sides; placeholder values without a fit.
   FitValues front_fit_{}, both_fit_{};
   static constexpr std::size_t kAlikeMax = 256;
   std::array<std::uint32_t, kAlikeMax> alike_{};

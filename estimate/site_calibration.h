@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the people of one site have taught: how its answers are corrected before anything else is made of them. A file
-// .i2c, written by `im2fit-lab calibrate` from sessions with tape values (docs/calibration.md, docs/formats.md).
+// The calibration of one site: corrections of its answers, applied before any other use of them. A file .i2c, written
+// by `im2fit-lab calibrate` from sessions with tape values (docs/calibration.md, docs/formats.md).
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@
 
 namespace im2fit {
 
-// Of one measurement: value * scale + offset; the interval keeps its shape about the value and is `width` times as
-// wide besides. mm, kg for the weight.
+// Of one measurement: value * scale + offset; the interval keeps its shape about the value and is also `width` times
+// as wide. mm, kg for the weight.
 struct SiteCorrectionRow {
   double scale = 1;
   double offset_men = 0, offset_women = 0;  // weighed by how probable each is
@@ -34,8 +34,8 @@ struct SiteCorrection {
   void apply(index::Answer& answer) const;
 };
 
-// Ranges of what a file may say. Wider than a site that measures at all can need: an index asks for the correction of
-// a hundredth, not of a fifth.
+// Ranges of a file's values. They are wider than a working site needs: an index needs a correction of a hundredth,
+// not of a fifth.
 inline constexpr double kSiteScaleMin = 0.8, kSiteScaleMax = 1.25;
 inline constexpr double kSiteOffsetMaxMm = 200, kSiteOffsetMaxKg = 30;
 inline constexpr double kSiteWidthMin = 0.25, kSiteWidthMax = 4;
@@ -57,7 +57,7 @@ struct SiteCalibration {
   std::array<std::uint32_t, kMeasurementCount> row_people{};  // with a tape value; 0: that row changes nothing
   std::vector<Camera> cameras;
   std::uint32_t crc32c = 0;  // of the file, where it was read from one
-  // Whether the index it is used with is the one it was learned with; none: one of the two is not known. Set by
+  // Whether it is used with the index it was learned with; none: one of the two indexes is unknown. Set by
   // load_measuring_data().
   std::optional<bool> of_this_index = {};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one reader of tables as text: RFC 4180, and what spreadsheets make of it. A byte order mark, CRLF, a line
-// "sep=;", semicolons or tabs between cells, quotes, blanks round cells, empty cells at the end of a row, decimal
-// commas.
+// The one reader of tables as text: RFC 4180 and the variants of spreadsheets. It accepts a byte order mark, CRLF, a
+// line "sep=;", semicolons or tabs between cells, quotes, blanks round cells, empty cells at the end of a row, and
+// decimal commas.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ class CsvReader {
     std::size_t cells_max = 64;        // a row
     std::size_t cell_bytes_max = 256;  // a comment may have four times as much
   };
-  // `what` names the file in errors; both must outlive the reader. What separates cells is told by the first row.
+  // `what` names the file in errors; both must outlive the reader. The first row determines the cell separator.
   CsvReader(std::string_view text, const std::string& what, const Limits& limits);
   CsvReader(std::string_view text, const std::string& what) : CsvReader(text, what, Limits{}) {}
 

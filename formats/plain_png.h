@@ -19,9 +19,8 @@ namespace im2fit::hal {
 // Of many pictures, with memory for the work kept from one to the next. Not shareable between threads.
 class PlainPngDecoder {
  public:
-  // False, and `out` undefined, for whatever is not a whole, undamaged, not interlaced 16-bit grey PNG of the size of
-  // `out`: libpng then decides, and says what is wrong. Pixels in the file's byte order (most significant byte
-  // first).
+  // False, and `out` undefined, for anything but a whole, undamaged, not interlaced 16-bit grey PNG of the size of
+  // `out`: libpng then decodes or reports the error. Pixels in the file's byte order (most significant byte first).
   bool decode(std::span<const std::byte> bytes, DepthImage out);
 
  private:

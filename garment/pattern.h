@@ -90,7 +90,7 @@ struct PatternEdge {
 
 enum class Hang : std::uint8_t { shoulders, waist };
 
-// Where the ease of a size is said: finished girth less the body's.
+// A region in which the ease of a size is reported: finished girth less the body's.
 struct FitRegion {
   std::string id;                           // "chest"
   std::string measure;                      // of the tape (docs/tape.md), "chest_girth"
@@ -99,8 +99,8 @@ struct FitRegion {
   float good_low_mm = 0, good_high_mm = 0;  // as it is meant to be worn
 };
 
-// Cloth let in about a point of the outline, as a tailor lets in a gusset so that arms rise: lengths there are
-// 1 + `more` times what is drawn, and less more the farther off, down to what is drawn at `reach_mm`.
+// Extra cloth about a point of the outline, as a tailor adds a gusset so that arms can rise. Lengths at the point are
+// 1 + `more` times the drawn length, falling with distance to the drawn length at `reach_mm`.
 struct Gusset {
   int at = -1;  // point; -1: none
   float more = 0, reach_mm = 0;

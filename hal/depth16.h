@@ -15,8 +15,8 @@ constexpr int depth16_confidence_sevenths(std::uint16_t sample) {
   return field == 0 ? kDepth16SureSevenths : field - 1;
 }
 
-// Millimetres, 0 (no data) where the phone is less sure than `sevenths_min` (0: takes everything, 7: only what is
-// certain).
+// Millimetres, 0 (no data) where the phone's confidence is below `sevenths_min` (0: takes everything, 7: only full
+// confidence).
 constexpr std::uint16_t depth16_mm(std::uint16_t sample, int sevenths_min) {
   return depth16_confidence_sevenths(sample) >= sevenths_min ? static_cast<std::uint16_t>(sample & 0x1FFF)
                                                              : std::uint16_t{0};

@@ -9,7 +9,7 @@
 
 namespace im2fit::hal {
 
-// "" for a picture that can be one, else what its values look like and what to do, as part of a sentence. It looks at
+// "" for a plausible depth picture, else a description of its values and the remedy, as part of a sentence. It reads
 // one pixel in 16 at most, and allocates; not for every frame.
 std::string depth_diagnosis(DepthView depth);
 

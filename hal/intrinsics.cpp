@@ -62,7 +62,7 @@ Status check_intrinsics(const Intrinsics& k, const std::string& what) {
     return off(what, "the picture's size", std::to_string(k.width) + "x" + std::to_string(k.height),
                "1 to " + std::to_string(kImageSideMax) + " pixels a side");
   const float longer = static_cast<float>(k.width > k.height ? k.width : k.height);
-  // Fields of view between about 5 and 136 degrees: wider is no pinhole camera, narrower sees no person.
+  // Fields of view between about 5 and 136 degrees: a wider one is not a pinhole camera's, a narrower sees no person.
   const float focal_min = 0.2F * longer;
   const float focal_max = 10.0F * longer;
   struct {

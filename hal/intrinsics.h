@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Intrinsics from and to what cameras and files say of them.
+// Intrinsics from and to the values reported by cameras and files.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ std::string_view to_string(IntrinsicsOrigin origin);
 std::optional<IntrinsicsOrigin> parse_origin(std::string_view text);
 
 // Fields of view in radians, of the whole picture; the principal point is the picture's centre ((w - 1) / 2), all
-// that an OpenNI2 device reports. Error (invalid_argument) when the angles are no camera's; `what` names it.
+// that an OpenNI2 device reports. Error: invalid_argument when the angles are implausible; `what` names the camera.
 Result<Intrinsics> intrinsics_from_field_of_view(int width, int height, float horizontal_rad, float vertical_rad,
                                                  const std::string& what);
 struct FieldOfView {
@@ -24,11 +24,11 @@ struct FieldOfView {
 };
 FieldOfView field_of_view(const Intrinsics& k);
 
-// What a calibration file says of a camera's picture, before rotation.
+// The contents of a calibration file, for a camera's picture before rotation.
 struct Calibration {
   Intrinsics intrinsics;
   Distortion distortion;
-  std::optional<int> rotate_deg;  // how the camera was mounted, where the file says
+  std::optional<int> rotate_deg;  // how the camera was mounted, if in the file
   IntrinsicsOrigin origin = IntrinsicsOrigin::calibration_file;
 };
 

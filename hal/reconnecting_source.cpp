@@ -148,8 +148,7 @@ void ReconnectingSource::close() {
   source_.reset();
 }
 
-// Also when a camera that was opened again never gave its first frame: then the loss goes on, with its growing
-// pauses.
+// Also when a reopened camera never delivered its first frame: then the loss continues, with its growing pauses.
 void ReconnectingSource::lose(const std::string& why) {
   close();
   fresh_ = true;

@@ -34,7 +34,7 @@ struct ReconnectStats {
 struct ReconnectOptions {
   int wait_first_ms = 100;  // from the loss to the first attempt; doubles with every attempt that fails, up to
   int wait_max_ms = 1000;
-  int give_up_ms = -1;      // away for so long: next() says no_device from then on; -1: waits for ever
+  int give_up_ms = -1;      // away for so long: next() returns no_device from then on; -1: waits for ever
   int frame_gap_ms = 3000;  // an open camera that gives nothing for so long counts as away
   int io_errors_max = 3;    // so many in a row: away
   RetryClock clock = system_retry_clock();
@@ -42,14 +42,14 @@ struct ReconnectOptions {
   std::function<void(const ReconnectStats&)> changed;
 };
 
-// Wraps what `open` makes. When next() of that says no_device, goes on saying io, or nothing, it is closed, and
-// opened again and again with growing pauses. It is taken back when it is the same camera (the same serial; for
-// cameras without one, the same URI) with the same intrinsics and rotation; anything else is closed again and named
-// in last_error. While it is away lost() is true, next() gives timeout when its time is over (later by what one
-// opening takes), and info() stays as it was.
+// Wraps the source that `open` makes. When its next() returns no_device, repeats io, or delivers nothing, the source
+// is closed and opened repeatedly with growing pauses. The same camera (the same serial; for cameras without one, the
+// same URI) with the same intrinsics and rotation is accepted; any other is closed again and named in last_error.
+// While the camera is away lost() is true, next() returns timeout after its time (later by the duration of one
+// opening), and info() stays unchanged.
 //
-// Across a loss sequence numbers, host and device times go on growing: the first frame after it skips one sequence
-// number, so that the gap is counted. No thread of its own; waits by sleeping.
+// Across a loss sequence numbers, host and device times keep growing: the first frame after it skips one sequence
+// number, so that the gap is counted. It has no thread and waits by sleeping.
 class ReconnectingSource final : public Source {
  public:
   // `lost`: null for the first opening, else the info of the camera that went away.
@@ -59,7 +59,7 @@ class ReconnectingSource final : public Source {
   static Result<std::unique_ptr<ReconnectingSource>> open(Opener open, ReconnectOptions options);
 
   const SourceInfo& info() const override { return info_; }
-  // A camera that has gone since it was opened is no error: next() waits for it.
+  // A camera lost since it was opened is not an error: next() waits for it.
   Status start() override;
   // Errors besides the camera's: no_device once given up.
   Result<FrameInfo> next(DepthImage depth, int timeout_ms) override;

@@ -18,7 +18,7 @@ namespace im2fit::hal {
 enum class IntrinsicsOrigin { device, calibration_file, recording, field_of_view, caller, synthetic };
 
 struct SourceInfo {
-  std::string uri;        // what open() was given, normalised
+  std::string uri;        // the argument of open(), normalised
   std::string name;       // vendor and model, or the path
   std::string serial;     // "" when there is none
   Intrinsics intrinsics;  // of the frames next() delivers: after rotation
@@ -58,14 +58,14 @@ class Source {
   virtual void stop() = 0;
   virtual SourceStats stats() const = 0;
   // The direction of down, a unit vector in the axes of the frames delivered (x right, y down, z forward), from a
-  // camera with an accelerometer at rest. None: it has none, or is being moved.
+  // camera with an accelerometer at rest. None: the camera has none, or is moving.
   virtual std::optional<Vec3f> down() const { return std::nullopt; }
-  // The camera is away and may come back (ReconnectingSource): next() gives timeout meanwhile, however long it takes.
+  // The camera is away and may come back (ReconnectingSource): until then next() returns timeout.
   virtual bool lost() const { return false; }
 };
 
-// Where down is, of a frame that was just delivered: its own, or, every second or so, what the camera says when
-// asked, over the bus its frames come by. None: as before.
+// The direction of down for a frame just delivered: the frame's own or, about every second, source.down(), which uses
+// the bus of the frames. None: unchanged.
 std::optional<Vec3f> down_of(const Source& source, const FrameInfo& frame);
 
 // The upright picture of a camera that was turned when it was mounted. With W x H the size of `in`:

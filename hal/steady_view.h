@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera that is held in the hand or moves, and says how: its frames become what it would have seen had it stayed
-// where it was. Everything behind takes the camera for one at rest: floor, people and the mean over frames.
+// Steadies a hand-held or moving camera that reports its pose: its frames are converted to those of a camera at rest.
+// All later stages rely on a camera at rest: floor, people and the mean over frames.
 #pragma once
 
 #include <array>
@@ -24,13 +24,13 @@ CameraPose rotate_upright(const CameraPose& delivered, int rotate_deg);
 // + - * / only: the same bits everywhere. One thread at a time.
 class SteadyView {
  public:
-  // A camera that has turned or gone further than this from where it was looks at something else: its frame is the
-  // first of another view. Ten degrees are a fifth of a phone's picture, which is lost at its edge.
+  // A camera that has turned or moved further than this from its first pose shows another scene: its frame is the
+  // first of a new view. Ten degrees are a fifth of a phone's picture, which is lost at its edge.
   static constexpr float kTurnMaxDeg = 10, kStepMaxMm = 150;
 
   // For pictures of this size; allocates.
   void prepare(int width, int height);
-  // The next pose is where the camera is taken to stay.
+  // The next pose becomes the pose at rest.
   void forget() { first_.reset(); }
   // Where the camera is now. Returns whether its frames are to be changed.
   bool take(const CameraPose& pose);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames made by a function: the virtual camera, wrapped by whoever may depend on the lab.
+// Frames made by a function: the virtual camera, wrapped by code that may depend on the lab.
 #pragma once
 
 #include <functional>

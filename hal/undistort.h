@@ -33,9 +33,9 @@ Status check_seen(std::size_t seen_count, std::size_t pixel_count, const std::st
 
 // For each pixel of the undistorted picture, row by row, the index of the camera's pixel nearest to where the ray is
 // seen; -1 outside the camera's picture. Depths must not be interpolated: between two surfaces there is none. So the
-// ray of a pixel is right to half a pixel, 2.2 mm sideways at 2.5 m and 575 pixels of focal length. The table goes
-// from the pinhole to the camera as the lens' formula does: nothing is inverted. The undistorted picture has the same
-// intrinsics. Error: invalid_argument when the values are no lens's (not finite, or
+// ray of a pixel is exact to half a pixel, 2.2 mm sideways at 2.5 m and 575 pixels of focal length. The table maps
+// from the pinhole to the camera, in the direction of the lens formula, so nothing is inverted. The undistorted
+// picture has the same intrinsics. Error: invalid_argument when the values do not describe a lens (not finite, or
 // less than half of the picture is seen). `what` names the file.
 Result<std::vector<std::int32_t>> undistortion_table(const Intrinsics& k, const Distortion& distortion,
                                                      const std::string& what);

@@ -15,7 +15,7 @@ class Answerer {
  public:
   // Rounds the regression to integers. The contents' bytes must outlive this.
   explicit Answerer(const Contents& contents);
-  // What one thread's query needs.
+  // Memory for the queries of one thread.
   struct Workspace {
     explicit Workspace(const Answerer& answerer);
     std::vector<std::int16_t> standardised;
@@ -25,9 +25,9 @@ class Answerer {
   };
   // A feature of the wrong size counts as not measured.
   Targets regressed(std::span<const float> feature, Workspace& work) const;
-  // The best answer that what is seen allows: turned, fitted, or of the front's feature alone; to people in clothes
-  // by the refinements for them, where the index has these, and of both by how likely clothes are where that is to be
-  // estimated. Errors: what is read of the file is damaged.
+  // The best answer that `seen` allows: turned, fitted, or from the front's feature alone. For dressed people it uses
+  // the refinements for clothes, where the index has them. If clothing is to be estimated, it mixes both answers by
+  // the probability of clothes. Errors: the part of the file that is read is damaged.
   Result<Answer> answer(const Seen& seen, const QueryOptions& options, Workspace& work) const;
 
   // The nearest of all entries, `count` or kNeighbourMax of them.
@@ -52,7 +52,7 @@ class Answerer {
   Coordinates grid_of(const Targets& targets) const;
   Position place_of(const Targets& targets) const;
   void fill_nearest(const Corrected& corrected, Answer& out) const;
-  // How far answers are off: what the file holds for one estimator (plain or a refinement).
+  // The error model of answers, from the file, for one estimator (plain or a refinement).
   struct Uncertainty {
     NoiseModel noise;
     bool local;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How likely a person is dressed, from all that is seen: a linear score of the same values as refined answers
-// (index/refinement.h: folds show in the feature's histograms, hems and slack in what is off a fitted shape), learned
-// on people seen bare and dressed in equal shares, then tabulated as a probability. How far the cloth lies off the
-// skin follows from two answers about one person: as if bare, and as if dressed.
+// The probability that a person is dressed: a linear score of the values behind refined answers (index/refinement.h:
+// folds show in the feature's histograms, hems and slack in the distances from a fitted shape), learned on people
+// seen bare and dressed in equal shares, then tabulated as a probability. The distance of the cloth from the skin
+// follows from two answers about one person: one as if bare, one as if dressed.
 #pragma once
 
 #include <array>
@@ -45,7 +45,7 @@ class ClothingEstimator {
  public:
   ClothingEstimator(Refinement view, const ClothingContents& contents, std::size_t feature_size);
   const ValueMap& map() const { return map_; }
-  // That more than close-fitting clothes are worn, 0..1, when half of all people do. No allocation.
+  // That the person wears more than close-fitting clothes, 0..1, with a prior of one half. No allocation.
   float probability(const Seen& seen, ValueMap::Work& work) const;
 
  private:
@@ -53,16 +53,16 @@ class ClothingEstimator {
   ValueMap map_;
 };
 
-// The probability once it is known what was said: of ten people who say they are bare, nine are. Less than one in a
-// hundred is 0.
+// The probability given the specified clothing: nine of ten people specified as bare are bare. A result below 0.01
+// becomes 0.
 float with_given(float probability, ClothingGiven given);
 
-// One answer of two about the same person. Values are expected ones; an interval reaches as far as both answers' own
-// widths and their distance make it, by `dressed`' probability.
+// Mixes two answers about the same person by the probability of `dressed`. Values are expected values; an interval
+// covers both answers' own widths and their distance.
 void mix_answers(const Answer& bare, const Answer& dressed, float probability, Answer& out);
 
-// Of cloth off the skin of the trunk, by what two answers about one person differ in: mean over chest, waist and
-// hips, mm; not below 0.
+// The ease of the cloth at the trunk, from the differences of two answers about one person: mean over chest, waist
+// and hips, mm; not below 0.
 float ease_between_mm(const Answer& bare, const Answer& dressed);
 
 }  // namespace im2fit::index

@@ -34,7 +34,7 @@ struct Neighbour {
   friend bool operator==(const Neighbour&, const Neighbour&) = default;
 };
 
-// Views; whoever made them sees to their sizes (format.cpp, or PackedTree of train/index).
+// Views; the code that makes them checks their sizes (format.cpp, or PackedTree of train/index).
 struct CodeTree {
   std::size_t point_count = 0;
   int dimension_count = 0;
@@ -72,7 +72,7 @@ class CodeSearch {
   std::span<Neighbour> nearest(const Coordinates& query, std::size_t count);
   // The same by scanning every point: the reference, and faster for few points.
   std::span<Neighbour> exhaustive(const Coordinates& query, std::size_t count);
-  // Whether the last search read codes as they were written; else what it gave is not to be used.
+  // Whether the last search read undamaged codes; else its result must not be used.
   bool intact() const { return damaged_.count == 0; }
   Error damage() const { return tree_.pages.damage(damaged_); }
   // Of the last search: how much of the file it read.

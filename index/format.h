@@ -29,8 +29,7 @@ inline constexpr std::uint32_t kGroupMax = 16;
 inline constexpr std::size_t kProvenanceMax = 65536;
 inline constexpr std::size_t kScoreTableSize = 129;  // scores -2 .. 2
 inline constexpr double kScoreMax = 2.0;
-// An age is stored as its half years completed and read as the middle of its half year: age groups stay what they
-// are.
+// An age is stored as its half years completed and read as the middle of its half year, which preserves age groups.
 constexpr std::uint8_t age_step(float years) {
   return static_cast<std::uint8_t>(years > 0 ? (years < 127 ? 2 * years : 254) : 0);
 }
@@ -131,8 +130,8 @@ struct Contents {
   }
   ByteRange number_of(std::uint32_t entry) const { return {entry * person_bytes, person_bytes}; }
   std::uint32_t person_of(std::uint32_t entry) const;
-  // Where an entry's code stands, and what the regression got wrong there: with the surface's shift at that place
-  // they add up to the truth.
+  // The place of an entry's code, and the regression's error there: with the surface's shift at that place they add
+  // up to the truth.
   Position code_place(std::uint32_t entry) const;
   Position error_of(std::uint32_t entry) const;
   // At the truth of an entry, to within the rounding of its codes.

@@ -123,7 +123,7 @@ class Index {
   // another size than feature_size() is read as if all of it were NaN. Errors: a part of the file that the
   // query reads is damaged (parts are checked against their checksums when they are first read).
   Result<Answer> query(std::span<const float> feature, const QueryOptions& options, Scratch& scratch) const;
-  // The same from all that is seen: refined (index/refinement.h) where the index was trained for it and the sizes
+  // The same from all data of a person: refined (index/refinement.h) where the index was trained for it and the sizes
   // fit.
   Result<Answer> query(const Seen& seen, const QueryOptions& options, Scratch& scratch) const;
   // Entries whose features resemble these most, nearest first, into `entries`: as many as fit, 512 at most;
@@ -137,9 +137,9 @@ class Index {
   std::uint32_t shape_key() const;
   // Whose body an entry is. `entry` < size(), as below. Errors: as of query().
   Result<IndexedPerson> person_of(std::uint32_t entry) const;
-  // How old that person is, years: the middle of the half year of their life. Errors: as of query().
+  // That person's age in years: the middle of a half year. Errors: as of query().
   Result<float> age_of(std::uint32_t entry) const;
-  // Truth of an entry to within the rounding of its codes: a seventh of the regression's error, and what the
+  // Truth of an entry to within the rounding of its codes (a seventh of the regression's error) and the part that the
   // projected space leaves out.
   Result<MeasurementValues> measurements_of(std::uint32_t entry) const;
   // Sizes and names of the file's sections, in the order of the file.
@@ -148,10 +148,10 @@ class Index {
     std::uint64_t size = 0;
   };
   std::vector<Section> sections() const;
-  // What opening a file does not check: the checksums of what there is of each entry, that every entry lies in its
-  // leaf's box and every leaf in its group's, and that the search finds what an exhaustive one finds, at `trials`
-  // entries. An error names what is wrong where. Opening has already held the other sections to their CRC and the
-  // records to their ranges.
+  // Checks what opening a file does not: the checksums of each entry's data, that every entry lies in its leaf's box
+  // and every leaf in its group's, and that the search equals an exhaustive one at `trials` entries. An error names
+  // the fault and its place. Opening has already checked the other sections against their CRC and the records against
+  // their ranges.
   Status verify(int trials) const;
   // How much of the file the scratch's last query read.
   struct Work {
@@ -159,7 +159,7 @@ class Index {
     std::size_t pages = 0;  // of 4096 bytes, at most
   };
   Work work_of(const Scratch& scratch) const;
-  // Pages of 4096 bytes of what there is of each entry that were read, and found intact, since the file was opened.
+  // Pages of 4096 bytes of the entries' data that were read, and found intact, since the file was opened.
   std::size_t pages_seen() const;
 
   struct Data;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much further off answers are by how a person was seen: few frames and much distance make them worse, and so do
-// clothes unlike those that were learned from.
+// How errors of answers grow with the conditions of a capture: few frames, a large distance, and clothes unlike those
+// of the training data make them larger.
 #pragma once
 
 #include <algorithm>
@@ -15,12 +15,11 @@ namespace im2fit::index {
 // From here on errors grow with distance. Up to here a sensor's steps are small beside what shape leaves open.
 inline constexpr double kWellSeenMm = 2500;
 
-// What the variance of an error grows with: nothing, one over the frames fused and one more, the square of the
-// distance beyond kWellSeenMm in kWellSeenMm, that over the same, and the mean square of what is seen in standard
-// deviations of the people learned from (ValueMap::novelty; of people in clothes, else 0). One more, because the
-// law is fitted to people seen in 3 frames or more and has to hold for one as well (docs/formats-index.md). Fewer
-// than one frame count as one; a distance of 0 or less is not known, and taken for the farthest at which people are
-// measured.
+// The terms of an error's variance: 1; 1/(frames + 1); d^2, with d the distance beyond kWellSeenMm in units of
+// kWellSeenMm; d^2/(frames + 1); and the mean square of the seen values in standard deviations of the training people
+// (ValueMap::novelty; of people in clothes, else 0). frames + 1, because the law is fitted to people seen in 3 frames
+// or more and must hold for one frame as well (docs/formats-index.md). Fewer than one frame count as one. A distance
+// of 0 or less is unknown and treated as the farthest at which people are measured.
 inline constexpr std::size_t kNoiseTerms = 5;
 inline std::array<double, kNoiseTerms> noise_terms(int frame_count, int distance_mm, double novelty) {
   const double beyond = std::max((distance_mm > 0 ? distance_mm : kTooFarMm) / kWellSeenMm - 1, 0.0);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A second answer, from more than the feature of the front: from a shape fitted to the depth (body/fit), and from a
-// view from behind. One linear map each, learned on the samples that have all of it, from
+// view from behind. One linear map each, learned on the samples that have all of these values, from
 //   feature of the front | feature of the back | coefficients of the fit | of the fit to the front, where there is a
-//   back | products of the fit's strongest coefficients | how far off patches of the skin are | how limbs lie | one
-//   over the frames
+//   back | products of the fit's strongest coefficients | distances of patches of the skin | directions of limbs |
+//   one over the frames
 // to measurements and sex. The products stand for girths growing with width times depth; the patches for shapes that
-// none of the people behind the shape space had; the limbs for what raised shoulders make of a chest; the frames for
-// what noise adds to widths, above all of people in clothes. How far off a fit is on the whole has no part in it:
-// with more frames or pixels it falls, and would then read as tighter clothes on a person seen well. The answer is a
+// none of the people behind the shape space had; the limbs for the effect of raised shoulders on a chest; the frames
+// for the noise added to widths, above all of people in clothes. A fit's total error is not used: with more frames or
+// pixels it falls, and would then read as tighter clothes on a person seen well. The answer is a
 // mixture of this and the plain one, in shares learned on people that neither was trained on: the plain one was
 // trained on more people. It was trained on none in clothes: their answer is the refined one alone.
 #pragma once
@@ -106,7 +106,7 @@ class ValueMap {
     std::vector<float> values;
     std::vector<std::int16_t> standardised;
   };
-  // Whether all that it needs is there, in the right sizes, whatever is worn.
+  // Whether all values it needs are present, in the right sizes, independent of clothing.
   bool applies(const Seen& seen) const;
   Targets operator()(const Seen& seen, Work& work) const;  // no allocation
   // Of what `work` was used for last: the mean square of the values that were seen, in standard deviations of the

@@ -94,7 +94,7 @@ void quadratic_terms(const Position& position, std::span<const float> inverse_sp
 // weights: per target a row of terms.
 Targets apply_quadratic(std::span<const double> terms, std::span<const float> weights, int target_count);
 
-// A quadratic over the projected space, for what a linear map of the features cannot bend to. Views.
+// A quadratic over the projected space, for the part that a linear map of the features cannot model. Views.
 struct Surface {
   std::span<const float> projection;      // dimensions x target_count
   std::span<const float> inverse_spread;  // dimensions
@@ -118,7 +118,7 @@ inline int residual_steps(std::span<const std::uint8_t> residuals, int dimension
   return (dimension % 2 == 0 ? pair & 15 : pair >> 4) - (kResidualMax + 1);
 }
 
-// Entries around the query: where they lie, and what the regression got wrong there.
+// Entries around the query: their places, and the regression's errors there.
 struct LocalData {
   const CodeTree* tree = nullptr;
   std::span<const std::uint8_t> residuals;

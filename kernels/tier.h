@@ -42,7 +42,7 @@
 #define IM2FIT_AVX2(kernel)
 #endif
 
-// Declares what is chosen by dispatch: `IM2FIT_CHOSEN_ONCE best = fastest(kContourKernels);`
+// Declares a variant chosen by dispatch: `IM2FIT_CHOSEN_ONCE best = fastest(kContourKernels);`
 #if defined(IM2FIT_TIER_SWITCH) || (IM2FIT_HAVE_AVX2 && !defined(__AVX2__))
 #define IM2FIT_TIER_AT_RUN_TIME 1
 #define IM2FIT_CHOSEN_ONCE static const auto

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From an answer to the one body that everything said of a person is said of: the nearest start body, changed
-// until the mesh measures what was answered, in the pose that was measured (docs/one-body.md).
+// From an answer to the one body behind all reported values of a person: the nearest start body, changed until the
+// mesh has the answered measurements, in the measured pose (docs/one-body.md).
 #pragma once
 
 #include <span>
@@ -17,12 +17,12 @@ namespace im2fit {
 
 struct AnsweredBody {
   body::Params params;
-  body::MeasurementFit fit;  // what the mesh of `params` measures, and how far that is off the answer
+  body::MeasurementFit fit;  // measurements of the mesh of `params`, and their distance from the answer
   body::Pose pose;  // as seen, else joints as measured; mesh axes; the hips above the origin, the floor (where known)
                     // at y = 0
 };
 
-// What is asked of the mesh: the answered values, each as well known as its interval says.
+// The goals of the mesh: the answered values, with standard deviations from their intervals.
 body::MeasurementGoals goals_of(const index::Answer& answer);
 
 // From the nearest of the body file's start bodies of the answered sex. `seen`: the body fitted to the pictures,

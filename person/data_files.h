@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loading what was made once, with errors that say how to make it.
+// Loads generated data files; errors name the command that makes them.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a measured body to clothes on it: what each size of a garment would be like, and the body dressed.
+// Clothes for a measured body: the fit of each size of a garment, and the dressed body.
 #pragma once
 
 #include <memory>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Garments, fabrics and the bodies sizes are cut for, from their text (YAML, docs/garments.md): people's own files,
-// and those shipped, of which person/builtin_wardrobe.inc is made.
+// Parses garments, fabrics and the bodies sizes are cut for (YAML, docs/garments.md): users' own files, and the
+// shipped ones, from which person/builtin_wardrobe.inc is generated.
 #pragma once
 
 #include <string>

@@ -14,7 +14,7 @@ constexpr float kNormal95 = 1.96F;  // half width of the 95 % interval, in stand
 // What costs 1: so much less than meant, so much below what binds, so much more than meant. Loose clothes are worn,
 // tight ones are brought back.
 constexpr double kShortMm = 20, kBindsMm = 10, kWideMm = 40;
-// Between sizes that are all worn as meant the one nearest to the middle of what is meant.
+// Among sizes that all fit as designed, prefers the one nearest to the middle of the design range.
 constexpr double kOffMiddle = 0.05;
 
 FitVerdict verdict_of(const body::FitRegion& region, float ease) {

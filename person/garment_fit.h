@@ -48,16 +48,15 @@ struct BodyGirth {
 // The chest girth a size is cut for: the middle of its row.
 float size_chest_mm(const SizeRow& row);
 
-// A size costs where it is not worn as meant: the square of what it lacks, more below what binds, less of what it has
-// too much, each expected over the girth's error. + - * / alone: the same advice on every machine.
+// The cost of a size grows with the square of the ease it lacks (more where it binds) and, less, of its excess ease,
+// each expected over the girth's error. + - * / alone: the same advice on every machine.
 GarmentFit fit_garment(const body::GarmentPattern& pattern, const body::CutRegression& regression,
                        const SizeChart& chart, bool woman, std::span<const BodyGirth> girths);
 // In words for people: "M; then L, in which the chest is loose (150 mm of ease, 70 in M)".
 std::string advice_words(const GarmentFit& fit);
 
-// The girths a pattern's regions speak of, from what the tape measures of the body and how well each is known (as
-// many intervals as values, or none). Error: a region names no measurement of the tape, or one the body does not
-// have.
+// The girths that a pattern's regions name, from the body's tape values and their intervals (as many intervals as
+// values, or none). Error: a region names an unknown measurement of the tape, or one the body does not have.
 Result<std::vector<BodyGirth>> girths_for(const body::GarmentPattern& pattern, const body::Tape& tape,
                                           std::span<const float> values, std::span<const TapeInterval> intervals);
 // A fit of every garment, in the wardrobe's order; one whose girths the body does not have is left out. Women's chart
@@ -71,7 +70,7 @@ struct Worn {
   const body::GarmentPattern* pattern = nullptr;
   float chest_mm = 0;  // the size is cut for
 };
-// What an avatar wears unless told otherwise: trousers and a T-shirt, each in the best size of `fits`.
+// The default clothes of an avatar: trousers and a T-shirt, each in the best size of `fits`.
 std::vector<Worn> everyday_clothes(const Wardrobe& wardrobe, std::span<const GarmentFit> fits);
 
 }  // namespace im2fit

@@ -24,8 +24,8 @@ Result<std::unique_ptr<SizeSystem>> load_size_charts(const std::vector<std::stri
 
 namespace {
 
-// Whether the site learned from answers of this index. What a camera and a tape do stays right with another, what is
-// the index's own does not: that is said, and people go on being measured.
+// Whether the site was calibrated with this index. With another index the camera's and the tape's corrections stay
+// valid, but the index's own do not: this adds a warning, and measuring continues.
 Status compare_index(MeasuringData& data, std::optional<std::uint32_t> index_crc) {
   SiteCalibration& site = *data.site;
   if (site.index_crc32c == 0) return Ok{};

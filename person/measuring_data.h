@@ -24,7 +24,7 @@ struct MeasuringFiles {
   std::vector<std::string> size_charts;  // empty: the built-in EN 13402-3
   std::string site = {};                 // .i2c; "": answers are not corrected
 };
-// The contents of files that a caller has in memory; the path is then what messages call them.
+// The contents of files that a caller has in memory; messages then name them by the path.
 struct MeasuringBytes {
   std::optional<std::vector<std::byte>> tracker, index, body, site;
 };
@@ -45,7 +45,7 @@ struct MeasuringData {
   bool fits_shapes() const;
   MeasurementParts parts() const { return {index.get(), body_model.get(), charts.get(), tape.get(), site.get()}; }
 };
-// All but the tape. Errors name the file and say what makes it.
+// All but the tape. Errors name the file and the command that makes it.
 Result<MeasuringData> load_measuring_data(const MeasuringFiles& files, MeasuringBytes bytes = {});
 Result<std::unique_ptr<SizeSystem>> load_size_charts(const std::vector<std::string>& paths);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// All that is said of one person, put together in one place: programs, the page, the daemon and the C functions read
-// this and work out nothing of their own.
+// All reported values of one person, computed in one place: programs, the page, the daemon and the C functions read
+// this and compute nothing themselves.
 #pragma once
 
 #include <cstdint>
@@ -26,21 +26,21 @@ struct PersonMeasurement {
   // Answer with intervals, age, clothing, joints, the paper's values, and what they rest on: views, frames, guidance.
   // Before MEASURED the state of the session alone.
   EngineResult result;
-  hal::SourceInfo source;                 // whence the frames came
-  std::uint64_t frames_damaged = 0;       // SourceStats::damaged, of whoever reads the source: left out
+  hal::SourceInfo source;                 // of the frames
+  std::uint64_t frames_damaged = 0;       // SourceStats::damaged of the source: frames left out
   const SiteCalibration* site = nullptr;  // what `result` was corrected by; null: nothing
-  bool turn_asked = false;                // both sides were wanted, by whoever asked
+  bool turn_asked = false;                // both sides were requested
   // When measured:
   std::optional<SizeAnswer> size;               // of the chest
   std::optional<AnsweredBody> body;             // with a body model
   std::span<const std::string> modifier_names;  // of body->params.modifiers
-  const body::Tape* tape = nullptr;             // with `body`: what its mesh measures by each definition
+  const body::Tape* tape = nullptr;             // with `body`: the definitions measured on its mesh
   std::vector<float> tape_values;               // a value a definition; not-a-number: none
   std::vector<TapeInterval> tape_intervals;     // as tape_values; may be empty
-  std::vector<GarmentFit> fits;                 // of each garment; empty: none was asked for
+  std::vector<GarmentFit> fits;                 // of each garment; empty: none was requested
 };
 
-// What a measurement is made of besides frames; all of it must outlive the measurement.
+// The data a measurement needs besides frames; all of it must outlive the measurement.
 struct MeasurementParts {
   const index::Index* index = nullptr;          // with a body model: the engine's
   const body::BodyModel* body_model = nullptr;  // null: no body and no tape are made
@@ -49,8 +49,8 @@ struct MeasurementParts {
   const SiteCalibration* site = nullptr;        // whose correction the engine's settings have; null: none
 };
 
-// What the engine says now. Errors: engine.fault(), body_of_answer's. From the producer thread. Allocates; a few
-// hundredths of a second when there is a body to make.
+// The engine's present result. Errors: engine.fault(), body_of_answer's. From the producer thread. Allocates; takes a
+// few hundredths of a second with a body model.
 Result<PersonMeasurement> measurement_of(const Engine& engine, const MeasurementParts& parts,
                                          const hal::SourceInfo& source);
 // The same of a result read earlier, such as one with corrected facts (engine/known_result.h). Any thread. Errors:

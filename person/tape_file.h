@@ -10,11 +10,11 @@
 
 namespace im2fit {
 
-// `onto`: what the text may refer to and is added to. `what` names the file in errors, which also name line and
-// field. Either all of the text is taken or none.
+// `onto`: the tape that the text may refer to and is added to. `what` names the file in errors, which also name line
+// and field. Either all of the text is taken or none.
 Result<body::Tape> parse_tape(const std::string& text, const std::string& what, body::Tape onto = {});
 Result<body::Tape> load_tape(const std::string& path, body::Tape onto);
-// The shipped tape and people's own files, each of which may refer to what stands before it.
+// The shipped tape and users' own files; each file may refer to the ones before it.
 Result<body::Tape> load_tapes(const std::vector<std::string>& paths);
 
 // A tape as the text of builtin_tape.inc, with which person/builtin_tape.cpp is compiled. Error: a sum of more terms

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well a measurement of the tape is known when the eleven are known as an answer says.
+// The uncertainty of a tape measurement, given an answer's intervals of the eleven measurements.
 //
-// The variance of its logarithm is the sum of two: what the eleven's intervals leave, carried over by the slopes that
-// people have, and what the eleven do not determine, the residual of held-out people's fitted bodies. Both stand in
-// tape_regression.inc, a row a measurement and sex, made by im2fit-lab make tape-regression.
+// The variance of its logarithm is the sum of two: the eleven's uncertainty, propagated by people's slopes, and the
+// part the eleven do not determine, the residual of held-out people's fitted bodies. Both are in tape_regression.inc,
+// one row for each measurement and sex, made by im2fit-lab make tape-regression.
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The garments that can be tried on, and what they are cut of and for (docs/garments.md).
+// The garments that can be tried on, their fabrics and the bodies they are cut for (docs/garments.md).
 #pragma once
 
 #include <string_view>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The joints over time, kept while an engine works and written as .csv, .bvh or .glb: docs/motion.md says what the
-// files hold.
+// The joints over time, kept while an engine works and written as .csv, .bvh or .glb; docs/motion.md describes the
+// files.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +17,18 @@ class MotionRecording {
   // "" when `path` ends in .csv, .bvh or .glb, else what is wrong with it.
   static std::string fault_of(const std::string& path);
 
-  // A FrameWatch: of every frame processed, what is seen of the person followed. Keeps an hour at 30 Hz, and counts
-  // what comes after it. Allocates.
+  // A FrameWatch: keeps the joints of the followed person of every frame processed, up to an hour at 30 Hz. Later
+  // frames are only counted. Allocates.
   void see(const FrameSeen& frame);
   std::size_t frame_count() const { return frames_.size(); }
   std::size_t left_out() const { return left_out_; }
 
-  // Joints of who moves in .bvh and .glb that were inferred in most of that person's frames: what they do in the file
-  // is made up. A half person's legs, or head.
+  // Joints of the person in .bvh and .glb that were inferred in most of that person's frames: their motion in the
+  // file is invented. For example the legs or the head of a person seen in half.
   JointFlags hardly_seen() const;
 
-  // By the ending of `path`. `avatar`: who moves in .bvh and .glb; .csv needs none. Errors: the file cannot be
-  // written; no person was followed (.bvh and .glb need a pose); as the writers of body/export/motion.h.
+  // Format by the ending of `path`. `avatar`: the moving body of .bvh and .glb; .csv needs none. Errors: the file
+  // cannot be written; no person was followed (.bvh and .glb need a pose); as the writers of body/export/motion.h.
   Status write(const std::string& path, const body::Avatar& avatar) const;
 
  private:

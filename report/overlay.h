@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the camera saw and what we made of it, in one picture: shaded depth, the person tinted, joints and bones, and
-// the lines where girths are measured.
+// The camera's picture and the results in one image: shaded depth, the person tinted, joints and bones, and the lines
+// where girths are measured.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ namespace im2fit {
 struct SectionLine {
   std::string label;        // for example "CHEST 1012 MM"
   float height_mm = 0;      // above the floor
-  float half_width_mm = 0;  // from the trunk's middle; what lies beyond (arms) is not drawn
+  float half_width_mm = 0;  // from the trunk's middle; pixels beyond (arms) are not drawn
 };
 
 struct OverlayInput {
@@ -34,7 +34,7 @@ struct OverlayInput {
 
 Canvas draw_overlay(const OverlayInput& input);
 
-// One frame as the tracker understood it, for people who watch: depth by brightness, the person tinted with an
+// One frame with the tracker's results, for viewers: depth by brightness, the person tinted with an
 // outline, left limbs orange and right limbs violet, joints from red (guessed) over yellow to green (sure), inferred
 // ones hollow.
 struct PreviewInput {

@@ -71,8 +71,8 @@ class PreviewPainter {
     return x >= 0 && y >= 0 && x < canvas_.width() && y < canvas_.height() && in_.mask.at(column(x), row(y)) != 0;
   }
 
-  // Light from the upper left: the slope of depth over a few pixels, for one step of the sensor's depth to the next
-  // is no slope.
+  // Light from the upper left, by the slope of depth over a few pixels: a single step of the sensor's depth is not a
+  // slope.
   float light_at(int x, int y, float z) const {
     const auto reach = std::max(kSlopeReachPx, static_cast<int>(1.0F / scale_));
     const int u = column(x);

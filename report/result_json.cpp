@@ -61,7 +61,7 @@ Json measurements_json(const EngineResult& result) {
   return all;
 }
 
-// By whom the answer was corrected, and what it was before.
+// The site that corrected the answer, and the uncorrected values.
 Json site_json(const PersonMeasurement& person) {
   const SiteCalibration& site = *person.site;
   constexpr char kHex[] = "0123456789abcdef";

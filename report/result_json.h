@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// result.json, schema im2fit.result/1: docs/result.md says what each field means, docs/result.schema.json is
+// result.json, schema im2fit.result/1: docs/result.md describes each field, docs/result.schema.json is
 // machine-readable. The same measurement gives the same bytes on every machine.
 #pragma once
 
@@ -23,19 +23,19 @@ struct ResultTiming {
   double first_answer_ms = 0;
 };
 
-// UTF-8 with two spaces of indentation and a line end. Text that is no UTF-8 (paths may be) has its odd bytes
-// replaced.
+// UTF-8 with two spaces of indentation and a line end. In text that is not UTF-8 (paths may not be) the invalid bytes
+// are replaced.
 std::string result_json(const PersonMeasurement& person, const std::optional<ResultTiming>& timing = {});
 // An entry of its `fit`, alone.
 std::string fit_json(const GarmentFit& fit);
 
-// What the person or scene needs, as in the file: once measured nothing; else the codes of the latest frame and
-// those that at least half of the frames carried (the last frame alone may show an empty room).
+// The guidance in the file: none once measured; else the codes of the latest frame and those that at least half of
+// the frames carried (the last frame alone may show an empty room).
 GuidanceSet reported_guidance(const EngineResult& result);
 // Which arms its ARMS_CLOSE is about: those of the latest frame, else those named in at least half of the frames with
 // that code.
 ArmSet reported_arms(const EngineResult& result);
-// The same, with TURN_ROUND where both sides were wanted and the answer rests on the front alone.
+// The same, with TURN_ROUND if both sides were requested and the answer rests on the front alone.
 GuidanceSet reported_guidance(const PersonMeasurement& person);
 
 }  // namespace im2fit

@@ -33,7 +33,7 @@ using SvgPoint = std::pair<double, double>;
 
 class Svg {
  public:
-  // `title` is what a screen reader reads out.
+  // `title`: the text for screen readers.
   Svg(double width, double height, std::string title);
   void line(SvgPoint from, SvgPoint to, Stroke stroke);
   void polyline(const std::vector<SvgPoint>& points, Stroke stroke);

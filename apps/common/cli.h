@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line, as commands see it: what they use of CLI11, without its headers, which take a compiler longer
-// than most commands do. Every function does what CLI11's of the same name does.
+// The command line for commands: the part of CLI11 that they use, without its headers, which take a compiler longer
+// than most commands do. Every function does the same as CLI11's function of that name.
 #pragma once
 
 #include <cstdint>

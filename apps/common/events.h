@@ -13,8 +13,8 @@ namespace im2fit::apps {
 
 using Json = nlohmann::ordered_json;
 
-// {"event": "state", ...} holds what a display shows; a new one is sent only when one of these four of a result
-// changes.
+// {"event": "state", ...} holds the contents of a display. A new event is sent only when one of these four fields of
+// a result changes.
 struct ShownState {
   SessionState state = SessionState::searching;
   GuidanceSet guidance = 0;

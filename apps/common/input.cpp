@@ -26,8 +26,8 @@ std::string truth_beside(const std::string& uri) {
   return (source / "truth.json").string();
 }
 
-// Asked for, it must be one. One that lies beside the source only adds to what is printed: whatever else it may be
-// does not stop the program.
+// A requested truth file must be valid. One beside the source only adds to the output: an invalid one there does not
+// stop the program.
 Result<std::optional<Truth>> find_truth(const InputOptions& options) {
   if (!options.truth_path.empty()) {
     auto truth = read_truth(options.truth_path);

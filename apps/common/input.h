@@ -18,7 +18,7 @@ namespace im2fit::apps {
 
 struct InputOptions {
   std::string source;
-  int rotate_deg = -1;  // -1: what the recording says
+  int rotate_deg = -1;  // -1: as the recording specifies
   std::string camera_yaml;
   double unit_mm = 1;                      // of a depth folder's pixels
   std::string body = default_body_path();  // of the synthetic person, too
@@ -53,8 +53,8 @@ class FrameTap final : public hal::Source {
   Status start() override { return source_.start(); }
   Result<hal::FrameInfo> next(DepthImage depth, int timeout_ms) override;
   void stop() override { source_.stop(); }
-  // While `held`, asked before every frame, says so, next() hands none on and goes on waiting: a camera's are thrown
-  // away, a recording stands still.
+  // `held` is called before every frame. While it returns true, next() returns no frame and keeps waiting: frames of
+  // a camera are dropped, a recording stands still.
   void hold_while(std::function<bool()> held) { held_ = std::move(held); }
   bool lost() const override { return source_.lost(); }
   std::optional<Vec3f> down() const override { return source_.down(); }

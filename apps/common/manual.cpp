@@ -17,7 +17,7 @@ std::vector<const CLI::Option*> options_of(const CLI::App& app) {
   return app.get_options([](const CLI::Option*) { return true; });
 }
 
-// troff: a backslash and a hyphen are escaped, a line that begins with a dot or an apostrophe is no request.
+// troff: escapes backslashes and hyphens. A line that begins with a dot or an apostrophe is not read as a request.
 std::string troff(const std::string& text) {
   std::string out;
   bool line_begins = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The manual page and the bash completion of a program, from what its --help is made of.
+// The manual page and the bash completion of a program, from the parts of its --help.
 #pragma once
 
 #include <optional>

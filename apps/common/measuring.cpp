@@ -69,7 +69,7 @@ Result<PersonMeasurement> measured_person(EngineResult result, const MeasuringDa
   return person;
 }
 
-// LOST is left at once by whoever is found, as long as another beginning is allowed.
+// The session leaves LOST as soon as it finds a person, as long as another beginning is allowed.
 bool is_stuck(const EngineResult& result) {
   return result.state == SessionState::lost && result.user != 0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a program that measures needs besides a source: files made once, an engine, and the report of what it found.
+// The needs of a measuring program besides a source: files made once, an engine, and the report of its findings.
 #pragma once
 
 #include <memory>
@@ -46,12 +46,12 @@ Result<PersonMeasurement> measured_person(const Engine& engine, const MeasuringD
 Result<PersonMeasurement> measured_person(EngineResult result, const MeasuringData& data,
                                           const hal::SourceInfo& source);
 
-// Every beginning of the session is used up by people who came and went: only a new session measures whoever is here.
+// People who came and went have used up every beginning of the session: only a new session measures the next person.
 bool is_stuck(const EngineResult& result);
 
 // "1743 mm, 72.1 kg, chest 980 mm, size M"
 std::string summary(const PersonMeasurement& person);
-// What people are told of the body when a girth of it is off the reported one by more than 2 mm, "" otherwise.
+// The message about the body when one of its girths is off the reported one by more than 2 mm, "" otherwise.
 std::string body_note(const PersonMeasurement& person);
 // Guidance codes in words of the enum, "ARMS_CLOSE left, MOVING"; "none" for none. `arms_close`: which arms that code
 // is about; one of them alone is named.

@@ -18,8 +18,8 @@ inline constexpr int kExitNoMeasurement = 3;
 // A command's work, chosen by the command line; returns the exit code.
 using Command = std::function<Result<int>()>;
 
-// Parses, runs what the parsed subcommand put into `chosen`, prints an error as one line on stderr. --help exits 0,
-// bad words exit 2, errors exit 1.
+// Parses, runs the function that the parsed subcommand put into `chosen`, prints an error as one line on stderr.
+// --help exits 0, bad words exit 2, errors exit 1.
 int run_program(cli::App& app, Command& chosen, int argc, char** argv);
 
 // A subcommand whose options live in `Options` and whose work is `run(options)`.
@@ -33,7 +33,7 @@ cli::App* add_command(cli::App& app, Command& chosen, const std::string& name, c
   return sub;
 }
 
-// Puts out what waits for stdout. Error: a full disk or a closed pipe behind it; said once, later calls are fine.
+// Flushes stdout. Error: a full disk or a closed pipe behind it. Only the first is reported, later calls succeed.
 Status flush_output();
 
 // `text` as one line for stderr: "PROGRAM: text".

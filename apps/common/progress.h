@@ -7,7 +7,7 @@
 
 namespace im2fit {
 
-// Progress on stderr: rate and time left, rewritten in place. Silent where stderr is no terminal.
+// Progress on stderr: rate and time left, rewritten in place. Prints nothing where stderr is not a terminal.
 class Progress {
  public:
   // `total` 0: not known.

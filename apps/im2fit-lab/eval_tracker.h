@@ -30,7 +30,7 @@ struct TrackerEvalWords {
   std::string pictures;
 };
 
-// `others`: what has no meaning beside --tracker.
+// `others`: options without a meaning beside --tracker.
 void add_tracker_words(cli::App& sub, TrackerEvalWords& words, const std::vector<cli::Option*>& others);
 
 struct TrackerEvalRun {

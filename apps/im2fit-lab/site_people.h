@@ -23,8 +23,8 @@ struct SitePeople {
 // Answers are those before any site calibration. Errors: io; not_found where there is no session at all.
 Result<SitePeople> site_people(const std::string& root);
 
-// Writes a session, without a recording, for each visit that was measured; returns how many. `versions`: of what
-// answered.
+// Writes a session, without a recording, for each visit that was measured; returns how many. `versions`: of the
+// models and programs that answered.
 Result<int> write_sessions(const std::string& root, const std::vector<lab::SimulatedVisit>& visits,
                            const std::string& site, const sessions::Versions& versions);
 

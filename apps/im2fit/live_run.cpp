@@ -25,7 +25,7 @@ std::optional<int> user_of(const std::string& word) {
 
 constexpr auto kFramePeriod = std::chrono::microseconds(33333);
 
-// One line on stdout, at once: who reads it may be a program that waits.
+// One line on stdout, flushed at once: the reader may be a program that waits.
 Status print_event(const Json& event) {
   fmt::print("{}", line_of(event));
   return flush_output();
@@ -87,12 +87,12 @@ class LiveRun {
   const std::string& tables() const { return tables_; }
 
  private:
-  // False when what the engine knows is of another than who may be measured: it is dropped.
+  // False when the engine knows another person than the permitted one: its knowledge is dropped.
   bool permitted() {
     if (listener_ == nullptr) return true;
     const std::uint64_t permit = listener_->permit();
     if (permit == permit_) return true;
-    // 0 while the one before is looked at: the engine gets no frames, and what it has goes with the next number.
+    // 0 while the person before is shown: the engine gets no frames, and its knowledge goes with the next number.
     if (permit == 0) return false;
     permit_ = permit;
     begin_anew();
@@ -219,7 +219,7 @@ class LiveRun {
   Result<int> report_no_person() {
     if (auto concluded = conclude(outcome_); !concluded) return concluded.error();
     const EngineResult& result = outcome_.person.result;
-    // Damaged frames among good ones are left out; nothing but damage is no stream.
+    // Damaged frames among good ones are left out. If all frames are damaged there is no stream.
     if (result.frames_seen == 0 && outcome_.tap->first_damage()) return *outcome_.tap->first_damage();
     if (options_.session.json && !options_.session.out.empty())
       if (auto written = write_outputs(outcome_, options_.session.out); !written) return written.error();

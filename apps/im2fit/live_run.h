@@ -18,8 +18,8 @@ struct LiveOptions {
   int count = 0;  // 0: until Ctrl-C or the end
   std::string user = "nearest";
   bool print_results = true;  // false: values go to files, --json and the listener only
-  // What led to an answer is recorded: nothing that the recording lacks may have a part in it. No frame is passed by
-  // while nothing moves, and whoever is given up is begun with as by a new engine, floor and ids included.
+  // The frames behind an answer are recorded, and nothing outside the recording may influence it. No frame is skipped
+  // while nothing moves. After a person is given up, the engine begins as a new one does, floor and ids included.
   bool recorded = false;
 };
 void add_live_options(cli::App& sub, LiveOptions& options);
@@ -29,11 +29,11 @@ class LiveListener {
  public:
   virtual ~LiveListener() = default;
   virtual void begin(const SessionOutcome& session) = 0;  // before the first frame
-  // Who may be measured now: a number that is another for each person, 0 while no one may. Frames are left out then,
-  // and of what was seen under another number nothing is used. Asked often, on the thread of the run.
+  // The number of the person who may be measured now, another for each person; 0 while nobody may. Frames are left
+  // out then, and nothing seen under another number is used. Called often, on the thread of the run.
   virtual std::uint64_t permit() { return 1; }
-  // The engine begins anew with the next frame, for whoever has this number: all it saw before has been seen
-  // (see()), and nothing of it is used. On the thread of the run.
+  // The engine begins anew with the next frame, for the person with this number. It has processed all earlier frames
+  // (see()) and uses nothing of them. On the thread of the run.
   virtual void begin_person(std::uint64_t /*permit*/) {}
   // What the person of this number reported of themselves last: evidence in their answer, also after it. `count` is
   // another each time, and 0 while there is nothing or the person's visit is over. Asked often, on the thread of the

@@ -175,7 +175,7 @@ Result<std::string> write_motion(const MotionRecording& motion, const std::strin
 Result<int> report_motion(const SessionOutcome& outcome, const SessionOptions& options, Result<int> code) {
   if (!code || outcome.motion == nullptr) return code;
   const auto moved = write_motion(*outcome.motion, options.motion, *outcome.data.body_model, outcome.person.body);
-  if (!moved && *code != kExitOk) return code;  // no person was there: that is said already
+  if (!moved && *code != kExitOk) return code;  // no person was there: already reported
   if (!moved) return moved.error();
   if (!options.json) fmt::print("{}", *moved);
   return code;
@@ -269,8 +269,8 @@ std::string wanted_words(const SessionOutcome& outcome, const SessionOptions& op
                      std::min(EngineSettings{}.frames_min, options.frames));
 }
 
-// Of frames no person was found in: what they are, when they cannot be a room in millimetres; else what they must
-// show.
+// For frames in which no person was found: the kind of picture, when it cannot be a room in millimetres; else the
+// requirement for one.
 std::string depth_words(const SessionOutcome& outcome) {
   if (!has(reported_guidance(outcome.person), Guidance::no_person)) return "";
   const std::string diagnosis = hal::depth_diagnosis(outcome.shown->depth());

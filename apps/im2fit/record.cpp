@@ -29,7 +29,7 @@ bool is_oni(const std::string& path) {
   return path.size() > 4 && path.substr(path.size() - 4) == ".oni";
 }
 
-// "12 frames", and what is not among them: a recording has everything, or says what it lacks.
+// "12 frames", and the losses: a recording has every frame, or reports the missing ones.
 std::string counts(std::uint64_t frames, const hal::SourceStats& stats, std::uint64_t losses) {
   std::string words = fmt::format("{} frames", frames);
   if (stats.gaps > 0) words += fmt::format(", {} missing", stats.gaps);
@@ -38,7 +38,7 @@ std::string counts(std::uint64_t frames, const hal::SourceStats& stats, std::uin
   return words;
 }
 
-// Follows whoever is seen while frames are recorded; measures no person.
+// Follows the person in view while frames are recorded. Measures nobody.
 class Follower {
  public:
   static Result<std::unique_ptr<Follower>> create(const RecordOptions& options, const hal::SourceInfo& source) {

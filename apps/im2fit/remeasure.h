@@ -23,8 +23,8 @@ struct Remeasured {
   Json now;     // result.json of today
 };
 
-// As the session was measured, with these models. Errors: of the session, the recording, the models. A recording that
-// gives no measurement is no error: `now` then says what was needed.
+// As the session was measured, with these models. Errors: of the session, the recording, the models. A recording
+// without a measurement is not an error: `now` then holds the guidance.
 Result<Remeasured> remeasure(const RemeasureOptions& options);
 
 }  // namespace im2fit::apps

@@ -107,7 +107,7 @@ std::string_view trouble_of(const ServeOptions& options) {
 
 Result<int> serve_until_interrupted(const ServeOptions& options, LivePage& page) {
   LiveOptions live = options.live;
-  live.print_results = options.no_consent;  // what a service prints is kept in a journal
+  live.print_results = options.no_consent;  // a service's output is kept in a journal
   live.recorded = options.desk;
   PageListener listener(page, options);
   std::string last_said;
@@ -222,7 +222,7 @@ Result<int> run_serve(const ServeOptions& options) {
   auto page = LivePage::open(settings);
   if (!page) return page.error();
   auto code = serve_until_interrupted(options, **page);
-  // A recording is over sooner than people have read what it gave.
+  // A recording is over before people have read its result.
   while (code && !interrupted()) sleep_unless_interrupted(kRetryPeriod);
   return code;
 }

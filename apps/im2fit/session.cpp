@@ -165,7 +165,7 @@ Result<SessionOutcome> run_session(const SessionOptions& options, const SessionW
   engine = outcome->engine.get();
   const double started_ms = now_ms();
   if (const auto done = run(*outcome->engine, *outcome->tap, true); !done) return done.error();
-  // Damaged frames among good ones are left out; nothing but damage is no stream.
+  // Damaged frames among good ones are left out. If all frames are damaged there is no stream.
   if (outcome->engine->result().frames_seen == 0 && outcome->tap->first_damage())
     return *outcome->tap->first_damage();
   if (const auto concluded = conclude(*outcome); !concluded) return concluded.error();

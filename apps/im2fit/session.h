@@ -38,8 +38,8 @@ struct DressedAvatar {
   std::vector<std::byte> glb;
 };
 
-// The frame behind what is said: the last one of the front that was used, or the last one seen while none was. Which
-// one that is depends on the frames alone, unlike the last one read, of which the engine may be some frames behind.
+// The frame behind the report: the last used frame of the front, or the last frame seen while none was used. The
+// choice depends on the frames alone. The last frame read does not: the engine may be some frames behind it.
 class ShownFrame {
  public:
   // A FrameWatch. Copies the picture when it is one to keep.
@@ -62,7 +62,7 @@ struct SessionOutcome {
   std::unique_ptr<ShownFrame> shown;        // they write to it too
   std::unique_ptr<Engine> engine;
   std::unique_ptr<FrameTap> tap;
-  PersonMeasurement person;              // what the engine said when it was concluded
+  PersonMeasurement person;              // the engine's report when it was concluded
   std::optional<DressedAvatar> dressed;  // once dress() was called
   std::optional<ResultTiming> timing;
   bool turn_asked = false;
@@ -71,7 +71,7 @@ struct SessionOutcome {
 // Opens everything (so that bad words fail before a frame is read) and makes the folder --out. `engine_watch` sees
 // every frame processed, on the engine's thread; `watch` every frame read.
 Result<SessionOutcome> open_session(const SessionOptions& options, FrameWatch engine_watch, FrameTap::Watch watch);
-// Takes what the engine says now.
+// Takes the engine's present result.
 Status conclude(SessionOutcome& outcome);
 // The measured person with other facts known. `unconditioned`: their result, read while no fact was known.
 Status conclude_again(SessionOutcome& outcome, const EngineResult& unconditioned, const KnownFacts& facts);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// im2fit tape list | show ID: what is measured, in words and in a picture.
+// im2fit tape list | show ID: the measurements, in words and in a picture.
 #include "body/tape.h"
 
 #include <fmt/core.h>

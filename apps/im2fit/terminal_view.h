@@ -29,7 +29,7 @@ class TerminalView {
   TerminalView& operator=(const TerminalView&) = delete;
   // Height in pixels of a picture as wide as `width` / `height` that leaves `line_count` lines free below it.
   int picture_height(int width, int height, int line_count) const;
-  // Draws over what was drawn before; lines longer than the terminal is wide are cut.
+  // Draws over the drawing before; lines longer than the terminal is wide are cut.
   void show(const Canvas& picture, const std::vector<std::string>& lines) const;
 
  private:

@@ -12,7 +12,7 @@ namespace im2fit::daemon {
 
 struct Config {
   std::string source = "openni2";
-  int rotate_deg = -1;      // -1: what the recording or calibration says
+  int rotate_deg = -1;      // -1: as the recording or calibration specifies
   std::string camera_yaml;  // "": the camera's own
   std::string body = default_body_path();
   apps::MeasuringOptions measuring;

@@ -279,7 +279,7 @@ Status Daemon::report_person(const hal::Source& source) {
   return Ok{};
 }
 
-// A full disk is no reason to stop measuring.
+// Measuring goes on when the disk is full.
 void Daemon::keep(const std::string& result) {
   if (state_directory_.empty()) return;
   const auto written = write_file_atomically(state_directory_ + "/last-result.json", result, Readable::by_owner);

@@ -102,7 +102,7 @@ Publisher::~Publisher() {
 }
 
 void Publisher::serve(const std::string& greeting) {
-  // First, so that whoever has gone takes no place.
+  // First, so that a client that has gone takes no place.
   for (auto it = clients_.begin(); it != clients_.end();) it = still_there(*it) ? std::next(it) : clients_.erase(it);
   for (;;) {
     const int fd = ::accept4(fd_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
@@ -117,14 +117,14 @@ void Publisher::serve(const std::string& greeting) {
   for (auto it = clients_.begin(); it != clients_.end();) it = send(*it) ? std::next(it) : clients_.erase(it);
 }
 
-// Clients have nothing to say; what they send is thrown away.
+// The protocol has no messages from clients: their bytes are dropped.
 bool Publisher::still_there(const Client& client) const {
   std::array<char, 4096> unread;
   for (int i = 0; i < 4; ++i) {
     const ssize_t count = ::recv(client.fd, unread.data(), unread.size(), MSG_DONTWAIT);
     if (count > 0) continue;
     if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return true;
-    // Nothing more will come; who has closed only that half still reads.
+    // No more bytes will come. A client that has closed only that half still reads.
     pollfd item{client.fd, POLLIN, 0};
     if (count == 0 && ::poll(&item, 1, 0) >= 0 && (item.revents & (POLLHUP | POLLERR)) == 0) return true;
     ::close(client.fd);

@@ -24,16 +24,16 @@ class Publisher {
  public:
   // Errors: invalid_argument (path too long, no such group), io (also: another daemon listens there).
   static Result<std::unique_ptr<Publisher>> open(const PublisherOptions& options);
-  // What open() would refuse, as far as that can be told without making the socket.
+  // The errors of open() that can be found without making the socket.
   static Status check(const PublisherOptions& options);
   ~Publisher();  // closes the clients and removes the socket
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  // Accepts waiting clients, sending each `greeting` first; sends what is left; drops clients that have gone.
+  // Accepts waiting clients and sends each the `greeting` first; sends pending lines; drops clients that have gone.
   void serve(const std::string& greeting);
   void publish(const std::string& line);
-  // Waits at most so long for clients to take what is left; for the end of the program.
+  // Waits up to `timeout_ms` for clients to take the pending lines. For the end of the program.
   void flush(int timeout_ms);
 
   std::size_t clients() const { return clients_.size(); }

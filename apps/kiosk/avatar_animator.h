@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The body of whoever was measured, made to stand as the camera sees them.
+// The body of the measured person, posed as the camera sees the person now.
 #pragma once
 
 #include "body/export/export.h"

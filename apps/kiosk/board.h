@@ -29,7 +29,7 @@ struct PageAnswer {
 
 class Board {
  public:
-  // In place of the last message of that kind: who reads slowly misses some, never the latest. One line of text.
+  // Replaces the last message of that kind: a slow reader misses some, never the latest. One line of text.
   void publish(const std::string& kind, std::string message);
   // Messages younger than `seen`, oldest first, as server-sent events (WHATWG HTML, 9.2.6); waits for one. "" when
   // none came in time or the board is closed. `seen` begins at 0.
@@ -37,10 +37,10 @@ class Board {
   // The number of the youngest message once there is one younger than `known`, the board is closed or patience ends.
   std::uint64_t await(std::uint64_t known, std::chrono::milliseconds patience);
   void put(const std::string& path, PageFile file);
-  // These kinds' messages and these files are gone for whoever asks from now on. Who reads one goes on reading.
+  // New requests no longer get messages of these kinds or these files. A client that is reading one goes on reading.
   void withdraw(std::initializer_list<const char*> kinds, std::initializer_list<const char*> paths);
-  std::shared_ptr<const PageFile> file(const std::string& path) const;  // null: there is none
-  void close();                                                         // wakes who waits; nothing comes any more
+  std::shared_ptr<const PageFile> file(const std::string& path) const;  // null: no such file
+  void close();                                                         // wakes waiting calls; nothing comes any more
   bool closed() const;
 
  private:

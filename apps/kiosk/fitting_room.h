@@ -32,33 +32,33 @@ struct Customer {
   std::vector<GarmentFit> fits;  // of each garment that may be tried
 };
 
-// Any thread may call anything. Holds at most kKept avatars; one is being made and one waits at most, the latest
-// asked for.
+// Any thread may call anything. Holds up to kKept avatars. One avatar is being made and one waits at most: the one
+// requested last.
 class FittingRoom {
  public:
   static constexpr std::size_t kKept = 8;
 
-  // `body_path`: loaded when first needed. `ready`, on the room's thread: something asked for has been made, or
-  // failed. `moved`, on another: cloth has, to a frame of this number.
+  // `body_path`: loaded when first needed. `ready`, on the room's thread: a requested avatar has been made, or has
+  // failed. `moved`, on another thread: the cloth has moved, to a frame of this number.
   FittingRoom(
       std::string body_path, std::function<void(const std::string& visit)> ready,
       std::function<void(std::uint32_t number)> moved = [](std::uint32_t) {});
-  ~FittingRoom();  // waits for what is being made: some seconds
+  ~FittingRoom();  // waits for the avatar being made: some seconds
   FittingRoom(const FittingRoom&) = delete;
   FittingRoom& operator=(const FittingRoom&) = delete;
 
-  // Forgets whoever was here.
+  // Both forget the customer before.
   void welcome(Customer customer);
   void forget();
 
-  // Of a query's fields, each once: `visit`, and either `top` and `top_size`, `bottom` and `bottom_size`, both or
-  // none (bare); `colours=ease` for the ease map. 200: there it is. 202: it is being made, ask again when `ready` was
-  // called. 400: the query is none. 404: no person is here, or another one. 500: it cannot be made.
-  // What was got last is what moves.
+  // The fields of a query, each once: `visit`, and either `top` and `top_size`, `bottom` and `bottom_size`, both or
+  // none (bare); `colours=ease` for the ease map. 200: the avatar. 202: it is being made, call again after `ready`.
+  // 400: invalid query. 404: no person is here, or another one. 500: it cannot be made.
+  // The clothes of the last avatar returned are the ones that move.
   PageAnswer ask(std::span<const std::pair<std::string, std::string>> query);
-  // Of the same query: its cloth as LiveCloth::ask() tells it. 404 also of what is bare, or is kept no longer.
+  // For the same query: its cloth as LiveCloth::ask() returns it. 404 also for a bare body or one no longer kept.
   PageAnswer ask_cloth(std::span<const std::pair<std::string, std::string>> query);
-  // How whoever is dressed stands now. Waits for nothing.
+  // The present pose of the dressed person. Does not wait.
   void follow(const body::Pose& pose) { live_.follow(pose); }
 
  private:
@@ -77,7 +77,7 @@ class FittingRoom {
     std::shared_ptr<body::MovingClothes> clothes;  // null: bare, or failed
   };
   Result<Wish> wish_of(std::span<const std::pair<std::string, std::string>> query) const;
-  // What to answer where there is no wish; nullopt: it is in `wish`.
+  // nullopt: the wish is in `wish`. Else the answer to a query without a valid wish.
   std::optional<PageAnswer> read_wish(std::span<const std::pair<std::string, std::string>> query, Wish& wish) const;
   void work();
   Result<Made> make(const Customer& customer, const Wish& wish);

@@ -17,7 +17,7 @@ class HostCheck {
   // and without ".local", and `listening_at`.
   explicit HostCheck(const std::string& listening_at);
 
-  // A request's fields, none for those it lacks. "": it is answered, otherwise why not.
+  // A request's fields; nullopt for missing ones. Returns "" to answer it, otherwise the reason for refusing it.
   std::string refusal(std::optional<std::string_view> host, std::optional<std::string_view> origin,
                       std::optional<std::string_view> fetch_site) const;
 
@@ -27,8 +27,8 @@ class HostCheck {
   std::vector<std::string> names_;  // lower case
 };
 
-// Of a Host field its host in lower case, without the port, brackets and a name's last dot; none when it is none:
-// RFC 9110 7.2, with names of letters, digits, '-', '_' and '.' and ports of 1 to 65535 only.
+// The host of a Host field in lower case, without the port, brackets and a name's last dot; nullopt if it is not
+// valid: RFC 9110 7.2, with names of letters, digits, '-', '_' and '.' and ports of 1 to 65535 only.
 std::optional<std::string> host_of(std::string_view field);
 // 127.0.0.0/8 as four decimal numbers without leading zeros, ::1 or localhost.
 bool is_this_machine(std::string_view host);

@@ -83,7 +83,7 @@ void LiveCloth::work() {
     auto frame = tells ? told(*clothes) : nullptr;
     const auto ended = Clock::now();
     lock.lock();
-    if (tells && clothes == clothes_) {  // not of who has gone meanwhile
+    if (tells && clothes == clothes_) {  // not for clothes replaced meanwhile
       frame_ = std::move(frame);
       told_ = ended;
       lock.unlock();

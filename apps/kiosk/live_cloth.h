@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clothes that pages show, simulated on a thread of their own while a page shows them: the latest pose wins, and
-// whoever tells it never waits.
+// The clothes on the page, simulated on a thread of their own while a page shows them. The latest pose counts, and
+// the thread that passes it never waits.
 #pragma once
 
 #include <chrono>
@@ -23,7 +23,7 @@ class LiveCloth {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kSendPeriod{90};  // every third frame of a camera of 30 Hz
-  static constexpr std::chrono::seconds kLookedAt{3};          // after a page asked for it last
+  static constexpr std::chrono::seconds kLookedAt{3};          // after the last request of a page
   // A frame of cloth that takes so long waits for as many times that: the rest of the core is the camera's.
   static constexpr int kRestTimes = 2;
 
@@ -33,12 +33,12 @@ class LiveCloth {
   LiveCloth(const LiveCloth&) = delete;
   LiveCloth& operator=(const LiveCloth&) = delete;
 
-  // From here on these move, under this name; null: none. What was told of those before is gone.
+  // From now on these clothes move, under this name; null: none. Frames of the clothes before are deleted.
   void wear(const std::string& name, std::shared_ptr<body::MovingClothes> clothes);
   // Does nothing where it would have to wait.
   void follow(const body::Pose& pose);
-  // The latest frame, as body::cloth_message(). 202: there is none yet. 409: others move. Simulation goes on while it
-  // is asked for.
+  // The latest frame, as body::cloth_message(). 202: no frame yet. 409: other clothes move. The simulation runs while
+  // pages request frames.
   PageAnswer ask(const std::string& name);
 
  private:

@@ -208,7 +208,7 @@ bool LivePage::act(PageAction action, std::string_view visit, std::string_view n
   return true;
 }
 
-// A code that only whoever asked for it is told: it goes to no other page.
+// Only the page that requested the code receives it.
 PageAnswer LivePage::offer(std::string_view visit) {
   const std::lock_guard lock(visit_mutex_);
   const auto now = Clock::now();
@@ -216,7 +216,7 @@ PageAnswer LivePage::offer(std::string_view visit) {
   if (!result || visit_.state() != VisitState::result || !visit_.touch(visit, now))
     return {409, nullptr, "this visit has no result, or is over"};
   publish_beat();
-  // Behind the '#' it is sent to no one: neither a proxy nor what looks at links ahead of people takes the result.
+  // The part behind '#' is never sent: neither a proxy nor a program that previews links takes the result.
   const std::string address = phones_->url() + "#" + hand_over_.offer(std::move(result), now);
   const auto code = qr_code(address);
   if (!code) return {500, nullptr, code.error().message};
@@ -282,7 +282,7 @@ std::uint64_t LivePage::permit() {
 
 void LivePage::begin_person(std::uint64_t permit) {
   const std::lock_guard lock(visit_mutex_);
-  if (!settings_.visit.ask) return;  // whoever comes next ends the visit before them: publish_of_visit()
+  if (!settings_.visit.ask) return;  // the next person ends the visit before: publish_of_visit()
   permitted_ = permit;
   if (desk_) desk_->begin_anew(permit);
 }
@@ -362,7 +362,7 @@ void LivePage::publish(const Json& event) {
 
 // False: of a visit that was deleted, or given up, while this was computed.
 bool LivePage::publish_of_visit(const std::string& kind, const Json& event, std::string line) {
-  // Whoever comes next without being asked ends the visit before them.
+  // Without a question, the next person ends the visit before.
   if (!settings_.visit.ask && visit_.state() == VisitState::result && !follows_ &&
       (kind == "measured" || (kind == "state" && event["user"] != 0)))
     next_visit();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run in a browser: what the camera sees, what is needed, who was measured, and their body, which follows them. And
-// whose visit it is: nothing is taken from the camera before consent, and a result goes for every client at once.
+// A run in a browser: the camera's picture, the guidance, the measured person, and their body, which follows them.
+// Each visit belongs to one person: no frame is used before consent, and a result goes for every client at once.
 #pragma once
 
 #include <chrono>
@@ -34,11 +34,11 @@ struct LivePageSettings {
   bool keeps_files = false;  // a result is written elsewhere as well: consent has to say so
   // On the server's thread. A person consented, to which text: "en-1".
   std::function<void(std::uint64_t visit, const std::string& text)> consented;
-  // A person asked to delete what is theirs, or consent was gone before the result came: what was written to this
-  // folder goes, too.
+  // A person requested deletion, or consent ended before the result came: delete the files written to this folder,
+  // too.
   std::function<void(const std::string& folder)> erase_folder;
-  std::optional<OperatorSettings> desk;  // the operator's part of the page; none: there is none
-  std::string operator_password;         // "": none is asked for
+  std::optional<OperatorSettings> desk;  // the operator's part of the page; nullopt: none
+  std::string operator_password;         // "": no password needed
   // Where phones take results that the page hands over, and nothing else; none: it hands none over.
   std::optional<PageAddress> hand_over;
   std::chrono::milliseconds hand_over_max = kHandOverMax;
@@ -114,7 +114,7 @@ class LivePage {
   std::chrono::steady_clock::time_point drawn_{};
   std::uint64_t pictures_ = 0;
   bool ending_ = false;
-  Customer customer_;                     // who is measured next to be tried on
+  Customer customer_;                     // the next measured person to try on clothes
   std::unique_ptr<FittingRoom> fitting_;  // null: nothing is tried on
   std::unique_ptr<OperatorDesk> desk_;    // null: no operator
   std::uint64_t desk_visit_ = 0;          // the last visit that the operator began

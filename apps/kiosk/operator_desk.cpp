@@ -229,7 +229,7 @@ PageAnswer OperatorDesk::save(const Json& body) {
     result = result_;
     recorder = recorder_;
   }
-  // What the form may say, put into the record of what is known, is read as any session.json is: one set of limits.
+  // The form's fields go into the record of known facts, which is parsed with the limits of any session.json.
   record.id = "new";
   Json json = Json::parse(sessions::record_json(record));
   for (const char* key : {"person", "notes", "site", "truth"})
@@ -247,7 +247,7 @@ PageAnswer OperatorDesk::save(const Json& body) {
     if (!saved) job.error = saved.error().message;
     const std::lock_guard lock(mutex_);
     if (recorder_ != recorder) return;
-    phase_ = Phase::idle;  // also after a failure: what is on a full disk is not kept for another try
+    phase_ = Phase::idle;  // also after a failure: a session on a full disk is not kept for another try
     recorder_.reset();
     result_.clear();
   });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operator's part of the page: one person's visit recorded with what a tape says, saved as a session, and the
-// sessions there are. Everything below /operator/ is answered here; who may ask is page_server.h's matter.
+// The operator's part of the page: one person's visit recorded with the tape readings, saved as a session, and the
+// list of sessions. Answers everything below /operator/; page_server.h checks the access.
 //
 //   IDLE -> (consent) RECORDING -> (the engine's answer) MEASURED -> (saved, discarded, deleted by the person) IDLE
 #pragma once
@@ -38,8 +38,8 @@ class OperatorDesk {
   OperatorDesk(const OperatorDesk&) = delete;
   OperatorDesk& operator=(const OperatorDesk&) = delete;
 
-  // What a visit is begun and ended with; before any request. `begin` consents for the person of the present visit
-  // and calls what it is given with its number before a frame of it is seen; false when another visit is going on.
+  // Begin and end a visit; set before any request. `begin` consents for the person of the present visit and calls
+  // `begun` with its number before the first frame of it is seen. It returns false when another visit is going on.
   // `end` ends the visit of that number if it goes on.
   using BeginVisit = std::function<bool(const std::function<void(std::uint64_t visit)>& begun)>;
   using EndVisit = std::function<void(std::uint64_t visit)>;
@@ -50,13 +50,13 @@ class OperatorDesk {
   void use_source(const hal::SourceInfo& source, const sessions::Versions& versions);
   PageAnswer answer(const PageRequest& request);  // on the server's thread
 
-  // Of the visit of this number, on any thread; of others they do nothing.
-  // The engine begins anew: so does the recording, which holds what the engine then sees and nothing else.
+  // Called for the visit of this number, on any thread; they do nothing for other visits.
+  // The engine begins anew, and so does the recording: it then holds the engine's frames and nothing else.
   void begin_anew(std::uint64_t visit);
   void see(std::uint64_t visit, const FrameSeen& frame);
   void measured(std::uint64_t visit, const std::string& result_json);
-  // Its recording goes: the person asked to delete everything, or left before there was an answer. `erased`: by the
-  // person; else a visit that was measured waits here for the operator, who is still at the form.
+  // Deletes the recording: the person requested deletion, or left before there was an answer. `erased`: the person
+  // requested it. Otherwise a measured visit is kept for the operator, who is still at the form.
   void visit_over(std::uint64_t visit, bool erased);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may use the operator's part of the page: whoever knows the password (HTTP Basic, RFC 7617, user "operator")
-// and, to change anything, has read the token, which no page of another site can.
+// Access to the operator's part of the page: a client needs the password (HTTP Basic, RFC 7617, user "operator")
+// and, to change anything, the token, which no page of another site can read.
 #pragma once
 
 #include <chrono>
@@ -26,7 +26,7 @@ class OperatorGate {
 
   // "": no password, for a page that this machine alone can reach.
   explicit OperatorGate(const std::string& password);
-  // Of a request's field Authorization. After five wrong ones in a second none is looked at until it is over.
+  // Of a request's field Authorization. After five wrong ones in a second, all are refused until the second is over.
   Answer admit(std::optional<std::string_view> authorization, Time now);
   const std::string& token() const { return token_; }
   bool is_token(std::string_view given) const;
@@ -38,7 +38,7 @@ class OperatorGate {
   int wrong_ = 0;  // since `window_`
 };
 
-// Takes as long whatever the secret is: time tells how long `given` is, and nothing else.
+// The time does not depend on the secret: it shows only the length of `given`.
 bool same_secret(std::string_view secret, std::string_view given);
 
 }  // namespace im2fit::apps

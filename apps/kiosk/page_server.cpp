@@ -45,7 +45,7 @@ constexpr std::pair<std::string_view, PageAction> kActions[] = {
 constexpr std::string_view kOffer = "/hand-over", kTake = "/take", kFacts = "/facts";
 constexpr const char* kKept = "private, max-age=31536000, immutable";
 
-// A request that is being answered; of a POST with a body, what came of that.
+// A request that is being answered; for a POST with a body, also the result of reading it.
 struct Upload {
   std::string path;
   std::string body;
@@ -84,7 +84,7 @@ struct PageServer::Parts {
     std::uint64_t seen = 0;
     std::string text;  // not yet taken
     bool waiting = false;
-    Clock::time_point read;  // when it was last asked for more
+    Clock::time_point read;  // when the client last requested more
   };
 
   Parts(Board& b, const std::string& host, PageHandlers h)
@@ -304,7 +304,7 @@ ssize_t PageServer::Parts::read_stream(void* closure, std::uint64_t, char* to, s
   if (stream.text.empty()) stream.text = parts.board.wait(stream.seen, Patience(0));
   if (stream.text.empty() && now - stream.read >= kCommentPeriod) stream.text = ": still here\n\n";
   if (stream.text.empty()) {
-    // Also for who has taken all there is: only a client that has not is stuck.
+    // Also for a client that has taken everything: only a client with text left is stuck.
     stream.waiting = true;
     MHD_suspend_connection(stream.connection);
     return 0;
@@ -324,8 +324,8 @@ void PageServer::Parts::end_stream(void* closure) {
   --parts.watchers;
 }
 
-// Wakes who waits when there is something to send, or when they have gone; a stream that waits is not looked at by
-// the library.
+// Wakes waiting streams when there is something to send, or when their clients have gone; the library does not watch
+// a stream that waits.
 void PageServer::Parts::wake_streams(bool news, Clock::time_point now) {
   for (Stream& stream : streams) {
     if (!stream.waiting) {

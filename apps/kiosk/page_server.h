@@ -18,13 +18,13 @@ namespace im2fit::apps {
 struct PageAddress {
   std::string host = "127.0.0.1";
   int port = 8017;                           // 0: any that is free
-  std::string options = "--port or --host";  // what says so, for the error when it cannot be listened at
+  std::string options = "--port or --host";  // the options named in the error when the address cannot be used
 };
 
 // What a page may ask for by POST, without a body.
 enum class PageAction { consent, touch, erase };
-// `visit`: the id the page names (the field X-Im2fit-Visit), `note`: what it says of it (X-Im2fit-Note), both at most
-// kActionTextMax long. On the server's thread. False: there is no such visit any more.
+// `visit`: the id that the page names (the field X-Im2fit-Visit), `note`: the page's note (X-Im2fit-Note), both at
+// most kActionTextMax long. On the server's thread. Returns false when the visit is over.
 using PageActor = std::function<bool(PageAction action, std::string_view visit, std::string_view note)>;
 inline constexpr std::size_t kActionTextMax = 64;
 // The fields of the query of /tryon.glb or /cloth.bin, as they are. On the server's thread.
@@ -50,11 +50,11 @@ using PageOffer = std::function<PageAnswer(std::string_view visit)>;
 using PageTake = std::function<PageAnswer(std::string_view token)>;
 
 struct PageHandlers {
-  PageActor act;                  // without it nothing is answered to POST
+  PageActor act;                  // without it POST is refused
   PageQuery try_on;               // without it there is no /tryon.glb
   PageQuery cloth;                // without it there is no /cloth.bin
   PageOperator operate;           // without it there is no /operator; on the server's thread
-  std::string operator_password;  // "": none is asked for
+  std::string operator_password;  // "": no password needed
   PageOffer offer;                // without it there is no /hand-over
   PageFacts facts;                // without it there is no /facts
   // With it the server is one for phones: there is the page that shows what is taken, its files, POST /take, and

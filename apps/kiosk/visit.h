@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// One person's visit to the page: asked for consent, measured, shown the result, forgotten. No clock of its own and
-// no thread: who calls says what time it is.
+// One person's visit to the page: consent, measurement, result, deletion. It has no clock and no thread of its own:
+// the caller passes the time.
 //
 //   ASKING -> (FACTS ->) MEASURING -> RESULT -> (a new visit) ASKING
 //
 // FACTS: the person may report what they know of themselves, with VisitRules::ask_facts.
 //
-// A visit has an id that cannot be guessed. What a page asks for (consent, a touch, to delete) names it, so that a
-// page which still shows the visit before can neither consent for the next person nor delete what is theirs.
+// A visit has an id that cannot be guessed. A page names it in every request (consent, touch, delete). A page that
+// still shows the visit before can therefore neither consent for the next person nor delete that person's data.
 #pragma once
 
 #include <chrono>

@@ -26,7 +26,7 @@ class VisitRecorder {
 
   // Begins a session below `root` (sessions::NewSession).
   static Result<std::unique_ptr<VisitRecorder>> begin(const std::string& root, const hal::SourceInfo& source);
-  ~VisitRecorder();  // what was not saved goes
+  ~VisitRecorder();  // deletes an unsaved recording
   VisitRecorder(const VisitRecorder&) = delete;
   VisitRecorder& operator=(const VisitRecorder&) = delete;
 

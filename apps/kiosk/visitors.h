@@ -34,8 +34,8 @@ class Visitors {
   };
 
   explicit Visitors(const VisitorLimits& limits) : limits_(limits) {}
-  // Makes room by ending the oldest that has not asked yet, else the oldest that is being answered, first of the same
-  // address. The pointer is good until left().
+  // Makes room: ends the oldest connection without a request, else the oldest that is being answered, first of the
+  // same address. The pointer is valid until left().
   Visitor* came(int socket, const sockaddr* address, Clock::time_point now);
   void left(const Visitor* visitor);
   void now_does(Visitor* visitor, Doing doing, Clock::time_point now);
@@ -51,7 +51,7 @@ class Visitors {
   std::list<Visitor> visitors_;  // oldest first
 };
 
-// Ends a connection from this side; whoever serves it notices and closes it.
+// Ends a connection from this side; the thread that serves it notices and closes it.
 void cut(int socket);
 
 }  // namespace im2fit::apps

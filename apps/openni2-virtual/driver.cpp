@@ -57,7 +57,7 @@ class Stream final : public oni::driver::StreamBase {
   }
   OniStatus getProperty(int id, void* data, int* size) override;
   OniStatus setProperty(int id, const void* data, int size) override;
-  // The recorder writes what is raised here. Without STRIDE and CROPPING its files play no frame and no error.
+  // The recorder writes the properties raised here. Without STRIDE and CROPPING its files play no frame and no error.
   void notifyAllProperties() override;
 
  private:
@@ -258,8 +258,8 @@ void Stream::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-// Picture k is due k/fps after the start. One that takes longer to make comes late and none is skipped, so that the
-// same settings always give the same recording.
+// Picture k is due k/fps after the start. A picture that takes longer to make comes late. None is skipped, so that
+// the same settings always give the same recording.
 void Stream::run() {
   const auto begin = std::chrono::steady_clock::now();
   auto due = begin;
@@ -296,7 +296,7 @@ void Stream::send(std::uint64_t index) {
   frame->dataSize = static_cast<int>(pixels_.size() * sizeof(std::uint16_t));
   auto* out = static_cast<std::uint16_t*>(frame->data);
   if (mode_.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_100_UM) {
-    // 16 bits end at 6.5 m; what is beyond is no data, as a sensor of that mode reports it.
+    // 16 bits end at 6.5 m; farther pixels hold no data, as a sensor of that mode reports them.
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
       const int units = pixels_[i] * kUnitsPer_mm;
       out[i] = static_cast<std::uint16_t>(units <= 65535 ? units : 0);

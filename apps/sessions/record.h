@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// session.json, schema im2fit.session/1: who a recording is of, what a tape said, and what was agreed to.
-// docs/sessions.md says what each field means, docs/session.schema.json is its schema.
+// session.json, schema im2fit.session/1: the recorded person, the tape readings and the consent.
+// docs/sessions.md describes each field, docs/session.schema.json is the schema.
 #pragma once
 
 #include <map>
@@ -52,8 +52,8 @@ struct PersonTruth {
   std::map<std::string, TapeReading> tape;  // by id of the tape's measurements (docs/tape.md)
 };
 
-// Of a measurement of result.json: what a tape says, else the height for the stature and the weight (kg) for the
-// weight. None: it was not taken.
+// The reading of a measurement of result.json: the tape's, else the height for the stature and the weight (kg) for
+// the weight. nullopt: it was not taken.
 std::optional<TapeReading> reading_of(const PersonTruth& truth, const std::string& id);
 
 struct Camera {
@@ -84,7 +84,7 @@ struct Record {
   PersonTruth truth;
   std::string notes;
   Camera camera;
-  std::string site;  // "": not said
+  std::string site;  // "": unknown
   Versions versions;
   Settings settings;
   // The text it was read from: record_json() keeps the keys of it that are not known here.
@@ -93,8 +93,8 @@ struct Record {
 
 // The text of session.json.
 std::string record_json(const Record& record);
-// `what` names the file in errors. Errors: unsupported for another schema; corrupt, naming the field, for what is
-// missing, of another type or out of range.
+// `what` names the file in errors. Errors: unsupported for another schema; corrupt, naming the field, for a field
+// that is missing, of another type or out of range.
 Result<Record> parse_record(std::string_view text, const std::string& what);
 // What is wrong with a record to be written, "" when nothing is; names the field: "truth.height_mm is 17.3, expected
 // 500 to 2500".

@@ -55,13 +55,13 @@ class NewSession {
 struct Listed {
   std::string id;
   Record record;       // when it could be read
-  std::string damage;  // else what is wrong, naming the file
+  std::string damage;  // else the fault, naming the file
 };
-// All sessions, the oldest first, damaged ones with what is wrong with them. A root that is not there has none.
+// All sessions, the oldest first, damaged ones with their fault. A root that does not exist has none.
 // Errors: io.
 Result<std::vector<Listed>> list(const std::string& root);
 
-// ROOT/ID. Errors: invalid_argument for what is no id; not_found.
+// ROOT/ID. Errors: invalid_argument if `id` is not a session id; not_found.
 Result<std::string> folder_of(const std::string& root, const std::string& id);
 // Errors: as folder_of; as parse_record.
 Result<Record> read(const std::string& root, const std::string& id);

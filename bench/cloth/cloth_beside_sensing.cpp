@@ -63,13 +63,13 @@ class Beside {
       pictures_.push_back(picture(test::standing_figure(0, kDistanceMm), 7 + static_cast<std::uint64_t>(i)));
   }
 
-  // False: the engine cannot be made, and it was said why.
+  // False: the engine cannot be made; the reason has been printed.
   bool take(int seconds, bool dressed, Turn& turn) {
     EngineSettings settings;
     settings.intrinsics = kCamera;
     settings.width = kCamera.width;
     settings.height = kCamera.height;
-    settings.frames_wanted = 1000;  // guided to the end: whoever is measured costs less
+    settings.frames_wanted = 1000;  // guided to the end: a measured person costs less
     auto engine = make_engine(settings, data_, "");
     if (!engine) {
       std::fprintf(stderr, "cloth_beside_sensing: %s\n", engine.error().message.c_str());

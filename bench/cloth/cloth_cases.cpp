@@ -4,7 +4,7 @@
 // built. cloth/moving is both as a page shows them: the rough meshes, their offsets, and those as bytes each third
 // frame.
 //
-// The body: IM2FIT_BODY, else the cache's; where it is absent there is no case, and standard error says so.
+// The body: IM2FIT_BODY, else the cache's. Without one there is no case, and standard error reports it.
 #include <cstdio>
 #include <memory>
 #include <string>

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::int64_t kPeriodNs = 33333333;
 
-// Of this process, MB: what is its own, and what is mapped from files (programs, libraries, body, tracker, index).
+// Of this process, MB: its own memory, and memory mapped from files (programs, libraries, body, tracker, index).
 struct Resident {
   double own_mb = 0, mapped_mb = 0;
 };

@@ -315,7 +315,7 @@ void add_rest(Cases& cases, const Bench& b) {
   }
 }
 
-// Once a session: the nearest start body found, and fitted to what another person measures.
+// Once a session: the nearest start body found, and fitted to another person's measurements.
 void add_body_parts(Cases& cases) {
   const std::string path = file_of("IM2FIT_BODY", "body.i2b", "");
   auto loaded = body::BodyModel::load(path);

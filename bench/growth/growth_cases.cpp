@@ -22,7 +22,7 @@ namespace {
 constexpr int kWarmUp = 12;       // frames until floor and tracker have converged
 constexpr int kAccumulated = 15;  // frames of a session
 constexpr int kPeopleMax = 6;
-constexpr double kBehindMm = 1600;  // the wall, behind whom is measured
+constexpr double kBehindMm = 1600;  // distance of the wall behind the measured person
 
 struct Setting {
   std::string name;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our index against what a user would pick instead, over the same models and queried by the same people.
+// Our index against alternatives a user could pick, over the same models and queried by the same people.
 //   index_references --samples DIR --out bench/results
 //   index_references --self-check
 #include <sys/resource.h>

@@ -32,7 +32,7 @@ struct Row {
 
 inline constexpr std::size_t kAveraged = 32;  // about as many as our own regression uses
 
-// The queries, and what is right at one size.
+// The queries and their right answers at one size.
 struct Exam {
   const Models& models;
   std::vector<std::vector<float>> raw;                  // of every query
@@ -52,7 +52,7 @@ Times timed(std::size_t count, double seconds, const std::function<void(std::siz
 
 // Every query once, in turn, until time is up.
 Row measure(Reference& reference, const Exam& exam);
-// Errors only, of what brute force would answer. `averaged`: the mean of so many nearest, up to kAveraged.
+// Only the errors of a brute-force answer. `averaged`: the mean of this number of nearest models, up to kAveraged.
 Row untimed_row(const Exam& exam, std::size_t averaged);
 
 }  // namespace im2fit::bench

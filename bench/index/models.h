@@ -31,7 +31,7 @@ class Models {
 
   void feature(std::size_t model, float* out) const;  // width() values
   MeasurementValues truth(std::size_t model) const;
-  // Of a query: what was not measured counts as the mean of all.
+  // Of a query: a value that was not measured counts as the mean of all.
   std::vector<float> query(std::span<const float> feature) const;
   // All features in order, `rows` at a time. The time it took, which counts as no build time, in s.
   double each_block(std::size_t rows,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is in the index, and who is queried.
+// The people in the index and the people who query it.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@ struct People {
   std::string origin;  // for the report
 };
 
-// Shards of one run of `im2fit-lab dataset`; at most `most` samples. Those that only calibrate intervals are passed
-// over: what is compared here has none.
+// Shards of one run of `im2fit-lab dataset`; at most `most` samples. Leaves out those that only calibrate intervals:
+// the indexes compared here have no intervals.
 Result<People> read_people(const std::string& folder, std::size_t most);
 
 // No data at hand: bodies from ten numbers, 501 features that bend with them and are noisy as the real ones are

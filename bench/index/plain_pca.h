@@ -13,7 +13,7 @@ namespace im2fit::bench {
 
 class PlainPca {
  public:
-  // `rows` of `size` values each. The directions of most variance, most first; their signs are what the solver gives.
+  // `rows` of `size` values each. The directions of most variance, most first; the solver chooses their signs.
   static PlainPca fit(std::span<const float> rows, std::size_t size, std::size_t dimensions);
   std::size_t dimensions() const { return axes_.size() / mean_.size(); }
   double explained() const { return explained_; }  // share of the variance, 0..1

@@ -40,7 +40,7 @@ class Reference {
   // Spends the returned seconds on itself (the making of features not counted).
   virtual double build(const Models& models) = 0;
   virtual Reply ask(const Question& question) = 0;
-  virtual double bytes() const = 0;  // of what must be held to answer
+  virtual double bytes() const = 0;  // of the data needed to answer
   // Of ours, the index' file.
   virtual std::span<const std::byte> file() const { return {}; }
   // The nearest in the reference's own space by looking at every model. Where there is none, the raw features are its

@@ -27,7 +27,7 @@ std::vector<float> places_of(const index::Contents& contents, std::size_t dimens
 class Contest {
  public:
   Contest(const Exam& exam, std::size_t count) : exam_(exam), count_(count) {}
-  // The first to be measured says what is right.
+  // The first search to be measured gives the right answers.
   Row measure(const std::string& name, const std::function<void(std::size_t query, Found& found)>& search) {
     Row row;
     row.kind = "search";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reference implementations (PCL, Open3D), what a user would pick instead, behind one interface. Each call converts
-// outside the clock and returns the processor time of the library's own work in ms, its search tree included. One
-// thread.
+// Reference implementations (PCL, Open3D), the alternatives a user could pick, behind one interface. Each call
+// converts outside the clock and returns the processor time of the library's own work in ms, its search tree
+// included. One thread.
 #pragma once
 
 #include <ctime>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our kernels against what a user would pick instead: the same cloud, the same run, one thread, processor time.
+// Our kernels against alternatives a user could pick: the same cloud, the same run, one thread, processor time.
 //   references_bench [--full] [--json FILE]
 // --full adds FPFH of the whole 640x480 cloud, which takes the references a minute or more each. Machines drift by a
 // factor of two while this runs, so ours is timed before and after theirs and only the ratio is to be quoted.

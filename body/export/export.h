@@ -36,14 +36,14 @@ struct Avatar {
   const BodyModel* model = nullptr;
   Params params;
   Pose pose;  // how it stands in .obj and in the default pose of .glb
-  // .glb: what is drawn beside the skin, and a flag a body vertex, 1: hidden; a quad whose corners are all hidden is
-  // not drawn. wear() of garment/drape makes both of clothes.
+  // .glb: parts drawn besides the skin, and a flag for each body vertex, 1: hidden; a quad whose corners are all
+  // hidden is not drawn. wear() of garment/drape makes both of clothes.
   std::vector<SkinnedPart> parts = {};
   std::vector<std::uint8_t> hidden_skin = {};  // or none
 };
 // metres, +Y up, skinned, 19 joints; the file's bytes
 Result<std::vector<std::byte>> glb_of(const Avatar& avatar);
-// `material_library`: the file beside it that says where the texture is; "": it names none.
+// `material_library`: the file beside it that names the texture; "": none.
 Result<std::string> obj_of(const Avatar& avatar, const std::string& material_library = "");
 Result<std::string> bvh_of(const Avatar& avatar);  // the text that write_bvh writes
 Status write_glb(const Avatar& avatar, const std::string& path);

@@ -185,7 +185,7 @@ Json primitive(Buffer& buffer, const Part& part, int material) {
     attributes["_SHARES"] = buffer.add(std::span(part.shares), "VEC3", kFloat, count, kArrayBuffer);
   }
   Json json = {{"attributes", attributes}, {"indices", indices}, {"material", material}};
-  // Skin below cloth is not drawn; whoever undresses the avatar, or measures it, finds its triangles there.
+  // Skin below cloth is not drawn. Programs that undress or measure the avatar find its triangles in the extras.
   if (!part.hidden_indices.empty())
     json["extras"]["hidden_indices"] = buffer.add(std::span(part.hidden_indices), "SCALAR", kUnsignedShort,
                                                   part.hidden_indices.size(), kElementArrayBuffer);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the nodes of an avatar's .glb stand in a pose: who shows the file may set them anew with every frame.
+// The nodes of an avatar's .glb in a pose: a viewer may set them anew with every frame.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@ struct RigPose {
   Vec3f root_m;                                              // translation of node 0; the others keep theirs
   std::array<std::array<float, 4>, kSegmentCount> rotation;  // unit quaternions x, y, z, w, relative to the parent
 };
-// `pose` of the avatar whose rest skeleton that is.
+// `pose`: of the avatar with the rest skeleton `rest`.
 RigPose rig_pose(const Skeleton& rest, const Pose& pose);
-// Of whoever stands as these joints say, in mesh axes, the lower foot on y = 0. `floor_rest_mm`: Figure::floor_rest.
+// The pose given by `joints`, in mesh axes, the lower foot on y = 0. `floor_rest_mm`: Figure::floor_rest.
 Pose standing_pose(const Skeleton& rest, float floor_rest_mm, const JointSet& joints);
 RigPose rig_of_joints(const Skeleton& rest, float floor_rest_mm, const JointSet& joints);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the limbs of a fitted pose lie: girths are measured on a body that stands in one pose, and how far this one is
-// from it moves what a picture shows of them. Raised shoulders narrow a chest.
+// The directions of the limbs of a fitted pose. Girths are measured on a body in one standard pose, and the distance
+// of the fitted pose from that changes the girths seen in a picture: raised shoulders narrow a chest.
 #pragma once
 
 #include <array>

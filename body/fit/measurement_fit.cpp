@@ -31,7 +31,7 @@ constexpr double kHeldSlack = 1e-4;
 constexpr double kAskedPivotMin = 1e-12;  // where goals contradict one another
 constexpr std::size_t kAskedMax = kRows + kHeldMax;
 constexpr double kStepMax = 4;  // standard deviations of people: farther no slope is believed
-// Met: the search ends. A tenth of what is told.
+// Residuals at which the search ends: a tenth of the reported limit (kResidualToldMm).
 constexpr double kMetMm = 0.2, kMetKg = 0.02;
 
 double limited(double v, double low, double high) {
@@ -292,7 +292,7 @@ class MeasurementFitter::Work {
     ++count_;
   }
 
-  // The least change that does what is asked.
+  // The least change that meets the goals.
   Columns nearest() {
     Products m = products_;
     std::array<double, kAskedMax> x = to_;
@@ -338,7 +338,7 @@ class MeasurementFitter::Work {
   Rows goal_{}, sd_{};
   Columns low_{}, high_{};  // limits of the change
   Columns whitened_{};
-  std::size_t count_ = 0;  // of what is asked in a step
+  std::size_t count_ = 0;  // goals and held unknowns of a step
   std::array<Columns, kAskedMax> asking_{};
   std::array<double, kAskedMax> to_{};
   Products products_{};

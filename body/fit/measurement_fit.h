@@ -3,7 +3,7 @@
 //
 // From the body of a similar person, the smallest change that meets the reported values: Gauss-Newton whose unknowns
 // are stature, build and the warp (body/warp.h), whitened by how these go together in people, so that the length of
-// the change is a Mahalanobis distance. What the mesh measures is said by body/measure.h alone.
+// the change is a Mahalanobis distance. Only body/measure.h measures the mesh.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace im2fit::body {
 
-// A value the mesh should have, and how well it is known: a standard deviation, in its unit. Not finite: any will do.
+// A target value of the mesh and its standard deviation, in its unit. Not finite: any value will do.
 struct MeasurementGoal {
   float value = 0;
   float sd = 0;
@@ -27,14 +27,14 @@ using MeasurementGoals = std::array<MeasurementGoal, kMeasurementCount>;
 
 struct MeasurementFit {
   MeasurementValues values{};    // of the fitted mesh
-  MeasurementValues residual{};  // values less goals; 0 where there is no goal
+  MeasurementValues residual{};  // values less goals; 0 without a goal
   float distance = 0;            // of the change, in standard deviations of people
   int steps = 0;
 };
 
-// A residual of a girth beyond this is told to people: half of what ISO 20685-1 allows a body scanner of small
-// girths. Of 400 people measured on 2026-11-26 none is told, nor would be at 1.6 mm or 2.4 mm: the worst girth is 0.2
-// mm off.
+// A girth residual above this is reported to the user: half of what ISO 20685-1 allows a body scanner for small
+// girths. For 400 people measured on 2026-11-26 none was reported, nor would be at 1.6 mm or 2.4 mm: the worst girth
+// was 0.2 mm off.
 inline constexpr float kResidualToldMm = 2;
 // The largest of the girths' absolute residuals, mm.
 float girth_residual_mm(const MeasurementValues& residual);
@@ -47,8 +47,8 @@ class MeasurementFitter {
   MeasurementFitter(MeasurementFitter&&) noexcept;
   MeasurementFitter& operator=(MeasurementFitter&&) noexcept;
   ~MeasurementFitter();
-  // `params`: where the search begins, and what it finds: the best met, should nothing meet all goals. They stay
-  // within the limits of bodies.
+  // `params`: start of the search, and its result: the best compromise when no body meets all goals. They stay within
+  // the limits of bodies.
   // `seen`: the body fitted to depth pictures, which the skin follows where the goals leave it free; null: none.
   MeasurementFit run(Params& params, const MeasurementGoals& goals, const SeenBody* seen = nullptr);
   // Holds the body that was found, measured.
@@ -69,14 +69,13 @@ using FitParameters = std::array<double, kFitParameterCount>;
 // `from` changed by `change`, limited to what bodies are; `out` may not be `from`.
 void change_body(const BodyModel& model, const Params& from, const FitParameters& change, Params& out);
 
-// What is known of the unknowns before the goals are looked at: their change is centre + factor z, z of unit
-// variance.
+// Prior of the unknowns, before the goals are used: their change is centre + factor z, z of unit variance.
 struct FitPrior {
   FitParameters centre{};
   std::array<FitParameters, kFitParameterCount> factor{};  // its lower triangle
 };
 
-// What is known of bodies in general, a sex each; made by im2fit-lab make measurement-regression.
+// Statistics of bodies in general, one set for each sex; made by im2fit-lab make measurement-regression.
 struct MeasurementRegression {
   // Relative change of each measurement by each unknown: the mean of people.
   std::array<std::array<float, kFitParameterCount>, kMeasurementCount> slopes;

@@ -10,7 +10,7 @@
 
 namespace im2fit::body {
 
-// How far apart two bodies of one sex are by what they measure: the length of the shortest change, in standard
+// The distance of two bodies of one sex by their measurements: the length of the shortest change, in standard
 // deviations of people, that turns one set of measurements into the other by the mean slopes of that sex
 // (MeasurementRegression). Relative differences d give sqrt(d' (G G' + 1e-4 I)^-1 d), G: slopes times the people's
 // factor; the identity stands for an error of 1 % in each measurement. + - * / and sqrt only.

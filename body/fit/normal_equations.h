@@ -7,7 +7,7 @@
 //     | B0  .   S0 |
 //     | .   B1  S1 |
 //     | S0' S1' Q  |
-// and so is its factor: what is zero between blocks is never touched.
+// and so is its factor: the zeros between blocks are never touched.
 //
 // + - * / and sqrt in written order; no allocation after construction.
 #pragma once

@@ -8,7 +8,7 @@
 //     n . dp/dc_k   = (R' n) . dx/dc_k + sum_s w_s n . dt_s/dc_k
 //     n . dp/dshift = n
 //     n . dp/dturn_a = (q - w h_a) x n,  turn about the posed head h_a of segment a; w the weight and q the weighted
-//                      position of the point on what hangs on a.
+//                      position of the point on the segments that hang on a.
 //
 // + - * / and sqrt in written order; no allocation after construction.
 #pragma once
@@ -36,13 +36,13 @@ inline constexpr std::array<Segment, 16> kTurning = {
 inline constexpr std::size_t kPoseValues = 3 + 3 * kTurning.size();
 static_assert(1 + kTurning.size() <= kTripleMax);
 
-// What turns of parents do is done to all that hangs on them.
+// Applies `step` to `pose`. Turns of parents move all their descendants.
 void move_pose(Pose& pose, std::span<const float, kPoseValues> step);
 
 // Sets of segments, bit s for segment s.
 using SegmentSet = std::uint32_t;
 SegmentSet segments_of(const SkinRecord& skin);
-// The triples of a pose step that move what follows `segments`: the shift, then turns.
+// The triples of a pose step that move points attached to `segments`: the shift, then turns.
 RowColumns columns_of(SegmentSet segments);
 
 // Points and bones of the body with some coefficients, rest pose.
@@ -82,7 +82,7 @@ class PosedShape {
   Vec3f head(Segment s) const { return posed_.head[static_cast<std::size_t>(s)]; }
   Vec3f tail(Segment s) const { return posed_.tail[static_cast<std::size_t>(s)]; }
 
-  // Asks for what point_row() reads of a point.
+  // Prefetches the data that point_row() reads of a point.
   void prefetch_row(std::size_t index) const {
     constexpr std::size_t kLine = 16;  // floats
     const float* basis = space_.point_basis.data() + index * kPointValues * space_.shape_count;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the body seen in a depth picture (body/fit) says of the unknowns of a measurement fit, before any measurement
-// is looked at: the least squares of distances between two skins, along the normals of the one seen, with people's
-// covariance as prior. In numbers, with x = x0 + L z of body/fit/measurement_fit.h and the seen skin's distance r_i
-// from that of x0,
+// The prior that the body seen in a depth picture (body/fit) gives for the unknowns of a measurement fit, before any
+// measurement is used: the least squares of distances between two skins, along the normals of the seen one, with
+// people's covariance as prior. With x = x0 + L z of body/fit/measurement_fit.h and the distance r_i of the seen skin
+// from the skin of x0,
 //     z ~ N(m, P),   P = (I + sum w_i a_i a_i')^-1,   m = P sum w_i a_i r_i,   a_i = L' dp_i/dx n_i.
-// So a fit that takes the least change from x0 + L m in the metric of P meets its goals, and follows what was seen in
-// all that the goals leave open.
+// So a fit that takes the least change from x0 + L m in the metric of P meets its goals, and follows the seen skin in
+// everything the goals leave open.
 #pragma once
 
 #include <array>
@@ -26,8 +26,8 @@ class SeenPrior {
   SeenPrior(SeenPrior&&) noexcept;
   SeenPrior& operator=(SeenPrior&&) noexcept;
   ~SeenPrior();
-  // `prior`: of people round `from`; becomes what is known once `seen` was seen. Nothing is changed where the body
-  // file has no shape space of its mesh.
+  // `prior`: on input that of people round `from`, on output the posterior given `seen`. Unchanged if the body file
+  // has no shape space of its mesh.
   void see(const Params& from, const SeenBody& seen, FitPrior& prior);
 
  private:

@@ -71,9 +71,9 @@ float pose_sd(std::size_t value, bool straight) {
   return straight && value < 3 + 3 * kSpineCount && value != kFacing ? kSpineSd : kTurnSd;
 }
 
-// Upright trunk, facing where hips and shoulders say. Joints of the trunk err by 15 mm over lengths of 200, which is
-// more than a person standing upright bends; and the lean of a trunk is confounded with its depth. False, and
-// nothing done, when the joints do not say a direction.
+// Upright trunk, facing the direction of hips and shoulders. Joints of the trunk err by 15 mm over lengths of 200,
+// more than a person standing upright bends, and the lean of a trunk is confounded with its depth. False, and nothing
+// done, when the joints give no direction.
 bool stand_straight(const JointSet& joints, Pose& pose) {
   Vec3f left = normalized(joints[Joint::LH] - joints[Joint::RH]) + normalized(joints[Joint::LS] - joints[Joint::RS]);
   left.y = 0;

@@ -29,25 +29,25 @@ struct FitView {
   ImageView<const std::uint16_t> depth_q4;  // 1/16 mm, 0 = none
   MaskView mask;
   Intrinsics intrinsics;
-  JointSet joints;  // camera axes; confidence is not looked at
+  JointSet joints;  // camera axes; confidence is not used
   FloorPlane floor;
 };
 
 struct ShapeFit {
-  // False: too little was seen, or a view is no view (docs/fit.md); numbers are finite all the same.
+  // False: too little was seen, or a view is unusable (docs/fit.md). Numbers are finite in either case.
   bool valid = false;
   std::array<float, kShapeMax> shape{};  // coefficients; the first shape_count are set
   // How far before the body's skin, along its normals, the surface seen lies, mm: mean of a patch's points, of each
   // view. NaN where none of them is seen.
   std::array<std::array<float, kPatchMax>, kFitViewMax> off_mm{};
-  std::array<LimbAxes, kFitViewMax> limbs{};  // of the pose in each view; NaN where there is no view
+  std::array<LimbAxes, kFitViewMax> limbs{};  // of the pose in each view; NaN without a view
   Pose pose;                                  // in the first view, PersonAxes of its joints and floor
   float surface_mm = 0;                       // mean absolute distances at the end
   float rim_mm = 0;
   int surface_rows = 0, rim_rows = 0;
 };
 
-// What is kept of a fit once its pictures are gone.
+// The part of a fit that is kept after its pictures are gone.
 struct SeenBody {
   bool valid = false;
   bool back = false;  // from both sides
@@ -72,9 +72,9 @@ class ShapeFitter {
   // The space must outlive the fitter and have points.
   explicit ShapeFitter(const ShapeSpace& space);
   ~ShapeFitter();
-  // One to kFitViewMax views; more are not looked at. The result stands until the next call.
+  // One to kFitViewMax views; further ones are ignored. The result is valid until the next call.
   const ShapeFit& run(std::span<const FitView> views);
-  // What the last run() made of its first view alone, as run() of that view would.
+  // The last run()'s fit to its first view alone, the same as run() of only that view.
   const ShapeFit& first_alone() const;
   // Of the last valid fit, while its views stand: where the space's points lie in a view, camera axes, mm.
   // `out` has point_count places.

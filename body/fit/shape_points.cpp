@@ -92,8 +92,8 @@ std::vector<Quad> quads_at_equal_area(const BodyModel& model, std::span<const Ve
   return chosen;
 }
 
-// The file says how many points there are, not how many were asked for: of the counts that were not, most are known
-// by one of the first points.
+// The file stores the number of points, not the number requested of quads_at_equal_area: the requested count is
+// searched for. One of the first points rules out most wrong counts.
 std::vector<Quad> quads_of_shape_space(const BodyModel& model) {
   const ShapeSpace& space = model.shape_space();
   if (space.point_count == 0) return {};

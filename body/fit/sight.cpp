@@ -6,9 +6,9 @@
 namespace im2fit::body {
 namespace {
 
-constexpr float kFarMm = 20000;     // beyond this, joints and floors are no measurement
+constexpr float kFarMm = 20000;     // joints and floors beyond this are invalid
 constexpr float kNearMm = 200;      // no camera of ours measures nearer
-constexpr int kMaskMarginPx = 2;    // pixels at the edge mix the person with what is behind
+constexpr int kMaskMarginPx = 2;    // pixels at the edge mix the person with the background
 constexpr float kSameLimbMm = 120;  // between a point and the surface inside its outline
 constexpr float kOutlineStepMax = 1000;
 constexpr float kNormalFlatMin = 0.5F;  // of a unit normal's part in the picture's plane

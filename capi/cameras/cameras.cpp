@@ -194,7 +194,7 @@ int im2fit_cameras_describe(const char* uri, const im2fit_cameras_options* optio
 
 int im2fit_cameras_use(im2fit_handle* handle, const im2fit_cameras_options* options) {
   return guarded([&] {
-    // What is wrong with the options is said here, not by each im2fit_attach.
+    // Invalid options are reported here, not by each im2fit_attach.
     if (const auto words = opening(options); !words) return fail(words.error());
     int status = im2fit_set_opener(handle, open_uri, const_cast<im2fit_cameras_options*>(options));
     if (status == IM2FIT_OK) status = im2fit_set_opener_down(handle, down_now);

@@ -24,7 +24,7 @@ struct ErrorStatistics {
 ErrorStatistics error_statistics(const std::vector<double>& errors);
 
 // ISO 20685's maximum allowable error, mm: heights, small girths and breadths 4, segment lengths 5, large girths 9;
-// 0 for what it does not cover.
+// 0 for a measurement that it does not cover.
 double iso_20685_limit_mm(Measurement id);
 bool within_iso_20685(const ErrorStatistics& statistics, Measurement id);
 

@@ -50,11 +50,11 @@ struct EvaluationOptions {
   bool noise = true;              // false: a perfect sensor in an empty room
   bool tof = false;               // a time-of-flight sensor in place of a Kinect
   bool smoothed = false;          // by a driver, over time (driver_filters.h)
-  EdgeFilterOptions edges;        // what the driver does beside edges, before it smooths
+  EdgeFilterOptions edges;        // the driver's filter at edges, before it smooths
   float tremor_deg = 0;           // of a camera held in the hand (session.cpp)
   bool poses_told = false;        // the device says where that camera is, frame by frame
   bool sensor_reported = false;   // the driver reports what kind of sensor it is
-  bool clothing_reported = true;  // the device is told what is worn
+  bool clothing_reported = true;  // the clothing worn is reported to the device
   bool clothed = false;           // tight, normal or loose clothes, shoes and hair; the truth stays the body's
   bool garments = false;  // with `clothed`: draped garments in the clothes' place (train/dressed/dressed_people.h)
   int frames = 30;        // accepted frames wanted; three times as many are shown at most
@@ -98,7 +98,7 @@ struct Outcome {
   bool measured = false;
   GuidanceSet guidance_seen = 0;
   std::uint64_t frames_seen = 0;
-  bool lifted_arms = false;  // told to (session.h)
+  bool lifted_arms = false;  // on guidance (session.h)
   bool dressed = false;
   MeasurementValues truth{};  // NaN: not known, and left out of every figure
   float true_age_years = 0;

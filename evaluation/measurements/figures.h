@@ -14,13 +14,13 @@ namespace im2fit::lab {
 
 struct Figure {
   std::string id;       // file name and anchor
-  std::string heading;  // what was found out
+  std::string heading;  // the finding
   std::string words;    // how to read it, HTML
   Svg picture;
 };
 
 // Of one condition.
-Figure distribution_figure(const ConditionRun& run);   // the paper's box plots of what was measured
+Figure distribution_figure(const ConditionRun& run);   // the paper's box plots of the measurements
 Figure height_error_figure(const ConditionRun& run);   // the paper's height error by range of height
 Figure sex_and_size_figure(const ConditionRun& run);   // the paper's counts
 Figure agreement_figure(const ConditionRun& run);      // Bland-Altman, a panel a measurement

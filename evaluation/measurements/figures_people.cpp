@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's figures of people: what was measured, height error, sex and size.
+// The paper's figures of people: measurements, height error, sex and size.
 #include <fmt/core.h>
 
 #include <algorithm>

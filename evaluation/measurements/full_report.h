@@ -11,7 +11,7 @@ namespace im2fit::lab {
 
 struct FullReport {
   std::string provenance;          // seed, people, index: one line
-  std::vector<ConditionRun> runs;  // at least one; the first is what the others are variations of
+  std::vector<ConditionRun> runs;  // at least one; the others are variations of the first
   std::vector<RuntimeRow> runtime;
   std::vector<ReferenceLine> references;
   std::vector<IcpCurve> icp;

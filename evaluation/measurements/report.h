@@ -87,10 +87,10 @@ struct Report {
   MeasuredWith with;
   int subjects = 0;
   int measured = 0;
-  int lifted_arms = 0;                                     // of the measured: told to, first
+  int lifted_arms = 0;                                     // of the measured: on guidance, before their measurement
   std::array<int, kGuidanceCount> not_measured_because{};  // subjects, by guidance seen
   std::array<MeasurementReport, kMeasurementCount> measurements;
-  // Of those whose clothes are estimated: share told right by the frames alone, and the mean ease, mm.
+  // Of those whose clothes are estimated: share estimated right by the frames alone, and the mean ease, mm.
   int clothing_estimated = 0;
   double clothing_right = 0, clothing_ease_mm = 0;
   double sex_accuracy = 0;  // shares of the measured, 0..1
@@ -98,7 +98,7 @@ struct Report {
   double age_error_years = 0;  // mean absolute, of the median
   double age_coverage = 0;     // of the 95 % interval
   double age_band_accuracy = 0;
-  double age_band_expected = 0;                         // what the likeliest groups' probabilities promise it to be
+  double age_band_expected = 0;                         // expected by the likeliest groups' probabilities
   double size_accuracy = 0;                             // letter size by the default chart, outright
   double size_top_two = 0;                              // true size among the two most probable
   std::array<int, 2 * kSizeStepMost + 1> size_steps{};  // people, by labels off: too small first

@@ -19,7 +19,7 @@ struct RuntimeRow {
 };
 
 // The index of `models`, then those of `files`, queried with the same few people, in the order of their sizes.
-// `options`: who they are and how they are seen. Errors: files that are no index, or of another feature. Indexes of
+// `options`: the people and their views. Errors: files that are not an index, or of another feature. Indexes of
 // people this program cannot draw (bench/index' own) have no bodies.
 Result<std::vector<RuntimeRow>> measure_runtime(const SessionModels& models, const std::string& name,
                                                 const std::vector<std::string>& files,

@@ -18,8 +18,8 @@ namespace im2fit::lab {
 namespace {
 
 // Each of the three angles is a sum of slow sway (0.3 and 0.9 Hz) and of a hand's tremor (2 and 9 Hz), at frames of
-// 30 Hz; `amplitude_deg` is what each reaches at most. Samples come from the nearest pixel; what was outside the
-// picture has no data.
+// 30 Hz; each reaches `amplitude_deg` at most. Samples come from the nearest pixel; pixels from outside the picture
+// have no data.
 class Tremor {
  public:
   Tremor(float amplitude_deg, std::uint64_t seed, const Intrinsics& k);
@@ -28,7 +28,7 @@ class Tremor {
     double x = 0, y = 0, z = 0;
   };
   Turn at(std::uint64_t frame) const;
-  // The same as a device tells it.
+  // The same as a device reports it.
   hal::CameraPose pose(std::uint64_t frame) const;
   // In place.
   void run(std::uint64_t frame, DepthImage picture);

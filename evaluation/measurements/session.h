@@ -22,8 +22,8 @@ struct SessionModels {
 // Called after each frame with a person found: joints of the engine, and the truth.
 using JointWatch = std::function<void(const JointSet& found, const JointSet& truth)>;
 
-// Who is told ARMS_CLOSE in as many frames as are wanted lifts the arms, as anybody would: shown from then on in the
-// pose arms_out. Whether that happened:
+// A person who gets ARMS_CLOSE in `frames_wanted` frames lifts the arms, as real people do, and is shown from then on
+// in the pose arms_out. Returns whether that happened.
 bool told_to_lift_arms(const EngineResult& result, int frames_wanted);
 
 // The engine as it stands after the session, finished. `watch` may be empty.

@@ -10,7 +10,7 @@
 
 namespace im2fit::lab {
 
-// A fixed mean mesh: the build, and what is done to the model's head, hands and feet.
+// A fixed mean mesh: the build, and the changes to the model's head, hands and feet.
 struct MeanBuild {
   bool woman;
   double stature_mm, weight_kg, index_most;  // body mass index up to which it serves

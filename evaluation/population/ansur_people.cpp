@@ -74,8 +74,8 @@ AnsurPeople::Made AnsurPeople::make(std::uint64_t seed, std::uint64_t index, std
   const Eigen::VectorXd start = draw_free_shape(mean, rng);
   const Eigen::VectorXd posture = draw_posture(mean, rng);
   rest.resize(mean.rest.size());
-  // Chest and shoulders change as the arms come down from the rest pose: what is wanted is wanted of the pose that is
-  // measured.
+  // Chest and shoulders change as the arms come down from the rest pose. The wanted dimensions are those of the
+  // measured pose.
   DimensionValues goal = made.wanted;
   const auto of = [](DimensionValues& values, SurveyDimension d) -> double& { return values[dimension_index(d)]; };
   Eigen::VectorXd c = start;

@@ -30,7 +30,7 @@ class AnsurPeople {
   // Offsets are of all vertices, helpers too; `family` is held_out. `rest` becomes what morph_subject() makes of it.
   Subject draw(std::uint64_t seed, std::uint64_t index, std::vector<Vec3f>& rest) const;
 
-  // The same with what was wanted and what the mesh has of it. NaN in `wanted`: nothing.
+  // The same with the wanted dimensions and those of the mesh. NaN in `wanted`: any.
   struct Made {
     Subject subject;
     DimensionValues wanted{}, achieved{};

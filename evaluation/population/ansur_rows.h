@@ -36,7 +36,7 @@ inline constexpr double kChestOverEllipse = 1.040;
 
 struct AnsurSettings {
   double end_share = 0.25;  // of people, carried to the ends of body mass
-  // Of what the tape has beyond the ellipse, by calipers that press and by squareness (mean over people;
+  // Shares of the tape's excess over the ellipse: by calipers that press and by squareness (mean over people;
   // kSquareShareSd about it); together 1 at most.
   double pressed_share = 0.8, square_share = 0.2;
 };
@@ -50,7 +50,7 @@ struct WantedPerson {
 
 class AnsurRows {
  public:
-  // Of the judging part, both sexes. Errors name the file and say what is missing.
+  // Of the judging part, both sexes. Errors name the file and the missing part.
   static Result<AnsurRows> load(const std::string& folder);
 
   // A row drawn with replacement. A share of people are carried to an end instead, evenly to either: from a row

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The dimensions a survey takes, on a rest mesh, with how each grows as vertices move: what a solver needs to make a
-// body of given dimensions. Apart from train/population/proportions.h on purpose, which makes training people: what
-// judges shares no tape with what teaches. The truth of an evaluation is measured by neither but by body/measure.h.
+// The dimensions a survey takes, on a rest mesh, with how each grows as vertices move: a solver needs them to make a
+// body of given dimensions. Apart from train/population/proportions.h on purpose, which makes training people:
+// judging shares no tape with training. The truth of an evaluation is measured by neither but by body/measure.h.
 #pragma once
 
 #include <array>

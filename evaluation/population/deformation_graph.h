@@ -16,7 +16,7 @@
 
 namespace im2fit::lab {
 
-// What a linear row says of one vertex.
+// One vertex in a linear row.
 struct Pull {
   std::int32_t vertex = 0;
   Vec3f gradient;  // of the row's value, per mm
@@ -36,11 +36,11 @@ class DeformationGraph {
   // Displacements of all vertices by which the energy grows least while the row's value grows, scaled to an energy of
   // one; an empty row has none.
   std::vector<Vec3f> response(const PullRow& row);
-  // The energy's inner product of the responses i and j of this object, in the order they were asked for.
+  // The energy's inner product of the responses i and j of this object, in the order of the calls of response().
   double product(std::size_t i, std::size_t j) const;
 
   int node_count() const;
-  // Displaced by what the skin around each vertex is displaced by.
+  // Moves helpers by the displacement of the skin around them.
   void carry_helpers(std::span<Vec3f> displacement) const;
 
  private:

@@ -60,7 +60,7 @@ constexpr Ratio kRatios[] = {
     {"chest girth/depth", Dimension::chest_girth, Dimension::chest_depth, Dimension::chest_girth}};
 constexpr std::ptrdiff_t kGiven = 4;
 
-// A row a person: what is given, and the logarithms of dimensions.
+// A row a person: the given values, and the logarithms of dimensions.
 struct People {
   Eigen::MatrixXd given, logarithms;
   std::vector<double> mass_index;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// All dimensions of synthetic people beside ANSUR II's, at equal stature, weight and age: what is left of a dimension
-// after ANSUR II's own regression on them must have the same mean and spread here, and go together in the same way.
+// All dimensions of synthetic people beside ANSUR II's, at equal stature, weight and age: the residuals of a
+// dimension after ANSUR II's own regression on them must have the same mean, spread and correlations here.
 #pragma once
 
 #include <string>

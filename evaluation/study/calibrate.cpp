@@ -103,8 +103,8 @@ void take(const Judged& judged, bool values, CalibrationOutcome& outcome) {
   outcome.coverage_after = judged.coverage_after;
 }
 
-// By which all widths are multiplied so that 95 % of the truths of people left out lie inside: errors have no normal
-// distribution's tails. Drawn to 1 as if so many people had said so before.
+// The factor of all widths at which 95 % of the truths of people left out lie inside: the tails of errors are not
+// those of a normal distribution. Drawn to 1 as if this number of people had shown 1 before.
 constexpr double kWidthPeople = 8;
 double width_factor(const std::vector<const SitePerson*>& people, const std::vector<SiteModel>& without,
                     bool values) {

@@ -28,7 +28,7 @@ std::string label_of(bool woman, double chest_mm) {
   return "";
 }
 
-// What this site's tape says of a truth, without its own error.
+// This site's tape reading of a truth, without the tape's own error.
 double tape_of(SiteKind kind, std::size_t m, double truth) {
   if (kind != SiteKind::tape) return truth;
   const auto id = static_cast<Measurement>(m);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A site that does not exist: synthetic people before a virtual camera before the real engine, and a simulated tape.
-// It differs from what the index was made of in one known way, so that what a calibration takes off can be checked.
+// It differs from the index' people in one known way, so that the effect of a calibration can be checked.
 #pragma once
 
 #include <array>
@@ -50,7 +50,7 @@ struct SimulatedVisit {
   std::string result_json;  // im2fit.result/1
 };
 
-// `calibration`: what the device measures with, or null. Depends on the site but for its threads.
+// `calibration`: the device's, or null. Depends on the site, not on its threads.
 Result<std::vector<SimulatedVisit>> simulate(const body::BodyModel& model, const JointModel& joints,
                                              const index::Index& index, const SimulatedSite& site,
                                              const SiteCalibration* calibration);

@@ -34,8 +34,8 @@ constexpr std::array<SpreadChoice, 6> kSpreads = {{
 constexpr int kSweeps = 2;  // over the spreads, each chosen with the others as they stand
 constexpr int kRounds = 3;  // of correction, then noise about it
 
-// How many people what is known beforehand of a width is worth: the index says 1 of all measurements together, and
-// all together of each.
+// Prior knowledge of a width counts as this number of people: the index gives 1 for all measurements together, and
+// all together give each.
 constexpr double kWidthPeopleOfAll = 8, kWidthPeopleOfEach = 10;
 
 double allowance(std::size_t m) {
@@ -205,8 +205,8 @@ class Fit {
         sds.asDiagonal() * solved.solve(MatrixXd::Identity(layout_.count(), layout_.count())) * sds.asDiagonal();
   }
 
-  // Squares of widths: expected squares of what is left, in the answer's own SDs, the tape's error taken out; each
-  // measurement's drawn to that of all, and that to 1.
+  // Squares of widths: expected squares of the residuals, in the answer's own SDs, less the tape's error. Each
+  // measurement's square is drawn to that of all, and that to 1.
   Widths widths_with(const VectorXd& mean, const MatrixXd& covariance) const {
     Widths sum{}, widths{};
     widths.fill(1);
@@ -228,8 +228,8 @@ class Fit {
     return widths;
   }
 
-  // Of what is left, drawn toward none by the share that makes the least expected square error (Schaefer and Strimmer
-  // 2005).
+  // Correlation of the residuals, shrunk to zero by the share with the least expected square error (Schaefer and
+  // Strimmer 2005).
   void learn_correlation() {
     const int k = size();
     const auto n = static_cast<int>(people_.size());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a site's answers differ from its tape, by empirical Bayes: what all measurements share (the camera's scale, how
-// tight the tape is pulled) and what is each one's own, each drawn toward zero as far as these people do not speak
-// for it. docs/calibration.md has the model and where its priors are from.
+// How a site's answers differ from its tape, by empirical Bayes: the effects that all measurements share (the
+// camera's scale, how tight the tape is pulled) and those of each one, all drawn toward zero as far as these people
+// do not support them. docs/calibration.md has the model and where its priors are from.
 //
 //   tape - answer = offset_m + sex_m (p_female - 1/2) + slope_m (answer - centre_m)
 //                 + (scale * d_m + girth * g_m + camera_c * d_m) answer + noise
@@ -19,7 +19,7 @@
 
 namespace im2fit::lab {
 
-// Standard deviations, over sites, of what a site may differ by. Found by the likelihood of these people; 0: nothing.
+// Standard deviations, over sites, of the effects of a site. Found by the likelihood of these people; 0: no effect.
 struct SiteSpreads {
   double offset = 0;  // in allowances of ISO 20685 (1 kg of the weight), as sex
   double sex = 0;
@@ -33,7 +33,7 @@ struct SiteModel {
   struct Row {
     int people = 0;  // with a tape value; 0: nothing below is known
     double scale = 1, offset_men = 0, offset_women = 0;
-    double width = 1;        // of the interval for a new person, what is not known of the correction within
+    double width = 1;        // of the interval for a new person, including the correction's uncertainty
     double width_alone = 1;  // the same without any correction of the value
   };
   std::array<Row, kMeasurementCount> rows;

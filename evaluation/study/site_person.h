@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one visit to a site told: a person's tape values beside what was answered. From sessions
+// The data of one visit to a site: a person's tape values beside the answers. From sessions
 // (apps/im2fit-lab/site_people.h) or from simulated people.
 #pragma once
 
@@ -39,7 +39,7 @@ inline double answer_sd(const index::IntervalEstimate& e) {
 struct SitePerson {
   std::string person;  // a pseudonym: the same for the same person
   std::optional<bool> woman;
-  std::string clothing;  // "bare", "close", "loose", "" not said
+  std::string clothing;  // "bare", "close", "loose", "" unknown
   std::string camera;    // hal::SourceInfo::name
   std::string worn_size, answered_size;
   std::array<TapeReadings, kMeasurementCount> tape{};
@@ -47,7 +47,7 @@ struct SitePerson {
   double female = 0.5;                                              // answered probability
 
   double error(std::size_t m) const { return static_cast<double>(answer[m].value) - tape[m].mean(); }  // NaN: no tape
-  // kg/m^2 of what tape and scale said; NaN without both.
+  // kg/m^2 from the tape and the scale; NaN without both.
   double mass_index() const {
     const double metres = tape[measurement_index(Measurement::stature)].mean() / 1000;
     return tape[measurement_index(Measurement::weight)].mean() / (metres * metres);

@@ -12,7 +12,7 @@ namespace im2fit::lab {
 std::string text_of(const SiteStudy& study);
 // im2fit.study/1
 std::string json_of(const SiteStudy& study);
-// One page, inline pictures, nothing from elsewhere. `title`: what the site is called; `synthetic`: its people are.
+// One page, inline pictures, no external files. `title`: the name of the site; `synthetic`: its people are.
 std::string html_of(const SiteStudy& study, const std::vector<SitePerson>& visits, const std::string& title,
                     bool synthetic);
 

@@ -177,7 +177,7 @@ void Maker::side_cut() {
 }
 
 // A hand before the body or on it: by the truth, not further out than the hip joint beside it. The person faces the
-// camera within what the program lets pass (12 degrees): folded arms and a turn aside are two codes at once.
+// camera within the program's limit (12 degrees): folded arms and a turn aside are two codes at once.
 void Maker::arms_close() {
   options().pose = StandingPose::crossed;
   for (int i = 0; i < kDrawsMax; ++i) {
@@ -303,9 +303,9 @@ struct Kind {
   void (Maker::*make)();
 };
 
-// Companions are what is true of such a scene as well: no person fits into the picture nearer than a metre; a person
-// turned aside or bent has the arms before the body, one who walks swings them past it. What a mirror shows may be
-// taken for another person; of legs alone neither the direction they face nor the arms can be seen.
+// Companions are codes that such a scene deserves as well: no person fits into the picture nearer than a metre; a
+// person turned aside or bent has the arms before the body, a walking person swings them past it. A mirror image may
+// be taken for another person; of legs alone neither the direction they face nor the arms can be seen.
 const std::array<Kind, 18>& kinds() {
   using G = Guidance;
   static const std::array<Kind, 18> kKinds = {{

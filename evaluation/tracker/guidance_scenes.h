@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One scene maker per guidance code: person, place and camera for which this code, and no other but its
-// companions, is what the engine should raise.
+// One scene maker per guidance code: person, place and camera for which the engine should raise this code, and no
+// other but its companions.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace im2fit::lab {
 // scene's), then scenes that people reported: PET, PET_ALONE, WALL, MIRROR, LEGS_ALONE.
 std::vector<std::string> guidance_kinds();
 
-// What a scene of this kind must raise (0 for OK), and what it may raise beside it.
+// The code that a scene of this kind must raise (0 for OK), and the codes allowed beside it.
 struct GuidanceRule {
   GuidanceSet named = 0;
   GuidanceSet companions = 0;

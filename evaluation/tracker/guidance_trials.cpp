@@ -13,7 +13,7 @@
 namespace im2fit::lab {
 namespace {
 
-// Speeds need 16 frames (perception/observe/motion_filter.h); what was raised in the last eight counts.
+// Speeds need 16 frames (perception/observe/motion_filter.h); the codes raised in the last eight count.
 constexpr int kFramesShown = 26;
 constexpr int kFramesCounted = 8;
 

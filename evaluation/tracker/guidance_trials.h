@@ -27,7 +27,7 @@ struct GuidanceOutcome {
   std::string kind;
   std::uint64_t scene = 0;
   GuidanceSet raised = 0;     // in half of the counted frames at least
-  bool named = false;         // the code the scene names was raised (OK: there is none to raise)
+  bool named = false;         // the code the scene names was raised (OK: no code)
   GuidanceSet unrelated = 0;  // raised, and neither named nor an allowed companion
   bool right() const { return named && unrelated == 0; }
 };

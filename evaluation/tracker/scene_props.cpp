@@ -39,7 +39,7 @@ Vec3f ray_of(const Intrinsics& k, int u, int v) {
   return {(static_cast<float>(u) - k.cx) / k.fx, (static_cast<float>(v) - k.cy) / k.fy, 1};
 }
 
-// In front of what is there.
+// In front of the present depth.
 void put(float z_mm, Rng& rng, std::uint16_t& depth) {
   if (!(z_mm > 400) || z_mm >= static_cast<float>(depth)) return;
   const double z = static_cast<double>(z_mm);

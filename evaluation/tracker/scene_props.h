@@ -29,8 +29,8 @@ struct Animal {
 // `height_mm` at the shoulder; `heading_deg`: 0 to the camera's right, 90 away from it.
 Animal make_animal(float height_mm, float heading_deg);
 
-// A wall that is upright, with a rectangle in it through which the depth behind it is seen: what a mirror shows lies
-// as far behind it as it is before it, and is for the scene to hold.
+// A wall that is upright, with a rectangle in it through which the depth behind it is seen. A mirror image lies as
+// far behind the wall as its object is before it; the scene must hold it.
 struct MirrorWall {
   Vec3f normal = {0, 0, -1};                           // unit, without y, away from the person
   float distance_mm = 0;                               // from the person
@@ -54,7 +54,7 @@ class PropAxes {
   Vec3f up_, forward_, right_, base_;
 };
 
-// Frame `frame` of them in front of what `depth` holds (mm, 0: no data, stays). The same seed and frame give the same
+// Draws frame `frame` of the props in front of `depth` (mm, 0: no data, stays). The same seed and frame give the same
 // noise.
 void draw_props(const Props& props, const PropAxes& axes, const Intrinsics& intrinsics, std::uint64_t seed,
                 std::uint64_t frame, DepthImage depth);

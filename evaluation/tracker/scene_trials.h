@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Held-out people in drawn scenes: what the tracker makes of single frames and of the sixth in a row.
+// Held-out people in drawn scenes: the tracker's results of single frames and of the sixth in a row.
 #pragma once
 
 #include <array>

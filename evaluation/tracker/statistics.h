@@ -12,7 +12,7 @@
 namespace im2fit::lab {
 
 inline constexpr float kWithinMm = 100;  // "within 10 cm", as papers on joints count
-inline constexpr float kSureMm = 50;     // what a joint's confidence promises (core/joints.h)
+inline constexpr float kSureMm = 50;     // the promise of a joint's confidence (core/joints.h)
 
 // Nearest rank: the smallest value that a share `q` (0..1) of the values does not exceed; the smallest of all for 0.
 // NaN for no values.

@@ -148,7 +148,7 @@ SheetCell room_cell(const JudgedPicture& picture, const RoomOutcome& outcome) {
                    fmt::format("false users in {} of {} frames", outcome.false_users, outcome.frames)})};
 }
 
-// The frame, its error and its classes; or what was raised.
+// The frame, its error and its classes; or the guidance raised.
 SheetCell trial_cell(const JudgedPicture& picture, const TrialOutcome& outcome) {
   SheetCell cell{draw_judged(picture), {}};
   const JointFrame& frame = outcome.converged;

@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON has no NaN: what was not measured is null. Rounded to what is meant.
+// JSON has no NaN: a value that was not measured is null. Rounded to 1 / `steps`.
 Json rounded(double value, double steps = 1e4) {
   return std::isfinite(value) ? Json(std::round(value * steps) / steps) : Json(nullptr);
 }

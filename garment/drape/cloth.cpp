@@ -26,11 +26,11 @@ constexpr float kPinchReachMm = 8, kRoughPinchReachMm = 25;
 constexpr float kPinchNearMm = 15;     // off its own skin at most
 constexpr float kCaughtMm = 25;        // skin that cloth is within, at most
 constexpr float kPinchLeastMm = 0.5F;  // off the skin, where limbs overlap
-// What is stretched by kListed when a frame begins is held until it ends, after the skin has pushed: where skin pulls
-// cloth apart, cloth wins. In the first passes what is over kOver is drawn to kHeld, a little shorter, so that an
-// edge is not drawn again for a hair; in the others what is over kPeak, to that: there skin and cloth do not agree,
-// and a corner's pull is handed on to ever farther neighbours; in the last, which few substeps need, what is over
-// kLast (docs/garments.md has what other numbers do).
+// Edges stretched by kListed when a frame begins are held until it ends, after the skin has pushed: where skin pulls
+// cloth apart, cloth wins. The first passes shorten edges over kOver to kHeld, a little less, so that an edge is not
+// shortened again for a tiny excess. The other passes shorten edges over kPeak to kPeak: there skin and cloth
+// disagree, and a corner's pull spreads to ever farther neighbours. The last passes, which few substeps need, shorten
+// edges over kLast (docs/garments.md has the effects of other numbers).
 constexpr float kListed = 0.07F, kHeld = 0.07F, kOver = 0.08F, kPeak = 0.155F, kLast = 0.25F;
 constexpr int kFirmPasses = 9, kStrainPasses = 12, kLastPasses = 36;  // of a substep, at most so far; rough meshes: 1
 constexpr unsigned kPlacedFrames = 3;  // in which a band that was drawn together spreads: one pass
@@ -294,8 +294,8 @@ void Cloth::find_stretched() {
     }
 }
 
-// The n-th pass of a substep over what is stretched by more than `over`, to `to`; whether any of it was. After the
-// first, an edge whose ends no pass has moved since it was looked at is as it was.
+// The n-th pass of a substep: shortens edges stretched by more than `over` to `to`; returns whether there were any.
+// After the first pass, an edge whose ends have not moved since its last check is skipped.
 bool Cloth::limit_strain(int pass, float over_share, float to_share) {
   const float over = 1 + over_share, to = 1 + to_share;
   const std::uint16_t now = ++strain_pass_;

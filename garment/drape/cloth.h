@@ -34,16 +34,16 @@ class Cloth {
 
   void place(std::span<const Vec3f> vertices);  // at rest there, no belt held
   void carry(std::span<const Vec3f> vertices);  // the same, the belt held as it was
-  // Draws the band of what hangs from the waist together to this length, as a belt does; never wider than it is cut.
+  // Tightens the band of a garment that hangs from the waist to this length, as a belt does; never wider than cut.
   void close_belt(float girth_mm);
   // From now on the band stays where it lies on the skin, each vertex at its height in the pattern plus `up_mm`: a
   // belt does not slide.
   void hold_belt(const BodySurface& skin, float up_mm);
   // The same of a band that lies on the skin already.
   void hold_belt_here(const BodySurface& skin);
-  // A thirtieth of a second, while the skin goes from its beginning to its end. `clearance_mm`: of each vertex of the
-  // model, what is worn below; empty: nothing. Cloth that may sleep and whose skin has stood still for kAwakeFrames
-  // comes to a stop within some twenty more, and then costs nothing until the skin moves.
+  // Advances by a thirtieth of a second, in which the skin moves from its beginning to its end. `clearance_mm`: the
+  // thickness of the clothes below at each vertex of the model; empty: none. Cloth with may_sleep stops some twenty
+  // frames after its skin stood still for kAwakeFrames, and then costs nothing until the skin moves.
   void run(const BodySurface& skin, const ClothFrame& frame, std::span<const float> clearance_mm = {});
 
   const GarmentMesh& mesh() const { return mesh_; }

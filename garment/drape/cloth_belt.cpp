@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The band that what hangs from the waist is held by: laid flat round the skin, followed, and let slip where a lap
+// The band of garments that hang from the waist: laid flat round the skin, following it, and slipping where a lap
 // draws it tight.
 #include <algorithm>
 #include <array>

@@ -35,8 +35,8 @@ inline void store(ClothVertex& vertex, Float4 row) {
   std::memcpy(static_cast<void*>(&vertex), &row, sizeof row);
 }
 
-// Masses and compliances never change, so what they make of a step is worked out beforehand: the share of an edge's
-// excess that either end makes up for, and of a hinge's bend each corner.
+// Masses and compliances never change, so their effect on a step is precomputed: the share of an edge's excess that
+// each end corrects, and the share of a hinge's bend that each corner corrects.
 struct StretchBatch {
   std::array<std::int32_t, 4> a, b;
   Float4 length;  // mm, at rest

@@ -17,7 +17,7 @@ class ClothLayers {
  public:
   explicit ClothLayers(const GarmentMesh& mesh);
   // Of vertices nearer than search_mm(); `vertices`: of the mesh. Two that are both `pinched` (1) between skins are
-  // left alone: what presses them is stronger.
+  // left alone: the skins that press them are stronger.
   void find(std::span<const ClothVertex> vertices, std::span<const std::uint8_t> pinched);
   void clear() { pairs_.clear(); }
   // Pushes pairs apart to apart_mm(), half the way a call, and lets them rub. `before`: places a substep ago.

@@ -34,7 +34,7 @@ class Unposing {
  public:
   Unposing(const Skeleton& rest, const Pose& pose);
   MixedMotion motion(const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights) const;
-  // False where the four are turned so far against each other that their mean says nothing: `at_rest` stays.
+  // False where the four are turned so far against each other that their mean is useless: `at_rest` is unchanged.
   bool undo(const std::array<std::uint8_t, 4>& segments, const std::array<float, 4>& weights, Vec3f posed,
             Vec3f& at_rest) const;
 

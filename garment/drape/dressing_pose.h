@@ -17,13 +17,13 @@ Pose dressing_pose(const Skeleton& rest);
 // `share` 0..1 of the way from `a` to `b`, each segment turning relative to its parent (normalised quaternions).
 Pose between(const Pose& a, const Pose& b, float share);
 
-// Where the bones of each vertex of the body lie, mixed by its weights: what it is drawn in towards. `out`: as many
-// as vertices are wanted.
+// The place of the bones of each vertex of the body, mixed by its weights: the vertex is drawn in towards it. `out`:
+// one place for each vertex wanted.
 void bone_axes(const BodyModel& model, const PosedSkeleton& bones, std::span<const Vec3f> posed,
                std::span<Vec3f> out);
 
 // A vertex of the body drawn in towards the bones, 1 for not at all, and flattened front to back about `middle_z`:
-// what a garment that lies flat is put on.
+// the body on which a flat garment is put.
 struct DrawnIn {
   float sideways = 1, depth = 1;
   float middle_z = 0;

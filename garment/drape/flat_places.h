@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of many places of a pattern lies nearest to another: rims, seams and what a garment hangs from.
+// Nearest-neighbour search among places of a pattern: rims, seams and the edges a garment hangs from.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace im2fit::body {
 
-// Places that follow one another lie near each other, as those along an outline do, and so do questions that follow
-// one another: boxes about a few places each leave most of them out. Not shareable between threads.
+// Consecutive places lie near each other, as along an outline, and so do consecutive queries: bounding boxes of a few
+// places each exclude most places. Not shareable between threads.
 class FlatPlaces {
  public:
   struct Nearest {
     float squared_mm = 1e30F;
-    std::int32_t vertex = -1;  // -1: there are no places
+    std::int32_t vertex = -1;  // -1: no places
   };
 
   void add(Flat place, std::size_t vertex);

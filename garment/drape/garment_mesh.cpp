@@ -189,7 +189,7 @@ class Sewing {
     }
   }
 
-  // The square of what is left of the reach: without a step in length, nor a kink where it ends.
+  // The square of the remaining share of the reach: the length has no step, and no kink where the reach ends.
   void let_in_gusset() {
     mesh_.longer.assign(mesh_.flat.size(), 1.0F);
     if (gusset_.at < 0) return;

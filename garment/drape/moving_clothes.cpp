@@ -10,7 +10,7 @@
 namespace im2fit::body {
 namespace {
 
-constexpr int kRestFrames = 12;  // of the rough cloth, before offsets are told from there
+constexpr int kRestFrames = 12;  // of the rough cloth, before its places become the offsets' zero
 
 }  // namespace
 
@@ -26,7 +26,7 @@ MovingClothes::MovingClothes(const BodyModel& model, std::unique_ptr<Outfit> dre
   for (std::size_t i = 0; i < outfit_->size(); ++i) {
     ClothPart part = cloth_part(model, *outfit_, i, rest_);
     Bound bound{std::move(part.segments), std::move(part.weights), {}, {}, std::move(fine[i])};
-    // Not those of the part, which lie under what is worn over them.
+    // Not the part's vertices, which lie under the clothes worn over them.
     bound.rest.resize(bound.segments.size());
     for (std::size_t v = 0; v < bound.rest.size(); ++v)
       unposing.undo(bound.segments[v], bound.weights[v], outfit_->cloth(i).position(v), bound.rest[v]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clothes of an avatar while its body moves: simulated as rough meshes, and told as what each rough vertex adds,
-// at rest, to where the skeleton alone would take it, and more where what is shown would lie inside the body.
-// docs/garments.md says how a viewer shows that.
+// The clothes of an avatar while its body moves, simulated as rough meshes. The output is each rough vertex's offset,
+// at rest, from its place by the skeleton alone, enlarged where the shown mesh would lie inside the body.
+// docs/garments.md specifies how a viewer applies the offsets.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ namespace im2fit::body {
 // Not shareable between threads; the model must outlive it. + - * / and sqrt only: the same bits on every machine.
 class MovingClothes {
  public:
-  // A joint moves by so much in a frame at most, about as fast as a hand does; what is farther takes more frames.
+  // Most a joint moves in a frame, about the speed of a hand; a longer way takes more frames.
   static constexpr float kStrideMm = 120;
   static constexpr float kFarthestMm = 500;  // an offset's length at most, before it is pushed out of the skin
 
@@ -29,14 +29,14 @@ class MovingClothes {
   // fine meshes.
   MovingClothes(const BodyModel& model, std::unique_ptr<Outfit> dressed, const Skeleton& rest);
 
-  // A thirtieth of a second, in which the body goes towards `pose` (translation not heeded). No allocation.
+  // Advances by a thirtieth of a second, in which the body moves towards `pose` (translation ignored). No allocation.
   void frame(const Pose& pose);
-  // Offsets of the last frame: whoever tells of few frames asks for few. No allocation.
+  // Computes the offsets of the last frame; needed only for the frames a caller outputs. No allocation.
   void find_offsets();
 
   std::size_t size() const { return bound_.size(); }
-  // As found last, of each vertex of a garment's moving mesh, mm in the axes of the rest mesh: a viewer adds it
-  // before it skins.
+  // Of the last find_offsets(), for each vertex of a garment's moving mesh, mm in the axes of the rest mesh: a viewer
+  // adds it before skinning.
   std::span<const Vec3f> offsets(std::size_t garment) const { return bound_[garment].offsets; }
   const Outfit& outfit() const { return *outfit_; }  // of moving meshes
 

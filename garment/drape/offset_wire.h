@@ -25,7 +25,7 @@ constexpr std::size_t offset_bytes(std::size_t count) {
   return 3 * count + (count + kOffsetBlock - 1) / kOffsetBlock;
 }
 // Appends offset_bytes(offsets.size()) bytes: of each block the doublings of its step, then x, y, z of each vertex,
-// as two's complement, in steps, rounded. Farther numbers are cut to what a byte holds.
+// as two's complement, in steps, rounded. Larger numbers are clamped to the range of a byte.
 void append_offsets(std::span<const Vec3f> offsets, std::string& out);
 // The step a block of these is sent in.
 float offset_step_mm(std::span<const Vec3f> block);
@@ -37,7 +37,7 @@ struct ClothMessage {
   std::uint32_t number = 0;
   std::vector<std::vector<Vec3f>> garments;  // mm
 };
-// Errors: another beginning, too short, bytes left over, a step that is none.
+// Errors: a wrong beginning, too short, bytes left over, an invalid step.
 Result<ClothMessage> read_cloth_message(std::string_view bytes);
 
 }  // namespace im2fit::body

@@ -38,7 +38,7 @@ constexpr float kCrumpledMm = 16;  // more than an edge of the mesh
 constexpr float kPressMm = 2, kPressAsideMm = 45;
 constexpr float kLiftedOffSkinMm = 2;  // of the places shown: half of what cloth keeps, see Cloth::kSkinMm
 constexpr float kSkinBehindMm = 20;    // skin that stands farther out of cloth is seen
-constexpr float kClothBehindMm = 40;   // cloth worn below may stand out of what is worn over it
+constexpr float kClothBehindMm = 40;   // cloth may stand so far out of the garment over it
 
 std::size_t at(Segment s) {
   return static_cast<std::size_t>(s);
@@ -138,7 +138,7 @@ void Outfit::skin_body(const Pose& pose) {
   body::skin(model_, rest_, skeleton_, pose_, posed_);
 }
 
-// How far what is worn stands off the skin, as slopes: cloth over it does not catch on its edges.
+// Adds the distance of worn cloth from the skin, spread as slopes: cloth over it does not catch on its edges.
 void Outfit::add_clearance(const Cloth& cloth) {
   for (std::size_t v = 0; v < cloth.mesh().vertex_count(); ++v) {
     const SkinPlace& place = cloth.contacts()[v];
@@ -384,9 +384,9 @@ void Outfit::near(const Cloth& cloth, Vec3f p, const float& best, F consider) co
   }
 }
 
-// What lies at `p` and faces `n` is hidden by the nearest cloth that faces as it does, from `behind_mm` behind it on,
-// but not by a hem's. An arm beside the trunk is hidden by its sleeve alone. `hint`: what hid the place asked for
-// before, most often near to this one; kept up.
+// A place at `p` with normal `n` is hidden by the nearest cloth that faces the same way, if it lies no more than
+// `behind_mm` before that cloth; cloth near a hem does not hide it. An arm beside the trunk is hidden by its sleeve
+// alone. `hint`: the vertex that hid the previous place, most often near to this one; updated.
 bool Outfit::hides(const Cloth& cloth, Vec3f p, Vec3f n, std::uint8_t limbs, float behind_mm, float crumpled_mm,
                    float rim_mm, std::size_t& hint) const {
   const GarmentMesh& mesh = cloth.mesh();
@@ -427,7 +427,7 @@ void Outfit::hidden_skin(std::span<std::uint8_t> out, float more_mm) const {
   }
 }
 
-// Cloth that skin would pull apart lies within it, and is shown on it. In folds of the skin there is no room for it.
+// Cloth that skin would pull apart lies within the skin and is shown on it, but not in folds, which have no room.
 Vec3f Outfit::lifted(std::size_t index, std::size_t v) const {
   const Cloth& cloth = *cloths_[index];
   const Vec3f p = cloth.position(v);

@@ -33,11 +33,11 @@ class Outfit {
   Outfit(const BodyModel& model, std::vector<Piece> pieces);
   ~Outfit();
 
-  // Puts everything on a body: `rest` has the model's vertices. Then the body stands in `pose` (its translation is
-  // not heeded: the pelvis stays where it is at rest), and the cloth has come nearly to rest. The rough
-  // meshes are put on and follow into the pose; then the others take their places and fall into their own folds.
+  // Puts all pieces on a body: `rest` has the model's vertices. Afterwards the body stands in `pose` (its translation
+  // is ignored: the pelvis stays where it is at rest), and the cloth is nearly at rest. The rough meshes are put on
+  // and follow into the pose; then the fine meshes replace them and fall into their own folds.
   void dress(std::span<const Vec3f> rest, const Skeleton& skeleton, const Pose& pose);
-  // A thirtieth of a second, in which the body goes from its last pose to this one (translation not heeded).
+  // Advances by a thirtieth of a second, in which the body goes from its last pose to this one (translation ignored).
   void frame(const Pose& pose);
   // The same in `frames` even steps.
   void move_to(const Pose& pose, int frames);
@@ -45,7 +45,7 @@ class Outfit {
   // Whether all pieces have a moving mesh.
   bool can_move() const { return moving_.size() == cloths_.size(); }
   // Once dressed, of such pieces: gives up all other meshes for the moving ones, which lie where the fine ones do.
-  // All that is told of cloth from here on is of these. Cannot be dressed again.
+  // From then on cloth() and the other functions refer to the moving meshes. Cannot be dressed again.
   void keep_moving_alone();
 
   std::size_t size() const { return cloths_.size(); }
@@ -57,7 +57,7 @@ class Outfit {
   const Pose& pose() const { return pose_; }
   const Skeleton& skeleton() const { return skeleton_; }  // at rest, of the body it was dressed on
 
-  // Which of the body's vertices cloth hides whatever way one looks: `out` has body_vertex_count() places, 1: hidden.
+  // The body's vertices that cloth hides from every direction: `out` has body_vertex_count() places, 1: hidden.
   // Skin near hems is not; `more_mm`: so much farther from them, where cloth will move.
   void hidden_skin(std::span<std::uint8_t> out, float more_mm = 0) const;
   // Where a garment's vertices are shown: those within the skin lie on it, and those that stand out of cloth worn

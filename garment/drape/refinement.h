@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a garment in long edges to the same garment in short ones; or back, where what lies between is left out.
+// From a garment in long edges to the same garment in short ones; or back, dropping the vertices between.
 #pragma once
 
 #include <array>

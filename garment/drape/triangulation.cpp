@@ -12,7 +12,7 @@ struct Place {
   double x, y;
 };
 
-// An outline's edges by the bands of height they reach into: a place is asked of those of its band alone.
+// An outline's edges by the bands of height they reach into: a place is tested against its band's edges alone.
 class Outline {
  public:
   Outline(const std::vector<Flat>& places, double band_mm) : band_mm_(band_mm), low_(places[0].y) {

@@ -21,7 +21,7 @@ struct CameraFile : Calibration {
 // im2fit_intrinsics_origin and im2fit_oni_crc32c. Errors name the file and the key: not_found, io, corrupt (no YAML),
 // invalid_argument (values no camera has), unsupported (another distortion model).
 Result<CameraFile> load_camera_yaml(const std::string& path);
-// The same of what a file holds; `path` names it in errors.
+// The same for a file's contents; `path` names the file in errors.
 Result<CameraFile> parse_camera_yaml(const std::string& text, const std::string& path);
 
 }  // namespace im2fit::hal

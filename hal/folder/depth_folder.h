@@ -3,8 +3,8 @@
 //
 // timestamps.csv: a header naming its columns, then a row a frame. Columns: frame (the file's number) and host_ns,
 // device_us or both; times must grow from row to row. Without it frames are taken to be 1/30 s apart. A camera that
-// feels gravity has down_x, down_y and down_z besides (FrameInfo::down), empty where it was not asked; they are of
-// upright pictures, and of a folder that is turned they are not read.
+// measures gravity also has down_x, down_y and down_z (FrameInfo::down), empty where it was not read. They refer to
+// upright pictures and are ignored in a folder with a rotation.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,7 @@ namespace im2fit::hal {
 struct FolderOptions {
   std::optional<int> rotate_deg;  // overrides camera.yaml's im2fit_rotate_deg; 0 when neither says
   std::string camera_yaml_path;   // "" for camera.yaml in the folder
-  double unit_mm = 1;             // a unit of the pixels; values are rounded, above 65535 mm they are no data
+  double unit_mm = 1;             // a unit of the pixels; values are rounded, above 65535 mm they are missing
 };
 
 // Replays every frame in order of number, as fast as it is read; a missing number is counted as a gap. Sizes and
@@ -75,7 +75,7 @@ class FolderWriter {
   FolderWriter& operator=(const FolderWriter&) = delete;
 
   // Files are numbered by info.sequence from 0, so that gaps stay visible. A frame that fails leaves no file behind.
-  // Times that do not grow are no times: device_us, or the whole timestamps.csv, is given up.
+  // Times that do not grow are dropped: the device_us column, or the whole timestamps.csv.
   Status write(DepthView frame, const FrameInfo& info);
   Status finish();  // timestamps.csv to the disk
   int frame_count() const { return static_cast<int>(rows_.size()); }

@@ -76,7 +76,7 @@ bool read_float(const std::string& text, float& value) {
   return (stream >> value) && stream.peek() == std::istringstream::traits_type::eof();
 }
 
-// None: it is not there. Error: what is there is no vector of length 1.
+// None: the cells are empty. Error: they are not a vector of length 1.
 Result<std::optional<Vec3f>> down_in(const std::vector<std::string>& cells, const Columns& columns) {
   std::array<float, 3> values{};
   std::size_t empty = 0;

@@ -236,7 +236,7 @@ ReconnectingSource::Opener camera_opener(const std::string& uri, const OpenOptio
 #endif
   for (const char* scheme : {"openni2", "usb", "v4l2"}) {
     if (!after_scheme(uri, scheme)) continue;
-    // By what it called itself when it was there, else by the caller's word: the first camera of its kind.
+    // By the URI it had when it was open, else by the caller's URI: the first camera of its kind.
     return [uri, kept](const SourceInfo* lost) {
       if (lost == nullptr || lost->uri == uri) return open_source(uri, kept);
       auto known = open_source(lost->uri, kept);

@@ -29,11 +29,11 @@ struct OpenOptions {
 // synthetic[:seed].
 Result<std::unique_ptr<Source>> open_source(const std::string& uri, const OpenOptions& options = {});
 
-// Opens the live camera `uri` again and again, without leaking what its library leaks at each beginning. Empty when
-// `uri` is no live camera.
+// Opens the live camera `uri` repeatedly, without the leak of its library at each initialisation. Empty when `uri` is
+// not a live camera.
 ReconnectingSource::Opener camera_opener(const std::string& uri, const OpenOptions& options);
-// The same as open_source; a camera may then be unplugged and come back (ReconnectingSource, docs/cameras). What
-// is no live camera is returned as it is.
+// The same as open_source; a live camera may then be unplugged and come back (ReconnectingSource, docs/cameras).
+// Other sources are returned unchanged.
 Result<std::unique_ptr<Source>> open_reconnecting(const std::string& uri, const OpenOptions& options,
                                                   const ReconnectOptions& reconnect);
 
@@ -41,8 +41,8 @@ struct DeviceEntry {
   std::string uri;   // what open_source takes, for example openni2:1d27/0600@1/4
   std::string name;  // vendor and model
 };
-// Cameras now connected. An empty list is no error; a runtime that cannot be started is, when there is no camera by
-// any other backend.
+// Cameras now connected. An empty list is a success. Errors: a runtime cannot be started, and no other backend has a
+// camera.
 Result<std::vector<DeviceEntry>> list_devices();
 
 }  // namespace im2fit::hal

@@ -23,7 +23,7 @@ class ChildProcess {
   // Forks and runs `body`(pipe), whose result is the exit code.
   static Result<ChildProcess> fork(const std::function<int(int pipe)>& body);
 
-  // No process: reads what stands in `fd`, which it closes. For tests of who reads.
+  // Without a process: reads from `fd` and closes it. For tests of readers.
   static ChildProcess reading(int fd);
 
   ChildProcess() = default;
@@ -35,9 +35,9 @@ class ChildProcess {
   pid_t pid() const { return pid_; }
 
   enum class Read { some, nothing_yet, closed };
-  // Waits up to `timeout_ms` and reads at most `size` bytes; `count` tells how many.
+  // Waits up to `timeout_ms` and reads at most `size` bytes; `count` gets their number.
   Read read(void* to, std::size_t size, int timeout_ms, std::size_t& count);
-  // Kills, reaps, closes; gives how it ended in words ("exited with 1", "crashed (signal 11)"). Harmless when
+  // Kills, reaps, closes; returns how the process ended ("exited with 1", "crashed (signal 11)"). Harmless when
   // repeated.
   std::string end();
   // As end(), but lets a process that is ending by itself end.

@@ -9,18 +9,18 @@
 
 namespace im2fit::hal {
 
-// A USB camera that is plugged in again has another URI, which its driver announces to the running runtime: so its
-// list is looked at. A URI that went away the runtime never takes back until it is begun again. That leaves memory
-// behind in the drivers, and it hangs (2.2.0.33: two locks taken in both orders) when a driver announces a device
-// that moment, as does opening a URI that is not in the list. So the runtime is begun again only when the machine's
-// USB devices have not changed for two seconds, then with growing pauses up to ten minutes, and not while another
-// source of the process holds it.
+// A USB camera that is plugged in again has another URI, which its driver announces to the running runtime: so the
+// runtime's list is checked. The runtime never accepts a lost URI again until it is restarted. A restart leaks memory
+// in the drivers, and it hangs (2.2.0.33: two locks taken in both orders) when a driver announces a device at that
+// moment, as does opening a URI that is not in the list. So the runtime is restarted only when the machine's USB
+// devices have not changed for two seconds, then with growing pauses up to ten minutes, and not while another source
+// of the process holds it.
 class OpenNi2Finder {
  public:
   // Opens `uri` as OpenNi2Source::open does; a camera that is not there may be when this is called again.
   Result<std::unique_ptr<OpenNi2Source>> open(const std::string& uri, const OpenNi2Options& options);
   // Opens the camera described by `lost`, wherever it is plugged in now: of the cameras of that name the one
-  // with its serial. Another camera is returned when there is no better; the caller compares.
+  // with its serial. Without a match another camera is returned; the caller compares.
   Result<std::unique_ptr<OpenNi2Source>> find(const SourceInfo& lost, const OpenNi2Options& options);
 
  private:
@@ -31,7 +31,7 @@ class OpenNi2Finder {
 
   std::shared_ptr<OpenNi2Runtime> runtime_;
   bool searching_ = false;     // nothing could be opened since the last success
-  std::string usb_devices_;    // when last looked at in searching
+  std::string usb_devices_;    // at the last check while searching
   std::int64_t since_ns_ = 0;  // when searching began, these changed, or the runtime was begun again
   std::int64_t pause_ns_ = 0;
 };

@@ -10,7 +10,7 @@ namespace {
 constexpr int kNibbleMax = 6;     // differences a half byte holds
 constexpr int kByteMax = 63;      // and a byte behind an escape
 constexpr int kRunPairsMax = 15;  // pairs of equal pixels in a byte
-constexpr int kNoPartner = 0xD;   // half bytes that are no difference
+constexpr int kNoPartner = 0xD;   // half bytes that do not code a difference
 constexpr int kEscaped = 0xF;
 
 void put(std::vector<std::byte>& out, int value) {

@@ -125,8 +125,8 @@ int play(Player& player, int fd) {
   const bool counted = player.hello.frame_count >= 0;
   // Frames are numbered up to the file's count, and numbers may be missing.
   for (int count = 0, number = 0; !counted || std::max(count, number) < player.hello.frame_count; ++count) {
-    // One wait asks for one frame. A second wait for the same frame would ask for another, which would overwrite it:
-    // so there is no short timeout here.
+    // One wait requests one frame. A second wait for the same frame would request another, which would overwrite it:
+    // so the timeout here is not short.
     int index = -1;
     if (oniWaitForAnyStream(&player.stream, 1, &index, counted ? ONI_TIMEOUT_FOREVER : kUnclosedEnd_ms) !=
         ONI_STATUS_OK) {

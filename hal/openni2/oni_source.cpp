@@ -31,7 +31,7 @@ std::string reader_near(const std::filesystem::path& file) {
   return "";
 }
 
-// Beside the program; of libim2fit-cameras beside the library, whose program is anybody's. "" when there is none.
+// The reader beside the program; for libim2fit-cameras, used by any program, beside the library. "": none.
 std::string find_reader(const std::string& given) {
   if (!given.empty()) return given;
   if (const char* variable = std::getenv("IM2FIT_ONI_READER"); variable != nullptr && *variable != '\0')
@@ -46,7 +46,7 @@ std::string find_reader(const std::string& given) {
   return code ? "" : reader_near(library);
 }
 
-// A child may have run wild: what it says goes into an error message, so it is made one line of plain text.
+// A child may be corrupted. Its text goes into an error message, so it is reduced to one line of plain text.
 std::string one_line(const std::byte* text, std::size_t size) {
   std::string line;
   for (std::size_t i = 0; i < size; ++i) {

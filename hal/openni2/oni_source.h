@@ -17,8 +17,8 @@ namespace im2fit::hal {
 
 struct OniOptions {
   int rotate_deg = 0;
-  int stall_ms = 5000;                     // a child silent for so long is ended
-  std::optional<Calibration> calibration;  // wins over the recorded field of view; its rotate_deg is not looked at
+  int stall_ms = 5000;                           // a child silent for so long is ended
+  std::optional<Calibration> calibration;        // replaces the recorded field of view; its rotate_deg is ignored
   std::function<Result<ChildProcess>()> reader;  // instead of a process of ours: for tests
   std::string reader_path;                       // im2fit-oni-reader; "": IM2FIT_ONI_READER, else beside the program
 };
@@ -41,7 +41,7 @@ class OniSource final : public Source {
   OniSource() = default;
   Status launch();
   Status describe(const oni::Hello& hello);
-  // One whole message into message_, or why there is none.
+  // Receives one whole message into message_. Errors: the reason why none came.
   Result<oni::Header> receive(int timeout_ms);
   Result<FrameInfo> accept_frame(DepthImage depth);
   Error cannot_be_played(const oni::Header& failure);  // in the reader's own words

@@ -25,8 +25,8 @@ constexpr std::int64_t kFrame_us = 33'333;
 constexpr std::int64_t kTimeMax_us = std::numeric_limits<std::int64_t>::max() / 1000;
 constexpr std::uint64_t kNumberMax = std::numeric_limits<std::int32_t>::max();  // the runtime counts frames in an int
 
-// The line that tells the checksum, and one of the same length while there is none: it is then written in place, for
-// which even a full disk has room.
+// The line with the checksum, and a placeholder of the same length: the checksum is written in place, which works
+// even on a full disk.
 std::string checksum_line(std::uint32_t crc) {
   char line[48];
   std::snprintf(line, sizeof line, "im2fit_oni_crc32c: \"%08x\"\n", crc);

@@ -16,11 +16,11 @@ namespace im2fit::hal {
 
 // Where the calibration of a recording lies: FILE.oni.yaml.
 std::string oni_sidecar_path(const std::string& oni_path);
-// Of the whole file, as that calibration tells it.
+// Of the whole file, as stored in that calibration.
 Result<std::uint32_t> oni_crc32c(const std::string& oni_path);
 
-// The file is FILE.oni.part, with its calibration in FILE.oni.part.yaml, until finish() has made it whole. Whatever
-// ends the program before, it plays up to its last frame under the name FILE.oni.
+// The file is FILE.oni.part, with its calibration in FILE.oni.part.yaml, until finish() has completed it. If the
+// program ends before, the file plays up to its last frame when renamed to FILE.oni.
 class OniWriter {
  public:
   struct Options {
@@ -40,8 +40,8 @@ class OniWriter {
   // the first frame has none; a time that does not grow is taken to be 1/30 s after the one before. A frame that
   // fails leaves nothing behind. Errors: io, unsupported (more than 32768 different depths in a picture).
   Status write(DepthView frame, const FrameInfo& info);
-  // Makes the file whole and gives it its name. On a full disk the last frames make room for that, which is an error
-  // too. Another error leaves the .part. With no frame nothing is left, and the error says so.
+  // Completes the file and gives it its name. On a full disk the last frames make room for that, which is reported as
+  // an error too. Another error leaves the .part. Without a frame no file is left, and an error reports that.
   Status finish();
   std::uint64_t frame_count() const { return frames_.size(); }
   // Where the frames are now: under the name given to create() once the file is whole.

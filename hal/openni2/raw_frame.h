@@ -20,8 +20,8 @@ struct RawFrame {
   bool mirrored = false;
 };
 
-// Fills all of `out` (what lies outside a crop becomes 0) as the camera sees it: a mirrored frame is turned back, 100
-// um are rounded to mm, 0.5 up. False, with `out` untouched, when the frame's sizes do not fit together or `out`.
+// Fills all of `out` (pixels outside a crop become 0) as the camera sees it: a mirrored frame is turned back, 100 um
+// are rounded to mm, 0.5 up. False, with `out` untouched, when the frame's sizes do not fit each other or `out`.
 bool copy_raw_frame(const RawFrame& frame, DepthImage out);
 
 }  // namespace im2fit::hal

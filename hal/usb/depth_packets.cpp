@@ -49,7 +49,7 @@ DepthPackets::Outcome DepthPackets::give_up(int frames) {
   return Outcome::damaged;
 }
 
-// Some packets (the first, on some cameras) have time 0: they say nothing.
+// Some packets (the first, on some cameras) have time 0, which carries no information.
 bool DepthPackets::same_picture(std::uint32_t ticks) {
   if (ticks == 0) return true;
   if (first_ticks_ == 0) first_ticks_ = ticks;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Kinect's depth packets to whole packed pictures, or to the knowledge that one is damaged.
+// Assembles a Kinect's depth packets to whole packed pictures and detects damaged ones.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ struct PacketStats {
   std::uint64_t lost = 0;        // numbers skipped
   std::uint64_t repeated = 0;    // seen again or too late: left alone
   std::uint64_t foreign = 0;     // no header of this stream
-  std::uint64_t wrong_size = 0;  // payload not as its place in the picture asks
+  std::uint64_t wrong_size = 0;  // payload size does not fit its place in the picture
 };
 
 // A picture counts only when every one of its packets came, in its turn, with its flag and its size. Numbers have 8
@@ -28,7 +28,7 @@ class DepthPackets {
   // Where the picture being received goes, kinect::kFrameBytes of it. Needed before the first packet and after every
   // Outcome::frame; kept otherwise.
   void fill(std::uint8_t* frame) { frame_ = frame; }
-  // Forgets what it knows of the stream, but for the counters.
+  // Resets the state of the stream; the counters are kept.
   void restart();
   // `frame`: the buffer holds a picture and ticks() is its time. `damaged`: damaged_frames() pictures are lost.
   Outcome packet(std::span<const std::uint8_t> bytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames from the thread that receives them to the one that wants them.
+// Passes frames from the receiving thread to the consuming thread.
 #pragma once
 
 #include <array>
@@ -15,15 +15,15 @@
 namespace im2fit::hal {
 
 // A buffer belongs to one side at a time, so its bytes are touched without the lock: only indices change hands under
-// it. One producer, one consumer. Nothing allocates after construction. When they are not taken the oldest frame is
-// dropped for the newest.
+// it. One producer, one consumer. No allocation after construction. If frames are not taken, the oldest is dropped
+// for the newest.
 class FrameExchange {
  public:
   struct Entry {
     std::uint64_t number = 0;  // of the frame, as the producer counts
     std::int64_t host_ns = 0;
     std::int64_t device_us = -1;
-    bool damaged = false;  // a frame that must not be used: there are no bytes
+    bool damaged = false;  // a frame that must not be used: it has no bytes
     int packets_received = 0;
     const std::uint8_t* bytes = nullptr;  // the consumer's until its next take()
     int buffer = -1;
@@ -31,7 +31,7 @@ class FrameExchange {
 
   explicit FrameExchange(std::size_t frame_bytes);
 
-  // Both sides stand still: forgets what waits, the end included.
+  // Call while both sides are stopped: drops the waiting frames and the end.
   void reset();
 
   // Producer.

@@ -34,7 +34,7 @@ float get_float(const std::uint8_t* p) {
   return value;
 }
 
-// Centimetres to whole nanometres; 0, which is_plausible() refuses, for what is no length.
+// Centimetres to whole nanometres; an invalid length becomes 0, which is_plausible() refuses.
 std::int64_t nanometres(float length_cm) {
   const double length_nm = static_cast<double>(length_cm) * 1e7;
   return length_nm > 0 && length_nm < 1e13 ? static_cast<std::int64_t>(length_nm + 0.5) : 0;

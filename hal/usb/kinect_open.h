@@ -20,7 +20,7 @@ struct KinectEntry {
 Result<std::vector<KinectEntry>> list_kinects(UsbBus& bus);
 
 // `id`: an entry's id or port; "" takes the first. A motor that is missing or refuses is left out. Errors: no_device
-// (says what is there), io, and those of KinectSource::create().
+// (lists the cameras found), io, and those of KinectSource::create().
 Result<std::unique_ptr<KinectSource>> open_kinect(UsbBus& bus, const std::string& id, const KinectOptions& options);
 
 }  // namespace im2fit::hal

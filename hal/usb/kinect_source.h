@@ -18,8 +18,7 @@ namespace im2fit::hal {
 
 struct KinectOptions {
   int rotate_deg = 0;
-  std::optional<Calibration> calibration;  // instead of what the camera tells; 640 x 480. Its rotate_deg is not
-                                           // looked at
+  std::optional<Calibration> calibration;  // replaces the camera's own; 640 x 480. Its rotate_deg is ignored
 };
 
 struct KinectIdentity {
@@ -29,8 +28,8 @@ struct KinectIdentity {
 };
 
 // 640 x 480 at 30 frames a second, millimetres by the camera's own calibration of its reference plane, or by the
-// usual one where it tells none. A camera's own focal length is origin `device`, the usual one `field_of_view`; the
-// principal point is the picture's centre, of which the camera says nothing.
+// usual one if it reports none. A camera's own focal length is origin `device`, the usual one `field_of_view`. The
+// camera does not report a principal point: it is the picture's centre.
 class KinectSource final : public Source {
  public:
   // `motor` may be null. Asks the camera for its calibration. Errors: no_device, timeout, invalid_argument (options).

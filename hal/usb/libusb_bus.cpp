@@ -85,7 +85,7 @@ class LibusbBus final : public UsbBus {
   }
 
  private:
-  // Until `visit` says it has what it wants.
+  // Until `visit` returns that it is done.
   template <class Visit>
   void for_each(Visit visit) {
     libusb_device** devices = nullptr;

@@ -19,9 +19,9 @@ struct UsbOpened {
   UsbDeviceEntry device;  // its port is ""
   std::unique_ptr<UsbTransport> transport;
 };
-// A device another process opened for us: Android's UsbManager, or a broker with the rights we lack. `descriptor`
-// stays the caller's, who closes it after the transport. libusb before 1.0.27 then finds no devices by itself any
-// more in this process. Errors: invalid_argument (no USB device), io, no_device.
+// A device that another process opened for us: Android's UsbManager, or a broker with the rights we lack. The caller
+// owns `descriptor` and closes it after the transport. libusb before 1.0.27 then no longer finds devices by itself in
+// this process. Errors: invalid_argument (not a USB device), io, no_device.
 Result<UsbOpened> open_usb_descriptor(int descriptor);
 
 class LibusbTransport final : public UsbTransport {

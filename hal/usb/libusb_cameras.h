@@ -10,8 +10,8 @@
 
 namespace im2fit::hal {
 
-// `device`: what follows "usb:": a serial number or port, "" for the first camera, or fd=N[,M] for a camera (and its
-// motor) opened by another process, which keeps the file descriptors.
+// `device`: the text after "usb:": a serial number or port, "" for the first camera, or fd=N[,M] for a camera (and
+// its motor) opened by another process, which keeps the file descriptors.
 Result<std::unique_ptr<KinectSource>> open_usb_camera(const std::string& device, const KinectOptions& options);
 Result<std::vector<KinectEntry>> list_usb_cameras();
 

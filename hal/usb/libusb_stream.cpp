@@ -13,7 +13,7 @@
 namespace im2fit::hal {
 namespace {
 
-constexpr int kFailuresMax = 500;  // transfers, each of some milliseconds: then it is no passing disturbance
+constexpr int kFailuresMax = 500;  // transfers of some milliseconds each: longer than a passing disturbance
 
 }  // namespace
 
@@ -65,11 +65,11 @@ LibusbStream::~LibusbStream() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
-  // No transfer is submitted from here on; those that are back already are not found, which is fine.
+  // No transfer is submitted from here on. Cancelling a completed transfer fails harmlessly (not found).
   for (libusb_transfer* transfer : transfers_) libusb_cancel_transfer(transfer);
   libusb_interrupt_event_handler(context_.get());
-  // Without a thread (start() failed) whoever destroys this handles what comes back: libusb must own no transfer when
-  // they are freed.
+  // Without an event thread (start() failed) the destroying thread handles the cancelled transfers: libusb must not
+  // own a transfer when it is freed.
   if (events_.joinable())
     events_.join();
   else

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between a camera's protocol and whatever carries it: libusb, or a device model in the process.
+// The interface between a camera's protocol and its transport: libusb, or a device model in the process.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +32,7 @@ class UsbPacketSink {
 
 struct UsbStreamSettings {
   std::uint8_t endpoint = 0;  // isochronous, IN
-  int packet_bytes_min = 0;   // what the endpoint must carry at a time
+  int packet_bytes_min = 0;   // least packet size of the endpoint
   int transfers = 32;         // in flight
   int packets_per_transfer = 16;
 };

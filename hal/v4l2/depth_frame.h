@@ -21,7 +21,7 @@ struct DepthLayout {
   std::size_t size_bytes() const;
 };
 
-// Fills `out`, rounded to mm, 0.5 up; what is beyond 65,535 mm becomes 0, no data. False, with `out` untouched,
+// Fills `out`, rounded to mm, 0.5 up; depths beyond 65,535 mm become 0, no data. False, with `out` untouched,
 // when `buffer` is too short or `out` has another size. The values are little-endian, as Z16 and Y16 are.
 bool copy_depth(std::span<const std::byte> buffer, const DepthLayout& layout, DepthImage out);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From what a V4L2 camera offers and what is wanted to a mode both agree on.
+// Negotiates a mode from the formats of a V4L2 camera and the requested options.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ struct V4l2Mode {
   V4l2Format format = V4l2Format::z16;
   DepthLayout layout;
   std::size_t buffer_bytes = 0;  // a whole buffer, as the driver has it
-  float fps = 0;                 // 0: the driver does not say
+  float fps = 0;                 // 0: the driver does not report it
 };
 
 // Sets format, size nearest to the one wanted, and frame rate. Errors: unsupported, io, no_device.

@@ -40,8 +40,8 @@ Result<std::uint32_t> find_control(VideoDevice& device, const std::string& name,
                                          "; or give the unit itself, ?unit_um=1000"};
 }
 
-// Micrometres to a step of the camera's values. V4L2 fixes none for Z16 and has no control for it, so: what the user
-// says, else the driver's control the user names, else 1000. INZI cameras have units of their own and no default.
+// Micrometres to a step of the camera's values. V4L2 defines none for Z16 and has no control for it, so: the user's
+// value, else the driver's control the user names, else 1000. INZI cameras have units of their own and no default.
 // Errors: invalid_argument, not_found (no such control; the error lists those there are), unsupported.
 Result<int> depth_unit_um(VideoDevice& device, V4l2Format format, const V4l2Options& options,
                           const std::string& what) {
@@ -300,7 +300,7 @@ Result<FrameInfo> V4l2Source::next(DepthImage depth, int timeout_ms) {
                                            std::to_string(mode_.layout.size_bytes())) +
                      "; it is skipped"};
   }
-  // The frame is whole even when its buffer could not be handed back; the next call tells of the loss.
+  // The frame is whole even when its buffer could not be handed back; the next call reports the loss.
   if (!queued && !lost_) return queued.error();
   path_.deliver(depth);
   book_.saw(filled->info.sequence);

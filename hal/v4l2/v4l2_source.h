@@ -13,7 +13,7 @@ namespace im2fit::hal {
 
 class V4l2Source final : public Source {
  public:
-  // V4L2 tells neither lens nor field of view: `options` holds a calibration or an angle, or opening is refused.
+  // V4L2 reports neither lens nor field of view: `options` holds a calibration or an angle, or opening is refused.
   // Errors: invalid_argument, not_found, unsupported (no depth, by agreement or otherwise), no_device, io.
   static Result<std::unique_ptr<V4l2Source>> open(const V4l2Options& options);
   // With a device opened elsewhere; `name` stands in the messages and the uri.
@@ -66,7 +66,7 @@ class V4l2Source final : public Source {
 struct V4l2Device {
   std::string path;    // /dev/videoN
   std::string name;    // card
-  std::string serial;  // as its USB device tells it; "" when there is none
+  std::string serial;  // as its USB device reports it; "": none
 };
 // The cameras that offer Z16 or INZI, by number. Devices that cannot be opened are left out.
 std::vector<V4l2Device> list_v4l2_devices();

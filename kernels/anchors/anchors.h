@@ -36,7 +36,7 @@ struct AnchorBox {
 };
 inline constexpr int kAnchorFarMm = 600;
 
-// out[i * out_step]: depth under anchor i from the reference, within +-kAnchorFarMm; that where there is no person.
+// out[i * out_step]: depth under anchor i less the reference, within +-kAnchorFarMm; kAnchorFarMm without a person.
 // The place is p = from + (to - from) share + (dx, dy) over 1/z interpolated likewise. Joints of all anchors <
 // kAnchorLanes; places within 10^7 px. No allocation, thread-safe. Every product and sum is rounded once: all tiers
 // agree bit for bit.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How near a place can be to anything inside each of many boxes: which leaves of a tree need not be looked at.
+// The least distance of a place from anything inside each of many boxes: which leaves of a tree can be skipped.
 #pragma once
 
 #include <cstdint>

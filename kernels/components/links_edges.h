@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run of cells of one row, neighbours looked up with care: what is left over at the borders of the picture.
+// A run of cells of one row with checked neighbour access, for the remainder at the borders of the picture.
 // Included by each tier into its own translation unit.
 #pragma once
 

@@ -20,7 +20,7 @@ inline constexpr float kFpfhRadiusMm = 200.0F;
 
 // Points and normals of an organised image, structure of arrays, width*height values each. A missing point has
 // NaN in x, y and z; a missing normal has NaN in nx, ny and nz. Point (u, v) must project near pixel (u, v) of
-// `intrinsics` (within half a pixel): that is what limits the neighbour search. Points have z > 0.
+// `intrinsics` (within half a pixel), because that limits the neighbour search. Points have z > 0.
 struct OrganisedCloud {
   Intrinsics intrinsics;
   const float* x = nullptr;
@@ -32,7 +32,7 @@ struct OrganisedCloud {
 };
 
 // Buffers sized once for images up to width x height. Contents are the kernels' own. 200 bytes a pixel, of which only
-// what points need becomes resident.
+// the part that points need becomes resident.
 class FpfhWorkspace {
  public:
   FpfhWorkspace(int width, int height);

@@ -71,7 +71,7 @@ class FpfhFrame {
 
   // Both views of a pair that the fast arithmetic leaves aside.
   void count_careful(int i, int j);
-  // Both views of a pair that a tier leaves to others, for whatever reason: portable's own decision.
+  // Both views of a pair that a tier leaves to portable code, for any reason: portable's own decision.
   void count_aside(int i, int j);
   // Both views of a pair with one normal missing or both. A blank point counts in bin 0, the other in bin 0 of f1
   // and f2 while f3 is known; if the two coincide, both in the middle.

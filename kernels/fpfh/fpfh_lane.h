@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fast arithmetic of one pair: what every tier must give. Inlined into portable's loop over a block of pairs.
+// The fast arithmetic of one pair; every tier must give its results. Inlined into portable's loop over a pair block.
 #pragma once
 
 #include <cmath>

@@ -18,7 +18,7 @@ struct MembershipCells {
   const std::uint16_t* other;
   int stride;         // cells from row to row
   int width, height;  // cells
-  int step;           // px; the last column and row of cells take what is left of the picture
+  int step;           // px; the last column and row of cells cover the rest of the picture
 };
 
 // For each of the `count` cells (row << 16 | column): writes 255 to the mask where a pixel with data (1..10000 mm)

@@ -16,8 +16,8 @@ namespace im2fit {
 // eigenvalue is below half of the next (float covariance, 2^-32 left of the other eigenvectors).
 using NormalsFunction = void(const Intrinsics& intrinsics, const float* x, const float* y, const float* z,
                              int radius_px, float max_step_mm, float* nx, float* ny, float* nz);
-// neon and avx2 give portable's bits. There is no neon on ARMv7, whose vectors cannot divide nor take roots, of which
-// a normal needs thirteen.
+// neon and avx2 give portable's bits. ARMv7 has no neon variant: its vectors can neither divide nor take roots, and
+// a normal needs thirteen of these operations.
 NormalsFunction normals_portable, normals_neon, normals_avx2;
 // The best tier of this machine.
 NormalsFunction normals;

@@ -45,7 +45,7 @@ void set_camera(RayTable& rays, const Intrinsics& intrinsics);
 // The nearest CoordinateMm within +-kFormOffsetMax; NaN gives zero.
 std::int32_t form_offset(double mm);
 
-// A coordinate without its offset: what the SIMD tiers compute lane by lane.
+// A coordinate without its offset, as the SIMD tiers compute it lane by lane.
 inline std::int32_t form_product(std::int32_t slope, std::uint16_t depth_q4) {
   return rounding_doubling_high_multiply(slope, std::int32_t{depth_q4} << kFormDepthShift);
 }

@@ -10,12 +10,12 @@
 namespace im2fit {
 
 inline constexpr std::uint16_t kSampleDepthMaxMm =
-    10000;  // structured light ends here; 65535 and the like are no data
+    10000;  // range limit of structured light; 65535 and the like mean missing data
 
 // Writes (width / step) x (height / step) depths, row by row: the lower median of those of a cell's five samples (its
-// corners and the pixel at step / 2, step / 2) that have data, 0 where none has: 0 and what lies beyond
-// kSampleDepthMaxMm are no data. With step 1 the sample is the pixel. step >= 1; no allocation, thread-safe. Integers
-// only: all tiers agree bit for bit.
+// corners and the pixel at step / 2, step / 2) that have data, 0 where none has: 0 and values above
+// kSampleDepthMaxMm are missing data. With step 1 the sample is the pixel. step >= 1; no allocation, thread-safe.
+// Integers only: all tiers agree bit for bit.
 using SampleFunction = void(DepthView depth, int step, std::uint16_t* out);
 SampleFunction sample_portable, sample_neon, sample_avx2;
 SampleFunction sample;  // the fastest here

@@ -90,7 +90,7 @@ void cells_of_2(const Rows& p, std::uint16_t* out) {
   median(even(t0, t1), odd(t0, t1), low, even(b0, b1), low, out);
 }
 
-// Any step, and what is left of a row: `count` cells from 1 to 16.
+// Any step, and the remainder of a row: `count` cells from 1 to 16.
 void cells_one_by_one(const Rows& p, int step, int count, std::uint16_t* out) {
   alignas(32) std::uint16_t samples[5][kLanes] = {};
   for (int c = 0; c < count; ++c) {

@@ -57,7 +57,7 @@ void cells_of_2(const Rows& p, std::uint16_t* out) {
   median(t.val[0], t.val[1], b.val[1], b.val[0], b.val[1], out);
 }
 
-// Any step, and what is left of a row: `count` cells from 1 to 8.
+// Any step, and the remainder of a row: `count` cells from 1 to 8.
 void cells_one_by_one(const Rows& p, int step, int count, std::uint16_t* out) {
   std::uint16_t samples[5][kLanes] = {};
   for (int c = 0; c < count; ++c) {

@@ -11,7 +11,7 @@ namespace im2fit {
 
 struct Silhouette {
   int count = 0;                                     // pixels
-  int u_min = 0, u_max = -1, v_min = 0, v_max = -1;  // inclusive; as here when there is no pixel
+  int u_min = 0, u_max = -1, v_min = 0, v_max = -1;  // inclusive; these values without a pixel
   std::uint64_t sum_z = 0, sum_uz = 0, sum_vz = 0;   // of depth, and of column and row times depth
   bool operator==(const Silhouette&) const = default;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the rows of a mask to its silhouette: what the hand-written tiers share.
+// From the rows of a mask to its silhouette: code shared by the hand-written tiers.
 #pragma once
 
 #include "kernels/silhouette/silhouette.h"

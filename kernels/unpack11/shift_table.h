@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a structured-light camera sends is no distance but a shift: how far the pattern lies from where it lay on the
-// plane it was calibrated with. By similar triangles, with e the distance from emitter to camera, r that of the
+// A structured-light camera sends a shift, not a distance: how far the pattern lies from its place on the plane of
+// the calibration. By similar triangles, with e the distance from emitter to camera, r that of the
 // plane, p the size of a pixel on it (of the sensor's 1280 columns) and c the constant shift,
 //     m = ((raw - 4 c) / 4 - 3/8) p,   z = m r / (e - m) + r = e r / (e - m)
 // (libfreenect and OpenNI compute the left form in floating point).
@@ -26,7 +26,7 @@ inline constexpr std::uint16_t kNoShift = 2047;  // "no data"
 // Outside of it shift_table()'s products could overflow.
 bool is_plausible(const ZeroPlane& plane);
 
-// Millimetres for each raw value, rounded half up; 0 for kNoShift and for what lies beyond 10,000 mm. `plane` is
+// Millimetres for each raw value, rounded half up; 0 for kNoShift and for depths above 10,000 mm. `plane` must be
 // plausible.
 using ShiftTable = std::array<std::uint16_t, kShiftCount>;
 ShiftTable shift_table(const ZeroPlane& plane);

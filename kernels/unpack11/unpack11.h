@@ -10,7 +10,7 @@
 namespace im2fit {
 
 // `count` values of 11 bits, the most significant bit first and no gaps between them, so that 8 values are 11 bytes.
-// `packed` has unpack11_bytes(count) bytes and none beyond them is read; bits after the last value are not looked at.
+// `packed` has unpack11_bytes(count) bytes and none beyond them is read; bits after the last value are ignored.
 // `out` has `count` values of 0 to 2047. No allocation, thread-safe. All tiers agree bit for bit.
 using Unpack11Function = void(const std::uint8_t* packed, int count, std::uint16_t* out);
 Unpack11Function unpack11_portable, unpack11_neon, unpack11_avx2;

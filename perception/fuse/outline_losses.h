@@ -12,8 +12,8 @@
 namespace im2fit {
 
 // Samples across the mask's outline to all four sides, on every kStep-th row and column, at the pixels beside it:
-// those without data that are followed by data are lost. Where nothing follows, the background is out of range and
-// says nothing. Frames beyond the first few thousand pixels are not read. Integers until the last division; no
+// those without data that are followed by data are lost. Where no data follow, the background is out of range and is
+// not counted. Frames beyond the first few thousand pixels are not read. Integers until the last division; no
 // allocation; not shareable between threads.
 class OutlineLosses {
  public:

@@ -8,7 +8,7 @@
 namespace im2fit::joints {
 namespace {
 
-constexpr float kBeforeMm = 100.0F;  // of what is seen at its pixel, for a joint to be in sight
+constexpr float kBeforeMm = 100.0F;  // least, from a joint to the surface behind it, to see through the joint
 
 bool seen_through(Vec3f p, DepthView depth, const Intrinsics& k) {
   const float inverse_z = 1.0F / safe_depth(p.z);

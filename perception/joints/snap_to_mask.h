@@ -9,8 +9,8 @@
 namespace im2fit::joints {
 
 // The place at the same depth before the nearest masked pixel, at most kSnapReachMm away in the picture's plane;
-// `p` itself where it lies on the mask, is hidden by something nearer, or has no mask in reach. `depth` is the whole
-// picture, `view` what downsample() made of it.
+// `p` itself where it lies on the mask, is hidden by a nearer surface, or has no mask in reach. `depth` is the whole
+// picture, `view` the result of its downsample().
 inline constexpr float kSnapReachMm = 100.0F;
 Vec3f snap_to_mask(Vec3f p, const View& view, DepthView depth, const Intrinsics& intrinsics);
 

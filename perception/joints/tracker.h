@@ -60,7 +60,7 @@ class JointTracker {
   // After track(): log-odds that it is a person and not an object, -8 of an empty mask. `shape_odds`:
   // PersonTracker::shape_odds. No allocation.
   float person_odds(float shape_odds) const;
-  // After track(): what the joints were read from, and the runs' estimate, as if facing the camera; for training.
+  // After track(): the view the joints were read from, and the runs' estimate, as if facing the camera; for training.
   const joints::View& view() const;
   const joints::JointEstimate& estimate() const;
 

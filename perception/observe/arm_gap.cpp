@@ -26,7 +26,7 @@ constexpr int kRows = 26;  // looked at from the waist's upper end to the hips' 
 // Of a band's rows that are seen, the share that must show a gap. Lower: wrinkles of sleeves open a gap for a row
 // ([start]); higher: wrists bent inwards close one that is wide enough.
 constexpr float kApartShareMin = 0.5F;
-constexpr int kRowsMin = 3;  // seen in a band, least; below, nothing is said of it
+constexpr int kRowsMin = 3;  // seen in a band, least; with fewer, the band is not judged
 
 constexpr float kNearMm = 200.0F;  // no camera of ours measures nearer (body/fit/sight.cpp)
 constexpr float kTorsoMinMm = 250.0F,

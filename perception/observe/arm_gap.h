@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether something lies between the arms and the trunk: background, or a step in depth. A section that goes through
-// trunk and arm as one piece says nothing about the trunk, and joints cannot tell: hands err by 100 mm.
+// Whether a gap between the arms and the trunk is visible: background, or a step in depth. A section through trunk
+// and arm as one piece does not measure the trunk, and joints cannot detect it: hands err by 100 mm.
 #pragma once
 
 #include "core/camera.h"

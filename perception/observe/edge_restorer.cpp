@@ -9,8 +9,8 @@
 // The thresholds of this file.
 namespace im2fit::edge_restorer_limits {
 
-// A floor below a camera at height h is seen to recede by z z/(f h) from pixel to pixel: what recedes faster than the
-// floor of a camera as low as this is no surface people stand on.
+// The floor below a camera at height h recedes by z z/(f h) from pixel to pixel. A surface that recedes faster than
+// the floor of a camera at this height is not a surface people stand on.
 constexpr int kCameraHeightLeastMm = 800;
 constexpr int kSlopeLeastMm = 24;   // a pixel: noise of any sensor within 3 m stays below three quarters of it
 constexpr int kFarthestMm = 20000;  // farther, the same: its square must fit
@@ -35,9 +35,9 @@ constexpr int kSkinMm = 40;  // off its surface: as far as a mask follows it (ke
 constexpr float kBridgeMostRad = 0.0125F, kGapMostRad = 0.0178F;
 
 constexpr int kLineStep = 4;              // every fourth row and column is judged
-constexpr std::uint32_t kJudgedMin = 60;  // steps, before anything is said: the rate is then within 0.1
+constexpr std::uint32_t kJudgedMin = 60;  // steps, before a decision: the rate is then within 0.1
 // Every frame is judged until so many steps, which give rates within 0.03, or so many frames, 2 s, were seen. Then
-// what is left to notice is a driver's setting that changes, and judging costs 2.9 M instructions (AArch64, 640x480).
+// only a changed driver setting remains to be noticed, and judging costs 2.9 M instructions (AArch64, 640x480).
 constexpr std::uint32_t kJudgedEnough = 1024, kJudgedFrames = 60;
 constexpr std::uint32_t kJudgeEvery = 8;
 constexpr std::uint32_t kJudgedMany = 4096;  // then old ones count half: a driver's setting may change
@@ -189,7 +189,7 @@ void restore_steps(const Line<const std::uint16_t>& line, const StepRules& rules
   });
 }
 
-// Calls set(i, surface_mm, 1) for the pixels without data next to what is seen, where no step spans them.
+// Calls set(i, surface_mm, 1) for the pixels without data next to a seen surface, where no step spans them.
 template <class F>
 void grow(const Line<const std::uint16_t>& line, const StepRules& rules, int half_gap_px, F&& set) {
   int i = 0;

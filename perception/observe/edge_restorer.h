@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of sensors whose drivers blend depth across edges, or drop what lies beside them, with their edges put
-// back: a person's outline in them lies a pixel or two inside the person, and every girth comes out small. Phones do
-// this.
+// Restores edges in pictures of sensors whose drivers blend depth across edges or drop the pixels beside them. In
+// these a person's outline lies a pixel or two inside the person, and every girth comes out small. Phones do this.
 #pragma once
 
 #include <array>
@@ -12,7 +11,7 @@
 
 namespace im2fit {
 
-// What a sensor's edges are like, judged by the steps in depth of all frames since reset().
+// Statistics of a sensor's edges: the steps in depth of all frames since reset().
 struct EdgeCounts {
   std::uint32_t steps = 0;
   std::uint32_t bridged = 0;    // of them: with a value well between the two surfaces
@@ -25,10 +24,10 @@ struct EdgeCounts {
   std::array<Side, 4> sides{};
 };
 
-// A blend that weighs all directions alike has, at an edge, the mean of the two surfaces, and what is dropped beside
-// edges is dropped on either side alike. So of the pixels between two surfaces those nearer than the mean get the
-// nearer surface's depth, the others the farther's; of pixels without data the half on either side. Where nothing is
-// seen behind, an outline grows by half of what lies between surfaces elsewhere.
+// A blend that weighs all directions alike has, at an edge, the mean of the two surfaces, and a driver drops as many
+// pixels on either side of an edge. So of the pixels between two surfaces those nearer than the mean get the nearer
+// surface's depth, the others the farther's; of pixels without data the half on either side. Where nothing is seen
+// behind, an outline grows by half of the usual gap between surfaces.
 // Integers only; no allocation after construction; not shareable between threads.
 class EdgeRestorer {
  public:
@@ -39,8 +38,8 @@ class EdgeRestorer {
   void reset();
   // Whether the last run restored edges.
   bool restored() const { return blends_ || drops_; }
-  // Whether what lies between surfaces is so wide that hands and gaps beside arms are lost in it: nothing brings them
-  // back.
+  // Whether the gaps between surfaces are so wide that hands and gaps beside arms are lost in them and cannot be
+  // restored.
   bool beyond_repair() const { return wide_; }
   const EdgeCounts& counts() const { return counts_; }
 

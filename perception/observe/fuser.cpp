@@ -28,7 +28,7 @@ float median(std::array<float, kFramesMax>& values, int count) {
 
 int whole_mm(float mm) {
   constexpr float kMostMm = 65535;
-  return mm > 0 ? static_cast<int>(std::min(mm, kMostMm) + 0.5F) : 0;  // 0 also where it is no number
+  return mm > 0 ? static_cast<int>(std::min(mm, kMostMm) + 0.5F) : 0;  // 0 also for not-a-number
 }
 
 }  // namespace

@@ -17,18 +17,17 @@ enum class ViewSide : int { unknown, front, back, side };
 // the joints span no line, or the probability does not decide (0.35..0.65).
 ViewSide view_side(const JointSet& joints, const FloorPlane& floor, float back_probability = 0.0F);
 
-// The arms whose hand is nearer to the hip joint than an arm held off the body has it. arm_gap.h knows more where the
-// mask shows the arm.
+// The arms whose hand is nearer to the hip joint than that of an arm held off the body. arm_gap.h is more exact where
+// the mask shows the arm.
 ArmSet hands_close(const JointSet& joints, const FloorPlane& floor);
 
 // not_upright (by the lean where it is seen, else by the joints: corrected Eq. 1 and the floor), not_frontal (neither
-// front nor back). Thresholds sit three joint errors away from what a person who tries
-// to stand straight does: one noisy joint must not refuse a good frame. The direction a bent person faces is not
-// judged.
+// front nor back). Thresholds are three joint errors away from the pose of a person who tries to stand straight: one
+// noisy joint must not refuse a good frame. The direction a bent person faces is not judged.
 GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor, ViewSide view, const Lean& lean = {});
-// Which of those codes a frame can bear, given what the mask says of it: joints in few or coarse pixels are guesses,
-// a hand outside the picture has no place, without a head front and back cannot be distinguished, and without feet
-// the floor they stand on is not seen, nor what is upright. First the person must stand where the pose can be seen.
+// Which of those codes a frame supports, given the mask's guidance: joints in few or coarse pixels are guesses, a
+// hand outside the picture has no place, front and back cannot be distinguished without a head, and without feet
+// neither the floor nor the vertical is seen. First the person must stand where the pose can be seen.
 GuidanceSet pose_codes_seen(GuidanceSet of_mask, ViewSide view);
 // By the joints alone, arms_close too.
 inline GuidanceSet pose_gate(const JointSet& joints, const FloorPlane& floor) {

@@ -17,8 +17,8 @@ class HoleFiller {
   HoleFiller(int width, int height);
   // `depth` itself, of the constructor's size, while less than a sixth of it is riddled; else a copy of it, valid
   // until the next run, in which a hole with data within a fortieth of the picture's long side in three directions at
-  // least (left, right, above, below) has the lower median of what is there. Shadows beside people and what lies out
-  // of range stay empty: they have data on two sides at most, or none near.
+  // least (left, right, above, below) has the lower median of these data. Shadows beside people and surfaces out of
+  // range stay empty: they have data on two sides at most, or none near.
   DepthView run(DepthView depth);
   // Whether the last run's answer is a copy.
   bool filled() const { return filled_; }

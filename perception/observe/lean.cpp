@@ -12,7 +12,7 @@ namespace {
 constexpr float kBinMm = 25.0F;
 constexpr int kBinCount = 100;  // from the floor up
 constexpr int kHeadBins = 7;
-constexpr float kHeadReachMm = 220.0F;   // from the crown: raised hands are no head
+constexpr float kHeadReachMm = 220.0F;   // from the crown: excludes raised hands
 constexpr float kLegsFromShare = 0.10F;  // of the crown's height: above the feet, which point at the camera
 constexpr float kLegsToShare = 0.38F;
 constexpr float kEndShare = 0.004F;  // of the points above the crown or below the soles: noise

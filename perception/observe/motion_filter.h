@@ -22,9 +22,9 @@ class MotionFilter {
   static constexpr int kFrameCount = 16;
 
   void reset() { count_ = 0; }
-  // `body_mm`: the middle of what is seen of the person: joints are guesses when a person turns or bends, the middle
-  // of a mask is not. `dt_s` since the last call. Zero until kFrameCount frames are seen, and for a limb that was not
-  // seen in all of them (confidence below kJointSeenMin) or jumped (kJumpMm in a frame): that is the tracker's doing.
+  // `body_mm`: the middle of the person's visible surface. Joints are unreliable when a person turns or bends; the
+  // middle of a mask stays reliable. `dt_s` since the last call. Zero until kFrameCount frames are seen; also for a
+  // limb not seen in all of them (confidence below kJointSeenMin) or that jumped (kJumpMm in a frame: tracker error).
   Motion step(Vec3f body_mm, const JointSet& joints, float dt_s);
 
   static constexpr float kJumpMm = 200.0F;

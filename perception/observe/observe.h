@@ -80,8 +80,8 @@ class Fuser {
   ~Fuser();
   Fuser(Fuser&&) noexcept;
   void reset();
-  // Adds an accepted frame (guidance zero). Returns guidance of its own (moving) instead of adding when it does not
-  // fit what is accumulated.
+  // Adds an accepted frame (guidance zero). A frame that does not fit the accumulated ones is not added: returns
+  // guidance (moving).
   GuidanceSet add(DepthView depth, MaskView mask, const Intrinsics& intrinsics, const Detection& detection);
   int frame_count() const;
   // Of the frames accumulated.
@@ -95,7 +95,7 @@ class Fuser {
     PaperMeasurements paper;
     Feature feature;
   };
-  // Features of what is accumulated so far, by a sensor of this kind.
+  // Features of the frames accumulated so far, from a sensor of this kind.
   const Description& describe(SensorKind kind = SensorKind::unknown);
   // The fused picture, for overlays: depth in 1/16 mm and mask.
   ImageView<const std::uint16_t> depth_q4() const;

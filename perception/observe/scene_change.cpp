@@ -7,10 +7,9 @@
 // The thresholds of this file.
 namespace im2fit::scene_change_limits {
 
-// Along the long side, as many pixels are looked at: every eighth of 640, a finger's breadth apart at 1 m, 55 mm at 4
-// m.
+// Sampled pixels along the long side: every eighth of 640, a finger's breadth apart at 1 m, 55 mm at 4 m.
 constexpr int kLookedAtLong = 80;
-// Pixels looked at in a block, a side: at 4 m a block is 220 mm wide, the breadth of a head or of two limbs.
+// Sampled pixels of a block, a side: at 4 m a block is 220 mm wide, the breadth of a head or of two limbs.
 constexpr int kBlockSide = 4;
 constexpr int kChangedMin = kBlockSide * kBlockSide / 2;
 // A Kinect's depth scatters by 1.4e-6 z^2 (SD in mm, z in mm; Khoshelham and Elberink 2012): the difference of two

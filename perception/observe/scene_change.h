@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether anything as large as a limb has moved between two pictures of a camera that stands still: what is looked at
-// while nothing else needs doing.
+// Whether anything as large as a limb has moved between two pictures of a still camera: the only check while the
+// engine rests.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@ class SceneChange {
  public:
   // Of pictures of this size, sides of 1 px and more.
   SceneChange(int width, int height);
-  // What later pictures are compared with. `depth`: mm, 0 = no data, of the constructor's size.
+  // Keeps the picture that later ones are compared with. `depth`: mm, 0 = no data, of the constructor's size.
   void keep(DepthView depth);
-  // Whether half of the pixels looked at in a block of a twentieth of the picture's long side have another depth than
-  // in the picture kept, or have lost or gained data. True while none is kept.
+  // Whether half of the sampled pixels in a block of a twentieth of the picture's long side have another depth than
+  // in the kept picture, or have lost or gained data. True while no picture is kept.
   bool changed(DepthView depth) const;
   void forget() { kept_ = false; }
 
@@ -30,7 +30,7 @@ class SceneChange {
     std::uint16_t span_mm = 0;
   };
   int step_px_;
-  int columns_, rows_;  // of pixels looked at
+  int columns_, rows_;  // of sampled pixels
   bool kept_ = false;
   std::vector<Range> ranges_;
   mutable std::vector<std::uint8_t> counts_;  // of a row of blocks

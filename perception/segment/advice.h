@@ -13,10 +13,10 @@ namespace im2fit::segment {
 
 // Where the sensor leaves border columns or rows empty, the picture ends at the first with data: sets `cut_*`.
 void mark_dead_borders(const Grid& grid, int image_width, int image_height, Person& person);
-// Of a person found, whose mask is `mask` and whose cells are `chosen`; `disturbed`: by another person.
+// Guidance for a person found, with mask `mask` and cells `chosen`; `disturbed`: by another person.
 GuidanceSet advise(const Grid& grid, const Person& person, DepthView depth, MaskView mask,
                    std::span<const std::uint8_t> chosen, bool disturbed);
-// Of a frame without a person to measure: no_person, or too_near alone for a person too near to be found.
+// Guidance for a frame without a person: no_person, or only too_near for a person too near to be found.
 GuidanceSet advise_none_found(const Grid& grid, std::span<const Blob> blobs);
 
 }  // namespace im2fit::segment

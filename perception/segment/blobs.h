@@ -44,7 +44,7 @@ struct Head {
   Vec3f top_mm;
   float width_mm = 0;
   bool seen = true;    // false: where a tracked person's head is expected
-  bool vague = false;  // rather flat, or too far to judge: counts only where there is no better one
+  bool vague = false;  // rather flat, or too far to judge: counts only without a better one
 };
 
 // The surfaces of one frame, and the memory in which they are found: made once, for frames of one size.
@@ -68,8 +68,8 @@ struct Blobs {
   std::vector<FloorEquations> planes;
 };
 
-// Labels every cell, and says which blobs are people. Cells where `background` is 1 stay out. `expected`: crowns of
-// people known, who are kept apart also where their heads are not seen.
+// Labels every cell and decides which blobs are people. Cells where `background` is 1 stay out. `expected`: crowns of
+// known people, who are kept apart even where their heads are not seen.
 void find_blobs(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
                 std::span<const Vec3f> expected, Blobs& found);
 

@@ -16,7 +16,7 @@
 //           2 (commit 1e3516a)
 //   [trunk] came with commit 1e3516a: of 1,000 empty frames 436 showed a user before, 3 after; all changes
 //           together
-//   [coats] coats on stands are no people (commit 78a99e4): chosen on synthetic rooms, no measurement on record
+//   [coats] excludes coats on stands (commit 78a99e4): chosen on synthetic rooms, no measurement on record
 //   [empty] came with fewer false users: of 10,000 empty frames 226 before, 54 after, all changes together
 //           (commit 3db21d5)
 //   [rooms] chosen on synthetic rooms, no measurement on record

@@ -14,7 +14,7 @@ class FootGrower {
  public:
   explicit FootGrower(int image_width) : lowest_(static_cast<std::size_t>(image_width)) {}
   // Adds shoe and foot pixels between the mask's lower end and the floor, none of cells with `barred` != 0. `mask` is
-  // what MaskRefiner made of `chosen`.
+  // MaskRefiner's result for `chosen`.
   void run(const Grid& grid, DepthView depth, const FloorPlane& floor, std::span<const std::uint8_t> chosen,
            std::span<const std::uint8_t> barred, MaskImage mask);
 

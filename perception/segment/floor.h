@@ -49,7 +49,7 @@ struct FloorEquations {
   void blend(const FloorEquations& older, double share);
   // q with q.r = -1/z in the least-squares sense; false when the points do not span a plane.
   bool solve_plane(std::array<double, 3>& q) const;
-  // The same as a floor; false also when it is no floor (roll, pitch, camera height).
+  // The same plane as a floor; false also when it is not a plausible floor (roll, pitch, camera height).
   bool solve(FloorPlane& out) const;
 };
 

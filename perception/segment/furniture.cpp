@@ -382,7 +382,7 @@ float FurnitureCutter::distance_between(const Grid& grid, Vec3f ahead, float low
   return kDistanceBinMm * static_cast<float>(median);
 }
 
-// A seated person has them there; one who bends is no taller, but has them behind.
+// A seated person has the shins before the trunk; a bending person is as low, but has them behind.
 float FurnitureCutter::shins_before_trunk_mm(const Grid& grid, Vec3f ahead, float tall_mm,
                                              std::span<const std::uint8_t> chosen) {
   return distance_between(grid, ahead, kTrunkLow * tall_mm, kTrunkHigh * tall_mm, chosen) -

@@ -13,8 +13,8 @@ namespace im2fit::segment {
 class FurnitureCutter {
  public:
   explicit FurnitureCutter(const Grid& grid);
-  // Takes from `chosen` (1 to 0) what begins at a level edge low above the floor, with nothing of the person above,
-  // and goes down flat; of a seated person also what lies behind the shins and between or flat beside them. Does
+  // Removes from `chosen` (1 to 0) surfaces that begin at a level edge low above the floor, without the person above
+  // them, and go down flat; of a seated person also surfaces behind the shins and between or flat beside them. Does
   // nothing without a floor.
   void run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> chosen);
   // 1 per cell taken away by the last run.

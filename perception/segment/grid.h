@@ -12,7 +12,7 @@
 
 namespace im2fit::segment {
 
-inline constexpr std::uint16_t kDepthMaxMm = 10000;  // structured light ends here; 65535 and the like are no data
+inline constexpr std::uint16_t kDepthMaxMm = 10000;  // range limit of structured light; larger: missing
 
 // Depth step of one disparity unit, mm (Khoshelham 2012: 2.85e-5 z^2 cm, z in cm).
 inline float quantum_mm(float z_mm) {

@@ -9,7 +9,7 @@
 //   [250]    each keeps 95 % of 250 dressed people's heads in furnished rooms (commit 1e3516a)
 //   [corner] no second person in cupboard corners: SEVERAL_PEOPLE in 6 of 150 furnished rooms before, 0 or 1
 //            after, all changes together (commit 37059cc)
-//   [coats]  coats on stands are no people (commit 78a99e4): chosen on synthetic rooms, no measurement on
+//   [coats]  excludes coats on stands (commit 78a99e4): chosen on synthetic rooms, no measurement on
 //            record
 //   [rooms]  chosen on synthetic rooms, no measurement on record
 namespace im2fit::segment::heads_limits {
@@ -56,8 +56,7 @@ constexpr float kUsualShouldersShare = 2.2F;    // shoulders over head are more,
 constexpr float kShouldersShareSpread = 0.25F;  // unit of that; [250]
 
 // Which heads count.
-constexpr float kVagueMm =
-    4500.0F;  // distance beyond which a head counts only where there is no better one; [corner]
+constexpr float kVagueMm = 4500.0F;        // distance beyond which a head counts only without a better one; [corner]
 constexpr float kVagueBulgeMm = 14.0F;     // trunk bulge below which it counts so; [rooms]
 constexpr float kVagueBulgeQuanta = 0.5F;  // and so many disparity steps; [rooms]
 constexpr float kPeakReachMm = 90.0F;      // a head's top is highest within that; [rooms]

@@ -74,8 +74,8 @@ TrunkShape trunk_of(const Grid& grid, const Blobs& found, int b) {
   return trunk_shape(grid, found.labels, b, c, blob.r_min + tall / 4, blob.r_min + tall / 2, z);
 }
 
-// Of those without a head: furniture has a person's size and relief, but neither trunk nor legs. A body cut off above
-// and below has no legs to show; what is cut off at a side as well may be anything.
+// For blobs without a head: furniture has a person's size and relief, but neither trunk nor legs. A body cut off
+// above and below shows no legs; a blob cut off at a side as well may be anything.
 bool person_shaped(const Grid& grid, const Blobs& found, int b) {
   const Blob& blob = found.blobs[at(b)];
   if (blob.centroid_mm.z > kShapeFarMm) return false;

@@ -30,7 +30,7 @@ constexpr float kGateMm = 350.0F;            // most: a head's jump when a raise
 constexpr float kGateGrowthMmPerS = 600.0F;  // more while hidden: people stop and turn; [ids]
 constexpr float kGateMaxMm = 1400.0F;        // but no more than that; [ids]
 constexpr float kTopGateMm = 250.0F;         // between heights of crowns: two people of unlike height; [ids]
-constexpr float kOverHeadMm = 150.0F;        // a surface that much above the head is no crown: a coat stand; [stand]
+constexpr float kOverHeadMm = 150.0F;        // a surface that much above the head is a coat stand; [stand]
 constexpr float kHeadlessGateMm = 350.0F;    // of a detection without a head; [heads]
 constexpr float kHeadlessTallMm = 300.0F;    // its height, least; [heads]
 constexpr float kHeadlessAreaMin = 0.35F;    // of the most seen of the person, least; [heads]
@@ -82,7 +82,7 @@ PersonTracker::BlobDetection PersonTracker::describe(const Blob& blob, int index
   s.place_mm = blob.has_head ? along_floor(blob.head_mm, floor) : s.centroid_mm;
   s.top_mm = blob.height_max_mm;
   s.has_head = blob.has_head;
-  if (blob.has_head && floor.known) {  // a coat stand beside the head, or a raised hand, is no stature
+  if (blob.has_head && floor.known) {  // a coat stand beside the head or a raised hand does not count as stature
     const float head_mm = dot(floor.up, blob.head_mm) + floor.camera_height_mm;
     if (s.top_mm > head_mm + kOverHeadMm) s.top_mm = head_mm;
   }

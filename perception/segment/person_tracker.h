@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is who: one record for each person followed, from the first detection on for as long as it may stay hidden.
+// Identities: one record for each person followed, from the first detection on for as long as it may stay hidden.
 // A user begins unconfirmed. It is confirmed by its shape over some frames (Segmenter) or accepted by its joints
 // (PersonDetector), or it is rejected as furniture; unconfirmed candidates stay selectable until rejected. Of all
-// users one is looked at in a frame: the nearest and most central, or the one selected; a session selects the first
-// person who stands right and holds on to that one.
+// users one is followed in a frame: the nearest and most central, or the selected one. A session selects and holds
+// the first person who stands correctly.
 //
 // Matching detections to records is person_matching.cpp; evidence and choice are person_tracker.cpp. No allocation,
 // no threads; not shareable between threads.
@@ -43,10 +43,10 @@ struct User {
 };
 inline constexpr int kUserCountMax = 8;
 
-// Shorter flicker of the mask is no loss: half a second, in frames at 30 Hz. The session counts the same.
+// Shorter flicker of the mask does not count as a loss: half a second, in frames at 30 Hz. The session uses the same.
 inline constexpr int kAbsentPeriodsMax = 15;
 
-// What the joints of one frame say about whether their owner is a person.
+// The evidence of one frame's joints for their owner being a person.
 struct JointEvidence {
   float person_score = 0;    // JointTracker::person_score
   float odds = 0;            // log-odds that it is a person
@@ -72,20 +72,19 @@ class PersonTracker {
   bool disturbed(int user) const;  // by another one, near enough to touch, hide or be taken for that index
   // Crowns of the people seen within the last second, where they should be in the next frame.
   std::span<const Vec3f> expected() const { return {expected_.data(), static_cast<std::size_t>(expected_count_)}; }
-  // Where people are, or were when last seen, and what has a person's size; until the next follow().
+  // Places of people, now or when last seen, and of objects of a person's size; valid until the next follow().
   std::span<const segment::Keepout> keepouts() const {
     return {keepouts_.data(), static_cast<std::size_t>(keepout_count_)};
   }
 
-  // The PersonDetector's part: is the user looked at a person?
+  // The PersonDetector's part: is the followed user a person?
   // How much more that user's surface is shaped like a person's than like furniture, mean over the last frames:
   // log-odds, from -9 to 9; 0 for a user not seen whole or unknown.
   float shape_odds(int id) const;
-  // A user accepted once stays accepted: people bend and turn away, and the joints then fit badly. Who is selected
-  // needs no judgement.
+  // A user accepted once stays accepted: people bend and turn away, and the joints then fit badly. The selected user
+  // is not judged.
   bool accepted(int id) const;
-  // Takes in what the joints say: accept(), reject(), or neither while too few frames were judged. Returns
-  // accepted().
+  // Adds the joints' evidence: accept(), reject(), or neither while too few frames were judged. Returns accepted().
   bool judge(int id, const JointEvidence& evidence);
   void accept(int id);  // a person, and confirmed by this
   // Furniture: from the next frame on others are chosen before it, and it does not count as another person in view.
@@ -93,17 +92,16 @@ class PersonTracker {
   void reject(int id);
 
   // The session's part.
-  // From the next frame on look at the user of this id and no other, even while hidden or gone; never given up.
-  // 0 (default): anyone, and the session holds on to whoever stands right first. Ends what is held.
+  // From the next frame on follows only the user of this id, even while hidden or gone; never given up. 0 (default):
+  // any user, and the session holds the first one who stands correctly. Ends a hold().
   void select(int id);
   int requested() const { return requested_; }  // by select()
   int selected() const { return selected_; }    // by select() or hold(), 0: anyone
-  // After each frame of a session: `shown` is the id of the user seen, 0: none; `ready`: that person need change
-  // nothing; `periods` of 1/30 s passed since the frame before. From the first such frame on only that user is
-  // selected, until absent for more than kAbsentPeriodsMax: then the session is LOST, and whoever comes next may
-  // begin one.
+  // After each frame of a session: `shown` is the id of the user seen, 0: none; `ready`: that user stands correctly;
+  // `periods` of 1/30 s passed since the frame before. From the first `ready` frame on only that user is selected,
+  // until absent for more than kAbsentPeriodsMax: then the session is LOST, and the next user may begin one.
   void hold(int shown, bool ready, int periods = 1);
-  void release() { select(requested_); }  // whoever was held by hold()
+  void release() { select(requested_); }  // ends hold()
 
  private:
   static constexpr int kTrackCountMax = 16;
@@ -135,7 +133,7 @@ class PersonTracker {
     bool accepted = false;
     bool rejected = false;
   };
-  // users_[i] is what callers see of detections_[i].
+  // users_[i] is the public part of detections_[i].
   struct BlobDetection {
     int blob = -1;
     Vec3f place_mm;     // of the head, or of the centroid where there is none; along the floor

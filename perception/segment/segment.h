@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From one depth frame to the people in it and the mask of the one to be measured: floor plane, background, blobs,
-// and the mask of whom PersonTracker chooses. No allocation after construction, no threads; not shareable between
-// threads.
+// and the mask of the user PersonTracker chooses. No allocation after construction, no threads; not shareable
+// between threads.
 #pragma once
 
 #include <memory>
@@ -34,10 +34,10 @@ class Segmenter {
   Segmenter& operator=(Segmenter&&) noexcept;
 
   // `depth` and `mask` have the constructor's size; both upright (camera rolled by 12 degrees at most). Pixels of 0
-  // or more than 10,000 mm are no data. With the floor unknown, heights are along `up`, which is
-  // against gravity, or along the picture's vertical when that is unknown too.
-  // `people` says who the blobs are and which of them to look at; the same one from frame to frame. `seconds`: since
-  // the frame before, for those who walk or are hidden.
+  // or more than 10,000 mm are missing data. With the floor unknown, heights are along `up` (against gravity), or
+  // along the picture's vertical when `up` is unknown too.
+  // `people` identifies the blobs and chooses one of them; pass the same one for every frame. `seconds`: since the
+  // frame before, to predict people who walk or are hidden.
   Person run(DepthView depth, const Intrinsics& intrinsics, PersonTracker& people, MaskImage mask,
              float seconds = 1.0F / 30.0F, const std::optional<Vec3f>& up = std::nullopt);
   void reset();  // forgets the floor and the background; reset the people as well

@@ -123,8 +123,8 @@ bool detach_side(const Grid& grid, Blobs& found, const Head& head, int side) {
   return true;
 }
 
-// What begins under something, over two fifths of its upper part's width and more, at about its depth: -1 where there
-// is no such thing. Feet astride reach beyond what is above them.
+// The blob above blob `b`: over two fifths of the width of b's upper part and more, at about its depth; -1: none.
+// Feet astride reach beyond the blob above them.
 int blob_over(const Grid& grid, const Blobs& found, int b) {
   const Blob& blob = found.blobs[at(b)];
   const auto label = static_cast<std::uint16_t>(b + 1);
@@ -151,8 +151,8 @@ int blob_over(const Grid& grid, const Blobs& found, int b) {
 
 }  // namespace
 
-// An arm held across the body cuts the trunk off below it: what lies under a head that ends in the air, at its depth
-// and partly behind it, is joined to it.
+// An arm held across the body cuts the trunk off below it: the blob under a head that ends in the air, at its depth
+// and partly behind it, is joined to the head's blob.
 void join_trunks(const Grid& grid, const FloorPlane& floor, Blobs& found) {
   bool joined = false;
   for (int h = 0; h < found.head_count; ++h) {

@@ -10,8 +10,8 @@
 //              no figures on record (commit 3dafe52)
 //   [hands]    came with cut-off forearms: 4 of 100 free poses lost a limb or the person before (commit
 //              9f75025)
-//   [pointing] hands that point at the camera stay while cupboard corners are no heads (commit 37059cc)
-//   [flat]     boxes on stools are no hands, IoU p5 0.9476, 0.9465, 0.9532 before; no figures after (commit
+//   [pointing] keeps hands that point at the camera, excludes cupboard corners as heads (commit 37059cc)
+//   [flat]     excludes boxes on stools as hands, IoU p5 0.9476, 0.9465, 0.9532 before; no figures after (commit
 //              cb455a6)
 //   [rooms]    chosen on synthetic rooms, no measurement on record
 namespace im2fit::segment::split_limbs_limits {
@@ -22,7 +22,7 @@ constexpr float kForearmMaxMm = 600.0F;      // length with the hand, most; [han
 constexpr float kForearmThickMinMm = 70.0F;  // area over length, least: table tops are thinner; [rooms]
 constexpr float kForearmAreaMaxM2 = 0.08F;   // area, most; [hands]
 constexpr float kHandHeightMinMm = 400.0F;   // above the floor, least: below stand boxes and chairs; [rooms]
-constexpr float kFlatAreaMinM2 = 0.02F;      // a flat island that large is no palm; [flat]
+constexpr float kFlatAreaMinM2 = 0.02F;      // a flat island that large is not a palm; [flat]
 constexpr float kFlatReliefMaxMm = 5.0F;     // relief below which it is flat; [flat]
 constexpr float kFlatReliefQuanta = 0.3F;    // and so many disparity steps; [flat]
 constexpr float kHandGapMaxMm = 280.0F;      // in space from the person, most: the forearm is hidden; [rooms]
@@ -47,9 +47,9 @@ constexpr float kLegTopMaxMm = 1000.0F;    // a leg's top above the floor, most;
 constexpr float kLegEndMaxMm = 200.0F;     // and its end; [limbs]
 constexpr float kArmEndMinMm = 350.0F;     // an arm's end above the floor, least; [limbs]
 
-// What the outline encloses, and what lies on something else.
+// Islands within the outline, and islands that lie on another surface.
 constexpr float kEnclosedMinMm = 400.0F;  // above the floor, least: boxes stand between legs; [limbs]
-constexpr float kHeldMm = 120.0F;         // what goes on below is no further in depth than that; [limbs]
+constexpr float kHeldMm = 120.0F;         // most, depth step to the surface that holds it from below; [limbs]
 
 }  // namespace im2fit::segment::split_limbs_limits
 
@@ -115,8 +115,8 @@ void SplitLimbJoiner::list_candidates(const Grid& grid, std::span<const Blob> li
   }
 }
 
-// What goes on beneath as something else, at the same depth, lies on it: boxes on stools. What begins under the
-// person hangs there: legs.
+// An island that continues below as another surface, at the same depth, lies on that surface: boxes on stools. An
+// island that begins under the person hangs from it: legs.
 void SplitLimbJoiner::scan_along(const Grid& grid, std::span<const std::uint16_t> labels,
                                  std::span<const std::uint8_t> chosen, int r_first, int r_last) {
   std::fill(ends_.begin(), ends_.end(), 0);

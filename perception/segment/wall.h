@@ -34,10 +34,10 @@ Votes count_votes(const VotingPoints& points, const float* q);
 class WallRemover {
  public:
   explicit WallRemover(const Grid& grid);
-  // Closes the cells (`open` 1 to 0) of a wall and of what lies behind it; false: there is none.
+  // Closes the cells (`open` 1 to 0) of a wall and of everything behind it; false: no wall was found.
   bool run(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
-  // The same of a room's main wall, frame after frame: the plane of the frame before serves as long as the cells that
-  // vote on walls say that it still stands there. Depends on the frames alone.
+  // The same for a room's main wall, frame after frame: the plane of the frame before is kept as long as the cells
+  // that vote on walls confirm it. Depends on the frames alone.
   bool follow(const Grid& grid, const FloorPlane& floor, std::span<std::uint8_t> open);
   void reset() { followed_.reset(); }
 

@@ -24,7 +24,7 @@ class BackgroundRun {
     std::vector<char*> argv;
     for (std::string& word : command) argv.push_back(word.data());
     argv.push_back(nullptr);
-    // Emptied before there are two of us: messages() must not find what a run before this one has left there.
+    // Emptied before there are two of us: messages() must not find the output of a run before this one.
     const int err = ::open(stderr_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     pid_ = ::fork();
     if (pid_ != 0) {

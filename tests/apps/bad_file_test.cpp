@@ -131,8 +131,7 @@ TEST(ForeignRecording, IsRefused) {
 #endif
 
 #if IM2FIT_TEST_ONI
-// Recorded, then cut: with the checksum beside it the damage is
-// known, without it the structure tells.
+// Recorded, then cut: with the checksum beside it the damage is known, without it the structure shows it.
 TEST(CutRecording, IsRefused) {
   IM2FIT_NEED_DATA();
   constexpr int kRecorded = 4;
@@ -261,7 +260,7 @@ TEST(FullDisk, BehindStdoutIsReported) {
   }
 }
 
-// The judge of the cases above sees what it must see.
+// The judge of the cases above finds the faults that it must find.
 TEST(PartialFiles, AreSeen) {
   const test::TestFolder folder;
   const std::string png = test::png(Picture(320, 240, 2500));

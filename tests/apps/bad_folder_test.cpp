@@ -276,7 +276,7 @@ TEST(BadTruth, AskedForItMustBeOneAndBesideTheFramesItIsNotNeeded) {
   EXPECT_EQ(test::measure(folder.path("depth"), folder.path("out3"), {"--truth", "/no/such.json"}).exit_code, 1);
 }
 
-// Any damage is left out, counted and told.
+// All damaged frames are left out, counted and reported.
 TEST(DamagedFrames, AreCountedOnStderrAndInTheResult) {
   IM2FIT_NEED_DATA();
   const test::TestFolder folder;

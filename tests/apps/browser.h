@@ -27,7 +27,7 @@ class Browser {
   static constexpr const char* kDriver = "/usr/bin/chromedriver";
   static bool installed() { return std::filesystem::exists(kBrowser) && std::filesystem::exists(kDriver); }
 
-  // `folder` holds its profile and what the driver says; `more` goes on its command line.
+  // `folder` holds its profile and the driver's output; `more` goes on its command line.
   explicit Browser(const std::string& folder, const std::vector<std::string>& more = {})
       : driver_({kDriver, "--port=0"}, {}, folder + "/chromedriver.log"), profile_(folder + "/profile") {
     const std::regex started("started successfully on port ([0-9]+)");
@@ -86,9 +86,9 @@ class Browser {
     devtools("Emulation.setDeviceMetricsOverride",
              {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
   }
-  // A PNG of what is in the window.
+  // A PNG of the window's contents.
   std::string screenshot() { return from_base64(get(session_ + "/screenshot")); }
-  // Tabs by what these give.
+  // Tabs are identified by the return values of these functions.
   std::string tab() { return get(session_ + "/window"); }
   std::string open_tab() { return ask(session_ + "/window/new", {{"type", "tab"}})["handle"]; }
   void show_tab(const std::string& tab) { ask(session_ + "/window", {{"handle", tab}}); }

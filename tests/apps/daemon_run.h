@@ -93,7 +93,7 @@ class Manager {
   Manager(const Manager&) = delete;
   Manager& operator=(const Manager&) = delete;
   const std::string& path() const { return path_; }
-  // The next message; none when there is none for so long.
+  // The next message; nullopt when none comes in this time.
   std::optional<std::string> next(std::chrono::milliseconds patience = kPatience) {
     pollfd item{fd_, POLLIN, 0};
     if (::poll(&item, 1, static_cast<int>(patience.count())) <= 0) return std::nullopt;

@@ -134,7 +134,7 @@ TEST_F(Daemon, TheWatchdogIsFedByFramesOnly) {
   DaemonRun daemon(config(camera("&fps=1")), {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "400000"}}, err());
   Client client(socket());
   ASSERT_FALSE(client.next("state").is_null()) << daemon.messages();
-  (void)manager.count("", std::chrono::milliseconds(100));  // what came before
+  (void)manager.count("", std::chrono::milliseconds(100));  // the messages before
   const int fed = manager.count("WATCHDOG=1", std::chrono::seconds(4));
   EXPECT_GE(fed, 1);
   EXPECT_LE(fed, 8);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// im2fit-lab killed while it works, and twice at once: its file is what it was before or whole, never half.
+// im2fit-lab killed while it works, and twice at once: its file is the old one or the whole new one, never half.
 #include <sys/inotify.h>
 
 #include <thread>
@@ -48,7 +48,7 @@ class Killed : public testing::Test {
   std::string out() const { return folder_.path("out/made"); }
 
   // Runs `command`, which writes out(): once whole, then killed after parts of that time, then when it begins to
-  // write, over what was there before; at last whole again.
+  // write, over the file before; at last whole again.
   void expect_old_or_whole(const Words& command) {
     const auto begin = Clock::now();
     test::RunOptions patient;

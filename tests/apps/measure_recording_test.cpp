@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A measurement from a recording is that from what was recorded, however it was kept.
+// A measurement from a recording equals that from the recorded source, however it was kept.
 #include <sstream>
 
 #include "measure_run.h"

@@ -16,7 +16,7 @@ namespace im2fit::test {
 inline constexpr const char* kProgram = IM2FIT_PROGRAM;
 inline constexpr const char* kLab = IM2FIT_LAB_PROGRAM;
 
-// Failed (1): one line, nothing written. No measurement (3): one line, and result.json says what is needed.
+// Failed (1): one line, nothing written. No measurement (3): one line, and result.json names the requirement.
 inline void expect_honest(const Run& run, const std::string& out) {
   const std::string printed = "stdout: " + run.out + "stderr: " + run.err;
   EXPECT_THAT(partial_files_in(out), testing::IsEmpty()) << printed;

@@ -33,7 +33,7 @@ class Models : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  // Nothing but what is below the test's folder is looked at.
+  // Only files below the test's folder are read.
   test::RunOptions alone() const {
     test::RunOptions options;
     options.environment = {{"IM2FIT_BODY", ""},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// --motion: each kind of file read again by code of its own. Angles between limbs are the same in every axes, so the
-// joints of the .csv say what the .bvh and the .glb must show at the same times.
+// --motion: each kind of file read again by code of its own. Angles between limbs are the same in all axes, so the
+// joints of the .csv give the angles that the .bvh and the .glb must show at the same times.
 #include <cmath>
 #include <fstream>
 #include <map>

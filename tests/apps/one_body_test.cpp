@@ -36,7 +36,7 @@ TEST(OneBody, TheExportedMeshMeasuresWhatIsReported) {
     std::vector<std::string> words = {"--frames", "5"};
     if (seed % 4 >= 2) words.emplace_back("--turn");  // even seeds are men, odd ones women
     const test::Run run = test::measure("synthetic:" + std::to_string(seed), out, words);
-    if (run.exit_code == 3) continue;  // who is asked for something first
+    if (run.exit_code == 3) continue;  // this person got guidance first
     ASSERT_EQ(run.exit_code, 0) << run.err;
     ++measured;
     const auto result = nlohmann::json::parse(test::read_text(out + "/result.json"));
@@ -51,7 +51,7 @@ TEST(OneBody, TheExportedMeshMeasuresWhatIsReported) {
       const bool girth = id.ends_with("_girth");
       EXPECT_LE(std::abs(off), id == "weight" ? 0.3 : 3) << id << " of synthetic:" << seed;
       EXPECT_TRUE(value >= said["interval"][0] && value <= said["interval"][1]) << id << " of synthetic:" << seed;
-      // What the program says of its own mesh is so.
+      // The program's values of its own mesh are right.
       const double own = id == "weight" ? result["body"]["residual_kg"].get<double>()
                                         : result["body"]["residual_mm"][id].get<double>();
       EXPECT_NEAR(off, own, girth ? 0.5 : 0.2) << id << " of synthetic:" << seed;

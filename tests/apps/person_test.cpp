@@ -138,7 +138,7 @@ TEST_F(Person, WholeAndAloneIsMeasured) {
   EXPECT_TRUE(result["guidance"].empty()) << result["guidance"];
   EXPECT_THAT(test::files_in(out()), testing::IsSupersetOf({"result.json", "avatar.glb", "avatar.obj", "avatar.mtl",
                                                             "avatar_skin.png", "avatar.bvh", "overlay.png"}));
-  // Only the owner may read what a person measures.
+  // Only the owner may read a person's measurements.
   for (const auto& file : std::filesystem::directory_iterator(out()))
     EXPECT_EQ(file.status().permissions(), std::filesystem::perms(0600)) << file.path();
 }
@@ -151,7 +151,7 @@ TEST_F(Person, TheTableShowsThePapersValuesWhenAsked) {
   EXPECT_THAT(both.out, testing::HasSubstr("paper's"));
 }
 
-// Ten times a Kinect's noise: whatever is answered, it is no measurement of a body that stands there.
+// Ten times a Kinect's noise: the answer, if any, must not be a measurement of a standing body.
 TEST_F(Person, InTenfoldNoiseIsNotMeasured) {
   std::uint32_t state = 1;
   const auto uniform = [&] {  // -1 to 1
@@ -221,14 +221,14 @@ TEST_F(Person, CutAtTheHeadGetsGuidance) {
   }
 }
 
-// Legs and hips may be furniture: it is said what the picture must show.
+// Legs and hips may be furniture: the message says what the picture must show.
 TEST_F(Person, LegsAloneAreNoPersonAndToldWhatIsMissing) {
   const test::Run run = measure_through({.v0 = 110});  // the crotch; the picture's centre must lie in it
   expect_guidance(run, "NO_PERSON");
   EXPECT_THAT(run.err, testing::HasSubstr("the picture must reach from the floor to above the head"));
 }
 
-// Cut off at the hips, with the joints written: legs that were not seen move by guesses, and that is said.
+// Cut off at the hips, with the joints written: a message says that the motion of unseen legs is inferred.
 TEST_F(Person, AHalfPersonsMotionSaysWhatIsMadeUp) {
   const Window upper_half = {.v1 = one_->box.v1 - (one_->box.v1 - one_->box.v0) * 9 / 20};
   for (const char* name : {"half.bvh", "half.glb", "half.csv"}) {
@@ -261,7 +261,7 @@ TEST_F(Person, BesideAnotherGetsGuidance) {
   expect_guidance(test::measure(folder_.path("depth"), out()), "SEVERAL_PEOPLE");
 }
 
-// Ten in one picture, more than are followed: whoever is nearest is looked at, and not measured among so many.
+// Ten in one picture, more than are followed: the nearest person is the target, and not measured among so many.
 TEST_F(Person, AmongTenGetsGuidance) {
   const auto model = body::BodyModel::load(test::body_path());
   ASSERT_TRUE(model) << model.error().message;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may read what a program has left in a folder.
+// The read permissions of the files that a program has left in a folder.
 #pragma once
 
 #include <sys/stat.h>

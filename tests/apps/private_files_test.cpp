@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every file the programs write of a person, with the umask most systems have: readable by its owner alone. Files of
-// `serve` are looked at in serve/serve_test.cpp, those of im2fitd in daemon/daemon_recording_test.cpp.
+// `serve` are tested in serve/serve_test.cpp, those of im2fitd in daemon/daemon_recording_test.cpp.
 #include "private_files.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ class PrivateFiles : public test::MeasuredClip {
     const test::UsualUmask umask;
     render({"--frames", "8", "--paper-files"});
   }
-  // Runs one of the programs, which must succeed, and returns the names of what is new in the test's folder.
+  // Runs one of the programs, which must succeed, and returns the names of new files in the test's folder.
   std::set<std::string> written_by(std::vector<std::string> command) {
     const test::UsualUmask umask;
     const std::set<std::string> before = test::all_files_in(own_.path());

@@ -180,7 +180,7 @@ TEST_F(Record, AFullFileSystemIsOneErrorAndKeepsTheFramesBefore) {
 }
 
 #if IM2FIT_TEST_VIRTUAL
-// Records until `recorded` says so, then kills.
+// Records until `recorded` returns true, then kills.
 void record_until_killed(std::string source, std::string out, const std::function<bool()>& recorded) {
   std::string program = test::kProgram, verb = "record", flag = "--out", count = "--frames", all = "0";
   std::vector<char*> argv = {program.data(), verb.data(),  source.data(), flag.data(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starting a program as a shell does, with what it printed.
+// Starts a program as a shell does, and captures its output.
 #pragma once
 
 #include <fcntl.h>
@@ -45,7 +45,7 @@ namespace detail {
       ::setenv(name.c_str(), value.c_str(), 1);
   }
   if (options.file_bytes_max) {
-    // Ignored, the signal leaves an error of write(), which is what a full disk gives.
+    // Ignored, the signal leaves an error of write(), as a full disk does.
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{*options.file_bytes_max, *options.file_bytes_max};
     ::setrlimit(RLIMIT_FSIZE, &limit);

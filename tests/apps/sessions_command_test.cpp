@@ -24,7 +24,7 @@ class SessionsCommand : public test::MeasuredClip {
         command.push_back(word);
     return test::run_program(command);
   }
-  // Of the clip; `result` is what was answered.
+  // Of the clip; `result` is the answer.
   std::string saved(const Json& result = Json::object()) const {
     auto session = sessions::NewSession::begin(root_);
     if (!session) return session.error().message;

@@ -122,7 +122,7 @@ TEST(Tape, AMeasurementCarriesThemAll) {
     const std::string out = folder.path("out");
     const test::Run run = test::measure("synthetic:" + std::to_string(seed), out,
                                         {"--frames", "5", "--tape", folder.path("mine.yaml")});
-    if (run.exit_code == 3) continue;  // who is asked for something first
+    if (run.exit_code == 3) continue;  // this person got guidance first
     ASSERT_EQ(run.exit_code, 0) << run.err;
     const auto result = nlohmann::json::parse(test::read_text(out + "/result.json"));
     const auto& values = result["tape"];
@@ -216,7 +216,7 @@ TEST(Tape, IntervalsHoldPeopleOfAnotherMake) {
     ASSERT_TRUE(engine) << engine.error().message;
     const auto said = measurement_of(**engine, {&*index, &*model, nullptr, &shipped}, {});
     ASSERT_TRUE(said) << said.error().message;
-    if (!said->body) continue;  // who is asked for something first
+    if (!said->body) continue;  // this person got guidance first
     ++measured;
     lab::morph_subject(*model, person.subject, rest);
     measurer.measure_rest_mesh(shipped, rest, person.subject.params.gender, truth);

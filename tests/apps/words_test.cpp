@@ -105,7 +105,7 @@ TEST(Words, TheVersionIsTheProjects) {
   }
 }
 
-// Of a rendered person and of a synthetic one, who has a truth of their own.
+// Of a rendered person and of a synthetic one with a known truth.
 TEST(Words, ATruthThatIsAskedForMustBeThere) {
   IM2FIT_NEED_DATA();
   const test::TestFolder folder;

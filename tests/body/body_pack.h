@@ -19,7 +19,7 @@ inline std::string body_pack_path() {
   return std::string(home != nullptr ? home : "") + "/.cache/im2fit/body.i2b";
 }
 
-// nullptr where there is no pack; a pack that does not load fails the tests that want it.
+// nullptr when there is no pack. A pack that does not load fails the tests that need it.
 inline const BodyModel* real_body() {
   static const auto model = [] {
     auto loaded = BodyModel::load(body_pack_path());

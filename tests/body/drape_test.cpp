@@ -142,7 +142,7 @@ void rest(Outfit& outfit, int frames) {
   for (int i = 0; i < frames; ++i) outfit.frame(pose);
 }
 
-// Bounds are what the solver keeps today with a margin, not what is aimed at: docs/garments.md has both.
+// Bounds are the solver's present values with a margin, not its goals: docs/garments.md has both.
 TEST_F(DressedBody, ClothLiesOutsideTheSkinAndHardlyStretches) {
   for (const DressedPerson& person : example_people(*real_body())) {
     Outfit outfit(*real_body(), pieces_for(person, {"trousers", "t_shirt"}));
@@ -181,7 +181,7 @@ TEST_F(DressedBody, ComesToRestAndWakes) {
   EXPECT_LT(q.inside_share, 0.005F);
 }
 
-// A loose shirt hangs free at its hem, so it measures there what it was cut to.
+// A loose shirt hangs free at its hem, so it measures there the girth of its cut.
 TEST_F(DressedBody, AHemMeasuresWhatThePatternSays) {
   const auto people = example_people(*real_body());
   Outfit outfit(*real_body(), pieces_for(people[0], {"t_shirt"}, 1));

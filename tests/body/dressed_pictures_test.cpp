@@ -21,7 +21,7 @@ using body::real_body;
 
 constexpr int kWidth = 100, kHeight = 215;  // pixels, of a view: 9 mm each
 
-// Grey values of a picture, each the mean of 3 x 3 pixels: an edge that moved by less than a pixel is no difference.
+// Grey values of a picture, each the mean of 3 x 3 pixels: an edge that moved by less than a pixel does not count.
 struct Grey {
   int width = 0, height = 0;
   std::vector<float> at;

@@ -239,8 +239,8 @@ TEST(ShapeFitter, PointsLieOnTheSkinInEveryView) {
   }
 }
 
-// What no camera sees from the front. Its mean distance is the person's thickness, which curves tell rather than the
-// two views (nothing says where the one saw the other's surface): the spread about it is what the second view knows.
+// The surface that no camera sees from the front. Its mean distance is the person's thickness. Curves show it, not
+// the two views (which do not show where the other's surface was): the second view knows the spread about it.
 TEST(ShapeFitter, TwoViewsKnowTheBackBetterThanOne) {
   IM2FIT_NEEDS_SPACE();
   ShapeFitter fitter(real_body()->shape_space());

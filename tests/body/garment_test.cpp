@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Garments as data and as meshes: what they measure in each size, and that faults of a file are named.
+// Garments as data and as meshes: their dimensions in each size, and errors that name faults of a file.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -24,7 +24,7 @@ struct Measured {
   double stature_mm, weight_kg;
 };
 
-// Muscle falls with build, as docs/makehuman.md asks of whoever draws people.
+// Muscle falls with build, as docs/makehuman.md requires for drawn people.
 Measured draw(Rng& rng, const BodyModel& model, int i) {
   Measured d{};
   Params& p = d.params;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body whose mesh measures what was reported.
+// A body whose mesh has the reported measurements.
 #include "body/fit/measurement_fit.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ double difference(const MeasurementValues& a, const MeasurementValues& b) {
   return sum;
 }
 
-// People whom an index would hold, to begin from.
+// People as in an index, to begin from.
 class MeasurementFitTest : public testing::Test {
  protected:
   void SetUp() override { IM2FIT_NEEDS_BODY(); }
@@ -72,8 +72,8 @@ class MeasurementFitTest : public testing::Test {
   }
 };
 
-// Held-out people are shaped by modifiers that no entry has. What they measure is what a report would say; the report
-// is off from what any body measures, too, by errors that know nothing of one another.
+// Held-out people are shaped by modifiers that no entry has. The report is their measurements, with independent
+// errors that take it off the measurements of any body.
 TEST_F(MeasurementFitTest, MeetsWhatIsReportedOfThirtyPeople) {
   const BodyModel& model = *real_body();
   MeasurementFitter fitter(model);
@@ -119,7 +119,7 @@ TEST_F(MeasurementFitTest, TheSameBitsAgainAndNoAllocation) {
   const std::size_t before = allocations_so_far();
   const MeasurementFit second = fitter.run(b, goals_of(reported));
   EXPECT_EQ(allocations_so_far(), before);
-  other.run(c, goals_of(entries()[20].second));  // what a fitter did before leaves no trace
+  other.run(c, goals_of(entries()[20].second));  // the fit before leaves no trace
   c = start;
   const MeasurementFit third = other.run(c, goals_of(reported));
   for (const auto& [params, fit] : {std::pair{&b, &second}, std::pair{&c, &third}}) {
@@ -172,7 +172,7 @@ TEST_F(MeasurementFitTest, GoalsThatAreNotFiniteAreFree) {
   const MeasurementFit fit = fitter.run(params, goals);
   EXPECT_EQ(fit.residual[waist], 0);
   for (std::size_t i = 0; i < kMeasurementCount; ++i) EXPECT_LE(std::fabs(fit.residual[i]), 0.5F);
-  // A waist that is not asked for goes along with the rest.
+  // A waist without a target follows the rest.
   EXPECT_NEAR(fit.values[waist], entries()[8].second[waist], 90);
 }
 
@@ -189,7 +189,7 @@ TEST_F(MeasurementFitTest, TheBetterKnownIsMet) {
   EXPECT_GT(std::fabs(fit.residual[crotch]), 10 * std::fabs(fit.residual[legs]));
 }
 
-// A person of the shape space: what a perfect fit to pictures would say.
+// A person of the shape space: the result of a perfect fit to pictures.
 SeenBody seen_perfectly(const BodyModel& model, const Params& params) {
   const ShapeSpace& space = model.shape_space();
   std::vector<Vec3f> mesh(static_cast<std::size_t>(model.vertex_count()));

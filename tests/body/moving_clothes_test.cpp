@@ -124,7 +124,7 @@ TEST_F(MovingCloth, BeginsAtRestAndComesBackThere) {
   EXPECT_LT(mean_length(*clothes), 12) << "folds fall otherwise, but there they are again";
 }
 
-// Bounds are what it keeps today with a margin.
+// Bounds are the present values with a margin.
 TEST_F(MovingCloth, IsNearerToFineClothThanTheSkeletonAlone) {
   const auto fine = dressed();
   const auto clothes = moving();
@@ -166,7 +166,7 @@ TEST_F(MovingCloth, IsNearerToFineClothThanTheSkeletonAlone) {
   EXPECT_LT(deepest, 25);
 }
 
-// Not only where they stand still: each third frame, as a page is told them, of motions of 0.4 s.
+// Also between two rests: each third frame, as a page gets them, of motions of 0.4 s.
 TEST_F(MovingCloth, StaysOutsideTheSkinOnTheWay) {
   const auto fine = dressed();
   const auto clothes = moving();

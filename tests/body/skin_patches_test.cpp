@@ -14,8 +14,8 @@
 namespace im2fit::body {
 namespace {
 
-// A dent in the belly that no shape of the space has: the depth picture says so, and the patch over it. (Patches are
-// larger than the dent, and the shape gives in a little.)
+// A dent in the belly that no shape of the space has: the depth picture shows it, and so does the patch over it.
+// (Patches are larger than the dent, and the shape gives in a little.)
 TEST(SkinPatches, SayWhereAFitIsOff) {
   IM2FIT_NEEDS_SPACE();
   const ShapeSpace& space = real_body()->shape_space();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shipped tape on bodies, and what is said of files that are no tape.
+// The shipped tape on bodies, and the errors for files that are not a tape.
 #include "body/tape.h"
 
 #include <gmock/gmock.h>
@@ -58,7 +58,7 @@ TEST(BuiltinTape, IsReadAndComplete) {
   EXPECT_FALSE(head.reason.empty());
 }
 
-// What is compiled in is what the files say.
+// The compiled-in tape equals the files.
 TEST(BuiltinTape, IsThatOfTheFiles) {
   const auto read = read_shipped_tape(IM2FIT_TAPE_FOLDER);
   ASSERT_TRUE(read) << read.error().message;

@@ -105,7 +105,7 @@ TEST(Warp, GivesTheDimensionsWanted) {
       const std::vector<Vec3f> plain = mesh_of(model, p);
       p.warp = warp_to(model, plain, wanted, {});
       const Dimensions got = dimensions_of(model, mesh_of(model, p));
-      // Of sections the girth, and breadth to depth: hulls are larger than what a calliper says of the same girth.
+      // Of sections the girth, and breadth to depth: hulls are larger than a calliper's reading of the same girth.
       for (const Dimension d : {Dimension::chest_girth, Dimension::chest_depth, Dimension::waist_girth,
                                 Dimension::buttock_girth, Dimension::calf_girth})
         EXPECT_NEAR(got[d], wanted[d], 3.5) << static_cast<int>(d) << " " << woman << " " << weight_kg;
@@ -137,7 +137,7 @@ TEST(Warp, WeightIsMetWithOne) {
   EXPECT_NEAR(got[measurement_index(Measurement::weight)], 82, 0.03);
 }
 
-// What ANSUR II says of an average soldier, from its own means (US Army, 2012).
+// ANSUR II's average soldier, from its own means (US Army, 2012).
 TEST(Proportions, AverageSoldierHasTheSurveysMeans) {
   const Dimensions man = likely_dimensions(false, 1756, 85.5, 30, {});
   EXPECT_NEAR(man[Dimension::waist_girth], 941, 12);

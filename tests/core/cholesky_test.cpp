@@ -12,7 +12,7 @@
 namespace im2fit {
 namespace {
 
-constexpr std::size_t kSide = 20, kOrder = 17;  // smaller than what holds it
+constexpr std::size_t kSide = 20, kOrder = 17;  // smaller than its memory
 using Matrix = std::array<std::array<double, kSide>, kSide>;
 using Vector = std::array<double, kSide>;
 
@@ -37,7 +37,7 @@ TEST(Cholesky, SolvesWhatAMatrixMadeOfAVector) {
     for (std::size_t i = 0; i < kOrder; ++i) truth[i] = rng.normal(0, 3);
     for (std::size_t i = 0; i < kOrder; ++i)
       for (std::size_t j = 0; j < kOrder; ++j) x[i] += m[i][j] * truth[j];
-    // What lies above the diagonal and beyond the order is not looked at.
+    // Values above the diagonal and beyond the order are not read.
     for (std::size_t i = 0; i < kSide; ++i)
       for (std::size_t j = 0; j < kSide; ++j)
         if (j > i || i >= kOrder) m[i][j] = std::nan("");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The checked build of fixed point traps every overflow; what does not overflow is untouched.
+// The checked build of fixed point traps every overflow; values that do not overflow are unchanged.
 #ifndef IM2FIT_CHECKED_FIXED
 #define IM2FIT_CHECKED_FIXED
 #endif

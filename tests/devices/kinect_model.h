@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A Kinect for Xbox 360 in software: camera and motor, as two USB devices. Written from the OpenKinect project's
-// public description of the wire, and sharing no code with what reads it: an error made twice must be made in two
-// ways.
+// public description of the wire. It shares no code with the reader under test: an error made twice must be made in
+// two ways.
 #pragma once
 
 #include <cstdint>
@@ -50,9 +50,9 @@ struct KinectSettings {
 // of the stream.
 using KinectPicture = std::function<void(std::uint64_t number, std::span<std::uint16_t> raw)>;
 
-// What distance a raw shift means to this camera, by the published formula, in millimetres to the nearest one; 0:
-// none, or beyond 10 m. And the shift whose distance is nearest to `mm`; 2047 for 0. For pictures made from
-// distances, and for what must come out of them.
+// The distance of a raw shift for this camera, by the published formula, in millimetres to the nearest one; 0: none,
+// or beyond 10 m. And the shift whose distance is nearest to `mm`; 2047 for 0. For pictures made from distances, and
+// for the expected results.
 std::uint16_t mm_of_shift(const KinectSettings& settings, std::uint16_t raw);
 std::uint16_t shift_of_mm(const KinectSettings& settings, std::uint16_t mm);
 

@@ -28,9 +28,9 @@ class UsbDevice {
   // and endpoints behind it.
   virtual std::vector<std::uint8_t> device_descriptor() const = 0;
   virtual std::vector<std::uint8_t> configuration_descriptor() const = 0;
-  virtual std::vector<std::uint8_t> string_descriptor(std::uint8_t number) const = 0;  // empty: there is none
+  virtual std::vector<std::uint8_t> string_descriptor(std::uint8_t number) const = 0;  // empty: no such string
   // Requests beyond descriptors: standard ones the device acts on (set configuration, set interface), class and
-  // vendor ones. `out` is what the host sends, the answer what it reads; none: the device stalls.
+  // vendor ones. `out`: the bytes from the host. Returns the bytes for the host; nullopt: the device stalls.
   virtual std::optional<std::vector<std::uint8_t>> control(const SetupPacket& setup,
                                                            std::span<const std::uint8_t> out,
                                                            std::int64_t now_us) = 0;

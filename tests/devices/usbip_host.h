@@ -52,7 +52,7 @@ class UsbipHost {
   Status unlink(const std::uint32_t* words);
   Status answer_control(std::uint32_t number, bool in, const SetupPacket& setup, std::span<const std::uint8_t> out);
   std::optional<std::vector<std::uint8_t>> standard_request(const SetupPacket& setup) const;
-  // Answers what is due; the microseconds until there is more to do.
+  // Answers due requests. Returns the microseconds until the next one is due.
   Result<std::int64_t> serve(std::int64_t now_us);
   Status complete_isochronous(std::uint8_t address, Endpoint& endpoint);
   Status reply(std::uint32_t number, int status, std::span<const std::uint8_t> data, std::uint32_t actual,

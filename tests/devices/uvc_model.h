@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A USB Video Class 1.0 depth camera: one Z16 format, one size, bulk or isochronous. From the class's public
-// specification and what the kernel's uvcvideo asks for.
+// specification and the requests of the kernel's uvcvideo.
 #pragma once
 
 #include <string>
@@ -24,7 +24,7 @@ struct UvcSettings {
 };
 
 // Plays its frames round and round from the first one, anew with every start of the stream, and never faster than
-// `fps`; a host that reads late gets every frame late, none is left out.
+// `fps`. A host that reads late gets every frame late; none is left out.
 class UvcModel final : public UsbDevice {
  public:
   static constexpr std::uint8_t kEndpoint = 0x81;

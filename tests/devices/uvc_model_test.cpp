@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The model against the specification: what a host reads from it, put together by the rules of UVC 1.0 alone.
+// The model against the specification: a host's reads from it, put together by the rules of UVC 1.0 alone.
 #include "tests/devices/uvc_model.h"
 
 #include <gmock/gmock.h>

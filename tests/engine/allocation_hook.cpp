@@ -40,7 +40,7 @@ void* operator new(std::size_t size, std::align_val_t a) {
 void* operator new[](std::size_t size, std::align_val_t a) {
   return counted(size, static_cast<std::size_t>(a));
 }
-// std::stable_sort asks this one; what it gets comes back to the delete below.
+// std::stable_sort calls this one; its memory comes back to the delete below.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   return counted_or_null(size, 0);
 }

@@ -16,7 +16,7 @@ using test::Shot;
 using test::Threading;
 using test::with;
 
-// The camera was away: whoever stands there after it is not taken for who stood there before.
+// The camera was away: the person there after it is not taken for the person before.
 TEST_P(Threading, AFrameGapOfSecondsEndsWhatWasAccumulated) {
   Rig rig(with(GetParam()));
   for (int i = 0; i < 9; ++i) rig.push(Shot{.value = 2000});

@@ -67,7 +67,7 @@ TEST_P(NextPerson, WhoWasMeasuredBeforeAFrameGapHasLeft) {
   rig.engine->finish();
   ASSERT_TRUE(rig.engine->result().measured);
   rig.engine->next_person();
-  rig.next += 200;  // what passes while the answer is written is no frame gap
+  rig.next += 200;  // frames that pass while the answer is written do not count as a gap
   for (int i = 0; i < 10; ++i) rig.push(Shot{});
   rig.engine->finish();
   EXPECT_EQ(rig.engine->result().session, 0U);

@@ -142,7 +142,7 @@ TEST(ResultJson, SaysWhatTheResultSays) {
   EXPECT_FALSE(v.contains("timing"));
 }
 
-// Lengths may be off by more; of a girth 2 mm are told.
+// Lengths may be off by more; a girth off by 2 mm is reported.
 TEST(ResultJson, ABodyThatMeasuresSomethingElseIsSaidToDoSo) {
   PersonMeasurement report = measured_report();
   report.body->fit.residual[measurement_index(Measurement::inside_leg)] = 5;

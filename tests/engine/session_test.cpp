@@ -204,7 +204,7 @@ TEST(Session, MovementIsReportedWhenItCanBeKnown) {
   };
   const Case cases[] = {{Guidance::not_frontal, 151, 0, true},
                         {Guidance::not_frontal, 149, 0, false},  // the middle of a mask that flickers
-                        {Guidance::not_frontal, 0, 900, false},  // joints of who is turned aside leap
+                        {Guidance::not_frontal, 0, 900, false},  // joints of a person turned aside leap
                         {Guidance::too_near, 0, 900, false},
                         {Guidance::too_noisy, 900, 900, false}};
   for (const Case& c : cases) {

@@ -140,7 +140,7 @@ TEST(SiteCalibration, EveryTruncationAndEveryDamageThatMattersIsRefused) {
   EXPECT_FALSE(SiteCalibration::load("/nonexistent/shop.i2c"));
 }
 
-// The engine shows corrected answers alone, on one thread and on two, and keeps what they were.
+// The engine shows corrected answers alone, on one thread and on two, and keeps the uncorrected ones.
 TEST(SiteCalibration, TheEngineCorrectsEveryAnswerItShows) {
   const auto measured = [](bool corrected, bool single_thread) {
     EngineSettings settings = test::with(single_thread);

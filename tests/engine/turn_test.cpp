@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pipeline with a person who is asked to turn round, on one thread and on two.
+// The pipeline with a person who turns round on request, on one thread and on two.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

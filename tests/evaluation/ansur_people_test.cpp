@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// People of ANSUR II's dimensions: what was wanted of each and what the mesh has.
+// People of ANSUR II's dimensions: the wanted dimensions and those of the mesh.
 #include "evaluation/population/ansur_people.h"
 
 #include <gtest/gtest.h>
@@ -131,7 +131,7 @@ TEST_F(AnsurPeopleTest, DimensionsAreMet) {
   }
 }
 
-// Callipers that press: a larger section of the same ratio; else squareness, or nothing of what the tape has.
+// Callipers that press: a larger section of the same ratio; else squareness, or nothing of the tape's excess.
 TEST_F(AnsurPeopleTest, WhereTheTapesExcessComesFromIsAChoice) {
   const auto rows = AnsurRows::load(people_folder());
   ASSERT_TRUE(rows) << rows.error().message;

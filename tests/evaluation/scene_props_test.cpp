@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Animals and mirrors against closed forms, and what the tracker says of the scenes with them.
+// Animals and mirrors against closed forms, and the tracker's results in the scenes with them.
 #include "evaluation/tracker/scene_props.h"
 
 #include <algorithm>

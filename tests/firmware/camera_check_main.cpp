@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes frames from a source and says of each which frame of a depth folder it is, pixel for pixel. One line of
-// figures at the end; inside the guest of scripts/firmware-test.
+// Takes frames from a source and finds for each the equal frame of a depth folder, pixel for pixel. Prints one line
+// of figures at the end. Runs inside the guest of scripts/firmware-test.
 #include <algorithm>
 #include <chrono>
 #include <cstring>

@@ -25,7 +25,7 @@ std::string chunk(const std::string& type, const std::string& data) {
   return big_endian(static_cast<std::uint32_t>(data.size())) + body + big_endian(static_cast<std::uint32_t>(sum));
 }
 
-// As the standard has it (table 9.1): each byte less what the filter makes of its neighbours.
+// As the standard has it (table 9.1): each byte less the filter's prediction from its neighbours.
 std::string filtered_rows(const Picture& picture, int filter) {
   std::string rows;
   const auto byte = [&](int i, int v) {
@@ -123,7 +123,7 @@ TEST(DepthFile, FewDepthsAreWrittenAsTheyAre) {
   }
 }
 
-// libpng, which is independent, reads what was written.
+// libpng, which is independent, reads the written file.
 TEST(RgbPng, PixelsComeBack) {
   constexpr int kWidth = 61, kHeight = 7;
   std::vector<std::uint8_t> pixels(3 * kWidth * kHeight);

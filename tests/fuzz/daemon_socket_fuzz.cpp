@@ -63,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   for (const int client : clients)
     if (client >= 0) ::close(client);
-  // Who has gone is gone, once what they sent before is thrown away: 16 KB a turn.
+  // A client that has gone is removed once its earlier bytes are dropped: 16 KB a turn.
   for (int turn = 0; turn < 100 && (turn == 0 || (*publisher)->clients() != 0); ++turn)
     (*publisher)->serve("hello\n");
   if ((*publisher)->clients() != 0) __builtin_trap();

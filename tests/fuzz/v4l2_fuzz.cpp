@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A V4L2 driver that answers what it likes: sizes, strides, formats, lengths and buffer numbers. No byte beyond a
-// buffer is read, and a frame that is delivered holds what the buffer held.
+// A V4L2 driver with arbitrary answers: sizes, strides, formats, lengths and buffer numbers. No byte beyond a
+// buffer is read, and a delivered frame holds the contents of the buffer.
 #include <sys/ioctl.h>
 
 #include <cstdio>

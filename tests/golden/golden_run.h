@@ -47,8 +47,8 @@ Result<std::string> stages(const Data& data);
 // result.json of the whole engine, fed by the folder source.
 Result<std::string> result(const Data& data, const std::string& directory, bool single_thread);
 
-// Bodies fitted to measurements, a line for each of what they measure and are made of. First the checksum of what the
-// body file holds of meshes: of another file nothing below is comparable. Errors: the file does not load.
+// Bodies fitted to measurements, a line for each of their measurements and parameters. First the checksum of the
+// meshes in the body file: with another file nothing below is comparable. Errors: the file does not load.
 Result<std::string> bodies(const std::string& body_path);
 
 // "" when both are the same; else the first line that differs, with its number, expected and found.

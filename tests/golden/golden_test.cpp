@@ -78,7 +78,7 @@ TEST(GoldenClip, OneMillimetreInOnePixelIsNoticed) {
   const auto found = stages(*changed);
   ASSERT_TRUE(found) << found.error().message;
   const std::string difference = first_difference(text_of(kDirectory + "/stages.txt"), *found);
-  // In the frame's own lines where it tips something over there, else in what is fused from it.
+  // In the frame's own lines where the change has an effect there, else in the lines of the fused frame.
   EXPECT_TRUE(difference.find("expected \"frame 3 ") != std::string::npos ||
               difference.find("expected \"fused depth") != std::string::npos)
       << difference;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The golden clip as phones deliver frames (im2fit_frame): in every format, turned, with padded rows, through a lens
-// that is told: what the library says must not depend on it.
+// that the frames name. The library's answer must not depend on it.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -181,7 +181,7 @@ TEST_F(PhoneFrames, WithPaddedRowsAndConfidenceAreTheSame) {
   EXPECT_EQ(first_difference(reference().json, found.json), "");
 }
 
-// As the camera hung: what the library turns back is what was turned before.
+// As the camera hung: the library turns back the frames that were turned before.
 TEST_F(PhoneFrames, TurnedByTheLibraryAreTheSame) {
   const Intrinsics& k = data_->intrinsics();
   for (const int deg : {90, 180, 270}) {
@@ -204,7 +204,7 @@ TEST_F(PhoneFrames, TurnedByTheLibraryAreTheSame) {
   }
 }
 
-// A lens told with the frames outweighs what the handle was opened with; one that breathes costs little.
+// A lens given with the frames outweighs the lens that the handle was opened with. One that breathes costs little.
 TEST_F(PhoneFrames, AToldLensIsUsed) {
   const Intrinsics& k = data_->intrinsics();
   im2fit_settings wrong = settings();
@@ -228,8 +228,8 @@ TEST_F(PhoneFrames, AToldLensIsUsed) {
   EXPECT_EQ(first_difference(reference().json, said(wrong, tell(1)).json), "");
 }
 
-// What the lens makes of a pinhole's picture: the pixel at (u, v) sees the ray that the lens' formula brings there,
-// found by Newton's method without derivatives (each step takes off what the formula adds).
+// A pinhole's picture through the lens: the pixel at (u, v) sees the ray that the lens' formula brings there,
+// found by Newton's method without derivatives (each step subtracts the formula's error).
 std::vector<std::uint16_t> through_lens(const std::vector<std::uint16_t>& depth, const Intrinsics& k,
                                         const im2fit_frame& lens) {
   const double fx = double{k.fx}, fy = double{k.fy}, cx = double{k.cx}, cy = double{k.cy};
@@ -253,8 +253,8 @@ std::vector<std::uint16_t> through_lens(const std::vector<std::uint16_t>& depth,
   return out;
 }
 
-// A lens that shifts a person's head and feet by 2 % and is told costs what a sample's place costs; untold it costs
-// centimetres. Turned by the library it is the same to the bit.
+// A lens that shifts a person's head and feet by 2 % costs centimetres. Given with the frames, it costs only what a
+// sample's place costs. Turned by the library it is the same to the bit.
 TEST_F(PhoneFrames, AToldDistortionIsUndone) {
   const Intrinsics& k = data_->intrinsics();
   const auto bend = [&](bool told, int deg) {
@@ -291,7 +291,7 @@ TEST_F(PhoneFrames, AToldDistortionIsUndone) {
   EXPECT_EQ(first_difference(told.json, said(settings(), bend(true, 180)).json), "");
 }
 
-// The mean of what has data within `reach_px`, as phones' drivers blend edges.
+// The mean of pixels with data within `reach_px`, as phones' drivers blend edges.
 std::vector<std::uint16_t> blended(const std::vector<std::uint16_t>& depth, const Intrinsics& k, int reach_px) {
   std::vector<std::uint16_t> out(depth.size());
   const DepthView from(depth.data(), k.width, k.height);

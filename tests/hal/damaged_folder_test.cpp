@@ -193,7 +193,7 @@ TEST(Folder, EveryKindOfDamageIsOneFrameLessAndCounted) {
   EXPECT_EQ((*source)->stats().damaged, 4U);
 }
 
-// A FIFO waits for its writer for ever; the names of a folder do not say what is one.
+// A FIFO waits for its writer for ever; the names in a folder do not show which file is one.
 TEST(Folder, AFifoIsRefusedAtOnce) {
   for (const char* name : {"000001.png", "camera.yaml", "timestamps.csv"}) {
     const TestFolder folder;

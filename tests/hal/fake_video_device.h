@@ -43,7 +43,7 @@ struct FakeVideo {
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   std::vector<Format> formats{{}};
   std::uint32_t padding_bytes = 0;   // at the end of each line
-  std::uint32_t bytes_per_line = 0;  // instead of what the size and the padding give
+  std::uint32_t bytes_per_line = 0;  // instead of the value from size and padding
   std::uint32_t size_image = 0;      // likewise
   std::uint32_t other_fourcc = 0;    // what S_FMT gives instead
   std::uint32_t field = V4L2_FIELD_NONE;

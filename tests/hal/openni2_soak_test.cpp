@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::int64_t kPeriod_us = 1000;
 
-// On a machine that is busy the runtime leaves frames out, as with a camera: they are counted, and what is delivered
-// is the camera's to the last pixel and microsecond.
+// On a machine that is busy the runtime leaves frames out, as with a camera: they are counted. A delivered frame
+// equals the camera's to the last pixel and microsecond.
 TEST(OpenNi2Soak, EveryFrameIsWholeAndItsTimeNeverDrifts) {
   NEED_VIRTUAL_DEVICE();
   const TestFolder folder;

@@ -114,7 +114,7 @@ TEST(OpenNi2, PullingTheCableIsReportedAsNoDevice) {
   EXPECT_EQ((*source)->next(out.image(), 10).error().code, ErrorCode::no_device) << "it stays lost";
 }
 
-// As a USB camera does, it comes back under another URI; its serial tells that it is the same.
+// As a USB camera does, it comes back under another URI; its serial shows that it is the same.
 TEST(OpenNi2, PluggedInAgainItGoesOnTwentyTimes) {
   NEED_VIRTUAL_DEVICE();
   const TestFolder folder;

@@ -15,7 +15,7 @@ constexpr int kHeight = 6;
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kPeriod_ns = 33 * kMs;
 
-// The camera and the cable: what is plugged in, when.
+// The camera and the cable: the devices plugged in, over time.
 struct World {
   std::int64_t now_ns = 1'000 * kMs;
   bool plugged = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of a camera that moves and says how, against what the camera at rest sees of the same scene.
+// Frames of a camera that moves and reports its pose, against the frames of a camera at rest in the same scene.
 #include "hal/steady_view.h"
 
 #include <gtest/gtest.h>
@@ -84,7 +84,7 @@ class SteadyViewTest : public testing::Test {
     view_.prepare(kCamera.width, kCamera.height);
     EXPECT_FALSE(view_.take(rest_));
   }
-  // Any place at rest will do: the first pose is no identity.
+  // Any place at rest will do: the first pose is not the identity.
   CameraPose rest_ = turned_about({1, 2, -1}, 40, {500, -200, 900});
   // `pose` of the camera in the axes of the view.
   CameraPose from_rest(const CameraPose& pose) const {
@@ -159,7 +159,7 @@ TEST_F(SteadyViewTest, AnOppositeQuaternionIsTheSameTurn) {
   EXPECT_NEAR(down.z, again.z, 1e-6F);
 }
 
-// Gravity told in a turned camera's axes is the view's.
+// Gravity given in a turned camera's axes is the view's.
 TEST_F(SteadyViewTest, ADirectionIsTurnedAlong) {
   const CameraPose pose = turned_about({3, 1, 2}, 7);
   ASSERT_TRUE(view_.take(from_rest(pose)));

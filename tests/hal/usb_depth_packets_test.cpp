@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packet by packet: what makes a picture and what does not. Packets are written here byte by byte.
+// Packet by packet: packets that make a picture and packets that do not. They are written here byte by byte.
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -173,7 +173,7 @@ void expect_books_to_balance(const devices::KinectFaults& faults, std::int64_t s
     sum.wrong += now.wrong;
   }
   rig.camera.faults().lost_ppm = rig.camera.faults().truncated_ppm = 0;
-  for (int i = 0; i < 2; ++i) {  // the last frames are whole, so that what was before them is known
+  for (int i = 0; i < 2; ++i) {  // the last frames are whole, so that the frames before are known
     rig.run(kFrame_us);
     const Accounts now = drain(rig, last, damaged);
     sum.delivered += now.delivered;
@@ -404,8 +404,8 @@ TEST(UsbKinect, WaitsForAnswersAndLeavesOldOnesAlone) {
   EXPECT_TRUE(rig.is_frame(0));
 }
 
-// The bus runs in a thread of its own, as libusb's does, and the reader is slower than the camera: what is delivered
-// is whole, in order, and the books balance.
+// The bus runs in a thread of its own, as libusb's does, and the reader is slower than the camera: delivered frames
+// are whole, in order, and the books balance.
 TEST(UsbKinect, HandsFramesFromOneThreadToAnother) {
   Rig rig;
   expect_ok(rig.open());
@@ -418,7 +418,7 @@ TEST(UsbKinect, HandsFramesFromOneThreadToAnother) {
   });
   std::uint64_t delivered = 0, next = 0;
   for (;;) {
-    const bool was_over = over;  // what is not there after the end will not come
+    const bool was_over = over;  // a frame that is missing after the end will not come
     const auto got = rig.source->next(rig.out.image(), 50);
     if (!got) {
       EXPECT_EQ(got.error().code, ErrorCode::timeout);

@@ -33,7 +33,7 @@ TEST(UsbKinect, KnowsTheDirectionOfDown) {
   expect_ok(rig.source->start());
 }
 
-// A camera on its side: turning the picture upright turns what is down along with it.
+// A camera on its side: turning the picture upright turns the direction of gravity along with it.
 TEST(UsbKinect, TurnsDownWithThePicture) {
   struct {
     int rotate_deg;

@@ -28,7 +28,7 @@ struct ModelPort {
   devices::UsbDevice* device = nullptr;  // null: unplugged
   int generation = 0;                    // an opened device stays gone when another is plugged in
   std::int64_t now_us = 0;
-  std::int64_t until_us = 0;  // what is less than a microframe is not lost from one run() to the next
+  std::int64_t until_us = 0;  // a rest of less than a microframe is kept from one run() to the next
   bool claimed = false;
   int interface_setting = 0;
   UsbPacketSink* sink = nullptr;

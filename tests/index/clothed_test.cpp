@@ -50,7 +50,7 @@ Seen seen_of(const Sample& s) {
   return {s.feature, s.fit, s.back, s.fit_both, s.clothed ? ClothingGiven::dressed : ClothingGiven::bare};
 }
 
-// Clothes of one cut move what is seen in a place of their own, more or less from outfit to outfit.
+// Clothes of one cut change the features in a place of their own, more or less from outfit to outfit.
 Sample in_cut(const World& world, std::uint64_t subject, std::uint8_t kind) {
   constexpr std::size_t kPlace = 10;
   Sample s = in_clothes(world, subject);

@@ -62,7 +62,7 @@ TEST(DamagedIndex, AccidentsAreNoticedOrHarmless) {
   }
 }
 
-// Behind right checksums anything may stand: what is accepted must still answer with numbers.
+// Behind right checksums anything may stand: an accepted index must still answer with numbers.
 TEST(DamagedIndex, AttacksAreRefusedOrAnsweredWithNumbers) {
   const Bytes good = small_index();
   Rng rng(20262);

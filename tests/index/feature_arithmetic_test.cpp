@@ -146,7 +146,7 @@ TEST(AddGram, TwoRowsDoneByHand) {
   EXPECT_EQ(products[kGramWidth + 1], 115);
 }
 
-// X' W X in long double, added to what is there.
+// X' W X in long double, added to `sums`.
 void add_gram_in_long_double(const double* rows, const double* weights, int count, int used, double* sums,
                              double* products) {
   using Wide = long double;

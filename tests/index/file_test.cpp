@@ -264,7 +264,7 @@ TEST(IndexFile, DamagedForeignAndTruncatedFilesAreRefused) {
       EXPECT_EQ(std::memcmp(&*x, &y, sizeof y), 0) << "byte " << at;
     }
   }
-  auto earlier = good;  // what follows the header is as it was
+  auto earlier = good;  // the bytes after the header stay the same
   earlier[4] = std::byte{kVersion - 1};
   const auto old = Index::parse(earlier, "old.i2f");
   ASSERT_FALSE(old);
@@ -456,7 +456,7 @@ TEST(IndexFile, AlikeAreTheNearestEntriesNearestFirst) {
   }
 }
 
-// More to choose from make the choice no worse, but for what they change in the answer itself (2 % here). The
+// More candidates make the choice no worse, except for their change of the answer itself (2 % here). The
 // farthest of them is twice as far.
 TEST(IndexFile, TheEntryCalledNearestIsTheNearestOfThem) {
   const World world(0.1);

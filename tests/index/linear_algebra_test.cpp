@@ -66,7 +66,7 @@ TEST(LinearAlgebra, AGramIsAddedToWhatIsThere) {
   EXPECT_EQ(twice(4, 2), 2 * once(4, 2));
 }
 
-// Independent of the factor: by what the solution must fulfil, and as near to it as Eigen's.
+// Independent of the factor: by the equations of the solution, and as near to it as Eigen's.
 TEST(LinearAlgebra, SolutionsFulfilTheirEquations) {
   for (const std::ptrdiff_t size : {1, 2, 7, 8, 9, 63, 64, 65, 72, 130, 200}) {
     const Eigen::MatrixXd half = drawn<Eigen::MatrixXd>(size + 20, size, 3);

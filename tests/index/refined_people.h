@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Synthetic people of whom a fit and a view from behind are known as well.
+// Synthetic people with a known fit and a known view from behind as well.
 #pragma once
 
 #include <limits>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every test of kernel variants shares: seeded biased data, buffers between guard pages, the same call on every
-// variant. The idea is that of dav1d's checkasm: the contract is `portable`, every other tier must give its bits.
+// The common part of all tests of kernel variants: seeded biased data, buffers between guard pages, the same call on
+// every variant. The idea is dav1d's checkasm: the contract is `portable`, every other tier must give its bits.
 //
 //   checkasm::Trial trial;                           // prints the seed; IM2FIT_CHECK_SEED=N repeats one
 //   for (int width : checkasm::odd_sizes(64)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The harness itself: that it sees what it must see.
+// The harness itself: it finds the faults that it must find.
 #include "tests/kernels/checkasm.h"
 
 #include <gtest/gtest-spi.h>

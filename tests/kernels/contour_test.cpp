@@ -112,7 +112,7 @@ TEST(Contour, WidestRowsAtBothExtremes) {
   }
 }
 
-// What ends before a word of 64 without the person is no neighbour of what begins behind it.
+// A run that ends before a word of 64 without the person is not a neighbour of one that begins behind it.
 TEST(Contour, AnEmptyWordLiesBetween) {
   constexpr int kWidth = 192;
   std::vector<std::uint16_t> depth(kWidth, 20000);
@@ -168,7 +168,7 @@ TEST(Contour, DiscInFrontOfAWall) {
         EXPECT_EQ(steps_of(v), (std::vector<int>{150 - half, 150 + half + 1}));
       }
     }
-    // One unit less is no step.
+    // One unit less is not a step.
     for (auto& d : depth)
       if (d == kFar) --d;
     run();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels behind DepthFusion; what they are for is tested in fuse_test.cpp.
+// The kernels behind DepthFusion; fuse_test.cpp tests their use.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -97,7 +97,7 @@ TEST(MembershipCheck, EveryTierGivesTheSameBits) {
       };
       run(membership_portable, want);
       // ref works in doubles: its limit differs from the float one only where a whole distance equals it, and
-      // 4.275e-6 z z is no whole number for any depth up to 10000 (855 z z / 2 x 10^8).
+      // 4.275e-6 z z is not a whole number for any depth up to 10000 (855 z z / 2 x 10^8).
       run(membership_ref, got);
       checkasm::expect_same_bits(want, got);
       checkasm::each_simd(kMembershipKernels, [&](const auto& variant) {

@@ -82,7 +82,7 @@ std::uint16_t word(const Bytes& bytes, std::size_t i) {
   return static_cast<std::uint16_t>(bytes.at(i) + 256 * bytes.at(i + 1));
 }
 
-// The oldest transfer of this context comes back. False: there is none. The world is unlocked while its owner is
+// Completes the oldest transfer of this context. Returns false without one. The world is unlocked while the owner is
 // called.
 bool complete_one(libusb_context* context) {
   std::unique_lock lock(world().mutex);

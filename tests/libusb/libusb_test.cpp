@@ -228,7 +228,7 @@ TEST_F(Libusb, AMachineWithoutUsbHasNoCameras) {
 
 TEST_F(Libusb, ListsWhatIsThere) {
   devices::KinectSettings settings;
-  settings.serial = "B 1";  // what is no part of a URI is left out
+  settings.serial = "B 1";  // characters that a URI does not allow are left out
   KinectCameraModel other(settings, picture);
   fake::plug("1-1.1", camera_);
   fake::plug("2-3", other);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Figures of ellipsoids and capsules with their arms where the test wants them: what is between arm and trunk?
+// Figures of ellipsoids and capsules with their arms where the test wants them: the gap between arm and trunk.
 #include "perception/observe/arm_gap.h"
 
 #include <gtest/gtest.h>

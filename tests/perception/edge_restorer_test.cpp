@@ -39,7 +39,7 @@ struct Disc {
   std::vector<std::uint16_t> pixels;
 };
 
-// The mean of what has data within `reach_px`.
+// The mean of pixels with data within `reach_px`.
 void blend(Disc& disc, int reach_px) {
   Disc before = disc;
   for (int v = 0; v < kHeight; ++v)
@@ -54,7 +54,7 @@ void blend(Disc& disc, int reach_px) {
     }
 }
 
-// No data beside steps of a tenth of a metre and more, and beside the end of what is seen.
+// No data beside steps of a tenth of a metre and more, and beside the end of the visible surface.
 void drop(Disc& disc, int reach_px) {
   Disc before = disc;
   for (int v = 0; v < kHeight; ++v)
@@ -98,7 +98,7 @@ TEST(EdgeRestorer, DroppedOutlinesComeBack) {
   }
 }
 
-// 3x3 of a picture 256 pixels high is no wider than what comes back, 5x5 is.
+// In a picture 256 pixels high a blend of 3x3 is not wider than the restored rim, one of 5x5 is.
 TEST(EdgeRestorer, WideBlendsAreBeyondRepair) {
   for (const auto& [reach_px, focal_px, beyond] :
        {std::tuple{1, kFocalPx, false}, {2, kFocalPx, true}, {2, 2 * kFocalPx, false}, {0, kFocalPx, false}}) {

@@ -111,7 +111,7 @@ TEST(PersonVotes, HeightsAboveTheFloorDecide) {
   EXPECT_TRUE(above(-1));
 }
 
-// What is read of the mirror image by mirrored anchors is what is read of the view.
+// Mirrored anchors read from the mirror image the values of the view.
 TEST(PersonVotes, AMirrorImageReadsTheSame) {
   test::ModelRecords records = test::constant_model(10, 5, 0, 3);
   records.bone[3 * joint_index(Joint::LA)] = 200;

@@ -186,7 +186,7 @@ TEST(ChainFilter, ABoneNeverSeenIsAsLongAsItsMirrorImage) {
   EXPECT_NEAR(norm(out.joints[Joint::RA] - (joints[Joint::RE] + along * length)), 0, 0.01);
 }
 
-// The elbow is a guess, and far off: what lies between it and the hand is no forearm.
+// The elbow is a guess, and far off: the span between it and the hand is not a forearm.
 TEST(ChainFilter, ABoneIsNotLearnedFromAGuessedParent) {
   ChainFilter chain;
   chain.step(figure(), kPeriod);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A person too near to be found is reported; a wall, a box or a corner as near is no person.
+// A person too near to be found is reported; a wall, a box or a corner as near is not a person.
 #include <gtest/gtest.h>
 
 #include <cmath>

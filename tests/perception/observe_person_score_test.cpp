@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is taken for a person, and by what: the joints' ensemble spread. Models written by hand: one whose runs agree
-// everywhere, one whose runs never do.
+// The decision that a figure is a person, by the joints' ensemble spread. Models written by hand: one whose runs
+// agree everywhere, one whose runs never do.
 #include <gtest/gtest.h>
 
 #include <algorithm>

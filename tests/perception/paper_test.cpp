@@ -119,7 +119,7 @@ TEST_P(Paper, StatureOfACardboardFigure) {
   EXPECT_NEAR(m.stature_mm, truth, 0.1);  // depth is rounded to 1/16 mm
 }
 
-// The contour away from the axis does not count: a raised hand beside the head is no crown.
+// The contour away from the axis does not count: a raised hand beside the head is not the crown.
 TEST_P(Paper, StatureIgnoresARaisedHand) {
   const Picture picture([](double tx, double ty) {
     const bool trunk = std::fabs(tx) < 0.06 && ty > -0.4 && ty < 0.45;

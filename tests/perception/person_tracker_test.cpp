@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is accepted, rejected, looked at and held, with the joints' evidence written by hand.
+// Accepted, rejected, target and held people, with the joints' evidence written by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -47,7 +47,7 @@ class PersonTracking : public testing::Test {
       if (user.id == id) return user.confirmed;
     return false;
   }
-  // Shows the scene until the user looked at is judged `frames` times; how many of them said that it is a person.
+  // Shows the scene until the target user is judged `frames` times. Returns how many of these found a person.
   int accepted_frames(const Scene& s, const JointEvidence& evidence, int frames) {
     int yes = 0;
     for (int i = 0; i < frames; ++i) {

@@ -20,7 +20,7 @@ HeightScan scan_of(const test::RayPicture& p, std::int32_t up_offset, std::int32
           p.rows1.data(), up_offset, side_offset,       side_max};
 }
 
-// Between guard pages: what is read or written outside faults.
+// Between guard pages: an access outside faults.
 void run_guarded(const HeightScan& scan, checkasm::Trial& trial) {
   checkasm::Buffer<std::uint64_t> squares(kHeightBins, trial.next_end());
   sum_by_height(scan, squares.data());
@@ -104,7 +104,7 @@ std::int32_t sum_in_double(const HeightScan& s, std::vector<std::uint64_t>& squa
   return lowest < HUGE_VAL ? static_cast<std::int32_t>(std::lround(lowest / kUnit)) : kHeightNone;
 }
 
-// Sums may move between two bins where rounding moves a point over their edge; the running sum differs by what lies
+// Sums may move between two bins where rounding moves a point over their edge; the running sum differs by the points
 // that near, here no more than a few points of some thousands.
 TEST(Height, AgreesWithDouble) {
   checkasm::Trial trial;

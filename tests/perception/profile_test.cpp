@@ -116,7 +116,7 @@ TEST_F(CylinderProfile, AJointThatIsNowhereGivesNothing) {
   }
 }
 
-// Pixels that are masked but hold no depth are no crown and no soles.
+// Pixels that are masked but hold no depth do not count as crown or soles.
 TEST_F(CylinderProfile, MaskWithoutDepthChangesNothing) {
   run();
   const std::vector<float> before = out;

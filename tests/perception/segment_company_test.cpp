@@ -59,7 +59,7 @@ Scene room(float wall_z) {
   return s;
 }
 
-// A wall at the side, touched by a hand of who stands 420 mm from it.
+// A wall at the side, touched by the hand of a person 420 mm from it.
 Scene room_with_side_wall() {
   Scene s = room(4800);
   s.boxes = {{{1100, 0, 300}, {1200, 2800, 4900}}};
@@ -88,7 +88,7 @@ TEST(SegmentCompany, WhoTouchesASideWallDisturbs) {
   EXPECT_GT(observe(s, 2, seen.users[1].id).overlap, 0.93);
 }
 
-// A forearm before the belt hides where the trunk joins the legs; a hood is no head; the feet stand apart.
+// A forearm before the belt hides where the trunk joins the legs; a hood is not a head; the feet stand apart.
 std::vector<Capsule> astride_at(float x, float z, float foot, int owner = 1) {
   const auto at = [&](float dx, float y, float dz = 0) { return Vec3f{x + dx, y, z + dz}; };
   std::vector<Capsule> c = {

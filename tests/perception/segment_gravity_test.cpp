@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What gravity is for: a camera that is tilted where no floor is seen, and planes that are no floor.
+// Uses of gravity: a tilted camera that sees no floor, and planes that are not a floor.
 #include <gtest/gtest.h>
 
 #include "perception/segment/segment.h"

@@ -78,7 +78,7 @@ TEST(SegmentReuse, FloorStaysRightOverManyFrames) {
   }
 }
 
-// Up, down and tilted by what one frame cannot hide and by what it can.
+// Up, down and tilted, by amounts that one frame cannot hide and by amounts that it can.
 TEST(SegmentReuse, CameraThatMovesLeavesTheFloor) {
   const Scene before = room(1100, 4);
   for (const Scene& after : {room(1140, 4), room(1060, 4), room(1115, 4), room(1100, 5), room(1100, 3.5F)}) {
@@ -90,7 +90,7 @@ TEST(SegmentReuse, CameraThatMovesLeavesTheFloor) {
   }
 }
 
-// The wall comes nearer, as when the camera is carried to another place: what is left of it is not the person's.
+// The wall comes nearer, as when the camera is carried to another place: the rest of the wall is not the person's.
 TEST(SegmentReuse, WallThatMovesIsFoundAnew) {
   const Scene before = room(1100, 4, kPersonZ + 1500);
   for (const float wall_z : {kPersonZ + 700, kPersonZ + 1300, kPersonZ + 2200}) {

@@ -63,7 +63,7 @@ TEST(SensorTraits, NoNoiseIsRecognised) {
   EXPECT_FLOAT_EQ(sensor_traits(with_noise(kNoLosses, 1.5F), 2300, kFocalPx)[kTof], 0.5F);
 }
 
-// A driver that smooths over time hides the noise, not what is lost. Least noise by hand: half way from 3.587
+// A driver that smooths over time hides the noise, not the losses. Least noise by hand: half way from 3.587
 // to 8.059 mm at 2.3 m, and 0.8 of 3.587.
 TEST(SensorTraits, SmoothedSensorsAreKnownByWhatTheyLose) {
   for (const float noise_mm : {0.0F, 0.8F, 1.8F, 3.2F}) {

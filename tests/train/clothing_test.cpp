@@ -143,7 +143,7 @@ TEST_F(Clothes, TrousersHangOffTheAnkles) {
     const double skin = off_bone(std::span<const Vec3f>(d.rest).first(body_count()), 0.75F, 0.9F);
     const double calf = off_bone(std::span<const Vec3f>(d.rest).first(body_count()), 0.2F, 0.45F);
     const double hem = off_bone(cloth.vertices, 0.75F, 0.9F);
-    EXPECT_GT(hem, skin + 28) << i;  // farther than what lies on the limb may
+    EXPECT_GT(hem, skin + 28) << i;  // farther than the layer on the limb may
     EXPECT_GT(hem, 1.15 * calf) << i;
     EXPECT_LT(hem, 1.4 * (calf + 28)) << i;  // of the calf as worn
   }

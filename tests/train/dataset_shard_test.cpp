@@ -191,7 +191,7 @@ TEST_F(Shards, ADamagedOneIsFoundWhenRead) {
   write("a", {4, 4});
   const std::string path = folder_ / "a" + "/" + shard_name(small_run(), {4, 4});
   auto bytes = *read_file(path);
-  bytes[bytes.size() - 64] ^= std::byte{1};  // of the last section; what follows may be padding
+  bytes[bytes.size() - 64] ^= std::byte{1};  // of the last section; the bytes after it may be padding
   ASSERT_TRUE(write_file_atomically(path, bytes));
   const auto set = find({"a"});
   ASSERT_TRUE(set);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brute force on triangle meshes: distances, inside or not, what a ray meets.
+// Brute force on triangle meshes: distances, inside or not, the hit of a ray.
 #pragma once
 
 #include <algorithm>

@@ -47,7 +47,7 @@ TEST_F(OodSubjects, RepeatAndDifferFromTrainingAndFromHeldOut) {
   EXPECT_GT(changed, 10);
 }
 
-// Half of them are of another make: joints move with their surface, which has lost what is small on the first.
+// Half of them are of another make: joints move with their surface, which lacks the small details of the first.
 TEST_F(OodSubjects, SmoothedOnesKeepTheirBuildAndLoseDetails) {
   int smoothed = 0;
   for (std::uint64_t i = 0; i < 24; ++i) {
@@ -81,8 +81,8 @@ TEST_F(OodSubjects, SmoothedOnesKeepTheirBuildAndLoseDetails) {
   EXPECT_LT(smoothed, 20);
 }
 
-// As many plain passes leave 43 % of the volume, and girths, which are asked for by weight afterwards, would be too
-// large for it.
+// As many plain passes leave 43 % of the volume. Girths are fitted to the weight afterwards, and would be too large
+// for it.
 TEST_F(OodSubjects, SmoothingDoesNotShrink) {
   std::vector<Vec3f> rest(static_cast<std::size_t>(model().vertex_count()));
   model().morph({}, rest);

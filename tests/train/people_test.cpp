@@ -259,7 +259,7 @@ TEST_F(People, RestagedInTheSameClothesIsAsNew) {
     }
 }
 
-// A plate that hangs before the body, in the body's own axes, is what the camera sees there, and is the person's.
+// The camera sees a plate that hangs before the body, in the body's own axes. The plate is the person's.
 TEST_F(People, GarmentsHangOnThePosedBody) {
   constexpr float kBeforeMm = 400;
   SceneOptions options = landscape();

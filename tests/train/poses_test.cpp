@@ -173,7 +173,7 @@ TEST_F(Poses, CrossedHandsLieOnTheTrunkNotInIt) {
           s != body::Segment::left_hand && s != body::Segment::right_hand)
         continue;
       const Vec3f p = posed[static_cast<std::size_t>(v)];
-      // The trunk is open where arms, neck and legs go; its solid angle still tells inside from outside.
+      // The trunk is open where arms, neck and legs go; its solid angle still separates inside from outside.
       if (winding(p, posed, trunk_triangles) > 0.5F) {
         EXPECT_LT(distance_to(p, posed, trunk_triangles), 35) << "seed " << seed << " vertex " << v;
       }

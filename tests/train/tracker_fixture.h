@@ -30,7 +30,7 @@ class WithTracker : public WithBody {
 
  private:
   struct Loaded {
-    std::vector<std::byte> bytes;  // what the model points to
+    std::vector<std::byte> bytes;  // the model points into these
     std::unique_ptr<JointModel> model;
   };
   static Loaded& loaded() {

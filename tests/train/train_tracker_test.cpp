@@ -144,7 +144,7 @@ TEST(TrainTracker, CachedModelMeetsItsBarOnHeldOutPeople) {
   EXPECT_GT(worst_overlap, 0.93);
 }
 
-// People and rooms that the votes have not learnt from, by what was drawn; every fourth without floor and shape.
+// People and rooms that the votes have not learnt from, with the drawn truth; every fourth without floor and shape.
 TEST(TrainTracker, CachedModelTellsPeopleFromThings) {
   const auto body = load_body();
   const auto file = read_file(cached("IM2FIT_TRACKER", "tracker.i2t"));

@@ -269,7 +269,7 @@ IM2FIT_SIMD_CLONES void DepthSensor::expect_rows(const CleanView& view, int v0, 
   const std::int32_t* __restrict lost_by_raw = tables_.lost_by_raw.data();
   const std::int32_t* __restrict lost_by_cosine = tables_.lost_by_cosine.data();
   const std::int32_t heard = options_.holes ? -1 : 0;
-  // In passes over short blocks, with comparisons and not std::min: what the vectoriser makes something of.
+  // In passes over short blocks, with comparisons and not std::min: the vectoriser can handle these.
   constexpr int kBlock = 128;
   constexpr auto kLast = static_cast<float>(kRawCount - 1);
   std::int32_t index[kBlock], angle[kBlock];

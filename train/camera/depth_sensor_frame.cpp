@@ -27,7 +27,7 @@ std::uint64_t draw(std::uint64_t row, int k) {
   return Rng(row + kRowStep * static_cast<std::uint64_t>(k)).next();
 }
 
-// Whether of the next kTogether pixels none is at an edge and none hair.
+// Whether none of the next kTogether pixels is at an edge or is hair.
 constexpr int kTogether = 8;
 bool plain(const std::uint8_t* edges, const std::uint8_t* labels) {
   std::uint64_t edge = 0, label = 0;

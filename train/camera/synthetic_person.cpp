@@ -93,7 +93,7 @@ Result<SyntheticInput> open_synthetic(const std::string& seed, const std::string
   options.subject = subject_of_seed(options.seed);
   auto loaded = load_body(body_path);
   if (!loaded) return loaded.error();
-  // The generator keeps what it draws from alive.
+  // The generator keeps its model alive.
   const auto model = std::make_shared<const body::BodyModel>(std::move(*loaded));
   const auto person = std::make_shared<SyntheticPerson>(*model, options);
   hal::SourceInfo info;

@@ -62,7 +62,7 @@ struct SceneOptions {
   bool back_view = false;  // turned by 180 degrees
   bool sway = true;        // standing sway of a few mm and tenths of a degree; false: frames differ by noise only
 
-  // Off by default; what is off leaves every other draw as it was.
+  // Off by default; a disabled option leaves every other draw as it was.
   Clothing clothing = Clothing::none;  // also shoes; joints and person_mesh stay the naked body's, raised by the sole
   bool hair = false;                   // volume of 0..40 mm on the head's hair region
   Dresser dresser;                     // of Clothing::garments, of the main person
@@ -120,8 +120,8 @@ class VirtualScene {
   // Mask of the person, upright or not like render()'s output, of the frame rendered last: 255 where the pixel is
   // the person's, flying ones too (holes and shadow are 0). Masks of different people are disjoint.
   void person_mask(MaskImage out, std::size_t who = 0) const;
-  // Those pixels of the main person's mask whose delivered depth is a mixture with what lies behind or in front, more
-  // than kMixedMm off the person's surface (flying pixels; time of flight alone).
+  // Those pixels of the main person's mask whose delivered depth is a mixture with the surface behind or in front,
+  // more than kMixedMm off the person's surface (flying pixels; time of flight alone).
   void mixed_mask(MaskImage out) const;
   // Box of the main person's clean silhouette in the frame rendered last, sensor pixels; empty before the first.
   PixelBox person_box() const;

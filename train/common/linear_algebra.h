@@ -12,7 +12,7 @@ namespace im2fit::lab {
 using RowMatrixF = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using RowMatrixD = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Adds rows^T rows to the lower triangle of `gram` (columns x columns of `rows`); what is above the diagonal is left
+// Adds rows^T rows to the lower triangle of `gram` (columns x columns of `rows`); the values above the diagonal are
 // undefined. Of floats, some hundred rows at a time are summed as floats.
 void add_gram(const Eigen::Ref<const RowMatrixF, 0, Eigen::OuterStride<>>& rows, Eigen::MatrixXd& gram);
 void add_gram(const Eigen::Ref<const RowMatrixD, 0, Eigen::OuterStride<>>& rows, Eigen::MatrixXd& gram);

@@ -26,8 +26,8 @@ inline int default_threads() {
   return cores > 0 ? static_cast<int>(cores) : 1;
 }
 
-// Each thread makes itself a worker, with what one item may leave to the next, and calls it with every i below
-// `count` that falls to it. `on_done`, with the number of items done so far, is called one call at a time.
+// Each thread makes itself a worker, which may keep state from one item to the next, and calls it with its share of
+// the i below `count`. `on_done`, with the number of items done so far, is called one call at a time.
 template <class Index, class MakeWorker>
 void for_each_item_by_worker(Index count, int thread_count, const MakeWorker& make_worker,
                              const std::function<void(std::uint64_t)>& on_done = {}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Processor time of the calling thread: what a part costs, whatever else runs meanwhile.
+// Processor time of the calling thread: the cost of a part, independent of other load.
 #pragma once
 
 #include <ctime>

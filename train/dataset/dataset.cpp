@@ -92,7 +92,7 @@ CaptureOptions draw_capture_of(const DatasetOptions& o, std::uint64_t number, co
   return draw_capture(variety, o.seed, number, drawn);
 }
 
-// Hair is no sign of clothes: half of the out-of-distribution people have some when seen bare, and a fifth of the
+// Hair is not a sign of clothes: half of the out-of-distribution people have some when seen bare, and a fifth of the
 // dressed have none. Judgement; real people have hair more often, but training people have none.
 constexpr double kBareHairShare = 0.5, kDressedBaldShare = 0.2;
 
@@ -413,8 +413,8 @@ RunKey run_key_of(const body::BodyModel& model, const DatasetOptions& o) {
 
 namespace {
 
-// What runs that were killed left half written. Another run may be writing beside this one: only what has long not
-// been touched is removed.
+// Removes half-written files of runs that were killed. Another run may be writing beside this one: only files that
+// have long not been touched are removed.
 void remove_leftovers(const std::string& folder) {
   constexpr auto kAgeMin = std::chrono::hours(1);  // a shard is written in seconds
   std::error_code code;

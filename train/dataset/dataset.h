@@ -31,14 +31,14 @@ struct DatasetOptions {
   std::uint32_t ood_below = 14336;
   // Of every n-th pair of a man and a woman, and of every OOD subject, the sample also has the view from behind and
   // the fitted shapes; 0: of none. Needs a body file with a shape space. Only subjects numbered below `turn_below`:
-  // what is learned from these needs thousands of people, not millions, and a rule by number lets a run grow.
+  // learning from these needs thousands of people, not millions, and a rule by number lets a run grow.
   int turn_every = 2;
   // Of every n-th pair, counted from the second, and of every OOD subject there is another sample in clothes, with
   // the view from behind and the fitted shapes; 0: of none. The same people as above only.
   int clothed_every = 2;
   std::uint32_t turn_below = 14336;
   // Of these, subjects numbered below have a repeat capture, in another pose, place, room and outfit and in as many
-  // frames as a device takes: answers learn from it what is not of the body, intervals what frames take away.
+  // frames as a device takes: answers learn from it the effects of pose and outfit, intervals the gain by frames.
   std::uint32_t again_below = 2048;
   int thread_count = 2;  // does not change the result
   // Resuming: finished chunks are kept in `work_dir` ("" = none) as shards and used again when they were made with

@@ -66,8 +66,8 @@ struct ChunkCounts {
   std::array<std::int64_t, kGuidanceCount> refused{};
 };
 
-// Features are kept in half precision, divided by 2^feature_exponent(): fit_to_shard() rounds a sample to what comes
-// back.
+// Features are kept in half precision, divided by 2^feature_exponent(): fit_to_shard() rounds a sample to the values
+// read back.
 struct Chunk {
   std::vector<index::Sample> samples;  // in the order of subjects, features and bodies of the run's sizes
   ChunkCounts counts;                  // counts.samples is samples.size()
@@ -101,10 +101,10 @@ class ShardSet {
   const RunKey& run() const { return shards_.front().run; }
   const std::vector<ShardAbout>& shards() const { return shards_; }  // in the order of subjects
   SubjectRange range() const;
-  // An error that names what is missing or too much, unless these are just the subjects there are.
+  // An error that names missing or extra subjects, unless these are exactly the subjects of the shard.
   Status expect(const SubjectRange& wanted) const;
-  // In the order of subjects. Errors: a damaged shard; what came before has been given to `take`, which may end the
-  // reading by false.
+  // In the order of subjects. Errors: a damaged shard; `take` has then got the samples before the damage. `take` may
+  // return false to end the reading.
   Status read(const std::function<bool(const index::Sample&)>& take) const;
 
  private:

@@ -81,7 +81,7 @@ struct CaptureRig::Station {
   PixelBox box;                  // of the parts
 };
 
-// Copies: the rig's next run overwrites what it has fused.
+// Copies: the rig's next run overwrites its fused data.
 struct CaptureRig::Kept {
   std::vector<std::uint16_t> depth;
   std::vector<std::uint8_t> mask;

@@ -36,7 +36,7 @@ class Posing {
                       : body::transpose(relaxed.rotation[static_cast<std::size_t>(parent)]) * relaxed.rotation[s];
     }
   }
-  // After what it does already.
+  // Follows the rotations so far.
   Posing& turn(Segment s, Vec3f axis, float degrees) {
     local_[at(s)] = body::rotation_about(axis, degrees) * local_[at(s)];
     return *this;

@@ -47,7 +47,7 @@ std::vector<body::Outfit::Piece> pieces_for(const DressedPerson& person, const s
 // teach, are moulded on the skin; these are cut flat in the sizes of a chart and hang on the posed body.
 struct GarmentChoice {
   std::vector<std::string> garments;  // ids, in this order from the skin
-  int sizes_larger = 0;               // than what fits best: 0 or 1
+  int sizes_larger = 0;               // than the best fit: 0 or 1
 };
 // A shirt, short- or long-sleeved, over trousers; half of all people wear one size larger.
 GarmentChoice draw_garments(Rng& rng);

@@ -19,7 +19,7 @@ struct BuildOptions {
   std::uint64_t seed = 1;
   std::string provenance;                // free text stored in the file: command line, seeds, versions; <= 64 KiB
   std::vector<FeatureGroup> groups;      // empty: default_groups
-  std::uint32_t population_version = 0;  // what the subjects' numbers mean (IndexedPerson)
+  std::uint32_t population_version = 0;  // the meaning of the subjects' numbers (IndexedPerson)
   std::uint64_t population_seed = 0;
   std::uint32_t shape_key = 0;    // of the shape space behind the samples' fits (body/fit)
   std::uint32_t tracker_key = 0;  // of the joint model that saw the samples (JointModel::key); 0: unknown

@@ -33,7 +33,7 @@ struct IntervalModel {
 // Share of out-of-distribution subjects among those that intervals are calibrated on: of the plain answer, and by
 // kind of refinement. Most of them, since half of these are of another make of body and intervals must hold for
 // people of no make known here. The most where both sides are seen: errors of in-distribution people are smallest
-// there. Judgement, set once and not fitted to a family of the evaluation; what they hold: docs/evaluation.md.
+// there. Judgement, set once and not fitted to a family of the evaluation. Their coverage: docs/evaluation.md.
 inline constexpr double kOodShare = 0.6;
 inline constexpr std::array<double, kRefinementCount> kRefinedOodShare = {0.6, 0.7, 0.6, 0.6};
 inline constexpr std::size_t kOodMin = 200;  // fewer determine 2.5 % quantiles too badly

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workstation side: where an entry's codes stand, and what it got wrong there.
+// Workstation side: the places of an entry's codes, and the errors of the encoding.
 #pragma once
 
 #include <array>

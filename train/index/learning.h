@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workstation side: what a regression is taught, from samples: standardised features, standardised targets.
+// Workstation side: the input of a regression, from samples: standardised features, standardised targets.
 #pragma once
 
 #include <Eigen/Core>

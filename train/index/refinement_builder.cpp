@@ -22,7 +22,7 @@ constexpr std::uint64_t kClothingStream = 0xC107;
 // FPFH are many and noisy; the frames stand for themselves, as does what kind of sensor they are of
 // (docs/formats-index.md).
 constexpr double kFitPenalty = 0.03, kHistogramPenalty = 3, kFramesPenalty = 0.1, kSensorPenalty = 0.1;
-// A row's variance where people stand beyond kWellSeenMm, in squares of that distance over this: what it counts by.
+// A row weighs 1 / (1 + this times the square of its distance's share beyond kWellSeenMm).
 constexpr double kFarVariance = 11;
 
 // The penalty of each value in those of others, by where refined_values() puts it.
@@ -52,12 +52,12 @@ double novelty_of(const RowMatrixF& z, std::ptrdiff_t row) {
   return seen > 0 ? z.row(row).cast<double>().squaredNorm() / static_cast<double>(seen) : 0;
 }
 
-// Estimates shrink to the mean, the more so for people of another make: whoever is slim or heavy would read too near
-// it. `rows`: out-of-distribution people, whom the answers were not learned from. How much of a difference in truth
-// is answered, by target; 1 where there are too few people to know.
+// Estimates shrink to the mean, more so for people of another make: a slim or heavy person's would be too near it.
+// `rows`: out-of-distribution people, left out of the fit of the answers. Returns the share of a difference in truth
+// that the answer shows, by target; 1 where there are too few people to estimate it.
 Eigen::VectorXd answered_share(const Eigen::MatrixXd& answer, const Eigen::MatrixXd& truth,
                                const std::vector<std::ptrdiff_t>& rows, Eigen::VectorXd& mean) {
-  constexpr double kShareLeast = 0.85;  // less is no estimate to be stretched
+  constexpr double kShareLeast = 0.85;  // a smaller share cannot be stretched to a sound estimate
   mean = Eigen::VectorXd::Zero(truth.cols());
   Eigen::VectorXd share = Eigen::VectorXd::Ones(truth.cols());
   if (rows.size() < kOodMin) return share;
@@ -205,8 +205,8 @@ RefinementBuilder::LearnedMap::LearnedMap(const FeatureScale& values, const Line
   for (std::ptrdiff_t t = 0; t < fit.bias.size(); ++t) bias.push_back(static_cast<float>(fit.bias(t)));
 }
 
-// Bare and dressed people, who count alike in sum. Neither the shape nor the sex of a person may stand for clothes:
-// most subjects are seen both ways, so what differs between them is what is worn.
+// Bare and dressed people, with equal total weight. Neither the shape nor the sex of a person may stand for clothes:
+// most subjects are seen both ways, so that the two differ by the clothes alone.
 RefinementBuilder::LearnedClothing RefinementBuilder::learn_clothing(Refinement view, std::uint64_t seed) const {
   const auto count = static_cast<std::ptrdiff_t>(rows_[0].size() + rows_[1].size());
   std::vector<const std::vector<float>*> values;
@@ -270,7 +270,7 @@ HeldOut RefinementBuilder::Learned::held_out_of(Refinement kind, const Row& row,
 void RefinementBuilder::Learned::judge(Refinement kind, const Rows& people, const std::vector<std::ptrdiff_t>& judged,
                                        const std::vector<std::ptrdiff_t>& unlike, const TargetSpace& targets,
                                        const PlainAnswers& plain, const Answers& answers, bool for_unknown_makes) {
-  // Of people in clothes there is no plain answer to mix with.
+  // For people in clothes there is no plain answer to mix with.
   record.share.fill(1.0F);
   for (std::ptrdiff_t t = 0; !is_of_clothed(kind) && t < kTargetMin; ++t) {
     double change_square = 1e-12, change_right = 0;

@@ -25,7 +25,7 @@ class RefinementBuilder {
   // Held in memory, of people undressed and in clothes: 18 kB each, and as much again while they are learned from, by
   // each thread.
   static constexpr std::size_t kSampleMax = 16384;
-  // Keeps what it needs of a sample that refines.
+  // Keeps the needed parts of a sample that refines.
   void add(const Sample& sample);
   // The index' plain answers, standardised, to the first capture of subjects that had no part in them.
   using PlainAnswers = std::map<std::uint64_t, Targets>;
@@ -38,7 +38,7 @@ class RefinementBuilder {
   // `targets`: as the index standardises them. A kind of people with fewer than kSampleMin samples is left out. Gives
   // up what add() kept.
   void learn(const TargetSpace& targets, const PlainAnswers& plain, const Settings& settings);
-  // Sections of every kind that was learned, and of how clothes are told.
+  // Sections of every refinement that was learned, and of the clothing classifier.
   void write(ContainerWriter& out) const;
 
  private:

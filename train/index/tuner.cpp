@@ -195,7 +195,7 @@ std::span<Neighbour> Tuner::neighbours_of(Trial& trial, std::ptrdiff_t row, cons
       std::min<std::size_t>(static_cast<std::size_t>(end - found.begin()), static_cast<std::size_t>(count)));
 }
 
-// The neighbour whose true place is nearest; -1: there is none.
+// The neighbour whose true place is nearest; -1: no neighbour.
 std::ptrdiff_t Tuner::nearest_body(const Trial& trial, std::span<const Neighbour> neighbours,
                                    const Position& wanted) const {
   double best = 1e300;
@@ -224,7 +224,7 @@ double Tuner::nearest_entry_error(Trial& trial) const {
   return sum;
 }
 
-// A global quadratic surface over the projected space, for what a linear map of the features cannot bend to.
+// A global quadratic surface over the projected space, for curvature that a linear map of the features lacks.
 void Tuner::fit_quadratic() {
   const int dimensions = static_cast<int>(meta.dimensions);
   const int terms = quadratic_term_count(dimensions);

@@ -245,7 +245,7 @@ class Packer {
     return Ok{};
   }
 
-  // Layouts lack some of these files (an average breast moves nothing): a missing one is none.
+  // Layouts lack some of these files (an average breast moves nothing): a missing file moves nothing.
   Status add_breast(const std::string& build, const std::vector<Factor>& factors) {
     static constexpr Named kCups[] = {
         {"mincup", Factor::cup_min}, {"averagecup", Factor::cup_average}, {"maxcup", Factor::cup_max}};

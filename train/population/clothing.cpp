@@ -14,7 +14,7 @@ namespace im2fit::lab {
 namespace {
 
 constexpr float kLimbMostMm = 20;  // of loose clothes, off the trunk
-// Bounds, not what is worn: a shirt off a slim waist below chest and shoulder blades; sleeves and legs. Judgement.
+// Upper bounds: of a shirt off a slim waist below chest and shoulder blades; of sleeves and legs. Judgement.
 constexpr float kHangingMostMm = 120, kHangingLimbMostMm = 28;
 constexpr int kDrapePasses = 5;
 constexpr float kStiffness = 0.3F;      // how much of its own ease the cloth keeps in a pass
@@ -94,7 +94,7 @@ Tailor::Cut Tailor::draw_cut(Clothing clothing, bool woman, Rng& rng) {
   cut.hem = rng.uniform() < 0.3 ? 0.3F : draw(rng, -0.25, 0.15);  // tucked in, or over the trousers
   cut.flare = draw(rng, 0.75, 1.35);
   if (clothing == Clothing::hanging) {
-    cut.hem = 0.05F;  // of what lies on the skin; the tail falls over it
+    cut.hem = 0.05F;  // of the layer on the skin; the tail falls over it
     cut.flare = 0.7F;
     cut.slack_mm = draw(rng, 0, 1);
   } else {
@@ -131,7 +131,7 @@ float Tailor::ease_of(std::size_t vertex, const Cut& cut, Cover cover) const {
   const float least = ease_range(cut.clothing, false).least_mm;
   switch (place.part) {
     case Part::trunk: {
-      // Cloth lies on the shoulders and hangs from the chest; what is under a shirt lies closer.
+      // Cloth lies on the shoulders and hangs from the chest; clothes under a shirt lie closer.
       const float hanging = smooth((0.95F - place.along) / 0.45F) * (1 - 0.7F * std::max(0.0F, normal_[vertex].y));
       return cover == Cover::upper ? mix(least, cut.trunk_mm, hanging) : least + 1;
     }
@@ -196,7 +196,7 @@ void Tailor::clothe(std::span<const Vec3f> rest, const Cut& cut, Rng& rng, Outfi
     const EaseRange range = range_of(i, cut);
     if (out.cover[i] != Cover::bare) ease_[i] = std::clamp(ease_[i], range.least_mm, range.most_mm);
   }
-  // Tension: the cloth evens out what is smaller than itself; it touches where the body stands out and spans hollows.
+  // Tension: the cloth evens out smaller shapes than itself; it touches where the body stands out and spans hollows.
   spare_.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(count));
   for (std::size_t i = 0; i < count; ++i) spare_[i] = rest[i] + normal_[i] * ease_[i];
   base_ = ease_;

@@ -49,7 +49,7 @@ struct Outfit {
   std::vector<Triangle> skirt;        // open, into `rest`; empty for trousers
   std::vector<Vec3f> shoe;            // rest axes; first half left, second half right; feet are inside
   std::vector<Triangle> shoe_body;    // closed, into `shoe`
-  std::optional<HangingCut> hanging;  // over all this, of who is posed
+  std::optional<HangingCut> hanging;  // over all this, for a posed person
   float sole_mm = 0;                  // under the foot; 0: barefoot
 };
 

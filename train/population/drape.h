@@ -32,8 +32,8 @@ class Folds {
   std::array<Wave, 4> waves_;
 };
 
-// A shirt's radius about the trunk's upright axis: it spans the hollows of every level and hangs from what stands
-// out above.
+// A shirt's radius about the trunk's upright axis: it spans the hollows of every level and hangs from the protruding
+// parts above.
 class TrunkHang {
  public:
   // `up`: 0 at the hips, 1 at the shoulders; counts from kLowest up.

@@ -72,7 +72,7 @@ float slider(Rng& rng, double mean, double sd, double low, double high) {
 }
 
 // MakeHuman's hips grow with weight by 6.4 mm a kilogram in men and 7.4 in women where ANSUR II's grow by 5.0
-// and 6.3: local modifiers by body mass index take off what is too much on the heavy and add what the light lack.
+// and 6.3: local modifiers by body mass index take off the excess of the heavy and add to the light.
 struct ByMass {
   const char* modifier;
   double per_index;  // value a kg/m^2 above kMiddleIndex

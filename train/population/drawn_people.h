@@ -40,9 +40,9 @@ Build draw_build(Family family, bool woman, std::uint64_t person_seed);
 
 // Dimensions as they go together in measured people (ANSUR II) of this stature, weight and age, as the warp that
 // gives them to a rest mesh without one.
-// `tape_share`: of what a tape measures beyond the ellipse of a calliper's breadth and depth at waist and hips, how
-// much the section has; 1: the tape is right, 0: the callipers are. `girth_sd`: spread of the trunk's girths beyond
-// people's, as a share of them.
+// `tape_share`: the section's share of the tape's excess over the ellipse of a calliper's breadth and depth, at waist
+// and hips; 1: the tape is right, 0: the callipers are. `girth_sd`: spread of the trunk's girths beyond people's, as
+// a share of them.
 Warp draw_warp(const BodyModel& model, bool woman, const Build& build, Rng& rng, std::span<const Vec3f> rest,
                double tape_share = 1, double girth_sd = 0);
 

@@ -21,7 +21,7 @@ struct HangingCut {
   };
   struct Shirt {
     float end = 0;       // height of the hem over the hips, in shares of hips to shoulders
-    float flare_mm = 0;  // farther out at the hem than what it falls from
+    float flare_mm = 0;  // farther out at the hem than the surface above
     float slack_mm = 0;  // TrunkHang
     float fold_mm = 0;
     int folds = 0;  // round the hem
@@ -45,7 +45,7 @@ struct HangingCut {
   std::optional<Sleeve> sleeve;
 };
 
-// `sleeve_end`, `leg_end`: of what lies on the skin, below it; skirts have no legs.
+// `sleeve_end`, `leg_end`: of the layer on the skin, below it; skirts have no legs.
 HangingCut draw_hanging_cut(Rng& rng, float sleeve_end, float leg_end, bool skirt);
 
 // `worn`: body vertices dressed and posed by body::skin(), then whatever stands on the floor. Nothing hangs below

@@ -14,7 +14,7 @@ namespace im2fit::lab {
 
 class SurfaceSmoother;
 
-// How they differ: modifiers that no family uses, bumps, and what is alike on both sides.
+// How they differ: modifiers that no family uses, bumps, and changes that are alike on both sides.
 struct OodVariation {
   double modifier_sd;
   Bumps bumps;

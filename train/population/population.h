@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who stands before the virtual camera: a person of train/population/drawn_people.h, with what the body model cannot
-// express, and the truth about it. Index and evaluation families differ in shape, not only in seed.
+// The person before the virtual camera: a person of train/population/drawn_people.h, with the parts the body model
+// cannot express, and the truth about it. Index and evaluation families differ in shape, not only in seed.
 #pragma once
 
 #include <cstdint>

@@ -18,7 +18,7 @@ enum class StandingPose {
   crossed,   // calm; one or both hands on belly, chest or hips, or folded arms
   seated,    // thighs level within 12 degrees, shanks upright, hands on the thighs, in the lap or beside
   bowed,     // trunk bent from the hips by 24..56 degrees, forwards or to a side; arms relaxed or as when free
-  arms_out,  // as asked of those whose arms rest on the body when they hang: abducted 30..40 degrees, nearly straight
+  arms_out,  // the guided pose for arms that rest on the body when hanging: abducted 30..40 degrees, nearly straight
 };
 
 // The pose before the person's turn towards the camera (draw_yaw_deg). Elbows and hands of free poses keep out of

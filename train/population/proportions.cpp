@@ -131,7 +131,7 @@ SectionWarp reach(const Hull& hull, const SectionFrame& frame, const SectionGoal
     warp.front = limited(depth - 1 + variety.front_more, -kFactorMax, kFactorMax);
     warp.back = limited(depth - 1 - variety.front_more, -kFactorMax, kFactorMax);
     for (std::size_t i = 0; i < hull.size(); ++i) moved[i] = hull[i] + section_move(warp, frame, hull[i]);
-    // Corners that move may leave the hull: its girth is that of what is left.
+    // Corners that move may leave the hull: its girth is that of the remaining hull.
     const Hull around = convex_hull(moved, level_plane(hull[0].y));
     const Extents now(around);
     const auto girth = static_cast<float>(goal.girth / std::max(perimeter_mm(around), 1.0));
@@ -152,9 +152,9 @@ SectionWarp reach(const Hull& hull, const SectionFrame& frame, const SectionGoal
 }
 
 constexpr float kLimbFactorMax = 0.35F, kDeltoidFactorMax = 0.5F, kLengthFactorMax = 0.25F, kRiseMax = 0.05F;
-constexpr float kGapLeast = 0.4F;  // of what lay between two landmarks
+constexpr float kGapLeast = 0.4F;  // of the distance between two landmarks
 
-// New heights of the landmarks, each no nearer to the one below than a share of what it was.
+// New heights of the landmarks. Each keeps at least a share of its distance to the landmark below.
 void set_rises(const WarpLandmarks& marks, const Dimensions& wanted, float head_rise, Warp& warp) {
   const float tall = marks.crown - marks.floor;
   // Not the buttocks': where they are fullest is ill defined on people and on meshes.
@@ -214,7 +214,7 @@ Dimensions likely_dimensions(bool woman, double stature_mm, double weight_kg, do
 // depth; on meshes made from scans of people, which nothing presses, about 1.01, on MakeHuman's 1.02 and 1.03. Scans
 // are believed: callipers press. These make it 1.014 and 1.020 (150 people). People differ.
 constexpr double kHipSquare = -0.02, kWaistSquare = 0, kChestSquare = 0.01, kSquareSd = 0.03;
-// Where the widest line of a section lies between front and back no survey tells: widely varied.
+// No survey measures the place of a section's widest line between front and back: widely varied.
 constexpr double kFrontMoreSd = 0.06;
 
 Variety draw_variety(Rng& rng) {
@@ -327,7 +327,7 @@ class Fitting {
 Warp warp_to(const BodyModel& model, std::span<const Vec3f> rest, const Dimensions& wanted, const Variety& variety) {
   const Fitting fitting(model, rest);
   const Warp first = fitting.warp(wanted, variety);
-  // Levels, limbs and shoulders move one another a little: what the first warp misses is asked for beyond.
+  // Levels, limbs and shoulders move one another a little: the next target includes the first warp's error.
   std::vector<Vec3f> warped(rest.begin(), rest.end());
   apply_warp(model, first, warped);
   const Dimensions got = dimensions_of(model, warped);

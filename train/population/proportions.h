@@ -53,8 +53,8 @@ struct Dimensions {
 Dimensions likely_dimensions(bool woman, double stature_mm, double weight_kg, double age_years,
                              const std::array<double, kDimensionCount>& z);
 
-// What no survey by tape and calliper says of a section, and so is varied: how far out its corners are, and how much
-// of its depth lies in front of the middle.
+// The facts of a section that no survey by tape and calliper measures, and that are varied: how far out its corners
+// are, and how much of its depth lies in front of the middle.
 struct SectionVariety {
   float square = 0, front_more = 0;
 };

@@ -37,8 +37,8 @@ struct AboutTurn {
   int frame_count = 0;  // 0: never
 };
 
-// Hangs clothes on a body: `rest` has all vertices of the model. The same for the same arguments; called from the
-// threads of whoever holds it.
+// Hangs clothes on a body: `rest` has all vertices of the model. The same for the same arguments. Called from the
+// threads of the caller that holds it.
 using Dresser =
     std::function<DrapedCloth(std::span<const Vec3f> rest, const body::Skeleton& skeleton, const body::Pose& pose)>;
 

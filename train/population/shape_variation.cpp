@@ -83,7 +83,7 @@ struct Warp {
 };
 IM2FIT_SIMD_CLONES void add_warp(std::span<const Vec3f> points, const Warp& warp, Vec3f* __restrict offset) {
   constexpr float kFlat = 0.5F;                 // widths and depths count for less than heights
-  constexpr float kHeightToWidth = 1 / 100.0F;  // what is wider forwards is so by this of a millimetre
+  constexpr float kHeightToWidth = 1 / 100.0F;  // a shape wider forwards is so by this of a millimetre
   const Vec3f* __restrict point = points.data();
   const auto count = static_cast<int>(points.size());
   const Warp w = warp;
@@ -168,7 +168,7 @@ float normal(Rng& rng, double sd) {
   return static_cast<float>(rng.normal() * sd);
 }
 
-// The part of a body between two shares of its height, and what is drawn in it.
+// The part of a body between two shares of its height, and random places in it.
 struct Part {
   std::span<const Vec3f> points;  // of the whole body
   Height height;

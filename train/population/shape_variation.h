@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How bodies differ beyond what the body model can express: smooth bumps, asymmetry.
+// Differences of bodies that the body model cannot express: smooth bumps, asymmetry.
 #pragma once
 
 #include <span>

@@ -92,7 +92,7 @@ class Solver {
   static int height_piece(float h) { return h < 0.5F ? 0 : 1; }
   int build_piece(float b) const {
     if (!beyond_slider(b)) return b < 0.5F ? 0 : 1;
-    int piece = b < 0 ? 2 : 3;  // so that what follows is no piece of the slider itself
+    int piece = b < 0 ? 2 : 3;  // other numbers than the pieces of the slider itself
     for (std::size_t i = 0; i < std::size(kFatness); ++i) {
       if (fatness_index_[i] < 0) continue;
       const float value = modifier_at(b, i);
@@ -264,8 +264,8 @@ double volume_of_weight(double stature_mm, double weight_kg) {
   return volume_l;
 }
 
-// Where a search begins: linear in what moves the sliders most, fitted to 2,000 people of the training family, of
-// whom it misses a height by 0.05 and a build by 0.18.
+// The start of a search: linear in the values that move the sliders most, fitted to 2,000 people of the training
+// family. It misses their height by 0.05 and their build by 0.18.
 Sliders likely_sliders(const Params& p, double stature_mm, double weight_kg) {
   const double metres = stature_mm / 1000, mass_index = weight_kg / (metres * metres);
   const auto within = [](double v, double low, double high) { return v > low ? (v < high ? v : high) : low; };

@@ -10,8 +10,8 @@
 namespace im2fit::lab {
 namespace {
 
-// Every second pass goes back, a little farther (Taubin 1995, pass band 0.1): what is broad keeps its size, or grows
-// a little: 100 passes add 5 % to a body's volume. Dimensions are asked for anew afterwards.
+// Every second pass goes back, a little farther (Taubin 1995, pass band 0.1): broad shapes keep their size, or grow
+// a little: 100 passes add 5 % to a body's volume. Dimensions are fitted anew afterwards.
 constexpr float kPassShare = 0.5F, kBackShare = -0.526F;
 constexpr float kHeadShare = 0.15F;  // of the trunk's: faces are narrow things
 

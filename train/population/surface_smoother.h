@@ -15,7 +15,7 @@ namespace im2fit::lab {
 class SurfaceSmoother {
  public:
   explicit SurfaceSmoother(const body::BodyModel& model);
-  // `rest`: all vertices of the model; helpers stay. 100 passes flatten what is narrower than some 60 mm.
+  // `rest`: all vertices of the model; helpers stay. 100 passes flatten shapes narrower than some 60 mm.
   void run(std::span<Vec3f> rest, int passes) const;
 
  private:

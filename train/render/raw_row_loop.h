@@ -19,7 +19,7 @@ inline __attribute__((always_inline)) std::uint64_t mixed(std::uint64_t state) {
   return z ^ (z >> 31);
 }
 
-// In passes over short blocks: each is what the vectoriser makes something of.
+// In passes over short blocks: the vectoriser can handle each of them.
 inline __attribute__((always_inline)) void raw_row_loop(const RawRow& row, int count, std::int32_t* out) {
   std::uint64_t bits[kBlock];
   std::int32_t sum[kBlock], chance[kBlock];

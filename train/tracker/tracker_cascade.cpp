@@ -51,7 +51,7 @@ struct Level {
   std::span<const Anchor> anchors;
   Basis basis{};
   std::array<std::array<float, static_cast<std::size_t>(kShapeSize)>, static_cast<std::size_t>(kLeafSize)> units{};
-  std::vector<Sums> sums;                         // by start: what the level's trees have given
+  std::vector<Sums> sums;                         // by start: the sum of the level's trees
   std::array<double, kJointCount> joint_share{};  // of the residual's spread
   std::vector<std::array<float, 2>> where;        // anchors about the mean shape, mm
   std::vector<std::int16_t> pixels;               // starts * pixel_count: judging splits reads a start's
@@ -248,7 +248,7 @@ class TreeGrower {
     for (int i = 0; i < level_.pixel_count; i += kLine) __builtin_prefetch(row + i);
   }
 
-  // `sum`: of what the `count` starts in it have left to go.
+  // `sum`: of the remaining steps of the `count` starts in it.
   void fill_leaf(const WideSum& sum, std::size_t count, std::int8_t* out) const {
     const double scale = kShrinkage / (static_cast<double>(count) + kLeafPrior);
     for (std::size_t k = 0; k < level_.units.size(); ++k) {
@@ -337,7 +337,7 @@ void subtract(Level& level, std::span<const Tree> trees, int threads) {
 }
 
 // The directions the level's residuals vary in most, each with a unit that lets a byte reach a few of its standard
-// deviations; what is left out is the next level's.
+// deviations. The next level fits the rest.
 void choose_basis(Level& level) {
   std::array<WideSum, static_cast<std::size_t>(kShapeSize)> products{};
   for (const Wide& r : level.residual) add_products(r, products.data());

@@ -172,8 +172,8 @@ class TreeTrainer {
     jumps_.resize(chosen_.size());
     std::transform(chosen_.begin(), chosen_.end(), jumps_.begin(), [](const Sample& s) { return to_jump(s.jump); });
     above_.resize(chosen_.size());
-    // Nearly every probe comes from memory, for pictures are many: those of a sample are asked for at once, and
-    // before those of the sample before it are read.
+    // Nearly every probe comes from memory, for pictures are many: those of a sample are prefetched at once, before
+    // those of the sample before it are read.
     std::array<Probes, 2> probes;
     const PlaceOffsets offsets(candidates);
     probes[0] = Probes(view_of(chosen_[0]), chosen_[0].from, offsets);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes the tracker is trained and judged on, drawn from a mixture and labelled with what was drawn.
+// Scenes for training and judging the tracker, drawn from a mixture and labelled with the drawn values.
 //
 //   TrackerScene t = draw_tracker_scene(training_mix(), rng);
 //   VirtualScene scene(model, subject, t.scene, t.sensor, t.intrinsics, t.seed);   // or restage()

@@ -79,7 +79,7 @@ VoteTrees train_side(std::span<const TrackerImage> images, std::span<const SideE
 
 constexpr std::uint64_t kStartStream = 0x73746172;
 constexpr double kCalibrationShare = 0.08;  // of the images; learnt on by neither stage
-constexpr double kCloseMm = 50;             // what a confidence is the chance of
+constexpr double kCloseMm = 50;             // a confidence is the chance of an error below this
 
 struct Progress {
   const TrainProgress& report;

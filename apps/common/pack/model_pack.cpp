@@ -109,7 +109,7 @@ Result<std::string> text_of(const std::string& path) {
   return std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size());
 }
 
-// A pack of another version of the pack format is no damage.
+// A pack of another version of the pack format is not damaged.
 Status check_pack_version(std::span<const std::byte> bytes, const std::string& path) {
   if (bytes.size() < kHeadBytes || std::memcmp(bytes.data(), kPackMagic, kMagicBytes) != 0)
     return Error{ErrorCode::corrupt, path + " is not a model pack; expected a file im2fit-models-VERSION.i2p"};

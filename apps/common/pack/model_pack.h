@@ -32,7 +32,7 @@ struct PackManifest {
   std::string version;  // of the pack: "1.0.0"
   std::string made_by;  // "im2fit-lab 1.0.0"
   std::string source;   // of the body data
-  std::string licence;  // SPDX identifier of what the models derive from
+  std::string licence;  // SPDX identifier of the models' source data
   std::uint64_t people = 0;
   bool clothed = false;  // whether the index was taught people in clothes
   std::string provenance;
@@ -43,7 +43,7 @@ std::string manifest_json(const PackManifest& manifest);
 // `what` names the file in errors. Errors: corrupt; unsupported for another schema.
 Result<PackManifest> parse_manifest(const std::string& text, const std::string& what);
 
-// A file with its bytes as read from somewhere, to be packed. Fills in what PackManifest::files says of it.
+// Describes a file of these bytes, to be packed. Fills in the fields of PackManifest::files.
 PackedFile describe_file(const std::string& name, const std::vector<std::byte>& bytes);
 // `contents` in the order of manifest.files. A second or two a MB.
 Result<std::vector<std::byte>> make_pack(const PackManifest& manifest,
@@ -63,7 +63,7 @@ Status install_pack(const ModelPack& pack, const std::string& directory);
 
 // The manifest beside installed files. Errors: not_found; as parse_manifest.
 Result<PackManifest> installed_manifest(const std::string& directory);
-// Every installed file against the manifest. Errors name the file and what is wrong.
+// Checks every installed file against the manifest. Errors name the file and the fault.
 Status verify_installed(const PackManifest& manifest, const std::string& directory);
 
 }  // namespace im2fit::apps

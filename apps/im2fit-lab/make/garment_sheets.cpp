@@ -60,7 +60,7 @@ void report(const char* person, const char* pose, const std::vector<std::string>
   }
 }
 
-// All examples, or who is asked for; none where none is called so.
+// All examples, or the one named `only`. Empty where no example has that name.
 std::vector<DressedPerson> people_of(const body::BodyModel& model, const std::string& only) {
   const std::string_view kDrawn = "person-";
   if (only.starts_with(kDrawn)) {

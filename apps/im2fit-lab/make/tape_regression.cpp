@@ -26,7 +26,7 @@ using namespace im2fit::body;
 constexpr std::uint64_t kSeed = 0x7461;
 constexpr int kTeaching = 800, kHeldOut = 400;  // people, half of them women
 constexpr auto kEleven = static_cast<Eigen::Index>(kMeasurementCount);
-// As well known as an answer from the front says of most people, mm and kg: they weigh goals that no body meets.
+// SDs of most people's answers from the front, mm and kg: they weigh goals that no body meets.
 constexpr MeasurementValues kSd = {6, 10, 12, 8, 8, 20, 18, 20, 15, 11, 2};
 
 struct Person {

@@ -65,7 +65,7 @@ IM2FIT_API void im2fit_cameras_options_init(im2fit_cameras_options* options, siz
 /* Opens `uri`, reads its properties and closes it. Writes width, height, fx, fy, cx, cy, sensor (0: unknown) and live
  * (1 for cameras) of *settings, for im2fit_open. Other settings are unchanged; after an error all are. `options`
  * NULL: the defaults. Allocates.
- * Errors: as listed above; UNSUPPORTED also for a struct_size of no version. */
+ * Errors: as listed above; UNSUPPORTED also for an unknown struct_size. */
 IM2FIT_API int im2fit_cameras_describe(const char* uri, const im2fit_cameras_options* options,
                                        im2fit_settings* settings);
 
@@ -74,7 +74,7 @@ IM2FIT_API int im2fit_cameras_describe(const char* uri, const im2fit_cameras_opt
  * opener. A source whose upright frames have another size than the handle's is INVALID_ARGUMENT of im2fit_pump.
  * Errors:
  *   INVALID_ARGUMENT  an option is out of range, or the handle is NULL
- *   UNSUPPORTED       options->struct_size is that of no version
+ *   UNSUPPORTED       options->struct_size is unknown
  *   FORKED            the parent process opened the handle */
 IM2FIT_API int im2fit_cameras_use(im2fit_handle* handle, const im2fit_cameras_options* options);
 

@@ -105,15 +105,15 @@ fun main(arguments: Array<String>) {
     }
     test("an empty room is not measured") {
         Session(clip.camera, models, quick).use { session ->
-            val told = mutableListOf<Progress>()
-            val outcome = session.measure(generateSequence { Frame.ofMillimetres(ShortArray(320 * 240)) }.take(3)) { told += it }
+            val states = mutableListOf<Progress>()
+            val outcome = session.measure(generateSequence { Frame.ofMillimetres(ShortArray(320 * 240)) }.take(3)) { states += it }
             expect(outcome is Outcome.NotMeasured && Guidance.NO_PERSON in outcome.guidance) { "$outcome" }
-            same(told.last().state, State.SEARCHING, "state")
+            same(states.last().state, State.SEARCHING, "state")
             same(fails<Im2fitException> { session.mesh() }.statusName, "not_measured", "mesh without a person")
         }
     }
-    for ((folder, said) in arguments.drop(2).chunked(2)) {
-        test("$folder measures as im2fit does") { measuresAsProgram(Clip(File(folder)), models, File(said).readText()) }
+    for ((folder, output) in arguments.drop(2).chunked(2)) {
+        test("$folder measures as im2fit does") { measuresAsProgram(Clip(File(folder)), models, File(output).readText()) }
     }
     test("metres, millimetres and DEPTH16 are one person") {
         val half = ByteOrder.nativeOrder()
@@ -177,7 +177,7 @@ fun main(arguments: Array<String>) {
         // Wherever a camera is that does not move, its frames are taken as they are.
         val held = Pose(0.5f, -0.5f, 0.5f, 0.5f, 10f, 20f, 30f)
         same(Session(clip.camera, models, quick).use { it.measure(posed(held)) }, still, "a camera at rest")
-        // Each number reaches the library: alone, one that is no number is refused.
+        // Each number reaches the library: a single one that is not a number is refused.
         fun bad(at: Int) = FloatArray(7) { if (it == at) Float.NaN else if (it == 3) 1f else 0f }
             .let { Pose(it[0], it[1], it[2], it[3], it[4], it[5], it[6]) }
         for (at in 0 until 7) Session(clip.camera, models, quick).use { session ->
@@ -189,7 +189,7 @@ fun main(arguments: Array<String>) {
         // Android's order is the C interface's.
         same(Lens.ofAndroid(floatArrayOf(1f, 2f, 3f, 4f, 5f)), Lens(k1 = 1f, k2 = 2f, k3 = 3f, p1 = 4f, p2 = 5f), "the order")
         fails<IllegalArgumentException> { Lens.ofAndroid(floatArrayOf(1f, 2f, 3f, 4f, 5f, 6f)) }
-        // Each coefficient reaches the library: alone, one that is no number is refused.
+        // Each coefficient reaches the library: a single one that is not a number is refused.
         for (lens in (0..4).map { at -> Lens.ofAndroid(FloatArray(5) { if (it == at) Float.NaN else 0f }) }) {
             Session(clip.camera.copy(lens = lens), models, quick).use { session ->
                 val bad = fails<Im2fitException> { session.push(clip.frames().first()) }
@@ -213,7 +213,7 @@ fun main(arguments: Array<String>) {
         val bytes = Models(ModelFile.Bytes(content(models.tracker)), ModelFile.Bytes(content(models.index)))
         Session(clip.camera, bytes, quick).use { expect(it.measure(clip.frames()) is Outcome.Measured) { "not measured" } }
     }
-    test("a state is told when it changes, and no frame is taken ahead") {
+    test("a state is reported when it changes, and no frame is taken ahead") {
         Session(clip.camera, models, quick.copy(singleThread = true)).use { session ->
             var taken = 0
             val states = session.states(clip.frames().onEach { taken++ }).iterator()
@@ -230,7 +230,7 @@ fun main(arguments: Array<String>) {
     }
     test("a flow of frames gives the sequence's states") {
         val single = quick.copy(singleThread = true)
-        val told = Session(clip.camera, models, single).use { it.states(clip.frames()).toList() }
+        val expected = Session(clip.camera, models, single).use { it.states(clip.frames()).toList() }
         Session(clip.camera, models, single).use { session ->
             var taken = 0
             val states = session.states(flow<Frame> {
@@ -240,7 +240,7 @@ fun main(arguments: Array<String>) {
                 }
             })
             same(taken, 0, "frames before it is collected")
-            same(collected(states), told, "states")
+            same(collected(states), expected, "states")
             expect(taken <= clip.depth.size && session.outcome() is Outcome.Measured) { "$taken frames, ${session.outcome()}" }
         }
         val broken = { Session(clip.camera, models, single).use { collected(it.states(flow<Frame> { error("no camera") })) } }
@@ -249,10 +249,10 @@ fun main(arguments: Array<String>) {
     test("a screen asks from another thread, and a closed session says so") {
         val session = Session(clip.camera, models, quick)
         val ending = AtomicBoolean()
-        val asked = AtomicLong()
+        val polls = AtomicLong()
         val screen = thread {
             try {
-                while (!ending.get()) asked.addAndGet(session.progress().framesSeen.coerceAtMost(1))
+                while (!ending.get()) polls.addAndGet(session.progress().framesSeen.coerceAtMost(1))
             } catch (closed: IllegalStateException) {
                 expect("closed" in closed.message!!) { "$closed" }
             }
@@ -289,14 +289,14 @@ fun <T> collected(flow: Flow<T>): List<T> {
 }
 
 /** Each value, interval and probability to the digits that the program prints. */
-fun measuresAsProgram(clip: Clip, models: Models, said: String) = Session(clip.camera, models, quick).use { session ->
+fun measuresAsProgram(clip: Clip, models: Models, output: String) = Session(clip.camera, models, quick).use { session ->
     val outcome = session.measure(clip.frames())
     // The same numbers in the same words, but for where the frames came from.
     fun lines(json: String) = json.substringAfter("\"views\"").trim().lines()
-    val (library, program) = lines(session.json()) to lines(said)
+    val (library, program) = lines(session.json()) to lines(output)
     for ((line, pair) in library.zip(program).withIndex()) same(pair.first, pair.second, "line $line of result.json")
     same(library.size, program.size, "lines of result.json")
-    val measured = "\"state\": \"MEASURED\"" in said
+    val measured = "\"state\": \"MEASURED\"" in output
     same(outcome is Outcome.Measured, measured, "measured")
     if (outcome !is Outcome.Measured) return@use
     val person = outcome.person
@@ -312,35 +312,35 @@ fun measuresAsProgram(clip: Clip, models: Models, said: String) = Session(clip.c
     fun estimateAfter(text: String, key: String) =
         Regex("\"$key\": \\{\\s*\"value\":$number,\\s*\"unit\": \"\\w+\",\\s*\"interval\": \\[$number,$number]").find(text)!!
             .groupValues.drop(1)
-    val values = said.substringAfter("\"measurements\"")
+    val values = output.substringAfter("\"measurements\"")
     for (measurement in Measurement.values()) {
         val (value, low, high) = estimateAfter(values, measurement.id)
         close(person[measurement].value, value, measurement.id)
         close(person[measurement].low, low, measurement.id)
         close(person[measurement].high, high, measurement.id)
     }
-    close(person.age.value, estimateAfter(said, "age")[0], "age")
-    close(person.female, Regex("\"female\":$number").find(said)!!.groupValues[1], "female")
-    same(person.size.best, Regex("\"best\": \"([^\"]*)\"").find(said)!!.groupValues[1], "size")
+    close(person.age.value, estimateAfter(output, "age")[0], "age")
+    close(person.female, Regex("\"female\":$number").find(output)!!.groupValues[1], "female")
+    same(person.size.best, Regex("\"best\": \"([^\"]*)\"").find(output)!!.groupValues[1], "size")
     for ((size, probability) in person.size.probabilities) {
-        close(probability, Regex("\"${Regex.escape(size)}\":$number").find(said.substringAfter("\"probabilities\""))!!.groupValues[1], size)
+        close(probability, Regex("\"${Regex.escape(size)}\":$number").find(output.substringAfter("\"probabilities\""))!!.groupValues[1], size)
     }
     val tape = session.tape()
-    val tapeSaid = said.substringAfter("\"tape\"")
+    val tapeOutput = output.substringAfter("\"tape\"")
     for (id in listOf("thigh_girth", "across_back", "head_girth")) {
         val value = tape.getValue(id)
-        if (value is TapeValue.Measured) close(value.estimate.value, estimateAfter(tapeSaid, id)[0], id)
+        if (value is TapeValue.Measured) close(value.estimate.value, estimateAfter(tapeOutput, id)[0], id)
         else expect((value as TapeValue.Refused).reason.length > 10) { "$id has neither value nor reason" }
     }
     expect(compared >= 3 * 11 + 2 + person.size.probabilities.size + 1) { "only $compared values compared" }
     val shirt = session.fit("t_shirt")
-    val shirtSaid = said.substringAfter("\"garment\": \"t_shirt\"")
-    same(shirt.best.size, Regex("\"best\": \"([^\"]*)\"").find(shirtSaid)!!.groupValues[1], "the T-shirt's size")
-    same(!shirt.noneFits, "\"fits\": true" in shirtSaid.substringBefore("\"garment\""), "whether one fits")
-    val bestSaid = shirtSaid.substringAfter("\"${shirt.best.size}\": {")
+    val shirtOutput = output.substringAfter("\"garment\": \"t_shirt\"")
+    same(shirt.best.size, Regex("\"best\": \"([^\"]*)\"").find(shirtOutput)!!.groupValues[1], "the T-shirt's size")
+    same(!shirt.noneFits, "\"fits\": true" in shirtOutput.substringBefore("\"garment\""), "whether one fits")
+    val bestOutput = shirtOutput.substringAfter("\"${shirt.best.size}\": {")
     for ((place, found) in shirt.best.places) {
         val words = Regex("\"$place\": \\{\\s*\"ease_mm\":$number,\\s*\"interval\": \\[$number,$number],\\s*\"verdict\": \"(\\w+)\"")
-            .find(bestSaid)!!.groupValues.drop(1)
+            .find(bestOutput)!!.groupValues.drop(1)
         close(found.ease.value, words[0], "ease at the $place")
         close(found.ease.low, words[1], "least ease at the $place")
         close(found.ease.high, words[2], "most ease at the $place")

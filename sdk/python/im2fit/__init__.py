@@ -263,7 +263,7 @@ class Session:
         """Processes one frame. Returns the Guidance.
 
         `depth`: height x width, uint16 millimetres or float32 metres (NaN or 0: no data). `confidence`: uint8 of the same
-        shape; values below `confidence_min` are no data. `pose`: of a camera in the hand, seven numbers: the unit quaternion
+        shape; pixels below `confidence_min` hold no data. `pose`: of a camera in the hand, seven numbers: the unit quaternion
         x, y, z, w from the axes of the frame (x right, y down, z forward) to axes at rest, and the position of the camera in
         those, mm. `down`: the direction of gravity in the axes of the frame, of any length; without it the latest known one
         holds."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Python package on the golden clip: IM2FIT_LIBRARY is libim2fit.so, IM2FIT_GOLDEN the folder of tests/golden/data,
 IM2FIT_BODY the body file, IM2FIT_CAMERAS_LIBRARY libim2fit-cameras.so, IM2FIT_RECORDING a .oni of the clip (without one, what
-needs it is left out and said)."""
+needs it is left out, with a message)."""
 
 import ctypes
 import json
@@ -50,12 +50,12 @@ class Layout(unittest.TestCase):
             source.write_text("\n".join(lines))
             program = pathlib.Path(folder) / "layout"
             subprocess.run([compiler, "-I", str(INCLUDE), str(source), "-o", str(program)], check=True)
-            said = subprocess.run([str(program)], check=True, capture_output=True, text=True).stdout
+            output = subprocess.run([str(program)], check=True, capture_output=True, text=True).stdout
         expected = []
         for name, struct in _c.STRUCTS.items():
             expected.append(f"{name} {ctypes.sizeof(struct)}")
             expected += [f"{name}.{field[0]} {getattr(struct, field[0]).offset}" for field in struct._fields_]
-        self.assertEqual(said.split("\n")[:-1], expected)
+        self.assertEqual(output.split("\n")[:-1], expected)
 
     def test_the_library_is_the_headers(self):
         numbers = re.findall(r"#define IM2FIT_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", HEADER.read_text())
@@ -292,7 +292,7 @@ class Measuring(unittest.TestCase):
             rows = [f"{number},{number * 33333333}" for number, _ in _folder.frames_of(folder)]
             (folder / "timestamps.csv").write_text("frame,host_ns\n" + "\n".join(rows) + "\n")
             self.assertTrue(im2fit.measure(folder, models=models(), **FRAMES).measured)
-            # Ten degrees off, as the first frame says: who stands straight leans.
+            # Ten degrees off, as the first frame reports: a person who stands straight leans.
             rows = [rows[0] + ",0,0.9848,0.1736"] + [row + ",,," for row in rows[1:]]
             (folder / "timestamps.csv").write_text("frame,host_ns,down_x,down_y,down_z\n" + "\n".join(rows) + "\n")
             leaning = im2fit.measure(folder, models=models(), **FRAMES)
@@ -336,8 +336,8 @@ class Measuring(unittest.TestCase):
     def test_an_empty_room_is_not_measured(self):
         with im2fit.Session(320, 240, 287.9, 287.9, 159.5, 119.5, models=models()) as session:
             for _ in range(3):
-                said = session.push(np.zeros((240, 320), np.uint16))
-            self.assertFalse(said.measured)
+                guidance = session.push(np.zeros((240, 320), np.uint16))
+            self.assertFalse(guidance.measured)
             person = session.finish()
         self.assertFalse(person.measured)
         self.assertIn("NO_PERSON", person.guidance)
@@ -347,8 +347,8 @@ class Measuring(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    said = unittest.main(verbosity=1, exit=False).result
-    skipped = bool(said.skipped) and bool(os.environ.get("IM2FIT_NO_SKIPS"))
+    result = unittest.main(verbosity=1, exit=False).result
+    skipped = bool(result.skipped) and bool(os.environ.get("IM2FIT_NO_SKIPS"))
     if skipped:
-        print("nothing may be skipped:", *(why for _, why in said.skipped), file=sys.stderr)
-    sys.exit(0 if said.wasSuccessful() and not skipped else 1)
+        print("nothing may be skipped:", *(why for _, why in result.skipped), file=sys.stderr)
+    sys.exit(0 if result.wasSuccessful() and not skipped else 1)

@@ -124,7 +124,7 @@ TEST_F(DaemonConfig, TheProgramChecksIt) {
   EXPECT_EQ(test::run_program({IM2FIT_DAEMON_PROGRAM, "--help"}).exit_code, 0);
 }
 
-// --check refuses what the start refuses.
+// --check refuses the same settings as the start.
 TEST_F(DaemonConfig, TheCheckRefusesWhatAStartWould) {
   if (!test::have_data()) GTEST_SKIP() << "no body, tracker or index file";
   const std::string good = "source: openni2\nbody: " + test::body_path() + "\ntracker: " + test::tracker_path() +
@@ -180,7 +180,7 @@ TEST_F(DaemonConfig, SystemdAcceptsTheUnitAndFindsLittleExposed) {
   EXPECT_EQ(verified.err, "");
   const auto rated = test::run_program({analyze, "--no-pager", "--offline=true", "--threshold=10", "security", path});
   EXPECT_EQ(rated.exit_code, 0) << rated.out;
-  // Both see what is wrong.
+  // Both find the fault.
   std::string open = unit;
   for (const std::string line : {"PrivateNetwork=yes\n", "CapabilityBoundingSet=\n"})
     open.erase(open.find(line), line.size());

@@ -164,7 +164,7 @@ int connect_to(int port) {
   return -1;
 }
 
-// kHostile of them; whoever is cut off comes again.
+// kHostile of them; a connection that is cut off is opened again.
 class Crowd {
  public:
   explicit Crowd(int port) : port_(port), harms_(harms()), sockets_(kHostile, -1) {
@@ -195,7 +195,7 @@ class Crowd {
         ::send(socket, harm.start.data(), harm.start.size(), MSG_NOSIGNAL);
       }
       if (harm.more.empty()) {
-        char first = 0;  // looked at, not read
+        char first = 0;  // peeked, not read
         const ssize_t seen = ::recv(socket, &first, 1, MSG_PEEK);
         if (seen == 0 || (seen < 0 && errno != EAGAIN && errno != ENOTCONN)) ::close(std::exchange(socket, -1));
         continue;
@@ -246,9 +246,9 @@ double median(std::vector<double> of) {
   return of[of.size() / 2];
 }
 
-// A machine that builds beside this may keep any one ask or end waiting, so that medians are held to the bars and the
-// worst to ten seconds; a machine asked to watch for longer (IM2FIT_HOSTILE_SECONDS) is to be idle, and the worst
-// held to the bars.
+// A machine that builds beside this may delay any one request or end, so that medians are held to the bars and the
+// worst to ten seconds. A longer run (IM2FIT_HOSTILE_SECONDS) needs an idle machine, and then the worst is held to
+// the bars.
 TEST(Hostile, AGoodClientIsAnsweredAndTheEndIsPrompt) {
   const char* given = std::getenv("IM2FIT_HOSTILE_SECONDS");
   const int rounds = given != nullptr ? 1 : 3;
@@ -276,7 +276,7 @@ TEST(Hostile, AGoodClientIsAnsweredAndTheEndIsPrompt) {
   EXPECT_LE(memory_mb, kSanitized ? 2000 : 20);
 }
 
-// A page that does not get a turn loses none: who is not in the queue would come again after a second.
+// A page that must wait loses no turn: a client outside the queue would come again after a second.
 TEST(Hostile, AllThatComeAtOnceFindRoomInTheQueue) {
   ServedElsewhere page;
   ASSERT_FALSE(page.url().empty());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who reaches the operator's part of the page: whoever has the password and, to change anything, the page's token.
+// Access to the operator's part of the page: it needs the password and, to change anything, the page's token.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>

@@ -49,7 +49,7 @@ TEST_F(Visits, AResultGoesAMinuteAfterTheLastTouch) {
   EXPECT_TRUE(visit_.touch(visit_.id(), now_ + seconds(59)));
   EXPECT_FALSE(visit_.tick(now_ + seconds(118)));
   EXPECT_EQ(visit_.left(now_ + seconds(118)), seconds(1));
-  visit_.person_in_view(now_ + seconds(118));  // standing there is no touch
+  visit_.person_in_view(now_ + seconds(118));  // a person in view does not count as a touch
   EXPECT_TRUE(visit_.tick(now_ + seconds(119)));
   EXPECT_EQ(visit_.state(), VisitState::asking);
 }

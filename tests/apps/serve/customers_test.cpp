@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A day of customers on the page, in as many seconds as it has hours: each is asked, measured, shown and forgotten,
-// while phones and screens come, follow, leave half-way and fall silent. IM2FIT_CUSTOMERS=1000 is the long run.
+// A day of customers on the page, in as many seconds as it has hours: each gives consent, is measured, shown and
+// forgotten, while phones and screens come, follow, leave half-way and fall silent. Long run: IM2FIT_CUSTOMERS=1000.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -92,8 +92,8 @@ class Shop {
     EXPECT_EQ(shown_.status_of("/result.json"), 200) << number;
     passers.clear();
     shown_.page().publish({{"event", "left"}, {"frame", 2}, {"person", 1}});
-    // Most press "Delete"; of the others time does it. The result goes before the next visit is told of: who looks in
-    // between is told of the one that is over.
+    // Most press "Delete"; the others' time runs out. The result goes before the next visit is published: a client
+    // that connects in between gets the visit that is over.
     if (rng_.index(20) != 0) {
       ASSERT_EQ(shown_.post("/delete", visit), 200) << number;
     } else {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Trying clothes on: what may be asked, what is made, and what a browser shows of it.
+// Trying clothes on: valid requests, the avatars made, and the browser's picture.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>

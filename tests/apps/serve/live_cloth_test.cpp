@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clothes that move on the page while a person does: who is told, for how long, how much, and what a browser shows.
-// IM2FIT_CLOTH_PICTURES=FOLDER keeps what the browser showed.
+// Clothes that move on the page while a person does: which clients get frames, for how long, how many bytes, and the
+// browser's picture. IM2FIT_CLOTH_PICTURES=FOLDER keeps the browser's pictures.
 #include "apps/kiosk/live_cloth.h"
 
 #include <gmock/gmock.h>
@@ -36,7 +36,7 @@ using Query = std::vector<std::pair<std::string, std::string>>;
 constexpr auto kFramePeriod = std::chrono::microseconds(33'333);
 constexpr float kCameraHeightMm = 1000;
 
-// A man of the model who is measured by its own tape, moves, and is seen without an error.
+// A man of the model, measured by its own tape. He moves, and is seen without an error.
 class MovingPerson : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -251,7 +251,7 @@ TEST_F(MovingPerson, ABrowserShowsClothThatMovesWithThem) {
     const auto end = Clock::now() + std::chrono::seconds(60);
     while (browser.run(moves) != true && Clock::now() < end) page.see(seen(to), floor());
     ASSERT_EQ(browser.run(moves), true) << name << browser.run("return [clothLink.query, failures]");
-    std::this_thread::sleep_for(milliseconds(500));  // what was sent last is shown
+    std::this_thread::sleep_for(milliseconds(500));  // the last frame sent is on the screen
     browser.run(
         "for (let i = 0; i < 40; ++i) stage.glide();"
         "stage.cloth.arrived = false; stage.cloth.advance(performance.now(), true); stage.draw();");
@@ -300,7 +300,7 @@ TEST_F(MovingPerson, ABrowserShowsClothThatMovesWithThem) {
   EXPECT_EQ(page.shown().status_of("/cloth.bin?" + query), 404);
 }
 
-// As the page's script asks: what it takes in a second, and how long the engine's thread is kept by it.
+// As the page's script requests frames: the bytes per second, and the delay of the engine's thread.
 TEST_F(MovingPerson, TakesLessThan300KilobytesASecond) {
   MovingPage page(*person_, *model_, customer(""));
   std::string visit = page.shown().visit();

@@ -176,7 +176,7 @@ TEST(LivePage, AnotherRunHasAnotherBootAndNothingOfTheOneBefore) {
   EXPECT_NE(again.events("hello").front()["boot"], boot);
 }
 
-// Computing a body takes seconds: what was deleted meanwhile must not come back.
+// Computing a body takes seconds: a result deleted meanwhile must not come back.
 TEST(LivePage, AResultThatComesAfterItsVisitIsNotShown) {
   LivePageSettings settings;
   std::string erased;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operator's part over a page that a test tells what happened: consent, recording, the form, sessions.
+// The operator's part over a page that the test feeds with events: consent, recording, the form, sessions.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -41,7 +41,7 @@ class Desk : public testing::Test {
     page_->page().use_source(source, {"1.0.0", "a", "b", "c"});
     token_ = page_->client().Get("/operator/token")->body;
   }
-  // Its status, and what it said.
+  // The status and the text of the answer.
   std::pair<int, std::string> post(const std::string& path, const Json& body) const {
     const auto answer =
         page_->client().Post(path, httplib::Headers{{"Origin", page_->url()}, {"X-Im2fit-Token", token_}},

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Of the page as it stands, in every language: what is wrong with it.
+// The faults of the page as it stands, in every language.
 constexpr const char* kFaults = R"js(
 const found = [], before = words.language;
 for (const language of kLanguages) {
@@ -91,7 +91,7 @@ TEST_F(OperatorPage, FromAPersonToASessionThatIsMeasuredAgain) {
   const std::string url = serve({"--operator-password-file", folder_.path("password"), "--site", "shop 3"});
   test::Browser browser(folder_.path(""), {"--lang=en-GB"});
   ASSERT_TRUE(browser.ready()) << browser.messages();
-  // The browser keeps what was in the address; the page asks by addresses without it.
+  // The browser keeps the password of the address; the page's requests use addresses without it.
   browser.go("http://operator:correct%20horse%20battery@" + url.substr(url.find("//") + 2) + "/operator?lang=en");
   browser.go(url + "/operator?lang=en");
   ASSERT_TRUE(browser.wait_for("return document.body.dataset.phase === 'IDLE'")) << run_->messages();
@@ -189,7 +189,7 @@ TEST(ServeUnit, SystemdAcceptsItAndFindsLittleExposed) {
   EXPECT_EQ(verified.err, "");
   const auto rated = test::run_program({analyze, "--no-pager", "--offline=true", "--threshold=16", "security", path});
   EXPECT_EQ(rated.exit_code, 0) << rated.out;
-  // Both see what is wrong.
+  // Both find the fault.
   test::write_text(path, unit + "[Service]\nRestartSec=soon\n");
   EXPECT_NE(test::run_program({analyze, "--man=no", "verify", path}).err, "");
 }

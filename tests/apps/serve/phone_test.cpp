@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A result handed from the page to a phone: by a code that whoever asked for it alone is shown, once, while the visit
+// A result handed from the page to a phone: by a code that only the requesting page shows, once, while the visit
 // goes on.
 #include <gmock/gmock.h>
 #include <png.h>
@@ -26,7 +26,7 @@ apps::LivePageSettings handing_over(milliseconds hand_over_max = apps::kHandOver
   return settings;
 }
 
-// What the page is answered.
+// The answer to the page.
 std::pair<int, Json> offer(const test::ShownPage& page, const std::string& visit) {
   const auto answer =
       page.client().Post("/hand-over", httplib::Headers{{"Origin", page.url()}, {"X-Im2fit-Visit", visit}}, "", "");
@@ -145,7 +145,7 @@ Picture picture_of(const std::string& png) {
   return picture;
 }
 
-// From the screen to the phone's own page, both in Chromium; the code is read from what is on the screen.
+// From the screen to the phone's own page, both in Chromium; the code is read from a screenshot.
 TEST_F(Phone, ReadsTheCodeFromTheScreenAndShowsTheResult) {
   if (!test::Browser::installed()) GTEST_SKIP() << "no chromium: scripts/deps browser";
   if (!test::kReadsQr) GTEST_SKIP() << "no ZXing here: scripts/deps test";

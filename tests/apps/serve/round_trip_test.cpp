@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loop that a shop closes: people before a camera that is out of true, the operator's form over HTTP, their
-// sessions, `study`, `calibrate`, and `measure` of a new person with what was learned.
+// sessions, `study`, `calibrate`, and `measure` of a new person with the calibration.
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -51,7 +51,7 @@ class BadCamera {
     lab::SceneOptions options;
     options.rotate_deg = kMounted;
     options.yaw_deg = 0;
-    options.pose = lab::StandingPose::arms_out;  // no one has to be told
+    options.pose = lab::StandingPose::arms_out;  // so that nobody needs guidance
     return options;
   }
   Intrinsics sensor_;
@@ -102,7 +102,7 @@ class Shop {
   const body::BodyModel& model() const { return *data_->body_model; }
   bool ready() const { return engine_ != nullptr; }
 
-  // One person, from consent to the saved session; its id, "" when there is none.
+  // One person, from consent to the saved session; returns its id, "" without one.
   std::string visit(int number, const lab::Subject& subject) {
     EXPECT_EQ(post("/operator/begin", {{"language", "en"}, {"version", "1"}}), 200);
     // As run_live() does when another may be measured.
@@ -195,7 +195,7 @@ TEST(RoundTrip, FromPeopleAndATapeToABetterMeasurement) {
     ASSERT_NE(id, "") << i;
   }
 
-  // The recording holds what the engine saw of that person, no more and no less: the same bits come of it.
+  // The recording holds the frames of that person that the engine saw, no more and no less: it gives the same bits.
   const test::Run again =
       test::run_program({test::kProgram, "sessions", "measure", id, "--root", root, "--json", "--body",
                          test::body_path(), "--tracker", test::tracker_path(), "--index", test::index_path()});
@@ -238,7 +238,7 @@ TEST(RoundTrip, FromPeopleAndATapeToABetterMeasurement) {
   EXPECT_LT(std::abs(after), 0.4 * before);
   EXPECT_NEAR(stature_of(result["tape"]), stature_of(result["measurements"]), 2) << "one body: the mesh follows";
 
-  // With another index the site's corrections fit less well: people are measured, and it is said.
+  // With another index the site's corrections fit less well: people are measured, with a warning.
   auto other = SiteCalibration::load(site);
   ASSERT_TRUE(other) << other.error().message;
   other->index_crc32c ^= 1U;

@@ -218,7 +218,7 @@ TEST_F(Screens, UnitsAndNumbersAreThoseOfTheRegion) {
   }
 }
 
-// Two tabs: what is deleted in one is gone in both, and a page left open over a restart shows nothing of before.
+// Two tabs: a deletion in one holds in both, and a page left open over a restart shows nothing of before.
 TEST_F(Screens, TwoTabsAndARestartShowNothingOfTheOneBefore) {
   auto page = std::make_unique<test::ShownPage>();
   const int port = page->port();
@@ -261,7 +261,7 @@ TEST_F(Screens, TwoTabsAndARestartShowNothingOfTheOneBefore) {
   browser_->show_tab(first);
 }
 
-// A touch of the page is told to the program; without one the result goes from the screen, too.
+// The program gets a touch of the page; without one the result goes from the screen, too.
 TEST_F(Screens, ATouchKeepsTheResult) {
   apps::LivePageSettings settings;
   settings.visit.result_max = std::chrono::milliseconds(1200);

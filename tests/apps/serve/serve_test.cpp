@@ -70,8 +70,7 @@ class Serve : public testing::Test {
     c.set_read_timeout(40);
     return c;
   }
-  // Every event until the recording is over. `bytes`: of what the page takes meanwhile, pictures and headers
-  // included.
+  // Every event until the recording is over. `bytes`: of the page's traffic meanwhile, pictures and headers included.
   std::vector<nlohmann::json> events(std::size_t* bytes = nullptr) const {
     std::string text;
     httplib::Client pictures = client();
@@ -96,7 +95,7 @@ class Serve : public testing::Test {
     }
     return all;
   }
-  // What the page is told stands in the way, once it is `wanted`; else what was said last.
+  // The page's trouble code once it is `wanted`; at the end of patience, the last one sent.
   std::string trouble_until(const std::string& wanted) const {
     std::string text, last = "nothing said";
     const auto end = test::Clock::now() + test::kPatience;
@@ -146,7 +145,7 @@ TEST_F(Serve, ShowsOnePersonAfterTheOtherAndTheirBodies) {
               static_cast<double>(picture_bytes) / pictures, frame_bytes / frames);
   EXPECT_GT(pictures, 2);
   EXPECT_LT(rate, 300e3);
-  // What is served is what was written.
+  // The served files equal the written ones.
   const std::string second = folder_->path("out") + "/person-002";
   EXPECT_EQ(client().Get("/avatar.glb")->body, test::read_text(second + "/avatar.glb"));
   EXPECT_EQ(nlohmann::json::parse(client().Get("/result.json")->body),
@@ -223,7 +222,7 @@ TEST_F(Serve, MeasuresAfterConsentAndForgetsOnDelete) {
   follower.join();
 }
 
-// Without a camera, then without models: said on the page, and over by itself within three seconds.
+// Without a camera, then without models: the page reports it, and the trouble is over within three seconds.
 TEST_F(Serve, WaitsForWhatIsMissing) {
   const std::string folder = folder_->path("late");
   const auto serve_late = [&] {
@@ -269,7 +268,7 @@ TEST_F(Serve, ABrowserShowsIt) {
   EXPECT_EQ(browser.run(chest_shown), fmt::format("{:.1f}", chest_mm / 25.4));
   EXPECT_EQ(browser.run("return document.getElementById('size').firstChild.textContent"), result["size"]["best"]);
 
-  // The body is drawn: in what the stage shows there are many pixels of cloth and of skin, and none without it.
+  // The body is drawn: the stage shows many pixels of cloth and of skin with it, and none without it.
   const std::string drawn =
       "stage.draw();"
       "const gl = stage.renderer.getContext(), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;"
@@ -288,7 +287,7 @@ TEST_F(Serve, ABrowserShowsIt) {
   // Nothing went wrong that only a console hears of.
   EXPECT_EQ(browser.run("return failures"), nlohmann::json::array());
 
-  // The program ends, and the page says so.
+  // The program ends, and the page reports it.
   run_->signal(SIGINT);
   EXPECT_EQ(run_->wait(), 0) << run_->messages();
   EXPECT_TRUE(browser.wait_for("return document.body.dataset.code === 'SERVER_GONE'"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A LivePage that a test tells what happened, in place of a camera and an engine.
+// A LivePage that gets its events from a test, in place of a camera and an engine.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -68,7 +68,7 @@ class ShownPage {
     return "";
   }
 
-  // Frames and events from here on are of whoever may be measured now.
+  // Frames and events from here on are of the person who may be measured now.
   void begin_person() {
     const std::uint64_t permit = page_->permit();
     if (permit != 0 && permit != permit_) page_->begin_person(permit);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Six clients that read more slowly than the page is told things, and one that reads nothing: whoever feeds the page
+// Six clients that read more slowly than the page sends, and one that reads nothing: the thread that feeds the page
 // never waits for them, and nothing piles up. Four seconds; IM2FIT_SLOW_SECONDS=1200 is the long run, on an idle
 // machine and stricter.
 #include <fcntl.h>
@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kSlow = 6;
 constexpr auto kTurn = milliseconds(100);
 constexpr int kTurnsUnread =
-    200;  // 20 s: a stream that nothing is read of is cut off after 15, and its client is not told
+    200;  // 20 s: a stream that nobody reads is cut off after 15, without a message to its client
 constexpr auto kFramePeriod = std::chrono::microseconds(33'333);
 
 // What a test before this one has freed is handed out again as new pages, so that pages say nothing here.

@@ -34,7 +34,7 @@ mode_t mode_of(const fs::path& path) {
   return ::stat(path.c_str(), &about) == 0 ? about.st_mode & 07777 : 0;
 }
 
-// Runs `work` in a process of its own; what it returned.
+// Runs `work` in a process of its own and returns its result.
 template <class Work>
 int in_another_process(const Work& work) {
   const pid_t child = ::fork();

@@ -83,7 +83,7 @@ TEST_F(CTape, TheModelsAreThoseOfTheFiles) {
   EXPECT_EQ(models.answers_turned, 1);
   EXPECT_EQ(models.answers_clothed, index->knows_clothed() ? 1 : 0);
   EXPECT_EQ(models.site_corrected, 0);
-  // A caller of an older header gets what it has room for, one of a newer header zeros.
+  // A caller of an older header gets the fields it has room for, one of a newer header zeros.
   struct {
     im2fit_models models;
     std::uint64_t more = 7;
@@ -94,7 +94,7 @@ TEST_F(CTape, TheModelsAreThoseOfTheFiles) {
   ASSERT_EQ(im2fit_get_models(handle_, &grown.models, offsetof(im2fit_models, people)), IM2FIT_OK);
   EXPECT_EQ(grown.models.people, 77U);
 
-  // Without body data nothing is fitted, and the library says so.
+  // Without body data nothing is fitted, and the library reports it.
   im2fit_settings bare = settings_;
   bare.body_path = nullptr;
   im2fit_handle* without = nullptr;
@@ -165,7 +165,7 @@ TEST_F(CTape, EverySizeOfEveryGarmentSitsSomehow) {
         EXPECT_GT(region.high_mm, region.ease_mm);
         EXPECT_EQ(region.verdict == IM2FIT_FIT_TIGHT, region.ease_mm < drawn.tight_mm);
         EXPECT_EQ(region.verdict == IM2FIT_FIT_LOOSE, region.ease_mm > drawn.good_high_mm);
-        // The ease is of the body that the tape speaks of: together they are what the garment is cut to.
+        // The ease is that of the tape's body: ease and body together give the size of the cut.
         if (i == 0) continue;
         const char* measure = drawn.measure.c_str();
         im2fit_tape_value value;
@@ -231,8 +231,8 @@ TEST_F(CTape, TheRigStandsWhereTheJointsAre) {
   EXPECT_EQ(grown.rig.rotations[0][0], std::bit_cast<float>(0x55555555));
 }
 
-// The frames as a hand would have taken them that turns the camera by two degrees to and fro, three times a second:
-// what it says of that undoes it.
+// The frames of a hand that turns the camera by two degrees to and fro, three times a second: the reported poses undo
+// the turn.
 TEST_F(CTape, ACameraInTheHandSaysWhereItIs) {
   const Intrinsics k{settings_.width, settings_.height, settings_.fx, settings_.fy, settings_.cx, settings_.cy};
   const auto measured = [&](bool told) {

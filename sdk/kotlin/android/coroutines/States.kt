@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // For apps with kotlinx-coroutines 1.4 or newer: copy it into the app. The package itself has no dependencies. The tests
-// compile and run this file with stubs of what it uses.
+// compile and run this file with stubs of its dependencies.
 package im2fit.sample
 
 import im2fit.sdk.Frame

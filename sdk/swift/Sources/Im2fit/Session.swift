@@ -74,7 +74,7 @@ public struct Rig: Equatable {
 
 /// A description of the models: for a support page, or to refuse models that lack something.
 public struct ModelInfo: Equatable {
-    public let madeBy: String        // which program made the index, and from what
+    public let madeBy: String        // the program that made the index, and its source data
     public let people: UInt32        // number of people in the index
     public let captures: UInt32      // number of captures of these people
     public let trackerKey: UInt32    // opening refuses an index made with another tracker
@@ -197,8 +197,8 @@ public final class Session {
         let stride = MemoryLayout<im2fit_size_fit>.size
         var count = 0
         var best = 0
-        let asked = im2fit_garment_fit(handle, garment, nil, stride, 0, &count, nil)
-        if asked != Int32(IM2FIT_ERROR_TOO_SMALL) { try check(asked) }
+        let status = im2fit_garment_fit(handle, garment, nil, stride, 0, &count, nil)
+        if status != Int32(IM2FIT_ERROR_TOO_SMALL) { try check(status) }
         var fits = [im2fit_size_fit](repeating: im2fit_size_fit(), count: count)
         try check(im2fit_garment_fit(handle, garment, &fits, stride, count, &count, &best))
         return (fits.map { fit in
@@ -242,8 +242,8 @@ public final class Session {
 
     private func bytes(_ call: (UnsafeMutableRawPointer?, Int, UnsafeMutablePointer<Int>) -> Int32) throws -> [UInt8] {
         var size = 0
-        let asked = call(nil, 0, &size)
-        if asked != Int32(IM2FIT_ERROR_TOO_SMALL) { try check(asked) }
+        let status = call(nil, 0, &size)
+        if status != Int32(IM2FIT_ERROR_TOO_SMALL) { try check(status) }
         var buffer = [UInt8](repeating: 0, count: size + 1)
         try check(buffer.withUnsafeMutableBytes { call($0.baseAddress, $0.count, &size) })
         return Array(buffer.prefix(size))

@@ -45,7 +45,7 @@ class Models(val tracker: ModelFile, val index: ModelFile, val body: ModelFile? 
 /**
  * A description of the models of a session: for a support page, or to refuse models that lack something.
  *
- * @property madeBy by which program the index was made, and from what
+ * @property madeBy the program that made the index, and its source data
  * @property people number of people in the index
  * @property captures number of captures of these people in the index
  * @property trackerKey identifies the tracker. Opening refuses an index made with another

@@ -82,10 +82,10 @@ class Session @JvmOverloads constructor(
         }
     }
 
-    /** Passes [states] to [told], then calls [finish]. */
+    /** Passes [states] to [onProgress], then calls [finish]. */
     @JvmOverloads
-    fun measure(frames: Sequence<Frame>, told: (Progress) -> Unit = {}): Outcome {
-        states(frames).forEach(told)
+    fun measure(frames: Sequence<Frame>, onProgress: (Progress) -> Unit = {}): Outcome {
+        states(frames).forEach(onProgress)
         return finish()
     }
 
