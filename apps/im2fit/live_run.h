@@ -31,8 +31,8 @@ class LiveListener {
   // The number of the person who may be measured now, another for each person; 0 while nobody may. Frames are left
   // out then, and nothing seen under another number is used. Called often, on the thread of the run.
   virtual std::uint64_t permit() { return 1; }
-  // The engine begins anew with the next frame, for the person with this number. It has processed all earlier frames
-  // (see()) and uses nothing of them. On the thread of the run.
+  // The engine starts a new session with the next frame, for the person with this number. It has processed all
+  // earlier frames (see()) and uses nothing of them. On the thread of the run.
   virtual void begin_person(std::uint64_t /*permit*/) {}
   virtual void see(const FrameSeen& frame) = 0;                // on the engine's thread
   virtual void publish(const Json& event) = 0;                 // apps/common/events.h
