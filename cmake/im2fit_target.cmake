@@ -19,7 +19,7 @@ function(im2fit_target name)
   # Branchless code joins truths with &. GCC's -Wconversion leaves signs out, and so do we.
   if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
     target_compile_options(${name} PRIVATE -Wno-bitwise-instead-of-logical -Wno-bitwise-conditional-parentheses
-                                           -Wno-sign-conversion)
+                                           -Wno-sign-conversion -Wreserved-identifier)
   endif()
   if(IM2FIT_SANITIZE)
     target_compile_options(${name} PRIVATE -fsanitize=${IM2FIT_SANITIZE} ${im2fit_not_sanitized}
