@@ -19,7 +19,7 @@ function(im2fit_target name)
   # Branchless code joins truths with &. GCC's -Wconversion leaves signs out, and so do we.
   if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
     target_compile_options(${name} PRIVATE -Wno-bitwise-instead-of-logical -Wno-bitwise-conditional-parentheses
-                                           -Wno-sign-conversion)
+                                           -Wno-sign-conversion -Wreserved-identifier)
   endif()
   if(IM2FIT_SANITIZE)
     target_compile_options(${name} PRIVATE -fsanitize=${IM2FIT_SANITIZE} ${im2fit_not_sanitized}
@@ -31,11 +31,16 @@ endfunction()
 # One optimisation level a library, in every build: what ships is what the tests run. im2fit_level(LEVEL TARGETS...)
 #   O3  once a frame or over a whole mesh: a guided frame is 17.4 M instructions at -O3 where -O2 needs 23.9 M
 #   Os  once a person or a handle: a quarter smaller, and no frame waits for it
-#   O1  once a command or a test: a third less to compile
+#   O1  once a command or a test: a third less to compile; -O0 with sanitizers, where -O1 takes three times as long
 # -fno-math-errno lets the vectoriser take square roots. None of these changes a bit: fused and reordered arithmetic
-# are both off. Debug builds, and sanitizers, which are not about speed, keep the build type's level.
+# are both off. Debug builds keep the build type's level, and so do other levels with sanitizers.
 function(im2fit_level level)
-  if(IM2FIT_SANITIZE AND NOT level STREQUAL "O1")
+  if(IM2FIT_SANITIZE)
+    if(level STREQUAL "O1")
+      foreach(name ${ARGN})
+        target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O0>)
+      endforeach()
+    endif()
     return()
   endif()
   foreach(name ${ARGN})
@@ -115,9 +120,10 @@ endfunction()
 # FOLDER NAME: those of a subfolder; the program is built in the folder of that name.
 # PROGRAM NAME: NAME_tests instead of ROOM_tests, for a room that is the first part of a program.
 # EMULATED_SHARDS N: under an emulator N ctest entries, ROOM_1 to ROOM_N, for rooms that take minutes there.
+# COMPUTES: its own loops take longer than what it tests: at -O1 with sanitizers as well.
 # COST N: about how many seconds it takes; ctest starts the longest first, so that none is left running alone.
 function(im2fit_test_room room)
-  cmake_parse_arguments(arg "" "EMULATED_SHARDS;COST;FOLDER;PROGRAM" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "COMPUTES" "EMULATED_SHARDS;COST;FOLDER;PROGRAM" "DEPENDS" ${ARGN})
   get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR}/${arg_FOLDER} ABSOLUTE)
   get_filename_component(built_folder ${CMAKE_CURRENT_BINARY_DIR}/${arg_FOLDER} ABSOLUTE)
   file(GLOB sources CONFIGURE_DEPENDS ${folder}/*_test.cpp)
@@ -132,7 +138,11 @@ function(im2fit_test_room room)
   add_executable(${program} ${sources})
   set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${built_folder})
   im2fit_target(${program})
-  im2fit_level(O1 ${program})
+  if(arg_COMPUTES)
+    target_compile_options(${program} PRIVATE -O1)
+  else()
+    im2fit_level(O1 ${program})
+  endif()
   target_link_libraries(${program} PRIVATE ${arg_DEPENDS} GTest::gtest_main GTest::gmock)
   # One ctest entry a room: starting a process for each case costs more than most cases.
   if(CMAKE_CROSSCOMPILING AND arg_EMULATED_SHARDS)

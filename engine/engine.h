@@ -31,7 +31,7 @@ namespace im2fit {
 enum class SessionState : int { searching, user_found, calibrating, tracking, measured, lost, turning };
 
 // After a longer gap between two frames by the source's clock (a camera that was unplugged) the scene may be another:
-// the accumulated frames are dropped, the session is LOST, and ids and floor are found anew. TURNING ends with the
+// the accumulated frames are dropped, the session is LOST, and ids and floor are found again. TURNING ends with the
 // front alone, and the person measured before counts as having left.
 inline constexpr float kFrameGapSecondsMax = 2.0F;
 

@@ -33,7 +33,7 @@ class FitStage {
   // for the person to leave, and frames are still processed.
   bool leaving() const { return leaving_; }
   bool over() const { return fault_ || (session_.state == SessionState::measured && !leaving_); }
-  // The damage found in measuring; null: none. Valid until the session begins anew.
+  // The damage found in measuring; null: none. Valid until the next session begins.
   const Error* fault() const { return fault_ ? &*fault_ : nullptr; }
   const EngineResult& result() const { return result_; }
 

@@ -51,7 +51,7 @@ class RefinedQuery {
   const ClothingGiven clothing_;
   std::unique_ptr<index::Index::Scratch, void (*)(index::Index::Scratch*)> scratch_;
   std::unique_ptr<body::ShapeFitter> fitter_;
-  // Of a fit to the front, and to both sides; placeholder values without a fit.
+  // Of a fit to the front, and to both sides; not a number where the index wants a fit and there is none.
   FitValues front_fit_{}, both_fit_{};
   static constexpr std::size_t kAlikeMax = 256;
   std::array<std::uint32_t, kAlikeMax> alike_{};

@@ -303,11 +303,10 @@ std::vector<cli::Option*> add_measuring_options(cli::App& sub, EvalCommand& o) {
                                  ->type_name("FILE");
   auto* icp =
       sub.add_option("--icp", o.icp_people, "Register the depth of N people with their body by ICP")->range(1, 100);
-  auto* icp_references =
-      sub.add_option("--icp-references", o.icp_references,
-                     "In place of --icp: the output of bench/references/icp_references, ours beside PCL")
-          ->type_name("FILE")
-          ->excludes(icp);
+  auto* icp_references = sub.add_option("--icp-references", o.icp_references,
+                                        "In place of --icp: the output of `references_bench icp`, ours beside PCL")
+                             ->type_name("FILE")
+                             ->excludes(icp);
   return {condition,
           conditions,
           all,

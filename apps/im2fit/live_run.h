@@ -32,8 +32,8 @@ class LiveListener {
   // The number of the person who may be measured now, another for each person; 0 while nobody may. Frames are left
   // out then, and nothing seen under another number is used. Called often, on the thread of the run.
   virtual std::uint64_t permit() { return 1; }
-  // The engine begins anew with the next frame, for the person with this number. It has processed all earlier frames
-  // (see()) and uses nothing of them. On the thread of the run.
+  // The engine starts a new session with the next frame, for the person with this number. It has processed all
+  // earlier frames (see()) and uses nothing of them. On the thread of the run.
   virtual void begin_person(std::uint64_t /*permit*/) {}
   // What the person of this number reported of themselves last: evidence in their answer, also after it. `count` is
   // another each time, and 0 while there is nothing or the person's visit is over. Asked often, on the thread of the

@@ -238,7 +238,7 @@ PageAnswer OperatorDesk::save(const Json& body) {
   if (!whole) return said(400, whole.error().message);
   for (const auto& [id, reading] : whole->truth.tape)
     if (std::none_of(settings_.tape.begin(), settings_.tape.end(),
-                     [&](const auto& known) { return known.first == id; }))
+                     [&id = id](const auto& known) { return known.first == id; }))
       return said(400, "the form: truth.tape." + id + " is not a measurement of the tape");
   whole->document.clear();
   start_job("save", "", [this, recorder, record = std::move(*whole), result](Job& job) {

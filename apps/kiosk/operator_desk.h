@@ -51,7 +51,7 @@ class OperatorDesk {
   PageAnswer answer(const PageRequest& request);  // on the server's thread
 
   // Called for the visit of this number, on any thread; they do nothing for other visits.
-  // The engine begins anew, and so does the recording: it then holds the engine's frames and nothing else.
+  // The engine and the recording start again: the recording then holds the engine's frames and nothing else.
   void begin_anew(std::uint64_t visit);
   void see(std::uint64_t visit, const FrameSeen& frame);
   void measured(std::uint64_t visit, const std::string& result_json);

@@ -2,8 +2,8 @@
 // What clothes on the page cost the camera's path: a person is guided at 30 Hz, alone and while a page shows trousers
 // and a T-shirt that move all the time, in turns. A frame's latency is from its push until every stage is done with
 // it.
-//   cloth_beside_sensing [SECONDS=10] > beside.json          of each of two turns
-//   taskset -c 0 cloth_beside_sensing                        where the clothes' thread has no core of its own
+//   device_bench clothes [SECONDS=10] > beside.json          of each of two turns
+//   taskset -c 0 device_bench clothes                        where the clothes' thread has no core of its own
 // Files: IM2FIT_BODY, IM2FIT_TRACKER, IM2FIT_INDEX, else the cache's.
 #include <sys/resource.h>
 
@@ -72,7 +72,7 @@ class Beside {
     settings.frames_wanted = 1000;  // guided to the end: a measured person costs less
     auto engine = make_engine(settings, data_, "");
     if (!engine) {
-      std::fprintf(stderr, "cloth_beside_sensing: %s\n", engine.error().message.c_str());
+      std::fprintf(stderr, "device_bench: %s\n", engine.error().message.c_str());
       return false;
     }
     std::atomic<int> told{0};
@@ -96,7 +96,7 @@ class Beside {
       info.host_ns = static_cast<std::int64_t>(i + 1) * kPeriod.count();
       if (!(*engine)->push({pictures_[static_cast<std::size_t>(i % kPictures)].data(), kCamera.width, kCamera.height},
                            info))
-        std::fprintf(stderr, "cloth_beside_sensing: a frame was refused\n");
+        std::fprintf(stderr, "device_bench: a frame was refused\n");
       (*engine)->wait_idle(-1);
       if (i >= 30)  // the first second finds room and person
         turn.latencies_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - pushed).count());
@@ -124,17 +124,19 @@ void print(const char* name, const Turn& t, const char* after) {
       t.latencies_ms.size(), t.told / t.seconds, t.cpu_s / t.seconds, after);
 }
 
-int run(int seconds) {
+}  // namespace
+
+int clothes_beside_sensing(int seconds) {
   const std::string body_path = file_of("IM2FIT_BODY", "body.i2b", "");
   const auto data = load_measuring_data(
       {file_of("IM2FIT_TRACKER", "tracker.i2t"), file_of("IM2FIT_INDEX", "index.i2f"), body_path, {}});
   if (!data) {
-    std::fprintf(stderr, "cloth_beside_sensing: %s\n", data.error().message.c_str());
+    std::fprintf(stderr, "device_bench: %s\n", data.error().message.c_str());
     return 1;
   }
   const auto model = body::BodyModel::load(body_path);
   if (!model) {
-    std::fprintf(stderr, "cloth_beside_sensing: %s\n", model.error().message.c_str());
+    std::fprintf(stderr, "device_bench: %s\n", model.error().message.c_str());
     return 1;
   }
   Beside beside(*model, *data);
@@ -149,14 +151,4 @@ int run(int seconds) {
   return 0;
 }
 
-}  // namespace
 }  // namespace im2fit::bench
-
-int main(int argc, char** argv) {
-  const int seconds = argc > 1 ? std::atoi(argv[1]) : 10;
-  if (seconds < 2 || seconds > 30) {
-    std::fprintf(stderr, "usage: cloth_beside_sensing [SECONDS, 2 to 30]\n");
-    return 2;
-  }
-  return im2fit::bench::run(seconds);
-}

@@ -3,6 +3,8 @@
 // their files, fed at 30 Hz for as many seconds as the argument says (default 5) while a person stands in the
 // picture, and again while the room is empty and the engine rests.
 //   device_bench [SECONDS] > device.json
+//   device_bench clothes [SECONDS] > beside.json   what clothes on the page cost
+//   (bench/cloth/cloth_beside_sensing.cpp)
 #include <malloc.h>
 #include <sys/resource.h>
 
@@ -10,6 +12,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -19,6 +22,9 @@
 #include "person/measuring_data.h"
 
 namespace im2fit::bench {
+
+int clothes_beside_sensing(int seconds);  // cloth/cloth_beside_sensing.cpp; an exit code
+
 namespace {
 
 constexpr std::int64_t kPeriodNs = 33333333;
@@ -131,5 +137,19 @@ int run(int seconds) {
 }  // namespace im2fit::bench
 
 int main(int argc, char** argv) {
-  return im2fit::bench::run(argc > 1 ? std::atoi(argv[1]) : 5);
+  const bool clothes = argc > 1 && std::strcmp(argv[1], "clothes") == 0;
+  const char* seconds_text = argc > 1 + clothes ? argv[1 + clothes] : clothes ? "10" : "5";
+  char* end = nullptr;
+  const long seconds = std::strtol(seconds_text, &end, 10);
+  if (*end != '\0' || argc > 2 + clothes || seconds < 2 || seconds > 60) {
+    std::fprintf(stderr, "usage: device_bench [clothes] [SECONDS, 2 to 60]\n");
+    return 2;
+  }
+  if (!clothes) return im2fit::bench::run(static_cast<int>(seconds));
+#ifdef IM2FIT_BENCH_PAGE
+  return im2fit::bench::clothes_beside_sensing(static_cast<int>(seconds));
+#else
+  std::fprintf(stderr, "device_bench: built without the page or without the workstation's judges of garments\n");
+  return 1;
+#endif
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The paper's last figure with PCL beside us: the same people's fused depth against the same retrieved bodies, the
 // same error after each iteration.
-//   icp_references --out FILE [--people 4] [--condition noise] [--body FILE] [--joint-model FILE] [--index FILE]
+//   references_bench icp --out FILE [--people 4] [--condition noise] [--body FILE] [--joint-model FILE] [--index
+//   FILE]
 // `im2fit-lab eval --icp-references FILE` draws it.
 #include <pcl/point_types.h>
 #include <pcl/registration/icp.h>
@@ -10,6 +11,7 @@
 #include <cstdio>
 
 #include "apps/common/paths.h"
+#include "bench/references/reference.h"
 #include "core/file.h"
 #include "evaluation/measurements/conditions.h"
 #include "evaluation/measurements/icp_study.h"
@@ -78,12 +80,10 @@ Result<std::vector<lab::IcpCurve>> measure(const Options& options) {
 }
 
 }  // namespace
-}  // namespace im2fit::bench
 
-int main(int argc, char** argv) {
-  using namespace im2fit;
-  bench::Options options;
-  CLI::App app{"ICP of depth and retrieved body: ours beside PCL's", "icp_references"};
+int icp_references(int argc, char** argv) {
+  Options options;
+  CLI::App app{"ICP of depth and retrieved body: ours beside PCL's", "references_bench icp"};
   app.add_option("--out", options.out, "JSON to write, for im2fit-lab eval --icp-references")->required();
   app.add_option("--people", options.people)->check(CLI::Range(1, 100))->capture_default_str();
   app.add_option("--condition", options.condition)->capture_default_str();
@@ -91,11 +91,11 @@ int main(int argc, char** argv) {
   app.add_option("--joint-model", options.joint_model)->capture_default_str();
   app.add_option("--index", options.index)->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  const auto curves = bench::measure(options);
+  const auto curves = measure(options);
   const auto written =
       curves ? write_file_atomically(options.out, lab::icp_json_of(*curves)) : Status(curves.error());
   if (!written) {
-    std::fprintf(stderr, "icp_references: %s\n", written.error().message.c_str());
+    std::fprintf(stderr, "references_bench: %s\n", written.error().message.c_str());
     return 1;
   }
   for (const auto& curve : *curves)
@@ -103,3 +103,5 @@ int main(int argc, char** argv) {
                 curve.error_mm.front(), curve.error_mm.back());
   return 0;
 }
+
+}  // namespace im2fit::bench

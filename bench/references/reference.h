@@ -46,4 +46,7 @@ std::unique_ptr<Reference> make_open3d();
 // PCL's normals of an organised cloud by integral images: width * height points, NaN where there is none.
 double pcl_integral_normals(const Points& organised, int width, int height, std::vector<Vec3f>& normals);
 
+// `references_bench icp`, with PCL and the judges: argv[0] is the word icp, its options follow. Returns an exit code.
+int icp_references(int argc, char** argv);
+
 }  // namespace im2fit::bench

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Our kernels against alternatives a user could pick: the same cloud, the same run, one thread, processor time.
 //   references_bench [--full] [--json FILE]
+//   references_bench icp --out FILE ...        (icp_references.cpp)
 // --full adds FPFH of the whole 640x480 cloud, which takes the references a minute or more each. Machines drift by a
 // factor of two while this runs, so ours is timed before and after theirs and only the ratio is to be quoted.
 #include <algorithm>
@@ -326,6 +327,9 @@ int run(bool full, const char* json_path) {
 }  // namespace im2fit::bench
 
 int main(int argc, char** argv) {
+#ifdef IM2FIT_REFERENCES_ICP
+  if (argc > 1 && std::strcmp(argv[1], "icp") == 0) return im2fit::bench::icp_references(argc - 1, argv + 1);
+#endif
   bool full = false;
   const char* json_path = nullptr;
   for (int i = 1; i < argc; ++i) {
@@ -334,7 +338,8 @@ int main(int argc, char** argv) {
     } else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) {
       json_path = argv[++i];
     } else {
-      std::fprintf(stderr, "use: references_bench [--full] [--json FILE]\n");
+      std::fprintf(stderr,
+                   "usage: references_bench [--full] [--json FILE]\n       references_bench icp --out FILE\n");
       return 2;
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The nodes of an avatar's .glb in a pose: a viewer may set them anew with every frame.
+// The nodes of an avatar's .glb in a pose: a viewer may set them in every frame.
 #pragma once
 
 #include <array>

@@ -41,7 +41,7 @@ class EdgeFilter {
 };
 
 // Exponential smoothing, pixel by pixel: each frame moves the delivered depth by kShare of the difference, and a step
-// beyond kOutlierMm, another surface, all of it. Pixels without data stay without, and begin anew.
+// beyond kOutlierMm, another surface, all of it. Pixels without data keep none, and their filter starts again.
 class TemporalSmoothing {
  public:
   static constexpr float kShare = 0.25F;

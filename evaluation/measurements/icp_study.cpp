@@ -94,8 +94,7 @@ Result<std::vector<IcpCurve>> read_icp_curves(const std::string& path) {
   if (!bytes) return bytes.error();
   const auto* text = reinterpret_cast<const char*>(bytes->data());
   const auto json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
-  const Error foreign{ErrorCode::corrupt,
-                      path + ": expected im2fit.icp/1 as bench/references/icp_references writes it"};
+  const Error foreign{ErrorCode::corrupt, path + ": expected im2fit.icp/1 as references_bench icp writes it"};
   if (!json.is_object() || json.value("schema", "") != "im2fit.icp/1" || !json.contains("curves")) return foreign;
   std::vector<IcpCurve> curves;
   for (const auto& c : json["curves"]) {

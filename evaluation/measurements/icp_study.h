@@ -30,7 +30,7 @@ struct IcpCurve {
 // Ours, a curve a case.
 std::vector<IcpCurve> icp_curves(const body::BodyModel& model, const std::vector<IcpCase>& cases);
 
-// Written by bench/references/icp_references: the same cases under ours and PCL's. Errors name the file and the
+// Written by `references_bench icp`: the same cases under ours and PCL's. Errors name the file and the
 // field.
 Result<std::vector<IcpCurve>> read_icp_curves(const std::string& path);
 std::string icp_json_of(const std::vector<IcpCurve>& curves);

@@ -109,7 +109,7 @@ std::vector<StudyGroup> groups_of(const People& people) {
   }
   for (const auto& [word, name] :
        {std::pair("bare", "bare"), {"close", "close-fitting clothes"}, {"loose", "loose clothes"}})
-    add_group(groups, people, name, [&](const SitePerson& p) { return p.clothing == word; });
+    add_group(groups, people, name, [word = word](const SitePerson& p) { return p.clothing == word; });
   return groups;
 }
 

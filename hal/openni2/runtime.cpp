@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <mutex>
 
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wreserved-identifier"  // the sanitizers' own names
+#endif
+
 #if defined(__SANITIZE_ADDRESS__)
 // The runtime forgets buffers of its own (of its recorder on a full disk, of its driver list).
 extern "C" const char* __lsan_default_options() {

@@ -73,7 +73,7 @@ struct Blobs {
 void find_blobs(const Grid& grid, const FloorPlane& floor, std::span<const std::uint8_t> background,
                 std::span<const Vec3f> expected, Blobs& found);
 
-// The steps of find_blobs(), in their order. Those that change labels describe the blobs anew.
+// The steps of find_blobs(), in their order. Steps that change labels compute the descriptions of the blobs again.
 void describe_blobs(const Grid& grid, Blobs& found);                                 // blobs.cpp
 void find_heads(const Grid& grid, const FloorPlane& floor, int blob, Blobs& found);  // heads.cpp
 void join_trunks(const Grid& grid, const FloorPlane& floor, Blobs& found);           // split.cpp

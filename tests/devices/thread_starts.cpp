@@ -14,6 +14,10 @@ std::atomic<int> starts_left{-1};  // -1: none fails
 
 }  // namespace
 
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wreserved-identifier"  // the sanitizers' own names
+#endif
+
 extern "C" {
 
 // A sanitizer's own, which must see every thread: behind it is the C library's.

@@ -187,6 +187,13 @@ class Accuracy(unittest.TestCase):
         self.page("docs/evaluation.md", good.replace("accuracy:garments", "accuracy:coats"))
         self.fails(["check", "--tables"], "coats")
 
+    def test_pages_without_a_table_fail_without_results_too(self):
+        for entry in (self.root / "docs/evaluation").glob("*.json"):
+            entry.unlink()
+        for page in ("README.md", "docs/evaluation.md"):
+            self.page(page, "# Nothing here\n")
+        self.fails(["check", "--tables"], "no page shows the table 'headline'")
+
     def test_versions_must_be_found_once_in_the_sources(self):
         (self.root / "somewhere/other.cpp").write_text(DATASET.format(21))
         self.fails(["check"], "2 versions of dataset")
