@@ -273,6 +273,10 @@ Report report_of(const std::vector<Outcome>& outcomes, const std::string& condit
   for (const Outcome& o : outcomes) {
     if (o.measured) measured.push_back(&o);
     if (o.measured && o.lifted_arms) ++report.lifted_arms;
+    for (std::size_t fact = 0; fact < kKnownFactCount; ++fact) {
+      if (o.measured && (o.known.used >> fact & 1U) != 0) ++report.facts_used[fact];
+      if (o.measured && (o.known.doubted >> fact & 1U) != 0) ++report.facts_doubted[fact];
+    }
     if (o.measured && o.has_raw) with_raw.push_back(&o);
     for (std::size_t g = 0; g < kGuidanceCount; ++g)
       if (!o.measured && (o.guidance_seen >> g & 1U) != 0) ++report.not_measured_because[g];

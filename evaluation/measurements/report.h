@@ -87,6 +87,8 @@ struct Report {
   MeasuredWith with;
   int subjects = 0;
   int measured = 0;
+  // Of the measured, by known fact (estimate/known_facts.h): people whose answer rests on it, or leaves it out.
+  std::array<int, kKnownFactCount> facts_used{}, facts_doubted{};
   int lifted_arms = 0;                                     // of the measured: on guidance, before their measurement
   std::array<int, kGuidanceCount> not_measured_because{};  // subjects, by guidance seen
   std::array<MeasurementReport, kMeasurementCount> measurements;

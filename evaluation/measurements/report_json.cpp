@@ -98,6 +98,10 @@ Json json_value_of(const Report& report) {
   json["subjects"] = report.subjects;
   json["measured"] = report.measured;
   json["lifted_arms"] = report.lifted_arms;
+  for (std::size_t fact = 0; fact < kKnownFactCount; ++fact)
+    if (report.facts_used[fact] + report.facts_doubted[fact] > 0)
+      json["known"][std::string(kKnownFactNames[fact])] = {{"used", report.facts_used[fact]},
+                                                           {"doubted", report.facts_doubted[fact]}};
   json["not_measured_because"] = Json::object();
   for (std::size_t g = 0; g < kGuidanceCount; ++g)
     if (report.not_measured_because[g] > 0)

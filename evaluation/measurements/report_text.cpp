@@ -95,6 +95,10 @@ std::string text_of(const Report& report) {
   const double measured = report.subjects > 0 ? 100.0 * report.measured / report.subjects : 0;
   text += fmt::format("\nmeasured     {} of {} held-out synthetic people ({:.1f} %)\n", report.measured,
                       report.subjects, measured);
+  for (std::size_t fact = 0; fact < kKnownFactCount; ++fact)
+    if (const int used = report.facts_used[fact], doubted = report.facts_doubted[fact]; used + doubted > 0)
+      text +=
+          fmt::format("             known {}: used for {}, doubted for {}\n", kKnownFactNames[fact], used, doubted);
   if (report.lifted_arms > 0)
     text += fmt::format("             {} of them after lifting their arms at ARMS_CLOSE\n", report.lifted_arms);
   if (report.measured < report.subjects) text += "not measured; guidance:" + refusals(report) + "\n";

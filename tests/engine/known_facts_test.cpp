@@ -17,16 +17,16 @@ constexpr std::size_t kStature = measurement_index(Measurement::stature);
 constexpr std::size_t kWaist = measurement_index(Measurement::waist_girth);
 constexpr std::size_t kWeight = measurement_index(Measurement::weight);
 
-struct Person {
+struct AnsweredPerson {
   index::Answer answer;
   AgeAnswer age;
 };
 
 // As the front says of most people: half of an interval about two standard deviations.
-Person person(index::AnsweredFrom from, bool clothed) {
+AnsweredPerson answered_person(index::AnsweredFrom from, bool clothed) {
   constexpr MeasurementValues kValues = {1750, 600, 900, 400, 380, 1150, 1000, 900, 1010, 790, 78};
   constexpr MeasurementValues kHalf = {16, 22, 30, 20, 24, 50, 80, 80, 70, 24, 12};
-  Person p;
+  AnsweredPerson p;
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
     p.answer.measurements[m] = {kValues[m], kValues[m] - kHalf[m], kValues[m] + 1.1F * kHalf[m]};
   p.answer.female = 0.1F;
@@ -43,7 +43,7 @@ float width(const index::IntervalEstimate& e) {
 
 class KnownFactsOf : public testing::TestWithParam<std::tuple<index::AnsweredFrom, bool>> {
  protected:
-  Person before_ = person(std::get<0>(GetParam()), std::get<1>(GetParam()));
+  AnsweredPerson before_ = answered_person(std::get<0>(GetParam()), std::get<1>(GetParam()));
 };
 
 INSTANTIATE_TEST_SUITE_P(EveryTable, KnownFactsOf,
@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(EveryTable, KnownFactsOf,
                                           testing::Bool()));
 
 TEST_P(KnownFactsOf, NothingKnownChangesNoBit) {
-  Person p = before_;
+  AnsweredPerson p = before_;
   const KnownOutcome outcome = condition({}, p.answer, p.age);
   EXPECT_EQ(outcome.used, 0U);
   EXPECT_EQ(outcome.doubted, 0U);
@@ -65,7 +65,7 @@ TEST_P(KnownFactsOf, NothingKnownChangesNoBit) {
 }
 
 TEST_P(KnownFactsOf, AHeavierWeightOnAScaleWidensTheWaistAndNarrowsItsInterval) {
-  Person p = before_;
+  AnsweredPerson p = before_;
   KnownFacts facts;
   facts.weight_kg = {84, kScaleSdKg};
   const KnownOutcome outcome = condition(facts, p.answer, p.age);
@@ -79,7 +79,7 @@ TEST_P(KnownFactsOf, AHeavierWeightOnAScaleWidensTheWaistAndNarrowsItsInterval) 
 }
 
 TEST_P(KnownFactsOf, AWeightAsReportedMovesLessThanOneOnAScale) {
-  Person scale = before_, stated = before_;
+  AnsweredPerson scale = before_, stated = before_;
   KnownFacts facts;
   facts.weight_kg = {84, kScaleSdKg};
   condition(facts, scale.answer, scale.age);
@@ -91,7 +91,7 @@ TEST_P(KnownFactsOf, AWeightAsReportedMovesLessThanOneOnAScale) {
 }
 
 TEST_P(KnownFactsOf, ASlipOfUnitsIsDoubtedAndChangesNothing) {
-  Person p = before_;
+  AnsweredPerson p = before_;
   KnownFacts facts;
   facts.weight_kg = {172, kStatedWeightSdKg};     // 78 kg in pounds
   facts.stature_mm = {1850, kStatedStatureSdMm};  // 100 mm too tall
@@ -103,7 +103,7 @@ TEST_P(KnownFactsOf, ASlipOfUnitsIsDoubtedAndChangesNothing) {
 }
 
 TEST_P(KnownFactsOf, SexAndAgeAreTakenAsGiven) {
-  Person p = before_;
+  AnsweredPerson p = before_;
   KnownFacts facts;
   facts.sex = KnownSex::woman;
   facts.age_years = {70.5F, kStatedAgeSdYears};
@@ -116,7 +116,7 @@ TEST_P(KnownFactsOf, SexAndAgeAreTakenAsGiven) {
 
 TEST_P(KnownFactsOf, TheValueStaysInsideItsInterval) {
   for (const float kg : {62.0F, 70.0F, 78.0F, 90.0F}) {
-    Person p = before_;
+    AnsweredPerson p = before_;
     KnownFacts facts;
     facts.weight_kg = {kg, kScaleSdKg};
     facts.stature_mm = {1740, kStatedStatureSdMm};

@@ -143,6 +143,20 @@ TEST(Report, CountsWhatItIsGiven) {
   EXPECT_EQ(steps[0] + steps[1] + steps[2] + steps[3] + steps[4], 3);
 }
 
+TEST(Report, CountsFactsUsedAndDoubted) {
+  const KnownFactSet stature = bit_of(KnownFact::stature), weight = bit_of(KnownFact::weight);
+  std::vector<Outcome> people(4, outcome(2000, 0, 10));
+  people[0].known = {stature | weight, 0};
+  people[1].known = {stature, weight};
+  people[2].known = {0, stature | weight};
+  people[3].known = {stature | weight, 0};
+  people[3].measured = false;  // nobody whose answer could rest on it
+  const auto known = json_value_of(report_of(people, "noise+known-all"))["known"];
+  EXPECT_EQ(known,
+            nlohmann::json::parse(R"({"stature": {"used": 2, "doubted": 1}, "weight": {"used": 1, "doubted": 2}})"));
+  EXPECT_FALSE(json_value_of(report_of({outcome(2000, 0, 10)}, "noise")).contains("known"));
+}
+
 TEST(Report, MedianWidthOfIntervalsIsNotTheMean) {
   const Report r = report_of({outcome(1000, 0, 10), outcome(1000, 0, 20), outcome(1000, 0, 90)}, "noise");
   EXPECT_NEAR(r.measurements[kStature].interval_width, 80, 1e-4);

@@ -187,7 +187,7 @@ class Accuracy(unittest.TestCase):
     def test_a_measurement_without_true_values_has_no_figures(self):
         entry = result("noise", "other")
         entry["measurements"]["stature"].update(coverage_95=None, interval_width_median=None)
-        entry["measurements"]["stature"]["ours"].update(mae=None, bias=None)
+        entry["measurements"]["stature"]["ours"].update(count=0, mae=0.0, bias=0.0)
         self.put(entry)
         self.succeeds("tables")
         self.assertEqual(self.page("docs/evaluation.md").count("| stature, mm | 31 (+14) | 95 % | 125 | – | – | – |"), 1)
