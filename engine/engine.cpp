@@ -185,10 +185,10 @@ class PipelineEngine final : public Engine {
   }
 
   EngineResult result() const override {
-    EngineResult result = snapshot_.read();
+    const EngineResult result = snapshot_.read();
     const SessionFacts known = known_.read();
     const bool of_session = known.session == result.session;
-    return with_known(std::move(result), of_session ? known.facts : KnownFacts{});
+    return with_known(result, of_session ? known.facts : KnownFacts{});
   }
 
   Status set_known(const KnownFacts& facts, std::uint32_t session) override {

@@ -9,8 +9,9 @@
 
 namespace im2fit {
 
-// What Engine::result() gives when the person of `result` reports `facts`. `result`: read while no fact was known.
-inline EngineResult with_known(EngineResult result, const KnownFacts& facts) {
+// What Engine::result() gives when the person of `before` reports `facts`. `before`: read while no fact was known.
+inline EngineResult with_known(const EngineResult& before, const KnownFacts& facts) {
+  EngineResult result = before;
   result.unconditioned = result.answer.measurements;
   result.known = facts;
   result.known_outcome = {};

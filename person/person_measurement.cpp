@@ -9,10 +9,10 @@ Result<PersonMeasurement> measurement_of(const Engine& engine, const Measurement
   return measurement_of(engine.result(), parts, source);
 }
 
-Result<PersonMeasurement> measurement_of(EngineResult result, const MeasurementParts& parts,
+Result<PersonMeasurement> measurement_of(const EngineResult& result, const MeasurementParts& parts,
                                          const hal::SourceInfo& source) {
   PersonMeasurement person;
-  person.result = std::move(result);
+  person.result = result;
   person.source = source;
   person.site = parts.site;
   if (!person.result.measured) return person;

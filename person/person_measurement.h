@@ -55,7 +55,7 @@ Result<PersonMeasurement> measurement_of(const Engine& engine, const Measurement
                                          const hal::SourceInfo& source);
 // The same of a result read earlier, such as one with corrected facts (engine/known_result.h). Any thread. Errors:
 // body_of_answer's.
-Result<PersonMeasurement> measurement_of(EngineResult result, const MeasurementParts& parts,
+Result<PersonMeasurement> measurement_of(const EngineResult& result, const MeasurementParts& parts,
                                          const hal::SourceInfo& source);
 
 }  // namespace im2fit

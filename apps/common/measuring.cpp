@@ -60,9 +60,9 @@ Result<PersonMeasurement> measured_person(const Engine& engine, const MeasuringD
   return measured_person(engine.result(), data, source);
 }
 
-Result<PersonMeasurement> measured_person(EngineResult result, const MeasuringData& data,
+Result<PersonMeasurement> measured_person(const EngineResult& result, const MeasuringData& data,
                                           const hal::SourceInfo& source) {
-  auto person = measurement_of(std::move(result), data.parts(), source);
+  auto person = measurement_of(result, data.parts(), source);
   if (person && person->body && person->tape != nullptr)
     person->fits = fits_of(builtin_wardrobe(), *data.charts, person->result.answer.female, *person->tape,
                            person->tape_values, person->tape_intervals);

@@ -43,7 +43,7 @@ Result<std::unique_ptr<Engine>> make_engine(const MeasuringOptions& options, con
 // measurement_of, and how garments would sit on the body.
 Result<PersonMeasurement> measured_person(const Engine& engine, const MeasuringData& data,
                                           const hal::SourceInfo& source);
-Result<PersonMeasurement> measured_person(EngineResult result, const MeasuringData& data,
+Result<PersonMeasurement> measured_person(const EngineResult& result, const MeasuringData& data,
                                           const hal::SourceInfo& source);
 
 // People who came and went have used up every beginning of the session: only a new session measures the next person.
