@@ -105,10 +105,10 @@ class Accuracy(unittest.TestCase):
         self.succeeds("tables")
         self.succeeds("check")
         readme = self.page("README.md")
-        self.assertIn("| close-fitting (simulated as bare) | 31 (+14)<br>95 % in ±62 |", readme)
-        self.assertIn("| loose T-shirt and trousers |", readme)
+        self.assertIn("| close-fitting, simulated without clothes: `ansur` | 31 (+14)<br>95 % in ±62 |", readme)
+        self.assertIn("| loose T-shirt and trousers: `ansur` |", readme)
         self.assertIn("30.6 (+14.2)<br>95 % in ±62.3 |", readme, "weight, with a decimal")
-        self.assertIn("measurement: 398 of 400 (`ansur`), 398 of 400 (`ansur`). Index of 4,000 simulated people, format 13. "
+        self.assertIn("Measured: 398 of 400 (`ansur`), 398 of 400 (`ansur`). Index of 4,000 simulated people, format 13. "
                       "Dataset: version 22. Commit: abc1234.", " ".join(readme.split()))
         self.assertTrue(readme.endswith("<!-- /accuracy -->\n\nAfter it.\n"), readme)
         page = self.page("docs/evaluation.md")
@@ -125,7 +125,7 @@ class Accuracy(unittest.TestCase):
         self.succeeds("tables")
         front = self.page("docs/evaluation.md").split("## both-sides")[0]
         self.assertLess(front.index("`modifiers`: MAE"), front.index("`ansur`: MAE"))
-        self.assertIn("measurement: 398 of 400 (`modifiers`), 398 of 400 (`ansur`).", " ".join(self.page("README.md").split()))
+        self.assertIn("Measured: 398 of 400 (`modifiers`), 398 of 400 (`ansur`).", " ".join(self.page("README.md").split()))
 
     def test_figures_of_earlier_versions_are_marked_and_refused(self):
         for dataset, index_format, words in ((23, 13, "dataset 22, code is 23"),
