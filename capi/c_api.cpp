@@ -228,6 +228,7 @@ int im2fit_finish(im2fit_handle* handle) {
 int im2fit_reset(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
     h.engine->reset();
+    h.next_after.reset();
     h.forget_person();
     h.frames.forget();
     return static_cast<int>(IM2FIT_OK);
@@ -236,9 +237,11 @@ int im2fit_reset(im2fit_handle* handle) {
 
 int im2fit_next(im2fit_handle* handle) {
   return guarded(handle, [](im2fit_handle& h) {
+    h.engine->next_person();
+    // Read afterwards: a frame in the pipeline may have measured the person. Before MEASURED the new session has
+    // begun.
     const im2fit::EngineResult now = h.engine->result();
     if (now.measured) h.next_after = now.session;
-    h.engine->next_person();
     return static_cast<int>(IM2FIT_OK);
   });
 }

@@ -18,6 +18,17 @@ using im2fit::c::guarded;
 // No padding at the end: a field that comes later would be read from it.
 static_assert(sizeof(im2fit_known) == offsetof(im2fit_known, reserved) + sizeof(std::int32_t));
 
+constexpr int bit(im2fit::KnownFact fact) {
+  return static_cast<int>(im2fit::bit_of(fact));
+}
+static_assert(IM2FIT_KNOWN_STATURE == bit(im2fit::KnownFact::stature));
+static_assert(IM2FIT_KNOWN_WEIGHT == bit(im2fit::KnownFact::weight));
+static_assert(IM2FIT_KNOWN_SEX == bit(im2fit::KnownFact::sex));
+static_assert(IM2FIT_KNOWN_AGE == bit(im2fit::KnownFact::age));
+static_assert(IM2FIT_SEX_UNKNOWN == static_cast<int>(im2fit::KnownSex::unknown));
+static_assert(IM2FIT_SEX_WOMAN == static_cast<int>(im2fit::KnownSex::woman));
+static_assert(IM2FIT_SEX_MAN == static_cast<int>(im2fit::KnownSex::man));
+
 // A struct a newer caller made: what we do not know must be unset. The first version is the shortest.
 bool copy_known(const im2fit_known& from, im2fit_known& to) {
   const std::size_t size = from.struct_size;

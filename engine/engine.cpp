@@ -186,14 +186,17 @@ class PipelineEngine final : public Engine {
 
   EngineResult result() const override {
     const EngineResult result = snapshot_.read();
-    const SessionFacts known = known_.read();
-    const bool of_session = known.session == result.session;
-    return with_known(result, of_session ? known.facts : KnownFacts{});
+    for (const SessionFacts& known : known_.read())
+      if (known.session == result.session) return with_known(result, known.facts);
+    return with_known(result, {});
   }
 
   Status set_known(const KnownFacts& facts, std::uint32_t session) override {
     if (auto ok = check_known(facts); !ok) return ok;
-    known_.publish({facts, session});
+    // A measured person keeps theirs while the next person's are set.
+    if (known_now_[0].session != session) known_now_[1] = known_now_[0];
+    known_now_[0] = {facts, session};
+    known_.publish(known_now_);
     return Ok{};
   }
 
@@ -202,7 +205,8 @@ class PipelineEngine final : public Engine {
     stages_->reset_sense();
     reset_clock();
     fit_.reset();
-    known_.publish({});  // sessions count from 0 again
+    known_now_ = {};  // sessions count from 0 again
+    known_.publish(known_now_);
     begin_again();
   }
 
@@ -422,7 +426,9 @@ class PipelineEngine final : public Engine {
     KnownFacts facts;
     std::uint32_t session = 0;
   };
-  Snapshot<SessionFacts> known_;
+  using LatestFacts = std::array<SessionFacts, 2>;  // the latest first; of two sessions
+  LatestFacts known_now_{};                         // the producer's
+  Snapshot<LatestFacts> known_;
   Snapshot<EngineResult> snapshot_;
 
   // The producer's.

@@ -168,9 +168,10 @@ class Engine : public FrameSink {
   // Any thread, any time, never blocks the pipeline.
   virtual EngineResult result() const = 0;
   // What the person of session `session` (EngineResult) knows of themselves: evidence in the answer from now on,
-  // before, during and after the frames; it replaces what was set before, for whatever session. The next session has
-  // none. Costs nothing until result() is read, and some microseconds there. One thread at a time; never blocks the
-  // pipeline. Error: check_known().
+  // before, during and after the frames; it replaces what was set before of that session. Facts of two sessions are
+  // kept, the latest: a measured person keeps theirs while the next person's are set. A session without facts has
+  // none. Costs nothing until result() is read, and some microseconds there. From the producer thread; never blocks
+  // the pipeline. Error: check_known().
   virtual Status set_known(const KnownFacts& facts, std::uint32_t session) = 0;
   virtual void reset() = 0;  // a new person; after finish() or between frames. Waits for frames in the pipeline
   // The next person, after MEASURED: frames are processed again. The answer is kept until the measured person left

@@ -62,15 +62,18 @@ void move(index::IntervalEstimate& e, double unit, double mean, double narrower)
        static_cast<float>(value + narrower * above)};
 }
 
-Status check_value(const KnownValue& v, const char* name, const char* unit, float least, float most) {
+// No message repeats a value: it is personal, and messages are logged.
+Status check_value(const KnownValue& v, const char* name, const char* unit, int least, int most, int sd_most) {
   if (v.sd == 0) return Ok{};
-  if (!std::isfinite(v.value) || v.value < least || v.value > most)
-    return Error{ErrorCode::invalid_argument, "known " + std::string(name) + " " + std::to_string(v.value) + " " +
-                                                  unit + ": expected " + std::to_string(static_cast<int>(least)) +
-                                                  " to " + std::to_string(static_cast<int>(most)) + " " + unit};
-  if (!std::isfinite(v.sd) || v.sd < 0.1F || v.sd > 1000)
-    return Error{ErrorCode::invalid_argument, "standard deviation " + std::to_string(v.sd) + " of the known " + name +
-                                                  ": expected 0.1 to 1000 " + unit + ", or 0 for a fact not known"};
+  const auto range = [&](const std::string& from, int to) {
+    return "expected " + from + " to " + std::to_string(to) + " " + unit;
+  };
+  if (!std::isfinite(v.value) || v.value < static_cast<float>(least) || v.value > static_cast<float>(most))
+    return Error{ErrorCode::invalid_argument,
+                 "known " + std::string(name) + ": " + range(std::to_string(least), most)};
+  if (!std::isfinite(v.sd) || v.sd < 0.1F || v.sd > static_cast<float>(sd_most))
+    return Error{ErrorCode::invalid_argument, "standard deviation of the known " + std::string(name) + ": " +
+                                                  range("0.1", sd_most) + ", or 0 for a fact not known"};
   return Ok{};
 }
 
@@ -89,9 +92,9 @@ KnownFactSet KnownFacts::given() const {
 }
 
 Status check_known(const KnownFacts& facts) {
-  if (auto ok = check_value(facts.stature_mm, "stature", "mm", 500, 2500); !ok) return ok;
-  if (auto ok = check_value(facts.weight_kg, "weight", "kg", 15, 400); !ok) return ok;
-  return check_value(facts.age_years, "age", "years", 0, 120);
+  if (auto ok = check_value(facts.stature_mm, "stature", "mm", 500, 2500, 1000); !ok) return ok;
+  if (auto ok = check_value(facts.weight_kg, "weight", "kg", 15, 400, 1000); !ok) return ok;
+  return check_value(facts.age_years, "age", "years", 0, 120, 5);
 }
 
 std::array<double, kErrorCount> error_sds(const index::Answer& answer, const AgeAnswer& age) {
@@ -136,7 +139,7 @@ KnownOutcome condition(const KnownFacts& facts, index::Answer& answer, AgeAnswer
   take(KnownFact::weight, kWeight, off(facts.weight_kg, answer.measurements[kWeight]),
        static_cast<double>(facts.weight_kg.sd), true);
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
-    move(answer.measurements[m], sds[m], posterior.mean(m), std::sqrt(posterior.variance(m)));
+    move(answer.measurements[m], sds[m], posterior.mean(m), std::sqrt(std::max(0.0, posterior.variance(m))));
   answer.female =
       (outcome.used & bit_of(KnownFact::sex)) != 0
           ? (facts.sex == KnownSex::woman ? 1.0F : 0.0F)

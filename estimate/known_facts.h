@@ -47,8 +47,8 @@ struct KnownFacts {
   KnownSex sex = KnownSex::unknown;
   KnownFactSet given() const;
 };
-// Ranges: 500..2500 mm, 15..400 kg, 0..120 years; standard deviations 0.1..1000. Error: invalid_argument, naming the
-// fact, its value and the range.
+// Ranges: 500..2500 mm, 15..400 kg, 0..120 years; standard deviations 0.1..1000, of an age 0.1..5. Error:
+// invalid_argument, naming the fact and the range.
 Status check_known(const KnownFacts& facts);
 
 struct KnownOutcome {

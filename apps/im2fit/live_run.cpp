@@ -67,7 +67,11 @@ class LiveRun {
     // Where the person has left the engine's session is the next one's already.
     if (!unconditioned_ || outcome_.engine->result().session == unconditioned_->session) use_facts(now.facts);
     if (!unconditioned_) return;
+    // While the answer is made again no frames are taken, as in handle_result.
+    const bool still_here = outcome_.engine->result().session == unconditioned_->session;
+    if (still_here) outcome_.engine->finish();
     if (auto done = correct_person(); !done) print_error("the answer cannot be corrected: " + done.error().message);
+    if (still_here) outcome_.engine->next_person();
   }
 
   // After the run: whoever stood there last may be measured from fewer frames.

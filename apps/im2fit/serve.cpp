@@ -184,6 +184,10 @@ Status check_facts(const ServeOptions& options) {
     return Error{ErrorCode::invalid_argument,
                  "height, weight, sex and age are options of a run with --no-consent; with consent give --ask-facts, "
                  "and each person may enter them on the page"};
+  if (options.wait && known_facts(options.live.session.known_words).given() != 0)
+    return Error{ErrorCode::invalid_argument,
+                 "height, weight, sex and age describe one person; with --wait a camera that comes back may see "
+                 "another one: leave one of them out"};
   return Ok{};
 }
 

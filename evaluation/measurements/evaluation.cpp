@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "evaluation/measurements/evaluation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <optional>
@@ -64,10 +65,12 @@ KnownFacts reported_facts(const EvaluationOptions& options, const Subject& subje
   const bool all = options.known == KnownOf::all;
   const float weight_kg = subject.truth[measurement_index(Measurement::weight)] +
                           (index / 2 % 2 == 0 ? options.known_weight_off_kg : -options.known_weight_off_kg);
+  // What no device takes is not reported.
+  const auto allowed = [](float kg) { return std::clamp(kg, 15.0F, 400.0F); };
   if (options.known == KnownOf::weight_on_scale)
-    facts.weight_kg = {weight_kg + off_by(kScaleSdKg), kScaleSdKg};
+    facts.weight_kg = {allowed(weight_kg + off_by(kScaleSdKg)), kScaleSdKg};
   else
-    facts.weight_kg = {std::round(weight_kg + off_by(kStatedWeightSdKg)), kStatedWeightSdKg};
+    facts.weight_kg = {allowed(std::round(weight_kg + off_by(kStatedWeightSdKg))), kStatedWeightSdKg};
   if (!all) return facts;
   const float stature_mm = subject.truth[measurement_index(Measurement::stature)];
   facts.stature_mm = {10 * std::round((stature_mm + off_by(kStatedStatureSdMm)) / 10), kStatedStatureSdMm};

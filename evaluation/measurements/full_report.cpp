@@ -19,7 +19,7 @@ double mean_girth_mae(const Report& r) {
   double sum = 0;
   int count = 0;
   for (std::size_t m = 0; m < kMeasurementCount; ++m)
-    if (kMeasurementTable[m].id.ends_with("girth")) {
+    if (kMeasurementTable[m].id.ends_with("girth") && r.measurements[m].judged()) {
       sum += r.measurements[m].of(Estimator::ours).mae;
       ++count;
     }

@@ -397,7 +397,7 @@ static void known_facts_are_evidence(int single_thread) {
 
   known.stature_mm = 175; /* centimetres: what was set before stays */
   CHECK(im2fit_set_known(handle, &known) == IM2FIT_ERROR_INVALID_ARGUMENT);
-  CHECK(strstr(im2fit_last_error(handle), "stature 175") != NULL);
+  CHECK(strstr(im2fit_last_error(handle), "known stature: expected 500 to 2500 mm") != NULL);
   known.stature_mm = 0;
   known.stature_sd_mm = 0;
   known.sex = 3;
@@ -417,12 +417,15 @@ static void known_facts_are_evidence(int single_thread) {
   CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
   CHECK(memcmp(r.measurements, before.measurements, sizeof r.measurements) == 0 && r.female == before.female);
 
-  /* After im2fit_next the facts are of the next person; the one measured keeps the answer. */
+  /* After im2fit_next the facts are of the next person; the one measured keeps the answer, with the facts it rests
+   * on. */
+  known.sex = IM2FIT_SEX_MAN;
+  CHECK(im2fit_set_known(handle, &known) == IM2FIT_OK);
   CHECK(im2fit_next(handle) == IM2FIT_OK);
   known.sex = IM2FIT_SEX_WOMAN;
   CHECK(im2fit_set_known(handle, &known) == IM2FIT_OK);
   CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
-  CHECK(r.measured == 1 && r.known_used == 0 && r.female == before.female);
+  CHECK(r.measured == 1 && r.session == 0 && r.known_used == IM2FIT_KNOWN_SEX && r.female == 0.0F);
   push_person(handle, 0, 0, 0, 0, 20);
   push_person(handle, 1, 2, IM2FIT_VIEW_FRONT, 0, 6);
   CHECK(im2fit_finish(handle) == IM2FIT_OK);
@@ -434,6 +437,10 @@ static void known_facts_are_evidence(int single_thread) {
   CHECK(im2fit_finish(handle) == IM2FIT_OK);
   CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
   CHECK(r.measured == 1 && r.known_used == 0);
+  CHECK(im2fit_set_known(handle, &known) ==
+        IM2FIT_OK); /* of this person: im2fit_next was called for an earlier one */
+  CHECK(im2fit_poll(handle, &r, sizeof r) == IM2FIT_OK);
+  CHECK(r.session == 0 && r.known_used == IM2FIT_KNOWN_SEX && r.female == 1.0F);
   im2fit_close(handle);
 }
 

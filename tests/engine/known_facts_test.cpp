@@ -11,7 +11,9 @@
 namespace im2fit {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr std::size_t kStature = measurement_index(Measurement::stature);
 constexpr std::size_t kWaist = measurement_index(Measurement::waist_girth);
@@ -132,7 +134,8 @@ TEST_P(KnownFactsOf, TheValueStaysInsideItsInterval) {
 TEST(KnownFacts, FactsOutOfRangeAreNamed) {
   KnownFacts facts;
   facts.stature_mm = {175, kStatedStatureSdMm};  // centimetres
-  EXPECT_THAT(check_known(facts).error().message, HasSubstr("known stature 175"));
+  EXPECT_THAT(check_known(facts).error().message,
+              AllOf(HasSubstr("known stature: expected 500 to 2500 mm"), Not(HasSubstr("175"))));
   facts = {};
   facts.weight_kg = {std::numeric_limits<float>::quiet_NaN(), 1};
   EXPECT_THAT(check_known(facts).error().message, HasSubstr("known weight"));
@@ -141,6 +144,8 @@ TEST(KnownFacts, FactsOutOfRangeAreNamed) {
   facts = {};
   facts.age_years = {200, 1};
   EXPECT_THAT(check_known(facts).error().message, HasSubstr("0 to 120 years"));
+  facts.age_years = {40, 20};  // answers nothing
+  EXPECT_THAT(check_known(facts).error().message, HasSubstr("0.1 to 5 years"));
   EXPECT_TRUE(check_known({}));
 }
 

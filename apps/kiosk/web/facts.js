@@ -13,7 +13,7 @@ const kSexes = ['woman', 'man', ''];
 const kKgPerPound = 0.45359237;
 // Steps of a button that is held down: the first after a while, then faster.
 const kHoldMs = 400, kStepMs = 90, kFastMs = 35, kFastAfter = 15;
-const kAnswerMs = 20000;  // a corrected answer takes some seconds; later it does not come
+const kAnswerMs = 60000;  // a corrected answer takes some seconds, on slow machines more
 
 class Facts {
   constructor(root, told) {
@@ -243,7 +243,7 @@ class Facts {
     this.sending = false;
     if (!visit || visit.id !== whose.id) return;  // over meanwhile; forget() was called
     if (!this.open) {
-      this.clear();
+      if (answer && answer.ok) this.clear();  // else they can be sent again
       this.draw();
       return;  // the program says what comes next
     }

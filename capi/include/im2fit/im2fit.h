@@ -280,7 +280,7 @@ IM2FIT_API int im2fit_next(im2fit_handle* handle);
 IM2FIT_API int im2fit_select_user(im2fit_handle* handle, int32_t user_id);
 
 /* What the person reports of themselves: evidence beside the frames. Call im2fit_known_init, then set what is known.
- * A weight alone halves the error of girths seen from the front. */
+ * A known weight makes girths more accurate. */
 enum { IM2FIT_SEX_UNKNOWN = 0, IM2FIT_SEX_WOMAN = 1, IM2FIT_SEX_MAN = 2 };
 typedef struct im2fit_known {
   size_t struct_size;  /* written by im2fit_known_init */
@@ -288,8 +288,8 @@ typedef struct im2fit_known {
   float stature_sd_mm; /* standard deviation, 0.1..1000. 0: 20, a stature as people report it. 5: measured */
   float weight_kg;     /* 15..400; 0: not known */
   float weight_sd_kg;  /* 0.1..1000. 0: 3, a weight as people report it. 0.7: from a scale */
-  float age_years;     /* up to 120; 0: not known */
-  float age_sd_years;  /* 0.1..1000. 0: 0.5, completed years plus a half */
+  float age_years;     /* up to 120; 0: not known. Add 0.5 to completed years */
+  float age_sd_years;  /* 0.1..5. 0: 0.5 */
   int32_t sex;         /* IM2FIT_SEX_... */
   int32_t reserved;    /* padding, so that a later field gets a place of its own: 0 */
 } im2fit_known;

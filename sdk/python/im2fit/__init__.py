@@ -370,17 +370,17 @@ class Session:
                 for (name, kind), v in zip(_c.Models._fields_, known.values())}
 
     def set_known(self, stature_mm=0, weight_kg=0, sex=None, age_years=0, stature_sd_mm=0, weight_sd_kg=0, age_sd_years=0):
-        """Sets what the person reports of themselves: evidence beside the frames, before, during or after them. A weight
-        halves the error of girths seen from the front. `sex` is "woman" or "man". 0 and None: not known. A standard
+        """Sets what the person reports of themselves: evidence beside the frames, before, during or after them. A known
+        weight makes girths more accurate. Add 0.5 to an age in completed years. `sex` is "woman" or "man". 0 and None: not known. A standard
         deviation of 0 is that of facts as people report them; of a weight from a scale give weight_sd_kg=0.7. A second
         call replaces the first. Person.doubted names what does not fit the frames and was not used."""
         if sex not in (None, "woman", "man"):
             raise ValueError(f"sex {sex!r}: expected 'woman', 'man' or None")
         known = _c.Known()
         _lib().im2fit_known_init(ctypes.byref(known), ctypes.sizeof(known))
-        known.stature_mm, known.stature_sd_mm = stature_mm, stature_sd_mm
-        known.weight_kg, known.weight_sd_kg = weight_kg, weight_sd_kg
-        known.age_years, known.age_sd_years = age_years, age_sd_years
+        known.stature_mm, known.stature_sd_mm = stature_mm or 0, stature_sd_mm or 0
+        known.weight_kg, known.weight_sd_kg = weight_kg or 0, weight_sd_kg or 0
+        known.age_years, known.age_sd_years = age_years or 0, age_sd_years or 0
         known.sex = {None: 0, "woman": 1, "man": 2}[sex]
         self._check(_lib().im2fit_set_known(self._open_handle(), ctypes.byref(known)))
 

@@ -251,43 +251,56 @@ TEST_F(MovingPerson, ABrowserShowsClothThatMovesWithThem) {
     const auto end = Clock::now() + std::chrono::seconds(60);
     while (browser.run(moves) != true && Clock::now() < end) page.see(seen(to), floor());
     ASSERT_EQ(browser.run(moves), true) << name << browser.run("return [clothLink.query, failures]");
-    std::this_thread::sleep_for(milliseconds(500));  // the last frame sent is on the screen
-    browser.run(
-        "for (let i = 0; i < 40; ++i) stage.glide();"
-        "stage.cloth.arrived = false; stage.cloth.advance(performance.now(), true); stage.draw();");
+    // Pose and cloth are not of one moment here: docs/garments.md has how much is inside where they are. A busy
+    // machine needs some seconds until both are of the person who stands still.
+    struct Shown {
+      lab::Inside inside, by_skeleton;
+      float most_mm = 0;  // apart
+    };
+    std::vector<Shown> shown;
+    const auto settled = [&] {
+      return shown.size() == 2 && shown[0].inside.share < 0.02F && shown[1].inside.share < 0.02F;
+    };
+    for (int attempt = 0; attempt < 20 && !settled(); ++attempt) {
+      for (int i = 0; attempt > 0 && i < kStay; ++i) page.see(seen(to), floor());
+      std::this_thread::sleep_for(milliseconds(500));  // the last frame sent is on the screen
+      browser.run(
+          "for (let i = 0; i < 40; ++i) stage.glide();"
+          "stage.cloth.arrived = false; stage.cloth.advance(performance.now(), true); stage.draw();");
+      const body::Pose stands = page.animator().pose(seen(to), floor());
+      std::vector<Vec3f> mesh(person_->rest.size());
+      body::skin(*model_, person_->rest, person_->skeleton, stands, mesh);
+      skin.put(mesh);
+      const Json all = browser.run(places);
+      ASSERT_EQ(all.size(), 2U);
+      shown.clear();
+      for (std::size_t g = 0; g < all.size(); ++g) {
+        std::vector<Vec3f> at[2];
+        for (const std::size_t skinned : {0U, 1U}) {
+          const std::vector<float> numbers = all[g][skinned];
+          for (std::size_t i = 0; i + 2 < numbers.size(); i += 3)
+            at[skinned].push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+          ASSERT_EQ(at[skinned].size(), (*outfit)->cloth(g).mesh().vertex_count());
+        }
+        Shown one = {lab::judge_inside(skin, (*outfit)->cloth(g), at[0]),
+                     lab::judge_inside(skin, (*outfit)->cloth(g), at[1])};
+        for (std::size_t v = 0; v < at[0].size(); ++v) one.most_mm = std::max(one.most_mm, norm(at[0][v] - at[1][v]));
+        std::printf(
+            "%-10s %zu: inside %.2f %%, deepest %.0f mm; by the skeleton alone %.2f %%, %.0f mm; at most %.0f mm "
+            "apart\n",
+            name, g, 100.0 * one.inside.share, one.inside.deepest_mm, 100.0 * one.by_skeleton.share,
+            one.by_skeleton.deepest_mm, one.most_mm);
+        shown.push_back(one);
+      }
+    }
+    EXPECT_TRUE(settled()) << name << ": cloth stays inside the body";
     first_number = browser.run("return stage.cloth.number");
     if (const char* kept = std::getenv("IM2FIT_CLOTH_PICTURES"))
       test::write_text(std::string(kept) + "/" + std::to_string(stops) + "-" + name + ".png", browser.screenshot());
-
-    const body::Pose stands = page.animator().pose(seen(to), floor());
-    std::vector<Vec3f> mesh(person_->rest.size());
-    body::skin(*model_, person_->rest, person_->skeleton, stands, mesh);
-    skin.put(mesh);
-    const Json all = browser.run(places);
-    ASSERT_EQ(all.size(), 2U);
-    for (std::size_t g = 0; g < all.size(); ++g) {
-      lab::Inside inside[2];
-      std::vector<Vec3f> at[2];
-      for (const std::size_t skinned : {0U, 1U}) {
-        const std::vector<float> numbers = all[g][skinned];
-        for (std::size_t i = 0; i + 2 < numbers.size(); i += 3)
-          at[skinned].push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
-        ASSERT_EQ(at[skinned].size(), (*outfit)->cloth(g).mesh().vertex_count());
-        inside[skinned] = lab::judge_inside(skin, (*outfit)->cloth(g), at[skinned]);
-      }
-      float most = 0;
-      for (std::size_t v = 0; v < at[0].size(); ++v) most = std::max(most, norm(at[0][v] - at[1][v]));
-      std::printf(
-          "%-10s %zu: inside %.2f %%, deepest %.0f mm; by the skeleton alone %.2f %%, %.0f mm; at most %.0f mm "
-          "apart\n",
-          name, g, 100.0 * inside[0].share, inside[0].deepest_mm, 100.0 * inside[1].share, inside[1].deepest_mm,
-          most);
-      // Pose and cloth are not of one moment here: docs/garments.md has how much is inside where they are.
-      EXPECT_LT(inside[0].share, 0.02F) << name << " " << g;
-      if (stops > 0) {
-        EXPECT_GT(most, 5) << name << " " << g << ": it is simulated";
-        EXPECT_LT(most, 400) << name << " " << g << ": and on the person";
-      }
+    for (const Shown& one : shown) {
+      if (stops == 0) break;
+      EXPECT_GT(one.most_mm, 5) << name << ": it is simulated";
+      EXPECT_LT(one.most_mm, 400) << name << ": and on the person";
     }
     ++stops;
   }
