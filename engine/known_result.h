@@ -2,8 +2,6 @@
 // Known facts in a result of the engine, also of a session that is over: a corrected fact needs no new frames.
 #pragma once
 
-#include <utility>
-
 #include "engine/engine.h"
 #include "estimate/known_facts.h"
 

@@ -63,7 +63,8 @@ void move(index::IntervalEstimate& e, double unit, double mean, double narrower)
 }
 
 // No message repeats a value: it is personal, and messages are logged.
-Status check_value(const KnownValue& v, const char* name, const char* unit, int least, int most, int sd_most) {
+Status check_value(const KnownValue& v, const char* name, const char* unit, KnownRange value_range, int sd_most) {
+  const auto& [least, most] = value_range;
   if (v.sd == 0) return Ok{};
   const auto range = [&](const std::string& from, int to) {
     return "expected " + from + " to " + std::to_string(to) + " " + unit;
@@ -92,9 +93,9 @@ KnownFactSet KnownFacts::given() const {
 }
 
 Status check_known(const KnownFacts& facts) {
-  if (auto ok = check_value(facts.stature_mm, "stature", "mm", 500, 2500, 1000); !ok) return ok;
-  if (auto ok = check_value(facts.weight_kg, "weight", "kg", 15, 400, 1000); !ok) return ok;
-  return check_value(facts.age_years, "age", "years", 0, 120, 5);
+  if (auto ok = check_value(facts.stature_mm, "stature", "mm", kKnownStatureMm, 1000); !ok) return ok;
+  if (auto ok = check_value(facts.weight_kg, "weight", "kg", kKnownWeightKg, 1000); !ok) return ok;
+  return check_value(facts.age_years, "age", "years", kKnownAgeYears, 5);
 }
 
 std::array<double, kErrorCount> error_sds(const index::Answer& answer, const AgeAnswer& age) {

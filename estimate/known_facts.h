@@ -34,6 +34,17 @@ inline constexpr float kScaleSdKg = 0.7F, kStatedWeightSdKg = 3.0F;
 inline constexpr float kStatedStatureSdMm = 20;
 inline constexpr float kStatedAgeSdYears = 0.5F;  // completed years
 
+// Accepted values.
+struct KnownRange {
+  int least, most;
+};
+inline constexpr KnownRange kKnownStatureMm = {500, 2500}, kKnownWeightKg = {15, 400}, kKnownAgeYears = {0, 120};
+// Ages of people are given in completed years; the expected age is half a year more.
+inline constexpr KnownRange kCompletedYears = {1, 119};
+constexpr float age_of_completed_years(float years) {
+  return years + 0.5F;
+}
+
 // A value and its standard deviation; sd 0: not known.
 struct KnownValue {
   float value = 0;
@@ -47,8 +58,8 @@ struct KnownFacts {
   KnownSex sex = KnownSex::unknown;
   KnownFactSet given() const;
 };
-// Ranges: 500..2500 mm, 15..400 kg, 0..120 years; standard deviations 0.1..1000, of an age 0.1..5. Error:
-// invalid_argument, naming the fact and the range.
+// Values: the ranges above; standard deviations: 0.1..1000, of an age 0.1..5. Error: invalid_argument, naming the
+// fact and the range.
 Status check_known(const KnownFacts& facts);
 
 struct KnownOutcome {

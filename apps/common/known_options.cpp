@@ -41,19 +41,20 @@ float millimetres_of_feet(const std::string& text) {
 void add_known_options(cli::App& sub, KnownOptions& options) {
   auto* height = sub.add_option("--height-mm", options.height_mm, "Height of the person, barefoot")
                      ->type_name("MM")
-                     ->range(500.0, 2500.0);
+                     ->range(double{kKnownStatureMm.least}, double{kKnownStatureMm.most});
   sub.add_option("--height-ft", options.height_ft, "The same in feet and inches: 5'11")
       ->type_name("FT")
       ->check([](const std::string& text) {
         const float mm = millimetres_of_feet(text);
-        return mm >= 500 && mm <= 2500 ? std::string()
-                                       : "'" + text + "' is not a height: expected 1'8 to 8'2, as 5'11";
+        return mm >= static_cast<float>(kKnownStatureMm.least) && mm <= static_cast<float>(kKnownStatureMm.most)
+                   ? std::string()
+                   : "'" + text + "' is not a height: expected 1'8 to 8'2, as 5'11";
       })
       ->excludes(height);
   auto* weight =
       sub.add_option("--weight-kg", options.weight_kg, "Weight of the person. It makes girths more accurate")
           ->type_name("KG")
-          ->range(15.0, 400.0);
+          ->range(double{kKnownWeightKg.least}, double{kKnownWeightKg.most});
   sub.add_option("--weight-lb", options.weight_lb, "The same in pounds")
       ->type_name("LB")
       ->range(33.1, 881.0)
@@ -65,7 +66,7 @@ void add_known_options(cli::App& sub, KnownOptions& options) {
   sub.add_option("--sex", options.sex, "Sex of the person")->one_of({"woman", "man"});
   sub.add_option("--age", options.age_years, "Age of the person, completed years")
       ->type_name("YEARS")
-      ->range(1.0, 119.0);
+      ->range(double{kCompletedYears.least}, double{kCompletedYears.most});
 }
 
 KnownFacts known_facts(const KnownOptions& options) {
@@ -74,7 +75,7 @@ KnownFacts known_facts(const KnownOptions& options) {
   if (height_mm > 0) facts.stature_mm = {height_mm, kStatedStatureSdMm};
   const float weight_kg = options.weight_lb > 0 ? options.weight_lb * kKgPerPound : options.weight_kg;
   if (weight_kg > 0) facts.weight_kg = {weight_kg, options.weight_from == "scale" ? kScaleSdKg : kStatedWeightSdKg};
-  if (options.age_years > 0) facts.age_years = {options.age_years + 0.5F, kStatedAgeSdYears};
+  if (options.age_years > 0) facts.age_years = {age_of_completed_years(options.age_years), kStatedAgeSdYears};
   if (!options.sex.empty()) facts.sex = options.sex == "woman" ? KnownSex::woman : KnownSex::man;
   return facts;
 }

@@ -74,7 +74,7 @@ class LiveRun {
     if (still_here) outcome_.engine->next_person();
   }
 
-  // After the run: whoever stood there last may be measured from fewer frames.
+  // After the run: the person in front of the camera at the end may be measured from fewer frames.
   Result<int> conclude_run() {
     if (error_) return *error_;
     if (preview_.error()) return *preview_.error();
@@ -245,8 +245,8 @@ class LiveRun {
   int persons_ = 0;
   std::uint32_t session_ = 0;
   bool reported_ = false;
-  ReportedFacts reported_facts_;               // of whoever has permit_
-  std::optional<EngineResult> unconditioned_;  // the answer that stands, as it is without them; none: no answer yet
+  ReportedFacts reported_facts_;               // of the person with permit_
+  std::optional<EngineResult> unconditioned_;  // the reported answer without the facts; none: no answer yet
   bool state_known_ = false;
   ShownState state_;
   std::string tables_;

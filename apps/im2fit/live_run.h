@@ -35,9 +35,8 @@ class LiveListener {
   // The engine starts a new session with the next frame, for the person with this number. It has processed all
   // earlier frames (see()) and uses nothing of them. On the thread of the run.
   virtual void begin_person(std::uint64_t /*permit*/) {}
-  // What the person of this number reported of themselves last: evidence in their answer, also after it. `count` is
-  // another each time, and 0 while there is nothing or the person's visit is over. Asked often, on the thread of the
-  // run.
+  // The facts that the person of this number reported last. They change the answer, also after it was given. `count`
+  // differs after each report; it is 0 without facts and after the person's visit. Called often, on the run's thread.
   virtual ReportedFacts reported(std::uint64_t /*permit*/) { return {}; }
   virtual void see(const FrameSeen& frame) = 0;                // on the engine's thread
   virtual void publish(const Json& event) = 0;                 // apps/common/events.h

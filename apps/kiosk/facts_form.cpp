@@ -10,17 +10,16 @@
 namespace im2fit::apps {
 namespace {
 
-// Those of check_known(), and of the command line's --age.
-constexpr float kStatureMinMm = 500, kStatureMaxMm = 2500, kWeightMinKg = 15, kWeightMaxKg = 400;
-constexpr float kAgeMinYears = 1, kAgeMaxYears = 119;
-
 Error bad_form(std::string why) {
   return Error{ErrorCode::invalid_argument, std::move(why)};
 }
 
 // Of a field that must be a number in this range.
-Result<float> number_field(const std::string& name, const Json& field, float least, float most) {
-  const auto expected = [&] { return bad_form(fmt::format("{}: expected a number, {} to {}", name, least, most)); };
+Result<float> number_field(const std::string& name, const Json& field, const KnownRange& range) {
+  const auto& [least, most] = range;
+  const auto expected = [&, least = least, most = most] {
+    return bad_form(fmt::format("{}: expected a number, {} to {}", name, least, most));
+  };
   if (!field.is_number()) return expected();
   const double value = field.get<double>();
   if (!(value >= static_cast<double>(least) && value <= static_cast<double>(most))) return expected();
@@ -44,13 +43,13 @@ Result<KnownFacts> facts_of_form(std::string_view body) {
   for (const auto& [name, field] : form.items()) {
     if (name == "height_mm" || name == "weight_kg" || name == "age") {
       const bool height = name == "height_mm", weight = name == "weight_kg";
-      const auto value = height   ? number_field(name, field, kStatureMinMm, kStatureMaxMm)
-                         : weight ? number_field(name, field, kWeightMinKg, kWeightMaxKg)
-                                  : number_field(name, field, kAgeMinYears, kAgeMaxYears);
+      const auto value = height   ? number_field(name, field, kKnownStatureMm)
+                         : weight ? number_field(name, field, kKnownWeightKg)
+                                  : number_field(name, field, kCompletedYears);
       if (!value) return value.error();
       if (height) facts.stature_mm = {*value, kStatedStatureSdMm};
       if (weight) facts.weight_kg = {*value, kStatedWeightSdKg};
-      if (name == "age") facts.age_years = {*value + 0.5F, kStatedAgeSdYears};
+      if (name == "age") facts.age_years = {age_of_completed_years(*value), kStatedAgeSdYears};
     } else if (name == "sex") {
       const auto woman = word_field(name, field, "woman", "man");
       if (!woman) return woman.error();

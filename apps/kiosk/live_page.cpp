@@ -347,7 +347,7 @@ void LivePage::publish(const Json& event) {
     const std::lock_guard lock(visit_mutex_);
     corrects_ = false;
   }
-  if (kind == "camera" || kind == "end") {  // the end's not with what the last frame showed
+  if (kind == "camera" || kind == "end") {  // without the result of the last frame
     board_.publish(kind, kind == "end" ? R"({"event":"end"})" : std::move(line));
     return;
   }

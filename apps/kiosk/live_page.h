@@ -105,8 +105,8 @@ class LivePage {
   std::mutex visit_mutex_;
   Visit visit_;
   std::uint64_t permitted_ = 0;  // the visit whose frames the engine works on
-  bool follows_ = false;         // who was measured is still in view
-  std::string folder_;           // what was written of this visit
+  bool follows_ = false;         // the measured person is still in view
+  std::string folder_;           // the folder written for this visit
   ReportedFacts reported_;       // of this visit
   std::uint32_t reports_ = 0;    // of all visits
   bool corrects_ = false;        // the run that measured the person goes on: facts can still be corrected

@@ -40,7 +40,7 @@ struct PageRequest {
 using PageOperator = std::function<PageAnswer(const PageRequest& request)>;
 inline constexpr std::size_t kBodyBytesMax = std::size_t{64} << 10;
 
-// POST /facts of the page itself, for the visit it names: what the person reports, as JSON of at most kFactsBytesMax.
+// POST /facts of the page, for the visit it names: the facts that the person reports, JSON of kFactsBytesMax or less.
 using PageFacts = std::function<PageAnswer(std::string_view visit, std::string_view body)>;
 inline constexpr std::size_t kFactsBytesMax = std::size_t{1} << 10;
 
@@ -57,18 +57,17 @@ struct PageHandlers {
   std::string operator_password;  // "": no password needed
   PageOffer offer;                // without it there is no /hand-over
   PageFacts facts;                // without it there is no /facts
-  // With it the server is one for phones: there is the page that shows what is taken, its files, POST /take, and
-  // nothing else.
+  // With it the server is one for phones: it answers for the page that shows the taken result, its files, POST /take,
+  // and nothing else.
   PageTake take;
 };
 
-// One thread serves all connections, and waits for none of them: visitors.h limits their number and their time, a
-// request's header is at most 16 KB, a body is read of POST /facts and of the operator's POST alone. host_check.h
-// says whom it answers. GET and HEAD, and POST of /consent, /facts, /touch, /delete and /hand-over from the page
-// itself: with its Origin, which browsers always send with a POST, and with a field that no other site's page may
-// send without being asked first (Fetch, CORS-preflight). Below /operator everything needs the password
-// (operator_gate.h), and POST besides the Origin and the token that GET /operator/token tells, in the field
-// X-Im2fit-Token.
+// One thread serves all connections, and waits for none of them: visitors.h limits their number and their time. A
+// request's header may have 16 KB. Only POST /facts and the operator's POST may have a body. host_check.h lists the
+// accepted hosts. GET and HEAD, and POST of /consent, /facts, /touch, /delete and /hand-over from the page itself:
+// with its Origin, which browsers always send with a POST, and with a field that a page of another site cannot send
+// without a preflight request (Fetch, CORS-preflight). Below /operator everything needs the password
+// (operator_gate.h), and POST also the Origin and the token from GET /operator/token, in the field X-Im2fit-Token.
 class PageServer {
  public:
   static constexpr int kWatchersMax = 8;  // streams at once; further ones are answered 503

@@ -66,7 +66,9 @@ KnownFacts reported_facts(const EvaluationOptions& options, const Subject& subje
   const float weight_kg = subject.truth[measurement_index(Measurement::weight)] +
                           (index / 2 % 2 == 0 ? options.known_weight_off_kg : -options.known_weight_off_kg);
   // What no device takes is not reported.
-  const auto allowed = [](float kg) { return std::clamp(kg, 15.0F, 400.0F); };
+  const auto allowed = [](float kg) {
+    return std::clamp(kg, static_cast<float>(kKnownWeightKg.least), static_cast<float>(kKnownWeightKg.most));
+  };
   if (options.known == KnownOf::weight_on_scale)
     facts.weight_kg = {allowed(weight_kg + off_by(kScaleSdKg)), kScaleSdKg};
   else
@@ -75,7 +77,7 @@ KnownFacts reported_facts(const EvaluationOptions& options, const Subject& subje
   const float stature_mm = subject.truth[measurement_index(Measurement::stature)];
   facts.stature_mm = {10 * std::round((stature_mm + off_by(kStatedStatureSdMm)) / 10), kStatedStatureSdMm};
   facts.sex = subject.woman ? KnownSex::woman : KnownSex::man;
-  facts.age_years = {std::floor(subject.params.age_years) + 0.5F, kStatedAgeSdYears};
+  facts.age_years = {age_of_completed_years(std::floor(subject.params.age_years)), kStatedAgeSdYears};
   return facts;
 }
 

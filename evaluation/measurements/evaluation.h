@@ -72,8 +72,8 @@ struct EvaluationOptions {
   int threads = 1;                // does not change the result
   ProgressSink progress = {};
   PeopleFamily family = PeopleFamily::modifiers;
-  std::shared_ptr<const AnsurPeople> ansur;  // not null where the family is ansur or mixed
-  std::shared_ptr<const OtherPeople> other;  // not null where the family is other
+  std::shared_ptr<const AnsurPeople> ansur;  // not null when the family is ansur or mixed
+  std::shared_ptr<const OtherPeople> other;  // not null when the family is other
 };
 
 // The person `index` of an evaluation, and where the camera stands. `showing` 1: the second time.

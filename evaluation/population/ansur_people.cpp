@@ -19,8 +19,7 @@ constexpr std::uint64_t kPersonStream = 0xA2501, kRowStream = 0xA2502, kShapeStr
 
 constexpr double kIndexSpread = 1.2;  // of the border between builds, so that no border shows
 
-constexpr int kSteps = 12, kMoreSteps = 6, kRounds = 4;
-constexpr double kBreadthOfGirth = 0.4;  // at the chest
+constexpr SolverSteps kSteps = {12, 6, 4};
 
 }  // namespace
 
@@ -74,25 +73,10 @@ AnsurPeople::Made AnsurPeople::make(std::uint64_t seed, std::uint64_t index, std
   const Eigen::VectorXd start = draw_free_shape(mean, rng);
   const Eigen::VectorXd posture = draw_posture(mean, rng);
   rest.resize(mean.rest.size());
-  // Chest and shoulders change as the arms come down from the rest pose. The wanted dimensions are those of the
-  // measured pose.
-  DimensionValues goal = made.wanted;
-  const auto of = [](DimensionValues& values, SurveyDimension d) -> double& { return values[dimension_index(d)]; };
-  Eigen::VectorXd c = start;
-  for (int round = 0; round < kRounds; ++round) {
-    made.achieved = solve_dimensions(mean, goal, start, posture, round == 0 ? kSteps : kMoreSteps, c, rest);
+  made.achieved = solve_in_pose(mean, made.wanted, start, posture, kSteps, rest, [&] {
     subject.truth = body::measure_rest_mesh(state_->model, rest, subject.woman ? 0.0F : 1.0F);
-    const auto more_at_rest = [&](SurveyDimension d, Measurement m) {
-      return of(made.achieved, d) - static_cast<double>(subject.truth[measurement_index(m)]);
-    };
-    const double chest_mm = more_at_rest(SurveyDimension::chest_girth, Measurement::chest_girth);
-    of(goal, SurveyDimension::chest_girth) = of(made.wanted, SurveyDimension::chest_girth) + chest_mm;
-    of(goal, SurveyDimension::chest_breadth) =
-        of(made.wanted, SurveyDimension::chest_breadth) + kBreadthOfGirth * chest_mm;
-    of(goal, SurveyDimension::acromion_breadth) =
-        of(made.wanted, SurveyDimension::acromion_breadth) +
-        more_at_rest(SurveyDimension::acromion_breadth, Measurement::shoulder_breadth);
-  }
+    return subject.truth;
+  });
 
   subject.params = built.params;
   subject.params.age_years = static_cast<float>(std::clamp(person.age_years, 18.0, 90.0));

@@ -65,7 +65,7 @@ constexpr std::size_t dimension_index(SurveyDimension d) {
 }
 using DimensionValues = std::array<double, kSurveyDimensionCount>;
 
-// What a dimension is called in tables, and how far off a body may be (1 SD; what is left goes to the energy).
+// The name of a dimension in tables, and how far off a body may be (1 SD; the remaining error adds to the energy).
 struct DimensionInfo {
   std::string_view name;
   double tolerance;  // mm; kg

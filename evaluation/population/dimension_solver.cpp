@@ -11,7 +11,7 @@
 namespace im2fit::lab {
 namespace {
 
-// Tolerances: what a camera sees most of must be met; joints inside are not the survey's landmarks.
+// Tolerances: the dimensions a camera sees best must be met; joints inside are not the survey's landmarks.
 constexpr std::array<DimensionInfo, kSurveyDimensionCount> kTable = {{
     {"stature", 1},        {"cervicale height", 3}, {"acromial height", 8},   {"chest height", 2},
     {"waist height", 2},   {"buttock height", 3},   {"crotch height", 1.5},   {"trochanter height", 8},
@@ -27,6 +27,7 @@ constexpr std::array<DimensionInfo, kSurveyDimensionCount> kTable = {{
 
 // Squared tolerance of the energy against the dimensions': 1 of energy costs as much as 1 / kEnergySd tolerances.
 constexpr double kEnergySd = 40;
+constexpr double kBreadthOfGirth = 0.4;  // at the chest
 
 // Least energy about `start` plus squared misses of the dimensions and of joints that stay, in tolerances:
 // Levenberg and Marquardt, since a hull's points change as it moves.
@@ -108,6 +109,29 @@ DimensionValues solve_dimensions(const Mean& mean, const DimensionValues& wanted
                                  const Eigen::VectorXd& posture, int steps, Eigen::VectorXd& c,
                                  std::span<Vec3f> rest) {
   return Solver(mean, wanted, start, posture, rest).run(steps, c);
+}
+
+DimensionValues solve_in_pose(const Mean& mean, const DimensionValues& wanted, const Eigen::VectorXd& start,
+                              const Eigen::VectorXd& posture, const SolverSteps& steps, std::span<Vec3f> rest,
+                              const std::function<MeasurementValues()>& measure) {
+  DimensionValues goal = wanted, achieved{};
+  const auto of = [](DimensionValues& values, SurveyDimension d) -> double& { return values[dimension_index(d)]; };
+  const auto wanted_of = [&](SurveyDimension d) { return wanted[dimension_index(d)]; };
+  Eigen::VectorXd c = start;
+  for (int round = 0; round < steps.rounds; ++round) {
+    achieved = solve_dimensions(mean, goal, start, posture, round == 0 ? steps.first : steps.more, c, rest);
+    const MeasurementValues measured = measure();
+    const auto more_at_rest = [&](SurveyDimension d, Measurement m) {
+      return of(achieved, d) - static_cast<double>(measured[measurement_index(m)]);
+    };
+    const double chest_mm = more_at_rest(SurveyDimension::chest_girth, Measurement::chest_girth);
+    of(goal, SurveyDimension::chest_girth) = wanted_of(SurveyDimension::chest_girth) + chest_mm;
+    of(goal, SurveyDimension::chest_breadth) = wanted_of(SurveyDimension::chest_breadth) + kBreadthOfGirth * chest_mm;
+    of(goal, SurveyDimension::acromion_breadth) =
+        wanted_of(SurveyDimension::acromion_breadth) +
+        more_at_rest(SurveyDimension::acromion_breadth, Measurement::shoulder_breadth);
+  }
+  return achieved;
 }
 
 const std::array<DimensionInfo, kSurveyDimensionCount>& dimension_table() {

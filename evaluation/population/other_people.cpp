@@ -20,8 +20,7 @@ namespace {
 constexpr std::uint64_t kPersonStream = 0x07E201, kRowStream = 0x07E202, kShapeStream = 0x07E203;
 constexpr std::uint64_t kMeanNumber = 0x07E2;  // of the mean's places of free shape
 
-constexpr int kSteps = 14, kMoreSteps = 6, kRounds = 3;
-constexpr double kBreadthOfGirth = 0.4;  // at the chest
+constexpr SolverSteps kSteps = {14, 6, 3};
 
 // What the survey takes where this mesh has no such place: a web joins the thighs down to 77 mm below the survey's
 // crotch, which is above the level of its thigh girth; hands are fists; there are no ears.
@@ -85,26 +84,11 @@ OtherPeople::Made OtherPeople::make(std::uint64_t seed, std::uint64_t index) con
   auto actor = std::make_shared<Actor>();
   actor->surface = state_->rig.surface;
   actor->rest = mean.rest;
-  // Chest and shoulders change as the arms come down from the rest pose: what is wanted is wanted of the pose that is
-  // measured.
-  DimensionValues goal = made.wanted;
-  const auto of = [](DimensionValues& values, SurveyDimension d) -> double& { return values[dimension_index(d)]; };
-  Eigen::VectorXd c = start;
-  for (int round = 0; round < kRounds; ++round) {
-    made.achieved = solve_dimensions(mean, goal, start, posture, round == 0 ? kSteps : kMoreSteps, c, actor->rest);
+  made.achieved = solve_in_pose(mean, made.wanted, start, posture, kSteps, actor->rest, [&] {
     actor->skeleton = bones_of(state_->rig.parts, actor->rest);
     subject.truth = measure_actor(*actor, state_->rig.parts);
-    const auto more_at_rest = [&](SurveyDimension d, Measurement m) {
-      return of(made.achieved, d) - static_cast<double>(subject.truth[measurement_index(m)]);
-    };
-    const double chest_mm = more_at_rest(SurveyDimension::chest_girth, Measurement::chest_girth);
-    of(goal, SurveyDimension::chest_girth) = of(made.wanted, SurveyDimension::chest_girth) + chest_mm;
-    of(goal, SurveyDimension::chest_breadth) =
-        of(made.wanted, SurveyDimension::chest_breadth) + kBreadthOfGirth * chest_mm;
-    of(goal, SurveyDimension::acromion_breadth) =
-        of(made.wanted, SurveyDimension::acromion_breadth) +
-        more_at_rest(SurveyDimension::acromion_breadth, Measurement::shoulder_breadth);
-  }
+    return subject.truth;
+  });
   subject.params.gender = 1;
   subject.params.age_years = static_cast<float>(std::clamp(person.age_years, 18.0, 90.0));
   subject.actor = std::move(actor);

@@ -26,8 +26,8 @@ struct Subject {
   MeasurementValues truth{};           // measured on the mesh, offsets included
   std::vector<Vec3f> rest_offset_mm;   // per body vertex additions the model cannot express (held_out: asymmetry,
                                        // bumps; training: smaller bumps); empty for none
-  std::shared_ptr<const Actor> actor;  // what a scene shows in the body model's place; null: the model. Stands and
-                                       // walks bare; has no clothes and does not sit
+  std::shared_ptr<const Actor> actor;  // shown in place of the body model; null: the model. An actor stands and
+                                       // walks bare. It has no clothes and does not sit
 };
 
 // Deterministic: depends on the model, family, seed and index only. Even indices are men, odd ones women.
