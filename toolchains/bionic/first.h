@@ -3,6 +3,8 @@
 // or has at API 24 and musl has not, and libc++ asks for.
 #ifndef IM2FIT_TOOLCHAINS_BIONIC_FIRST_H
 #define IM2FIT_TOOLCHAINS_BIONIC_FIRST_H
+// It speaks for the C library, so it may use names that are reserved for it.
+#pragma clang system_header
 #define __errno_location __errno
 #ifdef __cplusplus
 #include <locale.h>
