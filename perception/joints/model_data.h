@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "core/camera.h"
-#include "core/skeleton.h"
+#include "core/joints.h"
 #include "kernels/anchors/anchors.h"
 #include "kernels/trees/trees.h"
 #include "perception/joints/tracker.h"

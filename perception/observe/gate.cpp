@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/skeleton.h"
+#include "core/joints.h"
 #include "perception/paper/paper.h"
 #include "perception/profile/person_frame.h"
 
