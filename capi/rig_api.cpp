@@ -11,7 +11,7 @@
 #include "capi/person.h"
 #if IM2FIT_HAVE_RESULT
 #include "body/export/figure.h"
-#include "body/export/rig.h"
+#include "body/export/motion.h"
 #endif
 
 namespace {
