@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "body/model_data.h"
-#include "body/shape_space_file.h"
+#include "body/shape_space.h"
 #include "core/container.h"
 
 namespace im2fit::body {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "capi/copy_out.h"
+#include "capi/call.h"
 #include "capi/person.h"
 #include "person/garment_fit.h"
 #if IM2FIT_HAVE_RESULT && IM2FIT_HAVE_GARMENTS

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "capi/copy_out.h"
+#include "capi/call.h"
 #include "capi/person.h"
 #if IM2FIT_HAVE_RESULT
 #include "body/export/export.h"

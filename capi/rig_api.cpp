@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "body/model.h"
-#include "capi/copy_out.h"
+#include "capi/call.h"
 #include "capi/person.h"
 #if IM2FIT_HAVE_RESULT
 #include "body/export/figure.h"
-#include "body/export/rig.h"
+#include "body/export/motion.h"
 #endif
 
 namespace {

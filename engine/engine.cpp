@@ -22,11 +22,9 @@
 #include <vector>
 
 #include "engine/arrival.h"
-#include "engine/event.h"
 #include "engine/fit_stage.h"
 #include "engine/frame_pool.h"
 #include "engine/frame_stages.h"
-#include "engine/known_result.h"
 #include "engine/rest.h"
 #include "engine/snapshot.h"
 #include "engine/spsc_ring.h"

@@ -133,6 +133,17 @@ struct EngineResult {
   JointSet measured_joints;   // robust mean behind the answer: the front's
 };
 
+// Known facts in a result, also of a session that is over (a corrected fact needs no new frames): what
+// Engine::result() gives when the person of `before` reports `facts`. `before`: read while no fact was known.
+inline EngineResult with_known(const EngineResult& before, const KnownFacts& facts) {
+  EngineResult result = before;
+  result.unconditioned = result.answer.measurements;
+  result.known = facts;
+  result.known_outcome = {};
+  if (result.measured || result.front_measured) result.known_outcome = condition(facts, result.answer, result.age);
+  return result;
+}
+
 struct FrameSeen {
   DepthView depth;
   MaskView mask;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A bounded queue of slot indices between exactly one producer and one consumer thread, lock-free and without
-// waiting (engine/event.h does that). Positions only grow, 64 bit, so they never come round.
+// waiting (Event, below, does that). Positions only grow, 64 bit, so they never come round.
 //
 // Beyond a plain single-producer single-consumer ring the producer may take back the oldest item (a live camera
 // drops what no consumer has begun to process). Both ends therefore claim by compare-exchange on `head_`; cells are
@@ -90,5 +90,21 @@ class SpscRing {  // NOLINT(clang-analyzer-optin.performance.Padding): the paddi
 
 static_assert(alignof(SpscRing) == kCacheLineSize, "the two ends must not share a cache line");
 static_assert(sizeof(SpscRing) == 3 * kCacheLineSize, "constants, producer's line, consumer's line");
+
+// How a thread waits for a ring: take a ticket, look at the ring, and wait only if nothing was there. A signal
+// between the ticket and the wait makes the wait return at once, so none is lost.
+class Event {
+ public:
+  std::uint32_t ticket() const { return count_.load(std::memory_order_acquire); }
+  // May return without a signal; the caller looks again.
+  void wait(std::uint32_t ticket) const { count_.wait(ticket, std::memory_order_acquire); }
+  void signal() {
+    count_.fetch_add(1, std::memory_order_release);
+    count_.notify_all();
+  }
+
+ private:
+  std::atomic<std::uint32_t> count_{0};
+};
 
 }  // namespace im2fit

@@ -66,7 +66,11 @@ class Source {
 
 // The direction of down for a frame just delivered: the frame's own or, about every second, source.down(), which uses
 // the bus of the frames. None: unchanged.
-std::optional<Vec3f> down_of(const Source& source, const FrameInfo& frame);
+inline std::optional<Vec3f> down_of(const Source& source, const FrameInfo& frame) {
+  constexpr std::uint64_t kDownEvery = 30;  // frames, about a second
+  if (frame.down || frame.sequence % kDownEvery != 0) return frame.down;
+  return source.down();
+}
 
 // The upright picture of a camera that was turned when it was mounted. With W x H the size of `in`:
 //    90: upright(u, v) = in(v, H - 1 - u)            `out` is H wide and W high

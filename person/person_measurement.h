@@ -53,7 +53,7 @@ struct MeasurementParts {
 // few hundredths of a second with a body model.
 Result<PersonMeasurement> measurement_of(const Engine& engine, const MeasurementParts& parts,
                                          const hal::SourceInfo& source);
-// The same of a result read earlier, such as one with corrected facts (engine/known_result.h). Any thread. Errors:
+// The same of a result read earlier, such as one with corrected facts (with_known). Any thread. Errors:
 // body_of_answer's.
 Result<PersonMeasurement> measurement_of(const EngineResult& result, const MeasurementParts& parts,
                                          const hal::SourceInfo& source);

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/skeleton.h"
+#include "core/joints.h"
 
 namespace im2fit {
 

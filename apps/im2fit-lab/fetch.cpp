@@ -17,7 +17,7 @@
 
 #include "apps/common/paths.h"
 #include "apps/im2fit-lab/commands.h"
-#include "body/shape_space_file.h"
+#include "body/shape_space.h"
 #include "body/start_bodies.h"
 #include "core/file.h"
 #include "core/status.h"

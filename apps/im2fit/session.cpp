@@ -7,7 +7,7 @@
 #include <chrono>
 #include <utility>
 
-#include "engine/known_result.h"
+#include "engine/engine.h"
 
 namespace im2fit::apps {
 namespace {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "body/export/export.h"
-#include "body/export/rig.h"
+#include "body/export/motion.h"
 #include "body/skeleton.h"
 #include "core/joints.h"
 #include "core/status.h"

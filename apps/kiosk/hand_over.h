@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A result that waits for one phone, which shows a token for it. No clock of its own and no thread.
+// A result that waits for one phone, which shows a token for it, and the code that the phone reads it from. No clock
+// of its own and no thread.
 #pragma once
 
 #include <chrono>
@@ -8,6 +9,7 @@
 #include <string_view>
 
 #include "apps/kiosk/board.h"
+#include "core/status.h"
 
 namespace im2fit::apps {
 
@@ -31,5 +33,15 @@ class HandOver {
   std::shared_ptr<const PageFile> result_;  // null: nothing waits
   Time offered_{};
 };
+
+// A text as a QR code (ISO/IEC 18004), for a page to draw.
+struct QrCode {
+  int side = 0;      // modules, without the margin of four that belongs around it
+  std::string path;  // of an SVG <path>: the dark modules, a unit each, from 0, 0
+};
+
+// With error correction of level M: 15 % of it may be hidden by a reflection. Error: invalid_argument, the text is
+// empty or longer than a code holds (2331 bytes).
+Result<QrCode> qr_code(const std::string& text);
 
 }  // namespace im2fit::apps

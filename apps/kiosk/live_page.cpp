@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/kiosk/facts_form.h"
-#include "apps/kiosk/qr_code.h"
+#include "apps/kiosk/hand_over.h"
 #include "apps/kiosk/small_picture.h"
 #include "report/drawn_bones.h"
 

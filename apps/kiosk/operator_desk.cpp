@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "apps/kiosk/consent_texts.h"
 #include "apps/kiosk/small_picture.h"
 #include "core/file.h"
 #include "hal/folder/depth_file.h"

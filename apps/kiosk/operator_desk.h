@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -18,6 +19,14 @@
 #include "apps/kiosk/visit_recorder.h"
 
 namespace im2fit::apps {
+
+// The texts a person agrees to before they are recorded: those of web/lang/*.json, known by their digest.
+struct ConsentText {
+  const char* language;  // "de"
+  const char* version;   // "1"
+  const char* sha256;    // of its title and points in UTF-8, a line feed between them
+};
+const ConsentText* consent_text(std::string_view language);  // null: there is none
 
 struct OperatorSettings {
   std::string root;  // of the sessions

@@ -294,7 +294,7 @@ std::string markdown_of(const Measured& all, const std::string& plot_file) {
       thousands(all.feature_size) + " values, of which reference implementations take the paper's 501. Peak memory " +
       number(all.memory_peak_gb, 1) + " GB, " + number(all.seconds / 60, 1) +
       " minutes in all. What the words mean and how to rerun: [docs/notebook/"
-      "index-references.md](../../docs/notebook/index-references.md).\n\n";
+      "index.md](../../docs/notebook/index.md#the-index-beside-its-reference-implementations).\n\n";
   text += "| what | target | measured | met |\n|---|---:|---:|---|\n";
   for (const Target& target : targets_of(all))
     text += "| " + target.what + " | " + target.target + " | " + target.measured + " | " +

@@ -14,7 +14,7 @@
 #include "bench/references/reference.h"
 #include "core/file.h"
 #include "evaluation/measurements/conditions.h"
-#include "evaluation/measurements/icp_study.h"
+#include "evaluation/measurements/icp.h"
 #include "person/data_files.h"
 
 namespace im2fit::bench {

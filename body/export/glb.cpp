@@ -9,7 +9,6 @@
 #include "body/export/export.h"
 #include "body/export/figure.h"
 #include "body/export/motion.h"
-#include "body/export/rig.h"
 #include "body/model_data.h"
 #include "core/file.h"
 

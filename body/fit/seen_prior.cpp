@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kEach = 4;  // of the space's points: each fourth is looked at
 // Of a point's distance: the fit's own errors, which neighbours share, so that a point counts for little. 12 to 90 mm
-// were tried (docs/notebook/one-body.md).
+// were tried (docs/notebook/fit.md).
 constexpr double kSeenSdMm = 16;
 // Of a shift of the whole body: any. A rest mesh hangs from joints that no measurement sees.
 constexpr double kShiftSdMm = 100;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/measurements/icp_study.h"
+#include "evaluation/measurements/icp.h"
 #include "evaluation/measurements/report.h"
 #include "evaluation/measurements/runtime.h"
 #include "report/svg_plot.h"

@@ -6,14 +6,16 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <utility>
 
 #include "hal/intrinsics.h"
 #include "hal/v4l2/negotiate.h"
-#include "hal/v4l2/v4l2_nodes.h"
 
 namespace im2fit::hal {
 namespace {
@@ -101,6 +103,77 @@ std::optional<std::int64_t> stamp_ns(const v4l2_buffer& buffer) {
   if (seconds < 0 || seconds > 3'000'000'000 || micros < 0 || micros >= 1'000'000) return std::nullopt;
   const std::int64_t ns = seconds * 1'000'000'000 + micros * 1000;
   return ns > 0 ? std::optional<std::int64_t>(ns) : std::nullopt;
+}
+
+// Which of the system's video nodes is the depth camera.
+
+constexpr const char* kPrefix = "video";
+
+// The numbers behind /dev/video, ascending.
+std::vector<int> node_numbers() {
+  std::vector<int> numbers;
+  std::error_code code;
+  for (std::filesystem::directory_iterator i("/dev", code), end; !code && i != end; i.increment(code)) {
+    const std::string name = i->path().filename().string();
+    if (name.rfind(kPrefix, 0) != 0) continue;
+    int number = -1;
+    const char* begin = name.data() + 5;
+    const char* past = name.data() + name.size();
+    if (const auto read = std::from_chars(begin, past, number); read.ec == std::errc() && read.ptr == past)
+      numbers.push_back(number);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+// The serial number of the USB device behind /dev/videoN, "" when there is none or the kernel does not report it.
+std::string v4l2_serial(const std::string& path) {
+  // "device" is the USB interface; its parent, the device, has the number.
+  const std::string node = std::filesystem::path(path).filename().string();
+  std::error_code code;
+  const auto device = std::filesystem::canonical("/sys/class/video4linux/" + node + "/device", code);
+  if (code) return "";
+  std::ifstream file(device.parent_path() / "serial");
+  std::string serial;
+  std::getline(file, serial);
+  return serial;
+}
+
+struct Nodes {
+  std::vector<V4l2Device> depth;
+  std::string closed;  // why the first node that does not open does not
+};
+
+Nodes look() {
+  Nodes nodes;
+  for (const int number : node_numbers()) {
+    const std::string path = std::string("/dev/") + kPrefix + std::to_string(number);
+    const auto device = open_video_device(path);
+    if (!device) {
+      if (nodes.closed.empty()) nodes.closed = device.error().message;
+      continue;
+    }
+    const auto camera = describe_camera(**device, path);
+    if (camera && camera->is_depth()) nodes.depth.push_back({path, camera->name, v4l2_serial(path)});
+  }
+  return nodes;
+}
+
+// The node `path`, or when "" the first depth camera; with `serial` not "" the one with that number: nodes are
+// numbered anew with every plugging in. Error: no_device, listing what is there.
+Result<std::string> find_v4l2_node(const std::string& path, const std::string& serial) {
+  const Nodes nodes = look();
+  std::string there;
+  // The first: one camera may have several depth nodes, and twins may share a number.
+  for (const V4l2Device& device : nodes.depth) {
+    if ((path.empty() || device.path == path) && (serial.empty() || device.serial == serial)) return device.path;
+    there += (there.empty() ? "" : ", ") + device.path + (device.serial.empty() ? "" : " (" + device.serial + ")");
+  }
+  return Error{ErrorCode::no_device,
+               "no V4L2 depth camera" + (serial.empty() ? std::string() : " with serial " + serial) +
+                   (path.empty() ? std::string() : " at " + path) + "; there " +
+                   (there.empty() ? std::string("is none that offers Z16 or INZI") : "is " + there) +
+                   (nodes.closed.empty() ? "" : " (" + nodes.closed + ")")};
 }
 
 }  // namespace
@@ -305,6 +378,10 @@ Result<FrameInfo> V4l2Source::next(DepthImage depth, int timeout_ms) {
   path_.deliver(depth);
   book_.saw(filled->info.sequence);
   return filled->info;
+}
+
+std::vector<V4l2Device> list_v4l2_devices() {
+  return look().depth;
 }
 
 }  // namespace im2fit::hal

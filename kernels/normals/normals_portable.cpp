@@ -86,4 +86,10 @@ void normals_portable(const Intrinsics& intrinsics, const float* x, const float*
   }
 }
 
+void normals(const Intrinsics& intrinsics, const float* x, const float* y, const float* z, int radius_px,
+             float max_step_mm, float* nx, float* ny, float* nz) {
+  IM2FIT_CHOSEN_ONCE best = fastest(kNormalsKernels);
+  best(intrinsics, x, y, z, radius_px, max_step_mm, nx, ny, nz);
+}
+
 }  // namespace im2fit

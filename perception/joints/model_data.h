@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "core/camera.h"
-#include "core/skeleton.h"
+#include "core/joints.h"
 #include "kernels/anchors/anchors.h"
 #include "kernels/trees/trees.h"
 #include "perception/joints/tracker.h"
@@ -132,7 +132,7 @@ struct ForestView {
     return {tree_count / 2, jump_count, tree_start, nodes, bone, which, 2};
   }
 };
-void run_forest(const ForestView& forest, const View& view, Shape& shape);  // forest.h: several side by side
+void run_forest(const ForestView& forest, const View& view, Shape& shape);  // in estimate.cpp: several side by side
 Vec3f jump_start(const ForestView& forest, int joint, const View& view, const Shape& shape);
 
 }  // namespace im2fit::joints

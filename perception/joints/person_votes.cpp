@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/skeleton.h"
+#include "core/joints.h"
 
 namespace im2fit::joints {
 namespace {

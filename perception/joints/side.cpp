@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "core/skeleton.h"
+#include "core/joints.h"
 
 namespace im2fit::joints {
 

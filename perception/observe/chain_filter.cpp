@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "perception/observe/chain_filter.h"
 
-#include "core/skeleton.h"
+#include "core/joints.h"
 
 namespace im2fit {
 namespace {

@@ -3,12 +3,12 @@
 
 #include <cmath>
 
-#include "core/skeleton.h"
+#include "core/joints.h"
 #include "perception/paper/paper.h"
 #include "perception/profile/person_frame.h"
 
 // The thresholds of this file: how far a pose may be from standing straight. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. One joint is some 20-40 mm off in a frame; shoulders and hips lie 350 and
+// docs/notebook/perception.md. One joint is some 20-40 mm off in a frame; shoulders and hips lie 350 and
 // 200 mm apart. Sources:
 //   [40]     true joints of 40 held-out people
 //   [yaw]    people are learned within 13 degrees; the joints' yaw errs by 6

@@ -5,7 +5,7 @@
 #include <cmath>
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [near]  of scenes with a person nearer than a metre 9 of 20 were right before, 98 of 100 after, all changes
 //           together (commit 2a687e0)
 //   [codes] docs/tracker.md, Guidance: what the codes promise

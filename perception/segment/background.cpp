@@ -8,7 +8,7 @@
 #include "perception/segment/person_tracker.h"
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [still] came with the background (commit c186dfc); single frames are unchanged by it, no other measurement
 //           on record
 namespace im2fit::segment::background_limits {

@@ -11,7 +11,7 @@
 #include "perception/segment/blobs.h"
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [legs]  of 57 people without a clear head 47 have such legs, of 240 pieces of furniture of a person's size
 //           2 (commit 1e3516a)
 //   [trunk] came with commit 1e3516a: of 1,000 empty frames 436 showed a user before, 3 after; all changes

@@ -6,7 +6,7 @@
 #include <cstring>
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [bits]  from rounding or the width of a word: changes the time, not the mask
 //   [rooms] chosen on synthetic rooms, no measurement on record
 namespace im2fit::segment::feet_limits {

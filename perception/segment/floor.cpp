@@ -5,7 +5,7 @@
 #include <cmath>
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [mount] how a camera may stand: the engine's promise, not a measurement
 //   [steep] cameras that look down by 25 to 40 degrees found no floor before (commit c186dfc); no figures on
 //           record

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [cut]   came with the cut of furniture; measured together, not one by one: IoU p5 of 200 people in two
 //           fresh scenes each 0.877 -> 0.927 (commit 5651a96)
 //   [posts] came with the cut of chair legs; together: IoU p5 of 240 full scenes, seed 8101, 0.927 -> 0.944,

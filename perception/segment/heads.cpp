@@ -5,7 +5,7 @@
 #include "perception/segment/blobs.h"
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [250]    each keeps 95 % of 250 dressed people's heads in furnished rooms (commit 1e3516a)
 //   [corner] no second person in cupboard corners: SEVERAL_PEOPLE in 6 of 150 furnished rooms before, 0 or 1
 //            after, all changes together (commit 37059cc)

@@ -6,7 +6,7 @@
 #include "perception/segment/blobs.h"
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [empty] came with fewer false users: of 10,000 empty frames 226 before, 54 after, all changes together
 //           (commit 3db21d5)
 //   [round] came with round trunks and legs: of 1,000 empty frames 436 showed a user before, 3 after; all

@@ -6,7 +6,7 @@
 #include "perception/segment/person_tracker.h"
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [ids]    came with ids, or with ids that last longer: 50 clips of two people who pass, 3 switches before, 0
 //            after, all changes together (commits 9873af9, f1a81d9)
 //   [heads]  came with users whose heads are not seen (commit e8175d0); no measurement on record

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The constants of person_tracker.cpp: when a user counts as a person, and which user to follow. The effects of
-// changes by 20 %: docs/notebook/perception-thresholds.md. Sources:
+// changes by 20 %: docs/notebook/perception.md. Sources:
 //   [empty]  came with fewer false users: of 10,000 empty frames 226 before, 54 after, all changes together
 //            (commit 3db21d5)
 //   [ids]    came with ids, or with ids that last longer: 50 clips of two people who pass, 3 switches before, 0
@@ -11,7 +11,7 @@
 //            log-odds below -4 (docs/tracker.md, Joints 6); false users: docs/tracker-evaluation.md
 //   [mean]   of 2,000 furnished rooms (seed 777001, 20 frames each) the likeliest object had a mean of -1.7, the
 //            likeliest that the segmenter confirmed -3.3; without a floor, 4,000 rooms, 0.6, the next -0.7 and
-//            confirmed. Of real people (docs/notebook/tracker-evaluation.md) 100 % of the calm and 92 % of those with
+//            confirmed. Of real people (docs/notebook/tracker.md) 100 % of the calm and 92 % of those with
 //            an arm up have more than -0.5; on no floor 100 and 82 % more than 1
 //   [six]    two rooms of 667 had coats found by the mean of twelve frames, none of 200 turned or bent people was
 //            (commit cb455a6)

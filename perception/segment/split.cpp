@@ -11,7 +11,7 @@
 #include "perception/segment/blobs.h"
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [touch]   people who touch with their heads out of the picture (commit 3dafe52, tried on 250 furnished,
 //             dressed scenes); no measurement of these on record
 //   [box]     a person whose hand touches a box is found, arms and legs apart stay whole (tests/perception/

@@ -5,7 +5,7 @@
 #include <cmath>
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [limbs]    came with legs under skirts and arms behind the trunk; tried on 250 furnished, dressed scenes,
 //              no figures on record (commit 3dafe52)
 //   [hands]    came with cut-off forearms: 4 of 100 free poses lost a limb or the person before (commit

@@ -7,7 +7,7 @@
 #include "perception/segment/floor.h"
 
 // The thresholds of this file: what each bounds and where it comes from. What breaks when one moves by 20 %:
-// docs/notebook/perception-thresholds.md. Sources:
+// docs/notebook/perception.md. Sources:
 //   [rooms] chosen on synthetic rooms, no measurement on record
 namespace im2fit::segment::wall_limits {
 

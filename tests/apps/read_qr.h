@@ -29,7 +29,7 @@ inline std::string read_qr(const std::vector<std::uint8_t>& /*grey*/, int /*widt
 }
 #endif
 
-// Of a code's path (apps/kiosk/qr_code.h), `scale` pixels a module, with its margin.
+// Of a code's path (apps/kiosk/hand_over.h), `scale` pixels a module, with its margin.
 inline std::string read_qr_path(const std::string& path, int side, int scale = 4) {
   const int margin = 4, width = scale * (side + 2 * margin);
   std::vector<std::uint8_t> grey(static_cast<std::size_t>(width) * static_cast<std::size_t>(width), 255);

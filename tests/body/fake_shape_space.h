@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "body/shape_space_file.h"
+#include "body/shape_space.h"
 #include "core/rng.h"
 #include "fake_makehuman.h"
 #include "train/makehuman/makehuman.h"

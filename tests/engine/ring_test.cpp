@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/rng.h"
-#include "engine/event.h"
 #include "engine/spsc_ring.h"
 
 namespace im2fit {

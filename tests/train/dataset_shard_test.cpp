@@ -11,7 +11,6 @@
 
 #include "core/file.h"
 #include "tests/train/dataset_samples.h"
-#include "train/dataset/half.h"
 
 namespace im2fit::lab {
 namespace {

@@ -20,8 +20,8 @@
 #include "tests/perception/joints_model_builder.h"
 #include "tests/train/body_fixture.h"
 #include "train/camera/virtual_camera.h"
-#include "train/tracker/tracker_detections.h"
 #include "train/tracker/tracker_images.h"
+#include "train/tracker/tracker_person_votes.h"
 #include "train/tracker/tracker_votes.h"
 
 namespace im2fit::lab {

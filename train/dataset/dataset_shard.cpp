@@ -11,7 +11,6 @@
 #include "core/container.h"
 #include "core/file.h"
 #include "perception/observe/observe.h"
-#include "train/dataset/half.h"
 
 namespace im2fit::lab {
 namespace {

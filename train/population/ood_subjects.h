@@ -33,7 +33,7 @@ struct OodVariation {
 // see it, limbs hardly. Left and right differ alike, mostly, and whole parts are wider, deeper or farther forward, as
 // people are: bumps alone, each on one side, teach less (docs/dataset.md). People measured by tape differ from any
 // model by a girth error of 13..17 mm even when breadths and depths are known (ANSUR II,
-// docs/notebook/evaluation-sections.md).
+// docs/notebook/evaluation.md).
 inline constexpr OodVariation kOodTrunk = {
     .modifier_sd = 0.15,
     .bumps = {.count = 3, .reach_least_mm = 200, .reach_most_mm = 400, .low = 0.45F, .high = 0.8F, .aside_mm = 170},

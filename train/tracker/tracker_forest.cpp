@@ -6,8 +6,8 @@
 #include <cmath>
 #include <mutex>
 
+#include "core/joints.h"
 #include "core/rng.h"
-#include "core/skeleton.h"
 #include "train/common/parallel.h"
 #include "train/common/simd_clones.h"
 

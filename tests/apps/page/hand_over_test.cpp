@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "apps/kiosk/page_server.h"
-#include "apps/kiosk/qr_code.h"
 #include "read_qr.h"
 
 namespace im2fit::apps {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The operator's part over a page that the test feeds with events: consent, recording, the form, sessions.
+#include "apps/kiosk/operator_desk.h"
+
 #include <gmock/gmock.h>
 
 #include <filesystem>
 #include <thread>
 
-#include "apps/kiosk/consent_texts.h"
 #include "apps/sessions/store.h"
 #include "depth_folder.h"
 #include "shown_page.h"

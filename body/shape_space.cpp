@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "body/shape_space_file.h"
+#include "body/shape_space.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/skeleton.h"
+#include "core/joints.h"
 
 #include <gtest/gtest.h>
 
