@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
 #if IM2FIT_HAVE_EVALUATION
   add_population(app, chosen);
   add_eval(app, chosen);
+  add_eval_turn(app, chosen);
   add_study(app, chosen);
   add_calibrate(app, chosen);
   add_simulate_site(app, chosen);

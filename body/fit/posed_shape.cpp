@@ -112,6 +112,15 @@ void RestShape::set_points(std::span<const float> coefficients) {
       points_.data());
 }
 
+void RestShape::move_points(std::span<const float> mm, std::span<const Vec3f> directions) {
+  for (std::size_t i = 0; i < mm.size(); ++i) {
+    float* at = points_.data() + i * kPointValues;
+    at[0] += mm[i] * directions[i].x;
+    at[1] += mm[i] * directions[i].y;
+    at[2] += mm[i] * directions[i].z;
+  }
+}
+
 PosedShape::PosedShape(const ShapeSpace& space, const RestShape& rest)
     : space_(space),
       rest_(rest),
@@ -173,7 +182,7 @@ void PosedShape::find(std::size_t index, Point& point) const {
   point.normal = normalized(vec3(times(turn, rest_.normal(index))));
 }
 
-void PosedShape::point_row(const Point& point, Vec3f n, const RowColumns& columns, std::span<float> row) const {
+void PosedShape::pose_row(const Point& point, Vec3f n, const RowColumns& columns, std::span<float> row) const {
   const SkinRecord& skin = space_.skin[point.index];
   std::size_t followed = 0;
   while (followed < 4 && skin.weight[followed] > 0) ++followed;
@@ -190,10 +199,16 @@ void PosedShape::point_row(const Point& point, Vec3f n, const RowColumns& column
       }
     put(row, 3 * t, cross(vec3(part) - posed_.head[turning] * weight, n));
   }
+}
+
+void PosedShape::point_row(const Point& point, Vec3f n, const RowColumns& columns, std::span<float> row) const {
+  pose_row(point, n, columns, row);
+  const SkinRecord& skin = space_.skin[point.index];
   const std::size_t count = space_.shape_count;
   SlopeParts parts{{}, {}, 0, count};
   put_part(parts, space_.point_basis.data() + point.index * kPointValues * count, transposed_times(point.turn, n));
-  for (std::size_t i = 0; i < followed; ++i) put_part(parts, moves_of(skin.segment[i]), n * skin.weight[i]);
+  for (std::size_t i = 0; i < 4 && skin.weight[i] > 0; ++i)
+    put_part(parts, moves_of(skin.segment[i]), n * skin.weight[i]);
   loops_.add_slopes(parts, row.data() + 3 * columns.triple_count);
 }
 

@@ -51,6 +51,8 @@ class RestShape {
   explicit RestShape(const ShapeSpace& space);
   void set_bones(std::span<const float> coefficients);
   void set_points(std::span<const float> coefficients);
+  // Moves the points last set: each `mm` of its own along its direction.
+  void move_points(std::span<const float> mm, std::span<const Vec3f> directions);
   Vec3f middle(std::size_t point) const { return at(point * kPointValues); }
   Vec3f normal(std::size_t point) const {  // not of unit length
     return cross(at(point * kPointValues + 3), at(point * kPointValues + 6));
@@ -89,7 +91,9 @@ class PosedShape {
     for (std::size_t i = 0; i < 3 * space_.shape_count; i += kLine) __builtin_prefetch(basis + i);
   }
 
-  // Slopes of n . p: of the triples in `columns` (columns_of() the point's segments), then of the coefficients.
+  // Slopes of n . p of the triples in `columns` (columns_of() the point's segments).
+  void pose_row(const Point& point, Vec3f n, const RowColumns& columns, std::span<float> row) const;
+  // The same, then those of the coefficients.
   void point_row(const Point& point, Vec3f n, const RowColumns& columns, std::span<float> row) const;
   // Of a segment's head or tail; `columns` as of that segment.
   void bone_row(Segment segment, bool tail, Vec3f n, const RowColumns& columns, std::span<float> row) const;

@@ -176,19 +176,42 @@ float measuring_spread_deg(double litres_per_m2) {
   return static_cast<float>(std::clamp(10 + (litres_per_m2 - 20) * (12.0 / 22), 10.0, 22.0));
 }
 
+namespace {
+
+struct Stood {
+  std::vector<Vec3f> posed;
+  body::PosedSkeleton bones;
+  double litres = 0;
+};
+Stood stand(const Actor& actor, const DimensionSurface& parts) {
+  Stood out;
+  out.litres = volume_within(actor.rest, parts.triangles);
+  const auto [low, high] =
+      std::minmax_element(actor.rest.begin(), actor.rest.end(), [](Vec3f a, Vec3f b) { return a.y < b.y; });
+  const double tall_m = (static_cast<double>(high->y) - static_cast<double>(low->y)) / 1000;
+  const body::Pose pose = body::relaxed_pose(actor.skeleton, measuring_spread_deg(out.litres / (tall_m * tall_m)));
+  out.posed.resize(actor.rest.size());
+  skin(actor, pose, out.posed);
+  out.bones = body::pose_skeleton(actor.skeleton, pose);
+  return out;
+}
+
+}  // namespace
+
+ActorLevels levels_of(const Actor& actor, const DimensionSurface& parts) {
+  const Stood stood = stand(actor, parts);
+  const Standing standing(parts, stood.posed, stood.bones);
+  const auto lowest =
+      std::min_element(stood.posed.begin(), stood.posed.end(), [](Vec3f a, Vec3f b) { return a.y < b.y; });
+  return {standing.chest_y() - lowest->y, standing.waist_y() - lowest->y, standing.hip_y() - lowest->y};
+}
+
 MeasurementValues measure_actor(const Actor& actor, const DimensionSurface& parts) {
   MeasurementValues out;
   out.fill(std::numeric_limits<float>::quiet_NaN());
   const auto set = [&](Measurement m, double value) { out[measurement_index(m)] = static_cast<float>(value); };
-  const double litres = volume_within(actor.rest, parts.triangles);
-  const auto [low, high] =
-      std::minmax_element(actor.rest.begin(), actor.rest.end(), [](Vec3f a, Vec3f b) { return a.y < b.y; });
-  const double tall_m = (static_cast<double>(high->y) - static_cast<double>(low->y)) / 1000;
-  const body::Pose pose = body::relaxed_pose(actor.skeleton, measuring_spread_deg(litres / (tall_m * tall_m)));
-  std::vector<Vec3f> posed(actor.rest.size());
-  skin(actor, pose, posed);
-  const body::PosedSkeleton bones = body::pose_skeleton(actor.skeleton, pose);
-  const Standing standing(parts, posed, bones);
+  const Stood stood = stand(actor, parts);
+  const Standing standing(parts, stood.posed, stood.bones);
   set(Measurement::stature, standing.stature());
   set(Measurement::sleeve_length, standing.sleeve());
   set(Measurement::leg_length, standing.leg());
@@ -198,7 +221,7 @@ MeasurementValues measure_actor(const Actor& actor, const DimensionSurface& part
   set(Measurement::chest_girth, standing.trunk_round(standing.chest_y()));
   set(Measurement::waist_girth, standing.trunk_round(standing.waist_y()));
   set(Measurement::hip_girth, standing.trunk_round(standing.hip_y()));
-  set(Measurement::weight, litres * 1e-3 * body::density_kg_m3(standing.stature(), litres));
+  set(Measurement::weight, stood.litres * 1e-3 * body::density_kg_m3(standing.stature(), stood.litres));
   return out;
 }
 

@@ -28,6 +28,12 @@ double volume_within(std::span<const Vec3f> vertices, std::span<const std::array
 // Arms of the pose that people are measured in: 10 degrees off the body (slim) to 22 (obese).
 float measuring_spread_deg(double litres_per_m2);
 
+// Heights of the sections above the floor, mm, in that pose.
+struct ActorLevels {
+  float chest = 0, waist = 0, hip = 0;
+};
+ActorLevels levels_of(const Actor& actor, const DimensionSurface& parts);
+
 // Measured standing in that pose. What has no definition on these landmarks is NaN: the inside leg, because a web
 // joins the scans' thighs, down to 77 mm below the survey's crotch on the mean man. Weight: the volume at rest by the
 // density law of body/measure.h.

@@ -84,8 +84,8 @@ void VirtualScene::Impl::stage(const Subject& subject, std::span<const Vec3f> re
   view_ready = false;
   people_count = 1 + std::min(scene.others.size(), kBystandersMax);
   while (people.size() < people_count) people.emplace_back(model);
-  PersonPlan plan{scene.pose,      scene.clothing, scene.hair, scene.outfit_seed, {},
-                  scene.back_view, scene.sway,     scene.walk, scene.turn,        scene.dresser};
+  PersonPlan plan{scene.pose, scene.clothing, scene.hair,    scene.outfit_seed, {}, scene.back_view, scene.sway,
+                  scene.walk, scene.turn,     scene.dresser, scene.step_round};
   if (scene.yaw_deg <= kDrawnDeg) plan.yaw_deg = scene.yaw_deg;
   people[0].stage(subject, rest, plan, seed, 0, tailor_for(scene.clothing, scene.hair));
   camera = place_camera(scene, people[0].surface(), intrinsics, seed);
@@ -114,7 +114,7 @@ const VirtualScene::Impl::Known& VirtualScene::Impl::known_of(const Bystander& o
 void VirtualScene::Impl::stage_others() {
   for (std::size_t who = 1; who < people_count; ++who) {
     const Bystander& other = scene.others[who - 1];
-    PersonPlan plan{other.pose, other.clothing, other.hair, 0, {}, false, scene.sway, other.path, {}, {}};
+    PersonPlan plan{other.pose, other.clothing, other.hair, 0, {}, false, scene.sway, other.path, {}, {}, {}};
     if (other.yaw_deg <= kDrawnDeg) plan.yaw_deg = other.yaw_deg;
     const std::uint64_t own_seed = Rng::for_item(seed, kOthersStream, who).next();
     const Known& is = known_of(other);

@@ -72,6 +72,7 @@ struct SceneOptions {
   FloorPath walk;                      // of the main person; yaw 1e9: along it while walking. Camera and room are
                                        // placed as for a person standing at the origin
   AboutTurn turn;                      // of the main person, on the spot
+  StepRound step_round;                // of the main person; not with `walk` or `turn`
   std::vector<Bystander> others;       // at most kBystandersMax
   bool furniture_touching = false;     // one or two pieces at the feet or beside the lower legs, 0..40 mm away
   int decoy_count = 0;          // coat stands, chairs with a coat, dog-sized boxes; without a person also where

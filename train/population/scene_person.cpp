@@ -25,6 +25,7 @@ constexpr int kStepFrames = 8;         // into the walk and out of it
 constexpr float kTurnSteps = 2;        // strides in a turn on the spot
 constexpr float kTurnStepping = 0.3F;  // their strength
 constexpr float kSunkMm = 10;          // into the seat
+constexpr float kBreathDepthMm = 80;
 
 std::vector<std::uint8_t> hair_labels(const body::BodyModel& model, std::span<const Vec3f> rest,
                                       const body::Skeleton& skeleton, std::size_t who) {
@@ -121,6 +122,7 @@ void ScenePerson::stage(const Subject& subject, std::span<const Vec3f> rest, con
                         std::uint64_t seed, std::size_t who, Tailor* tailor) {
   plan_ = plan;
   sway_ = Sway(seed);
+  stepping_ = StepRoundMotion(plan.step_round, seed);
   Rng rng = Rng::for_item(seed, kPoseStream, 0);
   actor_ = subject.actor;
   if (actor_ != nullptr)
@@ -220,16 +222,18 @@ void ScenePerson::add_cloth(const DrapedCloth& cloth) {
 }
 
 // Skins body and clothes, turns them and puts the lowest vertex on the floor, the hips above the origin.
-void ScenePerson::pose_as(const body::Pose& pose) {
+void ScenePerson::pose_as(const body::Pose& pose, float breath_mm) {
   const auto body_count = static_cast<std::size_t>(model_.body_vertex_count());
   posed_.resize(rest_.size());
   if (actor_ != nullptr) {
     skin(*actor_, pose, posed_);
     joints_ = joints_of(*actor_, pose);
+    breathe(pose, breath_mm);
     body_ = posed_;
   } else {
     body::skin(model_, rest_, skeleton_, pose, posed_);
     joints_ = body::joints_of(model_, posed_);
+    breathe(pose, breath_mm);
     body_.assign(posed_.begin(), posed_.begin() + static_cast<std::ptrdiff_t>(body_count));
   }
   float lowest = 1e9F;
@@ -256,6 +260,22 @@ void ScenePerson::pose_as(const body::Pose& pose) {
   for (Vec3f& p : body_) p = to_world(p);
   for (Vec3f& p : worn_) p = to_world(p);
   for (Vec3f& p : joints_.position_mm) p = to_world(p);
+}
+
+// Moves the front of the chest forwards, what lies kBreathDepthMm before the chest's joint by the whole of it.
+void ScenePerson::breathe(const body::Pose& pose, float breath_mm) {
+  if (breath_mm == 0) return;
+  const std::span<const SkinRecord> skin =
+      actor_ != nullptr ? std::span<const SkinRecord>(actor_->surface->skin) : model_.data().skin;
+  const auto chest = static_cast<std::size_t>(Segment::chest);
+  const Vec3f forwards = pose.rotation[chest] * kAxisZ;
+  for (std::size_t i = 0; i < posed_.size() && i < skin.size(); ++i) {
+    float weight = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (skin[i].segment[k] == chest) weight += skin[i].weight[k];
+    const float front = std::clamp((rest_[i].z - skeleton_.head[chest].z) / kBreathDepthMm, 0.0F, 1.0F);
+    posed_[i] = posed_[i] + forwards * (breath_mm * weight * front);
+  }
 }
 
 // Under thighs and seat, from the surface before it is turned; `origin` becomes the floor below the hips.
@@ -294,6 +314,10 @@ ScenePerson::Gait ScenePerson::gait(std::uint64_t index) const {
 }
 
 void ScenePerson::choose_frame(std::uint64_t index) {
+  if (steps_round()) {
+    pose_as(stepping_.pose(pose_, index), stepping_.breath_mm(index));
+    return;
+  }
   const Gait g = gait(index);
   if (g.strength > 0) {
     pose_as(striding(pose_, g.phase, g.strength));
@@ -308,6 +332,8 @@ Rigid ScenePerson::placed(std::uint64_t index) const {
   Rigid sway = plan_.sway ? sway_.at(index) : Rigid{};
   const float turned = share_of_turn(index, plan_.turn);
   if (turned > 0) sway = Rigid{body::rotation_about(kAxisY, -180.0F * turned), {}} * sway;
+  if (steps_round())
+    sway = Rigid{body::rotation_about(kAxisY, stepping_.yaw_deg(index)), stepping_.shift_mm(index)} * sway;
   const FloorPath& path = plan_.path;
   if (path.frame_count <= 0 && path.from_x_mm == 0 && path.from_z_mm == 0) return sway;
   const float t = share_of_way(index, path);

@@ -17,6 +17,7 @@
 #include "train/population/clothing.h"
 #include "train/population/population.h"
 #include "train/population/poses.h"
+#include "train/population/step_round.h"
 #include "train/render/room.h"
 #include "train/render/scene_axes.h"
 
@@ -53,6 +54,7 @@ struct PersonPlan {
   FloorPath path;
   AboutTurn turn;
   Dresser dresser;  // of Clothing::garments: called for every pose, so a walk takes its time
+  StepRound step_round;
 };
 
 // Slow sway about the ankles and a little turning: sums of three incommensurate waves, 0.1..0.6 Hz, so that any
@@ -84,7 +86,9 @@ class ScenePerson {
   void choose_frame(std::uint64_t index);
 
   Rigid placed(std::uint64_t index) const;  // sway, turn and path: person axes to world
-  bool moves() const { return plan_.sway || plan_.path.frame_count > 0 || plan_.turn.frame_count > 0; }
+  bool moves() const {
+    return plan_.sway || plan_.path.frame_count > 0 || plan_.turn.frame_count > 0 || steps_round();
+  }
   const std::vector<Vec3f>& body() const { return body_; }  // naked; person axes: the world's but for placed()
   const JointSet& joints() const { return joints_; }
   // What is drawn, person axes.
@@ -108,7 +112,9 @@ class ScenePerson {
   void take_rest(const Subject& subject, std::span<const Vec3f> rest);
   void take_actor();
   void dress(const Worn& worn, Tailor* tailor);
-  void pose_as(const body::Pose& pose);
+  bool steps_round() const { return plan_.step_round.seconds > 0; }
+  void pose_as(const body::Pose& pose, float breath_mm = 0);
+  void breathe(const body::Pose& pose, float breath_mm);
   void drape(const body::Pose& pose);
   void add_cloth(const DrapedCloth& cloth);
   void find_seat(Vec3f origin);
@@ -121,6 +127,7 @@ class ScenePerson {
   std::shared_ptr<const Actor> actor_;  // shown in the model's place, or null
   PersonPlan plan_;
   Sway sway_;
+  StepRoundMotion stepping_;
   body::Skeleton skeleton_;
   body::Pose pose_;  // standing
   std::vector<Vec3f> rest_;

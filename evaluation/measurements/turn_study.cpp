@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "evaluation/measurements/turn_study.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+
+#include "body/fit/point_mesh.h"
+#include "body/fit/shape_fitter.h"
+#include "body/fit/turn_fitter.h"
+#include "body/measure.h"
+#include "body/model_data.h"
+#include "core/rng.h"
+#include "evaluation/population/other_tape.h"
+#include "hal/source.h"
+#include "perception/observe/observe.h"
+#include "train/camera/virtual_camera.h"
+
+namespace im2fit::lab {
+namespace {
+
+constexpr std::uint64_t kTurnStream = 0x7024E;
+constexpr int kFrontFrames = 45;  // shown of the front before the first step
+constexpr int kFollowEach = 3;    // ten pictures a second
+
+struct Keyframe {
+  std::vector<std::uint16_t> depth;
+  std::vector<std::uint8_t> mask;
+};
+
+class TurnSession {
+ public:
+  TurnSession(const body::BodyModel& model, const JointModel& joint_model, const TurnStudyOptions& options)
+      : model_(model),
+        options_(options),
+        joint_model_(joint_model),
+        fitter_(model.shape_space()),
+        turn_(model.shape_space()),
+        mesh_(model),
+        measurer_(model) {}
+
+  TurnOutcome run(std::uint64_t index);
+
+ private:
+  bool fit_front(VirtualScene& scene, const HeldOutPerson& person, TurnOutcome& outcome);
+  void follow(VirtualScene& scene, const HeldOutPerson& person, int frames, TurnOutcome& outcome);
+  void measure(TurnOutcome& outcome);
+  Detection take(VirtualScene& scene, const HeldOutPerson& person, std::uint64_t frame);
+  void keep(ImageView<const std::uint16_t> depth, float unit_mm, MaskView mask, const body::Pose& pose);
+
+  const body::BodyModel& model_;
+  const TurnStudyOptions& options_;
+  const JointModel& joint_model_;
+  body::ShapeFitter fitter_;
+  body::TurnFitter turn_;
+  body::PointMesh mesh_;
+  body::Measurer measurer_;
+
+  Intrinsics upright_;
+  std::unique_ptr<PersonDetector> detector_;
+  std::unique_ptr<Fuser> fuser_;
+  std::vector<std::uint16_t> delivered_, picture_;
+  std::vector<std::uint8_t> mask_;
+  std::vector<Keyframe> kept_;
+  std::vector<body::TurnView> views_;
+  body::PersonAxes axes_;
+  std::shared_ptr<const Actor> actor_;
+};
+
+Detection TurnSession::take(VirtualScene& scene, const HeldOutPerson& person, std::uint64_t frame) {
+  const Intrinsics& k = person.capture.intrinsics;
+  const DepthImage delivered(delivered_.data(), k.width, k.height);
+  scene.render(frame, delivered);
+  hal::rotate_upright(delivered, person.capture.scene.rotate_deg,
+                      DepthImage(picture_.data(), upright_.width, upright_.height));
+  return detector_->sense(DepthView(picture_.data(), upright_.width, upright_.height), upright_,
+                          MaskImage(mask_.data(), upright_.width, upright_.height));
+}
+
+void TurnSession::keep(ImageView<const std::uint16_t> depth, float unit_mm, MaskView mask, const body::Pose& pose) {
+  Keyframe& kept = kept_.emplace_back();
+  for (int v = 0; v < depth.height; ++v) {
+    kept.depth.insert(kept.depth.end(), depth.row(v), depth.row(v) + depth.width);
+    kept.mask.insert(kept.mask.end(), mask.row(v), mask.row(v) + mask.width);
+  }
+  views_.push_back({{{kept.depth.data(), depth.width, depth.height},
+                     unit_mm,
+                     {kept.mask.data(), mask.width, mask.height},
+                     upright_},
+                    pose});
+}
+
+bool TurnSession::fit_front(VirtualScene& scene, const HeldOutPerson& person, TurnOutcome& outcome) {
+  for (int f = 0; f < kFrontFrames; ++f) {
+    const Detection detection = take(scene, person, static_cast<std::uint64_t>(f));
+    if (detection.guidance != 0 || !detection.person.found || detection.view != ViewSide::front) continue;
+    fuser_->add(DepthView(picture_.data(), upright_.width, upright_.height),
+                MaskView(mask_.data(), upright_.width, upright_.height), upright_, detection);
+  }
+  if (fuser_->frame_count() < kCaptureFramesMin) return false;
+  const Fuser::Description& seen = fuser_->describe();
+  if (!seen.valid) return false;
+  const std::array<body::FitView, 1> views = {
+      body::FitView{fuser_->depth_q4(), fuser_->mask(), upright_, seen.joints, seen.floor}};
+  const body::ShapeFit& fit = fitter_.run(views);
+  if (!fit.valid) return false;
+  axes_ = body::PersonAxes(seen.joints, seen.floor);
+  turn_.begin(std::span(fit.shape).first(model_.shape_space().shape_count), fit.pose, axes_, seen.floor.known);
+  keep(fuser_->depth_q4(), 1.0F / 16, fuser_->mask(), fit.pose);
+  outcome.views_deg.push_back(0);
+  return true;
+}
+
+void TurnSession::follow(VirtualScene& scene, const HeldOutPerson& person, int frames, TurnOutcome& outcome) {
+  const float apart = std::fabs(options_.degrees) / static_cast<float>(std::max(1, options_.view_count)) *
+                      (options_.degrees < 360 ? static_cast<float>(options_.view_count) /
+                                                    static_cast<float>(std::max(1, options_.view_count - 1))
+                                              : 1.0F);
+  double error = 0;
+  for (int f = kFrontFrames; f < kFrontFrames + frames; ++f) {
+    const Detection detection = take(scene, person, static_cast<std::uint64_t>(f));
+    if ((f - kFrontFrames) % kFollowEach != 0) continue;
+    ++outcome.frames;
+    if (!detection.person.found) {
+      ++outcome.frames_without_person;
+      continue;
+    }
+    const body::TurnPicture picture{{picture_.data(), upright_.width, upright_.height},
+                                    1,
+                                    {mask_.data(), upright_.width, upright_.height},
+                                    upright_};
+    if (!turn_.follow(picture)) continue;
+    ++outcome.frames_followed;
+    const StepRoundMotion motion(person.capture.scene.step_round, person.capture.seed);
+    error += static_cast<double>(std::fabs(turn_.turned_deg() - motion.yaw_deg(static_cast<std::uint64_t>(f))));
+    if (static_cast<int>(views_.size()) < options_.view_count &&
+        std::fabs(turn_.turned_deg()) >= apart * static_cast<float>(views_.size())) {
+      outcome.views_deg.push_back(turn_.turned_deg());
+      keep(picture.depth, 1, picture.mask, turn_.pose());
+    }
+  }
+  const StepRoundMotion motion(person.capture.scene.step_round, person.capture.seed);
+  outcome.true_turn_deg = motion.yaw_deg(static_cast<std::uint64_t>(kFrontFrames + frames));
+  outcome.turned_deg = turn_.turned_deg();
+  outcome.yaw_error_deg = static_cast<float>(error / std::max(1, outcome.frames_followed));
+}
+
+void TurnSession::measure(TurnOutcome& outcome) {
+  const body::TurnFit& fit = turn_.run(views_);
+  if (!fit.valid) return;
+  for (std::size_t v = 0; v < views_.size(); ++v)
+    outcome.surface_mm += fit.surface_mm[v] / static_cast<float>(views_.size());
+  std::vector<Vec3f> mesh(static_cast<std::size_t>(model_.vertex_count()));
+  body::Params params;
+  params.gender = outcome.woman ? 0.0F : 1.0F;
+  model_.morph(params, mesh);
+  mesh_.run(fit.points, fit.bones, mesh);
+  outcome.measured_values = measurer_.measure_rest_mesh(mesh, params.gender);
+  outcome.measured = true;
+  if (actor_ == nullptr || !options_.people.other) return;
+  const ActorLevels levels = levels_of(*actor_, options_.people.other->rig().parts);
+  const auto posed = measurer_.posed();
+  float low = 1e9F;
+  for (const Vec3f p : posed.first(static_cast<std::size_t>(model_.body_vertex_count()))) low = std::min(low, p.y);
+  std::vector<std::uint8_t> trunk;
+  for (const std::uint8_t arm : model_.data().triangle_is_arm) trunk.push_back(arm == 0 ? 1 : 0);
+  const auto level = [&](Measurement m) {
+    for (const auto& section : measurer_.sections())
+      if (section.id == m && !section.hull.empty()) return section.hull.front().y - low;
+    return 0.0F;
+  };
+  const auto at = [&](float y) {
+    return static_cast<float>(tape_round(posed, model_.body_triangles(), trunk, {0, low + y, 0}, {0, 1, 0}));
+  };
+  outcome.level_error_mm = {level(Measurement::chest_girth) - levels.chest,
+                            level(Measurement::waist_girth) - levels.waist,
+                            level(Measurement::hip_girth) - levels.hip};
+  outcome.at_true_level = {at(levels.chest) - outcome.truth[measurement_index(Measurement::chest_girth)],
+                           at(levels.waist) - outcome.truth[measurement_index(Measurement::waist_girth)],
+                           at(levels.hip) - outcome.truth[measurement_index(Measurement::hip_girth)]};
+}
+
+TurnOutcome TurnSession::run(std::uint64_t index) {
+  HeldOutPerson person = draw_person(model_, options_.people, index);
+  Rng rng = Rng::for_item(options_.people.seed, kTurnStream, index);
+  SceneOptions& scene_options = person.capture.scene;
+  scene_options.step_round = {kFrontFrames,
+                              static_cast<float>(rng.uniform(static_cast<double>(options_.seconds_min),
+                                                             static_cast<double>(options_.seconds_max))) *
+                                  std::fabs(options_.degrees) / 360,
+                              options_.degrees};
+  const int frames = static_cast<int>(scene_options.step_round.seconds * 30) + 30;
+  VirtualScene scene(model_, person.subject, scene_options, person.capture.sensor, person.capture.intrinsics,
+                     person.capture.seed);
+  upright_ = hal::rotate_upright(person.capture.intrinsics, scene_options.rotate_deg);
+  const auto pixels = static_cast<std::size_t>(upright_.width) * static_cast<std::size_t>(upright_.height);
+  delivered_.resize(pixels);
+  picture_.resize(pixels);
+  mask_.resize(pixels);
+  detector_ = std::make_unique<PersonDetector>(upright_.width, upright_.height, joint_model_);
+  fuser_ = std::make_unique<Fuser>(upright_.width, upright_.height);
+  kept_.clear();
+  kept_.reserve(body::kTurnViewMax);
+  views_.clear();
+
+  TurnOutcome outcome;
+  outcome.woman = person.subject.woman;
+  outcome.truth = person.subject.truth;
+  actor_ = person.subject.actor;
+  outcome.front_found = fit_front(scene, person, outcome);
+  if (!outcome.front_found) return outcome;
+  follow(scene, person, frames, outcome);
+  measure(outcome);
+  return outcome;
+}
+
+}  // namespace
+
+Result<std::vector<TurnOutcome>> study_turns(const body::BodyModel& model, const JointModel& joint_model,
+                                             const TurnStudyOptions& options) {
+  const auto count = static_cast<std::uint64_t>(options.people.subjects);
+  std::vector<TurnOutcome> outcomes(count);
+  for_each_item(
+      count, options.people.threads,
+      [&](std::uint64_t i) { outcomes[i] = TurnSession(model, joint_model, options).run(i); },
+      begin_progress(options.people.progress, "people who turn", count));
+  return outcomes;
+}
+
+std::string text_of(const std::vector<TurnOutcome>& outcomes) {
+  std::string text;
+  int fronts = 0, measured = 0;
+  double yaw = 0, surface = 0, closed = 0;
+  for (const TurnOutcome& o : outcomes) {
+    fronts += o.front_found ? 1 : 0;
+    if (!o.measured) continue;
+    ++measured;
+    yaw += static_cast<double>(o.yaw_error_deg);
+    surface += static_cast<double>(o.surface_mm);
+    closed += static_cast<double>(std::fabs(std::fabs(o.turned_deg) - std::fabs(o.true_turn_deg)));
+  }
+  const double n = std::max(1, measured);
+  text += fmt::format("{} people, {} fronts fitted, {} measured\n", outcomes.size(), fronts, measured);
+  text += fmt::format("yaw error {:.1f} deg, turn error {:.1f} deg, surface {:.1f} mm\n", yaw / n, closed / n,
+                      surface / n);
+  text += "measurement          people    bias     MAE     p95\n";
+  for (std::size_t m = 0; m < kMeasurementCount; ++m) {
+    std::vector<double> errors;
+    double bias = 0, mae = 0;
+    for (const TurnOutcome& o : outcomes) {
+      if (!o.measured || !std::isfinite(o.truth[m]) || !std::isfinite(o.measured_values[m])) continue;
+      const auto e = static_cast<double>(o.measured_values[m] - o.truth[m]);
+      errors.push_back(std::fabs(e));
+      bias += e;
+      mae += std::fabs(e);
+    }
+    if (errors.empty()) continue;
+    std::sort(errors.begin(), errors.end());
+    const auto count = static_cast<double>(errors.size());
+    text += fmt::format("{:<20} {:>6} {:>7.1f} {:>7.1f} {:>7.1f}\n", kMeasurementTable[m].id, errors.size(),
+                        bias / count, mae / count, errors[(errors.size() - 1) * 95 / 100]);
+  }
+  const auto levels = [&](const char* what, auto of) {
+    for (std::size_t l = 0; l < 3; ++l) {
+      double bias = 0, mae = 0;
+      for (const TurnOutcome& o : outcomes) {
+        bias += static_cast<double>(of(o)[l]) / n;
+        mae += static_cast<double>(std::fabs(of(o)[l])) / n;
+      }
+      text += fmt::format("{} {}: bias {:.1f} MAE {:.1f}\n", what,
+                          l == 0   ? "chest"
+                          : l == 1 ? "waist"
+                                   : "hip",
+                          bias, mae);
+    }
+  };
+  levels("level", [](const TurnOutcome& o) { return o.level_error_mm; });
+  levels("at the true level", [](const TurnOutcome& o) { return o.at_true_level; });
+  return text;
+}
+
+}  // namespace im2fit::lab

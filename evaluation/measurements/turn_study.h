@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Held-out people who step round once before a fixed camera, measured by body/fit/turn_fitter from the device's own
+// masks, against the truth of their meshes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "body/model.h"
+#include "core/measurement.h"
+#include "core/status.h"
+#include "evaluation/measurements/evaluation.h"
+#include "perception/joints/tracker.h"
+#include "train/common/parallel.h"
+
+namespace im2fit::lab {
+
+struct TurnStudyOptions {
+  EvaluationOptions people;  // family, seed, noise, picture size, subjects, threads
+  float degrees = 360;
+  float seconds_min = 6, seconds_max = 15;  // of a full turn
+  int view_count = 8;                       // pictures fitted, the front's among them; 1 to body::kTurnViewMax
+};
+
+struct TurnOutcome {
+  bool woman = false;
+  bool front_found = false;  // the front could be fitted to
+  bool measured = false;
+  MeasurementValues truth{}, front{}, measured_values{};
+  float turned_deg = 0, true_turn_deg = 0;
+  int frames = 0, frames_followed = 0, frames_without_person = 0;
+  float yaw_error_deg = 0;  // mean absolute, of the followed frames
+  float surface_mm = 0;     // mean over the views
+  std::vector<float> views_deg;
+  // Of the family `other`, chest, waist and hip: height of the section less the true one, and the girth of the fitted
+  // body at the true height less the true girth.
+  std::array<float, 3> level_error_mm{}, at_true_level{};
+};
+
+Result<std::vector<TurnOutcome>> study_turns(const body::BodyModel& model, const JointModel& joint_model,
+                                             const TurnStudyOptions& options);
+
+// Bias, mean absolute error, its 95th percentile: a line a measurement, and what became of the turns.
+std::string text_of(const std::vector<TurnOutcome>& outcomes);
+
+}  // namespace im2fit::lab
