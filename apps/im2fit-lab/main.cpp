@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   add_simulate_site(app, chosen);
 #else
   footer +=
-      "\nThis build has no eval, population, study, calibrate and simulate-site: they come with "
+      "\nThis build has no eval, eval-turn, population, study, calibrate and simulate-site: they come with "
       "IM2FIT_BUILD_EVALUATION, as in preset release.";
 #endif
   app.footer(footer);

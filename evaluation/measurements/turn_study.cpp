@@ -4,9 +4,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
-#include <mutex>
+#include <utility>
 
 #include "body/fit/point_mesh.h"
 #include "body/fit/shape_fitter.h"
@@ -48,6 +49,7 @@ class TurnSession {
   bool fit_front(VirtualScene& scene, const HeldOutPerson& person, TurnOutcome& outcome);
   void follow(VirtualScene& scene, const HeldOutPerson& person, int frames, TurnOutcome& outcome);
   void measure(TurnOutcome& outcome);
+  void compare_levels(TurnOutcome& outcome) const;
   Detection take(VirtualScene& scene, const HeldOutPerson& person, std::uint64_t frame);
   void keep(ImageView<const std::uint16_t> depth, float unit_mm, MaskView mask, const body::Pose& pose);
 
@@ -115,10 +117,10 @@ bool TurnSession::fit_front(VirtualScene& scene, const HeldOutPerson& person, Tu
 }
 
 void TurnSession::follow(VirtualScene& scene, const HeldOutPerson& person, int frames, TurnOutcome& outcome) {
-  const float apart = std::fabs(options_.degrees) / static_cast<float>(std::max(1, options_.view_count)) *
-                      (options_.degrees < 360 ? static_cast<float>(options_.view_count) /
-                                                    static_cast<float>(std::max(1, options_.view_count - 1))
-                                              : 1.0F);
+  // Of a whole turn the last picture stands before the first; of a part it is the end.
+  const int gaps = options_.degrees < 360 ? std::max(1, options_.view_count - 1) : options_.view_count;
+  const float apart = options_.degrees / static_cast<float>(gaps);
+  const StepRoundMotion motion(person.capture.scene.step_round, person.capture.seed);
   double error = 0;
   for (int f = kFrontFrames; f < kFrontFrames + frames; ++f) {
     const Detection detection = take(scene, person, static_cast<std::uint64_t>(f));
@@ -134,7 +136,6 @@ void TurnSession::follow(VirtualScene& scene, const HeldOutPerson& person, int f
                                     upright_};
     if (!turn_.follow(picture)) continue;
     ++outcome.frames_followed;
-    const StepRoundMotion motion(person.capture.scene.step_round, person.capture.seed);
     error += static_cast<double>(std::fabs(turn_.turned_deg() - motion.yaw_deg(static_cast<std::uint64_t>(f))));
     if (static_cast<int>(views_.size()) < options_.view_count &&
         std::fabs(turn_.turned_deg()) >= apart * static_cast<float>(views_.size())) {
@@ -142,7 +143,6 @@ void TurnSession::follow(VirtualScene& scene, const HeldOutPerson& person, int f
       keep(picture.depth, 1, picture.mask, turn_.pose());
     }
   }
-  const StepRoundMotion motion(person.capture.scene.step_round, person.capture.seed);
   outcome.true_turn_deg = motion.yaw_deg(static_cast<std::uint64_t>(kFrontFrames + frames));
   outcome.turned_deg = turn_.turned_deg();
   outcome.yaw_error_deg = static_cast<float>(error / std::max(1, outcome.frames_followed));
@@ -160,27 +160,30 @@ void TurnSession::measure(TurnOutcome& outcome) {
   mesh_.run(fit.points, fit.bones, mesh);
   outcome.measured_values = measurer_.measure_rest_mesh(mesh, params.gender);
   outcome.measured = true;
-  if (actor_ == nullptr || !options_.people.other) return;
+  if (actor_ != nullptr && options_.people.other != nullptr) compare_levels(outcome);
+}
+
+// Of the body measured last.
+void TurnSession::compare_levels(TurnOutcome& outcome) const {
   const ActorLevels levels = levels_of(*actor_, options_.people.other->rig().parts);
   const auto posed = measurer_.posed();
-  float low = 1e9F;
+  float low = posed[0].y;
   for (const Vec3f p : posed.first(static_cast<std::size_t>(model_.body_vertex_count()))) low = std::min(low, p.y);
   std::vector<std::uint8_t> trunk;
   for (const std::uint8_t arm : model_.data().triangle_is_arm) trunk.push_back(arm == 0 ? 1 : 0);
-  const auto level = [&](Measurement m) {
+  const std::array<std::pair<Measurement, float>, 3> sections = {{{Measurement::chest_girth, levels.chest},
+                                                                  {Measurement::waist_girth, levels.waist},
+                                                                  {Measurement::hip_girth, levels.hip}}};
+  for (std::size_t l = 0; l < sections.size(); ++l) {
+    const auto [id, height] = sections[l];
     for (const auto& section : measurer_.sections())
-      if (section.id == m && !section.hull.empty()) return section.hull.front().y - low;
-    return 0.0F;
-  };
-  const auto at = [&](float y) {
-    return static_cast<float>(tape_round(posed, model_.body_triangles(), trunk, {0, low + y, 0}, {0, 1, 0}));
-  };
-  outcome.level_error_mm = {level(Measurement::chest_girth) - levels.chest,
-                            level(Measurement::waist_girth) - levels.waist,
-                            level(Measurement::hip_girth) - levels.hip};
-  outcome.at_true_level = {at(levels.chest) - outcome.truth[measurement_index(Measurement::chest_girth)],
-                           at(levels.waist) - outcome.truth[measurement_index(Measurement::waist_girth)],
-                           at(levels.hip) - outcome.truth[measurement_index(Measurement::hip_girth)]};
+      if (section.id == id && !section.hull.empty())
+        outcome.level_error_mm[l] = section.hull.front().y - low - height;
+    outcome.at_true_level_mm[l] =
+        static_cast<float>(tape_round(posed, model_.body_triangles(), trunk, {0, low + height, 0}, {0, 1, 0})) -
+        outcome.truth[measurement_index(id)];
+  }
+  outcome.has_levels = true;
 }
 
 TurnOutcome TurnSession::run(std::uint64_t index) {
@@ -263,22 +266,24 @@ std::string text_of(const std::vector<TurnOutcome>& outcomes) {
     text += fmt::format("{:<20} {:>6} {:>7.1f} {:>7.1f} {:>7.1f}\n", kMeasurementTable[m].id, errors.size(),
                         bias / count, mae / count, errors[(errors.size() - 1) * 95 / 100]);
   }
-  const auto levels = [&](const char* what, auto of) {
-    for (std::size_t l = 0; l < 3; ++l) {
+  int placed = 0;
+  for (const TurnOutcome& o : outcomes) placed += o.has_levels ? 1 : 0;
+  if (placed == 0) return text;
+  constexpr std::array<const char*, 3> kLevels = {"chest", "waist", "hip"};
+  const auto add_levels = [&](const char* what, const auto& values_of) {
+    for (std::size_t l = 0; l < kLevels.size(); ++l) {
       double bias = 0, mae = 0;
       for (const TurnOutcome& o : outcomes) {
-        bias += static_cast<double>(of(o)[l]) / n;
-        mae += static_cast<double>(std::fabs(of(o)[l])) / n;
+        if (!o.has_levels) continue;
+        bias += static_cast<double>(values_of(o)[l]) / placed;
+        mae += static_cast<double>(std::fabs(values_of(o)[l])) / placed;
       }
-      text += fmt::format("{} {}: bias {:.1f} MAE {:.1f}\n", what,
-                          l == 0   ? "chest"
-                          : l == 1 ? "waist"
-                                   : "hip",
-                          bias, mae);
+      text +=
+          fmt::format("{:<20} {:>6} {:>7.1f} {:>7.1f}\n", fmt::format("{} {}", kLevels[l], what), placed, bias, mae);
     }
   };
-  levels("level", [](const TurnOutcome& o) { return o.level_error_mm; });
-  levels("at the true level", [](const TurnOutcome& o) { return o.at_true_level; });
+  add_levels("height", [](const TurnOutcome& o) { return o.level_error_mm; });
+  add_levels("at true height", [](const TurnOutcome& o) { return o.at_true_level_mm; });
   return text;
 }
 

@@ -35,13 +35,14 @@ struct TurnOutcome {
   std::vector<float> views_deg;
   // Of the family `other`, chest, waist and hip: height of the section less the true one, and the girth of the fitted
   // body at the true height less the true girth.
-  std::array<float, 3> level_error_mm{}, at_true_level{};
+  bool has_levels = false;
+  std::array<float, 3> level_error_mm{}, at_true_level_mm{};
 };
 
 Result<std::vector<TurnOutcome>> study_turns(const body::BodyModel& model, const JointModel& joint_model,
                                              const TurnStudyOptions& options);
 
-// Bias, mean absolute error, its 95th percentile: a line a measurement, and what became of the turns.
+// Bias, mean absolute error and its 95th percentile of each measurement, and what became of the turns.
 std::string text_of(const std::vector<TurnOutcome>& outcomes);
 
 }  // namespace im2fit::lab
