@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "apps/common/events.h"
+#include "apps/common/facts_form.h"
 #include "apps/common/input.h"
 #include "apps/common/manual.h"
 #include "apps/common/measuring.h"
@@ -60,6 +61,9 @@ class Daemon {
   Status measure_people(hal::Source& source);
   Status handle_result(const hal::Source& source);
   Status report_person(const hal::Source& source);
+  Status say_person(const hal::Source& source);
+  Status serve_clients(const hal::Source* source);
+  Status take_facts(const ClientLine& line, const hal::Source* source);
   void keep(const std::string& result);
   void feed_watchdog(bool waiting);
   std::string greeting() const;
@@ -207,7 +211,7 @@ Result<std::unique_ptr<hal::Source>> Daemon::wait_for_camera(const hal::Reconnec
     for (int slept_ms = 0; slept_ms < pause_ms; slept_ms += kWaitMs) {
       if (end_requested()) return std::unique_ptr<hal::Source>();
       feed_watchdog(true);
-      publisher_->serve(greeting());
+      (void)serve_clients(nullptr);  // nobody is measured yet, so nothing can fail
       std::this_thread::sleep_for(std::chrono::milliseconds(kWaitMs));
     }
   }
@@ -230,7 +234,7 @@ Status Daemon::measure_people(hal::Source& source) {
   Status status = Ok{};
   bool ended = false;
   while (status && !ended && !end_requested()) {
-    publisher_->serve(greeting());
+    if (status = serve_clients(&source); !status) break;
     const auto pumped = pump(source, *engine_, kWaitMs);
     feed_watchdog(source.lost());
     if (!pumped) {
@@ -266,17 +270,52 @@ Status Daemon::handle_result(const hal::Source& source) {
 Status Daemon::report_person(const hal::Source& source) {
   reported_ = true;
   ++persons_;
+  if (auto said = say_person(source); !said) return said;
+  log(Level::info, fmt::format("person {} is measured, from {} frames", persons_, engine_->result().frames_used));
+  return Ok{};
+}
+
+// Of the person measured last; afterwards frames are let in again.
+Status Daemon::say_person(const hal::Source& source) {
   engine_->finish();
   auto person = apps::measured_person(*engine_, data_, source.info());
   if (!person) return person.error();
   person->frames_damaged = source.stats().damaged;
   person->turn_asked = config_.measuring.turn;
-  log(Level::info, fmt::format("person {} is measured, from {} frames", persons_, person->result.frames_used));
   if (const std::string note = apps::body_note(*person); !note.empty()) log(Level::warning, note);
   say(apps::measured_event(frames_, persons_, *person));
   keep(result_json(*person));
   engine_->next_person();
   return Ok{};
+}
+
+// `source`: null while no camera is there.
+Status Daemon::serve_clients(const hal::Source* source) {
+  publisher_->serve(greeting());
+  for (const ClientLine& line : publisher_->take_lines())
+    if (auto taken = take_facts(line, source); !taken) return taken;
+  return Ok{};
+}
+
+// What the person in view reports of themselves: {"known": {...}}. No value is logged or sent to other clients.
+Status Daemon::take_facts(const ClientLine& line, const hal::Source* source) {
+  const auto refuse = [&](const std::string& reason) {
+    publisher_->answer(line.client, apps::line_of({{"event", "refused"}, {"reason", reason}}));
+    return Ok{};
+  };
+  if (line.too_long) return refuse(fmt::format("a line has more than {} bytes", kClientLineMax));
+  const auto sent = apps::Json::parse(line.text, nullptr, false);
+  if (!sent.is_object() || sent.size() != 1 || !sent.contains("known"))
+    return refuse("expected {\"known\": {...}} on one line (docs/daemon.md)");
+  const auto facts = apps::facts_of_form(sent["known"].dump());
+  if (!facts) return refuse("known: " + facts.error().message);
+  if (source == nullptr || engine_ == nullptr) return refuse("no camera is present, so nobody is measured");
+  // The engine may have gone on to the next person since the last frame that was handled.
+  const std::uint32_t session = engine_->result().session;
+  if (auto set = engine_->set_known(*facts, session); !set) return refuse("known: " + set.error().message);
+  const bool measured = reported_ && session == session_;
+  say({{"event", "known"}, {"frame", frames_}, {"person", measured ? persons_ : persons_ + 1}});
+  return measured ? say_person(*source) : Status(Ok{});
 }
 
 // Measuring goes on when the disk is full.

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cstring>
 #include <thread>
+#include <utility>
 
 #include "apps/im2fitd/log.h"
 
@@ -103,7 +104,7 @@ Publisher::~Publisher() {
 
 void Publisher::serve(const std::string& greeting) {
   // First, so that a client that has gone takes no place.
-  for (auto it = clients_.begin(); it != clients_.end();) it = still_there(*it) ? std::next(it) : clients_.erase(it);
+  for (auto it = clients_.begin(); it != clients_.end();) it = receive(*it) ? std::next(it) : clients_.erase(it);
   for (;;) {
     const int fd = ::accept4(fd_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (fd < 0) break;
@@ -112,17 +113,20 @@ void Publisher::serve(const std::string& greeting) {
       log(Level::warning, "a client was refused: " + std::to_string(clients_.size()) + " are connected");
       continue;
     }
-    clients_.push_back({fd, ++accepted_, greeting});
+    clients_.push_back({fd, ++accepted_, greeting, {}, false});
   }
   for (auto it = clients_.begin(); it != clients_.end();) it = send(*it) ? std::next(it) : clients_.erase(it);
 }
 
-// The protocol has no messages from clients: their bytes are dropped.
-bool Publisher::still_there(const Client& client) const {
-  std::array<char, 4096> unread;
+// At most 16 KB a turn, so that no client keeps the others waiting.
+bool Publisher::receive(Client& client) {
+  std::array<char, 4096> bytes;
   for (int i = 0; i < 4; ++i) {
-    const ssize_t count = ::recv(client.fd, unread.data(), unread.size(), MSG_DONTWAIT);
-    if (count > 0) continue;
+    const ssize_t count = ::recv(client.fd, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (count > 0) {
+      take_bytes(client, {bytes.data(), static_cast<std::size_t>(count)});
+      continue;
+    }
     if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return true;
     // No more bytes will come. A client that has closed only that half still reads.
     pollfd item{client.fd, POLLIN, 0};
@@ -131,6 +135,36 @@ bool Publisher::still_there(const Client& client) const {
     return false;
   }
   return true;
+}
+
+void Publisher::take_bytes(Client& client, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const std::size_t end = bytes.find('\n');
+    client.sent += bytes.substr(0, end);
+    if (client.sent.size() > kClientLineMax) {
+      client.sent.clear();
+      client.too_long = true;
+    }
+    if (end == std::string_view::npos) return;
+    bytes.remove_prefix(end + 1);
+    if (lines_.size() < kClientLinesMax)
+      lines_.push_back({client.number, client.too_long, client.too_long ? std::string() : client.sent});
+    client.sent.clear();
+    client.too_long = false;
+  }
+}
+
+std::vector<ClientLine> Publisher::take_lines() {
+  return std::exchange(lines_, {});
+}
+
+void Publisher::answer(std::uint64_t client, const std::string& line) {
+  for (auto it = clients_.begin(); it != clients_.end(); ++it) {
+    if (it->number != client) continue;
+    it->waiting += line;
+    if (!send(*it)) clients_.erase(it);
+    return;
+  }
 }
 
 bool Publisher::send(Client& client) {

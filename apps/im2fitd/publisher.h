@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The local socket: every client gets every event, one line each. No client is ever waited for.
+// The local socket: every client gets every event, one line each, and may send lines. No client is ever waited for.
 #pragma once
 
 #include <cstdint>
 #include <list>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/status.h"
 
@@ -18,6 +20,15 @@ struct PublisherOptions {
   int clients_max = 16;
   std::size_t client_buffer_bytes = 256 * 1024;  // a client with more than this unread is dropped
 };
+
+// A line that a client sent, without its end.
+struct ClientLine {
+  std::uint64_t client = 0;
+  bool too_long = false;  // more than kClientLineMax bytes: `text` is empty
+  std::string text;
+};
+inline constexpr std::size_t kClientLineMax = 1024;
+inline constexpr std::size_t kClientLinesMax = 64;  // waiting to be taken; further ones are dropped
 
 // One thread.
 class Publisher {
@@ -33,6 +44,10 @@ class Publisher {
   // Accepts waiting clients and sends each the `greeting` first; sends pending lines; drops clients that have gone.
   void serve(const std::string& greeting);
   void publish(const std::string& line);
+  // What clients sent since the last call, in order of arrival.
+  std::vector<ClientLine> take_lines();
+  // To that client alone; nothing when it has gone.
+  void answer(std::uint64_t client, const std::string& line);
   // Waits up to `timeout_ms` for clients to take the pending lines. For the end of the program.
   void flush(int timeout_ms);
 
@@ -43,16 +58,20 @@ class Publisher {
   struct Client {
     int fd = -1;
     std::uint64_t number = 0;
-    std::string waiting;  // not yet taken by the system
+    std::string waiting;    // not yet taken by the system
+    std::string sent;       // by the client, up to the next line end
+    bool too_long = false;  // the line being sent
   };
   explicit Publisher(PublisherOptions options) : options_(std::move(options)) {}
-  bool send(Client& client);  // false: gone or too slow, and closed
-  bool still_there(const Client& client) const;
+  bool send(Client& client);     // false: gone or too slow, and closed
+  bool receive(Client& client);  // false: gone, and closed
+  void take_bytes(Client& client, std::string_view bytes);
 
   PublisherOptions options_;
   int fd_ = -1;
   bool bound_ = false;
   std::list<Client> clients_;
+  std::vector<ClientLine> lines_;
   std::uint64_t accepted_ = 0;
   std::uint64_t dropped_ = 0;
 };

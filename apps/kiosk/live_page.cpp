@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/kiosk/facts_form.h"
+#include "apps/common/facts_form.h"
 #include "apps/kiosk/hand_over.h"
 #include "apps/kiosk/small_picture.h"
 #include "report/drawn_bones.h"

@@ -96,6 +96,38 @@ TEST_F(Daemon, TellsEveryClientOfOnePersonAfterTheOther) {
   EXPECT_EQ(daemon.messages().find(" mm"), std::string::npos) << daemon.messages();
 }
 
+// Before the first person is measured, and after: the same person is reported again.
+TEST_F(Daemon, FactsOfThePersonAreEvidence) {
+  DaemonRun daemon(config(camera("&fps=15")), {}, err());
+  Client client(socket()), other(socket());
+  ASSERT_TRUE(client.connected()) << daemon.messages();
+  const auto send = [&](const std::string& line) {
+    ASSERT_EQ(::write(client.fd(), line.data(), line.size()), static_cast<ssize_t>(line.size()));
+  };
+  ASSERT_FALSE(client.next("measured").is_null()) << daemon.messages();
+  send("{\"known\": {\"weight_kg\": 71.5, \"weight_from\": \"scale\"}}\n");
+  const auto known = client.next("known");
+  ASSERT_FALSE(known.is_null()) << daemon.messages();
+  EXPECT_FALSE(known.contains("weight_kg")) << known;
+  // It may have come when the next person stood there already.
+  auto again = client.next("measured");
+  while (!again.is_null() && again["person"] != known["person"]) again = client.next("measured");
+  ASSERT_FALSE(again.is_null()) << daemon.messages();
+  EXPECT_EQ(again["result"]["known"]["given"]["weight"]["value"], 71.5) << again["result"]["known"];
+  for (const std::string bad : {"GET / HTTP/1.1\n", "{\"known\": {\"weight_kg\": 7150}}\n", "{\"facts\": 1}\n",
+                                "{\"known\": {\"shoe\": 4711}}\n"}) {
+    send(bad);
+    const auto refused = client.next("refused");
+    ASSERT_FALSE(refused.is_null()) << bad;
+    EXPECT_EQ(refused["reason"].get<std::string>().find("4711"), std::string::npos) << refused;
+  }
+  daemon.signal(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0) << daemon.messages();
+  EXPECT_EQ(daemon.messages().find("71.5"), std::string::npos) << daemon.messages();
+  for (auto event = other.next(); !event.is_null(); event = other.next())
+    EXPECT_NE(event["event"], "refused") << "another client's";
+}
+
 TEST_F(Daemon, SurvivesTheLossOfItsCameraAgainAndAgain) {
   Manager manager(own_.path("notify"));
   DaemonRun daemon(config(camera("&fps=15&unplug_ms=900&replug_ms=300")),

@@ -42,7 +42,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         client = -1;
         break;
       case 2:
-        if (client >= 0) (void)!::send(client, buffer, data[i], MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (i % 3 == 0) buffer[data[i]] = '\n';
+        if (client >= 0) (void)!::send(client, buffer, data[i] + 1U, MSG_NOSIGNAL | MSG_DONTWAIT);
         break;
       case 3:
         if (client >= 0) (void)!::recv(client, buffer, sizeof buffer, MSG_DONTWAIT);
@@ -58,6 +59,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         break;
       default:
         (*publisher)->serve("hello\n");
+        if (i % 2 == 0)
+          for (const ClientLine& line : (*publisher)->take_lines()) {
+            if (line.text.size() > kClientLineMax || line.text.find('\n') != std::string::npos) __builtin_trap();
+            (*publisher)->answer(line.client, "{}\n");
+          }
     }
     if ((*publisher)->clients() > 3) __builtin_trap();
   }

@@ -235,7 +235,7 @@ TEST_F(DaemonSocket, ClientsComeAndGoAndAreCounted) {
     EXPECT_EQ(publisher_->clients(), 2U);
     EXPECT_EQ(a.next()["event"], "hello");
     EXPECT_TRUE(c.next().is_null()) << "one too many";
-    // Nothing a client says matters; one that has closed its sending side may still read.
+    // One that has closed its sending side may still read.
     ASSERT_EQ(::write(a.fd(), "GET / HTTP/1.1\n", 15), 15);
     ::shutdown(a.fd(), SHUT_WR);
     publisher_->serve(kHello);
@@ -248,6 +248,54 @@ TEST_F(DaemonSocket, ClientsComeAndGoAndAreCounted) {
   Client d(folder_.path("s"));
   publisher_->serve(kHello);
   EXPECT_EQ(d.next()["event"], "hello");
+}
+
+TEST_F(DaemonSocket, LinesOfClientsAreTakenWhole) {
+  open({});
+  Client a(folder_.path("s"));
+  Client b(folder_.path("s"));
+  publisher_->serve(kHello);
+  const auto write_all = [](const Client& client, const std::string& text) {
+    ASSERT_EQ(::write(client.fd(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  };
+  write_all(a, "one\ntw");
+  publisher_->serve(kHello);
+  write_all(a, "o\n");
+  write_all(b, std::string(kClientLineMax, 'x') + "\n");
+  publisher_->serve(kHello);
+  write_all(b, std::string(kClientLineMax + 1, 'y') + "\nthree\n");
+  publisher_->serve(kHello);
+  const auto lines = publisher_->take_lines();
+  ASSERT_EQ(lines.size(), 5U);
+  EXPECT_EQ(lines[0].text, "one");
+  EXPECT_EQ(lines[1].text, "two");
+  EXPECT_EQ(lines[0].client, lines[1].client);
+  EXPECT_EQ(lines[2].text, std::string(kClientLineMax, 'x'));
+  EXPECT_NE(lines[2].client, lines[0].client);
+  EXPECT_TRUE(lines[3].too_long);
+  EXPECT_EQ(lines[3].text, "");
+  EXPECT_EQ(lines[4].text, "three");
+  EXPECT_FALSE(lines[4].too_long);
+  EXPECT_TRUE(publisher_->take_lines().empty());
+  // An answer is for one.
+  publisher_->answer(lines[2].client, "{\"event\":\"refused\"}\n");
+  publisher_->answer(77, "{\"event\":\"nobody\"}\n");
+  publisher_->publish("{\"event\":\"x\"}\n");
+  EXPECT_EQ(a.next()["event"], "hello");
+  EXPECT_EQ(a.next()["event"], "x");
+  EXPECT_EQ(b.next()["event"], "hello");
+  EXPECT_EQ(b.next()["event"], "refused");
+  EXPECT_EQ(b.next()["event"], "x");
+}
+
+TEST_F(DaemonSocket, LinesThatNobodyTakesAreBounded) {
+  open({});
+  Client a(folder_.path("s"));
+  publisher_->serve(kHello);
+  const std::string many(4 * kClientLinesMax, '\n');
+  ASSERT_EQ(::write(a.fd(), many.data(), many.size()), static_cast<ssize_t>(many.size()));
+  publisher_->serve(kHello);
+  EXPECT_EQ(publisher_->take_lines().size(), kClientLinesMax);
 }
 
 TEST_F(DaemonSocket, WhoHasGoneTakesNoPlace) {

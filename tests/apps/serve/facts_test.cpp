@@ -2,7 +2,7 @@
 // What a person reports of themselves: the form's JSON, and whose visit it belongs to, seen over HTTP.
 #include <gmock/gmock.h>
 
-#include "apps/kiosk/facts_form.h"
+#include "apps/common/facts_form.h"
 #include "depth_folder.h"
 #include "shown_page.h"
 

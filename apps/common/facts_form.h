@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page's optional form: what a person reports of themselves, as JSON. Personal data: no error repeats a value.
+// What a person reports of themselves, as JSON: the page's optional form, and clients of im2fitd. Personal data: no
+// error repeats a value.
 #pragma once
 
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/kiosk/facts_form.h"
+#include "apps/common/facts_form.h"
 
 #include <fmt/format.h>
 
